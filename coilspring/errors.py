@@ -1,0 +1,87 @@
+"""What goes wrong: refused input, and an equilibrium that was not found."""
+
+from __future__ import annotations
+
+import math
+import numbers
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from coilspring.path import EquilibriumPath
+
+
+class InputError(ValueError):
+    """Input that is refused, in one sentence that names field, value and allowed range."""
+
+
+class EquilibriumNotFound(RuntimeError):
+    """The load path could not be followed to its end.
+
+    Attributes
+    ----------
+    path : EquilibriumPath
+        The part that was reached; ``path.residual_history`` holds the Newton decrements of the
+        last attempts.
+    outcome : str
+        ``limit_point``, ``bifurcation``, ``not_converged`` or ``unsupported``.
+    message : str
+        One sentence.
+    critical_time : float or None
+        Middle of the time bracket of the critical point.
+    """
+
+    def __init__(self, path: EquilibriumPath) -> None:
+        super().__init__(path.message)
+        self.path = path
+        self.outcome = path.outcome
+        self.message = path.message
+        self.critical_time = path.critical_time
+
+
+def require_number(
+    field: str, value: object, low: float, high: float, *, low_open: bool = False, high_open: bool = False
+) -> float:
+    """Return `value` as a float, or raise `InputError` unless it is a finite number in the range.
+
+    Parameters
+    ----------
+    field : name used in the message.
+    value : what was given.
+    low, high : the range, ends included unless `low_open`, `high_open`; infinite ends allowed.
+    """
+    opening = "(" if low_open or math.isinf(low) else "["
+    closing = ")" if high_open or math.isinf(high) else "]"
+    allowed = f"{opening}{low:g}, {high:g}{closing}"
+    if isinstance(value, bool) or not isinstance(value, numbers.Real):
+        raise InputError(f"{field} must be a number in {allowed}, got {shown(value)}")
+    try:
+        number = float(value)
+    except OverflowError:
+        number = math.inf
+    too_low = number < low or (low_open and number == low)
+    too_high = number > high or (high_open and number == high)
+    if not math.isfinite(number) or too_low or too_high:
+        raise InputError(f"{field} must be a finite number in {allowed}, got {shown(value)}")
+    return number
+
+
+def require_integer(field: str, value: object, low: int, high: int) -> int:
+    """Return `value` as an int, or raise `InputError` unless it is an integer in [low, high]."""
+    if isinstance(value, bool) or not isinstance(value, numbers.Integral):
+        raise InputError(f"{field} must be an integer in [{low}, {high}], got {shown(value)}")
+    if not low <= int(value) <= high:
+        raise InputError(f"{field} must be an integer in [{low}, {high}], got {shown(value)}")
+    return int(value)
+
+
+def require_choice(field: str, value: object, choices: tuple[str, ...]) -> str:
+    """Return `value`, or raise `InputError` unless it is one of `choices`."""
+    if not isinstance(value, str) or value not in choices:
+        raise InputError(f"{field} must be one of {', '.join(choices)}, got {shown(value)}")
+    return value
+
+
+def shown(value: object) -> str:
+    """One-line text of a refused value, cut where it is long."""
+    text = repr(value).replace("\n", " ")
+    return text if len(text) <= 60 else text[:57] + "..."

@@ -1,0 +1,156 @@
+"""Equilibrium at a fixed load: Newton's method on the energy, compiled.
+
+A model is described by its data (a NamedTuple of arrays and numbers) and five kernels, which the
+functions here take as typed first-class functions so that one source serves every model:
+
+``assemble(model, anchor, clearance, memory, state, time, g, H) -> (energy, pairs evaluated)``
+    Total potential, its gradient `g` and its matrix `H` (model's own storage) at `state`. `anchor`
+    is the last accepted state, `clearance` the least gap of its contact pairs: while nothing has
+    moved by half of it, no pair can touch. `memory` holds what contact remembers.
+``factor(model, F) -> negative pivots``
+    LDL^T of `F` in place. By Sylvester's law the negative pivots count the negative eigenvalues.
+``solve(model, F, b)``
+    Back substitution in place.
+``retract(model, state, step, factor, out)``
+    The state moved by ``factor * step`` (rotations by the exponential map).
+``motion(model, a, b) -> (distance, pair motion)``
+    Bound on how far any point moved from state `a` to `b`, and the largest change of the vector
+    between the centres of a pair that touches or nearly touches, in wire diameters.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numba import njit
+
+CONVERGED, LINEAR, SADDLE, FAILED = 0, 1, 2, 3
+
+# Stop when the Newton decrement g H^-1 g, twice the energy still to gain, is below this share of
+# the reference work: 1e-8 of the displacements in the energy norm, before the last step is applied.
+DECREMENT = 1e-16
+# The same, for a factor kept from an earlier state: only a linear response is let through.
+LINEAR_DECREMENT = 1e-22
+ARMIJO = 1e-4  # usual sufficient-decrease constant (Nocedal & Wright, section 3.1)
+ENERGY_NOISE = 1e-13  # relative rounding of the energy: smaller decreases cannot be asked for
+MOST_BACKTRACKS = 30
+LONG_SEARCH = 0.1  # a step cut below this says that the iteration left the neighbourhood
+FIRST_SHIFT = 0.1  # in units of the matrix at rest
+MOST_SHIFT = 1e8
+HISTORY = 64  # Newton decrements kept as evidence
+
+
+@njit(cache=True, error_model="numpy")
+def positive_factor(model, H, rest, F, factor):
+    """Factor H + shift * rest with the least tried shift that leaves no negative pivot.
+
+    Returns the shift and the number of factorisations.
+    """
+    F[...] = H
+    negative = factor(model, F)
+    count = 1
+    shift = 0.0
+    while negative > 0 and shift < MOST_SHIFT:
+        shift = FIRST_SHIFT if shift == 0.0 else 4.0 * shift
+        F[...] = H + shift * rest
+        negative = factor(model, F)
+        count += 1
+    return shift, count
+
+
+@njit(cache=True, error_model="numpy")
+def line_search(
+    model, anchor, clearance, memory, time, state, step, energy, slope, g, H, trial, assemble, retract
+):
+    """Backtrack along `step` until the energy has fallen enough; `trial`, `g`, `H` belong to the result.
+
+    Returns the accepted length (0 where none was found), the energy there and the pairs evaluated.
+    """
+    length = 1.0
+    pairs = 0
+    for _ in range(MOST_BACKTRACKS):
+        retract(model, state, step, length, trial)
+        value, looked = assemble(model, anchor, clearance, memory, trial, time, g, H)
+        pairs += looked
+        noise = ENERGY_NOISE * (abs(energy) + abs(value))
+        if value <= energy + ARMIJO * length * slope + noise:
+            return length, value, pairs
+        # minimum of the parabola through both energies and the slope; half where it is not finite
+        curvature = value - energy - slope * length
+        shorter = -0.5 * slope * length**2 / curvature if curvature > 0.0 else 0.5 * length
+        if not np.isfinite(shorter):
+            shorter = 0.1 * length
+        length = min(max(shorter, 0.1 * length), 0.5 * length)
+    return 0.0, energy, pairs
+
+
+@njit(cache=True, error_model="numpy")
+def equilibrium(
+    model,
+    anchor,
+    clearance,
+    memory,
+    time,
+    work,
+    limit,
+    state,
+    g,
+    H,
+    rest,
+    F,
+    kept,
+    history,
+    assemble,
+    factor,
+    solve,
+    retract,
+):
+    """Newton's method with energy line search from `state`, which is moved to the equilibrium.
+
+    `kept` says that `F` holds the factor of the last accepted state; where that alone already
+    closes the residual the response is linear and nothing is factored. `work` scales the stop test,
+    `limit` bounds the iterations, `history` receives the decrements over `work`.
+
+    Returns status, factorisations, whether a shift or a long line search was needed, and the pairs
+    evaluated.
+    """
+    step = np.empty_like(g)
+    trial = np.empty_like(state)
+    energy, pairs = assemble(model, anchor, clearance, memory, state, time, g, H)
+    count = 0
+    troubled = False
+    for _ in range(limit):
+        if kept:
+            # a factor of a state nearby may close the residual: then nothing is factored for it
+            step[:] = -g
+            solve(model, F, step)
+            left = abs(np.dot(g, step))
+            if left <= (LINEAR_DECREMENT if count == 0 else DECREMENT) * work:
+                retract(model, state, step, 1.0, trial)
+                state[:] = trial
+                return LINEAR if count == 0 else CONVERGED, count, troubled, pairs
+        shift, spent = positive_factor(model, H, rest, F, factor)
+        count += spent
+        troubled = troubled or shift > 0.0
+        step[:] = -g
+        solve(model, F, step)
+        slope = np.dot(g, step)
+        history[:-1] = history[1:]
+        history[-1] = -slope / work
+        if not np.isfinite(slope) or slope > 0.0:
+            return FAILED, count, True, pairs
+        if -slope <= DECREMENT * work:
+            if shift > 0.0:
+                return SADDLE, count, True, pairs
+            retract(model, state, step, 1.0, trial)
+            state[:] = trial
+            return CONVERGED, count, troubled, pairs
+        length, energy, looked = line_search(
+            model, anchor, clearance, memory, time, state, step, energy, slope, g, H, trial, assemble, retract
+        )
+        pairs += looked
+        if length == 0.0:
+            return FAILED, count, True, pairs
+        troubled = troubled or length < LONG_SEARCH
+        kept = shift == 0.0
+        state[:] = trial
+    return FAILED, count, True, pairs

@@ -1,0 +1,147 @@
+"""The one result of both models: the equilibrium path."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING, Protocol
+
+import numpy as np
+
+from coilspring.scene import Scene
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+OUTCOMES = ("completed", "limit_point", "bifurcation", "not_converged", "unsupported")
+
+
+class Shape(Protocol):
+    """Reads a model's states; made by the model, used by `EquilibriumPath` on demand."""
+
+    def tips(self, states: np.ndarray) -> np.ndarray:
+        """UX, UY, ROTZ of the top reference point, shape (states, 3); mm, rad (not wrapped)."""
+
+    def pair_forces(self, states: np.ndarray) -> np.ndarray:
+        """Normal contact force of every pair, shape (states, pairs), N."""
+
+    def pair_penetrations(self, states: np.ndarray) -> np.ndarray:
+        """Penetration d - h of every pair where positive, else 0, shape (states, pairs), mm."""
+
+    def centreline(self, state: np.ndarray, phases: np.ndarray) -> np.ndarray:
+        """Deformed wire at the phases given, shape (phases, 3), mm."""
+
+
+@dataclass(frozen=True)
+class EquilibriumPath:
+    """Equilibria of a scene at the requested times, as far as they were reached.
+
+    Attributes
+    ----------
+    scene, model, options : what was solved, by which model, with which numerics.
+    times : (steps,) times reached, 0 left out.
+    states : (steps, n) the model's own state vectors.
+    iterations : (steps,) factorisations since the previous row, rejected attempts included.
+    outcome : one of `OUTCOMES`.
+    message : one sentence.
+    critical_time : middle of the time bracket of a critical point, or None.
+    critical_bracket : length of that bracket, or None.
+    total_iterations : factorisations in all, those after the last row included.
+    stability_checks : further factorisations, which only verified the stability of linear stretches.
+    pair_evaluations : contact pairs looked at in all residuals together.
+    residual_history : last Newton decrements over the reference work of the load, oldest first.
+    solve_seconds, compile_seconds : CPU time of the solve alone; time spent making its kernels ready.
+    """
+
+    scene: Scene
+    model: str
+    options: Mapping[str, object]
+    times: np.ndarray
+    states: np.ndarray
+    iterations: np.ndarray
+    outcome: str
+    message: str
+    shape: Shape
+    critical_time: float | None = None
+    critical_bracket: float | None = None
+    total_iterations: int = 0
+    stability_checks: int = 0
+    pair_evaluations: int = 0
+    residual_history: tuple[float, ...] = ()
+    solve_seconds: float = 0.0
+    compile_seconds: float = 0.0
+
+    def __post_init__(self) -> None:
+        steps = len(self.times)
+        if len(self.states) != steps or len(self.iterations) != steps:
+            raise ValueError(
+                f"times, states and iterations differ in length: "
+                f"{steps}, {len(self.states)}, {len(self.iterations)}"
+            )
+        if self.outcome not in OUTCOMES:
+            raise ValueError(f"outcome must be one of {OUTCOMES}, got {self.outcome!r}")
+
+    @property
+    def loads(self) -> np.ndarray:
+        """Load at the top reference point, shape (steps, 2), N."""
+        return self.times[:, None] * np.array(self.scene.load.force)
+
+    @cached_property
+    def tips(self) -> np.ndarray:
+        """UX, UY, ROTZ of the top reference point, shape (steps, 3); mm, rad (not wrapped)."""
+        return self.shape.tips(self.states)
+
+    @cached_property
+    def contact_forces(self) -> np.ndarray:
+        """Normal force of every contact pair, shape (steps, pairs), N; pairs from bottom to top."""
+        return self.shape.pair_forces(self.states)
+
+    @cached_property
+    def penetrations(self) -> np.ndarray:
+        """Penetration of every contact pair, 0 where open, shape (steps, pairs), mm."""
+        return self.shape.pair_penetrations(self.states)
+
+    @property
+    def active_contacts(self) -> np.ndarray:
+        """Number of closed pairs, shape (steps,)."""
+        return np.count_nonzero(self.penetrations > 0.0, axis=1)
+
+    @property
+    def max_penetration(self) -> np.ndarray:
+        """Largest penetration, shape (steps,), mm; 0 where nothing touches."""
+        return self.penetrations.max(axis=1, initial=0.0)
+
+    @cached_property
+    def table(self) -> pd.DataFrame:
+        """One row for each time reached, with the columns of ``path.csv``."""
+        import pandas as pd
+
+        columns = {
+            "time": self.times,
+            "load_x": self.loads[:, 0],
+            "load_y": self.loads[:, 1],
+            "ux": self.tips[:, 0],
+            "uy": self.tips[:, 1],
+            "rotz": self.tips[:, 2],
+            "iterations": self.iterations,
+            "active_contacts": self.active_contacts,
+            "max_penetration": self.max_penetration,
+        }
+        return pd.DataFrame(columns)
+
+    def centreline(self, step: int, points_per_turn: int = 40) -> np.ndarray:
+        """Deformed wire at a stored step, end turns included, shape (points, 3), mm."""
+        first, last = self.scene.spring.phase_range
+        turns = (last - first) / (2.0 * np.pi)
+        phases = np.linspace(first, last, round(turns * points_per_turn) + 1)
+        return self.shape.centreline(self.states[step], phases)
+
+    def circle_centres(self, step: int) -> np.ndarray:
+        """Centres of the circles in which the wire meets the working plane, shape (circles, 2), mm."""
+        return self.shape.centreline(self.states[step], self.scene.spring.circle_phases())[:, :2]
+
+    @property
+    def top(self) -> np.ndarray:
+        """Position and rotation (x, y, rotz) of the top reference point, shape (steps, 3); mm, rad."""
+        return self.tips + np.array([0.0, self.scene.spring.active_height, 0.0])

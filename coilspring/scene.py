@@ -1,0 +1,100 @@
+"""A scene: the physics of one experiment on one spring, and nothing of how it is solved."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+
+from coilspring.errors import InputError, require_choice, require_integer, require_number, shown
+from coilspring.material import Material
+from coilspring.spring import Spring
+
+HELD_CHOICES = ("ux", "rotz")
+SLIDING = ("free", "none")
+
+
+@dataclass(frozen=True)
+class Load:
+    """Dead load at the top reference point, growing in proportion to time 0..1."""
+
+    force: tuple[float, float]  # (Fx, Fy) at time 1, N
+    steps: int = 50  # equal steps of time at which results are wanted
+
+    def __post_init__(self) -> None:
+        if not isinstance(self.force, list | tuple) or len(self.force) != 2:
+            raise InputError(f"load.force must be two finite numbers [Fx, Fy], got {shown(self.force)}")
+        pair = tuple(require_number("load.force", value, -1e12, 1e12) for value in self.force)
+        if not any(pair):
+            raise InputError(f"load.force must be two numbers, not both zero, got {shown(self.force)}")
+        object.__setattr__(self, "force", pair)
+        require_integer("load.steps", self.steps, 1, 100_000)
+
+
+@dataclass(frozen=True)
+class Supports:
+    """The bottom reference point is clamped; the top one has UZ = ROTX = ROTY = 0, and more where held."""
+
+    top_held: tuple[str, ...] = ()  # of "ux", "rotz"
+
+    def __post_init__(self) -> None:
+        if not isinstance(self.top_held, list | tuple):
+            raise InputError(
+                f"supports.top_held must be a list with items of {', '.join(HELD_CHOICES)}, "
+                f"got {shown(self.top_held)}"
+            )
+        held = tuple(require_choice("supports.top_held", item, HELD_CHOICES) for item in self.top_held)
+        object.__setattr__(self, "top_held", tuple(name for name in HELD_CHOICES if name in held))
+
+
+@dataclass(frozen=True)
+class Contact:
+    """Penalty law of the coil contact, F = K max(0, d - h)^exponent between neighbouring coils."""
+
+    enabled: bool = True
+    stiffness: float = 1.0e4  # K, N/mm^exponent, of each sphere pair at 4 pairs a turn
+    exponent: float = 1.0
+    sliding: str = "free"  # "none": no sliding while in contact
+
+    def __post_init__(self) -> None:
+        if not isinstance(self.enabled, bool):
+            raise InputError(f"contact.enabled must be true or false, got {shown(self.enabled)}")
+        require_number("contact.stiffness", self.stiffness, 0.0, 1e12, low_open=True)
+        require_number("contact.exponent", self.exponent, 1.0, 5.0)
+        require_choice("contact.sliding", self.sliding, SLIDING)
+
+
+@dataclass(frozen=True)
+class Scene:
+    """Spring, material, load, supports and contact law of one experiment."""
+
+    name: str
+    spring: Spring
+    load: Load
+    material: Material = field(default_factory=Material)
+    supports: Supports = field(default_factory=Supports)
+    contact: Contact = field(default_factory=Contact)
+
+    def __post_init__(self) -> None:
+        if not isinstance(self.name, str) or not self.name.strip():
+            raise InputError(f"name must be a text that is not empty, got {shown(self.name)}")
+        if "ux" in self.supports.top_held and self.load.force[1] == 0.0:
+            raise InputError(
+                f"load.force must have Fy other than 0 where the top is held in ux, got {self.load.force!r}"
+            )
+
+    def without_contact(self) -> Scene:
+        """The same scene with contact switched off."""
+        return replace(self, contact=replace(self.contact, enabled=False))
+
+    def with_steps(self, steps: int) -> Scene:
+        """The same scene with another output grid."""
+        return replace(self, load=replace(self.load, steps=steps))
+
+    def with_penalty(self, stiffness: float) -> Scene:
+        """The same scene with another contact stiffness K, N/mm^exponent."""
+        return replace(self, contact=replace(self.contact, stiffness=stiffness))
+
+    def overridden(self, steps: int | None = None, penalty: float | None = None) -> Scene:
+        """The scene with the number of steps and the penalty a caller asked for."""
+        scene = self if steps is None else self.with_steps(steps)
+        return scene if penalty is None else scene.with_penalty(penalty)
+

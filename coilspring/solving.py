@@ -1,0 +1,104 @@
+"""From a model's arrays and kernels to an `EquilibriumPath`, or to `EquilibriumNotFound`."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from coilspring.errors import EquilibriumNotFound
+from coilspring.path import EquilibriumPath, Shape
+from coilspring.scene import Scene
+from coilspring.stepping import COMPLETED, CRITICAL, Kernels, Track, compiled_follow
+
+MOST_ITERATIONS = 25  # of a substep with the exact tangent, which needs 2 or 3 far from contact changes
+# Null modes of a bifurcation do no work with the load; rounding leaves far less than this share.
+NO_WORK = 1e-6
+
+
+@dataclass(frozen=True)
+class Problem:
+    """A scene made ready by a model for the path follower.
+
+    Attributes
+    ----------
+    data : the model's arrays (NamedTuple).
+    load : (n,) load vector at time 1 in the model's free freedoms.
+    start : state at rest.
+    memory : (pairs, m) contact memory at rest.
+    template : array of the shape of the model's matrix.
+    """
+
+    data: tuple
+    load: np.ndarray
+    start: np.ndarray
+    memory: np.ndarray
+    template: np.ndarray
+
+
+def follow_scene(
+    scene: Scene,
+    model: str,
+    options: Mapping[str, object],
+    problem: Problem,
+    kernels: Kernels,
+    shape: Shape,
+    *,
+    limit: int = MOST_ITERATIONS,
+    predictor: bool = True,
+) -> EquilibriumPath:
+    """Follow the scene's load path with a model's kernels.
+
+    Raises
+    ------
+    EquilibriumNotFound : where the path ends before time 1.
+    """
+    began = time.perf_counter()
+    follow = compiled_follow(problem.data, problem.template, kernels)
+    compiled = time.perf_counter() - began
+    times = np.arange(1, scene.load.steps + 1) / scene.load.steps
+    began = time.process_time()
+    track = follow(
+        problem.data, problem.load, times, problem.start, problem.memory, problem.template,
+        scene.spring.wire_diameter, limit, predictor, *kernels,
+    )  # fmt: skip
+    seconds = time.process_time() - began
+    outcome, message, critical = _verdict(track, problem.load)
+    path = EquilibriumPath(
+        scene=scene,
+        model=model,
+        options=dict(options),
+        times=times[: len(track.states)],
+        states=track.states,
+        iterations=track.iterations,
+        outcome=outcome,
+        message=message,
+        shape=shape,
+        critical_time=critical,
+        critical_bracket=None if critical is None else track.bracket,
+        total_iterations=int(track.iterations.sum() + track.rest[0]),
+        stability_checks=track.checks,
+        pair_evaluations=track.pairs,
+        residual_history=tuple(track.history[track.history > 0.0]),
+        solve_seconds=seconds,
+        compile_seconds=compiled,
+    )
+    if outcome != "completed":
+        raise EquilibriumNotFound(path)
+    return path
+
+
+def _verdict(track: Track, load: np.ndarray) -> tuple[str, str, float | None]:
+    """Outcome, message and critical time."""
+    if track.outcome == COMPLETED:
+        return "completed", "the load path was followed to time 1", None
+    where = f"between time {track.time:.6f} and {track.time + track.bracket:.6f}"
+    if track.outcome == CRITICAL:
+        critical = track.time + 0.5 * track.bracket
+        norm = np.linalg.norm(load) * np.linalg.norm(track.mode)
+        if norm > 0.0 and abs(load @ track.mode) > NO_WORK * norm:
+            return "limit_point", f"limit point {where}: beyond it this branch has no equilibrium", critical
+        return "bifurcation", f"bifurcation {where}: the branch loses its stability", critical
+    return "not_converged", f"no equilibrium that continues the branch was found {where}", None

@@ -1,0 +1,62 @@
+"""The coiled wire drawn from the equivalent beam: rendering and what is read off its states."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from coilspring.scene import Scene
+from equivbeam.model import BeamModel
+
+
+@dataclass(frozen=True)
+class BeamShape:
+    """Reads the states of an equivalent beam; see `coilspring.path.Shape`."""
+
+    scene: Scene
+    data: BeamModel
+
+    def _nodes(self, states: np.ndarray) -> np.ndarray:
+        """Positions and rotations, shape (states, nodes, 3)."""
+        return states.reshape(len(states), -1, 3)
+
+    def tips(self, states: np.ndarray) -> np.ndarray:
+        """UX, UY, ROTZ of the last node, shape (states, 3)."""
+        return self._nodes(states)[:, -1] - np.array([0.0, self.scene.spring.active_height, 0.0])
+
+    def circles(self, states: np.ndarray) -> np.ndarray:
+        """Centres of the contact circles, shape (states, circles, 2), mm."""
+        nodes = self._nodes(states)[:, self.data.carrier]
+        c, s = np.cos(nodes[..., 2]), np.sin(nodes[..., 2])
+        ox, oy = self.data.offset.T
+        return nodes[..., :2] + np.stack((c * ox - s * oy, s * ox + c * oy), axis=-1)
+
+    def pair_penetrations(self, states: np.ndarray) -> np.ndarray:
+        """Penetration of every pair, 0 where open, shape (states, pairs), mm."""
+        centres = self.circles(states)
+        first, second = self.data.pairs.T
+        h = np.linalg.norm(centres[:, second] - centres[:, first], axis=-1)
+        return np.maximum(self.data.d - h, 0.0)
+
+    def pair_forces(self, states: np.ndarray) -> np.ndarray:
+        """Normal force of every pair by (12), shape (states, pairs), N."""
+        return self.data.kc * self.pair_penetrations(states) ** self.data.k
+
+    def centreline(self, state: np.ndarray, phases: np.ndarray) -> np.ndarray:
+        """Wire at the phases given, shape (phases, 3), mm.
+
+        Between two nodes the axis and its rotation are interpolated linearly; the end turns move
+        with the first and the last node.
+        """
+        spring = self.scene.spring
+        nodes = state.reshape(-1, 3)
+        station = np.clip(phases, 0.0, spring.phase_end) / math.pi
+        lower = np.minimum(station.astype(int), len(nodes) - 2)
+        share = (station - lower)[:, None]
+        x, y, theta = ((1.0 - share) * nodes[lower] + share * nodes[lower + 1]).T
+        rest = spring.points(phases)
+        rise = rest[:, 1] - spring.height(np.clip(phases, 0.0, spring.phase_end))
+        c, s = np.cos(theta), np.sin(theta)
+        return np.stack((x + c * rest[:, 0] - s * rise, y + s * rest[:, 0] + c * rise, rest[:, 2]), axis=-1)

@@ -1,0 +1,134 @@
+"""Mesh of the wire: nodes on the helix, straight elements between them, contact spheres, numbering."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from coilspring.errors import InputError, require_integer
+from coilspring.scene import Scene
+from coilspring.spring import Spring
+from coilspring.wire import Section, round_section
+from wirefe.rotations import quaternion_from_matrix
+
+TWO_PI = 2.0 * math.pi
+PAIRS_OF_PENALTY = 4  # the scene's stiffness is that of a pair at 4 pairs a turn
+
+
+@dataclass(frozen=True)
+class WireMesh:
+    """Active wire between the two rigid ends.
+
+    Node 0 belongs to the bottom end, the last node is the top end's reference point, from which the
+    wire's last point stands off by `arm`.
+    """
+
+    phases: np.ndarray  # (nodes,) of the wire's points
+    points: np.ndarray  # (nodes, 3) at rest
+    elements: np.ndarray  # (elements, 2)
+    freedoms: np.ndarray  # (6, nodes) numbers of ux uy uz rotx roty rotz
+    reference: np.ndarray  # (3,) top reference point at rest
+    arm: np.ndarray  # (3,)
+    triads: np.ndarray  # (elements, 4) quaternion of each chord's frame
+    lengths: np.ndarray  # (elements,)
+
+
+def mesh_wire(spring: Spring, elements_per_turn: int) -> WireMesh:
+    """Nodes, elements and numbering; mesh and numbering by scikit-fem.
+
+    Raises
+    ------
+    InputError : where the active coils are not a whole number of elements.
+    """
+    from skfem import Basis, ElementLineP1, ElementVector, MeshLine
+
+    count = round(spring.active_coils * elements_per_turn)
+    if count < 1 or abs(spring.active_coils * elements_per_turn - count) > 1e-6:
+        raise InputError(
+            f"spring.active_coils must be a multiple of 1/{elements_per_turn} (1/elements_per_turn) in "
+            f"[0.5, 1000] for the wire model, got {spring.active_coils!r}"
+        )
+    line = MeshLine(np.linspace(0.0, spring.phase_end, count + 1))
+    basis = Basis(line, ElementVector(ElementLineP1(), 6), intorder=1)
+    points = spring.points(line.p[0])
+    chords = points[line.t[1]] - points[line.t[0]]
+    lengths = np.linalg.norm(chords, axis=1)
+    reference = np.array([0.0, spring.active_height, 0.0])
+    return WireMesh(
+        phases=line.p[0],
+        points=points,
+        elements=line.t.T,
+        freedoms=basis.nodal_dofs,
+        reference=reference,
+        arm=points[-1] - reference,
+        triads=_frames(chords / lengths[:, None]),
+        lengths=lengths,
+    )
+
+
+def _frames(tangents: np.ndarray) -> np.ndarray:
+    """Quaternions of frames whose first axis is the tangent; the section is round, so any will do."""
+    # the spring's axis is never along the wire, so it gives the second axis
+    second = np.cross(np.array([0.0, 1.0, 0.0]), tangents)
+    second /= np.linalg.norm(second, axis=1)[:, None]
+    third = np.cross(tangents, second)
+    return quaternion_from_matrix(np.stack((tangents, second, third), axis=-1))
+
+
+def straight_stiffness(section: Section, lengths: np.ndarray) -> np.ndarray:
+    """Stiffness of straight elements in (v, theta), shape (elements, 6, 6).
+
+    Shear carries the bending flexibility L^2/(12 EI) that constant strains leave out, which makes
+    the element exact for small loads at its ends (MacNeal 1978, residual bending flexibility).
+    """
+    K = np.zeros((len(lengths), 6, 6))
+    shear = 1.0 / (1.0 / section.GA + lengths**2 / (12.0 * section.EI))
+    for i, rigidity in enumerate((section.EA, shear, shear, section.GJ, section.EI, section.EI)):
+        K[:, i, i] = rigidity / lengths
+    return K
+
+
+@dataclass(frozen=True)
+class Spheres:
+    """Contact spheres: the node that carries each (0 is the ground, the last the top), and pairs."""
+
+    carrier: np.ndarray  # (spheres,)
+    arm: np.ndarray  # (spheres, 3) from the carrier's point to the centre, at rest
+    pairs: np.ndarray  # (pairs, 2), from bottom to top
+    stiffness: float  # of a pair
+
+
+def place_spheres(scene: Scene, mesh: WireMesh, elements_per_turn: int, pairs_per_turn: int) -> Spheres:
+    """Spheres at `pairs_per_turn` phases a turn, end turns included, each paired one turn above.
+
+    The stiffness per length of wire is kept: K * 4 / pairs. Pairs inside one rigid end are left out.
+    """
+    require_integer("pairs_per_turn", pairs_per_turn, 1, 1000)
+    if elements_per_turn % pairs_per_turn:
+        raise InputError(
+            f"elements_per_turn must be a multiple of pairs_per_turn = {pairs_per_turn}, "
+            f"got {elements_per_turn!r}"
+        )
+    spring = scene.spring
+    stride = elements_per_turn // pairs_per_turn
+    last = len(mesh.phases) - 1
+    first, end = (phase / TWO_PI * pairs_per_turn for phase in spring.phase_range)
+    index = np.arange(math.ceil(first - 1e-9), math.floor(end + 1e-9) + 1)
+    phases = index * TWO_PI / pairs_per_turn
+    carrier = np.clip(index * stride, 0, last)
+    rest = np.concatenate((mesh.points[:-1], mesh.reference[None]))
+    pairs = np.stack((np.arange(len(index) - pairs_per_turn), np.arange(pairs_per_turn, len(index))), axis=1)
+    apart = carrier[pairs[:, 0]] != carrier[pairs[:, 1]]
+    return Spheres(
+        carrier=carrier,
+        arm=spring.points(phases) - rest[carrier],
+        pairs=pairs[apart] if scene.contact.enabled else pairs[:0],
+        stiffness=scene.contact.stiffness * PAIRS_OF_PENALTY / pairs_per_turn,
+    )
+
+
+def wire_section(scene: Scene) -> Section:
+    """Section of the scene's wire."""
+    return round_section(scene.spring.wire_diameter, scene.material)

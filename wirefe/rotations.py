@@ -1,0 +1,103 @@
+"""Finite rotations: unit quaternions (w, x, y, z) and the functions of the rotation angle."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numba import njit
+
+# a / sin a = 1 + sum c_k q^(k+1) with a = theta/2, q = theta^2: c(q) = (a / sin a - 1) / q
+_SERIES = (
+    1.0 / 24.0,
+    7.0 / 5760.0,
+    31.0 / 967680.0,
+    127.0 / 154828800.0,
+    73.0 / 3503554560.0,
+    1414477.0 / (653837184000.0 * 4096.0),
+    8191.0 / (37362124800.0 * 16384.0),
+)
+SMALL_ANGLE_SQUARED = 0.25  # below, closed forms lose digits; the series' next term is below 1e-16
+
+
+@njit(cache=True, error_model="numpy")
+def stretch_functions(q, a, sin_a, cos_a):
+    """alpha = a / sin a and c = (alpha - 1)/q with derivatives in q = theta^2, where a = theta/2.
+
+    Returns c, c', c'', tau, tau' with tau = tan(theta/4)/theta.
+    """
+    if q < SMALL_ANGLE_SQUARED:
+        c0 = c1 = c2 = 0.0
+        for k in range(len(_SERIES) - 1, -1, -1):
+            c2 = c2 * q + 2.0 * c1
+            c1 = c1 * q + c0
+            c0 = c0 * q + _SERIES[k]
+        b = 0.25 * q
+        third = 1.0 / 6.0 - b * (1.0 / 120.0 - b * (1.0 / 5040.0 - b * (1.0 / 362880.0 - b / 39916800.0)))
+        return c0, c1, c2, *_quarter(a, sin_a, cos_a, third)
+    alpha = a / sin_a
+    d1 = (sin_a - a * cos_a) / sin_a**2
+    d2 = (a * sin_a**2 - 2.0 * cos_a * (sin_a - a * cos_a)) / sin_a**3
+    e = 8.0 * a  # dq/da
+    alpha1 = d1 / e
+    alpha2 = (d2 / e - d1 / (e * a)) / e
+    c0 = (alpha - 1.0) / q
+    c1 = (alpha1 - c0) / q
+    c2 = (alpha2 - 2.0 * c1) / q
+    return c0, c1, c2, *_quarter(a, sin_a, cos_a, (a - sin_a) / a**3)
+
+
+@njit(cache=True, error_model="numpy")
+def _quarter(a, sin_a, cos_a, third):
+    """tau = tan(a/2)/(2 a) and its derivative in q = 4 a^2, with third = (a - sin a)/a^3."""
+    ratio = sin_a / a if a > 0.0 else 1.0
+    return ratio / (2.0 * (1.0 + cos_a)), third / (16.0 * (1.0 + cos_a))
+
+
+@njit(cache=True, error_model="numpy")
+def quaternion_product(p, q, out):
+    """Hamilton product p q: first the rotation q, then p."""
+    w = p[0] * q[0] - p[1] * q[1] - p[2] * q[2] - p[3] * q[3]
+    x = p[0] * q[1] + p[1] * q[0] + p[2] * q[3] - p[3] * q[2]
+    y = p[0] * q[2] - p[1] * q[3] + p[2] * q[0] + p[3] * q[1]
+    z = p[0] * q[3] + p[1] * q[2] - p[2] * q[1] + p[3] * q[0]
+    out[0], out[1], out[2], out[3] = w, x, y, z
+
+
+@njit(cache=True, error_model="numpy")
+def rotation_matrix(q, R):
+    """Matrix of the unit quaternion q."""
+    w, x, y, z = q[0], q[1], q[2], q[3]
+    R[0, 0], R[0, 1], R[0, 2] = 1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y - w * z), 2.0 * (x * z + w * y)
+    R[1, 0], R[1, 1], R[1, 2] = 2.0 * (x * y + w * z), 1.0 - 2.0 * (x * x + z * z), 2.0 * (y * z - w * x)
+    R[2, 0], R[2, 1], R[2, 2] = 2.0 * (x * z - w * y), 2.0 * (y * z + w * x), 1.0 - 2.0 * (x * x + y * y)
+
+
+@njit(cache=True, error_model="numpy")
+def rotate(q, v, out):
+    """Vector v turned by the unit quaternion q."""
+    tx = 2.0 * (q[2] * v[2] - q[3] * v[1])
+    ty = 2.0 * (q[3] * v[0] - q[1] * v[2])
+    tz = 2.0 * (q[1] * v[1] - q[2] * v[0])
+    x = v[0] + q[0] * tx + q[2] * tz - q[3] * ty
+    y = v[1] + q[0] * ty + q[3] * tx - q[1] * tz
+    z = v[2] + q[0] * tz + q[1] * ty - q[2] * tx
+    out[0], out[1], out[2] = x, y, z
+
+
+@njit(cache=True, error_model="numpy")
+def exponential(vx, vy, vz, out):
+    """Quaternion of the rotation vector (vx, vy, vz)."""
+    angle = math.sqrt(vx * vx + vy * vy + vz * vz)
+    # sin(angle/2)/angle -> 1/2 at zero
+    share = math.sin(0.5 * angle) / angle if angle > 0.0 else 0.5
+    out[0] = math.cos(0.5 * angle)
+    out[1], out[2], out[3] = share * vx, share * vy, share * vz
+
+
+def quaternion_from_matrix(R: np.ndarray) -> np.ndarray:
+    """Unit quaternions of rotation matrices, shape (..., 3, 3) -> (..., 4), with w >= 0."""
+    from scipy.spatial.transform import Rotation
+
+    xyzw = Rotation.from_matrix(R).as_quat(canonical=True)
+    return np.concatenate((xyzw[..., 3:], xyzw[..., :3]), axis=-1)

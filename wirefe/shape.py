@@ -1,0 +1,67 @@
+"""What is read off the wire model's states: tips, contact forces, the deformed wire."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from coilspring.scene import Scene
+from wirefe.mesh import WireMesh
+from wirefe.model import ROW, WireModel
+
+
+def turned(q: np.ndarray, v: np.ndarray) -> np.ndarray:
+    """Vectors v (..., 3) turned by the unit quaternions q (..., 4)."""
+    t = 2.0 * np.cross(q[..., 1:], v)
+    return v + q[..., :1] * t + np.cross(q[..., 1:], t)
+
+
+@dataclass(frozen=True)
+class WireShape:
+    """Reads the states of a wire model; see `coilspring.path.Shape`."""
+
+    scene: Scene
+    data: WireModel
+    mesh: WireMesh
+
+    def _nodes(self, states: np.ndarray) -> np.ndarray:
+        return states.reshape(len(states), -1, ROW)
+
+    def tips(self, states: np.ndarray) -> np.ndarray:
+        """UX, UY, ROTZ of the top reference point, shape (states, 3); mm, rad."""
+        top = self._nodes(states)[:, -1]
+        moved = top[:, :3] - self.mesh.reference
+        # the top turns about Z alone; from state to state by less than half a turn
+        angle = np.unwrap(np.concatenate(([0.0], 2.0 * np.arctan2(top[:, 6], top[:, 3]))))[1:]
+        return np.column_stack((moved[:, 0], moved[:, 1], angle))
+
+    def pair_penetrations(self, states: np.ndarray) -> np.ndarray:
+        """Penetration of every pair, 0 where open, shape (states, pairs), mm."""
+        carried = self._nodes(states)[:, self.data.carrier]
+        centres = carried[..., :3] + turned(carried[..., 3:], self.data.offset)
+        first, second = self.data.pairs.T
+        h = np.linalg.norm(centres[:, second] - centres[:, first], axis=-1)
+        return np.maximum(self.data.d - h, 0.0)
+
+    def pair_forces(self, states: np.ndarray) -> np.ndarray:
+        """Normal force of every pair, shape (states, pairs), N."""
+        return self.data.kc * self.pair_penetrations(states) ** self.data.k
+
+    def centreline(self, state: np.ndarray, phases: np.ndarray) -> np.ndarray:
+        """Wire at the phases given, shape (phases, 3), mm.
+
+        Between two nodes the rigid motions of both are blended linearly, which is exact at the
+        nodes; the end turns move with the first node and with the top reference point.
+        """
+        rest = self.scene.spring.points(phases)
+        rows = state.reshape(-1, ROW)
+        origins = np.concatenate((self.mesh.points[:-1], self.mesh.reference[None]))
+        upper = np.clip(np.searchsorted(self.mesh.phases, phases), 1, len(rows) - 1)
+        step = self.mesh.phases[1] - self.mesh.phases[0]
+        share = np.clip((phases - self.mesh.phases[upper - 1]) / step, 0.0, 1.0)[:, None]
+        ends = [
+            rows[n, :3] + turned(rows[n, 3:], rest - origins[n])
+            for n in (upper - 1, upper)
+        ]  # fmt: skip
+        return (1.0 - share) * ends[0] + share * ends[1]
