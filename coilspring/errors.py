@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import numbers
+from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
@@ -81,7 +82,20 @@ def require_choice(field: str, value: object, choices: tuple[str, ...]) -> str:
     return value
 
 
+def keep_numbers(record: object, section: str, ranges: Mapping[str, tuple[float, float]]) -> None:
+    """Check fields of a frozen dataclass and keep them as floats.
+
+    An integer kept as such would compile the models' kernels a second time.
+    """
+    for name, (low, high) in ranges.items():
+        number = require_number(f"{section}.{name}", getattr(record, name), low, high)
+        object.__setattr__(record, name, number)
+
+
 def shown(value: object) -> str:
     """One-line text of a refused value, cut where it is long."""
-    text = repr(value).replace("\n", " ")
+    try:
+        text = repr(value).replace("\n", " ")
+    except (ValueError, RecursionError):  # an integer of thousands of digits, a table as deep
+        text = f"a {type(value).__name__} too large to be shown"
     return text if len(text) <= 60 else text[:57] + "..."

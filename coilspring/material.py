@@ -4,7 +4,10 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from coilspring.errors import InputError, require_number
+from coilspring.errors import InputError, keep_numbers, require_number, shown
+
+MODULI = (1e-3, 1e9)  # MPa
+RANGES = {"E": MODULI, "nu": (-0.999, 0.5)}
 
 
 @dataclass(frozen=True)
@@ -18,8 +21,7 @@ class Material:
     nu: float = 0.3  # Poisson's ratio
 
     def __post_init__(self) -> None:
-        require_number("material.E", self.E, 0.0, 1e9, low_open=True)
-        require_number("material.nu", self.nu, -1.0, 0.5, low_open=True)
+        keep_numbers(self, "material", RANGES)
 
     @property
     def G(self) -> float:
@@ -28,10 +30,14 @@ class Material:
 
     @classmethod
     def from_moduli(cls, E: float, G: float) -> Material:
-        """Material given by its two moduli, MPa; E/3 <= G so that nu stays within (-1, 0.5]."""
-        E = require_number("material.E", E, 0.0, 1e9, low_open=True)
-        G = require_number("material.G", G, 0.0, 1e9, low_open=True)
-        nu = E / (2.0 * G) - 1.0
-        if nu > 0.5:
-            raise InputError(f"material.G must be a number in [{E / 3.0:g}, inf) (E/3 at least), got {G!r}")
-        return cls(E, nu)
+        """Material given by its two moduli, MPa; their ratio must leave nu within its range."""
+        E = require_number("material.E", E, *MODULI)
+        G = require_number("material.G", G, *MODULI)
+        least, most = RANGES["nu"]
+        low, high = E / (2.0 * (1.0 + most)), E / (2.0 * (1.0 + least))
+        if not low <= G <= high:
+            raise InputError(
+                f"material.G must be a number in [{low:g}, {high:g}], which E = {E:g} and Poisson's ratio "
+                f"allow, got {shown(G)}"
+            )
+        return cls(E, min(max(E / (2.0 * G) - 1.0, least), most))  # rounding may pass the ends

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
 
-from coilspring.errors import InputError, require_choice, require_integer, require_number, shown
+from coilspring.errors import InputError, keep_numbers, require_choice, require_integer, require_number, shown
 from coilspring.material import Material
 from coilspring.spring import Spring
 
 HELD_CHOICES = ("ux", "rotz")
 SLIDING = ("free", "none")
+MOST_FORCE = 1e12  # N
 
 
 @dataclass(frozen=True)
@@ -21,12 +22,15 @@ class Load:
 
     def __post_init__(self) -> None:
         if not isinstance(self.force, list | tuple) or len(self.force) != 2:
-            raise InputError(f"load.force must be two finite numbers [Fx, Fy], got {shown(self.force)}")
-        pair = tuple(require_number("load.force", value, -1e12, 1e12) for value in self.force)
+            raise InputError(f"load.force must be two numbers [Fx, Fy], got {shown(self.force)}")
+        pair = tuple(require_number("load.force", value, -MOST_FORCE, MOST_FORCE) for value in self.force)
         if not any(pair):
-            raise InputError(f"load.force must be two numbers, not both zero, got {shown(self.force)}")
+            raise InputError(
+                f"load.force must be two numbers in [{-MOST_FORCE:g}, {MOST_FORCE:g}], not both zero, "
+                f"got {shown(self.force)}"
+            )
         object.__setattr__(self, "force", pair)
-        require_integer("load.steps", self.steps, 1, 100_000)
+        object.__setattr__(self, "steps", require_integer("load.steps", self.steps, 1, 100_000))
 
 
 @dataclass(frozen=True)
@@ -45,6 +49,9 @@ class Supports:
         object.__setattr__(self, "top_held", tuple(name for name in HELD_CHOICES if name in held))
 
 
+RANGES = {"stiffness": (1e-9, 1e12), "exponent": (1.0, 5.0)}
+
+
 @dataclass(frozen=True)
 class Contact:
     """Penalty law of the coil contact, F = K max(0, d - h)^exponent between neighbouring coils."""
@@ -57,8 +64,7 @@ class Contact:
     def __post_init__(self) -> None:
         if not isinstance(self.enabled, bool):
             raise InputError(f"contact.enabled must be true or false, got {shown(self.enabled)}")
-        require_number("contact.stiffness", self.stiffness, 0.0, 1e12, low_open=True)
-        require_number("contact.exponent", self.exponent, 1.0, 5.0)
+        keep_numbers(self, "contact", RANGES)
         require_choice("contact.sliding", self.sliding, SLIDING)
 
 
@@ -97,4 +103,3 @@ class Scene:
         """The scene with the number of steps and the penalty a caller asked for."""
         scene = self if steps is None else self.with_steps(steps)
         return scene if penalty is None else scene.with_penalty(penalty)
-

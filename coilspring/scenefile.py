@@ -37,7 +37,7 @@ def load_scene(source: str | Path) -> Scene:
         return CATALOGUE[str(source)]()
     path = Path(source)
     try:
-        text = path.read_text(encoding="utf-8")
+        text = path.read_text(encoding="utf-8-sig")  # some editors write a mark first
     except (OSError, ValueError) as error:
         reason = getattr(error, "strerror", None) or "not a UTF-8 text file"
         raise InputError(
@@ -54,7 +54,7 @@ def scene_from_text(text: str, default_name: str = "scene") -> Scene:
     """Scene of a TOML text; see `load_scene`."""
     try:
         table = tomllib.loads(text)
-    except (tomllib.TOMLDecodeError, RecursionError) as error:
+    except (ValueError, RecursionError) as error:  # a number of thousands of digits is a ValueError
         raise InputError(f"the file must be complete TOML, but it is not: {error}") from None
     _refuse_unknown("top level", table, ("name", *SECTIONS))
     parts = {section: _section(table, section) for section in SECTIONS}
@@ -71,9 +71,8 @@ def scene_from_text(text: str, default_name: str = "scene") -> Scene:
 def _section(table: Mapping[str, object], section: str) -> dict:
     """Keys of a section, with unknown and missing ones refused."""
     if section not in table and section in REQUIRED_SECTIONS:
-        raise InputError(
-            f"section [{section}] is missing; required: {', '.join(f'[{name}]' for name in REQUIRED_SECTIONS)}"
-        )
+        sections = " and ".join(f"[{name}]" for name in REQUIRED_SECTIONS)
+        raise InputError(f"section [{section}] is missing; {sections} are required")
     keys = table.get(section, {})
     if not isinstance(keys, dict):
         raise InputError(f"{section} must be a section [{section}] with keys, got {shown(keys)}")

@@ -9,9 +9,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from coilspring.errors import EquilibriumNotFound
+from coilspring.packing import pack
 from coilspring.path import EquilibriumPath, Shape
 from coilspring.scene import Scene
-from coilspring.stepping import COMPLETED, CRITICAL, Kernels, Track, compiled_follow
+from coilspring.stepping import COMPLETED, CRITICAL, Kernels, Track, compile_kernels, compiled_follow
 
 MOST_ITERATIONS = 25  # of a substep with the exact tangent, which needs 2 or 3 far from contact changes
 # Null modes of a bifurcation do no work with the load; rounding leaves far less than this share.
@@ -28,14 +29,14 @@ class Problem:
     load : (n,) load vector at time 1 in the model's free freedoms.
     start : state at rest.
     memory : (pairs, m) contact memory at rest.
-    template : array of the shape of the model's matrix.
+    matrix_size : length of the model's matrix in its own storage.
     """
 
     data: tuple
     load: np.ndarray
     start: np.ndarray
     memory: np.ndarray
-    template: np.ndarray
+    matrix_size: int
 
 
 def follow_scene(
@@ -56,12 +57,13 @@ def follow_scene(
     EquilibriumNotFound : where the path ends before time 1.
     """
     began = time.perf_counter()
-    follow = compiled_follow(problem.data, problem.template, kernels)
+    follow = compiled_follow()
+    compile_kernels(kernels)
     compiled = time.perf_counter() - began
     times = np.arange(1, scene.load.steps + 1) / scene.load.steps
     began = time.process_time()
     track = follow(
-        problem.data, problem.load, times, problem.start, problem.memory, problem.template,
+        *pack(problem.data), problem.load, times, problem.start, problem.memory, problem.matrix_size,
         scene.spring.wire_diameter, limit, predictor, *kernels,
     )  # fmt: skip
     seconds = time.process_time() - began

@@ -7,10 +7,18 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from coilspring.errors import InputError, require_choice, require_number, shown
+from coilspring.errors import InputError, keep_numbers, require_choice, require_number, shown
 
 HANDS = ("left", "right")
 TWO_PI = 2.0 * math.pi
+LONGEST = 1e9  # mm
+RANGES = {
+    "wire_diameter": (1e-6, 1e6),  # a fourth power of it must not vanish
+    "active_coils": (0.5, 1000.0),
+    "active_height": (1e-6, LONGEST),
+    "end_turns": (0.0, 100.0),
+    "start_phase": (-1e3, 1e3),
+}
 
 
 @dataclass(frozen=True)
@@ -42,21 +50,10 @@ class Spring:
     hand: str = "left"
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "mean_diameter", _both_ends(self.mean_diameter))
-        d = require_number("spring.wire_diameter", self.wire_diameter, 0.0, 1e6, low_open=True)
-        for diameter in self.mean_diameter:
-            require_number("spring.mean_diameter", diameter, 0.0, 1e9, low_open=True)
-            if diameter < 2.0 * d:
-                raise InputError(
-                    f"spring.mean_diameter must be at least twice the wire diameter "
-                    f"(a number in [{2.0 * d:g}, inf): index 2 or more), got {diameter!r}"
-                )
-        require_number("spring.active_coils", self.active_coils, 0.5, 1000.0)
-        require_number("spring.active_height", self.active_height, 0.0, 1e9, low_open=True)
-        turns = require_number("spring.end_turns", self.end_turns, 0.0, 100.0)
-        if 0.0 < turns < 0.5:
-            raise InputError(f"spring.end_turns must be 0 or a number in [0.5, 100], got {turns!r}")
-        require_number("spring.start_phase", self.start_phase, -1e3, 1e3)
+        keep_numbers(self, "spring", RANGES)
+        object.__setattr__(self, "mean_diameter", _both_ends(self.mean_diameter, self.wire_diameter))
+        if 0.0 < self.end_turns < 0.5:
+            raise InputError(f"spring.end_turns must be 0 or a number in [0.5, 100], got {self.end_turns!r}")
         require_choice("spring.hand", self.hand, HANDS)
         self._refuse_overlap()
 
@@ -64,12 +61,13 @@ class Spring:
         """Refuse neighbouring coils whose wires run into each other at rest."""
         d = self.wire_diameter
         step = abs(self.mean_diameter[1] - self.mean_diameter[0]) / 2.0 / self.active_coils
-        distance = math.hypot(self.pitch, step)
-        least = math.sqrt(max(d**2 - step**2, 0.0)) * self.active_coils
-        if distance < d * (1.0 - 1e-9):
+        # Coils of a cone may nest, but not where the cone passes into an end turn, a cylinder.
+        least = d if self.end_turns > 0.0 else math.sqrt(max(d**2 - step**2, 0.0))
+        if self.pitch < least * (1.0 - 1e-9):
             raise InputError(
-                f"spring.active_height must be a number in [{least:g}, inf) so that the coils do not "
-                f"overlap at rest, got {self.active_height!r}"
+                f"spring.active_height must be a number in [{least * self.active_coils:g}, "
+                f"{RANGES['active_height'][1]:g}] so that the coils do not overlap at rest, "
+                f"got {self.active_height!r}"
             )
 
     @property
@@ -116,16 +114,14 @@ class Spring:
         return np.arange(low, high + 1) * math.pi - self.start_phase
 
 
-def _both_ends(value: object) -> tuple[float, float]:
-    if isinstance(value, list | tuple):
-        if len(value) != 2:
-            raise InputError(
-                f"spring.mean_diameter must be one number or two (bottom, top), each positive, "
-                f"got {shown(value)}"
-            )
-        bottom, top = value
-    else:
-        bottom = top = value
-    low = require_number("spring.mean_diameter", bottom, 0.0, 1e9, low_open=True)
-    high = require_number("spring.mean_diameter", top, 0.0, 1e9, low_open=True)
-    return low, high
+def _both_ends(value: object, wire_diameter: float) -> tuple[float, float]:
+    """Coil diameters at the bottom and at the top, of index 2 at least."""
+    pair = value if isinstance(value, list | tuple) else (value, value)
+    if len(pair) != 2:
+        raise InputError(
+            f"spring.mean_diameter must be one number or two (bottom, top), each at least twice the "
+            f"wire diameter, got {shown(value)}"
+        )
+    least = 2.0 * wire_diameter  # index 2
+    bottom, top = (require_number("spring.mean_diameter", end, least, LONGEST) for end in pair)
+    return bottom, top

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit, typeof, types
+from numba import njit, types
 
-from coilspring.newton import CONVERGED, HISTORY, LINEAR, SADDLE, equilibrium
+from coilspring.compiled import copy, kernel
+from coilspring.newton import CONVERGED, HISTORY, LINEAR, SADDLE, dot, equilibrium, solution
 
 COMPLETED, CRITICAL, STUCK = 0, 1, 2
 
@@ -42,25 +44,27 @@ class Track(NamedTuple):
     history: np.ndarray  # last Newton decrements over the reference work
 
 
-@njit(cache=True, error_model="numpy")
-def softest(model, state, memory, time, load, g, H, assemble, factor, solve):
+@kernel
+def softest(reals, ints, state, memory, time, load, g, H, assemble, factor, solve):
     """Least eigenvalue (in size) of the matrix at `state` and its mode, by inverse iteration."""
-    assemble(model, state, 0.0, memory, state, time, g, H)
-    factor(model, H)
-    seed = np.linspace(1.0, 2.0, load.size)  # no symmetry that could hide the mode
-    mode = seed / np.sqrt(np.dot(seed, seed))
+    assemble(reals, ints, state, 0.0, memory, state, time, g, H)
+    factor(reals, ints, H)
+    mode = np.empty_like(load)
+    new = np.empty_like(load)
+    for i in range(load.size):
+        mode[i] = 1.0 + i / load.size  # no symmetry that could hide the mode
     value = 0.0
     for _ in range(30):
-        new = mode.copy()
-        solve(model, H, new)
-        norm = np.sqrt(np.dot(new, new))
-        value = np.dot(new, mode) / norm**2
-        mode = new / norm
+        solution(reals, ints, H, mode, 1.0, new, solve)
+        square = dot(new, new)
+        value = dot(new, mode) / square
+        for i in range(load.size):
+            mode[i] = new[i] / np.sqrt(square)
     return value, mode
 
 
-@njit(cache=True, error_model="numpy")
-def unstable_time(model, memory, origin, begin, tangent, end, H, g, assemble, factor, retract):
+@kernel
+def unstable_time(reals, ints, memory, origin, begin, tangent, end, H, g, assemble, factor, retract):
     """First time of a linear stretch at which the matrix has a negative pivot.
 
     Along the stretch the state is `origin` moved by ``(time - begin) * tangent``; it is sampled at
@@ -72,10 +76,10 @@ def unstable_time(model, memory, origin, begin, tangent, end, H, g, assemble, fa
     count = 0
     while high - low > LEAST_STEP:
         time = 0.5 * (low + high) if high < np.inf else min(low + (end - begin) / SAMPLES, end)
-        retract(model, origin, tangent, time - begin, state)
-        assemble(model, state, 0.0, memory, state, time, g, H)
+        retract(reals, ints, origin, tangent, time - begin, state)
+        assemble(reals, ints, state, 0.0, memory, state, time, g, H)
         count += 1
-        if factor(model, H) > 0:
+        if factor(reals, ints, H) > 0:
             high = time
         elif time == end:
             return np.inf, count
@@ -84,27 +88,28 @@ def unstable_time(model, memory, origin, begin, tangent, end, H, g, assemble, fa
     return low, count
 
 
-@njit(cache=True, error_model="numpy")
-def continues(model, predicted, state, trial, diameter, troubled, judged, motion):
+@kernel
+def continues(reals, ints, predicted, state, trial, diameter, troubled, judged, motion):
     """Whether `trial` continues the branch of `state`, and the share by which the path turned."""
-    way, pair = motion(model, state, trial)
+    way, pair = motion(reals, ints, state, trial)
     if pair > PAIR_MOTION:
         return False, 1.0
     if not judged:
         return True, 0.0
-    turn, _ = motion(model, predicted, trial)
+    turn, _ = motion(reals, ints, predicted, trial)
     share = turn / way if way > 0.0 else 0.0
     near = turn <= SMALL * diameter
     return near or (share <= TURN and not troubled), share
 
 
 def follow(
-    model,
+    reals,
+    ints,
     load,
     times,
     start,
     memory,
-    template,
+    size,
     diameter,
     limit,
     predictor,
@@ -119,62 +124,63 @@ def follow(
 
     Parameters
     ----------
-    model : data of the model (NamedTuple).
+    reals, ints : data of the model, see `coilspring.packing`.
     load : (n,) load vector at time 1.
     times : (steps,) requested times.
     start : state at rest.
-    memory : contact memory at rest; changed in place by ``commit(model, state, memory)``, which
+    memory : contact memory at rest; changed in place by ``commit(reals, ints, state, memory)``, which
         returns the least gap of all pairs (the clearance), with accepted states only.
-    template : array of the shape of the model's matrix.
+    size : length of the model's matrix in its own storage.
     diameter : wire diameter, mm: the length with which moves are compared.
     limit : largest number of iterations of a substep.
     predictor : start from the tangent's prediction and judge the branch by it; else from the last
         state, as the paper did.
     assemble, factor, solve, retract, motion : kernels, see `coilspring.newton`.
     """
-    size = times.size
-    states = np.empty((size, start.size))
-    iterations = np.zeros(size, np.int64)
+    states = np.empty((times.size, start.size))
+    iterations = np.zeros(times.size, np.int64)
     spent = np.zeros(1, np.int64)
     history = np.zeros(HISTORY)
     g = np.empty_like(load)
-    H = np.empty_like(template)
-    F = np.empty_like(template)
+    H = np.empty(size)
+    F = np.empty(size)
     state = start.copy()
     trial = start.copy()
     predicted = start.copy()
-    tangent = load.copy()
+    tangent = np.empty_like(load)
     mode = np.zeros_like(load)
-    clearance = commit(model, state, memory)
-    _, pairs = assemble(model, state, clearance, memory, state, 0.0, g, H)
+    clearance = commit(reals, ints, state, memory)
+    _, pairs = assemble(reals, ints, state, clearance, memory, state, 0.0, g, H)
     rest = H.copy()
-    F[...] = H
-    if factor(model, F) > 0:
+    copy(H, F)
+    if factor(reals, ints, F) > 0:
         return Track(states[:0], iterations[:0], spent, CRITICAL, 0.0, 0.0, 0, pairs, mode, history)
     spent[0] = 1
-    solve(model, F, tangent)
-    work = np.dot(load, tangent)
+    solution(reals, ints, F, load, 1.0, tangent, solve)
+    work = dot(load, tangent)
     origin, begin = state.copy(), 0.0  # of the linear stretch whose stability is not yet verified
     linear, kept = False, True
     checks, critical = 0, np.inf
     outcome = COMPLETED
     time, dt = 0.0, min(times[0], FIRST_STEP)
     row = 0
-    while row < size:
+    while row < times.size:
         landing = times[row] - time <= dt * (1.0 + 1e-9)
         target = times[row] if landing else time + dt
         step = target - time
-        retract(model, state, tangent, step if predictor else 0.0, predicted)
-        trial[:] = predicted
+        retract(reals, ints, state, tangent, step if predictor else 0.0, predicted)
+        copy(predicted, trial)
         status, count, troubled, looked = equilibrium(
-            model, state, clearance, memory, target, work * target**2, limit, trial,
+            reals, ints, state, clearance, memory, target, work * target**2, limit, trial,
             g, H, rest, F, kept, history, assemble, factor, solve, retract,
         )  # fmt: skip
         spent[0] += count
         pairs += looked
         good, share = status in (CONVERGED, LINEAR), 0.0
         if good:
-            good, share = continues(model, predicted, state, trial, diameter, troubled, predictor, motion)
+            good, share = continues(
+                reals, ints, predicted, state, trial, diameter, troubled, predictor, motion
+            )
         if not good:
             kept = False
             dt = 0.5 * step
@@ -184,43 +190,44 @@ def follow(
             continue
         if status == LINEAR:
             if not linear:
-                origin[:], begin, linear = state, time, True
+                copy(state, origin)
+                begin, linear = time, True
         elif linear:
             # a linear stretch took no factorisation: verify its stability once, where it ends
             critical, count = unstable_time(
-                model, memory, origin, begin, tangent, time, H, g, assemble, factor, retract
+                reals, ints, memory, origin, begin, tangent, time, H, g, assemble, factor, retract
             )
             checks += count
             linear = False
             if critical < np.inf:
                 break
         if status == CONVERGED:
-            tangent[:] = load
-            solve(model, F, tangent)
+            solution(reals, ints, F, load, 1.0, tangent, solve)
         kept = True
-        state[:] = trial
+        copy(trial, state)
         time = target
-        clearance = commit(model, state, memory)
+        clearance = commit(reals, ints, state, memory)
         if share < EASY_TURN and count <= EASY_COUNT:
             dt = max(dt, 2.0 * step)
         if landing:
-            states[row] = state
+            copy(state, states[row])
             iterations[row] = spent[0]
             spent[0] = 0
             row += 1
     bracket = 2.0 * dt
     if linear:
         critical, count = unstable_time(
-            model, memory, origin, begin, tangent, time, H, g, assemble, factor, retract
+            reals, ints, memory, origin, begin, tangent, time, H, g, assemble, factor, retract
         )
         checks += count
     if critical < np.inf:
         outcome, time, bracket = CRITICAL, critical, LEAST_STEP
-        row = np.searchsorted(times, critical)
-        retract(model, origin, tangent, critical - begin, state)
+        while row > 0 and times[row - 1] > critical:
+            row -= 1
+        retract(reals, ints, origin, tangent, critical - begin, state)
     if outcome != COMPLETED:
-        least, mode = softest(model, state, memory, time, load, g, H, assemble, factor, solve)
-        stiffness, _ = softest(model, start, memory, 0.0, load, g, H, assemble, factor, solve)
+        least, mode = softest(reals, ints, state, memory, time, load, g, H, assemble, factor, solve)
+        stiffness, _ = softest(reals, ints, start, memory, 0.0, load, g, H, assemble, factor, solve)
         if abs(least) < SOFT * abs(stiffness):
             outcome = CRITICAL
     return Track(
@@ -239,36 +246,39 @@ class Kernels(NamedTuple):
     commit: Callable
 
 
-_followers: dict[tuple, Callable] = {}
-
-
-def compiled_follow(model: tuple, template: np.ndarray, kernels: Kernels) -> Callable:
-    """`follow`, compiled for a model's data, matrix and kernels; read from the cache where stored.
+@lru_cache(maxsize=1)
+def compiled_follow() -> Callable:
+    """`follow`, compiled; read from the cache where stored.
 
     The kernels enter as typed first-class functions: a jitted function passed as an ordinary
     argument would be compiled anew in every process.
     """
-    kind, matrix = typeof(model), typeof(template)
-    if (kind, matrix) not in _followers:
-        signatures = _signatures(kind, matrix)
-        for kernel, signature in zip(kernels, signatures, strict=True):
-            kernel.compile(signature.args)
-        vector, table = types.float64[::1], types.float64[:, ::1]
-        data = (kind, vector, vector, vector, table, matrix)
-        control = (types.float64, types.int64, types.boolean)
-        functions = tuple(types.FunctionType(signature) for signature in signatures)
-        _followers[kind, matrix] = njit(data + control + functions, cache=True, error_model="numpy")(follow)
-    return _followers[kind, matrix]
+    whole, real = types.int64, types.float64
+    vector, numbers, table = types.float64[::1], types.int64[::1], types.float64[:, ::1]
+    data = (vector, numbers, vector, vector, vector, table, whole)
+    control = (real, whole, types.boolean)
+    functions = tuple(types.FunctionType(signature) for signature in SIGNATURES)
+    return njit(data + control + functions, cache=True, error_model="numpy")(follow)
 
 
-def _signatures(kind: types.Type, matrix: types.Type) -> Kernels:
-    vector, table = types.float64[::1], types.float64[:, ::1]
+def compile_kernels(kernels: Kernels) -> None:
+    """Compile a model's kernels, or read them from the cache, for the types `follow` calls with."""
+    for function, signature in zip(kernels, SIGNATURES, strict=True):
+        function.compile(signature.args)
+
+
+def _signatures() -> Kernels:
+    vector, numbers, table = types.float64[::1], types.int64[::1], types.float64[:, ::1]
     real, whole = types.float64, types.int64
+    data = (vector, numbers)
     return Kernels(
-        assemble=types.Tuple((real, whole))(kind, vector, real, table, vector, real, vector, matrix),
-        factor=whole(kind, matrix),
-        solve=types.void(kind, matrix, vector),
-        retract=types.void(kind, vector, vector, real, vector),
-        motion=types.UniTuple(real, 2)(kind, vector, vector),
-        commit=real(kind, vector, table),
+        assemble=types.Tuple((real, whole))(*data, vector, real, table, vector, real, vector, vector),
+        factor=whole(*data, vector),
+        solve=types.void(*data, vector, vector),
+        retract=types.void(*data, vector, vector, real, vector),
+        motion=types.UniTuple(real, 2)(*data, vector, vector),
+        commit=real(*data, vector, table),
     )
+
+
+SIGNATURES = _signatures()

@@ -8,17 +8,17 @@ from __future__ import annotations
 
 import math
 
-from numba import njit
+from coilspring.compiled import kernel
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def circle_centre(x, y, theta, ox, oy):
     """Centre of a circle carried by a node: the node's position and the turned offset."""
     c, s = math.cos(theta), math.sin(theta)
     return x + c * ox - s * oy, y + s * ox + c * oy
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def pair_potential(gx, gy, h, d, kc, k, stuck, f, H):
     """Energy of one pair as a function of g; fills its gradient `f` (2,) and Hessian `H` (2, 2).
 
@@ -52,7 +52,7 @@ def pair_potential(gx, gy, h, d, kc, k, stuck, f, H):
     return energy
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def pair_forces(f, H, rax, ray, rbx, rby, g, K):
     """Gradient (6,) and Hessian (6, 6) in the two nodes' freedoms from those in the vector g.
 

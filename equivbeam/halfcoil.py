@@ -15,8 +15,8 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numba import njit
 
+from coilspring.compiled import kernel
 from coilspring.material import Material
 from coilspring.spring import Spring
 
@@ -38,7 +38,7 @@ def haringx_stiffness(spring: Spring, material: Material) -> np.ndarray:
     return np.stack((kax, ksh, kfl), axis=1)
 
 
-@njit(cache=True, error_model="numpy", inline="never")
+@kernel
 def half_coil(x1, y1, th1, x2, y2, th2, kax, ksh, kfl, l0, g, K):
     """Energy of one half coil; fills its gradient `g` (6,) and Hessian `K` (6, 6)."""
     thb = 0.5 * (th1 + th2)
@@ -69,7 +69,7 @@ def half_coil(x1, y1, th1, x2, y2, th2, kax, ksh, kfl, l0, g, K):
     return 0.5 * (N * (l - l0) + T * v + M * dth)
 
 
-@njit(cache=True, error_model="numpy", inline="always")
+@kernel
 def _scatter(kxx, kxy, kyy, kxb, kyb, same, cross, K):
     """6 x 6 matrix from the second derivatives in (ax, ay, theta_b) and the rotation terms."""
     for i in range(2):
@@ -89,7 +89,7 @@ def _scatter(kxx, kxy, kyy, kxb, kyb, same, cross, K):
             K[p + 2, q + 1] = side * kyb
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def paper_matrix(thb, kax, ksh, kfl, L, factor, K):
     """The paper's element matrix (section 2.3), which stands in for the tangent, turned by theta_b.
 

@@ -6,9 +6,10 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 
+from coilspring.compiled import copy, entry, kernel
 from coilspring.errors import InputError
+from coilspring.packing import heads, table, vector
 from coilspring.scene import Scene
 from equivbeam.contact import circle_centre, pair_forces, pair_potential
 from equivbeam.halfcoil import half_coil, haringx_stiffness, paper_matrix
@@ -33,7 +34,7 @@ class BeamModel(NamedTuple):
     d: float  # wire diameter: the distance of centres at which a pair touches
     kc: float  # penalty of a pair
     k: float  # exponent
-    stick: bool  # whether closed pairs are kept from sliding
+    stick: int  # 1 where closed pairs are kept from sliding
     tangent: int  # EXACT, PAPER or PRINTED
 
 
@@ -70,7 +71,7 @@ def build_model(scene: Scene, tangent: str = "exact", sliding: str = "ignore") -
         d=spring.wire_diameter,
         kc=contact.stiffness * 4.0 / PAIRS_PER_TURN,
         k=float(contact.exponent),
-        stick=sliding == "scene" and contact.sliding == "none",
+        stick=int(sliding == "scene" and contact.sliding == "none"),
         tangent=TANGENTS[tangent],
     )
 
@@ -106,12 +107,24 @@ def load_vector(model: BeamModel) -> np.ndarray:
     return load
 
 
-def matrix_template(model: BeamModel) -> np.ndarray:
-    """Banded storage of the matrix: row i holds the entries (i, i - j) at column j."""
-    return np.zeros((3 * model.stiffness.shape[0], BAND + 1))
+def matrix_size(model: BeamModel) -> int:
+    """Length of the banded matrix: row i holds the entries (i, i - j) at column j."""
+    return 3 * model.stiffness.shape[0] * (BAND + 1)
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
+def view(reals, ints):
+    """The model's fields, in their order, in the packed arrays."""
+    head = heads(ints)
+    return BeamModel(
+        table(reals, head[0]), reals[head[1, 0]], vector(reals, head[2]), vector(reals, head[3]),
+        vector(ints, head[4]), table(reals, head[5]), table(ints, head[6]), reals[head[7, 0]],
+        reals[head[8, 0]], reals[head[9, 0]], reals[head[10, 0]], ints[head[11, 0]],
+        ints[head[12, 0]],
+    )  # fmt: skip
+
+
+@kernel
 def _add(g, H, ge, Ke, a, b):
     """Scatter the 6 freedoms of the nodes `a` < `b` (node 0 is clamped)."""
     for i in range(6):
@@ -125,7 +138,7 @@ def _add(g, H, ge, Ke, a, b):
                 H[p, p - q] += Ke[i, j]
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def centre(model, state, circle):
     """Position of a circle's centre."""
     i = 3 * model.carrier[circle]
@@ -134,7 +147,7 @@ def centre(model, state, circle):
     )
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def _bound(model, a, b):
     """Bound on how far any circle's centre moved between two states."""
     most = 0.0
@@ -144,7 +157,7 @@ def _bound(model, a, b):
     return most
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def _add_pairs(model, memory, state, g, H, ge, Ke):
     """Contact energy; adds its gradient and Hessian. Only pairs that touch are scattered."""
     energy = 0.0
@@ -167,11 +180,13 @@ def _add_pairs(model, memory, state, g, H, ge, Ke):
     return energy
 
 
-@njit(cache=True, error_model="numpy")
-def assemble(model, anchor, clearance, memory, state, time, g, H):
+@entry
+def assemble(reals, ints, anchor, clearance, memory, state, time, g, flat):
     """Total potential, gradient and matrix; see `coilspring.newton` for the contract."""
+    model = view(reals, ints)
+    H = flat.reshape((g.size, BAND + 1))
     g[:] = 0.0
-    H[:] = 0.0
+    flat[:] = 0.0
     ge = np.empty(6)
     Ke = np.empty((6, 6))
     energy = 0.0
@@ -201,7 +216,7 @@ def assemble(model, anchor, clearance, memory, state, time, g, H):
     return energy, count
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def _hold(g, H, p):
     """Take the freedom `p` out: no force, a row and column of the unit matrix."""
     g[p] = 0.0
@@ -211,9 +226,10 @@ def _hold(g, H, p):
     H[p, 0] = 1.0
 
 
-@njit(cache=True, error_model="numpy")
-def factor(model, F):
+@entry
+def factor(reals, ints, flat):
     """Banded LDL^T in place (unit lower triangle, pivots in column 0); returns the negative pivots."""
+    F = flat.reshape((flat.size // (BAND + 1), BAND + 1))
     n = F.shape[0]
     negative = 0
     for i in range(n):
@@ -234,10 +250,11 @@ def factor(model, F):
     return negative
 
 
-@njit(cache=True, error_model="numpy")
-def solve(model, F, b):
+@entry
+def solve(reals, ints, flat, b):
     """Back substitution in place."""
     n = b.size
+    F = flat.reshape((n, BAND + 1))
     for i in range(n):
         for j in range(max(0, i - BAND), i):
             b[i] -= F[i, i - j] * b[j]
@@ -248,17 +265,18 @@ def solve(model, F, b):
             b[j] -= F[i, i - j] * b[i]
 
 
-@njit(cache=True, error_model="numpy")
-def retract(model, state, step, factor, out):
+@entry
+def retract(reals, ints, state, step, factor, out):
     """Positions and rotations simply add."""
-    out[:3] = state[:3]
+    copy(state, out)
     for i in range(step.size):
-        out[3 + i] = state[3 + i] + factor * step[i]
+        out[3 + i] += factor * step[i]
 
 
-@njit(cache=True, error_model="numpy")
-def motion(model, a, b):
+@entry
+def motion(reals, ints, a, b):
     """See `coilspring.newton`: bound on the way of any circle, and the largest pair motion over d."""
+    model = view(reals, ints)
     most = 0.0
     for m in range(model.pairs.shape[0]):
         A, B = model.pairs[m, 0], model.pairs[m, 1]
@@ -272,13 +290,14 @@ def motion(model, a, b):
     return _bound(model, a, b), most / model.d
 
 
-@njit(cache=True, error_model="numpy")
-def commit(model, state, memory):
+@entry
+def commit(reals, ints, state, memory):
     """Update the contact memory with an accepted state; returns the least gap of all pairs.
 
     A pair that has just closed is remembered with its vector g and direction, one that has opened
     is forgotten. A remembered pair keeps the clearance at zero.
     """
+    model = view(reals, ints)
     least = np.inf
     for m in range(model.pairs.shape[0]):
         xa, ya = centre(model, state, model.pairs[m, 0])
@@ -286,7 +305,7 @@ def commit(model, state, memory):
         gx, gy = xb - xa, yb - ya
         h = math.hypot(gx, gy)
         least = min(least, h - model.d)
-        if not model.stick:
+        if model.stick == 0:
             continue
         if h >= model.d:
             memory[m, 0] = 0.0

@@ -74,7 +74,7 @@ def solve(
         load=model.load_vector(data),
         start=model.rest_state(data),
         memory=np.zeros((len(data.pairs), 5)),
-        template=model.matrix_template(data),
+        matrix_size=model.matrix_size(data),
     )
     exact = tangent == "exact"
     return follow_scene(

@@ -21,46 +21,64 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numba import njit
 
+from coilspring.compiled import kernel
 from wirefe.rotations import quaternion_product, rotation_matrix, stretch_functions
 
 
-@njit(cache=True, error_model="numpy", inline="always")
-def _skew(x, y, z, S):
+@kernel
+def _skew(a, factor, S):
+    """S = factor [a], the matrix of the cross product a x."""
+    x, y, z = factor * a[0], factor * a[1], factor * a[2]
     S[0, 0], S[0, 1], S[0, 2] = 0.0, -z, y
     S[1, 0], S[1, 1], S[1, 2] = z, 0.0, -x
     S[2, 0], S[2, 1], S[2, 2] = -y, x, 0.0
 
 
-@njit(cache=True, error_model="numpy", inline="always")
+@kernel
+def _cross(a, b, c):
+    """c = a x b."""
+    c[0] = a[1] * b[2] - a[2] * b[1]
+    c[1] = a[2] * b[0] - a[0] * b[2]
+    c[2] = a[0] * b[1] - a[1] * b[0]
+
+
+@kernel
 def _product(A, B, C):
-    """C = A B for 3 x 3 matrices."""
+    """C = A B for 3 x 3 matrices; C may be A. Read first, then write: twice as fast."""
+    b00, b01, b02 = B[0, 0], B[0, 1], B[0, 2]
+    b10, b11, b12 = B[1, 0], B[1, 1], B[1, 2]
+    b20, b21, b22 = B[2, 0], B[2, 1], B[2, 2]
     for i in range(3):
-        for j in range(3):
-            C[i, j] = A[i, 0] * B[0, j] + A[i, 1] * B[1, j] + A[i, 2] * B[2, j]
+        x, y, z = A[i, 0], A[i, 1], A[i, 2]
+        C[i, 0] = x * b00 + y * b10 + z * b20
+        C[i, 1] = x * b01 + y * b11 + z * b21
+        C[i, 2] = x * b02 + y * b12 + z * b22
 
 
-@njit(cache=True, error_model="numpy", inline="always")
-def _turned(M, A, C, T):
-    """C = M A M^T with the scratch matrix T."""
-    _product(M, A, T)
+@kernel
+def _turned(M, Mt, A):
+    """A becomes M A M^T; `Mt` is the transpose of M."""
+    _product(A, Mt, A)
+    b00, b01, b02 = A[0, 0], A[0, 1], A[0, 2]
+    b10, b11, b12 = A[1, 0], A[1, 1], A[1, 2]
+    b20, b21, b22 = A[2, 0], A[2, 1], A[2, 2]
     for i in range(3):
-        for j in range(3):
-            C[i, j] = T[i, 0] * M[j, 0] + T[i, 1] * M[j, 1] + T[i, 2] * M[j, 2]
+        x, y, z = M[i, 0], M[i, 1], M[i, 2]
+        A[i, 0] = x * b00 + y * b10 + z * b20
+        A[i, 1] = x * b01 + y * b11 + z * b21
+        A[i, 2] = x * b02 + y * b12 + z * b22
 
 
-@njit(cache=True, error_model="numpy")
-def relative_pose(x1, q1, x2, q2, lam1, lam2, M, th, u):
+@kernel
+def relative_pose(ends, turns, triads, p1, p2, m, M, th, u):
     """Half-way frame M (3, 3), relative rotation th (3,) and chord u (3,) in that frame.
 
-    Returns a = theta/2 with its sine and cosine. Relative rotations reach to 180 degrees.
+    `p1`, `p2`, `m` are scratch (4,). Returns a = theta/2 with its sine and cosine. Relative
+    rotations reach to 180 degrees.
     """
-    p1 = np.empty(4)
-    p2 = np.empty(4)
-    m = np.empty(4)
-    quaternion_product(q1, lam1, p1)
-    quaternion_product(q2, lam2, p2)
+    quaternion_product(turns[0], triads[0], p1)
+    quaternion_product(turns[1], triads[1], p2)
     cos_a = p1[0] * p2[0] + p1[1] * p2[1] + p1[2] * p2[2] + p1[3] * p2[3]
     sign = 1.0 if cos_a >= 0.0 else -1.0  # q and -q are one rotation: take the shorter way
     cos_a *= sign
@@ -80,145 +98,182 @@ def relative_pose(x1, q1, x2, q2, lam1, lam2, M, th, u):
     rotation_matrix(m, M)
     for i in range(3):
         th[i] *= twice
-        u[i] = M[0, i] * (x2[0] - x1[0]) + M[1, i] * (x2[1] - x1[1]) + M[2, i] * (x2[2] - x1[2])
+        u[i] = 0.0
+        for j in range(3):
+            u[i] += M[j, i] * (ends[1, j] - ends[0, j])
     return a, sin_a, cos_a
 
 
-@njit(cache=True, error_model="numpy")
-def deformation(x1, q1, x2, q2, lam1, lam2, e):
-    """Deformation measure (v, theta) of one element, before e0 is taken off."""
-    M = np.empty((3, 3))
-    th = np.empty(3)
-    u = np.empty(3)
-    a, sin_a, cos_a = relative_pose(x1, q1, x2, q2, lam1, lam2, M, th, u)
-    q = 4.0 * a * a
-    c, _, _, _, _ = stretch_functions(q, a, sin_a, cos_a)
-    along = th[0] * u[0] + th[1] * u[1] + th[2] * u[2]
-    for i in range(3):
-        e[i] = (1.0 + c * q) * u[i] - c * along * th[i]
-        e[3 + i] = th[i]
+@kernel
+def deformations(ends, turns, triads, e):
+    """Deformation measures (v, theta) of all elements, shape (n, 6), before e0 is taken off."""
+    p1, p2, m = np.empty(4), np.empty(4), np.empty(4)
+    M, th, u = np.empty((3, 3)), np.empty(3), np.empty(3)
+    for n in range(len(ends)):
+        a, sin_a, cos_a = relative_pose(ends[n], turns[n], triads[n], p1, p2, m, M, th, u)
+        q = 4.0 * a * a
+        c = stretch_functions(q, a, sin_a, cos_a)[0]
+        along = th[0] * u[0] + th[1] * u[1] + th[2] * u[2]
+        for i in range(3):
+            e[n, i] = (1.0 + c * q) * u[i] - c * along * th[i]
+            e[n, 3 + i] = th[i]
 
 
-@njit(cache=True, error_model="numpy")
-def beam(x1, q1, x2, q2, lam1, lam2, e0, K, g, H):
-    """Energy of one element; fills its gradient g (12,) and Hessian H (12, 12).
+@kernel
+def beams(ends, turns, triads, e0, K, g, H):
+    """Energy of all elements; fills their gradients g (n, 12) and Hessians H (n, 12, 12).
 
-    Freedoms are (x1, phi1, x2, phi2) with spatial spins phi.
+    Freedoms of an element are (x1, phi1, x2, phi2) with spatial spins phi.
+
+    Parameters
+    ----------
+    ends : (n, 2, 3) positions of the elements' ends.
+    turns : (n, 2, 4) rotations of the nodes at the ends, unit quaternions.
+    triads : (n, 2, 4) end frames at rest, unit quaternions.
+    e0 : (n, 6) deformation measures at rest.
+    K : (n, 6, 6) stiffnesses in (v, theta).
     """
-    M = np.empty((3, 3))
-    th = np.empty(3)
-    u = np.empty(3)
-    a, sin_a, cos_a = relative_pose(x1, q1, x2, q2, lam1, lam2, M, th, u)
-    q = 4.0 * a * a
-    c, c1, c2, tau, tau1 = stretch_functions(q, a, sin_a, cos_a)
-    al, al1, al2 = 1.0 + c * q, c1 * q + c, c2 * q + 2.0 * c1
+    p1, p2, m4 = np.empty(4), np.empty(4), np.empty(4)
+    M, P, Sk, T = np.empty((3, 3)), np.empty((3, 3)), np.empty((3, 3)), np.empty((3, 3))
+    th, u, s = np.empty(3), np.empty(3), np.empty(6)
+    N, m, Pm, C, X = np.empty(3), np.empty(3), np.empty(3), np.empty(3), np.empty(3)
+    Vt, Wt, Gt = np.empty((3, 3)), np.empty((3, 3)), np.empty((3, 3))
+    D, KD, Z = np.empty((3, 9)), np.empty((6, 9)), np.empty((9, 9))
+    rr, rm, rw = np.empty((3, 3)), np.empty((3, 3)), np.empty((3, 3))
+    mm, mw, ww = np.empty((3, 3)), np.empty((3, 3)), np.empty((3, 3))
+    energy = 0.0
+    for n in range(len(ends)):
+        a, sin_a, cos_a = relative_pose(ends[n], turns[n], triads[n], p1, p2, m4, M, th, u)
+        q = 4.0 * a * a
+        f = stretch_functions(q, a, sin_a, cos_a)
+        energy += _forces(q, f, th, u, e0[n], K[n], s, N, m, Pm, C, X)
+        _gradient(M, N, C, Pm, X, f[3], g[n])
+        _derivatives(q, f, th, u, s, P, Vt, Wt, Gt)
+        _material(u, P, Vt, K[n], Sk, T, D, KD, Z)
+        _geometric(f, th, u, N, m, Pm, C, X, P, Wt, Gt, Sk, T, Z)
+        _half_way_blocks(th, f[3], Z, Sk, T, rr, rm, rw, mm, mw, ww)
+        _spread(M, T, rr, rm, rw, mm, mw, ww, H[n])
+    return energy
+
+
+@kernel
+def _forces(q, f, th, u, e0, K, s, N, m, Pm, C, X):
+    """Energy of one element; fills s = K e (6,) and the forces conjugate to u, theta, w and mu.
+
+    N to u, m to theta, P m to w, C = N x u to mu; X = theta x C.
+    """
+    c, c1 = f[0], f[1]
+    al, al1 = 1.0 + c * q, c1 * q + c
     B = th[0] * u[0] + th[1] * u[1] + th[2] * u[2]
-    e = np.empty(6)
-    s = np.empty(6)
-    for i in range(3):
-        e[i] = al * u[i] - c * B * th[i] - e0[i]
-        e[3 + i] = th[i] - e0[3 + i]
     energy = 0.0
     for i in range(6):
         s[i] = 0.0
         for j in range(6):
-            s[i] += K[i, j] * e[j]
-        energy += 0.5 * s[i] * e[i]
-    sv, st = s[:3], s[3:]
-    A = th[0] * sv[0] + th[1] * sv[1] + th[2] * sv[2]
-    S = sv[0] * u[0] + sv[1] * u[1] + sv[2] * u[2]
-    N = np.empty(3)  # force in the half-way frame, conjugate to u
-    m = np.empty(3)  # conjugate to theta
+            e = al * u[j] - c * B * th[j] if j < 3 else th[j - 3]
+            s[i] += K[i, j] * (e - e0[j])
+    for i in range(6):
+        e = al * u[i] - c * B * th[i] if i < 3 else th[i - 3]
+        energy += 0.5 * s[i] * (e - e0[i])
+    A = th[0] * s[0] + th[1] * s[1] + th[2] * s[2]
+    S = s[0] * u[0] + s[1] * u[1] + s[2] * u[2]
     for i in range(3):
-        N[i] = al * sv[i] - c * A * th[i]
-        m[i] = st[i] + 2.0 * (al1 * S - c1 * A * B) * th[i] - c * (B * sv[i] + A * u[i])
+        N[i] = al * s[i] - c * A * th[i]
+        m[i] = s[3 + i] + 2.0 * (al1 * S - c1 * A * B) * th[i] - c * (B * s[i] + A * u[i])
     mt = m[0] * th[0] + m[1] * th[1] + m[2] * th[2]
-    Pm = np.empty(3)
     for i in range(3):
         Pm[i] = al * m[i] - c * mt * th[i]
-    C = np.empty(3)  # N x u, conjugate to mu
-    C[0], C[1], C[2] = N[1] * u[2] - N[2] * u[1], N[2] * u[0] - N[0] * u[2], N[0] * u[1] - N[1] * u[0]
-    Ct = C[0] * th[0] + C[1] * th[1] + C[2] * th[2]
-    X = np.empty(3)  # theta x C
-    X[0], X[1], X[2] = th[1] * C[2] - th[2] * C[1], th[2] * C[0] - th[0] * C[2], th[0] * C[1] - th[1] * C[0]
-    _gradient(M, N, C, Pm, X, tau, g)
+    _cross(N, u, C)
+    _cross(th, C, X)
+    return energy
 
-    P = np.empty((3, 3))
-    Sk = np.empty((3, 3))
-    T = np.empty((3, 3))
-    Vt = np.empty((3, 3))  # d(P u)/d theta
-    Wt = np.empty((3, 3))  # d(P sv)/d theta
-    Gt = np.empty((3, 3))  # second derivative of sv . P u in theta
+
+@kernel
+def _derivatives(q, f, th, u, s, P, Vt, Wt, Gt):
+    """P, d(P u)/dtheta, d(P sv)/dtheta and the second derivative of sv . P u in theta."""
+    c, c1, c2 = f[0], f[1], f[2]
+    al, al1, al2 = 1.0 + c * q, c1 * q + c, c2 * q + 2.0 * c1
+    A = th[0] * s[0] + th[1] * s[1] + th[2] * s[2]
+    B = th[0] * u[0] + th[1] * u[1] + th[2] * u[2]
+    S = s[0] * u[0] + s[1] * u[1] + s[2] * u[2]
     for i in range(3):
         for j in range(3):
             unit = 1.0 if i == j else 0.0
             P[i, j] = al * unit - c * th[i] * th[j]
             Vt[i, j] = 2.0 * (al1 * u[i] - c1 * B * th[i]) * th[j] - c * (B * unit + th[i] * u[j])
-            Wt[i, j] = 2.0 * (al1 * sv[i] - c1 * A * th[i]) * th[j] - c * (A * unit + th[i] * sv[j])
-            yi, yj = B * sv[i] + A * u[i], B * sv[j] + A * u[j]
+            Wt[i, j] = 2.0 * (al1 * s[i] - c1 * A * th[i]) * th[j] - c * (A * unit + th[i] * s[j])
+            yi, yj = B * s[i] + A * u[i], B * s[j] + A * u[j]
             Gt[i, j] = (
                 2.0 * unit * (al1 * S - c1 * A * B)
                 + 4.0 * (al2 * S - c2 * A * B) * th[i] * th[j]
                 - 2.0 * c1 * (th[i] * yj + yi * th[j])
-                - c * (sv[i] * u[j] + u[i] * sv[j])
+                - c * (s[i] * u[j] + u[i] * s[j])
             )
-    # rows of D: dv and dtheta as functions of (rho, mu, w)
-    D = np.zeros((6, 9))
-    VP = np.empty((3, 3))
-    WP = np.empty((3, 3))
-    _skew(u[0], u[1], u[2], Sk)
+
+
+@kernel
+def _material(u, P, Vt, K, Sk, T, D, KD, Z):
+    """Z = D^T K D (upper part): dv = P (rho + u x mu) + d(P u)/dtheta P w, dtheta = P w."""
+    _skew(u, 1.0, Sk)
     _product(P, Sk, T)
-    _product(Vt, P, VP)
-    _product(Wt, P, WP)
     for i in range(3):
         for j in range(3):
-            D[i, j], D[i, 3 + j], D[i, 6 + j], D[3 + i, 6 + j] = P[i, j], T[i, j], VP[i, j], P[i, j]
-    KD = np.empty((6, 9))
+            D[i, j], D[i, 3 + j] = P[i, j], T[i, j]
+    _product(Vt, P, T)
+    for i in range(3):
+        for j in range(3):
+            D[i, 6 + j] = T[i, j]
+    # the rows of dtheta are zero but for w
     for i in range(6):
+        k0, k1, k2 = K[i, 0], K[i, 1], K[i, 2]
         for j in range(9):
-            total = 0.0
-            for k in range(6):
-                total += K[i, k] * D[k, j]
-            KD[i, j] = total
-    Z = np.empty((9, 9))
+            KD[i, j] = k0 * D[0, j] + k1 * D[1, j] + k2 * D[2, j]
+        k0, k1, k2 = K[i, 3], K[i, 4], K[i, 5]
+        for j in range(3):
+            KD[i, 6 + j] += k0 * P[0, j] + k1 * P[1, j] + k2 * P[2, j]
     for i in range(9):
-        for j in range(i, 9):
-            total = 0.0
-            for k in range(6):
-                total += D[k, i] * KD[k, j]
-            Z[i, j] = total
-    # geometric parts: rho-mu, rho-w, mu-mu, mu-w, w-w
+        d0, d1, d2 = D[0, i], D[1, i], D[2, i]
+        for j in range(9):
+            Z[i, j] = d0 * KD[0, j] + d1 * KD[1, j] + d2 * KD[2, j]
+    for i in range(3):
+        for j in range(3):
+            Z[6 + i, 6 + j] += P[0, i] * KD[3, 6 + j] + P[1, i] * KD[4, 6 + j] + P[2, i] * KD[5, 6 + j]
+
+
+@kernel
+def _geometric(f, th, u, N, m, Pm, C, X, P, Wt, Gt, Sk, T, Z):
+    """Add what the forces do along the second derivatives; `Sk` holds [u], `Gt` is overwritten."""
+    c, c1, tau, tau1 = f[0], f[1], f[3], f[4]
+    al1 = c + c1 * (th[0] ** 2 + th[1] ** 2 + th[2] ** 2)
     Nu = N[0] * u[0] + N[1] * u[1] + N[2] * u[2]
-    UW = np.empty((3, 3))
-    _product(Sk, WP, UW)
-    _skew(N[0], N[1], N[2], T)
+    Ct = C[0] * th[0] + C[1] * th[1] + C[2] * th[2]
+    mt = m[0] * th[0] + m[1] * th[1] + m[2] * th[2]
+    _product(Wt, P, T)
+    for i in range(3):
+        for j in range(3):
+            Z[i, 6 + j] += T[i, j]
+    _product(Sk, T, Wt)  # [u] d(P sv)/dtheta P
+    _skew(N, 1.0, T)
+    _skew(Pm, 0.5, Sk)
     for i in range(3):
         for j in range(3):
             unit = 1.0 if i == j else 0.0
             Z[i, 3 + j] -= T[i, j]
-            Z[i, 6 + j] += WP[i, j]
             if j >= i:
                 Z[3 + i, 3 + j] += 0.5 * (N[i] * u[j] + u[i] * N[j]) - Nu * unit
-            Z[3 + i, 6 + j] += 0.25 * tau * (C[i] * th[j] - Ct * unit) - UW[i, j]
-    _skew(0.5 * Pm[0], 0.5 * Pm[1], 0.5 * Pm[2], T)
-    for i in range(3):
-        for j in range(3):
-            Z[3 + i, 6 + j] += T[i, j]
-    _product(Gt, P, UW)
-    _product(P, UW, Gt)
-    _skew(C[0], C[1], C[2], Sk)
-    _product(Sk, P, UW)
+            Z[3 + i, 6 + j] += 0.25 * tau * (C[i] * th[j] - Ct * unit) - Wt[i, j] + Sk[i, j]
+    _product(Gt, P, T)
+    _product(P, T, Gt)
+    _skew(C, 1.0, Sk)
+    _product(Sk, P, T)
     for i in range(3):
         for j in range(i, 3):
             # sym: -tau/2 [C] P - tau' (C x theta) theta^T + 2 alpha' theta m^T - c theta (P m)^T
-            one = -0.5 * tau * UW[i, j] + tau1 * X[i] * th[j] + th[i] * (2.0 * al1 * m[j] - c * Pm[j])
-            two = -0.5 * tau * UW[j, i] + tau1 * X[j] * th[i] + th[j] * (2.0 * al1 * m[i] - c * Pm[i])
+            one = -0.5 * tau * T[i, j] + tau1 * X[i] * th[j] + th[i] * (2.0 * al1 * m[j] - c * Pm[j])
+            two = -0.5 * tau * T[j, i] + tau1 * X[j] * th[i] + th[j] * (2.0 * al1 * m[i] - c * Pm[i])
             Z[6 + i, 6 + j] += Gt[i, j] + 0.5 * (one + two) - mt * (2.0 * c1 * th[i] * th[j] + c * P[i, j])
-    _spread(M, th, tau, Z, H)
-    return energy
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def _gradient(M, N, C, Pm, X, tau, g):
     """Gradient (12,) from the half-way frame's N (force), C = N x u, P m and X = theta x C."""
     for i in range(3):
@@ -231,19 +286,10 @@ def _gradient(M, N, C, Pm, X, tau, g):
         g[3 + i], g[9 + i] = mean - bend, mean + bend
 
 
-@njit(cache=True, error_model="numpy")
-def _spread(M, th, tau, Z, H):
-    """Hessian (12, 12) from Z (9, 9; upper part) in (rho, mu, w)."""
-    S = np.empty((3, 3))
-    T = np.empty((3, 3))
-    rr = np.empty((3, 3))
-    rm = np.empty((3, 3))
-    rw = np.empty((3, 3))
-    mm = np.empty((3, 3))
-    mw = np.empty((3, 3))
-    ww = np.empty((3, 3))
-    h = -0.5 * tau
-    _skew(h * th[0], h * th[1], h * th[2], S)
+@kernel
+def _half_way_blocks(th, tau, Z, S, T, rr, rm, rw, mm, mw, ww):
+    """Blocks of the Hessian in (rho, mean spin, w) from Z in (rho, mu, w): mu = mean + S w."""
+    _skew(th, -0.5 * tau, S)
     for i in range(3):
         for j in range(3):
             rr[i, j] = Z[min(i, j), max(i, j)]
@@ -252,7 +298,6 @@ def _spread(M, th, tau, Z, H):
             mm[i, j] = Z[3 + min(i, j), 3 + max(i, j)]
             mw[i, j] = Z[3 + i, 6 + j]
             ww[i, j] = Z[6 + min(i, j), 6 + max(i, j)]
-    # mu = mean + S w
     _product(rm, S, T)
     for i in range(3):
         for j in range(3):
@@ -268,12 +313,20 @@ def _spread(M, th, tau, Z, H):
     for i in range(3):
         for j in range(3):
             mw[i, j] += T[i, j]
-    _turned(M, rr, rr, T)
-    _turned(M, rm, rm, T)
-    _turned(M, rw, rw, T)
-    _turned(M, mm, mm, T)
-    _turned(M, mw, mw, T)
-    _turned(M, ww, ww, T)
+
+
+@kernel
+def _spread(M, T, rr, rm, rw, mm, mw, ww, H):
+    """Hessian (12, 12) of the end freedoms from the blocks in the half-way frame."""
+    for i in range(3):
+        for j in range(3):
+            T[i, j] = M[j, i]
+    _turned(M, T, rr)
+    _turned(M, T, rm)
+    _turned(M, T, rw)
+    _turned(M, T, mm)
+    _turned(M, T, mw)
+    _turned(M, T, ww)
     for i in range(3):
         for j in range(3):
             x = rr[i, j]

@@ -11,7 +11,8 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
+
+from coilspring.compiled import kernel
 
 N6 = 6
 
@@ -27,7 +28,9 @@ class ChainPlan(NamedTuple):
     blocks: int  # number of blocks
 
 
-def plan_chain(nodes: int, couplings: np.ndarray, last: np.ndarray) -> tuple[ChainPlan, np.ndarray, np.ndarray]:
+def plan_chain(
+    nodes: int, couplings: np.ndarray, last: np.ndarray
+) -> tuple[ChainPlan, np.ndarray, np.ndarray]:
     """Order and fill of the matrix.
 
     Parameters
@@ -61,7 +64,7 @@ def plan_chain(nodes: int, couplings: np.ndarray, last: np.ndarray) -> tuple[Cha
         row += rows
         block += [number[later, node] for later in rows]
         start.append(len(row))
-    for step, node in enumerate(order.tolist()):
+    for step in range(nodes):
         rows = row[start[step] : start[step + 1]]
         for i, later in enumerate(rows):
             target += [number[later, other] for other in rows[:i]] + [later]
@@ -77,7 +80,7 @@ def plan_chain(nodes: int, couplings: np.ndarray, last: np.ndarray) -> tuple[Cha
     return plan, np.array(found, dtype=np.int64), flipped
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def _factor_diagonal(D):
     """LDL^T of one block in place; returns its negative pivots."""
     negative = 0
@@ -96,7 +99,7 @@ def _factor_diagonal(D):
     return negative
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def eliminate(plan, F):
     """LDL^T of the blocks `F` (blocks, 6, 6) in place; returns the number of negative pivots."""
     negative = 0
@@ -122,11 +125,13 @@ def eliminate(plan, F):
                 # blocks before `a` are scaled already: their product wants the unscaled `B`
                 _subtract(F[plan.target[t]], scaled if b == a else B, B if b == a else F[plan.block[b]])
                 t += 1
-            B[:] = scaled
+            for r in range(N6):
+                for c in range(N6):
+                    B[r, c] = scaled[r, c]
     return negative
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def _subtract(T, A, B):
     """T -= A B^T for 6 x 6 blocks."""
     for r in range(N6):
@@ -137,7 +142,7 @@ def _subtract(T, A, B):
             T[r, c] -= total
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def substitute(plan, F, b):
     """Solve in place for the right-hand side `b` (nodes * 6,)."""
     steps = plan.order.size

@@ -7,10 +7,10 @@ vector and its direction at the end of the substep in which the pair closed.
 
 from __future__ import annotations
 
-from numba import njit
+from coilspring.compiled import kernel
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def sphere_pair(g, h, d, K, k, stuck, f, H):
     """Energy of a pair as a function of g; fills its gradient f (3,) and Hessian H (3, 3).
 
@@ -45,7 +45,7 @@ def sphere_pair(g, h, d, K, k, stuck, f, H):
     return energy
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def lever(f, r, C):
     """Second derivative of f . exp(phi) r in the spin phi: 1/2 (f r^T + r f^T) - (f . r) I."""
     fr = f[0] * r[0] + f[1] * r[1] + f[2] * r[2]

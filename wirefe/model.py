@@ -10,10 +10,11 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 
+from coilspring.compiled import copy, entry, kernel
+from coilspring.packing import heads, stack, table, vector
 from coilspring.scene import Scene
-from wirefe.beam import beam, deformation
+from wirefe.beam import beams, deformations
 from wirefe.chain import ChainPlan, eliminate, plan_chain, substitute
 from wirefe.contact import lever, sphere_pair
 from wirefe.mesh import WireMesh, mesh_wire, place_spheres, straight_stiffness, wire_section
@@ -40,7 +41,7 @@ class WireModel(NamedTuple):
     d: float
     kc: float
     k: float
-    stick: bool
+    stick: int  # 1 where closed pairs are kept from sliding
     element_block: np.ndarray  # (elements,) block of each element's coupling; -1 for the first
     element_flip: np.ndarray
     pair_block: np.ndarray  # (pairs,) block of each pair's coupling; -1 where one side is the ground
@@ -81,7 +82,7 @@ def build_model(scene: Scene, elements_per_turn: int, pairs_per_turn: int) -> tu
         d=scene.spring.wire_diameter,
         kc=spheres.stiffness,
         k=float(scene.contact.exponent),
-        stick=scene.contact.sliding == "none",
+        stick=int(scene.contact.sliding == "none"),
         element_block=np.concatenate(([-1], block[: count - 1])),
         element_flip=np.concatenate(([False], flip[: count - 1])),
         pair_block=block[count - 1 :],
@@ -92,10 +93,10 @@ def build_model(scene: Scene, elements_per_turn: int, pairs_per_turn: int) -> tu
 
 
 def _strain_at_rest(mesh: WireMesh, triads: np.ndarray) -> np.ndarray:
-    unit = np.array([1.0, 0.0, 0.0, 0.0])
+    turns = np.zeros_like(triads)
+    turns[..., 0] = 1.0
     e0 = np.empty((len(mesh.elements), 6))
-    for i, (a, b) in enumerate(mesh.elements):
-        deformation(mesh.points[a], unit, mesh.points[b], unit, triads[i, 0], triads[i, 1], e0[i])
+    deformations(mesh.points[mesh.elements], turns, triads, e0)
     return e0
 
 
@@ -115,24 +116,50 @@ def load_vector(model: WireModel, mesh: WireMesh) -> np.ndarray:
     return load[6:]
 
 
-def matrix_template(model: WireModel) -> np.ndarray:
-    """Blocks of the matrix: the nodes' diagonal blocks first, then couplings and fill."""
-    return np.zeros((model.plan.blocks, 6, 6))
+def matrix_size(model: WireModel) -> int:
+    """Length of the matrix: 6 x 6 blocks, the nodes' diagonal ones first, then couplings and fill."""
+    return 36 * model.plan.blocks
 
 
-@njit(cache=True, error_model="numpy")
-def _add_block(H, block, flip, K, p, q):
-    """Add the coupling K[p:p+6, q:q+6] of a first and a second node."""
+PLAN = 19  # number of the plan's first field in the packed arrays
+
+
+@kernel
+def view(reals, ints):
+    """The model's fields, in their order, in the packed arrays."""
+    head = heads(ints)
+    return WireModel(
+        stack(reals, head[0]), table(reals, head[1]), stack(reals, head[2]), vector(reals, head[3]),
+        vector(reals, head[4]), reals[head[5, 0]], vector(reals, head[6]), vector(ints, head[7]),
+        table(reals, head[8]), table(ints, head[9]), reals[head[10, 0]], reals[head[11, 0]],
+        reals[head[12, 0]], reals[head[13, 0]], ints[head[14, 0]], vector(ints, head[15]),
+        vector(ints, head[16]), vector(ints, head[17]), vector(ints, head[18]), view_plan(ints),
+    )  # fmt: skip
+
+
+@kernel
+def view_plan(ints):
+    """The elimination plan in the packed arrays."""
+    head = heads(ints)
+    return ChainPlan(
+        vector(ints, head[PLAN]), vector(ints, head[PLAN + 1]), vector(ints, head[PLAN + 2]),
+        vector(ints, head[PLAN + 3]), vector(ints, head[PLAN + 4]), ints[head[PLAN + 5, 0]],
+    )  # fmt: skip
+
+
+@kernel
+def _add_block(H, block, flip, K):
+    """Add the coupling K[:6, 6:] of a first and a second node."""
     B = H[block]
     for i in range(6):
         for j in range(6):
             if flip:
-                B[i, j] += K[p + i, q + j]
+                B[i, j] += K[i, 6 + j]
             else:
-                B[i, j] += K[q + i, p + j]
+                B[i, j] += K[6 + i, j]
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def _onto_reference(r, g, K, C):
     """Carry the second node's part of an element over to a point from which it stands off by r.
 
@@ -158,7 +185,7 @@ def _onto_reference(r, g, K, C):
     g[11] += r[0] * fy - r[1] * fx
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def centre(model, state, sphere, c):
     """Centre of a sphere."""
     i = ROW * model.carrier[sphere]
@@ -167,44 +194,40 @@ def centre(model, state, sphere, c):
         c[j] += state[i + j]
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def _add_elements(model, state, g, H):
-    """Strain energy; adds its gradient and Hessian."""
-    energy = 0.0
-    ge = np.empty(12)
-    Ke = np.empty((12, 12))
-    x2 = np.empty(3)
-    r = np.empty(3)
-    C = np.empty((3, 3))
+    """Strain energy; adds its gradient and Hessian: gather, compute, scatter."""
     count = model.stiffness.shape[0]
+    ends, turns = np.empty((count, 2, 3)), np.empty((count, 2, 4))
     for e in range(count):
-        a, b = ROW * e, ROW * (e + 1)
-        x2[:] = state[b : b + 3]
-        if e == count - 1:
-            rotate(state[b + 3 : b + 7], model.arm, r)
-            x2 += r
-        energy += beam(
-            state[a : a + 3], state[a + 3 : a + 7], x2, state[b + 3 : b + 7],
-            model.triads[e, 0], model.triads[e, 1], model.strain0[e], model.stiffness[e], ge, Ke,
-        )  # fmt: skip
-        if e == count - 1:
-            _onto_reference(r, ge, Ke, C)
+        for side in range(2):
+            a = ROW * (e + side)
+            copy(state[a : a + 3], ends[e, side])
+            copy(state[a + 3 : a + 7], turns[e, side])
+    r, C = np.empty(3), np.empty((3, 3))
+    rotate(turns[count - 1, 1], model.arm, r)
+    for i in range(3):
+        ends[count - 1, 1, i] += r[i]
+    ge, Ke = np.empty((count, 12)), np.empty((count, 12, 12))
+    energy = beams(ends, turns, model.triads, model.strain0, model.stiffness, ge, Ke)
+    _onto_reference(r, ge[count - 1], Ke[count - 1], C)
+    for e in range(count):
         for i in range(6):
-            g[6 * e + i] += ge[6 + i]
+            g[6 * e + i] += ge[e, 6 + i]
             for j in range(6):
-                H[e, i, j] += Ke[6 + i, 6 + j]
+                H[e, i, j] += Ke[e, 6 + i, 6 + j]
         if e > 0:
             for i in range(6):
-                g[6 * e - 6 + i] += ge[i]
+                g[6 * e - 6 + i] += ge[e, i]
                 for j in range(6):
-                    H[e - 1, i, j] += Ke[i, j]
-            _add_block(H, model.element_block[e], model.element_flip[e], Ke, 0, 6)
+                    H[e - 1, i, j] += Ke[e, i, j]
+            _add_block(H, model.element_block[e], model.element_flip[e], Ke[e])
     return energy
 
 
-@njit(cache=True, error_model="numpy")
-def _side(f, Hg, r, sign, g, K, p, J, C):
-    """Gradient and own Hessian block of one carrier, at p = 0 or 6; J (3, 6) is its dg/dq."""
+@kernel
+def _side(f, r, sign, g, K, J, C):
+    """Gradient (6,) of one carrier and the lever's part of its Hessian; J (3, 6) is its dg/dq."""
     J[:] = 0.0
     for i in range(3):
         J[i, i] = sign
@@ -212,18 +235,18 @@ def _side(f, Hg, r, sign, g, K, p, J, C):
     J[1, 5], J[2, 3], J[2, 4] = sign * r[0], sign * r[1], -sign * r[0]
     lever(f, r, C)
     for i in range(6):
-        g[p + i] = J[0, i] * f[0] + J[1, i] * f[1] + J[2, i] * f[2]
+        g[i] = J[0, i] * f[0] + J[1, i] * f[1] + J[2, i] * f[2]
     for i in range(3):
         for j in range(3):
-            K[p + 3 + i, p + 3 + j] = sign * C[i, j]
+            K[3 + i, 3 + j] = sign * C[i, j]
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def pair_matrix(f, Hg, ra, rb, g, K, Ja, Jb, C):
     """Gradient (12,) and Hessian (12, 12) of a pair in its carriers' freedoms; ra, rb as turned now."""
     K[:] = 0.0
-    _side(f, Hg, ra, -1.0, g, K, 0, Ja, C)
-    _side(f, Hg, rb, 1.0, g, K, 6, Jb, C)
+    _side(f, ra, -1.0, g[:6], K[:6, :6], Ja, C)
+    _side(f, rb, 1.0, g[6:], K[6:, 6:], Jb, C)
     for i in range(12):
         for j in range(12):
             total = 0.0
@@ -235,7 +258,7 @@ def pair_matrix(f, Hg, ra, rb, g, K, Ja, Jb, C):
             K[i, j] += total
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def _add_pairs(model, memory, state, g, H):
     """Contact energy; adds its gradient and Hessian. Only pairs that touch are scattered."""
     energy = 0.0
@@ -267,11 +290,11 @@ def _add_pairs(model, memory, state, g, H):
                     for j in range(6):
                         H[n, i, j] += Ke[6 * side + i, 6 * side + j]
         if model.pair_block[m] >= 0:
-            _add_block(H, model.pair_block[m], model.pair_flip[m], Ke, 0, 6)
+            _add_block(H, model.pair_block[m], model.pair_flip[m], Ke)
     return energy
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def _hold(model, g, H):
     """Take the held freedoms of the top out: no force, rows and columns of the unit matrix.
 
@@ -290,11 +313,13 @@ def _hold(model, g, H):
                     H[model.pair_block[m], i, :] = 0.0
 
 
-@njit(cache=True, error_model="numpy")
-def assemble(model, anchor, clearance, memory, state, time, g, H):
+@entry
+def assemble(reals, ints, anchor, clearance, memory, state, time, g, flat):
     """Total potential, gradient and matrix; see `coilspring.newton` for the contract."""
+    model = view(reals, ints)
+    H = flat.reshape((flat.size // 36, 6, 6))
     g[:] = 0.0
-    H[:] = 0.0
+    flat[:] = 0.0
     energy = _add_elements(model, state, g, H)
     count = model.pairs.shape[0]
     if count > 0 and 2.0 * _bound(model, anchor, state) < clearance:
@@ -310,23 +335,23 @@ def assemble(model, anchor, clearance, memory, state, time, g, H):
     return energy, count
 
 
-@njit(cache=True, error_model="numpy")
-def factor(model, F):
+@entry
+def factor(reals, ints, flat):
     """Block LDL^T in place; returns the negative pivots."""
-    return eliminate(model.plan, F)
+    return eliminate(view_plan(ints), flat.reshape((flat.size // 36, 6, 6)))
 
 
-@njit(cache=True, error_model="numpy")
-def solve(model, F, b):
+@entry
+def solve(reals, ints, flat, b):
     """Back substitution in place."""
-    substitute(model.plan, F, b)
+    substitute(view_plan(ints), flat.reshape((flat.size // 36, 6, 6)), b)
 
 
-@njit(cache=True, error_model="numpy")
-def retract(model, state, step, factor, out):
+@entry
+def retract(reals, ints, state, step, factor, out):
     """Positions add; rotations are turned by the exponential of their spin."""
     turn = np.empty(4)
-    out[:ROW] = state[:ROW]
+    copy(state[:ROW], out[:ROW])
     for n in range(step.size // 6):
         p, s = 6 * n, ROW * (n + 1)
         for i in range(3):
@@ -340,7 +365,7 @@ def retract(model, state, step, factor, out):
             out[s + i] /= math.sqrt(norm)
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def _bound(model, a, b):
     """Bound on how far any point of the wire's nodes or any sphere moved between two states."""
     most = 0.0
@@ -358,7 +383,7 @@ def _bound(model, a, b):
     return most
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def _vector(model, state, m, c, w):
     """Vector between the centres of a pair, and its length."""
     centre(model, state, model.pairs[m, 1], w)
@@ -368,9 +393,10 @@ def _vector(model, state, m, c, w):
     return math.sqrt(w[0] ** 2 + w[1] ** 2 + w[2] ** 2)
 
 
-@njit(cache=True, error_model="numpy")
-def motion(model, a, b):
+@entry
+def motion(reals, ints, a, b):
     """See `coilspring.newton`: bound on the way of any point, and the largest pair motion over d."""
+    model = view(reals, ints)
     most = 0.0
     c, v, w = np.empty(3), np.empty(3), np.empty(3)
     for m in range(model.pairs.shape[0]):
@@ -380,19 +406,20 @@ def motion(model, a, b):
     return _bound(model, a, b), most / model.d
 
 
-@njit(cache=True, error_model="numpy")
-def commit(model, state, memory):
+@entry
+def commit(reals, ints, state, memory):
     """Update the contact memory with an accepted state; returns the least gap of all pairs.
 
     A pair that has just closed is remembered with its vector g0 and direction n0, one that has
     opened is forgotten.
     """
+    model = view(reals, ints)
     least = np.inf
     c, w = np.empty(3), np.empty(3)
     for m in range(model.pairs.shape[0]):
         h = _vector(model, state, m, c, w)
         least = min(least, h - model.d)
-        if not model.stick:
+        if model.stick == 0:
             continue
         if h >= model.d:
             memory[m, 0] = 0.0

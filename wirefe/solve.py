@@ -68,7 +68,7 @@ def solve(
         load=model.load_vector(data, mesh),
         start=model.rest_state(mesh),
         memory=np.zeros((len(data.pairs), 7)),
-        template=model.matrix_template(data),
+        matrix_size=model.matrix_size(data),
     )
     options = {
         "element": element,

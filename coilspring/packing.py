@@ -1,0 +1,68 @@
+"""A model's arrays in two flat ones, so that one compiled path follower serves every model.
+
+Kernels receive `reals` and `ints` and view the fields again by their number; `ints` begins with the
+length of a table and the table: (offset, extents) of every field. Numbers are fields of one entry.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from coilspring.compiled import kernel
+
+HEAD = 4  # offset and three extents
+
+
+def flat_fields(model: tuple) -> list[np.ndarray]:
+    """Fields of a NamedTuple as arrays, those of nested ones in their place."""
+    fields: list[np.ndarray] = []
+    for value in model:
+        if isinstance(value, tuple):
+            fields += flat_fields(value)
+        else:
+            fields.append(np.atleast_1d(np.asarray(value)))
+    return fields
+
+
+def pack(model: tuple) -> tuple[np.ndarray, np.ndarray]:
+    """Two flat arrays that hold all fields of a NamedTuple of arrays (3 axes at most) and numbers."""
+    fields = flat_fields(model)
+    head: list[int] = [HEAD * len(fields)]
+    reals: list[np.ndarray] = []
+    ints: list[np.ndarray] = []
+    size = {True: 0, False: 1 + HEAD * len(fields)}
+    for field in fields:
+        real = field.dtype.kind == "f"
+        head += [size[real], *field.shape, *(1,) * (3 - field.ndim)]
+        (reals if real else ints).append(field.ravel())
+        size[real] += field.size
+    empty = np.zeros(0)
+    packed = np.concatenate([np.array(head, dtype=np.int64), *(part.astype(np.int64) for part in ints)])
+    return np.concatenate([empty, *reals]), packed
+
+
+@kernel
+def heads(ints):
+    """Table of (offset, extents) of all fields; a row of it is what the functions below take."""
+    count = ints[0] // HEAD  # the first integer is the length of the table
+    return ints[1 : 1 + HEAD * count].reshape((count, HEAD))
+
+
+@kernel
+def vector(flat, head):
+    """Field as a vector."""
+    return flat[head[0] : head[0] + head[1]]
+
+
+@kernel
+def table(flat, head):
+    """Field as a table."""
+    n, m = head[1], head[2]
+    return flat[head[0] : head[0] + n * m].reshape((n, m))
+
+
+@kernel
+def stack(flat, head):
+    """Field as a stack of tables."""
+    n, m, p = head[1], head[2], head[3]
+    return flat[head[0] : head[0] + n * m * p].reshape((n, m, p))
