@@ -5,9 +5,7 @@ from __future__ import annotations
 from numba import njit
 
 # Division by zero gives inf or nan, as in numpy: checking for it would cost a branch at each division.
-# Only the few kernels handed to the path follower need a C entry; leaving it out shortens compilation.
-kernel = njit(cache=True, error_model="numpy", no_cfunc_wrapper=True)
-entry = njit(cache=True, error_model="numpy")
+kernel = njit(cache=True, error_model="numpy")
 
 
 @kernel

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from functools import lru_cache
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numba import njit, types
@@ -25,6 +25,8 @@ SMALL = 0.05  # wire diameters
 PAIR_MOTION = 0.5  # wire diameters
 EASY_TURN = 0.1  # the next substep may be twice as long
 EASY_COUNT = 5
+# Displacements below this share of the wire diameter are not resolved further: rounding is near.
+TINY = 1e-6
 SAMPLES = 16  # of a linear stretch at which its stability is verified
 SOFT = 0.05  # share of the least eigenvalue at rest, below which the tangent counts as singular
 
@@ -158,6 +160,10 @@ def follow(
     spent[0] = 1
     solution(reals, ints, F, load, 1.0, tangent, solve)
     work = dot(load, tangent)
+    reach = 0.0
+    for i in range(load.size):
+        reach = max(reach, abs(tangent[i]))
+    least_way = TINY * diameter / reach
     origin, begin = state.copy(), 0.0  # of the linear stretch whose stability is not yet verified
     linear, kept = False, True
     checks, critical = 0, np.inf
@@ -171,7 +177,7 @@ def follow(
         retract(reals, ints, state, tangent, step if predictor else 0.0, predicted)
         copy(predicted, trial)
         status, count, troubled, looked = equilibrium(
-            reals, ints, state, clearance, memory, target, work * target**2, limit, trial,
+            reals, ints, state, clearance, memory, target, work * max(target, least_way) ** 2, limit, trial,
             g, H, rest, F, kept, history, assemble, factor, solve, retract,
         )  # fmt: skip
         spent[0] += count
@@ -230,20 +236,18 @@ def follow(
         stiffness, _ = softest(reals, ints, start, memory, 0.0, load, g, H, assemble, factor, solve)
         if abs(least) < SOFT * abs(stiffness):
             outcome = CRITICAL
-    return Track(
-        states[:row], iterations[:row], spent, outcome, time, bracket, checks, pairs, mode, history
-    )
+    return Track(states[:row], iterations[:row], spent, outcome, time, bracket, checks, pairs, mode, history)
 
 
 class Kernels(NamedTuple):
-    """A model's compiled functions; `coilspring.newton` and `follow` say what each does."""
+    """A model's compiled functions (or their types); `coilspring.newton` and `follow` say what each does."""
 
-    assemble: Callable
-    factor: Callable
-    solve: Callable
-    retract: Callable
-    motion: Callable
-    commit: Callable
+    assemble: Any
+    factor: Any
+    solve: Any
+    retract: Any
+    motion: Any
+    commit: Any
 
 
 @lru_cache(maxsize=1)

@@ -20,7 +20,7 @@ class BeamShape:
 
     def _nodes(self, states: np.ndarray) -> np.ndarray:
         """Positions and rotations, shape (states, nodes, 3)."""
-        return states.reshape(len(states), -1, 3)
+        return states.reshape(len(states), states.shape[1] // 3, 3)
 
     def tips(self, states: np.ndarray) -> np.ndarray:
         """UX, UY, ROTZ of the last node, shape (states, 3)."""

@@ -9,7 +9,7 @@ from coilspring.path import EquilibriumPath
 from coilspring.scene import Scene
 from coilspring.solving import MOST_ITERATIONS, Problem, follow_scene
 from coilspring.stepping import Kernels
-from equivbeam import model
+from equivbeam import band, kernels, model
 from equivbeam.rendering import BeamShape
 
 LAWS = ("haringx",)
@@ -18,12 +18,12 @@ SLIDING = ("ignore", "scene")
 MOST_PAPER_ITERATIONS = 10_000
 
 KERNELS = Kernels(
-    assemble=model.assemble,
-    factor=model.factor,
-    solve=model.solve,
-    retract=model.retract,
-    motion=model.motion,
-    commit=model.commit,
+    assemble=kernels.assemble,
+    factor=band.factor,
+    solve=band.solve,
+    retract=kernels.retract,
+    motion=kernels.motion,
+    commit=kernels.commit,
 )
 
 

@@ -26,7 +26,7 @@ class WireShape:
     mesh: WireMesh
 
     def _nodes(self, states: np.ndarray) -> np.ndarray:
-        return states.reshape(len(states), -1, ROW)
+        return states.reshape(len(states), states.shape[1] // ROW, ROW)
 
     def tips(self, states: np.ndarray) -> np.ndarray:
         """UX, UY, ROTZ of the top reference point, shape (states, 3); mm, rad."""

@@ -9,18 +9,18 @@ from coilspring.path import EquilibriumPath
 from coilspring.scene import Scene
 from coilspring.solving import Problem, follow_scene
 from coilspring.stepping import Kernels
-from wirefe import model
+from wirefe import kernels, model
 from wirefe.shape import WireShape
 
 ELEMENTS = ("straight",)
 
 KERNELS = Kernels(
-    assemble=model.assemble,
-    factor=model.factor,
-    solve=model.solve,
-    retract=model.retract,
-    motion=model.motion,
-    commit=model.commit,
+    assemble=kernels.assemble,
+    factor=kernels.factor,
+    solve=kernels.solve,
+    retract=kernels.retract,
+    motion=kernels.motion,
+    commit=kernels.commit,
 )
 
 

@@ -1,0 +1,166 @@
+"""Residual, matrix and motion of the equivalent beam: the kernels that the path follower calls."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from coilspring.compiled import copy, kernel
+from equivbeam.band import BAND
+from equivbeam.contact import circle_centre, pair_forces, pair_potential
+from equivbeam.halfcoil import half_coil, paper_matrix
+from equivbeam.model import EXACT, PAPER, view
+
+
+@kernel
+def _add(g, H, ge, Ke, a, b):
+    """Scatter the 6 freedoms of the nodes `a` < `b` (node 0 is clamped)."""
+    for i in range(6):
+        p = 3 * (a - 1) + i if i < 3 else 3 * (b - 1) + i - 3
+        if p < 0:
+            continue
+        g[p] += ge[i]
+        for j in range(i + 1):
+            q = 3 * (a - 1) + j if j < 3 else 3 * (b - 1) + j - 3
+            if q >= 0:
+                H[p, p - q] += Ke[i, j]
+
+
+@kernel
+def centre(model, state, circle):
+    """Position of a circle's centre."""
+    i = 3 * model.carrier[circle]
+    return circle_centre(
+        state[i], state[i + 1], state[i + 2], model.offset[circle, 0], model.offset[circle, 1]
+    )
+
+
+@kernel
+def _bound(model, a, b):
+    """Bound on how far any circle's centre moved between two states."""
+    most = 0.0
+    for i in range(3, a.size, 3):
+        way = math.hypot(a[i] - b[i], a[i + 1] - b[i + 1]) + model.reach * abs(a[i + 2] - b[i + 2])
+        most = max(most, way)
+    return most
+
+
+@kernel
+def _add_pairs(model, memory, state, g, H, ge, Ke):
+    """Contact energy; adds its gradient and Hessian. Only pairs that touch are scattered."""
+    energy = 0.0
+    f = np.empty(2)
+    Hg = np.empty((2, 2))
+    for m in range(model.pairs.shape[0]):
+        A, B = model.pairs[m, 0], model.pairs[m, 1]
+        xa, ya = centre(model, state, A)
+        xb, yb = centre(model, state, B)
+        gx, gy = xb - xa, yb - ya
+        h2 = gx * gx + gy * gy
+        if h2 >= model.d * model.d and memory[m, 0] == 0.0:
+            continue
+        a, b = model.carrier[A], model.carrier[B]
+        energy += pair_potential(gx, gy, math.sqrt(h2), model.d, model.kc, model.k, memory[m], f, Hg)
+        pair_forces(
+            f, Hg, xa - state[3 * a], ya - state[3 * a + 1], xb - state[3 * b], yb - state[3 * b + 1], ge, Ke
+        )
+        _add(g, H, ge, Ke, a, b)
+    return energy
+
+
+@kernel
+def assemble(reals, ints, anchor, clearance, memory, state, time, g, flat):
+    """Total potential, gradient and matrix; see `coilspring.newton` for the contract."""
+    model = view(reals, ints)
+    H = flat.reshape((g.size, BAND + 1))
+    g[:] = 0.0
+    flat[:] = 0.0
+    ge = np.empty(6)
+    Ke = np.empty((6, 6))
+    energy = 0.0
+    for e in range(model.stiffness.shape[0]):
+        i = 3 * e
+        kax, ksh, kfl = model.stiffness[e]
+        energy += half_coil(
+            state[i], state[i + 1], state[i + 2], state[i + 3], state[i + 4], state[i + 5],
+            kax, ksh, kfl, model.l0, ge, Ke,
+        )  # fmt: skip
+        if model.tangent != EXACT:
+            thb = 0.5 * (state[i + 2] + state[i + 5])
+            paper_matrix(thb, kax, ksh, kfl, model.l0, 12.0 if model.tangent == PAPER else 1.0, Ke)
+        _add(g, H, ge, Ke, e, e + 1)
+    count = model.pairs.shape[0]
+    if count > 0 and 2.0 * _bound(model, anchor, state) < clearance:
+        count = 0
+    if count > 0:
+        energy += _add_pairs(model, memory, state, g, H, ge, Ke)
+    n = g.size
+    g[n - 3] -= time * model.force[0]
+    g[n - 2] -= time * model.force[1]
+    energy -= time * (model.force[0] * state[n] + model.force[1] * (state[n + 1] - model.l0 * (n // 3)))
+    for i in range(3):
+        if model.held[i] > 0.0:
+            _hold(g, H, n - 3 + i)
+    return energy, count
+
+
+@kernel
+def _hold(g, H, p):
+    """Take the freedom `p` out: no force, a row and column of the unit matrix."""
+    g[p] = 0.0
+    H[p, :] = 0.0
+    for q in range(p + 1, min(p + BAND + 1, g.size)):
+        H[q, q - p] = 0.0
+    H[p, 0] = 1.0
+
+
+@kernel
+def retract(reals, ints, state, step, factor, out):
+    """Positions and rotations simply add."""
+    copy(state, out)
+    for i in range(step.size):
+        out[3 + i] += factor * step[i]
+
+
+@kernel
+def motion(reals, ints, a, b):
+    """See `coilspring.newton`: bound on the way of any circle, and the largest pair motion over d."""
+    model = view(reals, ints)
+    most = 0.0
+    for m in range(model.pairs.shape[0]):
+        A, B = model.pairs[m, 0], model.pairs[m, 1]
+        xa, ya = centre(model, a, A)
+        xb, yb = centre(model, a, B)
+        ux, uy = centre(model, b, A)
+        wx, wy = centre(model, b, B)
+        near = min(math.hypot(xb - xa, yb - ya), math.hypot(wx - ux, wy - uy))
+        if near < 1.5 * model.d:
+            most = max(most, math.hypot(wx - ux - xb + xa, wy - uy - yb + ya))
+    return _bound(model, a, b), most / model.d
+
+
+@kernel
+def commit(reals, ints, state, memory):
+    """Update the contact memory with an accepted state; returns the least gap of all pairs.
+
+    A pair that has just closed is remembered with its vector g and direction, one that has opened
+    is forgotten. A remembered pair keeps the clearance at zero.
+    """
+    model = view(reals, ints)
+    least = np.inf
+    for m in range(model.pairs.shape[0]):
+        xa, ya = centre(model, state, model.pairs[m, 0])
+        xb, yb = centre(model, state, model.pairs[m, 1])
+        gx, gy = xb - xa, yb - ya
+        h = math.hypot(gx, gy)
+        least = min(least, h - model.d)
+        if model.stick == 0:
+            continue
+        if h >= model.d:
+            memory[m, 0] = 0.0
+        elif memory[m, 0] == 0.0:
+            memory[m, 0] = 1.0
+            memory[m, 1], memory[m, 2] = gx, gy
+            memory[m, 3], memory[m, 4] = gx / h, gy / h
+    return least

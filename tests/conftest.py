@@ -1,0 +1,56 @@
+"""Shared checks: derivatives by differences, and compiled code that is never older than its sources."""
+
+from __future__ import annotations
+
+import importlib.util
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+
+def _forget_stale_kernels() -> None:
+    """Remove cached kernels that are older than any source: the cache knows nothing of callees."""
+    for package in ("coilspring", "equivbeam", "wirefe"):
+        spec = importlib.util.find_spec(package)
+        if spec is None or spec.origin is None:
+            continue
+        folder = Path(spec.origin).parent
+        newest = max(path.stat().st_mtime for path in folder.parent.glob("[cew]*/*.py"))
+        for cached in (folder / "__pycache__").glob("*.nb[ic]"):
+            if cached.stat().st_mtime < newest:
+                cached.unlink(missing_ok=True)
+
+
+_forget_stale_kernels()
+
+
+@pytest.fixture
+def check_derivatives():
+    """Compare a gradient and a Hessian with central differences of the energy, relative to their largest entry.
+
+    The returned function takes ``energy(step) -> (value, gradient, Hessian)`` at small steps from
+    the state and the number of freedoms. Steps are extrapolated once (h and h/2).
+    """
+
+    def check(energy, size, h=2e-4, tolerance=1e-6):
+        _, g, H = energy(np.zeros(size))
+
+        def central(step):
+            columns = []
+            for i in range(size):
+                e = np.zeros(size)
+                e[i] = step
+                ahead, behind = energy(e), energy(-e)
+                columns.append(((ahead[0] - behind[0]) / (2 * step), (ahead[1] - behind[1]) / (2 * step)))
+            return np.array([c[0] for c in columns]), np.array([c[1] for c in columns])
+
+        (g1, H1), (g2, H2) = central(h), central(h / 2)
+        slope, rows = (4 * g2 - g1) / 3, (4 * H2 - H1) / 3
+        assert np.abs(slope - g).max() <= tolerance * np.abs(g).max()
+        # along spins the gradient turns: its difference is the Hessian up to a skew part that the
+        # symmetric one leaves out, so compare the symmetric parts
+        assert np.abs(0.5 * (rows + rows.T) - H).max() <= tolerance * np.abs(H).max()
+        assert np.abs(H - H.T).max() <= 1e-12 * np.abs(H).max()
+
+    return check

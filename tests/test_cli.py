@@ -1,0 +1,385 @@
+"""The command line as scripts see it: exit codes, files, and one sentence where something is wrong."""
+
+import csv
+import importlib
+import json
+import math
+import os
+import subprocess
+import sys
+from types import ModuleType
+
+import pytest
+
+import coilspring
+import equivbeam
+import validation.cli
+import wirefe
+from coilspring import EquilibriumNotFound
+from validation.arguments import MODEL_OPTIONS, command_line
+from validation.cli import main
+from validation.output import OutputError, versions, write_json, write_path, write_text
+
+COLUMNS = "time,load_x,load_y,ux,uy,rotz,iterations,active_contacts,max_penetration"
+SUMMARY_KEYS = {
+    *("outcome", "message", "last_time", "critical_time", "total_iterations", "solve_seconds"),
+    *("compile_seconds", "model", "options", "versions", "scene"),
+    *("stability_checks", "pair_evaluations", "residual_history"),
+}
+
+
+def refuse_constant(name):
+    raise AssertionError(f"{name} is not JSON")
+
+
+def read_json(file):
+    return json.loads(file.read_text(encoding="utf-8"), parse_constant=refuse_constant)
+
+
+def read_rows(file):
+    with open(file, encoding="utf-8", newline="") as lines:
+        return [{key: float(value) for key, value in row.items()} for row in csv.DictReader(lines)]
+
+
+def sentence(capsys):
+    """The one line on stderr, without its prefix."""
+    error = capsys.readouterr().err
+    assert error.startswith("coilcheck: ")
+    assert error.count("\n") == 1
+    assert error.endswith("\n")
+    return error.removeprefix("coilcheck: ").strip()
+
+
+def test_solve_writes_the_path_with_full_precision(tmp_path, capsys):
+    assert main(["solve", "spring-a", "--model", "equivbeam", "--steps", "5", "--out", str(tmp_path)]) == 0
+    assert sorted(file.name for file in tmp_path.iterdir()) == ["path.csv", "summary.json"]
+    assert (tmp_path / "path.csv").read_bytes().split(b"\n")[0].decode() == COLUMNS
+    path = equivbeam.solve(coilspring.load_scene("spring-a"), steps=5)
+    assert read_rows(tmp_path / "path.csv") == path.table.to_dict("records")
+    output = capsys.readouterr()
+    assert output.err == ""
+    assert "equivbeam: completed, 5 of 5 steps" in output.out
+    assert f"written to {tmp_path}" in output.out
+
+
+@pytest.mark.parametrize("model", MODEL_OPTIONS)
+def test_the_summary_says_how_it_was_solved(model, tmp_path):
+    arguments = ["solve", "spring-b", "--model", model, "--steps", "5", "--penalty", "2e4"]
+    assert main([*arguments, "--out", str(tmp_path)]) == 0
+    found = read_json(tmp_path / "summary.json")
+    assert found.keys() >= SUMMARY_KEYS
+    assert found["outcome"] == "completed"
+    assert (found["scene"], found["model"], found["last_time"]) == ("spring-b", model, 1.0)
+    assert found["critical_time"] is None
+    assert found["options"].keys() == {"steps", "penalty", *MODEL_OPTIONS[model]}
+    assert (found["options"]["steps"], found["options"]["penalty"]) == (5, 2e4)
+    rows = read_rows(tmp_path / "path.csv")
+    assert sum(row["iterations"] for row in rows) == found["total_iterations"]
+    assert found["versions"] == versions()
+    assert found["versions"].keys() == {"python", "numpy", "numba", "scipy", "coilcheck"}
+
+
+def test_options_reach_the_model(tmp_path):
+    beam = ["--model", "equivbeam", "--law", "haringx", "--tangent", "paper", "--sliding", "scene"]
+    assert (
+        main(["solve", "spring-a-no-contact", *beam, "--steps", "10", "--out", str(tmp_path / "beam")]) == 0
+    )
+    options = read_json(tmp_path / "beam" / "summary.json")["options"]
+    assert (options["law"], options["tangent"], options["sliding"]) == ("haringx", "paper", "scene")
+    wire = ["--model", "wirefe", "--element", "straight", "--elements-per-turn", "8", "--pairs-per-turn", "2"]
+    assert main(["solve", "spring-b-no-contact", *wire, "--steps", "2", "--out", str(tmp_path / "wire")]) == 0
+    options = read_json(tmp_path / "wire" / "summary.json")["options"]
+    assert (options["element"], options["elements_per_turn"], options["pairs_per_turn"]) == ("straight", 8, 2)
+
+
+@pytest.mark.parametrize("steps", [50, 1])
+def test_a_path_that_ends_early_is_written_as_far_as_it_goes(steps, tmp_path, capsys):
+    arguments = ["solve", "spring-b", "--model", "equivbeam", "--penalty", "400", "--steps", str(steps)]
+    assert main([*arguments, "--out", str(tmp_path)]) == 3
+    assert "limit point between time 0.98" in sentence(capsys)
+    rows = read_rows(tmp_path / "path.csv")
+    assert [row["time"] for row in rows] == [i / steps for i in range(1, steps) if i / steps < 0.98376]
+    found = read_json(tmp_path / "summary.json")
+    assert found["outcome"] == "limit_point"
+    assert found["last_time"] == (rows[-1]["time"] if rows else 0.0)
+    assert found["critical_time"] == pytest.approx(0.98375, abs=1e-4)
+    assert found["total_iterations"] > sum(row["iterations"] for row in rows)
+    assert found["residual_history"]
+
+
+def test_compare_writes_both_runs_and_their_difference(tmp_path, capsys):
+    assert main(["compare", "spring-a", "--steps", "10", "--sliding", "scene", "--out", str(tmp_path)]) == 0
+    found = read_json(tmp_path / "compare.json")
+    assert found["steps"] == 10
+    assert 0.0 < found["curve_rms"] < found["curve_max"] < 0.005
+    assert 0.0 < found["shape_rms"] < found["shape_max"] < 0.1
+    for model in MODEL_OPTIONS:
+        assert found[model] == str(tmp_path / model)
+        assert read_json(tmp_path / model / "summary.json")["model"] == model
+        assert len(read_rows(tmp_path / model / "path.csv")) == 10
+    beam, wire = (read_rows(tmp_path / model / "path.csv") for model in ("equivbeam", "wirefe"))
+    worst = max(
+        max(abs(b[key] - w[key]) for b, w in zip(beam, wire, strict=True)) / max(abs(w[key]) for w in wire)
+        for key in ("ux", "uy", "rotz")
+    )
+    assert found["curve_max"] == pytest.approx(worst, rel=1e-12)
+    assert "10 common steps" in capsys.readouterr().out
+
+
+def free_spring_b(folder):
+    """Spring B with sliding spheres, which has a limit point in the wire model alone."""
+    file = folder / "free.toml"
+    file.write_text(
+        "[spring]\nwire_diameter = 1.5\nmean_diameter = [12, 6]\nactive_coils = 7.5\nactive_height = 28.6\n"
+        '[load]\nforce = [0, -200]\n[supports]\ntop_held = ["ux", "rotz"]\n'
+    )
+    return str(file)
+
+
+def test_compare_of_a_path_that_ends_early_compares_the_common_part(tmp_path, capsys):
+    assert main(["compare", free_spring_b(tmp_path), "--steps", "10", "--out", str(tmp_path)]) == 3
+    assert sentence(capsys).startswith("wirefe: limit point between time 0.6")
+    found = read_json(tmp_path / "compare.json")
+    assert found["outcomes"] == {"equivbeam": "completed", "wirefe": "limit_point"}
+    assert (found["steps"], found["last_time"]) == (6, 0.6)
+    assert 0.0 < found["curve_max"] < 0.1
+    assert len(read_rows(tmp_path / "equivbeam" / "path.csv")) == 10
+    assert len(read_rows(tmp_path / "wirefe" / "path.csv")) == 6
+
+
+def test_compare_with_nothing_in_common_says_null(tmp_path, capsys):
+    assert main(["compare", free_spring_b(tmp_path), "--steps", "1", "--out", str(tmp_path)]) == 3
+    output = capsys.readouterr()
+    assert "nothing to compare" in output.out
+    assert output.err.count("\n") == 1
+    found = read_json(tmp_path / "compare.json")
+    assert {found[key] for key in ("curve_max", "curve_rms", "shape_max", "shape_rms")} == {None}
+    assert (tmp_path / "wirefe" / "path.csv").read_text() == COLUMNS + "\n"
+
+
+@pytest.mark.parametrize(
+    ("arguments", "parts"),
+    [
+        ("", ["COMMAND", "required"]),
+        ("telescope", ["telescope", "solve", "compare"]),
+        ("solve", ["SCENE", "--model", "required"]),
+        ("solve spring-a", ["--model", "required"]),
+        ("solve --model equivbeam", ["SCENE", "required"]),
+        ("solve spring-a --model fem", ["--model", "fem", "equivbeam", "wirefe"]),
+        ("solve spring-a --mod equivbeam", ["--model"]),
+        ("solve spring-a --model equivbeam --speed 3", ["--speed"]),
+        ("solve spring-a spring-b --model equivbeam", ["spring-b"]),
+        ("solve spring-c --model equivbeam", ["spring-c", "spring-a", "TOML"]),
+        ("solve spring-a --model equivbeam --steps", ["--steps", "expected one argument"]),
+        ("solve spring-a --model equivbeam --steps 0", ["steps", "[1, 100000]", "0"]),
+        ("solve spring-a --model equivbeam --steps -5", ["steps", "[1, 100000]", "-5"]),
+        ("solve spring-a --model equivbeam --steps 2.5", ["steps", "integer in [1, 100000]", "2.5"]),
+        ("solve spring-a --model equivbeam --steps ten", ["steps", "integer in [1, 100000]", "'ten'"]),
+        ("solve spring-a --model equivbeam --penalty 0", ["stiffness", "[1e-09, 1e+12]", "0"]),
+        ("solve spring-a --model equivbeam --penalty nan", ["stiffness", "[1e-09, 1e+12]", "nan"]),
+        ("solve spring-a --model equivbeam --penalty stiff", ["stiffness", "[1e-09, 1e+12]", "'stiff'"]),
+        ("solve spring-a --model equivbeam --law hooke", ["--law", "hooke", "haringx"]),
+        ("solve spring-a --model equivbeam --tangent none", ["--tangent", "paper-printed"]),
+        ("solve spring-a --model equivbeam --sliding free", ["--sliding", "ignore", "scene"]),
+        ("solve spring-a --model wirefe --element cubic", ["--element", "straight"]),
+        ("solve spring-a --model wirefe --elements-per-turn 41", ["elements_per_turn", "multiple", "41"]),
+        ("solve spring-a --model wirefe --elements-per-turn many", ["elements_per_turn", "'many'"]),
+        ("solve spring-a --model wirefe --pairs-per-turn 0", ["pairs_per_turn", "0"]),
+        ("solve spring-a --model equivbeam --element straight", ["--element", "--model wirefe"]),
+        ("solve spring-a --model equivbeam --pairs-per-turn 4", ["--pairs-per-turn", "--model wirefe"]),
+        ("solve spring-a --model wirefe --law haringx", ["--law", "--model equivbeam"]),
+        ("compare", ["SCENE", "required"]),
+        ("compare spring-a --model equivbeam", ["--model"]),
+        ("compare spring-a --steps x", ["steps", "[1, 100000]", "'x'"]),
+        ("reproduce spring-a", ["spring-a"]),
+        ("reproduce --only table9", ["--only", "table9", "fig8"]),
+        ("reproduce --only table1,,fig4", ["--only", "''"]),
+        ("reproduce --only", ["--only", "expected one argument"]),
+    ],
+)
+def test_bad_arguments_are_refused_in_one_sentence(arguments, parts, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    assert main(arguments.split()) == 2
+    message = sentence(capsys)
+    assert [part for part in parts if part not in message] == []
+    assert not list(tmp_path.rglob("*.*"))
+
+
+def test_the_choices_offered_are_those_of_the_models():
+    scene = coilspring.load_scene("spring-a-no-contact").with_steps(1)
+    solvers = dict.fromkeys(("law", "tangent", "sliding"), equivbeam.solve) | {"element": wirefe.solve}
+    for name, solve in solvers.items():
+        for choice in choices("solve", name):
+            assert solve(scene, **{name: choice}).outcome == "completed"
+
+
+def choices(command, option):
+    commands = command_line()._subparsers._group_actions[0].choices
+    return next(action.choices for action in commands[command]._actions if action.dest == option)
+
+
+@pytest.mark.parametrize("command", [[], ["reproduce"], ["solve"], ["compare"]])
+def test_every_help_has_an_example_that_parses(command, capsys):
+    with pytest.raises(SystemExit) as ended:
+        main([*command, "--help"])
+    assert ended.value.code == 0
+    example = capsys.readouterr().out.partition("example: coilcheck ")[2].split()
+    assert command_line().parse_args(example).command == (command or ["solve"])[0]
+
+
+def test_help_imports_nothing_heavy():
+    code = (
+        "import sys\n"
+        "from validation.cli import main\n"
+        "try:\n    main(['--help'])\n"
+        "except SystemExit:\n    pass\n"
+        "print({'numba', 'scipy', 'pandas', 'matplotlib', 'pyvista', 'rich'} & sys.modules.keys())\n"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout.splitlines()[-1] == "set()"
+
+
+@pytest.mark.parametrize(
+    ("arguments", "folder"),
+    [
+        (["solve", "spring-a", "--model", "equivbeam"], "solve-spring-a"),
+        (["solve", "my.spring.toml", "--model", "equivbeam"], "solve-my.spring"),
+        (["compare", "spring-b"], "compare-spring-b"),
+    ],
+)
+def test_the_default_folder_is_named_after_command_and_scene(arguments, folder, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "my.spring.toml").write_text(
+        "[spring]\nwire_diameter = 1\nmean_diameter = 9\nactive_coils = 3\nactive_height = 9\n"
+        "[load]\nforce = [0, -1]\n"
+    )
+    assert main([*arguments, "--steps", "2"]) == 0
+    assert [file.name for file in (tmp_path / "coilcheck-out").iterdir()] == [folder]
+
+
+def test_an_unwritable_folder_is_noticed_before_solving(tmp_path, monkeypatch, capsys):
+    blocked = tmp_path / "file"
+    blocked.write_text("not a folder")
+    monkeypatch.setattr(equivbeam, "solve", lambda *_, **__: pytest.fail("solved in vain"))
+    for out in (blocked, blocked / "below"):
+        for arguments in (
+            ["solve", "spring-a", "--model", "equivbeam"],
+            ["compare", "spring-a"],
+            ["reproduce"],
+        ):
+            assert main([*arguments, "--out", str(out)]) == 4
+            assert str(out) in sentence(capsys)
+
+
+def test_a_file_that_cannot_be_replaced_is_exit_4_and_leaves_nothing_partial(tmp_path, capsys):
+    (tmp_path / "path.csv").mkdir()
+    assert main(["solve", "spring-a", "--model", "equivbeam", "--steps", "1", "--out", str(tmp_path)]) == 4
+    assert "path.csv" in sentence(capsys)
+    assert [file.name for file in tmp_path.iterdir()] == ["path.csv"]
+
+
+def test_a_failed_write_keeps_the_old_file(tmp_path, monkeypatch):
+    target = tmp_path / "summary.json"
+    target.write_text("old")
+
+    def no_space(*_):
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr("os.replace", no_space)
+    with pytest.raises(OutputError, match=r"summary\.json: No space left on device"):
+        write_text(target, "new")
+    assert target.read_text() == "old"
+    assert list(tmp_path.iterdir()) == [target]
+
+
+def test_json_stays_json_whatever_the_numbers(tmp_path):
+    write_json(tmp_path / "x.json", {"nan": math.nan, "list": (math.inf, 1.5), "text": "Feder 弹簧"})
+    assert read_json(tmp_path / "x.json") == {"nan": None, "list": [None, 1.5], "text": "Feder 弹簧"}
+
+
+def test_a_path_without_rows_is_a_header(tmp_path):
+    with pytest.raises(EquilibriumNotFound) as caught:
+        equivbeam.solve(coilspring.load_scene("spring-b"), steps=1, penalty=400.0)
+    write_path(caught.value.path, tmp_path)
+    assert (tmp_path / "path.csv").read_text() == COLUMNS + "\n"
+
+
+def fake_reproduce(monkeypatch, run):
+    module = ModuleType("validation.reproduce")
+    module.reproduce = run
+    monkeypatch.setitem(sys.modules, "validation.reproduce", module)
+
+
+def test_reproduce_passes_its_arguments_on(tmp_path, monkeypatch):
+    calls = []
+    fake_reproduce(monkeypatch, lambda *given: calls.append(given))
+    out = str(tmp_path / "new" / "folder")
+    assert main(["reproduce", "--out", out]) == 0
+    assert main(["reproduce", "--out", out, "--no-render", "--only", "fig4,table1"]) == 0
+    assert [given[:3] for given in calls] == [
+        (tmp_path / "new" / "folder", None, True),
+        (tmp_path / "new" / "folder", ("table1", "fig4"), False),
+    ]
+    assert calls[0][3]("working") is None
+
+
+@pytest.mark.parametrize(
+    ("error", "code", "said"),
+    [
+        (KeyboardInterrupt(), 130, "interrupted"),
+        (PermissionError(13, "Permission denied"), 4, "Permission denied"),
+        (coilspring.InputError("field must be\nright"), 2, "field must be right"),
+    ],
+)
+def test_what_ends_a_command_has_its_exit_code_and_one_line(error, code, said, tmp_path, monkeypatch, capsys):
+    def end(*_):
+        raise error
+
+    fake_reproduce(monkeypatch, end)
+    assert main(["reproduce", "--out", str(tmp_path)]) == code
+    assert said in sentence(capsys)
+
+
+def test_the_real_reproduce_takes_what_the_command_passes():
+    reproduce = importlib.import_module("validation.reproduce").reproduce
+    names = reproduce.__code__.co_varnames[: reproduce.__code__.co_argcount]
+    assert names == ("out", "only", "render", "progress")
+
+
+def test_progress_is_shown_on_a_terminal_only(monkeypatch, capsys):
+    with validation.cli._progress() as progress:
+        progress("working")
+    assert capsys.readouterr().err == ""
+    monkeypatch.setattr(sys.stderr, "isatty", lambda: True)
+    monkeypatch.setenv("TERM", "xterm")
+    with validation.cli._progress() as progress:
+        progress("working [on it]")
+    output = capsys.readouterr()
+    assert output.out == ""
+    assert "working [on it]" in output.err
+
+
+def run_apart(folder, **settings):
+    """The command in a process of its own, with the output folder `folder`."""
+    arguments = ["solve", "spring-a", "--model", "equivbeam", "--steps", "1", "--out", str(folder)]
+    return subprocess.run(
+        [sys.executable, "-m", "validation.cli", *arguments], stderr=subprocess.PIPE, check=False, **settings
+    )
+
+
+def test_output_survives_a_narrow_encoding(tmp_path):
+    narrow = os.environ | {"PYTHONIOENCODING": "ascii"}
+    done = run_apart(tmp_path / "弹簧", stdout=subprocess.PIPE, env=narrow)
+    assert done.returncode == 0
+    assert b"\\u5f39\\u7c27" in done.stdout
+    assert done.stderr == b""
+
+
+def test_a_closed_standard_output_is_exit_4(tmp_path):
+    reader, writer = os.pipe()
+    os.close(reader)
+    done = run_apart(tmp_path, stdout=writer)
+    os.close(writer)
+    assert done.returncode == 4
+    assert done.stderr == b"coilcheck: cannot write to standard output: Broken pipe\n"
+    assert (tmp_path / "summary.json").exists()

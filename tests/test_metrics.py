@@ -1,0 +1,101 @@
+"""The metrics on paths small enough to work out by hand."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+import pytest
+
+import coilspring
+from coilspring import EquilibriumPath
+from validation.metrics import compare_paths
+
+
+@dataclass(frozen=True)
+class Given:
+    """A shape whose states are the tips themselves, and whose circles are moved by the tip's UX, UY."""
+
+    def tips(self, states):
+        return states
+
+    def centreline(self, state, phases):
+        points = np.zeros((len(phases), 3))
+        points[:, 0] = phases
+        points[0, :2] += state[:2]
+        return points
+
+
+def path(times, tips):
+    return EquilibriumPath(
+        scene=coilspring.load_scene("spring-a"),
+        model="given",
+        options={},
+        times=np.array(times),
+        states=np.array(tips, dtype=float).reshape(len(times), 3),
+        iterations=np.ones(len(times), dtype=int),
+        outcome="completed",
+        message="given",
+        shape=Given(),
+    )
+
+
+REFERENCE = path([0.5, 1.0], [[-2.0, -1.0, 0.1], [-4.0, -10.0, 0.2]])
+
+
+def test_a_path_equals_itself():
+    found = compare_paths(REFERENCE, REFERENCE)
+    assert (found.curve_max, found.curve_rms, found.shape_max, found.shape_rms) == (0.0, 0.0, 0.0, 0.0)
+    assert (found.steps, found.last_time) == (2, 1.0)
+
+
+def test_curve_errors_are_over_the_references_own_peak_of_the_worst_component():
+    found = compare_paths(path([0.5, 1.0], [[-2.3, -1.0, 0.1], [-4.4, -9.0, 0.2]]), REFERENCE)
+    # UX: 0.3/4 and 0.4/4; UY: 0 and 1/10
+    assert found.component_max == pytest.approx({"ux": 0.1, "uy": 0.1, "rotz": 0.0})
+    assert found.component_rms == pytest.approx(
+        {"ux": np.sqrt((0.075**2 + 0.1**2) / 2), "uy": np.sqrt(0.01 / 2), "rotz": 0.0}
+    )
+    assert found.curve_max == pytest.approx(0.1)
+    assert found.curve_rms == pytest.approx(np.sqrt((0.075**2 + 0.1**2) / 2))
+
+
+def test_rotation_counts_like_any_component():
+    found = compare_paths(path([1.0], [[-4.0, -10.0, 0.25]]), REFERENCE)
+    assert found.curve_max == pytest.approx(0.25)
+
+
+def test_shape_is_the_distance_of_circle_centres_at_the_last_common_step():
+    found = compare_paths(path([0.5, 1.0], [[0.0, 0.0, 0.0], [-4.3, -10.4, 0.2]]), REFERENCE)
+    circles = len(REFERENCE.circle_centres(-1))
+    assert circles == 34  # 29 half coils and two end turns
+    # the first circle alone is moved, by (0.3, 0.4)
+    assert found.shape_max == pytest.approx(0.5)
+    assert found.shape_rms == pytest.approx(0.5 / np.sqrt(circles))
+
+
+def test_a_shorter_path_is_compared_where_both_are():
+    found = compare_paths(path([0.5], [[-2.0, -1.5, 0.1]]), REFERENCE)
+    assert (found.steps, found.last_time) == (1, 0.5)
+    assert found.curve_max == pytest.approx(0.5 / 10.0)
+    assert found.shape_max == pytest.approx(0.5)
+
+
+def test_paths_on_different_grids_share_their_common_times():
+    thirds = path(np.arange(1, 4) / 3, [[0, 0, 0], [0, 0, 0], [-4.0, -10.0, 0.2]])
+    sixths = path(np.arange(1, 7) / 6, [[0, 0, 0]] * 5 + [[-4.0, -10.0, 0.2]])
+    assert compare_paths(thirds, sixths).steps == 3
+    assert compare_paths(sixths, thirds).steps == 3
+
+
+@pytest.mark.parametrize("rounding", [0.0, 1e-12])
+def test_components_the_reference_does_not_move_are_left_out(rounding):
+    held = path([1.0], [[rounding, -10.0, -rounding]])
+    found = compare_paths(path([1.0], [[1e-3, -10.1, 0.1]]), held)
+    assert found.component_max == pytest.approx({"uy": 0.01})
+    assert found.curve_max == pytest.approx(0.01)
+
+
+def test_nothing_in_common_is_not_a_number():
+    empty = replace(REFERENCE, times=np.zeros(0), states=np.zeros((0, 3)), iterations=np.zeros(0, int))
+    for found in (compare_paths(empty, REFERENCE), compare_paths(REFERENCE, empty)):
+        assert found.steps == 0
+        assert np.isnan([found.curve_max, found.curve_rms, found.shape_max, found.shape_rms]).all()

@@ -1,0 +1,269 @@
+"""`reproduce`: what it writes, what it solves for that, and what it does where something fails."""
+
+from __future__ import annotations
+
+import csv
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+
+from coilspring import CATALOGUE, InputError
+from validation import cases, render3d, reproduce, shapes, timing
+from validation.claims import AGREES, DIFFERS, UNDECIDED, VERDICTS, Claim
+from validation.document import Picture, Table, Text, to_html, to_markdown
+from validation.evidence import EXACT_ROD, Evidence, gather
+
+NAMES = ("table1", "table2", "table3", "fig4", "fig5", "fig6", "fig7", "fig8")
+PNG = b"\x89PNG\r\n\x1a\n"
+
+
+def read(path):
+    with path.open(newline="", encoding="utf-8") as file:
+        return list(csv.reader(file))
+
+
+@pytest.fixture
+def solved(monkeypatch):
+    """Names of the solves that were made."""
+    made = []
+
+    def recorded(original):
+        def solve(scene, **options):
+            made.append((original.__name__, scene.name, *options.values()))
+            return original(scene, **options)
+
+        solve.__name__ = original.__name__
+        return solve
+
+    for original in (cases.solve_beam, cases.solve_wire):
+        monkeypatch.setattr(cases, original.__name__, recorded(original))
+    return made
+
+
+@pytest.fixture(scope="module")
+def everything(tmp_path_factory):
+    """A whole run without pictures, timed in the least number of rounds."""
+    out = tmp_path_factory.mktemp("whole")
+    budget, timing.BUDGET = timing.BUDGET, 0.0
+    try:
+        reproduce.reproduce(out, render=False)
+    finally:
+        timing.BUDGET = budget
+    return out
+
+
+@pytest.fixture(scope="module")
+def evidence() -> Evidence:
+    return gather(cases.PathStore(lambda line: None), ())
+
+
+def test_items_are_those_of_the_contract():
+    assert tuple(reproduce.ITEMS) == NAMES
+
+
+def test_tables_1_and_2_solve_nothing_and_equal_the_paper(tmp_path, solved):
+    reproduce.reproduce(tmp_path, only=("table1", "table2"))
+    assert solved == []
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["table1.csv", "table2.csv"]
+    table1 = read(tmp_path / "table1.csv")
+    given = [row for row in table1[1:] if "not given" not in row]
+    assert len(given) == 10
+    assert all(row[1:3] == row[3:5] for row in given)
+    table2 = {row[0]: row[1:] for row in read(tmp_path / "table2.csv")}
+    assert table2["elements per turn"] == ["40"] * 4
+    assert table2["top node, constrained"][:2] == table2["top node, constrained"][2:]
+
+
+def test_each_item_solves_what_it_needs_once(tmp_path, solved):
+    reproduce.reproduce(tmp_path, only=("fig8",), render=False)
+    assert {call[0] for call in solved} == {"solve_beam"}
+    assert len(solved) == len(set(solved)) == 8
+    solved.clear()
+    reproduce.reproduce(tmp_path, only=("fig4", "fig5"), render=False)
+    both = {
+        (model, name)
+        for model in ("solve_beam", "solve_wire")
+        for name in ("spring-a", "spring-a-no-contact")
+    }
+    assert sorted(solved) == sorted(both)
+
+
+def test_figure_data(tmp_path):
+    reproduce.reproduce(tmp_path, only=("fig7", "fig8"), render=False)
+    rows = read(tmp_path / "fig7.csv")
+    last = dict(zip(rows[0], map(float, rows[-1]), strict=True))
+    assert len(rows) == 51
+    assert last["time"] == 1.0
+    assert last["load_N"] == 200.0
+    assert last["uy_mm_contact_equivbeam"] == pytest.approx(-15.372, abs=1e-3)
+    rows = read(tmp_path / "fig8.csv")
+    spent = rows[0].index("spring-b-no-contact_exact_tangent")
+    assert sum(int(row[spent]) for row in rows[1:]) == 1
+    assert not list(tmp_path.glob("*.png"))
+
+
+def test_table_3_without_rendering_imports_no_drawing(tmp_path):
+    code = (
+        "import sys, pathlib\n"
+        "from validation import timing\n"
+        "from validation.reproduce import reproduce\n"
+        "timing.BUDGET, timing.LEAST_ROUNDS = 0.0, 1\n"
+        "lines = []\n"
+        f"reproduce(pathlib.Path({str(tmp_path)!r}), ('table3',), False, lines.append)\n"
+        "drawing = {'matplotlib', 'pyvista', 'vtk', 'vtkmodules'} & set(sys.modules)\n"
+        "assert not drawing, drawing\n"
+        "assert sum(line.startswith('solve') for line in lines) == 12, lines\n"
+    )
+    child = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
+    assert child.returncode == 0, child.stderr
+    rows = read(tmp_path / "table3.csv")
+    assert [row[0] for row in rows[1:]] == list(CATALOGUE)
+    for row in rows[1:]:
+        values = dict(zip(rows[0], row, strict=True))
+        assert float(values["reduction_percent"]) == pytest.approx(
+            100 - 100 / float(values["ratio"]), abs=1e-3
+        )
+        assert float(values["ratio"]) > 1.0
+
+
+@pytest.mark.parametrize(
+    ("code", "timeout", "reason"),
+    [
+        ("raise SystemExit(3)", 60.0, "status 3"),
+        ("import time; time.sleep(60)", 0.1, "longer"),
+        ("", 60.0, "no picture"),
+    ],
+)
+def test_where_rendering_fails_the_picture_is_painted(tmp_path, monkeypatch, code, timeout, reason):
+    monkeypatch.setattr(render3d, "COMMAND", (sys.executable, "-c", code))
+    monkeypatch.setattr(render3d, "TIMEOUT", timeout)
+    lines = []
+    reproduce.reproduce(tmp_path, only=("fig6",), progress=lines.append)
+    notes = [line for line in lines if "pyvista could not render" in line]
+    assert len(notes) == 1
+    assert reason in notes[0]
+    for name in ("fig6.png", "fig6-plane.png"):
+        assert (tmp_path / name).read_bytes().startswith(PNG)
+        assert (tmp_path / name).stat().st_size < 300_000
+
+
+def test_an_interpreter_that_cannot_be_started_is_no_obstacle(tmp_path, monkeypatch):
+    monkeypatch.setattr(render3d, "COMMAND", (str(tmp_path / "missing"),))
+    reproduce.reproduce(tmp_path, only=("fig4",))
+    assert (tmp_path / "fig4.png").read_bytes().startswith(PNG)
+
+
+def test_curves_are_drawn(tmp_path):
+    reproduce.reproduce(tmp_path, only=("fig5", "fig7", "fig8"))
+    for name in ("fig5", "fig7", "fig8"):
+        assert 10_000 < (tmp_path / f"{name}.png").stat().st_size < 300_000
+
+
+def test_interrupt_leaves_finished_pieces(tmp_path):
+    def progress(line):
+        if line == "fig8":
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        reproduce.reproduce(tmp_path, only=("table1", "fig8"), render=False, progress=progress)
+    assert [path.name for path in tmp_path.iterdir()] == ["table1.csv"]
+
+
+def test_unknown_item_is_refused_before_anything_is_written(tmp_path):
+    with pytest.raises(InputError, match="fig9"):
+        reproduce.reproduce(tmp_path / "new", only=("table1", "fig9"))
+    assert not (tmp_path / "new").exists()
+
+
+def test_whole_run_without_pictures(everything):
+    written = {path.name for path in everything.iterdir()}
+    assert {f"{name}.csv" for name in NAMES} | {"report.md", "report.html", "claims.csv"} <= written
+    assert not [name for name in written if name.endswith((".png", ".part"))]
+    page = (everything / "report.html").read_text(encoding="utf-8")
+    assert "<img" not in page
+    assert page.index("Verdict") < page.index("sentence by sentence") < page.index("What was assumed")
+    assert "nan" not in page.lower()
+
+
+# what the paper claims -> our verdict, where the seconds of one machine play no part
+VERDICT_OF = {
+    "matches static FE": AGREES,
+    "Spring A without contact: the deformed shapes": AGREES,
+    "Spring A with contact: the deformed shapes": AGREES,
+    "Spring B with contact: the deformed shapes": DIFFERS,
+    "the vertical one above all": AGREES,
+    "without contact: the proposed model is always softer": DIFFERS,
+    "with contact: the proposed model is always softer": DIFFERS,
+    "run into each other": AGREES,
+    "no-sliding option": AGREES,
+    "is linear": AGREES,
+    "it telescopes": AGREES,
+    "the top coil ends under": UNDECIDED,
+    "helps the proposed model converge": AGREES,
+    "in one iteration before the first contact": AGREES,
+    "growing number of iterations": AGREES,
+    "less than 1/6": AGREES,
+}
+ON_TIME = ("very cheap", "84 % less", "53 % less", "93 % less", "94 % less", "much more competitive")
+ON_TIME += ("little effect on the time", "Spring B for FE", "Spring B for the proposed", "far longer", "1/20")
+
+
+def test_every_claim_has_a_row_and_a_verdict(everything):
+    rows = read(everything / "claims.csv")[1:]
+    assert all(row[3] in VERDICTS and all(row) for row in rows)
+    for words in (*VERDICT_OF, *ON_TIME):
+        found = [row for row in rows if words in row[1]]
+        assert len(found) == 1, words
+        assert found[0][3] == VERDICT_OF.get(words, found[0][3]), words
+    assert len(rows) == len(VERDICT_OF) + len(ON_TIME)
+
+
+def test_a_verdict_is_one_of_three():
+    with pytest.raises(ValueError, match="maybe"):
+        Claim("text", "statement", "1", "maybe", "")
+
+
+def test_mesh_error_estimate_meets_the_exact_rod(evidence):
+    for name, exact in EXACT_ROD.items():
+        item = evidence.cases[name]
+        moved = np.array(exact) != 0.0
+        true = np.abs(item.wire.tips[-1] / np.where(moved, exact, 1.0) - 1.0)[moved].max()
+        assert item.mesh_error.curve_max == pytest.approx(true, rel=0.1)
+
+
+def test_spring_b_needs_no_sliding(evidence):
+    path = evidence.frictionless
+    assert path.outcome == "limit_point"
+    assert path.critical_time == pytest.approx(0.65, abs=0.01)
+    assert path.times[-1] < path.critical_time
+
+
+def test_overlaps():
+    circles = np.array([[0.0, 0.0], [9.0, 0.0], [0.0, 1.4], [9.0, 1.5]])
+    assert shapes.overlaps(circles, 1.5) == pytest.approx([0.1, 0.0])
+
+
+def test_bands_cover_their_share_of_the_wire():
+    points = np.zeros((2 * shapes.POINTS_PER_TURN + 1, 3))
+    pieces = shapes.bands(points)
+    assert len(pieces) == 2 * shapes.BANDS_PER_TURN
+    share = sum(len(piece) - 1 for piece in pieces) / (len(points) - 1)
+    assert share == pytest.approx(shapes.BAND_SHARE)
+
+
+def test_spread_is_median_and_quartiles():
+    assert timing.Spread.of([4.0, 1.0, 2.0, 3.0, 5.0]) == timing.Spread(3.0, 2.0, 4.0)
+
+
+def test_document(tmp_path):
+    (tmp_path / "a.png").write_bytes(PNG)
+    blocks = (Text("**bold** & `code`"), Table(("x|y",), (("<1>",),)), Picture("a.png", "Figure 1. Caption."))
+    page = to_html(blocks, tmp_path, "title")
+    assert "<strong>bold</strong> &amp; <code>code</code>" in page
+    assert "&lt;1&gt;" in page
+    assert "data:image/png;base64,iVBORw0KGgo=" in page
+    text = to_markdown(blocks)
+    assert "| x\\|y |" in text
+    assert "![Figure 1](a.png)" in text

@@ -1,0 +1,342 @@
+"""Scene files: what they say equals what the dataclasses say, and what they may not say is refused."""
+
+import random
+from pathlib import Path
+
+import pytest
+
+import equivbeam
+from coilspring import CATALOGUE, InputError, Material, Scene, Spring, load_scene
+from coilspring.scenefile import scene_from_text
+from validation.cli import main
+
+SPRING_B = {
+    "": {"name": '"spring-b"'},
+    "material": {"E": "206000.0", "nu": "0.3"},
+    "spring": {
+        "wire_diameter": "1.5",
+        "mean_diameter": "[12.0, 6.0]",
+        "active_coils": "7.5",
+        "active_height": "28.6",
+        "end_turns": "1.0",
+        "start_phase": "0.0",
+        "hand": '"left"',
+    },
+    "load": {"force": "[0.0, -200.0]", "steps": "50"},
+    "supports": {"top_held": '["ux", "rotz"]'},
+    "contact": {"enabled": "true", "stiffness": "1.0e4", "exponent": "1.0", "sliding": '"none"'},
+}
+SPRING_A = {
+    "name": '"spring-a"',
+    "spring.mean_diameter": "10.0",
+    "spring.active_coils": "14.5",
+    "load.force": "[-9.0, -4.0]",
+    "supports.top_held": "[]",
+    "contact.sliding": '"free"',
+}
+
+
+def scene_text(changes=None, without=()):
+    """Spring B's file with values changed or added by ``section.key``, and keys or sections left out."""
+    sections = {section: dict(keys) for section, keys in SPRING_B.items()}
+    for where, value in (changes or {}).items():
+        section, key = where.split(".", 1) if "." in where else ("", where)
+        sections.setdefault(section, {})[key] = value
+    for where in without:
+        section, key = where.split(".", 1) if "." in where else ("", where)
+        if where in sections:
+            del sections[where]
+        else:
+            del sections[section][key]
+    lines = []
+    for section, keys in sections.items():
+        lines += [f"[{section}]"] if section else []
+        lines += [f"{key} = {value}" for key, value in keys.items()]
+    return "\n".join(lines) + "\n"
+
+
+@pytest.mark.parametrize(
+    ("name", "text"),
+    [
+        ("spring-a", scene_text(SPRING_A)),
+        (
+            "spring-a-no-contact",
+            scene_text(SPRING_A | {"name": '"spring-a-no-contact"', "contact.enabled": "false"}),
+        ),
+        ("spring-b", scene_text()),
+        ("spring-b-no-contact", scene_text({"name": '"spring-b-no-contact"', "contact.enabled": "false"})),
+    ],
+)
+def test_the_catalogue_as_files(name, text):
+    assert scene_from_text(text) == load_scene(name) == CATALOGUE[name]()
+
+
+def test_defaults_may_be_left_out():
+    text = scene_text(
+        SPRING_A, without=("name", "material", "supports", "contact", "load.steps", "spring.end_turns")
+    )
+    assert scene_from_text(text, "spring-a") == load_scene("spring-a")
+
+
+def test_a_file_is_named_by_its_stem_unless_it_says_otherwise(tmp_path):
+    file = tmp_path / "пружина.toml"
+    file.write_bytes(b"\xef\xbb\xbf" + scene_text(without=("name",)).replace("\n", "\r\n").encode())
+    assert load_scene(file).name == load_scene(str(file)).name == "пружина"
+
+
+def test_two_moduli_say_the_same_as_poissons_ratio():
+    G = 206_000.0 / 2.6
+    scene = scene_from_text(scene_text({"material.G": repr(G)}, without=("material.nu",)))
+    assert scene.material.nu == pytest.approx(0.3, rel=1e-14)
+    assert pytest.approx(G, rel=1e-14) == scene.material.G
+    only_G = scene_from_text(scene_text({"material.G": repr(G)}, without=("material.nu", "material.E")))
+    assert only_G.material == scene.material
+
+
+def test_the_largest_and_least_shear_modulus_are_allowed():
+    assert Material.from_moduli(1000.0, 1000.0 / 3.0).nu == pytest.approx(0.5)
+    assert Material.from_moduli(1000.0, 499_999.0).nu == pytest.approx(-0.999, abs=1e-8)
+
+
+@pytest.mark.parametrize("text", ["10.0", "10", "[10.0, 10.0]", "[10, 10.0]"])
+def test_one_mean_diameter_stands_for_both(text):
+    assert scene_from_text(scene_text({"spring.mean_diameter": text})).spring.mean_diameter == (10.0, 10.0)
+
+
+def test_integers_are_numbers_and_are_kept_as_floats():
+    scene = scene_from_text(
+        scene_text(
+            {
+                "material.E": "206000",
+                "spring.wire_diameter": "1",
+                "spring.active_coils": "7",
+                "spring.active_height": "28",
+                "spring.end_turns": "1",
+                "spring.start_phase": "0",
+                "load.force": "[0, -20]",
+                "contact.stiffness": "10000",
+                "contact.exponent": "1",
+            }
+        )
+    )
+    spring, contact = scene.spring, scene.contact
+    numbers = [
+        scene.material.E,
+        *(spring.wire_diameter, spring.active_coils, spring.active_height, spring.end_turns),
+        *(spring.start_phase, *spring.mean_diameter, *scene.load.force),
+        *(contact.stiffness, contact.exponent),
+    ]
+    assert numbers == [206e3, 1.0, 7.0, 28.0, 1.0, 0.0, 12.0, 6.0, 0.0, -20.0, 1e4, 1.0]
+    assert {type(number) for number in numbers} == {float}
+    assert equivbeam.solve(scene, steps=1).outcome == "completed"
+
+
+def test_a_right_handed_spring_is_the_mirror_image():
+    left, right = (
+        scene_from_text(scene_text({"spring.hand": f'"{hand}"'})).spring for hand in ("left", "right")
+    )
+    phases = [0.0, 1.0, 7.0]
+    assert right.points(phases) == pytest.approx(left.points(phases) * [1.0, 1.0, -1.0])
+
+
+def test_coils_of_a_cone_may_nest_where_no_end_turn_is_in_the_way():
+    cone = {
+        "spring.mean_diameter": "[40.0, 10.0]",
+        "spring.active_height": "6.0",
+        "spring.active_coils": "7.5",
+    }
+    assert scene_from_text(scene_text(cone | {"spring.end_turns": "0"})).spring.pitch == 0.8
+    with pytest.raises(InputError, match=r"spring\.active_height must be .*\[11\.25, 1e\+09\].* got 6\.0"):
+        scene_from_text(scene_text(cone))
+
+
+def test_closed_coils_touch_without_overlap():
+    assert Spring(wire_diameter=1.5, mean_diameter=(10.0, 10.0), active_coils=7.5, active_height=11.25)
+
+
+HUGE = "1" + "0" * 400
+HUGER = "0x" + "f" * 5000  # more digits than Python likes to show
+ODD_VALUES = ("20", "0.5", "-1", "0", "nan", "1e308", HUGE, HUGER, "[]", "{}", '""', "true", "[[1]]")
+# what is changed -> the field, a part of the range and a part of the value that the message must hold
+REFUSED_VALUES = [
+    ({"spring.wire_diameter": "-1.5"}, "spring.wire_diameter", "[1e-06, 1e+06]", "-1.5"),
+    ({"spring.wire_diameter": "0"}, "spring.wire_diameter", "[1e-06, 1e+06]", "0"),
+    ({"spring.wire_diameter": "nan"}, "spring.wire_diameter", "[1e-06, 1e+06]", "nan"),
+    ({"spring.wire_diameter": "inf"}, "spring.wire_diameter", "[1e-06, 1e+06]", "inf"),
+    ({"spring.wire_diameter": "1e400"}, "spring.wire_diameter", "[1e-06, 1e+06]", "inf"),
+    ({"spring.wire_diameter": HUGE}, "spring.wire_diameter", "[1e-06, 1e+06]", "1000"),
+    ({"spring.wire_diameter": HUGER}, "spring.wire_diameter", "[1e-06, 1e+06]", "int"),
+    ({"spring.wire_diameter": '"1.5"'}, "spring.wire_diameter", "number", "'1.5'"),
+    ({"spring.wire_diameter": "true"}, "spring.wire_diameter", "number", "True"),
+    ({"spring.wire_diameter": "[1.5]"}, "spring.wire_diameter", "number", "[1.5]"),
+    ({"spring.wire_diameter": "{ value = 1.5 }"}, "spring.wire_diameter", "number", "{'value': 1.5}"),
+    ({"spring.wire_diameter": "1979-05-27"}, "spring.wire_diameter", "number", "datetime.date"),
+    ({"spring.mean_diameter": "[12.0, 2.9]"}, "spring.mean_diameter", "[3, 1e+09]", "2.9"),
+    ({"spring.mean_diameter": "-10.0"}, "spring.mean_diameter", "[3, 1e+09]", "-10.0"),
+    ({"spring.mean_diameter": "[12.0]"}, "spring.mean_diameter", "one number or two", "[12.0]"),
+    ({"spring.mean_diameter": "[]"}, "spring.mean_diameter", "one number or two", "[]"),
+    ({"spring.mean_diameter": "[1.0, 2.0, 3.0]"}, "spring.mean_diameter", "one number or two", "3.0"),
+    ({"spring.mean_diameter": '["a", 6.0]'}, "spring.mean_diameter", "number", "'a'"),
+    ({"spring.mean_diameter": "[nan, 6.0]"}, "spring.mean_diameter", "[3, 1e+09]", "nan"),
+    ({"spring.active_coils": "0.0"}, "spring.active_coils", "[0.5, 1000]", "0.0"),
+    ({"spring.active_coils": "-7.5"}, "spring.active_coils", "[0.5, 1000]", "-7.5"),
+    ({"spring.active_coils": HUGE}, "spring.active_coils", "[0.5, 1000]", "1000"),
+    ({"spring.active_height": "11.0"}, "spring.active_height", "[11.25, 1e+09]", "11.0"),
+    ({"spring.active_height": "-28.6"}, "spring.active_height", "[1e-06, 1e+09]", "-28.6"),
+    ({"spring.end_turns": "0.25"}, "spring.end_turns", "0 or a number in [0.5, 100]", "0.25"),
+    ({"spring.end_turns": "-1.0"}, "spring.end_turns", "[0, 100]", "-1.0"),
+    ({"spring.start_phase": "-inf"}, "spring.start_phase", "[-1000, 1000]", "-inf"),
+    ({"spring.hand": '"Right"'}, "spring.hand", "left, right", "'Right'"),
+    ({"spring.hand": "1"}, "spring.hand", "left, right", "1"),
+    ({"load.force": "[0.0, 0.0]"}, "load.force", "not both zero", "[0.0, 0.0]"),
+    ({"load.force": "-200.0"}, "load.force", "two numbers", "-200.0"),
+    ({"load.force": "[1.0, 2.0, 3.0]"}, "load.force", "two numbers", "3.0"),
+    ({"load.force": "[0.0, nan]"}, "load.force", "[-1e+12, 1e+12]", "nan"),
+    ({"load.force": '["0", -200.0]'}, "load.force", "number", "'0'"),
+    ({"load.force": "[-1.0, 0.0]"}, "load.force", "other than 0", "(-1.0, 0.0)"),
+    ({"load.steps": "0"}, "load.steps", "[1, 100000]", "0"),
+    ({"load.steps": "50.0"}, "load.steps", "integer in [1, 100000]", "50.0"),
+    ({"load.steps": "true"}, "load.steps", "integer in [1, 100000]", "True"),
+    ({"load.steps": HUGE}, "load.steps", "[1, 100000]", "1000"),
+    ({"supports.top_held": '"ux"'}, "supports.top_held", "ux, rotz", "'ux'"),
+    ({"supports.top_held": '["uy"]'}, "supports.top_held", "ux, rotz", "'uy'"),
+    ({"supports.top_held": "[[]]"}, "supports.top_held", "ux, rotz", "[]"),
+    ({"contact.enabled": "1"}, "contact.enabled", "true or false", "1"),
+    ({"contact.enabled": '"yes"'}, "contact.enabled", "true or false", "'yes'"),
+    ({"contact.stiffness": "0.0"}, "contact.stiffness", "[1e-09, 1e+12]", "0.0"),
+    ({"contact.stiffness": "inf"}, "contact.stiffness", "[1e-09, 1e+12]", "inf"),
+    ({"contact.exponent": "0.5"}, "contact.exponent", "[1, 5]", "0.5"),
+    ({"contact.sliding": '"stick"'}, "contact.sliding", "free, none", "'stick'"),
+    ({"material.E": "-206000.0"}, "material.E", "[0.001, 1e+09]", "-206000.0"),
+    ({"material.nu": "0.6"}, "material.nu", "[-0.999, 0.5]", "0.6"),
+    ({"material.nu": "-1.0"}, "material.nu", "[-0.999, 0.5]", "-1.0"),
+    ({"material.G": "80000.0"}, "material", "nu or G, not both", "80000.0"),
+    ({"name": "3"}, "name", "text", "3"),
+    ({"name": '"  "'}, "name", "not empty", "'  '"),
+    ({"spring.wire_diamter": "1.5"}, "'wire_diamter'", "wire_diameter", "[spring]"),
+    ({"spring.Пружина": "1.5"}, "complete TOML", "line", ""),
+    ({"spring.'Пружина'": "1.5"}, "'Пружина'", "wire_diameter", "[spring]"),
+    ({"load.moment": "[0.0, 1.0]"}, "'moment'", "force, steps", "[load]"),
+    ({"colour": '"red"'}, "'colour'", "name, material, spring", "top level"),
+    ({"friction.mu": "0.3"}, "'friction'", "name, material, spring", "top level"),
+    ({"spring.wire_diameter" + ".a" * 3000: "1.5"}, "TOML", "", ""),
+]
+REFUSED_TEXTS = [
+    (scene_text(without=("spring.wire_diameter",)), "spring.wire_diameter is missing", "requires", ""),
+    (scene_text(without=("load.force",)), "load.force is missing", "requires force", ""),
+    (scene_text(without=("spring",)), "section [spring] is missing", "[load]", ""),
+    (scene_text(without=("load",)), "section [load] is missing", "[spring]", ""),
+    ("", "section [spring] is missing", "[load]", ""),
+    ("\n\n# nothing\n", "section [spring] is missing", "[load]", ""),
+    ("spring = 3\n" + scene_text(without=("spring",)), "spring", "a section [spring]", "3"),
+    (scene_text().replace("[spring]", "[[spring]]"), "spring", "a section [spring]", "wire_diameter"),
+    (scene_text(without=("material.nu",)) + "[material]\nG = 1.0\n", "TOML", "material", ""),
+    (
+        scene_text({"material.G": "60000.0"}, without=("material.nu",)),
+        "material.G",
+        "[68666.7, 1.03e+08]",
+        "60000.0",
+    ),
+    (scene_text().partition(", 6.0]")[0], "complete TOML", "Unclosed array", ""),
+    (scene_text()[: scene_text().index("28.6") + 1], "section [load] is missing", "", ""),
+    (scene_text().replace("28.6", "28.6.1"), "complete TOML", "line 9", ""),
+    ("deep = " + "[" * 20_000 + "]" * 20_000, "complete TOML", "", ""),
+    ("deep = " + "{ a = " * 20_000, "complete TOML", "", ""),
+    ("spring." + "a." * 3000 + "a = 1\n", "'a'", "[spring]", "wire_diameter"),
+    (
+        scene_text({"spring.wire_diameter." + "a." * 3000 + "a": "1"}, without=("spring.wire_diameter",)),
+        "spring.wire_diameter",
+        "[1e-06, 1e+06]",
+        "a dict too large",
+    ),
+    ("name = 9" + "9" * 5000, "complete TOML", "digits", ""),
+]
+
+
+def assert_refused(file, capsys, *parts):
+    """Both Python and the command refuse the file in one line that holds `parts`."""
+    with pytest.raises(InputError) as caught:
+        load_scene(file)
+    message = str(caught.value)
+    assert [part for part in parts if part not in message] == [], message
+    assert len(message.splitlines()) == 1
+    assert len(message) < 400 + len(str(file))
+    assert main(["solve", str(file), "--model", "equivbeam", "--out", str(file) + "-out"]) == 2
+    output = capsys.readouterr()
+    assert output.out == ""
+    assert output.err == f"coilcheck: {message}\n"
+
+
+@pytest.mark.parametrize(
+    ("changes", "field", "range_", "value"), REFUSED_VALUES, ids=lambda value: str(value)[:40]
+)
+def test_values_are_refused_by_field_range_and_value(changes, field, range_, value, tmp_path, capsys):
+    file = tmp_path / "bad.toml"
+    file.write_text(scene_text(changes), encoding="utf-8")
+    assert_refused(file, capsys, field, range_, value, "bad.toml")
+
+
+@pytest.mark.parametrize(
+    ("text", "field", "range_", "value"), REFUSED_TEXTS, ids=lambda value: str(value)[:20]
+)
+def test_broken_files_are_refused(text, field, range_, value, tmp_path, capsys):
+    file = tmp_path / "bad.toml"
+    file.write_text(text, encoding="utf-8")
+    assert_refused(file, capsys, field, range_, value, "bad.toml")
+
+
+def test_what_is_no_text_file_is_refused(tmp_path, capsys):
+    binary = tmp_path / "binary.toml"
+    binary.write_bytes(bytes(range(256)))
+    assert_refused(binary, capsys, "SCENE", "UTF-8", "spring-a")
+    assert_refused(tmp_path, capsys, "SCENE", "directory", "spring-a")
+    assert_refused(tmp_path / "missing.toml", capsys, "SCENE", "No such file", "spring-a")
+
+
+def test_the_equivalent_beam_takes_whole_half_coils(tmp_path, capsys):
+    file = tmp_path / "quarter.toml"
+    file.write_text(scene_text({"spring.active_coils": "7.25"}))
+    assert load_scene(file).spring.active_coils == 7.25
+    assert main(["solve", str(file), "--model", "equivbeam", "--out", str(tmp_path / "out")]) == 2
+    error = capsys.readouterr().err
+    assert error.count("\n") == 1
+    assert "spring.active_coils must be a multiple of 0.5" in error
+    assert "got 7.25" in error
+
+
+def mutant(text: str, chance: random.Random) -> str:
+    """`text` with a character, a value or a line changed, copied or lost, or cut short."""
+    lines = text.splitlines(keepends=True)
+    line = chance.randrange(len(lines))
+    at = chance.randrange(len(text))
+    key = lines[line].partition("=")[0]
+    changed = (
+        text[:at],
+        text[:at] + text[at + 1 :],
+        text[:at] + chance.choice("\0\"'[]{}=.,-+e_#5\n\\ü") + text[at:],
+        "".join(lines[:line] + lines[line + 1 :]),
+        "".join([lines[line], *lines]),
+        "".join([*lines[:line], f"{key}= {chance.choice(ODD_VALUES)}\n", *lines[line + 1 :]]),
+    )
+    return chance.choice(changed)
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_no_mutant_of_a_scene_file_gives_anything_but_a_scene_or_a_refusal(seed):
+    chance = random.Random(seed)
+    outcomes: list[Scene | str] = []
+    for _ in range(100):
+        text = mutant(scene_text(), chance)
+        text = mutant(text, chance) if text and chance.random() < 0.5 else text
+        try:
+            outcomes.append(scene_from_text(text))
+        except InputError as error:
+            outcomes.append(str(error))
+    refusals = [message for message in outcomes if isinstance(message, str)]
+    assert {len(message.splitlines()) for message in refusals} == {1}
+    assert 70 <= len(refusals) <= 97  # neither kind is rare enough to go untested
+
+
+def test_the_message_of_a_file_names_the_file():
+    with pytest.raises(InputError, match=r"no-such-file\.toml"):
+        load_scene(Path("no-such-file.toml"))

@@ -1,0 +1,76 @@
+"""Sphere contact of the wire model: by hand, by differences, and in balance."""
+
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+
+from wirefe.contact import pair_matrix, sphere_pair
+
+D, K = 1.5, 1.0e4
+FREE = np.zeros(7)
+ARMS = np.array([[0.0, 0.0, 0.0], [5.0, 0.4, -0.8]])  # a wire node and a sphere on a rigid end
+
+
+def pair(d, gap, k=1.0, memory=FREE):
+    """Pair with the carriers moved by d = (x, spin, x, spin) from a state with the given gap."""
+    arms = [Rotation.from_rotvec(d[3:6]).apply(ARMS[0]), Rotation.from_rotvec(d[9:]).apply(ARMS[1])]
+    direction = np.array([0.2, 0.9, -0.1]) / np.linalg.norm([0.2, 0.9, -0.1])
+    w = (D + gap) * direction + d[6:9] + arms[1] - ARMS[1] - d[:3] - arms[0] + ARMS[0]
+    f, H = np.empty(3), np.empty((3, 3))
+    energy = sphere_pair(w, np.linalg.norm(w), D, K, k, memory, f, H)
+    g, full = np.empty(12), np.empty((12, 12))
+    pair_matrix(f, H, *arms, g, full, np.empty((3, 6)), np.empty((3, 6)), np.empty((3, 3)))
+    return energy, g, full
+
+
+def stuck():
+    g0 = np.array([0.25, 1.42, -0.2])
+    return np.array([1.0, *g0, *g0 / np.linalg.norm(g0)])
+
+
+def test_force_by_hand():
+    f, H = np.empty(3), np.empty((3, 3))
+    energy = sphere_pair(np.array([0.0, 1.4, 0.0]), 1.4, D, K, 1.0, FREE, f, H)
+    assert energy == pytest.approx(50.0)
+    np.testing.assert_allclose(f, [0.0, -1000.0, 0.0])
+    np.testing.assert_allclose(H, np.diag([-1000 / 1.4, 1e4, -1000 / 1.4]), atol=1e-9)
+
+
+def test_sliding_potential_by_hand():
+    """0.1 mm of slip along x holds back with 1000 N; what goes along n0 is not slip."""
+    f, H = np.empty(3), np.empty((3, 3))
+    memory = np.array([1.0, 0.0, 1.45, 0.0, 0.0, 1.0, 0.0])
+    energy = sphere_pair(np.array([0.1, 1.6, 0.0]), np.hypot(0.1, 1.6), D, K, 1.0, memory, f, H)
+    assert energy == pytest.approx(0.5 * K * 0.1**2)
+    np.testing.assert_allclose(f, [1000.0, 0.0, 0.0], atol=1e-9)
+    np.testing.assert_allclose(H, np.diag([K, 0.0, K]))
+
+
+@pytest.mark.parametrize("k", [1.0, 1.5, 2.0])
+@pytest.mark.parametrize("memory", [FREE, stuck()], ids=["frictionless", "no-sliding"])
+def test_derivatives_closed(check_derivatives, k, memory):
+    check_derivatives(lambda d: pair(d, -0.05, k, memory), 12, h=1e-4)
+
+
+def test_derivatives_just_closed(check_derivatives):
+    check_derivatives(lambda d: pair(d, -1e-3), 12, h=1e-5)
+
+
+def test_open_pair_does_nothing():
+    energy, g, H = pair(np.zeros(12), 1e-6)
+    assert energy == 0.0
+    assert not g.any()
+    assert not H.any()
+
+
+@pytest.mark.parametrize("memory", [FREE, stuck()], ids=["frictionless", "no-sliding"])
+def test_pair_sums_to_zero_force_and_moment(memory):
+    """Moments about carrier A; without sliding the tangential force acts along g only up to the slip."""
+    _, g, _ = pair(np.zeros(12), -0.05, memory=memory)
+    np.testing.assert_allclose(g[:3] + g[6:9], 0.0, atol=1e-9)
+    w = (D - 0.05) * np.array([0.2, 0.9, -0.1]) / np.linalg.norm([0.2, 0.9, -0.1])
+    centre_to_centre = w
+    moment = g[3:6] - np.cross(ARMS[0], g[:3]) + g[9:] - np.cross(ARMS[1], g[6:9])
+    np.testing.assert_allclose(moment, 0.0, atol=1e-9)  # each carrier's moment is its arm x its force
+    if not memory.any():
+        np.testing.assert_allclose(np.cross(centre_to_centre, g[6:9]), 0.0, atol=1e-9)

@@ -1,0 +1,51 @@
+"""The helix at rest, against hand-computed geometry."""
+
+import numpy as np
+import pytest
+
+from coilspring import Spring, spring_a, spring_b
+
+
+def test_catalogue_holds_table_1():
+    a, b = spring_a(), spring_b()
+    assert (a.spring.wire_diameter, a.spring.mean_diameter, a.spring.active_coils) == (1.5, (10, 10), 14.5)
+    assert (b.spring.wire_diameter, b.spring.mean_diameter, b.spring.active_coils) == (1.5, (12, 6), 7.5)
+    for scene in (a, b):
+        first, last = scene.spring.phase_range
+        assert scene.spring.height(last) - scene.spring.height(first) == pytest.approx(31.6)  # total height
+    assert a.load.force == (-9, -4)
+    assert b.load.force == (0, -200)
+    assert (a.supports.top_held, b.supports.top_held) == ((), ("ux", "rotz"))
+    assert (a.contact.sliding, b.contact.sliding) == ("free", "none")
+
+
+def test_cone_is_linear_and_its_end_turns_are_cylinders():
+    spring = spring_b().spring
+    phases = np.array([-2.0 * np.pi, 0.0, 7.5 * np.pi, 15.0 * np.pi, 17.0 * np.pi])
+    np.testing.assert_allclose(spring.radius(phases), [6.0, 6.0, 4.5, 3.0, 3.0])
+    np.testing.assert_allclose(spring.height(phases), [-1.5, 0.0, 14.3, 28.6, 30.1])
+
+
+@pytest.mark.parametrize(("hand", "sign"), [("left", -1.0), ("right", 1.0)])
+def test_hand_is_the_sign_of_the_torsion(hand, sign):
+    spring = Spring(1.5, 10.0, 14.5, 28.6, hand=hand)
+    h = 1e-2
+    p = spring.points(5.0 + h * np.arange(-2, 3))
+    d1 = (p[3] - p[1]) / (2 * h)
+    d2 = (p[3] - 2 * p[2] + p[1]) / h**2
+    d3 = (p[4] - 2 * p[3] + 2 * p[1] - p[0]) / (2 * h**3)
+    assert np.sign(np.linalg.det([d1, d2, d3])) == sign
+
+
+def test_wire_crosses_the_working_plane_on_alternating_sides():
+    spring = spring_a().spring
+    points = spring.points(spring.circle_phases())
+    assert len(points) == 34  # 29 half coils, two more at each end, fence posts
+    np.testing.assert_allclose(points[:, 2], 0.0, atol=1e-12)
+    np.testing.assert_allclose(points[:, 0], 5.0 * (-1.0) ** np.arange(34))
+
+
+def test_start_phase_turns_the_helix():
+    turned = Spring(1.5, 10.0, 14.5, 28.6, start_phase=0.5 * np.pi)
+    np.testing.assert_allclose(turned.points(np.zeros(1)), [[0.0, 0.0, 5.0]], atol=1e-12)
+    np.testing.assert_allclose(turned.points(turned.circle_phases())[:, 2], 0.0, atol=1e-12)

@@ -1,0 +1,265 @@
+"""Residual, matrix and motion of the wire model: the kernels that the path follower calls."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from coilspring.compiled import copy, kernel
+from wirefe.beam import beams
+from wirefe.chain import eliminate, substitute
+from wirefe.contact import lever, pair_matrix, sphere_pair
+from wirefe.model import ROW, view, view_plan
+from wirefe.rotations import exponential, quaternion_product, rotate
+
+
+@kernel
+def _add_block(H, block, flip, K):
+    """Add the coupling K[:6, 6:] of a first and a second node."""
+    B = H[block]
+    for i in range(6):
+        for j in range(6):
+            if flip:
+                B[i, j] += K[i, 6 + j]
+            else:
+                B[i, j] += K[6 + i, j]
+
+
+@kernel
+def _onto_reference(r, g, K, C):
+    """Carry the second node's part of an element over to a point from which it stands off by r.
+
+    dx2 = dX - r x phi; the second derivative adds the lever of the force.
+    """
+    lever(g[6:9], r, C)
+    for i in range(12):
+        kx, ky, kz = K[i, 6], K[i, 7], K[i, 8]
+        K[i, 9] += r[1] * kz - r[2] * ky
+        K[i, 10] += r[2] * kx - r[0] * kz
+        K[i, 11] += r[0] * ky - r[1] * kx
+    for j in range(12):
+        kx, ky, kz = K[6, j], K[7, j], K[8, j]
+        K[9, j] += r[1] * kz - r[2] * ky
+        K[10, j] += r[2] * kx - r[0] * kz
+        K[11, j] += r[0] * ky - r[1] * kx
+    for i in range(3):
+        for j in range(3):
+            K[9 + i, 9 + j] += C[i, j]
+    fx, fy, fz = g[6], g[7], g[8]
+    g[9] += r[1] * fz - r[2] * fy
+    g[10] += r[2] * fx - r[0] * fz
+    g[11] += r[0] * fy - r[1] * fx
+
+
+@kernel
+def centre(model, state, sphere, c):
+    """Centre of a sphere."""
+    i = ROW * model.carrier[sphere]
+    rotate(state[i + 3 : i + 7], model.offset[sphere], c)
+    for j in range(3):
+        c[j] += state[i + j]
+
+
+@kernel
+def _add_elements(model, state, g, H):
+    """Strain energy; adds its gradient and Hessian: gather, compute, scatter."""
+    count = model.stiffness.shape[0]
+    ends, turns = np.empty((count, 2, 3)), np.empty((count, 2, 4))
+    for e in range(count):
+        for side in range(2):
+            a = ROW * (e + side)
+            copy(state[a : a + 3], ends[e, side])
+            copy(state[a + 3 : a + 7], turns[e, side])
+    r, C = np.empty(3), np.empty((3, 3))
+    rotate(turns[count - 1, 1], model.arm, r)
+    for i in range(3):
+        ends[count - 1, 1, i] += r[i]
+    ge, Ke = np.empty((count, 12)), np.empty((count, 12, 12))
+    energy = beams(ends, turns, model.triads, model.strain0, model.stiffness, ge, Ke)
+    _onto_reference(r, ge[count - 1], Ke[count - 1], C)
+    for e in range(count):
+        for i in range(6):
+            g[6 * e + i] += ge[e, 6 + i]
+            for j in range(6):
+                H[e, i, j] += Ke[e, 6 + i, 6 + j]
+        if e > 0:
+            for i in range(6):
+                g[6 * e - 6 + i] += ge[e, i]
+                for j in range(6):
+                    H[e - 1, i, j] += Ke[e, i, j]
+            _add_block(H, model.element_block[e], model.element_flip[e], Ke[e])
+    return energy
+
+
+@kernel
+def _add_pairs(model, memory, state, g, H):
+    """Contact energy; adds its gradient and Hessian. Only pairs that touch are scattered."""
+    energy = 0.0
+    ca, cb, w, f = np.empty(3), np.empty(3), np.empty(3), np.empty(3)
+    Hg, C = np.empty((3, 3)), np.empty((3, 3))
+    Ja, Jb = np.empty((3, 6)), np.empty((3, 6))
+    ge, Ke = np.empty(12), np.empty((12, 12))
+    for m in range(model.pairs.shape[0]):
+        A, B = model.pairs[m, 0], model.pairs[m, 1]
+        centre(model, state, A, ca)
+        centre(model, state, B, cb)
+        h2 = 0.0
+        for i in range(3):
+            w[i] = cb[i] - ca[i]
+            h2 += w[i] * w[i]
+        if h2 >= model.d * model.d and memory[m, 0] == 0.0:
+            continue
+        energy += sphere_pair(w, math.sqrt(h2), model.d, model.kc, model.k, memory[m], f, Hg)
+        a, b = model.carrier[A], model.carrier[B]
+        for i in range(3):
+            ca[i] -= state[ROW * a + i]
+            cb[i] -= state[ROW * b + i]
+        pair_matrix(f, Hg, ca, cb, ge, Ke, Ja, Jb, C)
+        for side in range(2):
+            n = (a if side == 0 else b) - 1
+            if n >= 0:
+                for i in range(6):
+                    g[6 * n + i] += ge[6 * side + i]
+                    for j in range(6):
+                        H[n, i, j] += Ke[6 * side + i, 6 * side + j]
+        if model.pair_block[m] >= 0:
+            _add_block(H, model.pair_block[m], model.pair_flip[m], Ke)
+    return energy
+
+
+@kernel
+def _hold(model, g, H):
+    """Take the held freedoms of the top out: no force, rows and columns of the unit matrix.
+
+    The top is eliminated last, so that all its couplings have its freedoms as rows.
+    """
+    top = model.stiffness.shape[0] - 1
+    for i in range(6):
+        if model.held[i] > 0.0:
+            g[6 * top + i] = 0.0
+            H[top, i, :] = 0.0
+            H[top, :, i] = 0.0
+            H[top, i, i] = 1.0
+            H[model.element_block[top], i, :] = 0.0
+            for m in range(model.pairs.shape[0]):
+                if model.carrier[model.pairs[m, 1]] == top + 1 and model.pair_block[m] >= 0:
+                    H[model.pair_block[m], i, :] = 0.0
+
+
+@kernel
+def assemble(reals, ints, anchor, clearance, memory, state, time, g, flat):
+    """Total potential, gradient and matrix; see `coilspring.newton` for the contract."""
+    model = view(reals, ints)
+    H = flat.reshape((flat.size // 36, 6, 6))
+    g[:] = 0.0
+    flat[:] = 0.0
+    energy = _add_elements(model, state, g, H)
+    count = model.pairs.shape[0]
+    if count > 0 and 2.0 * _bound(model, anchor, state) < clearance:
+        count = 0
+    if count > 0:
+        energy += _add_pairs(model, memory, state, g, H)
+    top = model.stiffness.shape[0]
+    for i in range(3):
+        g[6 * top - 6 + i] -= time * model.force[i]
+        rest = model.height if i == 1 else 0.0
+        energy -= time * model.force[i] * (state[ROW * top + i] - rest)
+    _hold(model, g, H)
+    return energy, count
+
+
+@kernel
+def factor(reals, ints, flat):
+    """Block LDL^T in place; returns the negative pivots."""
+    return eliminate(view_plan(ints), flat.reshape((flat.size // 36, 6, 6)))
+
+
+@kernel
+def solve(reals, ints, flat, b):
+    """Back substitution in place."""
+    substitute(view_plan(ints), flat.reshape((flat.size // 36, 6, 6)), b)
+
+
+@kernel
+def retract(reals, ints, state, step, factor, out):
+    """Positions add; rotations are turned by the exponential of their spin."""
+    turn = np.empty(4)
+    copy(state[:ROW], out[:ROW])
+    for n in range(step.size // 6):
+        p, s = 6 * n, ROW * (n + 1)
+        for i in range(3):
+            out[s + i] = state[s + i] + factor * step[p + i]
+        exponential(factor * step[p + 3], factor * step[p + 4], factor * step[p + 5], turn)
+        quaternion_product(turn, state[s + 3 : s + 7], out[s + 3 : s + 7])
+        norm = 0.0
+        for i in range(3, 7):
+            norm += out[s + i] ** 2
+        for i in range(3, 7):
+            out[s + i] /= math.sqrt(norm)
+
+
+@kernel
+def _bound(model, a, b):
+    """Bound on how far any point of the wire's nodes or any sphere moved between two states."""
+    most = 0.0
+    last = a.size - ROW
+    for s in range(ROW, a.size, ROW):
+        way = math.sqrt((a[s] - b[s]) ** 2 + (a[s + 1] - b[s + 1]) ** 2 + (a[s + 2] - b[s + 2]) ** 2)
+        if s == last:
+            same, other = 0.0, 0.0
+            for i in range(3, 7):
+                same += (a[s + i] - b[s + i]) ** 2
+                other += (a[s + i] + b[s + i]) ** 2
+            # |R r - R' r| <= 2 sin(angle/2) |r| <= 2 |q - q'| |r|
+            way += 2.0 * math.sqrt(min(same, other)) * model.reach
+        most = max(most, way)
+    return most
+
+
+@kernel
+def _vector(model, state, m, c, w):
+    """Vector between the centres of a pair, and its length."""
+    centre(model, state, model.pairs[m, 1], w)
+    centre(model, state, model.pairs[m, 0], c)
+    for i in range(3):
+        w[i] -= c[i]
+    return math.sqrt(w[0] ** 2 + w[1] ** 2 + w[2] ** 2)
+
+
+@kernel
+def motion(reals, ints, a, b):
+    """See `coilspring.newton`: bound on the way of any point, and the largest pair motion over d."""
+    model = view(reals, ints)
+    most = 0.0
+    c, v, w = np.empty(3), np.empty(3), np.empty(3)
+    for m in range(model.pairs.shape[0]):
+        near = min(_vector(model, a, m, c, v), _vector(model, b, m, c, w))
+        if near < 1.5 * model.d:
+            most = max(most, math.sqrt((v[0] - w[0]) ** 2 + (v[1] - w[1]) ** 2 + (v[2] - w[2]) ** 2))
+    return _bound(model, a, b), most / model.d
+
+
+@kernel
+def commit(reals, ints, state, memory):
+    """Update the contact memory with an accepted state; returns the least gap of all pairs.
+
+    A pair that has just closed is remembered with its vector g0 and direction n0, one that has
+    opened is forgotten.
+    """
+    model = view(reals, ints)
+    least = np.inf
+    c, w = np.empty(3), np.empty(3)
+    for m in range(model.pairs.shape[0]):
+        h = _vector(model, state, m, c, w)
+        least = min(least, h - model.d)
+        if model.stick == 0:
+            continue
+        if h >= model.d:
+            memory[m, 0] = 0.0
+        elif memory[m, 0] == 0.0:
+            memory[m, 0] = 1.0
+            for i in range(3):
+                memory[m, 1 + i] = w[i]
+                memory[m, 4 + i] = w[i] / h
+    return least
