@@ -25,6 +25,7 @@ import numpy as np
 from coilspring.compiled import copy, kernel
 
 CONVERGED, LINEAR, SADDLE, FAILED = 0, 1, 2, 3
+NONE, LONG, INDEFINITE = 0, 1, 2
 
 # Stop when the Newton decrement g H^-1 g, twice the energy still to gain, is below this share of
 # the reference work: 1e-8 of the displacements in the energy norm, before the last step is applied.
@@ -78,8 +79,9 @@ def positive_factor(reals, ints, H, rest, F, factor):
 
 @kernel
 def line_search(
-    reals, ints, anchor, clearance, memory, time, state, step, energy, slope, g, H, trial, assemble, retract
-):
+    reals, ints, anchor, clearance, memory, time, state, step, energy, slope, rounding, g, H, trial,
+    assemble, retract,
+):  # fmt: skip
     """Backtrack along `step` until the energy has fallen enough; `trial`, `g`, `H` belong to the result.
 
     Returns the accepted length (0 where none was found), the energy there and the pairs evaluated.
@@ -90,7 +92,7 @@ def line_search(
         retract(reals, ints, state, step, length, trial)
         value, looked = assemble(reals, ints, anchor, clearance, memory, trial, time, g, H)
         pairs += looked
-        noise = ENERGY_NOISE * (abs(energy) + abs(value))
+        noise = rounding + ENERGY_NOISE * (abs(energy) + abs(value))
         if value <= energy + ARMIJO * length * slope + noise:
             return length, value, pairs
         # minimum of the parabola through both energies and the slope; half where it is not finite
@@ -111,6 +113,7 @@ def equilibrium(
     memory,
     time,
     work,
+    rounding,
     limit,
     state,
     g,
@@ -128,49 +131,53 @@ def equilibrium(
 
     `kept` says that `F` holds the factor of the last accepted state; where that alone already
     closes the residual the response is linear and nothing is factored. `work` scales the stop test,
-    `limit` bounds the iterations, `history` receives the decrements over `work`.
+    `rounding` is the absolute noise of the energy, `limit` bounds the iterations, `history` receives the
+    decrements over `work`.
 
-    Returns status, factorisations, whether a shift or a long line search was needed, and the pairs
-    evaluated.
+    Returns status, factorisations, trouble (NONE, LONG line search, or an INDEFINITE matrix that was
+    shifted), and the pairs evaluated.
     """
     step = np.empty_like(g)
     trial = np.empty_like(state)
     energy, pairs = assemble(reals, ints, anchor, clearance, memory, state, time, g, H)
+    enough = max(DECREMENT * work, rounding)  # less energy than its rounding cannot be asked for
     count = 0
-    troubled = False
+    trouble = NONE
     for _ in range(limit):
         if kept:
             # a factor of a state nearby may close the residual: then nothing is factored for it
             solution(reals, ints, F, g, -1.0, step, solve)
             left = abs(dot(g, step))
-            if left <= (LINEAR_DECREMENT if count == 0 else DECREMENT) * work:
+            if left <= (LINEAR_DECREMENT * work if count == 0 else enough):
                 retract(reals, ints, state, step, 1.0, trial)
                 copy(trial, state)
-                return LINEAR if count == 0 else CONVERGED, count, troubled, pairs
+                return LINEAR if count == 0 else CONVERGED, count, trouble, pairs
         shift, spent = positive_factor(reals, ints, H, rest, F, factor)
         count += spent
-        troubled = troubled or shift > 0.0
+        if shift > 0.0:
+            trouble = INDEFINITE
         solution(reals, ints, F, g, -1.0, step, solve)
         slope = dot(g, step)
         for i in range(HISTORY - 1):
             history[i] = history[i + 1]
         history[HISTORY - 1] = -slope / work
         if not np.isfinite(slope) or slope > 0.0:
-            return FAILED, count, True, pairs
-        if -slope <= DECREMENT * work:
+            return FAILED, count, trouble, pairs
+        if -slope <= enough:
             if shift > 0.0:
-                return SADDLE, count, True, pairs
+                return SADDLE, count, trouble, pairs
             retract(reals, ints, state, step, 1.0, trial)
             copy(trial, state)
-            return CONVERGED, count, troubled, pairs
+            return CONVERGED, count, trouble, pairs
         length, energy, looked = line_search(
-            reals, ints, anchor, clearance, memory, time, state, step, energy, slope, g, H, trial,
-            assemble, retract,
+            reals, ints, anchor, clearance, memory, time, state, step, energy, slope, rounding, g, H,
+            trial, assemble, retract,
         )  # fmt: skip
         pairs += looked
         if length == 0.0:
-            return FAILED, count, True, pairs
-        troubled = troubled or length < LONG_SEARCH
+            return FAILED, count, trouble, pairs
+        if length < LONG_SEARCH:
+            trouble = max(trouble, LONG)
         kept = shift == 0.0
         copy(trial, state)
-    return FAILED, count, True, pairs
+    return FAILED, count, trouble, pairs

@@ -10,7 +10,7 @@ import numpy as np
 from numba import njit, types
 
 from coilspring.compiled import copy, kernel
-from coilspring.newton import CONVERGED, HISTORY, LINEAR, SADDLE, dot, equilibrium, solution
+from coilspring.newton import CONVERGED, HISTORY, INDEFINITE, LINEAR, NONE, dot, equilibrium, solution
 
 COMPLETED, CRITICAL, STUCK = 0, 1, 2
 
@@ -25,8 +25,7 @@ SMALL = 0.05  # wire diameters
 PAIR_MOTION = 0.5  # wire diameters
 EASY_TURN = 0.1  # the next substep may be twice as long
 EASY_COUNT = 5
-# Displacements below this share of the wire diameter are not resolved further: rounding is near.
-TINY = 1e-6
+EPSILON = 2.0**-52
 SAMPLES = 16  # of a linear stretch at which its stability is verified
 SOFT = 0.05  # share of the least eigenvalue at rest, below which the tangent counts as singular
 
@@ -44,6 +43,17 @@ class Track(NamedTuple):
     pairs: int  # contact pairs evaluated
     mode: np.ndarray  # softest mode at the last accepted state, where the outcome is CRITICAL
     history: np.ndarray  # last Newton decrements over the reference work
+
+
+@kernel
+def rounding(load, start):
+    """Rounding of the load's potential, which is the product of the load and of positions."""
+    span, total = 0.0, 0.0
+    for i in range(start.size):
+        span = max(span, abs(start[i]))
+    for i in range(load.size):
+        total += abs(load[i])
+    return 2.0 * EPSILON * span * total
 
 
 @kernel
@@ -160,10 +170,7 @@ def follow(
     spent[0] = 1
     solution(reals, ints, F, load, 1.0, tangent, solve)
     work = dot(load, tangent)
-    reach = 0.0
-    for i in range(load.size):
-        reach = max(reach, abs(tangent[i]))
-    least_way = TINY * diameter / reach
+    noise = rounding(load, start)
     origin, begin = state.copy(), 0.0  # of the linear stretch whose stability is not yet verified
     linear, kept = False, True
     checks, critical = 0, np.inf
@@ -176,8 +183,8 @@ def follow(
         step = target - time
         retract(reals, ints, state, tangent, step if predictor else 0.0, predicted)
         copy(predicted, trial)
-        status, count, troubled, looked = equilibrium(
-            reals, ints, state, clearance, memory, target, work * max(target, least_way) ** 2, limit, trial,
+        status, count, trouble, looked = equilibrium(
+            reals, ints, state, clearance, memory, target, work * target**2, noise * target, limit, trial,
             g, H, rest, F, kept, history, assemble, factor, solve, retract,
         )  # fmt: skip
         spent[0] += count
@@ -185,13 +192,14 @@ def follow(
         good, share = status in (CONVERGED, LINEAR), 0.0
         if good:
             good, share = continues(
-                reals, ints, predicted, state, trial, diameter, troubled, predictor, motion
+                reals, ints, predicted, state, trial, diameter, trouble > NONE, predictor, motion
             )
         if not good:
             kept = False
             dt = 0.5 * step
             if dt < LEAST_STEP:
-                outcome = CRITICAL if status == SADDLE else STUCK
+                # negative pivots however short the step: the stiffness jumps there, as where a pair opens
+                outcome = CRITICAL if trouble == INDEFINITE else STUCK
                 break
             continue
         if status == LINEAR:

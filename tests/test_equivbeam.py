@@ -1,0 +1,238 @@
+"""The equivalent beam on the paper's springs: values, branches, limit points, and work not done."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import equivbeam
+from coilspring import (
+    Contact,
+    EquilibriumNotFound,
+    InputError,
+    Load,
+    Scene,
+    Spring,
+    load_scene,
+    spring_a,
+    spring_b,
+)
+from coilspring.packing import pack
+from equivbeam import band, kernels, model
+
+# Our own prototype's values, printed with five digits; the paper gives pictures only.
+TIPS = {
+    "spring-a": (-19.878, -8.170, 1.1274),
+    "spring-a-no-contact": (-21.228, -10.450, 1.2010),
+    "spring-b": (0.0, -15.372, 0.0),
+    "spring-b-no-contact": (0.0, -24.420, 0.0),
+}
+
+
+@pytest.mark.parametrize("name", TIPS)
+def test_tips(name):
+    path = equivbeam.solve(load_scene(name))
+    assert path.outcome == "completed"
+    np.testing.assert_allclose(path.tips[-1], TIPS[name], rtol=1e-3, atol=1e-12)
+
+
+@pytest.mark.parametrize(("seed", "time", "stick"), [(0, 0.5, False), (1, 1.0, False), (2, 1.0, True)])
+def test_whole_model_derivatives(check_derivatives, seed, time, stick):
+    """At an equilibrium of Spring B in contact, shaken a little."""
+    path = equivbeam.solve(spring_b(), steps=2)
+    data = model.build_model(spring_b(), sliding="scene" if stick else "ignore")
+    reals, ints = pack(data)
+    rng = np.random.default_rng(seed)
+    state = path.states[0 if time == 0.5 else 1]
+    memory = np.zeros((len(data.pairs), 5))
+    if stick:
+        kernels.commit(reals, ints, state, memory)
+        assert memory[:, 0].any()
+    state = state.copy()
+    state[3:] += 1e-3 * rng.normal(size=state.size - 3) * np.tile(1 - data.held, (state.size - 3) // 3)
+    n = state.size - 3
+
+    def energy(step):
+        moved = state.copy()
+        moved[3:] += step
+        g, H = np.empty(n), np.empty(model.matrix_size(data))
+        free = np.ones(n)
+        free[-3:] = 1.0 - data.held
+        moved[3:] = state[3:] + step * free
+        value, _ = kernels.assemble(reals, ints, state, 0.0, memory, moved, time, g, H)
+        rows = H.reshape(n, band.BAND + 1)
+        full = np.zeros((n, n))
+        for i in range(n):
+            for j in range(min(band.BAND, i) + 1):
+                full[i, i - j] = full[i - j, i] = rows[i, j]
+        return value, g, full * np.outer(free, free)
+
+    check_derivatives(energy, n, h=2e-6, tolerance=1e-6)
+
+
+@pytest.mark.parametrize("stiffness", [1e3, 1e5, 1e7])
+def test_one_answer_for_every_number_of_steps(stiffness):
+    """And on the branch near -15.4, not the telescoped -18.8 that bold minimisers find."""
+    tips = [
+        equivbeam.solve(spring_b(), steps=steps, penalty=stiffness).tips[-1, 1]
+        for steps in (1, 2, 5, 10, 50, 200)
+    ]
+    assert np.ptp(tips) <= 1e-6 * abs(tips[0])
+    assert tips[0] == pytest.approx(-15.4, abs=0.1)
+
+
+@pytest.mark.parametrize("stiffness", [1e3, 1e7])
+def test_one_answer_for_spring_a(stiffness):
+    tips = np.array(
+        [equivbeam.solve(spring_a(), steps=steps, penalty=stiffness).tips[-1] for steps in (1, 10, 50, 200)]
+    )
+    assert np.ptp(tips, axis=0).max() <= 1e-6 * 20.0
+
+
+@pytest.mark.parametrize(("stiffness", "time"), [(1e2, 0.895), (2e2, 0.95), (3e2, 0.975), (5e2, 0.995)])
+def test_soft_circles_telescope_at_a_limit_point(stiffness, time):
+    """Times of the prototype, read at the ends of its steps of 0.005; ours must agree among themselves."""
+    found = []
+    for steps in (1, 10, 200):
+        with pytest.raises(EquilibriumNotFound) as caught:
+            equivbeam.solve(spring_b(), steps=steps, penalty=stiffness)
+        error = caught.value
+        assert error.outcome == "limit_point"
+        assert len(error.path.times) == 0 or error.path.times[-1] < error.critical_time
+        assert error.path.residual_history
+        found.append(error.critical_time)
+    assert np.ptp(found) <= 1e-5
+    assert found[0] == pytest.approx(time, abs=0.005)
+
+
+@pytest.mark.parametrize(("height", "expected"), [(28.6, 2.58288)])
+def test_buckling_is_a_bifurcation(height, expected):
+    """Clamped-free column with Spring A's own 29 half coils: Haringx's eigenvalue, discretised."""
+    scene = Scene(
+        "column",
+        Spring(1.5, 10.0, 14.5, height),
+        Load((0.0, -20.0), steps=7),
+        contact=Contact(enabled=False),
+    )
+    with pytest.raises(EquilibriumNotFound) as caught:
+        equivbeam.solve(scene)
+    error = caught.value
+    assert error.outcome == "bifurcation"
+    # linear up to there: the deflection is proportional to the load
+    path = error.path
+    assert -path.tips[-1, 1] / path.times[-1] * error.critical_time == pytest.approx(expected, rel=1e-4)
+    assert path.iterations.sum() == 1
+
+
+def test_slightly_bent_column_passes_the_buckling_load():
+    scene = Scene(
+        "column", Spring(1.5, 10.0, 14.5, 28.6), Load((1e-3, -12.0)), contact=Contact(enabled=False)
+    )
+    path = equivbeam.solve(scene)
+    assert abs(path.tips[-1, 0]) > 5.0
+
+
+def test_linear_scene_factors_once():
+    path = equivbeam.solve(load_scene("spring-b-no-contact"))
+    assert path.total_iterations == 1
+    assert list(path.iterations[:2]) == [1, 0]
+    assert path.pair_evaluations == 0
+
+
+def test_no_contact_work_while_nothing_can_touch():
+    path = equivbeam.solve(spring_b())
+    data = model.build_model(spring_b())
+    first = (path.active_contacts > 0).argmax()
+    assert path.times[first] == pytest.approx(0.36, abs=0.021)  # first closure of the prototype
+    assert not path.iterations[1:first].any()
+    # the bound spares the pairs of nine in ten residuals before; close to touching it must look
+    early = equivbeam.solve(replace(spring_b(), load=Load((0.0, -60.0), steps=50)))
+    assert early.active_contacts.max() == 0
+    assert len(data.pairs) == 16
+    assert early.pair_evaluations <= 16 * 50 / 10
+
+
+def test_pairs_inside_a_rigid_end_do_not_exist():
+    data = model.build_model(spring_a())
+    assert len(data.pairs) == 30
+    assert (data.carrier[data.pairs[:, 0]] != data.carrier[data.pairs[:, 1]]).all()
+    assert len(model.build_model(load_scene("spring-a-no-contact")).pairs) == 0
+
+
+def test_sides_alternate_and_end_turns_stand_where_the_paper_draws_them():
+    data = model.build_model(spring_a())
+    bottom = data.offset[data.carrier == 0]
+    np.testing.assert_allclose(bottom, [[5.0, -1.5], [-5.0, -0.75], [5.0, 0.0]], atol=1e-12)
+    top = data.offset[data.carrier == 29]
+    np.testing.assert_allclose(top, [[-5.0, 0.0], [5.0, 0.75], [-5.0, 1.5]], atol=1e-12)
+
+
+@pytest.mark.parametrize("tangent", ["paper", "paper-printed"])
+def test_papers_tangent_finds_the_same_equilibria(tangent):
+    """It converges linearly: the stop test leaves more error than with the exact tangent."""
+    scene = load_scene("spring-a-no-contact")
+    exact, other = equivbeam.solve(scene), equivbeam.solve(scene, tangent=tangent)
+    np.testing.assert_allclose(other.tips, exact.tips, atol=2e-6 * 20)
+    assert other.total_iterations > 2 * exact.total_iterations
+
+
+def test_papers_tangent_takes_one_iteration_before_contact():
+    path = equivbeam.solve(spring_b(), tangent="paper")
+    assert set(path.iterations[1:17]) == {1}
+
+
+def test_mirror_image():
+    """Load and sides of the circles mirrored: the answer is the mirror image, to rounding."""
+    scene = spring_a()
+    mirrored = replace(
+        scene,
+        load=Load((9.0, -4.0)),
+        spring=replace(scene.spring, start_phase=np.pi),
+    )
+    a, b = equivbeam.solve(scene), equivbeam.solve(mirrored)
+    np.testing.assert_allclose(b.tips * [-1, 1, -1], a.tips, rtol=1e-10, atol=1e-12)
+    assert (a.iterations == b.iterations).all()
+
+
+def test_units_do_not_matter():
+    """Lengths doubled and stresses kept: forces four times, displacements twice."""
+    scene = spring_a()
+    s = scene.spring
+    large = replace(
+        scene,
+        spring=Spring(2 * s.wire_diameter, 20.0, s.active_coils, 2 * s.active_height),
+        load=Load((-36.0, -16.0)),
+        contact=Contact(stiffness=2e4),
+    )
+    np.testing.assert_allclose(
+        equivbeam.solve(large).tips / [2, 2, 1], equivbeam.solve(scene).tips, rtol=1e-10, atol=1e-12
+    )
+
+
+def test_exponent_of_the_contact_law():
+    """A softer start (k = 1.5 at the same K) penetrates more; the equilibrium is completed."""
+    scene = replace(spring_a(), contact=Contact(exponent=1.5))
+    path = equivbeam.solve(scene)
+    assert path.max_penetration[-1] > equivbeam.solve(spring_a()).max_penetration[-1]
+
+
+def test_contact_forces_follow_the_law():
+    path = equivbeam.solve(spring_a())
+    np.testing.assert_allclose(path.contact_forces, 2e4 * path.penetrations)
+    assert path.table["active_contacts"].iloc[-1] == np.count_nonzero(path.contact_forces[-1])
+
+
+def test_rendering_meets_the_contact_circles():
+    path = equivbeam.solve(spring_a())
+    circles = path.circle_centres(-1)
+    np.testing.assert_allclose(circles, path.shape.circles(path.states[-1:])[0], atol=1e-12)
+    line = path.centreline(-1)
+    assert line.shape == (round(16.5 * 40) + 1, 3)
+    np.testing.assert_allclose(line[-1, :2], circles[-1] if line[-1, 2] ** 2 < 1e-20 else line[-1, :2])
+
+
+@pytest.mark.parametrize("coils", [7.25, 7.6])
+def test_half_coils_are_whole(coils):
+    scene = replace(spring_b(), spring=replace(spring_b().spring, active_coils=coils))
+    with pytest.raises(InputError, match=r"spring.active_coils must be a multiple of 0.5 .*got 7"):
+        equivbeam.solve(scene)

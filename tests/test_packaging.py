@@ -1,0 +1,49 @@
+"""Imports point down and stay light; compiled code is read from the cache by the next process."""
+
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[1]
+
+
+def run(code, **environment):
+    import os
+
+    return subprocess.run(
+        [sys.executable, "-c", code], capture_output=True, text=True, check=True, cwd=ROOT,
+        env={**os.environ, **environment},
+    ).stdout  # fmt: skip
+
+
+@pytest.mark.parametrize("package", ["equivbeam", "wirefe", "coilspring"])
+def test_imports_are_light(package):
+    heavy = "{'pyvista', 'vtk', 'matplotlib', 'skfem', 'pandas', 'meshio'}"
+    assert run(f"import sys, {package}; print(sorted({heavy} & set(sys.modules)))").strip() == "[]"
+
+
+def test_layers():
+    lint = shutil.which("lint-imports", path=str(Path(sys.executable).parent))
+    if lint is None:
+        pytest.skip("import-linter is not installed")
+    done = subprocess.run([lint], capture_output=True, text=True, cwd=ROOT, check=False)
+    assert done.returncode == 0, done.stdout
+
+
+def test_second_process_hits_the_cache(tmp_path):
+    """Both models; a follower that misses would be compiled anew by every process."""
+    code = (
+        "import coilspring, equivbeam, wirefe\n"
+        "from coilspring import stepping\n"
+        "scene = coilspring.spring_b()\n"
+        "equivbeam.solve(scene, steps=2), wirefe.solve(scene, steps=2, elements_per_turn=8)\n"
+        "from equivbeam.kernels import assemble as a\n"
+        "from wirefe.kernels import assemble as b\n"
+        "print([sum(f.stats.cache_misses.values()) for f in (stepping.compiled_follow(), a, b)])"
+    )
+    cache = {"NUMBA_CACHE_DIR": str(tmp_path)}
+    assert run(code, **cache).strip() == "[1, 1, 1]"
+    assert run(code, **cache).strip() == "[0, 0, 0]"
