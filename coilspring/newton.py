@@ -15,7 +15,7 @@ the functions here take as typed first-class functions, so that they are compile
     The state moved by ``factor * step`` (rotations by the exponential map).
 ``motion(reals, ints, a, b) -> (distance, pair motion)``
     Bound on how far any point moved from state `a` to `b`, and the largest change of the vector
-    between the centres of a pair that touches or nearly touches, in wire diameters.
+    between the centres of a pair that comes near on the way, in wire diameters.
 """
 
 from __future__ import annotations

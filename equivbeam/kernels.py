@@ -12,6 +12,8 @@ from equivbeam.contact import circle_centre, pair_forces, pair_potential
 from equivbeam.halfcoil import half_coil, paper_matrix
 from equivbeam.model import EXACT, PAPER, view
 
+NEAR = 1.5  # wire diameters between centres, within which a pair's motion in a substep is watched
+
 
 @kernel
 def _add(g, H, ge, Ke, a, b):
@@ -124,8 +126,20 @@ def retract(reals, ints, state, step, factor, out):
 
 
 @kernel
+def nearest(gx, gy, sx, sy):
+    """Least length of g + x s for x from 0 to 1."""
+    square = sx * sx + sy * sy
+    x = -(gx * sx + gy * sy) / square if square > 0.0 else 0.0
+    x = min(max(x, 0.0), 1.0)
+    return math.hypot(gx + x * sx, gy + x * sy)
+
+
+@kernel
 def motion(reals, ints, a, b):
-    """See `coilspring.newton`: bound on the way of any circle, and the largest pair motion over d."""
+    """See `coilspring.newton`: bound on the way of any circle, and the largest pair motion over d.
+
+    A pair counts if it comes near anywhere between the states: circles must not pass through each other.
+    """
     model = view(reals, ints)
     most = 0.0
     for m in range(model.pairs.shape[0]):
@@ -134,9 +148,11 @@ def motion(reals, ints, a, b):
         xb, yb = centre(model, a, B)
         ux, uy = centre(model, b, A)
         wx, wy = centre(model, b, B)
-        near = min(math.hypot(xb - xa, yb - ya), math.hypot(wx - ux, wy - uy))
-        if near < 1.5 * model.d:
-            most = max(most, math.hypot(wx - ux - xb + xa, wy - uy - yb + ya))
+        gx, gy = xb - xa, yb - ya
+        sx, sy = wx - ux - gx, wy - uy - gy
+        way = math.hypot(sx, sy)
+        if way > most and nearest(gx, gy, sx, sy) < NEAR * model.d:
+            most = way
     return _bound(model, a, b), most / model.d
 
 

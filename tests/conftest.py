@@ -27,7 +27,7 @@ _forget_stale_kernels()
 
 @pytest.fixture
 def check_derivatives():
-    """Compare a gradient and a Hessian with central differences of the energy, relative to their largest entry.
+    """Compare a gradient and a Hessian with central differences, relative to their largest entry.
 
     The returned function takes ``energy(step) -> (value, gradient, Hessian)`` at small steps from
     the state and the number of freedoms. Steps are extrapolated once (h and h/2).

@@ -105,6 +105,19 @@ def test_soft_circles_telescope_at_a_limit_point(stiffness, time):
     assert found[0] == pytest.approx(time, abs=0.005)
 
 
+def test_bold_steps_do_not_carry_coils_through_each_other():
+    """The linear response would take every coil through its neighbour in the first substep."""
+    times = []
+    for steps in (1, 200):
+        with pytest.raises(EquilibriumNotFound) as caught:
+            equivbeam.solve(replace(spring_b(), load=Load((0.0, -1500.0), steps=steps)))
+        assert caught.value.outcome == "limit_point"
+        times.append(caught.value.critical_time)
+    assert np.ptp(times) <= 1e-5
+    # 205.6 N: frictionless circles of B slide off each other just beyond the paper's load
+    assert 1500.0 * times[0] == pytest.approx(205.57, rel=1e-3)
+
+
 @pytest.mark.parametrize(("height", "expected"), [(28.6, 2.58288)])
 def test_buckling_is_a_bifurcation(height, expected):
     """Clamped-free column with Spring A's own 29 half coils: Haringx's eigenvalue, discretised."""

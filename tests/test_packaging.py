@@ -1,6 +1,6 @@
 """Imports point down and stay light; compiled code is read from the cache by the next process."""
 
-import shutil
+import os
 import subprocess
 import sys
 from pathlib import Path
@@ -11,8 +11,6 @@ ROOT = Path(__file__).parents[1]
 
 
 def run(code, **environment):
-    import os
-
     return subprocess.run(
         [sys.executable, "-c", code], capture_output=True, text=True, check=True, cwd=ROOT,
         env={**os.environ, **environment},
@@ -25,12 +23,15 @@ def test_imports_are_light(package):
     assert run(f"import sys, {package}; print(sorted({heavy} & set(sys.modules)))").strip() == "[]"
 
 
-def test_layers():
-    lint = shutil.which("lint-imports", path=str(Path(sys.executable).parent))
-    if lint is None:
-        pytest.skip("import-linter is not installed")
-    done = subprocess.run([lint], capture_output=True, text=True, cwd=ROOT, check=False)
-    assert done.returncode == 0, done.stdout
+@pytest.mark.parametrize("command", ["lint-imports", "ruff check .", "ruff format --check .", "mypy"])
+def test_house_rules(command):
+    """Layers of the packages, lint, format and types, as configured in pyproject.toml."""
+    name, *arguments = command.split()
+    tool = Path(sys.executable).parent / name
+    if not tool.exists():
+        pytest.skip(f"{name} is not installed")
+    done = subprocess.run([tool, *arguments], capture_output=True, text=True, cwd=ROOT, check=False)
+    assert done.returncode == 0, done.stdout + done.stderr
 
 
 def test_second_process_hits_the_cache(tmp_path):

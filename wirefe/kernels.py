@@ -13,6 +13,8 @@ from wirefe.contact import lever, pair_matrix, sphere_pair
 from wirefe.model import ROW, view, view_plan
 from wirefe.rotations import exponential, quaternion_product, rotate
 
+NEAR = 1.5  # wire diameters between centres, within which a pair's motion in a substep is watched
+
 
 @kernel
 def _add_block(H, block, flip, K):
@@ -229,14 +231,28 @@ def _vector(model, state, m, c, w):
 
 @kernel
 def motion(reals, ints, a, b):
-    """See `coilspring.newton`: bound on the way of any point, and the largest pair motion over d."""
+    """See `coilspring.newton`: bound on the way of any point, and the largest pair motion over d.
+
+    A pair counts if it comes near anywhere between the states: spheres must not pass through each other.
+    """
     model = view(reals, ints)
     most = 0.0
     c, v, w = np.empty(3), np.empty(3), np.empty(3)
     for m in range(model.pairs.shape[0]):
-        near = min(_vector(model, a, m, c, v), _vector(model, b, m, c, w))
-        if near < 1.5 * model.d:
-            most = max(most, math.sqrt((v[0] - w[0]) ** 2 + (v[1] - w[1]) ** 2 + (v[2] - w[2]) ** 2))
+        _vector(model, a, m, c, v)
+        _vector(model, b, m, c, w)
+        square, along = 0.0, 0.0
+        for i in range(3):
+            square += (w[i] - v[i]) ** 2
+            along -= v[i] * (w[i] - v[i])
+        if square <= most * most:
+            continue
+        x = min(max(along / square, 0.0), 1.0)
+        near = 0.0
+        for i in range(3):
+            near += (v[i] + x * (w[i] - v[i])) ** 2
+        if near < (NEAR * model.d) ** 2:
+            most = math.sqrt(square)
     return _bound(model, a, b), most / model.d
 
 

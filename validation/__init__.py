@@ -1,0 +1,1 @@
+"""Runs both models on scenes, compares them, times them and reports."""

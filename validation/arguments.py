@@ -1,0 +1,108 @@
+"""Arguments of the command ``coilcheck``."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+from typing import NoReturn
+
+from coilspring import CATALOGUE, InputError
+
+MODEL_OPTIONS = {
+    "equivbeam": ("law", "tangent", "sliding"),
+    "wirefe": ("element", "elements_per_turn", "pairs_per_turn"),
+}
+COMMON_OPTIONS = ("steps", "penalty")
+ARTEFACTS = ("table1", "table2", "table3", "fig4", "fig5", "fig6", "fig7", "fig8")
+
+
+class _Parser(argparse.ArgumentParser):
+    """Refuses with one sentence instead of a usage page."""
+
+    def error(self, message: str) -> NoReturn:
+        raise InputError(f"{message}; see {self.prog} --help")
+
+
+def command_line() -> argparse.ArgumentParser:
+    """Parser of the whole command line; an option that was not given stays unset."""
+    parser = _Parser(
+        prog="coilcheck",
+        description="Cross-validation of two models of helical compression springs whose coils touch.",
+        epilog="example: coilcheck solve spring-a --model equivbeam",
+        allow_abbrev=False,
+    )
+    commands = parser.add_subparsers(metavar="COMMAND", dest="command", required=True)
+    _add_reproduce(commands)
+    _add_solve(commands)
+    _add_compare(commands)
+    return parser
+
+
+def _add_reproduce(commands: argparse._SubParsersAction) -> None:
+    purpose = "the paper's tables and figures by both models, and a report"
+    command = _command(commands, "reproduce", purpose, "coilcheck reproduce --only table3,fig5")
+    command.add_argument("--only", type=_artefacts, metavar="NAMES", help=f"some of {','.join(ARTEFACTS)}")
+    command.add_argument("--no-render", action="store_true", help="no 3D rendering")
+
+
+def _add_solve(commands: argparse._SubParsersAction) -> None:
+    purpose = "the load path of one scene by one model"
+    command = _command(commands, "solve", purpose, "coilcheck solve spring-b --model wirefe --steps 20")
+    command.add_argument("--model", choices=tuple(MODEL_OPTIONS), required=True, help="which model")
+    _add_scene(command)
+
+
+def _add_compare(commands: argparse._SubParsersAction) -> None:
+    purpose = "one scene by both models: the equivalent beam against the wire model"
+    _add_scene(_command(commands, "compare", purpose, "coilcheck compare my-spring.toml --out results"))
+
+
+def _command(
+    commands: argparse._SubParsersAction, name: str, purpose: str, example: str
+) -> argparse.ArgumentParser:
+    command = commands.add_parser(
+        name,
+        help=purpose,
+        description=f"{purpose[0].upper()}{purpose[1:]}.",
+        epilog=f"example: {example}",
+        allow_abbrev=False,
+        argument_default=argparse.SUPPRESS,
+    )
+    where = "where to write; default coilcheck-out/COMMAND[-SCENE]"
+    command.add_argument("--out", type=Path, metavar="DIR", help=where)
+    return command
+
+
+def _add_scene(command: argparse.ArgumentParser) -> None:
+    """The scene and the options of both models, whose defaults are the models' own."""
+    command.add_argument("scene", metavar="SCENE", help=f"{', '.join(CATALOGUE)}, or a TOML file")
+    both = command.add_argument_group("options of both models")
+    both.add_argument("--steps", type=_number, metavar="N", help="equal steps of time; default the scene's")
+    both.add_argument("--penalty", type=_number, metavar="X", help="contact stiffness; default the scene's")
+    beam = command.add_argument_group("options of equivbeam")
+    beam.add_argument("--law", choices=("haringx",), help="force law of a half coil; default haringx")
+    beam.add_argument("--tangent", choices=("exact", "paper", "paper-printed"), help="default exact")
+    beam.add_argument("--sliding", choices=("ignore", "scene"), help="the scene's sliding; default ignore")
+    wire = command.add_argument_group("options of wirefe")
+    wire.add_argument("--element", choices=("straight",), help="kind of beam element; default straight")
+    wire.add_argument("--elements-per-turn", type=_number, metavar="N", help="default 40")
+    wire.add_argument("--pairs-per-turn", type=_number, metavar="N", help="sphere pairs; default 4")
+
+
+def _number(text: str) -> int | float | str:
+    """The number that `text` says; else the text, for the library to refuse with the range."""
+    for kind in (int, float):
+        try:
+            return kind(text)
+        except ValueError:
+            continue
+    return text
+
+
+def _artefacts(text: str) -> tuple[str, ...]:
+    """Names of tables and figures, in the paper's order."""
+    names = text.split(",")
+    for name in names:
+        if name not in ARTEFACTS:
+            raise argparse.ArgumentTypeError(f"must be names of {','.join(ARTEFACTS)}, got {name!r}")
+    return tuple(name for name in ARTEFACTS if name in names)

@@ -1,0 +1,186 @@
+"""The command ``coilcheck``."""
+
+from __future__ import annotations
+
+import argparse
+import importlib
+import sys
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import asdict
+from pathlib import Path
+
+from coilspring import CATALOGUE, EquilibriumNotFound, EquilibriumPath, InputError, Scene, load_scene
+from validation.arguments import COMMON_OPTIONS, MODEL_OPTIONS, command_line
+from validation.metrics import Comparison, compare_paths
+from validation.output import OutputError, prepare, write_json, write_path, writing
+
+COMPLETED, BAD_INPUT, NOT_COMPLETED, NOT_WRITTEN, INTERRUPTED = 0, 2, 3, 4, 130
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    """Run the command line and return the exit code."""
+    try:
+        arguments = command_line().parse_args(argv)
+        return COMMANDS[arguments.command](arguments)
+    except InputError as error:
+        return _fail(BAD_INPUT, str(error))
+    except EquilibriumNotFound as error:
+        return _fail(NOT_COMPLETED, error.message)
+    except OutputError as error:
+        return _fail(NOT_WRITTEN, str(error))
+    except KeyboardInterrupt:
+        return _fail(INTERRUPTED, "interrupted")
+
+
+def _fail(code: int, message: str) -> int:
+    print("coilcheck:", " ".join(message.splitlines()), file=sys.stderr)
+    return code
+
+
+def reproduce(arguments: argparse.Namespace) -> int:
+    """Make the paper's tables and figures."""
+    folder = _folder(arguments)
+    prepare(folder)
+    with _progress() as progress:
+        progress("loading both models")
+        run = importlib.import_module("validation.reproduce").reproduce
+        with writing(folder):
+            run(folder, getattr(arguments, "only", None), not hasattr(arguments, "no_render"), progress)
+    _say(f"written to {folder}")
+    return COMPLETED
+
+
+def solve(arguments: argparse.Namespace) -> int:
+    """Solve one scene with one model."""
+    model = arguments.model
+    for other, names in MODEL_OPTIONS.items():
+        for name in _given(arguments, names) if other != model else ():
+            flag = "--" + name.replace("_", "-")
+            raise InputError(f"{flag} belongs to --model {other}, got --model {model}")
+    scene = _scene(arguments)
+    folder = _folder(arguments)
+    prepare(folder)
+    with _progress() as progress:
+        path = _run(scene, model, arguments, progress)
+    write_path(path, folder)
+    _say(*_digest(path), f"written to {folder}")
+    return _verdict(path)
+
+
+def compare(arguments: argparse.Namespace) -> int:
+    """Solve one scene with both models and compare them."""
+    scene = _scene(arguments)
+    folder = _folder(arguments)
+    folders = {model: folder / model for model in MODEL_OPTIONS}
+    for each in folders.values():
+        prepare(each)
+    with _progress() as progress:
+        paths = {model: _run(scene, model, arguments, progress) for model in MODEL_OPTIONS}
+    for model, path in paths.items():
+        write_path(path, folders[model])
+    comparison = compare_paths(paths["equivbeam"], paths["wirefe"])
+    write_json(
+        folder / "compare.json",
+        {
+            "scene": scene.name,
+            **asdict(comparison),
+            **{model: str(each.resolve()) for model, each in folders.items()},
+            "outcomes": {model: path.outcome for model, path in paths.items()},
+        },
+    )
+    lines = [line for path in paths.values() for line in _digest(path)]
+    _say(*lines, _apart(comparison), f"written to {folder}")
+    return _verdict(*paths.values())
+
+
+COMMANDS = {"reproduce": reproduce, "solve": solve, "compare": compare}
+
+
+def _scene(arguments: argparse.Namespace) -> Scene:
+    """The scene with the steps and the penalty asked for."""
+    return load_scene(arguments.scene).overridden(**_given(arguments, COMMON_OPTIONS))
+
+
+def _given(arguments: argparse.Namespace, names: Sequence[str]) -> dict:
+    return {name: getattr(arguments, name) for name in names if hasattr(arguments, name)}
+
+
+def _folder(arguments: argparse.Namespace) -> Path:
+    """Where to write; of a scene, by its catalogue name or its file's name."""
+    if hasattr(arguments, "out"):
+        return arguments.out
+    name = arguments.command
+    if hasattr(arguments, "scene"):
+        scene = arguments.scene
+        name += f"-{scene if scene in CATALOGUE else Path(scene).stem}"
+    return Path("coilcheck-out", name)
+
+
+def _run(
+    scene: Scene, model: str, arguments: argparse.Namespace, progress: Callable[[str], None]
+) -> EquilibriumPath:
+    """The path of one model, complete or as far as it was reached."""
+    progress(f"loading {model}")
+    run = importlib.import_module(model).solve
+    progress(f"solving with {model}")
+    try:
+        return run(scene, **_given(arguments, MODEL_OPTIONS[model]))
+    except EquilibriumNotFound as error:
+        return error.path
+
+
+def _verdict(*paths: EquilibriumPath) -> int:
+    """Exit code of solved scenes; what was not completed is said on stderr."""
+    missed = [f"{path.model}: {path.message}" for path in paths if path.outcome != "completed"]
+    if missed:
+        return _fail(NOT_COMPLETED, f"{'; '.join(missed)}; what was reached is written")
+    return COMPLETED
+
+
+def _digest(path: EquilibriumPath) -> list[str]:
+    """A path for a reader at the terminal."""
+    lines = [f"{path.model}: {path.outcome}, {len(path.times)} of {path.scene.load.steps} steps"]
+    if len(path.times):
+        ux, uy, rotz = path.tips[-1]
+        lines.append(f"  tip at time {path.times[-1]:g}: ux {ux:.6g} mm, uy {uy:.6g} mm, rotz {rotz:.6g} rad")
+    lines.append(
+        f"  {path.total_iterations} iterations, {path.solve_seconds:.2g} s CPU "
+        f"(and {path.compile_seconds:.2g} s to make the kernels ready)"
+    )
+    return lines
+
+
+def _apart(found: Comparison) -> str:
+    if found.steps == 0:
+        return "no step was reached by both models: nothing to compare"
+    return (
+        f"difference over {found.steps} common steps: "
+        f"curve {100 * found.curve_max:.3g} % at most, {100 * found.curve_rms:.3g} % rms; "
+        f"shape at time {found.last_time:g} {found.shape_max:.3g} mm at most, {found.shape_rms:.3g} mm rms"
+    )
+
+
+def _say(*lines: str) -> None:
+    """Print to stdout, whatever characters its encoding lacks."""
+    encoding = sys.stdout.encoding or "utf-8"
+    text = "\n".join(lines).encode(encoding, "backslashreplace").decode(encoding)
+    with writing("standard output"):
+        print(text, flush=True)
+
+
+@contextmanager
+def _progress() -> Iterator[Callable[[str], None]]:
+    """Show what is being done, on a terminal only."""
+    if not sys.stderr.isatty():
+        yield lambda text: None
+        return
+    from rich.console import Console
+    from rich.text import Text
+
+    with Console(stderr=True).status("") as status:
+        yield lambda text: status.update(Text(text))
+
+
+if __name__ == "__main__":
+    sys.exit(main())

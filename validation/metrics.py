@@ -1,0 +1,74 @@
+"""How far two equilibrium paths of one scene lie apart: load curves and shapes."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from coilspring.path import EquilibriumPath
+
+COMPONENTS = ("ux", "uy", "rotz")
+# A component whose reference peak is below this share of the largest one is held, or only rounding.
+NEGLIGIBLE = 1e-9
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """Differences of a path from a reference; not a number where no time is common to both.
+
+    Attributes
+    ----------
+    curve_max, curve_rms : difference at the same load over the reference's peak, of the component
+        with the largest maximum, and of the one with the largest root mean square.
+    shape_max, shape_rms : distance of the centres of the contact circles at `last_time`, mm.
+    component_max, component_rms : the curve errors of UX, UY, ROTZ alone; components that the
+        reference does not move are left out.
+    steps : number of common times.
+    last_time : last common time, 0 where there is none.
+    """
+
+    curve_max: float
+    curve_rms: float
+    shape_max: float
+    shape_rms: float
+    component_max: dict[str, float]
+    component_rms: dict[str, float]
+    steps: int
+    last_time: float
+
+
+def compare_paths(path: EquilibriumPath, reference: EquilibriumPath) -> Comparison:
+    """Compare two paths of one spring under one load at the times that both reached.
+
+    Parameters
+    ----------
+    path : the path that is judged.
+    reference : the path whose peaks the curve errors are divided by.
+    """
+    # equal fractions of time are equal numbers, whatever the two numbers of steps
+    times, mine, theirs = np.intersect1d(path.times, reference.times, return_indices=True)
+    if times.size == 0:
+        nan = float("nan")
+        return Comparison(nan, nan, nan, nan, {}, {}, 0, 0.0)
+    errors = _curve_errors(path.tips[mine], reference.tips[theirs], np.abs(reference.tips).max(axis=0))
+    largest = {name: float(np.abs(error).max()) for name, error in errors.items()}
+    rms = {name: float(np.sqrt(np.mean(error**2))) for name, error in errors.items()}
+    apart = path.circle_centres(mine[-1]) - reference.circle_centres(theirs[-1])
+    distance = np.linalg.norm(apart, axis=1)
+    return Comparison(
+        curve_max=max(largest.values()),
+        curve_rms=max(rms.values()),
+        shape_max=float(distance.max()),
+        shape_rms=float(np.sqrt(np.mean(distance**2))),
+        component_max=largest,
+        component_rms=rms,
+        steps=times.size,
+        last_time=float(times[-1]),
+    )
+
+
+def _curve_errors(tips: np.ndarray, reference: np.ndarray, peaks: np.ndarray) -> dict[str, np.ndarray]:
+    """Relative difference of every component that the reference moves, each (steps,)."""
+    moved = peaks > NEGLIGIBLE * peaks.max()
+    return {name: (tips[:, i] - reference[:, i]) / peaks[i] for i, name in enumerate(COMPONENTS) if moved[i]}

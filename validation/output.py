@@ -1,0 +1,110 @@
+"""Files of a run: whole or not at all, and one sentence where they cannot be written."""
+
+from __future__ import annotations
+
+import json
+import math
+import os
+import platform
+import tempfile
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from importlib import metadata
+from pathlib import Path
+
+import numpy as np
+
+from coilspring.path import EquilibriumPath
+
+PACKAGES = ("numpy", "numba", "scipy", "coilcheck")
+
+
+class OutputError(RuntimeError):
+    """Something could not be written; one sentence."""
+
+
+@contextmanager
+def writing(target: str | Path) -> Iterator[None]:
+    """Turn an `OSError` of the block into an `OutputError` that names `target`."""
+    try:
+        yield
+    except OSError as error:
+        raise OutputError(f"cannot write to {target}: {error.strerror or error}") from error
+
+
+def prepare(folder: Path) -> None:
+    """Make sure that `folder` exists and takes files, before work is spent on what goes there."""
+    with writing(folder):
+        folder.mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryFile(dir=folder):
+            pass
+
+
+def write_text(target: Path, text: str) -> None:
+    """Write a whole file or none: a partial one is never seen under its name."""
+    temporary = target.with_name(f".{target.name}.{os.getpid()}.part")
+    with writing(target):
+        try:
+            temporary.write_text(text, encoding="utf-8", newline="")
+            os.replace(temporary, target)
+        except BaseException:
+            temporary.unlink(missing_ok=True)
+            raise
+
+
+def write_json(target: Path, value: object) -> None:
+    """Write strict JSON; what is not a finite number becomes null."""
+    write_text(target, json.dumps(_plain(value), indent=2, allow_nan=False) + "\n")
+
+
+def write_path(path: EquilibriumPath, folder: Path) -> None:
+    """Write ``path.csv`` and ``summary.json`` of a path, complete or not, to an existing folder."""
+    write_text(folder / "path.csv", path.table.to_csv(index=False, lineterminator="\n"))
+    write_json(folder / "summary.json", summary(path))
+
+
+def summary(path: EquilibriumPath) -> dict[str, object]:
+    """What ``summary.json`` holds."""
+    load, contact = path.scene.load, path.scene.contact
+    return {
+        "scene": path.scene.name,
+        "model": path.model,
+        "outcome": path.outcome,
+        "message": path.message,
+        "last_time": path.times[-1] if len(path.times) else 0.0,
+        "critical_time": path.critical_time,
+        "critical_bracket": path.critical_bracket,
+        "total_iterations": path.total_iterations,
+        "stability_checks": path.stability_checks,
+        "pair_evaluations": path.pair_evaluations,
+        "residual_history": path.residual_history,
+        "solve_seconds": path.solve_seconds,
+        "compile_seconds": path.compile_seconds,
+        "options": {"steps": load.steps, "penalty": contact.stiffness, **path.options},
+        "versions": versions(),
+    }
+
+
+def versions() -> dict[str, str | None]:
+    """Versions of Python and of the packages behind the numbers; None where not installed."""
+    return {"python": platform.python_version(), **{name: _version(name) for name in PACKAGES}}
+
+
+def _version(package: str) -> str | None:
+    try:
+        return metadata.version(package)
+    except metadata.PackageNotFoundError:  # run from a checkout
+        return None
+
+
+def _plain(value: object) -> object:
+    """`value` in the types of JSON."""
+    if isinstance(value, Mapping):
+        return {str(key): _plain(item) for key, item in value.items()}
+    if isinstance(value, list | tuple | np.ndarray):
+        return [_plain(item) for item in value]
+    if isinstance(value, np.generic):
+        value = value.item()
+    if isinstance(value, float) and not math.isfinite(value):
+        return None
+    return value

@@ -1,0 +1,135 @@
+"""3D pictures of deformed springs by pyvista, off screen and in a process of its own.
+
+VTK can end the process it runs in, and graphics drivers can hang: a child that fails or takes too
+long costs these pictures, not the run.
+"""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+import tempfile
+import time
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from validation.shapes import BAND_SCALE, Shapes, bands, view
+from validation.style import BLUE, GREY, RED
+
+if TYPE_CHECKING:
+    import pyvista
+
+COMMAND = (sys.executable, "-m", "validation.render3d")
+TIMEOUT = 60.0  # s; a picture takes about one
+PIXELS = 900  # a side
+PARTS = ("rest", "beam", "wire")
+
+
+class Rendering:
+    """A child process that renders panels; as a context it cleans up after itself."""
+
+    def __init__(self, panels: tuple[Shapes, ...]) -> None:
+        self._folder = tempfile.TemporaryDirectory(prefix="coilcheck-")
+        folder = Path(self._folder.name)
+        self._files = [folder / f"panel{i}.png" for i in range(len(panels))]
+        self._began = time.monotonic()
+        self._failure = ""
+        self._child: subprocess.Popen | None = None
+        arrays = {f"{part}{i}": getattr(panel, part) for i, panel in enumerate(panels) for part in PARTS}
+        np.savez(folder / "panels.npz", diameter=panels[0].diameter, count=len(panels), **arrays)
+        try:
+            self._child = subprocess.Popen(
+                [*COMMAND, str(folder / "panels.npz")],
+                cwd=Path(__file__).parents[1],  # `-m` finds the package there, installed or not
+                stdin=subprocess.DEVNULL,
+                stdout=subprocess.DEVNULL,
+                stderr=subprocess.DEVNULL,
+            )
+        except OSError as error:
+            self._failure = f"it could not be started ({error.strerror or error})"
+
+    def result(self) -> list[Path] | str:
+        """One PNG for each panel, waited for; or in a few words why there are none."""
+        if self._child is None:
+            return self._failure
+        try:
+            status = self._child.wait(max(0.0, TIMEOUT - (time.monotonic() - self._began)))
+        except subprocess.TimeoutExpired:
+            return f"it took longer than {TIMEOUT:g} s"
+        if status != 0:
+            return f"it ended with status {status}"
+        return self._files if all(file.is_file() for file in self._files) else "it wrote no picture"
+
+    def __enter__(self) -> Rendering:
+        return self
+
+    def __exit__(self, *error: object) -> None:
+        if self._child is not None:
+            self._child.kill()
+            self._child.wait()
+        self._folder.cleanup()
+
+
+def main(source: Path) -> None:
+    """Draw the panels stored in `source` beside it; what the child process runs."""
+    with np.load(source) as stored:
+        data = dict(stored)
+    count, diameter = int(data["count"]), float(data["diameter"])
+    every = np.concatenate([data[f"{part}{i}"] for i in range(count) for part in PARTS])
+    for i in range(count):
+        rest, beam, wire = (data[f"{part}{i}"] for part in PARTS)
+        _draw(rest, beam, wire, diameter, every, source.parent / f"panel{i}.png")
+
+
+def _draw(
+    rest: np.ndarray, beam: np.ndarray, wire: np.ndarray, diameter: float, every: np.ndarray, file: Path
+) -> None:
+    """One panel; `every` are all points that the frame has to hold."""
+    import pyvista
+
+    radius = 0.5 * diameter
+    plotter = pyvista.Plotter(off_screen=True, window_size=(PIXELS, PIXELS), lighting="light kit")
+    plotter.set_background("white")
+    plotter.add_mesh(
+        _tubes([rest[::4]], radius, 6), style="wireframe", color=GREY, opacity=0.3, line_width=1.0
+    )
+    shine = {"smooth_shading": True, "specular": 0.25, "ambient": 0.12}
+    plotter.add_mesh(_tubes([beam], radius, 20), color=BLUE, **shine)
+    plotter.add_mesh(_tubes(bands(wire), BAND_SCALE * radius, 20), color=RED, **shine)
+    _aim(plotter, every, diameter)
+    plotter.enable_anti_aliasing("ssaa")
+    plotter.screenshot(file)
+    plotter.close()
+
+
+def _tubes(pieces: list[np.ndarray], radius: float, sides: int) -> pyvista.PolyData:
+    """Tubes around lines of points."""
+    import pyvista
+
+    lines, start = [], 0
+    for piece in pieces:
+        lines += [len(piece), *range(start, start + len(piece))]
+        start += len(piece)
+    mesh = pyvista.PolyData(np.concatenate(pieces), lines=np.array(lines))
+    return mesh.tube(radius=radius, n_sides=sides, capping=True)
+
+
+def _aim(plotter: pyvista.Plotter, every: np.ndarray, diameter: float) -> None:
+    """Parallel projection whose frame just holds all points."""
+    axes = view()
+    seen = every @ axes.T
+    low, high = seen.min(axis=0) - diameter, seen.max(axis=0) + diameter
+    centre = 0.5 * (low + high) @ axes
+    camera = plotter.camera
+    camera.focal_point = centre
+    camera.position = centre + 200.0 * axes[2]
+    camera.up = (0.0, 1.0, 0.0)
+    camera.parallel_projection = True
+    camera.parallel_scale = 0.5 * (high - low)[:2].max()
+    plotter.renderer.reset_camera_clipping_range()
+
+
+if __name__ == "__main__":
+    main(Path(sys.argv[1]))
