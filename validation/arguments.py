@@ -42,7 +42,7 @@ def _add_reproduce(commands: argparse._SubParsersAction) -> None:
     purpose = "the paper's tables and figures by both models, and a report"
     command = _command(commands, "reproduce", purpose, "coilcheck reproduce --only table3,fig5")
     command.add_argument("--only", type=_artefacts, metavar="NAMES", help=f"some of {','.join(ARTEFACTS)}")
-    command.add_argument("--no-render", action="store_true", help="no 3D rendering")
+    command.add_argument("--no-render", action="store_true", help="tables and data only, no pictures")
 
 
 def _add_solve(commands: argparse._SubParsersAction) -> None:

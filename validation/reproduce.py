@@ -18,6 +18,7 @@ from validation.cases import PathStore, case
 from validation.document import Table, to_html, to_markdown
 from validation.output import prepare, write_text
 from validation.timing import Timing, measure
+from validation.warmup import warm_up
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -116,6 +117,9 @@ def reproduce(
             raise InputError(f"only must hold names of {', '.join(ITEMS)}, got {name!r}")
     out = Path(out)
     prepare(out)
+    if not {"table1", "table2"}.issuperset(names):
+        progress("making the kernels ready")
+        warm_up()
     with ExitStack() as cleanup:
         run = Run(out, PathStore(progress), render, cleanup)
         for name in names:

@@ -9,7 +9,7 @@ import numpy as np
 from validation.claims import AGREES, DIFFERS, Claim
 from validation.evidence import Evidence
 
-LITTLE = 1.5  # "little affecting": less than this factor either way
+LITTLE = 1.25  # "little affecting": less than this factor either way
 DOUBLED = (1.5, 2.5)  # "almost doubles"
 GREAT = 2.0  # "a great difference": at least this factor
 TWENTIETH = (15.5, 25.0)  # "about 1/20"
