@@ -1,0 +1,37 @@
+"""Code of the README and the examples runs as printed."""
+
+import re
+from pathlib import Path
+
+import coilspring
+import equivbeam
+import wirefe
+from validation.cli import main
+
+ROOT = Path(__file__).parents[1]
+TEXT = (ROOT / "README.md").read_text(encoding="utf-8")
+
+
+def test_python_block(capsys):
+    blocks = re.findall(r"```python\n(.*?)```", TEXT, re.DOTALL)
+    assert len(blocks) == 1
+    exec(compile(blocks[0], "README.md", "exec"), {})
+    assert "-19.8" in capsys.readouterr().out
+
+
+def test_commands(tmp_path, monkeypatch):
+    """The lines of the usage block; the two main commands are what CI runs."""
+    monkeypatch.chdir(tmp_path)
+    lines = re.findall(r"^\.venv/bin/coilcheck (.*?)\s*(?:#.*)?$", TEXT, re.MULTILINE)
+    assert len(lines) == 3
+    for line in lines[:2]:
+        assert main(line.split()) == 0
+    assert (tmp_path / "coilcheck-out/solve-spring-b/path.csv").exists()
+    assert (tmp_path / "coilcheck-out/compare-spring-a/compare.json").exists()
+
+
+def test_example_scene():
+    scene = coilspring.load_scene(ROOT / "examples/progressive.toml")
+    beam, wire = equivbeam.solve(scene), wirefe.solve(scene)
+    assert abs(beam.tips[-1, 1] / wire.tips[-1, 1] - 1.0) < 0.03
+    assert wire.active_contacts[-1] > 0
