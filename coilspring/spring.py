@@ -106,6 +106,18 @@ class Spring:
         sign = 1.0 if self.hand == "left" else -1.0
         return np.stack((radius * np.cos(angle), self.height(phi), sign * radius * np.sin(angle)), axis=-1)
 
+    def derivatives(self, phi: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """First and second derivative of the active wire's `points` in `phi`, each (len(phi), 3), mm."""
+        phi = np.asarray(phi, dtype=float)
+        bottom, top = self.mean_diameter
+        radius, slope = self.radius(phi), 0.5 * (top - bottom) / self.phase_end
+        c, s = np.cos(phi + self.start_phase), np.sin(phi + self.start_phase)
+        sign = 1.0 if self.hand == "left" else -1.0
+        rise = np.full_like(phi, self.pitch / TWO_PI)
+        first = np.stack((slope * c - radius * s, rise, sign * (slope * s + radius * c)), axis=-1)
+        second = (-2.0 * slope * s - radius * c, 0.0 * rise, sign * (2.0 * slope * c - radius * s))
+        return first, np.stack(second, axis=-1)
+
     def circle_phases(self) -> np.ndarray:
         """Phases at which the wire crosses the working plane X-Y, end turns included, rad."""
         first, last = self.phase_range

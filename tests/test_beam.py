@@ -7,7 +7,7 @@ from scipy.spatial.transform import Rotation
 from coilspring import Material
 from coilspring.wire import round_section
 from wirefe.beam import beams, deformations
-from wirefe.mesh import straight_stiffness
+from wirefe.elements import straight_stiffness
 from wirefe.rotations import exponential, quaternion_product, stretch_functions
 
 UNIT = np.array([1.0, 0.0, 0.0, 0.0])

@@ -119,6 +119,31 @@ def deformations(ends, turns, triads, e):
             e[n, 3 + i] = th[i]
 
 
+def deformation_rates(ends: np.ndarray, triads: np.ndarray) -> np.ndarray:
+    """d(v, theta) at rest for a motion (dx, spin) of each element's second end, shape (n, 6, 6)."""
+    n = len(ends)
+    turns = np.zeros((n, 2, 4))
+    turns[..., 0] = 1.0
+    J = np.empty((n, 6, 6))
+    p1, p2, m = np.empty(4), np.empty(4), np.empty(4)
+    M, th, u = np.empty((3, 3)), np.empty(3), np.empty(3)
+    P, Vt, Wt, Gt = (np.empty((3, 3)) for _ in range(4))
+    Sk = np.empty((3, 3))
+    for e in range(n):
+        a, sin_a, cos_a = relative_pose(ends[e], turns[e], triads[e], p1, p2, m, M, th, u)
+        q = 4.0 * a * a
+        f = stretch_functions(q, a, sin_a, cos_a)
+        _derivatives(q, f, th, u, np.zeros(6), P, Vt, Wt, Gt)
+        _skew(th, 0.5 * f[3], Sk)
+        spin = 0.5 * np.eye(3) - Sk  # (W4) with the first end held
+        _skew(u, 1.0, Sk)
+        J[e, :3, :3] = P @ M.T
+        J[e, :3, 3:] = (P @ Sk @ spin + Vt @ P) @ M.T
+        J[e, 3:, :3] = 0.0
+        J[e, 3:, 3:] = P @ M.T
+    return J
+
+
 @kernel
 def beams(ends, turns, triads, e0, K, g, H):
     """Energy of all elements; fills their gradients g (n, 12) and Hessians H (n, 12, 12).

@@ -1,4 +1,4 @@
-"""Mesh of the wire: nodes on the helix, straight elements between them, contact spheres, numbering."""
+"""Mesh of the wire: nodes on the helix, elements between them, contact spheres, numbering."""
 
 from __future__ import annotations
 
@@ -10,8 +10,6 @@ import numpy as np
 from coilspring.errors import InputError, require_integer
 from coilspring.scene import Scene
 from coilspring.spring import Spring
-from coilspring.wire import Section, round_section
-from wirefe.rotations import quaternion_from_matrix
 
 TWO_PI = 2.0 * math.pi
 PAIRS_OF_PENALTY = 4  # the scene's stiffness is that of a pair at 4 pairs a turn
@@ -31,8 +29,6 @@ class WireMesh:
     freedoms: np.ndarray  # (6, nodes) numbers of ux uy uz rotx roty rotz
     reference: np.ndarray  # (3,) top reference point at rest
     arm: np.ndarray  # (3,)
-    triads: np.ndarray  # (elements, 4) quaternion of each chord's frame
-    lengths: np.ndarray  # (elements,)
 
 
 def mesh_wire(spring: Spring, elements_per_turn: int) -> WireMesh:
@@ -53,8 +49,6 @@ def mesh_wire(spring: Spring, elements_per_turn: int) -> WireMesh:
     line = MeshLine(np.linspace(0.0, spring.phase_end, count + 1))
     basis = Basis(line, ElementVector(ElementLineP1(), 6), intorder=1)
     points = spring.points(line.p[0])
-    chords = points[line.t[1]] - points[line.t[0]]
-    lengths = np.linalg.norm(chords, axis=1)
     reference = np.array([0.0, spring.active_height, 0.0])
     return WireMesh(
         phases=line.p[0],
@@ -63,31 +57,7 @@ def mesh_wire(spring: Spring, elements_per_turn: int) -> WireMesh:
         freedoms=basis.nodal_dofs,
         reference=reference,
         arm=points[-1] - reference,
-        triads=_frames(chords / lengths[:, None]),
-        lengths=lengths,
     )
-
-
-def _frames(tangents: np.ndarray) -> np.ndarray:
-    """Quaternions of frames whose first axis is the tangent; the section is round, so any will do."""
-    # the spring's axis is never along the wire, so it gives the second axis
-    second = np.cross(np.array([0.0, 1.0, 0.0]), tangents)
-    second /= np.linalg.norm(second, axis=1)[:, None]
-    third = np.cross(tangents, second)
-    return quaternion_from_matrix(np.stack((tangents, second, third), axis=-1))
-
-
-def straight_stiffness(section: Section, lengths: np.ndarray) -> np.ndarray:
-    """Stiffness of straight elements in (v, theta), shape (elements, 6, 6).
-
-    Shear carries the bending flexibility L^2/(12 EI) that constant strains leave out, which makes
-    the element exact for small loads at its ends (MacNeal 1978, residual bending flexibility).
-    """
-    K = np.zeros((len(lengths), 6, 6))
-    shear = 1.0 / (1.0 / section.GA + lengths**2 / (12.0 * section.EI))
-    for i, rigidity in enumerate((section.EA, shear, shear, section.GJ, section.EI, section.EI)):
-        K[:, i, i] = rigidity / lengths
-    return K
 
 
 @dataclass(frozen=True)
@@ -127,8 +97,3 @@ def place_spheres(scene: Scene, mesh: WireMesh, elements_per_turn: int, pairs_pe
         pairs=pairs[apart] if scene.contact.enabled else pairs[:0],
         stiffness=scene.contact.stiffness * PAIRS_OF_PENALTY / pairs_per_turn,
     )
-
-
-def wire_section(scene: Scene) -> Section:
-    """Section of the scene's wire."""
-    return round_section(scene.spring.wire_diameter, scene.material)

@@ -13,9 +13,11 @@ import numpy as np
 from coilspring.compiled import kernel
 from coilspring.packing import heads, stack, table, vector
 from coilspring.scene import Scene
+from coilspring.wire import round_section
 from wirefe.beam import deformations
 from wirefe.chain import ChainPlan, plan_chain
-from wirefe.mesh import WireMesh, mesh_wire, place_spheres, straight_stiffness, wire_section
+from wirefe.elements import element_properties
+from wirefe.mesh import WireMesh, mesh_wire, place_spheres
 
 ROW = 7  # numbers of a node in the state
 HELD_ALWAYS = (2, 3, 4)  # UZ, ROTX, ROTY of the top reference point
@@ -46,7 +48,9 @@ class WireModel(NamedTuple):
     plan: ChainPlan
 
 
-def build_model(scene: Scene, elements_per_turn: int, pairs_per_turn: int) -> tuple[WireModel, WireMesh]:
+def build_model(
+    scene: Scene, elements_per_turn: int, pairs_per_turn: int, element: str = "straight"
+) -> tuple[WireModel, WireMesh]:
     """Arrays of the wire model of `scene`, and its mesh."""
     mesh = mesh_wire(scene.spring, elements_per_turn)
     spheres = place_spheres(scene, mesh, elements_per_turn, pairs_per_turn)
@@ -63,9 +67,10 @@ def build_model(scene: Scene, elements_per_turn: int, pairs_per_turn: int) -> tu
     held[list(HELD_ALWAYS)] = 1.0
     for name in scene.supports.top_held:
         held[{"ux": 0, "rotz": 5}[name]] = 1.0
-    triads = np.stack((mesh.triads, mesh.triads), axis=1)
+    section = round_section(scene.spring.wire_diameter, scene.material)
+    triads, stiffness = element_properties(element, scene.spring, section, mesh)
     model = WireModel(
-        stiffness=straight_stiffness(wire_section(scene), mesh.lengths),
+        stiffness=stiffness,
         strain0=_strain_at_rest(mesh, triads),
         triads=triads,
         arm=mesh.arm,
