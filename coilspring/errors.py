@@ -5,10 +5,7 @@ from __future__ import annotations
 import math
 import numbers
 from collections.abc import Mapping
-from typing import TYPE_CHECKING
-
-if TYPE_CHECKING:
-    from coilspring.path import EquilibriumPath
+from typing import Any
 
 
 class InputError(ValueError):
@@ -20,7 +17,7 @@ class EquilibriumNotFound(RuntimeError):
 
     Attributes
     ----------
-    path : EquilibriumPath
+    path : EquilibriumPath, or the RodPath of any wire
         The part that was reached; ``path.residual_history`` holds the Newton decrements of the
         last attempts.
     outcome : str
@@ -31,7 +28,7 @@ class EquilibriumNotFound(RuntimeError):
         Middle of the time bracket of the critical point.
     """
 
-    def __init__(self, path: EquilibriumPath) -> None:
+    def __init__(self, path: Any) -> None:
         super().__init__(path.message)
         self.path = path
         self.outcome = path.outcome

@@ -3,10 +3,10 @@
 A model is described by its data (two flat arrays, see `coilspring.packing`) and five kernels, which
 the functions here take as typed first-class functions, so that they are compiled once for all models:
 
-``assemble(reals, ints, anchor, clearance, memory, state, time, g, H) -> (energy, pairs evaluated)``
-    Total potential, its gradient `g` and its matrix `H` (model's own storage, flat) at `state`. `anchor`
-    is the last accepted state, `clearance` the least gap of its contact pairs: while nothing has
-    moved by half of it, no pair can touch. `memory` holds what contact remembers.
+``assemble(reals, ints, anchor, clearance, memory, state, g, H) -> (energy, pairs evaluated)``
+    Strain and contact energy, its gradient `g` and its matrix `H` (model's own storage, flat) at
+    `state`. `anchor` is the last accepted state, `clearance` the least gap of its contact pairs: while
+    nothing has moved by half of it, no pair can touch. `memory` holds what contact remembers.
 ``factor(reals, ints, F) -> negative pivots``
     LDL^T of `F` in place. By Sylvester's law the negative pivots count the negative eigenvalues.
 ``solve(reals, ints, F, b)``
@@ -51,6 +51,13 @@ def dot(a, b):
 
 
 @kernel
+def subtract(push, g):
+    """g -= push."""
+    for i in range(g.size):
+        g[i] -= push[i]
+
+
+@kernel
 def solution(reals, ints, F, b, sign, out, solve):
     """out = sign F^-1 b."""
     for i in range(b.size):
@@ -79,24 +86,29 @@ def positive_factor(reals, ints, H, rest, F, factor):
 
 @kernel
 def line_search(
-    reals, ints, anchor, clearance, memory, time, state, step, energy, slope, rounding, g, H, trial,
+    reals, ints, anchor, clearance, memory, push, state, step, energy, slope, rounding, g, H, trial,
     assemble, retract,
 ):  # fmt: skip
-    """Backtrack along `step` until the energy has fallen enough; `trial`, `g`, `H` belong to the result.
+    """Backtrack along `step` until the potential has fallen enough; `trial`, `g`, `H` belong to the result.
+
+    A dead load does work in proportion to the length: it pushes with ``push . step``.
 
     Returns the accepted length (0 where none was found), the energy there and the pairs evaluated.
     """
     length = 1.0
     pairs = 0
+    pushed = dot(push, step)
     for _ in range(MOST_BACKTRACKS):
         retract(reals, ints, state, step, length, trial)
-        value, looked = assemble(reals, ints, anchor, clearance, memory, trial, time, g, H)
+        value, looked = assemble(reals, ints, anchor, clearance, memory, trial, g, H)
         pairs += looked
         noise = rounding + ENERGY_NOISE * (abs(energy) + abs(value))
-        if value <= energy + ARMIJO * length * slope + noise:
+        gain = value - energy - length * pushed
+        if gain <= ARMIJO * length * slope + noise:
+            subtract(push, g)
             return length, value, pairs
         # minimum of the parabola through both energies and the slope; half where it is not finite
-        curvature = value - energy - slope * length
+        curvature = gain - slope * length
         shorter = -0.5 * slope * length**2 / curvature if curvature > 0.0 else 0.5 * length
         if not np.isfinite(shorter):
             shorter = 0.1 * length
@@ -111,7 +123,7 @@ def equilibrium(
     anchor,
     clearance,
     memory,
-    time,
+    push,
     work,
     rounding,
     limit,
@@ -129,17 +141,18 @@ def equilibrium(
 ):
     """Newton's method with energy line search from `state`, which is moved to the equilibrium.
 
-    `kept` says that `F` holds the factor of the last accepted state; where that alone already
-    closes the residual the response is linear and nothing is factored. `work` scales the stop test,
-    `rounding` is the absolute noise of the energy, `limit` bounds the iterations, `history` receives the
-    decrements over `work`.
+    `push` is the load; `kept` says that `F` holds the factor of the last accepted state; where that
+    alone already closes the residual the response is linear and nothing is factored. `work` scales the
+    stop test, `rounding` is the absolute noise of the energy, `limit` bounds the iterations, `history`
+    receives the decrements over `work`.
 
     Returns status, factorisations, trouble (NONE, LONG line search, or an INDEFINITE matrix that was
     shifted), and the pairs evaluated.
     """
     step = np.empty_like(g)
     trial = np.empty_like(state)
-    energy, pairs = assemble(reals, ints, anchor, clearance, memory, state, time, g, H)
+    energy, pairs = assemble(reals, ints, anchor, clearance, memory, state, g, H)
+    subtract(push, g)
     enough = max(DECREMENT * work, rounding)  # less energy than its rounding cannot be asked for
     count = 0
     trouble = NONE
@@ -170,7 +183,7 @@ def equilibrium(
             copy(trial, state)
             return CONVERGED, count, trouble, pairs
         length, energy, looked = line_search(
-            reals, ints, anchor, clearance, memory, time, state, step, energy, slope, rounding, g, H,
+            reals, ints, anchor, clearance, memory, push, state, step, energy, slope, rounding, g, H,
             trial, assemble, retract,
         )  # fmt: skip
         pairs += looked

@@ -39,6 +39,41 @@ class Problem:
     matrix_size: int
 
 
+@dataclass(frozen=True)
+class Run:
+    """A followed problem: the track, and the seconds of solving (CPU) and of making kernels ready."""
+
+    track: Track
+    outcome: str
+    message: str
+    critical_time: float | None
+    solve_seconds: float
+    compile_seconds: float
+
+
+def follow_problem(
+    problem: Problem,
+    kernels: Kernels,
+    times: np.ndarray,
+    length: float,
+    *,
+    limit: int = MOST_ITERATIONS,
+    predictor: bool = True,
+) -> Run:
+    """Follow a problem through the increasing `times`; `length` is the one with which moves are compared."""
+    began = time.perf_counter()
+    follow = compiled_follow()
+    compile_kernels(kernels)
+    compiled = time.perf_counter() - began
+    began = time.process_time()
+    track = follow(
+        *pack(problem.data), problem.load, times, problem.start, problem.memory, problem.matrix_size,
+        length, limit, predictor, *kernels,
+    )  # fmt: skip
+    seconds = time.process_time() - began
+    return Run(track, *_verdict(track, problem.load), seconds, compiled)
+
+
 def follow_scene(
     scene: Scene,
     model: str,
@@ -56,18 +91,10 @@ def follow_scene(
     ------
     EquilibriumNotFound : where the path ends before time 1.
     """
-    began = time.perf_counter()
-    follow = compiled_follow()
-    compile_kernels(kernels)
-    compiled = time.perf_counter() - began
     times = np.arange(1, scene.load.steps + 1) / scene.load.steps
-    began = time.process_time()
-    track = follow(
-        *pack(problem.data), problem.load, times, problem.start, problem.memory, problem.matrix_size,
-        scene.spring.wire_diameter, limit, predictor, *kernels,
-    )  # fmt: skip
-    seconds = time.process_time() - began
-    outcome, message, critical = _verdict(track, problem.load)
+    length = scene.spring.wire_diameter
+    run = follow_problem(problem, kernels, times, length, limit=limit, predictor=predictor)
+    track = run.track
     path = EquilibriumPath(
         scene=scene,
         model=model,
@@ -75,19 +102,19 @@ def follow_scene(
         times=times[: len(track.states)],
         states=track.states,
         iterations=track.iterations,
-        outcome=outcome,
-        message=message,
+        outcome=run.outcome,
+        message=run.message,
         shape=shape,
-        critical_time=critical,
-        critical_bracket=None if critical is None else track.bracket,
+        critical_time=run.critical_time,
+        critical_bracket=None if run.critical_time is None else track.bracket,
         total_iterations=int(track.iterations.sum() + track.rest[0]),
         stability_checks=track.checks,
         pair_evaluations=track.pairs,
         residual_history=tuple(track.history[track.history > 0.0]),
-        solve_seconds=seconds,
-        compile_seconds=compiled,
+        solve_seconds=run.solve_seconds,
+        compile_seconds=run.compile_seconds,
     )
-    if outcome != "completed":
+    if path.outcome != "completed":
         raise EquilibriumNotFound(path)
     return path
 

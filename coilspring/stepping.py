@@ -57,9 +57,9 @@ def rounding(load, start):
 
 
 @kernel
-def softest(reals, ints, state, memory, time, load, g, H, assemble, factor, solve):
+def softest(reals, ints, state, memory, load, g, H, assemble, factor, solve):
     """Least eigenvalue (in size) of the matrix at `state` and its mode, by inverse iteration."""
-    assemble(reals, ints, state, 0.0, memory, state, time, g, H)
+    assemble(reals, ints, state, 0.0, memory, state, g, H)
     factor(reals, ints, H)
     mode = np.empty_like(load)
     new = np.empty_like(load)
@@ -89,7 +89,7 @@ def unstable_time(reals, ints, memory, origin, begin, tangent, end, H, g, assemb
     while high - low > LEAST_STEP:
         time = 0.5 * (low + high) if high < np.inf else min(low + (end - begin) / SAMPLES, end)
         retract(reals, ints, origin, tangent, time - begin, state)
-        assemble(reals, ints, state, 0.0, memory, state, time, g, H)
+        assemble(reals, ints, state, 0.0, memory, state, g, H)
         count += 1
         if factor(reals, ints, H) > 0:
             high = time
@@ -137,7 +137,7 @@ def follow(
     Parameters
     ----------
     reals, ints : data of the model, see `coilspring.packing`.
-    load : (n,) load vector at time 1.
+    load : (n,) dead load at time 1, conjugate to the steps that `retract` takes.
     times : (steps,) requested times.
     start : state at rest.
     memory : contact memory at rest; changed in place by ``commit(reals, ints, state, memory)``, which
@@ -154,6 +154,7 @@ def follow(
     spent = np.zeros(1, np.int64)
     history = np.zeros(HISTORY)
     g = np.empty_like(load)
+    push = np.empty_like(load)
     H = np.empty(size)
     F = np.empty(size)
     state = start.copy()
@@ -162,7 +163,7 @@ def follow(
     tangent = np.empty_like(load)
     mode = np.zeros_like(load)
     clearance = commit(reals, ints, state, memory)
-    _, pairs = assemble(reals, ints, state, clearance, memory, state, 0.0, g, H)
+    _, pairs = assemble(reals, ints, state, clearance, memory, state, g, H)
     rest = H.copy()
     copy(H, F)
     if factor(reals, ints, F) > 0:
@@ -183,8 +184,10 @@ def follow(
         step = target - time
         retract(reals, ints, state, tangent, step if predictor else 0.0, predicted)
         copy(predicted, trial)
+        for i in range(load.size):
+            push[i] = target * load[i]
         status, count, trouble, looked = equilibrium(
-            reals, ints, state, clearance, memory, target, work * target**2, noise * target, limit, trial,
+            reals, ints, state, clearance, memory, push, work * target**2, noise * target, limit, trial,
             g, H, rest, F, kept, history, assemble, factor, solve, retract,
         )  # fmt: skip
         spent[0] += count
@@ -240,8 +243,8 @@ def follow(
             row -= 1
         retract(reals, ints, origin, tangent, critical - begin, state)
     if outcome != COMPLETED:
-        least, mode = softest(reals, ints, state, memory, time, load, g, H, assemble, factor, solve)
-        stiffness, _ = softest(reals, ints, start, memory, 0.0, load, g, H, assemble, factor, solve)
+        least, mode = softest(reals, ints, state, memory, load, g, H, assemble, factor, solve)
+        stiffness, _ = softest(reals, ints, start, memory, load, g, H, assemble, factor, solve)
         if abs(least) < SOFT * abs(stiffness):
             outcome = CRITICAL
     return Track(states[:row], iterations[:row], spent, outcome, time, bracket, checks, pairs, mode, history)
@@ -284,7 +287,7 @@ def _signatures() -> Kernels:
     real, whole = types.float64, types.int64
     data = (vector, numbers)
     return Kernels(
-        assemble=types.Tuple((real, whole))(*data, vector, real, table, vector, real, vector, vector),
+        assemble=types.Tuple((real, whole))(*data, vector, real, table, vector, vector, vector),
         factor=whole(*data, vector),
         solve=types.void(*data, vector, vector),
         retract=types.void(*data, vector, vector, real, vector),

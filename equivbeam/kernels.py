@@ -72,8 +72,8 @@ def _add_pairs(model, memory, state, g, H, ge, Ke):
 
 
 @kernel
-def assemble(reals, ints, anchor, clearance, memory, state, time, g, flat):
-    """Total potential, gradient and matrix; see `coilspring.newton` for the contract."""
+def assemble(reals, ints, anchor, clearance, memory, state, g, flat):
+    """Strain and contact energy, gradient and matrix; see `coilspring.newton` for the contract."""
     model = view(reals, ints)
     H = flat.reshape((g.size, BAND + 1))
     g[:] = 0.0
@@ -98,9 +98,6 @@ def assemble(reals, ints, anchor, clearance, memory, state, time, g, flat):
     if count > 0:
         energy += _add_pairs(model, memory, state, g, H, ge, Ke)
     n = g.size
-    g[n - 3] -= time * model.force[0]
-    g[n - 2] -= time * model.force[1]
-    energy -= time * (model.force[0] * state[n] + model.force[1] * (state[n + 1] - model.l0 * (n // 3)))
     for i in range(3):
         if model.held[i] > 0.0:
             _hold(g, H, n - 3 + i)

@@ -24,7 +24,6 @@ class BeamModel(NamedTuple):
 
     stiffness: np.ndarray  # (elements, 3) axial, shearing, bending
     l0: float  # length of an element at rest
-    force: np.ndarray  # (2,) dead load on the last node at time 1
     held: np.ndarray  # (3,) freedoms of the last node that are held: 1.0 or 0.0
     carrier: np.ndarray  # (circles,) node that carries each circle
     offset: np.ndarray  # (circles, 2) from the node to the circle's centre, at rest
@@ -61,7 +60,6 @@ def build_model(scene: Scene, tangent: str = "exact", sliding: str = "ignore") -
     return BeamModel(
         stiffness=haringx_stiffness(spring, scene.material),
         l0=spring.active_height / count,
-        force=np.array(scene.load.force),
         held=np.array(held, dtype=float),
         carrier=carrier,
         offset=offset,
@@ -99,10 +97,10 @@ def rest_state(model: BeamModel) -> np.ndarray:
     return state.ravel()
 
 
-def load_vector(model: BeamModel) -> np.ndarray:
+def load_vector(model: BeamModel, scene: Scene) -> np.ndarray:
     """Load at time 1 on the free nodes, flat; held freedoms carry none."""
     load = np.zeros(3 * model.stiffness.shape[0])
-    load[-3:-1] = model.force * (1.0 - model.held[:2])
+    load[-3:-1] = np.array(scene.load.force) * (1.0 - model.held[:2])
     return load
 
 
@@ -116,8 +114,7 @@ def view(reals, ints):
     """The model's fields, in their order, in the packed arrays."""
     head = heads(ints)
     return BeamModel(
-        table(reals, head[0]), reals[head[1, 0]], vector(reals, head[2]), vector(reals, head[3]),
-        vector(ints, head[4]), table(reals, head[5]), table(ints, head[6]), reals[head[7, 0]],
-        reals[head[8, 0]], reals[head[9, 0]], reals[head[10, 0]], ints[head[11, 0]],
-        ints[head[12, 0]],
+        table(reals, head[0]), reals[head[1, 0]], vector(reals, head[2]), vector(ints, head[3]),
+        table(reals, head[4]), table(ints, head[5]), reals[head[6, 0]], reals[head[7, 0]],
+        reals[head[8, 0]], reals[head[9, 0]], ints[head[10, 0]], ints[head[11, 0]],
     )  # fmt: skip

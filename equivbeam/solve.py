@@ -71,7 +71,7 @@ def solve(
     data = model.build_model(scene, tangent, sliding)
     problem = Problem(
         data=data,
-        load=model.load_vector(data),
+        load=model.load_vector(data, scene),
         start=model.rest_state(data),
         memory=np.zeros((len(data.pairs), 5)),
         matrix_size=model.matrix_size(data),

@@ -111,7 +111,7 @@ def test_spread_of_no_sliding_over_the_steps(stiffness):
 def shaken(scene, seed, **options):
     """Model, an equilibrium state moved a little, its memory, and the function that moves it."""
     path = wirefe.solve(scene, steps=2, **options)
-    data, _ = model.build_model(path.scene, options.get("elements_per_turn", 40), 4)
+    data, _, rod = model.build_model(path.scene, options.get("elements_per_turn", 40), 4)
     reals, ints = pack(data)
     memory = np.zeros((len(data.pairs), 7))
     kernels.commit(reals, ints, path.states[-1], memory)
@@ -121,10 +121,9 @@ def shaken(scene, seed, **options):
         kernels.retract(reals, ints, state, step, 1.0, out)
         return out
 
-    n = path.states.shape[1] // model.ROW * 6 - 6
-    step = 1e-3 * np.random.default_rng(seed).normal(size=n)
-    step[-6:] *= 1.0 - data.held
-    return data, reals, ints, memory, path.states[-1], moved(path.states[-1], step), moved, n
+    free = np.where(rod.held, 0.0, 1.0).ravel()
+    step = 1e-3 * np.random.default_rng(seed).normal(size=free.size) * free
+    return data, reals, ints, memory, path.states[-1], moved(path.states[-1], step), moved, free
 
 
 @pytest.mark.parametrize("sliding", ["free", "none"])
@@ -136,14 +135,13 @@ def test_whole_model_derivatives(check_derivatives, sliding):
         supports=Supports(("ux", "rotz")),
         contact=Contact(sliding=sliding),
     )
-    data, reals, ints, memory, anchor, state, moved, n = shaken(scene, 3, elements_per_turn=8)
-    free = np.ones(n)
-    free[-6:] = 1.0 - data.held
+    data, reals, ints, memory, anchor, state, moved, free = shaken(scene, 3, elements_per_turn=8)
+    n = free.size
     assert (memory[:, 0] > 0).any() == (sliding == "none")
 
     def energy(step):
         g, H = np.empty(n), np.empty(model.matrix_size(data))
-        value, _ = kernels.assemble(reals, ints, anchor, 0.0, memory, moved(state, step * free), 1.0, g, H)
+        value, _ = kernels.assemble(reals, ints, anchor, 0.0, memory, moved(state, step * free), g, H)
         return value, g, dense(data, H, n) * np.outer(free, free)
 
     value, g, _ = energy(np.zeros(n))
@@ -158,12 +156,12 @@ def dense(data, H, n):
     full = np.zeros((n, n))
     for node in range(n // 6):
         full[6 * node : 6 * node + 6, 6 * node : 6 * node + 6] = blocks[node]
-    for e in range(1, len(data.element_block)):
-        put(full, blocks[data.element_block[e]], e - 1, e, data.element_flip[e])
+    for e in range(len(data.element_block)):
+        put(full, blocks[data.element_block[e]], e, e + 1, data.element_flip[e])
     done = set(data.element_block)
     for m, (A, B) in enumerate(data.pairs):
-        a, b = data.carrier[A] - 1, data.carrier[B] - 1
-        if a >= 0 and b >= 0 and data.pair_block[m] not in done:
+        a, b = data.carrier[A], data.carrier[B]
+        if data.pair_block[m] not in done:
             put(full, blocks[data.pair_block[m]], a, b, data.pair_flip[m])
     return full
 
@@ -175,10 +173,11 @@ def put(full, block, a, b, flip):
 
 
 def test_whole_wire_moved_rigidly_strains_nothing():
-    data, mesh = model.build_model(load_scene("spring-a-no-contact"), 8, 4)
+    _, mesh, rod = model.build_model(load_scene("spring-a-no-contact"), 8, 4)
+    data = model.rod_model(replace(rod, held=np.zeros_like(rod.held)), mesh.arm)
     reals, ints = pack(data)
     spin, shift = np.array([0.4, 2.0, -1.1]), np.array([3.0, -4.0, 5.0])
-    rows = model.rest_state(mesh).reshape(-1, model.ROW)
+    rows = model.rest_state(rod, mesh.arm).reshape(-1, model.ROW)
     turn, out = np.empty(4), np.empty(4)
     exponential(*spin, turn)
     R = Rotation.from_rotvec(spin)
@@ -186,8 +185,8 @@ def test_whole_wire_moved_rigidly_strains_nothing():
         row[:3] = R.apply(row[:3]) + shift
         quaternion_product(turn, row[3:].copy(), out)
         row[3:] = out
-    g, H = np.empty(6 * len(rows) - 6), np.empty(model.matrix_size(data))
-    value, _ = kernels.assemble(reals, ints, rows.ravel(), 0.0, np.zeros((0, 7)), rows.ravel(), 0.0, g, H)
+    g, H = np.empty(6 * len(rows)), np.empty(model.matrix_size(data))
+    value, _ = kernels.assemble(reals, ints, rows.ravel(), 0.0, np.zeros((0, 7)), rows.ravel(), g, H)
     # stiffness times rounding of the positions
     assert value < 1e-15
     np.testing.assert_allclose(g, 0.0, atol=1e-6)
@@ -196,7 +195,7 @@ def test_whole_wire_moved_rigidly_strains_nothing():
 def test_clamp_carries_the_load_and_its_moment():
     """Whole-body equilibrium of Spring A in contact, from the first element's end forces."""
     path = wirefe.solve(spring_a())
-    data, _ = model.build_model(spring_a(), 40, 4)
+    data, _, _ = model.build_model(spring_a(), 40, 4)
     rows = path.states[-1].reshape(-1, model.ROW)
     g, H = np.empty((1, 12)), np.empty((1, 12, 12))
     beams(rows[None, :2, :3].copy(), rows[None, :2, 3:].copy(), data.triads[:1], data.strain0[:1],
@@ -220,8 +219,8 @@ def test_scene_without_contact_does_no_contact_work():
     path = wirefe.solve(load_scene("spring-a-no-contact"), steps=5)
     assert path.pair_evaluations == 0
     assert path.contact_forces.shape == (5, 0)
-    data, _ = model.build_model(path.scene, 40, 4)
-    assert data.plan.blocks == 2 * 580 - 1  # block tridiagonal: no place for pairs
+    data, _, _ = model.build_model(path.scene, 40, 4)
+    assert data.plan.blocks == 2 * 581 - 1  # block tridiagonal: no place for pairs
 
 
 def test_no_pair_is_looked_at_while_nothing_can_touch():
@@ -237,7 +236,7 @@ def test_first_closure_of_spring_b():
 
 
 def test_pairs_inside_a_rigid_end_do_not_exist():
-    data, _ = model.build_model(spring_a(), 40, 4)
+    data, _, _ = model.build_model(spring_a(), 40, 4)
     assert (data.carrier[data.pairs[:, 0]] != data.carrier[data.pairs[:, 1]]).all()
     # phases k pi/2 from -2 pi to 31 pi; each with the one a turn above, less one pair at each end
     assert len(data.pairs) == 67 - 4 - 2
@@ -245,7 +244,7 @@ def test_pairs_inside_a_rigid_end_do_not_exist():
 
 def test_penalty_keeps_the_stiffness_per_length_of_wire():
     for pairs in (4, 8, 20):
-        data, _ = model.build_model(spring_a(), 40, pairs)
+        data, _, _ = model.build_model(spring_a(), 40, pairs)
         assert data.kc * pairs == 4e4
 
 

@@ -84,7 +84,7 @@ def _add_scene(command: argparse.ArgumentParser) -> None:
     beam.add_argument("--tangent", choices=("exact", "paper", "paper-printed"), help="default exact")
     beam.add_argument("--sliding", choices=("ignore", "scene"), help="the scene's sliding; default ignore")
     wire = command.add_argument_group("options of wirefe")
-    wire.add_argument("--element", choices=("straight", "curved"), help="kind of beam element; default straight")
+    wire.add_argument("--element", choices=("straight", "curved"), help="beam element; default straight")
     wire.add_argument("--elements-per-turn", type=_number, metavar="N", help="default 40")
     wire.add_argument("--pairs-per-turn", type=_number, metavar="N", help="sphere pairs; default 4")
 

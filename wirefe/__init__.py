@@ -1,5 +1,7 @@
-"""3D beam-FE model of the coiled wire with sphere-to-sphere contact: the reference."""
+"""3D beam-FE model of the coiled wire with sphere-to-sphere contact: the reference; and of any wire."""
 
-from wirefe.solve import solve
+from wirefe.rod import Rod, curved_rod, straight_rod
+from wirefe.rodpath import RodPath
+from wirefe.solve import solve, solve_rod
 
-__all__ = ["solve"]
+__all__ = ["Rod", "RodPath", "curved_rod", "solve", "solve_rod", "straight_rod"]

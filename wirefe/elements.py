@@ -2,26 +2,25 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 
-from coilspring.spring import Spring
 from coilspring.wire import Section
 from wirefe.beam import deformation_rates
-from wirefe.mesh import WireMesh
 from wirefe.rotations import quaternion_from_matrix
+
+if TYPE_CHECKING:
+    from wirefe.rod import Curve
 
 ELEMENTS = ("straight", "curved")
 # Gauss points of the flexibility along an element: exact to rounding up to a quarter of a turn.
 QUADRATURE = 12
 
 
-def element_properties(
-    element: str, spring: Spring, section: Section, mesh: WireMesh
-) -> tuple[np.ndarray, np.ndarray]:
-    """End triads (elements, 2, 4) and stiffness (elements, 6, 6) in (v, theta)."""
-    if element == "curved":
-        return curved_elements(spring, section, mesh.phases)
-    chords = np.diff(mesh.points, axis=0)
+def straight_elements(points: np.ndarray, section: Section) -> tuple[np.ndarray, np.ndarray]:
+    """End triads (elements, 2, 4) and stiffness (elements, 6, 6) in (v, theta) between points."""
+    chords = np.diff(points, axis=0)
     lengths = np.linalg.norm(chords, axis=1)
     triads = _chord_frames(chords / lengths[:, None])
     return np.stack((triads, triads), axis=1), straight_stiffness(section, lengths)
@@ -40,17 +39,17 @@ def straight_stiffness(section: Section, lengths: np.ndarray) -> np.ndarray:
     return K
 
 
-def curved_elements(spring: Spring, section: Section, phases: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def curved_elements(curve: Curve, section: Section, phases: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """End triads and stiffness of elements that carry the exact linear flexibility of their piece of wire.
 
     The triads are Frenet's, in which a uniform helix is a constant strain: a spring that deforms
     into another helix is then represented exactly.
     """
-    frames = quaternion_from_matrix(_frenet_frames(spring, phases))
+    frames = quaternion_from_matrix(_frenet_frames(curve, phases))
     triads = np.stack((frames[:-1], frames[1:]), axis=1)
-    points = spring.points(phases)
+    points = curve.points(phases)
     ends = np.stack((points[:-1], points[1:]), axis=1)
-    flexibility = _flexibility(spring, section, phases)
+    flexibility = _flexibility(curve, section, phases)
     # K in (v, theta) from the flexibility of the second end's motion: d(v, theta) = J d
     J = deformation_rates(ends, triads)
     inverse = np.linalg.inv(J)
@@ -58,7 +57,7 @@ def curved_elements(spring: Spring, section: Section, phases: np.ndarray) -> tup
     return triads, 0.5 * (K + np.swapaxes(K, 1, 2))
 
 
-def _flexibility(spring: Spring, section: Section, phases: np.ndarray) -> np.ndarray:
+def _flexibility(curve: Curve, section: Section, phases: np.ndarray) -> np.ndarray:
     """Motion (dx, spin) of each element's second end under a force and a moment there, the first held.
 
     Shape (elements, 6, 6). At a section with tangent t the force n carries the moment m + r x n,
@@ -67,11 +66,11 @@ def _flexibility(spring: Spring, section: Section, phases: np.ndarray) -> np.nda
     nodes, weights = np.polynomial.legendre.leggauss(QUADRATURE)
     half = 0.5 * np.diff(phases)[:, None]
     at = phases[:-1, None] + half * (1.0 + nodes)
-    first, _ = spring.derivatives(at.ravel())
+    first, _ = curve.derivatives(at.ravel())
     speed = np.linalg.norm(first, axis=1)
     t = (first / speed[:, None]).reshape(*at.shape, 3)
     along = (half * weights) * speed.reshape(at.shape)
-    r = spring.points(phases[1:])[:, None] - spring.points(at.ravel()).reshape(*at.shape, 3)
+    r = curve.points(phases[1:])[:, None] - curve.points(at.ravel()).reshape(*at.shape, 3)
     tt = t[..., :, None] * t[..., None, :]
     stretch = np.eye(3) / section.GA + (1.0 / section.EA - 1.0 / section.GA) * tt
     bend = np.eye(3) / section.EI + (1.0 / section.GJ - 1.0 / section.EI) * tt
@@ -92,9 +91,9 @@ def _skew(r: np.ndarray) -> np.ndarray:
     return np.stack([np.stack(row, axis=-1) for row in rows], axis=-2)
 
 
-def _frenet_frames(spring: Spring, phases: np.ndarray) -> np.ndarray:
+def _frenet_frames(curve: Curve, phases: np.ndarray) -> np.ndarray:
     """Tangent, normal and binormal as columns, shape (len(phases), 3, 3)."""
-    first, second = spring.derivatives(phases)
+    first, second = curve.derivatives(phases)
     t = first / np.linalg.norm(first, axis=1)[:, None]
     b = np.cross(first, second)
     b /= np.linalg.norm(b, axis=1)[:, None]
@@ -103,8 +102,9 @@ def _frenet_frames(spring: Spring, phases: np.ndarray) -> np.ndarray:
 
 def _chord_frames(tangents: np.ndarray) -> np.ndarray:
     """Quaternions of frames whose first axis is the tangent; the section is round, so any will do."""
-    # the spring's axis is never along the wire, so it gives the second axis
-    second = np.cross(np.array([0.0, 1.0, 0.0]), tangents)
+    # the second axis is across the tangent and the coordinate axis that is least along it
+    axis = np.eye(3)[np.abs(tangents).argmin(axis=1)]
+    second = np.cross(axis, tangents)
     second /= np.linalg.norm(second, axis=1)[:, None]
     third = np.cross(tangents, second)
     return quaternion_from_matrix(np.stack((tangents, second, third), axis=-1))

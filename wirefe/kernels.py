@@ -17,6 +17,15 @@ NEAR = 1.5  # wire diameters between centres, within which a pair's motion in a 
 
 
 @kernel
+def _add_node(g, H, node, p, ge, Ke):
+    """Add the part p:p+6 of a gradient (12,) and a Hessian (12, 12) at a node."""
+    for i in range(6):
+        g[6 * node + i] += ge[p + i]
+        for j in range(6):
+            H[node, i, j] += Ke[p + i, p + j]
+
+
+@kernel
 def _add_block(H, block, flip, K):
     """Add the coupling K[:6, 6:] of a first and a second node."""
     B = H[block]
@@ -81,16 +90,9 @@ def _add_elements(model, state, g, H):
     energy = beams(ends, turns, model.triads, model.strain0, model.stiffness, ge, Ke)
     _onto_reference(r, ge[count - 1], Ke[count - 1], C)
     for e in range(count):
-        for i in range(6):
-            g[6 * e + i] += ge[e, 6 + i]
-            for j in range(6):
-                H[e, i, j] += Ke[e, 6 + i, 6 + j]
-        if e > 0:
-            for i in range(6):
-                g[6 * e - 6 + i] += ge[e, i]
-                for j in range(6):
-                    H[e - 1, i, j] += Ke[e, i, j]
-            _add_block(H, model.element_block[e], model.element_flip[e], Ke[e])
+        for side in range(2):
+            _add_node(g, H, e + side, 6 * side, ge[e], Ke[e])
+        _add_block(H, model.element_block[e], model.element_flip[e], Ke[e])
     return energy
 
 
@@ -118,40 +120,33 @@ def _add_pairs(model, memory, state, g, H):
             ca[i] -= state[ROW * a + i]
             cb[i] -= state[ROW * b + i]
         pair_matrix(f, Hg, ca, cb, ge, Ke, Ja, Jb, C)
-        for side in range(2):
-            n = (a if side == 0 else b) - 1
-            if n >= 0:
-                for i in range(6):
-                    g[6 * n + i] += ge[6 * side + i]
-                    for j in range(6):
-                        H[n, i, j] += Ke[6 * side + i, 6 * side + j]
-        if model.pair_block[m] >= 0:
-            _add_block(H, model.pair_block[m], model.pair_flip[m], Ke)
+        _add_node(g, H, a, 0, ge, Ke)
+        _add_node(g, H, b, 6, ge, Ke)
+        _add_block(H, model.pair_block[m], model.pair_flip[m], Ke)
     return energy
 
 
 @kernel
 def _hold(model, g, H):
-    """Take the held freedoms of the top out: no force, rows and columns of the unit matrix.
-
-    The top is eliminated last, so that all its couplings have its freedoms as rows.
-    """
-    top = model.stiffness.shape[0] - 1
-    for i in range(6):
-        if model.held[i] > 0.0:
-            g[6 * top + i] = 0.0
-            H[top, i, :] = 0.0
-            H[top, :, i] = 0.0
-            H[top, i, i] = 1.0
-            H[model.element_block[top], i, :] = 0.0
-            for m in range(model.pairs.shape[0]):
-                if model.carrier[model.pairs[m, 1]] == top + 1 and model.pair_block[m] >= 0:
-                    H[model.pair_block[m], i, :] = 0.0
+    """Take the held freedoms out: no force, rows and columns of the unit matrix."""
+    for m in range(model.cut_block.size):
+        B = H[model.cut_block[m]]
+        i = model.cut_index[m]
+        if model.cut_row[m]:
+            B[i, :] = 0.0
+        else:
+            B[:, i] = 0.0
+    for m in range(model.held.size):
+        n, i = model.held[m] // 6, model.held[m] % 6
+        g[model.held[m]] = 0.0
+        H[n, i, :] = 0.0
+        H[n, :, i] = 0.0
+        H[n, i, i] = 1.0
 
 
 @kernel
-def assemble(reals, ints, anchor, clearance, memory, state, time, g, flat):
-    """Total potential, gradient and matrix; see `coilspring.newton` for the contract."""
+def assemble(reals, ints, anchor, clearance, memory, state, g, flat):
+    """Strain and contact energy, gradient and matrix; see `coilspring.newton` for the contract."""
     model = view(reals, ints)
     H = flat.reshape((flat.size // 36, 6, 6))
     g[:] = 0.0
@@ -162,11 +157,6 @@ def assemble(reals, ints, anchor, clearance, memory, state, time, g, flat):
         count = 0
     if count > 0:
         energy += _add_pairs(model, memory, state, g, H)
-    top = model.stiffness.shape[0]
-    for i in range(3):
-        g[6 * top - 6 + i] -= time * model.force[i]
-        rest = model.height if i == 1 else 0.0
-        energy -= time * model.force[i] * (state[ROW * top + i] - rest)
     _hold(model, g, H)
     return energy, count
 
@@ -187,9 +177,8 @@ def solve(reals, ints, flat, b):
 def retract(reals, ints, state, step, factor, out):
     """Positions add; rotations are turned by the exponential of their spin."""
     turn = np.empty(4)
-    copy(state[:ROW], out[:ROW])
     for n in range(step.size // 6):
-        p, s = 6 * n, ROW * (n + 1)
+        p, s = 6 * n, ROW * n
         for i in range(3):
             out[s + i] = state[s + i] + factor * step[p + i]
         exponential(factor * step[p + 3], factor * step[p + 4], factor * step[p + 5], turn)
@@ -206,7 +195,7 @@ def _bound(model, a, b):
     """Bound on how far any point of the wire's nodes or any sphere moved between two states."""
     most = 0.0
     last = a.size - ROW
-    for s in range(ROW, a.size, ROW):
+    for s in range(0, a.size, ROW):
         way = math.sqrt((a[s] - b[s]) ** 2 + (a[s + 1] - b[s + 1]) ** 2 + (a[s + 2] - b[s + 2]) ** 2)
         if s == last:
             same, other = 0.0, 0.0

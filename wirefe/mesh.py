@@ -25,20 +25,18 @@ class WireMesh:
 
     phases: np.ndarray  # (nodes,) of the wire's points
     points: np.ndarray  # (nodes, 3) at rest
-    elements: np.ndarray  # (elements, 2)
-    freedoms: np.ndarray  # (6, nodes) numbers of ux uy uz rotx roty rotz
     reference: np.ndarray  # (3,) top reference point at rest
     arm: np.ndarray  # (3,)
 
 
 def mesh_wire(spring: Spring, elements_per_turn: int) -> WireMesh:
-    """Nodes, elements and numbering; mesh and numbering by scikit-fem.
+    """Nodes along the active wire; the line mesh is scikit-fem's.
 
     Raises
     ------
     InputError : where the active coils are not a whole number of elements.
     """
-    from skfem import Basis, ElementLineP1, ElementVector, MeshLine
+    from skfem import MeshLine
 
     count = round(spring.active_coils * elements_per_turn)
     if count < 1 or abs(spring.active_coils * elements_per_turn - count) > 1e-6:
@@ -47,14 +45,11 @@ def mesh_wire(spring: Spring, elements_per_turn: int) -> WireMesh:
             f"[0.5, 1000] for the wire model, got {spring.active_coils!r}"
         )
     line = MeshLine(np.linspace(0.0, spring.phase_end, count + 1))
-    basis = Basis(line, ElementVector(ElementLineP1(), 6), intorder=1)
     points = spring.points(line.p[0])
     reference = np.array([0.0, spring.active_height, 0.0])
     return WireMesh(
         phases=line.p[0],
         points=points,
-        elements=line.t.T,
-        freedoms=basis.nodal_dofs,
         reference=reference,
         arm=points[-1] - reference,
     )
@@ -62,12 +57,21 @@ def mesh_wire(spring: Spring, elements_per_turn: int) -> WireMesh:
 
 @dataclass(frozen=True)
 class Spheres:
-    """Contact spheres: the node that carries each (0 is the ground, the last the top), and pairs."""
+    """Contact spheres, the pairs that may touch, and their law."""
 
-    carrier: np.ndarray  # (spheres,)
+    carrier: np.ndarray  # (spheres,) node that carries each
     arm: np.ndarray  # (spheres, 3) from the carrier's point to the centre, at rest
     pairs: np.ndarray  # (pairs, 2), from bottom to top
+    diameter: float
     stiffness: float  # of a pair
+    exponent: float
+    stick: bool  # closed pairs do not slide
+
+
+def no_spheres() -> Spheres:
+    """A wire that touches nothing."""
+    whole = np.zeros(0, dtype=np.int64)
+    return Spheres(whole, np.zeros((0, 3)), whole.reshape(0, 2), 1.0, 1.0, 1.0, False)
 
 
 def place_spheres(scene: Scene, mesh: WireMesh, elements_per_turn: int, pairs_per_turn: int) -> Spheres:
@@ -95,5 +99,8 @@ def place_spheres(scene: Scene, mesh: WireMesh, elements_per_turn: int, pairs_pe
         carrier=carrier,
         arm=spring.points(phases) - rest[carrier],
         pairs=pairs[apart] if scene.contact.enabled else pairs[:0],
+        diameter=spring.wire_diameter,
         stiffness=scene.contact.stiffness * PAIRS_OF_PENALTY / pairs_per_turn,
+        exponent=float(scene.contact.exponent),
+        stick=scene.contact.sliding == "none",
     )

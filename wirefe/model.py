@@ -1,7 +1,7 @@
-"""The wire model of a scene: its data, and their places in the packed arrays.
+"""The wire model: its data, and their places in the packed arrays.
 
-State: a row (x, y, z, q0..q3) for each node. Node 0 moves with the bottom end and is fixed; the last
-row is the top end's reference point, from which the wire's last point stands off rigidly.
+State: a row (x, y, z, q0..q3) for each node. In a spring node 0 moves with the bottom end and is held;
+the last row is the top end's reference point, from which the wire's last point stands off rigidly.
 """
 
 from __future__ import annotations
@@ -16,23 +16,23 @@ from coilspring.scene import Scene
 from coilspring.wire import round_section
 from wirefe.beam import deformations
 from wirefe.chain import ChainPlan, plan_chain
-from wirefe.elements import element_properties
-from wirefe.mesh import WireMesh, mesh_wire, place_spheres
+from wirefe.mesh import Spheres, WireMesh, mesh_wire, no_spheres, place_spheres
+from wirefe.rod import Rod, curved_rod, straight_rod
 
 ROW = 7  # numbers of a node in the state
-HELD_ALWAYS = (2, 3, 4)  # UZ, ROTX, ROTY of the top reference point
 
 
 class WireModel(NamedTuple):
-    """Arrays of one wire; free nodes are 1..elements, numbered from 0 in the matrix."""
+    """Arrays of one wire."""
 
     stiffness: np.ndarray  # (elements, 6, 6)
     strain0: np.ndarray  # (elements, 6) deformation measure at rest
     triads: np.ndarray  # (elements, 2, 4) quaternions of the end frames at rest
-    arm: np.ndarray  # (3,) from the top reference point to the wire's last point
-    force: np.ndarray  # (3,) dead load on the top reference point at time 1
-    height: float  # of the top reference point at rest
-    held: np.ndarray  # (6,) freedoms of the top reference point that are held
+    arm: np.ndarray  # (3,) from the last node to the wire's last point
+    held: np.ndarray  # freedoms that are held, numbered 6 node + freedom
+    cut_block: np.ndarray  # couplings of held freedoms: block,
+    cut_index: np.ndarray  # row or column in it,
+    cut_row: np.ndarray  # 1 where it is a row
     carrier: np.ndarray  # (spheres,) node that carries each sphere
     offset: np.ndarray  # (spheres, 3) from its carrier at rest
     pairs: np.ndarray  # (pairs, 2)
@@ -41,89 +41,102 @@ class WireModel(NamedTuple):
     kc: float
     k: float
     stick: int  # 1 where closed pairs are kept from sliding
-    element_block: np.ndarray  # (elements,) block of each element's coupling; -1 for the first
-    element_flip: np.ndarray
-    pair_block: np.ndarray  # (pairs,) block of each pair's coupling; -1 where one side is the ground
+    element_block: np.ndarray  # (elements,) block of each element's coupling
+    element_flip: np.ndarray  # 1 where the first node has the rows
+    pair_block: np.ndarray  # (pairs,) block of each pair's coupling
     pair_flip: np.ndarray
     plan: ChainPlan
 
 
+PLAN = 20  # number of the plan's first field in the packed arrays
+
+
 def build_model(
     scene: Scene, elements_per_turn: int, pairs_per_turn: int, element: str = "straight"
-) -> tuple[WireModel, WireMesh]:
-    """Arrays of the wire model of `scene`, and its mesh."""
+) -> tuple[WireModel, WireMesh, Rod]:
+    """Arrays of the wire model of `scene`, its mesh and its wire as a rod."""
     mesh = mesh_wire(scene.spring, elements_per_turn)
-    spheres = place_spheres(scene, mesh, elements_per_turn, pairs_per_turn)
-    count = len(mesh.elements)
-    coupled = np.concatenate((mesh.elements[1:], spheres.carrier[spheres.pairs])) - 1
-    free = np.all(coupled >= 0, axis=1)
-    touched = np.unique(coupled[count - 1 :])
-    last = np.union1d(touched[touched >= 0], [count - 1])
-    plan, found, turned = plan_chain(count, coupled[free], last)
-    block = np.full(len(coupled), -1)
-    flip = np.zeros(len(coupled), dtype=bool)
-    block[free], flip[free] = found, turned
-    held = np.zeros(6)
-    held[list(HELD_ALWAYS)] = 1.0
-    for name in scene.supports.top_held:
-        held[{"ux": 0, "rotz": 5}[name]] = 1.0
     section = round_section(scene.spring.wire_diameter, scene.material)
-    triads, stiffness = element_properties(element, scene.spring, section, mesh)
-    model = WireModel(
-        stiffness=stiffness,
-        strain0=_strain_at_rest(mesh, triads),
-        triads=triads,
-        arm=mesh.arm,
-        force=np.array([*scene.load.force, 0.0]),
-        height=scene.spring.active_height,
+    if element == "curved":
+        rod = curved_rod(scene.spring, mesh.phases, section)
+    else:
+        rod = straight_rod(mesh.points, section)
+    top = len(mesh.points) - 1
+    rod = rod.holding(0).holding(top, "uz", "rotx", "roty", *scene.supports.top_held)
+    rod = rod.loaded(top, force=(*scene.load.force, 0.0))
+    spheres = place_spheres(scene, mesh, elements_per_turn, pairs_per_turn)
+    return rod_model(rod, mesh.arm, spheres), mesh, rod
+
+
+def rod_model(rod: Rod, arm: np.ndarray, spheres: Spheres | None = None) -> WireModel:
+    """Arrays of a rod whose last point stands off from its last node by `arm`, with contact spheres."""
+    spheres = no_spheres() if spheres is None else spheres
+    count = len(rod.stiffness)
+    chain = np.stack((np.arange(count), np.arange(1, count + 1)), axis=1)
+    couplings = np.concatenate((chain, spheres.carrier[spheres.pairs]))
+    last = np.union1d(couplings[count:], [count])
+    plan, block, flip = plan_chain(count + 1, couplings, last)
+    held = np.flatnonzero(rod.held)
+    return WireModel(
+        stiffness=rod.stiffness,
+        strain0=_strain_at_rest(rod),
+        triads=rod.triads,
+        arm=arm,
         held=held,
+        **_cuts(held, couplings, block, flip),
         carrier=spheres.carrier,
         offset=spheres.arm,
         pairs=np.ascontiguousarray(spheres.pairs),
-        reach=float(np.linalg.norm(spheres.arm, axis=1).max()),
-        d=scene.spring.wire_diameter,
+        reach=float(np.linalg.norm(spheres.arm, axis=1).max(initial=0.0)),
+        d=spheres.diameter,
         kc=spheres.stiffness,
-        k=float(scene.contact.exponent),
-        stick=int(scene.contact.sliding == "none"),
-        element_block=np.concatenate(([-1], block[: count - 1])),
-        element_flip=np.concatenate(([False], flip[: count - 1])),
-        pair_block=block[count - 1 :],
-        pair_flip=flip[count - 1 :],
+        k=spheres.exponent,
+        stick=int(spheres.stick),
+        element_block=block[:count],
+        element_flip=flip[:count],
+        pair_block=block[count:],
+        pair_flip=flip[count:],
         plan=plan,
     )
-    return model, mesh
 
 
-def _strain_at_rest(mesh: WireMesh, triads: np.ndarray) -> np.ndarray:
-    turns = np.zeros_like(triads)
+def _cuts(held: np.ndarray, couplings: np.ndarray, block: np.ndarray, flip: np.ndarray) -> dict:
+    """Rows and columns of the couplings' blocks that belong to held freedoms."""
+    rows = np.where(flip, couplings[:, 0], couplings[:, 1])
+    cuts = [
+        (block[c], freedom % 6, rows[c] == freedom // 6)
+        for freedom in held
+        for c in np.flatnonzero((couplings == freedom // 6).any(axis=1))
+    ]
+    table = np.array(cuts, dtype=np.int64).reshape(-1, 3)
+    return {name: table[:, i] for i, name in enumerate(("cut_block", "cut_index", "cut_row"))}
+
+
+def _strain_at_rest(rod: Rod) -> np.ndarray:
+    turns = np.zeros_like(rod.triads)
     turns[..., 0] = 1.0
-    e0 = np.empty((len(mesh.elements), 6))
-    deformations(mesh.points[mesh.elements], turns, triads, e0)
+    e0 = np.empty((len(rod.triads), 6))
+    deformations(np.stack((rod.points[:-1], rod.points[1:]), axis=1), turns, rod.triads, e0)
     return e0
 
 
-def rest_state(mesh: WireMesh) -> np.ndarray:
+def rest_state(rod: Rod, arm: np.ndarray) -> np.ndarray:
     """State at rest, flat."""
-    state = np.zeros((len(mesh.points), ROW))
-    state[:, :3] = mesh.points
-    state[-1, :3] = mesh.reference
+    state = np.zeros((len(rod.points), ROW))
+    state[:, :3] = rod.points
+    state[-1, :3] -= arm
     state[:, 3] = 1.0
     return state.ravel()
 
 
-def load_vector(model: WireModel, mesh: WireMesh) -> np.ndarray:
-    """Load at time 1 in the free freedoms, flat; held ones carry none."""
-    load = np.zeros(mesh.freedoms.size)
-    load[mesh.freedoms[:3, -1]] = model.force * (1.0 - model.held[:3])
-    return load[6:]
+def load_vector(rod: Rod) -> np.ndarray:
+    """Load at time 1, flat; held freedoms carry none."""
+    return np.where(rod.held, 0.0, rod.loads).ravel()
 
 
 def matrix_size(model: WireModel) -> int:
     """Length of the matrix: 6 x 6 blocks, the nodes' diagonal ones first, then couplings and fill."""
     return 36 * model.plan.blocks
-
-
-PLAN = 19  # number of the plan's first field in the packed arrays
 
 
 @kernel
@@ -132,10 +145,11 @@ def view(reals, ints):
     head = heads(ints)
     return WireModel(
         stack(reals, head[0]), table(reals, head[1]), stack(reals, head[2]), vector(reals, head[3]),
-        vector(reals, head[4]), reals[head[5, 0]], vector(reals, head[6]), vector(ints, head[7]),
-        table(reals, head[8]), table(ints, head[9]), reals[head[10, 0]], reals[head[11, 0]],
-        reals[head[12, 0]], reals[head[13, 0]], ints[head[14, 0]], vector(ints, head[15]),
-        vector(ints, head[16]), vector(ints, head[17]), vector(ints, head[18]), view_plan(ints),
+        vector(ints, head[4]), vector(ints, head[5]), vector(ints, head[6]), vector(ints, head[7]),
+        vector(ints, head[8]), table(reals, head[9]), table(ints, head[10]), reals[head[11, 0]],
+        reals[head[12, 0]], reals[head[13, 0]], reals[head[14, 0]], ints[head[15, 0]],
+        vector(ints, head[16]), vector(ints, head[17]), vector(ints, head[18]), vector(ints, head[19]),
+        view_plan(ints),
     )  # fmt: skip
 
 

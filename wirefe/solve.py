@@ -1,17 +1,22 @@
-"""Solve a scene with the 3D wire model."""
+"""Solve a scene with the 3D wire model, or any wire."""
 
 from __future__ import annotations
 
 import numpy as np
 
-from coilspring.errors import require_choice, require_integer
+from coilspring.errors import EquilibriumNotFound, InputError, require_choice, require_integer
 from coilspring.path import EquilibriumPath
 from coilspring.scene import Scene
-from coilspring.solving import Problem, follow_scene
+from coilspring.solving import Problem, follow_problem, follow_scene
 from coilspring.stepping import Kernels
 from wirefe import kernels, model
 from wirefe.elements import ELEMENTS
+from wirefe.rod import Rod
+from wirefe.rodpath import RodPath
 from wirefe.shape import WireShape
+
+# Moves of a rod without contact are compared with this part of its length, as with a wire's diameter.
+LENGTHS_OF_A_WIRE = 50.0
 
 KERNELS = Kernels(
     assemble=kernels.assemble,
@@ -62,17 +67,54 @@ def solve(
     require_choice("element", element, ELEMENTS)
     require_integer("elements_per_turn", elements_per_turn, 4, 2000)
     scene = scene.overridden(steps, penalty)
-    data, mesh = model.build_model(scene, elements_per_turn, pairs_per_turn, element)
-    problem = Problem(
-        data=data,
-        load=model.load_vector(data, mesh),
-        start=model.rest_state(mesh),
-        memory=np.zeros((len(data.pairs), 7)),
-        matrix_size=model.matrix_size(data),
-    )
+    data, mesh, rod = model.build_model(scene, elements_per_turn, pairs_per_turn, element)
+    problem = _problem(data, rod, mesh.arm)
     options = {
         "element": element,
         "elements_per_turn": elements_per_turn,
         "pairs_per_turn": pairs_per_turn,
     }
     return follow_scene(scene, "wirefe", options, problem, KERNELS, WireShape(scene, data, mesh))
+
+
+def solve_rod(rod: Rod, *, steps: int = 10) -> RodPath:
+    """Follow the load path of any wire, in equal steps of time 0..1.
+
+    Parameters
+    ----------
+    rod : Rod
+        From `straight_rod` or `curved_rod`, held and loaded.
+    steps : int
+        Requested equal steps of time.
+
+    Returns
+    -------
+    RodPath
+
+    Raises
+    ------
+    InputError : bad input, in one sentence.
+    EquilibriumNotFound : the path ends before time 1; carries what was reached.
+    """
+    require_integer("steps", steps, 1, 100_000)
+    if not rod.loads[~rod.held].any():
+        raise InputError("loads must not all be zero or held, got none that does work")
+    arm = np.zeros(3)
+    data = model.rod_model(rod, arm)
+    times = np.arange(1, steps + 1) / steps
+    length = float(np.linalg.norm(np.diff(rod.points, axis=0), axis=1).sum()) / LENGTHS_OF_A_WIRE
+    run = follow_problem(_problem(data, rod, arm), KERNELS, times, length)
+    path = RodPath.of(rod, run, times)
+    if path.outcome != "completed":
+        raise EquilibriumNotFound(path)
+    return path
+
+
+def _problem(data: model.WireModel, rod: Rod, arm: np.ndarray) -> Problem:
+    return Problem(
+        data=data,
+        load=model.load_vector(rod),
+        start=model.rest_state(rod, arm),
+        memory=np.zeros((len(data.pairs), 7)),
+        matrix_size=model.matrix_size(data),
+    )

@@ -1,0 +1,104 @@
+"""Any wire: a chain of beam elements with held freedoms and dead loads."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Protocol
+
+import numpy as np
+
+from coilspring.errors import InputError, require_choice
+from coilspring.wire import Section
+from wirefe.elements import curved_elements, straight_elements
+
+FREEDOMS = ("ux", "uy", "uz", "rotx", "roty", "rotz")
+
+
+class Curve(Protocol):
+    """A smooth centreline; a `coilspring.Spring` is one."""
+
+    def points(self, phi: np.ndarray) -> np.ndarray:
+        """Points at the parameters `phi`, shape (len(phi), 3)."""
+
+    def derivatives(self, phi: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """First and second derivative in `phi`, each (len(phi), 3); the curvature nowhere zero."""
+
+
+@dataclass(frozen=True)
+class Rod:
+    """A wire at rest, what holds it and what loads it.
+
+    Made by `straight_rod` or `curved_rod`; `holding` and `loaded` return changed copies.
+
+    Attributes
+    ----------
+    points : (nodes, 3) at rest.
+    triads : (nodes - 1, 2, 4) end frames of the elements, unit quaternions.
+    stiffness : (nodes - 1, 6, 6) of the elements in (v, theta), see `wirefe.beam`.
+    held : (nodes, 6) freedoms that are held.
+    loads : (nodes, 6) dead forces and moments at time 1. Moments keep their direction in space; in
+        space (not in a plane) such a load has no potential: equilibria are right, statements on
+        stability rest on the symmetric part of the tangent.
+    """
+
+    points: np.ndarray
+    triads: np.ndarray
+    stiffness: np.ndarray
+    held: np.ndarray
+    loads: np.ndarray
+
+    def holding(self, node: int, *freedoms: str) -> Rod:
+        """With freedoms of a node held; all six where none is named.
+
+        Raises
+        ------
+        InputError : a name that is not one of ux, uy, uz, rotx, roty, rotz.
+        """
+        held = self.held.copy()
+        for name in freedoms or FREEDOMS:
+            held[node, FREEDOMS.index(require_choice("freedoms", name, FREEDOMS))] = True
+        return replace(self, held=held)
+
+    def in_plane(self) -> Rod:
+        """Held in the X-Y plane at every node (UZ, ROTX, ROTY)."""
+        held = self.held.copy()
+        held[:, 2:5] = True
+        return replace(self, held=held)
+
+    def loaded(
+        self,
+        node: int,
+        force: tuple[float, float, float] = (0.0, 0.0, 0.0),
+        moment: tuple[float, float, float] = (0.0, 0.0, 0.0),
+    ) -> Rod:
+        """With a dead force and moment added at a node."""
+        loads = self.loads.copy()
+        loads[node] += (*force, *moment)
+        return replace(self, loads=loads)
+
+
+def straight_rod(points: np.ndarray, section: Section) -> Rod:
+    """Straight elements between points, shape (nodes, 3); rigid joints where they meet at an angle."""
+    points = _checked(points)
+    return _rod(points, *straight_elements(points, section))
+
+
+def curved_rod(curve: Curve, parameters: np.ndarray, section: Section) -> Rod:
+    """Elements with the exact linear flexibility of the curve's pieces between the parameters."""
+    parameters = np.asarray(parameters, dtype=float)
+    points = _checked(curve.points(parameters))
+    return _rod(points, *curved_elements(curve, section, parameters))
+
+
+def _rod(points: np.ndarray, triads: np.ndarray, stiffness: np.ndarray) -> Rod:
+    nodes = len(points)
+    return Rod(points, triads, stiffness, np.zeros((nodes, 6), dtype=bool), np.zeros((nodes, 6)))
+
+
+def _checked(points: np.ndarray) -> np.ndarray:
+    points = np.asarray(points, dtype=float)
+    if points.ndim != 2 or points.shape[1] != 3 or len(points) < 2 or not np.isfinite(points).all():
+        raise InputError(f"points must be finite, of shape (2 or more, 3), got shape {points.shape}")
+    if (np.linalg.norm(np.diff(points, axis=0), axis=1) == 0.0).any():
+        raise InputError("points must differ from their neighbours, got two in one place")
+    return points

@@ -1,0 +1,60 @@
+"""The equilibrium path of any wire."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from coilspring.solving import Run
+from wirefe.rod import Rod
+
+
+@dataclass(frozen=True)
+class RodPath:
+    """Equilibria of a rod at the requested times, as far as they were reached.
+
+    Attributes
+    ----------
+    rod : what was solved.
+    times : (steps,) times reached.
+    positions : (steps, nodes, 3).
+    rotations : (steps, nodes, 4) of the nodes from rest, unit quaternions (w, x, y, z).
+    iterations : (steps,) factorisations since the previous row.
+    outcome, message, critical_time : as in `coilspring.EquilibriumPath`.
+    residual_history : last Newton decrements over the reference work.
+    solve_seconds : CPU time of the solve alone.
+    """
+
+    rod: Rod
+    times: np.ndarray
+    positions: np.ndarray
+    rotations: np.ndarray
+    iterations: np.ndarray
+    outcome: str
+    message: str
+    critical_time: float | None
+    residual_history: tuple[float, ...]
+    solve_seconds: float
+
+    @classmethod
+    def of(cls, rod: Rod, run: Run, times: np.ndarray) -> RodPath:
+        """Path of a run of the follower."""
+        track = run.track
+        rows = track.states.reshape(len(track.states), len(rod.points), -1)
+        return cls(
+            rod=rod,
+            times=times[: len(rows)],
+            positions=rows[:, :, :3],
+            rotations=rows[:, :, 3:],
+            iterations=track.iterations,
+            outcome=run.outcome,
+            message=run.message,
+            critical_time=run.critical_time,
+            residual_history=tuple(track.history[track.history > 0.0]),
+            solve_seconds=run.solve_seconds,
+        )
+
+    def displacements(self, node: int) -> np.ndarray:
+        """Displacement of a node at the times reached, shape (steps, 3)."""
+        return self.positions[:, node] - self.rod.points[node]
