@@ -51,6 +51,8 @@ class EquilibriumPath:
     stability_checks : further factorisations, which only verified the stability of linear stretches.
     pair_evaluations : contact pairs looked at in all residuals together.
     residual_history : last Newton decrements over the reference work of the load, oldest first.
+    negative_pivots : (steps,) of traced paths: 0 where the equilibrium is stable; None for followed
+        ones, whose equilibria are all stable.
     solve_seconds, compile_seconds : CPU time of the solve alone; time spent making its kernels ready.
     """
 
@@ -69,6 +71,7 @@ class EquilibriumPath:
     stability_checks: int = 0
     pair_evaluations: int = 0
     residual_history: tuple[float, ...] = ()
+    negative_pivots: np.ndarray | None = None
     solve_seconds: float = 0.0
     compile_seconds: float = 0.0
 

@@ -109,19 +109,40 @@ def test_uniform_helix_under_a_wrench():
     assert np.abs(path.displacements(-1)[-1] - exact).max() <= 3e-7 * 1.2155943661
 
 
-def test_lees_frame_has_its_limit_load():
-    """G10: first limit load 1.85445 with axial and shear flexibility (our own, shooting). Measured 2e-6."""
-    n, young, area, inertia = 40, 720.0, 6.0, 2.0
+def lees_frame(n):
+    """Rod of Lee's frame and the loaded node; 3 is more than its first limit load."""
+    young, area, inertia = 720.0, 6.0, 2.0
     column = line(120.0, n)[:, [1, 0, 2]]
     beam = line(120.0, n) + np.array([0.0, 120.0, 0.0])
     section = Section(young * area, young / 2.6 * area * 5 / 6, 1e3, young * inertia)
     rod = wirefe.straight_rod(np.concatenate((column, beam[1:])), section).in_plane()
     rod = rod.holding(0, "ux", "uy").holding(2 * n, "ux", "uy")
+    return rod.loaded(n + n // 5, force=(0.0, -3.0, 0.0)), n + n // 5
+
+
+def test_lees_frame_has_its_limit_load():
+    """G10: first limit load 1.85445 with axial and shear flexibility (our own, shooting). Measured 2e-6."""
+    rod, _ = lees_frame(40)
     with pytest.raises(EquilibriumNotFound) as caught:
-        wirefe.solve_rod(rod.loaded(n + n // 5, force=(0.0, -3.0, 0.0)), steps=5)
+        wirefe.solve_rod(rod, steps=5)
     assert caught.value.outcome == "limit_point"
     assert 3.0 * caught.value.critical_time == pytest.approx(1.85445, rel=1e-5)
     assert (caught.value.path.times < caught.value.critical_time).all()
+
+
+def test_lees_frame_past_its_limit_points():
+    """G10: traced over the limit load at w = 48.74, through the snap-back beyond 61, up to load 3."""
+    rod, node = lees_frame(40)
+    path = wirefe.trace_rod(rod, points=400)
+    load, w = 3.0 * path.times, -path.displacements(node)[:, 1]
+    assert path.times[-1] >= 1.0
+    peak = np.argmax(load[: len(load) // 3])
+    assert load[peak] == pytest.approx(1.85445, rel=1e-4)
+    assert w[peak] == pytest.approx(48.74, abs=0.5)  # points are spaced, the peak is flat
+    assert w[:-1][np.diff(w) < 0.0].max() == pytest.approx(61.0, abs=0.5)  # snap-back begins
+    falling = np.diff(load) < 0.0
+    assert (path.negative_pivots[1:][falling] == 1).mean() > 0.9
+    assert path.negative_pivots[0] == path.negative_pivots[-1] == 0
 
 
 def test_dadeppo_schmidt_arch():

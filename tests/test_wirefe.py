@@ -95,6 +95,18 @@ def test_frictionless_spring_b_has_a_limit_point():
     assert times[0] == pytest.approx(0.65, abs=0.005)
 
 
+def test_frictionless_spring_b_past_its_limit_point():
+    """Arc length finds the limit load that the follower names, and equilibria beyond it: coils slide off."""
+    scene = replace(spring_b(), contact=Contact(sliding="free"))
+    followed = solved(scene, steps=10)
+    path = wirefe.trace(scene, points=120)
+    turn = np.argmax(np.diff(path.times) < 0.0)  # first point from which time falls
+    assert path.times[turn] == pytest.approx(followed.critical_time, rel=1e-3)
+    assert not path.negative_pivots[: turn - 1].any()
+    assert path.times.max() > followed.critical_time + 0.01
+    assert path.tips[-1, 1] < followed.tips[-1, 1] - 1.0
+
+
 @pytest.mark.parametrize("stiffness", [1e3, 1e6])
 def test_spring_a_has_one_answer_for_every_number_of_steps(stiffness):
     tips = np.array([wirefe.solve(spring_a(), steps=n, penalty=stiffness).tips[-1] for n in (10, 50, 200)])

@@ -3,5 +3,6 @@
 from wirefe.rod import Rod, curved_rod, straight_rod
 from wirefe.rodpath import RodPath
 from wirefe.solve import solve, solve_rod
+from wirefe.tracing import trace, trace_rod
 
-__all__ = ["Rod", "RodPath", "curved_rod", "solve", "solve_rod", "straight_rod"]
+__all__ = ["Rod", "RodPath", "curved_rod", "solve", "solve_rod", "straight_rod", "trace", "trace_rod"]

@@ -24,6 +24,7 @@ class RodPath:
     outcome, message, critical_time : as in `coilspring.EquilibriumPath`.
     residual_history : last Newton decrements over the reference work.
     solve_seconds : CPU time of the solve alone.
+    negative_pivots : (steps,) of traced paths: 0 where the equilibrium is stable.
     """
 
     rod: Rod
@@ -36,6 +37,7 @@ class RodPath:
     critical_time: float | None
     residual_history: tuple[float, ...]
     solve_seconds: float
+    negative_pivots: np.ndarray | None = None
 
     @classmethod
     def of(cls, rod: Rod, run: Run, times: np.ndarray) -> RodPath:

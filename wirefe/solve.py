@@ -11,6 +11,7 @@ from coilspring.solving import Problem, follow_problem, follow_scene
 from coilspring.stepping import Kernels
 from wirefe import kernels, model
 from wirefe.elements import ELEMENTS
+from wirefe.mesh import WireMesh
 from wirefe.rod import Rod
 from wirefe.rodpath import RodPath
 from wirefe.shape import WireShape
@@ -64,17 +65,10 @@ def solve(
     InputError : bad input, in one sentence.
     EquilibriumNotFound : the path ends before time 1; carries what was reached.
     """
-    require_choice("element", element, ELEMENTS)
-    require_integer("elements_per_turn", elements_per_turn, 4, 2000)
     scene = scene.overridden(steps, penalty)
-    data, mesh, rod = model.build_model(scene, elements_per_turn, pairs_per_turn, element)
-    problem = _problem(data, rod, mesh.arm)
-    options = {
-        "element": element,
-        "elements_per_turn": elements_per_turn,
-        "pairs_per_turn": pairs_per_turn,
-    }
-    return follow_scene(scene, "wirefe", options, problem, KERNELS, WireShape(scene, data, mesh))
+    problem, mesh, options = scene_problem(scene, element, elements_per_turn, pairs_per_turn)
+    shape = WireShape(scene, problem.data, mesh)
+    return follow_scene(scene, "wirefe", options, problem, KERNELS, shape)
 
 
 def solve_rod(rod: Rod, *, steps: int = 10) -> RodPath:
@@ -97,17 +91,34 @@ def solve_rod(rod: Rod, *, steps: int = 10) -> RodPath:
     EquilibriumNotFound : the path ends before time 1; carries what was reached.
     """
     require_integer("steps", steps, 1, 100_000)
-    if not rod.loads[~rod.held].any():
-        raise InputError("loads must not all be zero or held, got none that does work")
-    arm = np.zeros(3)
-    data = model.rod_model(rod, arm)
     times = np.arange(1, steps + 1) / steps
     length = float(np.linalg.norm(np.diff(rod.points, axis=0), axis=1).sum()) / LENGTHS_OF_A_WIRE
-    run = follow_problem(_problem(data, rod, arm), KERNELS, times, length)
-    path = RodPath.of(rod, run, times)
+    path = RodPath.of(rod, follow_problem(rod_problem(rod), KERNELS, times, length), times)
     if path.outcome != "completed":
         raise EquilibriumNotFound(path)
     return path
+
+
+def scene_problem(
+    scene: Scene, element: str, elements_per_turn: int, pairs_per_turn: int
+) -> tuple[Problem, WireMesh, dict[str, object]]:
+    """Problem, mesh and options of a scene's wire model."""
+    require_choice("element", element, ELEMENTS)
+    require_integer("elements_per_turn", elements_per_turn, 4, 2000)
+    data, mesh, rod = model.build_model(scene, elements_per_turn, pairs_per_turn, element)
+    options: dict[str, object] = {
+        "element": element,
+        "elements_per_turn": elements_per_turn,
+        "pairs_per_turn": pairs_per_turn,
+    }
+    return _problem(data, rod, mesh.arm), mesh, options
+
+
+def rod_problem(rod: Rod) -> Problem:
+    """Problem of any wire."""
+    if not rod.loads[~rod.held].any():
+        raise InputError("loads must not all be zero or held, got none that does work")
+    return _problem(model.rod_model(rod, np.zeros(3)), rod, np.zeros(3))
 
 
 def _problem(data: model.WireModel, rod: Rod, arm: np.ndarray) -> Problem:

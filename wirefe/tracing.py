@@ -1,0 +1,112 @@
+"""The path past its limit points, by arc-length continuation, for a scene and for any wire."""
+
+from __future__ import annotations
+
+import time
+
+import numpy as np
+
+from coilspring.continuation import Trace, compiled_trace
+from coilspring.errors import EquilibriumNotFound, require_integer
+from coilspring.packing import pack
+from coilspring.path import EquilibriumPath
+from coilspring.scene import Scene
+from coilspring.solving import Problem
+from coilspring.stepping import compile_kernels
+from wirefe.rod import Rod
+from wirefe.rodpath import RodPath
+from wirefe.shape import WireShape
+from wirefe.solve import KERNELS, rod_problem, scene_problem
+
+
+def trace(
+    scene: Scene,
+    *,
+    points: int = 200,
+    penalty: float | None = None,
+    element: str = "straight",
+    elements_per_turn: int = 40,
+    pairs_per_turn: int = 4,
+) -> EquilibriumPath:
+    """Trace the equilibrium path of `scene` through its limit points.
+
+    Parameters are those of `wirefe.solve`, but for `points`: the largest number of points, spaced by
+    arc length. The path ends there or where time 1 is reached.
+
+    Returns
+    -------
+    EquilibriumPath
+        `times` rise and fall; `negative_pivots` is 0 where a point is stable.
+
+    Raises
+    ------
+    InputError : bad input, in one sentence.
+    EquilibriumNotFound : the arc shrank to nothing before; carries what was reached.
+    """
+    require_integer("points", points, 1, 100_000)
+    scene = scene.overridden(penalty=penalty)
+    problem, mesh, options = scene_problem(scene, element, elements_per_turn, pairs_per_turn)
+    found, seconds = _run(problem, points)
+    outcome, message = _verdict(found)
+    path = EquilibriumPath(
+        scene=scene,
+        model="wirefe",
+        options=options | {"continuation": "arc-length", "points": points},
+        times=found.times,
+        states=found.states,
+        iterations=found.iterations,
+        shape=WireShape(scene, problem.data, mesh),
+        negative_pivots=found.negative,
+        total_iterations=int(found.iterations.sum()),
+        pair_evaluations=found.pairs,
+        solve_seconds=seconds,
+        outcome=outcome,
+        message=message,
+    )
+    if not found.finished:
+        raise EquilibriumNotFound(path)
+    return path
+
+
+def trace_rod(rod: Rod, *, points: int = 200) -> RodPath:
+    """Trace the path of any wire through its limit points; see `trace`."""
+    require_integer("points", points, 1, 100_000)
+    found, seconds = _run(rod_problem(rod), points)
+    outcome, message = _verdict(found)
+    rows = found.states.reshape(len(found.states), len(rod.points), -1)
+    path = RodPath(
+        rod=rod,
+        times=found.times,
+        positions=rows[:, :, :3],
+        rotations=rows[:, :, 3:],
+        iterations=found.iterations,
+        negative_pivots=found.negative,
+        critical_time=None,
+        residual_history=(),
+        solve_seconds=seconds,
+        outcome=outcome,
+        message=message,
+    )
+    if not found.finished:
+        raise EquilibriumNotFound(path)
+    return path
+
+
+def _run(problem: Problem, points: int) -> tuple[Trace, float]:
+    follow = compiled_trace()
+    compile_kernels(KERNELS)
+    began = time.process_time()
+    found = follow(
+        *pack(problem.data), problem.load, points, problem.start, problem.memory, problem.matrix_size,
+        *KERNELS,
+    )  # fmt: skip
+    return found, time.process_time() - began
+
+
+def _verdict(found: Trace) -> tuple[str, str]:
+    """Outcome and message."""
+    count = len(found.times)
+    last = f"{found.times[-1]:.6f}" if count else "0"
+    if found.finished:
+        return "completed", f"{count} points were traced, to time {last}"
+    return "not_converged", f"the path could not be traced beyond point {count}, at time {last}"
