@@ -5,6 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -32,7 +33,7 @@ class Problem:
     matrix_size : length of the model's matrix in its own storage.
     """
 
-    data: tuple
+    data: Any
     load: np.ndarray
     start: np.ndarray
     memory: np.ndarray

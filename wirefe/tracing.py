@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import time
 
-import numpy as np
-
 from coilspring.continuation import Trace, compiled_trace
 from coilspring.errors import EquilibriumNotFound, require_integer
 from coilspring.packing import pack
