@@ -159,7 +159,7 @@ def test_whole_model_derivatives(check_derivatives, sliding):
     value, g, _ = energy(np.zeros(n))
     assert np.isfinite(value)
     assert np.abs(g).max() > 1.0
-    check_derivatives(energy, n, h=2e-6, tolerance=2e-6)
+    check_derivatives(energy, n, h=1e-5, tolerance=1e-6)
 
 
 def dense(data, H, n):
