@@ -125,7 +125,7 @@ def shaken(scene, seed, **options):
     path = wirefe.solve(scene, steps=2, **options)
     data, _, rod = model.build_model(path.scene, options.get("elements_per_turn", 40), 4)
     reals, ints = pack(data)
-    memory = np.zeros((len(data.pairs), 7))
+    memory = np.zeros((len(data.contact.pairs), 7))
     kernels.commit(reals, ints, path.states[-1], memory)
 
     def moved(state, step):
@@ -168,13 +168,13 @@ def dense(data, H, n):
     full = np.zeros((n, n))
     for node in range(n // 6):
         full[6 * node : 6 * node + 6, 6 * node : 6 * node + 6] = blocks[node]
-    for e in range(len(data.element_block)):
-        put(full, blocks[data.element_block[e]], e, e + 1, data.element_flip[e])
-    done = set(data.element_block)
-    for m, (A, B) in enumerate(data.pairs):
-        a, b = data.carrier[A], data.carrier[B]
-        if data.pair_block[m] not in done:
-            put(full, blocks[data.pair_block[m]], a, b, data.pair_flip[m])
+    for e in range(len(data.elements.block)):
+        put(full, blocks[data.elements.block[e]], e, e + 1, data.elements.flip[e])
+    done = set(data.elements.block)
+    for m, (A, B) in enumerate(data.contact.pairs):
+        a, b = data.contact.carrier[A], data.contact.carrier[B]
+        if data.contact.block[m] not in done:
+            put(full, blocks[data.contact.block[m]], a, b, data.contact.flip[m])
     return full
 
 
@@ -210,14 +210,17 @@ def test_clamp_carries_the_load_and_its_moment():
     data, _, _ = model.build_model(spring_a(), 40, 4)
     rows = path.states[-1].reshape(-1, model.ROW)
     g, H = np.empty((1, 12)), np.empty((1, 12, 12))
-    beams(rows[None, :2, :3].copy(), rows[None, :2, 3:].copy(), data.triads[:1], data.strain0[:1],
-          data.stiffness[:1], g, H)  # fmt: skip
+    first = data.elements
+    beams(
+        rows[None, :2, :3].copy(), rows[None, :2, 3:].copy(), first.triads[:1], first.strain0[:1],
+        first.stiffness[:1], g, H,
+    )  # fmt: skip
     force, about = g[0, :3].copy(), g[0, 3:6] + np.cross(rows[0, :3], g[0, :3])
     # pairs whose lower sphere stands on the ground bring the rest
-    for m, (A, B) in enumerate(data.pairs):
-        if data.carrier[A] == 0 and path.contact_forces[-1, m] > 0:
-            lower = rows[0, :3] + data.offset[A]
-            upper = rows[data.carrier[B], :3]
+    for m, (A, B) in enumerate(data.contact.pairs):
+        if data.contact.carrier[A] == 0 and path.contact_forces[-1, m] > 0:
+            lower = rows[0, :3] + data.contact.offset[A]
+            upper = rows[data.contact.carrier[B], :3]
             push = path.contact_forces[-1, m] * (upper - lower) / np.linalg.norm(upper - lower)
             force += push
             about += np.cross(lower, push)
@@ -249,15 +252,17 @@ def test_first_closure_of_spring_b():
 
 def test_pairs_inside_a_rigid_end_do_not_exist():
     data, _, _ = model.build_model(spring_a(), 40, 4)
-    assert (data.carrier[data.pairs[:, 0]] != data.carrier[data.pairs[:, 1]]).all()
+    assert (
+        data.contact.carrier[data.contact.pairs[:, 0]] != data.contact.carrier[data.contact.pairs[:, 1]]
+    ).all()
     # phases k pi/2 from -2 pi to 31 pi; each with the one a turn above, less one pair at each end
-    assert len(data.pairs) == 67 - 4 - 2
+    assert len(data.contact.pairs) == 67 - 4 - 2
 
 
 def test_penalty_keeps_the_stiffness_per_length_of_wire():
     for pairs in (4, 8, 20):
         data, _, _ = model.build_model(spring_a(), 40, pairs)
-        assert data.kc * pairs == 4e4
+        assert data.contact.kc * pairs == 4e4
 
 
 def test_hand_is_a_mirror_image():

@@ -10,7 +10,7 @@ from coilspring.compiled import copy, kernel
 from wirefe.beam import beams
 from wirefe.chain import eliminate, substitute
 from wirefe.contact import lever, pair_matrix, sphere_pair
-from wirefe.model import ROW, view, view_plan
+from wirefe.model import ROW, view_contact, view_elements, view_held, view_plan
 from wirefe.rotations import exponential, quaternion_product, rotate
 
 NEAR = 1.5  # wire diameters between centres, within which a pair's motion in a substep is watched
@@ -64,18 +64,18 @@ def _onto_reference(r, g, K, C):
 
 
 @kernel
-def centre(model, state, sphere, c):
+def centre(contact, state, sphere, c):
     """Centre of a sphere."""
-    i = ROW * model.carrier[sphere]
-    rotate(state[i + 3 : i + 7], model.offset[sphere], c)
+    i = ROW * contact.carrier[sphere]
+    rotate(state[i + 3 : i + 7], contact.offset[sphere], c)
     for j in range(3):
         c[j] += state[i + j]
 
 
 @kernel
-def _add_elements(model, state, g, H):
+def _add_elements(chain, state, g, H):
     """Strain energy; adds its gradient and Hessian: gather, compute, scatter."""
-    count = model.stiffness.shape[0]
+    count = chain.stiffness.shape[0]
     ends, turns = np.empty((count, 2, 3)), np.empty((count, 2, 4))
     for e in range(count):
         for side in range(2):
@@ -83,81 +83,82 @@ def _add_elements(model, state, g, H):
             copy(state[a : a + 3], ends[e, side])
             copy(state[a + 3 : a + 7], turns[e, side])
     r, C = np.empty(3), np.empty((3, 3))
-    rotate(turns[count - 1, 1], model.arm, r)
+    rotate(turns[count - 1, 1], chain.arm, r)
     for i in range(3):
         ends[count - 1, 1, i] += r[i]
     ge, Ke = np.empty((count, 12)), np.empty((count, 12, 12))
-    energy = beams(ends, turns, model.triads, model.strain0, model.stiffness, ge, Ke)
+    energy = beams(ends, turns, chain.triads, chain.strain0, chain.stiffness, ge, Ke)
     _onto_reference(r, ge[count - 1], Ke[count - 1], C)
     for e in range(count):
         for side in range(2):
             _add_node(g, H, e + side, 6 * side, ge[e], Ke[e])
-        _add_block(H, model.element_block[e], model.element_flip[e], Ke[e])
+        _add_block(H, chain.block[e], chain.flip[e], Ke[e])
     return energy
 
 
 @kernel
-def _add_pairs(model, memory, state, g, H):
+def _add_pairs(contact, memory, state, g, H):
     """Contact energy; adds its gradient and Hessian. Only pairs that touch are scattered."""
     energy = 0.0
     ca, cb, w, f = np.empty(3), np.empty(3), np.empty(3), np.empty(3)
     Hg, C = np.empty((3, 3)), np.empty((3, 3))
     Ja, Jb = np.empty((3, 6)), np.empty((3, 6))
     ge, Ke = np.empty(12), np.empty((12, 12))
-    for m in range(model.pairs.shape[0]):
-        A, B = model.pairs[m, 0], model.pairs[m, 1]
-        centre(model, state, A, ca)
-        centre(model, state, B, cb)
+    for m in range(contact.pairs.shape[0]):
+        A, B = contact.pairs[m, 0], contact.pairs[m, 1]
+        centre(contact, state, A, ca)
+        centre(contact, state, B, cb)
         h2 = 0.0
         for i in range(3):
             w[i] = cb[i] - ca[i]
             h2 += w[i] * w[i]
-        if h2 >= model.d * model.d and memory[m, 0] == 0.0:
+        if h2 >= contact.d * contact.d and memory[m, 0] == 0.0:
             continue
-        energy += sphere_pair(w, math.sqrt(h2), model.d, model.kc, model.k, memory[m], f, Hg)
-        a, b = model.carrier[A], model.carrier[B]
+        energy += sphere_pair(w, math.sqrt(h2), contact.d, contact.kc, contact.k, memory[m], f, Hg)
+        a, b = contact.carrier[A], contact.carrier[B]
         for i in range(3):
             ca[i] -= state[ROW * a + i]
             cb[i] -= state[ROW * b + i]
         pair_matrix(f, Hg, ca, cb, ge, Ke, Ja, Jb, C)
         _add_node(g, H, a, 0, ge, Ke)
         _add_node(g, H, b, 6, ge, Ke)
-        _add_block(H, model.pair_block[m], model.pair_flip[m], Ke)
+        _add_block(H, contact.block[m], contact.flip[m], Ke)
     return energy
 
 
 @kernel
-def _hold(model, g, H):
+def _hold(held, g, H):
     """Take the held freedoms out: no force, rows and columns of the unit matrix."""
-    for m in range(model.cut_block.size):
-        B = H[model.cut_block[m]]
-        i = model.cut_index[m]
-        if model.cut_row[m]:
-            B[i, :] = 0.0
-        else:
-            B[:, i] = 0.0
-    for m in range(model.held.size):
-        n, i = model.held[m] // 6, model.held[m] % 6
-        g[model.held[m]] = 0.0
-        H[n, i, :] = 0.0
-        H[n, :, i] = 0.0
+    for m in range(held.block.size):
+        B = H[held.block[m]]
+        i = held.place[m]
+        for j in range(6):
+            if held.row[m]:
+                B[i, j] = 0.0
+            else:
+                B[j, i] = 0.0
+    for m in range(held.freedom.size):
+        n, i = held.freedom[m] // 6, held.freedom[m] % 6
+        g[held.freedom[m]] = 0.0
+        for j in range(6):
+            H[n, i, j] = H[n, j, i] = 0.0
         H[n, i, i] = 1.0
 
 
 @kernel
 def assemble(reals, ints, anchor, clearance, memory, state, g, flat):
     """Strain and contact energy, gradient and matrix; see `coilspring.newton` for the contract."""
-    model = view(reals, ints)
+    contact = view_contact(reals, ints)
     H = flat.reshape((flat.size // 36, 6, 6))
     g[:] = 0.0
     flat[:] = 0.0
-    energy = _add_elements(model, state, g, H)
-    count = model.pairs.shape[0]
-    if count > 0 and 2.0 * _bound(model, anchor, state) < clearance:
+    energy = _add_elements(view_elements(reals, ints), state, g, H)
+    count = contact.pairs.shape[0]
+    if count > 0 and 2.0 * _bound(contact.reach, anchor, state) < clearance:
         count = 0
     if count > 0:
-        energy += _add_pairs(model, memory, state, g, H)
-    _hold(model, g, H)
+        energy += _add_pairs(contact, memory, state, g, H)
+    _hold(view_held(ints), g, H)
     return energy, count
 
 
@@ -191,7 +192,7 @@ def retract(reals, ints, state, step, factor, out):
 
 
 @kernel
-def _bound(model, a, b):
+def _bound(reach, a, b):
     """Bound on how far any point of the wire's nodes or any sphere moved between two states."""
     most = 0.0
     last = a.size - ROW
@@ -203,16 +204,16 @@ def _bound(model, a, b):
                 same += (a[s + i] - b[s + i]) ** 2
                 other += (a[s + i] + b[s + i]) ** 2
             # |R r - R' r| <= 2 sin(angle/2) |r| <= 2 |q - q'| |r|
-            way += 2.0 * math.sqrt(min(same, other)) * model.reach
+            way += 2.0 * math.sqrt(min(same, other)) * reach
         most = max(most, way)
     return most
 
 
 @kernel
-def _vector(model, state, m, c, w):
+def _vector(contact, state, m, c, w):
     """Vector between the centres of a pair, and its length."""
-    centre(model, state, model.pairs[m, 1], w)
-    centre(model, state, model.pairs[m, 0], c)
+    centre(contact, state, contact.pairs[m, 1], w)
+    centre(contact, state, contact.pairs[m, 0], c)
     for i in range(3):
         w[i] -= c[i]
     return math.sqrt(w[0] ** 2 + w[1] ** 2 + w[2] ** 2)
@@ -224,12 +225,12 @@ def motion(reals, ints, a, b):
 
     A pair counts if it comes near anywhere between the states: spheres must not pass through each other.
     """
-    model = view(reals, ints)
+    contact = view_contact(reals, ints)
     most = 0.0
     c, v, w = np.empty(3), np.empty(3), np.empty(3)
-    for m in range(model.pairs.shape[0]):
-        _vector(model, a, m, c, v)
-        _vector(model, b, m, c, w)
+    for m in range(contact.pairs.shape[0]):
+        _vector(contact, a, m, c, v)
+        _vector(contact, b, m, c, w)
         square, along = 0.0, 0.0
         for i in range(3):
             square += (w[i] - v[i]) ** 2
@@ -240,9 +241,9 @@ def motion(reals, ints, a, b):
         near = 0.0
         for i in range(3):
             near += (v[i] + x * (w[i] - v[i])) ** 2
-        if near < (NEAR * model.d) ** 2:
+        if near < (NEAR * contact.d) ** 2:
             most = math.sqrt(square)
-    return _bound(model, a, b), most / model.d
+    return _bound(contact.reach, a, b), most / contact.d
 
 
 @kernel
@@ -252,15 +253,15 @@ def commit(reals, ints, state, memory):
     A pair that has just closed is remembered with its vector g0 and direction n0, one that has
     opened is forgotten.
     """
-    model = view(reals, ints)
+    contact = view_contact(reals, ints)
     least = np.inf
     c, w = np.empty(3), np.empty(3)
-    for m in range(model.pairs.shape[0]):
-        h = _vector(model, state, m, c, w)
-        least = min(least, h - model.d)
-        if model.stick == 0:
+    for m in range(contact.pairs.shape[0]):
+        h = _vector(contact, state, m, c, w)
+        least = min(least, h - contact.d)
+        if contact.stick == 0:
             continue
-        if h >= model.d:
+        if h >= contact.d:
             memory[m, 0] = 0.0
         elif memory[m, 0] == 0.0:
             memory[m, 0] = 1.0

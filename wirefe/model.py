@@ -22,17 +22,29 @@ from wirefe.rod import Rod, curved_rod, straight_rod
 ROW = 7  # numbers of a node in the state
 
 
-class WireModel(NamedTuple):
-    """Arrays of one wire."""
+class ElementArrays(NamedTuple):
+    """The chain of elements."""
 
     stiffness: np.ndarray  # (elements, 6, 6)
     strain0: np.ndarray  # (elements, 6) deformation measure at rest
     triads: np.ndarray  # (elements, 2, 4) quaternions of the end frames at rest
     arm: np.ndarray  # (3,) from the last node to the wire's last point
-    held: np.ndarray  # freedoms that are held, numbered 6 node + freedom
-    cut_block: np.ndarray  # couplings of held freedoms: block,
-    cut_index: np.ndarray  # row or column in it,
-    cut_row: np.ndarray  # 1 where it is a row
+    block: np.ndarray  # (elements,) block of each element's coupling
+    flip: np.ndarray  # 1 where the first node has the rows
+
+
+class HeldArrays(NamedTuple):
+    """Held freedoms, numbered 6 node + freedom, and their rows and columns in the couplings' blocks."""
+
+    freedom: np.ndarray
+    block: np.ndarray
+    place: np.ndarray  # row or column in the block
+    row: np.ndarray  # 1 where it is a row
+
+
+class ContactArrays(NamedTuple):
+    """Spheres, the pairs that may touch, and their law."""
+
     carrier: np.ndarray  # (spheres,) node that carries each sphere
     offset: np.ndarray  # (spheres, 3) from its carrier at rest
     pairs: np.ndarray  # (pairs, 2)
@@ -41,14 +53,21 @@ class WireModel(NamedTuple):
     kc: float
     k: float
     stick: int  # 1 where closed pairs are kept from sliding
-    element_block: np.ndarray  # (elements,) block of each element's coupling
-    element_flip: np.ndarray  # 1 where the first node has the rows
-    pair_block: np.ndarray  # (pairs,) block of each pair's coupling
-    pair_flip: np.ndarray
+    block: np.ndarray  # (pairs,) block of each pair's coupling
+    flip: np.ndarray
+
+
+class WireModel(NamedTuple):
+    """Arrays of one wire; kernels view only the part they need."""
+
+    elements: ElementArrays
+    held: HeldArrays
+    contact: ContactArrays
     plan: ChainPlan
 
 
-PLAN = 20  # number of the plan's first field in the packed arrays
+# numbers of each part's first field in the packed arrays
+HELD, CONTACT, PLAN = 6, 10, 20
 
 
 def build_model(
@@ -76,32 +95,26 @@ def rod_model(rod: Rod, arm: np.ndarray, spheres: Spheres | None = None) -> Wire
     couplings = np.concatenate((chain, spheres.carrier[spheres.pairs]))
     last = np.union1d(couplings[count:], [count])
     plan, block, flip = plan_chain(count + 1, couplings, last)
-    held = np.flatnonzero(rod.held)
     return WireModel(
-        stiffness=rod.stiffness,
-        strain0=_strain_at_rest(rod),
-        triads=rod.triads,
-        arm=arm,
-        held=held,
-        **_cuts(held, couplings, block, flip),
-        carrier=spheres.carrier,
-        offset=spheres.arm,
-        pairs=np.ascontiguousarray(spheres.pairs),
-        reach=float(np.linalg.norm(spheres.arm, axis=1).max(initial=0.0)),
-        d=spheres.diameter,
-        kc=spheres.stiffness,
-        k=spheres.exponent,
-        stick=int(spheres.stick),
-        element_block=block[:count],
-        element_flip=flip[:count],
-        pair_block=block[count:],
-        pair_flip=flip[count:],
-        plan=plan,
+        ElementArrays(rod.stiffness, _strain_at_rest(rod), rod.triads, arm, block[:count], flip[:count]),
+        _held_arrays(np.flatnonzero(rod.held), couplings, block, flip),
+        ContactArrays(
+            carrier=spheres.carrier,
+            offset=spheres.arm,
+            pairs=np.ascontiguousarray(spheres.pairs),
+            reach=float(np.linalg.norm(spheres.arm, axis=1).max(initial=0.0)),
+            d=spheres.diameter,
+            kc=spheres.stiffness,
+            k=spheres.exponent,
+            stick=int(spheres.stick),
+            block=block[count:],
+            flip=flip[count:],
+        ),
+        plan,
     )
 
 
-def _cuts(held: np.ndarray, couplings: np.ndarray, block: np.ndarray, flip: np.ndarray) -> dict:
-    """Rows and columns of the couplings' blocks that belong to held freedoms."""
+def _held_arrays(held: np.ndarray, couplings: np.ndarray, block: np.ndarray, flip: np.ndarray) -> HeldArrays:
     rows = np.where(flip, couplings[:, 0], couplings[:, 1])
     cuts = [
         (block[c], freedom % 6, rows[c] == freedom // 6)
@@ -109,7 +122,7 @@ def _cuts(held: np.ndarray, couplings: np.ndarray, block: np.ndarray, flip: np.n
         for c in np.flatnonzero((couplings == freedom // 6).any(axis=1))
     ]
     table = np.array(cuts, dtype=np.int64).reshape(-1, 3)
-    return {name: table[:, i] for i, name in enumerate(("cut_block", "cut_index", "cut_row"))}
+    return HeldArrays(held, table[:, 0], table[:, 1], table[:, 2])
 
 
 def _strain_at_rest(rod: Rod) -> np.ndarray:
@@ -140,16 +153,33 @@ def matrix_size(model: WireModel) -> int:
 
 
 @kernel
-def view(reals, ints):
-    """The model's fields, in their order, in the packed arrays."""
+def view_elements(reals, ints):
+    """The elements in the packed arrays."""
     head = heads(ints)
-    return WireModel(
+    return ElementArrays(
         stack(reals, head[0]), table(reals, head[1]), stack(reals, head[2]), vector(reals, head[3]),
-        vector(ints, head[4]), vector(ints, head[5]), vector(ints, head[6]), vector(ints, head[7]),
-        vector(ints, head[8]), table(reals, head[9]), table(ints, head[10]), reals[head[11, 0]],
-        reals[head[12, 0]], reals[head[13, 0]], reals[head[14, 0]], ints[head[15, 0]],
-        vector(ints, head[16]), vector(ints, head[17]), vector(ints, head[18]), vector(ints, head[19]),
-        view_plan(ints),
+        vector(ints, head[4]), vector(ints, head[5]),
+    )  # fmt: skip
+
+
+@kernel
+def view_held(ints):
+    """The held freedoms in the packed arrays."""
+    head = heads(ints)
+    return HeldArrays(
+        vector(ints, head[HELD]), vector(ints, head[HELD + 1]), vector(ints, head[HELD + 2]),
+        vector(ints, head[HELD + 3]),
+    )  # fmt: skip
+
+
+@kernel
+def view_contact(reals, ints):
+    """The contact pairs in the packed arrays."""
+    head = heads(ints)[CONTACT:PLAN]
+    return ContactArrays(
+        vector(ints, head[0]), table(reals, head[1]), table(ints, head[2]), reals[head[3, 0]],
+        reals[head[4, 0]], reals[head[5, 0]], reals[head[6, 0]], ints[head[7, 0]],
+        vector(ints, head[8]), vector(ints, head[9]),
     )  # fmt: skip
 
 

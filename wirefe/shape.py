@@ -38,15 +38,15 @@ class WireShape:
 
     def pair_penetrations(self, states: np.ndarray) -> np.ndarray:
         """Penetration of every pair, 0 where open, shape (states, pairs), mm."""
-        carried = self._nodes(states)[:, self.data.carrier]
-        centres = carried[..., :3] + turned(carried[..., 3:], self.data.offset)
-        first, second = self.data.pairs.T
+        carried = self._nodes(states)[:, self.data.contact.carrier]
+        centres = carried[..., :3] + turned(carried[..., 3:], self.data.contact.offset)
+        first, second = self.data.contact.pairs.T
         h = np.linalg.norm(centres[:, second] - centres[:, first], axis=-1)
-        return np.maximum(self.data.d - h, 0.0)
+        return np.maximum(self.data.contact.d - h, 0.0)
 
     def pair_forces(self, states: np.ndarray) -> np.ndarray:
         """Normal force of every pair, shape (states, pairs), N."""
-        return self.data.kc * self.pair_penetrations(states) ** self.data.k
+        return self.data.contact.kc * self.pair_penetrations(states) ** self.data.contact.k
 
     def centreline(self, state: np.ndarray, phases: np.ndarray) -> np.ndarray:
         """Wire at the phases given, shape (phases, 3), mm.

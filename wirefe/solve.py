@@ -126,6 +126,6 @@ def _problem(data: model.WireModel, rod: Rod, arm: np.ndarray) -> Problem:
         data=data,
         load=model.load_vector(rod),
         start=model.rest_state(rod, arm),
-        memory=np.zeros((len(data.pairs), 7)),
+        memory=np.zeros((len(data.contact.pairs), 7)),
         matrix_size=model.matrix_size(data),
     )
