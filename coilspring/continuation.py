@@ -61,7 +61,7 @@ def correct(
         pairs += looked
         for i in range(g.size):
             g[i] -= time * load[i]
-        negative = factor(reals, ints, H)
+        negative, _ = factor(reals, ints, H)
         solution(reals, ints, H, load, 1.0, v, solve)
         solution(reals, ints, H, g, -1.0, w, solve)
         shift = -dot(along, w) / (dot(along, v) + scale * scale * pitch)
@@ -95,7 +95,7 @@ def direction(v, negative, scale, along, pitch, new):
 
 
 def trace(
-    reals, ints, load, points, start, memory, size, assemble, factor, solve, retract, motion, commit
+    reals, ints, load, points, start, memory, size, assemble, factor, solve, retract, motion, commit, stop
 ):  # fmt: skip
     """Trace at most `points` points of the path from rest, or to time 1; arguments as in `follow`."""
     times = np.empty(points)
@@ -117,7 +117,7 @@ def trace(
     copy(new, along)
     time, arc = 0.0, FIRST_ARC
     row, spent = 0, 1
-    while row < points and time < 1.0 and arc >= LEAST_ARC:
+    while row < points and time < 1.0 and arc >= LEAST_ARC and stop[0] == 0:
         retract(reals, ints, state, along, arc, trial)
         good, reached, count, negative, looked = correct(
             reals, ints, state, clearance, memory, load, scale, along, pitch, trial, time + arc * pitch,
@@ -151,4 +151,4 @@ def compiled_trace() -> Callable:
     vector, numbers, table = types.float64[::1], types.int64[::1], types.float64[:, ::1]
     data = (vector, numbers, vector, types.int64, vector, table, types.int64)
     functions = tuple(types.FunctionType(signature) for signature in SIGNATURES)
-    return njit(data + functions, cache=True, error_model="numpy")(trace)
+    return njit(data + functions + (numbers,), cache=True, error_model="numpy", nogil=True)(trace)

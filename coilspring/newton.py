@@ -7,7 +7,7 @@ the functions here take as typed first-class functions, so that they are compile
     Strain and contact energy, its gradient `g` and its matrix `H` (model's own storage, flat) at
     `state`. `anchor` is the last accepted state, `clearance` the least gap of its contact pairs: while
     nothing has moved by half of it, no pair can touch. `memory` holds what contact remembers.
-``factor(reals, ints, F) -> negative pivots``
+``factor(reals, ints, F) -> (negative pivots, least pivot)``
     LDL^T of `F` in place. By Sylvester's law the negative pivots count the negative eigenvalues.
 ``solve(reals, ints, F, b)``
     Back substitution in place.
@@ -69,19 +69,19 @@ def solution(reals, ints, F, b, sign, out, solve):
 def positive_factor(reals, ints, H, rest, F, factor):
     """Factor H + shift * rest with the least tried shift that leaves no negative pivot.
 
-    Returns the shift and the number of factorisations.
+    Returns the shift, the number of factorisations and the least pivot.
     """
     copy(H, F)
-    negative = factor(reals, ints, F)
+    negative, least = factor(reals, ints, F)
     count = 1
     shift = 0.0
     while negative > 0 and shift < MOST_SHIFT:
         shift = FIRST_SHIFT if shift == 0.0 else 4.0 * shift
         for i in range(F.size):
             F[i] = H[i] + shift * rest[i]
-        negative = factor(reals, ints, F)
+        negative, _ = factor(reals, ints, F)
         count += 1
-    return shift, count
+    return shift, count, least
 
 
 @kernel
@@ -131,6 +131,7 @@ def equilibrium(
     g,
     H,
     rest,
+    careful,
     F,
     kept,
     history,
@@ -143,7 +144,8 @@ def equilibrium(
 
     `push` is the load; `kept` says that `F` holds the factor of the last accepted state; where that
     alone already closes the residual the response is linear and nothing is factored. `work` scales the
-    stop test, `rounding` is the absolute noise of the energy, `limit` bounds the iterations, `history`
+    stop test, `careful` is the least pivot below which the matrix counts as nearly singular, `rounding` is
+    the absolute noise of the energy, `limit` bounds the iterations, `history`
     receives the decrements over `work`.
 
     Returns status, factorisations, trouble (NONE, LONG line search, or an INDEFINITE matrix that was
@@ -156,6 +158,7 @@ def equilibrium(
     enough = max(DECREMENT * work, rounding)  # less energy than its rounding cannot be asked for
     count = 0
     trouble = NONE
+    least = np.inf
     for _ in range(limit):
         if kept:
             # a factor of a state nearby may close the residual: then nothing is factored for it
@@ -164,8 +167,17 @@ def equilibrium(
             if left <= (LINEAR_DECREMENT * work if count == 0 else enough):
                 retract(reals, ints, state, step, 1.0, trial)
                 copy(trial, state)
-                return LINEAR if count == 0 else CONVERGED, count, trouble, pairs
-        shift, spent = positive_factor(reals, ints, H, rest, F, factor)
+                if count == 0:
+                    return LINEAR, count, trouble, pairs
+                if least >= careful:
+                    return CONVERGED, count, trouble, pairs
+                # nearly singular: the pivots must be those of the equilibrium itself
+                _, looked = assemble(reals, ints, anchor, clearance, memory, state, g, H)
+                copy(H, F)
+                negative, _ = factor(reals, ints, F)
+                status = SADDLE if negative > 0 else CONVERGED
+                return status, count + 1, INDEFINITE if negative > 0 else trouble, pairs + looked
+        shift, spent, least = positive_factor(reals, ints, H, rest, F, factor)
         count += spent
         if shift > 0.0:
             trouble = INDEFINITE

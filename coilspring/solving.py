@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from coilspring.errors import EquilibriumNotFound
+from coilspring.interrupt import interruptible
 from coilspring.packing import pack
 from coilspring.path import EquilibriumPath, Shape
 from coilspring.scene import Scene
@@ -67,8 +68,8 @@ def follow_problem(
     compile_kernels(kernels)
     compiled = time.perf_counter() - began
     began = time.process_time()
-    track = follow(
-        *pack(problem.data), problem.load, times, problem.start, problem.memory, problem.matrix_size,
+    track = interruptible(
+        follow, *pack(problem.data), problem.load, times, problem.start, problem.memory, problem.matrix_size,
         length, limit, predictor, *kernels,
     )  # fmt: skip
     seconds = time.process_time() - began

@@ -15,7 +15,7 @@ from coilspring.newton import CONVERGED, HISTORY, INDEFINITE, LINEAR, NONE, dot,
 COMPLETED, CRITICAL, STUCK = 0, 1, 2
 
 FIRST_STEP = 0.25  # largest first substep: the tangent at rest knows nothing of the contact to come
-LEAST_STEP = 1e-6  # of the time 0..1: below it, what cannot be passed is called a critical point
+LEAST_STEP = 1e-9  # of the time 0..1: below it, what cannot be passed is called a critical point
 # A converged state continues the branch when it lies near the straight prediction: within this share
 # of the way it came (a fold or a jump turns the path by more), or within a small distance at all
 # (a closing contact kinks the path, so that no step is short enough for the share).
@@ -27,6 +27,7 @@ EASY_TURN = 0.1  # the next substep may be twice as long
 EASY_COUNT = 5
 EPSILON = 2.0**-52
 SAMPLES = 16  # of a linear stretch at which its stability is verified
+CAREFUL = 0.1  # share of the least pivot at rest, below which stability is decided at the equilibrium itself
 SOFT = 0.05  # share of the least eigenvalue at rest, below which the tangent counts as singular
 
 
@@ -91,7 +92,7 @@ def unstable_time(reals, ints, memory, origin, begin, tangent, end, H, g, assemb
         retract(reals, ints, origin, tangent, time - begin, state)
         assemble(reals, ints, state, 0.0, memory, state, g, H)
         count += 1
-        if factor(reals, ints, H) > 0:
+        if factor(reals, ints, H)[0] > 0:
             high = time
         elif time == end:
             return np.inf, count
@@ -131,6 +132,7 @@ def follow(
     retract,
     motion,
     commit,
+    stop,
 ):
     """Follow the equilibrium from rest through the increasing `times`.
 
@@ -148,6 +150,7 @@ def follow(
     predictor : start from the tangent's prediction and judge the branch by it; else from the last
         state, as the paper did.
     assemble, factor, solve, retract, motion : kernels, see `coilspring.newton`.
+    stop : one integer; another thread sets it to end the path at the next substep.
     """
     states = np.empty((times.size, start.size))
     iterations = np.zeros(times.size, np.int64)
@@ -166,7 +169,8 @@ def follow(
     _, pairs = assemble(reals, ints, state, clearance, memory, state, g, H)
     rest = H.copy()
     copy(H, F)
-    if factor(reals, ints, F) > 0:
+    negative, least = factor(reals, ints, F)
+    if negative > 0:
         return Track(states[:0], iterations[:0], spent, CRITICAL, 0.0, 0.0, 0, pairs, mode, history)
     spent[0] = 1
     solution(reals, ints, F, load, 1.0, tangent, solve)
@@ -178,7 +182,7 @@ def follow(
     outcome = COMPLETED
     time, dt = 0.0, min(times[0], FIRST_STEP)
     row = 0
-    while row < times.size:
+    while row < times.size and stop[0] == 0:
         landing = times[row] - time <= dt * (1.0 + 1e-9)
         target = times[row] if landing else time + dt
         step = target - time
@@ -188,7 +192,7 @@ def follow(
             push[i] = target * load[i]
         status, count, trouble, looked = equilibrium(
             reals, ints, state, clearance, memory, push, work * target**2, noise * target, limit, trial,
-            g, H, rest, F, kept, history, assemble, factor, solve, retract,
+            g, H, rest, CAREFUL * least, F, kept, history, assemble, factor, solve, retract,
         )  # fmt: skip
         spent[0] += count
         pairs += looked
@@ -273,7 +277,7 @@ def compiled_follow() -> Callable:
     data = (vector, numbers, vector, vector, vector, table, whole)
     control = (real, whole, types.boolean)
     functions = tuple(types.FunctionType(signature) for signature in SIGNATURES)
-    return njit(data + control + functions, cache=True, error_model="numpy")(follow)
+    return njit(data + control + functions + (numbers,), cache=True, error_model="numpy", nogil=True)(follow)
 
 
 def compile_kernels(kernels: Kernels) -> None:
@@ -288,7 +292,7 @@ def _signatures() -> Kernels:
     data = (vector, numbers)
     return Kernels(
         assemble=types.Tuple((real, whole))(*data, vector, real, table, vector, vector, vector),
-        factor=whole(*data, vector),
+        factor=types.Tuple((whole, real))(*data, vector),
         solve=types.void(*data, vector, vector),
         retract=types.void(*data, vector, vector, real, vector),
         motion=types.UniTuple(real, 2)(*data, vector, vector),

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import numpy as np
+
 from coilspring.compiled import kernel
 
 BAND = 8  # half bandwidth: a pair couples nodes i and i + 2, three freedoms each
@@ -9,10 +11,13 @@ BAND = 8  # half bandwidth: a pair couples nodes i and i + 2, three freedoms eac
 
 @kernel
 def factor(reals, ints, flat):
-    """Banded LDL^T in place (unit lower triangle, pivots in column 0); returns the negative pivots."""
+    """Banded LDL^T in place (unit lower triangle, pivots in column 0).
+
+    Returns the number of negative pivots and the least pivot.
+    """
     F = flat.reshape((flat.size // (BAND + 1), BAND + 1))
     n = F.shape[0]
-    negative = 0
+    negative, least = 0, np.inf
     for i in range(n):
         first = max(0, i - BAND)
         for j in range(first, i):
@@ -26,9 +31,10 @@ def factor(reals, ints, flat):
             pivot -= F[i, i - j] * scaled
             F[i, i - j] = scaled
         F[i, 0] = pivot
+        least = min(least, pivot)
         if not pivot > 0.0:
             negative += 1
-    return negative
+    return negative, least
 
 
 @kernel

@@ -39,7 +39,8 @@ CASES = [
 @pytest.mark.parametrize("shift", [12.0, 1.0])
 def test_solution_and_inertia(nodes, couplings, last, shift):
     plan, F, A = random_system(nodes, couplings, last, nodes, shift)
-    negative = eliminate(plan, F)
+    negative, least = eliminate(plan, F)
+    assert (least < 0.0) == (negative > 0)
     assert negative == np.count_nonzero(np.linalg.eigvalsh(A) < 0.0)
     b = np.random.default_rng(1).normal(size=6 * nodes)
     x = b.copy()

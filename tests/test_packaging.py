@@ -1,8 +1,10 @@
 """Imports point down and stay light; compiled code is read from the cache by the next process."""
 
 import os
+import signal
 import subprocess
 import sys
+import time
 from pathlib import Path
 
 import pytest
@@ -48,3 +50,16 @@ def test_second_process_hits_the_cache(tmp_path):
     cache = {"NUMBA_CACHE_DIR": str(tmp_path)}
     assert run(code, **cache).strip() == "[1, 1, 1]"
     assert run(code, **cache).strip() == "[0, 0, 0]"
+
+
+@pytest.mark.parametrize("model", ["wirefe", "equivbeam"])
+def test_interrupted_by_a_signal(model, tmp_path):
+    """Ctrl-C amid compiled work: exit code 130 and one line, soon."""
+    command = [sys.executable, "-m", "validation.cli", "solve", "spring-a", "--model", model]
+    command += ["--steps", "100000", "--out", str(tmp_path)]
+    with subprocess.Popen(command, cwd=ROOT, stderr=subprocess.PIPE, text=True) as child:
+        time.sleep(4.0 if model == "wirefe" else 2.5)
+        child.send_signal(signal.SIGINT)
+        _, words = child.communicate(timeout=20)
+    assert child.returncode == 130
+    assert len(words.strip().splitlines()) == 1

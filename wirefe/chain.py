@@ -82,13 +82,14 @@ def plan_chain(
 
 @kernel
 def _factor_diagonal(D):
-    """LDL^T of one block in place; returns its negative pivots."""
-    negative = 0
+    """LDL^T of one block in place; returns its number of negative pivots and the least."""
+    negative, least = 0, np.inf
     for j in range(N6):
         pivot = D[j, j]
         for m in range(j):
             pivot -= D[j, m] * D[j, m] * D[m, m]
         D[j, j] = pivot
+        least = min(least, pivot)
         if not pivot > 0.0:
             negative += 1
         for i in range(j + 1, N6):
@@ -96,18 +97,19 @@ def _factor_diagonal(D):
             for m in range(j):
                 total -= D[i, m] * D[j, m] * D[m, m]
             D[i, j] = total / pivot
-    return negative
+    return negative, least
 
 
 @kernel
 def eliminate(plan, F):
-    """LDL^T of the blocks `F` (blocks, 6, 6) in place; returns the number of negative pivots."""
-    negative = 0
+    """LDL^T of the blocks (blocks, 6, 6) in place; returns the number of negative pivots and the least."""
+    negative, least = 0, np.inf
     scaled = np.empty((N6, N6))
     t = 0
     for step in range(plan.order.size):
         D = F[plan.order[step]]
-        negative += _factor_diagonal(D)
+        below, low = _factor_diagonal(D)
+        negative, least = negative + below, min(least, low)
         begin, end = plan.start[step], plan.start[step + 1]
         for a in range(begin, end):
             B = F[plan.block[a]]
@@ -128,7 +130,7 @@ def eliminate(plan, F):
             for r in range(N6):
                 for c in range(N6):
                     B[r, c] = scaled[r, c]
-    return negative
+    return negative, least
 
 
 @kernel

@@ -164,7 +164,7 @@ def assemble(reals, ints, anchor, clearance, memory, state, g, flat):
 
 @kernel
 def factor(reals, ints, flat):
-    """Block LDL^T in place; returns the negative pivots."""
+    """Block LDL^T in place; returns the number of negative pivots and the least pivot."""
     return eliminate(view_plan(ints), flat.reshape((flat.size // 36, 6, 6)))
 
 

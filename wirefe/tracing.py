@@ -6,6 +6,7 @@ import time
 
 from coilspring.continuation import Trace, compiled_trace
 from coilspring.errors import EquilibriumNotFound, require_integer
+from coilspring.interrupt import interruptible
 from coilspring.packing import pack
 from coilspring.path import EquilibriumPath
 from coilspring.scene import Scene
@@ -94,8 +95,8 @@ def _run(problem: Problem, points: int) -> tuple[Trace, float]:
     follow = compiled_trace()
     compile_kernels(KERNELS)
     began = time.process_time()
-    found = follow(
-        *pack(problem.data), problem.load, points, problem.start, problem.memory, problem.matrix_size,
+    found = interruptible(
+        follow, *pack(problem.data), problem.load, points, problem.start, problem.memory, problem.matrix_size,
         *KERNELS,
     )  # fmt: skip
     return found, time.process_time() - began
