@@ -53,7 +53,8 @@ class EquilibriumPath:
     residual_history : last Newton decrements over the reference work of the load, oldest first.
     negative_pivots : (steps,) of traced paths: 0 where the equilibrium is stable; None for followed
         ones, whose equilibria are all stable.
-    solve_seconds, compile_seconds : CPU time of the solve alone; time spent making its kernels ready.
+    solve_seconds, compile_seconds : CPU time of the solve alone; wall time spent making its kernels
+        ready.
     """
 
     scene: Scene

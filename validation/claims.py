@@ -150,8 +150,8 @@ def _compenetration(contact: CaseEvidence, without: CaseEvidence) -> Claim:
         f"largest overlap {bare.max():.2f} mm ({100.0 * bare.max() / diameter:.0f} % of the wire diameter) "
         f"without contact, {1e3 * kept.max():.1f} µm with it",
         AGREES if lower and bare.max() > 0.1 * diameter > 10.0 * kept.max() else DIFFERS,
-        f"Wire model, in the working plane; the largest overlap is at circle {int(np.argmax(bare))} of "
-        f"{bare.size}, counted from the bottom end.",
+        f"Wire model, in the working plane; the largest overlap is at pair {int(np.argmax(bare))} of "
+        f"{bare.size} one turn apart, counted from the bottom end.",
     )
 
 
@@ -203,8 +203,8 @@ def _telescopes(item: CaseEvidence) -> Claim:
     return Claim(
         "section 4, explanation of Table 3",
         "Spring B without contact is unrealistic: it telescopes.",
-        f"{counts[0]} (wire model) and {counts[1]} (beam) of {heights.size - 2} coils lie lower than the "
-        f"coil before them; lowest wire centre at Y = {lowest:.1f} mm, the bottom coil at "
+        f"{counts[0]} (wire model) and {counts[1]} (beam) of {heights.size - 2} crossings of the plane lie lower "
+        f"than the one a turn before; lowest wire centre at Y = {lowest:.1f} mm, the bottom coil at "
         f"{bottom:.1f} mm",
         AGREES if min(counts) > 0 and lowest < bottom else DIFFERS,
         "At full load: active coils hang below the bottom coil, which leaves them no room to pass.",

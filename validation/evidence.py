@@ -26,6 +26,8 @@ EXACT_ROD: Mapping[str, tuple[float, float, float]] = {
     "spring-b-no-contact": (0.0, -25.060823, 0.0),
 }
 
+STEPS = (10, 20, 50, 200)  # substeps over which the no-sliding rule's dependence is measured
+
 
 @dataclass(frozen=True)
 class CaseEvidence:
@@ -70,6 +72,7 @@ class Evidence:
     cases, timings : by name of the scene.
     frictionless : wire model of Spring B with sliding contact, as far as it goes.
     sticking : equivalent beam of Spring B without sliding, against the wire model.
+    stepped : wire model of Spring B without sliding, UY at full load by number of substeps.
     overloaded : equivalent beam of Spring B under more than its full load, as far as it goes.
     """
 
@@ -77,6 +80,7 @@ class Evidence:
     timings: Mapping[str, Timing]
     frictionless: EquilibriumPath
     sticking: Comparison
+    stepped: Mapping[int, float]
     overloaded: EquilibriumPath
 
     @property
@@ -94,6 +98,7 @@ def gather(store: PathStore, timings: Sequence[Timing]) -> Evidence:
         timings={item.case.name: item for item in timings},
         frictionless=store.wire_as_far(frictionless(scene)),
         sticking=compare_paths(store.beam(scene, sliding="scene"), store.wire(scene)),
+        stepped={n: float(store.wire(scene, steps=n).tips[-1, 1]) for n in STEPS},
         overloaded=store.beam_as_far(overloaded(scene)),
     )
 

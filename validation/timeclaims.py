@@ -6,10 +6,10 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from validation.claims import AGREES, DIFFERS, Claim
+from validation.claims import AGREES, DIFFERS, UNDECIDED, Claim
 from validation.evidence import Evidence
 
-LITTLE = 1.25  # "little affecting": less than this factor either way
+LITTLE = (1.25, 1.75)  # "little affecting": less than the first factor; not little: more than the second
 DOUBLED = (1.5, 2.5)  # "almost doubles"
 GREAT = 2.0  # "a great difference": at least this factor
 TWENTIETH = (15.5, 25.0)  # "about 1/20"
@@ -94,8 +94,8 @@ def _fe_contact_a(evidence: Evidence) -> Claim:
         "section 4, text on Table 3",
         "Contact has little effect on the time of FE for Spring A.",
         f"wire model with contact / without = {ours:.2f}",
-        AGREES if 1.0 / LITTLE < ours < LITTLE else DIFFERS,
-        f"Little: a factor below {LITTLE}. The paper's own Table 3 (81 s to 154 s) gives {paper:.2f}.",
+        AGREES if ours < LITTLE[0] else DIFFERS if ours > LITTLE[1] else UNDECIDED,
+        f"Little: a factor below {LITTLE[0]}; not little: above {LITTLE[1]}. The paper's own Table 3 (81 s to 154 s) gives {paper:.2f}.",
     )
 
 
