@@ -203,8 +203,8 @@ def _telescopes(item: CaseEvidence) -> Claim:
     return Claim(
         "section 4, explanation of Table 3",
         "Spring B without contact is unrealistic: it telescopes.",
-        f"{counts[0]} (wire model) and {counts[1]} (beam) of {heights.size - 2} crossings of the plane lie lower "
-        f"than the one a turn before; lowest wire centre at Y = {lowest:.1f} mm, the bottom coil at "
+        f"{counts[0]} (wire model) and {counts[1]} (beam) of {heights.size - 2} crossings of the plane lie "
+        f"lower than the one a turn before; lowest wire centre at Y = {lowest:.1f} mm, the bottom coil at "
         f"{bottom:.1f} mm",
         AGREES if min(counts) > 0 and lowest < bottom else DIFFERS,
         "At full load: active coils hang below the bottom coil, which leaves them no room to pass.",

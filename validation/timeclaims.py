@@ -95,7 +95,8 @@ def _fe_contact_a(evidence: Evidence) -> Claim:
         "Contact has little effect on the time of FE for Spring A.",
         f"wire model with contact / without = {ours:.2f}",
         AGREES if ours < LITTLE[0] else DIFFERS if ours > LITTLE[1] else UNDECIDED,
-        f"Little: a factor below {LITTLE[0]}; not little: above {LITTLE[1]}. The paper's own Table 3 (81 s to 154 s) gives {paper:.2f}.",
+        f"Little: a factor below {LITTLE[0]}; not little: above {LITTLE[1]}. "
+        f"The paper's own Table 3 (81 s to 154 s) gives {paper:.2f}.",
     )
 
 
