@@ -12,6 +12,7 @@ MODEL_OPTIONS = {
     "equivbeam": ("law", "tangent", "sliding"),
     "wirefe": ("element", "elements_per_turn", "pairs_per_turn"),
 }
+FILE_OPTIONS = {"equivbeam": (), "wirefe": ("vtu",)}  # what a model can write besides the path
 COMMON_OPTIONS = ("steps", "penalty")
 ARTEFACTS = ("table1", "table2", "table3", "fig4", "fig5", "fig6", "fig7", "fig8")
 
@@ -50,6 +51,8 @@ def _add_solve(commands: argparse._SubParsersAction) -> None:
     command = _command(commands, "solve", purpose, "coilcheck solve spring-b --model wirefe --steps 20")
     command.add_argument("--model", choices=tuple(MODEL_OPTIONS), required=True, help="which model")
     _add_scene(command)
+    what = "write wire.vtu too (wirefe): the deformed wire at the last step reached, with section forces"
+    command.add_argument("--vtu", action="store_true", help=what)
 
 
 def _add_compare(commands: argparse._SubParsersAction) -> None:

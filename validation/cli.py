@@ -11,9 +11,9 @@ from dataclasses import asdict
 from pathlib import Path
 
 from coilspring import CATALOGUE, EquilibriumNotFound, EquilibriumPath, InputError, Scene, load_scene
-from validation.arguments import COMMON_OPTIONS, MODEL_OPTIONS, command_line
+from validation.arguments import COMMON_OPTIONS, FILE_OPTIONS, MODEL_OPTIONS, command_line
 from validation.metrics import Comparison, compare_paths
-from validation.output import OutputError, prepare, write_json, write_path, writing
+from validation.output import OutputError, prepare, write_json, write_path, write_vtu, writing
 
 COMPLETED, BAD_INPUT, NOT_COMPLETED, NOT_WRITTEN, INTERRUPTED = 0, 2, 3, 4, 130
 
@@ -55,7 +55,7 @@ def solve(arguments: argparse.Namespace) -> int:
     """Solve one scene with one model."""
     model = arguments.model
     for other, names in MODEL_OPTIONS.items():
-        for name in _given(arguments, names) if other != model else ():
+        for name in _given(arguments, names + FILE_OPTIONS[other]) if other != model else ():
             flag = "--" + name.replace("_", "-")
             raise InputError(f"{flag} belongs to --model {other}, got --model {model}")
     scene = _scene(arguments)
@@ -64,6 +64,8 @@ def solve(arguments: argparse.Namespace) -> int:
     with _progress() as progress:
         path = _run(scene, model, arguments, progress)
     write_path(path, folder)
+    if hasattr(arguments, "vtu") and len(path.times):
+        write_vtu(path, folder)
     _say(*_digest(path), f"written to {folder}")
     return _verdict(path)
 

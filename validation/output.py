@@ -41,11 +41,18 @@ def prepare(folder: Path) -> None:
 
 
 def write_text(target: Path, text: str) -> None:
-    """Write a whole file or none: a partial one is never seen under its name."""
+    """Write a whole file or none."""
+    with _whole(target) as temporary:
+        temporary.write_text(text, encoding="utf-8", newline="")
+
+
+@contextmanager
+def _whole(target: Path) -> Iterator[Path]:
+    """A file to write to, which becomes `target` at the end: a partial one is never seen under its name."""
     temporary = target.with_name(f".{target.name}.{os.getpid()}.part")
     with writing(target):
         try:
-            temporary.write_text(text, encoding="utf-8", newline="")
+            yield temporary
             os.replace(temporary, target)
         except BaseException:
             temporary.unlink(missing_ok=True)
@@ -61,6 +68,14 @@ def write_path(path: EquilibriumPath, folder: Path) -> None:
     """Write ``path.csv`` and ``summary.json`` of a path, complete or not, to an existing folder."""
     write_text(folder / "path.csv", path.table.to_csv(index=False, lineterminator="\n"))
     write_json(folder / "summary.json", summary(path))
+
+
+def write_vtu(path: EquilibriumPath, folder: Path) -> None:
+    """Write ``wire.vtu``: the deformed wire at the last step reached by the wire model."""
+    from wirefe.export import write_vtu as write
+
+    with _whole(folder / "wire.vtu") as temporary:
+        write(path, -1, temporary)
 
 
 def summary(path: EquilibriumPath) -> dict[str, object]:

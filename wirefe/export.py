@@ -1,0 +1,125 @@
+"""Section forces, contact forces and VTU files of the deformed wire."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from coilspring.errors import InputError
+from coilspring.path import EquilibriumPath
+from wirefe.beam import deformations
+from wirefe.model import ROW
+from wirefe.shape import WireShape, turned
+
+
+@dataclass(frozen=True)
+class SectionResults:
+    """What the wire carries between its rigid ends at one equilibrium.
+
+    Forces and moments are means over an element in the frame that moves along it: first axis the
+    wire's tangent (straight element: its chord), the others across (curved element: normal, binormal).
+
+    Attributes
+    ----------
+    points : (nodes, 3) of the deformed wire, mm; the first and the last belong to the rigid ends.
+    displacement : (nodes, 3) from rest, mm.
+    rotation : (nodes, 3) rotation vectors from rest, of at most half a turn, rad.
+    contact_force : (nodes, 3) normal contact force on each node, N; the forces on the spheres of a
+        rigid end are summed at its node. What holds a pair from sliding is not in it.
+    force : (elements, 3) axial force and two shear forces, N.
+    moment : (elements, 3) torsion and two bending moments, N mm.
+    curvature_change : (elements, 3) twist and two bending curvatures, less those at rest, 1/mm.
+    """
+
+    points: np.ndarray
+    displacement: np.ndarray
+    rotation: np.ndarray
+    contact_force: np.ndarray
+    force: np.ndarray
+    moment: np.ndarray
+    curvature_change: np.ndarray
+
+    @property
+    def cells(self) -> dict[str, np.ndarray]:
+        """Scalars of the elements: shear, bending and curvature (its change) are magnitudes."""
+        return {
+            "axial_force": self.force[:, 0],
+            "shear_force": np.linalg.norm(self.force[:, 1:], axis=1),
+            "torsion": self.moment[:, 0],
+            "bending_moment": np.linalg.norm(self.moment[:, 1:], axis=1),
+            "curvature": np.linalg.norm(self.curvature_change[:, 1:], axis=1),
+            "twist": self.curvature_change[:, 0],
+        }
+
+
+def section_results(path: EquilibriumPath, step: int) -> SectionResults:
+    """Section forces, curvature changes and contact forces at a stored step of a path of the wire model.
+
+    Raises
+    ------
+    InputError : the path is not of the wire model.
+    """
+    from scipy.spatial.transform import Rotation
+
+    shape = path.shape
+    if not isinstance(shape, WireShape):
+        raise InputError(f"section_results needs a path of the model wirefe, got {path.model}")
+    data, rows = shape.data.elements, path.states[step].reshape(-1, ROW)
+    points, turns = rows[:, :3].copy(), rows[:, 3:]
+    points[-1] += turned(turns[-1], data.arm)
+    strain = np.empty_like(data.strain0)
+    deformations(_pairs(points), _pairs(turns), data.triads, strain)
+    strain -= data.strain0
+    wrench = np.einsum("eij,ej->ei", data.stiffness, strain)
+    # the deformation measure at rest is the tangent times the element's length
+    lengths = np.linalg.norm(data.strain0[:, :3], axis=1)
+    return SectionResults(
+        points=points,
+        displacement=points - shape.mesh.points,
+        rotation=Rotation.from_quat(np.roll(turns, -1, axis=1)).as_rotvec(),
+        contact_force=_contact_force(shape, rows, path.contact_forces[step]),
+        force=wrench[:, :3],
+        moment=wrench[:, 3:],
+        curvature_change=strain[:, 3:] / lengths[:, None],
+    )
+
+
+def write_vtu(path: EquilibriumPath, step: int, file: str | Path) -> None:
+    """Write the deformed wire at a stored step as line cells, mm and N; the end turns are left out.
+
+    Point data: displacement, rotation (vector), contact_force. Cell data: axial_force, shear_force,
+    torsion, bending_moment, curvature and twist (changes from rest).
+    """
+    import meshio
+
+    found = section_results(path, step)
+    nodes = np.arange(len(found.points))
+    mesh = meshio.Mesh(
+        found.points,
+        [("line", _pairs(nodes))],
+        point_data={name: getattr(found, name) for name in ("displacement", "rotation", "contact_force")},
+        cell_data={name: [values] for name, values in found.cells.items()},
+    )
+    mesh.write(file, file_format="vtu")
+
+
+def _pairs(nodes: np.ndarray) -> np.ndarray:
+    """Rows of the two ends of every element, shape (elements, 2, ...)."""
+    return np.stack((nodes[:-1], nodes[1:]), axis=1)
+
+
+def _contact_force(shape: WireShape, rows: np.ndarray, normal: np.ndarray) -> np.ndarray:
+    """Sum of the pairs' normal forces on the nodes that carry their spheres, shape (nodes, 3)."""
+    data = shape.data.contact
+    carried = rows[data.carrier]
+    centres = carried[:, :3] + turned(carried[:, 3:], data.offset)
+    total = np.zeros((len(rows), 3))
+    closed = data.pairs[normal > 0.0]
+    first, second = closed.T
+    apart = centres[second] - centres[first]
+    push = apart * (normal[normal > 0.0] / np.linalg.norm(apart, axis=1))[:, None]
+    np.add.at(total, data.carrier[first], -push)
+    np.add.at(total, data.carrier[second], push)
+    return total
