@@ -19,6 +19,7 @@ from coilspring.stepping import COMPLETED, CRITICAL, Kernels, Track, compile_ker
 MOST_ITERATIONS = 25  # of a substep with the exact tangent, which needs 2 or 3 far from contact changes
 # Null modes of a bifurcation do no work with the load; rounding leaves far less than this share.
 NO_WORK = 1e-6
+VOID_PENETRATION = 0.1  # wire diameters of overlap, beyond which a penalty no longer stands for contact
 
 
 @dataclass(frozen=True)
@@ -105,7 +106,7 @@ def follow_scene(
         states=track.states,
         iterations=track.iterations,
         outcome=run.outcome,
-        message=run.message,
+        message=run.message + _caution(scene, shape, track.states),
         shape=shape,
         critical_time=run.critical_time,
         critical_bracket=None if run.critical_time is None else track.bracket,
@@ -119,6 +120,19 @@ def follow_scene(
     if path.outcome != "completed":
         raise EquilibriumNotFound(path)
     return path
+
+
+def _caution(scene: Scene, shape: Shape, states: np.ndarray) -> str:
+    """What makes the last state an equilibrium of the model rather than of a spring, or nothing."""
+    if not len(states):
+        return ""
+    last = states[-1:]
+    depth = shape.pair_penetrations(last).max(initial=0.0) / scene.spring.wire_diameter
+    if depth > VOID_PENETRATION:
+        return f"; but coils penetrate by {depth:.2f} wire diameters: the contact stiffness is too low"
+    if shape.tips(last)[0, 1] < -scene.spring.active_height:
+        return "; but the top has passed the bottom, which no contact law here prevents"
+    return ""
 
 
 def _verdict(track: Track, load: np.ndarray) -> tuple[str, str, float | None]:

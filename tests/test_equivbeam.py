@@ -250,3 +250,17 @@ def test_half_coils_are_whole(coils):
     scene = replace(spring_b(), spring=replace(spring_b().spring, active_coils=coils))
     with pytest.raises(InputError, match=r"spring.active_coils must be a multiple of 0.5 .*got 7"):
         equivbeam.solve(scene)
+
+
+@pytest.mark.parametrize(
+    ("stiffness", "force", "words"),
+    [(1e4, -200.0, "followed to time 1"), (20.0, -60.0, "penetrate"), (1e4, -300.0, "passed the bottom")],
+)
+def test_void_answers_are_said_to_be_so(stiffness, force, words):
+    scene = replace(spring_b(), load=Load((0.0, force)), contact=Contact(force != -300.0, stiffness))
+    if words == "penetrate":
+        cylinder = replace(scene.spring, mean_diameter=(9.0, 9.0))
+        scene = replace(scene, spring=cylinder, load=Load((0.0, 4 * force)))
+    message = equivbeam.solve(scene).message
+    assert words in message
+    assert ("; but" in message) == (words != "followed to time 1")

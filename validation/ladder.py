@@ -16,6 +16,7 @@ HEAD = """# Accuracy of the wire model
 
 Written by `python -m validation.ladder`; every result is computed there. Code verification: rows with exact
 targets and observed orders. Solution verification: G13 over the mesh. No row compares with a measured spring.
+G numbers are this project's names of its benchmark cases.
 
 *Error* is the largest component's error over the largest component of the target; *order* the observed
 order of convergence with the mesh. "Own" targets come from an independent shooting solver or a closed form,
