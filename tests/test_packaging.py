@@ -55,11 +55,21 @@ def test_second_process_hits_the_cache(tmp_path):
 @pytest.mark.parametrize("model", ["wirefe", "equivbeam"])
 def test_interrupted_by_a_signal(model, tmp_path):
     """Ctrl-C amid compiled work: exit code 130 and one line, soon."""
-    command = [sys.executable, "-m", "validation.cli", "solve", "spring-a", "--model", model]
-    command += ["--steps", "100000", "--out", str(tmp_path)]
-    with subprocess.Popen(command, cwd=ROOT, stderr=subprocess.PIPE, text=True) as child:
-        time.sleep(4.0 if model == "wirefe" else 2.5)
+    arguments = ["solve", "spring-a", "--model", model, "--steps", "100000", "--out", str(tmp_path)]
+    code = (
+        f"import signal, sys, coilspring, {model}\n"
+        # a parent may have had its children ignore the signal
+        "signal.signal(signal.SIGINT, signal.default_int_handler)\n"
+        "from validation.cli import main\n"
+        f"{model}.solve(coilspring.spring_a(), steps=1)\n"  # the kernels are ready from here on
+        "print('ready', flush=True)\n"
+        f"sys.exit(main({arguments!r}))"
+    )
+    pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True}
+    with subprocess.Popen([sys.executable, "-c", code], cwd=ROOT, **pipes) as child:
+        assert child.stdout.readline() == "ready\n"
+        time.sleep(1.0)
         child.send_signal(signal.SIGINT)
-        _, words = child.communicate(timeout=20)
+        _, words = child.communicate(timeout=30)
     assert child.returncode == 130
     assert len(words.strip().splitlines()) == 1
