@@ -45,7 +45,7 @@ def _cross(a, b, c):
 
 @kernel
 def _product(A, B, C):
-    """C = A B for 3 x 3 matrices; C may be A. Read first, then write: twice as fast."""
+    """C = A B for 3 x 3 matrices; C may be A or B. Read first, then write: twice as fast."""
     b00, b01, b02 = B[0, 0], B[0, 1], B[0, 2]
     b10, b11, b12 = B[1, 0], B[1, 1], B[1, 2]
     b20, b21, b22 = B[2, 0], B[2, 1], B[2, 2]
@@ -60,14 +60,7 @@ def _product(A, B, C):
 def _turned(M, Mt, A):
     """A becomes M A M^T; `Mt` is the transpose of M."""
     _product(A, Mt, A)
-    b00, b01, b02 = A[0, 0], A[0, 1], A[0, 2]
-    b10, b11, b12 = A[1, 0], A[1, 1], A[1, 2]
-    b20, b21, b22 = A[2, 0], A[2, 1], A[2, 2]
-    for i in range(3):
-        x, y, z = M[i, 0], M[i, 1], M[i, 2]
-        A[i, 0] = x * b00 + y * b10 + z * b20
-        A[i, 1] = x * b01 + y * b11 + z * b21
-        A[i, 2] = x * b02 + y * b12 + z * b22
+    _product(M, A, A)
 
 
 @kernel

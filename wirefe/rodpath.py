@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
-from coilspring.solving import Run
 from wirefe.rod import Rod
 
 
@@ -40,22 +40,10 @@ class RodPath:
     negative_pivots: np.ndarray | None = None
 
     @classmethod
-    def of(cls, rod: Rod, run: Run, times: np.ndarray) -> RodPath:
-        """Path of a run of the follower."""
-        track = run.track
-        rows = track.states.reshape(len(track.states), len(rod.points), -1)
-        return cls(
-            rod=rod,
-            times=times[: len(rows)],
-            positions=rows[:, :, :3],
-            rotations=rows[:, :, 3:],
-            iterations=track.iterations,
-            outcome=run.outcome,
-            message=run.message,
-            critical_time=run.critical_time,
-            residual_history=tuple(track.history[track.history > 0.0]),
-            solve_seconds=run.solve_seconds,
-        )
+    def of(cls, rod: Rod, states: np.ndarray, **fields: Any) -> RodPath:
+        """Path from the model's states, shape (steps, n), and the other fields."""
+        rows = states.reshape(len(states), len(rod.points), -1)
+        return cls(rod=rod, positions=rows[:, :, :3], rotations=rows[:, :, 3:], **fields)
 
     def displacements(self, node: int) -> np.ndarray:
         """Displacement of a node at the times reached, shape (steps, 3)."""

@@ -93,7 +93,19 @@ def solve_rod(rod: Rod, *, steps: int = 10) -> RodPath:
     require_integer("steps", steps, 1, 100_000)
     times = np.arange(1, steps + 1) / steps
     length = float(np.linalg.norm(np.diff(rod.points, axis=0), axis=1).sum()) / LENGTHS_OF_A_WIRE
-    path = RodPath.of(rod, follow_problem(rod_problem(rod), KERNELS, times, length), times)
+    run = follow_problem(rod_problem(rod), KERNELS, times, length)
+    track = run.track
+    path = RodPath.of(
+        rod,
+        track.states,
+        times=times[: len(track.states)],
+        iterations=track.iterations,
+        outcome=run.outcome,
+        message=run.message,
+        critical_time=run.critical_time,
+        residual_history=tuple(track.history[track.history > 0.0]),
+        solve_seconds=run.solve_seconds,
+    )
     if path.outcome != "completed":
         raise EquilibriumNotFound(path)
     return path

@@ -72,12 +72,10 @@ def trace_rod(rod: Rod, *, points: int = 200) -> RodPath:
     require_integer("points", points, 1, 100_000)
     found, seconds = _run(rod_problem(rod), points)
     outcome, message = _verdict(found)
-    rows = found.states.reshape(len(found.states), len(rod.points), -1)
-    path = RodPath(
-        rod=rod,
+    path = RodPath.of(
+        rod,
+        found.states,
         times=found.times,
-        positions=rows[:, :, :3],
-        rotations=rows[:, :, 3:],
         iterations=found.iterations,
         negative_pivots=found.negative,
         critical_time=None,
