@@ -23,44 +23,8 @@ import math
 import numpy as np
 
 from coilspring.compiled import kernel
+from wirefe.algebra import cross, product, skew, turned
 from wirefe.rotations import quaternion_product, rotation_matrix, stretch_functions
-
-
-@kernel
-def _skew(a, factor, S):
-    """S = factor [a], the matrix of the cross product a x."""
-    x, y, z = factor * a[0], factor * a[1], factor * a[2]
-    S[0, 0], S[0, 1], S[0, 2] = 0.0, -z, y
-    S[1, 0], S[1, 1], S[1, 2] = z, 0.0, -x
-    S[2, 0], S[2, 1], S[2, 2] = -y, x, 0.0
-
-
-@kernel
-def _cross(a, b, c):
-    """c = a x b."""
-    c[0] = a[1] * b[2] - a[2] * b[1]
-    c[1] = a[2] * b[0] - a[0] * b[2]
-    c[2] = a[0] * b[1] - a[1] * b[0]
-
-
-@kernel
-def _product(A, B, C):
-    """C = A B for 3 x 3 matrices; C may be A or B. Read first, then write: twice as fast."""
-    b00, b01, b02 = B[0, 0], B[0, 1], B[0, 2]
-    b10, b11, b12 = B[1, 0], B[1, 1], B[1, 2]
-    b20, b21, b22 = B[2, 0], B[2, 1], B[2, 2]
-    for i in range(3):
-        x, y, z = A[i, 0], A[i, 1], A[i, 2]
-        C[i, 0] = x * b00 + y * b10 + z * b20
-        C[i, 1] = x * b01 + y * b11 + z * b21
-        C[i, 2] = x * b02 + y * b12 + z * b22
-
-
-@kernel
-def _turned(M, Mt, A):
-    """A becomes M A M^T; `Mt` is the transpose of M."""
-    _product(A, Mt, A)
-    _product(M, A, A)
 
 
 @kernel
@@ -127,9 +91,9 @@ def deformation_rates(ends: np.ndarray, triads: np.ndarray) -> np.ndarray:
         q = 4.0 * a * a
         f = stretch_functions(q, a, sin_a, cos_a)
         _derivatives(q, f, th, u, np.zeros(6), P, Vt, Wt, Gt)
-        _skew(th, 0.5 * f[3], Sk)
+        skew(th, 0.5 * f[3], Sk)
         spin = 0.5 * np.eye(3) - Sk  # (W4) with the first end held
-        _skew(u, 1.0, Sk)
+        skew(u, 1.0, Sk)
         J[e, :3, :3] = P @ M.T
         J[e, :3, 3:] = (P @ Sk @ spin + Vt @ P) @ M.T
         J[e, 3:, :3] = 0.0
@@ -200,8 +164,8 @@ def _forces(q, f, th, u, e0, K, s, N, m, Pm, C, X):
     mt = m[0] * th[0] + m[1] * th[1] + m[2] * th[2]
     for i in range(3):
         Pm[i] = al * m[i] - c * mt * th[i]
-    _cross(N, u, C)
-    _cross(th, C, X)
+    cross(N, u, C)
+    cross(th, C, X)
     return energy
 
 
@@ -231,12 +195,12 @@ def _derivatives(q, f, th, u, s, P, Vt, Wt, Gt):
 @kernel
 def _material(u, P, Vt, K, Sk, T, D, KD, Z):
     """Z = D^T K D (upper part): dv = P (rho + u x mu) + d(P u)/dtheta P w, dtheta = P w."""
-    _skew(u, 1.0, Sk)
-    _product(P, Sk, T)
+    skew(u, 1.0, Sk)
+    product(P, Sk, T)
     for i in range(3):
         for j in range(3):
             D[i, j], D[i, 3 + j] = P[i, j], T[i, j]
-    _product(Vt, P, T)
+    product(Vt, P, T)
     for i in range(3):
         for j in range(3):
             D[i, 6 + j] = T[i, j]
@@ -265,13 +229,13 @@ def _geometric(f, th, u, N, m, Pm, C, X, P, Wt, Gt, Sk, T, Z):
     Nu = N[0] * u[0] + N[1] * u[1] + N[2] * u[2]
     Ct = C[0] * th[0] + C[1] * th[1] + C[2] * th[2]
     mt = m[0] * th[0] + m[1] * th[1] + m[2] * th[2]
-    _product(Wt, P, T)
+    product(Wt, P, T)
     for i in range(3):
         for j in range(3):
             Z[i, 6 + j] += T[i, j]
-    _product(Sk, T, Wt)  # [u] d(P sv)/dtheta P
-    _skew(N, 1.0, T)
-    _skew(Pm, 0.5, Sk)
+    product(Sk, T, Wt)  # [u] d(P sv)/dtheta P
+    skew(N, 1.0, T)
+    skew(Pm, 0.5, Sk)
     for i in range(3):
         for j in range(3):
             unit = 1.0 if i == j else 0.0
@@ -279,10 +243,10 @@ def _geometric(f, th, u, N, m, Pm, C, X, P, Wt, Gt, Sk, T, Z):
             if j >= i:
                 Z[3 + i, 3 + j] += 0.5 * (N[i] * u[j] + u[i] * N[j]) - Nu * unit
             Z[3 + i, 6 + j] += 0.25 * tau * (C[i] * th[j] - Ct * unit) - Wt[i, j] + Sk[i, j]
-    _product(Gt, P, T)
-    _product(P, T, Gt)
-    _skew(C, 1.0, Sk)
-    _product(Sk, P, T)
+    product(Gt, P, T)
+    product(P, T, Gt)
+    skew(C, 1.0, Sk)
+    product(Sk, P, T)
     for i in range(3):
         for j in range(i, 3):
             # sym: -tau/2 [C] P - tau' (C x theta) theta^T + 2 alpha' theta m^T - c theta (P m)^T
@@ -307,7 +271,7 @@ def _gradient(M, N, C, Pm, X, tau, g):
 @kernel
 def _half_way_blocks(th, tau, Z, S, T, rr, rm, rw, mm, mw, ww):
     """Blocks of the Hessian in (rho, mean spin, w) from Z in (rho, mu, w): mu = mean + S w."""
-    _skew(th, -0.5 * tau, S)
+    skew(th, -0.5 * tau, S)
     for i in range(3):
         for j in range(3):
             rr[i, j] = Z[min(i, j), max(i, j)]
@@ -316,11 +280,11 @@ def _half_way_blocks(th, tau, Z, S, T, rr, rm, rw, mm, mw, ww):
             mm[i, j] = Z[3 + min(i, j), 3 + max(i, j)]
             mw[i, j] = Z[3 + i, 6 + j]
             ww[i, j] = Z[6 + min(i, j), 6 + max(i, j)]
-    _product(rm, S, T)
+    product(rm, S, T)
     for i in range(3):
         for j in range(3):
             rw[i, j] += T[i, j]
-    _product(mm, S, T)
+    product(mm, S, T)
     for i in range(3):
         for j in range(3):
             # S^T mw + mw^T S + S^T mm S
@@ -339,12 +303,12 @@ def _spread(M, T, rr, rm, rw, mm, mw, ww, H):
     for i in range(3):
         for j in range(3):
             T[i, j] = M[j, i]
-    _turned(M, T, rr)
-    _turned(M, T, rm)
-    _turned(M, T, rw)
-    _turned(M, T, mm)
-    _turned(M, T, mw)
-    _turned(M, T, ww)
+    turned(M, T, rr)
+    turned(M, T, rm)
+    turned(M, T, rw)
+    turned(M, T, mm)
+    turned(M, T, mw)
+    turned(M, T, ww)
     for i in range(3):
         for j in range(3):
             x = rr[i, j]
