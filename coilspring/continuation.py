@@ -127,7 +127,7 @@ def trace(
         pairs += looked
         if good:
             share, cosine = direction(v, negative, scale, along, pitch, new)
-            _, pair = motion(reals, ints, state, trial)
+            _, pair, _ = motion(reals, ints, state, trial)
             good = (cosine >= TURN_COSINE or arc <= KINK_ARC) and pair <= PAIR_MOTION
         if not good:
             arc *= 0.5

@@ -13,12 +13,15 @@ the functions here take as typed first-class functions, so that they are compile
     Back substitution in place.
 ``retract(reals, ints, state, step, factor, out)``
     The state moved by ``factor * step`` (rotations by the exponential map).
-``motion(reals, ints, a, b) -> (distance, pair motion)``
-    Bound on how far any point moved from state `a` to `b`, and the largest change of the vector
-    between the centres of a pair that comes near on the way, in wire diameters.
+``motion(reals, ints, a, b) -> (distance, pair motion, free share)``
+    Bound on how far any point moved from state `a` to `b`; the largest change of the vector between the
+    centres of a pair that comes near on the way, in wire diameters; the share of the way after which
+    the first pair that is open in `a` has closed.
 """
 
 from __future__ import annotations
+
+import math
 
 import numpy as np
 
@@ -30,14 +33,26 @@ NONE, LONG, INDEFINITE = 0, 1, 2
 # Stop when the Newton decrement g H^-1 g, twice the energy still to gain, is below this share of
 # the reference work: 1e-8 of the displacements in the energy norm, before the last step is applied.
 DECREMENT = 1e-16
+# A step with a decrement up to this, 1e-6 of the displacements, is also the last where the next decrement,
+# foreseen from the rate of convergence (Deuflhard 2011, Newton Methods for Nonlinear Problems, section 2.1),
+# is below that by the second factor.
+LAST_DECREMENT = 1e-12
+FORESEEN = 1e-6
 # The same, for a factor kept from an earlier state: only a linear response is let through.
 LINEAR_DECREMENT = 1e-22
+# Stability is decided by the pivots at the equilibrium itself where the least of the last factor is below
+# this share of the least at rest, or could have come from a change of the matrix since: CHANGE times the
+# size of the step in the energy norm.
+SINGULAR = 0.1
+CHANGE = 100.0
 ARMIJO = 1e-4  # usual sufficient-decrease constant (Nocedal & Wright, section 3.1)
 ENERGY_NOISE = 1e-13  # relative rounding of the energy: smaller decreases cannot be asked for
 MOST_BACKTRACKS = 30
 LONG_SEARCH = 0.1  # a step cut below this says that the iteration left the neighbourhood
 FIRST_SHIFT = 0.1  # in units of the matrix at rest
+CUT = 0.5  # a damped step that the line search cuts below this asks for more damping
 MOST_SHIFT = 1e8
+TRUST = 1e-2  # share of the decrement that a good Newton step from a predicted state leaves at most
 HISTORY = 64  # Newton decrements kept as evidence
 
 
@@ -66,22 +81,22 @@ def solution(reals, ints, F, b, sign, out, solve):
 
 
 @kernel
-def positive_factor(reals, ints, H, rest, F, factor):
-    """Factor H + shift * rest with the least tried shift that leaves no negative pivot.
+def positive_factor(reals, ints, H, rest, shift, F, factor):
+    """Factor H + shift * rest, a matrix known to be indefinite, with the first shift, from `shift` on,
+    that mends it.
 
-    Returns the shift, the number of factorisations and the least pivot.
+    Returns the shift and the number of factorisations.
     """
-    copy(H, F)
-    negative, least = factor(reals, ints, F)
-    count = 1
-    shift = 0.0
-    while negative > 0 and shift < MOST_SHIFT:
-        shift = FIRST_SHIFT if shift == 0.0 else 4.0 * shift
+    count = 0
+    while shift < MOST_SHIFT:
         for i in range(F.size):
             F[i] = H[i] + shift * rest[i]
         negative, _ = factor(reals, ints, F)
         count += 1
-    return shift, count, least
+        if negative == 0:
+            break
+        shift *= 4.0
+    return shift, count
 
 
 @kernel
@@ -117,6 +132,16 @@ def line_search(
 
 
 @kernel
+def last(decrement, before, enough, work):
+    """Whether the Newton step with this decrement is the last one; `before` is that of a full step before it.
+
+    Newton's method leaves the share e1/e0 of the error e1, or less, where the step before left e1 of e0.
+    """
+    foreseen = decrement * decrement <= FORESEEN * before * enough and decrement <= LAST_DECREMENT * work
+    return decrement <= enough or foreseen
+
+
+@kernel
 def equilibrium(
     reals,
     ints,
@@ -131,7 +156,7 @@ def equilibrium(
     g,
     H,
     rest,
-    careful,
+    stiffness,
     F,
     kept,
     history,
@@ -144,7 +169,7 @@ def equilibrium(
 
     `push` is the load; `kept` says that `F` holds the factor of the last accepted state; where that
     alone already closes the residual the response is linear and nothing is factored. `work` scales the
-    stop test, `careful` is the least pivot below which the matrix counts as nearly singular, `rounding` is
+    stop test, `stiffness` is the least pivot at rest, `rounding` is
     the absolute noise of the energy, `limit` bounds the iterations, `history`
     receives the decrements over `work`.
 
@@ -156,20 +181,21 @@ def equilibrium(
     energy, pairs = assemble(reals, ints, anchor, clearance, memory, state, g, H)
     subtract(push, g)
     enough = max(DECREMENT * work, rounding)  # less energy than its rounding cannot be asked for
-    count = 0
-    trouble = NONE
-    least = np.inf
-    for _ in range(limit):
+    count, trouble = 0, NONE
+    least, before, damping = np.inf, 0.0, FIRST_SHIFT
+    for i in range(limit):
         if kept:
-            # a factor of a state nearby may close the residual: then nothing is factored for it
+            # the factor of a state nearby may close the residual: then nothing is factored for it
             solution(reals, ints, F, g, -1.0, step, solve)
             left = abs(dot(g, step))
-            if left <= (LINEAR_DECREMENT * work if count == 0 else enough):
+            if i == 0 and left <= LINEAR_DECREMENT * work:
                 retract(reals, ints, state, step, 1.0, trial)
                 copy(trial, state)
-                if count == 0:
-                    return LINEAR, count, trouble, pairs
-                if least >= careful:
+                return LINEAR, count, trouble, pairs
+            if i > 0 and last(left, before, enough, work):
+                retract(reals, ints, state, step, 1.0, trial)
+                copy(trial, state)
+                if least >= stiffness * min(SINGULAR, CHANGE * math.sqrt(before / work)):
                     return CONVERGED, count, trouble, pairs
                 # nearly singular: the pivots must be those of the equilibrium itself
                 _, looked = assemble(reals, ints, anchor, clearance, memory, state, g, H)
@@ -177,14 +203,34 @@ def equilibrium(
                 negative, _ = factor(reals, ints, F)
                 status = SADDLE if negative > 0 else CONVERGED
                 return status, count + 1, INDEFINITE if negative > 0 else trouble, pairs + looked
-        shift, spent, least = positive_factor(reals, ints, H, rest, F, factor)
-        count += spent
-        if shift > 0.0:
-            trouble = INDEFINITE
+        copy(H, F)
+        negative, least = factor(reals, ints, F)
+        count += 1
+        shift = 0.0
         solution(reals, ints, F, g, -1.0, step, solve)
         slope = dot(g, step)
-        for i in range(HISTORY - 1):
-            history[i] = history[i + 1]
+        if negative > 0 and i == 0:
+            # a predicted state may be indefinite near a stable equilibrium: plain Newton finds it
+            retract(reals, ints, state, step, 1.0, trial)
+            energy, looked = assemble(reals, ints, anchor, clearance, memory, trial, g, H)
+            subtract(push, g)
+            solution(reals, ints, F, g, 1.0, step, solve)
+            pairs += looked
+            if abs(dot(g, step)) <= TRUST * abs(slope):
+                copy(trial, state)
+                kept = False
+                continue
+            energy, looked = assemble(reals, ints, anchor, clearance, memory, state, g, H)
+            subtract(push, g)
+            pairs += looked
+        if negative > 0:
+            trouble = INDEFINITE
+            shift, spent = positive_factor(reals, ints, H, rest, damping, F, factor)
+            count += spent
+            solution(reals, ints, F, g, -1.0, step, solve)
+            slope = dot(g, step)
+        for j in range(HISTORY - 1):
+            history[j] = history[j + 1]
         history[HISTORY - 1] = -slope / work
         if not np.isfinite(slope) or slope > 0.0:
             return FAILED, count, trouble, pairs
@@ -203,6 +249,10 @@ def equilibrium(
             return FAILED, count, trouble, pairs
         if length < LONG_SEARCH:
             trouble = max(trouble, LONG)
+        if shift > 0.0:
+            # a step cut short went too far along a soft mode: damp the next one more
+            damping = 4.0 * shift if length < CUT else max(0.25 * shift, FIRST_SHIFT)
         kept = shift == 0.0
+        before = -slope if kept and length == 1.0 else 0.0
         copy(trial, state)
     return FAILED, count, trouble, pairs

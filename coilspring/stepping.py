@@ -23,11 +23,11 @@ TURN = 0.25
 SMALL = 0.05  # wire diameters
 # A pair may not move by more in one substep: beyond, coils could pass through or over each other.
 PAIR_MOTION = 0.5  # wire diameters
+LEAST_FREE = 0.05  # share of a substep that is taken at least, however soon a pair closes
 EASY_TURN = 0.1  # the next substep may be twice as long
 EASY_COUNT = 5
 EPSILON = 2.0**-52
 SAMPLES = 16  # of a linear stretch at which its stability is verified
-CAREFUL = 0.1  # share of the least pivot at rest, below which stability is decided at the equilibrium itself
 SOFT = 0.05  # share of the least eigenvalue at rest, below which the tangent counts as singular
 
 
@@ -102,14 +102,22 @@ def unstable_time(reals, ints, memory, origin, begin, tangent, end, H, g, assemb
 
 
 @kernel
+def extrapolate(tangent, bend, step, ahead):
+    """Motion over a step of time: along the tangent, and by its last rate of change where that is small."""
+    share = 0.5 * step if (0.5 * step) ** 2 * dot(bend, bend) <= TURN**2 * dot(tangent, tangent) else 0.0
+    for i in range(tangent.size):
+        ahead[i] = step * (tangent[i] + share * bend[i])
+
+
+@kernel
 def continues(reals, ints, predicted, state, trial, diameter, troubled, judged, motion):
     """Whether `trial` continues the branch of `state`, and the share by which the path turned."""
-    way, pair = motion(reals, ints, state, trial)
+    way, pair, _ = motion(reals, ints, state, trial)
     if pair > PAIR_MOTION:
         return False, 1.0
     if not judged:
         return True, 0.0
-    turn, _ = motion(reals, ints, predicted, trial)
+    turn, _, _ = motion(reals, ints, predicted, trial)
     share = turn / way if way > 0.0 else 0.0
     near = turn <= SMALL * diameter
     return near or (share <= TURN and not troubled), share
@@ -164,6 +172,7 @@ def follow(
     trial = start.copy()
     predicted = start.copy()
     tangent = np.empty_like(load)
+    ahead, bend = np.empty_like(load), np.zeros_like(load)
     mode = np.zeros_like(load)
     clearance = commit(reals, ints, state, memory)
     _, pairs = assemble(reals, ints, state, clearance, memory, state, g, H)
@@ -186,13 +195,23 @@ def follow(
         landing = times[row] - time <= dt * (1.0 + 1e-9)
         target = times[row] if landing else time + dt
         step = target - time
-        retract(reals, ints, state, tangent, step if predictor else 0.0, predicted)
+        extrapolate(tangent, bend, step if predictor else 0.0, ahead)
+        retract(reals, ints, state, ahead, 1.0, predicted)
+        if predictor:
+            # to where a pair is about to close: its stiffness is not in the tangent
+            _, _, free = motion(reals, ints, state, predicted)
+            if free < 1.0:
+                step *= max(free, LEAST_FREE)
+                landing = False
+                target = time + step
+                extrapolate(tangent, bend, step, ahead)
+                retract(reals, ints, state, ahead, 1.0, predicted)
         copy(predicted, trial)
         for i in range(load.size):
             push[i] = target * load[i]
         status, count, trouble, looked = equilibrium(
             reals, ints, state, clearance, memory, push, work * target**2, noise * target, limit, trial,
-            g, H, rest, CAREFUL * least, F, kept, history, assemble, factor, solve, retract,
+            g, H, rest, least, F, kept, history, assemble, factor, solve, retract,
         )  # fmt: skip
         spent[0] += count
         pairs += looked
@@ -223,7 +242,10 @@ def follow(
             if critical < np.inf:
                 break
         if status == CONVERGED:
+            copy(tangent, bend)
             solution(reals, ints, F, load, 1.0, tangent, solve)
+            for i in range(load.size):
+                bend[i] = (tangent[i] - bend[i]) / step
         kept = True
         copy(trial, state)
         time = target
@@ -295,7 +317,7 @@ def _signatures() -> Kernels:
         factor=types.Tuple((whole, real))(*data, vector),
         solve=types.void(*data, vector, vector),
         retract=types.void(*data, vector, vector, real, vector),
-        motion=types.UniTuple(real, 2)(*data, vector, vector),
+        motion=types.UniTuple(real, 3)(*data, vector, vector),
         commit=real(*data, vector, table),
     )
 

@@ -12,6 +12,7 @@ from equivbeam.contact import circle_centre, pair_forces, pair_potential
 from equivbeam.halfcoil import half_coil, paper_matrix
 from equivbeam.model import EXACT, PAPER, view
 
+TOUCH = 0.01  # wire diameters by which a pair may penetrate where a prediction closes it
 NEAR = 1.5  # wire diameters between centres, within which a pair's motion in a substep is watched
 
 
@@ -133,12 +134,13 @@ def nearest(gx, gy, sx, sy):
 
 @kernel
 def motion(reals, ints, a, b):
-    """See `coilspring.newton`: bound on the way of any circle, and the largest pair motion over d.
+    """See `coilspring.newton`: way of any circle, largest pair motion, share of the way to the first touch.
 
     A pair counts if it comes near anywhere between the states: circles must not pass through each other.
     """
     model = view(reals, ints)
-    most = 0.0
+    most, free = 0.0, 1.0
+    inner = (1.0 - TOUCH) * model.d
     for m in range(model.pairs.shape[0]):
         A, B = model.pairs[m, 0], model.pairs[m, 1]
         xa, ya = centre(model, a, A)
@@ -148,9 +150,15 @@ def motion(reals, ints, a, b):
         gx, gy = xb - xa, yb - ya
         sx, sy = wx - ux - gx, wy - uy - gy
         way = math.hypot(sx, sy)
+        before = math.hypot(gx, gy)
+        if before >= model.d and math.hypot(wx - ux, wy - uy) < inner:
+            # first x with |g + x s| = inner
+            along = -(gx * sx + gy * sy)
+            root = math.sqrt(max(along**2 - way**2 * (before**2 - inner**2), 0.0))
+            free = min(free, (along - root) / way**2)
         if way > most and nearest(gx, gy, sx, sy) < NEAR * model.d:
             most = way
-    return _bound(model, a, b), most / model.d
+    return _bound(model, a, b), most / model.d, free
 
 
 @kernel

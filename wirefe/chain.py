@@ -18,12 +18,12 @@ N6 = 6
 
 
 class ChainPlan(NamedTuple):
-    """Elimination plan; blocks are stored with the later eliminated node's freedoms as rows."""
+    """Elimination plan; a coupling's block has the freedoms of the node eliminated first as rows."""
 
     order: np.ndarray  # (nodes,) node eliminated at each step; its diagonal block has its number
-    start: np.ndarray  # (nodes + 1,) first entry of each step in `block` and `row`
-    block: np.ndarray  # blocks below the diagonal of each step
-    row: np.ndarray  # node of their rows
+    start: np.ndarray  # (nodes + 1,) first entry of each step in `block` and `column`
+    block: np.ndarray  # blocks right of the diagonal of each step
+    column: np.ndarray  # node of their columns
     target: np.ndarray  # blocks updated by each step, in the order of `eliminate`
     blocks: int  # number of blocks
 
@@ -54,27 +54,27 @@ def plan_chain(
         first, second = (a, b) if place[a] < place[b] else (b, a)
         below[first].add(int(second))
     number: dict[tuple[int, int], int] = {}
-    start, block, row, target = [0], [], [], []
+    start, block, column, target = [0], [], [], []
     for node in order.tolist():
         rows = sorted(below[node], key=place.__getitem__)
         for i, later in enumerate(rows):
             number.setdefault((later, node), nodes + len(number))
             below_i = rows[i + 1 :]
             below[later].update(below_i)
-        row += rows
+        column += rows
         block += [number[later, node] for later in rows]
-        start.append(len(row))
+        start.append(len(column))
     for step in range(nodes):
-        rows = row[start[step] : start[step + 1]]
+        rows = column[start[step] : start[step + 1]]
         for i, later in enumerate(rows):
             target += [number[later, other] for other in rows[:i]] + [later]
     plan = ChainPlan(
-        order, np.array(start), np.array(block, dtype=np.int64), np.array(row, dtype=np.int64),
+        order, np.array(start), np.array(block, dtype=np.int64), np.array(column, dtype=np.int64),
         np.array(target, dtype=np.int64), nodes + len(number),
     )  # fmt: skip
-    flipped = place[couplings[:, 0]] > place[couplings[:, 1]] if len(couplings) else np.zeros(0, dtype=bool)
+    flipped = place[couplings[:, 0]] < place[couplings[:, 1]] if len(couplings) else np.zeros(0, dtype=bool)
     found = [
-        number[(int(a), int(b)) if flip else (int(b), int(a))]
+        number[(int(b), int(a)) if flip else (int(a), int(b))]
         for (a, b), flip in zip(couplings, flipped, strict=True)
     ]
     return plan, np.array(found, dtype=np.int64), flipped
@@ -101,6 +101,32 @@ def _factor_diagonal(D):
 
 
 @kernel
+def _forward(D, U):
+    """U <- L^-1 U, row by row."""
+    for c in range(1, N6):
+        for m in range(c):
+            l = D[c, m]  # noqa: E741
+            for r in range(N6):
+                U[c, r] -= l * U[m, r]
+
+
+@kernel
+def _subtract(T, V, U):
+    """T -= V^T U for 6 x 6 blocks; a row of T is kept in registers."""
+    for r in range(N6):
+        t0, t1, t2, t3, t4, t5 = T[r, 0], T[r, 1], T[r, 2], T[r, 3], T[r, 4], T[r, 5]
+        for k in range(N6):
+            v = V[k, r]
+            t0 -= v * U[k, 0]
+            t1 -= v * U[k, 1]
+            t2 -= v * U[k, 2]
+            t3 -= v * U[k, 3]
+            t4 -= v * U[k, 4]
+            t5 -= v * U[k, 5]
+        T[r, 0], T[r, 1], T[r, 2], T[r, 3], T[r, 4], T[r, 5] = t0, t1, t2, t3, t4, t5
+
+
+@kernel
 def eliminate(plan, F):
     """LDL^T of the blocks (blocks, 6, 6) in place; returns the number of negative pivots and the least."""
     negative, least = 0, np.inf
@@ -112,42 +138,23 @@ def eliminate(plan, F):
         negative, least = negative + below, min(least, low)
         begin, end = plan.start[step], plan.start[step + 1]
         for a in range(begin, end):
-            B = F[plan.block[a]]
-            for c in range(N6):
-                for m in range(c):
-                    l = D[c, m]  # noqa: E741
-                    for r in range(N6):
-                        B[r, c] -= B[r, m] * l
-        for a in range(begin, end):
-            B = F[plan.block[a]]
-            for r in range(N6):
-                for c in range(N6):
-                    scaled[r, c] = B[r, c] / D[c, c]
-            for b in range(begin, a + 1):
-                # blocks before `a` are scaled already: their product wants the unscaled `B`
-                _subtract(F[plan.target[t]], scaled if b == a else B, B if b == a else F[plan.block[b]])
-                t += 1
-            for r in range(N6):
-                for c in range(N6):
-                    B[r, c] = scaled[r, c]
-    return negative, least
-
-
-@kernel
-def _subtract(T, A, B):
-    """T -= A B^T for 6 x 6 blocks."""
-    for r in range(N6):
-        for c in range(N6):
-            total = 0.0
+            U = F[plan.block[a]]
+            _forward(D, U)
             for k in range(N6):
-                total += A[r, k] * B[c, k]
-            T[r, c] -= total
+                w = 1.0 / D[k, k]
+                for r in range(N6):
+                    scaled[k, r] = w * U[k, r]
+            for b in range(begin, a + 1):
+                _subtract(F[plan.target[t]], F[plan.block[b]], scaled)
+                t += 1
+    return negative, least
 
 
 @kernel
 def substitute(plan, F, b):
     """Solve in place for the right-hand side `b` (nodes * 6,)."""
     steps = plan.order.size
+    z = np.empty(N6)
     for step in range(steps):
         n = plan.order[step]
         D = F[n]
@@ -155,26 +162,28 @@ def substitute(plan, F, b):
         for i in range(1, N6):
             for j in range(i):
                 y[i] -= D[i, j] * y[j]
+        for i in range(N6):
+            z[i] = y[i] / D[i, i]
         for a in range(plan.start[step], plan.start[step + 1]):
-            B = F[plan.block[a]]
-            p = N6 * plan.row[a]
+            U = F[plan.block[a]]
+            p = N6 * plan.column[a]
             for i in range(N6):
-                total = 0.0
                 for j in range(N6):
-                    total += B[i, j] * y[j]
-                b[p + i] -= total
+                    b[p + j] -= U[i, j] * z[i]
     for step in range(steps - 1, -1, -1):
         n = plan.order[step]
         D = F[n]
         y = b[N6 * n : N6 * n + N6]
+        for a in range(plan.start[step], plan.start[step + 1]):
+            U = F[plan.block[a]]
+            p = N6 * plan.column[a]
+            for i in range(N6):
+                total = 0.0
+                for j in range(N6):
+                    total += U[i, j] * b[p + j]
+                y[i] -= total
         for i in range(N6):
             y[i] /= D[i, i]
-        for a in range(plan.start[step], plan.start[step + 1]):
-            B = F[plan.block[a]]
-            p = N6 * plan.row[a]
-            for i in range(N6):
-                for j in range(N6):
-                    y[j] -= B[i, j] * b[p + i]
         for i in range(N6 - 2, -1, -1):
             for j in range(i + 1, N6):
                 y[i] -= D[j, i] * y[j]

@@ -13,6 +13,7 @@ from wirefe.contact import lever, pair_matrix, sphere_pair
 from wirefe.model import ROW, view_contact, view_elements, view_held, view_plan
 from wirefe.rotations import exponential, quaternion_product, rotate
 
+TOUCH = 0.01  # wire diameters by which a pair may penetrate where a prediction closes it
 NEAR = 1.5  # wire diameters between centres, within which a pair's motion in a substep is watched
 
 
@@ -221,20 +222,26 @@ def _vector(contact, state, m, c, w):
 
 @kernel
 def motion(reals, ints, a, b):
-    """See `coilspring.newton`: bound on the way of any point, and the largest pair motion over d.
+    """See `coilspring.newton`: way of any point, largest pair motion, share of the way to the first touch.
 
     A pair counts if it comes near anywhere between the states: spheres must not pass through each other.
     """
     contact = view_contact(reals, ints)
-    most = 0.0
+    most, free = 0.0, 1.0
+    inner = (contact.d * (1.0 - TOUCH)) ** 2
     c, v, w = np.empty(3), np.empty(3), np.empty(3)
     for m in range(contact.pairs.shape[0]):
-        _vector(contact, a, m, c, v)
+        before = _vector(contact, a, m, c, v)
         _vector(contact, b, m, c, w)
-        square, along = 0.0, 0.0
+        square, along, end = 0.0, 0.0, 0.0
         for i in range(3):
             square += (w[i] - v[i]) ** 2
             along -= v[i] * (w[i] - v[i])
+            end += w[i] ** 2
+        if before >= contact.d and end < inner:
+            # first x with |v + x (w - v)|^2 = inner
+            root = math.sqrt(max(along**2 - square * (before**2 - inner), 0.0))
+            free = min(free, (along - root) / square)
         if square <= most * most:
             continue
         x = min(max(along / square, 0.0), 1.0)
@@ -243,7 +250,7 @@ def motion(reals, ints, a, b):
             near += (v[i] + x * (w[i] - v[i])) ** 2
         if near < (NEAR * contact.d) ** 2:
             most = math.sqrt(square)
-    return _bound(contact.reach, a, b), most / contact.d
+    return _bound(contact.reach, a, b), most / contact.d, free
 
 
 @kernel
