@@ -1,6 +1,6 @@
 """Equilibrium at a fixed load: Newton's method on the energy, compiled.
 
-A model is described by its data (two flat arrays, see `coilspring.packing`) and five kernels, which
+A model is described by its data (two flat arrays, see `coilspring.packing`) and seven kernels, which
 the functions here take as typed first-class functions, so that they are compiled once for all models:
 
 ``assemble(reals, ints, anchor, clearance, memory, state, g, H) -> (energy, pairs evaluated)``
@@ -17,6 +17,11 @@ the functions here take as typed first-class functions, so that they are compile
     Bound on how far any point moved from state `a` to `b`; the largest change of the vector between the
     centres of a pair that comes near on the way, in wire diameters; the share of the way after which
     the first pair that is open in `a` has closed.
+``commit(reals, ints, state, memory) -> least gap``
+    Update the contact memory with an accepted state.
+``renew(reals, ints, state, memory) -> change``
+    Set the bounds of the tangential forces, which are numbers in `assemble`, to those of the normal
+    forces at `state`; returns their largest change over the largest bound, 0 without friction.
 """
 
 from __future__ import annotations

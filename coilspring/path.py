@@ -9,12 +9,29 @@ from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 
+from coilspring.errors import InputError
 from coilspring.scene import Scene
 
 if TYPE_CHECKING:
     import pandas as pd
 
 OUTCOMES = ("completed", "limit_point", "bifurcation", "not_converged", "unsupported")
+
+
+@dataclass(frozen=True)
+class Friction:
+    """What happens across the normals of the contact pairs.
+
+    Attributes
+    ----------
+    force : (states, pairs, 2 or 3) tangential force on the lower body of each pair, N.
+    slip : (states, pairs) length that each pair has slid since it closed, mm.
+    work : (states, pairs) work that friction has taken from each pair since it closed, N mm.
+    """
+
+    force: np.ndarray
+    slip: np.ndarray
+    work: np.ndarray
 
 
 class Shape(Protocol):
@@ -26,8 +43,11 @@ class Shape(Protocol):
     def pair_forces(self, states: np.ndarray) -> np.ndarray:
         """Normal contact force of every pair, shape (states, pairs), N."""
 
-    def pair_penetrations(self, states: np.ndarray) -> np.ndarray:
-        """Penetration d - h of every pair where positive, else 0, shape (states, pairs), mm."""
+    def pair_gaps(self, states: np.ndarray) -> np.ndarray:
+        """Gap h - d of every pair, negative where it penetrates, shape (states, pairs), mm."""
+
+    def pair_friction(self, states: np.ndarray, memories: np.ndarray) -> Friction:
+        """What sliding and its hindrance do to every pair, by the contact memories of the states."""
 
     def centreline(self, state: np.ndarray, phases: np.ndarray) -> np.ndarray:
         """Deformed wire at the phases given, shape (phases, 3), mm."""
@@ -45,6 +65,8 @@ class EquilibriumPath:
     iterations : (steps,) factorisations since the previous row, rejected attempts included.
     outcome : one of `OUTCOMES`.
     message : one sentence.
+    memories : (steps, pairs, m) what contact remembered of each pair when the state was found; None for
+        traced paths.
     critical_time : middle of the time bracket of a critical point, or None.
     critical_bracket : length of that bracket, or None.
     total_iterations : factorisations in all, those after the last row included.
@@ -66,6 +88,7 @@ class EquilibriumPath:
     outcome: str
     message: str
     shape: Shape
+    memories: np.ndarray | None = None
     critical_time: float | None = None
     critical_bracket: float | None = None
     total_iterations: int = 0
@@ -102,9 +125,26 @@ class EquilibriumPath:
         return self.shape.pair_forces(self.states)
 
     @cached_property
+    def gaps(self) -> np.ndarray:
+        """Gap of every contact pair, negative where it penetrates, shape (steps, pairs), mm."""
+        return self.shape.pair_gaps(self.states)
+
+    @property
     def penetrations(self) -> np.ndarray:
         """Penetration of every contact pair, 0 where open, shape (steps, pairs), mm."""
-        return self.shape.pair_penetrations(self.states)
+        return np.maximum(-self.gaps, 0.0)
+
+    @cached_property
+    def friction(self) -> Friction:
+        """Tangential force, slip and frictional work of every contact pair.
+
+        Raises
+        ------
+        InputError : the path was traced by arc length, which keeps no contact memory.
+        """
+        if self.memories is None:
+            raise InputError("friction needs a followed path, got one traced by arc length")
+        return self.shape.pair_friction(self.states, self.memories)
 
     @property
     def active_contacts(self) -> np.ndarray:

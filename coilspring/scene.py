@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, field, replace
 
 from coilspring.errors import InputError, keep_numbers, require_choice, require_integer, require_number, shown
@@ -9,7 +10,7 @@ from coilspring.material import Material
 from coilspring.spring import Spring
 
 HELD_CHOICES = ("ux", "rotz")
-SLIDING = ("free", "none")
+SLIDING = ("free", "none", "coulomb")
 MOST_FORCE = 1e12  # N
 
 
@@ -49,6 +50,7 @@ class Supports:
         object.__setattr__(self, "top_held", tuple(name for name in HELD_CHOICES if name in held))
 
 
+FRICTION = (1e-6, 10.0)
 RANGES = {"stiffness": (1e-9, 1e12), "exponent": (1.0, 5.0)}
 
 
@@ -59,13 +61,27 @@ class Contact:
     enabled: bool = True
     stiffness: float = 1.0e4  # K, N/mm^exponent, of each sphere pair at 4 pairs a turn
     exponent: float = 1.0
-    sliding: str = "free"  # "none": no sliding while in contact
+    sliding: str = "free"  # "none": no sliding while in contact; "coulomb": with friction
+    friction: float | None = None  # coefficient, for "coulomb" alone
 
     def __post_init__(self) -> None:
         if not isinstance(self.enabled, bool):
             raise InputError(f"contact.enabled must be true or false, got {shown(self.enabled)}")
         keep_numbers(self, "contact", RANGES)
         require_choice("contact.sliding", self.sliding, SLIDING)
+        if self.sliding == "coulomb":
+            value = require_number("contact.friction", self.friction, *FRICTION)
+            object.__setattr__(self, "friction", value)
+        elif self.friction is not None:
+            raise InputError(
+                f'contact.friction goes with contact.sliding = "coulomb" alone, got {shown(self.friction)} '
+                f"with {shown(self.sliding)}"
+            )
+
+    @property
+    def coefficient(self) -> float:
+        """Coefficient of friction: 0 for sliding "free", infinite for "none"."""
+        return {"free": 0.0, "none": math.inf}.get(self.sliding, self.friction or 0.0)
 
 
 @dataclass(frozen=True)

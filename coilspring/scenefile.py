@@ -21,7 +21,7 @@ SECTIONS: Mapping[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
     ),
     "load": (("force",), ("steps",)),
     "supports": ((), ("top_held",)),
-    "contact": ((), ("enabled", "stiffness", "exponent", "sliding")),
+    "contact": ((), ("enabled", "stiffness", "exponent", "sliding", "friction")),
 }
 REQUIRED_SECTIONS = ("spring", "load")
 

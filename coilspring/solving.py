@@ -104,6 +104,7 @@ def follow_scene(
         options=dict(options),
         times=times[: len(track.states)],
         states=track.states,
+        memories=track.memories,
         iterations=track.iterations,
         outcome=run.outcome,
         message=run.message + _caution(scene, shape, track.states),
@@ -127,7 +128,7 @@ def _caution(scene: Scene, shape: Shape, states: np.ndarray) -> str:
     if not len(states):
         return ""
     last = states[-1:]
-    depth = shape.pair_penetrations(last).max(initial=0.0) / scene.spring.wire_diameter
+    depth = -shape.pair_gaps(last).min(initial=0.0) / scene.spring.wire_diameter
     if depth > VOID_PENETRATION:
         return f"; but coils penetrate by {depth:.2f} wire diameters: the contact stiffness is too low"
     if shape.tips(last)[0, 1] < -scene.spring.active_height:

@@ -10,7 +10,7 @@ import numpy as np
 from numba import njit, types
 
 from coilspring.compiled import copy, kernel
-from coilspring.newton import CONVERGED, HISTORY, INDEFINITE, LINEAR, NONE, dot, equilibrium, solution
+from coilspring.newton import CONVERGED, FAILED, HISTORY, INDEFINITE, LINEAR, NONE, dot, equilibrium, solution
 
 COMPLETED, CRITICAL, STUCK = 0, 1, 2
 
@@ -27,6 +27,8 @@ LEAST_FREE = 0.05  # share of a substep that is taken at least, however soon a p
 EASY_TURN = 0.1  # the next substep may be twice as long
 EASY_COUNT = 5
 EPSILON = 2.0**-52
+BOUND_CHANGE = 1e-6  # of the bounds of tangential forces, over the largest, where they count as found
+MOST_ROUNDS = 20
 SAMPLES = 16  # of a linear stretch at which its stability is verified
 SOFT = 0.05  # share of the least eigenvalue at rest, below which the tangent counts as singular
 
@@ -35,6 +37,7 @@ class Track(NamedTuple):
     """What `follow` returns."""
 
     states: np.ndarray  # (reached, state size), at the requested times
+    memories: np.ndarray  # (reached, pairs, m) contact memory with which they were found
     iterations: np.ndarray  # (reached,), factorisations since the previous row
     rest: np.ndarray  # factorisations spent after the last row
     outcome: int
@@ -140,6 +143,7 @@ def follow(
     retract,
     motion,
     commit,
+    renew,
     stop,
 ):
     """Follow the equilibrium from rest through the increasing `times`.
@@ -150,17 +154,18 @@ def follow(
     load : (n,) dead load at time 1, conjugate to the steps that `retract` takes.
     times : (steps,) requested times.
     start : state at rest.
-    memory : contact memory at rest; changed in place by ``commit(reals, ints, state, memory)``, which
-        returns the least gap of all pairs (the clearance), with accepted states only.
+    memory : (pairs, m) contact memory at rest; changed with accepted states only, but for the bounds of
+        tangential forces, which are renewed until they are those of the normal forces.
     size : length of the model's matrix in its own storage.
     diameter : wire diameter, mm: the length with which moves are compared.
     limit : largest number of iterations of a substep.
     predictor : start from the tangent's prediction and judge the branch by it; else from the last
         state, as the paper did.
-    assemble, factor, solve, retract, motion : kernels, see `coilspring.newton`.
+    assemble, factor, solve, retract, motion, commit, renew : kernels, see `coilspring.newton`.
     stop : one integer; another thread sets it to end the path at the next substep.
     """
     states = np.empty((times.size, start.size))
+    memories = np.empty((times.size, memory.shape[0], memory.shape[1]))
     iterations = np.zeros(times.size, np.int64)
     spent = np.zeros(1, np.int64)
     history = np.zeros(HISTORY)
@@ -174,13 +179,16 @@ def follow(
     tangent = np.empty_like(load)
     ahead, bend = np.empty_like(load), np.zeros_like(load)
     mode = np.zeros_like(load)
+    held = memory.copy()
     clearance = commit(reals, ints, state, memory)
     _, pairs = assemble(reals, ints, state, clearance, memory, state, g, H)
     rest = H.copy()
     copy(H, F)
     negative, least = factor(reals, ints, F)
     if negative > 0:
-        return Track(states[:0], iterations[:0], spent, CRITICAL, 0.0, 0.0, 0, pairs, mode, history)
+        return Track(
+            states[:0], memories[:0], iterations[:0], spent, CRITICAL, 0.0, 0.0, 0, pairs, mode, history
+        )
     spent[0] = 1
     solution(reals, ints, F, load, 1.0, tangent, solve)
     work = dot(load, tangent)
@@ -209,12 +217,28 @@ def follow(
         copy(predicted, trial)
         for i in range(load.size):
             push[i] = target * load[i]
+        renew(reals, ints, state, memory)
         status, count, trouble, looked = equilibrium(
             reals, ints, state, clearance, memory, push, work * target**2, noise * target, limit, trial,
             g, H, rest, least, F, kept, history, assemble, factor, solve, retract,
         )  # fmt: skip
         spent[0] += count
         pairs += looked
+        rounds = 0
+        while status in (CONVERGED, LINEAR) and renew(reals, ints, trial, memory) > BOUND_CHANGE:
+            rounds += 1
+            if rounds > MOST_ROUNDS:
+                status = FAILED
+                break
+            status, count, more, looked = equilibrium(
+                reals, ints, state, clearance, memory, push, work * target**2, noise * target, limit, trial,
+                g, H, rest, least, F, True, history, assemble, factor, solve, retract,
+            )  # fmt: skip
+            spent[0] += count
+            pairs += looked
+            trouble = max(trouble, more)
+            if status == LINEAR:
+                status = CONVERGED
         good, share = status in (CONVERGED, LINEAR), 0.0
         if good:
             good, share = continues(
@@ -249,11 +273,13 @@ def follow(
         kept = True
         copy(trial, state)
         time = target
+        held[:] = memory
         clearance = commit(reals, ints, state, memory)
         if share < EASY_TURN and count <= EASY_COUNT:
             dt = max(dt, 2.0 * step)
         if landing:
             copy(state, states[row])
+            memories[row] = held
             iterations[row] = spent[0]
             spent[0] = 0
             row += 1
@@ -273,7 +299,19 @@ def follow(
         stiffness, _ = softest(reals, ints, start, memory, load, g, H, assemble, factor, solve)
         if abs(least) < SOFT * abs(stiffness):
             outcome = CRITICAL
-    return Track(states[:row], iterations[:row], spent, outcome, time, bracket, checks, pairs, mode, history)
+    return Track(
+        states[:row],
+        memories[:row],
+        iterations[:row],
+        spent,
+        outcome,
+        time,
+        bracket,
+        checks,
+        pairs,
+        mode,
+        history,
+    )
 
 
 class Kernels(NamedTuple):
@@ -285,6 +323,7 @@ class Kernels(NamedTuple):
     retract: Any
     motion: Any
     commit: Any
+    renew: Any
 
 
 @lru_cache(maxsize=1)
@@ -319,6 +358,7 @@ def _signatures() -> Kernels:
         retract=types.void(*data, vector, vector, real, vector),
         motion=types.UniTuple(real, 3)(*data, vector, vector),
         commit=real(*data, vector, table),
+        renew=real(*data, vector, table),
     )
 
 

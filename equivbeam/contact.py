@@ -10,6 +10,11 @@ import math
 
 from coilspring.compiled import kernel
 
+# A pair's row of the contact memory: whether it is held, g0, n0, the bound of its tangential force, the
+# length it has slid, and the work that friction has taken.
+ON, GX0, GY0, NX0, NY0, BOUND, SLID, WORK = range(8)
+MEMORY = 8
+
 
 @kernel
 def circle_centre(x, y, theta, ox, oy):
@@ -19,11 +24,11 @@ def circle_centre(x, y, theta, ox, oy):
 
 
 @kernel
-def pair_potential(gx, gy, h, d, kc, k, stuck, f, H):
+def pair_potential(gx, gy, h, d, kc, k, row, f, H):
     """Energy of one pair as a function of g; fills its gradient `f` (2,) and Hessian `H` (2, 2).
 
-    `stuck` is the pair's row of the contact memory, (on, gx0, gy0, nx0, ny0): where on, the
-    tangential potential 1/2 kt |(I - n0 n0^T)(g - g0)|^2 holds the pair, with kt = Kc.
+    `row` is the pair's row of the contact memory: where held, the tangential potential
+    1/2 kt |(I - n0 n0^T)(g - g0)|^2 holds the pair, with kt = Kc, up to the bound of its force.
     """
     energy = 0.0
     f[0] = f[1] = 0.0
@@ -39,17 +44,43 @@ def pair_potential(gx, gy, h, d, kc, k, stuck, f, H):
         H[1, 1] = slope * ny * ny - turn * nx * nx
         H[0, 1] = H[1, 0] = (slope + turn) * nx * ny
         energy = F * delta / (k + 1.0)
-    if stuck[0] > 0.0:
-        tx, ty = -stuck[4], stuck[3]
-        slip = tx * (gx - stuck[1]) + ty * (gy - stuck[2])
-        f[0] += kc * slip * tx
-        f[1] += kc * slip * ty
-        H[0, 0] += kc * tx * tx
-        H[1, 1] += kc * ty * ty
-        H[0, 1] += kc * tx * ty
-        H[1, 0] += kc * tx * ty
-        energy += 0.5 * kc * slip * slip
+    if row[ON] > 0.0:
+        tx, ty = -row[NY0], row[NX0]
+        e = tx * (gx - row[GX0]) + ty * (gy - row[GY0])
+        kt, T = kc, kc * e
+        if abs(T) <= row[BOUND]:
+            energy += 0.5 * T * e
+        else:
+            kt, T = 0.0, math.copysign(row[BOUND], e)
+            energy += row[BOUND] * (abs(e) - 0.5 * row[BOUND] / kc)
+        f[0] += T * tx
+        f[1] += T * ty
+        H[0, 0] += kt * tx * tx
+        H[1, 1] += kt * ty * ty
+        H[0, 1] += kt * tx * ty
+        H[1, 0] += kt * tx * ty
     return energy
+
+
+@kernel
+def hold(gx, gy, h, kc, row):
+    """Update a pair's memory where it touches at the end of a substep.
+
+    A new pair is remembered as it is; one that slid keeps the stretch that its bound allows.
+    """
+    if row[ON] == 0.0:
+        row[GX0], row[GY0], row[NX0], row[NY0] = gx, gy, gx / h, gy / h
+        row[ON], row[BOUND], row[SLID], row[WORK] = 1.0, math.inf, 0.0, 0.0
+        return
+    e = row[NX0] * (gy - row[GY0]) - row[NY0] * (gx - row[GX0])
+    if kc * abs(e) <= row[BOUND]:
+        return
+    way = abs(e) - row[BOUND] / kc
+    row[SLID] += way
+    row[WORK] += row[BOUND] * way
+    row[NX0], row[NY0] = gx / h, gy / h
+    kept = math.copysign(row[BOUND] / kc, e)
+    row[GX0], row[GY0] = gx + kept * row[NY0], gy - kept * row[NX0]
 
 
 @kernel

@@ -8,7 +8,7 @@ import numpy as np
 
 from coilspring.compiled import copy, kernel
 from equivbeam.band import BAND
-from equivbeam.contact import circle_centre, pair_forces, pair_potential
+from equivbeam.contact import BOUND, ON, circle_centre, hold, pair_forces, pair_potential
 from equivbeam.halfcoil import half_coil, paper_matrix
 from equivbeam.model import EXACT, PAPER, view
 
@@ -40,6 +40,14 @@ def centre(model, state, circle):
 
 
 @kernel
+def _vector(model, state, m):
+    """Vector between the centres of a pair."""
+    xa, ya = centre(model, state, model.pairs[m, 0])
+    xb, yb = centre(model, state, model.pairs[m, 1])
+    return xb - xa, yb - ya
+
+
+@kernel
 def _bound(model, a, b):
     """Bound on how far any circle's centre moved between two states."""
     most = 0.0
@@ -61,7 +69,7 @@ def _add_pairs(model, memory, state, g, H, ge, Ke):
         xb, yb = centre(model, state, B)
         gx, gy = xb - xa, yb - ya
         h2 = gx * gx + gy * gy
-        if h2 >= model.d * model.d and memory[m, 0] == 0.0:
+        if h2 >= model.d * model.d and memory[m, ON] == 0.0:
             continue
         a, b = model.carrier[A], model.carrier[B]
         energy += pair_potential(gx, gy, math.sqrt(h2), model.d, model.kc, model.k, memory[m], f, Hg)
@@ -165,23 +173,38 @@ def motion(reals, ints, a, b):
 def commit(reals, ints, state, memory):
     """Update the contact memory with an accepted state; returns the least gap of all pairs.
 
-    A pair that has just closed is remembered with its vector g and direction, one that has opened
-    is forgotten. A remembered pair keeps the clearance at zero.
+    A pair that touches is remembered where there is friction, one that has opened is forgotten.
     """
     model = view(reals, ints)
     least = np.inf
     for m in range(model.pairs.shape[0]):
-        xa, ya = centre(model, state, model.pairs[m, 0])
-        xb, yb = centre(model, state, model.pairs[m, 1])
-        gx, gy = xb - xa, yb - ya
+        gx, gy = _vector(model, state, m)
         h = math.hypot(gx, gy)
         least = min(least, h - model.d)
-        if model.stick == 0:
+        if model.mu == 0.0:
             continue
-        if h >= model.d:
-            memory[m, 0] = 0.0
-        elif memory[m, 0] == 0.0:
-            memory[m, 0] = 1.0
-            memory[m, 1], memory[m, 2] = gx, gy
-            memory[m, 3], memory[m, 4] = gx / h, gy / h
+        if h < model.d:
+            hold(gx, gy, h, model.kc, memory[m])
+        else:
+            memory[m, ON] = 0.0
     return least
+
+
+@kernel
+def renew(reals, ints, state, memory):
+    """Renew the bounds of the tangential forces; see `coilspring.newton`."""
+    model = view(reals, ints)
+    change, most = 0.0, 0.0
+    if model.mu == 0.0:
+        return change
+    for m in range(model.pairs.shape[0]):
+        if memory[m, ON] == 0.0:
+            continue
+        bound = model.mu
+        if bound < np.inf:
+            gx, gy = _vector(model, state, m)
+            bound *= model.kc * max(model.d - math.hypot(gx, gy), 0.0) ** model.k
+            change = max(change, abs(bound - memory[m, BOUND]))
+            most = max(most, bound)
+        memory[m, BOUND] = bound
+    return change / most if most > 0.0 else 0.0

@@ -32,7 +32,7 @@ class BeamModel(NamedTuple):
     d: float  # wire diameter: the distance of centres at which a pair touches
     kc: float  # penalty of a pair
     k: float  # exponent
-    stick: int  # 1 where closed pairs are kept from sliding
+    mu: float  # coefficient of friction; infinite where closed pairs do not slide
     tangent: int  # EXACT, PAPER or PRINTED
 
 
@@ -68,7 +68,7 @@ def build_model(scene: Scene, tangent: str = "exact", sliding: str = "ignore") -
         d=spring.wire_diameter,
         kc=contact.stiffness * 4.0 / PAIRS_PER_TURN,
         k=float(contact.exponent),
-        stick=int(sliding == "scene" and contact.sliding == "none"),
+        mu=contact.coefficient if sliding == "scene" else 0.0,
         tangent=TANGENTS[tangent],
     )
 
@@ -116,5 +116,5 @@ def view(reals, ints):
     return BeamModel(
         table(reals, head[0]), reals[head[1, 0]], vector(reals, head[2]), vector(ints, head[3]),
         table(reals, head[4]), table(ints, head[5]), reals[head[6, 0]], reals[head[7, 0]],
-        reals[head[8, 0]], reals[head[9, 0]], ints[head[10, 0]], ints[head[11, 0]],
+        reals[head[8, 0]], reals[head[9, 0]], reals[head[10, 0]], ints[head[11, 0]],
     )  # fmt: skip

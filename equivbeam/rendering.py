@@ -7,7 +7,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from coilspring.path import Friction
 from coilspring.scene import Scene
+from equivbeam.contact import BOUND, GX0, GY0, NX0, NY0, ON, SLID, WORK
 from equivbeam.model import BeamModel
 
 
@@ -33,16 +35,33 @@ class BeamShape:
         ox, oy = self.data.offset.T
         return nodes[..., :2] + np.stack((c * ox - s * oy, s * ox + c * oy), axis=-1)
 
-    def pair_penetrations(self, states: np.ndarray) -> np.ndarray:
-        """Penetration of every pair, 0 where open, shape (states, pairs), mm."""
+    def _pair_vectors(self, states: np.ndarray) -> np.ndarray:
         centres = self.circles(states)
         first, second = self.data.pairs.T
-        h = np.linalg.norm(centres[:, second] - centres[:, first], axis=-1)
-        return np.maximum(self.data.d - h, 0.0)
+        return centres[:, second] - centres[:, first]
+
+    def pair_gaps(self, states: np.ndarray) -> np.ndarray:
+        """Gap of every pair, negative where it penetrates, shape (states, pairs), mm."""
+        return np.linalg.norm(self._pair_vectors(states), axis=-1) - self.data.d
 
     def pair_forces(self, states: np.ndarray) -> np.ndarray:
         """Normal force of every pair by (12), shape (states, pairs), N."""
-        return self.data.kc * self.pair_penetrations(states) ** self.data.k
+        return self.data.kc * np.maximum(-self.pair_gaps(states), 0.0) ** self.data.k
+
+    def pair_friction(self, states: np.ndarray, memories: np.ndarray) -> Friction:
+        """Tangential forces, slips and frictional work of every pair."""
+        held = memories[..., ON] > 0.0
+        normal = memories[..., [NX0, NY0]]
+        tangent = np.stack((-normal[..., 1], normal[..., 0]), axis=-1)
+        e = ((self._pair_vectors(states) - memories[..., [GX0, GY0]]) * tangent).sum(axis=-1)
+        bound = np.where(held, memories[..., BOUND], 0.0)
+        force = np.clip(self.data.kc * e, -bound, bound)
+        way = np.abs(e - force / self.data.kc) * held
+        return Friction(
+            force=force[..., None] * tangent,
+            slip=memories[..., SLID] * held + way,
+            work=memories[..., WORK] * held + np.where(way > 0.0, np.abs(force) * way, 0.0),
+        )
 
     def centreline(self, state: np.ndarray, phases: np.ndarray) -> np.ndarray:
         """Wire at the phases given, shape (phases, 3), mm.

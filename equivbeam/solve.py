@@ -10,6 +10,7 @@ from coilspring.scene import Scene
 from coilspring.solving import MOST_ITERATIONS, Problem, follow_scene
 from coilspring.stepping import Kernels
 from equivbeam import band, kernels, model
+from equivbeam.contact import MEMORY
 from equivbeam.rendering import BeamShape
 
 LAWS = ("haringx",)
@@ -24,6 +25,7 @@ KERNELS = Kernels(
     retract=kernels.retract,
     motion=kernels.motion,
     commit=kernels.commit,
+    renew=kernels.renew,
 )
 
 
@@ -53,7 +55,8 @@ def solve(
         The Hessian of the energy with a tangent predictor, or the paper's matrix (Phi with the
         factor 12, or as printed) iterated from the last state, as the paper did.
     sliding : {"ignore", "scene"}
-        "scene" applies the scene's "no sliding" to the circles; by default they are frictionless.
+        "scene" applies the scene's "no sliding" or friction to the circles; by default they are
+        frictionless.
 
     Returns
     -------
@@ -73,7 +76,7 @@ def solve(
         data=data,
         load=model.load_vector(data, scene),
         start=model.rest_state(data),
-        memory=np.zeros((len(data.pairs), 5)),
+        memory=np.zeros((len(data.pairs), MEMORY)),
         matrix_size=model.matrix_size(data),
     )
     exact = tangent == "exact"

@@ -3,12 +3,13 @@
 import numpy as np
 import pytest
 
-from equivbeam.contact import circle_centre, pair_forces, pair_potential
+from equivbeam.contact import MEMORY, circle_centre, pair_forces, pair_potential
 
 D, KC = 1.5, 2.0e4
 OFFSETS = np.array([[5.0, 0.0], [4.6, -0.75]])
-FREE = np.zeros(5)
-STUCK = np.array([1.0, 0.05, 1.40, *np.array([0.05, 1.40]) / np.hypot(0.05, 1.40)])
+FREE = np.zeros(MEMORY)
+STUCK = np.array([1.0, 0.05, 1.40, *np.array([0.05, 1.40]) / np.hypot(0.05, 1.40), np.inf, 0.0, 0.0])
+SLIDING = np.array([*STUCK[:5], 300.0, 0.0, 0.0])
 
 
 def pair(q, k=1.0, memory=FREE, distance=D):
@@ -54,7 +55,7 @@ def test_moment_is_r_cross_f_as_in_the_papers_arms():
 
 
 @pytest.mark.parametrize("k", [1.0, 1.5, 2.0])
-@pytest.mark.parametrize("memory", [FREE, STUCK], ids=["frictionless", "no-sliding"])
+@pytest.mark.parametrize("memory", [FREE, STUCK, SLIDING], ids=["frictionless", "no-sliding", "friction"])
 def test_derivatives_closed(check_derivatives, k, memory):
     check_derivatives(lambda step: pair(state(-0.03) + step, k, memory), 6, h=1e-4)
 

@@ -19,6 +19,7 @@ from coilspring import (
 )
 from coilspring.packing import pack
 from equivbeam import band, kernels, model
+from equivbeam.contact import MEMORY
 
 # Our own prototype's values, printed with five digits; the paper gives pictures only.
 TIPS = {
@@ -45,7 +46,7 @@ def test_whole_model_derivatives(check_derivatives, seed, time, stick):
     rng = np.random.default_rng(seed)
     load = time * model.load_vector(data, spring_b())
     state = path.states[0 if time == 0.5 else 1]
-    memory = np.zeros((len(data.pairs), 5))
+    memory = np.zeros((len(data.pairs), MEMORY))
     if stick:
         kernels.commit(reals, ints, state, memory)
         assert memory[:, 0].any()

@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from wirefe.contact import pair_matrix, sphere_pair
+from wirefe.contact import BOUND, MEMORY, hold, pair_matrix, sphere_pair, stretch
 
 D, K = 1.5, 1.0e4
-FREE = np.zeros(7)
+FREE = np.zeros(MEMORY)
 ARMS = np.array([[0.0, 0.0, 0.0], [5.0, 0.4, -0.8]])  # a wire node and a sphere on a rigid end
 
 
@@ -17,20 +17,20 @@ def pair(d, gap, k=1.0, memory=FREE):
     direction = np.array([0.2, 0.9, -0.1]) / np.linalg.norm([0.2, 0.9, -0.1])
     w = (D + gap) * direction + d[6:9] + arms[1] - ARMS[1] - d[:3] - arms[0] + ARMS[0]
     f, H = np.empty(3), np.empty((3, 3))
-    energy = sphere_pair(w, np.linalg.norm(w), D, K, k, memory, f, H)
+    energy = sphere_pair(w, np.linalg.norm(w), D, K, k, memory, np.empty(3), f, H)
     g, full = np.empty(12), np.empty((12, 12))
     pair_matrix(f, H, *arms, g, full, np.empty((3, 6)), np.empty((3, 6)), np.empty((3, 3)))
     return energy, g, full
 
 
-def stuck():
+def stuck(bound=np.inf):
     g0 = np.array([0.25, 1.42, -0.2])
-    return np.array([1.0, *g0, *g0 / np.linalg.norm(g0)])
+    return np.array([1.0, *g0, *g0 / np.linalg.norm(g0), bound, 0.0, 0.0])
 
 
 def test_force_by_hand():
     f, H = np.empty(3), np.empty((3, 3))
-    energy = sphere_pair(np.array([0.0, 1.4, 0.0]), 1.4, D, K, 1.0, FREE, f, H)
+    energy = sphere_pair(np.array([0.0, 1.4, 0.0]), 1.4, D, K, 1.0, FREE, np.empty(3), f, H)
     assert energy == pytest.approx(50.0)
     np.testing.assert_allclose(f, [0.0, -1000.0, 0.0])
     np.testing.assert_allclose(H, np.diag([-1000 / 1.4, 1e4, -1000 / 1.4]), atol=1e-9)
@@ -39,15 +39,17 @@ def test_force_by_hand():
 def test_sliding_potential_by_hand():
     """0.1 mm of slip along x holds back with 1000 N; what goes along n0 is not slip."""
     f, H = np.empty(3), np.empty((3, 3))
-    memory = np.array([1.0, 0.0, 1.45, 0.0, 0.0, 1.0, 0.0])
-    energy = sphere_pair(np.array([0.1, 1.6, 0.0]), np.hypot(0.1, 1.6), D, K, 1.0, memory, f, H)
+    memory = np.array([1.0, 0.0, 1.45, 0.0, 0.0, 1.0, 0.0, np.inf, 0.0, 0.0])
+    energy = sphere_pair(np.array([0.1, 1.6, 0.0]), np.hypot(0.1, 1.6), D, K, 1.0, memory, np.empty(3), f, H)
     assert energy == pytest.approx(0.5 * K * 0.1**2)
     np.testing.assert_allclose(f, [1000.0, 0.0, 0.0], atol=1e-9)
     np.testing.assert_allclose(H, np.diag([K, 0.0, K]))
 
 
 @pytest.mark.parametrize("k", [1.0, 1.5, 2.0])
-@pytest.mark.parametrize("memory", [FREE, stuck()], ids=["frictionless", "no-sliding"])
+@pytest.mark.parametrize(
+    "memory", [FREE, stuck(), stuck(300.0)], ids=["frictionless", "no-sliding", "friction"]
+)
 def test_derivatives_closed(check_derivatives, k, memory):
     check_derivatives(lambda d: pair(d, -0.05, k, memory), 12, h=1e-4)
 
@@ -63,7 +65,9 @@ def test_open_pair_does_nothing():
     assert not H.any()
 
 
-@pytest.mark.parametrize("memory", [FREE, stuck()], ids=["frictionless", "no-sliding"])
+@pytest.mark.parametrize(
+    "memory", [FREE, stuck(), stuck(300.0)], ids=["frictionless", "no-sliding", "friction"]
+)
 def test_pair_sums_to_zero_force_and_moment(memory):
     """Moments about carrier A; without sliding the tangential force acts along g only up to the slip."""
     _, g, _ = pair(np.zeros(12), -0.05, memory=memory)
@@ -74,3 +78,19 @@ def test_pair_sums_to_zero_force_and_moment(memory):
     np.testing.assert_allclose(moment, 0.0, atol=1e-9)  # each carrier's moment is its arm x its force
     if not memory.any():
         np.testing.assert_allclose(np.cross(centre_to_centre, g[6:9]), 0.0, atol=1e-9)
+
+
+def test_friction_by_hand():
+    """0.1 mm along x against a bound of 300 N: 0.03 mm is elastic, 0.07 mm slides; what slid stays."""
+    f, H, e = np.empty(3), np.empty((3, 3)), np.empty(3)
+    row = np.array([1.0, 0.0, 1.45, 0.0, 0.0, 1.0, 0.0, 300.0, 0.0, 0.0])
+    g = np.array([0.1, 1.6, 0.0])
+    energy = sphere_pair(g, np.hypot(0.1, 1.6), D, K, 1.0, row, e, f, H)
+    assert energy == pytest.approx(0.5 * K * 0.03**2 + 300.0 * 0.07)
+    np.testing.assert_allclose(f, [300.0, 0.0, 0.0], atol=1e-9)
+    np.testing.assert_allclose(H, np.diag([0.0, 0.0, 300.0 / 0.1]), atol=1e-9)
+    hold(g, np.linalg.norm(g), K, row, e)
+    np.testing.assert_allclose(row[BOUND:], [300.0, 0.07, 21.0])
+    assert K * stretch(g, row, e) == pytest.approx(300.0)
+    np.testing.assert_allclose(row[4:7], g / np.linalg.norm(g))
+    assert e @ g == pytest.approx(0.0, abs=1e-12)

@@ -24,6 +24,7 @@ from coilspring.packing import pack
 from coilspring.wire import round_section
 from wirefe import kernels, model
 from wirefe.beam import beams, deformations
+from wirefe.contact import MEMORY
 from wirefe.elements import _flexibility, curved_elements
 from wirefe.rotations import exponential, quaternion_product
 
@@ -125,7 +126,7 @@ def shaken(scene, seed, **options):
     path = wirefe.solve(scene, steps=2, **options)
     data, _, rod = model.build_model(path.scene, options.get("elements_per_turn", 40), 4)
     reals, ints = pack(data)
-    memory = np.zeros((len(data.contact.pairs), 7))
+    memory = np.zeros((len(data.contact.pairs), MEMORY))
     kernels.commit(reals, ints, path.states[-1], memory)
 
     def moved(state, step):
@@ -198,7 +199,7 @@ def test_whole_wire_moved_rigidly_strains_nothing():
         quaternion_product(turn, row[3:].copy(), out)
         row[3:] = out
     g, H = np.empty(6 * len(rows)), np.empty(model.matrix_size(data))
-    value, _ = kernels.assemble(reals, ints, rows.ravel(), 0.0, np.zeros((0, 7)), rows.ravel(), g, H)
+    value, _ = kernels.assemble(reals, ints, rows.ravel(), 0.0, np.zeros((0, MEMORY)), rows.ravel(), g, H)
     # stiffness times rounding of the positions
     assert value < 1e-15
     np.testing.assert_allclose(g, 0.0, atol=1e-6)

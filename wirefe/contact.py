@@ -1,20 +1,75 @@
 """Sphere-to-sphere penalty contact between points of the wire.
 
 With the centres of a pair, g = cB - cA and h = |g|, the potential is ``K max(0, d - h)^(k+1)/(k+1)``.
-Where sliding is off, a closed pair also has ``1/2 K |(I - n0 n0^T)(g - g0)|^2``, g0 and n0 being the
-vector and its direction at the end of the substep in which the pair closed.
+Where sliding is off, a closed pair also has ``1/2 K |e|^2`` with ``e = (I - n0 n0^T)(g - g0)``, g0 and n0
+being the vector and its direction at the end of the substep in which the pair closed.
+
+With Coulomb friction the tangential force K |e| is bounded by ``mu F``: return mapping (Simo & Hughes
+1998, Computational Inelasticity, chapter 2). Within a substep the bound is a number (Tresca's law), so
+that the pair keeps a potential, K |e|^2 / 2 up to the bound and linear beyond; the path follower renews
+the bound until it is that of the normal force. What slid is taken off e when the substep is accepted.
 """
 
 from __future__ import annotations
 
+import math
+
 from coilspring.compiled import kernel
+
+# A pair's row of the contact memory: whether it is held, g0 (3), n0 (3), the bound of its tangential
+# force, the length it has slid, and the work that friction has taken.
+ON, G0, N0, BOUND, SLID, WORK = 0, 1, 4, 7, 8, 9
+MEMORY = 10
 
 
 @kernel
-def sphere_pair(g, h, d, K, k, stuck, f, H):
+def stretch(g, row, e):
+    """Tangential vector e = (I - n0 n0^T)(g - g0) of a held pair; returns its length."""
+    along, square = 0.0, 0.0
+    for i in range(3):
+        along += row[N0 + i] * (g[i] - row[G0 + i])
+    for i in range(3):
+        e[i] = g[i] - row[G0 + i] - along * row[N0 + i]
+        square += e[i] * e[i]
+    return math.sqrt(square)
+
+
+@kernel
+def hold(g, h, K, row, e):
+    """Update a pair's memory where it touches at the end of a substep.
+
+    A new pair is remembered as it is. One that slid keeps the stretch that its bound allows, turned
+    into its present tangent plane.
+    """
+    if row[ON] == 0.0:
+        for i in range(3):
+            row[G0 + i] = g[i]
+            row[N0 + i] = g[i] / h
+        row[ON], row[BOUND], row[SLID], row[WORK] = 1.0, math.inf, 0.0, 0.0
+        return
+    length = stretch(g, row, e)
+    if K * length <= row[BOUND]:
+        return
+    way = length - row[BOUND] / K
+    row[SLID] += way
+    row[WORK] += row[BOUND] * way
+    out, square = 0.0, 0.0
+    for i in range(3):
+        row[N0 + i] = g[i] / h
+        out += e[i] * row[N0 + i]
+    for i in range(3):
+        e[i] -= out * row[N0 + i]
+        square += e[i] * e[i]
+    share = row[BOUND] / (K * math.sqrt(square)) if square > 0.0 else 0.0
+    for i in range(3):
+        row[G0 + i] = g[i] - share * e[i]
+
+
+@kernel
+def sphere_pair(g, h, d, K, k, row, e, f, H):
     """Energy of a pair as a function of g; fills its gradient f (3,) and Hessian H (3, 3).
 
-    `stuck` is the pair's row of the contact memory: (on, g0 (3), n0 (3)).
+    `row` is the pair's row of the contact memory; `e` is scratch (3,).
     """
     energy = 0.0
     f[:] = 0.0
@@ -31,17 +86,20 @@ def sphere_pair(g, h, d, K, k, stuck, f, H):
             H[i, i] = -turn
             for j in range(3):
                 H[i, j] += (slope + turn) * ni * g[j] / h
-    if stuck[0] > 0.0:
-        along = 0.0
+    if row[ON] > 0.0:
+        length = stretch(g, row, e)
+        if K * length <= row[BOUND]:
+            slope, radial = K, 0.0
+            energy += 0.5 * K * length**2
+        else:
+            slope = row[BOUND] / length
+            radial = -slope / length**2
+            energy += row[BOUND] * (length - 0.5 * row[BOUND] / K)
         for i in range(3):
-            along += stuck[4 + i] * (g[i] - stuck[1 + i])
-        for i in range(3):
-            slip = g[i] - stuck[1 + i] - along * stuck[4 + i]
-            f[i] += K * slip
-            H[i, i] += K
-            energy += 0.5 * K * slip * slip
+            f[i] += slope * e[i]
+            H[i, i] += slope
             for j in range(3):
-                H[i, j] -= K * stuck[4 + i] * stuck[4 + j]
+                H[i, j] += radial * e[i] * e[j] - slope * row[N0 + i] * row[N0 + j]
     return energy
 
 

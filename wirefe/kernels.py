@@ -9,7 +9,7 @@ import numpy as np
 from coilspring.compiled import copy, kernel
 from wirefe.beam import beams
 from wirefe.chain import eliminate, substitute
-from wirefe.contact import lever, pair_matrix, sphere_pair
+from wirefe.contact import BOUND, ON, hold, lever, pair_matrix, sphere_pair
 from wirefe.model import ROW, view_contact, view_elements, view_held, view_plan
 from wirefe.rotations import exponential, quaternion_product, rotate
 
@@ -101,7 +101,7 @@ def _add_elements(chain, state, g, H):
 def _add_pairs(contact, memory, state, g, H):
     """Contact energy; adds its gradient and Hessian. Only pairs that touch are scattered."""
     energy = 0.0
-    ca, cb, w, f = np.empty(3), np.empty(3), np.empty(3), np.empty(3)
+    ca, cb, w, e, f = np.empty(3), np.empty(3), np.empty(3), np.empty(3), np.empty(3)
     Hg, C = np.empty((3, 3)), np.empty((3, 3))
     Ja, Jb = np.empty((3, 6)), np.empty((3, 6))
     ge, Ke = np.empty(12), np.empty((12, 12))
@@ -113,9 +113,9 @@ def _add_pairs(contact, memory, state, g, H):
         for i in range(3):
             w[i] = cb[i] - ca[i]
             h2 += w[i] * w[i]
-        if h2 >= contact.d * contact.d and memory[m, 0] == 0.0:
+        if h2 >= contact.d * contact.d and memory[m, ON] == 0.0:
             continue
-        energy += sphere_pair(w, math.sqrt(h2), contact.d, contact.kc, contact.k, memory[m], f, Hg)
+        energy += sphere_pair(w, math.sqrt(h2), contact.d, contact.kc, contact.k, memory[m], e, f, Hg)
         a, b = contact.carrier[A], contact.carrier[B]
         for i in range(3):
             ca[i] -= state[ROW * a + i]
@@ -257,22 +257,39 @@ def motion(reals, ints, a, b):
 def commit(reals, ints, state, memory):
     """Update the contact memory with an accepted state; returns the least gap of all pairs.
 
-    A pair that has just closed is remembered with its vector g0 and direction n0, one that has
-    opened is forgotten.
+    A pair that touches is remembered where there is friction, one that has opened is forgotten.
     """
     contact = view_contact(reals, ints)
     least = np.inf
-    c, w = np.empty(3), np.empty(3)
+    c, w, e = np.empty(3), np.empty(3), np.empty(3)
     for m in range(contact.pairs.shape[0]):
         h = _vector(contact, state, m, c, w)
         least = min(least, h - contact.d)
-        if contact.stick == 0:
+        if contact.mu == 0.0:
             continue
-        if h >= contact.d:
-            memory[m, 0] = 0.0
-        elif memory[m, 0] == 0.0:
-            memory[m, 0] = 1.0
-            for i in range(3):
-                memory[m, 1 + i] = w[i]
-                memory[m, 4 + i] = w[i] / h
+        if h < contact.d:
+            hold(w, h, contact.kc, memory[m], e)
+        else:
+            memory[m, ON] = 0.0
     return least
+
+
+@kernel
+def renew(reals, ints, state, memory):
+    """Renew the bounds of the tangential forces; see `coilspring.newton`."""
+    contact = view_contact(reals, ints)
+    change, most = 0.0, 0.0
+    if contact.mu == 0.0:
+        return change
+    c, w = np.empty(3), np.empty(3)
+    for m in range(contact.pairs.shape[0]):
+        if memory[m, ON] == 0.0:
+            continue
+        bound = contact.mu
+        if bound < np.inf:
+            h = _vector(contact, state, m, c, w)
+            bound *= contact.kc * max(contact.d - h, 0.0) ** contact.k
+            change = max(change, abs(bound - memory[m, BOUND]))
+            most = max(most, bound)
+        memory[m, BOUND] = bound
+    return change / most if most > 0.0 else 0.0

@@ -65,13 +65,13 @@ class Spheres:
     diameter: float
     stiffness: float  # of a pair
     exponent: float
-    stick: bool  # closed pairs do not slide
+    friction: float  # coefficient: 0 without friction, infinite where closed pairs do not slide
 
 
 def no_spheres() -> Spheres:
     """A wire that touches nothing."""
     whole = np.zeros(0, dtype=np.int64)
-    return Spheres(whole, np.zeros((0, 3)), whole.reshape(0, 2), 1.0, 1.0, 1.0, False)
+    return Spheres(whole, np.zeros((0, 3)), whole.reshape(0, 2), 1.0, 1.0, 1.0, 0.0)
 
 
 def place_spheres(scene: Scene, mesh: WireMesh, elements_per_turn: int, pairs_per_turn: int) -> Spheres:
@@ -102,5 +102,5 @@ def place_spheres(scene: Scene, mesh: WireMesh, elements_per_turn: int, pairs_pe
         diameter=spring.wire_diameter,
         stiffness=scene.contact.stiffness * PAIRS_OF_PENALTY / pairs_per_turn,
         exponent=float(scene.contact.exponent),
-        stick=scene.contact.sliding == "none",
+        friction=scene.contact.coefficient,
     )

@@ -52,7 +52,7 @@ class ContactArrays(NamedTuple):
     d: float
     kc: float
     k: float
-    stick: int  # 1 where closed pairs are kept from sliding
+    mu: float  # coefficient of friction; infinite where closed pairs do not slide
     block: np.ndarray  # (pairs,) block of each pair's coupling
     flip: np.ndarray
 
@@ -106,7 +106,7 @@ def rod_model(rod: Rod, arm: np.ndarray, spheres: Spheres | None = None) -> Wire
             d=spheres.diameter,
             kc=spheres.stiffness,
             k=spheres.exponent,
-            stick=int(spheres.stick),
+            mu=spheres.friction,
             block=block[count:],
             flip=flip[count:],
         ),
@@ -178,7 +178,7 @@ def view_contact(reals, ints):
     head = heads(ints)[CONTACT:PLAN]
     return ContactArrays(
         vector(ints, head[0]), table(reals, head[1]), table(ints, head[2]), reals[head[3, 0]],
-        reals[head[4, 0]], reals[head[5, 0]], reals[head[6, 0]], ints[head[7, 0]],
+        reals[head[4, 0]], reals[head[5, 0]], reals[head[6, 0]], reals[head[7, 0]],
         vector(ints, head[8]), vector(ints, head[9]),
     )  # fmt: skip
 

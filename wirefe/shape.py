@@ -6,7 +6,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from coilspring.path import Friction
 from coilspring.scene import Scene
+from wirefe.contact import BOUND, G0, N0, ON, SLID, WORK
 from wirefe.mesh import WireMesh
 from wirefe.model import ROW, WireModel
 
@@ -36,17 +38,36 @@ class WireShape:
         angle = np.unwrap(np.concatenate(([0.0], 2.0 * np.arctan2(top[:, 6], top[:, 3]))))[1:]
         return np.column_stack((moved[:, 0], moved[:, 1], angle))
 
-    def pair_penetrations(self, states: np.ndarray) -> np.ndarray:
-        """Penetration of every pair, 0 where open, shape (states, pairs), mm."""
+    def _pair_vectors(self, states: np.ndarray) -> np.ndarray:
         carried = self._nodes(states)[:, self.data.contact.carrier]
         centres = carried[..., :3] + turned(carried[..., 3:], self.data.contact.offset)
         first, second = self.data.contact.pairs.T
-        h = np.linalg.norm(centres[:, second] - centres[:, first], axis=-1)
-        return np.maximum(self.data.contact.d - h, 0.0)
+        return centres[:, second] - centres[:, first]
+
+    def pair_gaps(self, states: np.ndarray) -> np.ndarray:
+        """Gap of every pair, negative where it penetrates, shape (states, pairs), mm."""
+        return np.linalg.norm(self._pair_vectors(states), axis=-1) - self.data.contact.d
 
     def pair_forces(self, states: np.ndarray) -> np.ndarray:
         """Normal force of every pair, shape (states, pairs), N."""
-        return self.data.contact.kc * self.pair_penetrations(states) ** self.data.contact.k
+        return self.data.contact.kc * np.maximum(-self.pair_gaps(states), 0.0) ** self.data.contact.k
+
+    def pair_friction(self, states: np.ndarray, memories: np.ndarray) -> Friction:
+        """Tangential forces, slips and frictional work of every pair."""
+        held = memories[..., ON] > 0.0
+        normal = memories[..., N0 : N0 + 3]
+        g = self._pair_vectors(states) - memories[..., G0 : G0 + 3]
+        e = (g - (g * normal).sum(axis=-1, keepdims=True) * normal) * held[..., None]
+        length = np.linalg.norm(e, axis=-1)
+        bound = np.where(held, memories[..., BOUND], 0.0)
+        force = np.minimum(self.data.contact.kc * length, bound)
+        way = length - force / self.data.contact.kc
+        share = np.divide(force, length, out=np.zeros_like(force), where=length > 0.0)
+        return Friction(
+            force=share[..., None] * e,
+            slip=memories[..., SLID] * held + way,
+            work=memories[..., WORK] * held + force * way,
+        )
 
     def centreline(self, state: np.ndarray, phases: np.ndarray) -> np.ndarray:
         """Wire at the phases given, shape (phases, 3), mm.

@@ -10,6 +10,7 @@ from coilspring.scene import Scene
 from coilspring.solving import Problem, follow_problem, follow_scene
 from coilspring.stepping import Kernels
 from wirefe import kernels, model
+from wirefe.contact import MEMORY
 from wirefe.elements import ELEMENTS
 from wirefe.mesh import WireMesh
 from wirefe.rod import Rod
@@ -26,6 +27,7 @@ KERNELS = Kernels(
     retract=kernels.retract,
     motion=kernels.motion,
     commit=kernels.commit,
+    renew=kernels.renew,
 )
 
 
@@ -138,6 +140,6 @@ def _problem(data: model.WireModel, rod: Rod, arm: np.ndarray) -> Problem:
         data=data,
         load=model.load_vector(rod),
         start=model.rest_state(rod, arm),
-        memory=np.zeros((len(data.contact.pairs), 7)),
+        memory=np.zeros((len(data.contact.pairs), MEMORY)),
         matrix_size=model.matrix_size(data),
     )

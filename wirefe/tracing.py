@@ -5,7 +5,7 @@ from __future__ import annotations
 import time
 
 from coilspring.continuation import Trace, compiled_trace
-from coilspring.errors import EquilibriumNotFound, require_integer
+from coilspring.errors import EquilibriumNotFound, InputError, require_integer
 from coilspring.interrupt import interruptible
 from coilspring.packing import pack
 from coilspring.path import EquilibriumPath
@@ -43,6 +43,10 @@ def trace(
     EquilibriumNotFound : the arc shrank to nothing before; carries what was reached.
     """
     require_integer("points", points, 1, 100_000)
+    if scene.contact.enabled and scene.contact.sliding == "coulomb":
+        raise InputError(
+            "contact.sliding must be free or none for trace: friction depends on the path, got 'coulomb'"
+        )
     scene = scene.overridden(penalty=penalty)
     problem, mesh, options = scene_problem(scene, element, elements_per_turn, pairs_per_turn)
     found, seconds = _run(problem, points)
