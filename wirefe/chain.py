@@ -127,10 +127,24 @@ def _subtract(T, V, U):
 
 
 @kernel
+def _is_zero(U):
+    """Whether a block is empty, as those of open pairs and of their fill are."""
+    for i in range(N6):
+        for j in range(N6):
+            if U[i, j] != 0.0:
+                return False
+    return True
+
+
+@kernel
 def eliminate(plan, F):
-    """LDL^T of the blocks (blocks, 6, 6) in place; returns the number of negative pivots and the least."""
+    """LDL^T of the blocks (blocks, 6, 6) in place; returns the number of negative pivots and the least.
+
+    Work is spent on blocks that hold something: those of pairs that touch, and their fill.
+    """
     negative, least = 0, np.inf
     scaled = np.empty((N6, N6))
+    empty = np.zeros(plan.block.size, np.bool_)
     t = 0
     for step in range(plan.order.size):
         D = F[plan.order[step]]
@@ -139,13 +153,18 @@ def eliminate(plan, F):
         begin, end = plan.start[step], plan.start[step + 1]
         for a in range(begin, end):
             U = F[plan.block[a]]
+            empty[a] = _is_zero(U)
+            if empty[a]:
+                t += a - begin + 1
+                continue
             _forward(D, U)
             for k in range(N6):
                 w = 1.0 / D[k, k]
                 for r in range(N6):
                     scaled[k, r] = w * U[k, r]
             for b in range(begin, a + 1):
-                _subtract(F[plan.target[t]], F[plan.block[b]], scaled)
+                if not empty[b]:
+                    _subtract(F[plan.target[t]], F[plan.block[b]], scaled)
                 t += 1
     return negative, least
 
@@ -166,6 +185,8 @@ def substitute(plan, F, b):
             z[i] = y[i] / D[i, i]
         for a in range(plan.start[step], plan.start[step + 1]):
             U = F[plan.block[a]]
+            if _is_zero(U):
+                continue
             p = N6 * plan.column[a]
             for i in range(N6):
                 for j in range(N6):
@@ -176,6 +197,8 @@ def substitute(plan, F, b):
         y = b[N6 * n : N6 * n + N6]
         for a in range(plan.start[step], plan.start[step + 1]):
             U = F[plan.block[a]]
+            if _is_zero(U):
+                continue
             p = N6 * plan.column[a]
             for i in range(N6):
                 total = 0.0
