@@ -40,6 +40,7 @@ class Trace(NamedTuple):
     iterations: np.ndarray  # (points,) factorisations of each point, rejected attempts included
     negative: np.ndarray  # (points,) negative pivots: 0 where the equilibrium is stable
     finished: bool  # False where the arc shrank to nothing
+    stray: bool  # True where it ended at its last state because a pair touches that is not in the model
     pairs: int  # contact pairs evaluated
 
 
@@ -118,7 +119,7 @@ def trace(
     copy(new, along)
     time, arc = 0.0, FIRST_ARC
     row, spent = 0, 1
-    while row < points and time < 1.0 and arc >= LEAST_ARC and stop[0] == 0:
+    while row < points and time < 1.0 and arc >= LEAST_ARC and clearance > -np.inf and stop[0] == 0:
         retract(reals, ints, state, along, arc, trial)
         good, reached, count, negative, looked = correct(
             reals, ints, state, clearance, memory, load, scale, along, pitch, trial, time + arc * pitch,
@@ -143,7 +144,8 @@ def trace(
         if count <= FEW_CORRECTIONS:
             arc = min(1.5 * arc, MOST_ARC)
     finished = arc >= LEAST_ARC
-    return Trace(times[:row], states[:row], iterations[:row], negatives[:row], finished, pairs)
+    stray = clearance == -np.inf
+    return Trace(times[:row], states[:row], iterations[:row], negatives[:row], finished, stray, pairs)
 
 
 @lru_cache(maxsize=1)

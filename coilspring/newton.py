@@ -18,7 +18,8 @@ the functions here take as typed first-class functions, so that they are compile
     centres of a pair that comes near on the way, in wire diameters; the share of the way after which
     the first pair that is open in `a` has closed.
 ``commit(reals, ints, state, memory) -> least gap``
-    Update the contact memory with an accepted state.
+    Update the contact memory with an accepted state. Minus infinity: a pair touches that is not in
+    the model.
 ``renew(reals, ints, state, memory) -> change``
     Set the bounds of the tangential forces, which are numbers in `assemble`, to those of the normal
     forces at `state`; returns their largest change over the largest bound, 0 without friction.

@@ -53,6 +53,11 @@ class Run:
     solve_seconds: float
     compile_seconds: float
 
+    @property
+    def spent(self) -> int:
+        """Factorisations in all."""
+        return int(self.track.iterations.sum() + self.track.rest[0])
+
 
 def follow_problem(
     problem: Problem,
@@ -77,32 +82,44 @@ def follow_problem(
     return Run(track, *_verdict(track, problem.load), seconds, compiled)
 
 
-def follow_scene(
+def output_times(scene: Scene) -> np.ndarray:
+    """Times at which the scene wants results."""
+    return np.arange(1, scene.load.steps + 1) / scene.load.steps
+
+
+def follow_load(
     scene: Scene,
-    model: str,
-    options: Mapping[str, object],
     problem: Problem,
     kernels: Kernels,
-    shape: Shape,
     *,
     limit: int = MOST_ITERATIONS,
     predictor: bool = True,
+) -> Run:
+    """Follow the scene's load with a model's kernels."""
+    length = scene.spring.wire_diameter
+    return follow_problem(problem, kernels, output_times(scene), length, limit=limit, predictor=predictor)
+
+
+def scene_path(
+    scene: Scene,
+    model: str,
+    options: Mapping[str, object],
+    run: Run,
+    shape: Shape,
+    spent: int = 0,
 ) -> EquilibriumPath:
-    """Follow the scene's load path with a model's kernels.
+    """Path of a run; `spent` are factorisations of runs before it that were given up.
 
     Raises
     ------
     EquilibriumNotFound : where the path ends before time 1.
     """
-    times = np.arange(1, scene.load.steps + 1) / scene.load.steps
-    length = scene.spring.wire_diameter
-    run = follow_problem(problem, kernels, times, length, limit=limit, predictor=predictor)
     track = run.track
     path = EquilibriumPath(
         scene=scene,
         model=model,
         options=dict(options),
-        times=times[: len(track.states)],
+        times=output_times(scene)[: len(track.states)],
         states=track.states,
         memories=track.memories,
         iterations=track.iterations,
@@ -111,7 +128,7 @@ def follow_scene(
         shape=shape,
         critical_time=run.critical_time,
         critical_bracket=None if run.critical_time is None else track.bracket,
-        total_iterations=int(track.iterations.sum() + track.rest[0]),
+        total_iterations=spent + run.spent,
         stability_checks=track.checks,
         pair_evaluations=track.pairs,
         residual_history=tuple(track.history[track.history > 0.0]),

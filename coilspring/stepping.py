@@ -12,7 +12,7 @@ from numba import njit, types
 from coilspring.compiled import copy, kernel
 from coilspring.newton import CONVERGED, FAILED, HISTORY, INDEFINITE, LINEAR, NONE, dot, equilibrium, solution
 
-COMPLETED, CRITICAL, STUCK = 0, 1, 2
+COMPLETED, CRITICAL, STUCK, STRAY = 0, 1, 2, 3
 
 FIRST_STEP = 0.25  # largest first substep: the tangent at rest knows nothing of the contact to come
 LEAST_STEP = 1e-9  # of the time 0..1: below it, what cannot be passed is called a critical point
@@ -45,7 +45,9 @@ class Track(NamedTuple):
     bracket: float  # length of the time bracket of the critical point
     checks: int  # factorisations that only verified the stability of a linear stretch
     pairs: int  # contact pairs evaluated
-    mode: np.ndarray  # softest mode at the last accepted state, where the outcome is CRITICAL
+    mode: (
+        np.ndarray
+    )  # softest mode at the last accepted state, where the outcome is CRITICAL; that state, if STRAY
     history: np.ndarray  # last Newton decrements over the reference work
 
 
@@ -181,6 +183,10 @@ def follow(
     mode = np.zeros_like(load)
     held = memory.copy()
     clearance = commit(reals, ints, state, memory)
+    if clearance == -np.inf:
+        return Track(
+            states[:0], memories[:0], iterations[:0], spent, STRAY, 0.0, 0.0, 0, 0, state, history
+        )  # fmt: skip
     _, pairs = assemble(reals, ints, state, clearance, memory, state, g, H)
     rest = H.copy()
     copy(H, F)
@@ -275,6 +281,11 @@ def follow(
         time = target
         held[:] = memory
         clearance = commit(reals, ints, state, memory)
+        if clearance == -np.inf:
+            return Track(
+                states[:row], memories[:row], iterations[:row], spent, STRAY, time, 0.0, checks, pairs, state,
+                history,
+            )  # fmt: skip
         if share < EASY_TURN and count <= EASY_COUNT:
             dt = max(dt, 2.0 * step)
         if landing:

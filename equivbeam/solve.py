@@ -7,7 +7,7 @@ import numpy as np
 from coilspring.errors import require_choice
 from coilspring.path import EquilibriumPath
 from coilspring.scene import Scene
-from coilspring.solving import MOST_ITERATIONS, Problem, follow_scene
+from coilspring.solving import MOST_ITERATIONS, Problem, follow_load, scene_path
 from coilspring.stepping import Kernels
 from equivbeam import band, kernels, model
 from equivbeam.contact import MEMORY
@@ -80,13 +80,7 @@ def solve(
         matrix_size=model.matrix_size(data),
     )
     exact = tangent == "exact"
-    return follow_scene(
-        scene,
-        "equivbeam",
-        {"law": law, "tangent": tangent, "sliding": sliding},
-        problem,
-        KERNELS,
-        BeamShape(scene, data),
-        limit=MOST_ITERATIONS if exact else MOST_PAPER_ITERATIONS,
-        predictor=exact,
-    )
+    limit = MOST_ITERATIONS if exact else MOST_PAPER_ITERATIONS
+    run = follow_load(scene, problem, KERNELS, limit=limit, predictor=exact)
+    options = {"law": law, "tangent": tangent, "sliding": sliding}
+    return scene_path(scene, "equivbeam", options, run, BeamShape(scene, data))

@@ -254,12 +254,45 @@ def motion(reals, ints, a, b):
 
 
 @kernel
+def _is_pair(pairs, A, B):
+    for m in range(pairs.shape[0]):  # noqa: SIM110
+        if pairs[m, 0] == A and pairs[m, 1] == B:
+            return True
+    return False
+
+
+@kernel
+def _stray(contact, state):
+    """Whether spheres touch that are no pair; looked for once they may have come near."""
+    if 2.0 * _bound(contact.reach, contact.home, state) < contact.apart:
+        return False
+    count = contact.carrier.size
+    centres = np.empty((count, 3))
+    for A in range(count):
+        centre(contact, state, A, centres[A])
+    for A in range(count):
+        for B in range(A + contact.near + 1, count):
+            y = centres[B, 1] - centres[A, 1]
+            if abs(y) >= contact.d:
+                continue
+            square = (centres[B, 0] - centres[A, 0]) ** 2 + y * y + (centres[B, 2] - centres[A, 2]) ** 2
+            if square >= contact.d**2 or contact.carrier[A] == contact.carrier[B]:
+                continue
+            if not _is_pair(contact.pairs, A, B):
+                return True
+    return False
+
+
+@kernel
 def commit(reals, ints, state, memory):
     """Update the contact memory with an accepted state; returns the least gap of all pairs.
 
-    A pair that touches is remembered where there is friction, one that has opened is forgotten.
+    A pair that touches is remembered where there is friction, one that has opened is forgotten. Minus
+    infinity says that spheres touch which are no pair.
     """
     contact = view_contact(reals, ints)
+    if contact.pairs.shape[0] > 0 and _stray(contact, state):
+        return -np.inf
     least = np.inf
     c, w, e = np.empty(3), np.empty(3), np.empty(3)
     for m in range(contact.pairs.shape[0]):

@@ -65,19 +65,28 @@ class Spheres:
     diameter: float
     stiffness: float  # of a pair
     exponent: float
+    near: int  # spheres so near each other along the wire do not touch: half a turn
+    apart: float  # least gap at rest of spheres that are no pair
     friction: float  # coefficient: 0 without friction, infinite where closed pairs do not slide
 
 
 def no_spheres() -> Spheres:
     """A wire that touches nothing."""
     whole = np.zeros(0, dtype=np.int64)
-    return Spheres(whole, np.zeros((0, 3)), whole.reshape(0, 2), 1.0, 1.0, 1.0, 0.0)
+    return Spheres(whole, np.zeros((0, 3)), whole.reshape(0, 2), 1.0, 1.0, 1.0, 0, math.inf, 0.0)
 
 
-def place_spheres(scene: Scene, mesh: WireMesh, elements_per_turn: int, pairs_per_turn: int) -> Spheres:
+def place_spheres(
+    scene: Scene,
+    mesh: WireMesh,
+    elements_per_turn: int,
+    pairs_per_turn: int,
+    found: np.ndarray | None = None,
+) -> Spheres:
     """Spheres at `pairs_per_turn` phases a turn, end turns included, each paired one turn above.
 
-    The stiffness per length of wire is kept: K * 4 / pairs. Pairs inside one rigid end are left out.
+    The stiffness per length of wire is kept: K * 4 / pairs. Pairs inside one rigid end are left out;
+    the pairs `found` are added.
     """
     require_integer("pairs_per_turn", pairs_per_turn, 1, 1000)
     if elements_per_turn % pairs_per_turn:
@@ -94,13 +103,34 @@ def place_spheres(scene: Scene, mesh: WireMesh, elements_per_turn: int, pairs_pe
     carrier = np.clip(index * stride, 0, last)
     rest = np.concatenate((mesh.points[:-1], mesh.reference[None]))
     pairs = np.stack((np.arange(len(index) - pairs_per_turn), np.arange(pairs_per_turn, len(index))), axis=1)
-    apart = carrier[pairs[:, 0]] != carrier[pairs[:, 1]]
+    pairs = pairs[carrier[pairs[:, 0]] != carrier[pairs[:, 1]]]
+    if found is not None:
+        pairs = np.concatenate((pairs, found))
+    near = pairs_per_turn // 2
+    _, gaps = strays(spring.points(phases), carrier, pairs, near, np.inf)
     return Spheres(
         carrier=carrier,
         arm=spring.points(phases) - rest[carrier],
-        pairs=pairs[apart] if scene.contact.enabled else pairs[:0],
+        pairs=pairs if scene.contact.enabled else pairs[:0],
         diameter=spring.wire_diameter,
         stiffness=scene.contact.stiffness * PAIRS_OF_PENALTY / pairs_per_turn,
         exponent=float(scene.contact.exponent),
+        near=near,
+        apart=float(gaps.min(initial=np.inf)) - spring.wire_diameter,
         friction=scene.contact.coefficient,
     )
+
+
+def strays(
+    centres: np.ndarray, carrier: np.ndarray, pairs: np.ndarray, near: int, reach: float
+) -> tuple[np.ndarray, np.ndarray]:
+    """Spheres that are no pair, with centres nearer than `reach`: (n, 2), and their distances (n,).
+
+    Spheres up to `near` apart along the wire, or carried by one node, do not touch.
+    """
+    first, second = np.triu_indices(len(centres), near + 1)
+    distance = np.linalg.norm(centres[second] - centres[first], axis=1)
+    count = len(centres)
+    new = ~np.isin(first * count + second, pairs[:, 0] * count + pairs[:, 1])
+    keep = new & (distance < reach) & (carrier[first] != carrier[second])
+    return np.stack((first[keep], second[keep]), axis=1), distance[keep]

@@ -55,6 +55,9 @@ class ContactArrays(NamedTuple):
     mu: float  # coefficient of friction; infinite where closed pairs do not slide
     block: np.ndarray  # (pairs,) block of each pair's coupling
     flip: np.ndarray
+    near: int  # spheres so near each other along the wire do not touch
+    home: np.ndarray  # state at rest, flat
+    apart: float  # least gap at rest of spheres that are no pair
 
 
 class WireModel(NamedTuple):
@@ -67,13 +70,20 @@ class WireModel(NamedTuple):
 
 
 # numbers of each part's first field in the packed arrays
-HELD, CONTACT, PLAN = 6, 10, 20
+HELD, CONTACT, PLAN = 6, 10, 23
 
 
 def build_model(
-    scene: Scene, elements_per_turn: int, pairs_per_turn: int, element: str = "straight"
+    scene: Scene,
+    elements_per_turn: int,
+    pairs_per_turn: int,
+    element: str = "straight",
+    found: np.ndarray | None = None,
 ) -> tuple[WireModel, WireMesh, Rod]:
-    """Arrays of the wire model of `scene`, its mesh and its wire as a rod."""
+    """Arrays of the wire model of `scene`, its mesh and its wire as a rod.
+
+    `found` are pairs of spheres that touch besides those one turn apart.
+    """
     mesh = mesh_wire(scene.spring, elements_per_turn)
     section = round_section(scene.spring.wire_diameter, scene.material)
     if element == "curved":
@@ -83,7 +93,7 @@ def build_model(
     top = len(mesh.points) - 1
     rod = rod.holding(0).holding(top, "uz", "rotx", "roty", *scene.supports.top_held)
     rod = rod.loaded(top, force=(*scene.load.force, 0.0))
-    spheres = place_spheres(scene, mesh, elements_per_turn, pairs_per_turn)
+    spheres = place_spheres(scene, mesh, elements_per_turn, pairs_per_turn, found)
     return rod_model(rod, mesh.arm, spheres), mesh, rod
 
 
@@ -109,6 +119,9 @@ def rod_model(rod: Rod, arm: np.ndarray, spheres: Spheres | None = None) -> Wire
             mu=spheres.friction,
             block=block[count:],
             flip=flip[count:],
+            near=spheres.near,
+            home=rest_state(rod, arm),
+            apart=spheres.apart,
         ),
         plan,
     )
@@ -179,7 +192,8 @@ def view_contact(reals, ints):
     return ContactArrays(
         vector(ints, head[0]), table(reals, head[1]), table(ints, head[2]), reals[head[3, 0]],
         reals[head[4, 0]], reals[head[5, 0]], reals[head[6, 0]], reals[head[7, 0]],
-        vector(ints, head[8]), vector(ints, head[9]),
+        vector(ints, head[8]), vector(ints, head[9]), ints[head[10, 0]], vector(reals, head[11]),
+        reals[head[12, 0]],
     )  # fmt: skip
 
 

@@ -7,18 +7,21 @@ import numpy as np
 from coilspring.errors import EquilibriumNotFound, InputError, require_choice, require_integer
 from coilspring.path import EquilibriumPath
 from coilspring.scene import Scene
-from coilspring.solving import Problem, follow_problem, follow_scene
-from coilspring.stepping import Kernels
+from coilspring.solving import Problem, follow_load, follow_problem, scene_path
+from coilspring.stepping import STRAY, Kernels
 from wirefe import kernels, model
 from wirefe.contact import MEMORY
 from wirefe.elements import ELEMENTS
-from wirefe.mesh import WireMesh
+from wirefe.mesh import WireMesh, strays
 from wirefe.rod import Rod
 from wirefe.rodpath import RodPath
-from wirefe.shape import WireShape
+from wirefe.shape import WireShape, turned
 
 # Moves of a rod without contact are compared with this part of its length, as with a wire's diameter.
 LENGTHS_OF_A_WIRE = 50.0
+# Spheres nearer than this many wire diameters become pairs together with those that touch.
+STRAY_REACH = 1.5
+NO_PAIRS = np.zeros((0, 2), dtype=np.int64)
 
 KERNELS = Kernels(
     assemble=kernels.assemble,
@@ -68,9 +71,15 @@ def solve(
     EquilibriumNotFound : the path ends before time 1; carries what was reached.
     """
     scene = scene.overridden(steps, penalty)
-    problem, mesh, options = scene_problem(scene, element, elements_per_turn, pairs_per_turn)
-    shape = WireShape(scene, problem.data, mesh)
-    return follow_scene(scene, "wirefe", options, problem, KERNELS, shape)
+    spent, found = 0, NO_PAIRS
+    while True:
+        problem, mesh, options = scene_problem(scene, element, elements_per_turn, pairs_per_turn, found)
+        run = follow_load(scene, problem, KERNELS)
+        if run.track.outcome != STRAY:
+            return scene_path(scene, "wirefe", options, run, WireShape(scene, problem.data, mesh), spent)
+        # coils touch elsewhere than one turn apart: once more, with what touches in the model
+        spent += run.spent
+        found = with_strays(problem.data, run.track.mode, found)
 
 
 def solve_rod(rod: Rod, *, steps: int = 10) -> RodPath:
@@ -113,17 +122,31 @@ def solve_rod(rod: Rod, *, steps: int = 10) -> RodPath:
     return path
 
 
+def with_strays(data: model.WireModel, state: np.ndarray, found: np.ndarray) -> np.ndarray:
+    """The pairs `found` so far, and those that are near in `state` and no pairs yet."""
+    contact = data.contact
+    carried = state.reshape(-1, model.ROW)[contact.carrier]
+    centres = carried[:, :3] + turned(carried[:, 3:], contact.offset)
+    new, _ = strays(centres, contact.carrier, contact.pairs, contact.near, STRAY_REACH * contact.d)
+    return np.concatenate((found, new))
+
+
 def scene_problem(
-    scene: Scene, element: str, elements_per_turn: int, pairs_per_turn: int
+    scene: Scene,
+    element: str,
+    elements_per_turn: int,
+    pairs_per_turn: int,
+    found: np.ndarray = NO_PAIRS,
 ) -> tuple[Problem, WireMesh, dict[str, object]]:
-    """Problem, mesh and options of a scene's wire model."""
+    """Problem, mesh and options of a scene's wire model; `found` are pairs of spheres not one turn apart."""
     require_choice("element", element, ELEMENTS)
     require_integer("elements_per_turn", elements_per_turn, 4, 2000)
-    data, mesh, rod = model.build_model(scene, elements_per_turn, pairs_per_turn, element)
+    data, mesh, rod = model.build_model(scene, elements_per_turn, pairs_per_turn, element, found)
     options: dict[str, object] = {
         "element": element,
         "elements_per_turn": elements_per_turn,
         "pairs_per_turn": pairs_per_turn,
+        "pairs_found": len(found),
     }
     return _problem(data, rod, mesh.arm), mesh, options
 

@@ -15,7 +15,7 @@ from coilspring.stepping import compile_kernels
 from wirefe.rod import Rod
 from wirefe.rodpath import RodPath
 from wirefe.shape import WireShape
-from wirefe.solve import KERNELS, rod_problem, scene_problem
+from wirefe.solve import KERNELS, NO_PAIRS, rod_problem, scene_problem, with_strays
 
 
 def trace(
@@ -48,8 +48,14 @@ def trace(
             "contact.sliding must be free or none for trace: friction depends on the path, got 'coulomb'"
         )
     scene = scene.overridden(penalty=penalty)
-    problem, mesh, options = scene_problem(scene, element, elements_per_turn, pairs_per_turn)
-    found, seconds = _run(problem, points)
+    spent, pairs = 0, NO_PAIRS
+    while True:
+        problem, mesh, options = scene_problem(scene, element, elements_per_turn, pairs_per_turn, pairs)
+        found, seconds = _run(problem, points)
+        if not found.stray:
+            break
+        spent += int(found.iterations.sum())
+        pairs = with_strays(problem.data, found.states[-1], pairs)
     outcome, message = _verdict(found)
     path = EquilibriumPath(
         scene=scene,
@@ -60,7 +66,7 @@ def trace(
         iterations=found.iterations,
         shape=WireShape(scene, problem.data, mesh),
         negative_pivots=found.negative,
-        total_iterations=int(found.iterations.sum()),
+        total_iterations=spent + int(found.iterations.sum()),
         pair_evaluations=found.pairs,
         solve_seconds=seconds,
         outcome=outcome,
