@@ -13,3 +13,11 @@ def copy(source, target):
     """target[:] = source for flat arrays; slice assignment compiles seconds of error messages."""
     for i in range(source.size):
         target[i] = source[i]
+
+
+@kernel
+def copy_table(source, target):
+    """target[:] = source for tables."""
+    for i in range(source.shape[0]):
+        for j in range(source.shape[1]):
+            target[i, j] = source[i, j]

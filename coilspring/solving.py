@@ -14,7 +14,8 @@ from coilspring.interrupt import interruptible
 from coilspring.packing import pack
 from coilspring.path import EquilibriumPath, Shape
 from coilspring.scene import Scene
-from coilspring.stepping import COMPLETED, CRITICAL, Kernels, Track, compile_kernels, compiled_follow
+from coilspring.stepping import COMPLETED, CRITICAL, Kernels, Track
+from coilspring.warming import ready
 
 MOST_ITERATIONS = 25  # of a substep with the exact tangent, which needs 2 or 3 far from contact changes
 # Null modes of a bifurcation do no work with the load; rounding leaves far less than this share.
@@ -70,8 +71,7 @@ def follow_problem(
 ) -> Run:
     """Follow a problem through the increasing `times`; `length` is the one with which moves are compared."""
     began = time.perf_counter()
-    follow = compiled_follow()
-    compile_kernels(kernels)
+    follow = ready(kernels)
     compiled = time.perf_counter() - began
     began = time.process_time()
     track = interruptible(

@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numba import njit, types
 
-from coilspring.compiled import copy, kernel
+from coilspring.compiled import copy, copy_table, kernel
 from coilspring.newton import CONVERGED, FAILED, HISTORY, INDEFINITE, LINEAR, NONE, dot, equilibrium, solution
 
 COMPLETED, CRITICAL, STUCK, STRAY = 0, 1, 2, 3
@@ -45,9 +45,8 @@ class Track(NamedTuple):
     bracket: float  # length of the time bracket of the critical point
     checks: int  # factorisations that only verified the stability of a linear stretch
     pairs: int  # contact pairs evaluated
-    mode: (
-        np.ndarray
-    )  # softest mode at the last accepted state, where the outcome is CRITICAL; that state, if STRAY
+    mode: np.ndarray  # softest mode at the last accepted state, where the path ended at it
+    last: np.ndarray  # last accepted state
     history: np.ndarray  # last Newton decrements over the reference work
 
 
@@ -183,29 +182,24 @@ def follow(
     mode = np.zeros_like(load)
     held = memory.copy()
     clearance = commit(reals, ints, state, memory)
-    if clearance == -np.inf:
-        return Track(
-            states[:0], memories[:0], iterations[:0], spent, STRAY, 0.0, 0.0, 0, 0, state, history
-        )  # fmt: skip
     _, pairs = assemble(reals, ints, state, clearance, memory, state, g, H)
     rest = H.copy()
     copy(H, F)
     negative, least = factor(reals, ints, F)
-    if negative > 0:
-        return Track(
-            states[:0], memories[:0], iterations[:0], spent, CRITICAL, 0.0, 0.0, 0, pairs, mode, history
-        )
     spent[0] = 1
+    outcome = COMPLETED if negative == 0 else CRITICAL
     solution(reals, ints, F, load, 1.0, tangent, solve)
     work = dot(load, tangent)
     noise = rounding(load, start)
     origin, begin = state.copy(), 0.0  # of the linear stretch whose stability is not yet verified
     linear, kept = False, True
     checks, critical = 0, np.inf
-    outcome = COMPLETED
     time, dt = 0.0, min(times[0], FIRST_STEP)
     row = 0
-    while row < times.size and stop[0] == 0:
+    while row < times.size and outcome == COMPLETED and stop[0] == 0:
+        if clearance == -np.inf:
+            outcome = STRAY
+            break
         landing = times[row] - time <= dt * (1.0 + 1e-9)
         target = times[row] if landing else time + dt
         step = target - time
@@ -224,27 +218,24 @@ def follow(
         for i in range(load.size):
             push[i] = target * load[i]
         renew(reals, ints, state, memory)
-        status, count, trouble, looked = equilibrium(
-            reals, ints, state, clearance, memory, push, work * target**2, noise * target, limit, trial,
-            g, H, rest, least, F, kept, history, assemble, factor, solve, retract,
-        )  # fmt: skip
-        spent[0] += count
-        pairs += looked
-        rounds = 0
-        while status in (CONVERGED, LINEAR) and renew(reals, ints, trial, memory) > BOUND_CHANGE:
-            rounds += 1
-            if rounds > MOST_ROUNDS:
-                status = FAILED
-                break
+        rounds, trouble = 0, NONE
+        while True:
             status, count, more, looked = equilibrium(
                 reals, ints, state, clearance, memory, push, work * target**2, noise * target, limit, trial,
-                g, H, rest, least, F, True, history, assemble, factor, solve, retract,
+                g, H, rest, least, F, kept, history, assemble, factor, solve, retract,
             )  # fmt: skip
             spent[0] += count
             pairs += looked
             trouble = max(trouble, more)
-            if status == LINEAR:
+            if status == LINEAR and rounds > 0:
                 status = CONVERGED
+            rounds += 1
+            if status not in (CONVERGED, LINEAR) or renew(reals, ints, trial, memory) <= BOUND_CHANGE:
+                break
+            if rounds == MOST_ROUNDS:
+                status = FAILED
+                break
+            kept = True
         good, share = status in (CONVERGED, LINEAR), 0.0
         if good:
             good, share = continues(
@@ -279,18 +270,13 @@ def follow(
         kept = True
         copy(trial, state)
         time = target
-        held[:] = memory
+        copy_table(memory, held)
         clearance = commit(reals, ints, state, memory)
-        if clearance == -np.inf:
-            return Track(
-                states[:row], memories[:row], iterations[:row], spent, STRAY, time, 0.0, checks, pairs, state,
-                history,
-            )  # fmt: skip
         if share < EASY_TURN and count <= EASY_COUNT:
             dt = max(dt, 2.0 * step)
         if landing:
             copy(state, states[row])
-            memories[row] = held
+            copy_table(held, memories[row])
             iterations[row] = spent[0]
             spent[0] = 0
             row += 1
@@ -305,7 +291,7 @@ def follow(
         while row > 0 and times[row - 1] > critical:
             row -= 1
         retract(reals, ints, origin, tangent, critical - begin, state)
-    if outcome != COMPLETED:
+    if outcome in (CRITICAL, STUCK):
         least, mode = softest(reals, ints, state, memory, load, g, H, assemble, factor, solve)
         stiffness, _ = softest(reals, ints, start, memory, load, g, H, assemble, factor, solve)
         if abs(least) < SOFT * abs(stiffness):
@@ -321,6 +307,7 @@ def follow(
         checks,
         pairs,
         mode,
+        state,
         history,
     )
 
@@ -350,12 +337,6 @@ def compiled_follow() -> Callable:
     control = (real, whole, types.boolean)
     functions = tuple(types.FunctionType(signature) for signature in SIGNATURES)
     return njit(data + control + functions + (numbers,), cache=True, error_model="numpy", nogil=True)(follow)
-
-
-def compile_kernels(kernels: Kernels) -> None:
-    """Compile a model's kernels, or read them from the cache, for the types `follow` calls with."""
-    for function, signature in zip(kernels, SIGNATURES, strict=True):
-        function.compile(signature.args)
 
 
 def _signatures() -> Kernels:

@@ -274,12 +274,13 @@ def _half_way_blocks(th, tau, Z, S, T, rr, rm, rw, mm, mw, ww):
     skew(th, -0.5 * tau, S)
     for i in range(3):
         for j in range(3):
-            rr[i, j] = Z[min(i, j), max(i, j)]
+            low, high = (i, j) if i < j else (j, i)
+            rr[i, j] = Z[low, high]
             rm[i, j] = Z[i, 3 + j]
             rw[i, j] = Z[i, 6 + j]
-            mm[i, j] = Z[3 + min(i, j), 3 + max(i, j)]
+            mm[i, j] = Z[3 + low, 3 + high]
             mw[i, j] = Z[3 + i, 6 + j]
-            ww[i, j] = Z[6 + min(i, j), 6 + max(i, j)]
+            ww[i, j] = Z[6 + low, 6 + high]
     product(rm, S, T)
     for i in range(3):
         for j in range(3):

@@ -121,8 +121,8 @@ def _add_pairs(contact, memory, state, g, H):
             ca[i] -= state[ROW * a + i]
             cb[i] -= state[ROW * b + i]
         pair_matrix(f, Hg, ca, cb, ge, Ke, Ja, Jb, C)
-        _add_node(g, H, a, 0, ge, Ke)
-        _add_node(g, H, b, 6, ge, Ke)
+        for side in range(2):  # literal places would compile `_add_node` anew
+            _add_node(g, H, b if side else a, 6 * side, ge, Ke)
         _add_block(H, contact.block[m], contact.flip[m], Ke)
     return energy
 

@@ -79,7 +79,7 @@ def solve(
             return scene_path(scene, "wirefe", options, run, WireShape(scene, problem.data, mesh), spent)
         # coils touch elsewhere than one turn apart: once more, with what touches in the model
         spent += run.spent
-        found = with_strays(problem.data, run.track.mode, found)
+        found = with_strays(problem.data, run.track.last, found)
 
 
 def solve_rod(rod: Rod, *, steps: int = 10) -> RodPath:

@@ -11,7 +11,7 @@ from coilspring.packing import pack
 from coilspring.path import EquilibriumPath
 from coilspring.scene import Scene
 from coilspring.solving import Problem
-from coilspring.stepping import compile_kernels
+from coilspring.warming import compile_kernels
 from wirefe.rod import Rod
 from wirefe.rodpath import RodPath
 from wirefe.shape import WireShape
