@@ -48,7 +48,7 @@ def test_second_process_hits_the_cache(tmp_path):
         "print([sum(f.stats.cache_misses.values()) for f in (stepping.compiled_follow(), a, b)])"
     )
     cache = {"NUMBA_CACHE_DIR": str(tmp_path)}
-    assert run(code, **cache).strip() == "[1, 1, 1]"
+    assert run(code, **cache).strip() == "[0, 1, 1]"  # the follower was compiled in a child
     assert run(code, **cache).strip() == "[0, 0, 0]"
 
 

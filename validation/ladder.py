@@ -64,9 +64,9 @@ class Check:
 
 def checks() -> list[Check]:
     """All checks, solved."""
-    from validation import rodcases, springcases
+    from validation import momentcase, rodcases, springcases
 
-    return [*rodcases.checks(), *springcases.checks()]
+    return [*rodcases.checks(), *momentcase.checks(), *springcases.checks()]
 
 
 def write_page(path: str | Path) -> bool:
