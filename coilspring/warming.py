@@ -8,6 +8,7 @@ import subprocess
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from functools import cache
 from importlib import import_module
 from pathlib import Path
 
@@ -16,6 +17,7 @@ from coilspring.stepping import SIGNATURES, Kernels, compiled_follow
 PARENTS = ("assemble", "retract")  # about half the work; a child has the others and the follower
 
 
+@cache
 def ready(kernels: Kernels) -> Callable:
     """The compiled path follower, with a model's kernels compiled or read from the cache.
 
