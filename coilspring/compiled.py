@@ -7,6 +7,9 @@ from numba import njit
 # Division by zero gives inf or nan, as in numpy: checking for it would cost a branch at each division.
 kernel = njit(cache=True, error_model="numpy")
 
+# For kernels that are plain arithmetic: sums may be reordered and multiplied on the fly.
+arithmetic = njit(cache=True, error_model="numpy", fastmath={"contract", "reassoc", "nsz", "arcp"})
+
 
 @kernel
 def copy(source, target):

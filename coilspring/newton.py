@@ -4,9 +4,10 @@ A model is described by its data (two flat arrays, see `coilspring.packing`) and
 the functions here take as typed first-class functions, so that they are compiled once for all models:
 
 ``assemble(reals, ints, anchor, clearance, memory, state, g, H) -> (energy, pairs evaluated)``
-    Strain and contact energy, its gradient `g` and its matrix `H` (model's own storage, flat) at
-    `state`. `anchor` is the last accepted state, `clearance` the least gap of its contact pairs: while
-    nothing has moved by half of it, no pair can touch. `memory` holds what contact remembers.
+    Strain and contact energy, its gradient `g` and its matrix `H` (model's own storage, flat; left
+    out by a lean model where it is empty) at `state`. `anchor` is the last accepted state, `clearance`
+    the least gap of its contact pairs: while nothing has moved by half of it, no pair can touch.
+    `memory` holds what contact remembers.
 ``factor(reals, ints, F) -> (negative pivots, least pivot)``
     LDL^T of `F` in place. By Sylvester's law the negative pivots count the negative eigenvalues.
 ``solve(reals, ints, F, b)``
@@ -161,6 +162,7 @@ def equilibrium(
     state,
     g,
     H,
+    lean,
     rest,
     stiffness,
     F,
@@ -175,7 +177,8 @@ def equilibrium(
 
     `push` is the load; `kept` says that `F` holds the factor of the last accepted state; where that
     alone already closes the residual the response is linear and nothing is factored. `work` scales the
-    stop test, `stiffness` is the least pivot at rest, `rounding` is
+    stop test, `lean` says that the matrix is
+    costly and asked for only where it is factored, `stiffness` is the least pivot at rest, `rounding` is
     the absolute noise of the energy, `limit` bounds the iterations, `history`
     receives the decrements over `work`.
 
@@ -184,6 +187,7 @@ def equilibrium(
     """
     step = np.empty_like(g)
     trial = np.empty_like(state)
+    matrix = H[:0] if lean else H  # of trial states
     energy, pairs = assemble(reals, ints, anchor, clearance, memory, state, g, H)
     subtract(push, g)
     enough = max(DECREMENT * work, rounding)  # less energy than its rounding cannot be asked for
@@ -209,6 +213,10 @@ def equilibrium(
                 negative, _ = factor(reals, ints, F)
                 status = SADDLE if negative > 0 else CONVERGED
                 return status, count + 1, INDEFINITE if negative > 0 else trouble, pairs + looked
+        if lean and i > 0:
+            energy, looked = assemble(reals, ints, anchor, clearance, memory, state, g, H)
+            subtract(push, g)
+            pairs += looked
         copy(H, F)
         negative, least = factor(reals, ints, F)
         count += 1
@@ -218,7 +226,7 @@ def equilibrium(
         if negative > 0 and i == 0:
             # a predicted state may be indefinite near a stable equilibrium: plain Newton finds it
             retract(reals, ints, state, step, 1.0, trial)
-            energy, looked = assemble(reals, ints, anchor, clearance, memory, trial, g, H)
+            energy, looked = assemble(reals, ints, anchor, clearance, memory, trial, g, matrix)
             subtract(push, g)
             solution(reals, ints, F, g, 1.0, step, solve)
             pairs += looked
@@ -226,7 +234,7 @@ def equilibrium(
                 copy(trial, state)
                 kept = False
                 continue
-            energy, looked = assemble(reals, ints, anchor, clearance, memory, state, g, H)
+            energy, looked = assemble(reals, ints, anchor, clearance, memory, state, g, matrix)
             subtract(push, g)
             pairs += looked
         if negative > 0:
@@ -247,8 +255,8 @@ def equilibrium(
             copy(trial, state)
             return CONVERGED, count, trouble, pairs
         length, energy, looked = line_search(
-            reals, ints, anchor, clearance, memory, push, state, step, energy, slope, rounding, g, H,
-            trial, assemble, retract,
+            reals, ints, anchor, clearance, memory, push, state, step, energy, slope, rounding, g,
+            matrix, trial, assemble, retract,
         )  # fmt: skip
         pairs += looked
         if length == 0.0:

@@ -138,6 +138,7 @@ def follow(
     diameter,
     limit,
     predictor,
+    lean,
     assemble,
     factor,
     solve,
@@ -162,6 +163,7 @@ def follow(
     limit : largest number of iterations of a substep.
     predictor : start from the tangent's prediction and judge the branch by it; else from the last
         state, as the paper did.
+    lean : the matrix is costly: `assemble` leaves it out where the one handed in is empty.
     assemble, factor, solve, retract, motion, commit, renew : kernels, see `coilspring.newton`.
     stop : one integer; another thread sets it to end the path at the next substep.
     """
@@ -222,7 +224,7 @@ def follow(
         while True:
             status, count, more, looked = equilibrium(
                 reals, ints, state, clearance, memory, push, work * target**2, noise * target, limit, trial,
-                g, H, rest, least, F, kept, history, assemble, factor, solve, retract,
+                g, H, lean, rest, least, F, kept, history, assemble, factor, solve, retract,
             )  # fmt: skip
             spent[0] += count
             pairs += looked
@@ -334,7 +336,7 @@ def compiled_follow() -> Callable:
     whole, real = types.int64, types.float64
     vector, numbers, table = types.float64[::1], types.int64[::1], types.float64[:, ::1]
     data = (vector, numbers, vector, vector, vector, table, whole)
-    control = (real, whole, types.boolean)
+    control = (real, whole, types.boolean, types.boolean)
     functions = tuple(types.FunctionType(signature) for signature in SIGNATURES)
     return njit(data + control + functions + (numbers,), cache=True, error_model="numpy", nogil=True)(follow)
 

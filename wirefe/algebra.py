@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from coilspring.compiled import kernel
+from coilspring.compiled import arithmetic
 
 
-@kernel
+@arithmetic
 def skew(a, factor, S):
     """S = factor [a], the matrix of the cross product a x."""
     x, y, z = factor * a[0], factor * a[1], factor * a[2]
@@ -14,7 +14,7 @@ def skew(a, factor, S):
     S[2, 0], S[2, 1], S[2, 2] = -y, x, 0.0
 
 
-@kernel
+@arithmetic
 def cross(a, b, c):
     """c = a x b."""
     c[0] = a[1] * b[2] - a[2] * b[1]
@@ -22,7 +22,7 @@ def cross(a, b, c):
     c[2] = a[0] * b[1] - a[1] * b[0]
 
 
-@kernel
+@arithmetic
 def product(A, B, C):
     """C = A B for 3 x 3 matrices; C may be A or B. Read first, then write: twice as fast."""
     b00, b01, b02 = B[0, 0], B[0, 1], B[0, 2]
@@ -35,7 +35,7 @@ def product(A, B, C):
         C[i, 2] = x * b02 + y * b12 + z * b22
 
 
-@kernel
+@arithmetic
 def turned(M, Mt, A):
     """A becomes M A M^T; `Mt` is the transpose of M."""
     product(A, Mt, A)

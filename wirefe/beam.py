@@ -22,12 +22,12 @@ import math
 
 import numpy as np
 
-from coilspring.compiled import kernel
+from coilspring.compiled import arithmetic
 from wirefe.algebra import cross, product, skew, turned
 from wirefe.rotations import quaternion_product, rotation_matrix, stretch_functions
 
 
-@kernel
+@arithmetic
 def relative_pose(ends, turns, triads, p1, p2, m, M, th, u):
     """Half-way frame M (3, 3), relative rotation th (3,) and chord u (3,) in that frame.
 
@@ -61,7 +61,7 @@ def relative_pose(ends, turns, triads, p1, p2, m, M, th, u):
     return a, sin_a, cos_a
 
 
-@kernel
+@arithmetic
 def deformations(ends, turns, triads, e):
     """Deformation measures (v, theta) of all elements, shape (n, 6), before e0 is taken off."""
     p1, p2, m = np.empty(4), np.empty(4), np.empty(4)
@@ -101,9 +101,9 @@ def deformation_rates(ends: np.ndarray, triads: np.ndarray) -> np.ndarray:
     return J
 
 
-@kernel
+@arithmetic
 def beams(ends, turns, triads, e0, K, g, H):
-    """Energy of all elements; fills their gradients g (n, 12) and Hessians H (n, 12, 12).
+    """Energy of all elements; fills their gradients g (n, 12) and Hessians H (n, 12, 12), if not empty.
 
     Freedoms of an element are (x1, phi1, x2, phi2) with spatial spins phi.
 
@@ -130,6 +130,8 @@ def beams(ends, turns, triads, e0, K, g, H):
         f = stretch_functions(q, a, sin_a, cos_a)
         energy += _forces(q, f, th, u, e0[n], K[n], s, N, m, Pm, C, X)
         _gradient(M, N, C, Pm, X, f[3], g[n])
+        if n >= len(H):
+            continue  # no matrix asked for
         _derivatives(q, f, th, u, s, P, Vt, Wt, Gt)
         _material(u, P, Vt, K[n], Sk, T, D, KD, Z)
         _geometric(f, th, u, N, m, Pm, C, X, P, Wt, Gt, Sk, T, Z)
@@ -138,7 +140,7 @@ def beams(ends, turns, triads, e0, K, g, H):
     return energy
 
 
-@kernel
+@arithmetic
 def _forces(q, f, th, u, e0, K, s, N, m, Pm, C, X):
     """Energy of one element; fills s = K e (6,) and the forces conjugate to u, theta, w and mu.
 
@@ -169,7 +171,7 @@ def _forces(q, f, th, u, e0, K, s, N, m, Pm, C, X):
     return energy
 
 
-@kernel
+@arithmetic
 def _derivatives(q, f, th, u, s, P, Vt, Wt, Gt):
     """P, d(P u)/dtheta, d(P sv)/dtheta and the second derivative of sv . P u in theta."""
     c, c1, c2 = f[0], f[1], f[2]
@@ -192,7 +194,7 @@ def _derivatives(q, f, th, u, s, P, Vt, Wt, Gt):
             )
 
 
-@kernel
+@arithmetic
 def _material(u, P, Vt, K, Sk, T, D, KD, Z):
     """Z = D^T K D (upper part): dv = P (rho + u x mu) + d(P u)/dtheta P w, dtheta = P w."""
     skew(u, 1.0, Sk)
@@ -221,7 +223,7 @@ def _material(u, P, Vt, K, Sk, T, D, KD, Z):
             Z[6 + i, 6 + j] += P[0, i] * KD[3, 6 + j] + P[1, i] * KD[4, 6 + j] + P[2, i] * KD[5, 6 + j]
 
 
-@kernel
+@arithmetic
 def _geometric(f, th, u, N, m, Pm, C, X, P, Wt, Gt, Sk, T, Z):
     """Add what the forces do along the second derivatives; `Sk` holds [u], `Gt` is overwritten."""
     c, c1, tau, tau1 = f[0], f[1], f[3], f[4]
@@ -255,7 +257,7 @@ def _geometric(f, th, u, N, m, Pm, C, X, P, Wt, Gt, Sk, T, Z):
             Z[6 + i, 6 + j] += Gt[i, j] + 0.5 * (one + two) - mt * (2.0 * c1 * th[i] * th[j] + c * P[i, j])
 
 
-@kernel
+@arithmetic
 def _gradient(M, N, C, Pm, X, tau, g):
     """Gradient (12,) from the half-way frame's N (force), C = N x u, P m and X = theta x C."""
     for i in range(3):
@@ -268,7 +270,7 @@ def _gradient(M, N, C, Pm, X, tau, g):
         g[3 + i], g[9 + i] = mean - bend, mean + bend
 
 
-@kernel
+@arithmetic
 def _half_way_blocks(th, tau, Z, S, T, rr, rm, rw, mm, mw, ww):
     """Blocks of the Hessian in (rho, mean spin, w) from Z in (rho, mu, w): mu = mean + S w."""
     skew(th, -0.5 * tau, S)
@@ -298,7 +300,7 @@ def _half_way_blocks(th, tau, Z, S, T, rr, rm, rw, mm, mw, ww):
             mw[i, j] += T[i, j]
 
 
-@kernel
+@arithmetic
 def _spread(M, T, rr, rm, rw, mm, mw, ww, H):
     """Hessian (12, 12) of the end freedoms from the blocks in the half-way frame."""
     for i in range(3):

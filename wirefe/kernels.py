@@ -18,12 +18,20 @@ NEAR = 1.5  # wire diameters between centres, within which a pair's motion in a 
 
 
 @kernel
-def _add_node(g, H, node, p, ge, Ke):
-    """Add the part p:p+6 of a gradient (12,) and a Hessian (12, 12) at a node."""
+def _add_gradient(g, a, b, ge):
+    """Add a gradient (12,) at two nodes."""
     for i in range(6):
-        g[6 * node + i] += ge[p + i]
+        g[6 * a + i] += ge[i]
+        g[6 * b + i] += ge[6 + i]
+
+
+@kernel
+def _add_nodes(H, a, b, Ke):
+    """Add a Hessian's (12, 12) diagonal blocks at two nodes."""
+    for i in range(6):
         for j in range(6):
-            H[node, i, j] += Ke[p + i, p + j]
+            H[a, i, j] += Ke[i, j]
+            H[b, i, j] += Ke[6 + i, 6 + j]
 
 
 @kernel
@@ -39,11 +47,17 @@ def _add_block(H, block, flip, K):
 
 
 @kernel
-def _onto_reference(r, g, K, C):
-    """Carry the second node's part of an element over to a point from which it stands off by r.
+def _onto_reference(r, g):
+    """Carry the second node's part of a gradient over to a point from which it stands off by r."""
+    fx, fy, fz = g[6], g[7], g[8]
+    g[9] += r[1] * fz - r[2] * fy
+    g[10] += r[2] * fx - r[0] * fz
+    g[11] += r[0] * fy - r[1] * fx
 
-    dx2 = dX - r x phi; the second derivative adds the lever of the force.
-    """
+
+@kernel
+def _hessian_onto_reference(r, g, K, C):
+    """The same for the Hessian: dx2 = dX - r x phi; the second derivative adds the lever of the force."""
     lever(g[6:9], r, C)
     for i in range(12):
         kx, ky, kz = K[i, 6], K[i, 7], K[i, 8]
@@ -58,10 +72,6 @@ def _onto_reference(r, g, K, C):
     for i in range(3):
         for j in range(3):
             K[9 + i, 9 + j] += C[i, j]
-    fx, fy, fz = g[6], g[7], g[8]
-    g[9] += r[1] * fz - r[2] * fy
-    g[10] += r[2] * fx - r[0] * fz
-    g[11] += r[0] * fy - r[1] * fx
 
 
 @kernel
@@ -87,12 +97,16 @@ def _add_elements(chain, state, g, H):
     rotate(turns[count - 1, 1], chain.arm, r)
     for i in range(3):
         ends[count - 1, 1, i] += r[i]
-    ge, Ke = np.empty((count, 12)), np.empty((count, 12, 12))
+    wanted = len(H) > 0
+    ge, Ke = np.empty((count, 12)), np.empty((count if wanted else 0, 12, 12))
     energy = beams(ends, turns, chain.triads, chain.strain0, chain.stiffness, ge, Ke)
-    _onto_reference(r, ge[count - 1], Ke[count - 1], C)
+    if wanted:
+        _hessian_onto_reference(r, ge[count - 1], Ke[count - 1], C)
+    _onto_reference(r, ge[count - 1])
     for e in range(count):
-        for side in range(2):
-            _add_node(g, H, e + side, 6 * side, ge[e], Ke[e])
+        _add_gradient(g, e, e + 1, ge[e])
+    for e in range(len(Ke)):
+        _add_nodes(H, e, e + 1, Ke[e])
         _add_block(H, chain.block[e], chain.flip[e], Ke[e])
     return energy
 
@@ -121,15 +135,16 @@ def _add_pairs(contact, memory, state, g, H):
             ca[i] -= state[ROW * a + i]
             cb[i] -= state[ROW * b + i]
         pair_matrix(f, Hg, ca, cb, ge, Ke, Ja, Jb, C)
-        for side in range(2):  # literal places would compile `_add_node` anew
-            _add_node(g, H, b if side else a, 6 * side, ge, Ke)
-        _add_block(H, contact.block[m], contact.flip[m], Ke)
+        _add_gradient(g, a, b, ge)
+        if len(H) > 0:
+            _add_nodes(H, a, b, Ke)
+            _add_block(H, contact.block[m], contact.flip[m], Ke)
     return energy
 
 
 @kernel
-def _hold(held, g, H):
-    """Take the held freedoms out: no force, rows and columns of the unit matrix."""
+def _hold(held, H):
+    """Take the held freedoms out: rows and columns of the unit matrix."""
     for m in range(held.block.size):
         B = H[held.block[m]]
         i = held.place[m]
@@ -140,7 +155,6 @@ def _hold(held, g, H):
                 B[j, i] = 0.0
     for m in range(held.freedom.size):
         n, i = held.freedom[m] // 6, held.freedom[m] % 6
-        g[held.freedom[m]] = 0.0
         for j in range(6):
             H[n, i, j] = H[n, j, i] = 0.0
         H[n, i, i] = 1.0
@@ -159,7 +173,11 @@ def assemble(reals, ints, anchor, clearance, memory, state, g, flat):
         count = 0
     if count > 0:
         energy += _add_pairs(contact, memory, state, g, H)
-    _hold(view_held(ints), g, H)
+    held = view_held(ints)
+    for m in range(held.freedom.size):
+        g[held.freedom[m]] = 0.0
+    if len(H) > 0:
+        _hold(held, H)
     return energy, count
 
 

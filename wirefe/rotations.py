@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from coilspring.compiled import kernel
+from coilspring.compiled import arithmetic
 
 # a / sin a = 1 + sum c_k q^(k+1) with a = theta/2, q = theta^2: c(q) = (a / sin a - 1) / q
 _SERIES = (
@@ -21,7 +21,7 @@ _SERIES = (
 SMALL_ANGLE_SQUARED = 0.25  # below, closed forms lose digits; the series' next term is below 1e-16
 
 
-@kernel
+@arithmetic
 def stretch_functions(q, a, sin_a, cos_a):
     """alpha = a / sin a and c = (alpha - 1)/q with derivatives in q = theta^2, where a = theta/2.
 
@@ -48,14 +48,14 @@ def stretch_functions(q, a, sin_a, cos_a):
     return c0, c1, c2, *_quarter(a, sin_a, cos_a, (a - sin_a) / a**3)
 
 
-@kernel
+@arithmetic
 def _quarter(a, sin_a, cos_a, third):
     """tau = tan(a/2)/(2 a) and its derivative in q = 4 a^2, with third = (a - sin a)/a^3."""
     ratio = sin_a / a if a > 0.0 else 1.0
     return ratio / (2.0 * (1.0 + cos_a)), third / (16.0 * (1.0 + cos_a))
 
 
-@kernel
+@arithmetic
 def quaternion_product(p, q, out):
     """Hamilton product p q: first the rotation q, then p."""
     w = p[0] * q[0] - p[1] * q[1] - p[2] * q[2] - p[3] * q[3]
@@ -65,7 +65,7 @@ def quaternion_product(p, q, out):
     out[0], out[1], out[2], out[3] = w, x, y, z
 
 
-@kernel
+@arithmetic
 def rotation_matrix(q, R):
     """Matrix of the unit quaternion q."""
     w, x, y, z = q[0], q[1], q[2], q[3]
@@ -74,7 +74,7 @@ def rotation_matrix(q, R):
     R[2, 0], R[2, 1], R[2, 2] = 2.0 * (x * z - w * y), 2.0 * (y * z + w * x), 1.0 - 2.0 * (x * x + y * y)
 
 
-@kernel
+@arithmetic
 def rotate(q, v, out):
     """Vector v turned by the unit quaternion q."""
     tx = 2.0 * (q[2] * v[2] - q[3] * v[1])
@@ -86,7 +86,7 @@ def rotate(q, v, out):
     out[0], out[1], out[2] = x, y, z
 
 
-@kernel
+@arithmetic
 def exponential(vx, vy, vz, out):
     """Quaternion of the rotation vector (vx, vy, vz)."""
     angle = math.sqrt(vx * vx + vy * vy + vz * vz)

@@ -165,4 +165,5 @@ def _problem(data: model.WireModel, rod: Rod, arm: np.ndarray) -> Problem:
         start=model.rest_state(rod, arm),
         memory=np.zeros((len(data.contact.pairs), MEMORY)),
         matrix_size=model.matrix_size(data),
+        lean=True,
     )
