@@ -1,5 +1,22 @@
 """2D equivalent beam on the spring axis, after Haringx, with contact between the coils' circles."""
 
+from equivbeam.calibration import Calibration, calibrate
+from equivbeam.column import Buckling, buckling, lateral_stiffness
+from equivbeam.helix import Refinements
+from equivbeam.sensitivity import Sensitivity, sensitivities
 from equivbeam.solve import solve
+from equivbeam.sweep import Outcome, sweep
 
-__all__ = ["solve"]
+__all__ = [
+    "Buckling",
+    "Calibration",
+    "Outcome",
+    "Refinements",
+    "Sensitivity",
+    "buckling",
+    "calibrate",
+    "lateral_stiffness",
+    "sensitivities",
+    "solve",
+    "sweep",
+]

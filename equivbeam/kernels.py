@@ -9,7 +9,9 @@ import numpy as np
 from coilspring.compiled import copy, kernel
 from equivbeam.band import BAND
 from equivbeam.contact import BOUND, ON, circle_centre, hold, pair_forces, pair_potential
-from equivbeam.halfcoil import half_coil, paper_matrix
+from equivbeam.halfcoil import chain, measures, paper_matrix
+from equivbeam.haringx import KAX, KFL, KSH
+from equivbeam.laws import response
 from equivbeam.model import EXACT, PAPER, view
 
 TOUCH = 0.01  # wire diameters by which a pair may penetrate where a prediction closes it
@@ -90,16 +92,18 @@ def assemble(reals, ints, anchor, clearance, memory, state, g, flat):
     ge = np.empty(6)
     Ke = np.empty((6, 6))
     energy = 0.0
-    for e in range(model.stiffness.shape[0]):
+    law, rows = model.law, model.rows  # once: an array taken from the tuple costs as much as the law
+    for e in range(rows.shape[0]):
         i = 3 * e
-        kax, ksh, kfl = model.stiffness[e]
-        energy += half_coil(
-            state[i], state[i + 1], state[i + 2], state[i + 3], state[i + 4], state[i + 5],
-            kax, ksh, kfl, model.l0, ge, Ke,
-        )  # fmt: skip
+        c, s, l, v, dth = measures(  # noqa: E741
+            state[i], state[i + 1], state[i + 2], state[i + 3], state[i + 4], state[i + 5]
+        )
+        r = response(law, rows, e, l, v, dth)
+        energy += r.U
+        chain(r, c, s, l, v, ge, Ke)
         if model.tangent != EXACT:
-            thb = 0.5 * (state[i + 2] + state[i + 5])
-            paper_matrix(thb, kax, ksh, kfl, model.l0, 12.0 if model.tangent == PAPER else 1.0, Ke)
+            factor = 12.0 if model.tangent == PAPER else 1.0
+            paper_matrix(c, s, rows[e, KAX], rows[e, KSH], rows[e, KFL], model.l0, factor, Ke)
         _add(g, H, ge, Ke, e, e + 1)
     count = model.pairs.shape[0]
     if count > 0 and 2.0 * _bound(model, anchor, state) < clearance:

@@ -12,17 +12,21 @@ from coilspring.errors import InputError
 from coilspring.packing import heads, table, vector
 from coilspring.scene import Scene
 from equivbeam.band import BAND
-from equivbeam.halfcoil import haringx_stiffness
+from equivbeam.helix import Refinements
+from equivbeam.laws import LAWS, law_rows
 
 EXACT, PAPER, PRINTED = 0, 1, 2
 TANGENTS = {"exact": EXACT, "paper": PAPER, "paper-printed": PRINTED}
 PAIRS_PER_TURN = 2
+ALL = Refinements()
+ONES = (1.0, 1.0, 1.0)
 
 
 class BeamModel(NamedTuple):
     """Arrays of one equivalent beam; node i stands at half coil i of the axis, node 0 is clamped."""
 
-    stiffness: np.ndarray  # (elements, 3) axial, shearing, bending
+    law: int  # of the half coils, see `equivbeam.laws`
+    rows: np.ndarray  # (elements, columns) parameters of the half coils, as the law reads them
     l0: float  # length of an element at rest
     held: np.ndarray  # (3,) freedoms of the last node that are held: 1.0 or 0.0
     carrier: np.ndarray  # (circles,) node that carries each circle
@@ -36,8 +40,15 @@ class BeamModel(NamedTuple):
     tangent: int  # EXACT, PAPER or PRINTED
 
 
-def build_model(scene: Scene, tangent: str = "exact", sliding: str = "ignore") -> BeamModel:
-    """Arrays of the equivalent beam of `scene`.
+def build_model(
+    scene: Scene,
+    tangent: str = "exact",
+    sliding: str = "ignore",
+    law: str = "haringx",
+    refinements: Refinements = ALL,
+    factors: tuple[float, float, float] = ONES,
+) -> BeamModel:
+    """Arrays of the equivalent beam of `scene`; the arguments are those of `equivbeam.solve`.
 
     Raises
     ------
@@ -58,7 +69,8 @@ def build_model(scene: Scene, tangent: str = "exact", sliding: str = "ignore") -
     pairs = pairs[apart] if contact.enabled else pairs[:0]
     held = [name in scene.supports.top_held for name in ("ux", "uy", "rotz")]
     return BeamModel(
-        stiffness=haringx_stiffness(spring, scene.material),
+        law=LAWS[law],
+        rows=law_rows(law, spring, scene.material, refinements, factors),
         l0=spring.active_height / count,
         held=np.array(held, dtype=float),
         carrier=carrier,
@@ -91,7 +103,7 @@ def _circles(scene: Scene, count: int) -> tuple[np.ndarray, np.ndarray]:
 
 def rest_state(model: BeamModel) -> np.ndarray:
     """Positions and rotations (x, y, theta) of all nodes at rest, flat."""
-    nodes = model.stiffness.shape[0] + 1
+    nodes = len(model.rows) + 1
     state = np.zeros((nodes, 3))
     state[:, 1] = model.l0 * np.arange(nodes)
     return state.ravel()
@@ -99,14 +111,14 @@ def rest_state(model: BeamModel) -> np.ndarray:
 
 def load_vector(model: BeamModel, scene: Scene) -> np.ndarray:
     """Load at time 1 on the free nodes, flat; held freedoms carry none."""
-    load = np.zeros(3 * model.stiffness.shape[0])
+    load = np.zeros(3 * len(model.rows))
     load[-3:-1] = np.array(scene.load.force) * (1.0 - model.held[:2])
     return load
 
 
 def matrix_size(model: BeamModel) -> int:
     """Length of the banded matrix: row i holds the entries (i, i - j) at column j."""
-    return 3 * model.stiffness.shape[0] * (BAND + 1)
+    return 3 * len(model.rows) * (BAND + 1)
 
 
 @kernel
@@ -114,7 +126,7 @@ def view(reals, ints):
     """The model's fields, in their order, in the packed arrays."""
     head = heads(ints)
     return BeamModel(
-        table(reals, head[0]), reals[head[1, 0]], vector(reals, head[2]), vector(ints, head[3]),
-        table(reals, head[4]), table(ints, head[5]), reals[head[6, 0]], reals[head[7, 0]],
-        reals[head[8, 0]], reals[head[9, 0]], reals[head[10, 0]], ints[head[11, 0]],
+        ints[head[0, 0]], table(reals, head[1]), reals[head[2, 0]], vector(reals, head[3]),
+        vector(ints, head[4]), table(reals, head[5]), table(ints, head[6]), reals[head[7, 0]],
+        reals[head[8, 0]], reals[head[9, 0]], reals[head[10, 0]], reals[head[11, 0]], ints[head[12, 0]],
     )  # fmt: skip

@@ -28,6 +28,13 @@ class BeamShape:
         """UX, UY, ROTZ of the last node, shape (states, 3)."""
         return self._nodes(states)[:, -1] - np.array([0.0, self.scene.spring.active_height, 0.0])
 
+    def lengths(self, states: np.ndarray) -> np.ndarray:
+        """Lengths l of all half coils by (B1), shape (states, elements), mm."""
+        nodes = self._nodes(states)
+        ax, ay = np.moveaxis(np.diff(nodes[..., :2], axis=1), -1, 0)
+        mean = 0.5 * (nodes[:, 1:, 2] + nodes[:, :-1, 2])
+        return ay * np.cos(mean) - ax * np.sin(mean)
+
     def circles(self, states: np.ndarray) -> np.ndarray:
         """Centres of the contact circles, shape (states, circles, 2), mm."""
         nodes = self._nodes(states)[:, self.data.carrier]

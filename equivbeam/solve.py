@@ -2,18 +2,23 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from dataclasses import asdict, replace
+from typing import Any
+
 import numpy as np
 
-from coilspring.errors import require_choice
+from coilspring.errors import InputError, require_choice, require_number, shown
 from coilspring.path import EquilibriumPath
 from coilspring.scene import Scene
 from coilspring.solving import MOST_ITERATIONS, Problem, follow_load, scene_path
 from coilspring.stepping import Kernels
 from equivbeam import band, kernels, model
 from equivbeam.contact import MEMORY
+from equivbeam.helix import HIGH, LOW, Refinements
+from equivbeam.laws import LAWS
 from equivbeam.rendering import BeamShape
 
-LAWS = ("haringx",)
 SLIDING = ("ignore", "scene")
 # The paper's matrices are not the tangent: they converge linearly, the printed one by hundreds of steps.
 MOST_PAPER_ITERATIONS = 10_000
@@ -37,6 +42,8 @@ def solve(
     law: str = "haringx",
     tangent: str = "exact",
     sliding: str = "ignore",
+    refinements: Refinements | None = None,
+    factors: tuple[float, float, float] = model.ONES,
 ) -> EquilibriumPath:
     """Follow the load path of `scene` with the 2D equivalent beam.
 
@@ -49,14 +56,19 @@ def solve(
         Requested equal steps of time; by default the scene's.
     penalty : float, optional
         Contact stiffness K in the scene's convention, N/mm^exponent; by default the scene's.
-    law : {"haringx"}
-        Force law of a half coil: the paper's (1)-(9).
+    law : {"haringx", "helix"}
+        Law of a half coil: the paper's (1)-(9), or a helix in large deformation (`equivbeam.helix`).
     tangent : {"exact", "paper", "paper-printed"}
         The Hessian of the energy with a tangent predictor, or the paper's matrix (Phi with the
-        factor 12, or as printed) iterated from the last state, as the paper did.
+        factor 12, or as printed) iterated from the last state, as the paper did; the paper's go
+        with its own law alone.
     sliding : {"ignore", "scene"}
         "scene" applies the scene's "no sliding" or friction to the circles; by default they are
         frictionless.
+    refinements : Refinements, optional
+        What the helix law has beyond the paper's; by default all of it.
+    factors : tuple of float
+        Of the paper's axial, shearing and bending stiffness, as `equivbeam.calibrate` finds them.
 
     Returns
     -------
@@ -67,11 +79,12 @@ def solve(
     InputError : bad input, in one sentence.
     EquilibriumNotFound : the path ends before time 1; carries what was reached.
     """
-    require_choice("law", law, LAWS)
+    require_choice("law", law, tuple(LAWS))
     require_choice("tangent", tangent, tuple(model.TANGENTS))
     require_choice("sliding", sliding, SLIDING)
+    _refuse_mixtures(law, tangent, refinements, factors)
     scene = scene.overridden(steps, penalty)
-    data = model.build_model(scene, tangent, sliding)
+    data = model.build_model(scene, tangent, sliding, law, refinements or model.ALL, factors)
     problem = Problem(
         data=data,
         load=model.load_vector(data, scene),
@@ -82,5 +95,59 @@ def solve(
     exact = tangent == "exact"
     limit = MOST_ITERATIONS if exact else MOST_PAPER_ITERATIONS
     run = follow_load(scene, problem, KERNELS, limit=limit, predictor=exact)
-    options = {"law": law, "tangent": tangent, "sliding": sliding}
-    return scene_path(scene, "equivbeam", options, run, BeamShape(scene, data))
+    options: dict[str, object] = {"law": law, "tangent": tangent, "sliding": sliding}
+    if refinements is not None:
+        options["refinements"] = asdict(refinements)
+    if tuple(factors) != model.ONES:
+        options["factors"] = tuple(factors)
+    shape = BeamShape(scene, data)
+    if law == "helix":
+        run = replace(run, message=run.message + _caution(data, shape, run.track.states))
+    return scene_path(scene, "equivbeam", options, run, shape)
+
+
+def beam_model(scene: Scene, options: Mapping[str, Any]) -> model.BeamModel:
+    """Arrays of another scene's equivalent beam with the options that a path was solved with."""
+    chosen = options.get("refinements")
+    return model.build_model(
+        scene,
+        options["tangent"],
+        options["sliding"],
+        options["law"],
+        model.ALL if chosen is None else Refinements(**chosen),
+        options.get("factors", model.ONES),
+    )
+
+
+def _refuse_mixtures(
+    law: str, tangent: str, refinements: Refinements | None, factors: tuple[float, float, float]
+) -> None:
+    """Refuse what goes with one law alone."""
+    if not isinstance(factors, list | tuple) or len(factors) != 3:
+        raise InputError(f"factors must be three numbers, got {shown(factors)}")
+    for factor in factors:
+        require_number("factors", factor, 1e-3, 1e3)
+    if law != "haringx" and tuple(factors) != model.ONES:
+        raise InputError(f"factors must be 1 unless the law is haringx, got {factors!r} with {law!r}")
+    if law != "haringx" and tangent != "exact":
+        raise InputError(f"tangent must be exact with law {law}, got {tangent!r}")
+    if refinements is None:
+        return
+    if not isinstance(refinements, Refinements):
+        raise InputError(f"refinements must be equivbeam.Refinements, got {shown(refinements)}")
+    if law != "helix":
+        raise InputError(f"refinements must be left out unless the law is helix, got them with {law!r}")
+
+
+def _caution(data: model.BeamModel, shape: BeamShape, states: np.ndarray) -> str:
+    """Words on half coils that the last state has drawn beyond the range of the helix law, or nothing."""
+    if not len(states):
+        return ""
+    lengths = shape.lengths(states[-1:])[0]
+    beyond = np.flatnonzero((lengths < data.rows[:, LOW]) | (lengths > data.rows[:, HIGH]))
+    if not beyond.size:
+        return ""
+    return (
+        f"; but half coil {beyond[0] + 1} is drawn to a length of {lengths[beyond[0]]:.3g} mm, where its "
+        "wire is all but straight and the helix law no longer holds"
+    )

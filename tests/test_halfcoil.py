@@ -4,15 +4,21 @@ import numpy as np
 import pytest
 
 from coilspring import Material, spring_a
-from equivbeam.halfcoil import half_coil, haringx_stiffness, paper_matrix
+from equivbeam.halfcoil import chain, measures, paper_matrix
+from equivbeam.haringx import haringx, haringx_stiffness
 
 KAX, KSH, KFL, L0 = 7.0, 18.0, 95.0, 1.3
 
 
+ROWS = np.array([[KAX, KSH, KFL, L0]])
+
+
 def element(p):
+    c, s, l, v, dth = measures(*p)  # noqa: E741
+    r = haringx(ROWS, 0, l, v, dth)
     g, K = np.empty(6), np.empty((6, 6))
-    energy = half_coil(*p, KAX, KSH, KFL, L0, g, K)
-    return energy, g, K
+    chain(r, c, s, l, v, g, K)
+    return r.U, g, K
 
 
 REST = np.array([0.0, 0.0, 0.0, 0.0, L0, 0.0])
@@ -63,16 +69,16 @@ def tip_flexibility(K):
 def test_papers_matrix_needs_the_12():
     """Lateral tip flexibility of one clamped element: L^2 / (3 Kfl) + 1 / Ksh."""
     K = np.empty((6, 6))
-    paper_matrix(0.0, KAX, KSH, KFL, L0, 12.0, K)
+    paper_matrix(1.0, 0.0, KAX, KSH, KFL, L0, 12.0, K)
     assert tip_flexibility(K) == pytest.approx(L0**2 / (3 * KFL) + 1 / KSH)
-    paper_matrix(0.0, KAX, KSH, KFL, L0, 1.0, K)
+    paper_matrix(1.0, 0.0, KAX, KSH, KFL, L0, 1.0, K)
     assert tip_flexibility(K) == pytest.approx(L0**2 / (3 * KFL) + 1 / (12 * KSH))  # as printed
 
 
 def test_papers_matrix_is_not_the_tangent_even_at_rest():
     """Its lateral stiffness is 1 / (1/Ksh + L^2 / (12 Kfl)) where the force law has Ksh."""
     K = np.empty((6, 6))
-    paper_matrix(0.0, KAX, KSH, KFL, L0, 12.0, K)
+    paper_matrix(1.0, 0.0, KAX, KSH, KFL, L0, 12.0, K)
     _, _, H = element(REST)
     assert K[3, 3] == pytest.approx(1 / (1 / KSH + L0**2 / (12 * KFL)))
     assert H[3, 3] == pytest.approx(KSH)
@@ -82,7 +88,7 @@ def test_papers_matrix_is_not_the_tangent_even_at_rest():
 @pytest.mark.parametrize("thb", [0.0, 0.7])
 def test_papers_matrix_feels_no_rigid_motion(thb):
     K = np.empty((6, 6))
-    paper_matrix(thb, KAX, KSH, KFL, L0, 12.0, K)
+    paper_matrix(np.cos(thb), np.sin(thb), KAX, KSH, KFL, L0, 12.0, K)
     n = np.array([-np.sin(thb), np.cos(thb)])
     turn = np.array([0.0, 0.0, 1.0, -L0 * n[1], L0 * n[0], 1.0])
     for rigid in (np.eye(3)[[0, 1, 2, 0, 1, 2]][:, 0], np.eye(3)[[0, 1, 2, 0, 1, 2]][:, 1], turn):

@@ -83,7 +83,7 @@ def _add_scene(command: argparse.ArgumentParser) -> None:
     both.add_argument("--steps", type=_number, metavar="N", help="equal steps of time; default the scene's")
     both.add_argument("--penalty", type=_number, metavar="X", help="contact stiffness; default the scene's")
     beam = command.add_argument_group("options of equivbeam")
-    beam.add_argument("--law", choices=("haringx",), help="force law of a half coil; default haringx")
+    beam.add_argument("--law", choices=("haringx", "helix"), help="law of a half coil; default haringx")
     beam.add_argument("--tangent", choices=("exact", "paper", "paper-printed"), help="default exact")
     beam.add_argument("--sliding", choices=("ignore", "scene"), help="the scene's sliding; default ignore")
     wire = command.add_argument_group("options of wirefe")

@@ -1,0 +1,137 @@
+"""The spring as a column under axial load: buckling and lateral stiffness, contact left out.
+
+With the paper's law, `inclined` off (no cos p) and the axis refined below half a coil it tends to the
+column of Haringx (1948), on which the buckling formula of EN 13906-1 rests; the order is 2.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from coilspring.errors import InputError, require_choice, require_integer
+from coilspring.packing import pack
+from coilspring.scene import Load, Scene
+from coilspring.solving import Problem, Run, follow_problem
+from equivbeam import band, kernels
+from equivbeam.contact import MEMORY
+from equivbeam.haringx import KAX, KFL, KSH, L0
+from equivbeam.laws import LAWS
+from equivbeam.model import BeamModel, build_model, load_vector, matrix_size, rest_state
+from equivbeam.solve import KERNELS
+
+FARTHEST = 0.9  # of the height at rest: shortening up to which buckling is looked for
+
+
+@dataclass(frozen=True)
+class Buckling:
+    """Where the straight spring loses its stability.
+
+    Attributes
+    ----------
+    force : axial force, N; negative in compression.
+    shortening : of the spring there, mm.
+    mode : (nodes, 3) x, y and rotation of the nodes, scaled to a largest entry of 1.
+    """
+
+    force: float
+    shortening: float
+    mode: np.ndarray
+
+
+def buckling(
+    scene: Scene, *, law: str = "haringx", refine: int = 1, inclined: bool = True
+) -> Buckling | None:
+    """First loss of stability of a spring under axial compression.
+
+    Parameters
+    ----------
+    scene : Scene
+        Spring, material and supports: the bottom is clamped, the top free but for ``top_held``.
+        Its load and contact are not looked at. A column pinned at both ends is twice one that is
+        clamped and free.
+    law : {"haringx", "helix"}
+    refine : int
+        Elements for each half coil, for verification with the paper's law; 1 is the model.
+    inclined : bool
+        With the paper's cos p in the stiffnesses.
+
+    Returns
+    -------
+    Buckling, or None where the spring stays straight down to a tenth of its height.
+    """
+    problem, run = _compressed(scene, law, refine, inclined, FARTHEST * scene.spring.active_height)
+    if run.critical_time is None:
+        return None
+    mode = np.concatenate((np.zeros(3), run.track.mode)).reshape(-1, 3)
+    return Buckling(
+        force=run.critical_time * float(problem.load.min()),
+        shortening=scene.spring.active_height - float(run.track.last[-2]),
+        mode=mode / mode.flat[np.abs(mode).argmax()],
+    )
+
+
+def lateral_stiffness(
+    scene: Scene, shortening: float, *, law: str = "haringx", refine: int = 1, inclined: bool = True
+) -> float:
+    """Lateral stiffness dFx/dUX of the top of an axially shortened spring, N/mm.
+
+    Parameters are those of `buckling`; `shortening` in mm is that of the straight spring.
+
+    Raises
+    ------
+    InputError : the spring has buckled before.
+    """
+    problem, run = _compressed(scene, law, refine, inclined, shortening)
+    if run.outcome != "completed":
+        raise InputError(f"shortening must be below that of buckling, got {shortening!r}")
+    reals, ints = pack(problem.data)
+    g, H, state = np.empty_like(problem.load), np.empty(problem.matrix_size), run.track.states[-1]
+    kernels.assemble(reals, ints, state, 0.0, problem.memory, state, g, H)
+    band.factor(reals, ints, H)
+    response = np.zeros_like(problem.load)
+    response[-3] = 1.0
+    band.solve(reals, ints, H, response)
+    return 1.0 / float(response[-3])
+
+
+def _compressed(
+    scene: Scene, law: str, refine: int, inclined: bool, shortening: float
+) -> tuple[Problem, Run]:
+    """The spring pressed by the force that would shorten it so, were it to go on as at rest."""
+    require_choice("law", law, tuple(LAWS))
+    require_integer("refine", refine, 1, 10_000)
+    if law != "haringx" and (refine > 1 or not inclined):
+        raise InputError(
+            f"refine and inclined must be left alone with law {law}, got {refine!r}, {inclined!r}"
+        )
+    straight = replace(scene.without_contact(), load=Load((0.0, -1.0)))
+    stiffness = build_model(straight)
+    force = shortening / float((1.0 / stiffness.rows[:, KAX]).sum())
+    data = _refined(build_model(straight, law=law), scene, refine, inclined)
+    if law == "haringx" and not inclined:
+        force = shortening / float((1.0 / data.rows[:, KAX]).sum())
+    problem = Problem(
+        data=data,
+        load=force * load_vector(data, straight),
+        start=rest_state(data),
+        memory=np.zeros((0, MEMORY)),
+        matrix_size=matrix_size(data),
+    )
+    return problem, follow_problem(problem, KERNELS, np.ones(1), scene.spring.wire_diameter)
+
+
+def _refined(data: BeamModel, scene: Scene, refine: int, inclined: bool) -> BeamModel:
+    """The model with `refine` equal elements for each half coil, and without cos p unless `inclined`."""
+    if refine == 1 and inclined:
+        return data
+    rows = np.repeat(data.rows, refine, axis=0)
+    rows[:, [KAX, KSH, KFL]] *= refine
+    rows[:, L0] /= refine
+    if not inclined:
+        spring = scene.spring
+        middle = np.repeat((np.arange(len(data.rows)) + 0.5) * np.pi, refine)
+        slope = spring.pitch / (2.0 * np.pi * spring.radius(middle))
+        rows[:, [KAX, KSH, KFL]] *= np.hypot(1.0, slope)[:, None]
+    return data._replace(rows=rows, l0=data.l0 / refine)

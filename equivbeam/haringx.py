@@ -1,0 +1,52 @@
+"""The paper's law of a half coil, after Haringx (1948): constant stiffnesses.
+
+U = 1/2 Kax (l - l0)^2 + 1/2 Ksh v^2 + 1/2 Kfl dtheta^2                        (B2)
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from coilspring.compiled import kernel
+from coilspring.material import Material
+from coilspring.spring import Spring
+from equivbeam.halfcoil import Response
+
+KAX, KSH, KFL, L0 = range(4)
+
+
+def middle_phases(spring: Spring) -> np.ndarray:
+    """Phases in the middle of the half coils, rad."""
+    return (np.arange(round(2 * spring.active_coils)) + 0.5) * math.pi
+
+
+def haringx_stiffness(spring: Spring, material: Material) -> np.ndarray:
+    """Axial, shearing and bending stiffness of every half coil, shape (2 n, 3): N/mm, N/mm, N mm.
+
+    Haringx (1948) with the paper's cos p; coil diameter and helix angle p are those in the middle
+    of the half coil.
+    """
+    D = 2.0 * spring.radius(middle_phases(spring))
+    E, G, d = material.E, material.G, spring.wire_diameter
+    cos_p = np.cos(np.arctan(spring.pitch / (math.pi * D)))
+    kax = 2.0 * G * d**4 / (8.0 * D**3) * cos_p
+    ksh = 2.0 * E * d**4 / (8.0 * D**3) * cos_p
+    kfl = 2.0 * 4.0 * E * G * d**4 / (64.0 * D * (2.0 * G + E)) * cos_p
+    return np.stack((kax, ksh, kfl), axis=1)
+
+
+def haringx_rows(spring: Spring, material: Material) -> np.ndarray:
+    """Parameters of every half coil: Kax, Ksh, Kfl and the length at rest, shape (2 n, 4)."""
+    stiffness = haringx_stiffness(spring, material)
+    return np.column_stack((stiffness, np.full(len(stiffness), 0.5 * spring.pitch)))
+
+
+@kernel
+def haringx(rows, i, l, v, dth):  # noqa: E741
+    """Response of the half coil `i`."""
+    kax, ksh, kfl = rows[i, KAX], rows[i, KSH], rows[i, KFL]
+    x = l - rows[i, L0]
+    N, T, M = kax * x, ksh * v, kfl * dth
+    return Response(0.5 * (N * x + T * v + M * dth), N, T, M, kax, 0.0, 0.0, ksh, kfl)

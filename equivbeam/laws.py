@@ -1,0 +1,35 @@
+"""The laws of a half coil as interchangeable parts: each is a table of parameters and one kernel."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from coilspring.compiled import kernel
+from coilspring.material import Material
+from coilspring.spring import Spring
+from equivbeam.haringx import KAX, KFL, KSH, haringx, haringx_rows
+from equivbeam.helix import Refinements, helix, helix_rows
+
+HARINGX, HELIX = 0, 1
+LAWS = {"haringx": HARINGX, "helix": HELIX}
+
+
+def law_rows(
+    law: str,
+    spring: Spring,
+    material: Material,
+    refinements: Refinements,
+    factors: tuple[float, float, float] = (1.0, 1.0, 1.0),
+) -> np.ndarray:
+    """Parameters of every half coil as the law reads them, one row each."""
+    if law == "haringx":
+        rows = haringx_rows(spring, material)
+        rows[:, [KAX, KSH, KFL]] *= factors
+        return rows
+    return helix_rows(spring, material, refinements)
+
+
+@kernel
+def response(law, rows, i, l, v, dth):  # noqa: E741
+    """Response of the half coil `i`: energy and derivatives in its length, shear and relative rotation."""
+    return haringx(rows, i, l, v, dth) if law == HARINGX else helix(rows, i, l, v, dth)

@@ -1,0 +1,113 @@
+"""Numbers of a spring and of its model by name, as sensitivities and calibration change them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from coilspring.errors import require_choice
+from coilspring.material import Material
+from coilspring.scene import Scene
+
+Options = Mapping[str, Any]
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """How a number is read from a scene, and the scene that has another value.
+
+    `rise` is the change of the height at rest with the value: displacements are counted from there.
+    """
+
+    read: Callable[[Scene], float]
+    write: Callable[[Scene, float], Scene]
+    rise: Callable[[Scene], float] = lambda scene: 0.0
+
+
+FACTORS = ("axial", "shearing", "bending")  # of the paper's stiffnesses, an option of `equivbeam.solve`
+
+
+def _spring(scene: Scene, **changes: Any) -> Scene:
+    return replace(scene, spring=replace(scene.spring, **changes))
+
+
+def _contact(scene: Scene, **changes: Any) -> Scene:
+    return replace(scene, contact=replace(scene.contact, **changes))
+
+
+def _material(scene: Scene, E: float, G: float) -> Scene:
+    return replace(scene, material=Material.from_moduli(E, G))
+
+
+PARAMETERS: Mapping[str, Parameter] = {
+    "wire_diameter": Parameter(
+        lambda scene: scene.spring.wire_diameter,
+        lambda scene, value: _spring(scene, wire_diameter=value),
+    ),
+    "bottom_diameter": Parameter(
+        lambda scene: scene.spring.mean_diameter[0],
+        lambda scene, value: _spring(scene, mean_diameter=(value, scene.spring.mean_diameter[1])),
+    ),
+    "top_diameter": Parameter(
+        lambda scene: scene.spring.mean_diameter[1],
+        lambda scene, value: _spring(scene, mean_diameter=(scene.spring.mean_diameter[0], value)),
+    ),
+    "pitch": Parameter(
+        lambda scene: scene.spring.pitch,
+        lambda scene, value: _spring(scene, active_height=value * scene.spring.active_coils),
+        rise=lambda scene: scene.spring.active_coils,
+    ),
+    "E": Parameter(
+        lambda scene: scene.material.E,
+        lambda scene, value: _material(scene, value, scene.material.G),
+    ),
+    "G": Parameter(
+        lambda scene: scene.material.G,
+        lambda scene, value: _material(scene, scene.material.E, value),
+    ),
+    "penalty": Parameter(
+        lambda scene: scene.contact.stiffness,
+        lambda scene, value: _contact(scene, stiffness=value),
+    ),
+    "exponent": Parameter(
+        lambda scene: scene.contact.exponent,
+        lambda scene, value: _contact(scene, exponent=value),
+    ),
+}
+
+
+NAMES = (*PARAMETERS, *FACTORS)
+
+
+def values(scene: Scene, options: Options, names: tuple[str, ...]) -> np.ndarray:
+    """Values of the parameters named.
+
+    Raises
+    ------
+    InputError : a name that is none of `NAMES`.
+    """
+    factors = dict(zip(FACTORS, options.get("factors", (1.0, 1.0, 1.0)), strict=True))
+    for name in names:
+        require_choice("parameters", name, NAMES)
+    return np.array([factors[name] if name in factors else PARAMETERS[name].read(scene) for name in names])
+
+
+def varied(scene: Scene, options: Options, names: tuple[str, ...], new: np.ndarray) -> tuple[Scene, Options]:
+    """The scene and the options with other values of the parameters named."""
+    factors = dict(zip(FACTORS, options.get("factors", (1.0, 1.0, 1.0)), strict=True))
+    for name, value in zip(names, new.tolist(), strict=True):
+        if name in factors:
+            factors[name] = value
+        else:
+            scene = PARAMETERS[name].write(scene, value)
+    if any(name in FACTORS for name in names):
+        options = {**options, "factors": tuple(factors.values())}
+    return scene, options
+
+
+def rise(scene: Scene, name: str) -> float:
+    """Change of the height at rest with a parameter."""
+    return PARAMETERS[name].rise(scene) if name in PARAMETERS else 0.0
