@@ -40,11 +40,6 @@ NONE, LONG, INDEFINITE = 0, 1, 2
 # Stop when the Newton decrement g H^-1 g, twice the energy still to gain, is below this share of
 # the reference work: 1e-8 of the displacements in the energy norm, before the last step is applied.
 DECREMENT = 1e-16
-# A step with a decrement up to this, 1e-6 of the displacements, is also the last where the next decrement,
-# foreseen from the rate of convergence (Deuflhard 2011, Newton Methods for Nonlinear Problems, section 2.1),
-# is below that by the second factor.
-LAST_DECREMENT = 1e-12
-FORESEEN = 1e-6
 # The same, for a factor kept from an earlier state: only a linear response is let through.
 LINEAR_DECREMENT = 1e-22
 # Stability is decided by the pivots at the equilibrium itself where the least of the last factor is below
@@ -139,16 +134,6 @@ def line_search(
 
 
 @kernel
-def last(decrement, before, enough, work):
-    """Whether the Newton step with this decrement is the last one; `before` is that of a full step before it.
-
-    Newton's method leaves the share e1/e0 of the error e1, or less, where the step before left e1 of e0.
-    """
-    foreseen = decrement * decrement <= FORESEEN * before * enough and decrement <= LAST_DECREMENT * work
-    return decrement <= enough or foreseen
-
-
-@kernel
 def equilibrium(
     reals,
     ints,
@@ -202,7 +187,7 @@ def equilibrium(
                 retract(reals, ints, state, step, 1.0, trial)
                 copy(trial, state)
                 return LINEAR, count, trouble, pairs
-            if i > 0 and last(left, before, enough, work):
+            if i > 0 and left <= enough:
                 retract(reals, ints, state, step, 1.0, trial)
                 copy(trial, state)
                 if least >= stiffness * min(SINGULAR, CHANGE * math.sqrt(before / work)):

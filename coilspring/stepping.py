@@ -232,6 +232,7 @@ def follow(
             if status == LINEAR and rounds > 0:
                 status = CONVERGED
             rounds += 1
+            copy_table(memory, held)  # with the bounds that this state was found with
             if status not in (CONVERGED, LINEAR) or renew(reals, ints, trial, memory) <= BOUND_CHANGE:
                 break
             if rounds == MOST_ROUNDS:
@@ -272,7 +273,7 @@ def follow(
         kept = True
         copy(trial, state)
         time = target
-        copy_table(memory, held)
+        copy_table(held, memory)
         clearance = commit(reals, ints, state, memory)
         if share < EASY_TURN and count <= EASY_COUNT:
             dt = max(dt, 2.0 * step)
@@ -282,6 +283,8 @@ def follow(
             iterations[row] = spent[0]
             spent[0] = 0
             row += 1
+    if outcome == COMPLETED and clearance == -np.inf:
+        outcome = STRAY
     bracket = 2.0 * dt
     if linear:
         critical, count = unstable_time(

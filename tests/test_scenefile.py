@@ -1,5 +1,6 @@
 """Scene files: what they say equals what the dataclasses say, and what they may not say is refused."""
 
+import math
 import random
 from pathlib import Path
 
@@ -91,6 +92,17 @@ def test_two_moduli_say_the_same_as_poissons_ratio():
     assert pytest.approx(G, rel=1e-14) == scene.material.G
     only_G = scene_from_text(scene_text({"material.G": repr(G)}, without=("material.nu", "material.E")))
     assert only_G.material == scene.material
+
+
+def test_friction_goes_with_coulomb():
+    text = scene_text({"contact.sliding": '"coulomb"', "contact.friction": "1"})
+    contact = scene_from_text(text).contact
+    assert (contact.sliding, contact.friction, contact.coefficient) == ("coulomb", 1.0, 1.0)
+    assert type(contact.friction) is float
+    assert (load_scene("spring-a").contact.coefficient, load_scene("spring-b").contact.coefficient) == (
+        0,
+        math.inf,
+    )
 
 
 def test_the_largest_and_least_shear_modulus_are_allowed():
@@ -206,7 +218,13 @@ REFUSED_VALUES = [
     ({"contact.stiffness": "0.0"}, "contact.stiffness", "[1e-09, 1e+12]", "0.0"),
     ({"contact.stiffness": "inf"}, "contact.stiffness", "[1e-09, 1e+12]", "inf"),
     ({"contact.exponent": "0.5"}, "contact.exponent", "[1, 5]", "0.5"),
-    ({"contact.sliding": '"stick"'}, "contact.sliding", "free, none", "'stick'"),
+    ({"contact.sliding": '"stick"'}, "contact.sliding", "free, none, coulomb", "'stick'"),
+    ({"contact.sliding": '"coulomb"'}, "contact.friction", "number in [1e-06, 10]", "None"),
+    ({"contact.friction": "0.3"}, "contact.friction", 'sliding = "coulomb" alone', "0.3 with 'none'"),
+    ({"contact.sliding": '"coulomb"', "contact.friction": "0"}, "contact.friction", "[1e-06, 10]", "got 0"),
+    ({"contact.sliding": '"coulomb"', "contact.friction": "11.0"}, "contact.friction", "10]", "11.0"),
+    ({"contact.sliding": '"coulomb"', "contact.friction": "nan"}, "contact.friction", "10]", "nan"),
+    ({"contact.sliding": '"coulomb"', "contact.friction": '"0.3"'}, "contact.friction", "number", "'0.3'"),
     ({"material.E": "-206000.0"}, "material.E", "[0.001, 1e+09]", "-206000.0"),
     ({"material.nu": "0.6"}, "material.nu", "[-0.999, 0.5]", "0.6"),
     ({"material.nu": "-1.0"}, "material.nu", "[-0.999, 0.5]", "-1.0"),

@@ -1,0 +1,167 @@
+"""The search for spheres that touch elsewhere than one turn apart."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy.spatial import cKDTree
+
+import wirefe
+from coilspring import Contact, EquilibriumNotFound, Load, spring_a, spring_b
+from coilspring.packing import pack
+from wirefe import kernels, model
+from wirefe.contact import MEMORY
+from wirefe.mesh import strays
+from wirefe.shape import turned
+
+FREE_B = replace(spring_b(), contact=Contact())
+
+
+def centres(contact, state):
+    rows = state.reshape(-1, model.ROW)[contact.carrier]
+    return rows[:, :3] + turned(rows[:, 3:], contact.offset)
+
+
+def unlisted(contact, state, reach=1.0):
+    """Pairs of spheres nearer than `reach` diameters that are no pair of the model; by another search."""
+    found = cKDTree(centres(contact, state)).query_pairs(reach * contact.d, output_type="ndarray")
+    listed = {tuple(pair) for pair in contact.pairs}
+    return [
+        (a, b)
+        for a, b in found.tolist()
+        if b - a > contact.near and contact.carrier[a] != contact.carrier[b] and (a, b) not in listed
+    ]
+
+
+def built(scene, pairs_per_turn=4, elements_per_turn=8):
+    data, mesh, rod = model.build_model(scene, elements_per_turn, pairs_per_turn, "curved")
+    return data, model.rest_state(rod, mesh.arm)
+
+
+def committed(data, state):
+    memory = np.zeros((len(data.contact.pairs), MEMORY))
+    return kernels.commit(*pack(data), state, memory)
+
+
+def thrown(state, seed, size):
+    """The state with its nodes moved at random, but for the ends."""
+    moved = state.reshape(-1, model.ROW).copy()
+    moved[1:-1, :3] += size * np.random.default_rng(seed).normal(size=(len(moved) - 2, 3))
+    return moved.ravel()
+
+
+@pytest.mark.parametrize("pairs_per_turn", [4, 8])
+def test_commit_finds_what_another_search_finds(pairs_per_turn):
+    data, rest = built(spring_a(), pairs_per_turn)
+    verdicts = []
+    for seed in range(60):
+        state = thrown(rest, seed, 0.2 * (seed % 20))
+        verdicts.append(committed(data, state) == -np.inf)
+        assert verdicts[-1] == bool(unlisted(data.contact, state))
+    assert 10 < sum(verdicts) < 50
+
+
+def test_strays_are_those_of_another_search():
+    data, rest = built(spring_a(), 8)
+    contact, state = data.contact, thrown(rest, 1, 0.6)
+    pairs, distance = strays(centres(contact, state), contact.carrier, contact.pairs, contact.near, 4.5)
+    assert sorted(map(tuple, pairs.tolist())) == sorted(unlisted(contact, state, reach=3.0))
+    assert len(pairs) > 20
+    way = centres(contact, state)[pairs]
+    np.testing.assert_allclose(distance, np.linalg.norm(way[:, 1] - way[:, 0], axis=1))
+
+
+def brought_together(data, rest):
+    """The state at rest with the node of a sphere moved onto one two turns away."""
+    contact, state = data.contact, rest.copy()
+    A, B = 20, 28
+    way = np.subtract(*centres(contact, rest)[[B, A]])
+    state.reshape(-1, model.ROW)[contact.carrier[A], :3] += way - [0.5, 0.0, 0.0]
+    assert (A, B) in unlisted(contact, state)
+    return state
+
+
+def test_nothing_is_searched_while_nothing_can_touch():
+    """With a least gap at rest that no move can use up, not even spheres that touch are found."""
+    data, rest = built(spring_a())
+    state = brought_together(data, rest)
+    blind = data._replace(contact=data.contact._replace(apart=np.inf))
+    assert committed(data, state) == -np.inf
+    assert np.isfinite(committed(blind, state))
+    assert np.isfinite(committed(data, rest))
+
+
+def test_nothing_is_searched_where_contact_is_off():
+    scene = spring_a().without_contact()
+    data, rest = built(scene)
+    assert committed(data, thrown(rest, 0, 2.0)) == np.inf
+
+
+@pytest.mark.parametrize("scene", [spring_a(), spring_b()], ids=["A", "B"])
+def test_the_least_gap_at_rest_is_that_of_another_search(scene):
+    data, rest = built(scene)
+    contact = data.contact
+    assert contact.apart > 0.0
+    assert unlisted(contact, rest, reach=1.0 + (contact.apart - 1e-9) / contact.d) == []
+    assert unlisted(contact, rest, reach=1.0 + (contact.apart + 1e-9) / contact.d) != []
+
+
+def test_tracing_finds_pairs_past_the_limit_point():
+    """Frictionless B: spheres slide off each other and on to others; by 160 points on 7 such pairs."""
+    path = wirefe.trace(FREE_B, points=160, element="curved", elements_per_turn=4)
+    assert path.options["pairs_found"] > 0
+    assert path.gaps.shape[1] == 33 + path.options["pairs_found"]
+    assert [pair for state in path.states for pair in unlisted(path.shape.data.contact, state)] == []
+    first = wirefe.trace(FREE_B, points=100, element="curved", elements_per_turn=4)
+    assert first.options["pairs_found"] == 0
+
+
+@pytest.mark.parametrize(
+    ("scene", "penalty", "pairs_per_turn"),
+    [(spring_a(), 30.0, 40), (spring_b(), 100.0, 40), (spring_b(), 30.0, 20), (FREE_B, 300.0, 40)],
+    ids=["A", "B", "B until its limit point", "B frictionless"],
+)
+def test_solving_starts_anew_with_what_was_found(scene, penalty, pairs_per_turn):
+    """Wires so soft that diagonal neighbours overlap; no stored state holds an overlap unknown to it."""
+    path = solved(scene, penalty, pairs_per_turn)
+    assert path.options["pairs_found"] > 10
+    contact = path.shape.data.contact
+    assert len(contact.pairs) == len({tuple(pair) for pair in contact.pairs})
+    assert (contact.pairs[:, 0] + contact.near < contact.pairs[:, 1]).all()
+    assert [pair for state in path.states for pair in unlisted(contact, state)] == []
+    turns = np.abs(np.subtract(*contact.pairs.T)) / pairs_per_turn
+    forces = path.contact_forces[-1]
+    assert (forces[turns != 1.0] > 0.0).any()
+
+
+def solved(scene, penalty, pairs_per_turn):
+    options = {"element": "curved", "elements_per_turn": pairs_per_turn, "pairs_per_turn": pairs_per_turn}
+    try:
+        return wirefe.solve(scene, steps=10, penalty=penalty, **options)
+    except EquilibriumNotFound as error:
+        return error.path
+
+
+def test_the_last_state_is_searched_too():
+    """The first unlisted overlap appears at full load."""
+    scene = replace(spring_a(), load=Load((-7.65, -3.4)))
+    path = solved(scene, 30.0, 40)
+    assert unlisted(path.shape.data.contact, path.states[-1]) == []
+
+
+def test_no_pair_is_added_where_coils_touch_one_turn_apart():
+    """And the factorisations of what was started anew are counted."""
+    for scene in (spring_a(), spring_b()):
+        path = wirefe.solve(scene, steps=5, element="curved", elements_per_turn=8)
+        assert path.options["pairs_found"] == 0
+        assert path.total_iterations >= path.iterations.sum()
+    again = solved(spring_a(), 30.0, 40)
+    assert again.total_iterations > again.iterations.sum()
+
+
+def test_touching_wires_of_a_short_spring_are_no_strays():
+    """End turns lie on their neighbours at rest: rigid ends touch nothing of themselves."""
+    short = replace(spring_a().spring, active_coils=2.5, active_height=8.0)
+    scene = replace(spring_a(), spring=short, load=Load((0.0, -1.0), steps=2))
+    path = wirefe.solve(scene, element="curved", elements_per_turn=8)
+    assert path.options["pairs_found"] == 0
