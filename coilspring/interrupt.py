@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from multiprocessing import parent_process
 from threading import Thread
 from typing import Any
 
@@ -17,6 +18,8 @@ def interruptible(function: Callable, *arguments: object) -> Any:
     which numba does not survive; in the waiting main thread it sets the flag and is raised in order.
     """
     flag = np.zeros(1, dtype=np.int64)
+    if parent_process() is not None:
+        return function(*arguments, flag)  # a worker: its parent is interrupted
     results: list[Any] = []
     errors: list[BaseException] = []
 

@@ -33,20 +33,14 @@ def _add(g, H, ge, Ke, a, b):
 
 
 @kernel
-def centre(model, state, circle):
-    """Position of a circle's centre."""
-    i = 3 * model.carrier[circle]
-    return circle_centre(
-        state[i], state[i + 1], state[i + 2], model.offset[circle, 0], model.offset[circle, 1]
-    )
-
-
-@kernel
-def _vector(model, state, m):
-    """Vector between the centres of a pair."""
-    xa, ya = centre(model, state, model.pairs[m, 0])
-    xb, yb = centre(model, state, model.pairs[m, 1])
-    return xb - xa, yb - ya
+def _centres(model, state):
+    """Centres of all circles, shape (circles, 2)."""
+    carrier, offset = model.carrier, model.offset
+    c = np.empty((carrier.size, 2))
+    for k in range(carrier.size):
+        i = 3 * carrier[k]
+        c[k, 0], c[k, 1] = circle_centre(state[i], state[i + 1], state[i + 2], offset[k, 0], offset[k, 1])
+    return c
 
 
 @kernel
@@ -65,15 +59,15 @@ def _add_pairs(model, memory, state, g, H, ge, Ke):
     energy = 0.0
     f = np.empty(2)
     Hg = np.empty((2, 2))
-    for m in range(model.pairs.shape[0]):
-        A, B = model.pairs[m, 0], model.pairs[m, 1]
-        xa, ya = centre(model, state, A)
-        xb, yb = centre(model, state, B)
+    c, pairs, carrier = _centres(model, state), model.pairs, model.carrier
+    for m in range(pairs.shape[0]):
+        A, B = pairs[m, 0], pairs[m, 1]
+        xa, ya, xb, yb = c[A, 0], c[A, 1], c[B, 0], c[B, 1]
         gx, gy = xb - xa, yb - ya
         h2 = gx * gx + gy * gy
         if h2 >= model.d * model.d and memory[m, ON] == 0.0:
             continue
-        a, b = model.carrier[A], model.carrier[B]
+        a, b = carrier[A], carrier[B]
         energy += pair_potential(gx, gy, math.sqrt(h2), model.d, model.kc, model.k, memory[m], f, Hg)
         pair_forces(
             f, Hg, xa - state[3 * a], ya - state[3 * a + 1], xb - state[3 * b], yb - state[3 * b + 1], ge, Ke
@@ -153,24 +147,22 @@ def motion(reals, ints, a, b):
     model = view(reals, ints)
     most, free = 0.0, 1.0
     inner = (1.0 - TOUCH) * model.d
-    for m in range(model.pairs.shape[0]):
-        A, B = model.pairs[m, 0], model.pairs[m, 1]
-        xa, ya = centre(model, a, A)
-        xb, yb = centre(model, a, B)
-        ux, uy = centre(model, b, A)
-        wx, wy = centre(model, b, B)
-        gx, gy = xb - xa, yb - ya
-        sx, sy = wx - ux - gx, wy - uy - gy
-        way = math.hypot(sx, sy)
-        before = math.hypot(gx, gy)
-        if before >= model.d and math.hypot(wx - ux, wy - uy) < inner:
+    before, after = _centres(model, a), _centres(model, b)
+    pairs, d = model.pairs, model.d
+    for m in range(pairs.shape[0]):
+        A, B = pairs[m, 0], pairs[m, 1]
+        gx, gy = before[B, 0] - before[A, 0], before[B, 1] - before[A, 1]
+        wx, wy = after[B, 0] - after[A, 0], after[B, 1] - after[A, 1]
+        sx, sy = wx - gx, wy - gy
+        g2, way2 = gx * gx + gy * gy, sx * sx + sy * sy
+        if g2 >= d * d and wx * wx + wy * wy < inner * inner:
             # first x with |g + x s| = inner
             along = -(gx * sx + gy * sy)
-            root = math.sqrt(max(along**2 - way**2 * (before**2 - inner**2), 0.0))
-            free = min(free, (along - root) / way**2)
-        if way > most and nearest(gx, gy, sx, sy) < NEAR * model.d:
-            most = way
-    return _bound(model, a, b), most / model.d, free
+            root = math.sqrt(max(along**2 - way2 * (g2 - inner**2), 0.0))
+            free = min(free, (along - root) / way2)
+        if way2 > most * most and nearest(gx, gy, sx, sy) < NEAR * d:
+            most = math.sqrt(way2)
+    return _bound(model, a, b), most / d, free
 
 
 @kernel
@@ -181,8 +173,10 @@ def commit(reals, ints, state, memory):
     """
     model = view(reals, ints)
     least = np.inf
-    for m in range(model.pairs.shape[0]):
-        gx, gy = _vector(model, state, m)
+    c, pairs = _centres(model, state), model.pairs
+    for m in range(pairs.shape[0]):
+        A, B = pairs[m, 0], pairs[m, 1]
+        gx, gy = c[B, 0] - c[A, 0], c[B, 1] - c[A, 1]
         h = math.hypot(gx, gy)
         least = min(least, h - model.d)
         if model.mu == 0.0:
@@ -201,13 +195,15 @@ def renew(reals, ints, state, memory):
     change, most = 0.0, 0.0
     if model.mu == 0.0:
         return change
-    for m in range(model.pairs.shape[0]):
+    c, pairs = _centres(model, state), model.pairs
+    for m in range(pairs.shape[0]):
         if memory[m, ON] == 0.0:
             continue
         bound = model.mu
         if bound < np.inf:
-            gx, gy = _vector(model, state, m)
-            bound *= model.kc * max(model.d - math.hypot(gx, gy), 0.0) ** model.k
+            A, B = pairs[m, 0], pairs[m, 1]
+            h = math.hypot(c[B, 0] - c[A, 0], c[B, 1] - c[A, 1])
+            bound *= model.kc * max(model.d - h, 0.0) ** model.k
             change = max(change, abs(bound - memory[m, BOUND]))
             most = max(most, bound)
         memory[m, BOUND] = bound

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import signal
 from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass
@@ -74,7 +75,7 @@ def sweep(
     count = workers or os.cpu_count() or 1
     done = 0
     # started afresh: a forked child of a process with threads may hang
-    with ProcessPoolExecutor(count, mp_context=get_context("spawn")) as pool:
+    with ProcessPoolExecutor(count, mp_context=get_context("spawn"), initializer=_quiet) as pool:
         springs = iter(scenes)
         waiting = [pool.submit(task, chunk) for chunk in _chunks(springs, 4 * count)]
         while waiting:
@@ -85,6 +86,11 @@ def sweep(
                 yield outcome
             if progress is not None:
                 progress(done)
+
+
+def _quiet() -> None:
+    """Leave Ctrl-C to the parent."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
 
 
 def _chunks(springs: Iterator[Scene], count: int) -> list[list[Scene]]:
