@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+from collections.abc import Callable
 from pathlib import Path
 from typing import NoReturn
 
@@ -14,6 +15,14 @@ MODEL_OPTIONS = {
 }
 FILE_OPTIONS = {"equivbeam": (), "wirefe": ("vtu",)}  # what a model can write besides the path
 COMMON_OPTIONS = ("steps", "penalty")
+CAMPAIGN_RANGES = {  # of the options of stability
+    "beams": (0, 10_000_000),
+    "wires": (0, 10_000_000),
+    "seed": (0, 2**32 - 1),
+    "workers": (0, 1000),
+}
+STUDY_SCENES = (*CATALOGUE, "cylinder-lateral", "slender-axial")  # of workprecision
+BASELINE = Path("reports", "baseline")
 ARTEFACTS = ("table1", "table2", "table3", "fig4", "fig5", "fig6", "fig7", "fig8")
 
 
@@ -36,13 +45,16 @@ def command_line() -> argparse.ArgumentParser:
     _add_reproduce(commands)
     _add_solve(commands)
     _add_compare(commands)
+    _add_workprecision(commands)
+    _add_stability(commands)
+    _add_regress(commands)
     return parser
 
 
 def _add_reproduce(commands: argparse._SubParsersAction) -> None:
     purpose = "the paper's tables and figures by both models, and a report"
     command = _command(commands, "reproduce", purpose, "coilcheck reproduce --only table3,fig5")
-    command.add_argument("--only", type=_artefacts, metavar="NAMES", help=f"some of {','.join(ARTEFACTS)}")
+    command.add_argument("--only", type=_some_of(ARTEFACTS), metavar="NAMES", help=_some(ARTEFACTS))
     command.add_argument("--no-render", action="store_true", help="tables and data only, no pictures")
 
 
@@ -58,6 +70,39 @@ def _add_solve(commands: argparse._SubParsersAction) -> None:
 def _add_compare(commands: argparse._SubParsersAction) -> None:
     purpose = "one scene by both models: the equivalent beam against the wire model"
     _add_scene(_command(commands, "compare", purpose, "coilcheck compare my-spring.toml --out results"))
+
+
+def _add_workprecision(commands: argparse._SubParsersAction) -> None:
+    purpose = "run time against error of both models, for every mesh, law and number of steps"
+    example = "coilcheck workprecision --quick --only spring-a,spring-b"
+    command = _command(commands, "workprecision", purpose, example)
+    names = _some_of(STUDY_SCENES)
+    command.add_argument("--only", type=names, metavar="NAMES", help=_some(STUDY_SCENES))
+    size = command.add_mutually_exclusive_group()
+    size.add_argument("--quick", action="store_true", help="few meshes, few rounds: less than a minute")
+    size.add_argument("--full", action="store_true", help="meshes up to 320 elements a turn")
+
+
+def _add_stability(commands: argparse._SubParsersAction) -> None:
+    purpose = "sampled scenes by both models, each path judged; exit code 1 where an outcome is unexplained"
+    command = _command(commands, "stability", purpose, "coilcheck stability --beams 2000 --wires 100")
+    scenes = command.add_argument_group("what is judged; a campaign that was interrupted goes on")
+    scenes.add_argument("--beams", type=_number, metavar="N", help="equivalent-beam scenes; default 20000")
+    scenes.add_argument("--wires", type=_number, metavar="N", help="wire scenes; default 1000")
+    scenes.add_argument("--seed", type=_number, metavar="N", help="of the sequence of scenes; default 1")
+    scenes.add_argument("--case", metavar="ID", help="judge one case again, and write nothing")
+    how = "processes; default one for each core, 0 for none besides this one"
+    command.add_argument("--workers", type=_number, metavar="N", help=how)
+
+
+def _add_regress(commands: argparse._SubParsersAction) -> None:
+    purpose = "what both models find now against stored baselines; exit code 1 where something moved"
+    command = _command(commands, "regress", purpose, "coilcheck regress --baseline reports/baseline")
+    where = f"folder of the baselines; default {BASELINE.as_posix()}"
+    command.add_argument("--baseline", type=Path, default=BASELINE, metavar="DIR", help=where)
+    command.add_argument("--accept", action="store_true", help="write what is found as the new baselines")
+    what = "measure and judge the models' ratios of time too"
+    command.add_argument("--time", action="store_true", help=what)
 
 
 def _command(
@@ -102,10 +147,18 @@ def _number(text: str) -> int | float | str:
     return text
 
 
-def _artefacts(text: str) -> tuple[str, ...]:
-    """Names of tables and figures, in the paper's order."""
-    names = text.split(",")
-    for name in names:
-        if name not in ARTEFACTS:
-            raise argparse.ArgumentTypeError(f"must be names of {','.join(ARTEFACTS)}, got {name!r}")
-    return tuple(name for name in ARTEFACTS if name in names)
+def _some(names: tuple[str, ...]) -> str:
+    return f"some of {','.join(names)}"
+
+
+def _some_of(allowed: tuple[str, ...]) -> Callable[[str], tuple[str, ...]]:
+    """Reads names that are `allowed`, and gives them in that order."""
+
+    def read(text: str) -> tuple[str, ...]:
+        names = text.split(",")
+        for name in names:
+            if name not in allowed:
+                raise argparse.ArgumentTypeError(f"must be names of {','.join(allowed)}, got {name!r}")
+        return tuple(name for name in allowed if name in names)
+
+    return read

@@ -11,11 +11,18 @@ from dataclasses import asdict
 from pathlib import Path
 
 from coilspring import CATALOGUE, EquilibriumNotFound, EquilibriumPath, InputError, Scene, load_scene
-from validation.arguments import COMMON_OPTIONS, FILE_OPTIONS, MODEL_OPTIONS, command_line
+from coilspring.errors import require_integer
+from validation.arguments import (
+    CAMPAIGN_RANGES,
+    COMMON_OPTIONS,
+    FILE_OPTIONS,
+    MODEL_OPTIONS,
+    command_line,
+)
 from validation.metrics import Comparison, compare_paths
 from validation.output import OutputError, prepare, write_json, write_path, write_vtu, writing
 
-COMPLETED, BAD_INPUT, NOT_COMPLETED, NOT_WRITTEN, INTERRUPTED = 0, 2, 3, 4, 130
+COMPLETED, REGRESSED, BAD_INPUT, NOT_COMPLETED, NOT_WRITTEN, INTERRUPTED = 0, 1, 2, 3, 4, 130
 
 
 def main(argv: Sequence[str] | None = None) -> int:
@@ -96,7 +103,62 @@ def compare(arguments: argparse.Namespace) -> int:
     return _verdict(*paths.values())
 
 
-COMMANDS = {"reproduce": reproduce, "solve": solve, "compare": compare}
+def workprecision(arguments: argparse.Namespace) -> int:
+    """Measure run time against error of both models."""
+    folder = _folder(arguments)
+    prepare(folder)
+    extent = next((name for name in ("quick", "full") if hasattr(arguments, name)), "normal")
+    with _progress() as progress:
+        progress("loading both models")
+        run = importlib.import_module("validation.workprecision").workprecision
+        with writing(folder):
+            studies = run(folder, getattr(arguments, "only", None), extent, progress)
+    report = importlib.import_module("validation.workreport")
+    _say(*(report.digest(study) for study in studies), f"written to {folder}")
+    return COMPLETED
+
+
+def regress(arguments: argparse.Namespace) -> int:
+    """Compare what both models find with stored baselines."""
+    folder = _folder(arguments)
+    with _progress() as progress:
+        progress("loading both models")
+        regression = importlib.import_module("validation.regression")
+        accept, times = hasattr(arguments, "accept"), hasattr(arguments, "time")
+        with writing(folder):
+            finding = regression.regress(folder, arguments.baseline, accept, times, progress)
+    _say(*map(str, finding.moves), regression.verdict(finding), f"written to {folder}")
+    if finding.moves and not accept:
+        return _fail(REGRESSED, f"{regression.verdict(finding)}; where that is meant: regress --accept")
+    return COMPLETED
+
+
+def stability(arguments: argparse.Namespace) -> int:
+    """Judge sampled scenes of both models."""
+    options = _given(arguments, ("case",))
+    for name, number in _given(arguments, tuple(CAMPAIGN_RANGES)).items():
+        options[name] = require_integer(name, number, *CAMPAIGN_RANGES[name])
+    folder = _folder(arguments)
+    if "case" not in options:
+        prepare(folder)
+    with _progress() as progress:
+        progress("loading both models")
+        campaign = importlib.import_module("validation.campaign.run").campaign
+        with writing(folder):
+            code = campaign(folder, **options, progress=lambda done, of: progress(f"{done} of {of} scenes"))
+    if "case" not in options:
+        _say(f"written to {folder}")
+    return _fail(REGRESSED, "not every outcome is explained") if code else COMPLETED
+
+
+COMMANDS = {
+    "reproduce": reproduce,
+    "solve": solve,
+    "compare": compare,
+    "workprecision": workprecision,
+    "stability": stability,
+    "regress": regress,
+}
 
 
 def _scene(arguments: argparse.Namespace) -> Scene:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from coilspring.errors import EquilibriumNotFound, InputError, require_choice, require_integer
@@ -71,11 +73,13 @@ def solve(
     EquilibriumNotFound : the path ends before time 1; carries what was reached.
     """
     scene = scene.overridden(steps, penalty)
-    spent, found = 0, NO_PAIRS
+    spent, seconds, found = 0, 0.0, NO_PAIRS
     while True:
         problem, mesh, options = scene_problem(scene, element, elements_per_turn, pairs_per_turn, found)
         run = follow_load(scene, problem, KERNELS)
+        seconds += run.solve_seconds
         if run.track.outcome != STRAY:
+            run = replace(run, solve_seconds=seconds)
             return scene_path(scene, "wirefe", options, run, WireShape(scene, problem.data, mesh), spent)
         # coils touch elsewhere than one turn apart: once more, with what touches in the model
         spent += run.spent

@@ -1,0 +1,380 @@
+"""Regression: a clean rerun passes, planted faults are caught and named, and baselines are guarded."""
+
+import copy
+import json
+import os
+import sys
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import equivbeam.haringx
+import equivbeam.helix
+import equivbeam.model
+import validation.baselines
+import validation.regression
+import wirefe.model
+from coilspring import InputError
+from equivbeam import Refinements
+from validation import freshness, timeratios
+from validation.arguments import command_line
+from validation.baselines import MODELS, Run, find, read, runs
+from validation.cli import main
+from validation.drift import compare
+from validation.regression import regress
+
+KEPT = Path(__file__).parents[1] / "reports" / "baseline"
+# the models' modules, which their own functions `solve` hide
+BEAM_SOLVE, WIRE_SOLVE = sys.modules["equivbeam.solve"], sys.modules["wirefe.solve"]
+FAULT = 1.001  # 0.1 % off
+
+
+def few(*parts):
+    """Runs whose name or model holds one of the parts."""
+    return [run for run in runs() if any(part in f"{run.model}: {run.name}," for part in parts)]
+
+
+def only(name):
+    """The run of that name."""
+    return [run for run in runs() if run.name == name]
+
+
+LAWS = few("law=haringx,", "law=helix,")
+CURVED = [run for run in few("element=curved, elements_per_turn=4,") if "slender" not in run.name]
+
+
+@pytest.fixture(autouse=True)
+def no_timing(monkeypatch):
+    """Ratios of times are not what is tested here."""
+    monkeypatch.setattr(timeratios, "measure", lambda progress: {"a / b": 2.0})
+
+
+@pytest.fixture(scope="module")
+def before():
+    """What the sound models find."""
+    return found_now([*LAWS, *CURVED])
+
+
+def found_now(chosen):
+    return find(chosen, lambda line: None)
+
+
+def as_baseline(found, processor="here"):
+    return {model: {"made": {"processor": processor}, "runs": found[model]} for model in MODELS}
+
+
+def moved(before, chosen, processor="here"):
+    """What moved in the chosen runs, with the quantities' names."""
+    names = {run.name for run in chosen}
+    models = {run.model for run in chosen}
+    kept = {
+        model: {name: row for name, row in rows.items() if name in names and model in models}
+        for model, rows in before.items()
+    }
+    return compare(as_baseline(kept), found_now(chosen), processor)
+
+
+def kinds(moves):
+    return {move.quantity.split(" at ")[0] for move in moves}
+
+
+def test_a_clean_rerun_finds_nothing(before):
+    assert moved(before, [*LAWS, *CURVED]) == ()
+
+
+@pytest.mark.parametrize("column", [0, 1, 2], ids=["Kax", "Ksh", "Kfl"])
+def test_a_stiffness_of_the_papers_law_is_caught(before, column, monkeypatch):
+    sound = equivbeam.haringx.haringx_stiffness
+    factors = np.where(np.arange(3) == column, FAULT, 1.0)
+    monkeypatch.setattr(equivbeam.haringx, "haringx_stiffness", lambda *given: sound(*given) * factors)
+    moves = moved(before, LAWS)
+    assert {"ux", "uy", "rotz"} & kinds(moves)
+    assert not any("law=helix" in move.run for move in moves)
+    assert "1e-07 allowed" in str(next(move for move in moves if move.quantity.startswith("u")))
+
+
+@pytest.mark.parametrize("part", ["GJ", "EI", "GA", "EA"])
+def test_a_stiffness_of_the_wire_is_caught(before, part, monkeypatch):
+    for module, chosen in ((wirefe.model, CURVED), (equivbeam.helix, few("law=helix,"))):
+        sound = module.round_section
+        with monkeypatch.context() as patch:
+            patch.setattr(module, "round_section", lambda *given, s=sound: off(s(*given), part))
+            assert {"ux", "uy"} & kinds(moved(before, chosen))
+
+
+def off(section, part):
+    return replace(section, **{part: FAULT * getattr(section, part)})
+
+
+@pytest.mark.parametrize(
+    ("module", "chosen", "field"),
+    [
+        (equivbeam.model, [run for run in LAWS if run.name.startswith("spring-b, ")], "kc"),
+        (wirefe.mesh, [run for run in CURVED if run.name.startswith("spring-b, ")], "stiffness"),
+    ],
+    ids=MODELS,
+)
+def test_a_contact_stiffness_is_caught(before, module, chosen, field, monkeypatch):
+    name = "BeamModel" if module is equivbeam.model else "Spheres"
+    sound = getattr(module, name)
+    monkeypatch.setattr(module, name, lambda **given: sound(**given | {field: FAULT * given[field]}))
+    assert "max_penetration" in kinds(moved(before, chosen))
+
+
+@pytest.mark.parametrize("solve", [BEAM_SOLVE, WIRE_SOLVE], ids=MODELS)
+def test_one_more_iteration_a_step_is_caught(before, solve, monkeypatch):
+    sound = solve.follow_load
+
+    def slower(*given, **options):
+        run = sound(*given, **options)
+        return replace(run, track=run.track._replace(iterations=run.track.iterations + 1))
+
+    monkeypatch.setattr(solve, "follow_load", slower)
+    chosen = LAWS if solve is BEAM_SOLVE else CURVED
+    moves = moved(before, chosen)
+    assert kinds(moves) == {"iterations", "total_iterations"}
+    assert {move.run for move in moves} == {f"{run.model}, {run.name}" for run in chosen}
+    if solve is WIRE_SOLVE:
+        assert "+50 in all, 50 steps moved, 0 allowed a step" in str(moves[0])
+
+
+def test_a_predictor_switched_off_is_caught(before, monkeypatch):
+    sound = BEAM_SOLVE.follow_load
+    monkeypatch.setattr(
+        BEAM_SOLVE, "follow_load", lambda *given, **options: sound(*given, **options | {"predictor": False})
+    )
+    assert "iterations" in kinds(moved(before, LAWS))
+
+
+@pytest.mark.parametrize("which", ["all", "one"])
+def test_a_contact_side_swapped_is_caught(before, which, monkeypatch):
+    sound = equivbeam.model._circles
+
+    def swapped(scene, count):
+        carrier, offset = sound(scene, count)
+        offset[slice(None) if which == "all" else 8, 0] *= -1.0
+        return carrier, offset
+
+    monkeypatch.setattr(equivbeam.model, "_circles", swapped)
+    moves = moved(before, LAWS)
+    assert {"contact_force", "contact_moment"} & kinds(moves)
+    assert not any("no-contact" in move.run for move in moves)
+
+
+@pytest.mark.parametrize("name", list(vars(Refinements())))
+def test_a_refinement_of_the_helix_law_switched_off_is_caught(before, name, monkeypatch):
+    monkeypatch.setattr(equivbeam.model, "ALL", Refinements(**{name: False}))
+    moves = moved(before, few("law=helix,"))
+    assert {"ux", "uy", "rotz"} & kinds(moves)
+
+
+def test_another_processor_may_count_one_more_a_step(before):
+    later = copy.deepcopy(before)
+    for row in later["wirefe"].values():
+        row["iterations"] = [count + 1 for count in row["iterations"]]
+        row["total_iterations"] += row["steps_reached"]
+        row["ux"] = [value * (1.0 + 5e-7) for value in row["ux"]]
+    kept = as_baseline(before)
+    assert compare(kept, later, "elsewhere") == ()
+    assert kinds(compare(kept, later, "here")) == {"iterations", "total_iterations", "ux"}
+    for row in later["wirefe"].values():
+        row["iterations"] = [count + 1 for count in row["iterations"]]
+    assert kinds(compare(kept, later, "elsewhere")) == {"iterations"}
+
+
+def test_without_sliding_another_processor_may_choose_other_substeps(before):
+    later = copy.deepcopy(before)
+    for row in later["wirefe"].values():
+        row["uy"] = [value * (1.0 + 5e-5) for value in row["uy"]]
+    found = compare(as_baseline(before), later, "elsewhere")
+    assert {move.run.split(", ")[1] for move in found} == {
+        "spring-a",
+        "spring-a-no-contact",
+        "spring-b-no-contact",
+    }
+
+
+@pytest.mark.parametrize(
+    ("change", "quantity"),
+    [
+        ({"outcome": "limit_point"}, "outcome"),
+        ({"steps_reached": 49}, "steps_reached"),
+        ({"critical_time": 0.5}, "critical_time"),
+        ({"contact_force": 1e-3}, "contact_force"),
+        ({"extra": 1}, "the list of quantities"),
+    ],
+)
+def test_every_other_quantity_is_judged(before, change, quantity):
+    later = copy.deepcopy(before)
+    name = "spring-a-no-contact, law=haringx"
+    later["equivbeam"][name].update(change)
+    found = compare(as_baseline(before), later, "here")
+    assert kinds(found) == {quantity}
+    assert found[0].run == f"equivbeam, {name}"
+
+
+def test_a_critical_time_is_judged_by_its_own_tolerance(before):
+    later = copy.deepcopy(before)
+    row = later["equivbeam"]["spring-b-free, law=haringx, penalty=400.0"]
+    assert row["outcome"] == "limit_point"
+    row["critical_time"] += 5e-7
+    kept = as_baseline(before)
+    assert compare(kept, later, "elsewhere") == ()
+    assert "+5e-07 of time, 1e-07 allowed" in str(compare(kept, later, "here")[0])
+
+
+def test_where_rounding_decides_the_critical_time_is_judged_loosely():
+    before = found_now([run for run in runs() if run.sensitive])
+    later = copy.deepcopy(before)
+    (row,) = later["wirefe"].values()
+    assert row["critical_time"] is not None
+    row["critical_time"] += 5e-5
+    row["total_iterations"] += 70
+    assert compare(as_baseline(before), later, "here") == ()
+    row["critical_time"] += 1e-3
+    assert kinds(compare(as_baseline(before), later, "here")) == {"critical_time"}
+
+
+def test_runs_without_a_baseline_and_the_reverse_count(before):
+    later = copy.deepcopy(before)
+    later["wirefe"]["new"] = later["wirefe"].pop("spring-a, element=curved, elements_per_turn=4")
+    found = compare(as_baseline(before), later, "here")
+    assert [(move.before, move.now) for move in found] == [
+        ("in the baselines", "missing"),
+        ("not in the baselines", "new"),
+    ]
+
+
+@pytest.fixture
+def small(monkeypatch, tmp_path):
+    """The command with a few runs and baselines in `tmp_path`; returns its arguments."""
+    names = ("spring-a-no-contact, law=haringx", "spring-b, element=curved, elements_per_turn=4")
+    chosen = [run for name in names for run in only(name)]
+    monkeypatch.setattr(validation.regression, "runs", lambda: chosen)
+    return ["regress", "--out", str(tmp_path / "out"), "--baseline", str(tmp_path / "base")]
+
+
+def test_the_command_accepts_and_then_passes(small, tmp_path, capsys):
+    assert main([*small, "--accept"]) == 0
+    assert "2 runs: nothing moved; accepted" in capsys.readouterr().out
+    assert sorted(file.name for file in (tmp_path / "base").iterdir()) == [
+        "equivbeam.json",
+        "times.json",
+        "wirefe.json",
+    ]
+    kept = read(tmp_path / "base")
+    assert kept["wirefe"]["made"].keys() == {"date", "processor", "versions"}
+    assert main(small) == 0
+    assert "2 runs: nothing moved" in capsys.readouterr().out
+    assert (
+        (tmp_path / "out" / "regress.md").read_text().startswith("# Regression\n\n**2 runs: nothing moved.**")
+    )
+
+
+def test_the_command_says_what_moved_until_it_is_accepted(small, monkeypatch, tmp_path, capsys):
+    assert main([*small, "--accept"]) == 0
+    sound = equivbeam.haringx.haringx_stiffness
+    monkeypatch.setattr(equivbeam.haringx, "haringx_stiffness", lambda *given: sound(*given) * FAULT)
+    capsys.readouterr()
+    assert main(small) == 1
+    output = capsys.readouterr()
+    assert "equivbeam, spring-a-no-contact, law=haringx: ux at time" in output.out
+    assert output.err.count("\n") == 1
+    assert "quantities moved" in output.err
+    assert "| rotz at time" in (tmp_path / "out" / "regress.md").read_text()
+    assert main([*small, "--accept"]) == 0
+    assert main(small) == 0
+
+
+def test_times_are_judged_on_request_only(small, monkeypatch, capsys):
+    assert main([*small, "--accept"]) == 0
+    monkeypatch.setattr(timeratios, "measure", lambda progress: {"a / b": 3.5, "new": 1.0})
+    assert main(small) == 0
+    assert main([*small, "--time"]) == 1
+    assert "times: a / b was 2, is 3.5 (factor 1.75, 1.5 allowed)" in capsys.readouterr().out
+
+
+def test_an_interrupted_run_keeps_what_was_found_and_the_baselines(small, monkeypatch, tmp_path, capsys):
+    assert main([*small, "--accept"]) == 0
+    kept = read(tmp_path / "base")
+    sound = Run.solve
+
+    def stopped(run):
+        if run.model == "wirefe":
+            raise KeyboardInterrupt
+        return sound(run)
+
+    monkeypatch.setattr(Run, "solve", stopped)
+    capsys.readouterr()
+    assert main([*small, "--accept"]) == 130
+    assert capsys.readouterr().err == "coilcheck: interrupted\n"
+    assert [len(read(tmp_path / "out")[model]["runs"]) for model in MODELS] == [1, 0]
+    assert read(tmp_path / "base") == kept
+
+
+@pytest.mark.parametrize(
+    ("arguments", "part"),
+    [
+        ("--baseline nowhere", "no baseline at nowhere"),
+        ("--baseline broken", "is no baseline"),
+        ("--accept extra", "extra"),
+        ("--tolerance 1", "--tolerance"),
+    ],
+)
+def test_bad_input_is_refused_in_one_sentence(arguments, part, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "broken").mkdir()
+    (tmp_path / "broken" / "equivbeam.json").write_text('{"made": 3, "runs": {}}')
+    assert main(["regress", *arguments.split()]) == 2
+    message = capsys.readouterr().err
+    assert message.count("\n") == 1
+    assert part in message
+    assert not (tmp_path / "coilcheck-out").exists()
+
+
+def test_times_that_were_never_kept_are_bad_input(small, tmp_path):
+    assert main([*small, "--accept"]) == 0
+    (tmp_path / "base" / "times.json").unlink()
+    with pytest.raises(InputError, match="no ratios of times"):
+        timeratios.compare(tmp_path / "base", {"a / b": 1.0})
+
+
+def test_kernels_older_than_a_source_are_forgotten(tmp_path, monkeypatch):
+    names = ("old.nbi", "old.1.nbc", "new.nbi", "old.txt")
+    for name in names:
+        (tmp_path / name).write_text("")
+        os.utime(tmp_path / name, (0, 0) if name.startswith("old") else None)
+    os.utime(tmp_path / "new.nbi", (4e9, 4e9))
+    monkeypatch.setattr(freshness, "_folders", lambda: {tmp_path})
+    assert freshness.forget_stale_kernels() == 2
+    assert sorted(file.name for file in tmp_path.iterdir()) == ["new.nbi", "old.txt"]
+
+
+def test_the_places_of_the_cached_kernels_are_found():
+    kernels = (BEAM_SOLVE.KERNELS.assemble, WIRE_SOLVE.KERNELS.assemble)
+    assert {Path(kernel.stats.cache_path) for kernel in kernels} <= freshness._folders()
+
+
+def test_help_has_an_example_that_parses(capsys):
+    with pytest.raises(SystemExit):
+        main(["regress", "--help"])
+    example = capsys.readouterr().out.partition("example: coilcheck ")[2].split()
+    assert command_line().parse_args(example).command == "regress"
+
+
+def test_the_stored_baselines_are_those_of_the_runs():
+    kept = read(KEPT)
+    watched = runs()
+    assert len({(run.model, run.name) for run in watched}) == len(watched)
+    for model in MODELS:
+        assert list(kept[model]["runs"]) == [run.name for run in watched if run.model == model]
+    assert json.loads((KEPT / timeratios.FILE).read_text())["ratios"]
+
+
+def test_the_library_compares_without_the_command(tmp_path):
+    chosen = only("spring-a-no-contact, law=haringx")
+    assert regress(tmp_path / "out", tmp_path / "base", accept=True, chosen=chosen).accepted
+    finding = regress(tmp_path / "out", tmp_path / "base", chosen=chosen)
+    assert (finding.moves, finding.compared, finding.accepted) == ((), 1, False)

@@ -1,0 +1,252 @@
+"""Work-precision: what is run, fronts, errors that fall as they must, and the files."""
+
+import csv
+import sys
+import xml.etree.ElementTree as ElementTree
+from dataclasses import replace
+from importlib import import_module
+from inspect import signature
+from types import ModuleType, SimpleNamespace
+
+import numpy as np
+import pytest
+
+import validation.workprecision as work
+import validation.worksettings as worksettings
+from coilspring import InputError
+from equivbeam.solve import LAWS
+from validation.arguments import CAMPAIGN_RANGES, STUDY_SCENES, command_line
+from validation.cases import PAPER_MESH
+from validation.cli import main
+from validation.worksettings import EXTENTS, NORMAL, STEPS, TITLES, Extent, settings, study_scenes
+
+SMALL = Extent((20, 40, 80), (4, 8), 32, (1, 10), (), 3)
+NAME = "spring-a-no-contact"
+
+
+@pytest.fixture(scope="module")
+def study():
+    return work.study(study_scenes()[NAME], SMALL, lambda line: None)
+
+
+def at(study, series, mesh=0, steps=STEPS):
+    wanted = (series, mesh, steps)
+    return next(p for p in study.points if (p.setting.series, p.setting.mesh, p.setting.steps) == wanted)
+
+
+@pytest.mark.parametrize("extent", EXTENTS.values(), ids=EXTENTS)
+def test_every_extent_has_the_paper_and_only_what_can_be_compared(extent):
+    for scene in study_scenes().values():
+        chosen = settings(scene, extent)
+        assert len({setting.label for setting in chosen}) == len(chosen)
+        assert sum(setting.is_paper_mesh for setting in chosen) == 1
+        assert sum(setting.is_paper_model for setting in chosen) == 1
+        assert {setting.series for setting in chosen} == {"straight", "curved", *LAWS}
+        assert all(extent.finest % setting.steps == 0 for setting in chosen)
+        assert all(setting.mesh % setting.pairs == 0 for setting in chosen if setting.mesh)
+        assert max(setting.mesh for setting in chosen if setting.series == "curved") < extent.reference
+
+
+def test_the_paper_is_marked_as_the_cases_have_it():
+    mesh = next(s for s in settings(study_scenes()["spring-a"], NORMAL) if s.is_paper_mesh)
+    assert PAPER_MESH.items() <= mesh.options.items()
+
+
+def test_other_pairs_and_sliding_are_run_where_there_is_contact():
+    scenes = study_scenes()
+    pairs = {name: {s.pairs for s in settings(scene, NORMAL)} for name, scene in scenes.items()}
+    assert (pairs["spring-a"], pairs[NAME]) == ({0, 2, 4, 8, 16}, {0, 4})
+    slides = {name: {s.sliding for s in settings(scene, NORMAL)} for name, scene in scenes.items()}
+    assert "scene" in slides["spring-b"]
+    assert "scene" not in slides["spring-a"] | slides["spring-b-no-contact"]
+
+
+def test_scenes_have_names_and_titles():
+    assert tuple(study_scenes()) == STUDY_SCENES == tuple(TITLES)
+    assert all(scene.name == name and scene.load.steps == STEPS for name, scene in study_scenes().items())
+
+
+def point(time, error, steps=STEPS, competes=True):
+    ratio, setting = SimpleNamespace(median=time), SimpleNamespace(steps=steps)
+    return SimpleNamespace(ratio=ratio, error=error, competes=competes, setting=setting)
+
+
+def test_the_front_keeps_what_nothing_faster_matches():
+    points = [point(4.0, 1e-4), point(1.0, 1e-2), point(2.0, 9.5e-3), point(3.0, 1e-3), point(5.0, 2e-4)]
+    points += [point(0.5, 1e-9, competes=False)]
+    found = work.front(points, lambda each: each.error)
+    assert [each.ratio.median for each in found] == [1.0, 3.0, 4.0]
+
+
+def test_of_equal_times_the_smaller_error_counts_then_the_order():
+    points = [point(1.0, 1e-2), point(1.01, 1e-3), point(0.99, 1e-2), point(1.02, 1e-3)]
+    assert work.front(points, lambda each: each.error) == (points[1],)
+
+
+def test_errors_below_the_references_own_are_one():
+    points = [point(1.0, 1e-5), point(2.0, 1e-9)]
+    assert len(work.front(points, lambda each: max(each.error, 1e-5))) == 1
+
+
+def test_straight_elements_are_of_second_order(study):
+    errors = [at(study, "straight", mesh).error.curve_max for mesh in SMALL.straight]
+    assert np.log2(np.divide(errors[:-1], errors[1:])) == pytest.approx([2.0, 2.0], abs=0.15)
+    # measured 0.136 %, as the exact rod has it
+    assert errors[1] == pytest.approx(1.36e-3, rel=0.05)
+
+
+def test_the_reference_is_the_exact_rod_within_its_own_error(study):
+    # measured 5.5e-7 at 32 a turn against 1.4e-6
+    assert study.reference.exact < study.reference.curve < 3e-6
+
+
+def test_four_curved_elements_are_better_and_faster_than_the_papers_mesh(study):
+    curved, paper = at(study, "curved", 4), at(study, "straight", 40)
+    # measured 1.6e-5 in a ninth of the time
+    assert curved.error.curve_max < 1e-4
+    assert curved.ratio.median < 0.4
+    assert paper.ratio.median == pytest.approx(1.0)
+
+
+def test_the_equivalent_beam_is_the_fastest_on_the_front(study):
+    front = study.curve_front
+    assert front[0].setting.model == "equivbeam"
+    assert front[-1].setting.series == "curved"
+    assert all(each.setting.steps >= STEPS for each in front)
+    assert any(each.setting.steps < STEPS for each in study.shape_front)
+
+
+def test_a_run_that_ends_early_is_on_no_front(study):
+    ended = tuple(replace(each, outcome="limit_point") for each in study.points)
+    assert replace(study, points=ended).curve_front == ()
+
+
+@pytest.fixture
+def small(monkeypatch):
+    """The command with a small extent."""
+    monkeypatch.setitem(worksettings.EXTENTS, "quick", replace(SMALL, straight=(40,), rounds=1))
+
+
+def test_the_command_writes_tables_and_figures(small, tmp_path, capsys):
+    assert main(["workprecision", "--quick", "--only", "spring-b-no-contact", "--out", str(tmp_path)]) == 0
+    assert "spring-b-no-contact: as accurate as the paper's mesh in 1/" in capsys.readouterr().out
+    files = ("workprecision.csv", "workprecision.md")
+    figures = [f"workprecision-{kind}.{end}" for kind in ("curve", "shape") for end in ("png", "svg")]
+    assert sorted(file.name for file in tmp_path.iterdir()) == sorted((*files, *figures))
+    with open(tmp_path / "workprecision.csv", encoding="utf-8", newline="") as lines:
+        rows = list(csv.DictReader(lines))
+    assert len(rows) == len(settings(study_scenes()["spring-b-no-contact"], EXTENTS["quick"]))
+    assert {row["outcome"] for row in rows} == {"completed"}
+    assert sum(int(row["on_curve_front"]) for row in rows) >= 2
+    assert all(float(row["seconds"]) > 0.0 and float(row["curve_max"]) > 0.0 for row in rows)
+    ElementTree.parse(tmp_path / "workprecision-curve.svg")
+    assert (tmp_path / "workprecision-shape.png").read_bytes().startswith(b"\x89PNG")
+    report = (tmp_path / "workprecision.md").read_text(encoding="utf-8")
+    assert "![Error of the load curve against CPU time](workprecision-curve.png)" in report
+    assert "| Spring B, no contact | beam " in report
+
+
+def test_an_interrupted_study_keeps_the_finished_scenes(small, tmp_path, monkeypatch, capsys):
+    sound = work.study
+
+    def stopped(scene, *given):
+        if scene.name == "spring-b":
+            raise KeyboardInterrupt
+        return sound(scene, *given)
+
+    monkeypatch.setattr(work, "study", stopped)
+    names = "spring-a-no-contact,spring-b"
+    assert main(["workprecision", "--quick", "--only", names, "--out", str(tmp_path)]) == 130
+    assert capsys.readouterr().err == "coilcheck: interrupted\n"
+    lines = (tmp_path / "workprecision.csv").read_text().splitlines()[1:]
+    assert {line.split(",")[0] for line in lines} == {"spring-a-no-contact"}
+    assert ".png" not in (tmp_path / "workprecision.md").read_text()
+
+
+@pytest.mark.parametrize(
+    ("arguments", "parts"),
+    [
+        ("--quick --full", ["--full", "--quick"]),
+        ("--only spring-c", ["--only", "spring-c", "slender-axial"]),
+        ("spring-a", ["spring-a"]),
+    ],
+)
+def test_bad_arguments_are_refused_in_one_sentence(arguments, parts, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    assert main(["workprecision", *arguments.split()]) == 2
+    message = capsys.readouterr().err
+    assert message.count("\n") == 1
+    assert [part for part in parts if part not in message] == []
+    assert not list(tmp_path.iterdir())
+
+
+def test_the_library_refuses_unknown_names(tmp_path):
+    with pytest.raises(InputError, match="only must hold names of"):
+        work.workprecision(tmp_path, ["spring-c"])
+    with pytest.raises(InputError, match="extent must be one of quick, normal, full"):
+        work.workprecision(tmp_path, None, "huge")
+
+
+def test_an_unwritable_folder_is_noticed_before_solving(tmp_path, monkeypatch):
+    blocked = tmp_path / "file"
+    blocked.write_text("not a folder")
+    monkeypatch.setattr(work, "study", lambda *_: pytest.fail("measured in vain"))
+    assert main(["workprecision", "--out", str(blocked)]) == 4
+
+
+@pytest.mark.parametrize("command", ["workprecision", "stability"])
+def test_help_has_an_example_that_parses(command, capsys):
+    with pytest.raises(SystemExit):
+        main([command, "--help"])
+    example = capsys.readouterr().out.partition("example: coilcheck ")[2].split()
+    assert command_line().parse_args(example).command == command
+
+
+def fake_campaign(monkeypatch, code):
+    """The command's campaign replaced by one that records what it is given."""
+    calls = []
+    module = ModuleType("validation.campaign.run")
+    module.campaign = lambda out, **options: calls.append((out, options)) or code
+    monkeypatch.setitem(sys.modules, "validation.campaign.run", module)
+    return calls
+
+
+@pytest.mark.parametrize("code", [0, 1])
+def test_stability_passes_its_arguments_on(code, tmp_path, monkeypatch, capsys):
+    calls = fake_campaign(monkeypatch, code)
+    assert main(["stability", "--beams", "8", "--workers", "0", "--out", str(tmp_path)]) == code
+    assert capsys.readouterr().err == ("coilcheck: not every outcome is explained\n" if code else "")
+    (out, options), progress = calls[0], calls[0][1].pop("progress")
+    assert (out, options) == (tmp_path, {"beams": 8, "workers": 0})
+    assert progress(1, 8) is None
+
+
+def test_one_case_writes_nothing(tmp_path, monkeypatch):
+    calls = fake_campaign(monkeypatch, 0)
+    assert main(["stability", "--case", "b000007", "--seed", "3", "--out", str(tmp_path / "new")]) == 0
+    assert calls[0][1].items() >= {"case": "b000007", "seed": 3}.items()
+    assert not (tmp_path / "new").exists()
+
+
+@pytest.mark.parametrize(
+    ("arguments", "parts"),
+    [
+        ("--beams -1", ["beams", "[0, 10000000]", "-1"]),
+        ("--wires 2.5", ["wires", "integer", "2.5"]),
+        ("--workers many", ["workers", "'many'"]),
+        ("spring-a", ["spring-a"]),
+    ],
+)
+def test_bad_numbers_of_scenes_are_refused(arguments, parts, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    fake_campaign(monkeypatch, 0)
+    assert main(["stability", *arguments.split()]) == 2
+    message = capsys.readouterr().err
+    assert message.count("\n") == 1
+    assert [part for part in parts if part not in message] == []
+    assert not list(tmp_path.iterdir())
+
+
+def test_the_real_campaign_takes_what_the_command_passes():
+    names = signature(import_module("validation.campaign.run").campaign).parameters
+    assert names.keys() >= {"out", "progress", "case", *CAMPAIGN_RANGES}

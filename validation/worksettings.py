@@ -1,0 +1,150 @@
+"""What the work-precision study runs: springs, and every setting of both models."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+from coilspring import CATALOGUE, Load, Scene, Spring, Supports
+from equivbeam.solve import LAWS
+
+STEPS = 50  # of the paper, and of every scene here
+PAIRS = 4  # a turn, as in the paper's mesh; other numbers are other contact models
+PAPER_LAW, PAPER_ELEMENTS = "haringx", 40
+SERIES = ("straight", "curved", *LAWS)
+
+
+@dataclass(frozen=True)
+class Setting:
+    """One model with its numerics.
+
+    Attributes
+    ----------
+    series : element of the wire model, or law of the equivalent beam.
+    steps : equal steps of time.
+    mesh : elements a turn; 0 for the equivalent beam, which has one length of element.
+    pairs : sphere pairs a turn; 0 for the equivalent beam.
+    tangent, sliding : of the equivalent beam; empty for the wire model.
+    """
+
+    series: str
+    steps: int
+    mesh: int = 0
+    pairs: int = 0
+    tangent: str = ""
+    sliding: str = ""
+
+    @property
+    def model(self) -> str:
+        """The model's package."""
+        return "wirefe" if self.mesh else "equivbeam"
+
+    @property
+    def options(self) -> dict[str, object]:
+        """Keyword arguments of the model's `solve`."""
+        if self.mesh:
+            mesh = {"elements_per_turn": self.mesh, "pairs_per_turn": self.pairs}
+            return {"element": self.series, "steps": self.steps, **mesh}
+        return {"law": self.series, "steps": self.steps, "tangent": self.tangent, "sliding": self.sliding}
+
+    @property
+    def label(self) -> str:
+        """Name for a reader."""
+        parts = [f"wire {self.series} {self.mesh}" if self.mesh else f"beam {self.series}"]
+        parts += ["paper’s tangent"] if self.tangent == "paper" else []
+        parts += ["scene’s sliding"] if self.sliding == "scene" else []
+        parts += [f"{self.pairs} pairs a turn"] if self.mesh and self.pairs != PAIRS else []
+        return ", ".join([*parts, f"{self.steps} step{'s' if self.steps != 1 else ''}"])
+
+    @property
+    def is_paper_mesh(self) -> bool:
+        """Whether it is the paper's FE mesh with a scene's usual steps."""
+        return (self.series, self.mesh, self.pairs, self.steps) == ("straight", PAPER_ELEMENTS, PAIRS, STEPS)
+
+    @property
+    def is_paper_model(self) -> bool:
+        """Whether it is the paper's equivalent beam, solved with the exact tangent."""
+        plain = self.tangent == "exact" and self.sliding == "ignore"
+        return self.series == PAPER_LAW and plain and self.steps == STEPS
+
+
+@dataclass(frozen=True)
+class Extent:
+    """How much is run.
+
+    Attributes
+    ----------
+    straight, curved : elements a turn.
+    reference : curved elements a turn of the reference; half of it tells the reference's error.
+    steps : other numbers of steps; divisors of `Extent.finest`.
+    pairs : other sphere pairs a turn.
+    rounds : timed rounds.
+    """
+
+    straight: tuple[int, ...]
+    curved: tuple[int, ...]
+    reference: int
+    steps: tuple[int, ...]
+    pairs: tuple[int, ...]
+    rounds: int
+    finest = 200  # steps of the reference: every number of steps here divides it
+
+
+QUICK = Extent((8, 20, 40), (4, 8), 32, (1, 10), (8,), 3)
+NORMAL = Extent((8, 12, 20, 40, 80, 160), (4, 8, 12, 16, 32), 64, (1, 2, 5, 10, 25, 100, 200), (2, 8, 16), 7)
+FULL = Extent(
+    (4, 8, 12, 20, 40, 80, 160, 320), (4, 8, 12, 16, 32, 64, 160), 320, NORMAL.steps, (2, 8, 16, 32), 7
+)
+
+
+def study_scenes() -> dict[str, Scene]:
+    """The four cases of the paper and two more springs, by name."""
+    cylinder = Scene(
+        name="cylinder-lateral",
+        spring=Spring(wire_diameter=1.0, mean_diameter=(10.0, 10.0), active_coils=8.0, active_height=24.0),
+        load=Load((1.5, -5.0), STEPS),
+    )
+    slender = Scene(  # its wire model buckles at 14.4 N
+        name="slender-axial",
+        spring=Spring(wire_diameter=1.0, mean_diameter=(8.0, 8.0), active_coils=20.0, active_height=60.0),
+        load=Load((0.0, -12.0), STEPS),
+        supports=Supports(("ux", "rotz")),
+    )
+    return {name: make() for name, make in CATALOGUE.items()} | {s.name: s for s in (cylinder, slender)}
+
+
+TITLES = {
+    "spring-a": "Spring A",
+    "spring-a-no-contact": "Spring A, no contact",
+    "spring-b": "Spring B",
+    "spring-b-no-contact": "Spring B, no contact",
+    "cylinder-lateral": "cylinder C = 10, lateral load",
+    "slender-axial": "slender cylinder, axial load",
+}
+
+
+def settings(scene: Scene, extent: Extent) -> tuple[Setting, ...]:
+    """Every setting that makes sense for a scene."""
+    return tuple(dict.fromkeys((*_wires(scene, extent), *_beams(scene, extent))))
+
+
+def _wires(scene: Scene, extent: Extent) -> Iterable[Setting]:
+    meshes = [("straight", mesh) for mesh in extent.straight] + [("curved", mesh) for mesh in extent.curved]
+    yield from (Setting(element, STEPS, mesh, PAIRS) for element, mesh in meshes)
+    for steps in extent.steps:
+        yield Setting("straight", steps, PAPER_ELEMENTS, PAIRS)
+        yield Setting("curved", steps, extent.curved[0], PAIRS)
+    if scene.contact.enabled:
+        yield from (Setting("curved", STEPS, max(16, pairs), pairs) for pairs in (PAIRS, *extent.pairs))
+
+
+def _beams(scene: Scene, extent: Extent) -> Iterable[Setting]:
+    for law in LAWS:
+        for steps in (STEPS, *extent.steps):
+            yield Setting(law, steps, tangent="exact", sliding="ignore")
+        if scene.contact.enabled and scene.contact.sliding != "free":
+            yield Setting(law, STEPS, tangent="exact", sliding="scene")
+    yield Setting(PAPER_LAW, STEPS, tangent="paper", sliding="ignore")
+
+
+EXTENTS = {"quick": QUICK, "normal": NORMAL, "full": FULL}
