@@ -173,40 +173,39 @@ def eliminate(plan, F):
 def substitute(plan, F, b):
     """Solve in place for the right-hand side `b` (nodes * 6,)."""
     steps = plan.order.size
-    z = np.empty(N6)
+    order, start, block, column = plan.order, plan.start, plan.block, plan.column
     for step in range(steps):
-        n = plan.order[step]
-        D = F[n]
-        y = b[N6 * n : N6 * n + N6]
-        for i in range(1, N6):
-            for j in range(i):
-                y[i] -= D[i, j] * y[j]
-        for i in range(N6):
-            z[i] = y[i] / D[i, i]
-        for a in range(plan.start[step], plan.start[step + 1]):
-            U = F[plan.block[a]]
-            if _is_zero(U):
-                continue
-            p = N6 * plan.column[a]
-            for i in range(N6):
-                for j in range(N6):
-                    b[p + j] -= U[i, j] * z[i]
+        n = order[step]
+        D, p = F[n], N6 * n
+        y0, y1, y2, y3, y4, y5 = b[p], b[p + 1], b[p + 2], b[p + 3], b[p + 4], b[p + 5]
+        y1 -= D[1, 0] * y0
+        y2 -= D[2, 0] * y0 + D[2, 1] * y1
+        y3 -= D[3, 0] * y0 + D[3, 1] * y1 + D[3, 2] * y2
+        y4 -= D[4, 0] * y0 + D[4, 1] * y1 + D[4, 2] * y2 + D[4, 3] * y3
+        y5 -= D[5, 0] * y0 + D[5, 1] * y1 + D[5, 2] * y2 + D[5, 3] * y3 + D[5, 4] * y4
+        b[p], b[p + 1], b[p + 2], b[p + 3], b[p + 4], b[p + 5] = y0, y1, y2, y3, y4, y5
+        y0, y1, y2 = y0 / D[0, 0], y1 / D[1, 1], y2 / D[2, 2]
+        y3, y4, y5 = y3 / D[3, 3], y4 / D[4, 4], y5 / D[5, 5]
+        for a in range(start[step], start[step + 1]):
+            U, p = F[block[a]], N6 * column[a]
+            for j in range(N6):
+                b[p + j] -= (
+                    U[0, j] * y0 + U[1, j] * y1 + U[2, j] * y2 + U[3, j] * y3 + U[4, j] * y4 + U[5, j] * y5
+                )
+    z = np.empty(N6)
     for step in range(steps - 1, -1, -1):
-        n = plan.order[step]
-        D = F[n]
-        y = b[N6 * n : N6 * n + N6]
-        for a in range(plan.start[step], plan.start[step + 1]):
-            U = F[plan.block[a]]
-            if _is_zero(U):
-                continue
-            p = N6 * plan.column[a]
+        n = order[step]
+        D, p = F[n], N6 * n
+        z[:] = 0.0
+        for a in range(start[step], start[step + 1]):
+            U, q = F[block[a]], N6 * column[a]
+            x0, x1, x2, x3, x4, x5 = b[q], b[q + 1], b[q + 2], b[q + 3], b[q + 4], b[q + 5]
             for i in range(N6):
-                total = 0.0
-                for j in range(N6):
-                    total += U[i, j] * b[p + j]
-                y[i] -= total
+                z[i] += (
+                    U[i, 0] * x0 + U[i, 1] * x1 + U[i, 2] * x2 + U[i, 3] * x3 + U[i, 4] * x4 + U[i, 5] * x5
+                )
         for i in range(N6):
-            y[i] /= D[i, i]
+            b[p + i] = (b[p + i] - z[i]) / D[i, i]
         for i in range(N6 - 2, -1, -1):
             for j in range(i + 1, N6):
-                y[i] -= D[j, i] * y[j]
+                b[p + i] -= D[j, i] * b[p + j]
