@@ -40,6 +40,7 @@ NONE, LONG, INDEFINITE = 0, 1, 2
 # Stop when the Newton decrement g H^-1 g, twice the energy still to gain, is below this share of
 # the reference work: 1e-8 of the displacements in the energy norm, before the last step is applied.
 DECREMENT = 1e-16
+MEASURED = 1e-6  # of that, where contact is near: a last step could open or close a pair
 # The same, for a factor kept from an earlier state: only a linear response is let through.
 LINEAR_DECREMENT = 1e-22
 # Stability is decided by the pivots at the equilibrium itself where the least of the last factor is below
@@ -173,11 +174,12 @@ def equilibrium(
     step = np.empty_like(g)
     trial = np.empty_like(state)
     matrix = H[:0] if lean else H  # of trial states
-    energy, pairs = assemble(reals, ints, anchor, clearance, memory, state, g, H)
+    energy, looked = assemble(reals, ints, anchor, clearance, memory, state, g, H)
     subtract(push, g)
+    pairs = looked
     enough = max(DECREMENT * work, rounding)  # less energy than its rounding cannot be asked for
     count, trouble = 0, NONE
-    least, before, damping = np.inf, 0.0, FIRST_SHIFT
+    least, before, last, damping = np.inf, 0.0, np.inf, FIRST_SHIFT
     for i in range(limit):
         if kept:
             # the factor of a state nearby may close the residual: then nothing is factored for it
@@ -188,8 +190,17 @@ def equilibrium(
                 copy(trial, state)
                 return LINEAR, count, trouble, pairs
             if i > 0 and left <= enough:
-                retract(reals, ints, state, step, 1.0, trial)
-                copy(trial, state)
+                measured = looked > 0 and (left <= MEASURED * enough or left >= last)
+                if not measured:
+                    retract(reals, ints, state, step, 1.0, trial)
+                    copy(trial, state)
+                if looked > 0 and not measured:
+                    # a step may open or close a pair: the state that is accepted is looked at
+                    energy, looked = assemble(reals, ints, anchor, clearance, memory, state, g, matrix)
+                    subtract(push, g)
+                    pairs += looked
+                    last = left
+                    continue
                 if least >= stiffness * min(SINGULAR, CHANGE * math.sqrt(before / work)):
                     return CONVERGED, count, trouble, pairs
                 # nearly singular: the pivots must be those of the equilibrium itself
@@ -238,7 +249,13 @@ def equilibrium(
                 return SADDLE, count, trouble, pairs
             retract(reals, ints, state, step, 1.0, trial)
             copy(trial, state)
-            return CONVERGED, count, trouble, pairs
+            if looked == 0:
+                return CONVERGED, count, trouble, pairs
+            energy, looked = assemble(reals, ints, anchor, clearance, memory, state, g, matrix)
+            subtract(push, g)
+            pairs += looked
+            kept, before, last = True, -slope, np.inf
+            continue
         length, energy, looked = line_search(
             reals, ints, anchor, clearance, memory, push, state, step, energy, slope, rounding, g,
             matrix, trial, assemble, retract,
@@ -253,5 +270,6 @@ def equilibrium(
             damping = 4.0 * shift if length < CUT else max(0.25 * shift, FIRST_SHIFT)
         kept = shift == 0.0
         before = -slope if kept and length == 1.0 else 0.0
+        last = np.inf
         copy(trial, state)
     return FAILED, count, trouble, pairs

@@ -14,7 +14,7 @@ from coilspring.newton import CONVERGED, FAILED, HISTORY, INDEFINITE, LINEAR, NO
 
 COMPLETED, CRITICAL, STUCK, STRAY = 0, 1, 2, 3
 
-FIRST_STEP = 0.25  # largest first substep: the tangent at rest knows nothing of the contact to come
+FIRST_STEP = 0.1  # largest first substep: the tangent at rest knows nothing of the contact to come
 LEAST_STEP = 1e-9  # of the time 0..1: below it, what cannot be passed is called a critical point
 # A converged state continues the branch when it lies near the straight prediction: within this share
 # of the way it came (a fold or a jump turns the path by more), or within a small distance at all
@@ -25,7 +25,7 @@ SMALL = 0.05  # wire diameters
 PAIR_MOTION = 0.5  # wire diameters
 LEAST_FREE = 0.05  # share of a substep that is taken at least, however soon a pair closes
 EASY_TURN = 0.1  # the next substep may be twice as long
-EASY_COUNT = 5
+EASY_COUNT = 3
 EPSILON = 2.0**-52
 BOUND_CHANGE = 1e-6  # of the bounds of tangential forces, over the largest, where they count as found
 MOST_ROUNDS = 20

@@ -1,0 +1,289 @@
+"""Stability campaign: a small one, planted faults that the judge must see, and an interruption."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from coilspring import InputError, load_scene
+from validation.campaign import run
+from validation.campaign.critical import bracket
+from validation.campaign.energy import beam_energy
+from validation.campaign.invariance import KINDS, judge_invariance
+from validation.campaign.judge import judge_beam, judge_branch, judge_critical, judge_states
+from validation.campaign.scenes import Case, case_id, in_units, make_case
+from validation.campaign.table import Table, read_rows
+from validation.campaign.verdict import CLASSES, UNEXPLAINED, Verdict, reached, under
+from validation.campaign.wire import friction_of, wire_forces
+from validation.campaign.wirejudge import fold, judge_balance, judge_row, judge_wire
+
+SEED = 1
+LAWS = ("haringx", "helix")
+SMALL = {"element": "curved", "elements_per_turn": 8, "pairs_per_turn": 4}
+
+
+def beam(name, law="haringx"):
+    return Case("b000000", "", load_scene(name), 1.0, 0, {"law": law})
+
+
+def wire(name):
+    return Case("w00000", "", load_scene(name), 1.0, 0, SMALL)
+
+
+def classes(letter, numbers):
+    rows = [run.judged(case_id(letter, i), SEED) for i in numbers]
+    assert not [row.text() for row in rows if row["class"] == UNEXPLAINED]
+    return [row["class"] for row in rows]
+
+
+def test_small_campaign_of_the_beam():
+    found = classes("b", range(40))
+    assert {"completed", "critical"} <= set(found)
+
+
+def test_small_campaign_of_the_wire():
+    assert "completed" in classes("w", (0, 2, 3, 4, 5, 6))
+
+
+@pytest.mark.slow
+def test_campaign(tmp_path):
+    assert run.campaign(tmp_path, beams=20_000, wires=1_000, seed=SEED) == 0
+
+
+# the judge's own formulas
+
+
+@pytest.mark.parametrize("law", LAWS)
+def test_forces_of_the_judge_are_the_gradient_of_its_energy(law):
+    energy = beam_energy(load_scene("spring-b"), law)
+    rng = np.random.default_rng(3)
+    state, step = energy.rest.copy(), np.zeros_like(energy.rest)
+    state[energy.free] += 0.05 * rng.standard_normal(energy.free.size)
+    step[energy.free] = rng.standard_normal(energy.free.size)
+    h = 1e-5
+    slope = (energy.energy(state + h * step) - energy.energy(state - h * step)) / (2 * h)
+    assert slope == pytest.approx(energy.gradient(state) @ step[energy.free], rel=1e-6)
+    row = (energy.gradient(state + h * step) - energy.gradient(state - h * step)) / (2 * h)
+    H = energy.hessian(state)
+    assert np.allclose(row, H @ step[energy.free], rtol=1e-6, atol=1e-6 * np.abs(row).max())
+    assert np.allclose(energy.gradients(state[None])[0], energy.gradient(state), rtol=1e-12)
+
+
+def test_wire_at_rest_is_in_balance():
+    scene = load_scene("spring-b")
+    path = reached(wire("spring-b"))
+    rest = path.states[0] * 0.0
+    forces = wire_forces(scene, **SMALL)
+    rest = rest.reshape(-1, 7)
+    phases = np.linspace(0.0, scene.spring.phase_end, len(rest))
+    rest[:, :3], rest[:, 3] = scene.spring.points(phases), 1.0
+    rest[-1, :3] = 0.0, scene.spring.active_height, 0.0
+    assert np.abs(forces.element_forces(rest)).max() < 1e-7
+
+
+# planted faults
+
+
+@pytest.mark.parametrize("law", LAWS)
+def test_moved_state_is_caught(law):
+    case = beam("spring-a", law)
+    path = reached(case)
+    states = path.states.copy()
+    states[-1, 3 * 10] += 1e-4  # mm, of 20
+    verdict = Verdict()
+    judge_states(verdict, beam_energy(case.scene, law), replace(path, states=states))
+    assert "no equilibrium" in verdict.complaints[0]
+    assert not judge_beam(case, path).complaints
+
+
+def test_moved_wire_is_caught():
+    case = wire("spring-a-no-contact")
+    path, forces = reached(case), wire_forces(case.scene, **SMALL)
+    states = path.states.copy()
+    states[-1, 7 * 20] += 1e-4
+    verdict = Verdict()
+    judge_row(verdict, forces, replace(path, states=states), -1)
+    assert "out of balance" in verdict.complaints[0]
+
+
+@pytest.mark.parametrize("kind", ["friction left out", "penalty", "modulus"])
+def test_wrong_force_in_the_wire_is_caught(kind):
+    case = wire("spring-b")
+    scene, path = case.scene, reached(case)
+    pairs, push = friction_of(path, -1)
+    assert np.abs(push).max() > 0.1  # N
+    if kind == "penalty":
+        scene = scene.with_penalty(1.001e4)
+    elif kind == "modulus":
+        scene = replace(scene, material=replace(scene.material, E=206_100.0))
+    else:
+        push = 0.0 * push
+    verdict = Verdict()
+    judge_balance(verdict, wire_forces(scene, **SMALL), path.states[-1], 1.0, (pairs, push))
+    assert verdict.complaints
+    assert not judge_wire(case, path).complaints
+
+
+def test_another_branch_is_caught():
+    case = beam("spring-a")
+    path = reached(case)
+    fine = replace(path, shape=reached(beam("spring-a-no-contact")).shape, states=path.states * 1.0001)
+    verdict = Verdict()
+    judge_branch(verdict, path, fine)
+    assert "off the branch" in verdict.complaints[0]
+
+
+def soft_b():
+    """Spring B with soft circles telescopes at a limit point."""
+    case = beam("spring-b")
+    return replace(case, scene=case.scene.with_penalty(200.0))
+
+
+def test_limit_point_is_bracketed():
+    case = soft_b()
+    path, energy = reached(case), beam_energy(case.scene, "haringx")
+    assert path.outcome == "limit_point"
+    time = path.critical_time * (1.0 - 1e-3)
+    before = reached(case, under(case.scene, time))
+    found = bracket(energy, before.states[-1], time, path.critical_time)
+    assert found.least[0] > 0.0 > found.least[1]
+    assert found.distance(path.critical_time) <= 2e-3
+
+
+@pytest.mark.parametrize("shift", [0.0, 0.02])
+def test_fold_is_found_where_states_tend_to_it(shift):
+    times = [1.0 - share for share in (1e-4, 4e-4, 1.6e-3)]
+    mode, along = np.array([1.0, 2.0, 0.0]), np.array([0.0, 0.1, 1.0])
+    states = [0.3 * np.sqrt(1.0 + shift - time) * mode + 1e-3 * time * along for time in times]
+    found = fold(states, times)
+    assert (found is None) == (shift > 0.0)  # far from a fold moves are all but linear
+    assert found is None or found == pytest.approx(1.0, abs=1e-5)
+
+
+@pytest.mark.parametrize("share", [0.999, 1.001])
+def test_critical_time_elsewhere_is_caught(share):
+    case = soft_b()
+    path = reached(case)
+    verdict = Verdict()
+    wrong = replace(path, critical_time=path.critical_time * share, times=0.9 * path.times)
+    judge_critical(verdict, beam_energy(case.scene, "haringx"), case, wrong)
+    assert verdict.complaints
+
+
+def test_path_beyond_its_critical_time_is_caught():
+    case = soft_b()
+    path = reached(case)
+    verdict = Verdict()
+    judge_critical(verdict, beam_energy(case.scene, "haringx"), case, replace(path, times=path.times * 1.05))
+    assert "past the critical" in verdict.complaints[0]
+
+
+def test_limit_point_of_the_wire_is_confirmed_by_arc_length():
+    case = wire("spring-b")
+    scene = replace(case.scene, contact=replace(case.scene.contact, sliding="free"))
+    case = replace(case, scene=scene.with_steps(5))
+    path = reached(case)
+    assert path.outcome == "limit_point"
+    assert not judge_wire(case, path).complaints
+
+
+@pytest.mark.parametrize("number", range(len(KINDS)))
+def test_invariance_is_judged(number):
+    case = replace(beam("spring-a"), number=number)
+    path, verdict = reached(case), Verdict()
+    assert judge_invariance(verdict, case, path) == KINDS[number]
+    assert not verdict.complaints
+    judge_invariance(verdict, case, replace(path, states=path.states * 1.01))
+    assert "changes the answer" in verdict.complaints[0]
+
+
+# sampling
+
+
+def test_case_follows_from_its_id_alone():
+    assert make_case("b001500", 7) == make_case("b001500", 7)
+    assert make_case("b001500", 7) != make_case("b001500", 8)
+    assert make_case("b000003", 7).scene.name == "b000003"
+
+
+@pytest.mark.parametrize("name", ["", "x000001", "b", "bcd"])
+def test_wrong_id_is_refused(name):
+    with pytest.raises(InputError, match="case must be"):
+        make_case(name, SEED)
+
+
+def test_units_keep_the_angle():
+    scene = make_case("b000002", SEED).scene
+    there = in_units(scene, 8.0, 0.5)
+    assert in_units(there, 0.125, 2.0).spring == scene.spring
+    law = {"law": "haringx"}
+    one, other = (reached(Case("b000000", "", s, 1.0, 0, law)).tips[-1] for s in (scene, there))
+    assert other == pytest.approx(one * [8.0, 8.0, 1.0], rel=1e-9)
+
+
+# the table
+
+
+def table_of(folder):
+    rows = read_rows(folder / "stability.csv")
+    return [{name: row[name] for name in row if name != "seconds"} for row in rows]
+
+
+class Killed(Exception):
+    """Stands for an interruption."""
+
+
+def test_interrupted_campaign_goes_on_where_it_was(tmp_path, monkeypatch):
+    whole, parts = tmp_path / "whole", tmp_path / "parts"
+    run.campaign(whole, beams=20, wires=1, seed=SEED, workers=0)
+
+    def kill(done, total):
+        raise Killed
+
+    with pytest.raises(Killed):
+        run.campaign(parts, beams=20, wires=1, seed=SEED, workers=0, progress=kill)
+    table = parts / "stability.csv"
+    kept = table.read_text()
+    assert 0 < len(read_rows(table)) < 21
+    table.write_text(kept + "b0000")  # a line cut while it was written
+    computed = []
+    judge = run.judged
+    monkeypatch.setattr(run, "judged", lambda name, seed: computed.append(name) or judge(name, seed))
+    run.campaign(parts, beams=20, wires=1, seed=SEED, workers=0)
+    assert len(computed) == 21 - (kept.count("\n") - 1)
+    assert table_of(parts) == table_of(whole)
+    for name in ("stability.md", "stability.png"):
+        assert (parts / name).stat().st_size > 0
+
+
+@pytest.mark.slow
+def test_processes_give_the_same_table(tmp_path):
+    for workers in (0, 2):
+        run.campaign(tmp_path / str(workers), beams=40, wires=2, seed=SEED, workers=workers)
+    assert table_of(tmp_path / "0") == table_of(tmp_path / "2")
+
+
+def test_rows_of_another_seed_or_version_are_not_kept(tmp_path):
+    row = run.judged("b000000", SEED)
+    Table(tmp_path / "t.csv", SEED, row["version"]).append([row])
+    assert "b000000" in Table(tmp_path / "t.csv", SEED, row["version"])
+    assert "b000000" not in Table(tmp_path / "t.csv", SEED, "other")
+
+
+def test_crash_is_an_unexplained_outcome(monkeypatch):
+    def crash(case, path):
+        raise ZeroDivisionError("planted")
+
+    monkeypatch.setattr(run, "judge_beam", crash)
+    row = run.judged("b000000", SEED)
+    assert row["class"] == UNEXPLAINED
+    assert "planted" in row["reason"]
+    assert set(CLASSES) == {"completed", "critical", "refused", "unexplained"}
+
+
+def test_one_case_is_printed(tmp_path, capsys):
+    assert run.campaign(tmp_path / "none", case="b000001", seed=SEED) == 0
+    assert "b000001" in capsys.readouterr().out
+    assert not (tmp_path / "none").exists()

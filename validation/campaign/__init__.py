@@ -1,0 +1,1 @@
+"""Stability campaign: sampled scenes, judged by code that shares nothing with the solvers."""

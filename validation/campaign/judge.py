@@ -1,0 +1,118 @@
+"""Judge of the equivalent beam's paths: residual, stability, branch and critical points."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from scipy.linalg import solve_triangular
+
+from coilspring import EquilibriumPath
+from validation.campaign.critical import bracket
+from validation.campaign.energy import BeamEnergy, beam_energy
+from validation.campaign.scenes import Case
+from validation.campaign.verdict import CRITICAL, Verdict, fine_steps, reached, under
+
+RESIDUAL = 1e-6  # way to the equilibrium over the way from rest, both in the energy norm
+BRANCH = 1e-6  # difference from the fine run over the largest displacement,
+SOLVER = 1e-8  # or this over the root of the least stiffness: what solvers leave, in the energy norm
+LOAD = 1e-4  # within which a critical point is bracketed
+BEFORE = 4e-5  # share of the load by which a state lies before its critical point
+UNCHANGED = (1.0, 1.0, 1.0)
+ROWS = 3  # states of a path that are judged, the last among them
+
+
+def judge_beam(case: Case, path: EquilibriumPath) -> Verdict:
+    """Judge a path of the equivalent beam, complete or not."""
+    verdict, energy = Verdict(), beam_energy(case.scene, str(case.options["law"]))
+    if path.outcome not in ("completed", *CRITICAL):
+        verdict.complain(f"{path.outcome}: {path.message}")
+        return verdict
+    judge_states(verdict, energy, path)
+    judge_branch(verdict, path, reached(case, steps=fine_steps(case)))
+    if path.outcome in CRITICAL:
+        judge_critical(verdict, energy, case, path)
+    return verdict
+
+
+def judge_states(verdict: Verdict, energy: BeamEnergy, path: EquilibriumPath) -> None:
+    """Residual and stability of the last state, of some before, and of the one with the largest residual."""
+    count = len(path.times)
+    if not count:
+        return
+    residuals = energy.gradients(path.states) - path.times[:, None] * energy.force
+    rows = {int(np.argmax(energy.share(residuals.T) / path.times))}
+    rows |= {count - 1 - (count * k) // ROWS for k in range(ROWS)} & set(range(count))
+    for row in sorted(rows):
+        judge_state(verdict, energy, path.states[row], float(path.times[row]))
+
+
+def judge_state(verdict: Verdict, energy: BeamEnergy, state: np.ndarray, time: float) -> None:
+    """One state must be a stable equilibrium at its time."""
+    H = energy.hessian(state)
+    residual = energy.gradient(state) - time * energy.force
+    least = float(np.linalg.eigvalsh(energy.relative(H))[0])
+    if not least > 0.0:
+        verdict.complain(f"unstable at time {time:.6g}: least eigenvalue {least:.2e} of that at rest")
+    way = float(np.sqrt(abs(residual @ np.linalg.solve(H, residual))))
+    whole = float(np.linalg.norm(solve_triangular(energy.rest_factor, energy.force, lower=True))) * time
+    verdict.ask("residual", way / whole, RESIDUAL, f"no equilibrium at time {time:.6g}")
+    verdict.numbers["least"] = min(least, verdict.numbers.get("least", least))
+
+
+def apart(
+    path: EquilibriumPath, other: EquilibriumPath, back: Sequence[float] = UNCHANGED
+) -> tuple[float, float]:
+    """Difference of the tips over the largest displacement: at the last common time, and the largest.
+
+    Rotations count as displacements at the coil's diameter; `back` are factors of the other path's tips.
+    """
+    _, mine, theirs = np.intersect1d(path.times, other.times, return_indices=True)
+    if not mine.size:
+        return 0.0, 0.0
+    size = np.array([1.0, 1.0, max(path.scene.spring.mean_diameter)])
+    tips, others = path.tips[mine] * size, other.tips[theirs] * size * back
+    shares = np.abs(tips - others).max(axis=1) / np.abs(others).max()
+    return float(shares[-1]), float(shares.max())
+
+
+def judge_branch(
+    verdict: Verdict,
+    path: EquilibriumPath,
+    fine: EquilibriumPath,
+    most: float = BRANCH,
+    most_shift: float = LOAD,
+    most_between: float = 0.0,
+) -> None:
+    """The path must be the fine run's, and end as that does; `most_between` is for states before the last."""
+    most = max(most, SOLVER / max(verdict.numbers.get("least", 1.0), 1e-12) ** 0.5)
+    last, largest = apart(path, fine)
+    verdict.ask("branch", last, most, "off the branch of the fine run")
+    verdict.ask("branch", largest, max(most, most_between), "off the branch of the fine run on the way")
+    if (path.outcome in CRITICAL) != (fine.outcome in CRITICAL) or fine.outcome == "not_converged":
+        verdict.complain(f"{path.outcome}, but the fine run ends as {fine.outcome}: {fine.message}")
+    elif path.critical_time is not None and fine.critical_time is not None:
+        shift = abs(path.critical_time - fine.critical_time) / fine.critical_time
+        verdict.ask("critical_shift", shift, most_shift, "another critical time than the fine run's")
+
+
+def judge_critical(verdict: Verdict, energy: BeamEnergy, case: Case, path: EquilibriumPath) -> None:
+    """The critical point must lie where the judge's Hessian changes sign, and the path must end there."""
+    critical = path.critical_time
+    if critical is None or path.critical_bracket is None:
+        verdict.complain(f"{path.outcome} without a critical time")
+        return
+    verdict.ask("bracket", path.critical_bracket / critical, LOAD, "critical time is not that sharp")
+    if len(path.times) and path.times[-1] > critical + path.critical_bracket:
+        verdict.complain(f"continued to time {path.times[-1]:.6g} past the critical {critical:.6g}")
+    time = critical * (1.0 - BEFORE)
+    before = reached(case, under(case.scene, time))
+    if before.outcome != "completed":
+        verdict.complain(f"just before the critical time {critical:.6g}: {before.outcome}")
+        return
+    judge_state(verdict, energy, before.states[-1], time)
+    found = bracket(energy, before.states[-1], time, critical)
+    if found is None:
+        verdict.complain(f"no eigenvalue changes sign near the critical time {critical:.6g}")
+        return
+    verdict.ask("confirmed", found.distance(critical), LOAD, "eigenvalue changes sign elsewhere")

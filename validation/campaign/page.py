@@ -1,0 +1,182 @@
+"""Page and picture of a campaign: ``stability.md`` and ``stability.png``."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import matplotlib
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.collections import QuadMesh
+from matplotlib.figure import Figure
+
+from validation.campaign.scenes import CORNERS, MODELS
+from validation.campaign.table import Row, version
+from validation.campaign.verdict import CLASSES, CONFIRMED, REFUSED, RIGHT, UNEXPLAINED
+from validation.figures import save
+from validation.output import versions, write_text
+from validation.style import DOUBLE, RC
+
+TITLES = {"b": "equivalent beam", "w": "wire model"}
+MEANING = {
+    RIGHT: "to the full load: stable equilibria, on the branch of a fine run",
+    CONFIRMED: "up to a limit point or bifurcation that the judge finds at the same load",
+    REFUSED: "bad input, refused in one sentence",
+    UNEXPLAINED: "everything else",
+}
+NUMBERS = {
+    "residual": "way to the equilibrium over that from rest (beam); force left over the load (wire)",
+    "branch": "difference from the fine run over the largest displacement",
+    "bracket": "width of the solver's bracket of a critical time, relative",
+    "critical_shift": "change of a critical time by finer steps or an invariance, relative",
+    "confirmed": "distance of the judge's sign change from the critical time, relative",
+    "passed": "how far arc length stays stable beyond the critical time, relative",
+    "friction": "friction beyond its bound, over the largest bound",
+}
+KINDS = {
+    "mirror": "mirror image",
+    "binary": "units by powers of two",
+    "units": "units by 1000",
+    "steps": "one step",
+    "perturbed": "input changed by 1e-12",
+}
+MAPS = (("penalty", "steps"), ("slenderness", "load"))
+LABELS = {
+    "penalty": "penalty K (N/mm$^k$)",
+    "steps": "requested steps",
+    "slenderness": "height over mean diameter",
+    "load": "load over that of solid height\nor of a deflection of 1.2 heights",
+}
+LOGARITHMIC = ("penalty", "steps", "slenderness")
+EDGES = {
+    "penalty": np.geomspace(1e2, 1e10, 17),
+    "steps": np.array([1, 2, 3, 5, 8, 13, 22, 37, 63, 112, 201]),
+    "slenderness": np.geomspace(0.2, 7.0, 15),
+    "load": np.linspace(0.0, 1.5, 16),
+}
+TICKS = {"slenderness": (0.2, 0.5, 1, 2, 5), "steps": (1, 3, 10, 30, 100)}
+COARSER = {"b": 1, "w": 2}  # cells taken together
+OTHER_UNITS = ("tiny", "huge")  # whose penalties say nothing beside the others'
+FEWEST = 3  # scenes of a cell that is coloured
+
+
+def write_page(rows: list[Row], out: Path, seed: int) -> None:
+    """Write page and picture of the rows."""
+    save(outcome_figure(rows), out / "stability.png")
+    write_text(out / "stability.md", page(rows, seed))
+
+
+def page(rows: list[Row], seed: int) -> str:
+    """The page, Markdown."""
+    used = ", ".join(f"{name} {number}" for name, number in versions().items() if number)
+    parts = [
+        "# Stability campaign",
+        f"Seed {seed}, sources {version()}, {used}.",
+        f"Any case again: `coilcheck stability --case ID --seed {seed}`.",
+        "## What became of the scenes",
+        _table(("model", *CLASSES), [_counts(rows, letter) for letter in MODELS]),
+        "\n".join(f"- *{name}*: {MEANING[name]}" for name in CLASSES),
+        "![Outcome over penalty and steps, slenderness and load](stability.png)",
+        "## Corners",
+        _table(("corner", *CLASSES), [_corner(rows, name) for name in ("", *CORNERS)]),
+        "## Largest of what the judge measured, unexplained cases left out",
+        _table(("number", *TITLES.values(), "meaning"), [_largest(rows, name) for name in NUMBERS]),
+        "## Invariances: largest change of the answer over the largest displacement",
+        _table(("changed", "cases", *TITLES.values()), [_invariance(rows, kind) for kind in KINDS]),
+        "Rounding may change the answer by 1e-10 over the least stiffness (in units of that at rest), units "
+        "and steps by 1e-6, a change of the input by 1e-12 by 1e-8. With friction or no sliding the answer "
+        "depends on the substeps, which may change it by 2 %.",
+        "## Unexplained and refused",
+        _listed([row for row in rows if row["class"] in (UNEXPLAINED, REFUSED)]),
+    ]
+    return "\n\n".join(parts) + "\n"
+
+
+def _counts(rows: list[Row], letter: str) -> tuple[str, ...]:
+    counts = Counter(row["class"] for row in rows if row["id"][0] == letter)
+    return TITLES[letter], *(str(counts[name]) for name in CLASSES)
+
+
+def _corner(rows: list[Row], corner: str) -> tuple[str, ...]:
+    counts = Counter(row["class"] for row in rows if row["corner"] == corner)
+    return corner or "none", *(str(counts[name]) for name in CLASSES)
+
+
+def _largest(rows: list[Row], name: str) -> tuple[str, ...]:
+    return name, *(_most(rows, letter, name) for letter in MODELS), NUMBERS[name]
+
+
+def _most(rows: list[Row], letter: str, name: str, kind: str = "") -> str:
+    explained = [row for row in rows if row["id"][0] == letter and row["class"] in (RIGHT, CONFIRMED)]
+    found = [float(row[name]) for row in explained if row[name] and (not kind or row["kind"] == kind)]
+    return f"{max(found):.1e}" if found else "-"
+
+
+def _invariance(rows: list[Row], kind: str) -> tuple[str, ...]:
+    count = sum(row["kind"] == kind for row in rows)
+    return KINDS[kind], str(count), *(_most(rows, letter, "invariance", kind) for letter in MODELS)
+
+
+def _listed(rows: list[Row]) -> str:
+    if not rows:
+        return "None."
+    lines = [(row["id"], row["corner"], row["outcome"], row["reason"] or row["message"]) for row in rows]
+    return _table(("case", "corner", "outcome", "reason"), lines)
+
+
+def _table(head: tuple[str, ...], lines: Sequence[tuple[str, ...]]) -> str:
+    def line(cells: tuple[str, ...]) -> str:
+        return "| " + " | ".join(cell.replace("|", "\\|") for cell in cells) + " |"
+
+    return "\n".join((line(head), line(("---",) * len(head)), *map(line, lines)))
+
+
+def outcome_figure(rows: list[Row]) -> Figure:
+    """Share of scenes that end at a critical point, over the numerics and over the physics."""
+    letters = [letter for letter in MODELS if any(row["id"][0] == letter for row in rows)] or ["b"]
+    looks: Any = RC
+    with matplotlib.rc_context(looks):
+        figure = Figure(figsize=(DOUBLE, 0.5 + 2.5 * len(letters)), layout="constrained")
+        plots = figure.subplots(len(letters), 2, squeeze=False)
+        for i, letter in enumerate(letters):
+            for j, names in enumerate(MAPS):
+                mine = [row for row in rows if row["id"][0] == letter]
+                if "penalty" in names:
+                    mine = [row for row in mine if row["corner"] not in OTHER_UNITS]
+                mesh = _map(plots[i, j], mine, names, COARSER[letter])
+                plots[i, j].set_title(f"({'abcd'[2 * i + j]}) {TITLES[letter]}")
+        bar = figure.colorbar(mesh, ax=plots, shrink=0.7, aspect=30)
+        bar.set_label("share of scenes that end at\na confirmed critical point (%)")
+        bar.outline.set_linewidth(0.5)
+        handles, labels = plots[0, 0].get_legend_handles_labels()
+        figure.legend(handles, labels, loc="outside lower center", ncols=2)
+    return figure
+
+
+def _map(axes: Axes, rows: list[Row], names: tuple[str, str], coarser: int) -> QuadMesh:
+    """One map: cells of the share, crosses for the unexplained."""
+    rows = [row for row in rows if float(row[names[0]]) > 0.0]
+    x, y = (np.array([float(row[name]) for row in rows]) for name in names)
+    critical = np.array([row["class"] == CONFIRMED for row in rows], dtype=float)
+    edges = [EDGES[name][::coarser] for name in names]
+    count, _, _ = np.histogram2d(x, y, bins=edges)
+    share, _, _ = np.histogram2d(x, y, bins=edges, weights=critical)
+    shown = np.ma.masked_where(count < FEWEST, 100.0 * share / np.maximum(count, 1.0))
+    mesh = axes.pcolormesh(*edges, shown.T, cmap="cividis_r", vmin=0.0, vmax=50.0, edgecolors="none")
+    odd = np.array([row["class"] == UNEXPLAINED for row in rows], dtype=bool)
+    axes.plot(x[odd], y[odd], "x", color="black", markersize=5, markeredgewidth=1.2, label="unexplained")
+    axes.plot([], [], "s", color="white", markeredgecolor="grey", label=f"white: fewer than {FEWEST} scenes")
+    axes.set(xlabel=LABELS[names[0]], ylabel=LABELS[names[1]])
+    axes.set(
+        **{f"{letter}scale": "log" for letter, name in zip("xy", names, strict=True) if name in LOGARITHMIC}
+    )
+    for axis, name in zip((axes.xaxis, axes.yaxis), names, strict=True):
+        if name in TICKS:
+            axis.set_ticks(TICKS[name], [f"{tick:g}" for tick in TICKS[name]])
+            axis.set_ticks([], minor=True)
+    axes.set(xlim=edges[0][[0, -1]], ylim=edges[1][[0, -1]])
+    axes.grid(False)
+    return mesh

@@ -1,0 +1,57 @@
+"""Quaternions and the deformation of a rod's element between two poses, real or complex, in plain numpy."""
+
+from __future__ import annotations
+
+import numpy as np
+
+SMALL = 1e-3  # sine below which series stand for the trigonometric functions
+TINY = 1e-30  # of a complex step
+
+
+def product(p: np.ndarray, q: np.ndarray) -> np.ndarray:
+    """Product of quaternions (4, ...)."""
+    a, b, c, d = p
+    w, x, y, z = q
+    return np.stack(
+        (a * w - b * x - c * y - d * z, a * x + b * w + c * z - d * y, a * y - b * z + c * w + d * x,
+         a * z + b * y - c * x + d * w)
+    )  # fmt: skip
+
+
+def rotated(q: np.ndarray, v: np.ndarray) -> np.ndarray:
+    """Vectors (3, ...) turned by quaternions (4, ...)."""
+    cross = _cross(q[1:], v)
+    return v + 2.0 * (q[0] * cross + _cross(q[1:], cross))
+
+
+def strain(one: tuple[np.ndarray, np.ndarray], two: tuple[np.ndarray, np.ndarray]) -> np.ndarray:
+    """(W1)-(W3): (v, theta), shape (6, ...), from positions and frames of both ends."""
+    between = product(_inverse(one[1]), two[1])
+    between = np.where(between[0].real < 0.0, -between, between)
+    w, vector = between[0], between[1:]
+    square = (vector**2).sum(axis=0)
+    near = np.abs(square) < SMALL**2
+    sine = np.sqrt(np.where(near, 1.0, square))
+    ratio = square / w**2
+    scale = np.where(near, 2.0 / w * (1.0 - ratio / 3.0 + ratio**2 / 5.0), 2.0 * np.arctan(sine / w) / sine)
+    theta = scale * vector
+    half = np.concatenate(((1.0 + w)[None], vector))
+    half = half / np.sqrt((half**2).sum(axis=0))
+    u = rotated(_inverse(product(one[1], half)), two[0] - one[0])
+    angle2 = (theta**2).sum(axis=0)
+    angle = np.sqrt(np.where(near, 1.0, angle2))
+    c = np.where(
+        near,
+        1.0 / 24.0 + 7.0 * angle2 / 5760.0,
+        (0.5 * angle / np.sin(0.5 * angle) - 1.0) / np.where(near, 1.0, angle2),
+    )
+    v = (1.0 + c * angle2) * u - c * theta * (theta * u).sum(axis=0)
+    return np.concatenate((v, theta))
+
+
+def _inverse(q: np.ndarray) -> np.ndarray:
+    return np.concatenate((q[:1], -q[1:]))
+
+
+def _cross(a: np.ndarray, b: np.ndarray) -> np.ndarray:
+    return np.stack((a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]))

@@ -1,0 +1,175 @@
+"""The campaign: cases in parallel, a row each, kept as they come and not computed twice."""
+
+from __future__ import annotations
+
+import os
+import signal
+import traceback
+from collections.abc import Callable, Iterator
+from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
+from contextlib import contextmanager
+from functools import partial
+from itertools import islice
+from multiprocessing import active_children, get_context
+from pathlib import Path
+from time import process_time
+
+from coilspring import InputError
+from validation.campaign.invariance import judge_invariance
+from validation.campaign.judge import judge_beam
+from validation.campaign.page import write_page
+from validation.campaign.scenes import case_id, make_case
+from validation.campaign.table import Row, Table, version
+from validation.campaign.verdict import CONFIRMED, CRITICAL, REFUSED, RIGHT, UNEXPLAINED, Verdict, reached
+from validation.campaign.wirejudge import BRANCH, judge_wire
+from validation.output import prepare
+
+CHUNK = {"b": 8, "w": 1}  # cases handed to a worker at a time
+QUEUED = 2  # chunks a worker has waiting
+ONE_THREAD = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
+Progress = Callable[[int, int], None]
+
+
+def campaign(
+    out: Path,
+    *,
+    beams: int = 20_000,
+    wires: int = 1_000,
+    seed: int = 1,
+    workers: int | None = None,
+    case: str | None = None,
+    progress: Progress | None = None,
+) -> int:
+    """Judge the first `beams` and `wires` scenes of a seed, and write what became of them.
+
+    ``stability.csv`` takes a row for each case as it is judged; a campaign that was interrupted goes on
+    from there. ``stability.md`` and its pictures are written at the end.
+
+    Parameters
+    ----------
+    out : folder of the results.
+    beams, wires : number of scenes for the equivalent beam and for the wire model.
+    seed : of the sequence that the scenes are drawn from.
+    workers : processes; by default one for each processor core. 0: in this process.
+    case : id of the one case to judge again; its row is printed and nothing is written.
+    progress : called with the number of cases judged so far and the number of all.
+
+    Returns
+    -------
+    int
+        0 where every outcome is explained, else 1.
+    """
+    if case is not None:
+        row = judged(case, seed)
+        print(row.text())
+        return int(row["class"] == UNEXPLAINED)
+    prepare(out)
+    table = Table(out / "stability.csv", seed, version())
+    wanted = [case_id("b", i) for i in range(beams)] + [case_id("w", i) for i in range(wires)]
+    missing = [name for name in wanted if name not in table]
+    done = len(wanted) - len(missing)
+    for rows in _results(missing, seed, os.cpu_count() or 1 if workers is None else workers):
+        table.append(rows)
+        done += len(rows)
+        if progress is not None:
+            progress(done, len(wanted))
+    chosen = table.sort(wanted)
+    write_page(chosen, out, seed)
+    return int(any(row["class"] == UNEXPLAINED for row in chosen))
+
+
+def judged(name: str, seed: int) -> Row:
+    """Solve and judge one case."""
+    began = process_time()
+    case = make_case(name, seed)
+    verdict, outcome, kind, time = Verdict(), "refused", "", 0.0
+    message, tip = "", ()
+    try:
+        path = reached(case)
+        outcome, message = path.outcome, path.message
+        reach = float(path.times[-1]) if len(path.times) else 0.0
+        time = path.critical_time or reach
+        tip = (*path.tips[-1], path.active_contacts[-1]) if len(path.times) else ()
+        verdict = judge_beam(case, path) if case.model == "equivbeam" else judge_wire(case, path)
+        sliding = case.scene.contact.sliding
+        loose = BRANCH[sliding] if case.model == "wirefe" and sliding != "free" else 0.0
+        kind = judge_invariance(verdict, case, path, loose)
+    except InputError as error:
+        message = str(error)
+        if outcome != "refused":
+            verdict.complain(f"refused while judged: {error}")
+    except Exception as error:  # a crash is an outcome, the worst one; the campaign goes on
+        last = traceback.extract_tb(error.__traceback__)[-1]
+        verdict.complain(f"crash: {error!r} in {Path(last.filename).name}:{last.lineno}")
+    seconds = process_time() - began
+    return Row.of(
+        case, seed, _class(outcome, verdict), outcome, message, time, tip, kind, verdict, seconds
+    )  # fmt: skip
+
+
+def _class(outcome: str, verdict: Verdict) -> str:
+    if verdict.complaints:
+        return UNEXPLAINED
+    if outcome == "refused":
+        return REFUSED
+    return CONFIRMED if outcome in CRITICAL else RIGHT
+
+
+def _judged_all(names: list[str], seed: int) -> list[Row]:
+    return [judged(name, seed) for name in names]
+
+
+def _results(names: list[str], seed: int, workers: int) -> Iterator[list[Row]]:
+    """Rows of the cases, in chunks as they come."""
+    chunks = _chunks(names)
+    if workers == 0:
+        yield from (_judged_all(chunk, seed) for chunk in chunks)
+        return
+    if not names:
+        return
+    task = partial(_judged_all, seed=seed)
+    others = set(active_children())
+    # started afresh: a forked child of a process with threads may hang
+    pool = ProcessPoolExecutor(workers, mp_context=get_context("spawn"), initializer=_leave_interrupts)
+    with _single_threaded(), pool:
+        waiting: set[Future] = {pool.submit(task, chunk) for chunk in islice(chunks, QUEUED * workers)}
+        try:
+            while waiting:
+                ready, waiting = wait(waiting, return_when=FIRST_COMPLETED)
+                waiting |= {pool.submit(task, chunk) for chunk in islice(chunks, len(ready))}
+                for future in ready:
+                    yield future.result()
+        except BaseException:
+            pool.shutdown(wait=False, cancel_futures=True)
+            for child in set(active_children()) - others:
+                child.terminate()
+            raise
+
+
+def _leave_interrupts() -> None:
+    """Ctrl-C is for the parent, which ends its workers."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+
+
+def _chunks(names: list[str]) -> Iterator[list[str]]:
+    rest = list(names)
+    while rest:
+        size = CHUNK[rest[0][0]]
+        chunk = [name for name in rest[:size] if name[0] == rest[0][0]]
+        rest = rest[len(chunk) :]
+        yield chunk
+
+
+@contextmanager
+def _single_threaded() -> Iterator[None]:
+    """Children that start meanwhile use one thread each for linear algebra."""
+    before = {name: os.environ.get(name) for name in ONE_THREAD}
+    os.environ.update(dict.fromkeys(ONE_THREAD, "1"))
+    try:
+        yield
+    finally:
+        for name, value in before.items():
+            if value is None:
+                os.environ.pop(name)
+            else:
+                os.environ[name] = value

@@ -1,0 +1,237 @@
+"""Sampled scenes of the campaign: each follows from the seed and its id alone.
+
+Ids are `b000123` (equivalent beam) and `w00012` (wire model): the model's letter and the place in a scrambled
+Sobol sequence. Every eighth scene is a pathological corner.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from functools import lru_cache
+from typing import Any
+
+import numpy as np
+from scipy.stats import qmc
+
+from coilspring import Contact, InputError, Load, Scene, Spring, Supports
+
+DIMENSIONS = 20
+BLOCK = 1024
+CORNERS = ("touching", "solid", "buckling", "telescoping", "tiny", "huge", "hard")
+EVERY = 8  # scenes, one of which is a corner
+HELD: tuple[tuple[str, ...], ...] = ((), (), ("rotz",), ("ux",), ("ux", "rotz"))
+MODELS = {"b": "equivbeam", "w": "wirefe"}
+DIGITS = {"b": 6, "w": 5}
+MOST_ELEMENTS = 200  # of a wire
+LEAST_ANGLE = 0.05  # a mostly axial load leans at least by this, rad: exact symmetry is a corner of its own
+
+
+@dataclass(frozen=True)
+class Case:
+    """One scene and how it is solved.
+
+    Attributes
+    ----------
+    id, corner : corner is one of `CORNERS`, or "" for an ordinary scene.
+    scene, options : what `equivbeam.solve` or `wirefe.solve` are given.
+    size : load over the one that makes the spring solid, or bends it over its height.
+    number : place in the sequence.
+    """
+
+    id: str
+    corner: str
+    scene: Scene
+    size: float
+    number: int
+    options: Mapping[str, object] = field(default_factory=dict)
+
+    @property
+    def model(self) -> str:
+        """Package that solves it."""
+        return MODELS[self.id[0]]
+
+
+def case_id(letter: str, number: int) -> str:
+    """Id of a case."""
+    return f"{letter}{number:0{DIGITS[letter]}d}"
+
+
+def make_case(name: str, seed: int) -> Case:
+    """The case of an id.
+
+    Raises
+    ------
+    InputError : the id is none.
+    """
+    letter, digits = name[:1], name[1:]
+    if letter not in MODELS or not digits.isdecimal():
+        raise InputError(f"case must be b or w with a number, as b000123, got {name!r}")
+    number = int(digits)
+    draw = Draw(_block(letter, seed, number // BLOCK)[number % BLOCK])
+    corner = CORNERS[number // EVERY % len(CORNERS)] if number % EVERY == EVERY - 1 else ""
+    make = _beam_case if letter == "b" else _wire_case
+    return make(case_id(letter, number), corner, number, draw)
+
+
+@lru_cache(maxsize=4)
+def _block(letter: str, seed: int, block: int) -> np.ndarray:
+    """A block of the sequence; the prefix of a Sobol sequence does not depend on its length."""
+    sobol = qmc.Sobol(DIMENSIONS, rng=seed + (letter == "w"))
+    if block:
+        sobol.fast_forward(block * BLOCK)
+    return sobol.random(BLOCK)
+
+
+class Draw:
+    """One point of the sequence; every question has a coordinate of its own."""
+
+    NAMES = (
+        "d", "index", "cone", "taper", "coils", "pitch", "angle", "size", "held", "penalty", "exponent",
+        "steps", "law", "ends", "side", "contact", "mesh", "pairs", "sliding", "kind",
+    )  # fmt: skip
+
+    def __init__(self, point: np.ndarray) -> None:
+        self.point = dict(zip(self.NAMES, point.tolist(), strict=True))
+
+    def even(self, name: str, low: float, high: float) -> float:
+        """Evenly distributed number."""
+        return low + (high - low) * self.point[name]
+
+    def log(self, name: str, low: float, high: float) -> float:
+        """Number whose logarithm is evenly distributed."""
+        return math.exp(self.even(name, math.log(low), math.log(high)))
+
+    def whole(self, name: str, low: int, high: int) -> int:
+        """Whole number, both ends included."""
+        return min(low + int(self.point[name] * (high - low + 1)), high)
+
+    def of(self, name: str, *choices: Any) -> Any:
+        """One of the choices."""
+        return choices[self.whole(name, 0, len(choices) - 1)]
+
+
+def _beam_case(name: str, corner: str, number: int, draw: Draw) -> Case:
+    spring = _spring(draw, corner, half_coils=draw.whole("coils", 4, 40))
+    scene, size = _scene(name, draw, corner, spring)
+    law = draw.of("law", "haringx", "helix")
+    return Case(name, corner, _scaled(scene, corner), size, number, {"law": law})
+
+
+def _wire_case(name: str, corner: str, number: int, draw: Draw) -> Case:
+    spring = _spring(draw, corner, half_coils=draw.whole("coils", 4, 20))
+    scene, size = _scene(name, draw, corner, spring)
+    sliding = draw.of("sliding", "free", "none", "coulomb")
+    friction = draw.log("kind", 0.05, 0.5) if sliding == "coulomb" else None
+    contact = replace(scene.contact, sliding=sliding, friction=friction)
+    mesh = _mesh(draw, spring.active_coils)
+    return Case(name, corner, _scaled(replace(scene, contact=contact), corner), size, number, mesh)
+
+
+def _mesh(draw: Draw, coils: float) -> dict[str, object]:
+    """Curved elements 4 to 16 a turn, or straight ones 8 to 40; long wires take the coarser ones."""
+    element = draw.of("law", "curved", "straight")
+    pairs = draw.of("pairs", 2, 4)
+    counts = (4, 8, 12, 16) if element == "curved" else (8, 12, 16, 20, 24, 32, 40)
+    fitting = [count for count in counts if count * coils <= MOST_ELEMENTS] or [counts[0]]
+    return {"element": element, "elements_per_turn": draw.of("mesh", *fitting), "pairs_per_turn": pairs}
+
+
+def _spring(draw: Draw, corner: str, half_coils: int) -> Spring:
+    """A cylinder or a cone whose coils do not overlap at rest."""
+    d, coils = draw.log("d", 0.4, 5.0), 0.5 * half_coils
+    ends = {True: 0.0, False: float(draw.of("ends", 1.0, 1.0, 0.5, 1.5))}[draw.point["ends"] < 0.15]
+    bottom = top = draw.even("index", 4.0, 15.0) * d
+    if (draw.point["cone"] < 0.5 and corner != "buckling") or corner == "telescoping":
+        top = min(max(draw.log("taper", 0.4, 2.5) * bottom, 4.0 * d), 15.0 * d)
+    pitch = d * draw.log("pitch", 1.05, max(1.6, 0.2 * min(bottom, top) / d))
+    if corner == "touching":
+        pitch = d
+    if corner == "buckling":
+        coils = max(coils, math.ceil(draw.even("taper", 3.0, 6.0) * bottom / pitch))
+        coils = min(coils, 40.0)
+    if corner == "telescoping":
+        # each coil clears the next: the half difference of diameters passes the wire's
+        bottom, top = 15.0 * d, 4.0 * d
+        coils = 0.5 * max(2, min(half_coils, 2 * int(5.4)))
+    return Spring(d, (bottom, top), coils, coils * pitch, ends, math.pi * (draw.point["side"] < 0.5))
+
+
+def _scene(name: str, draw: Draw, corner: str, spring: Spring) -> tuple[Scene, float]:
+    held = HELD[draw.whole("held", 0, 4)]
+    size = draw.even("size", 0.05, 1.3)
+    if corner == "solid":
+        size = draw.even("size", 1.0, 1.5)
+    angle = _angle(draw, corner, held)
+    if corner == "buckling":
+        held = ()
+    penalty = draw.log("penalty", 1e8, 1e10) if corner == "hard" else draw.log("penalty", 1e2, 1e8)
+    exponent = 1.0 if draw.point["exponent"] < 0.4 else draw.even("exponent", 1.0, 2.0)
+    contact = Contact(
+        enabled=draw.point["contact"] < 0.85 or bool(corner),
+        stiffness=penalty,
+        exponent=exponent,
+    )
+    force = _force(spring, size, angle, held)
+    steps = round(draw.log("steps", 1, 200))
+    return Scene(name, spring, Load(force, steps), supports=Supports(held), contact=contact), size
+
+
+def _angle(draw: Draw, corner: str, held: tuple[str, ...]) -> float:
+    """Angle of the load from the axis downwards: a third nearly axial, a third lateral, the rest between."""
+    if corner in ("buckling", "solid", "telescoping"):
+        return 0.0
+    third = draw.point["angle"] * 3.0
+    sign = 1.0 if draw.point["side"] * 2.0 % 1.0 < 0.5 else -1.0
+    if "ux" in held:
+        return 0.0
+    if third < 1.0:
+        return sign * (LEAST_ANGLE + 0.1 * third)
+    if third < 2.0:
+        return sign * math.pi / 2.0
+    return sign * (third - 2.0) * math.pi * 0.75  # beyond 90 degrees the spring is drawn out
+
+
+def _force(spring: Spring, size: float, angle: float, held: tuple[str, ...]) -> tuple[float, float]:
+    """Load that takes up `size` of the spring's free travel, or bends it that far, in the linear range.
+
+    Rigidities of a helical spring with G = E / 2.6: enough to scale loads.
+    """
+    d, n, D = spring.wire_diameter, spring.active_coils, sum(spring.mean_diameter) / 2.0
+    E, G, height = 206_000.0, 206_000.0 / 2.6, spring.active_height
+    bottom, top = spring.mean_diameter
+    cubes = [(bottom * (1 - x) + top * x) ** 3 for x in (0.1, 0.5, 0.9)]
+    rate = G * d**4 / (8.0 * n * sum(cubes) / 3.0)
+    bending = E * G * d**4 / (32.0 * n * D * (2.0 * G + E)) * height * 2.0
+    stiff = 12.0 if "rotz" in held else 3.0
+    lateral = 1.0 / (height**3 / (stiff * bending * height / 2.0) / height + 1.0 / (rate * E / G))
+    axial = size * rate * max(height - n * d, 0.1 * height)
+    across = size * lateral * 1.2 * height
+    return across * math.sin(angle), -axial * math.cos(angle)
+
+
+def _scaled(scene: Scene, corner: str) -> Scene:
+    """The corners of tiny and huge units."""
+    if corner not in ("tiny", "huge"):
+        return scene
+    return in_units(scene, 1e-3, 1e-6) if corner == "tiny" else in_units(scene, 1e3, 1e6)
+
+
+def in_units(scene: Scene, length: float, force: float) -> Scene:
+    """The same scene in other units: all lengths and forces times a factor."""
+    spring, contact = scene.spring, scene.contact
+    bottom, top = spring.mean_diameter
+    x, y = scene.load.force
+    return replace(
+        scene,
+        spring=replace(
+            spring,
+            wire_diameter=spring.wire_diameter * length,
+            mean_diameter=(bottom * length, top * length),
+            active_height=spring.active_height * length,
+        ),
+        material=replace(scene.material, E=scene.material.E * force / length**2),
+        load=replace(scene.load, force=(x * force, y * force)),
+        contact=replace(contact, stiffness=contact.stiffness * force / length**contact.exponent),
+    )

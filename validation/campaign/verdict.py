@@ -1,0 +1,57 @@
+"""What becomes of a case: its class, the reason where it is unexplained, and the numbers behind it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
+
+import equivbeam
+import wirefe
+from coilspring import EquilibriumNotFound, EquilibriumPath, Scene
+from validation.campaign.scenes import Case
+
+RIGHT, CONFIRMED, REFUSED, UNEXPLAINED = "completed", "critical", "refused", "unexplained"
+CLASSES = (RIGHT, CONFIRMED, REFUSED, UNEXPLAINED)
+CRITICAL = ("limit_point", "bifurcation")
+SOLVERS: dict[str, Callable[..., EquilibriumPath]] = {"equivbeam": equivbeam.solve, "wirefe": wirefe.solve}
+FINE = 10  # steps of the fine run over those of the case; at least 40, at most these, but twice at least
+LEAST_FINE = 40
+MOST_FINE = {"equivbeam": 400, "wirefe": 120}
+
+
+@dataclass
+class Verdict:
+    """Findings of one case; the first complaint is the reason."""
+
+    complaints: list[str] = field(default_factory=list)
+    numbers: dict[str, float] = field(default_factory=dict)
+
+    def ask(self, name: str, value: float, most: float, what: str) -> None:
+        """Keep the largest value of a name; complain where it is above the bound or no number."""
+        self.numbers[name] = max(value, self.numbers.get(name, value))
+        if not value <= most:
+            self.complaints.append(f"{what}: {value:.2e}, above {most:.0e}")
+
+    def complain(self, what: str) -> None:
+        """Something is wrong that has no number."""
+        self.complaints.append(what)
+
+
+def reached(case: Case, scene: Scene | None = None, **options: object) -> EquilibriumPath:
+    """Path of the case, complete or not; in another scene or with other options where given."""
+    try:
+        return SOLVERS[case.model](scene or case.scene, **(dict(case.options) | options))
+    except EquilibriumNotFound as found:
+        return found.path
+
+
+def fine_steps(case: Case) -> int:
+    """Steps of the fine run: a multiple, so that the times of the case are among its own."""
+    steps = case.scene.load.steps
+    return steps * max(min(FINE, MOST_FINE[case.model] // steps), -(-LEAST_FINE // steps), 2)
+
+
+def under(scene: Scene, share: float) -> Scene:
+    """The scene under a share of its load."""
+    x, y = scene.load.force
+    return replace(scene, load=replace(scene.load, force=(x * share, y * share)))
