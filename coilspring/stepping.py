@@ -19,7 +19,7 @@ LEAST_STEP = 1e-9  # of the time 0..1: below it, what cannot be passed is called
 # A converged state continues the branch when it lies near the straight prediction: within this share
 # of the way it came (a fold or a jump turns the path by more), or within a small distance at all
 # (a closing contact kinks the path, so that no step is short enough for the share).
-TURN = 0.25
+TURN = 0.07
 SMALL = 0.05  # wire diameters
 # A pair may not move by more in one substep: beyond, coils could pass through or over each other.
 PAIR_MOTION = 0.5  # wire diameters
