@@ -9,6 +9,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+import equivbeam
 from coilspring import Scene, Spring, Supports, spring_a
 from coilspring.errors import InputError
 from coilspring.scene import Load
@@ -90,3 +91,16 @@ def test_bad_input():
         buckling(spring_a(), law="helix", refine=2)
     with pytest.raises(InputError, match="shortening must be below that of buckling"):
         lateral_stiffness(spring_a(), 20.0)
+
+
+@pytest.mark.parametrize("law", ["haringx", "helix"])
+def test_post_buckling_into_coil_contact(law):
+    """Spring A pressed beyond its buckling load, with a side load of a ten-thousandth to choose the side."""
+    scene = replace(spring_a(), load=Load((1e-3, -12.0), steps=12))
+    path = equivbeam.solve(scene, law=law)
+    buckled = int(np.argmax(path.tips[:, 0] > 1.0))
+    straight = -path.loads[buckled - 1, 1], -path.loads[buckled, 1]
+    assert straight[0] < -buckling(scene, law=law).force * 1.2 < straight[1] * 1.2
+    assert path.active_contacts[buckled - 1] == 0
+    assert path.active_contacts[-1] >= 5
+    assert path.tips[-1, 0] > 10.0
