@@ -19,8 +19,9 @@ import numpy as np
 from numba import njit, types
 
 from coilspring.compiled import copy, kernel
+from coilspring.kernelset import SIGNATURES
 from coilspring.newton import dot, solution
-from coilspring.stepping import PAIR_MOTION, SIGNATURES
+from coilspring.stepping import PAIR_MOTION
 
 FIRST_ARC = 0.02  # of the arc that the tangent at rest would take to full load
 LEAST_ARC = 1e-7

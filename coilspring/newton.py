@@ -84,6 +84,21 @@ def solution(reals, ints, F, b, sign, out, solve):
 
 
 @kernel
+def residual(reals, ints, anchor, clearance, memory, push, state, g, H, assemble):
+    """Energy and pairs evaluated at `state`; fills the residual `g` under the load and the matrix `H`."""
+    energy, looked = assemble(reals, ints, anchor, clearance, memory, state, g, H)
+    subtract(push, g)
+    return energy, looked
+
+
+@kernel
+def advance(reals, ints, state, step, trial, retract):
+    """Move `state` by the whole step; `trial` is scratch."""
+    retract(reals, ints, state, step, 1.0, trial)
+    copy(trial, state)
+
+
+@kernel
 def positive_factor(reals, ints, H, rest, shift, F, factor):
     """Factor H + shift * rest, a matrix known to be indefinite, with the first shift, from `shift` on,
     that mends it.
@@ -163,10 +178,9 @@ def equilibrium(
 
     `push` is the load; `kept` says that `F` holds the factor of the last accepted state; where that
     alone already closes the residual the response is linear and nothing is factored. `work` scales the
-    stop test, `lean` says that the matrix is
-    costly and asked for only where it is factored, `stiffness` is the least pivot at rest, `rounding` is
-    the absolute noise of the energy, `limit` bounds the iterations, `history`
-    receives the decrements over `work`.
+    stop test, `lean` says that the matrix is costly and asked for only where it is factored,
+    `stiffness` is the least pivot at rest, `rounding` is the absolute noise of the energy, `limit` bounds
+    the iterations, `history` receives the decrements over `work`.
 
     Returns status, factorisations, trouble (NONE, LONG line search, or an INDEFINITE matrix that was
     shifted), and the pairs evaluated.
@@ -174,8 +188,7 @@ def equilibrium(
     step = np.empty_like(g)
     trial = np.empty_like(state)
     matrix = H[:0] if lean else H  # of trial states
-    energy, looked = assemble(reals, ints, anchor, clearance, memory, state, g, H)
-    subtract(push, g)
+    energy, looked = residual(reals, ints, anchor, clearance, memory, push, state, g, H, assemble)
     pairs = looked
     enough = max(DECREMENT * work, rounding)  # less energy than its rounding cannot be asked for
     count, trouble = 0, NONE
@@ -186,18 +199,17 @@ def equilibrium(
             solution(reals, ints, F, g, -1.0, step, solve)
             left = abs(dot(g, step))
             if i == 0 and left <= LINEAR_DECREMENT * work:
-                retract(reals, ints, state, step, 1.0, trial)
-                copy(trial, state)
+                advance(reals, ints, state, step, trial, retract)
                 return LINEAR, count, trouble, pairs
             if i > 0 and left <= enough:
-                measured = looked > 0 and (left <= MEASURED * enough or left >= last)
-                if not measured:
-                    retract(reals, ints, state, step, 1.0, trial)
-                    copy(trial, state)
-                if looked > 0 and not measured:
+                if looked == 0:
+                    advance(reals, ints, state, step, trial, retract)
+                elif left > MEASURED * enough and left < last:
                     # a step may open or close a pair: the state that is accepted is looked at
-                    energy, looked = assemble(reals, ints, anchor, clearance, memory, state, g, matrix)
-                    subtract(push, g)
+                    advance(reals, ints, state, step, trial, retract)
+                    energy, looked = residual(
+                        reals, ints, anchor, clearance, memory, push, state, g, matrix, assemble
+                    )
                     pairs += looked
                     last = left
                     continue
@@ -210,8 +222,7 @@ def equilibrium(
                 status = SADDLE if negative > 0 else CONVERGED
                 return status, count + 1, INDEFINITE if negative > 0 else trouble, pairs + looked
         if lean and i > 0:
-            energy, looked = assemble(reals, ints, anchor, clearance, memory, state, g, H)
-            subtract(push, g)
+            energy, looked = residual(reals, ints, anchor, clearance, memory, push, state, g, H, assemble)
             pairs += looked
         copy(H, F)
         negative, least = factor(reals, ints, F)
@@ -222,16 +233,18 @@ def equilibrium(
         if negative > 0 and i == 0:
             # a predicted state may be indefinite near a stable equilibrium: plain Newton finds it
             retract(reals, ints, state, step, 1.0, trial)
-            energy, looked = assemble(reals, ints, anchor, clearance, memory, trial, g, matrix)
-            subtract(push, g)
+            energy, looked = residual(
+                reals, ints, anchor, clearance, memory, push, trial, g, matrix, assemble
+            )
             solution(reals, ints, F, g, 1.0, step, solve)
             pairs += looked
             if abs(dot(g, step)) <= TRUST * abs(slope):
                 copy(trial, state)
                 kept = False
                 continue
-            energy, looked = assemble(reals, ints, anchor, clearance, memory, state, g, matrix)
-            subtract(push, g)
+            energy, looked = residual(
+                reals, ints, anchor, clearance, memory, push, state, g, matrix, assemble
+            )
             pairs += looked
         if negative > 0:
             trouble = INDEFINITE
@@ -247,12 +260,12 @@ def equilibrium(
         if -slope <= enough:
             if shift > 0.0:
                 return SADDLE, count, trouble, pairs
-            retract(reals, ints, state, step, 1.0, trial)
-            copy(trial, state)
+            advance(reals, ints, state, step, trial, retract)
             if looked == 0:
                 return CONVERGED, count, trouble, pairs
-            energy, looked = assemble(reals, ints, anchor, clearance, memory, state, g, matrix)
-            subtract(push, g)
+            energy, looked = residual(
+                reals, ints, anchor, clearance, memory, push, state, g, matrix, assemble
+            )
             pairs += looked
             kept, before, last = True, -slope, np.inf
             continue

@@ -11,10 +11,11 @@ import numpy as np
 
 from coilspring.errors import EquilibriumNotFound
 from coilspring.interrupt import interruptible
+from coilspring.kernelset import Kernels
 from coilspring.packing import pack
 from coilspring.path import EquilibriumPath, Shape
 from coilspring.scene import Scene
-from coilspring.stepping import COMPLETED, CRITICAL, Kernels, Track
+from coilspring.stepping import COMPLETED, CRITICAL, Track
 from coilspring.warming import ready
 
 MOST_ITERATIONS = 25  # of a substep with the exact tangent, which needs 2 or 3 far from contact changes

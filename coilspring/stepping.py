@@ -4,18 +4,19 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from functools import lru_cache
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numba import njit, types
 
 from coilspring.compiled import copy, copy_table, kernel
+from coilspring.kernelset import SIGNATURES
 from coilspring.newton import CONVERGED, FAILED, HISTORY, INDEFINITE, LINEAR, NONE, dot, equilibrium, solution
+from coilspring.stability import LEAST_STEP, softest, unstable_time
 
 COMPLETED, CRITICAL, STUCK, STRAY = 0, 1, 2, 3
 
 FIRST_STEP = 0.1  # largest first substep: the tangent at rest knows nothing of the contact to come
-LEAST_STEP = 1e-9  # of the time 0..1: below it, what cannot be passed is called a critical point
 # A converged state continues the branch when it lies near the straight prediction: within this share
 # of the way it came (a fold or a jump turns the path by more), or within a small distance at all
 # (a closing contact kinks the path, so that no step is short enough for the share).
@@ -29,7 +30,6 @@ EASY_COUNT = 3
 EPSILON = 2.0**-52
 BOUND_CHANGE = 1e-6  # of the bounds of tangential forces, over the largest, where they count as found
 MOST_ROUNDS = 20
-SAMPLES = 16  # of a linear stretch at which its stability is verified
 SOFT = 0.05  # share of the least eigenvalue at rest, below which the tangent counts as singular
 
 
@@ -59,50 +59,6 @@ def rounding(load, start):
     for i in range(load.size):
         total += abs(load[i])
     return 2.0 * EPSILON * span * total
-
-
-@kernel
-def softest(reals, ints, state, memory, load, g, H, assemble, factor, solve):
-    """Least eigenvalue (in size) of the matrix at `state` and its mode, by inverse iteration."""
-    assemble(reals, ints, state, 0.0, memory, state, g, H)
-    factor(reals, ints, H)
-    mode = np.empty_like(load)
-    new = np.empty_like(load)
-    for i in range(load.size):
-        mode[i] = 1.0 + i / load.size  # no symmetry that could hide the mode
-    value = 0.0
-    for _ in range(30):
-        solution(reals, ints, H, mode, 1.0, new, solve)
-        square = dot(new, new)
-        value = dot(new, mode) / square
-        for i in range(load.size):
-            mode[i] = new[i] / np.sqrt(square)
-    return value, mode
-
-
-@kernel
-def unstable_time(reals, ints, memory, origin, begin, tangent, end, H, g, assemble, factor, retract):
-    """First time of a linear stretch at which the matrix has a negative pivot.
-
-    Along the stretch the state is `origin` moved by ``(time - begin) * tangent``; it is sampled at
-    `SAMPLES` times and bisected. Returns the time before the sign change (infinite where every
-    sample is stable) and the number of factorisations.
-    """
-    state = np.empty_like(origin)
-    low, high, time = begin, np.inf, begin
-    count = 0
-    while high - low > LEAST_STEP:
-        time = 0.5 * (low + high) if high < np.inf else min(low + (end - begin) / SAMPLES, end)
-        retract(reals, ints, origin, tangent, time - begin, state)
-        assemble(reals, ints, state, 0.0, memory, state, g, H)
-        count += 1
-        if factor(reals, ints, H)[0] > 0:
-            high = time
-        elif time == end:
-            return np.inf, count
-        else:
-            low = time
-    return low, count
 
 
 @kernel
@@ -317,18 +273,6 @@ def follow(
     )
 
 
-class Kernels(NamedTuple):
-    """A model's compiled functions (or their types); `coilspring.newton` and `follow` say what each does."""
-
-    assemble: Any
-    factor: Any
-    solve: Any
-    retract: Any
-    motion: Any
-    commit: Any
-    renew: Any
-
-
 @lru_cache(maxsize=1)
 def compiled_follow() -> Callable:
     """`follow`, compiled; read from the cache where stored.
@@ -342,21 +286,3 @@ def compiled_follow() -> Callable:
     control = (real, whole, types.boolean, types.boolean)
     functions = tuple(types.FunctionType(signature) for signature in SIGNATURES)
     return njit(data + control + functions + (numbers,), cache=True, error_model="numpy", nogil=True)(follow)
-
-
-def _signatures() -> Kernels:
-    vector, numbers, table = types.float64[::1], types.int64[::1], types.float64[:, ::1]
-    real, whole = types.float64, types.int64
-    data = (vector, numbers)
-    return Kernels(
-        assemble=types.Tuple((real, whole))(*data, vector, real, table, vector, vector, vector),
-        factor=types.Tuple((whole, real))(*data, vector),
-        solve=types.void(*data, vector, vector),
-        retract=types.void(*data, vector, vector, real, vector),
-        motion=types.UniTuple(real, 3)(*data, vector, vector),
-        commit=real(*data, vector, table),
-        renew=real(*data, vector, table),
-    )
-
-
-SIGNATURES = _signatures()

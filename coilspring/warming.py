@@ -12,7 +12,8 @@ from functools import cache
 from importlib import import_module
 from pathlib import Path
 
-from coilspring.stepping import SIGNATURES, Kernels, compiled_follow
+from coilspring.kernelset import SIGNATURES, Kernels
+from coilspring.stepping import compiled_follow
 
 PARENTS = ("assemble", "retract")  # about half the work; a child has the others and the follower
 

@@ -9,10 +9,10 @@ from typing import Any
 import numpy as np
 
 from coilspring.errors import InputError, require_choice, require_number, shown
+from coilspring.kernelset import Kernels
 from coilspring.path import EquilibriumPath
 from coilspring.scene import Scene
 from coilspring.solving import MOST_ITERATIONS, Problem, follow_load, scene_path
-from coilspring.stepping import Kernels
 from equivbeam import band, kernels, model
 from equivbeam.contact import MEMORY
 from equivbeam.helix import HIGH, LOW, Refinements

@@ -7,10 +7,11 @@ from dataclasses import replace
 import numpy as np
 
 from coilspring.errors import EquilibriumNotFound, InputError, require_choice, require_integer
+from coilspring.kernelset import Kernels
 from coilspring.path import EquilibriumPath
 from coilspring.scene import Scene
 from coilspring.solving import Problem, follow_load, follow_problem, scene_path
-from coilspring.stepping import STRAY, Kernels
+from coilspring.stepping import STRAY
 from wirefe import kernels, model
 from wirefe.contact import MEMORY
 from wirefe.elements import ELEMENTS

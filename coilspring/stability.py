@@ -1,0 +1,55 @@
+"""Where a path loses its stability: the softest mode, and critical points of linear stretches."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from coilspring.compiled import kernel
+from coilspring.newton import dot, solution
+
+LEAST_STEP = 1e-9  # of the time 0..1: below it, what cannot be passed is called a critical point
+SAMPLES = 16  # of a linear stretch at which its stability is verified
+
+
+@kernel
+def softest(reals, ints, state, memory, load, g, H, assemble, factor, solve):
+    """Least eigenvalue (in size) of the matrix at `state` and its mode, by inverse iteration."""
+    assemble(reals, ints, state, 0.0, memory, state, g, H)
+    factor(reals, ints, H)
+    mode = np.empty_like(load)
+    new = np.empty_like(load)
+    for i in range(load.size):
+        mode[i] = 1.0 + i / load.size  # no symmetry that could hide the mode
+    value = 0.0
+    for _ in range(30):
+        solution(reals, ints, H, mode, 1.0, new, solve)
+        square = dot(new, new)
+        value = dot(new, mode) / square
+        for i in range(load.size):
+            mode[i] = new[i] / np.sqrt(square)
+    return value, mode
+
+
+@kernel
+def unstable_time(reals, ints, memory, origin, begin, tangent, end, H, g, assemble, factor, retract):
+    """First time of a linear stretch at which the matrix has a negative pivot.
+
+    Along the stretch the state is `origin` moved by ``(time - begin) * tangent``; it is sampled at
+    `SAMPLES` times and bisected. Returns the time before the sign change (infinite where every
+    sample is stable) and the number of factorisations.
+    """
+    state = np.empty_like(origin)
+    low, high, time = begin, np.inf, begin
+    count = 0
+    while high - low > LEAST_STEP:
+        time = 0.5 * (low + high) if high < np.inf else min(low + (end - begin) / SAMPLES, end)
+        retract(reals, ints, origin, tangent, time - begin, state)
+        assemble(reals, ints, state, 0.0, memory, state, g, H)
+        count += 1
+        if factor(reals, ints, H)[0] > 0:
+            high = time
+        elif time == end:
+            return np.inf, count
+        else:
+            low = time
+    return low, count
