@@ -97,7 +97,7 @@ def direction(v, negative, scale, along, pitch, new):
 
 
 def trace(
-    reals, ints, load, points, start, memory, size, assemble, factor, solve, retract, motion, commit,
+    reals, ints, load, points, start, memory, size, assemble, factor, solve, retract, predict, work, carry, motion, commit,
     renew, stop,
 ):  # fmt: skip
     """Trace at most `points` points of the path from rest, or to time 1; arguments as in `follow`."""

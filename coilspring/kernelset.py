@@ -14,6 +14,9 @@ class Kernels(NamedTuple):
     factor: Any
     solve: Any
     retract: Any
+    predict: Any
+    work: Any
+    carry: Any
     motion: Any
     commit: Any
     renew: Any
@@ -28,6 +31,9 @@ def _signatures() -> Kernels:
         factor=types.Tuple((whole, real))(*data, vector),
         solve=types.void(*data, vector, vector),
         retract=types.void(*data, vector, vector, real, vector),
+        predict=types.void(*data, vector, vector, vector, real, real, real, vector),
+        work=real(*data, vector, vector, vector),
+        carry=types.void(*data, vector, vector, vector),
         motion=types.UniTuple(real, 3)(*data, vector, vector),
         commit=real(*data, vector, table),
         renew=real(*data, vector, table),

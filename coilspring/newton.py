@@ -1,11 +1,11 @@
 """Equilibrium at a fixed load: Newton's method on the energy, compiled.
 
-A model is described by its data (two flat arrays, see `coilspring.packing`) and seven kernels, which
+A model is described by its data (two flat arrays, see `coilspring.packing`) and ten kernels, which
 the functions here take as typed first-class functions, so that they are compiled once for all models:
 
 ``assemble(reals, ints, anchor, clearance, memory, state, g, H) -> (energy, pairs evaluated)``
     Strain and contact energy, its gradient `g` and its matrix `H` (model's own storage, flat; left
-    out by a lean model where it is empty) at `state`. `anchor` is the last accepted state, `clearance`
+    out where it is empty) at `state`. `anchor` is the last accepted state, `clearance`
     the least gap of its contact pairs: while nothing has moved by half of it, no pair can touch.
     `memory` holds what contact remembers.
 ``factor(reals, ints, F) -> (negative pivots, least pivot)``
@@ -14,6 +14,14 @@ the functions here take as typed first-class functions, so that they are compile
     Back substitution in place.
 ``retract(reals, ints, state, step, factor, out)``
     The state moved by ``factor * step`` (rotations by the exponential map).
+``predict(reals, ints, before, state, tangent, last, step, bend, out)``
+    The path extrapolated from `state` by a `step` of time: along its `tangent`, and with ``bend = 1`` on
+    the parabola that also meets the state `before`, a time `last` ago; with 0 on the straight line.
+``work(reals, ints, load, a, b)``
+    Work of a dead load from state `a` to state `b`.
+``carry(reals, ints, a, b, v)``
+    Turn the parts of a step or a residual `v` in place with the nodes on which they act, from state `a`
+    to `b`: seen so, a factor stays good while the body turns.
 ``motion(reals, ints, a, b) -> (distance, pair motion, free share)``
     Bound on how far any point moved from state `a` to `b`; the largest change of the vector between the
     centres of a pair that comes near on the way, in wire diameters; the share of the way after which
@@ -51,7 +59,13 @@ CHANGE = 100.0
 ARMIJO = 1e-4  # usual sufficient-decrease constant (Nocedal & Wright, section 3.1)
 ENERGY_NOISE = 1e-13  # relative rounding of the energy: smaller decreases cannot be asked for
 MOST_BACKTRACKS = 30
+LEAST_CUT = 1e-3
+FLAT = 0.5  # of the slope at the start: near enough to the least potential along a step
+MOST_FLAT = 6  # attempts for that
 LONG_SEARCH = 0.1  # a step cut below this says that the iteration left the neighbourhood
+NUDGE = 1e-2  # of the energy of the way
+CHORDS = 3  # steps with a kept factor that cost less than a new one
+FAR = 1e-7  # of the reference work: from such a decrement, another factorisation will be needed
 FIRST_SHIFT = 0.1  # in units of the matrix at rest
 CUT = 0.5  # a damped step that the line search cuts below this asks for more damping
 MOST_SHIFT = 1e8
@@ -81,6 +95,16 @@ def solution(reals, ints, F, b, sign, out, solve):
     for i in range(b.size):
         out[i] = sign * b[i]
     solve(reals, ints, F, out)
+
+
+@kernel
+def stale_solution(reals, ints, F, home, state, b, sign, out, solve, carry):
+    """out = sign F^-1 b at `state`, with the factor of the state `home`, turned along."""
+    for i in range(b.size):
+        out[i] = sign * b[i]
+    carry(reals, ints, state, home, out)
+    solve(reals, ints, F, out)
+    carry(reals, ints, home, state, out)
 
 
 @kernel
@@ -118,35 +142,71 @@ def positive_factor(reals, ints, H, rest, shift, F, factor):
 
 
 @kernel
-def line_search(
-    reals, ints, anchor, clearance, memory, push, state, step, energy, slope, rounding, g, H, trial,
-    assemble, retract,
-):  # fmt: skip
-    """Backtrack along `step` until the potential has fallen enough; `trial`, `g`, `H` belong to the result.
+def falls(energy, gain, slope, length, rounding):
+    """Whether the potential changed by `gain` has fallen enough, to the rounding of the energy."""
+    return gain <= ARMIJO * length * slope + rounding + ENERGY_NOISE * abs(energy)
 
-    A dead load does work in proportion to the length: it pushes with ``push . step``.
+
+@kernel
+def shorter(low, high, before, behind, gain, slope):
+    """Length between `low` and `high`: where the potential's slope, linear between its values there, is
+    zero; where it still falls at `high`, the minimum of the parabola through the potential's `gain`."""
+    if low > 0.0 or behind > 0.0:
+        share = before / (before - behind) if behind > 0.0 else 0.5
+    else:
+        curvature = gain - slope * high
+        share = -0.5 * slope * high / curvature if curvature > 0.0 else 0.5
+    if not np.isfinite(share):
+        share = LEAST_CUT
+    return low + min(max(share, LEAST_CUT), 0.5 if low == 0.0 and behind <= 0.0 else 1.0) * (high - low)
+
+
+@kernel
+def line_search(
+    reals, ints, anchor, clearance, memory, push, state, step, energy, slope, gain, behind, rounding, g, H,
+    trial, assemble, retract, work,
+):  # fmt: skip
+    """Shorten `step` until the potential has fallen enough; `trial`, `g`, `H` belong to the result.
+
+    The whole step changes the potential by `gain`, too little of a fall, and its slope there is `behind`.
+    Where contact is near, the length is that of the least potential, roughly: there the pairs that the
+    step closes do touch, so that the next step knows their stiffness.
 
     Returns the accepted length (0 where none was found), the energy there and the pairs evaluated.
     """
-    length = 1.0
+    low, high, before = 0.0, 1.0, slope
     pairs = 0
-    pushed = dot(push, step)
-    for _ in range(MOST_BACKTRACKS):
+    for i in range(MOST_BACKTRACKS):
+        length = shorter(low, high, before, behind, gain, slope)
         retract(reals, ints, state, step, length, trial)
-        value, looked = assemble(reals, ints, anchor, clearance, memory, trial, g, H)
+        value, looked = residual(reals, ints, anchor, clearance, memory, push, trial, g, H, assemble)
         pairs += looked
-        noise = rounding + ENERGY_NOISE * (abs(energy) + abs(value))
-        gain = value - energy - length * pushed
-        if gain <= ARMIJO * length * slope + noise:
-            subtract(push, g)
-            return length, value, pairs
-        # minimum of the parabola through both energies and the slope; half where it is not finite
-        curvature = gain - slope * length
-        shorter = -0.5 * slope * length**2 / curvature if curvature > 0.0 else 0.5 * length
-        if not np.isfinite(shorter):
-            shorter = 0.1 * length
-        length = min(max(shorter, 0.1 * length), 0.5 * length)
+        gain = value - energy - work(reals, ints, push, state, trial)
+        tilt = dot(g, step)
+        if falls(abs(energy) + abs(value), gain, slope, length, rounding):
+            if looked == 0 or abs(tilt) <= FLAT * abs(slope) or i >= MOST_FLAT:
+                return length, value, pairs
+            if tilt < 0.0:
+                low, before = length, tilt
+                behind *= 0.5  # the Illinois rule: or one end might stay for ever
+                continue
+        high, behind = length, tilt
+        before = 0.5 * before if low > 0.0 else before
     return 0.0, energy, pairs
+
+
+@kernel
+def worthwhile(left, last, enough, lean):
+    """Whether a step with a kept factor is taken, its decrement being `left` and that of the one before `last`.
+
+    Within the tolerance `enough`, while it still gains; else where so few steps suffice, each gaining as
+    much as the one before, that they cost less than a new factor.
+    """
+    if not left < last:
+        return False
+    if left <= enough:
+        return left > MEASURED * enough
+    return lean and last < np.inf and math.log(enough / left) >= CHORDS * math.log(left / last)
 
 
 @kernel
@@ -157,7 +217,8 @@ def equilibrium(
     clearance,
     memory,
     push,
-    work,
+    reference,
+    way,
     rounding,
     limit,
     state,
@@ -167,20 +228,23 @@ def equilibrium(
     rest,
     stiffness,
     F,
+    home,
     kept,
     history,
     assemble,
     factor,
     solve,
     retract,
+    work,
+    carry,
 ):
     """Newton's method with energy line search from `state`, which is moved to the equilibrium.
 
     `push` is the load; `kept` says that `F` holds the factor of the last accepted state; where that
-    alone already closes the residual the response is linear and nothing is factored. `work` scales the
-    stop test, `lean` says that the matrix is costly and asked for only where it is factored,
+    alone already closes the residual the response is linear and nothing is factored. `reference`, a work, scales the
+    stop test, `lean` says that the matrix is asked for only where it is factored,
     `stiffness` is the least pivot at rest, `rounding` is the absolute noise of the energy, `limit` bounds
-    the iterations, `history` receives the decrements over `work`.
+    the iterations, `history` receives the decrements over `reference`.
 
     Returns status, factorisations, trouble (NONE, LONG line search, or an INDEFINITE matrix that was
     shifted), and the pairs evaluated.
@@ -188,45 +252,53 @@ def equilibrium(
     step = np.empty_like(g)
     trial = np.empty_like(state)
     matrix = H[:0] if lean else H  # of trial states
-    energy, looked = residual(reals, ints, anchor, clearance, memory, push, state, g, H, assemble)
+    current = not (lean and kept)  # `H` is that of `state`
+    energy, looked = residual(
+        reals, ints, anchor, clearance, memory, push, state, g, H if current else matrix, assemble
+    )
     pairs = looked
-    enough = max(DECREMENT * work, rounding)  # less energy than its rounding cannot be asked for
+    enough = max(DECREMENT * reference, rounding)  # less energy than its rounding cannot be asked for
     count, trouble = 0, NONE
     least, before, last, damping = np.inf, 0.0, np.inf, FIRST_SHIFT
     for i in range(limit):
         if kept:
             # the factor of a state nearby may close the residual: then nothing is factored for it
-            solution(reals, ints, F, g, -1.0, step, solve)
+            stale_solution(reals, ints, F, home, state, g, -1.0, step, solve, carry)
             left = abs(dot(g, step))
-            if i == 0 and left <= LINEAR_DECREMENT * work:
+            if i == 0 and left <= LINEAR_DECREMENT * reference:
                 advance(reals, ints, state, step, trial, retract)
                 return LINEAR, count, trouble, pairs
-            if i > 0 and left <= enough:
-                if looked == 0:
-                    advance(reals, ints, state, step, trial, retract)
-                elif left > MEASURED * enough and left < last:
-                    # a step may open or close a pair: the state that is accepted is looked at
-                    advance(reals, ints, state, step, trial, retract)
+            near = left <= enough and i > 0
+            if near and looked == 0:
+                advance(reals, ints, state, step, trial, retract)
+            elif worthwhile(left, last, enough, lean) if i > 0 else lean and left <= NUDGE * way:
+                # a step may open or close a pair: the state is looked at again
+                advance(reals, ints, state, step, trial, retract)
+                if i > 0:
                     energy, looked = residual(
                         reals, ints, anchor, clearance, memory, push, state, g, matrix, assemble
                     )
                     pairs += looked
                     last = left
                     continue
-                if least >= stiffness * min(SINGULAR, CHANGE * math.sqrt(before / work)):
+                current = False
+            if near:
+                if least >= stiffness * min(SINGULAR, CHANGE * math.sqrt(before / reference)):
                     return CONVERGED, count, trouble, pairs
                 # nearly singular: the pivots must be those of the equilibrium itself
                 _, looked = assemble(reals, ints, anchor, clearance, memory, state, g, H)
                 copy(H, F)
+                copy(state, home)
                 negative, _ = factor(reals, ints, F)
                 status = SADDLE if negative > 0 else CONVERGED
                 return status, count + 1, INDEFINITE if negative > 0 else trouble, pairs + looked
-        if lean and i > 0:
+        if lean and not current:
             energy, looked = residual(reals, ints, anchor, clearance, memory, push, state, g, H, assemble)
             pairs += looked
         copy(H, F)
+        copy(state, home)
         negative, least = factor(reals, ints, F)
-        count += 1
+        count, current = count + 1, False
         shift = 0.0
         solution(reals, ints, F, g, -1.0, step, solve)
         slope = dot(g, step)
@@ -254,7 +326,7 @@ def equilibrium(
             slope = dot(g, step)
         for j in range(HISTORY - 1):
             history[j] = history[j + 1]
-        history[HISTORY - 1] = -slope / work
+        history[HISTORY - 1] = -slope / reference
         if not np.isfinite(slope) or slope > 0.0:
             return FAILED, count, trouble, pairs
         if -slope <= enough:
@@ -269,11 +341,24 @@ def equilibrium(
             pairs += looked
             kept, before, last = True, -slope, np.inf
             continue
-        length, energy, looked = line_search(
-            reals, ints, anchor, clearance, memory, push, state, step, energy, slope, rounding, g,
-            matrix, trial, assemble, retract,
-        )  # fmt: skip
+        retract(reals, ints, state, step, 1.0, trial)
+        far = -slope > FAR * reference
+        value, looked = residual(
+            reals, ints, anchor, clearance, memory, push, trial, g, H if far else matrix, assemble
+        )
+        current = far
         pairs += looked
+        gain = value - energy - work(reals, ints, push, state, trial)
+        length = 1.0
+        if falls(abs(energy) + abs(value), gain, slope, 1.0, rounding):
+            energy = value
+        else:
+            length, energy, looked = line_search(
+                reals, ints, anchor, clearance, memory, push, state, step, energy, slope, gain, dot(g, step),
+                rounding, g, matrix, trial, assemble, retract, work,
+            )  # fmt: skip
+            pairs += looked
+            current = False
         if length == 0.0:
             return FAILED, count, trouble, pairs
         if length < LONG_SEARCH:
@@ -281,8 +366,8 @@ def equilibrium(
         if shift > 0.0:
             # a step cut short went too far along a soft mode: damp the next one more
             damping = 4.0 * shift if length < CUT else max(0.25 * shift, FIRST_SHIFT)
-        kept = shift == 0.0
+        kept = shift == 0.0 and not (lean and current)
         before = -slope if kept and length == 1.0 else 0.0
-        last = np.inf
+        last = before if before > 0.0 else np.inf
         copy(trial, state)
     return FAILED, count, trouble, pairs

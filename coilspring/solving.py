@@ -35,7 +35,6 @@ class Problem:
     start : state at rest.
     memory : (pairs, m) contact memory at rest.
     matrix_size : length of the model's matrix in its own storage.
-    lean : the matrix is costly, and left out where it is not wanted.
     """
 
     data: Any
@@ -43,7 +42,6 @@ class Problem:
     start: np.ndarray
     memory: np.ndarray
     matrix_size: int
-    lean: bool = False
 
 
 @dataclass(frozen=True)
@@ -79,7 +77,7 @@ def follow_problem(
     began = time.process_time()
     track = interruptible(
         follow, *pack(problem.data), problem.load, times, problem.start, problem.memory, problem.matrix_size,
-        length, limit, predictor, problem.lean, *kernels,
+        length, limit, predictor, *kernels,
     )  # fmt: skip
     seconds = time.process_time() - began
     return Run(track, *_verdict(track, problem.load), seconds, compiled)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from functools import lru_cache
 from typing import NamedTuple
@@ -11,7 +12,7 @@ from numba import njit, types
 
 from coilspring.compiled import copy, copy_table, kernel
 from coilspring.kernelset import SIGNATURES
-from coilspring.newton import CONVERGED, FAILED, HISTORY, INDEFINITE, LINEAR, NONE, dot, equilibrium, solution
+from coilspring.newton import CONVERGED, FAILED, HISTORY, INDEFINITE, LINEAR, NONE, dot, equilibrium, solution, stale_solution
 from coilspring.stability import LEAST_STEP, softest, unstable_time
 
 COMPLETED, CRITICAL, STUCK, STRAY = 0, 1, 2, 3
@@ -25,7 +26,7 @@ SMALL = 0.05  # wire diameters
 # A pair may not move by more in one substep: beyond, coils could pass through or over each other.
 PAIR_MOTION = 0.5  # wire diameters
 LEAST_FREE = 0.05  # share of a substep that is taken at least, however soon a pair closes
-EASY_TURN = 0.1  # the next substep may be twice as long
+SAFE = 0.8  # share of the turn allowed that the next substep aims at
 EASY_COUNT = 3
 EPSILON = 2.0**-52
 BOUND_CHANGE = 1e-6  # of the bounds of tangential forces, over the largest, where they count as found
@@ -62,11 +63,13 @@ def rounding(load, start):
 
 
 @kernel
-def extrapolate(tangent, bend, step, ahead):
-    """Motion over a step of time: along the tangent, and by its last rate of change where that is small."""
-    share = 0.5 * step if (0.5 * step) ** 2 * dot(bend, bend) <= TURN**2 * dot(tangent, tangent) else 0.0
+def curvature(tangent, old, last, step):
+    """1 where a step follows the path's curvature, 0 where the tangent turned too much in the last one."""
+    bend, size = 0.0, 0.0
     for i in range(tangent.size):
-        ahead[i] = step * (tangent[i] + share * bend[i])
+        bend += (tangent[i] - old[i]) ** 2
+        size += tangent[i] ** 2
+    return 1.0 if (0.5 * step / last) ** 2 * bend <= TURN**2 * size else 0.0
 
 
 @kernel
@@ -94,11 +97,13 @@ def follow(
     diameter,
     limit,
     predictor,
-    lean,
     assemble,
     factor,
     solve,
     retract,
+    predict,
+    work,
+    carry,
     motion,
     commit,
     renew,
@@ -117,10 +122,9 @@ def follow(
     size : length of the model's matrix in its own storage.
     diameter : wire diameter, mm: the length with which moves are compared.
     limit : largest number of iterations of a substep.
-    predictor : start from the tangent's prediction and judge the branch by it; else from the last
-        state, as the paper did.
-    lean : the matrix is costly: `assemble` leaves it out where the one handed in is empty.
-    assemble, factor, solve, retract, motion, commit, renew : kernels, see `coilspring.newton`.
+    predictor : the model's matrix is its tangent: start from its prediction and judge the branch by it;
+        else from the last state, as the paper did.
+    assemble, factor, solve, retract, predict, work, carry, motion, commit, renew : kernels, see `coilspring.newton`.
     stop : one integer; another thread sets it to end the path at the next substep.
     """
     states = np.empty((times.size, start.size))
@@ -131,12 +135,13 @@ def follow(
     g = np.empty_like(load)
     push = np.empty_like(load)
     H = np.empty(size)
-    F = np.empty(size)
+    F, home = np.empty(size), start.copy()  # the last factor, and its state
     state = start.copy()
     trial = start.copy()
     predicted = start.copy()
     tangent = np.empty_like(load)
-    ahead, bend = np.empty_like(load), np.zeros_like(load)
+    # the state accepted before, the tangent there and the time since: none as yet
+    before, old, last = start.copy(), np.full_like(load, np.inf), 1.0
     mode = np.zeros_like(load)
     held = memory.copy()
     clearance = commit(reals, ints, state, memory)
@@ -147,7 +152,7 @@ def follow(
     spent[0] = 1
     outcome = COMPLETED if negative == 0 else CRITICAL
     solution(reals, ints, F, load, 1.0, tangent, solve)
-    work = dot(load, tangent)
+    reference = dot(load, tangent)
     noise = rounding(load, start)
     origin, begin = state.copy(), 0.0  # of the linear stretch whose stability is not yet verified
     linear, kept = False, True
@@ -161,17 +166,17 @@ def follow(
         landing = times[row] - time <= dt * (1.0 + 1e-9)
         target = times[row] if landing else time + dt
         step = target - time
-        extrapolate(tangent, bend, step if predictor else 0.0, ahead)
-        retract(reals, ints, state, ahead, 1.0, predicted)
+        copy(state, predicted)
         if predictor:
+            bend = curvature(tangent, old, last, step)
+            predict(reals, ints, before, state, tangent, last, step, bend, predicted)
             # to where a pair is about to close: its stiffness is not in the tangent
             _, _, free = motion(reals, ints, state, predicted)
             if free < 1.0:
                 step *= max(free, LEAST_FREE)
                 landing = False
                 target = time + step
-                extrapolate(tangent, bend, step, ahead)
-                retract(reals, ints, state, ahead, 1.0, predicted)
+                predict(reals, ints, before, state, tangent, last, step, bend, predicted)
         copy(predicted, trial)
         for i in range(load.size):
             push[i] = target * load[i]
@@ -179,8 +184,9 @@ def follow(
         rounds, trouble = 0, NONE
         while True:
             status, count, more, looked = equilibrium(
-                reals, ints, state, clearance, memory, push, work * target**2, noise * target, limit, trial,
-                g, H, lean, rest, least, F, kept, history, assemble, factor, solve, retract,
+                reals, ints, state, clearance, memory, push, reference * target**2, reference * step**2, noise * target, limit, trial,
+                g, H, predictor, rest, least, F, home, kept, history, assemble, factor, solve, retract,
+                work, carry,
             )  # fmt: skip
             spent[0] += count
             pairs += looked
@@ -221,18 +227,18 @@ def follow(
             linear = False
             if critical < np.inf:
                 break
+        copy(tangent, old)
         if status == CONVERGED:
-            copy(tangent, bend)
-            solution(reals, ints, F, load, 1.0, tangent, solve)
-            for i in range(load.size):
-                bend[i] = (tangent[i] - bend[i]) / step
-        kept = True
+            stale_solution(reals, ints, F, home, trial, load, 1.0, tangent, solve, carry)
+        kept, last = True, step
+        copy(state, before)
         copy(trial, state)
         time = target
         copy_table(held, memory)
         clearance = commit(reals, ints, state, memory)
-        if share < EASY_TURN and count <= EASY_COUNT:
-            dt = max(dt, 2.0 * step)
+        if count <= EASY_COUNT:
+            # the turn grows with the square of the step
+            dt = max(dt, step * min(2.0, math.sqrt(SAFE * TURN / share) if share > 0.0 else 2.0))
         if landing:
             copy(state, states[row])
             copy_table(held, memories[row])
@@ -283,6 +289,6 @@ def compiled_follow() -> Callable:
     whole, real = types.int64, types.float64
     vector, numbers, table = types.float64[::1], types.int64[::1], types.float64[:, ::1]
     data = (vector, numbers, vector, vector, vector, table, whole)
-    control = (real, whole, types.boolean, types.boolean)
+    control = (real, whole, types.boolean)
     functions = tuple(types.FunctionType(signature) for signature in SIGNATURES)
     return njit(data + control + functions + (numbers,), cache=True, error_model="numpy", nogil=True)(follow)

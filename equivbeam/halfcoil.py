@@ -41,17 +41,22 @@ def measures(x1, y1, th1, x2, y2, th2):
 
 
 @kernel
-def chain(r, c, s, l, v, g, K):  # noqa: E741
-    """Gradient `g` (6,) and Hessian `K` (6, 6) of a half coil in its freedoms, from its response `r`."""
+def gradient(r, c, s, l, v, g):  # noqa: E741
+    """Gradient `g` (6,) of a half coil in its freedoms, from its response `r`."""
+    fx = r.T * c - r.N * s
+    fy = r.N * c + r.T * s
+    fb = r.T * l - r.N * v
+    g[0], g[1], g[2] = -fx, -fy, 0.5 * fb - r.M
+    g[3], g[4], g[5] = fx, fy, 0.5 * fb + r.M
+
+
+@kernel
+def hessian(r, c, s, l, v, K):  # noqa: E741
+    """Hessian `K` (6, 6) of a half coil in its freedoms, from its response `r`."""
     N, T = r.N, r.T
     # first derivatives with respect to ax, ay, theta_b; dl/dtheta_b = -v, dv/dtheta_b = l
     lx, ly, lb = -s, c, -v
     vx, vy, vb = c, s, l
-    fx = N * lx + T * vx
-    fy = N * ly + T * vy
-    fb = N * lb + T * vb
-    g[0], g[1], g[2] = -fx, -fy, 0.5 * fb - r.M
-    g[3], g[4], g[5] = fx, fy, 0.5 * fb + r.M
     # Hessian in (ax, ay, theta_b): material part and N l'' + T v''
     Nx, Ny, Nb = r.N_l * lx + r.N_v * vx, r.N_l * ly + r.N_v * vy, r.N_l * lb + r.N_v * vb
     Tx, Ty, Tb = r.N_v * lx + r.T_v * vx, r.N_v * ly + r.T_v * vy, r.N_v * lb + r.T_v * vb

@@ -7,29 +7,37 @@ import math
 import numpy as np
 
 from coilspring.compiled import copy, kernel
-from equivbeam.band import BAND
+from equivbeam.band import ROW, WIDTH
 from equivbeam.contact import BOUND, ON, circle_centre, hold, pair_forces, pair_potential
-from equivbeam.halfcoil import chain, measures, paper_matrix
+from equivbeam.halfcoil import gradient, hessian, measures, paper_matrix
 from equivbeam.haringx import KAX, KFL, KSH
 from equivbeam.laws import response
 from equivbeam.model import EXACT, PAPER, view
 
-TOUCH = 0.01  # wire diameters by which a pair may penetrate where a prediction closes it
+TOUCH = 0.003  # wire diameters by which a pair may penetrate where a prediction closes it
 NEAR = 1.5  # wire diameters between centres, within which a pair's motion in a substep is watched
 
 
 @kernel
-def _add(g, H, ge, Ke, a, b):
-    """Scatter the 6 freedoms of the nodes `a` < `b` (node 0 is clamped)."""
-    for i in range(6):
-        p = 3 * (a - 1) + i if i < 3 else 3 * (b - 1) + i - 3
-        if p < 0:
-            continue
-        g[p] += ge[i]
-        for j in range(i + 1):
-            q = 3 * (a - 1) + j if j < 3 else 3 * (b - 1) + j - 3
-            if q >= 0:
-                H[p, p - q] += Ke[i, j]
+def _add_nodes(g, H, ge, Ke, a, b):
+    """Scatter the 6 freedoms of the nodes `a` <= `b`; node 0 is clamped."""
+    p, q = 3 * (a - 1), 3 * (b - 1)
+    if a > 0:
+        for i in range(3):
+            g[p + i] += ge[i]
+    for i in range(3):
+        g[q + i] += ge[3 + i]
+    if H.shape[0] == 0:
+        return
+    if a > 0:
+        for i in range(3):
+            for j in range(i, 3):
+                H[p + i, j - i] += Ke[i, j]
+            for j in range(3):
+                H[p + i, q - p + j - i] += Ke[i, 3 + j]
+    for i in range(3):
+        for j in range(i, 3):
+            H[q + i, j - i] += Ke[3 + i, 3 + j]
 
 
 @kernel
@@ -72,7 +80,7 @@ def _add_pairs(model, memory, state, g, H, ge, Ke):
         pair_forces(
             f, Hg, xa - state[3 * a], ya - state[3 * a + 1], xb - state[3 * b], yb - state[3 * b + 1], ge, Ke
         )
-        _add(g, H, ge, Ke, a, b)
+        _add_nodes(g, H, ge, Ke, a, b)
     return energy
 
 
@@ -80,7 +88,7 @@ def _add_pairs(model, memory, state, g, H, ge, Ke):
 def assemble(reals, ints, anchor, clearance, memory, state, g, flat):
     """Strain and contact energy, gradient and matrix; see `coilspring.newton` for the contract."""
     model = view(reals, ints)
-    H = flat.reshape((g.size, BAND + 1))
+    H = flat.reshape((flat.size // ROW, ROW))
     g[:] = 0.0
     flat[:] = 0.0
     ge = np.empty(6)
@@ -94,13 +102,15 @@ def assemble(reals, ints, anchor, clearance, memory, state, g, flat):
         )
         r = response(law, rows, e, l, v, dth)
         energy += r.U
-        chain(r, c, s, l, v, ge, Ke)
-        if model.tangent != EXACT:
+        gradient(r, c, s, l, v, ge)
+        if H.shape[0] > 0 and model.tangent == EXACT:
+            hessian(r, c, s, l, v, Ke)
+        elif H.shape[0] > 0:
             factor = 12.0 if model.tangent == PAPER else 1.0
             paper_matrix(c, s, rows[e, KAX], rows[e, KSH], rows[e, KFL], model.l0, factor, Ke)
-        _add(g, H, ge, Ke, e, e + 1)
+        _add_nodes(g, H, ge, Ke, e, e + 1)
     count = model.pairs.shape[0]
-    if count > 0 and 2.0 * _bound(model, anchor, state) < clearance:
+    if count > 0 and clearance > 0.0 and 2.0 * _bound(model, anchor, state) < clearance:
         count = 0
     if count > 0:
         energy += _add_pairs(model, memory, state, g, H, ge, Ke)
@@ -115,9 +125,11 @@ def assemble(reals, ints, anchor, clearance, memory, state, g, flat):
 def _hold(g, H, p):
     """Take the freedom `p` out: no force, a row and column of the unit matrix."""
     g[p] = 0.0
+    if H.shape[0] == 0:
+        return
     H[p, :] = 0.0
-    for q in range(p + 1, min(p + BAND + 1, g.size)):
-        H[q, q - p] = 0.0
+    for q in range(max(p - WIDTH + 1, 0), p):
+        H[q, p - q] = 0.0
     H[p, 0] = 1.0
 
 
@@ -127,6 +139,37 @@ def retract(reals, ints, state, step, factor, out):
     copy(state, out)
     for i in range(step.size):
         out[3 + i] += factor * step[i]
+
+
+@kernel
+def predict(reals, ints, before, state, tangent, last, step, bend, out):
+    """See `coilspring.newton`: the parabola through both states along the tangent."""
+    second = bend * (step / last) ** 2
+    copy(state, out)
+    for i in range(tangent.size):
+        out[3 + i] += step * tangent[i] + second * (before[3 + i] - state[3 + i] + last * tangent[i])
+
+
+@kernel
+def work(reals, ints, load, a, b):
+    """Work of a dead load between two states."""
+    total = 0.0
+    for i in range(load.size):
+        total += load[i] * (b[3 + i] - a[3 + i])
+    return total
+
+
+@kernel
+def carry(reals, ints, a, b, v):
+    """See `coilspring.newton`: forces or motions turned with their nodes."""
+    for i in range(0, v.size, 3):
+        turn = b[i + 5] - a[i + 5]
+        c, s = math.cos(turn), math.sin(turn)
+        v[i], v[i + 1] = c * v[i] - s * v[i + 1], s * v[i] + c * v[i + 1]
+    held = view(reals, ints).held
+    for i in range(3):
+        if held[i] > 0.0:
+            v[v.size - 3 + i] = 0.0
 
 
 @kernel

@@ -11,7 +11,7 @@ from coilspring.compiled import kernel
 from coilspring.errors import InputError
 from coilspring.packing import heads, table, vector
 from coilspring.scene import Scene
-from equivbeam.band import BAND
+from equivbeam.band import ROW
 from equivbeam.helix import Refinements
 from equivbeam.laws import LAWS, law_rows
 
@@ -117,8 +117,8 @@ def load_vector(model: BeamModel, scene: Scene) -> np.ndarray:
 
 
 def matrix_size(model: BeamModel) -> int:
-    """Length of the banded matrix: row i holds the entries (i, i - j) at column j."""
-    return 3 * len(model.rows) * (BAND + 1)
+    """Length of the banded matrix, see `equivbeam.band`."""
+    return 3 * len(model.rows) * ROW
 
 
 @kernel

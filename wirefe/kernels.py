@@ -11,9 +11,10 @@ from wirefe.beam import beams
 from wirefe.chain import eliminate, substitute
 from wirefe.contact import BOUND, ON, hold, lever, pair_matrix, sphere_pair
 from wirefe.model import ROW, view_contact, view_elements, view_held, view_plan
-from wirefe.rotations import exponential, quaternion_product, rotate
+from wirefe.retraction import Way, close, place, spin_between, turn_along
+from wirefe.rotations import rotate
 
-TOUCH = 0.01  # wire diameters by which a pair may penetrate where a prediction closes it
+TOUCH = 0.003  # wire diameters by which a pair may penetrate where a prediction closes it
 NEAR = 1.5  # wire diameters between centres, within which a pair's motion in a substep is watched
 
 
@@ -169,7 +170,7 @@ def assemble(reals, ints, anchor, clearance, memory, state, g, flat):
     flat[:] = 0.0
     energy = _add_elements(view_elements(reals, ints), state, g, H)
     count = contact.pairs.shape[0]
-    if count > 0 and 2.0 * _bound(contact.reach, anchor, state) < clearance:
+    if count > 0 and clearance > 0.0 and 2.0 * _bound(contact.reach, anchor, state) < clearance:
         count = 0
     if count > 0:
         energy += _add_pairs(contact, memory, state, g, H)
@@ -195,19 +196,48 @@ def solve(reals, ints, flat, b):
 
 @kernel
 def retract(reals, ints, state, step, factor, out):
-    """Positions add; rotations are turned by the exponential of their spin."""
-    turn = np.empty(4)
-    for n in range(step.size // 6):
-        p, s = 6 * n, ROW * n
-        for i in range(3):
-            out[s + i] = state[s + i] + factor * step[p + i]
-        exponential(factor * step[p + 3], factor * step[p + 4], factor * step[p + 5], turn)
-        quaternion_product(turn, state[s + 3 : s + 7], out[s + 3 : s + 7])
-        norm = 0.0
-        for i in range(3, 7):
-            norm += out[s + i] ** 2
-        for i in range(3, 7):
-            out[s + i] /= math.sqrt(norm)
+    """The wire moved along a step, its deformations linearly; see `wirefe.retraction`."""
+    _move(reals, ints, state, Way(state, step, factor, 0.0), out)
+
+
+@kernel
+def predict(reals, ints, before, state, tangent, last, step, bend, out):
+    """See `coilspring.newton`; the deformations of the wire are what is extrapolated."""
+    second = bend * (step / last) ** 2
+    _move(reals, ints, state, Way(before, tangent, step + second * last, second), out)
+
+
+@kernel
+def work(reals, ints, load, a, b):
+    """Work of a dead load between two states: of forces, and of moments about one axis each."""
+    total = 0.0
+    for n in range(load.size // 6):
+        p = 6 * n
+        x, y, z = load[p], load[p + 1], load[p + 2]
+        if x != 0.0 or y != 0.0 or z != 0.0:
+            s = ROW * n
+            total += x * (b[s] - a[s]) + y * (b[s + 1] - a[s + 1]) + z * (b[s + 2] - a[s + 2])
+        x, y, z = load[p + 3], load[p + 4], load[p + 5]
+        if x != 0.0 or y != 0.0 or z != 0.0:
+            v = spin_between(a, b, n)
+            total += x * v[0] + y * v[1] + z * v[2]
+    return total
+
+
+@kernel
+def carry(reals, ints, a, b, v):
+    """See `coilspring.newton`: forces and moments, or motions and spins, turned with their nodes."""
+    turn_along(a, b, v)
+    held = view_held(ints).freedom
+    for m in range(held.size):
+        v[held[m]] = 0.0
+
+
+@kernel
+def _move(reals, ints, state, way, out):
+    chain = view_elements(reals, ints)
+    place(chain.triads, chain.arm, state, way, out)
+    close(view_held(ints).freedom, chain.arm, state, way, out)
 
 
 @kernel

@@ -31,6 +31,9 @@ KERNELS = Kernels(
     factor=kernels.factor,
     solve=kernels.solve,
     retract=kernels.retract,
+    predict=kernels.predict,
+    work=kernels.work,
+    carry=kernels.carry,
     motion=kernels.motion,
     commit=kernels.commit,
     renew=kernels.renew,
@@ -170,5 +173,4 @@ def _problem(data: model.WireModel, rod: Rod, arm: np.ndarray) -> Problem:
         start=model.rest_state(rod, arm),
         memory=np.zeros((len(data.contact.pairs), MEMORY)),
         matrix_size=model.matrix_size(data),
-        lean=True,
     )
