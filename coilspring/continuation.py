@@ -20,7 +20,7 @@ from numba import njit, types
 
 from coilspring.compiled import copy, kernel
 from coilspring.kernelset import SIGNATURES
-from coilspring.newton import dot, solution
+from coilspring.linesearch import dot, solution
 from coilspring.stepping import PAIR_MOTION
 
 FIRST_ARC = 0.02  # of the arc that the tangent at rest would take to full load
@@ -34,7 +34,7 @@ KINK_ARC = 1e-3  # but for shorter arcs: contact that opens or closes kinks the 
 
 
 class Trace(NamedTuple):
-    """What `trace` returns."""
+    """What `trace` returns, in this order."""
 
     times: np.ndarray  # (points,), not monotonic
     states: np.ndarray  # (points, state size)
@@ -97,8 +97,8 @@ def direction(v, negative, scale, along, pitch, new):
 
 
 def trace(
-    reals, ints, load, points, start, memory, size, assemble, factor, solve, retract, predict, work, carry, motion, commit,
-    renew, stop,
+    reals, ints, load, points, start, memory, size, assemble, factor, solve, retract, predict, work, carry,
+    distance, motion, commit, renew, stop,
 ):  # fmt: skip
     """Trace at most `points` points of the path from rest, or to time 1; arguments as in `follow`."""
     times = np.empty(points)
@@ -109,6 +109,7 @@ def trace(
     along, new = np.empty_like(load), np.empty_like(load)
     H = np.empty(size)
     state, trial = start.copy(), start.copy()
+    memory = memory.copy()
     clearance = commit(reals, ints, state, memory)
     _, pairs = assemble(reals, ints, state, clearance, memory, state, g, H)
     factor(reals, ints, H)
@@ -130,7 +131,7 @@ def trace(
         pairs += looked
         if good:
             share, cosine = direction(v, negative, scale, along, pitch, new)
-            _, pair, _ = motion(reals, ints, state, trial)
+            pair, _ = motion(reals, ints, state, trial)
             good = (cosine >= TURN_COSINE or arc <= KINK_ARC) and pair <= PAIR_MOTION
         if not good:
             arc *= 0.5
@@ -146,7 +147,8 @@ def trace(
             arc = min(1.5 * arc, MOST_ARC)
     finished = arc >= LEAST_ARC
     stray = clearance == -np.inf
-    return Trace(times[:row], states[:row], iterations[:row], negatives[:row], finished, stray, pairs)
+    # `Trace`; see `coilspring.stepping.follow`
+    return times[:row], states[:row], iterations[:row], negatives[:row], finished, stray, pairs
 
 
 @lru_cache(maxsize=1)

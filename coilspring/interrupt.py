@@ -2,41 +2,73 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import mmap
+import os
+import signal
+import sys
+import tempfile
+import threading
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, suppress
+from functools import cache
 from multiprocessing import parent_process
-from threading import Thread
 from typing import Any
 
 import numpy as np
 
 
-def interruptible(function: Callable, *arguments: object) -> Any:
-    """Call a compiled function that releases the interpreter, in a thread, and wait for it.
+@cache
+def _mailbox(process: int) -> tuple[int, np.ndarray]:
+    """A file that Python writes a byte to when a signal comes, and the same bytes as an integer in memory.
 
-    Its last argument is a flag (one integer) which it looks at between substeps. A signal that came
-    while compiled code ran in the main thread would be raised inside the conversion of its results,
-    which numba does not survive; in the waiting main thread it sets the flag and is raised in order.
+    One for each process: a child would share its parent's.
     """
-    flag = np.zeros(1, dtype=np.int64)
-    if parent_process() is not None:
-        return function(*arguments, flag)  # a worker: its parent is interrupted
-    results: list[Any] = []
-    errors: list[BaseException] = []
+    descriptor, name = tempfile.mkstemp()
+    with suppress(OSError):  # where open files cannot be removed, it stays
+        os.unlink(name)
+    os.truncate(descriptor, mmap.PAGESIZE)
+    os.set_blocking(descriptor, False)
+    return descriptor, np.frombuffer(mmap.mmap(descriptor, mmap.PAGESIZE), dtype=np.int64)[:1]
 
-    def work() -> None:
-        try:
-            results.append(function(*arguments, flag))
-        except BaseException as error:
-            errors.append(error)
 
-    thread = Thread(target=work, name="coilspring")
-    thread.start()
+SIGNALS = tuple(getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGALRM") if hasattr(signal, name))
+
+
+def interruptible(function: Callable, *arguments: object) -> Any:
+    """Call a compiled function whose last argument is a flag (one integer) that ends it early where not 0.
+
+    While compiled code runs, Python only notes a signal: the flag is the note. Its handler, as that of
+    Ctrl-C, is called when the function has returned: one that raised amid the conversion of the results
+    would be more than numba survives. After a handler that does not raise the call is made again.
+    """
+    if parent_process() is not None or threading.current_thread() is not threading.main_thread():
+        return function(*arguments, np.zeros(1, dtype=np.int64))  # signals go elsewhere
+    descriptor, flag = _mailbox(os.getpid())
+    while True:
+        os.lseek(descriptor, 0, os.SEEK_SET)
+        flag[0] = 0
+        with _signals_noted(descriptor):
+            result = function(*arguments, flag)
+        if flag[0] == 0:
+            return result
+
+
+@contextmanager
+def _signals_noted(descriptor: int) -> Iterator[None]:
+    """Signals write to the mailbox; their handlers are called at the end."""
+    came: list[int] = []
+    handlers: dict[int, Callable] = {}
+    before = signal.set_wakeup_fd(descriptor)
     try:
-        thread.join()
-    except BaseException:
-        flag[0] = 1
-        thread.join()
-        raise
-    if errors:
-        raise errors[0]
-    return results[0]
+        for number in SIGNALS:
+            handler = signal.getsignal(number)
+            if callable(handler):
+                handlers[number] = handler
+                signal.signal(number, lambda number, _: came.append(number))
+        yield
+    finally:
+        for number, handler in handlers.items():
+            signal.signal(number, handler)
+        signal.set_wakeup_fd(before)
+    for number in came:
+        handlers[number](number, sys._getframe())

@@ -1,4 +1,40 @@
-"""The compiled functions that a model hands to the path followers, and their types."""
+"""The compiled functions that a model hands to the path followers, and their types.
+
+A model is described by its data (two flat arrays, see `coilspring.packing`) and eleven kernels, which
+`coilspring.newton` and the followers take as typed first-class functions, so that they are compiled once
+for all models:
+
+``assemble(reals, ints, anchor, clearance, memory, state, g, H) -> (energy, pairs evaluated)``
+    Strain and contact energy, its gradient `g` and its matrix `H` (model's own storage, flat; left
+    out where it is empty) at `state`. `anchor` is the last accepted state, `clearance`
+    the least gap of its contact pairs: while nothing has moved by half of it, no pair can touch.
+    `memory` holds what contact remembers.
+``factor(reals, ints, F) -> (negative pivots, least pivot)``
+    LDL^T of `F` in place. By Sylvester's law the negative pivots count the negative eigenvalues.
+``solve(reals, ints, F, b)``
+    Back substitution in place.
+``retract(reals, ints, state, step, factor, out)``
+    The state moved by ``factor * step`` (rotations by the exponential map).
+``predict(reals, ints, before, state, tangent, last, step, bend, out)``
+    The path extrapolated from `state` by a `step` of time: along its `tangent`, and with ``bend = 1`` on
+    the parabola that also meets the state `before`, a time `last` ago; with 0 on the straight line.
+``work(reals, ints, load, a, b)``
+    Work of a dead load from state `a` to state `b`.
+``carry(reals, ints, a, b, v)``
+    Turn the parts of a step or a residual `v` in place with the nodes on which they act, from state `a`
+    to `b`: seen so, a factor stays good while the body turns.
+``distance(reals, ints, a, b) -> distance``
+    Bound on how far any point moved from state `a` to `b`.
+``motion(reals, ints, a, b) -> (pair motion, free share)``
+    The largest change of the vector between the centres of a pair that comes near on the way, in wire
+    diameters; the share of the way after which the first pair that is open in `a` has closed.
+``commit(reals, ints, state, memory) -> least gap``
+    Update the contact memory with an accepted state. Minus infinity: a pair touches that is not in
+    the model.
+``renew(reals, ints, state, memory) -> change``
+    Set the bounds of the tangential forces, which are numbers in `assemble`, to those of the normal
+    forces at `state`; returns their largest change over the largest bound, 0 without friction.
+"""
 
 from __future__ import annotations
 
@@ -8,7 +44,7 @@ from numba import types
 
 
 class Kernels(NamedTuple):
-    """A model's compiled functions (or their types); `coilspring.newton` says what each does."""
+    """A model's compiled functions, or their types."""
 
     assemble: Any
     factor: Any
@@ -17,6 +53,7 @@ class Kernels(NamedTuple):
     predict: Any
     work: Any
     carry: Any
+    distance: Any
     motion: Any
     commit: Any
     renew: Any
@@ -34,7 +71,8 @@ def _signatures() -> Kernels:
         predict=types.void(*data, vector, vector, vector, real, real, real, vector),
         work=real(*data, vector, vector, vector),
         carry=types.void(*data, vector, vector, vector),
-        motion=types.UniTuple(real, 3)(*data, vector, vector),
+        distance=real(*data, vector, vector),
+        motion=types.UniTuple(real, 2)(*data, vector, vector),
         commit=real(*data, vector, table),
         renew=real(*data, vector, table),
     )

@@ -35,6 +35,7 @@ class Problem:
     start : state at rest.
     memory : (pairs, m) contact memory at rest.
     matrix_size : length of the model's matrix in its own storage.
+    lean : the matrix is costly: left out where it is not factored, and its factor is kept longer.
     """
 
     data: Any
@@ -42,6 +43,7 @@ class Problem:
     start: np.ndarray
     memory: np.ndarray
     matrix_size: int
+    lean: bool = False
 
 
 @dataclass(frozen=True)
@@ -75,10 +77,11 @@ def follow_problem(
     follow = ready(kernels)
     compiled = time.perf_counter() - began
     began = time.process_time()
-    track = interruptible(
+    found = interruptible(
         follow, *pack(problem.data), problem.load, times, problem.start, problem.memory, problem.matrix_size,
-        length, limit, predictor, *kernels,
+        length, limit, predictor, problem.lean, *kernels,
     )  # fmt: skip
+    track = Track(*found)
     seconds = time.process_time() - began
     return Run(track, *_verdict(track, problem.load), seconds, compiled)
 

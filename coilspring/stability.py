@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from coilspring.compiled import kernel
-from coilspring.newton import dot, solution
+from coilspring.linesearch import dot, solution
 
 LEAST_STEP = 1e-9  # of the time 0..1: below it, what cannot be passed is called a critical point
 SAMPLES = 16  # of a linear stretch at which its stability is verified

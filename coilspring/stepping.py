@@ -12,7 +12,8 @@ from numba import njit, types
 
 from coilspring.compiled import copy, copy_table, kernel
 from coilspring.kernelset import SIGNATURES
-from coilspring.newton import CONVERGED, FAILED, HISTORY, INDEFINITE, LINEAR, NONE, dot, equilibrium, solution, stale_solution
+from coilspring.linesearch import dot, solution, stale_solution
+from coilspring.newton import CONVERGED, FAILED, HISTORY, INDEFINITE, LINEAR, NONE, equilibrium
 from coilspring.stability import LEAST_STEP, softest, unstable_time
 
 COMPLETED, CRITICAL, STUCK, STRAY = 0, 1, 2, 3
@@ -35,7 +36,7 @@ SOFT = 0.05  # share of the least eigenvalue at rest, below which the tangent co
 
 
 class Track(NamedTuple):
-    """What `follow` returns."""
+    """What `follow` returns, in this order."""
 
     states: np.ndarray  # (reached, state size), at the requested times
     memories: np.ndarray  # (reached, pairs, m) contact memory with which they were found
@@ -73,14 +74,14 @@ def curvature(tangent, old, last, step):
 
 
 @kernel
-def continues(reals, ints, predicted, state, trial, diameter, troubled, judged, motion):
+def continues(reals, ints, predicted, state, trial, diameter, troubled, judged, distance, motion):
     """Whether `trial` continues the branch of `state`, and the share by which the path turned."""
-    way, pair, _ = motion(reals, ints, state, trial)
+    pair, _ = motion(reals, ints, state, trial)
     if pair > PAIR_MOTION:
         return False, 1.0
     if not judged:
         return True, 0.0
-    turn, _, _ = motion(reals, ints, predicted, trial)
+    way, turn = distance(reals, ints, state, trial), distance(reals, ints, predicted, trial)
     share = turn / way if way > 0.0 else 0.0
     near = turn <= SMALL * diameter
     return near or (share <= TURN and not troubled), share
@@ -97,6 +98,7 @@ def follow(
     diameter,
     limit,
     predictor,
+    lean,
     assemble,
     factor,
     solve,
@@ -104,6 +106,7 @@ def follow(
     predict,
     work,
     carry,
+    distance,
     motion,
     commit,
     renew,
@@ -117,14 +120,16 @@ def follow(
     load : (n,) dead load at time 1, conjugate to the steps that `retract` takes.
     times : (steps,) requested times.
     start : state at rest.
-    memory : (pairs, m) contact memory at rest; changed with accepted states only, but for the bounds of
-        tangential forces, which are renewed until they are those of the normal forces.
+    memory : (pairs, m) contact memory at rest; its copy is changed with accepted states only, but for the
+        bounds of tangential forces, which are renewed until they are those of the normal forces.
     size : length of the model's matrix in its own storage.
     diameter : wire diameter, mm: the length with which moves are compared.
     limit : largest number of iterations of a substep.
     predictor : the model's matrix is its tangent: start from its prediction and judge the branch by it;
         else from the last state, as the paper did.
-    assemble, factor, solve, retract, predict, work, carry, motion, commit, renew : kernels, see `coilspring.newton`.
+    lean : the matrix is costly: it is left out where it is not factored, and its factor is kept longer.
+    assemble, factor, solve, retract, predict, work, carry, distance, motion,
+        commit, renew : kernels, see `coilspring.kernelset`.
     stop : one integer; another thread sets it to end the path at the next substep.
     """
     states = np.empty((times.size, start.size))
@@ -143,6 +148,7 @@ def follow(
     # the state accepted before, the tangent there and the time since: none as yet
     before, old, last = start.copy(), np.full_like(load, np.inf), 1.0
     mode = np.zeros_like(load)
+    memory = memory.copy()
     held = memory.copy()
     clearance = commit(reals, ints, state, memory)
     _, pairs = assemble(reals, ints, state, clearance, memory, state, g, H)
@@ -171,7 +177,7 @@ def follow(
             bend = curvature(tangent, old, last, step)
             predict(reals, ints, before, state, tangent, last, step, bend, predicted)
             # to where a pair is about to close: its stiffness is not in the tangent
-            _, _, free = motion(reals, ints, state, predicted)
+            _, free = motion(reals, ints, state, predicted)
             if free < 1.0:
                 step *= max(free, LEAST_FREE)
                 landing = False
@@ -184,9 +190,9 @@ def follow(
         rounds, trouble = 0, NONE
         while True:
             status, count, more, looked = equilibrium(
-                reals, ints, state, clearance, memory, push, reference * target**2, reference * step**2, noise * target, limit, trial,
-                g, H, predictor, rest, least, F, home, kept, history, assemble, factor, solve, retract,
-                work, carry,
+                reals, ints, state, clearance, memory, push, reference * target**2, reference * step**2,
+                noise * target, limit, trial, g, H, lean, rest, least, F, home, kept, history, assemble,
+                factor, solve, retract, work, carry,
             )  # fmt: skip
             spent[0] += count
             pairs += looked
@@ -204,7 +210,7 @@ def follow(
         good, share = status in (CONVERGED, LINEAR), 0.0
         if good:
             good, share = continues(
-                reals, ints, predicted, state, trial, diameter, trouble > NONE, predictor, motion
+                reals, ints, predicted, state, trial, diameter, trouble > NONE, predictor, distance, motion
             )
         if not good:
             kept = False
@@ -263,7 +269,7 @@ def follow(
         stiffness, _ = softest(reals, ints, start, memory, load, g, H, assemble, factor, solve)
         if abs(least) < SOFT * abs(stiffness):
             outcome = CRITICAL
-    return Track(
+    return (  # `Track`; making one in compiled code would call back into the interpreter
         states[:row],
         memories[:row],
         iterations[:row],
@@ -289,6 +295,6 @@ def compiled_follow() -> Callable:
     whole, real = types.int64, types.float64
     vector, numbers, table = types.float64[::1], types.int64[::1], types.float64[:, ::1]
     data = (vector, numbers, vector, vector, vector, table, whole)
-    control = (real, whole, types.boolean)
+    control = (real, whole, types.boolean, types.boolean)
     functions = tuple(types.FunctionType(signature) for signature in SIGNATURES)
     return njit(data + control + functions + (numbers,), cache=True, error_model="numpy", nogil=True)(follow)

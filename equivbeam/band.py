@@ -47,18 +47,24 @@ def factor(reals, ints, flat):
 
 @arithmetic
 def _substitute(F, b):
+    """Solve in place; what the next rows still lack or need is kept in registers, not in memory."""
     n = b.size
+    x0 = x1 = x2 = x3 = x4 = x5 = x6 = x7 = x8 = x9 = x10 = 0.0
     for k in range(n):
-        y = b[k]
-        for m in range(1, min(WIDTH, n - k)):
-            b[k + m] -= F[k, m] * y
-    for k in range(n):
-        b[k] /= F[k, 0]
-    for k in range(n - 1, -1, -1):
-        y = b[k]
-        for m in range(min(BAND, n - 1 - k), 0, -1):
-            y -= F[k, m] * b[k + m]
+        R = F[k]
+        y = b[k] - x0
         b[k] = y
+        x0, x1, x2, x3 = x1 + R[1] * y, x2 + R[2] * y, x3 + R[3] * y, x4 + R[4] * y
+        x4, x5, x6, x7 = x5 + R[5] * y, x6 + R[6] * y, x7 + R[7] * y, x8 + R[8] * y
+        x8, x9, x10 = x9 + R[9] * y, x10 + R[10] * y, R[11] * y
+    x0 = x1 = x2 = x3 = x4 = x5 = x6 = x7 = x8 = x9 = x10 = 0.0
+    for k in range(n - 1, -1, -1):
+        R = F[k]
+        far = R[4] * x3 + R[5] * x4 + R[6] * x5 + R[7] * x6 + R[8] * x7 + R[9] * x8 + R[10] * x9 + R[11] * x10
+        y = b[k] / R[0] - far - R[3] * x2 - R[2] * x1 - R[1] * x0
+        b[k] = y
+        x10, x9, x8, x7, x6, x5 = x9, x8, x7, x6, x5, x4
+        x4, x3, x2, x1, x0 = x3, x2, x1, x0, y
 
 
 @kernel

@@ -7,12 +7,13 @@ import math
 import numpy as np
 
 from coilspring.compiled import copy, kernel
+from coilspring.packing import heads
 from equivbeam.band import ROW, WIDTH
 from equivbeam.contact import BOUND, ON, circle_centre, hold, pair_forces, pair_potential
 from equivbeam.halfcoil import gradient, hessian, measures, paper_matrix
 from equivbeam.haringx import KAX, KFL, KSH
 from equivbeam.laws import response
-from equivbeam.model import EXACT, PAPER, view
+from equivbeam.model import EXACT, PAPER, REACH, view
 
 TOUCH = 0.003  # wire diameters by which a pair may penetrate where a prediction closes it
 NEAR = 1.5  # wire diameters between centres, within which a pair's motion in a substep is watched
@@ -52,11 +53,11 @@ def _centres(model, state):
 
 
 @kernel
-def _bound(model, a, b):
+def _bound(reach, a, b):
     """Bound on how far any circle's centre moved between two states."""
     most = 0.0
     for i in range(3, a.size, 3):
-        way = math.hypot(a[i] - b[i], a[i + 1] - b[i + 1]) + model.reach * abs(a[i + 2] - b[i + 2])
+        way = math.sqrt((a[i] - b[i]) ** 2 + (a[i + 1] - b[i + 1]) ** 2) + reach * abs(a[i + 2] - b[i + 2])
         most = max(most, way)
     return most
 
@@ -86,7 +87,7 @@ def _add_pairs(model, memory, state, g, H, ge, Ke):
 
 @kernel
 def assemble(reals, ints, anchor, clearance, memory, state, g, flat):
-    """Strain and contact energy, gradient and matrix; see `coilspring.newton` for the contract."""
+    """Strain and contact energy, gradient and matrix; see `coilspring.kernelset` for the contract."""
     model = view(reals, ints)
     H = flat.reshape((flat.size // ROW, ROW))
     g[:] = 0.0
@@ -110,7 +111,7 @@ def assemble(reals, ints, anchor, clearance, memory, state, g, flat):
             paper_matrix(c, s, rows[e, KAX], rows[e, KSH], rows[e, KFL], model.l0, factor, Ke)
         _add_nodes(g, H, ge, Ke, e, e + 1)
     count = model.pairs.shape[0]
-    if count > 0 and clearance > 0.0 and 2.0 * _bound(model, anchor, state) < clearance:
+    if count > 0 and clearance > 0.0 and 2.0 * _bound(model.reach, anchor, state) < clearance:
         count = 0
     if count > 0:
         energy += _add_pairs(model, memory, state, g, H, ge, Ke)
@@ -143,7 +144,7 @@ def retract(reals, ints, state, step, factor, out):
 
 @kernel
 def predict(reals, ints, before, state, tangent, last, step, bend, out):
-    """See `coilspring.newton`: the parabola through both states along the tangent."""
+    """See `coilspring.kernelset`: the parabola through both states along the tangent."""
     second = bend * (step / last) ** 2
     copy(state, out)
     for i in range(tangent.size):
@@ -161,15 +162,7 @@ def work(reals, ints, load, a, b):
 
 @kernel
 def carry(reals, ints, a, b, v):
-    """See `coilspring.newton`: forces or motions turned with their nodes."""
-    for i in range(0, v.size, 3):
-        turn = b[i + 5] - a[i + 5]
-        c, s = math.cos(turn), math.sin(turn)
-        v[i], v[i + 1] = c * v[i] - s * v[i + 1], s * v[i] + c * v[i + 1]
-    held = view(reals, ints).held
-    for i in range(3):
-        if held[i] > 0.0:
-            v[v.size - 3 + i] = 0.0
+    """See `coilspring.kernelset`: half coils are as stiff in all directions, nearly."""
 
 
 @kernel
@@ -182,14 +175,22 @@ def nearest(gx, gy, sx, sy):
 
 
 @kernel
+def distance(reals, ints, a, b):
+    """See `coilspring.kernelset`."""
+    return _bound(reals[heads(ints)[REACH, 0]], a, b)
+
+
+@kernel
 def motion(reals, ints, a, b):
-    """See `coilspring.newton`: way of any circle, largest pair motion, share of the way to the first touch.
+    """See `coilspring.kernelset`: largest pair motion, share of the way to the first touch.
 
     A pair counts if it comes near anywhere between the states: circles must not pass through each other.
     """
     model = view(reals, ints)
     most, free = 0.0, 1.0
     inner = (1.0 - TOUCH) * model.d
+    if model.pairs.shape[0] == 0:
+        return most, free
     before, after = _centres(model, a), _centres(model, b)
     pairs, d = model.pairs, model.d
     for m in range(pairs.shape[0]):
@@ -205,7 +206,7 @@ def motion(reals, ints, a, b):
             free = min(free, (along - root) / way2)
         if way2 > most * most and nearest(gx, gy, sx, sy) < NEAR * d:
             most = math.sqrt(way2)
-    return _bound(model, a, b), most / d, free
+    return most / d, free
 
 
 @kernel
@@ -216,11 +217,13 @@ def commit(reals, ints, state, memory):
     """
     model = view(reals, ints)
     least = np.inf
+    if model.pairs.shape[0] == 0:
+        return least
     c, pairs = _centres(model, state), model.pairs
     for m in range(pairs.shape[0]):
         A, B = pairs[m, 0], pairs[m, 1]
         gx, gy = c[B, 0] - c[A, 0], c[B, 1] - c[A, 1]
-        h = math.hypot(gx, gy)
+        h = math.sqrt(gx * gx + gy * gy)
         least = min(least, h - model.d)
         if model.mu == 0.0:
             continue
@@ -233,7 +236,7 @@ def commit(reals, ints, state, memory):
 
 @kernel
 def renew(reals, ints, state, memory):
-    """Renew the bounds of the tangential forces; see `coilspring.newton`."""
+    """Renew the bounds of the tangential forces; see `coilspring.kernelset`."""
     model = view(reals, ints)
     change, most = 0.0, 0.0
     if model.mu == 0.0:

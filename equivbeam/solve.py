@@ -31,6 +31,7 @@ KERNELS = Kernels(
     predict=kernels.predict,
     work=kernels.work,
     carry=kernels.carry,
+    distance=kernels.distance,
     motion=kernels.motion,
     commit=kernels.commit,
     renew=kernels.renew,

@@ -62,11 +62,11 @@ def test_whole_model_derivatives(check_derivatives, seed, time, stick):
         free[-3:] = 1.0 - data.held
         moved[3:] = state[3:] + step * free
         value, _ = kernels.assemble(reals, ints, state, 0.0, memory, moved, g, H)
-        rows = H.reshape(n, band.BAND + 1)
+        rows = H.reshape(n, band.ROW)
         full = np.zeros((n, n))
         for i in range(n):
-            for j in range(min(band.BAND, i) + 1):
-                full[i, i - j] = full[i - j, i] = rows[i, j]
+            for j in range(min(band.WIDTH, n - i)):
+                full[i, i + j] = full[i + j, i] = rows[i, j]
         return value - load @ step, g - load, full * np.outer(free, free)
 
     check_derivatives(energy, n, h=2e-6, tolerance=1e-6)

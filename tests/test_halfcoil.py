@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from coilspring import Material, spring_a
-from equivbeam.halfcoil import chain, measures, paper_matrix
+from equivbeam.halfcoil import gradient, hessian, measures, paper_matrix
 from equivbeam.haringx import haringx, haringx_stiffness
 
 KAX, KSH, KFL, L0 = 7.0, 18.0, 95.0, 1.3
@@ -17,7 +17,8 @@ def element(p):
     c, s, l, v, dth = measures(*p)  # noqa: E741
     r = haringx(ROWS, 0, l, v, dth)
     g, K = np.empty(6), np.empty((6, 6))
-    chain(r, c, s, l, v, g, K)
+    gradient(r, c, s, l, v, g)
+    hessian(r, c, s, l, v, K)
     return r.U, g, K
 
 

@@ -23,7 +23,7 @@ from coilspring import (
 )
 from coilspring.wire import round_section
 from equivbeam import Refinements
-from equivbeam.halfcoil import chain, measures
+from equivbeam.halfcoil import gradient, hessian, measures
 from equivbeam.helix import HIGH, LOW, U0, axial, helix, helix_rows
 from equivbeam.laws import LAWS
 from equivbeam.model import build_model
@@ -45,7 +45,8 @@ def element(rows, i, q):
     c, s, l, v, dth = measures(*q)  # noqa: E741
     r = helix(rows, i, l, v, dth)
     g, K = np.empty(6), np.empty((6, 6))
-    chain(r, c, s, l, v, g, K)
+    gradient(r, c, s, l, v, g)
+    hessian(r, c, s, l, v, K)
     return r.U, g, K
 
 

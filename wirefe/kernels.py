@@ -163,7 +163,7 @@ def _hold(held, H):
 
 @kernel
 def assemble(reals, ints, anchor, clearance, memory, state, g, flat):
-    """Strain and contact energy, gradient and matrix; see `coilspring.newton` for the contract."""
+    """Strain and contact energy, gradient and matrix; see `coilspring.kernelset` for the contract."""
     contact = view_contact(reals, ints)
     H = flat.reshape((flat.size // 36, 6, 6))
     g[:] = 0.0
@@ -202,7 +202,7 @@ def retract(reals, ints, state, step, factor, out):
 
 @kernel
 def predict(reals, ints, before, state, tangent, last, step, bend, out):
-    """See `coilspring.newton`; the deformations of the wire are what is extrapolated."""
+    """See `coilspring.kernelset`; the deformations of the wire are what is extrapolated."""
     second = bend * (step / last) ** 2
     _move(reals, ints, state, Way(before, tangent, step + second * last, second), out)
 
@@ -226,7 +226,7 @@ def work(reals, ints, load, a, b):
 
 @kernel
 def carry(reals, ints, a, b, v):
-    """See `coilspring.newton`: forces and moments, or motions and spins, turned with their nodes."""
+    """See `coilspring.kernelset`: forces and moments, or motions and spins, turned with their nodes."""
     turn_along(a, b, v)
     held = view_held(ints).freedom
     for m in range(held.size):
@@ -269,8 +269,14 @@ def _vector(contact, state, m, c, w):
 
 
 @kernel
+def distance(reals, ints, a, b):
+    """See `coilspring.kernelset`."""
+    return _bound(view_contact(reals, ints).reach, a, b)
+
+
+@kernel
 def motion(reals, ints, a, b):
-    """See `coilspring.newton`: way of any point, largest pair motion, share of the way to the first touch.
+    """See `coilspring.kernelset`: largest pair motion, share of the way to the first touch.
 
     A pair counts if it comes near anywhere between the states: spheres must not pass through each other.
     """
@@ -298,7 +304,7 @@ def motion(reals, ints, a, b):
             near += (v[i] + x * (w[i] - v[i])) ** 2
         if near < (NEAR * contact.d) ** 2:
             most = math.sqrt(square)
-    return _bound(contact.reach, a, b), most / contact.d, free
+    return most / contact.d, free
 
 
 @kernel
@@ -357,7 +363,7 @@ def commit(reals, ints, state, memory):
 
 @kernel
 def renew(reals, ints, state, memory):
-    """Renew the bounds of the tangential forces; see `coilspring.newton`."""
+    """Renew the bounds of the tangential forces; see `coilspring.kernelset`."""
     contact = view_contact(reals, ints)
     change, most = 0.0, 0.0
     if contact.mu == 0.0:

@@ -185,6 +185,7 @@ def _close(held, arm, state, way, begin, end, out):
             missing = (target[i] - out[ROW * end + i]) / count
             for n in range(begin + 1, end + 1):
                 out[ROW * n + i] += (n - begin) * missing
+            out[ROW * end + i] = target[i]  # to the last bit
 
 
 @arithmetic

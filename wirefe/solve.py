@@ -34,6 +34,7 @@ KERNELS = Kernels(
     predict=kernels.predict,
     work=kernels.work,
     carry=kernels.carry,
+    distance=kernels.distance,
     motion=kernels.motion,
     commit=kernels.commit,
     renew=kernels.renew,
@@ -173,4 +174,5 @@ def _problem(data: model.WireModel, rod: Rod, arm: np.ndarray) -> Problem:
         start=model.rest_state(rod, arm),
         memory=np.zeros((len(data.contact.pairs), MEMORY)),
         matrix_size=model.matrix_size(data),
+        lean=True,
     )

@@ -107,7 +107,7 @@ def _run(problem: Problem, points: int) -> tuple[Trace, float]:
         follow, *pack(problem.data), problem.load, points, problem.start, problem.memory, problem.matrix_size,
         *KERNELS,
     )  # fmt: skip
-    return found, time.process_time() - began
+    return Trace(*found), time.process_time() - began
 
 
 def _verdict(found: Trace) -> tuple[str, str]:
