@@ -10,9 +10,10 @@ from typing import Any
 
 import numpy as np
 
-from coilspring import CATALOGUE, EquilibriumNotFound, EquilibriumPath, InputError, Scene
+from coilspring import CATALOGUE, EquilibriumPath, InputError, Scene
 from validation.cases import solve_beam, solve_wire
 from validation.output import versions, write_text
+from validation.reached import as_far
 from validation.timing import machine
 
 MODELS = ("equivbeam", "wirefe")
@@ -42,11 +43,7 @@ class Run:
 
     def solve(self) -> EquilibriumPath:
         """The path, complete or as far as it was reached."""
-        run = solve_beam if self.model == "equivbeam" else solve_wire
-        try:
-            return run(self.scene, **self.options)
-        except EquilibriumNotFound as error:
-            return error.path
+        return as_far(solve_beam if self.model == "equivbeam" else solve_wire, self.scene, **self.options)
 
 
 def runs() -> tuple[Run, ...]:

@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 import equivbeam
 import wirefe
 from coilspring import CATALOGUE, EquilibriumNotFound, EquilibriumPath, Scene
+from validation.reached import as_far
 
 # the paper's FE mesh (its Table 2)
 PAPER_MESH = {"element": "straight", "elements_per_turn": 40, "pairs_per_turn": 4}
@@ -95,10 +96,7 @@ class PathStore:
         key = (solve.__name__, scene, tuple(sorted(options.items())))
         if key not in self._paths:
             self.announce(f"{solve.__name__.replace('_', ' ')}: {scene.name}")
-            try:
-                self._paths[key] = solve(scene, **options)
-            except EquilibriumNotFound as error:
-                self._paths[key] = error.path
+            self._paths[key] = as_far(solve, scene, **options)
         return self._paths[key]
 
 

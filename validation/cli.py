@@ -21,6 +21,7 @@ from validation.arguments import (
 )
 from validation.metrics import Comparison, compare_paths
 from validation.output import OutputError, prepare, write_json, write_path, write_vtu, writing
+from validation.reached import as_far
 
 COMPLETED, REGRESSED, BAD_INPUT, NOT_COMPLETED, NOT_WRITTEN, INTERRUPTED = 0, 1, 2, 3, 4, 130
 
@@ -188,10 +189,7 @@ def _run(
     progress(f"loading {model}")
     run = importlib.import_module(model).solve
     progress(f"solving with {model}")
-    try:
-        return run(scene, **_given(arguments, MODEL_OPTIONS[model]))
-    except EquilibriumNotFound as error:
-        return error.path
+    return as_far(run, scene, **_given(arguments, MODEL_OPTIONS[model]))
 
 
 def _verdict(*paths: EquilibriumPath) -> int:
