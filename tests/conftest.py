@@ -2,27 +2,12 @@
 
 from __future__ import annotations
 
-import importlib.util
-from pathlib import Path
-
 import numpy as np
 import pytest
 
+from validation.freshness import forget_stale_kernels
 
-def _forget_stale_kernels() -> None:
-    """Remove cached kernels that are older than any source: the cache knows nothing of callees."""
-    for package in ("coilspring", "equivbeam", "wirefe"):
-        spec = importlib.util.find_spec(package)
-        if spec is None or spec.origin is None:
-            continue
-        folder = Path(spec.origin).parent
-        newest = max(path.stat().st_mtime for path in folder.parent.glob("[cew]*/*.py"))
-        for cached in (folder / "__pycache__").glob("*.nb[ic]"):
-            if cached.stat().st_mtime < newest:
-                cached.unlink(missing_ok=True)
-
-
-_forget_stale_kernels()
+forget_stale_kernels()  # before anything is solved: a kernel that was loaded stays
 
 
 @pytest.fixture
