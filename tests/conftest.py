@@ -2,12 +2,28 @@
 
 from __future__ import annotations
 
+import os
+
 import numpy as np
 import pytest
 
 from validation.freshness import forget_stale_kernels
 
 forget_stale_kernels()  # before anything is solved: a kernel that was loaded stays
+
+
+@pytest.fixture(scope="session", autouse=True)
+def _store_of_the_session(tmp_path_factory):
+    """Nothing is read from or left in the user's store."""
+    os.environ["COILCHECK_STORE"] = str(tmp_path_factory.mktemp("store"))
+
+
+@pytest.fixture
+def own_store(tmp_path_factory, monkeypatch):
+    """A store of the test alone, empty."""
+    folder = tmp_path_factory.mktemp("own-store")
+    monkeypatch.setenv("COILCHECK_STORE", str(folder))
+    return folder
 
 
 @pytest.fixture

@@ -12,9 +12,9 @@ import numpy as np
 
 from coilspring import CATALOGUE, EquilibriumPath, InputError, Scene
 from validation.cases import solve_beam, solve_wire
-from validation.output import versions, write_text
+from validation.machine import machine, versions
+from validation.output import write_text
 from validation.reached import as_far
-from validation.timing import machine
 
 MODELS = ("equivbeam", "wirefe")
 SHARES = (0.2, 0.4, 0.6, 0.8, 1.0)  # of the steps reached, at which the tips are kept

@@ -49,13 +49,17 @@ def _fail(code: int, message: str) -> int:
 def reproduce(arguments: argparse.Namespace) -> int:
     """Make the paper's tables and figures."""
     folder = _folder(arguments)
-    prepare(folder)
     with _progress() as progress:
-        progress("loading both models")
         run = importlib.import_module("validation.reproduce").reproduce
         with writing(folder):
-            run(folder, getattr(arguments, "only", None), not hasattr(arguments, "no_render"), progress)
-    _say(f"written to {folder}")
+            remarks = run(
+                folder,
+                getattr(arguments, "only", None),
+                not hasattr(arguments, "no_render"),
+                progress,
+                hasattr(arguments, "time"),
+            )
+    _say(*remarks, f"written to {folder}")
     return COMPLETED
 
 

@@ -16,8 +16,9 @@ from validation.campaign.scenes import CORNERS, MODELS
 from validation.campaign.table import Row, version
 from validation.campaign.verdict import CLASSES, CONFIRMED, REFUSED, RIGHT, UNEXPLAINED
 from validation.document import Block, Bullets, Heading, Table, Text, to_markdown
-from validation.figures import save
-from validation.output import versions, write_text
+from validation.figures import png
+from validation.machine import versions
+from validation.output import write_bytes, write_text
 from validation.style import DOUBLE, RC
 
 TITLES = {"b": "equivalent beam", "w": "wire model"}
@@ -70,7 +71,7 @@ FEWEST = 3  # scenes of a cell that is coloured
 
 def write_page(rows: list[Row], out: Path, seed: int) -> None:
     """Write page and picture of the rows."""
-    save(outcome_figure(rows), out / "stability.png")
+    write_bytes(out / "stability.png", png(outcome_figure(rows)))
     write_text(out / "stability.md", page(rows, seed))
 
 
