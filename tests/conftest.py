@@ -2,27 +2,28 @@
 
 from __future__ import annotations
 
-import importlib.util
-from pathlib import Path
+import os
 
 import numpy as np
 import pytest
 
+from validation.freshness import forget_stale_kernels
 
-def _forget_stale_kernels() -> None:
-    """Remove cached kernels that are older than any source: the cache knows nothing of callees."""
-    for package in ("coilspring", "equivbeam", "wirefe"):
-        spec = importlib.util.find_spec(package)
-        if spec is None or spec.origin is None:
-            continue
-        folder = Path(spec.origin).parent
-        newest = max(path.stat().st_mtime for path in folder.parent.glob("[cew]*/*.py"))
-        for cached in (folder / "__pycache__").glob("*.nb[ic]"):
-            if cached.stat().st_mtime < newest:
-                cached.unlink(missing_ok=True)
+forget_stale_kernels()  # before anything is solved: a kernel that was loaded stays
 
 
-_forget_stale_kernels()
+@pytest.fixture(scope="session", autouse=True)
+def _store_of_the_session(tmp_path_factory):
+    """Nothing is read from or left in the user's store."""
+    os.environ["COILCHECK_STORE"] = str(tmp_path_factory.mktemp("store"))
+
+
+@pytest.fixture
+def own_store(tmp_path_factory, monkeypatch):
+    """A store of the test alone, empty."""
+    folder = tmp_path_factory.mktemp("own-store")
+    monkeypatch.setenv("COILCHECK_STORE", str(folder))
+    return folder
 
 
 @pytest.fixture

@@ -18,7 +18,8 @@ import wirefe
 from coilspring import EquilibriumNotFound
 from validation.arguments import MODEL_OPTIONS, command_line
 from validation.cli import main
-from validation.output import OutputError, versions, write_json, write_path, write_text
+from validation.machine import versions
+from validation.output import OutputError, write_json, write_path, write_text
 
 COLUMNS = "time,load_x,load_y,ux,uy,rotz,iterations,active_contacts,max_penetration"
 SUMMARY_KEYS = {
@@ -196,6 +197,7 @@ def test_compare_with_nothing_in_common_says_null(tmp_path, capsys):
         ("reproduce --only table9", ["--only", "table9", "fig8"]),
         ("reproduce --only table1,,fig4", ["--only", "''"]),
         ("reproduce --only", ["--only", "expected one argument"]),
+        ("reproduce --only fig5 --time", ["time", "table3", "fig5"]),
     ],
 )
 def test_bad_arguments_are_refused_in_one_sentence(arguments, parts, tmp_path, monkeypatch, capsys):
@@ -311,12 +313,21 @@ def fake_reproduce(monkeypatch, run):
     monkeypatch.setitem(sys.modules, "validation.reproduce", module)
 
 
-def test_reproduce_passes_its_arguments_on(tmp_path, monkeypatch):
+def test_reproduce_passes_its_arguments_on(tmp_path, monkeypatch, capsys):
     calls = []
-    fake_reproduce(monkeypatch, lambda *given: calls.append(given))
+
+    def run(*given):
+        calls.append(given)
+        return ("times are old",)
+
+    fake_reproduce(monkeypatch, run)
     out = str(tmp_path / "new" / "folder")
     assert main(["reproduce", "--out", out]) == 0
+    assert capsys.readouterr().out == f"times are old\nwritten to {out}\n"
     assert main(["reproduce", "--out", out, "--no-render", "--only", "fig4,table1"]) == 0
+    assert main(["reproduce", "--out", out, "--time"]) == 0
+    assert [given[4] for given in calls] == [False, False, True]
+    calls.pop()
     assert [given[:3] for given in calls] == [
         (tmp_path / "new" / "folder", None, True),
         (tmp_path / "new" / "folder", ("table1", "fig4"), False),
@@ -344,7 +355,7 @@ def test_what_ends_a_command_has_its_exit_code_and_one_line(error, code, said, t
 def test_the_real_reproduce_takes_what_the_command_passes():
     reproduce = importlib.import_module("validation.reproduce").reproduce
     names = reproduce.__code__.co_varnames[: reproduce.__code__.co_argcount]
-    assert names == ("out", "only", "render", "progress")
+    assert names == ("out", "only", "render", "progress", "time")
 
 
 def test_progress_is_shown_on_a_terminal_only(monkeypatch, capsys):

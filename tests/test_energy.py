@@ -7,9 +7,9 @@ import pytest
 
 import wirefe
 from coilspring import Contact, Load, load_scene, spring_a, spring_b
-from wirefe.beam import beams
 from wirefe.model import ROW
 from wirefe.shape import turned
+from wirestates import add, elements
 
 # Spring B slides off its coils at 130 N: what is balanced stays below.
 SCENES = {
@@ -17,17 +17,6 @@ SCENES = {
     "A without contact": load_scene("spring-a-no-contact"),
     "B frictionless": replace(spring_b(), contact=Contact(), load=Load((0.0, -120.0))),
 }
-
-
-def elements(path, step):
-    """Points, strain energy and gradients (elements, 12) of the wire at a stored step."""
-    data, rows = path.shape.data.elements, path.states[step].reshape(-1, ROW)
-    points, turns = rows[:, :3].copy(), rows[:, 3:]
-    points[-1] += turned(turns[-1], data.arm)
-    count = len(rows) - 1
-    g, H = np.empty((count, 12)), np.empty((count, 12, 12))
-    ends, rotations = (np.stack((a[:-1], a[1:]), axis=1) for a in (points, turns))
-    return points, beams(ends, rotations, data.triads, data.strain0, data.stiffness, g, H), g
 
 
 def stored_energy(path):
@@ -90,8 +79,3 @@ def test_whole_body_is_in_equilibrium(name):
     carried = np.abs(reactions[1] - top) <= 1e-8 * scale
     assert carried[1]
     assert carried[[0, 5]].all() or "ux" in path.scene.supports.top_held
-
-
-def add(total, force, point, moment=0.0):
-    total[:3] += force
-    total[3:] += moment + np.cross(point, force)

@@ -13,9 +13,9 @@ from coilspring.packing import pack
 from coilspring.scenefile import scene_from_text
 from equivbeam.contact import SLID as BEAM_SLID
 from wirefe import kernels, model
-from wirefe.beam import beams
 from wirefe.contact import SLID
 from wirefe.shape import turned
+from wirestates import add, elements
 
 NONE = np.inf  # no sliding
 SLIPPING = [("spring-a", 0.1), ("spring-a", 0.3), ("spring-b", 0.1)]
@@ -103,17 +103,6 @@ def test_dissipation_is_never_negative(name, mu):
     assert (work.max() > 1e-3) == (mu < NONE)
 
 
-def elements(path, step):
-    """Points, strain energy and gradients (elements, 12) of the wire at a stored step."""
-    data, rows = path.shape.data.elements, path.states[step].reshape(-1, model.ROW)
-    points, turns = rows[:, :3].copy(), rows[:, 3:]
-    points[-1] += turned(turns[-1], data.arm)
-    count = len(rows) - 1
-    g, H = np.empty((count, 12)), np.empty((count, 12, 12))
-    ends, rotations = (np.stack((a[:-1], a[1:]), axis=1) for a in (points, turns))
-    return points, beams(ends, rotations, data.triads, data.strain0, data.stiffness, g, H), g
-
-
 def defect(name, mu, steps):
     """Work of the load, by the trapezoid, over what is stored and what friction took; less 1."""
     path = solved(name, mu, steps)
@@ -197,11 +186,6 @@ def reactions(path, step):
             add(total, -push * (data.carrier[B] == node), centres[B])
     way = centres[data.pairs[:, 1]] - centres[data.pairs[:, 0]]
     return total, np.cross(way, path.friction.force[step]).sum(axis=0)
-
-
-def add(total, force, point, moment=0.0):
-    total[:3] += force
-    total[3:] += moment + np.cross(point, force)
 
 
 @pytest.mark.parametrize(("mu", "bound"), [(0.1, 2e-5), (0.3, 1e-4)])

@@ -10,10 +10,12 @@ import numpy as np
 import pytest
 
 from coilspring import CATALOGUE, InputError
-from validation import cases, render3d, reproduce, shapes, timing
+from validation import cases, pieces, render3d, reproduce, shapes, timing
+from validation.arguments import ARTEFACTS
 from validation.claims import AGREES, DIFFERS, UNDECIDED, VERDICTS, Claim
 from validation.document import Picture, Table, Text, to_html, to_markdown
 from validation.evidence import EXACT_ROD, Evidence, gather
+from validation.machine import machine
 
 NAMES = ("table1", "table2", "table3", "fig4", "fig5", "fig6", "fig7", "fig8")
 PNG = b"\x89PNG\r\n\x1a\n"
@@ -25,8 +27,8 @@ def read(path):
 
 
 @pytest.fixture
-def solved(monkeypatch):
-    """Names of the solves that were made."""
+def solved(monkeypatch, own_store):
+    """Names of the solves that were made; nothing was solved before."""
     made = []
 
     def recorded(original):
@@ -40,6 +42,10 @@ def solved(monkeypatch):
     for original in (cases.solve_beam, cases.solve_wire):
         monkeypatch.setattr(cases, original.__name__, recorded(original))
     return made
+
+
+def solves(lines):
+    return [line for line in lines if line.startswith("solve ")]
 
 
 @pytest.fixture(scope="module")
@@ -56,11 +62,12 @@ def everything(tmp_path_factory):
 
 @pytest.fixture(scope="module")
 def evidence() -> Evidence:
-    return gather(cases.PathStore(lambda line: None), ())
+    return gather(cases.PathStore(lambda line: None), timing.Measurement((), {}))
 
 
 def test_items_are_those_of_the_contract():
-    assert tuple(reproduce.ITEMS) == NAMES
+    assert ARTEFACTS == NAMES
+    assert {*pieces.PIECES, *pieces.SPRINGS} == {*NAMES, "report"}
 
 
 def test_tables_1_and_2_solve_nothing_and_equal_the_paper(tmp_path, solved):
@@ -77,17 +84,17 @@ def test_tables_1_and_2_solve_nothing_and_equal_the_paper(tmp_path, solved):
 
 
 def test_each_item_solves_what_it_needs_once(tmp_path, solved):
-    reproduce.reproduce(tmp_path, only=("fig8",), render=False)
-    assert {call[0] for call in solved} == {"solve_beam"}
-    assert len(solved) == len(set(solved)) == 8
-    solved.clear()
     reproduce.reproduce(tmp_path, only=("fig4", "fig5"), render=False)
-    both = {
-        (model, name)
-        for model in ("solve_beam", "solve_wire")
-        for name in ("spring-a", "spring-a-no-contact")
-    }
-    assert sorted(solved) == sorted(both)
+    scenes = ("spring-a", "spring-a-no-contact")
+    both = [(model, name) for model in ("solve_beam", "solve_wire") for name in scenes]
+    assert sorted(call[:2] for call in solved) == both
+    solved.clear()
+    lines = []
+    reproduce.reproduce(tmp_path, only=("fig8",), render=False, progress=lines.append)
+    assert {call[0] for call in solved} == {"solve_beam"}
+    assert len(solved) == len(set(solved)) == len(solves(lines))
+    # four scenes by two tangents, of which Spring A with the exact one is there
+    assert len(solved) == 8 - len(scenes)
 
 
 def test_figure_data(tmp_path):
@@ -104,7 +111,7 @@ def test_figure_data(tmp_path):
     assert not list(tmp_path.glob("*.png"))
 
 
-def test_table_3_without_rendering_imports_no_drawing(tmp_path):
+def test_table_3_without_rendering_imports_no_drawing(tmp_path, own_store):
     code = (
         "import sys, pathlib\n"
         "from validation import timing\n"
@@ -120,6 +127,7 @@ def test_table_3_without_rendering_imports_no_drawing(tmp_path):
     assert child.returncode == 0, child.stderr
     rows = read(tmp_path / "table3.csv")
     assert [row[0] for row in rows[1:]] == list(CATALOGUE)
+    assert {row[rows[0].index("processor")] for row in rows[1:]} == {machine()["processor"]}
     for row in rows[1:]:
         values = dict(zip(rows[0], row, strict=True))
         assert float(values["reduction_percent"]) == pytest.approx(
@@ -156,9 +164,21 @@ def test_an_interpreter_that_cannot_be_started_is_no_obstacle(tmp_path, monkeypa
 
 
 def test_curves_are_drawn(tmp_path):
+    """Even where they were made without pictures before."""
+    reproduce.reproduce(tmp_path, only=("fig5", "fig7", "fig8"), render=False)
+    assert not list(tmp_path.glob("*.png"))
     reproduce.reproduce(tmp_path, only=("fig5", "fig7", "fig8"))
     for name in ("fig5", "fig7", "fig8"):
         assert 10_000 < (tmp_path / f"{name}.png").stat().st_size < 300_000
+
+
+def test_pictures_that_pyvista_did_not_render_are_not_kept(tmp_path, monkeypatch, own_store):
+    monkeypatch.setattr(render3d, "COMMAND", (str(tmp_path / "missing"),))
+    for folder in ("one", "two"):
+        lines = []
+        reproduce.reproduce(tmp_path / folder, only=("fig4",), progress=lines.append)
+        assert any("pyvista could not render" in line for line in lines)
+    assert solves(lines) == []
 
 
 def test_interrupt_leaves_finished_pieces(tmp_path):
@@ -169,6 +189,17 @@ def test_interrupt_leaves_finished_pieces(tmp_path):
     with pytest.raises(KeyboardInterrupt):
         reproduce.reproduce(tmp_path, only=("table1", "fig8"), render=False, progress=progress)
     assert [path.name for path in tmp_path.iterdir()] == ["table1.csv"]
+
+
+def test_what_was_solved_before_an_interrupt_is_not_solved_again(tmp_path, solved):
+    def progress(line):
+        if line.startswith("solve ") and len(solved) == 3:
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        reproduce.reproduce(tmp_path, only=("fig8",), render=False, progress=progress)
+    reproduce.reproduce(tmp_path, only=("fig8",), render=False)
+    assert len(solved) == len(set(solved)) == 8
 
 
 def test_unknown_item_is_refused_before_anything_is_written(tmp_path):
@@ -185,6 +216,108 @@ def test_whole_run_without_pictures(everything):
     assert "<img" not in page
     assert page.index("Verdict") < page.index("sentence by sentence") < page.index("What was assumed")
     assert "nan" not in page.lower()
+
+
+def contents(folder):
+    return {file.name: file.read_bytes() for file in folder.iterdir()}
+
+
+def test_second_run_makes_nothing_and_writes_the_same(everything, tmp_path):
+    """In a process of its own, to another folder: without the compiler, the models and all drawing."""
+    code = (
+        "import sys, pathlib\n"
+        "from validation.reproduce import reproduce\n"
+        "lines = []\n"
+        f"said = reproduce(pathlib.Path({str(tmp_path)!r}), None, False, lines.append)\n"
+        "heavy = {'numba', 'scipy', 'pandas', 'matplotlib', 'pyvista', 'equivbeam', 'wirefe'}\n"
+        "assert not heavy & set(sys.modules), heavy & set(sys.modules)\n"
+        f"assert lines == [*{NAMES!r}, 'report'], lines\n"
+        "print(*said)\n"
+    )
+    child = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
+    assert child.returncode == 0, child.stderr
+    assert f"measured on {machine()['date']} on {machine()['processor']}; --time" in child.stdout
+    assert contents(tmp_path) == contents(everything)
+
+
+def test_second_run_touches_only_what_was_changed(everything, tmp_path):
+    reproduce.reproduce(tmp_path, render=False)
+    before = {file: file.stat().st_mtime_ns for file in tmp_path.iterdir()}
+    changed = tmp_path / "fig5.csv"
+    changed.write_text("by somebody")
+    reproduce.reproduce(tmp_path, render=False)
+    assert contents(tmp_path) == contents(everything)
+    after = {file: file.stat().st_mtime_ns for file in tmp_path.iterdir()}
+    assert {file for file in before if before[file] != after[file]} == {changed}
+
+
+def test_pieces_made_anew_from_stored_runs_are_the_same(everything, tmp_path, monkeypatch):
+    monkeypatch.setattr(reproduce, "DRAWING", ("numpy",))  # another key for every piece
+    lines = []
+    reproduce.reproduce(tmp_path, render=False, progress=lines.append)
+    assert "loading both models" in lines
+    assert solves(lines) == []
+    assert contents(tmp_path) == contents(everything)
+
+
+def test_times_are_measured_again_on_request_and_on_another_machine(everything, tmp_path, monkeypatch):
+    def rounds(**options):
+        lines = []
+        said = reproduce.reproduce(tmp_path, ("table3",), False, lines.append, **options)
+        return sum(line.startswith("timing") for line in lines), len(said)
+
+    monkeypatch.setattr(timing, "BUDGET", 0.0)
+    monkeypatch.setattr(timing, "LEAST_ROUNDS", 1)
+    whole = read(everything / "table3.csv")
+    assert rounds() == (0, 1)
+    assert read(tmp_path / "table3.csv") == whole
+    here = machine()
+    monkeypatch.setattr(reproduce, "machine", lambda: here | {"processor": "another"})
+    assert rounds() == (1, 0)
+    assert rounds() == (0, 1)
+    assert rounds(time=True) == (1, 0)
+    again = read(tmp_path / "table3.csv")
+    ratio, iterations = (whole[0].index(name) for name in ("ratio", "wire_iterations"))
+    assert [row[iterations] for row in again] == [row[iterations] for row in whole]
+    assert [row[ratio] for row in again[1:]] != [row[ratio] for row in whole[1:]]
+
+
+def test_a_measurement_comes_back_from_json_as_it_was():
+    spread = timing.Spread(0.1 + 0.2, 1.0 / 3.0, 1e-300)
+    row = timing.Timing(cases.CASES[0], spread, spread, spread, spread, (171, 102, 539), 8)
+    measured = timing.Measurement((row,), {"date": "2020-02-02", "processor": "µ"})
+    assert timing.Measurement.from_json(measured.to_json()) == measured
+
+
+def test_two_runs_at_once_into_one_folder(tmp_path, own_store):
+    """Both end well, with the files of one; nothing half written is left."""
+    code = (
+        "import pathlib\n"
+        "from validation.reproduce import reproduce\n"
+        f"reproduce(pathlib.Path({str(tmp_path)!r}), ('table1', 'fig7', 'fig8'), False)\n"
+    )
+    children = [subprocess.Popen([sys.executable, "-c", code], stderr=subprocess.PIPE) for _ in range(2)]
+    for child in children:
+        assert (child.communicate()[1], child.returncode) == (b"", 0)
+    assert sorted(contents(tmp_path)) == ["fig7.csv", "fig8.csv", "table1.csv"]
+    written = contents(tmp_path)
+    assert not [file for file in own_store.iterdir() if file.suffix != ".coilcheck"]
+    lines = []
+    reproduce.reproduce(tmp_path, ("table1", "fig7", "fig8"), False, lines.append)
+    assert "loading both models" not in lines
+    assert contents(tmp_path) == written
+
+
+def test_where_nothing_can_be_kept_the_run_goes_on(tmp_path, monkeypatch):
+    (tmp_path / "file").write_text("")
+    monkeypatch.setenv("COILCHECK_STORE", str(tmp_path / "file" / "store"))
+    for _ in range(2):
+        lines = []
+        said = reproduce.reproduce(tmp_path / "out", ("fig7",), False, lines.append)
+        assert len(said) == 1
+        assert str(tmp_path / "file" / "store") in said[0]
+        assert len(solves(lines)) == 4
+    assert (tmp_path / "out" / "fig7.csv").is_file()
 
 
 # what the paper claims -> our verdict, where the seconds of one machine play no part

@@ -10,10 +10,11 @@ from typing import Any
 
 import numpy as np
 
-from coilspring import CATALOGUE, EquilibriumNotFound, EquilibriumPath, InputError, Scene
+from coilspring import CATALOGUE, EquilibriumPath, InputError, Scene
 from validation.cases import solve_beam, solve_wire
-from validation.output import versions, write_text
-from validation.timing import machine
+from validation.machine import machine, versions
+from validation.output import write_text
+from validation.reached import as_far
 
 MODELS = ("equivbeam", "wirefe")
 SHARES = (0.2, 0.4, 0.6, 0.8, 1.0)  # of the steps reached, at which the tips are kept
@@ -42,11 +43,7 @@ class Run:
 
     def solve(self) -> EquilibriumPath:
         """The path, complete or as far as it was reached."""
-        run = solve_beam if self.model == "equivbeam" else solve_wire
-        try:
-            return run(self.scene, **self.options)
-        except EquilibriumNotFound as error:
-            return error.path
+        return as_far(solve_beam if self.model == "equivbeam" else solve_wire, self.scene, **self.options)
 
 
 def runs() -> tuple[Run, ...]:

@@ -11,13 +11,14 @@ import numpy as np
 
 import equivbeam
 import wirefe
-from coilspring import EquilibriumNotFound, EquilibriumPath, Scene
+from coilspring import EquilibriumPath
 from equivbeam import Refinements
 from validation.cases import CASES
 from validation.document import Block, Bullets, Heading, Table, Text, to_markdown
 from validation.metrics import compare_paths
 from validation.output import write_text
 from validation.randomsprings import PHASES, curve_error, random_part, turned
+from validation.reached import as_far
 
 PAGE = Path("docs/error-budget.md")
 CONVERGED = {"element": "curved", "elements_per_turn": 16}
@@ -98,14 +99,6 @@ class Reference:
     title: str
     path: EquilibriumPath
     sliding: str = "ignore"
-
-
-def as_far(solve, scene: Scene, **options: object) -> EquilibriumPath:
-    """Path of a scene as far as it is reached."""
-    try:
-        return solve(scene, **options)
-    except EquilibriumNotFound as error:
-        return error.path
 
 
 def references() -> list[Reference]:

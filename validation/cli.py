@@ -21,6 +21,7 @@ from validation.arguments import (
 )
 from validation.metrics import Comparison, compare_paths
 from validation.output import OutputError, prepare, write_json, write_path, write_vtu, writing
+from validation.reached import as_far
 
 COMPLETED, REGRESSED, BAD_INPUT, NOT_COMPLETED, NOT_WRITTEN, INTERRUPTED = 0, 1, 2, 3, 4, 130
 
@@ -48,13 +49,17 @@ def _fail(code: int, message: str) -> int:
 def reproduce(arguments: argparse.Namespace) -> int:
     """Make the paper's tables and figures."""
     folder = _folder(arguments)
-    prepare(folder)
     with _progress() as progress:
-        progress("loading both models")
         run = importlib.import_module("validation.reproduce").reproduce
         with writing(folder):
-            run(folder, getattr(arguments, "only", None), not hasattr(arguments, "no_render"), progress)
-    _say(f"written to {folder}")
+            remarks = run(
+                folder,
+                getattr(arguments, "only", None),
+                not hasattr(arguments, "no_render"),
+                progress,
+                hasattr(arguments, "time"),
+            )
+    _say(*remarks, f"written to {folder}")
     return COMPLETED
 
 
@@ -188,10 +193,7 @@ def _run(
     progress(f"loading {model}")
     run = importlib.import_module(model).solve
     progress(f"solving with {model}")
-    try:
-        return run(scene, **_given(arguments, MODEL_OPTIONS[model]))
-    except EquilibriumNotFound as error:
-        return error.path
+    return as_far(run, scene, **_given(arguments, MODEL_OPTIONS[model]))
 
 
 def _verdict(*paths: EquilibriumPath) -> int:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -10,7 +10,7 @@ import numpy as np
 from coilspring import EquilibriumPath, Scene
 from validation.cases import CASES, FINE_MESH, PAPER_MESH, Case, PathStore, case
 from validation.metrics import Comparison, compare_paths
-from validation.timing import Timing
+from validation.timing import Measurement, Timing
 
 # Richardson: an error that falls with the square of the element length is this multiple of the
 # difference to the finer mesh
@@ -70,6 +70,7 @@ class Evidence:
     Attributes
     ----------
     cases, timings : by name of the scene.
+    machine : where and when the times were measured.
     frictionless : wire model of Spring B with sliding contact, as far as it goes.
     sticking : equivalent beam of Spring B without sliding, against the wire model.
     stepped : wire model of Spring B without sliding, UY at full load by number of substeps.
@@ -78,6 +79,7 @@ class Evidence:
 
     cases: Mapping[str, CaseEvidence]
     timings: Mapping[str, Timing]
+    machine: Mapping[str, str]
     frictionless: EquilibriumPath
     sticking: Comparison
     stepped: Mapping[int, float]
@@ -90,12 +92,13 @@ class Evidence:
         return share * (self.overloaded.critical_time or 1.0)
 
 
-def gather(store: PathStore, timings: Sequence[Timing]) -> Evidence:
+def gather(store: PathStore, measured: Measurement) -> Evidence:
     """Collect the evidence; solves what `store` does not hold yet."""
     scene = case("spring-b").scene
     return Evidence(
         cases={item.name: _case(store, item) for item in CASES},
-        timings={item.case.name: item for item in timings},
+        timings={item.case.name: item for item in measured.timings},
+        machine=measured.machine,
         frictionless=store.wire_as_far(frictionless(scene)),
         sticking=compare_paths(store.beam(scene, sliding="scene"), store.wire(scene)),
         stepped={n: float(store.wire(scene, steps=n).tips[-1, 1]) for n in STEPS},

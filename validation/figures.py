@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-import os
-from pathlib import Path
+import io
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -14,7 +13,6 @@ from PIL import Image
 
 from coilspring import EquilibriumPath
 from validation.cases import PathStore, case
-from validation.output import writing
 from validation.style import BEAM_LABEL, BEAM_LINE, BLUE, DOUBLE, RED, SINGLE, WIRE_LABEL, WIRE_LINE
 
 COLOURS = 256  # of a stored picture; keeps the files small
@@ -23,20 +21,15 @@ NO_CONTACT_LINE = {"color": "black", "linewidth": 1.1, "linestyle": (0, (1, 1.3)
 TIPS = ("UX (mm)", "UY (mm)", "ROTZ (rad)")
 
 
-def save(figure: Figure, target: Path) -> None:
-    """Write a figure as PNG: whole or not at all."""
+def png(figure: Figure) -> bytes:
+    """A figure as PNG."""
     canvas = FigureCanvasAgg(figure)
     canvas.draw()
     drawn = Image.fromarray(np.asarray(canvas.buffer_rgba())).convert("RGB")
     picture = drawn.quantize(COLOURS, Image.Quantize.MAXCOVERAGE, dither=Image.Dither.NONE)
-    temporary = target.with_name(f".{target.name}.{os.getpid()}.part")
-    with writing(target):
-        try:
-            picture.save(temporary, format="png", dpi=(figure.dpi, figure.dpi))
-            os.replace(temporary, target)
-        except BaseException:
-            temporary.unlink(missing_ok=True)
-            raise
+    stream = io.BytesIO()
+    picture.save(stream, format="png", dpi=(figure.dpi, figure.dpi))
+    return stream.getvalue()
 
 
 def tip_figure(store: PathStore) -> Figure:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 from coilspring import Material
 from coilspring.newton import DECREMENT
@@ -10,7 +10,7 @@ from validation import assumptions
 from validation.cases import PathStore
 from validation.document import Block, Heading, Picture, Text
 from validation.evidence import Evidence
-from validation.timing import Timing, machine
+from validation.timing import Timing
 
 ELEMENT_NOTE = (
     "The paper calls its elements 2D beams, but it constrains UZ, ROTX and ROTY of the top node, which "
@@ -19,20 +19,19 @@ ELEMENT_NOTE = (
 )
 
 
-def timing_notes(timings: Sequence[Timing]) -> list[Block]:
-    """How Table 3 was measured, and where."""
-    where = machine()
+def timing_notes(timings: Sequence[Timing], where: Mapping[str, str]) -> list[Block]:
+    """How Table 3 was measured, where and when."""
     return [
         Text(
             "Median [quartiles]. CPU time of the solve alone, kernels compiled, without building the model "
-            f"or writing files; both models in one process, alternately, {timings[0].rounds} rounds, first "
-            "runs discarded; one thread. The ratio is formed within each round. Both solve the same scene "
+            f"or writing files; both models in one process, alternately, {timings[0].rounds} rounds, the "
+            "first discarded; one thread. The ratio is formed within each round. Both solve the same scene "
             "in the same 50 substeps, the equivalent beam with its exact tangent unless the column says "
             "otherwise; ratio and reduction are those of the exact tangent."
         ),
         Text(
-            f"Machine: {where['processor']}, {where['cores']} cores available, {where['system']}; "
-            f"{where['versions']}; {where['date']}. The paper's seconds come from its own codes and "
+            f"Measured on {where['date']} on {where['processor']}, {where['cores']} cores available, "
+            f"{where['system']}; {where['versions']}. The paper's seconds come from its own codes and "
             "machine; only the ratios can be compared."
         ),
     ]

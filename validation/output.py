@@ -5,18 +5,15 @@ from __future__ import annotations
 import json
 import math
 import os
-import platform
 import tempfile
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
-from importlib import metadata
 from pathlib import Path
 
 import numpy as np
 
 from coilspring.path import EquilibriumPath
-
-PACKAGES = ("numpy", "numba", "scipy", "coilcheck")
+from validation.machine import versions
 
 
 class OutputError(RuntimeError):
@@ -42,8 +39,21 @@ def prepare(folder: Path) -> None:
 
 def write_text(target: Path, text: str) -> None:
     """Write a whole file or none."""
+    write_bytes(target, text.encode("utf-8"))
+
+
+def write_bytes(target: Path, data: bytes) -> None:
+    """Write a whole file or none."""
     with _whole(target) as temporary:
-        temporary.write_text(text, encoding="utf-8", newline="")
+        temporary.write_bytes(data)
+
+
+def write_files(files: Mapping[str, bytes], folder: Path) -> None:
+    """Write files by name; one that stands there with the same content is left as it is."""
+    for name, data in files.items():
+        target = folder / name
+        if not (target.is_file() and target.read_bytes() == data):
+            write_bytes(target, data)
 
 
 @contextmanager
@@ -98,18 +108,6 @@ def summary(path: EquilibriumPath) -> dict[str, object]:
         "options": {"steps": load.steps, "penalty": contact.stiffness, **path.options},
         "versions": versions(),
     }
-
-
-def versions() -> dict[str, str | None]:
-    """Versions of Python and of the packages behind the numbers; None where not installed."""
-    return {"python": platform.python_version(), **{name: _version(name) for name in PACKAGES}}
-
-
-def _version(package: str) -> str | None:
-    try:
-        return metadata.version(package)
-    except metadata.PackageNotFoundError:  # run from a checkout
-        return None
 
 
 def _plain(value: object) -> object:

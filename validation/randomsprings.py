@@ -10,11 +10,12 @@ import numpy as np
 
 import equivbeam
 import wirefe
-from coilspring import Contact, EquilibriumNotFound, Load, Material, Scene, Spring
+from coilspring import Contact, Load, Material, Scene, Spring
 from coilspring.scene import Supports
 from coilspring.wire import Section, round_section
 from validation.document import Block, Heading, Table, Text
 from validation.metrics import NEGLIGIBLE
+from validation.reached import as_far
 
 COUNT, FIRST_SEED, STEPS = 40, 0, 10
 WIRE = {"element": "curved", "elements_per_turn": 8}
@@ -129,10 +130,7 @@ def turned(scene: Scene, phase: float) -> Scene:
 
 def _tips(solve: Callable, scene: Scene, **options: object) -> tuple[np.ndarray, str]:
     """Tips of a path as far as it is reached, and its outcome."""
-    try:
-        path = solve(scene, **options)
-    except EquilibriumNotFound as error:
-        path = error.path
+    path = as_far(solve, scene, **options)
     return path.tips, path.outcome
 
 

@@ -42,7 +42,7 @@ def compose(
     evidence: Evidence,
     claims: Sequence[Claim],
     assumed: Sequence[Block],
-    pictures: Sequence[str],
+    pictured: bool,
     notes: Sequence[str],
 ) -> tuple[Block, ...]:
     """The report's blocks.
@@ -52,11 +52,11 @@ def compose(
     evidence : what the report rests on.
     claims : from `judge`.
     assumed : closing section on the assumptions.
-    pictures : names of the PNG files that exist beside the report, without ending.
+    pictured : whether the PNG files of all figures stand beside the report.
     notes : what did not go as planned, one sentence each.
     """
     timings = tuple(evidence.timings.values())
-    shown = [Picture(f"{name}.png", caption) for name, caption in CAPTIONS.items() if name in pictures]
+    shown = [Picture(f"{name}.png", caption) for name, caption in CAPTIONS.items()]
     return (
         Heading(1, TITLE),
         *_verdict(evidence, claims),
@@ -73,10 +73,10 @@ def compose(
         Text(ELEMENT_NOTE),
         Heading(3, "Table 3. Solution time"),
         table3(timings),
-        *timing_notes(timings),
-        *([Heading(2, "Figures"), *shown] if shown else []),
+        *timing_notes(timings, evidence.machine),
+        *([Heading(2, "Figures"), *shown] if pictured else []),
         *iteration_notes(),
-        *sliding_notes(evidence, "sliding" in pictures),
+        *sliding_notes(evidence, pictured),
         *assumed,
     )
 

@@ -10,7 +10,7 @@ from coilspring import Scene, spring_a, spring_b
 from coilspring.wire import SHEAR_FACTOR
 from validation.cases import PAPER_MESH
 from validation.document import Table
-from validation.timing import Spread, Timing
+from validation.timing import Measurement, Spread, Timing
 
 BESIDE = ("feature", "spring A", "spring B", "paper A", "paper B")
 NOT_GIVEN = ("not given", "not given")
@@ -120,21 +120,22 @@ def _times(timing: Timing) -> tuple[str, ...]:
     )
 
 
-def table3_data(timings: Sequence[Timing]) -> Table:
+def table3_data(measured: Measurement) -> Table:
     """The same for machines: one number a cell, seconds; q1 and q3 are the quartiles."""
     spreads = ("ratio", "wire_seconds", "beam_seconds", "beam_paper_tangent_seconds")
     header = ["case", "reduction_percent", "paper_reduction_percent"]
     header += [f"{name}{part}" for name in spreads for part in ("", "_q1", "_q3")]
     header += ["wire_iterations", "beam_iterations", "beam_paper_tangent_iterations", "rounds"]
-    header += ["paper_wire_seconds", "paper_beam_seconds"]
+    header += ["paper_wire_seconds", "paper_beam_seconds", "measured", "processor"]
+    origin = (measured.machine["date"], measured.machine["processor"])
     rows = []
-    for item in timings:
+    for item in measured.timings:
         case = item.case
         numbers: list[float] = [item.reduction, case.paper_reduction]
         for value in (item.ratio, item.wire, item.beam, item.beam_paper):
             numbers += [value.median, value.low, value.high]
         numbers += [*item.iterations, item.rounds, case.paper_wire, case.paper_beam]
-        rows.append((case.name, *(f"{number:.6g}" for number in numbers)))
+        rows.append((case.name, *(f"{number:.6g}" for number in numbers), *origin))
     return Table(tuple(header), tuple(rows))
 
 

@@ -7,8 +7,10 @@ from pathlib import Path
 from statistics import median
 
 import equivbeam
-from coilspring import EquilibriumNotFound, EquilibriumPath, Scene, load_scene
+from coilspring import EquilibriumPath, Scene, load_scene
+from validation.document import Block, Heading, Table, Text, to_markdown
 from validation.output import write_text
+from validation.reached import as_far
 
 PAGE = Path("docs/tangents.md")
 CASES = ("spring-a", "spring-a-no-contact", "spring-b", "spring-b-no-contact")
@@ -27,25 +29,12 @@ Written by `python -m validation.tangents`; every number is measured there.
 All three have the exact contact matrix, the same energy line search, substeps and stop test; they find the
 same equilibria. The paper's matrix converges linearly, and its pivots say nothing of stability. Iterations
 are factorisations, rejected attempts included; times are medians of rounds in which the tangents take turns,
-the ratio is formed within each round.
-"""
+the ratio is formed within each round."""
 
 
-def follow(scene: Scene, tangent: str, steps: int) -> EquilibriumPath:
-    """The path as far as it goes."""
-    try:
-        return equivbeam.solve(scene, tangent=tangent, steps=steps)
-    except EquilibriumNotFound as found:
-        return found.path
-
-
-def by_case() -> str:
+def by_case() -> list[Block]:
     """Iterations and time of 50 steps; times are medians of rounds in which the tangents take turns."""
-    lines = [
-        "\n## Fifty steps\n",
-        "| case | tangent | iterations | a step, most | CPU, ms | over exact |",
-        "|---|---|---|---|---|---|",
-    ]
+    rows = []
     for case in CASES:
         scene = load_scene(case)
         paths = [[follow(scene, tangent, 50) for tangent in TANGENTS] for _ in range(ROUNDS + 1)][1:]
@@ -53,34 +42,32 @@ def by_case() -> str:
             path = paths[0][i]
             ratio = median(row[i].solve_seconds / row[0].solve_seconds for row in paths)
             time = 1e3 * median(row[i].solve_seconds for row in paths)
-            cells = (
-                case,
-                tangent,
-                path.total_iterations,
-                path.iterations.max(),
-                f"{time:.2f}",
-                f"{ratio:.1f}",
-            )
-            lines.append(f"| {' | '.join(map(str, cells))} |")
-    return "\n".join(lines) + "\n"
+            counts = str(path.total_iterations), str(path.iterations.max())
+            rows.append((case, tangent, *counts, f"{time:.2f}", f"{ratio:.1f}"))
+    header = ("case", "tangent", "iterations", "a step, most", "CPU, ms", "over exact")
+    return [Heading(2, "Fifty steps"), Table(header, tuple(rows))]
 
 
-def by_steps() -> str:
+def by_steps() -> list[Block]:
     """Outcome and iterations over steps and penalties."""
-    lines = [
-        "\n## Where each fails\n",
-        "Iterations to full load, or in bold what happened instead and when. What helps the paper's "
-        "matrix over stiff contact is the line search and the substeps, which all three share.\n",
-        "| case | penalty, N/mm | steps | " + " | ".join(TANGENTS) + " |",
-        "|---|---|---|---|---|---|",
-    ]
+    rows = []
     for case in ("spring-a", "spring-b"):
         for penalty in PENALTIES:
             for steps in STEPS:
                 scene = load_scene(case).with_penalty(penalty)
                 cells = [told(follow(scene, tangent, steps)) for tangent in TANGENTS]
-                lines.append(f"| {case} | {penalty:.0e} | {steps} | {' | '.join(cells)} |")
-    return "\n".join(lines) + "\n"
+                rows.append((case, f"{penalty:.0e}", str(steps), *cells))
+    words = (
+        "Iterations to full load, or in bold what happened instead and when. What helps the paper's "
+        "matrix over stiff contact is the line search and the substeps, which all three share."
+    )
+    header = ("case", "penalty, N/mm", "steps", *TANGENTS)
+    return [Heading(2, "Where each fails"), Text(words), Table(header, tuple(rows))]
+
+
+def follow(scene: Scene, tangent: str, steps: int) -> EquilibriumPath:
+    """Path of the equivalent beam with a tangent, as far as it goes."""
+    return as_far(equivbeam.solve, scene, tangent=tangent, steps=steps)
 
 
 def told(path: EquilibriumPath) -> str:
@@ -92,5 +79,5 @@ def told(path: EquilibriumPath) -> str:
 
 
 if __name__ == "__main__":
-    write_text(PAGE, HEAD + by_case() + by_steps())
+    write_text(PAGE, to_markdown((Text(HEAD), *by_case(), *by_steps())))
     sys.exit(0)

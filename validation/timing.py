@@ -1,21 +1,20 @@
 """Solution time of both models on the same scenes (the paper's Table 3).
 
-Both models run in one process, alternately, round after round; the first run of each is discarded.
+Both models run in one process, alternately, round after round; the first round is discarded.
 The time is the CPU time of the solve alone. CPU time counts every thread, so that none is hidden.
 """
 
 from __future__ import annotations
 
-import os
-import platform
+import json
 import time
-from dataclasses import dataclass
-from importlib import metadata
-from pathlib import Path
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass
 
 import numpy as np
 
-from validation.cases import CASES, Case, PathStore, solve_beam, solve_wire
+from validation.cases import CASES, Case, PathStore, case, solve_beam, solve_wire
+from validation.machine import machine
 
 BUDGET = 3.5  # s of wall time for all rounds together
 LEAST_ROUNDS, MOST_ROUNDS = 5, 25
@@ -65,21 +64,51 @@ class Timing:
         return 100.0 * (1.0 - 1.0 / self.ratio.median)
 
 
-def measure(store: PathStore) -> tuple[Timing, ...]:
-    """Time the four cases for about `BUDGET`; the paths of the discarded first runs stay in `store`."""
-    iterations = {case.name: _first_runs(store, case) for case in CASES}
-    seconds: dict[str, list[tuple[float, ...]]] = {case.name: [] for case in CASES}
+@dataclass(frozen=True)
+class Measurement:
+    """Solution times of the four cases, with where and when they were measured (`machine`)."""
+
+    timings: tuple[Timing, ...]
+    machine: Mapping[str, str]
+
+    def to_json(self) -> str:
+        """All of it; a case by its name."""
+        rows = [asdict(timing) | {"case": timing.case.name} for timing in self.timings]
+        return json.dumps({"machine": dict(self.machine), "timings": rows})
+
+    @classmethod
+    def from_json(cls, text: str) -> Measurement:
+        """What `to_json` wrote."""
+        found = json.loads(text)
+        return cls(tuple(_timing_of(row) for row in found["timings"]), found["machine"])
+
+
+def _timing_of(row: dict) -> Timing:
+    spreads = {name: Spread(**row[name]) for name in ("ratio", "wire", "beam", "beam_paper")}
+    return Timing(
+        case=case(row["case"]), iterations=tuple(row["iterations"]), rounds=row["rounds"], **spreads
+    )
+
+
+def measure(store: PathStore) -> Measurement:
+    """Time the four cases for about `BUDGET`; iterations are those of the paths in `store`."""
+    store.make_ready()
+    iterations = [_iterations(store, item) for item in CASES]
+    for item in CASES:
+        _round(item)
+    seconds: list[list[tuple[float, ...]]] = [[] for _ in CASES]
     began = time.perf_counter()
     rounds = 0
     while rounds < LEAST_ROUNDS or (rounds < MOST_ROUNDS and time.perf_counter() - began < BUDGET):
         rounds += 1
         store.announce(f"timing, round {rounds}")
-        for case in CASES:
-            seconds[case.name].append(_round(case))
-    return tuple(_timing(case, iterations[case.name], np.array(seconds[case.name])) for case in CASES)
+        for found, item in zip(seconds, CASES, strict=True):
+            found.append(_round(item))
+    rows = zip(CASES, iterations, map(np.array, seconds), strict=True)
+    return Measurement(tuple(_timing(*row) for row in rows), machine())
 
 
-def _first_runs(store: PathStore, case: Case) -> tuple[int, int, int]:
+def _iterations(store: PathStore, case: Case) -> tuple[int, int, int]:
     paths = (store.wire(case.scene), store.beam(case.scene), store.beam(case.scene, tangent="paper"))
     return tuple(path.total_iterations for path in paths)
 
@@ -106,26 +135,3 @@ def _timing(case: Case, iterations: tuple[int, int, int], seconds: np.ndarray) -
         iterations=iterations,
         rounds=len(seconds),
     )
-
-
-def machine() -> dict[str, str]:
-    """Processor, cores, system, date and versions, as the report states them."""
-    packages = ("numpy", "scipy", "numba")
-    versions = ", ".join(f"{name} {metadata.version(name)}" for name in packages)
-    return {
-        "processor": _processor(),
-        "cores": str(len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count()),
-        "system": platform.system(),
-        "versions": f"Python {platform.python_version()}, {versions}",
-        "date": time.strftime("%Y-%m-%d"),
-    }
-
-
-def _processor() -> str:
-    """Name of the processor; only Linux tells it in a file."""
-    listing = Path("/proc/cpuinfo")
-    if listing.is_file():
-        for line in listing.read_text(encoding="utf-8", errors="replace").splitlines():
-            if line.startswith("model name"):
-                return line.split(":", 1)[1].strip()
-    return platform.processor() or platform.machine()

@@ -15,8 +15,8 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
-from validation.figures import save
-from validation.output import write_text
+from validation.figures import png
+from validation.output import write_bytes, write_text
 from validation.style import BLUE, DOUBLE, RC, RED
 from validation.workprecision import Point, Study
 from validation.worksettings import SERIES, STEPS, TITLES
@@ -54,7 +54,7 @@ def write(studies: Sequence[Study], out: Path) -> None:
     with matplotlib.rc_context(looks):
         for kind in ("curve", "shape"):
             figure = draw(studies, kind)
-            save(figure, out / f"workprecision-{kind}.png")
+            write_bytes(out / f"workprecision-{kind}.png", png(figure))
             text = io.StringIO()
             FigureCanvasSVG(figure).print_svg(text, metadata={"Date": None})
             write_text(out / f"workprecision-{kind}.svg", text.getvalue())

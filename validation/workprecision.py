@@ -17,11 +17,12 @@ from pathlib import Path
 
 import numpy as np
 
-from coilspring import EquilibriumNotFound, EquilibriumPath, InputError, Scene
+from coilspring import EquilibriumPath, InputError, Scene
 from validation.cases import solve_beam, solve_wire
 from validation.freshness import make_ready
 from validation.metrics import COMPONENTS, Comparison, compare_paths
 from validation.output import prepare
+from validation.reached import as_far
 from validation.timing import Spread
 from validation.worksettings import EXTENTS, PAIRS, STEPS, Extent, Setting, settings, study_scenes
 
@@ -220,11 +221,7 @@ def study(scene: Scene, extent: Extent, progress: Callable[[str], None]) -> Stud
 
 def reached(scene: Scene, setting: Setting) -> EquilibriumPath:
     """Path of one setting, complete or as far as it was reached."""
-    solve = solve_wire if setting.mesh else solve_beam
-    try:
-        return solve(scene, **setting.options)
-    except EquilibriumNotFound as error:
-        return error.path
+    return as_far(solve_wire if setting.mesh else solve_beam, scene, **setting.options)
 
 
 def _seconds(scene: Scene, setting: Setting, known: EquilibriumPath) -> float:

@@ -8,9 +8,9 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 
 from validation.document import Block, Heading, Picture, Table, Text, to_markdown
+from validation.machine import machine
 from validation.output import write_text
 from validation.tables import spread
-from validation.timing import machine
 from validation.workprecision import Point, Study
 from validation.worksettings import PAIRS, STEPS, TITLES, Extent
 

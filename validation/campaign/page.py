@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -16,8 +15,10 @@ from matplotlib.figure import Figure
 from validation.campaign.scenes import CORNERS, MODELS
 from validation.campaign.table import Row, version
 from validation.campaign.verdict import CLASSES, CONFIRMED, REFUSED, RIGHT, UNEXPLAINED
-from validation.figures import save
-from validation.output import versions, write_text
+from validation.document import Block, Bullets, Heading, Table, Text, to_markdown
+from validation.figures import png
+from validation.machine import versions
+from validation.output import write_bytes, write_text
 from validation.style import DOUBLE, RC
 
 TITLES = {"b": "equivalent beam", "w": "wire model"}
@@ -43,6 +44,11 @@ KINDS = {
     "steps": "one step",
     "perturbed": "input changed by 1e-12",
 }
+CHANGES = (
+    "Rounding may change the answer by 1e-10 over the least stiffness (in units of that at rest), units "
+    "and steps by 1e-6, a change of the input by 1e-12 by 1e-8. With friction or no sliding the answer "
+    "depends on the substeps, which may change it by 2 %."
+)
 MAPS = (("penalty", "steps"), ("slenderness", "load"))
 LABELS = {
     "penalty": "penalty K (N/mm$^k$)",
@@ -65,34 +71,33 @@ FEWEST = 3  # scenes of a cell that is coloured
 
 def write_page(rows: list[Row], out: Path, seed: int) -> None:
     """Write page and picture of the rows."""
-    save(outcome_figure(rows), out / "stability.png")
+    write_bytes(out / "stability.png", png(outcome_figure(rows)))
     write_text(out / "stability.md", page(rows, seed))
 
 
 def page(rows: list[Row], seed: int) -> str:
     """The page, Markdown."""
     used = ", ".join(f"{name} {number}" for name, number in versions().items() if number)
-    parts = [
-        "# Stability campaign",
-        f"Seed {seed}, sources {version()}, {used}.",
-        f"Any case again: `coilcheck stability --case ID --seed {seed}`.",
-        "## What became of the scenes",
-        _table(("model", *CLASSES), [_counts(rows, letter) for letter in MODELS]),
-        "\n".join(f"- *{name}*: {MEANING[name]}" for name in CLASSES),
-        "![Outcome over penalty and steps, slenderness and load](stability.png)",
-        "## Corners",
-        _table(("corner", *CLASSES), [_corner(rows, name) for name in ("", *CORNERS)]),
-        "## Largest of what the judge measured, unexplained cases left out",
-        _table(("number", *TITLES.values(), "meaning"), [_largest(rows, name) for name in NUMBERS]),
-        "## Invariances: largest change of the answer over the largest displacement",
-        _table(("changed", "cases", *TITLES.values()), [_invariance(rows, kind) for kind in KINDS]),
-        "Rounding may change the answer by 1e-10 over the least stiffness (in units of that at rest), units "
-        "and steps by 1e-6, a change of the input by 1e-12 by 1e-8. With friction or no sliding the answer "
-        "depends on the substeps, which may change it by 2 %.",
-        "## Unexplained and refused",
-        _listed([row for row in rows if row["class"] in (UNEXPLAINED, REFUSED)]),
-    ]
-    return "\n\n".join(parts) + "\n"
+    unexplained = [row for row in rows if row["class"] in (UNEXPLAINED, REFUSED)]
+    blocks = (
+        Heading(1, "Stability campaign"),
+        Text(f"Seed {seed}, sources {version()}, {used}."),
+        Text(f"Any case again: `coilcheck stability --case ID --seed {seed}`."),
+        Heading(2, "What became of the scenes"),
+        Table(("model", *CLASSES), tuple(_counts(rows, letter) for letter in MODELS)),
+        Bullets(tuple(f"*{name}*: {MEANING[name]}" for name in CLASSES)),
+        Text("![Outcome over penalty and steps, slenderness and load](stability.png)"),
+        Heading(2, "Corners"),
+        Table(("corner", *CLASSES), tuple(_corner(rows, name) for name in ("", *CORNERS))),
+        Heading(2, "Largest of what the judge measured, unexplained cases left out"),
+        Table(("number", *TITLES.values(), "meaning"), tuple(_largest(rows, name) for name in NUMBERS)),
+        Heading(2, "Invariances: largest change of the answer over the largest displacement"),
+        Table(("changed", "cases", *TITLES.values()), tuple(_invariance(rows, kind) for kind in KINDS)),
+        Text(CHANGES),
+        Heading(2, "Unexplained and refused"),
+        _listed(unexplained),
+    )
+    return to_markdown(blocks)
 
 
 def _counts(rows: list[Row], letter: str) -> tuple[str, ...]:
@@ -120,18 +125,11 @@ def _invariance(rows: list[Row], kind: str) -> tuple[str, ...]:
     return KINDS[kind], str(count), *(_most(rows, letter, "invariance", kind) for letter in MODELS)
 
 
-def _listed(rows: list[Row]) -> str:
+def _listed(rows: list[Row]) -> Block:
     if not rows:
-        return "None."
-    lines = [(row["id"], row["corner"], row["outcome"], row["reason"] or row["message"]) for row in rows]
-    return _table(("case", "corner", "outcome", "reason"), lines)
-
-
-def _table(head: tuple[str, ...], lines: Sequence[tuple[str, ...]]) -> str:
-    def line(cells: tuple[str, ...]) -> str:
-        return "| " + " | ".join(cell.replace("|", "\\|") for cell in cells) + " |"
-
-    return "\n".join((line(head), line(("---",) * len(head)), *map(line, lines)))
+        return Text("None.")
+    lines = ((row["id"], row["corner"], row["outcome"], row["reason"] or row["message"]) for row in rows)
+    return Table(("case", "corner", "outcome", "reason"), tuple(lines))
 
 
 def outcome_figure(rows: list[Row]) -> Figure:

@@ -3,17 +3,14 @@
 from __future__ import annotations
 
 import csv
-import hashlib
 import io
 import os
 from functools import lru_cache
 from pathlib import Path
 
-import coilspring
-import equivbeam
-import wirefe
 from validation.campaign.scenes import Case
 from validation.campaign.verdict import Verdict
+from validation.keys import digest, source_files
 from validation.output import write_text, writing
 
 NUMBERS = (
@@ -134,14 +131,9 @@ def read_rows(target: Path) -> list[Row]:
 @lru_cache(maxsize=1)
 def version() -> str:
     """Digest of the sources of the models and of the campaign: a row is good for these alone."""
-    digest = hashlib.sha256()
-    folders = [Path(str(module.__file__)).parent for module in (coilspring, equivbeam, wirefe)]
-    for folder in (*folders, Path(__file__).parent):
-        for source in sorted(folder.glob("*.py")):
-            if source.name == "page.py":
-                continue  # only shows what was found
-            digest.update(source.name.encode() + source.read_bytes())
-    return digest.hexdigest()[:12]
+    packages = ("coilspring", "equivbeam", "wirefe", "validation.campaign")
+    files = [file for name in packages for file in source_files(name)]
+    return digest(file for file in files if file.name != "page.py")[:12]  # which only shows what was found
 
 
 def _short(value: float) -> str:

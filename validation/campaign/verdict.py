@@ -7,8 +7,9 @@ from dataclasses import dataclass, field, replace
 
 import equivbeam
 import wirefe
-from coilspring import EquilibriumNotFound, EquilibriumPath, Scene
+from coilspring import EquilibriumPath, Scene
 from validation.campaign.scenes import Case
+from validation.reached import as_far
 
 RIGHT, CONFIRMED, REFUSED, UNEXPLAINED = "completed", "critical", "refused", "unexplained"
 CLASSES = (RIGHT, CONFIRMED, REFUSED, UNEXPLAINED)
@@ -39,10 +40,7 @@ class Verdict:
 
 def reached(case: Case, scene: Scene | None = None, **options: object) -> EquilibriumPath:
     """Path of the case, complete or not; in another scene or with other options where given."""
-    try:
-        return SOLVERS[case.model](scene or case.scene, **(dict(case.options) | options))
-    except EquilibriumNotFound as found:
-        return found.path
+    return as_far(SOLVERS[case.model], scene or case.scene, **(dict(case.options) | options))
 
 
 def fine_steps(case: Case) -> int:

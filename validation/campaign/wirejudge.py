@@ -9,11 +9,12 @@ import numpy as np
 from scipy.optimize import brentq
 
 import wirefe
-from coilspring import EquilibriumNotFound, EquilibriumPath
+from coilspring import EquilibriumPath
 from validation.campaign.judge import LOAD, judge_branch
 from validation.campaign.scenes import Case
 from validation.campaign.verdict import CRITICAL, Verdict, fine_steps, reached, under
 from validation.campaign.wire import WireForces, friction_of, wire_forces
+from validation.reached import as_far
 
 BALANCE = 1e-5  # of the load at the worst node; the wire stretches up to 1e6 times less than the spring
 # difference from the fine run over the largest displacement; with friction it depends on the substeps
@@ -118,10 +119,7 @@ def fold(positions: Sequence[np.ndarray], times: Sequence[float]) -> float | Non
 
 def _judge_turn(verdict: Verdict, case: Case, critical: float) -> None:
     """The traced path must be stable up to the critical time and not beyond."""
-    try:
-        traced = wirefe.trace(under(case.scene, 1.05 * critical), points=POINTS, **dict(case.options))  # type: ignore[arg-type]
-    except EquilibriumNotFound as found:
-        traced = found.path
+    traced = as_far(wirefe.trace, under(case.scene, 1.05 * critical), points=POINTS, **dict(case.options))
     times = 1.05 * critical * traced.times
     assert traced.negative_pivots is not None
     unstable = np.flatnonzero(traced.negative_pivots)

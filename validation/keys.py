@@ -1,0 +1,39 @@
+"""Keys of stored results: digests of all that a result follows from."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections.abc import Iterable
+from functools import cache
+from importlib.util import find_spec
+from pathlib import Path
+
+
+def key(kind: str, **parts: object) -> str:
+    """Key of a result of some kind by its parts, which are of JSON's types."""
+    return hashlib.sha256(json.dumps([kind, parts], sort_keys=True).encode()).hexdigest()
+
+
+@cache
+def sources(*names: str) -> str:
+    """Digest of the sources of packages and modules, as they are when first asked for; none is imported."""
+    return digest(file for name in names for file in source_files(name))
+
+
+def source_files(name: str) -> list[Path]:
+    """The file of a module, or all of a package."""
+    spec = find_spec(name)
+    if spec is None or spec.origin is None:
+        raise ModuleNotFoundError(f"no module named {name!r}", name=name)
+    origin = Path(spec.origin)
+    return sorted(origin.parent.rglob("*.py")) if spec.submodule_search_locations else [origin]
+
+
+def digest(files: Iterable[Path]) -> str:
+    """Digest of names and contents."""
+    found = hashlib.sha256()
+    for file in files:
+        data = file.read_bytes()
+        found.update(f"{file.name} {len(data)}\n".encode() + data)
+    return found.hexdigest()

@@ -1,0 +1,48 @@
+"""The machine that numbers come from, and the versions they were made by."""
+
+from __future__ import annotations
+
+import os
+import platform
+import time
+from functools import cache
+from importlib import metadata
+from pathlib import Path
+
+PACKAGES = ("numpy", "numba", "scipy", "coilcheck")
+
+
+def versions(*packages: str) -> dict[str, str | None]:
+    """Versions of Python, of the packages behind all numbers and of others; None where not installed."""
+    return {"python": platform.python_version(), **{name: _version(name) for name in (*PACKAGES, *packages)}}
+
+
+@cache
+def _version(package: str) -> str | None:
+    try:
+        return metadata.version(package)
+    except metadata.PackageNotFoundError:  # run from a checkout
+        return None
+
+
+def machine() -> dict[str, str]:
+    """Processor, cores, system, date and versions, as the report states them."""
+    packages = ("numpy", "scipy", "numba")
+    used = ", ".join(f"{name} {metadata.version(name)}" for name in packages)
+    return {
+        "processor": _processor(),
+        "cores": str(len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count()),
+        "system": platform.system(),
+        "versions": f"Python {platform.python_version()}, {used}",
+        "date": time.strftime("%Y-%m-%d"),
+    }
+
+
+def _processor() -> str:
+    """Name of the processor; only Linux tells it in a file."""
+    listing = Path("/proc/cpuinfo")
+    if listing.is_file():
+        for line in listing.read_text(encoding="utf-8", errors="replace").splitlines():
+            if line.startswith("model name"):
+                return line.split(":", 1)[1].strip()
+    return platform.processor() or platform.machine()

@@ -1,0 +1,202 @@
+"""How each table and figure of the paper is made, and the report on them."""
+
+from __future__ import annotations
+
+import csv
+import io
+from collections.abc import Callable
+from contextlib import ExitStack
+from dataclasses import dataclass, field
+from functools import partial
+from pathlib import Path
+from types import ModuleType
+from typing import TYPE_CHECKING
+
+from validation import tables
+from validation.cases import PathStore, case
+from validation.document import Table, to_html, to_markdown
+from validation.output import write_files
+from validation.timing import Measurement, measure
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from validation.render3d import Rendering
+    from validation.shapes import Shapes
+
+Files = dict[str, bytes]  # by name
+
+
+@dataclass
+class Maker:
+    """Makes pieces, writes their files and keeps them in the store.
+
+    Attributes
+    ----------
+    out : folder of the results.
+    paths : of both models; their store keeps the pieces, too.
+    render : whether pictures are made.
+    cleanup : ends the rendering processes, whatever happens.
+    measured : times of Table 3, for the pieces that show them.
+    renderings : by piece, its key, its other files, and panels and running process of its figure in space.
+    notes : what did not go as planned, one sentence each.
+    """
+
+    out: Path
+    paths: PathStore
+    render: bool
+    cleanup: ExitStack
+    measured: Measurement | None = None
+    renderings: dict[str, tuple[str, Files, tuple[Shapes, ...], Rendering]] = field(default_factory=dict)
+    notes: list[str] = field(default_factory=list)
+
+    def measure(self) -> str:
+        """Measure the times of Table 3; as JSON."""
+        return measure(self.paths).to_json()
+
+    def make(self, name: str, key: str, times: str = "") -> None:
+        """Make a piece and write it; it is kept under its key when all of it is there.
+
+        `times` are those of Table 3 as JSON, for the pieces that show them.
+        """
+        if times:
+            self.measured = Measurement.from_json(times)
+        if name in SPRINGS:
+            self._springs(name, key)
+            return
+        files = PIECES[name](self)
+        write_files(files, self.out)
+        if not self.notes:  # which are of this machine today
+            self.paths.store.put(key, files)
+
+    def finish(self) -> None:
+        """Wait for the figures in space and write them."""
+        for name, (key, files, panels, rendering) in self.renderings.items():
+            self.paths.announce(f"rendering {name}")
+            rendered = rendering.result()
+            picture = self.picture(name, partial(_space_figure, panels, rendered))
+            write_files(picture, self.out)
+            if isinstance(rendered, str):
+                note = f"{name} was drawn by matplotlib, since pyvista could not render here: {rendered}."
+                self.notes.append(note)
+                self.paths.announce(note)
+            else:
+                self.paths.store.put(key, files | picture)
+        self.renderings.clear()
+
+    def picture(self, name: str, draw: Callable[[], Figure]) -> Files:
+        """A figure in the common style as PNG; nothing where pictures are not wanted."""
+        if not self.render:
+            return {}
+        import matplotlib
+
+        from validation.figures import png
+        from validation.style import RC
+
+        with matplotlib.rc_context(RC):
+            return {f"{name}.png": png(draw())}
+
+    def _springs(self, name: str, key: str) -> None:
+        """Deformed springs; the figure in space is rendered in a process of its own while work goes on."""
+        from validation import shapes
+
+        panels = tuple(shapes.shapes(self.paths, scene) for scene in SPRINGS[name])
+        rendering = self._rendering(panels)
+        files = _csv(name, shapes.centreline_table(panels))
+        files |= _csv(f"{name}-plane", shapes.circle_table(panels))
+        files |= self.picture(f"{name}-plane", partial(_plane_figure, panels))
+        write_files(files, self.out)
+        if rendering is None:
+            self.paths.store.put(key, files)
+        else:
+            self.renderings[name] = (key, files, panels, rendering)
+
+    def _rendering(self, panels: tuple[Shapes, ...]) -> Rendering | None:
+        if not self.render:
+            return None
+        from validation import render3d
+
+        return self.cleanup.enter_context(render3d.Rendering(panels))
+
+
+def _csv(name: str, table: Table) -> Files:
+    """A table as a CSV file."""
+    text = io.StringIO()
+    csv.writer(text, lineterminator="\n").writerows((table.header, *table.rows))
+    return {f"{name}.csv": text.getvalue().encode()}
+
+
+def _table3(maker: Maker) -> Files:
+    assert maker.measured is not None
+    return _csv("table3", tables.table3_data(maker.measured))
+
+
+def _fig5(maker: Maker) -> Files:
+    from validation import curves
+
+    data = _csv("fig5", curves.tip_curves(maker.paths))
+    return data | maker.picture("fig5", lambda: _figures().tip_figure(maker.paths))
+
+
+def _fig7(maker: Maker) -> Files:
+    from validation import curves
+
+    data = _csv("fig7", curves.load_deflection(maker.paths))
+    return data | maker.picture("fig7", lambda: _figures().load_figure(maker.paths))
+
+
+def _fig8(maker: Maker) -> Files:
+    from validation import curves
+
+    data = _csv("fig8", curves.iteration_counts(maker.paths))
+    return data | maker.picture("fig8", lambda: _figures().iteration_figure(maker.paths))
+
+
+def _figures() -> ModuleType:
+    """Drawing is imported only where pictures are made: matplotlib takes most of a second."""
+    from validation import figures
+
+    return figures
+
+
+def _space_figure(panels: tuple[Shapes, ...], rendered: list[Path] | str) -> Figure:
+    from validation.springfigures import space_figure
+
+    return space_figure(panels, rendered)
+
+
+def _plane_figure(panels: tuple[Shapes, ...]) -> Figure:
+    from validation.springfigures import plane_figure
+
+    return plane_figure(panels)
+
+
+def _report(maker: Maker) -> Files:
+    """The report; the other pieces' pictures are read from where they were written."""
+    from validation import evidence, methods, report
+
+    assert maker.measured is not None
+    scene = case("spring-b").scene
+    found = evidence.gather(maker.paths, maker.measured)
+    assumed = methods.assumption_notes(maker.paths, found)
+    held = maker.paths.wire(scene)
+    picture = maker.picture("sliding", lambda: _figures().sliding_figure(held, found.frictionless))
+    write_files(picture, maker.out)
+    maker.finish()
+    claims = report.judge(found)
+    blocks = report.compose(found, claims, assumed, maker.render, maker.notes)
+    pages = {"report.md": to_markdown(blocks), "report.html": to_html(blocks, maker.out, report.TITLE)}
+    texts = {name: text.encode() for name, text in pages.items()}
+    return picture | _csv("claims", report.claim_table(claims)) | texts
+
+
+SPRINGS = {"fig4": ("spring-a-no-contact", "spring-a"), "fig6": ("spring-b-no-contact", "spring-b")}
+PIECES: dict[str, Callable[[Maker], Files]] = {
+    "table1": lambda maker: _csv("table1", tables.table1()),
+    "table2": lambda maker: _csv("table2", tables.table2()),
+    "table3": _table3,
+    "fig5": _fig5,
+    "fig7": _fig7,
+    "fig8": _fig8,
+    "report": _report,
+}
