@@ -46,6 +46,7 @@ def command_line() -> argparse.ArgumentParser:
     _add_solve(commands)
     _add_compare(commands)
     _add_workprecision(commands)
+    _add_sensitivity(commands)
     _add_stability(commands)
     _add_regress(commands)
     return parser
@@ -87,6 +88,13 @@ def _add_workprecision(commands: argparse._SubParsersAction) -> None:
     size = command.add_mutually_exclusive_group()
     size.add_argument("--quick", action="store_true", help="few meshes, few rounds: less than a minute")
     size.add_argument("--full", action="store_true", help="meshes up to 320 elements a turn")
+
+
+def _add_sensitivity(commands: argparse._SubParsersAction) -> None:
+    purpose = "how far what the paper leaves open moves the curves of both models"
+    command = _command(commands, "sensitivity", purpose, "coilcheck sensitivity --only spring-a,spring-b")
+    names = tuple(CATALOGUE)
+    command.add_argument("--only", type=_some_of(names), metavar="NAMES", help=_some(names))
 
 
 def _add_stability(commands: argparse._SubParsersAction) -> None:

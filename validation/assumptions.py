@@ -65,6 +65,12 @@ def turned(scene: Scene, degrees: float) -> Scene:
     return replace(scene, spring=replace(scene.spring, start_phase=math.radians(degrees)))
 
 
+def ending(outcome: str, critical_time: float | None) -> str:
+    """How and when a path ended short of full load."""
+    time = "" if critical_time is None else f" at t = {critical_time:.3f}"
+    return f"{outcome.replace('_', ' ')}{time}"
+
+
 def _penetration(path: EquilibriumPath, base: EquilibriumPath) -> tuple[str, str, str]:
     change = _change(path, base)
     if path.outcome != "completed":
@@ -83,7 +89,6 @@ def _tips(path: EquilibriumPath, base: EquilibriumPath) -> tuple[str, str, str]:
 def _change(path: EquilibriumPath, base: EquilibriumPath) -> str:
     """Change of UX and UY at full load in %, a held UX left out; or how and when the path ended."""
     if path.outcome != "completed":
-        time = "" if path.critical_time is None else f" at t = {path.critical_time:.3f}"
-        return f"{path.outcome.replace('_', ' ')}{time}"
+        return ending(path.outcome, path.critical_time)
     pairs = zip(path.tips[-1, :2], base.tips[-1, :2], strict=True)
     return " / ".join(f"{100.0 * (new / old - 1.0):+.2f}" for new, old in pairs if old)

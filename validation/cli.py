@@ -123,6 +123,20 @@ def workprecision(arguments: argparse.Namespace) -> int:
     return COMPLETED
 
 
+def sensitivity(arguments: argparse.Namespace) -> int:
+    """Vary what the paper leaves open in both models."""
+    folder = _folder(arguments)
+    prepare(folder)
+    with _progress() as progress:
+        progress("loading both models")
+        run = importlib.import_module("validation.sensitivity").sensitivity
+        with writing(folder):
+            studies = run(folder, getattr(arguments, "only", None), progress)
+    page = importlib.import_module("validation.sensitivitypage")
+    _say(*(page.digest(study) for study in studies), f"written to {folder}")
+    return COMPLETED
+
+
 def regress(arguments: argparse.Namespace) -> int:
     """Compare what both models find with stored baselines."""
     folder = _folder(arguments)
@@ -161,6 +175,7 @@ COMMANDS = {
     "solve": solve,
     "compare": compare,
     "workprecision": workprecision,
+    "sensitivity": sensitivity,
     "stability": stability,
     "regress": regress,
 }

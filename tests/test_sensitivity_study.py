@@ -1,0 +1,248 @@
+"""What the paper leaves open: changes against known scalings and derivatives, the raised load, the files."""
+
+import csv
+import math
+import xml.etree.ElementTree as ElementTree
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import equivbeam
+from coilspring import InputError, spring_a, spring_b
+from coilspring.solving import Problem, follow_load, scene_path
+from coilspring.wire import round_section
+from equivbeam import model as beam
+from equivbeam.contact import MEMORY
+from equivbeam.haringx import KAX, KFL, KSH
+from equivbeam.rendering import BeamShape
+from equivbeam.solve import KERNELS as BEAM_KERNELS
+from validation.cases import PAPER_MESH, case, solve_beam, solve_wire
+from validation.cli import main
+from validation.metrics import compare_paths
+from validation.openinputs import BEAM, INPUTS, LIKE, MODELS, NOT_GIVEN, READING, WIRE
+from validation.sensitivity import Change, Study, farther, sensitivity
+from validation.sensitivitydata import NO_INPUT
+from validation.topheight import TipCurve, raised
+from wirefe import model as wire
+from wirefe.contact import MEMORY as WIRE_MEMORY
+from wirefe.mesh import mesh_wire, place_spheres
+from wirefe.rod import straight_rod
+from wirefe.shape import WireShape
+from wirefe.solve import KERNELS as WIRE_KERNELS
+
+BARE, CONTACT = "spring-b-no-contact", "spring-b"
+
+
+def named(name):
+    return next(item for item in INPUTS if item.name == name)
+
+
+def change(scene, model, name, variant=None):
+    """Change by the first value of an input, or by another scene."""
+    solve = solve_beam if model == BEAM else solve_wire
+    first = named(name).variants(scene, model)[0]
+    curves = [TipCurve.of(solve(each)) for each in (scene, variant or first.scene)]
+    return Change(named(name), model, first.value, *curves)
+
+
+def test_deflection_without_contact_goes_with_one_over_the_modulus():
+    """The beam of Spring B is linear; the wire at small load, too."""
+    exact = 100.0 * (206.0 / 196.0 - 1.0)
+    scene = spring_b().without_contact()
+    by_beam = change(scene, BEAM, "E")
+    np.testing.assert_allclose(by_beam.at_full, [np.nan, exact, np.nan], rtol=1e-9)
+    np.testing.assert_allclose(by_beam.largest, exact, rtol=1e-9)
+    small = replace(scene, load=replace(scene.load, force=(0.0, -1e-3), steps=1))
+    assert change(small, WIRE, "E").largest == pytest.approx(exact, rel=1e-4)
+
+
+@pytest.mark.parametrize("factor", [0.96, 1.05])
+def test_the_size_is_the_metric_of_the_comparison_and_its_sign_is_farther(factor):
+    scene = spring_a().with_steps(10)
+    other = replace(scene, material=replace(scene.material, E=206e3 * factor))
+    paths = solve_beam(other), solve_beam(scene)
+    found = Change(named("E"), BEAM, "", TipCurve.of(paths[1]), TipCurve.of(paths[0]))
+    assert abs(found.largest) == pytest.approx(100.0 * compare_paths(*paths).curve_max, rel=1e-12)
+    assert np.sign(found.largest) == np.sign(1.0 - factor)
+
+
+def test_held_components_are_not_numbers_and_signs_follow_the_motion():
+    base = np.array([[1.0, 0.0, -2.0], [2.0, 0.0, -4.0]])
+    tips = np.array([[1.2, 0.0, -2.0], [1.8, 0.0, -5.0]])
+    expected = [[10.0, np.nan, 0.0], [-10.0, np.nan, 25.0]]
+    np.testing.assert_allclose(farther(tips, base), expected, atol=1e-12)
+
+
+def test_small_changes_are_those_of_the_derivatives():
+    """E at constant nu is E and G together; the penalty alone."""
+    scene, share = spring_a(), 1e-5
+    path = equivbeam.solve(scene)
+    E, G, K = equivbeam.sensitivities(path, ["E", "G", "penalty"]).relative[-1]
+    expected = {"E": E + G, "penalty": K}
+    others = {
+        "E": replace(scene, material=replace(scene.material, E=206e3 * (1.0 + share))),
+        "penalty": scene.with_penalty(1e4 * (1.0 + share)),
+    }
+    for name, rates in expected.items():
+        found = change(scene, BEAM, name, others[name]).by_load[-1]
+        np.testing.assert_allclose(found, 100.0 * share * rates / path.tips[-1], rtol=2e-3)
+
+
+def by_shifted_mesh(scene, height):
+    """The wire model whose reference point is another one from the start."""
+    mesh = mesh_wire(scene.spring, PAPER_MESH["elements_per_turn"])
+    up = np.array([0.0, height, 0.0])
+    mesh = replace(mesh, reference=mesh.reference + up, arm=mesh.arm - up)
+    top = len(mesh.points) - 1
+    rod = straight_rod(mesh.points, round_section(scene.spring.wire_diameter, scene.material)).holding(0)
+    rod = rod.holding(top, "uz", "rotx", "roty").loaded(top, force=(*scene.load.force, 0.0))
+    data = wire.rod_model(rod, mesh.arm, place_spheres(scene, mesh, 40, 4))
+    start, pairs = wire.rest_state(rod, mesh.arm), len(data.contact.pairs)
+    memory = np.zeros((pairs, WIRE_MEMORY))
+    problem = Problem(data, wire.load_vector(rod), start, memory, wire.matrix_size(data), lean=True)
+    return scene_path(
+        scene, WIRE, {}, follow_load(scene, problem, WIRE_KERNELS), WireShape(scene, data, mesh)
+    )
+
+
+@pytest.mark.parametrize(("enabled", "error"), [(False, 1e-5), (True, 1e-3)])
+def test_a_raised_load_on_the_wire(enabled, error):
+    """Interpolated and exact differ where pairs close between the three paths, by 3e-4 of 0.9 mm."""
+    scene = spring_a() if enabled else spring_a().without_contact()
+    scene = scene.with_steps(10)
+    exact = by_shifted_mesh(scene, 0.75).tips
+    moved = np.abs(exact - solve_wire(scene).tips).max(axis=0)
+    np.testing.assert_allclose(raised(scene, WIRE, 0.75).tips, exact, rtol=0.0, atol=error)
+    assert (moved > [0.9, 0.7, 0.03]).all()
+
+
+def test_a_raised_load_on_the_beam():
+    """As if carried by one more half coil that does not give."""
+    scene = spring_a().without_contact().with_steps(10)
+    lever = 0.5 * scene.spring.pitch
+    longer = replace(scene.spring, active_coils=15.0, active_height=scene.spring.active_height + lever)
+    taller = replace(scene, spring=longer)
+    data = beam.build_model(taller)
+    data.rows[-1, [KAX, KSH, KFL]] *= 1e7
+    memory = np.zeros((len(data.pairs), MEMORY))
+    load, start = beam.load_vector(data, taller), beam.rest_state(data)
+    run = follow_load(taller, Problem(data, load, start, memory, beam.matrix_size(data)), BEAM_KERNELS)
+    exact = scene_path(taller, BEAM, {}, run, BeamShape(taller, data)).tips
+    np.testing.assert_allclose(raised(scene, BEAM, lever).tips, exact, rtol=1e-5)
+
+
+@pytest.mark.parametrize("model", MODELS)
+def test_the_height_of_a_load_on_a_top_that_does_not_turn_is_nothing(model):
+    scene = spring_b().with_steps(4)
+    solve = solve_beam if model == BEAM else solve_wire
+    np.testing.assert_array_equal(raised(scene, model, 0.75).tips, solve(scene).tips)
+
+
+def test_rigid_turns_leave_the_spring_as_it_is():
+    """Turns, height and ends of the wire, and the height of the loaded point over the bottom end."""
+    scene = spring_a()
+    for variant in named("rigid_turns").variants(scene, WIRE):
+        ends = []
+        for spring, rise in ((scene.spring, 0.0), (variant.scene.spring, variant.rise)):
+            points = spring.points(np.array(spring.phase_range))
+            loaded = np.array([0.0, spring.active_height + rise, 0.0])
+            ends.append((points[1] - points[0], loaded - points[0], points[0] * [1.0, 0.0, 1.0]))
+        np.testing.assert_allclose(ends[0], ends[1], atol=1e-12)
+
+
+def test_the_other_exponent_has_hertz_stiffness():
+    scene = spring_b()
+    contact = named("exponent").variants(scene, BEAM)[0].scene.contact
+    assert contact.stiffness * LIKE**1.5 == pytest.approx(scene.contact.stiffness * LIKE)
+    assert contact.sliding == "none"
+    E, nu, d = scene.material.E, scene.material.nu, scene.spring.wire_diameter
+    hertz = 4.0 / 3.0 * E / (2.0 * (1.0 - nu**2)) * math.sqrt(d / 4.0)
+    assert contact.stiffness == pytest.approx(hertz, rel=0.1)
+
+
+def test_estimates_take_each_input_once_and_leave_out_what_has_no_number():
+    base = TipCurve(np.ones(1), np.array([[0.0, -1.0, 0.0]]), "completed", None)
+
+    def by(name, percent, outcome="completed"):
+        curve = TipCurve(np.ones(1), np.array([[0.0, -1.0 - 0.01 * percent, 0.0]]), outcome, None)
+        return Change(named(name), BEAM, f"{percent}", base, curve)
+
+    changes = (
+        by("E", 3.0),
+        by("E", -2.0),
+        by("nu", 4.0),
+        by("rigid_turns", -12.0),
+        by("E", 50.0, "limit_point"),
+    )
+    study = Study(case(BARE), {BEAM: base, WIRE: base}, changes)
+    assert study.together(BEAM, (NOT_GIVEN,)) == pytest.approx(5.0)
+    assert study.together(BEAM, (NOT_GIVEN, READING)) == pytest.approx(13.0)
+    assert study.together(WIRE, (NOT_GIVEN, READING)) == 0.0
+    assert study.worst(BEAM, (NOT_GIVEN,)).largest == pytest.approx(4.0)
+    assert [item.name for item in study.ranked()] == ["rigid_turns", "nu", "E"]
+    assert study.apart_with(changes[2]) == pytest.approx(4.0)
+    assert study.apart_with(changes[4]) is None
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    """Both cases of Spring B, from the command line."""
+    out = tmp_path_factory.mktemp("sensitivity")
+    assert main(["sensitivity", "--only", f"{BARE},{CONTACT}", "--out", str(out)]) == 0
+    return out
+
+
+def rows_of(folder):
+    with open(folder / "sensitivity.csv", encoding="utf-8", newline="") as lines:
+        return list(csv.DictReader(lines))
+
+
+def test_a_row_for_every_input_case_and_model(folder):
+    rows = rows_of(folder)
+    assert all(None not in row and None not in row.values() for row in rows)  # as many cells as columns
+    found = {(row["case"], row["model"], row["input"]) for row in rows}
+    assert found == {
+        (name, model, item.name) for name in (BARE, CONTACT) for model in MODELS for item in INPUTS
+    }
+    for row in rows:
+        values = named(row["input"]).variants(case(row["case"]).scene, row["model"])
+        assert (row["outcome"] == NO_INPUT) == (not values)
+        assert (row["curve_change_percent"] != "") == (row["outcome"] == "completed")
+
+
+def test_limit_points_are_named_and_have_no_number(folder):
+    """A modulus 5 % lower brings the end of the frictionless beam, 1.028 times the load, below it."""
+    short = [row for row in rows_of(folder) if row["outcome"] not in ("completed", NO_INPUT)]
+    assert [(row["case"], row["model"], row["value"], row["outcome"]) for row in short] == [
+        (CONTACT, BEAM, "196 GPa", "limit_point")
+    ]
+    assert float(short[0]["critical_time"]) == pytest.approx(1.028 * 196.0 / 206.0, abs=1e-3)
+    page = (folder / "sensitivity.md").read_text(encoding="utf-8")
+    assert "| Young's modulus | beam | 196 GPa | limit point at t = 0.978 |  |  |  |  |  |" in page
+    assert "Spring B, beam, Young's modulus: 196 GPa: **limit point at t = 0.978**" in page
+    assert "or more" in page
+    assert "nan" not in page
+
+
+def test_the_tables_are_sorted_by_size(folder):
+    page = (folder / "sensitivity.md").read_text(encoding="utf-8")
+    table = page.split("## Spring B w/o contacts")[1].split("\n\n")[2].splitlines()[2:]
+    cells = [[cell.strip() for cell in line.split("|")[1:-1]] for line in table]
+    sizes = {row[0]: 0.0 for row in cells}
+    for row in cells:
+        sizes[row[0]] = max(sizes[row[0]], abs(float(row[6])))
+    assert len(sizes) > 4
+    assert list(sizes.values()) == sorted(sizes.values(), reverse=True)
+
+
+def test_the_figure_is_there_twice(folder):
+    assert (folder / "sensitivity.png").read_bytes().startswith(b"\x89PNG")
+    assert ElementTree.parse(folder / "sensitivity.svg").getroot().tag.endswith("svg")
+
+
+def test_bad_input(tmp_path, capsys):
+    assert main(["sensitivity", "--only", "spring-c", "--out", str(tmp_path)]) == 2
+    assert "must be names of spring-a," in capsys.readouterr().err
+    with pytest.raises(InputError, match=r"only must hold names of spring-a, .* got 'spring-c'"):
+        sensitivity(tmp_path, ["spring-c"])
