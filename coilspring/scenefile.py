@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import difflib
 import tomllib
 from collections.abc import Mapping
 from pathlib import Path
@@ -9,21 +10,26 @@ from pathlib import Path
 from coilspring.catalogue import CATALOGUE
 from coilspring.errors import InputError, shown
 from coilspring.material import Material
+from coilspring.profile import CoilSection
 from coilspring.scene import Contact, Load, Scene, Supports
 from coilspring.spring import Spring
 
-# section -> (required keys, optional keys), as the dataclasses name them
-SECTIONS: Mapping[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
+Keys = tuple[tuple[str, ...], tuple[str, ...]]  # required, optional
+ENDS = ("end_turns", "ends", "start_phase", "hand")
+# as the dataclasses name them
+SECTIONS: Mapping[str, Keys] = {
     "material": ((), ("E", "nu", "G")),
     "spring": (
         ("wire_diameter", "mean_diameter", "active_coils", "active_height"),
-        ("end_turns", "start_phase", "hand"),
+        ENDS,
     ),
     "load": (("force",), ("steps",)),
     "supports": ((), ("top_held",)),
     "contact": ((), ("enabled", "stiffness", "exponent", "sliding", "friction")),
 }
 REQUIRED_SECTIONS = ("spring", "load")
+OF_SECTIONS: Keys = (("wire_diameter", "sections"), ENDS)  # of [spring] where it has [[spring.sections]]
+COILS: Keys = (("coils", "pitch", "mean_diameter"), ())  # of [[spring.sections]]
 
 
 def load_scene(source: str | Path) -> Scene:
@@ -60,7 +66,7 @@ def scene_from_text(text: str, default_name: str = "scene") -> Scene:
     parts = {section: _section(table, section) for section in SECTIONS}
     return Scene(
         name=table.get("name", default_name),
-        spring=Spring(**parts["spring"]),
+        spring=_spring(parts["spring"]),
         load=Load(**parts["load"]),
         material=_material(parts["material"]),
         supports=Supports(**parts["supports"]),
@@ -76,18 +82,45 @@ def _section(table: Mapping[str, object], section: str) -> dict:
     keys = table.get(section, {})
     if not isinstance(keys, dict):
         raise InputError(f"{section} must be a section [{section}] with keys, got {shown(keys)}")
-    required, optional = SECTIONS[section]
-    _refuse_unknown(f"[{section}]", keys, required + optional)
+    if section == "spring" and "sections" in keys:
+        _refuse_keys(section, "[spring] with sections", keys, OF_SECTIONS)
+    else:
+        _refuse_keys(section, f"[{section}]", keys, SECTIONS[section])
+    return keys
+
+
+def _refuse_keys(field: str, where: str, keys: Mapping[str, object], known: Keys) -> None:
+    """Refuse keys that are unknown, and those that are missing."""
+    required, optional = known
+    _refuse_unknown(where, keys, required + optional)
     for key in required:
         if key not in keys:
-            raise InputError(f"{section}.{key} is missing; [{section}] requires {', '.join(required)}")
-    return keys
+            raise InputError(f"{field}.{key} is missing; {where} requires {', '.join(required)}")
 
 
 def _refuse_unknown(where: str, keys: Mapping[str, object], allowed: tuple[str, ...]) -> None:
     for key in keys:
         if key not in allowed:
-            raise InputError(f"unknown key {shown(key)} in {where}; allowed: {', '.join(allowed)}")
+            near = difflib.get_close_matches(key[:100], allowed, n=1)
+            meant = f"did you mean {near[0]}? " if near else ""
+            raise InputError(f"unknown key {shown(key)} in {where}; {meant}allowed: {', '.join(allowed)}")
+
+
+def _spring(keys: dict) -> Spring:
+    """Spring of one kind of coils, or of [[spring.sections]]."""
+    if "sections" not in keys:
+        return Spring(**keys)
+    tables = keys["sections"]
+    if not isinstance(tables, list):
+        raise InputError(f"spring.sections must be tables [[spring.sections]], got {shown(tables)}")
+    sections = []
+    for number, table in enumerate(tables, 1):
+        field = f"spring.sections[{number}]"
+        if not isinstance(table, dict):
+            raise InputError(f"{field} must be a table with {', '.join(COILS[0])}, got {shown(table)}")
+        _refuse_keys(field, f"{field} of [[spring.sections]]", table, COILS)
+        sections.append(CoilSection(**table))
+    return Spring.of_sections(**keys | {"sections": sections})
 
 
 def _material(keys: dict) -> Material:

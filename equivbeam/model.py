@@ -12,6 +12,7 @@ from coilspring.errors import InputError
 from coilspring.packing import heads, table, vector
 from coilspring.scene import Scene
 from equivbeam.band import BAND
+from equivbeam.haringx import L0
 from equivbeam.helix import Refinements
 from equivbeam.laws import LAWS, law_rows
 
@@ -27,7 +28,7 @@ class BeamModel(NamedTuple):
 
     law: int  # of the half coils, see `equivbeam.laws`
     rows: np.ndarray  # (elements, columns) parameters of the half coils, as the law reads them
-    l0: float  # length of an element at rest
+    l0: float  # mean length of an element at rest, for the paper's matrices
     held: np.ndarray  # (3,) freedoms of the last node that are held: 1.0 or 0.0
     carrier: np.ndarray  # (circles,) node that carries each circle
     offset: np.ndarray  # (circles, 2) from the node to the circle's centre, at rest
@@ -52,9 +53,15 @@ def build_model(
 
     Raises
     ------
-    InputError : where the active coils are not a whole number of half coils.
+    InputError : where the active coils are not a whole number of half coils, or the scene has what the
+        model cannot represent.
     """
     spring, contact = scene.spring, scene.contact
+    if spring.sections and tangent != "exact":
+        raise InputError(
+            f"tangent must be exact where the spring has sections: the paper's matrix is for half coils of "
+            f"one length, got {tangent!r}"
+        )
     count = round(2 * spring.active_coils)
     if abs(2 * spring.active_coils - count) > 1e-9:
         raise InputError(
@@ -103,9 +110,8 @@ def _circles(scene: Scene, count: int) -> tuple[np.ndarray, np.ndarray]:
 
 def rest_state(model: BeamModel) -> np.ndarray:
     """Positions and rotations (x, y, theta) of all nodes at rest, flat."""
-    nodes = len(model.rows) + 1
-    state = np.zeros((nodes, 3))
-    state[:, 1] = model.l0 * np.arange(nodes)
+    state = np.zeros((len(model.rows) + 1, 3))
+    state[1:, 1] = np.cumsum(model.rows[:, L0])
     return state.ravel()
 
 

@@ -3,6 +3,8 @@
 import re
 from pathlib import Path
 
+import pytest
+
 import coilspring
 import equivbeam
 import wirefe
@@ -31,8 +33,9 @@ def test_commands(tmp_path, monkeypatch):
     assert (tmp_path / "coilcheck-out/compare-spring-a/compare.json").exists()
 
 
-def test_example_scene():
-    scene = coilspring.load_scene(ROOT / "examples/progressive.toml")
+@pytest.mark.parametrize("file", sorted((ROOT / "examples").glob("*.toml")), ids=lambda file: file.stem)
+def test_example_scenes(file):
+    scene = coilspring.load_scene(file)
     beam, wire = equivbeam.solve(scene), wirefe.solve(scene)
     assert abs(beam.tips[-1, 1] / wire.tips[-1, 1] - 1.0) < 0.03
     assert wire.active_contacts[-1] > 0

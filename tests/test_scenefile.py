@@ -2,12 +2,13 @@
 
 import math
 import random
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
 import equivbeam
-from coilspring import CATALOGUE, InputError, Material, Scene, Spring, load_scene
+from coilspring import CATALOGUE, CoilSection, InputError, Material, Scene, Spring, load_scene
 from coilspring.scenefile import scene_from_text
 from validation.cli import main
 
@@ -56,6 +57,32 @@ def scene_text(changes=None, without=()):
     return "\n".join(lines) + "\n"
 
 
+SECTIONS = """\
+[spring]
+wire_diameter = 1.5
+end_turns = 1
+[[spring.sections]]
+coils = 2
+pitch = [2.0, 3]
+mean_diameter = [8, 10.0]
+[[spring.sections]]
+coils = 3.5
+pitch = 3.0
+mean_diameter = 10
+[load]
+force = [0, -10]
+"""
+
+
+def sections_text(*changes):
+    """A file with sections, in which the first place of each old text is replaced by the new one."""
+    text = SECTIONS
+    for old, new in changes:
+        assert old in text
+        text = text.replace(old, new, 1)
+    return text
+
+
 @pytest.mark.parametrize(
     ("name", "text"),
     [
@@ -83,6 +110,21 @@ def test_a_file_is_named_by_its_stem_unless_it_says_otherwise(tmp_path):
     file = tmp_path / "пружина.toml"
     file.write_bytes(b"\xef\xbb\xbf" + scene_text(without=("name",)).replace("\n", "\r\n").encode())
     assert load_scene(file).name == load_scene(str(file)).name == "пружина"
+
+
+def test_sections_take_the_place_of_the_whole_springs_numbers():
+    spring = scene_from_text(SECTIONS).spring
+    assert (spring.active_coils, spring.active_height, spring.mean_diameter) == (5.5, 15.5, (8.0, 10.0))
+    assert spring.sections == (
+        CoilSection(2.0, (2.0, 3.0), (8.0, 10.0)),
+        CoilSection(3.5, (3.0, 3.0), (10.0, 10.0)),
+    )
+    assert {type(number) for section in spring.sections for number in (section.coils, *section.pitch)} == {
+        float
+    }
+    assert replace(spring, hand="right").sections == spring.sections
+    with pytest.raises(InputError, match=r"spring\.active_height must be 15\.5, as spring\.sections have it"):
+        replace(spring, active_height=20.0)
 
 
 def test_two_moduli_say_the_same_as_poissons_ratio():
@@ -231,7 +273,7 @@ REFUSED_VALUES = [
     ({"material.G": "80000.0"}, "material", "nu or G, not both", "80000.0"),
     ({"name": "3"}, "name", "text", "3"),
     ({"name": '"  "'}, "name", "not empty", "'  '"),
-    ({"spring.wire_diamter": "1.5"}, "'wire_diamter'", "wire_diameter", "[spring]"),
+    ({"spring.wire_diamter": "1.5"}, "'wire_diamter'", "did you mean wire_diameter?", "[spring]"),
     ({"spring.Пружина": "1.5"}, "complete TOML", "line", ""),
     ({"spring.'Пружина'": "1.5"}, "'Пружина'", "wire_diameter", "[spring]"),
     ({"load.moment": "[0.0, 1.0]"}, "'moment'", "force, steps", "[load]"),
@@ -239,6 +281,7 @@ REFUSED_VALUES = [
     ({"friction.mu": "0.3"}, "'friction'", "name, material, spring", "top level"),
     ({"spring.wire_diameter" + ".a" * 3000: "1.5"}, "TOML", "", ""),
 ]
+OF_PLAIN = ("spring.mean_diameter", "spring.active_coils", "spring.active_height")
 REFUSED_TEXTS = [
     (scene_text(without=("spring.wire_diameter",)), "spring.wire_diameter is missing", "requires", ""),
     (scene_text(without=("load.force",)), "load.force is missing", "requires force", ""),
@@ -268,6 +311,27 @@ REFUSED_TEXTS = [
         "a dict too large",
     ),
     ("name = 9" + "9" * 5000, "complete TOML", "digits", ""),
+    (sections_text(("coils = 2", "coils = 0")), "spring.sections[1].coils", "[0.01, 1000]", "got 0"),
+    (sections_text(("coils = 3.5", "coils = '3'")), "spring.sections[2].coils", "number in", "'3'"),
+    (sections_text(("coils = 2", "coils = 999")), "sum of the coils", "[0.5, 1000]", "1002.5"),
+    (sections_text(("pitch = 3.0", "pitch = 1.4")), "spring.sections[2].pitch", "[1.5, 1e+09]", "1.4"),
+    (sections_text(("[2.0, 3]", "[2.0, nan]")), "spring.sections[1].pitch", "[1.5, 1e+09]", "nan"),
+    (sections_text(("[2.0, 3]", "[2.0, 3, 4]")), "spring.sections[1].pitch", "one number or two", "[2.0, 3"),
+    (sections_text(("[8, 10.0]", "[2, 10.0]")), "spring.sections[1].mean_diameter", "[3, 1e+09]", "got 2"),
+    (sections_text(("[8, 10.0]", "[8, 9.0]")), "sections[2].mean_diameter", "begin with 9.0", "got 10.0"),
+    (sections_text(("coils = 2\n", "")), "spring.sections[1].coils is missing", "requires coils", ""),
+    (sections_text(("pitch", "pich")), "'pich'", "spring.sections[1]", "did you mean pitch?"),
+    (sections_text(("[spring]", "[spring]\nactive_coils = 5.5")), "'active_coils'", "with sections", ""),
+    (sections_text(("wire_diameter = 1.5", "")), "spring.wire_diameter is missing", "requires", ""),
+    (scene_text({"spring.sections": "[]"}, without=OF_PLAIN), "spring.sections", "1 to 1000", "[]"),
+    (scene_text({"spring.sections": "3"}, without=OF_PLAIN), "spring.sections", "tables", "got 3"),
+    (scene_text({"spring.sections": "[3]"}, without=OF_PLAIN), "spring.sections[1]", "a table", "got 3"),
+    (
+        scene_text({"spring.sections": "{ coils = 3 }"}, without=OF_PLAIN),
+        "spring.sections",
+        "tables [[spring.sections]]",
+        "{'coils': 3}",
+    ),
 ]
 
 

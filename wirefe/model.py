@@ -16,7 +16,7 @@ from coilspring.scene import Scene
 from coilspring.wire import round_section
 from wirefe.beam import deformations
 from wirefe.chain import ChainPlan, plan_chain
-from wirefe.mesh import Spheres, WireMesh, mesh_wire, no_spheres, place_spheres
+from wirefe.mesh import Spheres, WireMesh, mesh_wire, no_spheres, place_spheres, refuse_kinks
 from wirefe.rod import Rod, curved_rod, straight_rod
 
 ROW = 7  # numbers of a node in the state
@@ -87,6 +87,7 @@ def build_model(
     mesh = mesh_wire(scene.spring, elements_per_turn)
     section = round_section(scene.spring.wire_diameter, scene.material)
     if element == "curved":
+        refuse_kinks(scene.spring, mesh)
         rod = curved_rod(scene.spring, mesh.phases, section)
     else:
         rod = straight_rod(mesh.points, section)
