@@ -9,7 +9,8 @@ from coilspring.errors import InputError, keep_numbers, require_choice, require_
 from coilspring.material import Material
 from coilspring.spring import Spring
 
-HELD_CHOICES = ("ux", "rotz")
+HELD_CHOICES = ("ux", "uy", "rotz")
+SEATS = ("rigid", "plate")
 SLIDING = ("free", "none", "coulomb")
 MOST_FORCE = 1e12  # N
 
@@ -36,18 +37,40 @@ class Load:
 
 @dataclass(frozen=True)
 class Supports:
-    """The bottom reference point is clamped; the top one has UZ = ROTX = ROTY = 0, and more where held."""
+    """What holds the two ends in the plane; UZ = ROTX = ROTY = 0 at both reference points always."""
 
-    top_held: tuple[str, ...] = ()  # of "ux", "rotz"
+    top_held: tuple[str, ...] = ()  # of "ux", "uy", "rotz"
+    bottom_held: tuple[str, ...] = HELD_CHOICES  # clamped; less is in no model yet
+    seat: str = "rigid"  # end turns move with their end; "plate": they rest on it, which is in no model yet
 
     def __post_init__(self) -> None:
-        if not isinstance(self.top_held, list | tuple):
+        for end in ("top_held", "bottom_held"):
+            object.__setattr__(self, end, _held(f"supports.{end}", getattr(self, end)))
+        require_choice("supports.seat", self.seat, SEATS)
+
+    def require_supported(self, model: str) -> None:
+        """Raise `InputError` for what `model` cannot represent: neither model has it."""
+        if self.bottom_held != HELD_CHOICES:
             raise InputError(
-                f"supports.top_held must be a list with items of {', '.join(HELD_CHOICES)}, "
-                f"got {shown(self.top_held)}"
+                f"supports.bottom_held is unsupported by {model} unless it is all of "
+                f"{', '.join(HELD_CHOICES)}, got {shown(list(self.bottom_held))}; the end that may move must "
+                f"be the top: turn the spring over"
             )
-        held = tuple(require_choice("supports.top_held", item, HELD_CHOICES) for item in self.top_held)
-        object.__setattr__(self, "top_held", tuple(name for name in HELD_CHOICES if name in held))
+        if self.seat != "rigid":
+            raise InputError(
+                f"supports.seat is unsupported by {model} unless it is rigid, got {shown(self.seat)}: "
+                f"end turns move with their end, there is no contact with a plate"
+            )
+
+
+def _held(field: str, names: object) -> tuple[str, ...]:
+    """Names of held freedoms in their usual order, each once."""
+    if not isinstance(names, list | tuple):
+        raise InputError(
+            f"{field} must be a list with items of {', '.join(HELD_CHOICES)}, got {shown(names)}"
+        )
+    held = tuple(require_choice(field, item, HELD_CHOICES) for item in names)
+    return tuple(name for name in HELD_CHOICES if name in held)
 
 
 FRICTION = (1e-6, 10.0)
@@ -98,9 +121,11 @@ class Scene:
     def __post_init__(self) -> None:
         if not isinstance(self.name, str) or not self.name.strip():
             raise InputError(f"name must be a text that is not empty, got {shown(self.name)}")
-        if "ux" in self.supports.top_held and self.load.force[1] == 0.0:
+        forces = dict(zip(("ux", "uy"), self.load.force, strict=True))
+        if not any(force for way, force in forces.items() if way not in self.supports.top_held):
             raise InputError(
-                f"load.force must have Fy other than 0 where the top is held in ux, got {self.load.force!r}"
+                f"load.force must have a component other than 0 in a direction that is free, got "
+                f"{self.load.force!r} with supports.top_held = {list(self.supports.top_held)!r}"
             )
 
     def without_contact(self) -> Scene:

@@ -24,7 +24,7 @@ SECTIONS: Mapping[str, Keys] = {
         ENDS,
     ),
     "load": (("force",), ("steps",)),
-    "supports": ((), ("top_held",)),
+    "supports": ((), ("top_held", "bottom_held", "seat")),
     "contact": ((), ("enabled", "stiffness", "exponent", "sliding", "friction")),
 }
 REQUIRED_SECTIONS = ("spring", "load")

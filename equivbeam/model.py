@@ -57,6 +57,7 @@ def build_model(
         model cannot represent.
     """
     spring, contact = scene.spring, scene.contact
+    scene.supports.require_supported("equivbeam")
     if spring.sections and tangent != "exact":
         raise InputError(
             f"tangent must be exact where the spring has sections: the paper's matrix is for half coils of "

@@ -252,9 +252,14 @@ REFUSED_VALUES = [
     ({"load.steps": "50.0"}, "load.steps", "integer in [1, 100000]", "50.0"),
     ({"load.steps": "true"}, "load.steps", "integer in [1, 100000]", "True"),
     ({"load.steps": HUGE}, "load.steps", "[1, 100000]", "1000"),
-    ({"supports.top_held": '"ux"'}, "supports.top_held", "ux, rotz", "'ux'"),
-    ({"supports.top_held": '["uy"]'}, "supports.top_held", "ux, rotz", "'uy'"),
-    ({"supports.top_held": "[[]]"}, "supports.top_held", "ux, rotz", "[]"),
+    ({"supports.top_held": '"ux"'}, "supports.top_held", "ux, uy, rotz", "'ux'"),
+    ({"supports.top_held": '["uz"]'}, "supports.top_held", "ux, uy, rotz", "'uz'"),
+    ({"supports.top_held": "[[]]"}, "supports.top_held", "ux, uy, rotz", "[]"),
+    ({"supports.top_held": '["ux", "uy"]'}, "load.force", "direction that is free", "['ux', 'uy']"),
+    ({"supports.top_held": '["uy", "rotz"]'}, "load.force", "direction that is free", "(0.0, -200.0)"),
+    ({"supports.bottom_held": "3"}, "supports.bottom_held", "ux, uy, rotz", "got 3"),
+    ({"supports.seat": '"floor"'}, "supports.seat", "rigid, plate", "'floor'"),
+    ({"spring.ends": '"ground"'}, "spring.ends", "closed, open", "'ground'"),
     ({"contact.enabled": "1"}, "contact.enabled", "true or false", "1"),
     ({"contact.enabled": '"yes"'}, "contact.enabled", "true or false", "'yes'"),
     ({"contact.stiffness": "0.0"}, "contact.stiffness", "[1e-09, 1e+12]", "0.0"),
@@ -382,8 +387,24 @@ def test_the_equivalent_beam_takes_whole_half_coils(tmp_path, capsys):
     assert main(["solve", str(file), "--model", "equivbeam", "--out", str(tmp_path / "out")]) == 2
     error = capsys.readouterr().err
     assert error.count("\n") == 1
-    assert "spring.active_coils must be a multiple of 0.5" in error
+    assert f"{file}: spring.active_coils must be a multiple of 0.5" in error
     assert "got 7.25" in error
+
+
+@pytest.mark.parametrize("model", ["equivbeam", "wirefe"])
+@pytest.mark.parametrize(
+    ("key", "value"), [("bottom_held", '["ux", "uy"]'), ("bottom_held", "[]"), ("seat", '"plate"')]
+)
+def test_what_a_model_cannot_represent_is_said_plainly(key, value, model, tmp_path, capsys):
+    file = tmp_path / "odd.toml"
+    file.write_text(scene_text({f"supports.{key}": value}))
+    load_scene(file)
+    assert main(["solve", str(file), "--model", model, "--out", str(tmp_path / "out")]) == 2
+    error = capsys.readouterr().err
+    assert error.count("\n") == 1
+    assert error.startswith(f"coilcheck: {file}: supports.{key} is unsupported by {model}")
+    assert value.replace('"', "'") in error
+    assert not list((tmp_path / "out").iterdir())
 
 
 def mutant(text: str, chance: random.Random) -> str:

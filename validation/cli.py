@@ -12,6 +12,7 @@ from pathlib import Path
 
 from coilspring import CATALOGUE, EquilibriumNotFound, EquilibriumPath, InputError, Scene, load_scene
 from coilspring.errors import require_integer
+from coilspring.scenefile import SECTIONS
 from validation.arguments import (
     CAMPAIGN_RANGES,
     COMMON_OPTIONS,
@@ -192,6 +193,15 @@ def _run(
         return run(scene, **_given(arguments, MODEL_OPTIONS[model]))
     except EquilibriumNotFound as error:
         return error.path
+    except InputError as error:
+        raise _in_file(arguments.scene, error) from None
+
+
+def _in_file(scene: str, error: InputError) -> InputError:
+    """What a model refuses, with the scene file where it names a key of one."""
+    if scene not in CATALOGUE and str(error).partition(".")[0] in SECTIONS:
+        return InputError(f"{scene}: {error}")
+    return error
 
 
 def _verdict(*paths: EquilibriumPath) -> int:

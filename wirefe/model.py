@@ -84,6 +84,7 @@ def build_model(
 
     `found` are pairs of spheres that touch besides those one turn apart.
     """
+    scene.supports.require_supported("wirefe")
     mesh = mesh_wire(scene.spring, elements_per_turn)
     section = round_section(scene.spring.wire_diameter, scene.material)
     if element == "curved":
