@@ -7,6 +7,7 @@ from coilspring.path import EquilibriumPath
 from coilspring.profile import CoilSection
 from coilspring.scene import Contact, Load, Scene, Supports
 from coilspring.scenefile import load_scene
+from coilspring.scenetext import scene_text
 from coilspring.spring import Spring
 
 __all__ = [
@@ -22,6 +23,7 @@ __all__ = [
     "Spring",
     "Supports",
     "load_scene",
+    "scene_text",
     "spring_a",
     "spring_b",
 ]

@@ -13,6 +13,7 @@ from pathlib import Path
 from coilspring import CATALOGUE, EquilibriumNotFound, EquilibriumPath, InputError, Scene, load_scene
 from coilspring.errors import require_integer
 from coilspring.scenefile import SECTIONS
+from coilspring.scenetext import scene_text
 from validation.arguments import (
     CAMPAIGN_RANGES,
     COMMON_OPTIONS,
@@ -44,6 +45,26 @@ def main(argv: Sequence[str] | None = None) -> int:
 def _fail(code: int, message: str) -> int:
     print("coilcheck:", " ".join(message.splitlines()), file=sys.stderr)
     return code
+
+
+def new(arguments: argparse.Namespace) -> int:
+    """Print a scene file."""
+    _say(scene_text(CATALOGUE[arguments.name]()).rstrip("\n"))
+    return COMPLETED
+
+
+def check(arguments: argparse.Namespace) -> int:
+    """Say what a scene describes."""
+    scene = load_scene(arguments.scene)
+    lines, warnings = importlib.import_module("validation.check").report(scene)
+    lines += [f"warning: {warning}" for warning in warnings]
+    if hasattr(arguments, "draw") or hasattr(arguments, "out"):
+        folder = _folder(arguments)
+        prepare(folder)
+        importlib.import_module("validation.drawing").draw(scene, folder / "spring.png")
+        lines.append(f"drawn in {folder / 'spring.png'}")
+    _say(*lines)
+    return COMPLETED
 
 
 def reproduce(arguments: argparse.Namespace) -> int:
@@ -153,6 +174,8 @@ def stability(arguments: argparse.Namespace) -> int:
 
 
 COMMANDS = {
+    "new": new,
+    "check": check,
     "reproduce": reproduce,
     "solve": solve,
     "compare": compare,
