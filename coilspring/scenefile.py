@@ -23,12 +23,13 @@ SECTIONS: Mapping[str, Keys] = {
         ("wire_diameter", "mean_diameter", "active_coils", "active_height"),
         ENDS,
     ),
-    "load": (("force",), ("steps",)),
+    "load": ((), ("force", "stages", "displacement", "steps")),
     "supports": ((), ("top_held", "bottom_held", "seat")),
     "contact": ((), ("enabled", "stiffness", "exponent", "sliding", "friction")),
 }
 REQUIRED_SECTIONS = ("spring", "load")
 OF_SECTIONS: Keys = (("wire_diameter", "sections"), ENDS)  # of [spring] where it has [[spring.sections]]
+LOADS = ("force", "stages", "displacement")  # one of them
 COILS: Keys = (("coils", "pitch", "mean_diameter"), ())  # of [[spring.sections]]
 
 
@@ -67,7 +68,7 @@ def scene_from_text(text: str, default_name: str = "scene") -> Scene:
     return Scene(
         name=table.get("name", default_name),
         spring=_spring(parts["spring"]),
-        load=Load(**parts["load"]),
+        load=_load(parts["load"]),
         material=_material(parts["material"]),
         supports=Supports(**parts["supports"]),
         contact=Contact(**parts["contact"]),
@@ -121,6 +122,16 @@ def _spring(keys: dict) -> Spring:
         _refuse_keys(field, f"{field} of [[spring.sections]]", table, COILS)
         sections.append(CoilSection(**table))
     return Spring.of_sections(**keys | {"sections": sections})
+
+
+def _load(keys: dict) -> Load:
+    """Load of one of the keys that give one."""
+    given = [key for key in LOADS if key in keys]
+    if not given:
+        raise InputError(f"load.force is missing; [load] requires {', or '.join(LOADS)}")
+    if len(given) > 1:
+        raise InputError(f"[load] takes one of {', '.join(LOADS)}, got {' and '.join(given)}")
+    return Load(**keys)
 
 
 def _material(keys: dict) -> Material:

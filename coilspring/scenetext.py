@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 
 from coilspring.profile import CoilSection
-from coilspring.scene import Contact, Scene
+from coilspring.scene import Contact, Load, Scene
 from coilspring.spring import Spring
 
 COLUMN = 36  # at which comments begin
@@ -27,16 +27,14 @@ INSTEAD = """\
 
 def scene_text(scene: Scene) -> str:
     """Commented TOML text of a scene, which reads back as the same scene."""
-    material, load, supports = scene.material, scene.load, scene.supports
+    material, supports = scene.material, scene.supports
     tables = (
         HEAD + _line("name", scene.name, "[the file's name]"),
         "[material]\n"
         + _line("E", material.E, "Young's modulus [206000]")
         + _line("nu", material.nu, "Poisson's ratio [0.3]; or G, the shear modulus"),
         _spring_text(scene.spring),
-        "[load]\n"
-        + _line("force", load.force, "Fx, Fy at the top at time 1, a dead load that grows with time")
-        + _line("steps", load.steps, "equal steps of time 0..1 at which results are wanted [50]"),
+        _load_text(scene.load),
         "[supports]\n"
         + _line("top_held", supports.top_held, "some of ux, uy, rotz, besides uz, rotx, roty [none]")
         + _line("bottom_held", supports.bottom_held, "the bottom is clamped [all three]")
@@ -72,6 +70,20 @@ def _section_text(section: CoilSection) -> str:
         + _line("pitch", section.pitch, "at the section's bottom and top, linear in the turns")
         + _line("mean_diameter", section.mean_diameter, "the same")
     )
+
+
+def _load_text(load: Load) -> str:
+    if load.stages:
+        given = _line("stages", load.stages, "forces Fx, Fy at the top, reached one after the other")
+    elif load.displacement:
+        given = _line("displacement", load.displacement, "UY of the top, reached one after the other")
+    else:
+        given = (
+            _line("force", load.force, "Fx, Fy at the top at time 1, a dead load that grows with time")
+            + "# or stages = [[0.0, -9.0], [0.0, 0.0]], forces reached one after the other, on and off,\n"
+            + "# or displacement = -10.0, UY of the top as a test machine prescribes it; or several of them\n"
+        )
+    return "[load]\n" + given + _line("steps", load.steps, "equal steps (of each stage) for results [50]")
 
 
 def _contact_text(contact: Contact) -> str:

@@ -13,7 +13,7 @@ from typing import NamedTuple
 import numpy as np
 
 from coilspring.profile import TWO_PI, CoilSection, closest
-from coilspring.scene import HELD_CHOICES, Scene
+from coilspring.scene import HELD_CHOICES, Load, Scene
 from coilspring.spring import Spring
 
 POINTS = 33  # of a section, at which what is not linear in the turns is looked at
@@ -37,7 +37,8 @@ class Sizes:
     helix_angle : largest, rad.
     rate : axial, while no coils touch, N/mm.
     closing : axial force at which the first and the last coil would close, N.
-    force : axial, of the scene's load; positive in compression, N.
+    force : largest axial one of the scene's load, positive in compression, N; of a prescribed displacement
+        by the rate.
     stress : largest shear stress in the wire under that force, MPa.
     stress_factor : of the wire's curvature, in it.
     buckling : shortening at which the straight spring buckles, mm; None where it does not.
@@ -92,7 +93,8 @@ def along(scene: Scene) -> Along:
 def sizes(scene: Scene) -> Sizes:
     """Closed-form numbers of a scene's spring; see `Sizes`."""
     spring, d, coils = scene.spring, scene.spring.wire_diameter, along(scene)
-    force = 0.0 if "uy" in scene.supports.top_held else -scene.load.force[1]
+    rate = axial_rate(scene)
+    force = 0.0 if "uy" in scene.supports.top_held else _axial_force(scene.load, rate)
     widest = float(coils.diameter.max())
     factor = stress_factor(widest / d)
     low, high = spring.height(np.array(spring.phase_range)).tolist()
@@ -105,13 +107,25 @@ def sizes(scene: Scene) -> Sizes:
         solid_length=high - low + d - spring.active_height + active,
         least_gap=least_gap(spring),
         helix_angle=float(np.arctan(coils.pitch / (math.pi * coils.diameter)).max()),
-        rate=scene.material.G * d**4 / 8.0 / sum(map(_cubes, spring.coils)),
+        rate=rate,
         closing=(float(coils.closing.min()), float(coils.closing.max())),
         force=force,
         stress=factor * 8.0 * abs(force) * widest / (math.pi * d**3),
         stress_factor=factor,
         buckling=buckling_shortening(scene),
     )
+
+
+def axial_rate(scene: Scene) -> float:
+    """Axial rate while no coils touch, N/mm."""
+    spring = scene.spring
+    return scene.material.G * spring.wire_diameter**4 / 8.0 / sum(map(_cubes, spring.coils))
+
+
+def _axial_force(load: Load, rate: float) -> float:
+    """Largest axial force of a load history, positive in compression, N; of displacements by the rate."""
+    forces = [rate * way for way in load.displacement] or [y for _, y in load.stages or (load.force,)]
+    return -max(forces, key=abs)
 
 
 def stress_factor(index: float) -> float:

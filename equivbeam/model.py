@@ -9,6 +9,7 @@ import numpy as np
 
 from coilspring.compiled import kernel
 from coilspring.errors import InputError
+from coilspring.history import Top
 from coilspring.packing import heads, table, vector
 from coilspring.scene import Scene
 from equivbeam.band import BAND
@@ -121,6 +122,12 @@ def load_vector(model: BeamModel, scene: Scene) -> np.ndarray:
     load = np.zeros(3 * len(model.rows))
     load[-3:-1] = np.array(scene.load.force) * (1.0 - model.held[:2])
     return load
+
+
+def top_place(model: BeamModel) -> Top:
+    """Where the last node's x and y are."""
+    state, free = 3 * len(model.rows), 3 * (len(model.rows) - 1)
+    return Top((state, state + 1), (free, free + 1), (free + 1) * (BAND + 1))
 
 
 def matrix_size(model: BeamModel) -> int:

@@ -46,6 +46,22 @@ def test_every_key_is_written_out():
     assert scene_from_text(scene_text(odd)) == odd
 
 
+@pytest.mark.parametrize(
+    "load", [Load(stages=((0.0, -5.0), (0.0, 0.0)), steps=3), Load(displacement=(-2.0,))]
+)
+def test_histories_are_written_out(load):
+    scene = replace(load_scene("spring-b"), load=load)
+    assert scene_from_text(scene_text(scene)) == scene
+
+
+def test_the_axial_load_is_the_largest_of_a_history():
+    scene = scene_of()
+    staged = replace(scene, load=Load(stages=((0.0, -5.0), (0.0, -30.0), (0.0, 8.0))))
+    assert sizes(staged).force == 30.0
+    driven = replace(scene, load=Load(displacement=(-2.0, 0.0)))
+    assert sizes(driven).shortening == pytest.approx(2.0)
+
+
 @pytest.mark.parametrize("name", CATALOGUE)
 def test_new_prints_a_scene_file(name, capsys):
     assert main(["new", name]) == 0

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 import equivbeam
-from coilspring import CATALOGUE, CoilSection, InputError, Material, Scene, Spring, load_scene
+from coilspring import CATALOGUE, CoilSection, InputError, Load, Material, Scene, Spring, load_scene
 from coilspring.scenefile import scene_from_text
 from validation.cli import main
 
@@ -125,6 +125,16 @@ def test_sections_take_the_place_of_the_whole_springs_numbers():
     assert replace(spring, hand="right").sections == spring.sections
     with pytest.raises(InputError, match=r"spring\.active_height must be 15\.5, as spring\.sections have it"):
         replace(spring, active_height=20.0)
+
+
+def test_loads_of_several_stages():
+    for text, load in (
+        ("stages = [[0, -10], [1, 0]]", Load(stages=((0.0, -10.0), (1.0, 0.0)))),
+        ("displacement = -10", Load(displacement=(-10.0,))),
+        ("displacement = [-10, 0.5]\nsteps = 3", Load(displacement=(-10.0, 0.5), steps=3)),
+    ):
+        assert scene_from_text(sections_text(("force = [0, -10]", text))).load == load
+    assert (load.rows, load.force, Load(stages=((0.0, -10.0), (1.0, 0.0))).force) == (6, (0, 0), (1, 0))
 
 
 def test_two_moduli_say_the_same_as_poissons_ratio():
@@ -247,11 +257,12 @@ REFUSED_VALUES = [
     ({"load.force": "[1.0, 2.0, 3.0]"}, "load.force", "two numbers", "3.0"),
     ({"load.force": "[0.0, nan]"}, "load.force", "[-1e+12, 1e+12]", "nan"),
     ({"load.force": '["0", -200.0]'}, "load.force", "number", "'0'"),
-    ({"load.force": "[-1.0, 0.0]"}, "load.force", "other than 0", "(-1.0, 0.0)"),
+    ({"load.force": "[-1.0, 0.0]"}, "load.force", "direction that is free", "(-1.0, 0.0)"),
     ({"load.steps": "0"}, "load.steps", "[1, 100000]", "0"),
     ({"load.steps": "50.0"}, "load.steps", "integer in [1, 100000]", "50.0"),
     ({"load.steps": "true"}, "load.steps", "integer in [1, 100000]", "True"),
     ({"load.steps": HUGE}, "load.steps", "[1, 100000]", "1000"),
+    ({"load.stages": "[[0, -1]]"}, "[load] takes one of", "force, stages, displacement", "force and stages"),
     ({"supports.top_held": '"ux"'}, "supports.top_held", "ux, uy, rotz", "'ux'"),
     ({"supports.top_held": '["uz"]'}, "supports.top_held", "ux, uy, rotz", "'uz'"),
     ({"supports.top_held": "[[]]"}, "supports.top_held", "ux, uy, rotz", "[]"),
@@ -281,7 +292,7 @@ REFUSED_VALUES = [
     ({"spring.wire_diamter": "1.5"}, "'wire_diamter'", "did you mean wire_diameter?", "[spring]"),
     ({"spring.Пружина": "1.5"}, "complete TOML", "line", ""),
     ({"spring.'Пружина'": "1.5"}, "'Пружина'", "wire_diameter", "[spring]"),
-    ({"load.moment": "[0.0, 1.0]"}, "'moment'", "force, steps", "[load]"),
+    ({"load.moment": "[0.0, 1.0]"}, "'moment'", "force, stages, displacement, steps", "[load]"),
     ({"colour": '"red"'}, "'colour'", "name, material, spring", "top level"),
     ({"friction.mu": "0.3"}, "'friction'", "name, material, spring", "top level"),
     ({"spring.wire_diameter" + ".a" * 3000: "1.5"}, "TOML", "", ""),
@@ -289,7 +300,12 @@ REFUSED_VALUES = [
 OF_PLAIN = ("spring.mean_diameter", "spring.active_coils", "spring.active_height")
 REFUSED_TEXTS = [
     (scene_text(without=("spring.wire_diameter",)), "spring.wire_diameter is missing", "requires", ""),
-    (scene_text(without=("load.force",)), "load.force is missing", "requires force", ""),
+    (
+        scene_text(without=("load.force",)),
+        "load.force is missing",
+        "requires force, or stages, or displacement",
+        "",
+    ),
     (scene_text(without=("spring",)), "section [spring] is missing", "[load]", ""),
     (scene_text(without=("load",)), "section [load] is missing", "[spring]", ""),
     ("", "section [spring] is missing", "[load]", ""),
@@ -316,6 +332,8 @@ REFUSED_TEXTS = [
         "a dict too large",
     ),
     ("name = 9" + "9" * 5000, "complete TOML", "digits", ""),
+    (sections_text(("force = [0, -10]", "displacement = -16")), "load.displacement", "above -15.5", "-16"),
+    (sections_text(("force = [0, -10]", "stages = [[0, 1], 2]")), "load.stages[2]", "two numbers", "got 2"),
     (sections_text(("coils = 2", "coils = 0")), "spring.sections[1].coils", "[0.01, 1000]", "got 0"),
     (sections_text(("coils = 3.5", "coils = '3'")), "spring.sections[2].coils", "number in", "'3'"),
     (sections_text(("coils = 2", "coils = 999")), "sum of the coils", "[0.5, 1000]", "1002.5"),

@@ -237,7 +237,7 @@ def _verdict(*paths: EquilibriumPath) -> int:
 
 def _digest(path: EquilibriumPath) -> list[str]:
     """A path for a reader at the terminal."""
-    lines = [f"{path.model}: {path.outcome}, {len(path.times)} of {path.scene.load.steps} steps"]
+    lines = [f"{path.model}: {path.outcome}, {len(path.times)} of {path.scene.load.rows} steps"]
     if len(path.times):
         ux, uy, rotz = path.tips[-1]
         lines.append(f"  tip at time {path.times[-1]:g}: ux {ux:.6g} mm, uy {uy:.6g} mm, rotz {rotz:.6g} rad")

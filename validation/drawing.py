@@ -15,7 +15,7 @@ from matplotlib.colors import LinearSegmentedColormap
 from matplotlib.figure import Figure
 
 from coilspring import Scene, Spring
-from coilspring.sizing import along
+from coilspring.sizing import along, sizes
 from validation.figures import save
 from validation.style import BLUE, DOUBLE, RC, RED
 
@@ -67,7 +67,7 @@ def _discs(axes: Axes, centres: np.ndarray, diameter: float, **look: Any) -> Non
 
 def _coils(plots: Sequence[Axes], scene: Scene) -> None:
     """Diameter, pitch and closing force along the active coils."""
-    coils, load = along(scene), -scene.load.force[1]
+    coils, load = along(scene), sizes(scene).force
     for axes, values, limit, label in (
         (plots[0], coils.diameter, None, "coil diameter (mm)"),
         (plots[1], coils.pitch, scene.spring.wire_diameter, "pitch; wire, dashed (mm)"),

@@ -11,6 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from coilspring.compiled import kernel
+from coilspring.history import Top
 from coilspring.packing import heads, stack, table, vector
 from coilspring.scene import Scene
 from coilspring.wire import round_section
@@ -160,6 +161,12 @@ def rest_state(rod: Rod, arm: np.ndarray) -> np.ndarray:
 def load_vector(rod: Rod) -> np.ndarray:
     """Load at time 1, flat; held freedoms carry none."""
     return np.where(rod.held, 0.0, rod.loads).ravel()
+
+
+def top_place(rod: Rod) -> Top:
+    """Where the x and y of the top end's reference point are."""
+    node = len(rod.points) - 1
+    return Top((ROW * node, ROW * node + 1), (6 * node, 6 * node + 1), 36 * node + 7)
 
 
 def matrix_size(model: WireModel) -> int:
