@@ -29,6 +29,7 @@ SECTIONS: Mapping[str, Keys] = {
 }
 REQUIRED_SECTIONS = ("spring", "load")
 OF_SECTIONS: Keys = (("wire_diameter", "sections"), ENDS)  # of [spring] where it has [[spring.sections]]
+MOST_BYTES = 1_000_000
 LOADS = ("force", "stages", "displacement")  # one of them
 COILS: Keys = (("coils", "pitch", "mean_diameter"), ())  # of [[spring.sections]]
 
@@ -44,17 +45,26 @@ def load_scene(source: str | Path) -> Scene:
         return CATALOGUE[str(source)]()
     path = Path(source)
     try:
-        text = path.read_text(encoding="utf-8-sig")  # some editors write a mark first
-    except (OSError, ValueError) as error:
-        reason = getattr(error, "strerror", None) or "not a UTF-8 text file"
+        with path.open("rb") as file:
+            data = file.read(MOST_BYTES + 1)
+    except (OSError, ValueError) as error:  # a path with a zero byte is a ValueError
         raise InputError(
             f"SCENE must be one of {', '.join(CATALOGUE)} or a readable TOML file, "
-            f"got {shown(str(source))} ({reason})"
+            f"got {str(source)!r} ({getattr(error, 'strerror', None) or error})"
         ) from None
     try:
-        return scene_from_text(text, path.stem)
+        return scene_from_text(_decoded(data), path.stem)
     except InputError as error:
         raise InputError(f"{path}: {error}") from None
+
+
+def _decoded(data: bytes) -> str:
+    if len(data) > MOST_BYTES:
+        raise InputError(f"the file must be a scene of at most {MOST_BYTES} bytes, but it has more")
+    try:
+        return data.decode("utf-8-sig")  # some editors write a mark first
+    except UnicodeDecodeError as error:
+        raise InputError(f"the file must be UTF-8 text, but it is not from byte {error.start} on") from None
 
 
 def scene_from_text(text: str, default_name: str = "scene") -> Scene:
