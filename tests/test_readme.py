@@ -23,13 +23,18 @@ def test_python_blocks(capsys):
     assert "-19.8" in capsys.readouterr().out
 
 
-def test_commands(tmp_path, monkeypatch):
+def test_commands(tmp_path, monkeypatch, capsys):
     """The lines of the usage block; the two main commands are what CI runs."""
     monkeypatch.chdir(tmp_path)
     lines = re.findall(r"^\.venv/bin/coilcheck (.*?)\s*(?:#.*)?$", TEXT, re.MULTILINE)
-    assert len(lines) == 3
+    assert len(lines) == 5
     for line in lines[:2]:
         assert main(line.split()) == 0
+    command, _, file = lines[3].partition(" > ")
+    capsys.readouterr()
+    assert main(command.split()) == 0
+    Path(file).write_text(capsys.readouterr().out, encoding="utf-8")
+    assert main(lines[4].split()) == 0
     assert (tmp_path / "coilcheck-out/solve-spring-b/path.csv").exists()
     assert (tmp_path / "coilcheck-out/compare-spring-a/compare.json").exists()
 
