@@ -9,8 +9,8 @@ from typing import Any
 
 import numpy as np
 
+from coilspring.driving import Top, stages
 from coilspring.errors import EquilibriumNotFound
-from coilspring.history import Top, stages
 from coilspring.interrupt import interruptible
 from coilspring.kernelset import Kernels
 from coilspring.packing import pack
@@ -102,7 +102,7 @@ def follow_load(
     limit: int = MOST_ITERATIONS,
     predictor: bool = True,
 ) -> Run:
-    """Follow the scene's load with a model's kernels; `driven` are those with `coilspring.history.drive`."""
+    """Follow the scene's load with a model's kernels; `driven` are those with `coilspring.driving.drive`."""
     length = scene.spring.wire_diameter
     controls: dict[str, Any] = {"limit": limit, "predictor": predictor}
     if not (scene.load.stages or scene.load.displacement):

@@ -1,9 +1,9 @@
-"""The model's energy with what acts on the top besides a growing load: see `coilspring.history`."""
+"""The model's energy with what acts on the top besides a growing load: see `coilspring.driving`."""
 
 from __future__ import annotations
 
 from coilspring.compiled import kernel
-from coilspring.history import drive
+from coilspring.driving import drive
 from equivbeam import kernels
 
 

@@ -8,8 +8,8 @@ from typing import NamedTuple
 import numpy as np
 
 from coilspring.compiled import kernel
+from coilspring.driving import Top
 from coilspring.errors import InputError
-from coilspring.history import Top
 from coilspring.packing import heads, table, vector
 from coilspring.scene import Scene
 from equivbeam.band import BAND

@@ -8,7 +8,8 @@ import pytest
 import equivbeam
 import wirefe
 from coilspring import Contact, EquilibriumNotFound, InputError, Load, Supports, spring_a, spring_b
-from coilspring.history import Drive, machine_stiffness
+from coilspring.driving import Drive
+from coilspring.history import loads, machine_stiffness
 from coilspring.packing import pack
 from coilspring.sizing import axial_rate
 from equivbeam.contact import MEMORY
@@ -195,6 +196,12 @@ def test_reactions_are_compared_where_the_way_is_prescribed():
     assert found.component_max.keys() == {"uy"}
     apart = np.abs(beam.loads[:, 1] - wire_path.loads[:, 1]).max() / np.abs(wire_path.loads[:, 1]).max()
     assert 1e-3 < found.curve_max == pytest.approx(apart)
+
+
+def test_one_force_grows_with_time_beyond_time_1_too():
+    """Where a traced path may end."""
+    found = loads(spring_a(), np.array([-0.1, 0.5, 1.02]), np.zeros((3, 3)))
+    np.testing.assert_allclose(found, [[0.9, 0.4], [-4.5, -2.0], [-9.18, -4.08]])
 
 
 def test_what_takes_one_force_alone_says_so():

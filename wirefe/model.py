@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from coilspring.compiled import kernel
-from coilspring.history import Top
+from coilspring.driving import Top
 from coilspring.packing import heads, stack, table, vector
 from coilspring.scene import Scene
 from coilspring.wire import round_section
