@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Protocol
 import numpy as np
 
 from coilspring.errors import InputError
+from coilspring.history import loads
 from coilspring.scene import Scene
 
 if TYPE_CHECKING:
@@ -111,8 +112,8 @@ class EquilibriumPath:
 
     @property
     def loads(self) -> np.ndarray:
-        """Load at the top reference point, shape (steps, 2), N."""
-        return self.times[:, None] * np.array(self.scene.load.force)
+        """Load at the top reference point, shape (steps, 2), N; the reaction to a prescribed displacement."""
+        return loads(self.scene, self.times, self.tips)
 
     @cached_property
     def tips(self) -> np.ndarray:

@@ -7,47 +7,128 @@ from dataclasses import dataclass, field, replace
 
 from coilspring.errors import InputError, keep_numbers, require_choice, require_integer, require_number, shown
 from coilspring.material import Material
+from coilspring.profile import LONGEST
 from coilspring.spring import Spring
 
-HELD_CHOICES = ("ux", "rotz")
+HELD_CHOICES = ("ux", "uy", "rotz")
+SEATS = ("rigid", "plate")
 SLIDING = ("free", "none", "coulomb")
 MOST_FORCE = 1e12  # N
+MOST_STAGES = 1000
 
 
 @dataclass(frozen=True)
 class Load:
-    """Dead load at the top reference point, growing in proportion to time 0..1."""
+    """Load at the top reference point over time 0..1: one of `force`, `stages` and `displacement`.
 
-    force: tuple[float, float]  # (Fx, Fy) at time 1, N
-    steps: int = 50  # equal steps of time at which results are wanted
+    Attributes
+    ----------
+    force : dead load (Fx, Fy) at time 1, growing in proportion to time, N; of stages, the last one.
+    steps : equal steps of time of each stage at which results are wanted.
+    stages : dead loads (Fx, Fy) reached one after the other at equal intervals of time, along straight
+        lines, N.
+    displacement : UY of the top, prescribed by a test machine in the same way, mm; one or several.
+    """
+
+    force: tuple[float, float] = (0.0, 0.0)
+    steps: int = 50
+    stages: tuple[tuple[float, float], ...] = ()
+    displacement: tuple[float, ...] = ()
 
     def __post_init__(self) -> None:
-        if not isinstance(self.force, list | tuple) or len(self.force) != 2:
-            raise InputError(f"load.force must be two numbers [Fx, Fy], got {shown(self.force)}")
-        pair = tuple(require_number("load.force", value, -MOST_FORCE, MOST_FORCE) for value in self.force)
-        if not any(pair):
+        object.__setattr__(self, "steps", require_integer("load.steps", self.steps, 1, 100_000))
+        given = self.force
+        object.__setattr__(self, "force", _force("load.force", given))
+        if self.stages != ():
+            self._keep_stages()
+        elif self.displacement != ():
+            self._keep_displacement()
+        elif not any(self.force):
             raise InputError(
                 f"load.force must be two numbers in [{-MOST_FORCE:g}, {MOST_FORCE:g}], not both zero, "
-                f"got {shown(self.force)}"
+                f"got {shown(given)}"
             )
-        object.__setattr__(self, "force", pair)
-        object.__setattr__(self, "steps", require_integer("load.steps", self.steps, 1, 100_000))
+
+    def _keep_stages(self) -> None:
+        if self.displacement != ():
+            raise InputError("load takes stages or displacement, not both")
+        if not isinstance(self.stages, list | tuple):
+            raise InputError(f"load.stages must be a list of forces [Fx, Fy], got {shown(self.stages)}")
+        stages = [_force(f"load.stages[{i}]", stage) for i, stage in enumerate(self.stages, 1)]
+        object.__setattr__(self, "stages", _changing("load.stages", stages, (0.0, 0.0)))
+        if any(self.force) and self.force != stages[-1]:
+            raise InputError(
+                f"load.force must be left out beside load.stages, or be the last of them, got {self.force!r}"
+            )
+        object.__setattr__(self, "force", stages[-1])
+
+    def _keep_displacement(self) -> None:
+        if any(self.force):
+            raise InputError(f"load.force must be left out beside load.displacement, got {self.force!r}")
+        ways = self.displacement if isinstance(self.displacement, list | tuple) else (self.displacement,)
+        kept = [require_number("load.displacement", way, -LONGEST, LONGEST) for way in ways]
+        object.__setattr__(self, "displacement", _changing("load.displacement", kept, 0.0))
+
+    @property
+    def rows(self) -> int:
+        """Results wanted in all."""
+        return self.steps * (len(self.stages) or len(self.displacement) or 1)
+
+
+def _force(field: str, value: object) -> tuple[float, float]:
+    """Fx and Fy."""
+    if not isinstance(value, list | tuple) or len(value) != 2:
+        raise InputError(f"{field} must be two numbers [Fx, Fy], got {shown(value)}")
+    x, y = (require_number(field, item, -MOST_FORCE, MOST_FORCE) for item in value)
+    return x, y
+
+
+def _changing(field: str, values: list, start: object) -> tuple:
+    """Values reached one after the other, each of which differs from the one before."""
+    if not 1 <= len(values) <= MOST_STAGES:
+        raise InputError(f"{field} must be 1 to {MOST_STAGES} stages, got {len(values)}")
+    for number, (before, after) in enumerate(zip([start, *values], values, strict=False), 1):
+        if before == after:
+            raise InputError(f"{field}[{number}] must differ from what it begins with, {before}, got {after}")
+    return tuple(values)
 
 
 @dataclass(frozen=True)
 class Supports:
-    """The bottom reference point is clamped; the top one has UZ = ROTX = ROTY = 0, and more where held."""
+    """What holds the two ends in the plane; UZ = ROTX = ROTY = 0 at both reference points always."""
 
-    top_held: tuple[str, ...] = ()  # of "ux", "rotz"
+    top_held: tuple[str, ...] = ()  # of "ux", "uy", "rotz"
+    bottom_held: tuple[str, ...] = HELD_CHOICES  # clamped; less is in no model yet
+    seat: str = "rigid"  # end turns move with their end; "plate": they rest on it, which is in no model yet
 
     def __post_init__(self) -> None:
-        if not isinstance(self.top_held, list | tuple):
+        for end in ("top_held", "bottom_held"):
+            object.__setattr__(self, end, _held(f"supports.{end}", getattr(self, end)))
+        require_choice("supports.seat", self.seat, SEATS)
+
+    def require_supported(self, model: str) -> None:
+        """Raise `InputError` for what `model` cannot represent: neither model has it."""
+        if self.bottom_held != HELD_CHOICES:
             raise InputError(
-                f"supports.top_held must be a list with items of {', '.join(HELD_CHOICES)}, "
-                f"got {shown(self.top_held)}"
+                f"supports.bottom_held is unsupported by {model} unless it is all of "
+                f"{', '.join(HELD_CHOICES)}, got {shown(list(self.bottom_held))}; the end that may move must "
+                f"be the top: turn the spring over"
             )
-        held = tuple(require_choice("supports.top_held", item, HELD_CHOICES) for item in self.top_held)
-        object.__setattr__(self, "top_held", tuple(name for name in HELD_CHOICES if name in held))
+        if self.seat != "rigid":
+            raise InputError(
+                f"supports.seat is unsupported by {model} unless it is rigid, got {shown(self.seat)}: "
+                f"end turns move with their end, there is no contact with a plate"
+            )
+
+
+def _held(field: str, names: object) -> tuple[str, ...]:
+    """Names of held freedoms in their usual order, each once."""
+    if not isinstance(names, list | tuple):
+        raise InputError(
+            f"{field} must be a list with items of {', '.join(HELD_CHOICES)}, got {shown(names)}"
+        )
+    held = tuple(require_choice(field, item, HELD_CHOICES) for item in names)
+    return tuple(name for name in HELD_CHOICES if name in held)
 
 
 FRICTION = (1e-6, 10.0)
@@ -98,10 +179,29 @@ class Scene:
     def __post_init__(self) -> None:
         if not isinstance(self.name, str) or not self.name.strip():
             raise InputError(f"name must be a text that is not empty, got {shown(self.name)}")
-        if "ux" in self.supports.top_held and self.load.force[1] == 0.0:
-            raise InputError(
-                f"load.force must have Fy other than 0 where the top is held in ux, got {self.load.force!r}"
-            )
+        if self.load.displacement:
+            self._check_displacement()
+            return
+        free = [way not in self.supports.top_held for way in ("ux", "uy")]
+        before = (0.0, 0.0)
+        for force in self.load.stages or (self.load.force,):
+            if not any(old != new and way for old, new, way in zip(before, force, free, strict=True)):
+                key = "load.stages" if self.load.stages else "load.force"
+                raise InputError(
+                    f"{key} must change in a direction that is free, got {force!r} with "
+                    f"supports.top_held = {list(self.supports.top_held)!r}"
+                )
+            before = force
+
+    def _check_displacement(self) -> None:
+        if "uy" in self.supports.top_held:
+            raise InputError("supports.top_held must be without uy where load.displacement prescribes it")
+        least = -self.spring.active_height
+        for way in self.load.displacement:
+            if way <= least:
+                raise InputError(
+                    f"load.displacement must be above {least:g}, where the top meets the bottom, got {way!r}"
+                )
 
     def without_contact(self) -> Scene:
         """The same scene with contact switched off."""

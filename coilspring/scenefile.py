@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import difflib
 import tomllib
 from collections.abc import Mapping
 from pathlib import Path
@@ -9,21 +10,28 @@ from pathlib import Path
 from coilspring.catalogue import CATALOGUE
 from coilspring.errors import InputError, shown
 from coilspring.material import Material
+from coilspring.profile import CoilSection
 from coilspring.scene import Contact, Load, Scene, Supports
 from coilspring.spring import Spring
 
-# section -> (required keys, optional keys), as the dataclasses name them
-SECTIONS: Mapping[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
+Keys = tuple[tuple[str, ...], tuple[str, ...]]  # required, optional
+ENDS = ("end_turns", "ends", "start_phase", "hand")
+# as the dataclasses name them
+SECTIONS: Mapping[str, Keys] = {
     "material": ((), ("E", "nu", "G")),
     "spring": (
         ("wire_diameter", "mean_diameter", "active_coils", "active_height"),
-        ("end_turns", "start_phase", "hand"),
+        ENDS,
     ),
-    "load": (("force",), ("steps",)),
-    "supports": ((), ("top_held",)),
+    "load": ((), ("force", "stages", "displacement", "steps")),
+    "supports": ((), ("top_held", "bottom_held", "seat")),
     "contact": ((), ("enabled", "stiffness", "exponent", "sliding", "friction")),
 }
 REQUIRED_SECTIONS = ("spring", "load")
+OF_SECTIONS: Keys = (("wire_diameter", "sections"), ENDS)  # of [spring] where it has [[spring.sections]]
+MOST_BYTES = 1_000_000
+LOADS = ("force", "stages", "displacement")  # one of them
+COILS: Keys = (("coils", "pitch", "mean_diameter"), ())  # of [[spring.sections]]
 
 
 def load_scene(source: str | Path) -> Scene:
@@ -37,17 +45,26 @@ def load_scene(source: str | Path) -> Scene:
         return CATALOGUE[str(source)]()
     path = Path(source)
     try:
-        text = path.read_text(encoding="utf-8-sig")  # some editors write a mark first
-    except (OSError, ValueError) as error:
-        reason = getattr(error, "strerror", None) or "not a UTF-8 text file"
+        with path.open("rb") as file:
+            data = file.read(MOST_BYTES + 1)
+    except (OSError, ValueError) as error:  # a path with a zero byte is a ValueError
         raise InputError(
             f"SCENE must be one of {', '.join(CATALOGUE)} or a readable TOML file, "
-            f"got {shown(str(source))} ({reason})"
+            f"got {str(source)!r} ({getattr(error, 'strerror', None) or error})"
         ) from None
     try:
-        return scene_from_text(text, path.stem)
+        return scene_from_text(_decoded(data), path.stem)
     except InputError as error:
         raise InputError(f"{path}: {error}") from None
+
+
+def _decoded(data: bytes) -> str:
+    if len(data) > MOST_BYTES:
+        raise InputError(f"the file must be a scene of at most {MOST_BYTES} bytes, but it has more")
+    try:
+        return data.decode("utf-8-sig")  # some editors write a mark first
+    except UnicodeDecodeError as error:
+        raise InputError(f"the file must be UTF-8 text, but it is not from byte {error.start} on") from None
 
 
 def scene_from_text(text: str, default_name: str = "scene") -> Scene:
@@ -60,8 +77,8 @@ def scene_from_text(text: str, default_name: str = "scene") -> Scene:
     parts = {section: _section(table, section) for section in SECTIONS}
     return Scene(
         name=table.get("name", default_name),
-        spring=Spring(**parts["spring"]),
-        load=Load(**parts["load"]),
+        spring=_spring(parts["spring"]),
+        load=_load(parts["load"]),
         material=_material(parts["material"]),
         supports=Supports(**parts["supports"]),
         contact=Contact(**parts["contact"]),
@@ -76,18 +93,55 @@ def _section(table: Mapping[str, object], section: str) -> dict:
     keys = table.get(section, {})
     if not isinstance(keys, dict):
         raise InputError(f"{section} must be a section [{section}] with keys, got {shown(keys)}")
-    required, optional = SECTIONS[section]
-    _refuse_unknown(f"[{section}]", keys, required + optional)
+    if section == "spring" and "sections" in keys:
+        _refuse_keys(section, "[spring] with sections", keys, OF_SECTIONS)
+    else:
+        _refuse_keys(section, f"[{section}]", keys, SECTIONS[section])
+    return keys
+
+
+def _refuse_keys(field: str, where: str, keys: Mapping[str, object], known: Keys) -> None:
+    """Refuse keys that are unknown, and those that are missing."""
+    required, optional = known
+    _refuse_unknown(where, keys, required + optional)
     for key in required:
         if key not in keys:
-            raise InputError(f"{section}.{key} is missing; [{section}] requires {', '.join(required)}")
-    return keys
+            raise InputError(f"{field}.{key} is missing; {where} requires {', '.join(required)}")
 
 
 def _refuse_unknown(where: str, keys: Mapping[str, object], allowed: tuple[str, ...]) -> None:
     for key in keys:
         if key not in allowed:
-            raise InputError(f"unknown key {shown(key)} in {where}; allowed: {', '.join(allowed)}")
+            near = difflib.get_close_matches(key[:100], allowed, n=1)
+            meant = f"did you mean {near[0]}? " if near else ""
+            raise InputError(f"unknown key {shown(key)} in {where}; {meant}allowed: {', '.join(allowed)}")
+
+
+def _spring(keys: dict) -> Spring:
+    """Spring of one kind of coils, or of [[spring.sections]]."""
+    if "sections" not in keys:
+        return Spring(**keys)
+    tables = keys["sections"]
+    if not isinstance(tables, list):
+        raise InputError(f"spring.sections must be tables [[spring.sections]], got {shown(tables)}")
+    sections = []
+    for number, table in enumerate(tables, 1):
+        field = f"spring.sections[{number}]"
+        if not isinstance(table, dict):
+            raise InputError(f"{field} must be a table with {', '.join(COILS[0])}, got {shown(table)}")
+        _refuse_keys(field, f"{field} of [[spring.sections]]", table, COILS)
+        sections.append(CoilSection(**table))
+    return Spring.of_sections(**keys | {"sections": sections})
+
+
+def _load(keys: dict) -> Load:
+    """Load of one of the keys that give one."""
+    given = [key for key in LOADS if key in keys]
+    if not given:
+        raise InputError(f"load.force is missing; [load] requires {', or '.join(LOADS)}")
+    if len(given) > 1:
+        raise InputError(f"[load] takes one of {', '.join(LOADS)}, got {' and '.join(given)}")
+    return Load(**keys)
 
 
 def _material(keys: dict) -> Material:

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import time
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
+from coilspring.driving import Top, stages
 from coilspring.errors import EquilibriumNotFound
 from coilspring.interrupt import interruptible
 from coilspring.kernelset import Kernels
@@ -36,6 +37,7 @@ class Problem:
     memory : (pairs, m) contact memory at rest.
     matrix_size : length of the model's matrix in its own storage.
     lean : the matrix is costly: left out where it is not factored, and its factor is kept longer.
+    top : where the top reference point is in the state; for loads of several stages.
     """
 
     data: Any
@@ -44,6 +46,7 @@ class Problem:
     memory: np.ndarray
     matrix_size: int
     lean: bool = False
+    top: Top | None = None
 
 
 @dataclass(frozen=True)
@@ -88,20 +91,57 @@ def follow_problem(
 
 def output_times(scene: Scene) -> np.ndarray:
     """Times at which the scene wants results."""
-    return np.arange(1, scene.load.steps + 1) / scene.load.steps
+    return np.arange(1, scene.load.rows + 1) / scene.load.rows
 
 
 def follow_load(
     scene: Scene,
     problem: Problem,
     kernels: Kernels,
+    driven: Kernels,
     *,
     limit: int = MOST_ITERATIONS,
     predictor: bool = True,
 ) -> Run:
-    """Follow the scene's load with a model's kernels."""
+    """Follow the scene's load with a model's kernels; `driven` are those with `coilspring.driving.drive`."""
     length = scene.spring.wire_diameter
-    return follow_problem(problem, kernels, output_times(scene), length, limit=limit, predictor=predictor)
+    controls: dict[str, Any] = {"limit": limit, "predictor": predictor}
+    if not (scene.load.stages or scene.load.displacement):
+        return follow_problem(problem, kernels, output_times(scene), length, **controls)
+    assert problem.top is not None
+    runs: list[Run] = []
+    times = np.arange(1, scene.load.steps + 1) / scene.load.steps
+    for drive, growing in stages(scene, problem.top):
+        load = np.zeros_like(problem.load)
+        load[list(problem.top.freedom)] = growing
+        problem = replace(problem, data=(problem.data, drive), load=load)
+        runs.append(follow_problem(problem, driven, times, length, **controls))
+        track = runs[-1].track
+        if track.outcome != COMPLETED:
+            break
+        problem = replace(
+            problem, data=problem.data[0], start=track.states[-1], memory=track.memories[-1].copy()
+        )
+    return _joined(runs, scene.load.rows // scene.load.steps, problem.load)
+
+
+def _joined(runs: list[Run], count: int, load: np.ndarray) -> Run:
+    """Run through the first of `count` stages, each of which took the times 0..1; `load` grew in the last."""
+    tracks = [run.track for run in runs]
+    last = tracks[-1]
+    track = last._replace(
+        states=np.concatenate([track.states for track in tracks]),
+        memories=np.concatenate([track.memories for track in tracks]),
+        iterations=np.concatenate([track.iterations for track in tracks]),
+        time=(len(runs) - 1 + last.time) / count,
+        bracket=last.bracket / count,
+        checks=sum(track.checks for track in tracks),
+        pairs=sum(track.pairs for track in tracks),
+    )
+    seconds, compiled = (
+        sum(getattr(run, name) for run in runs) for name in ("solve_seconds", "compile_seconds")
+    )
+    return Run(track, *_verdict(track, load), seconds, compiled)
 
 
 def scene_path(

@@ -1,20 +1,35 @@
-"""The spring at rest: a wire on a helix, closed end turns included."""
+"""The spring at rest: a wire on a helix, end turns included."""
 
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
 
 import numpy as np
 
-from coilspring.errors import InputError, keep_numbers, require_choice, require_number, shown
+from coilspring.errors import InputError, keep_numbers, require_choice, require_number
+from coilspring.profile import (
+    ACTIVE_COILS,
+    LONGEST,
+    SAME,
+    TWO_PI,
+    CoilSection,
+    Profile,
+    both_ends,
+    checked_sections,
+    closest,
+    profile,
+    totals,
+)
 
 HANDS = ("left", "right")
-TWO_PI = 2.0 * math.pi
-LONGEST = 1e9  # mm
+ENDS = ("closed", "open")
 RANGES = {
     "wire_diameter": (1e-6, 1e6),  # a fourth power of it must not vanish
-    "active_coils": (0.5, 1000.0),
+    "active_coils": ACTIVE_COILS,
     "active_height": (1e-6, LONGEST),
     "end_turns": (0.0, 100.0),
     "start_phase": (-1e3, 1e3),
@@ -23,10 +38,10 @@ RANGES = {
 
 @dataclass(frozen=True)
 class Spring:
-    """Helical compression spring with coils of linearly varying diameter.
+    """Helical compression spring with coils of linearly varying diameter, or of several sections.
 
     The phase `phi` runs along the wire and is zero at the first active point, 2 pi n at the last;
-    the closed end turns are the phases below and above. The axis is Y.
+    the end turns are the phases below and above. The axis is Y.
 
     Attributes
     ----------
@@ -35,10 +50,13 @@ class Spring:
         stands for both.
     active_coils : n.
     active_height : axial length of the active part at rest, mm.
-    end_turns : closed turns at each end, rigid, of pitch d; 0 or at least 0.5.
+    end_turns : turns at each end, rigid; 0 or at least 0.5.
     start_phase : angle from X towards Z of the first active point, rad.
     hand : "left" is the helix as the project draws it, X = R cos, Z = R sin with Y rising; "right"
         is its mirror image in the X-Y plane.
+    ends : "closed" end turns have the pitch d, "open" ones keep that of the coils next to them.
+    sections : of the active part from bottom to top, as `Spring.of_sections` takes them; empty for coils
+        of one pitch and linearly varying diameter.
     """
 
     wire_diameter: float
@@ -48,22 +66,51 @@ class Spring:
     end_turns: float = 1.0
     start_phase: float = 0.0
     hand: str = "left"
+    ends: str = "closed"
+    sections: tuple[CoilSection, ...] = ()
 
     def __post_init__(self) -> None:
         keep_numbers(self, "spring", RANGES)
-        object.__setattr__(self, "mean_diameter", _both_ends(self.mean_diameter, self.wire_diameter))
+        diameters = both_ends("spring.mean_diameter", self.mean_diameter, 2.0 * self.wire_diameter)  # index 2
+        object.__setattr__(self, "mean_diameter", diameters)
         if 0.0 < self.end_turns < 0.5:
             raise InputError(f"spring.end_turns must be 0 or a number in [0.5, 100], got {self.end_turns!r}")
         require_choice("spring.hand", self.hand, HANDS)
-        self._refuse_overlap()
+        require_choice("spring.ends", self.ends, ENDS)
+        if self.sections:
+            self._keep_sections()
+        else:
+            self._refuse_overlap()
+
+    @classmethod
+    def of_sections(cls, wire_diameter: float, sections: Sequence[CoilSection], **others: Any) -> Spring:
+        """Spring of sections from bottom to top; `others` are its end turns, start phase, hand and ends.
+
+        Raises
+        ------
+        InputError : a number out of its range, or diameters that differ where two sections meet.
+        """
+        d = require_number("spring.wire_diameter", wire_diameter, *RANGES["wire_diameter"])
+        checked = checked_sections(sections, d)
+        return cls(d, **totals(checked), **others, sections=checked)
+
+    def _keep_sections(self) -> None:
+        """Check the sections, and that the numbers of the whole spring are theirs."""
+        object.__setattr__(self, "sections", checked_sections(self.sections, self.wire_diameter))
+        for name, total in totals(self.sections).items():
+            given = getattr(self, name)
+            if not np.allclose(given, total, rtol=SAME, atol=0.0):
+                raise InputError(
+                    f"spring.{name} must be {total!r}, as spring.sections have it, got {given!r}"
+                )
 
     def _refuse_overlap(self) -> None:
         """Refuse neighbouring coils whose wires run into each other at rest."""
         d = self.wire_diameter
         step = abs(self.mean_diameter[1] - self.mean_diameter[0]) / 2.0 / self.active_coils
         # Coils of a cone may nest, but not where the cone passes into an end turn, a cylinder.
-        least = d if self.end_turns > 0.0 else math.sqrt(max(d**2 - step**2, 0.0))
-        if self.pitch < least * (1.0 - 1e-9):
+        least = d if self.end_turns > 0.0 else closest(d, step)
+        if self.pitch < least * (1.0 - SAME):
             raise InputError(
                 f"spring.active_height must be a number in [{least * self.active_coils:g}, "
                 f"{RANGES['active_height'][1]:g}] so that the coils do not overlap at rest, "
@@ -72,7 +119,7 @@ class Spring:
 
     @property
     def pitch(self) -> float:
-        """Axial distance of neighbouring active coils, mm."""
+        """Axial distance of neighbouring active coils, mm; of several sections, its mean."""
         return self.active_height / self.active_coils
 
     @property
@@ -86,17 +133,35 @@ class Spring:
         ends = TWO_PI * self.end_turns
         return -ends, self.phase_end + ends
 
+    @cached_property
+    def coils(self) -> tuple[CoilSection, ...]:
+        """The active part as sections: one, unless it has several."""
+        pitch = (self.pitch, self.pitch)
+        return self.sections or (CoilSection(self.active_coils, pitch, self.mean_diameter),)
+
+    @cached_property
+    def profile(self) -> Profile:
+        """Radius and height of the active part."""
+        return profile(self.coils)
+
+    @property
+    def end_pitch(self) -> tuple[float, float]:
+        """Pitch of the end turns at the bottom and at the top, mm."""
+        if self.ends == "closed":
+            return self.wire_diameter, self.wire_diameter
+        return self.coils[0].pitch[0], self.coils[-1].pitch[1]
+
     def radius(self, phi: np.ndarray) -> np.ndarray:
-        """Coil radius at the phases `phi`, mm: linear in the active part, constant in the end turns."""
-        bottom, top = self.mean_diameter
-        share = np.clip(np.asarray(phi) / self.phase_end, 0.0, 1.0)
-        return 0.5 * (bottom + (top - bottom) * share)
+        """Coil radius at the phases `phi`, mm: piecewise linear, constant in the end turns."""
+        return np.interp(phi, self.profile.knots, self.profile.radii)
 
     def height(self, phi: np.ndarray) -> np.ndarray:
-        """Axial position of the wire at the phases `phi`, mm; pitch = wire diameter in the end turns."""
+        """Axial position of the wire at the phases `phi`, mm: the integral of the pitch."""
         phi = np.asarray(phi, dtype=float)
         active = np.clip(phi, 0.0, self.phase_end)
-        return active * self.pitch / TWO_PI + (phi - active) * self.wire_diameter / TWO_PI
+        low, high = self.end_pitch
+        ends = (phi - active) * (np.where(phi < 0.0, low, high) / TWO_PI)
+        return self.profile.height(active) + ends
 
     def points(self, phi: np.ndarray) -> np.ndarray:
         """Wire centreline at rest, shape (len(phi), 3), mm."""
@@ -107,15 +172,17 @@ class Spring:
         return np.stack((radius * np.cos(angle), self.height(phi), sign * radius * np.sin(angle)), axis=-1)
 
     def derivatives(self, phi: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """First and second derivative of the active wire's `points` in `phi`, each (len(phi), 3), mm."""
+        """First and second derivative of the active wire's `points` in `phi`, each (len(phi), 3), mm.
+
+        Where two sections meet, those of the upper one.
+        """
         phi = np.asarray(phi, dtype=float)
-        bottom, top = self.mean_diameter
-        radius, slope = self.radius(phi), 0.5 * (top - bottom) / self.phase_end
+        slope, rise, bend = self.profile.rates(phi)
+        radius = self.radius(phi)
         c, s = np.cos(phi + self.start_phase), np.sin(phi + self.start_phase)
         sign = 1.0 if self.hand == "left" else -1.0
-        rise = np.full_like(phi, self.pitch / TWO_PI)
         first = np.stack((slope * c - radius * s, rise, sign * (slope * s + radius * c)), axis=-1)
-        second = (-2.0 * slope * s - radius * c, 0.0 * rise, sign * (2.0 * slope * c - radius * s))
+        second = (-2.0 * slope * s - radius * c, bend, sign * (2.0 * slope * c - radius * s))
         return first, np.stack(second, axis=-1)
 
     def circle_phases(self) -> np.ndarray:
@@ -124,16 +191,3 @@ class Spring:
         low = math.ceil((first + self.start_phase) / math.pi - 1e-9)
         high = math.floor((last + self.start_phase) / math.pi + 1e-9)
         return np.arange(low, high + 1) * math.pi - self.start_phase
-
-
-def _both_ends(value: object, wire_diameter: float) -> tuple[float, float]:
-    """Coil diameters at the bottom and at the top, of index 2 at least."""
-    pair = value if isinstance(value, list | tuple) else (value, value)
-    if len(pair) != 2:
-        raise InputError(
-            f"spring.mean_diameter must be one number or two (bottom, top), each at least twice the "
-            f"wire diameter, got {shown(value)}"
-        )
-    least = 2.0 * wire_diameter  # index 2
-    bottom, top = (require_number("spring.mean_diameter", end, least, LONGEST) for end in pair)
-    return bottom, top

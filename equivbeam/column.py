@@ -132,6 +132,6 @@ def _refined(data: BeamModel, scene: Scene, refine: int, inclined: bool) -> Beam
     if not inclined:
         spring = scene.spring
         middle = np.repeat((np.arange(len(data.rows)) + 0.5) * np.pi, refine)
-        slope = spring.pitch / (2.0 * np.pi * spring.radius(middle))
+        slope = refine * rows[:, L0] / (np.pi * spring.radius(middle))
         rows[:, [KAX, KSH, KFL]] *= np.hypot(1.0, slope)[:, None]
-    return data._replace(rows=rows, l0=data.l0 / refine)
+    return data._replace(rows=rows)

@@ -35,7 +35,7 @@ from coilspring.material import Material
 from coilspring.spring import Spring
 from coilspring.wire import round_section
 from equivbeam.halfcoil import Response
-from equivbeam.haringx import KAX, haringx_stiffness, middle_phases
+from equivbeam.haringx import KAX, haringx_stiffness, lengths_at_rest, middle_phases
 
 # columns of the table of parameters; B0.. and H0.. are the polynomials of (B10) and (B11) in x, G1.. the
 # series of u - u0 in l/s - l0/s, from which (B8) is solved
@@ -90,13 +90,14 @@ class Refinements:
 def helix_rows(spring: Spring, material: Material, refinements: Refinements) -> np.ndarray:
     """Parameters of every half coil, shape (2 n, `COLUMNS`)."""
     wire, on = round_section(spring.wire_diameter, material), refinements
-    radius, c = _radii(spring, on.taper), spring.pitch / (2.0 * math.pi)
+    radius, length = _radii(spring, on.taper), lengths_at_rest(spring)
+    c = length / math.pi
     slant = np.hypot(radius, c)  # L, wire length per radian
     _refuse_straight_wire(spring, float((radius / slant).min()))
     rows = np.zeros((radius.size, COLUMNS))
     stiffness = haringx_stiffness(spring, material)
     rows[:, RATE] = 0.0 if on.large else stiffness[:, KAX]
-    rows[:, S], rows[:, PER_S], rows[:, L0] = math.pi * slant, 1.0 / (math.pi * slant), 0.5 * spring.pitch
+    rows[:, S], rows[:, PER_S], rows[:, L0] = math.pi * slant, 1.0 / (math.pi * slant), length
     rows[:, GJ], rows[:, EI] = wire.GJ, wire.EI
     rows[:, IGA], rows[:, IEA] = on.shear / wire.GA, on.stretch / wire.EA
     rows[:, OMEGA], rows[:, TAU0], rows[:, KAPPA0] = 1.0 / slant, c / slant**2, radius / slant**2
@@ -112,7 +113,8 @@ def helix_rows(spring: Spring, material: Material, refinements: Refinements) -> 
 def _refuse_straight_wire(spring: Spring, cosine: float) -> None:
     """Refuse a wire that is all but straight at rest: the law is one of coils."""
     if cosine < STRAIGHT:
-        most = math.pi * min(spring.mean_diameter) * spring.active_coils / STRAIGHT
+        least = min(min(section.mean_diameter) for section in spring.coils)
+        most = math.pi * least * spring.active_coils / STRAIGHT
         raise InputError(
             f"spring.active_height must be below about {most:.3g} with law helix, so that the wire is "
             f"coiled, got {spring.active_height!r}"
@@ -120,10 +122,15 @@ def _refuse_straight_wire(spring: Spring, cosine: float) -> None:
 
 
 def _radii(spring: Spring, taper: bool) -> np.ndarray:
-    """Radius of every half coil: in its middle, or the one whose cube is the mean of r^3 over it."""
+    """Radius of every half coil: in its middle, or the one whose cube is the mean of r^3 over it.
+
+    The mean is Simpson's, exact unless two sections meet within the half coil.
+    """
     middle = spring.radius(middle_phases(spring))
-    change = 0.5 * (spring.mean_diameter[1] - spring.mean_diameter[0]) / len(middle)
-    return np.cbrt(middle**3 + 0.25 * middle * change**2) if taper else middle
+    if not taper:
+        return middle
+    cubes = spring.radius(np.arange(len(middle) + 1) * math.pi) ** 3
+    return np.cbrt((cubes[:-1] + 4.0 * middle**3 + cubes[1:]) / 6.0)
 
 
 def _set_lateral(rows: np.ndarray, slant: np.ndarray, on: Refinements) -> None:

@@ -11,7 +11,7 @@ from coilspring.packing import heads
 from equivbeam.band import ROW, WIDTH
 from equivbeam.contact import BOUND, ON, circle_centre, hold, pair_forces, pair_potential
 from equivbeam.halfcoil import gradient, hessian, measures, paper_matrix
-from equivbeam.haringx import KAX, KFL, KSH
+from equivbeam.haringx import KAX, KFL, KSH, L0
 from equivbeam.laws import response
 from equivbeam.model import EXACT, PAPER, REACH, view
 
@@ -108,7 +108,7 @@ def assemble(reals, ints, anchor, clearance, memory, state, g, flat):
             hessian(r, c, s, l, v, Ke)
         elif H.shape[0] > 0:
             factor = 12.0 if model.tangent == PAPER else 1.0
-            paper_matrix(c, s, rows[e, KAX], rows[e, KSH], rows[e, KFL], model.l0, factor, Ke)
+            paper_matrix(c, s, rows[e, KAX], rows[e, KSH], rows[e, KFL], rows[e, L0], factor, Ke)
         _add_nodes(g, H, ge, Ke, e, e + 1)
     count = model.pairs.shape[0]
     if count > 0 and clearance > 0.0 and 2.0 * _bound(model.reach, anchor, state) < clearance:

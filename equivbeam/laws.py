@@ -21,7 +21,7 @@ def law_rows(
     refinements: Refinements,
     factors: tuple[float, float, float] = (1.0, 1.0, 1.0),
 ) -> np.ndarray:
-    """Parameters of every half coil as the law reads them, one row each."""
+    """Parameters of every half coil as the law reads them, one row each; the length at rest in column L0."""
     if law == "haringx":
         rows = haringx_rows(spring, material)
         rows[:, [KAX, KSH, KFL]] *= factors

@@ -8,10 +8,12 @@ from typing import NamedTuple
 import numpy as np
 
 from coilspring.compiled import kernel
+from coilspring.driving import Top
 from coilspring.errors import InputError
 from coilspring.packing import heads, table, vector
 from coilspring.scene import Scene
 from equivbeam.band import ROW
+from equivbeam.haringx import L0
 from equivbeam.helix import Refinements
 from equivbeam.laws import LAWS, law_rows
 
@@ -27,7 +29,6 @@ class BeamModel(NamedTuple):
 
     law: int  # of the half coils, see `equivbeam.laws`
     rows: np.ndarray  # (elements, columns) parameters of the half coils, as the law reads them
-    l0: float  # length of an element at rest
     held: np.ndarray  # (3,) freedoms of the last node that are held: 1.0 or 0.0
     carrier: np.ndarray  # (circles,) node that carries each circle
     offset: np.ndarray  # (circles, 2) from the node to the circle's centre, at rest
@@ -52,9 +53,16 @@ def build_model(
 
     Raises
     ------
-    InputError : where the active coils are not a whole number of half coils.
+    InputError : where the active coils are not a whole number of half coils, or the scene has what the
+        model cannot represent.
     """
     spring, contact = scene.spring, scene.contact
+    scene.supports.require_supported("equivbeam")
+    if spring.sections and tangent != "exact":
+        raise InputError(
+            f"tangent must be exact where the spring has sections: the paper's matrix is for half coils of "
+            f"one length, got {tangent!r}"
+        )
     count = round(2 * spring.active_coils)
     if abs(2 * spring.active_coils - count) > 1e-9:
         raise InputError(
@@ -71,7 +79,6 @@ def build_model(
     return BeamModel(
         law=LAWS[law],
         rows=law_rows(law, spring, scene.material, refinements, factors),
-        l0=spring.active_height / count,
         held=np.array(held, dtype=float),
         carrier=carrier,
         offset=offset,
@@ -103,9 +110,8 @@ def _circles(scene: Scene, count: int) -> tuple[np.ndarray, np.ndarray]:
 
 def rest_state(model: BeamModel) -> np.ndarray:
     """Positions and rotations (x, y, theta) of all nodes at rest, flat."""
-    nodes = len(model.rows) + 1
-    state = np.zeros((nodes, 3))
-    state[:, 1] = model.l0 * np.arange(nodes)
+    state = np.zeros((len(model.rows) + 1, 3))
+    state[1:, 1] = np.cumsum(model.rows[:, L0])
     return state.ravel()
 
 
@@ -114,6 +120,12 @@ def load_vector(model: BeamModel, scene: Scene) -> np.ndarray:
     load = np.zeros(3 * len(model.rows))
     load[-3:-1] = np.array(scene.load.force) * (1.0 - model.held[:2])
     return load
+
+
+def top_place(model: BeamModel) -> Top:
+    """Where the last node's x and y are."""
+    state, free = 3 * len(model.rows), 3 * (len(model.rows) - 1)
+    return Top((state, state + 1), (free, free + 1), (free + 1) * ROW)
 
 
 def matrix_size(model: BeamModel) -> int:
@@ -129,7 +141,7 @@ def view(reals, ints):
     """The model's fields, in their order, in the packed arrays."""
     head = heads(ints)
     return BeamModel(
-        ints[head[0, 0]], table(reals, head[1]), reals[head[2, 0]], vector(reals, head[3]),
-        vector(ints, head[4]), table(reals, head[5]), table(ints, head[6]), reals[head[7, 0]],
-        reals[head[8, 0]], reals[head[9, 0]], reals[head[10, 0]], reals[head[11, 0]], ints[head[12, 0]],
+        ints[head[0, 0]], table(reals, head[1]), vector(reals, head[2]), vector(ints, head[3]),
+        table(reals, head[4]), table(ints, head[5]), reals[head[6, 0]], reals[head[7, 0]],
+        reals[head[8, 0]], reals[head[9, 0]], reals[head[10, 0]], ints[head[11, 0]],
     )  # fmt: skip

@@ -10,7 +10,7 @@ import numpy as np
 from coilspring.path import Friction
 from coilspring.scene import Scene
 from equivbeam.contact import BOUND, GX0, GY0, NX0, NY0, ON, SLID, WORK
-from equivbeam.model import BeamModel
+from equivbeam.model import BeamModel, rest_state
 
 
 @dataclass(frozen=True)
@@ -83,6 +83,7 @@ class BeamShape:
         share = (station - lower)[:, None]
         x, y, theta = ((1.0 - share) * nodes[lower] + share * nodes[lower + 1]).T
         rest = spring.points(phases)
-        rise = rest[:, 1] - spring.height(np.clip(phases, 0.0, spring.phase_end))
+        axis = np.interp(station, np.arange(len(nodes)), rest_state(self.data)[1::3])
+        rise = rest[:, 1] - axis
         c, s = np.cos(theta), np.sin(theta)
         return np.stack((x + c * rest[:, 0] - s * rise, y + s * rest[:, 0] + c * rise, rest[:, 2]), axis=-1)

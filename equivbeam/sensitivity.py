@@ -66,6 +66,8 @@ def sensitivities(path: EquilibriumPath, parameters: Sequence[str]) -> Sensitivi
         raise InputError(f"sensitivities needs a path of the model equivbeam, got {path.model}")
     if shape.data.mu > 0.0 and path.scene.contact.enabled:
         raise InputError("sensitivities needs a path without friction, got sliding = 'scene'")
+    if path.scene.load.displacement:
+        raise InputError("sensitivities needs a path under forces, got one of load.displacement")
     at = values(path.scene, path.options, names)
     tips = np.empty((len(path.times), len(names), 3))
     factored = [_factored(shape.data, state) for state in path.states]

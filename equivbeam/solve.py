@@ -13,7 +13,7 @@ from coilspring.kernelset import Kernels
 from coilspring.path import EquilibriumPath
 from coilspring.scene import Scene
 from coilspring.solving import MOST_ITERATIONS, Problem, follow_load, scene_path
-from equivbeam import band, kernels, model
+from equivbeam import band, driven, kernels, model
 from equivbeam.contact import MEMORY
 from equivbeam.helix import HIGH, LOW, Refinements
 from equivbeam.laws import LAWS
@@ -36,6 +36,7 @@ KERNELS = Kernels(
     commit=kernels.commit,
     renew=kernels.renew,
 )
+DRIVEN = KERNELS._replace(assemble=driven.assemble)
 
 
 def solve(
@@ -95,10 +96,11 @@ def solve(
         start=model.rest_state(data),
         memory=np.zeros((len(data.pairs), MEMORY)),
         matrix_size=model.matrix_size(data),
+        top=model.top_place(data),
     )
     exact = tangent == "exact"
     limit = MOST_ITERATIONS if exact else MOST_PAPER_ITERATIONS
-    run = follow_load(scene, problem, KERNELS, limit=limit, predictor=exact)
+    run = follow_load(scene, problem, KERNELS, DRIVEN, limit=limit, predictor=exact)
     options: dict[str, object] = {"law": law, "tangent": tangent, "sliding": sliding}
     if refinements is not None:
         options["refinements"] = asdict(refinements)

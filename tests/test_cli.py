@@ -190,6 +190,12 @@ def test_compare_with_nothing_in_common_says_null(tmp_path, capsys):
         ("solve spring-a --model equivbeam --element straight", ["--element", "--model wirefe"]),
         ("solve spring-a --model equivbeam --pairs-per-turn 4", ["--pairs-per-turn", "--model wirefe"]),
         ("solve spring-a --model wirefe --law haringx", ["--law", "--model equivbeam"]),
+        ("new", ["NAME", "required"]),
+        ("new spring-c", ["NAME", "spring-c", "spring-b-no-contact"]),
+        ("new spring-a --out here", ["--out"]),
+        ("check", ["SCENE", "required"]),
+        ("check spring-c", ["SCENE", "spring-c", "TOML"]),
+        ("check spring-a --model equivbeam", ["--model"]),
         ("compare", ["SCENE", "required"]),
         ("compare spring-a --model equivbeam", ["--model"]),
         ("compare spring-a --steps x", ["steps", "[1, 100000]", "'x'"]),
@@ -221,7 +227,7 @@ def choices(command, option):
     return next(action.choices for action in commands[command]._actions if action.dest == option)
 
 
-@pytest.mark.parametrize("command", [[], ["reproduce"], ["solve"], ["compare"]])
+@pytest.mark.parametrize("command", [[], ["new"], ["check"], ["reproduce"], ["solve"], ["compare"]])
 def test_every_help_has_an_example_that_parses(command, capsys):
     with pytest.raises(SystemExit) as ended:
         main([*command, "--help"])

@@ -23,6 +23,7 @@ CAMPAIGN_RANGES = {  # of the options of stability
 }
 STUDY_SCENES = (*CATALOGUE, "cylinder-lateral", "slender-axial")  # of workprecision
 BASELINE = Path("reports", "baseline")
+SCENE_HELP = f"{', '.join(CATALOGUE)}, or a TOML file"
 ARTEFACTS = ("table1", "table2", "table3", "fig4", "fig5", "fig6", "fig7", "fig8")
 
 
@@ -42,6 +43,8 @@ def command_line() -> argparse.ArgumentParser:
         allow_abbrev=False,
     )
     commands = parser.add_subparsers(metavar="COMMAND", dest="command", required=True)
+    _add_new(commands)
+    _add_check(commands)
     _add_reproduce(commands)
     _add_solve(commands)
     _add_compare(commands)
@@ -50,6 +53,19 @@ def command_line() -> argparse.ArgumentParser:
     _add_stability(commands)
     _add_regress(commands)
     return parser
+
+
+def _add_new(commands: argparse._SubParsersAction) -> None:
+    purpose = "a commented scene file of a catalogue scene, to be changed, on standard output"
+    command = _command(commands, "new", purpose, "coilcheck new spring-b", writes=False)
+    command.add_argument("name", choices=tuple(CATALOGUE), metavar="NAME", help=", ".join(CATALOGUE))
+
+
+def _add_check(commands: argparse._SubParsersAction) -> None:
+    purpose = "what a scene describes: its numbers, warnings as of EN 13906-1, and which models represent it"
+    command = _command(commands, "check", purpose, "coilcheck check spring-b --draw")
+    command.add_argument("scene", metavar="SCENE", help=SCENE_HELP)
+    command.add_argument("--draw", action="store_true", help="write spring.png; implied by --out")
 
 
 def _add_reproduce(commands: argparse._SubParsersAction) -> None:
@@ -120,7 +136,7 @@ def _add_regress(commands: argparse._SubParsersAction) -> None:
 
 
 def _command(
-    commands: argparse._SubParsersAction, name: str, purpose: str, example: str
+    commands: argparse._SubParsersAction, name: str, purpose: str, example: str, writes: bool = True
 ) -> argparse.ArgumentParser:
     command = commands.add_parser(
         name,
@@ -130,14 +146,15 @@ def _command(
         allow_abbrev=False,
         argument_default=argparse.SUPPRESS,
     )
-    where = "where to write; default coilcheck-out/COMMAND[-SCENE]"
-    command.add_argument("--out", type=Path, metavar="DIR", help=where)
+    if writes:
+        where = "where to write; default coilcheck-out/COMMAND[-SCENE]"
+        command.add_argument("--out", type=Path, metavar="DIR", help=where)
     return command
 
 
 def _add_scene(command: argparse.ArgumentParser) -> None:
     """The scene and the options of both models, whose defaults are the models' own."""
-    command.add_argument("scene", metavar="SCENE", help=f"{', '.join(CATALOGUE)}, or a TOML file")
+    command.add_argument("scene", metavar="SCENE", help=SCENE_HELP)
     both = command.add_argument_group("options of both models")
     both.add_argument("--steps", type=_number, metavar="N", help="equal steps of time; default the scene's")
     both.add_argument("--penalty", type=_number, metavar="X", help="contact stiffness; default the scene's")

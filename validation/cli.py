@@ -12,6 +12,8 @@ from pathlib import Path
 
 from coilspring import CATALOGUE, EquilibriumNotFound, EquilibriumPath, InputError, Scene, load_scene
 from coilspring.errors import require_integer
+from coilspring.scenefile import SECTIONS
+from coilspring.scenetext import scene_text
 from validation.arguments import (
     CAMPAIGN_RANGES,
     COMMON_OPTIONS,
@@ -44,6 +46,26 @@ def main(argv: Sequence[str] | None = None) -> int:
 def _fail(code: int, message: str) -> int:
     print("coilcheck:", " ".join(message.splitlines()), file=sys.stderr)
     return code
+
+
+def new(arguments: argparse.Namespace) -> int:
+    """Print a scene file."""
+    _say(scene_text(CATALOGUE[arguments.name]()).rstrip("\n"))
+    return COMPLETED
+
+
+def check(arguments: argparse.Namespace) -> int:
+    """Say what a scene describes."""
+    scene = load_scene(arguments.scene)
+    lines, warnings = importlib.import_module("validation.check").report(scene)
+    lines += [f"warning: {warning}" for warning in warnings]
+    if hasattr(arguments, "draw") or hasattr(arguments, "out"):
+        folder = _folder(arguments)
+        prepare(folder)
+        importlib.import_module("validation.drawing").draw(scene, folder / "spring.png")
+        lines.append(f"drawn in {folder / 'spring.png'}")
+    _say(*lines)
+    return COMPLETED
 
 
 def reproduce(arguments: argparse.Namespace) -> int:
@@ -171,6 +193,8 @@ def stability(arguments: argparse.Namespace) -> int:
 
 
 COMMANDS = {
+    "new": new,
+    "check": check,
     "reproduce": reproduce,
     "solve": solve,
     "compare": compare,
@@ -208,7 +232,17 @@ def _run(
     progress(f"loading {model}")
     run = importlib.import_module(model).solve
     progress(f"solving with {model}")
-    return as_far(run, scene, **_given(arguments, MODEL_OPTIONS[model]))
+    try:
+        return as_far(run, scene, **_given(arguments, MODEL_OPTIONS[model]))
+    except InputError as error:
+        raise _in_file(arguments.scene, error) from None
+
+
+def _in_file(scene: str, error: InputError) -> InputError:
+    """What a model refuses, with the scene file where it names a key of one."""
+    if scene not in CATALOGUE and str(error).partition(".")[0] in SECTIONS:
+        return InputError(f"{scene}: {error}")
+    return error
 
 
 def _verdict(*paths: EquilibriumPath) -> int:
@@ -221,7 +255,7 @@ def _verdict(*paths: EquilibriumPath) -> int:
 
 def _digest(path: EquilibriumPath) -> list[str]:
     """A path for a reader at the terminal."""
-    lines = [f"{path.model}: {path.outcome}, {len(path.times)} of {path.scene.load.steps} steps"]
+    lines = [f"{path.model}: {path.outcome}, {len(path.times)} of {path.scene.load.rows} steps"]
     if len(path.times):
         ux, uy, rotz = path.tips[-1]
         lines.append(f"  tip at time {path.times[-1]:g}: ux {ux:.6g} mm, uy {uy:.6g} mm, rotz {rotz:.6g} rad")

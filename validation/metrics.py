@@ -23,7 +23,7 @@ class Comparison:
         with the largest maximum, and of the one with the largest root mean square.
     shape_max, shape_rms : distance of the centres of the contact circles at `last_time`, mm.
     component_max, component_rms : the curve errors of UX, UY, ROTZ alone; components that the
-        reference does not move are left out.
+        reference does not move are left out; "uy" is the axial force where UY is prescribed.
     steps : number of common times.
     last_time : last common time, 0 where there is none.
     """
@@ -51,7 +51,7 @@ def compare_paths(path: EquilibriumPath, reference: EquilibriumPath) -> Comparis
     if times.size == 0:
         nan = float("nan")
         return Comparison(nan, nan, nan, nan, {}, {}, 0, 0.0)
-    errors = _curve_errors(path.tips[mine], reference.tips[theirs], np.abs(reference.tips).max(axis=0))
+    errors = _curve_errors(_responses(path), _responses(reference), mine, theirs)
     largest = {name: float(np.abs(error).max()) for name, error in errors.items()}
     rms = {name: float(np.sqrt(np.mean(error**2))) for name, error in errors.items()}
     apart = path.circle_centres(mine[-1]) - reference.circle_centres(theirs[-1])
@@ -68,7 +68,18 @@ def compare_paths(path: EquilibriumPath, reference: EquilibriumPath) -> Comparis
     )
 
 
-def _curve_errors(tips: np.ndarray, reference: np.ndarray, peaks: np.ndarray) -> dict[str, np.ndarray]:
-    """Relative difference of every component that the reference moves, each (steps,)."""
-    moved = peaks > NEGLIGIBLE * peaks.max()
-    return {name: (tips[:, i] - reference[:, i]) / peaks[i] for i, name in enumerate(COMPONENTS) if moved[i]}
+def _responses(path: EquilibriumPath) -> dict[str, np.ndarray]:
+    """What a path answers to its load, each (steps,): the reaction where UY is prescribed."""
+    answers = dict(zip(COMPONENTS, path.tips.T, strict=True))
+    if path.scene.load.displacement:
+        answers["uy"] = path.loads[:, 1]
+    return answers
+
+
+def _curve_errors(
+    path: dict[str, np.ndarray], reference: dict[str, np.ndarray], mine: np.ndarray, theirs: np.ndarray
+) -> dict[str, np.ndarray]:
+    """Relative difference of every component that the reference moves, at common rows."""
+    peaks = {name: np.abs(values).max() for name, values in reference.items()}
+    moved = [name for name, peak in peaks.items() if peak > NEGLIGIBLE * max(peaks.values())]
+    return {name: (path[name][mine] - reference[name][theirs]) / peaks[name] for name in moved}

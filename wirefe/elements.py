@@ -16,6 +16,7 @@ if TYPE_CHECKING:
 ELEMENTS = ("straight", "curved")
 # Gauss points of the flexibility along an element: exact to rounding up to a quarter of a turn.
 QUADRATURE = 12
+KINK = 1e-13  # of the largest parameter, well above its rounding: how far inside its ends an element begins
 
 
 def straight_elements(points: np.ndarray, section: Section) -> tuple[np.ndarray, np.ndarray]:
@@ -45,8 +46,10 @@ def curved_elements(curve: Curve, section: Section, phases: np.ndarray) -> tuple
     The triads are Frenet's, in which a uniform helix is a constant strain: a spring that deforms
     into another helix is then represented exactly.
     """
-    frames = quaternion_from_matrix(_frenet_frames(curve, phases))
-    triads = np.stack((frames[:-1], frames[1:]), axis=1)
+    # at each end from within the element: the curve may have kinks between elements
+    inset = KINK * np.abs(phases).max()
+    frames = [_frenet_frames(curve, at) for at in (phases[:-1] + inset, phases[1:] - inset)]
+    triads = np.stack([quaternion_from_matrix(frame) for frame in frames], axis=1)
     points = curve.points(phases)
     ends = np.stack((points[:-1], points[1:]), axis=1)
     flexibility = _flexibility(curve, section, phases)

@@ -55,6 +55,17 @@ def mesh_wire(spring: Spring, elements_per_turn: int) -> WireMesh:
     )
 
 
+def refuse_kinks(spring: Spring, mesh: WireMesh) -> None:
+    """Refuse sections of the spring that meet within an element: curved ones are of one piece."""
+    step = mesh.phases[1]
+    for number, knot in enumerate(spring.profile.knots[1:-1], 1):
+        if abs(knot / step - round(knot / step)) > 1e-6:
+            raise InputError(
+                f"spring.sections[{number}] must end at a multiple of 1/{round(TWO_PI / step)} coils "
+                f"(1/elements_per_turn) with element curved, got an end at {knot / TWO_PI:g} coils"
+            )
+
+
 @dataclass(frozen=True)
 class Spheres:
     """Contact spheres, the pairs that may touch, and their law."""

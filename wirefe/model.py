@@ -11,12 +11,13 @@ from typing import NamedTuple
 import numpy as np
 
 from coilspring.compiled import kernel
+from coilspring.driving import Top
 from coilspring.packing import heads, stack, table, vector
 from coilspring.scene import Scene
 from coilspring.wire import round_section
 from wirefe.beam import deformations
 from wirefe.chain import ChainPlan, plan_chain
-from wirefe.mesh import Spheres, WireMesh, mesh_wire, no_spheres, place_spheres
+from wirefe.mesh import Spheres, WireMesh, mesh_wire, no_spheres, place_spheres, refuse_kinks
 from wirefe.rod import Rod, curved_rod, straight_rod
 
 ROW = 7  # numbers of a node in the state
@@ -84,9 +85,11 @@ def build_model(
 
     `found` are pairs of spheres that touch besides those one turn apart.
     """
+    scene.supports.require_supported("wirefe")
     mesh = mesh_wire(scene.spring, elements_per_turn)
     section = round_section(scene.spring.wire_diameter, scene.material)
     if element == "curved":
+        refuse_kinks(scene.spring, mesh)
         rod = curved_rod(scene.spring, mesh.phases, section)
     else:
         rod = straight_rod(mesh.points, section)
@@ -158,6 +161,12 @@ def rest_state(rod: Rod, arm: np.ndarray) -> np.ndarray:
 def load_vector(rod: Rod) -> np.ndarray:
     """Load at time 1, flat; held freedoms carry none."""
     return np.where(rod.held, 0.0, rod.loads).ravel()
+
+
+def top_place(rod: Rod) -> Top:
+    """Where the x and y of the top end's reference point are."""
+    node = len(rod.points) - 1
+    return Top((ROW * node, ROW * node + 1), (6 * node, 6 * node + 1), 36 * node + 7)
 
 
 def matrix_size(model: WireModel) -> int:

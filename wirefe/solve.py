@@ -12,7 +12,7 @@ from coilspring.path import EquilibriumPath
 from coilspring.scene import Scene
 from coilspring.solving import Problem, follow_load, follow_problem, scene_path
 from coilspring.stepping import STRAY
-from wirefe import kernels, model
+from wirefe import driven, kernels, model
 from wirefe.contact import MEMORY
 from wirefe.elements import ELEMENTS
 from wirefe.mesh import WireMesh, strays
@@ -39,6 +39,7 @@ KERNELS = Kernels(
     commit=kernels.commit,
     renew=kernels.renew,
 )
+DRIVEN = KERNELS._replace(assemble=driven.assemble)
 
 
 def solve(
@@ -81,7 +82,7 @@ def solve(
     spent, seconds, found = 0, 0.0, NO_PAIRS
     while True:
         problem, mesh, options = scene_problem(scene, element, elements_per_turn, pairs_per_turn, found)
-        run = follow_load(scene, problem, KERNELS)
+        run = follow_load(scene, problem, KERNELS, DRIVEN)
         seconds += run.solve_seconds
         if run.track.outcome != STRAY:
             run = replace(run, solve_seconds=seconds)
@@ -175,4 +176,5 @@ def _problem(data: model.WireModel, rod: Rod, arm: np.ndarray) -> Problem:
         memory=np.zeros((len(data.contact.pairs), MEMORY)),
         matrix_size=model.matrix_size(data),
         lean=True,
+        top=model.top_place(rod),
     )

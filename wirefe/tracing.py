@@ -47,6 +47,8 @@ def trace(
         raise InputError(
             "contact.sliding must be free or none for trace: friction depends on the path, got 'coulomb'"
         )
+    if scene.load.stages or scene.load.displacement:
+        raise InputError("load must be one force for trace, got stages or a displacement")
     scene = scene.overridden(penalty=penalty)
     spent, pairs = 0, NO_PAIRS
     while True:

@@ -1,0 +1,193 @@
+"""Closed-form numbers of a spring, as a designer looks at them before any model is run.
+
+After EN 13906-1 (rate, stress with Bergstraesser's factor, buckling), taken coil by coil so that they
+hold for coils of any diameter and pitch. Contact is in none of them but `Sizes.closing`.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+
+from coilspring.profile import TWO_PI, CoilSection, closest
+from coilspring.scene import HELD_CHOICES, Load, Scene
+from coilspring.spring import Spring
+
+POINTS = 33  # of a section, at which what is not linear in the turns is looked at
+POINTS_PER_TURN = 72
+QUADRATURE = 8  # Gauss points of a turn of wire
+# Effective over real length of a column whose bottom is clamped, by what holds the top.
+SEATING = {(): 2.0, ("ux",): 0.7, ("rotz",): 1.0, ("ux", "rotz"): 0.5}
+
+
+@dataclass(frozen=True)
+class Sizes:
+    """Numbers of a scene's spring at rest and under its axial load.
+
+    Attributes
+    ----------
+    wire_length : end turns included, mm.
+    index : least and largest coil index D/d.
+    total_coils : end turns included.
+    free_length, solid_length : over the wire, mm; coils of different diameter nest where they are solid.
+    least_gap : between neighbouring active coils, in the plane through the axis, mm; None below one coil.
+    helix_angle : largest, rad.
+    rate : axial, while no coils touch, N/mm.
+    closing : axial force at which the first and the last coil would close, N.
+    force : largest axial one of the scene's load, positive in compression, N; of a prescribed displacement
+        by the rate.
+    stress : largest shear stress in the wire under that force, MPa.
+    stress_factor : of the wire's curvature, in it.
+    buckling : shortening at which the straight spring buckles, mm; None where it does not.
+    """
+
+    wire_length: float
+    index: tuple[float, float]
+    total_coils: float
+    free_length: float
+    solid_length: float
+    least_gap: float | None
+    helix_angle: float
+    rate: float
+    closing: tuple[float, float]
+    force: float
+    stress: float
+    stress_factor: float
+    buckling: float | None
+
+    @property
+    def shortening(self) -> float:
+        """Under the axial load, by the rate, mm."""
+        return self.force / self.rate
+
+    @property
+    def travel(self) -> float:
+        """From free to solid, mm."""
+        return self.free_length - self.solid_length
+
+
+class Along(NamedTuple):
+    """What varies from coil to coil."""
+
+    turns: np.ndarray  # from the first active point
+    diameter: np.ndarray  # of the coil, mm
+    pitch: np.ndarray  # mm
+    closing: np.ndarray  # axial force at which neighbours of such a coil would close, N
+
+
+def along(scene: Scene) -> Along:
+    """Active coils from bottom to top, at points of every section."""
+    spring, d, share = scene.spring, scene.spring.wire_diameter, np.linspace(0.0, 1.0, POINTS)
+    ends = np.array([(section.mean_diameter, section.pitch) for section in spring.coils])
+    diameter, pitch = np.moveaxis(ends[..., :1] * (1.0 - share) + ends[..., 1:] * share, 1, 0)
+    solid = np.array([_solid_pitch(section, d) for section in spring.coils])[:, None]
+    closing = scene.material.G * d**4 / 8.0 * np.maximum(pitch - solid, 0.0) / diameter**3
+    knots = spring.profile.knots / TWO_PI
+    turns = knots[:-1, None] + np.diff(knots)[:, None] * share
+    return Along(turns.ravel(), diameter.ravel(), pitch.ravel(), closing.ravel())
+
+
+def sizes(scene: Scene) -> Sizes:
+    """Closed-form numbers of a scene's spring; see `Sizes`."""
+    spring, d, coils = scene.spring, scene.spring.wire_diameter, along(scene)
+    rate = axial_rate(scene)
+    force = 0.0 if "uy" in scene.supports.top_held else _axial_force(scene.load, rate)
+    widest = float(coils.diameter.max())
+    factor = stress_factor(widest / d)
+    low, high = spring.height(np.array(spring.phase_range)).tolist()
+    active = sum(_solid_pitch(section, d) * section.coils for section in spring.coils)
+    return Sizes(
+        wire_length=wire_length(spring),
+        index=(float(coils.diameter.min()) / d, widest / d),
+        total_coils=spring.active_coils + 2.0 * spring.end_turns,
+        free_length=high - low + d,
+        solid_length=high - low + d - spring.active_height + active,
+        least_gap=least_gap(spring),
+        helix_angle=float(np.arctan(coils.pitch / (math.pi * coils.diameter)).max()),
+        rate=rate,
+        closing=(float(coils.closing.min()), float(coils.closing.max())),
+        force=force,
+        stress=factor * 8.0 * abs(force) * widest / (math.pi * d**3),
+        stress_factor=factor,
+        buckling=buckling_shortening(scene),
+    )
+
+
+def axial_rate(scene: Scene) -> float:
+    """Axial rate while no coils touch, N/mm."""
+    spring = scene.spring
+    return scene.material.G * spring.wire_diameter**4 / 8.0 / sum(map(_cubes, spring.coils))
+
+
+def _axial_force(load: Load, rate: float) -> float:
+    """Largest axial force of a load history, positive in compression, N; of displacements by the rate."""
+    forces = [rate * way for way in load.displacement] or [y for _, y in load.stages or (load.force,)]
+    return -max(forces, key=abs)
+
+
+def stress_factor(index: float) -> float:
+    """Bergstraesser's factor of the stress at the inside of a coil of index D/d (EN 13906-1)."""
+    return (index + 0.5) / (index - 0.75)
+
+
+def middle_diameter(spring: Spring) -> float:
+    """Mean over the coils of their diameter, mm."""
+    doubled = sum(sum(section.mean_diameter) * section.coils for section in spring.coils)
+    return doubled / 2.0 / spring.active_coils
+
+
+def wire_length(spring: Spring) -> float:
+    """Length of the wire, end turns included, mm."""
+    knots = spring.profile.knots
+    edges = [
+        np.linspace(low, high, math.ceil(section.coils), endpoint=False)
+        for low, high, section in zip(knots[:-1], knots[1:], spring.coils, strict=True)
+    ]
+    at = np.concatenate([*edges, knots[-1:]])
+    nodes, weights = np.polynomial.legendre.leggauss(QUADRATURE)
+    half = 0.5 * np.diff(at)[:, None]
+    first, _ = spring.derivatives((at[:-1, None] + half * (1.0 + nodes)).ravel())
+    active = ((half * weights).ravel() * np.linalg.norm(first, axis=1)).sum()
+    turns = np.hypot(math.pi * np.array(spring.mean_diameter), spring.end_pitch)
+    return float(active + spring.end_turns * turns.sum())
+
+
+def least_gap(spring: Spring) -> float | None:
+    """Least gap between active coils one turn apart, in the plane through the axis, mm."""
+    turns = spring.active_coils - 1.0
+    if turns < 0.0:
+        return None
+    lower = np.linspace(0.0, TWO_PI * turns, math.ceil(turns * POINTS_PER_TURN) + 1)
+    upper = lower + TWO_PI
+    apart = np.hypot(spring.radius(upper) - spring.radius(lower), spring.height(upper) - spring.height(lower))
+    return float(apart.min()) - spring.wire_diameter
+
+
+def buckling_shortening(scene: Scene) -> float | None:
+    """Shortening at which the spring buckles as a column of its mean coil diameter (EN 13906-1), mm.
+
+    The clause's formula, solved so that it holds for G = E too; None where the column does not buckle,
+    or where the scene's supports are none of the standard's.
+    """
+    spring, ratio = scene.spring, scene.material.G / scene.material.E
+    seating = SEATING.get(scene.supports.top_held)
+    if seating is None or scene.supports.bottom_held != HELD_CHOICES:
+        return None
+    square = (math.pi * middle_diameter(spring) / (seating * spring.active_height)) ** 2 / (0.5 + ratio)
+    under = 1.0 - (1.0 - ratio) * square
+    return 0.5 * spring.active_height * square / (1.0 + math.sqrt(under)) if under >= 0.0 else None
+
+
+def _solid_pitch(section: CoilSection, wire_diameter: float) -> float:
+    """Pitch of a section's coils where they touch, mm."""
+    bottom, top = section.mean_diameter
+    return closest(wire_diameter, abs(top - bottom) / 2.0 / section.coils)
+
+
+def _cubes(section: CoilSection) -> float:
+    """Integral of D^3 over a section's coils, mm^3; Simpson's rule is exact."""
+    bottom, top = section.mean_diameter
+    return section.coils * (bottom**3 + 4.0 * (0.5 * (bottom + top)) ** 3 + top**3) / 6.0

@@ -1,0 +1,249 @@
+"""Closed-form numbers of springs, and the commands new and check."""
+
+import math
+import re
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from PIL import Image
+
+import equivbeam
+import wirefe
+from coilspring import CATALOGUE, CoilSection, Load, Scene, Spring, Supports, load_scene
+from coilspring.scenefile import scene_from_text
+from coilspring.scenetext import scene_text
+from coilspring.sizing import along, buckling_shortening, least_gap, sizes, wire_length
+from validation.check import report
+from validation.cli import main
+from validation.drawing import draw
+
+EXAMPLES = sorted((Path(__file__).parents[1] / "examples").glob("*.toml"))
+SCENES = (*CATALOGUE, *map(str, EXAMPLES))
+CYLINDER = Spring(2.0, 20.0, 8.0, 40.0)
+
+
+def scene_of(spring=CYLINDER, force=-20.0, held=("ux", "rotz")):
+    return Scene("scene", spring, Load((0.0, force)), supports=Supports(held))
+
+
+@pytest.mark.parametrize("source", SCENES)
+def test_a_scene_written_out_reads_back_the_same(source):
+    scene = load_scene(source)
+    assert scene_from_text(scene_text(scene)) == scene
+
+
+def test_every_key_is_written_out():
+    odd = replace(
+        load_scene("spring-b"),
+        name='quo"te \\ \t ünïcode \x7f \x1f 弹簧 🌀',
+        spring=replace(CYLINDER, hand="right", ends="open", start_phase=0.1, end_turns=0.0),
+        supports=Supports(("uy",), ("rotz",), "plate"),
+        load=Load((1.0 / 3.0, -1e-300), 7),
+        contact=replace(load_scene("spring-b").contact, enabled=False, sliding="coulomb", friction=0.3),
+    )
+    assert scene_from_text(scene_text(odd)) == odd
+
+
+@pytest.mark.parametrize(
+    "load", [Load(stages=((0.0, -5.0), (0.0, 0.0)), steps=3), Load(displacement=(-2.0,))]
+)
+def test_histories_are_written_out(load):
+    scene = replace(load_scene("spring-b"), load=load)
+    assert scene_from_text(scene_text(scene)) == scene
+
+
+def test_the_axial_load_is_the_largest_of_a_history():
+    scene = scene_of()
+    staged = replace(scene, load=Load(stages=((0.0, -5.0), (0.0, -30.0), (0.0, 8.0))))
+    assert sizes(staged).force == 30.0
+    driven = replace(scene, load=Load(displacement=(-2.0, 0.0)))
+    assert sizes(driven).shortening == pytest.approx(2.0)
+
+
+@pytest.mark.parametrize("name", CATALOGUE)
+def test_new_prints_a_scene_file(name, capsys):
+    assert main(["new", name]) == 0
+    text = capsys.readouterr().out
+    assert scene_from_text(text) == CATALOGUE[name]()
+    keys = [line for line in text.splitlines() if line and line[0] not in "#["]
+    assert all("  # " in line or " # " in line for line in keys)
+    # the kinds of coils that are only shown become valid by taking the marks away
+    shown = re.sub(r"(?m)^# (?=\[\[|coils|pitch|mean_)", "", text)
+    for key in ("mean_diameter", "active_coils", "active_height"):
+        shown = re.sub(rf"(?m)^{key} = .*\n", "", shown, count=1)
+    assert scene_from_text(shown).spring.sections == (CoilSection(2.0, (2.0, 4.0), (12.0, 9.0)),)
+
+
+def test_numbers_of_a_cylinder_by_hand():
+    found = sizes(scene_of())
+    G, d, D, n = 206e3 / 2.6, 2.0, 20.0, 8.0
+    assert found.rate == pytest.approx(G * d**4 / (8.0 * D**3 * n), rel=1e-14)
+    assert found.closing == pytest.approx((found.rate * (40.0 - 16.0),) * 2, rel=1e-12)
+    assert (found.total_coils, found.index) == (10.0, (10.0, 10.0))
+    assert found.free_length == pytest.approx(40.0 + 4.0 + 2.0)
+    assert found.solid_length == pytest.approx((n + 2.0 + 1.0) * d)
+    assert found.travel == pytest.approx(24.0)
+    assert found.least_gap == pytest.approx(3.0)
+    assert found.helix_angle == pytest.approx(math.atan(5.0 / (math.pi * D)))
+    length = n * math.hypot(math.pi * D, 5.0) + 2.0 * math.hypot(math.pi * D, 2.0)
+    assert found.wire_length == pytest.approx(length, rel=1e-13)
+    assert found.stress_factor == pytest.approx(10.5 / 9.25)
+    assert found.stress == pytest.approx(10.5 / 9.25 * 8.0 * 20.0 * D / (math.pi * d**3))
+    assert found.shortening == pytest.approx(20.0 / found.rate)
+
+
+def test_flat_coils_of_a_cone_nest():
+    cone = Spring(1.0, (30.0, 10.0), 5.0, 20.0, end_turns=0.0)  # each coil is 2 mm narrower all round
+    found = sizes(scene_of(cone))
+    assert found.solid_length == pytest.approx(1.0)
+    assert found.travel == pytest.approx(20.0)
+    steel = 206e3 / 2.6 / 8.0
+    assert found.closing == pytest.approx((steel * 4.0 / 30.0**3, steel * 4.0 / 10.0**3))
+    assert least_gap(cone) == pytest.approx(math.hypot(2.0, 4.0) - 1.0)
+    steep = replace(cone, mean_diameter=(14.0, 10.0))  # 0.4 mm
+    assert sizes(scene_of(steep)).travel == pytest.approx(20.0 - 5.0 * math.sqrt(1.0 - 0.16))
+
+
+@pytest.mark.parametrize("source", SCENES)
+def test_the_rate_is_that_of_the_models(source):
+    """Without contact and with small loads: the paper's cos p and the wire's stretch are left out."""
+    guided = Supports(("ux", "rotz"))
+    scene = replace(load_scene(source).without_contact(), load=Load((0.0, -1e-3), 1), supports=guided)
+    rate = sizes(scene).rate
+    for path in (equivbeam.solve(scene), wirefe.solve(scene, element="curved", elements_per_turn=8)):
+        assert -1e-3 / path.tips[-1, 1] == pytest.approx(rate, rel=0.015)  # 1.3 % found
+
+
+@pytest.mark.parametrize("source", SCENES)
+def test_the_wire_is_as_long_as_drawn(source):
+    spring = load_scene(source).spring
+    phases = np.linspace(*spring.phase_range, 200_001)
+    drawn = np.linalg.norm(np.diff(spring.points(phases), axis=0), axis=1).sum()
+    assert wire_length(spring) == pytest.approx(drawn, rel=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("height", "coils", "held", "target"),
+    [
+        (28.6, 14.5, (), 2.5815398),
+        (60.0, 20.0, ("ux", "rotz"), 25.0106006),
+        (100.0, 30.0, ("ux", "rotz"), 12.0505847),
+    ],
+)
+def test_buckling_by_the_standard(height, coils, held, target):
+    """The numbers of tests/test_column.py, to which the equivalent beam tends; D = 10."""
+    spring = Spring(1.0, 10.0, coils, height, end_turns=0.0)
+    assert buckling_shortening(scene_of(spring, held=held)) == pytest.approx(target, rel=1e-7)
+
+
+@pytest.mark.parametrize(("held", "tolerance"), [((), 2e-4), (("rotz",), 1e-3), (("ux",), 4e-3)])
+def test_buckling_of_the_equivalent_beam(held, tolerance):
+    """The standard rounds the length of a column clamped and pinned, 0.699, to 0.7."""
+    scene = scene_of(Spring(1.0, 10.0, 30.0, 120.0, end_turns=0.0), held=held)
+    found = equivbeam.buckling(scene, inclined=False).shortening
+    assert buckling_shortening(scene) == pytest.approx(found, rel=tolerance)
+
+
+def test_what_does_not_buckle():
+    assert buckling_shortening(scene_of(replace(CYLINDER, active_height=20.0))) is None
+    across = Scene("across", CYLINDER, Load((-1.0, -5.0)), supports=Supports(("uy",)))
+    assert buckling_shortening(across) is None
+    assert sizes(across).force == 0.0
+
+
+def test_first_coils_close_as_the_model_says():
+    """Spring B: 62 N in the wire model, whose coils next to the closed end turns touch a little sooner."""
+    first, _ = sizes(load_scene("spring-b")).closing
+    path = wirefe.solve(load_scene("spring-b"))
+    touched = -path.loads[np.flatnonzero(path.active_contacts)[0], 1]
+    assert touched == pytest.approx(first, rel=0.1)
+
+
+WARNINGS = [
+    ({"mean_diameter": 7.0}, {}, "index D/d is 3.5 to 3.5, outside 4 to 20"),
+    ({"mean_diameter": (30.0, 44.0)}, {}, "index D/d is 15 to 22, outside"),
+    ({"active_coils": 1.5, "active_height": 6.0}, {}, "1.5 active coils, less than 2"),
+    ({"active_height": 80.0}, {"held": ("ux", "rotz")}, "helix angle up to 9.04 degrees, above 7.5"),
+    ({}, {"force": 5.0}, "the axial load pulls"),
+    ({"active_coils": 20.0, "active_height": 100.0}, {"held": ()}, "slenderness 5: as a column it buckles"),
+    ({"active_height": 16.0}, {}, "coils touch at rest"),
+    ({}, {"force": -60.0 - 5.0}, "beyond solid: the last coil closes at 59.4 N"),
+]
+
+
+@pytest.mark.parametrize(("spring", "scene", "warning"), WARNINGS, ids=[row[2][:20] for row in WARNINGS])
+def test_warnings(spring, scene, warning):
+    _, found = report(scene_of(replace(CYLINDER, **spring), **scene))
+    assert [text for text in found if warning in text], found
+    assert not [text for text in report(scene_of())[1] if warning.split()[0] in text]
+
+
+def test_a_sound_spring_is_not_warned_about():
+    assert report(scene_of())[1] == []
+
+
+def test_contact_that_is_needed_is_missed():
+    scene = scene_of(force=-65.0)
+    cone = replace(scene, spring=replace(CYLINDER, mean_diameter=(24.0, 14.0)))
+    assert report(cone)[1] == []
+    assert "contact is not enabled" in report(cone.without_contact())[1][-1]
+
+
+def test_check_says_what_the_models_make_of_a_scene(tmp_path, capsys, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    file = tmp_path / "mine.toml"
+    text = scene_text(scene_of(replace(CYLINDER, active_coils=8.3, active_height=41.5)))
+    file.write_text(text.replace('seat = "rigid"', 'seat = "plate"'))
+    assert main(["check", str(file)]) == 0
+    out = capsys.readouterr().out
+    assert "equivbeam     supports.seat is unsupported by equivbeam" in out
+    assert "wirefe        supports.seat is unsupported by wirefe" in out
+    file.write_text(text)
+    assert main(["check", str(file)]) == 0
+    out = capsys.readouterr().out
+    assert "equivbeam     spring.active_coils must be a multiple of 0.5" in out
+    assert "wirefe        represents it" in out
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["mine.toml"]
+
+
+@pytest.mark.parametrize("source", ["spring-b", str(EXAMPLES[0])])
+def test_check_prints_its_numbers_and_draws_on_request(source, tmp_path, capsys, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    assert main(["check", source, "--draw"]) == 0
+    plain = capsys.readouterr().out
+    folder = tmp_path / "coilcheck-out" / f"check-{Path(source).stem}"
+    assert f"drawn in {folder.relative_to(tmp_path) / 'spring.png'}" in plain
+    found = sizes(load_scene(source))
+    assert f"rate          {found.rate:.4g} N/mm (G d^4 / 8 D^3 n of EN 13906-1" in plain
+    assert f"free {found.free_length:.4g} mm, solid {found.solid_length:.4g} mm" in plain
+    with Image.open(folder / "spring.png") as picture:
+        assert picture.size == (1400, 880)
+        assert len(np.unique(np.asarray(picture.convert("RGB")).reshape(-1, 3), axis=0)) > 20
+    assert main(["check", source, "--out", str(tmp_path / "here")]) == 0
+    assert [path.name for path in (tmp_path / "here").iterdir()] == ["spring.png"]
+    assert main(["check", source, "--out", __file__]) == 4
+
+
+@pytest.mark.parametrize(
+    "spring",
+    [
+        Spring(1e-6, 1e9, 1000.0, 1e9, end_turns=100.0),
+        Spring(1.0, 2.0, 0.5, 0.5, end_turns=0.0, start_phase=1.0),
+        Spring(1.0, 40.0, 5.0, 5.0),
+    ],
+)
+def test_any_spring_is_drawn(spring, tmp_path):
+    draw(scene_of(spring, held=()), tmp_path / "spring.png")
+    assert (tmp_path / "spring.png").stat().st_size > 1000
+
+
+def test_coils_are_looked_at_along_all_sections():
+    scene = scene_of(
+        Spring.of_sections(1.0, [CoilSection(2.0, 2.0, (8.0, 12.0)), CoilSection(1.0, (2.0, 3.0), 12.0)])
+    )
+    coils = along(scene)
+    np.testing.assert_allclose(coils.turns[[0, 32, 33, -1]], [0.0, 2.0, 2.0, 3.0])
+    np.testing.assert_allclose(np.interp([0.5, 1.0, 2.9], coils.turns, coils.diameter), [9.0, 10.0, 12.0])
+    np.testing.assert_allclose(np.interp([1.9, 2.5], coils.turns, coils.pitch), [2.0, 2.5])

@@ -1,0 +1,255 @@
+"""Loads of several stages and prescribed displacements."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import equivbeam
+import wirefe
+from coilspring import Contact, EquilibriumNotFound, InputError, Load, Supports, spring_a, spring_b
+from coilspring.driving import Drive
+from coilspring.history import loads, machine_stiffness
+from coilspring.packing import pack
+from coilspring.sizing import axial_rate
+from equivbeam.contact import MEMORY
+from validation.metrics import compare_paths
+from wirefe.solve import scene_problem
+
+CURVED = {"element": "curved", "elements_per_turn": 8}
+MODELS = [(equivbeam.solve, {}), (wirefe.solve, CURVED)]
+FREE_B = replace(spring_b(), contact=Contact(sliding="free"))
+BARE_A = spring_a().without_contact()
+TO_FULL = ((0.0, -50.0), (0.0, -100.0))
+
+
+def staged(scene, *stages, steps=10):
+    return replace(scene, load=Load(stages=stages, steps=steps))
+
+
+def pressed(scene, *ways, steps=10):
+    return replace(scene, load=Load(displacement=ways, steps=steps))
+
+
+@pytest.mark.parametrize(("solve", "options"), MODELS)
+@pytest.mark.parametrize("sliding", ["free", "none"])
+def test_two_halves_of_a_load_are_the_whole(solve, options, sliding):
+    scene = replace(spring_b(), contact=Contact(sliding=sliding), load=Load((0.0, -100.0), 20))
+    whole, halves = solve(scene, **options), solve(staged(scene, *TO_FULL), **options)
+    assert halves.active_contacts[-1] > 0
+    np.testing.assert_array_equal(halves.times, whole.times)
+    np.testing.assert_allclose(halves.loads, whole.loads, atol=1e-12)
+    np.testing.assert_allclose(halves.tips, whole.tips, atol=1e-4 if sliding == "none" else 1e-7)
+
+
+@pytest.mark.parametrize(("solve", "options"), MODELS)
+def test_without_friction_the_way_back_is_the_way_there(solve, options):
+    path = solve(staged(FREE_B, (0.0, -100.0), (0.0, 0.0)), **options)
+    there, back = path.tips[:9], path.tips[10:19][::-1]
+    assert path.active_contacts.max() > 0
+    np.testing.assert_allclose(back, there, atol=1e-7)
+    np.testing.assert_allclose(path.tips[-1], 0.0, atol=1e-9)
+    np.testing.assert_allclose(path.loads[[9, 14, 19], 1], [-100.0, -50.0, 0.0], atol=1e-12)
+
+
+@pytest.mark.parametrize(("solve", "options"), MODELS)
+@pytest.mark.parametrize("first", [(-9.0, 0.0), (0.0, -4.0), (0.0, 4.0)])
+def test_the_order_of_dead_loads_does_not_matter_without_contact(solve, options, first):
+    straight = solve(replace(BARE_A, load=Load((-9.0, -4.0), 10)), **options)
+    path = solve(staged(BARE_A, first, (-9.0, -4.0)), **options)
+    np.testing.assert_allclose(path.loads[[9, 19]], [first, (-9.0, -4.0)], atol=1e-12)
+    np.testing.assert_allclose(path.tips[-1], straight.tips[-1], rtol=1e-6)
+
+
+@pytest.mark.parametrize(("solve", "options"), MODELS)
+def test_forces_on_what_is_held_do_nothing(solve, options):
+    plain, pushed = (solve(staged(FREE_B, (x, -30.0), (-2.0 * x, -60.0)), **options).tips for x in (0.0, 7.0))
+    np.testing.assert_array_equal(pushed, plain)
+
+
+@pytest.mark.parametrize(
+    ("solve", "options"), [(equivbeam.solve, {"sliding": "scene"}), (wirefe.solve, CURVED)]
+)
+def test_a_loop_takes_the_work_of_friction(solve, options):
+    """Loaded and unloaded: what the load loses is what the pairs' friction has taken; 1.1 % found."""
+    scene = replace(spring_b(), contact=Contact(sliding="coulomb", friction=0.1))
+    path = solve(staged(scene, (0.0, -120.0), (0.0, 0.0), steps=200), **options)
+    lost = np.trapezoid(np.append(0.0, path.loads[:, 1]), np.append(0.0, path.tips[:, 1]))
+    taken = np.maximum(np.diff(path.friction.work, axis=0, prepend=0.0), 0.0).sum()
+    assert taken > 0.01
+    assert lost == pytest.approx(taken, rel=0.03)
+    np.testing.assert_allclose(path.tips[-1], 0.0, atol=1e-9)
+
+
+def test_a_path_that_ends_in_its_second_stage_says_when():
+    """The limit point at 0.983755 of 200 N, between 100 and 250 N."""
+    soft = replace(FREE_B, contact=Contact(stiffness=400.0))
+    with pytest.raises(EquilibriumNotFound) as caught:
+        equivbeam.solve(staged(soft, (0.0, -100.0), (0.0, -250.0), steps=50))
+    expected = 0.5 + 0.5 * (0.983755 * 200.0 - 100.0) / 150.0
+    assert caught.value.outcome == "limit_point"
+    assert caught.value.critical_time == pytest.approx(expected, abs=2e-6)
+    assert len(caught.value.path.times) == 82 == np.floor(100 * expected)
+
+
+def test_stages_start_anew_with_what_was_found():
+    """Wires so soft that neighbours touch elsewhere than one turn apart."""
+    options = {"element": "curved", "elements_per_turn": 40, "pairs_per_turn": 40, "penalty": 30.0}
+    x, y = np.array(spring_a().load.force)
+    scene = staged(spring_a(), (0.5 * x, 0.5 * y), (x, y), steps=2)
+    whole = wirefe.solve(spring_a(), steps=4, **options)
+    path = wirefe.solve(scene, **options)
+    assert min(each.options["pairs_found"] for each in (whole, path)) > 10
+    np.testing.assert_allclose(path.tips[-1], whole.tips[-1], rtol=1e-3)
+
+
+@pytest.mark.parametrize(("solve", "options"), MODELS)
+def test_a_test_machine_finds_the_load_curve(solve, options):
+    by_force = solve(replace(FREE_B, load=Load((0.0, -100.0), 20)), **options)
+    ways = by_force.tips[:, 1]
+    for row in (4, 12, 19):
+        path = solve(pressed(FREE_B, ways[row], steps=5), **options)
+        assert path.loads[-1, 1] == pytest.approx(by_force.loads[row, 1], rel=1e-4)
+        np.testing.assert_allclose(path.tips[:, 1], ways[row] * path.times, rtol=1e-4)
+        # what it measures belongs to where the top is, whatever the machine yields
+        force = np.interp(-path.tips[-1, 1], -ways, by_force.loads[:, 1])
+        assert path.loads[-1, 1] == pytest.approx(force, rel=2e-5 if row < 19 else 1e-3)
+
+
+def test_a_test_machine_goes_through_limit_points():
+    """Frictionless wires of Spring B slide off each other at 130 N; arc-length continuation says how."""
+    path = wirefe.solve(pressed(FREE_B, -14.0, steps=140), **CURVED)
+    traced = wirefe.trace(FREE_B, points=160, **CURVED)
+    assert traced.negative_pivots.max() == 1
+    top = traced.loads[:, 1].argmin()
+    assert top < len(traced.times) - 1
+    rising = np.maximum.accumulate(-traced.tips[:, 1])  # no snap-back in the displacement
+    for way in (12.0, 13.0, 13.3):
+        row = np.abs(path.tips[:, 1] + way).argmin()
+        expected = np.interp(-path.tips[row, 1], rising, traced.loads[:, 1])
+        assert path.loads[row, 1] == pytest.approx(expected, rel=2e-3)
+    assert path.loads[:, 1].min() < path.loads[100, 1]
+
+
+@pytest.mark.parametrize(("solve", "options"), MODELS)
+def test_a_test_machine_comes_back(solve, options):
+    path = solve(pressed(FREE_B, -8.0, -2.0, steps=4), **options)
+    np.testing.assert_allclose(path.tips[:, 1], [-2, -4, -6, -8, -6.5, -5, -3.5, -2], rtol=1e-4)
+    assert path.loads[-1, 1] == pytest.approx(path.loads[0, 1], rel=1e-4)
+
+
+@pytest.mark.parametrize("model", ["equivbeam", "wirefe"])
+def test_the_drive_is_the_derivative_of_its_energy(model):
+    """At a state away from rest, driven and not: only the top's freedoms differ."""
+    scene = spring_a()
+    if model == "equivbeam":
+        data = equivbeam.model.build_model(scene)
+        rest, top = equivbeam.model.rest_state(data), equivbeam.model.top_place(data)
+        size, free = equivbeam.model.matrix_size(data), rest.size - 3
+        plain, driven = equivbeam.kernels.assemble, equivbeam.driven.assemble
+        memory = np.zeros((len(data.pairs), MEMORY))
+        retract = equivbeam.kernels.retract
+    else:
+        problem, _, _ = scene_problem(scene, "straight", 8, 4)
+        data, rest, top, memory = problem.data, problem.start, problem.top, problem.memory
+        size, free = problem.matrix_size, problem.load.size
+        plain, driven = wirefe.kernels.assemble, wirefe.driven.assemble
+        retract = wirefe.kernels.retract
+    place = np.array([*top.state, *top.freedom, top.diagonal])
+    force, machine = np.array([3.0, -7.0]), 11.0
+    drive = Drive(place, np.array([0.0, 28.6]), force, np.array([machine]))
+    packed = pack((data, drive))
+
+    def both(step):
+        move, state = np.zeros(free), np.empty_like(rest)
+        move[list(top.freedom)] = step
+        retract(*pack(data), rest, move, 1.0, state)
+        found = []
+        for kernel in (plain, driven):
+            g, H = np.empty(free), np.empty(size)
+            energy, _ = kernel(*packed, rest, 0.0, memory, state, g, H)
+            found.append((energy, g, H))
+        return tuple(after - before for before, after in zip(*found, strict=True))
+
+    x, y = -0.7, -1.3
+    energy, g, H = both((x, y))
+    assert energy == pytest.approx(-3.0 * x + 7.0 * y + 0.5 * machine * y**2, rel=1e-10)
+    expected = np.zeros(free)
+    expected[list(top.freedom)] = -3.0, 7.0 + machine * y
+    np.testing.assert_allclose(g, expected, atol=1e-9)
+    assert np.flatnonzero(np.abs(H) > 1e-6).tolist() == [top.diagonal]
+    assert H[top.diagonal] == pytest.approx(machine, rel=1e-9)
+    slope = [
+        (both((x + a, y + b))[0] - both((x - a, y - b))[0]) / 2e-4 for a, b in ((1e-4, 0.0), (0.0, 1e-4))
+    ]
+    np.testing.assert_allclose(slope, g[list(top.freedom)], atol=1e-6)
+
+
+def test_the_machine_is_stiff_against_the_spring_alone_where_there_is_one():
+    assert machine_stiffness(spring_b()) == 0.0
+    assert machine_stiffness(pressed(spring_b(), -1.0)) == pytest.approx(1e5 * axial_rate(spring_b()))
+
+
+def test_reactions_are_compared_where_the_way_is_prescribed():
+    beam, wire_path = (solve(pressed(FREE_B, -10.0), **options) for solve, options in MODELS)
+    found = compare_paths(beam, wire_path)
+    assert found.component_max.keys() == {"uy"}
+    apart = np.abs(beam.loads[:, 1] - wire_path.loads[:, 1]).max() / np.abs(wire_path.loads[:, 1]).max()
+    assert 1e-3 < found.curve_max == pytest.approx(apart)
+
+
+def test_one_force_grows_with_time_beyond_time_1_too():
+    """Where a traced path may end."""
+    found = loads(spring_a(), np.array([-0.1, 0.5, 1.02]), np.zeros((3, 3)))
+    np.testing.assert_allclose(found, [[0.9, 0.4], [-4.5, -2.0], [-9.18, -4.08]])
+
+
+def test_what_takes_one_force_alone_says_so():
+    with pytest.raises(InputError, match="load must be one force for trace"):
+        wirefe.trace(staged(FREE_B, *TO_FULL))
+    path = equivbeam.solve(pressed(FREE_B, -1.0))
+    with pytest.raises(InputError, match="sensitivities needs a path under forces"):
+        equivbeam.sensitivities(path, ["E"])
+
+
+def test_sensitivities_hold_in_stages():
+    names = ["E", "wire_diameter"]
+    whole = equivbeam.solve(replace(BARE_A, load=Load((-4.0, -2.0), 2)))
+    halves = equivbeam.solve(staged(BARE_A, (-2.0, -1.0), (-4.0, -2.0), steps=1))
+    first, second = (equivbeam.sensitivities(path, names).tips for path in (whole, halves))
+    np.testing.assert_allclose(second, first, rtol=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("load", "words"),
+    [
+        ({}, r"load\.force must be two numbers .* not both zero"),
+        ({"stages": ()}, r"load\.force must be two numbers"),
+        ({"stages": []}, r"load\.stages must be 1 to 1000 stages, got 0"),
+        ({"stages": 3}, r"load\.stages must be a list of forces"),
+        ({"stages": [(0.0, 0.0)]}, r"load\.stages\[1\] must differ from what it begins with"),
+        ({"stages": [(0.0, -1.0), (0.0, -1.0)]}, r"load\.stages\[2\] must differ .* \(0\.0, -1\.0\)"),
+        ({"stages": [(0.0, -1.0), (0.0,)]}, r"load\.stages\[2\] must be two numbers \[Fx, Fy\]"),
+        (
+            {"stages": [(0.0, -1.0)], "force": (0.0, -2.0)},
+            r"load\.force must be left out beside load\.stages",
+        ),
+        ({"stages": [(0.0, -1.0)], "displacement": -2.0}, "load takes stages or displacement, not both"),
+        ({"displacement": 0.0}, r"load\.displacement\[1\] must differ from what it begins with, 0\.0"),
+        ({"displacement": []}, r"load\.displacement must be 1 to 1000 stages"),
+        ({"displacement": "much"}, r"load\.displacement must be a number"),
+        ({"displacement": -1.0, "force": (0.0, -1.0)}, r"load\.force must be left out beside load\.disp"),
+    ],
+)
+def test_bad_histories(load, words):
+    with pytest.raises(InputError, match=words):
+        Load(**load)
+
+
+def test_histories_that_the_supports_do_not_allow():
+    with pytest.raises(InputError, match=r"supports\.top_held must be without uy"):
+        replace(spring_b(), supports=Supports(("uy",)), load=Load(displacement=-1.0))
+    with pytest.raises(InputError, match=r"load\.displacement must be above -28\.6, .* got -30\.0"):
+        pressed(spring_b(), -30.0)
+    with pytest.raises(InputError, match=r"load\.stages must change in a direction that is free, got \(5\.0"):
+        staged(spring_b(), (0.0, -1.0), (5.0, -1.0))

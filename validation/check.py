@@ -1,0 +1,97 @@
+"""What a scene file describes: closed-form numbers, warnings, and which models can represent it."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+
+from coilspring import InputError, Scene
+from coilspring.sizing import Sizes, middle_diameter, sizes
+from equivbeam.model import build_model
+from wirefe.mesh import mesh_wire
+
+# EN 13906-1:2013: ranges of cold-coiled springs to which its formulas apply
+INDEX = (4.0, 20.0)
+LEAST_COILS = 2.0
+STEEPEST = 7.5  # degrees
+TOUCHING = 1e-3  # wire diameters
+ELEMENTS_PER_TURN = 40  # of the wire model, where nothing is said
+
+
+def report(scene: Scene) -> tuple[list[str], list[str]]:
+    """Lines that say what a scene is, and warnings."""
+    found = sizes(scene)
+    models = [f"  {model:<13} {verdict}" for model, verdict in _models(scene)]
+    return [f"{scene.name}: a valid scene", *_lines(scene, found), *models], list(_warnings(scene, found))
+
+
+def _lines(scene: Scene, found: Sizes) -> Iterator[str]:
+    spring = scene.spring
+    low, high = found.index
+    index = f"{low:.3g}" if math.isclose(low, high) else f"{low:.3g} to {high:.3g}"
+    yield f"  wire          {spring.wire_diameter:g} mm, {found.wire_length:.4g} mm long; index D/d {index}"
+    kind = f"{spring.ends} ends" if spring.end_turns else "no end turns"
+    parts = f" in {len(spring.sections)} sections" if spring.sections else ""
+    yield (
+        f"  coils         {spring.active_coils:g} active{parts}, {found.total_coils:g} in all; "
+        f"{kind}, {spring.hand}-handed"
+    )
+    yield (
+        f"  length        free {found.free_length:.4g} mm, solid {found.solid_length:.4g} mm, over the wire; "
+        f"active {spring.active_height:g} mm"
+    )
+    gap = "none below one coil" if found.least_gap is None else f"{found.least_gap:.3g} mm at least"
+    yield f"  gap           {gap}, between neighbouring active coils"
+    yield f"  helix angle   {math.degrees(found.helix_angle):.3g} degrees at most"
+    yield f"  rate          {found.rate:.4g} N/mm (G d^4 / 8 D^3 n of EN 13906-1, summed over the coils)"
+    first, last = found.closing
+    yield f"  closing       first coil at about {first:.3g} N, last at {last:.3g} N, by the same formula"
+    yield f"  axial load    {found.force:.4g} N, which shortens it by {found.shortening:.3g} mm by that rate"
+    yield (
+        f"  stress        {found.stress:.3g} MPa (8 F D / pi d^3 with Bergstraesser's factor "
+        f"{found.stress_factor:.3f} of EN 13906-1)"
+    )
+
+
+def _warnings(scene: Scene, found: Sizes) -> Iterator[str]:
+    spring, slender = scene.spring, scene.spring.active_height / middle_diameter(scene.spring)
+    low, high = found.index
+    if low < INDEX[0] or high > INDEX[1]:
+        yield f"index D/d is {low:.3g} to {high:.3g}, outside {INDEX[0]:g} to {INDEX[1]:g} (EN 13906-1)"
+    if spring.active_coils < LEAST_COILS:
+        yield f"{spring.active_coils:g} active coils, less than {LEAST_COILS:g} (EN 13906-1)"
+    angle = math.degrees(found.helix_angle)
+    if angle > STEEPEST:
+        yield f"helix angle up to {angle:.3g} degrees, above {STEEPEST:g}: the formulas leave it out"
+    if found.force < 0.0:
+        yield "the axial load pulls: the formulas are those of a compression spring"
+    if found.buckling is not None and found.shortening >= found.buckling:
+        yield (
+            f"slenderness {slender:.3g}: as a column it buckles when shortened by {found.buckling:.3g} mm, "
+            f"at about {found.buckling * found.rate:.3g} N (EN 13906-1; see also equivbeam.buckling)"
+        )
+    if found.least_gap is not None and found.least_gap < TOUCHING * spring.wire_diameter:
+        yield "coils touch at rest"
+    if found.force > found.closing[1]:
+        yield (
+            f"the axial load of {found.force:.3g} N is beyond solid: the last coil closes at "
+            f"{found.closing[1]:.3g} N"
+        )
+    elif found.force > found.closing[0] and not scene.contact.enabled:
+        yield "coils close under the load, and contact is not enabled"
+
+
+def _models(scene: Scene) -> Iterator[tuple[str, str]]:
+    """What each model says to a scene, with its usual mesh."""
+    for model, accept in (("equivbeam", build_model), ("wirefe", _mesh)):
+        try:
+            accept(scene)
+            yield model, "represents it"
+        except InputError as error:
+            yield model, str(error)
+
+
+def _mesh(scene: Scene) -> None:
+    """The wire model's part that may refuse a scene; its spheres are many where coils are."""
+    scene.supports.require_supported("wirefe")
+    mesh_wire(scene.spring, ELEMENTS_PER_TURN)
