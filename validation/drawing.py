@@ -16,7 +16,8 @@ from matplotlib.figure import Figure
 
 from coilspring import Scene, Spring
 from coilspring.sizing import along, sizes
-from validation.figures import save
+from validation.figures import png
+from validation.output import write_bytes
 from validation.style import BLUE, DOUBLE, RC, RED
 
 DISCS = 8  # along a wire diameter, of which the wire is drawn
@@ -33,7 +34,7 @@ def draw(scene: Scene, target: Path) -> None:
         )
         _side(plots["side"], scene.spring)
         _coils([plots[name] for name in ("diameter", "pitch", "closing")], scene)
-        save(figure, target)
+        write_bytes(target, png(figure))
 
 
 def _side(axes: Axes, spring: Spring) -> None:

@@ -14,9 +14,9 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
-from validation.figures import save
+from validation.figures import png
 from validation.openinputs import AGAINST, BEAM, MODELS, WIRE, OpenInput
-from validation.output import write_text
+from validation.output import write_bytes, write_text
 from validation.sensitivity import Change, Study
 from validation.style import BEAM_LABEL, BLUE, DOUBLE, RC, RED, WIRE_LABEL
 
@@ -43,7 +43,7 @@ def write(studies: Sequence[Study], out: Path) -> None:
     looks: Any = RC | SVG
     with matplotlib.rc_context(looks):
         figure = draw(studies)
-        save(figure, out / f"{NAME}.png")
+        write_bytes(out / f"{NAME}.png", png(figure))
         text = io.StringIO()
         FigureCanvasSVG(figure).print_svg(text, metadata={"Date": None})
         write_text(out / f"{NAME}.svg", text.getvalue())
