@@ -121,8 +121,7 @@ def test_a_test_machine_goes_through_limit_points():
     path = wirefe.solve(pressed(FREE_B, -14.0, steps=140), **CURVED)
     traced = wirefe.trace(FREE_B, points=160, **CURVED)
     assert traced.negative_pivots.max() == 1
-    top = traced.loads[:, 1].argmin()
-    assert top < len(traced.times) - 1
+    assert (np.diff(-traced.loads[:, 1]) < 0.0).any()  # the load falls beyond the limit point
     rising = np.maximum.accumulate(-traced.tips[:, 1])  # no snap-back in the displacement
     for way in (12.0, 13.0, 13.3):
         row = np.abs(path.tips[:, 1] + way).argmin()

@@ -10,7 +10,7 @@ import pytest
 
 import equivbeam
 from coilspring import InputError, spring_a, spring_b
-from coilspring.solving import Problem, follow_load, scene_path
+from coilspring.solving import Problem, follow_problem, output_times, scene_path
 from coilspring.wire import round_section
 from equivbeam import model as beam
 from equivbeam.contact import MEMORY
@@ -32,6 +32,10 @@ from wirefe.shape import WireShape
 from wirefe.solve import KERNELS as WIRE_KERNELS
 
 BARE, CONTACT = "spring-b-no-contact", "spring-b"
+
+
+def _followed(scene, problem, kernels):
+    return follow_problem(problem, kernels, output_times(scene), scene.spring.wire_diameter)
 
 
 def named(name):
@@ -101,9 +105,7 @@ def by_shifted_mesh(scene, height):
     start, pairs = wire.rest_state(rod, mesh.arm), len(data.contact.pairs)
     memory = np.zeros((pairs, WIRE_MEMORY))
     problem = Problem(data, wire.load_vector(rod), start, memory, wire.matrix_size(data), lean=True)
-    return scene_path(
-        scene, WIRE, {}, follow_load(scene, problem, WIRE_KERNELS), WireShape(scene, data, mesh)
-    )
+    return scene_path(scene, WIRE, {}, _followed(scene, problem, WIRE_KERNELS), WireShape(scene, data, mesh))
 
 
 @pytest.mark.parametrize(("enabled", "error"), [(False, 1e-5), (True, 1e-3)])
@@ -127,7 +129,7 @@ def test_a_raised_load_on_the_beam():
     data.rows[-1, [KAX, KSH, KFL]] *= 1e7
     memory = np.zeros((len(data.pairs), MEMORY))
     load, start = beam.load_vector(data, taller), beam.rest_state(data)
-    run = follow_load(taller, Problem(data, load, start, memory, beam.matrix_size(data)), BEAM_KERNELS)
+    run = _followed(taller, Problem(data, load, start, memory, beam.matrix_size(data)), BEAM_KERNELS)
     exact = scene_path(taller, BEAM, {}, run, BeamShape(taller, data)).tips
     np.testing.assert_allclose(raised(scene, BEAM, lever).tips, exact, rtol=1e-5)
 

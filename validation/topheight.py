@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from coilspring import EquilibriumNotFound, EquilibriumPath, Scene
-from coilspring.solving import Problem, follow_load, scene_path
+from coilspring.solving import Problem, follow_problem, output_times, scene_path
 from equivbeam import model as beam
 from equivbeam.contact import MEMORY
 from equivbeam.rendering import BeamShape
@@ -89,14 +89,18 @@ def _beam(scene: Scene, moment: float) -> EquilibriumPath:
         matrix_size=beam.matrix_size(data),
     )
     return scene_path(
-        scene, "equivbeam", {}, follow_load(scene, problem, BEAM_KERNELS), BeamShape(scene, data)
+        scene,
+        "equivbeam",
+        {},
+        follow_problem(problem, BEAM_KERNELS, output_times(scene), scene.spring.wire_diameter),
+        BeamShape(scene, data),
     )
 
 
 def _wire(scene: Scene, moment: float) -> EquilibriumPath:
     problem, mesh, options = scene_problem(scene, **PAPER_MESH)
     problem = replace(problem, load=_with_moment(problem.load, moment))
-    run = follow_load(scene, problem, WIRE_KERNELS)
+    run = follow_problem(problem, WIRE_KERNELS, output_times(scene), scene.spring.wire_diameter)
     return scene_path(scene, "wirefe", options, run, WireShape(scene, problem.data, mesh))
 
 
