@@ -15,7 +15,7 @@ from pathlib import Path
 from coilspring.kernelset import SIGNATURES, Kernels
 from coilspring.stepping import compiled_follow
 
-PARENTS = ("assemble", "retract")  # about half the work; a child has the others and the follower
+PARENTS = ("assemble", "factor", "solve")  # about half the work; a child has the others and the follower
 
 
 @cache
