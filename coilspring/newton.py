@@ -27,6 +27,7 @@ LINEAR_DECREMENT = 1e-22
 SINGULAR = 0.1
 CHANGE = 100.0
 LONG_SEARCH = 0.1  # a step cut below this says that the iteration left the neighbourhood
+GAIN = 0.1  # of the decrement before: a step that gains less is not worth a look
 NUDGE = 1e-2  # of the energy of the way: so small a step with a kept factor takes out stiff errors first
 CHORDS = 3  # steps with a kept factor that cost less than a new one
 FAR = 1e-7  # of the reference work: from such a decrement, another factorisation will be needed
@@ -67,13 +68,13 @@ def positive_factor(reals, ints, H, rest, shift, F, factor):
 def worthwhile(left, last, enough, lean):
     """Whether a step with a kept factor is taken; its decrement is `left`, that of the one before `last`.
 
-    Within the tolerance `enough`, while it still gains; else where so few steps suffice, each gaining as
-    much as the one before, that they cost less than a new factor.
+    Within the tolerance `enough`, while it gains much, which near a critical point it never does; else
+    where so few steps suffice, each gaining as much as the one before, that they cost less than a factor.
     """
     if not left < last:
         return False
     if left <= enough:
-        return left > MEASURED * enough
+        return left > MEASURED * enough and left <= GAIN * last
     return lean and last < np.inf and math.log(enough / left) >= CHORDS * math.log(left / last)
 
 

@@ -31,11 +31,14 @@ def softest(reals, ints, state, memory, load, g, H, assemble, factor, solve):
 
 
 @kernel
-def unstable_time(reals, ints, memory, origin, begin, tangent, end, H, g, assemble, factor, retract):
+def unstable_time(
+    reals, ints, memory, origin, begin, tangent, end, clearance, H, g, assemble, factor, retract
+):
     """First time of a linear stretch at which the matrix has a negative pivot.
 
     Along the stretch the state is `origin` moved by ``(time - begin) * tangent``; it is sampled at
-    `SAMPLES` times and bisected. Returns the time before the sign change (infinite where every
+    `SAMPLES` times and bisected. `clearance` is that of the origin: 0 where pairs touch, infinite where none
+    does before the end. Returns the time before the sign change (infinite where every
     sample is stable) and the number of factorisations.
     """
     state = np.empty_like(origin)
@@ -44,7 +47,7 @@ def unstable_time(reals, ints, memory, origin, begin, tangent, end, H, g, assemb
     while high - low > LEAST_STEP:
         time = 0.5 * (low + high) if high < np.inf else min(low + (end - begin) / SAMPLES, end)
         retract(reals, ints, origin, tangent, time - begin, state)
-        assemble(reals, ints, state, 0.0, memory, state, g, H)
+        assemble(reals, ints, state, clearance, memory, state, g, H)
         count += 1
         if factor(reals, ints, H)[0] > 0:
             high = time

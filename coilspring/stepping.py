@@ -226,9 +226,12 @@ def follow(
                 begin, linear = time, True
         elif linear:
             # a linear stretch took no factorisation: verify its stability once, where it ends
+            # up to where the first pair closes, if none is closed: there the substep landed
+            wide = clearance > 0.0
             critical, count = unstable_time(
-                reals, ints, memory, origin, begin, tangent, time, H, g, assemble, factor, retract
-            )
+                reals, ints, memory, origin, begin, tangent, target if wide else time,
+                np.inf if wide else 0.0, H, g, assemble, factor, retract,
+            )  # fmt: skip
             checks += count
             linear = False
             if critical < np.inf:
@@ -256,7 +259,7 @@ def follow(
     bracket = 2.0 * dt
     if linear:
         critical, count = unstable_time(
-            reals, ints, memory, origin, begin, tangent, time, H, g, assemble, factor, retract
+            reals, ints, memory, origin, begin, tangent, time, 0.0, H, g, assemble, factor, retract
         )
         checks += count
     if critical < np.inf:

@@ -50,7 +50,9 @@ def test_it_is_the_step_to_first_order(element, count):
     problem, free = spring(element, count)
     state = moved(problem.data, problem.start, wave(problem, free, 1.0))
     step = wave(problem, free, 1.0, seed=1)
-    rest = [np.abs(moved(problem.data, state, step, f) - literal(state, f * step)).max() for f in (1e-2, 1e-3)]
+    rest = [
+        np.abs(moved(problem.data, state, step, f) - literal(state, f * step)).max() for f in (1e-2, 1e-3)
+    ]
     assert rest[0] / rest[1] == pytest.approx(100.0, rel=0.05)
     assert rest[1] < 1e-4
 
@@ -83,7 +85,9 @@ def test_bending_does_not_stretch():
     sides = np.linalg.norm(np.diff(rolled, axis=0), axis=1)
     np.testing.assert_allclose(sides, LENGTH / COUNT, rtol=1e-13)
     radius = 0.5 * sides[0] / np.sin(0.5 * np.pi / COUNT)  # a regular polygon's
-    np.testing.assert_allclose(rolled[-1], [0.0, 2.0 * radius, 0.0], atol=1e-2 * radius)  # a side turns by 2 atan(w/2)
+    np.testing.assert_allclose(
+        rolled[-1], [0.0, 2.0 * radius, 0.0], atol=1e-2 * radius
+    )  # a side turns by 2 atan(w/2)
 
 
 def test_the_prediction_meets_the_state_before():
