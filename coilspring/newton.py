@@ -27,7 +27,7 @@ LINEAR_DECREMENT = 1e-22
 SINGULAR = 0.1
 CHANGE = 100.0
 LONG_SEARCH = 0.1  # a step cut below this says that the iteration left the neighbourhood
-GAIN = 0.1  # of the decrement before: a step that gains less is not worth a look
+MOST_LOOKS = 8  # at a state within the tolerance
 NUDGE = 1e-2  # of the energy of the way: so small a step with a kept factor takes out stiff errors first
 CHORDS = 3  # steps with a kept factor that cost less than a new one
 FAR = 1e-7  # of the reference work: from such a decrement, another factorisation will be needed
@@ -65,16 +65,17 @@ def positive_factor(reals, ints, H, rest, shift, F, factor):
 
 
 @kernel
-def worthwhile(left, last, enough, lean):
+def worthwhile(left, last, enough, looks, lean):
     """Whether a step with a kept factor is taken; its decrement is `left`, that of the one before `last`.
 
-    Within the tolerance `enough`, while it gains much, which near a critical point it never does; else
-    where so few steps suffice, each gaining as much as the one before, that they cost less than a factor.
+    Within the tolerance `enough`, while it gains, but near a critical point it may gain little for ever;
+    else where so few steps suffice, each gaining as much as the one before, that they cost less than
+    another factor.
     """
     if not left < last:
         return False
     if left <= enough:
-        return left > MEASURED * enough and left <= GAIN * last
+        return left > MEASURED * enough and looks < MOST_LOOKS
     return lean and last < np.inf and math.log(enough / left) >= CHORDS * math.log(left / last)
 
 
@@ -128,7 +129,7 @@ def equilibrium(
     )
     pairs = looked
     enough = max(DECREMENT * reference, rounding)  # less energy than its rounding cannot be asked for
-    count, trouble = 0, NONE
+    count, trouble, looks = 0, NONE, 0
     least, before, last, damping = np.inf, 0.0, np.inf, FIRST_SHIFT
     for i in range(limit):
         if kept:
@@ -141,7 +142,7 @@ def equilibrium(
             near = left <= enough and i > 0
             if near and looked == 0:
                 advance(reals, ints, state, step, trial, retract)
-            elif worthwhile(left, last, enough, lean) if i > 0 else lean and left <= NUDGE * way:
+            elif worthwhile(left, last, enough, looks, lean) if i > 0 else lean and left <= NUDGE * way:
                 # a step may open or close a pair: the state is looked at again
                 advance(reals, ints, state, step, trial, retract)
                 if i > 0:
@@ -150,6 +151,7 @@ def equilibrium(
                     )
                     pairs += looked
                     last = left
+                    looks += 1 if near else 0
                     continue
                 current = False
             if near:
