@@ -157,12 +157,10 @@ class EquilibriumPath:
         """Largest penetration, shape (steps,), mm; 0 where nothing touches."""
         return self.penetrations.max(axis=1, initial=0.0)
 
-    @cached_property
-    def table(self) -> pd.DataFrame:
-        """One row for each time reached, with the columns of ``path.csv``."""
-        import pandas as pd
-
-        columns = {
+    @property
+    def columns(self) -> dict[str, np.ndarray]:
+        """The columns of ``path.csv`` by name, each (steps,)."""
+        return {
             "time": self.times,
             "load_x": self.loads[:, 0],
             "load_y": self.loads[:, 1],
@@ -173,7 +171,13 @@ class EquilibriumPath:
             "active_contacts": self.active_contacts,
             "max_penetration": self.max_penetration,
         }
-        return pd.DataFrame(columns)
+
+    @cached_property
+    def table(self) -> pd.DataFrame:
+        """One row for each time reached, with the columns of ``path.csv``."""
+        import pandas as pd
+
+        return pd.DataFrame(self.columns)
 
     def centreline(self, step: int, points_per_turn: int = 40) -> np.ndarray:
         """Deformed wire at a stored step, end turns included, shape (points, 3), mm."""
