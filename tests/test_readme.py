@@ -1,6 +1,12 @@
-"""Code of the README and the examples runs as printed."""
+"""Code of the README, the pages and the examples runs as printed; the site builds; findings are measured."""
 
+import importlib.util
 import re
+import shlex
+import shutil
+import subprocess
+import sys
+from collections import Counter
 from pathlib import Path
 
 import pytest
@@ -12,31 +18,62 @@ from validation.cli import main
 from validation.metrics import compare_paths
 
 ROOT = Path(__file__).parents[1]
-TEXT = (ROOT / "README.md").read_text(encoding="utf-8")
+README = (ROOT / "README.md").read_text(encoding="utf-8")
+PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md"))]
+RUN_BY_CI = ("main", "tests")  # marks of the README's commands, which set up an environment each
+NUMBER = re.compile(r"(?<![\w.])-?\d+(?:\.\d+)?(?:e[+-]?\d+)?(?![\w])")
 
 
-def test_python_blocks(capsys):
-    blocks = re.findall(r"```python\n(.*?)```", TEXT, re.DOTALL)
-    assert len(blocks) == 3
-    for block in blocks:
-        exec(compile(block, "README.md", "exec"), {})
-    assert "-19.8" in capsys.readouterr().out
+def blocks(text, language):
+    """Mark and code of each block of a page."""
+    found = re.findall(rf"(?:<!-- (\w+) -->\n)?```{language}\n(.*?)```", text, re.DOTALL)
+    return [(mark, code) for mark, code in found]
 
 
-def test_commands(tmp_path, monkeypatch, capsys):
-    """The lines of the usage block; the two main commands are what CI runs."""
+def pages_with(language):
+    found = [page for page in PAGES if blocks(page.read_text(encoding="utf-8"), language)]
+    return pytest.mark.parametrize("page", found, ids=lambda page: page.stem)
+
+
+def test_every_block_is_of_a_kind_that_is_tried():
+    """Code in another language, or in none, would be run by nobody."""
+    for page in PAGES:
+        kinds = re.findall(r"^```(\w*)$", page.read_text(encoding="utf-8"), re.MULTILINE)
+        assert set(kinds[::2]) <= {"python", "bash", "toml"}, page.name
+
+
+@pages_with("python")
+def test_python_blocks(page, capsys):
+    for _, code in blocks(page.read_text(encoding="utf-8"), "python"):
+        exec(compile(code, page.name, "exec"), {"__name__": "__main__"})
+    if page.name == "README.md":
+        assert "-19.8" in capsys.readouterr().out
+
+
+@pages_with("bash")
+def test_commands(page, tmp_path, monkeypatch, capsys):
+    """In the page's order, in one folder; the file that a page shows takes the place of an edited one."""
     monkeypatch.chdir(tmp_path)
-    lines = re.findall(r"^\.venv/bin/coilcheck (.*?)\s*(?:#.*)?$", TEXT, re.MULTILINE)
-    assert len(lines) == 5
-    for line in lines[:2]:
-        assert main(line.split()) == 0
-    command, _, file = lines[3].partition(" > ")
+    text = page.read_text(encoding="utf-8")
+    for mark, code in blocks(text, "bash"):
+        if mark in RUN_BY_CI or mark == "installs":
+            assert mark != "installs" or code.strip() in README
+            continue
+        for line in code.splitlines():
+            run_line(line, capsys)
+            for _, scene in blocks(text, "toml") if "new" in line else ():
+                Path("my.toml").write_text(scene, encoding="utf-8")
+
+
+def run_line(line, capsys):
+    """One line of a shell: the command with its arguments, its output to a file where it says so."""
+    words = shlex.split(line, comments=True)
+    words, file = (words[:-2], words[-1]) if ">" in words else (words, None)
+    assert Path(words[0]).name == "coilcheck"
     capsys.readouterr()
-    assert main(command.split()) == 0
-    Path(file).write_text(capsys.readouterr().out, encoding="utf-8")
-    assert main(lines[4].split()) == 0
-    assert (tmp_path / "coilcheck-out/solve-spring-b/path.csv").exists()
-    assert (tmp_path / "coilcheck-out/compare-spring-a/compare.json").exists()
+    assert main(words[1:]) == 0, line
+    if file:
+        Path(file).write_text(capsys.readouterr().out, encoding="utf-8")
 
 
 @pytest.mark.parametrize("file", sorted((ROOT / "examples").glob("*.toml")), ids=lambda file: file.stem)
@@ -45,3 +82,72 @@ def test_example_scenes(file):
     beam, wire = equivbeam.solve(scene), wirefe.solve(scene)
     assert compare_paths(beam, wire).curve_max < 0.03
     assert wire.active_contacts.max() > 0
+
+
+def example(name):
+    """A script of the examples, as a module that worker processes would find again."""
+    spec = importlib.util.spec_from_file_location(name, ROOT / "examples" / f"{name}.py")
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
+
+
+def own_spring(found):
+    assert found.steps == 20
+    assert 0.001 < found.curve_max < 0.02
+
+
+def many_springs(found):
+    assert set(found) == {"completed", "limit_point"}
+    assert found == Counter(completed=108, limit_point=92)
+
+
+def past_a_limit_point(found):
+    turn, traced = found
+    assert traced.times.max() == pytest.approx(turn, abs=2e-3)
+    top, unstable = traced.times.argmax(), traced.negative_pivots > 0
+    assert not unstable[:top].any()
+    assert traced.times[-1] < turn - 0.01  # it went on, back,
+    assert unstable[top:].sum() > 10  # through equilibria that no spring keeps,
+    assert not unstable[-1]  # to those where it catches itself
+
+
+@pytest.mark.parametrize("check", [own_spring, many_springs, past_a_limit_point])
+def test_example_scripts(check):
+    check(example(check.__name__).main())
+
+
+def test_every_example_script_is_run():
+    scripts = {file.stem for file in (ROOT / "examples").glob("*.py")}
+    assert scripts == {"own_spring", "many_springs", "past_a_limit_point"}
+
+
+def test_findings_are_measured():
+    """Every number of a finding is, rounded, one of a page that the finding links to."""
+    text = (ROOT / "docs/findings.md").read_text(encoding="utf-8")
+    findings = re.findall(r"^\d+\. (.*?)(?=^\d+\. |^#|\Z)", text, re.MULTILINE | re.DOTALL)
+    assert len(findings) > 15
+    for finding in findings:
+        links = re.findall(r"\]\(([^)#]*)[^)]*\)", finding)
+        measured = [
+            float(number)
+            for link in links
+            for number in NUMBER.findall((ROOT / "docs" / link).read_text(encoding="utf-8"))
+        ]
+        for number in NUMBER.findall(re.sub(r"\]\([^)]*\)", "]", finding)):
+            digits = len(number.partition(".")[2]) if "e" not in number else 12
+            close = (abs(abs(value) - abs(float(number))) for value in measured)
+            assert min(close) <= 0.5000001 * 10.0**-digits, f"{number} in: {finding}"
+
+
+def test_the_site_builds_without_warnings(tmp_path):
+    mkdocs = shutil.which("mkdocs", path=str(Path(sys.executable).parent))
+    if mkdocs is None:
+        pytest.skip("mkdocs is not installed")
+    done = subprocess.run(
+        [mkdocs, "build", "--strict", "--site-dir", tmp_path / "site"],
+        capture_output=True, text=True, cwd=ROOT, check=False,
+    )  # fmt: skip
+    assert done.returncode == 0, done.stdout + done.stderr
+    assert "curve_max" in (tmp_path / "site/api/validation/index.html").read_text(encoding="utf-8")
+    assert (tmp_path / "site/reports/paper/fig4.png").exists()

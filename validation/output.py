@@ -7,7 +7,7 @@ import math
 import os
 import tempfile
 from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from pathlib import Path
 
 import numpy as np
@@ -49,11 +49,15 @@ def write_bytes(target: Path, data: bytes) -> None:
 
 
 def write_files(files: Mapping[str, bytes], folder: Path) -> None:
-    """Write files by name; one that stands there with the same content is left as it is."""
-    for name, data in files.items():
-        target = folder / name
-        if not (target.is_file() and target.read_bytes() == data):
-            write_bytes(target, data)
+    """Write files by name, all or none; one that stands there with the same content is left as it is.
+
+    They take their places when all are written, the last one first.
+    """
+    with ExitStack() as places:
+        for name, data in files.items():
+            target = folder / name
+            if not (target.is_file() and target.read_bytes() == data):
+                places.enter_context(_whole(target)).write_bytes(data)
 
 
 @contextmanager
@@ -71,13 +75,12 @@ def _whole(target: Path) -> Iterator[Path]:
 
 def write_json(target: Path, value: object) -> None:
     """Write strict JSON; what is not a finite number becomes null."""
-    write_text(target, json.dumps(_plain(value), indent=2, allow_nan=False) + "\n")
+    write_bytes(target, _json(value))
 
 
 def write_path(path: EquilibriumPath, folder: Path) -> None:
     """Write ``path.csv`` and ``summary.json`` of a path, complete or not, to an existing folder."""
-    write_text(folder / "path.csv", _csv(path.columns))
-    write_json(folder / "summary.json", summary(path))
+    write_files({"summary.json": _json(summary(path)), "path.csv": _csv(path.columns).encode()}, folder)
 
 
 def _csv(columns: Mapping[str, np.ndarray]) -> str:
@@ -114,6 +117,10 @@ def summary(path: EquilibriumPath) -> dict[str, object]:
         "options": {"steps": load.steps, "penalty": contact.stiffness, **path.options},
         "versions": versions(),
     }
+
+
+def _json(value: object) -> bytes:
+    return (json.dumps(_plain(value), indent=2, allow_nan=False) + "\n").encode("utf-8")
 
 
 def _plain(value: object) -> object:
