@@ -23,6 +23,7 @@ from validation.campaign.table import Row, Table, version
 from validation.campaign.verdict import CONFIRMED, CRITICAL, REFUSED, RIGHT, UNEXPLAINED, Verdict, reached
 from validation.campaign.wirejudge import BRANCH, judge_wire
 from validation.output import prepare
+from validation.provenance import write_provenance
 
 CHUNK = {"b": 8, "w": 1}  # cases handed to a worker at a time
 QUEUED = 2  # chunks a worker has waiting
@@ -75,6 +76,7 @@ def campaign(
             progress(done, len(wanted))
     chosen = table.sort(wanted)
     write_page(chosen, out, seed)
+    write_provenance(f"coilcheck stability --beams {beams} --wires {wires} --seed {seed}", out)
     return int(any(row["class"] == UNEXPLAINED for row in chosen))
 
 
