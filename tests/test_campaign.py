@@ -2,22 +2,24 @@
 
 from __future__ import annotations
 
+import sys
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from coilspring import InputError, load_scene
-from validation.campaign import run
+from validation.campaign import pools, run
 from validation.campaign.critical import bracket
 from validation.campaign.energy import beam_energy
 from validation.campaign.invariance import KINDS, judge_invariance
 from validation.campaign.judge import judge_beam, judge_branch, judge_critical, judge_states
 from validation.campaign.scenes import Case, case_id, in_units, make_case
-from validation.campaign.table import Table, read_rows
+from validation.campaign.table import Row, Table, read_rows
 from validation.campaign.verdict import CLASSES, UNEXPLAINED, Verdict, reached, under
 from validation.campaign.wire import friction_of, wire_forces
 from validation.campaign.wirejudge import fold, judge_balance, judge_row, judge_wire
+from validation.cli import main
 
 SEED = 1
 LAWS = ("haringx", "helix")
@@ -263,6 +265,52 @@ def test_processes_give_the_same_table(tmp_path):
     for workers in (0, 2):
         run.campaign(tmp_path / str(workers), beams=40, wires=2, seed=SEED, workers=workers)
     assert table_of(tmp_path / "0") == table_of(tmp_path / "2")
+
+
+@pytest.fixture(scope="module")
+def scheduler():
+    """Address of a cluster in this process."""
+    distributed = pytest.importorskip("distributed")
+    with distributed.LocalCluster(
+        n_workers=1, threads_per_worker=1, processes=False, dashboard_address=None
+    ) as cluster:
+        yield cluster.scheduler_address
+
+
+@pytest.mark.filterwarnings("ignore::ResourceWarning", "ignore::DeprecationWarning")
+def test_a_cluster_gives_the_same_table(scheduler, tmp_path):
+    arguments = ["stability", "--beams", "20", "--wires", "1", "--seed", str(SEED)]
+    assert main([*arguments, "--workers", "0", "--out", str(tmp_path / "here")]) == 0
+    assert main([*arguments, "--scheduler", scheduler, "--out", str(tmp_path / "there")]) == 0
+    rows = table_of(tmp_path / "there")
+    assert len(rows) == 21
+    assert rows == table_of(tmp_path / "here")
+
+
+@pytest.mark.filterwarnings("ignore::ResourceWarning", "ignore::DeprecationWarning")
+def test_workers_with_other_sources_are_refused(scheduler, tmp_path, monkeypatch):
+    judge = run.judged
+    monkeypatch.setattr(run, "judged", lambda name, seed: Row(judge(name, seed) | {"version": "another"}))
+    with pytest.raises(InputError, match="got another"):
+        run.campaign(tmp_path, beams=1, wires=0, seed=SEED, scheduler=scheduler)
+
+
+def test_a_cluster_that_cannot_be_used_is_refused_in_one_sentence(tmp_path, monkeypatch, capsys):
+    pytest.importorskip("distributed")
+    monkeypatch.setattr(pools, "PATIENCE", "0.2s")
+    options = ["--beams", "1", "--wires", "0", "--scheduler", "tcp://127.0.0.1:9", "--out", str(tmp_path)]
+    assert main(["stability", *options]) == 2
+    error = capsys.readouterr().err
+    assert error.startswith("coilcheck: scheduler must be the address of a Dask scheduler")
+    assert error.count("\n") == 1
+    assert main(["stability", *options, "--workers", "1"]) == 2
+    assert "workers" in capsys.readouterr().err
+
+
+def test_without_dask_a_sentence_names_the_extra(tmp_path, monkeypatch):
+    monkeypatch.setitem(sys.modules, "distributed", None)
+    with pytest.raises(InputError, match=r"coilcheck\[dask\]"):
+        run.campaign(tmp_path, beams=1, wires=0, seed=SEED, scheduler="tcp://127.0.0.1:9")
 
 
 def test_rows_of_another_seed_or_version_are_not_kept(tmp_path):

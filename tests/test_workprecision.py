@@ -130,7 +130,7 @@ def small(monkeypatch):
 def test_the_command_writes_tables_and_figures(small, tmp_path, capsys):
     assert main(["workprecision", "--quick", "--only", "spring-b-no-contact", "--out", str(tmp_path)]) == 0
     assert "spring-b-no-contact: as accurate as the paper's mesh in 1/" in capsys.readouterr().out
-    files = ("workprecision.csv", "workprecision.md")
+    files = ("provenance.json", "workprecision.csv", "workprecision.md")
     figures = [f"workprecision-{kind}.{end}" for kind in ("curve", "shape") for end in ("png", "svg")]
     assert sorted(file.name for file in tmp_path.iterdir()) == sorted((*files, *figures))
     with open(tmp_path / "workprecision.csv", encoding="utf-8", newline="") as lines:

@@ -123,6 +123,8 @@ def _add_stability(commands: argparse._SubParsersAction) -> None:
     scenes.add_argument("--case", metavar="ID", help="judge one case again, and write nothing")
     how = "processes; default one for each core, 0 for none besides this one"
     command.add_argument("--workers", type=_number, metavar="N", help=how)
+    where = "address of a Dask scheduler, whose workers judge the scenes (extra: dask)"
+    command.add_argument("--scheduler", metavar="ADDRESS", help=where)
 
 
 def _add_regress(commands: argparse._SubParsersAction) -> None:

@@ -176,7 +176,7 @@ def regress(arguments: argparse.Namespace) -> int:
 
 def stability(arguments: argparse.Namespace) -> int:
     """Judge sampled scenes of both models."""
-    options = _given(arguments, ("case",))
+    options = _given(arguments, ("case", "scheduler"))
     for name, number in _given(arguments, tuple(CAMPAIGN_RANGES)).items():
         options[name] = require_integer(name, number, *CAMPAIGN_RANGES[name])
     folder = _folder(arguments)

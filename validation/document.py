@@ -1,4 +1,4 @@
-"""A report as a list of blocks, written as Markdown or as a single HTML page."""
+"""A report as a list of blocks, written as Markdown, read from it again, or bound as a single HTML page."""
 
 from __future__ import annotations
 
@@ -19,7 +19,10 @@ table { border-collapse: collapse; font: 13.5px/1.4 Helvetica, Arial, sans-serif
 th, td { padding: 0.3rem 0.6rem; text-align: left; vertical-align: top; border-bottom: 1px solid #ddd; }
 th { border-bottom: 2px solid #444; }
 figure { margin: 1.2rem 0; }
-figure img { max-width: 100%; }
+figure img, figure svg { max-width: 100%; height: auto; }
+nav { font: 14px/1.6 Helvetica, Arial, sans-serif; }
+nav a { margin-right: 1.2em; white-space: nowrap; }
+summary { font: 14px/1.6 Helvetica, Arial, sans-serif; cursor: pointer; }
 figcaption, p.note { font-size: 14px; color: #444; }
 code { font-size: 90%; }
 """
@@ -27,7 +30,7 @@ code { font-size: 90%; }
 
 @dataclass(frozen=True)
 class Heading:
-    """A heading of level 1, 2 or 3."""
+    """A heading of level 1 to 6."""
 
     level: int
     text: str
@@ -35,7 +38,7 @@ class Heading:
 
 @dataclass(frozen=True)
 class Text:
-    """A paragraph; ``**bold**`` and `` `code` `` are understood."""
+    """A paragraph; ``**bold**``, ``*italic*``, ``[words](address)`` and `` `code` `` are understood."""
 
     text: str
 
@@ -57,13 +60,14 @@ class Table:
 
 @dataclass(frozen=True)
 class Picture:
-    """A PNG file beside the report, with its caption."""
+    """A PNG file beside the report, and its caption; HTML takes the SVG of that name where there is one."""
 
     file: str
     caption: str
 
 
 Block = Heading | Text | Bullets | Table | Picture
+LONG = 30  # rows: a longer table is folded in HTML
 
 
 def to_markdown(blocks: Sequence[Block]) -> str:
@@ -88,9 +92,38 @@ def _markdown(block: Block) -> str:
             )
 
 
-def to_html(blocks: Sequence[Block], folder: Path, title: str) -> str:
-    """The blocks as one HTML page; pictures are read from `folder` and embedded."""
-    body = "\n".join(_html(block, folder) for block in blocks)
+def from_markdown(text: str) -> list[Block]:
+    """The blocks of a page that `to_markdown` wrote."""
+    blocks: list[Block] = []
+    for part in text.strip().split("\n\n"):
+        if part.startswith("#"):
+            marks, _, words = part.partition(" ")
+            blocks.append(Heading(len(marks), words))
+        elif part.startswith("- "):
+            blocks.append(Bullets(tuple(line.removeprefix("- ") for line in part.split("\n"))))
+        elif part.startswith("| "):
+            header, _, *rows = (_cells(line) for line in part.split("\n"))
+            blocks.append(Table(header, tuple(rows)))
+        elif found := re.fullmatch(r"!\[.*\]\((\S+)\)", part):
+            blocks.append(Picture(found[1], ""))
+        elif blocks and blocks[-1] == Picture(getattr(blocks[-1], "file", ""), ""):
+            blocks[-1] = Picture(blocks[-1].file, part.removeprefix("*").removesuffix("*"))
+        else:
+            blocks.append(Text(part))
+    return blocks
+
+
+def _cells(line: str) -> tuple[str, ...]:
+    inner = line.removeprefix("| ").removesuffix(" |")
+    return tuple(cell.replace("\\|", "|") for cell in inner.split(" | "))
+
+
+def to_html(sections: Sequence[tuple[Sequence[Block], Path]], title: str) -> str:
+    """Blocks as one HTML page; the pictures of each section are read from its folder and embedded."""
+    body = "\n".join(_html(block, folder) for blocks, folder in sections for block in blocks)
+    chapters = [b.text for blocks, _ in sections for b in blocks if isinstance(b, Heading) and b.level == 2]
+    links = "".join(f'<a href="#{_anchor(text)}">{_inline(text)}</a> ' for text in chapters)
+    body = body.replace("</h1>", f"</h1>\n<nav>{links}</nav>", 1)
     return (
         "<!DOCTYPE html>\n"
         f'<html lang="en"><head><meta charset="utf-8"><title>{html.escape(title)}</title>'
@@ -101,25 +134,42 @@ def to_html(blocks: Sequence[Block], folder: Path, title: str) -> str:
 def _html(block: Block, folder: Path) -> str:
     match block:
         case Heading(level, text):
-            return f"<h{level}>{_inline(text)}</h{level}>"
+            return f'<h{level} id="{_anchor(text)}">{_inline(text)}</h{level}>'
         case Text(text):
             return f"<p>{_inline(text)}</p>"
         case Bullets(items):
             return "<ul>" + "".join(f"<li>{_inline(item)}</li>" for item in items) + "</ul>"
         case Picture(file, caption):
-            data = base64.b64encode((folder / file).read_bytes()).decode()
-            return (
-                f'<figure><img alt="{html.escape(caption)}" src="data:image/png;base64,{data}">'
-                f"<figcaption>{_inline(caption)}</figcaption></figure>"
-            )
+            image = _image(folder / file, html.escape(caption.split(".")[0]))
+            return f"<figure>{image}<figcaption>{_inline(caption)}</figcaption></figure>"
         case Table(header, rows):
             head = "".join(f"<th>{_inline(cell)}</th>" for cell in header)
             body = "".join(
                 "<tr>" + "".join(f"<td>{_inline(cell)}</td>" for cell in row) + "</tr>" for row in rows
             )
-            return f'<div class="table"><table><tr>{head}</tr>{body}</table></div>'
+            table = f'<div class="table"><table><tr>{head}</tr>{body}</table></div>'
+            if len(rows) <= LONG:
+                return table
+            return f"<details><summary>Table of {len(rows)} rows</summary>{table}</details>"
+
+
+def _image(file: Path, name: str) -> str:
+    """The drawing itself where there is an SVG, which stays sharp; else the PNG."""
+    drawing = file.with_suffix(".svg")
+    if not drawing.is_file():
+        data = base64.b64encode(file.read_bytes()).decode()
+        return f'<img alt="{name}" src="data:image/png;base64,{data}">'
+    text = drawing.read_text(encoding="utf-8")
+    text = re.sub(r"<metadata>.*?</metadata>", "", text[text.index("<svg") :], flags=re.DOTALL)
+    return text.replace("<svg", f'<svg role="img" aria-label="{name}"', 1)
+
+
+def _anchor(text: str) -> str:
+    return re.sub(r"[^a-z0-9]+", "-", text.lower()).strip("-")
 
 
 def _inline(text: str) -> str:
     text = re.sub(r"\*\*(.+?)\*\*", r"<strong>\1</strong>", html.escape(text))
+    text = re.sub(r"\*(?=\S)([^*]+?)(?<=\S)\*", r"<em>\1</em>", text)
+    text = re.sub(r"\[([^\]]+)\]\(([^)\s]+)\)", r'<a href="\2">\1</a>', text)
     return re.sub(r"`(.+?)`", r"<code>\1</code>", text)

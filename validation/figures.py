@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 import io
+from typing import Any
 
+import matplotlib
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.backends.backend_svg import FigureCanvasSVG
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from PIL import Image
@@ -30,6 +33,20 @@ def png(figure: Figure) -> bytes:
     stream = io.BytesIO()
     picture.save(stream, format="png", dpi=(figure.dpi, figure.dpi))
     return stream.getvalue()
+
+
+def svg(figure: Figure, salt: str) -> bytes:
+    """A figure as SVG, the same for the same drawing; `salt` keeps its marks apart from other figures'."""
+    stream = io.BytesIO()
+    names: Any = {"svg.hashsalt": salt}
+    with matplotlib.rc_context(names):
+        FigureCanvasSVG(figure).print_svg(stream, metadata={"Date": None})
+    return stream.getvalue()
+
+
+def drawn(figure: Figure, name: str) -> dict[str, bytes]:
+    """Files of a figure by name: PNG for Markdown, SVG for HTML."""
+    return {f"{name}.png": png(figure), f"{name}.svg": svg(figure, name)}
 
 
 def tip_figure(store: PathStore) -> Figure:

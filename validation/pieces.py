@@ -13,9 +13,11 @@ from types import ModuleType
 from typing import TYPE_CHECKING
 
 from validation import tables
+from validation.binding import PAGE
 from validation.cases import PathStore, case
-from validation.document import Table, to_html, to_markdown
+from validation.document import Table, to_markdown
 from validation.output import write_files
+from validation.provenance import FILE, provenance
 from validation.timing import Measurement, measure
 
 if TYPE_CHECKING:
@@ -54,27 +56,28 @@ class Maker:
         """Measure the times of Table 3; as JSON."""
         return measure(self.paths).to_json()
 
-    def make(self, name: str, key: str, times: str = "") -> None:
-        """Make a piece and write it; it is kept under its key when all of it is there.
+    def make(self, name: str, key: str, times: str = "") -> Files:
+        """Make a piece; it is kept under its key when all of it is there.
+
+        Figures in space are written later, by `finish`.
 
         `times` are those of Table 3 as JSON, for the pieces that show them.
         """
         if times:
             self.measured = Measurement.from_json(times)
         if name in SPRINGS:
-            self._springs(name, key)
-            return
+            return self._springs(name, key)
         files = PIECES[name](self)
-        write_files(files, self.out)
         if not self.notes:  # which are of this machine today
             self.paths.store.put(key, files)
+        return files
 
     def finish(self) -> None:
         """Wait for the figures in space and write them."""
         for name, (key, files, panels, rendering) in self.renderings.items():
             self.paths.announce(f"rendering {name}")
             rendered = rendering.result()
-            picture = self.picture(name, partial(_space_figure, panels, rendered))
+            picture = self.picture(name, partial(_space_figure, panels, rendered), lines=False)
             write_files(picture, self.out)
             if isinstance(rendered, str):
                 note = f"{name} was drawn by matplotlib, since pyvista could not render here: {rendered}."
@@ -84,19 +87,19 @@ class Maker:
                 self.paths.store.put(key, files | picture)
         self.renderings.clear()
 
-    def picture(self, name: str, draw: Callable[[], Figure]) -> Files:
-        """A figure in the common style as PNG; nothing where pictures are not wanted."""
+    def picture(self, name: str, draw: Callable[[], Figure], lines: bool = True) -> Files:
+        """A figure in the common style as PNG, one of lines as SVG too; nothing where none are wanted."""
         if not self.render:
             return {}
         import matplotlib
 
-        from validation.figures import png
+        from validation.figures import drawn, png
         from validation.style import RC
 
         with matplotlib.rc_context(RC):
-            return {f"{name}.png": png(draw())}
+            return drawn(draw(), name) if lines else {f"{name}.png": png(draw())}
 
-    def _springs(self, name: str, key: str) -> None:
+    def _springs(self, name: str, key: str) -> Files:
         """Deformed springs; the figure in space is rendered in a process of its own while work goes on."""
         from validation import shapes
 
@@ -105,11 +108,11 @@ class Maker:
         files = _csv(name, shapes.centreline_table(panels))
         files |= _csv(f"{name}-plane", shapes.circle_table(panels))
         files |= self.picture(f"{name}-plane", partial(_plane_figure, panels))
-        write_files(files, self.out)
         if rendering is None:
             self.paths.store.put(key, files)
         else:
             self.renderings[name] = (key, files, panels, rendering)
+        return files
 
     def _rendering(self, panels: tuple[Shapes, ...]) -> Rendering | None:
         if not self.render:
@@ -172,7 +175,7 @@ def _plane_figure(panels: tuple[Shapes, ...]) -> Figure:
 
 
 def _report(maker: Maker) -> Files:
-    """The report; the other pieces' pictures are read from where they were written."""
+    """The reproduction's page; all pictures are there when it is made."""
     from validation import evidence, methods, report
 
     assert maker.measured is not None
@@ -181,13 +184,11 @@ def _report(maker: Maker) -> Files:
     assumed = methods.assumption_notes(maker.paths, found)
     held = maker.paths.wire(scene)
     picture = maker.picture("sliding", lambda: _figures().sliding_figure(held, found.frictionless))
-    write_files(picture, maker.out)
     maker.finish()
     claims = report.judge(found)
     blocks = report.compose(found, claims, assumed, maker.render, maker.notes)
-    pages = {"report.md": to_markdown(blocks), "report.html": to_html(blocks, maker.out, report.TITLE)}
-    texts = {name: text.encode() for name, text in pages.items()}
-    return picture | _csv("claims", report.claim_table(claims)) | texts
+    made = {PAGE: to_markdown(blocks).encode(), FILE: provenance("coilcheck reproduce")}
+    return picture | _csv("claims", report.claim_table(claims)) | made
 
 
 SPRINGS = {"fig4": ("spring-a-no-contact", "spring-a"), "fig6": ("spring-b-no-contact", "spring-b")}

@@ -16,9 +16,11 @@ from typing import TYPE_CHECKING
 
 from coilspring import InputError
 from validation.arguments import ARTEFACTS
+from validation.binding import PAGE, bound
 from validation.keys import key, sources
 from validation.machine import machine, versions
 from validation.output import prepare, write_files
+from validation.provenance import MODELS
 from validation.store import Store, default_folder
 
 if TYPE_CHECKING:
@@ -26,7 +28,6 @@ if TYPE_CHECKING:
 
 REPORT = "report"
 TIMED = ("table3", REPORT)  # pieces that show solution times
-MODELS = ("coilspring", "equivbeam", "wirefe")
 DRAWING = ("matplotlib", "pillow", "pyvista", "vtk")
 
 
@@ -71,7 +72,8 @@ def reproduce(
             progress(name)
             run.provide(name)
         run.finish()
-    return tuple(run.remarks)
+    trouble = (run.store.trouble,) if run.store.trouble else ()
+    return (*run.remarks, *trouble)
 
 
 @dataclass
@@ -88,20 +90,21 @@ class _Run:
     remarks: list[str] = field(default_factory=list)
 
     def provide(self, name: str) -> None:
-        """Write a piece: as it was made before, or made now."""
+        """Write a piece: as it was made before, or made now; the report is bound with the other studies."""
         piece = self._key(name)
         files = self.store.get(piece)
         if files is None:
-            self._loaded().make(name, piece, self.times if name in TIMED else "")
-        else:
-            write_files(files, self.out)
+            files = self._loaded().make(name, piece, self.times if name in TIMED else "")
+        page = files.pop(PAGE, None)
+        write_files(files, self.out)
+        if page is not None:
+            self.finish()
+            write_files(bound(page.decode(), self.out), self.out)
 
     def finish(self) -> None:
-        """What is still to be done when all pieces are provided for."""
+        """Wait for the figures that are still being made."""
         if self.maker is not None:
             self.maker.finish()
-        if self.store.trouble:
-            self.remarks.append(self.store.trouble)
 
     def _key(self, name: str) -> str:
         return key(

@@ -21,6 +21,7 @@ from validation.freshness import make_ready
 from validation.metrics import COMPONENTS, NEGLIGIBLE
 from validation.openinputs import BEAM, INPUTS, MODELS, WIRE, OpenInput, Variant
 from validation.output import prepare
+from validation.provenance import write_provenance
 from validation.topheight import TipCurve, raised
 
 ROUNDING = 1e-6  # %: what is smaller is told as nothing
@@ -154,6 +155,7 @@ def sensitivity(
     progress("drawing")
     tornado.write(studies, out)
     sensitivitypage.write(studies, out)
+    write_provenance("coilcheck sensitivity" + (f" --only {','.join(only)}" if only else ""), out)
     return studies
 
 

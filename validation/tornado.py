@@ -2,21 +2,19 @@
 
 from __future__ import annotations
 
-import io
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
 import matplotlib
 from matplotlib.axes import Axes
-from matplotlib.backends.backend_svg import FigureCanvasSVG
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
-from validation.figures import png
+from validation.figures import drawn
 from validation.openinputs import AGAINST, BEAM, MODELS, WIRE, OpenInput
-from validation.output import write_bytes, write_text
+from validation.output import write_files
 from validation.sensitivity import Change, Study
 from validation.style import BEAM_LABEL, BLUE, DOUBLE, RC, RED, WIRE_LABEL
 
@@ -35,18 +33,14 @@ PLACES = {BEAM: -0.5 * BAR, WIRE: 0.5 * BAR}
 LABELS = {BEAM: BEAM_LABEL, WIRE: WIRE_LABEL}
 END: dict[str, Any] = {"marker": "x", "color": "black", "markersize": 4.5, "markeredgewidth": 1.1}
 BAND: dict[str, Any] = {"facecolor": "#d9d9d9", "edgecolor": "none", "zorder": 0.5}
-SVG: dict[str, Any] = {"svg.hashsalt": NAME, "hatch.linewidth": 0.6}
+HATCH: dict[str, Any] = {"hatch.linewidth": 0.6}
 
 
 def write(studies: Sequence[Study], out: Path) -> None:
     """Write the figure as SVG and PNG."""
-    looks: Any = RC | SVG
+    looks: Any = RC | HATCH
     with matplotlib.rc_context(looks):
-        figure = draw(studies)
-        write_bytes(out / f"{NAME}.png", png(figure))
-        text = io.StringIO()
-        FigureCanvasSVG(figure).print_svg(text, metadata={"Date": None})
-        write_text(out / f"{NAME}.svg", text.getvalue())
+        write_files(drawn(draw(studies), NAME), out)
 
 
 def draw(studies: Sequence[Study]) -> Figure:

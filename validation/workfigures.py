@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import io
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
@@ -10,19 +9,19 @@ from typing import Any
 import matplotlib
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.backends.backend_svg import FigureCanvasSVG
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
-from validation.figures import png
-from validation.output import write_bytes, write_text
+from validation.figures import drawn
+from validation.output import write_files
+from validation.penaltyfigure import draw_penalties
+from validation.penaltysweep import Sweep
 from validation.style import BLUE, DOUBLE, RC, RED
 from validation.workprecision import Point, Study
 from validation.worksettings import SERIES, STEPS, TITLES
 
 COLUMNS = 3
-SVG: dict[str, Any] = {"svg.hashsalt": "workprecision"}  # the same marks have the same names in every file
 BROWN, SKY, INK, LIGHT = "#5b1a08", "#8fc1ee", "#222222", "#c9c9c9"
 # the wire model warm and angular, the equivalent beam blue and round; all four differ in grey
 LOOKS: dict[str, dict[str, Any]] = {
@@ -48,16 +47,14 @@ FLOOR: dict[str, Any] = {
 }
 
 
-def write(studies: Sequence[Study], out: Path) -> None:
-    """Write ``workprecision-curve`` and ``workprecision-shape`` as SVG and PNG."""
-    looks: Any = RC | SVG
+def write(studies: Sequence[Study], sweeps: Sequence[Sweep], out: Path) -> None:
+    """Write ``workprecision-curve``, ``-shape`` and, of sweeps, ``-penalty`` as SVG and PNG."""
+    looks: Any = RC
     with matplotlib.rc_context(looks):
         for kind in ("curve", "shape"):
-            figure = draw(studies, kind)
-            write_bytes(out / f"workprecision-{kind}.png", png(figure))
-            text = io.StringIO()
-            FigureCanvasSVG(figure).print_svg(text, metadata={"Date": None})
-            write_text(out / f"workprecision-{kind}.svg", text.getvalue())
+            write_files(drawn(draw(studies, kind), f"workprecision-{kind}"), out)
+        if sweeps:
+            write_files(drawn(draw_penalties(sweeps), "workprecision-penalty"), out)
 
 
 def draw(studies: Sequence[Study], kind: str) -> Figure:
@@ -77,13 +74,13 @@ def draw(studies: Sequence[Study], kind: str) -> Figure:
 
 
 def _panel(axes: Axes, study: Study, kind: str) -> None:
-    drawn = [point for point in study.points if point.competes]
+    able = [point for point in study.points if point.competes]
     for series in SERIES:
-        _series(axes, [point for point in drawn if point.setting.series == series], kind)
+        _series(axes, [point for point in able if point.setting.series == series], kind)
     best = study.curve_front if kind == "curve" else study.shape_front
     axes.plot(*_places(best, kind), drawstyle="steps-post", **FRONT)
     axes.axhspan(1e-30, _floor(study, kind), **FLOOR)
-    for point in drawn:
+    for point in able:
         if point.setting.is_paper_mesh or point.setting.is_paper_model:
             axes.plot(*_places([point], kind), **_ring(point.setting.is_paper_mesh))
 

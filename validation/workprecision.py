@@ -18,10 +18,13 @@ from pathlib import Path
 import numpy as np
 
 from coilspring import EquilibriumPath, InputError, Scene
+from validation import penaltysweep
 from validation.cases import solve_beam, solve_wire
 from validation.freshness import make_ready
 from validation.metrics import COMPONENTS, Comparison, compare_paths
 from validation.output import prepare
+from validation.penaltysweep import Sweep
+from validation.provenance import write_provenance
 from validation.reached import as_far
 from validation.timing import Spread
 from validation.worksettings import EXTENTS, PAIRS, STEPS, Extent, Setting, settings, study_scenes
@@ -165,13 +168,22 @@ def workprecision(
     progress("making the kernels ready")
     make_ready()
     studies: tuple[Study, ...] = ()
+    sweeps: tuple[Sweep, ...] = ()
     for scene in scenes:
         studies += (study(scene, EXTENTS[extent], progress),)
-        workreport.write(studies, EXTENTS[extent], out, drawn=False)
+        if scene.name in penaltysweep.SCENES:
+            sweeps += (penaltysweep.sweep(scene, EXTENTS[extent].rounds, progress),)
+        workreport.write(studies, sweeps, EXTENTS[extent], out, drawn=False)
     progress("drawing")
-    _draw(studies, out)
-    workreport.write(studies, EXTENTS[extent], out, drawn=True)
+    _draw(studies, sweeps, out)
+    workreport.write(studies, sweeps, EXTENTS[extent], out, drawn=True)
+    write_provenance(_command(only, extent), out)
     return studies
+
+
+def _command(only: Sequence[str] | None, extent: str) -> str:
+    size = [] if extent == "normal" else [f"--{extent}"]
+    return " ".join(["coilcheck workprecision", *size, *([f"--only {','.join(only)}"] if only else [])])
 
 
 def _chosen(only: Sequence[str] | None) -> list[Scene]:
@@ -182,11 +194,11 @@ def _chosen(only: Sequence[str] | None) -> list[Scene]:
     return [scene for name, scene in scenes.items() if only is None or name in only]
 
 
-def _draw(studies: Sequence[Study], out: Path) -> None:
+def _draw(studies: Sequence[Study], sweeps: Sequence[Sweep], out: Path) -> None:
     """Drawing is imported here: matplotlib takes most of a second."""
     from validation import workfigures
 
-    workfigures.write(studies, out)
+    workfigures.write(studies, sweeps, out)
 
 
 def study(scene: Scene, extent: Extent, progress: Callable[[str], None]) -> Study:

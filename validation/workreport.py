@@ -7,15 +7,21 @@ import io
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
+from coilspring import Scene
+from validation import equalerror, penaltysweep
+from validation.binding import EQUAL_ERROR
 from validation.document import Block, Heading, Picture, Table, Text, to_markdown
 from validation.machine import machine
+from validation.metrics import Comparison
 from validation.output import write_text
+from validation.penaltysweep import PenaltyPoint, Sweep
 from validation.tables import spread
-from validation.workprecision import Point, Study
-from validation.worksettings import PAIRS, STEPS, TITLES, Extent
+from validation.workprecision import Point, Reference, Study
+from validation.worksettings import PAIRS, PAPER_ELEMENTS, PAPER_LAW, STEPS, TITLES, Extent, Setting
 
 HEADER = (
     *("scene", "model", "series", "elements_per_turn", "pairs_per_turn", "tangent", "sliding", "steps"),
+    *("penalty", "reference"),
     *("outcome", "last_time", "curve_max", "curve_rms", "shape_max_mm", "shape_rms_mm"),
     *("reference_curve_error", "reference_shape_error_mm", "seconds", "seconds_q1", "seconds_q3"),
     *("ratio_to_paper_mesh", "iterations", "on_curve_front", "on_shape_front"),
@@ -26,45 +32,78 @@ CAPTIONS = {
     "haringx with the paper's tangent. Grey line: Pareto front of the runs of 50 steps and more.",
     "shape": "Error of the shape at full load against CPU time. Filled symbols: the scenes' 50 steps; "
     "small open ones: other numbers of steps. Grey line: Pareto front of all runs.",
+    "penalty": "(a) Error of the load curve against hard contact of the same model, and (b) CPU time, over "
+    "the penalty. Vertical line: the scenes' penalty. Crosses: the path ends at a limit point.",
 }
+MESH = Setting("straight", STEPS, PAPER_ELEMENTS, PAIRS)
+BEAM = Setting(PAPER_LAW, STEPS, tangent="exact", sliding="ignore")
 
 
-def write(studies: Sequence[Study], extent: Extent, out: Path, *, drawn: bool) -> None:
+def write(
+    studies: Sequence[Study], sweeps: Sequence[Sweep], extent: Extent, out: Path, *, drawn: bool
+) -> None:
     """Write both tables; `drawn` tells whether the figures are there to be shown."""
-    write_text(out / "workprecision.csv", data(studies))
-    write_text(out / "workprecision.md", markdown(studies, extent, drawn))
+    write_text(out / "workprecision.csv", data(studies, sweeps))
+    write_text(out / "workprecision.md", markdown(studies, sweeps, extent, drawn))
 
 
-def data(studies: Sequence[Study]) -> str:
+def data(studies: Sequence[Study], sweeps: Sequence[Sweep]) -> str:
     """All points as CSV."""
     text = io.StringIO()
     writer = csv.writer(text, lineterminator="\n")
     writer.writerow(HEADER)
     for study in studies:
         writer.writerows(_row(study, point) for point in study.points)
+    for sweep in sweeps:
+        for model, points in sweep.points.items():
+            writer.writerows(_penalty_row(sweep, model, point) for point in points)
     return text.getvalue()
 
 
+def _penalty_row(sweep: Sweep, model: str, point: PenaltyPoint) -> tuple[object, ...]:
+    """A row of the sweep, whose reference is the same model with hard contact."""
+    setting = BEAM if model == "equivbeam" else MESH
+    return _cells(sweep.scene, setting, point.penalty, "hard contact", point, sweep.own[model], (0, 0))
+
+
 def _row(study: Study, point: Point) -> tuple[object, ...]:
-    setting, error = point.setting, point.error
+    fronts = (int(point in study.curve_front), int(point in study.shape_front))
+    contact = study.scene.contact
+    penalty = contact.stiffness if contact.enabled else None
+    return _cells(study.scene, point.setting, penalty, "finest wire", point, study.reference, fronts)
+
+
+def _cells(
+    scene: Scene,
+    setting: Setting,
+    penalty: float | None,
+    reference: str,
+    point: Point | PenaltyPoint,
+    own: Comparison | Reference,
+    fronts: tuple[int, int],
+) -> tuple[object, ...]:
+    error = point.error
     wire = (setting.mesh or "", setting.pairs or "")
     errors = (error.curve_max, error.curve_rms, error.shape_max, error.shape_rms)
-    own = (study.reference.curve, study.reference.shape)
+    bounds = (own.curve, own.shape) if isinstance(own, Reference) else (own.curve_max, own.shape_max)
     times = (point.seconds.median, point.seconds.low, point.seconds.high, point.ratio.median)
-    fronts = (int(point in study.curve_front), int(point in study.shape_front))
     return (
-        *(study.scene.name, setting.model, setting.series, *wire, setting.tangent, setting.sliding),
-        *(setting.steps, point.outcome, f"{error.last_time:.6g}"),
-        *(f"{number:.4g}" for number in (*errors, *own, *times)),
+        *(scene.name, setting.model, setting.series, *wire, setting.tangent, setting.sliding),
+        *(setting.steps, "" if penalty is None else f"{penalty:g}", reference),
+        *(point.outcome, f"{error.last_time:.6g}"),
+        *(f"{number:.4g}" for number in (*errors, *bounds, *times)),
         *(point.iterations, *fronts),
     )
 
 
-def markdown(studies: Sequence[Study], extent: Extent, drawn: bool) -> str:
+def markdown(studies: Sequence[Study], sweeps: Sequence[Sweep], extent: Extent, drawn: bool) -> str:
     """The study for a reader."""
     blocks: list[Block] = [
         Heading(1, "Run time against error"),
         *_method(extent),
+        Heading(2, EQUAL_ERROR),
+        Text(equalerror.WORDS),
+        equalerror.equal_error_table(studies),
         Heading(2, "What the paper's accuracy costs"),
         _paper_table(studies),
         Text(_PAPER),
@@ -77,6 +116,14 @@ def markdown(studies: Sequence[Study], extent: Extent, drawn: bool) -> str:
         Heading(2, "Pareto front of the shape at full load"),
         _front_table(studies, lambda study: study.shape_front),
     ]
+    if sweeps:
+        picture = [Picture("workprecision-penalty.png", CAPTIONS["penalty"])] if drawn else []
+        blocks += [
+            Heading(2, "Penalty"),
+            Text(penaltysweep.WORDS),
+            *picture,
+            penaltysweep.penalty_table(sweeps),
+        ]
     if any(_pairs(study) for study in studies):
         blocks += [Heading(2, "Pairs a turn"), Text(_PAIRS), _pairs_table(studies)]
     return to_markdown(blocks)
@@ -185,7 +232,7 @@ def _reference_table(studies: Sequence[Study]) -> Table:
 
 
 def _pictures() -> list[Block]:
-    return [Picture(f"workprecision-{name}.png", caption) for name, caption in CAPTIONS.items()]
+    return [Picture(f"workprecision-{name}.png", CAPTIONS[name]) for name in ("curve", "shape")]
 
 
 def _front_table(studies: Sequence[Study], chosen: Callable[[Study], tuple[Point, ...]]) -> Table:

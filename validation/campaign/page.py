@@ -15,10 +15,10 @@ from matplotlib.figure import Figure
 from validation.campaign.scenes import CORNERS, MODELS
 from validation.campaign.table import Row, version
 from validation.campaign.verdict import CLASSES, CONFIRMED, REFUSED, RIGHT, UNEXPLAINED
-from validation.document import Block, Bullets, Heading, Table, Text, to_markdown
-from validation.figures import png
+from validation.document import Block, Bullets, Heading, Picture, Table, Text, to_markdown
+from validation.figures import drawn
 from validation.machine import versions
-from validation.output import write_bytes, write_text
+from validation.output import write_files, write_text
 from validation.style import DOUBLE, RC
 
 TITLES = {"b": "equivalent beam", "w": "wire model"}
@@ -49,6 +49,11 @@ CHANGES = (
     "and steps by 1e-6, a change of the input by 1e-12 by 1e-8. With friction or no sliding the answer "
     "depends on the substeps, which may change it by 2 %."
 )
+CAPTION = (
+    "Outcome over penalty and steps, slenderness and load. The darker a cell, the more of its scenes end at "
+    "a limit point or bifurcation before full load, each of which the judge finds at the same load by other "
+    "means. Crosses: unexplained."
+)
 MAPS = (("penalty", "steps"), ("slenderness", "load"))
 LABELS = {
     "penalty": "penalty K (N/mm$^k$)",
@@ -71,7 +76,7 @@ FEWEST = 3  # scenes of a cell that is coloured
 
 def write_page(rows: list[Row], out: Path, seed: int) -> None:
     """Write page and picture of the rows."""
-    write_bytes(out / "stability.png", png(outcome_figure(rows)))
+    write_files(drawn(outcome_figure(rows), "stability"), out)
     write_text(out / "stability.md", page(rows, seed))
 
 
@@ -86,7 +91,7 @@ def page(rows: list[Row], seed: int) -> str:
         Heading(2, "What became of the scenes"),
         Table(("model", *CLASSES), tuple(_counts(rows, letter) for letter in MODELS)),
         Bullets(tuple(f"*{name}*: {MEANING[name]}" for name in CLASSES)),
-        Text("![Outcome over penalty and steps, slenderness and load](stability.png)"),
+        Picture("stability.png", CAPTION),
         Heading(2, "Corners"),
         Table(("corner", *CLASSES), tuple(_corner(rows, name) for name in ("", *CORNERS))),
         Heading(2, "Largest of what the judge measured, unexplained cases left out"),

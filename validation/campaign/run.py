@@ -3,14 +3,11 @@
 from __future__ import annotations
 
 import os
-import signal
 import traceback
 from collections.abc import Callable, Iterator
-from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
-from contextlib import contextmanager
+from concurrent.futures import FIRST_COMPLETED, Future, wait
 from functools import partial
 from itertools import islice
-from multiprocessing import active_children, get_context
 from pathlib import Path
 from time import process_time
 
@@ -18,15 +15,16 @@ from coilspring import InputError
 from validation.campaign.invariance import judge_invariance
 from validation.campaign.judge import judge_beam
 from validation.campaign.page import write_page
+from validation.campaign.pools import cluster, processes
 from validation.campaign.scenes import case_id, make_case
 from validation.campaign.table import Row, Table, version
 from validation.campaign.verdict import CONFIRMED, CRITICAL, REFUSED, RIGHT, UNEXPLAINED, Verdict, reached
 from validation.campaign.wirejudge import BRANCH, judge_wire
 from validation.output import prepare
+from validation.provenance import write_provenance
 
 CHUNK = {"b": 8, "w": 1}  # cases handed to a worker at a time
 QUEUED = 2  # chunks a worker has waiting
-ONE_THREAD = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
 Progress = Callable[[int, int], None]
 
 
@@ -37,6 +35,7 @@ def campaign(
     wires: int = 1_000,
     seed: int = 1,
     workers: int | None = None,
+    scheduler: str | None = None,
     case: str | None = None,
     progress: Progress | None = None,
 ) -> int:
@@ -51,6 +50,7 @@ def campaign(
     beams, wires : number of scenes for the equivalent beam and for the wire model.
     seed : of the sequence that the scenes are drawn from.
     workers : processes; by default one for each processor core. 0: in this process.
+    scheduler : address of a Dask scheduler, whose workers take the place of the processes.
     case : id of the one case to judge again; its row is printed and nothing is written.
     progress : called with the number of cases judged so far and the number of all.
 
@@ -58,7 +58,13 @@ def campaign(
     -------
     int
         0 where every outcome is explained, else 1.
+
+    Raises
+    ------
+    InputError : `workers` beside `scheduler`, or a cluster that cannot be used.
     """
+    if scheduler is not None and workers is not None:
+        raise InputError(f"workers are the cluster's where a scheduler is given, got workers {workers}")
     if case is not None:
         row = judged(case, seed)
         print(row.text())
@@ -68,13 +74,14 @@ def campaign(
     wanted = [case_id("b", i) for i in range(beams)] + [case_id("w", i) for i in range(wires)]
     missing = [name for name in wanted if name not in table]
     done = len(wanted) - len(missing)
-    for rows in _results(missing, seed, os.cpu_count() or 1 if workers is None else workers):
+    for rows in _results(missing, seed, os.cpu_count() or 1 if workers is None else workers, scheduler):
         table.append(rows)
         done += len(rows)
         if progress is not None:
             progress(done, len(wanted))
     chosen = table.sort(wanted)
     write_page(chosen, out, seed)
+    write_provenance(f"coilcheck stability --beams {beams} --wires {wires} --seed {seed}", out)
     return int(any(row["class"] == UNEXPLAINED for row in chosen))
 
 
@@ -119,36 +126,30 @@ def _judged_all(names: list[str], seed: int) -> list[Row]:
     return [judged(name, seed) for name in names]
 
 
-def _results(names: list[str], seed: int, workers: int) -> Iterator[list[Row]]:
+def _results(names: list[str], seed: int, workers: int, scheduler: str | None) -> Iterator[list[Row]]:
     """Rows of the cases, in chunks as they come."""
     chunks = _chunks(names)
-    if workers == 0:
+    if workers == 0 and scheduler is None:
         yield from (_judged_all(chunk, seed) for chunk in chunks)
         return
     if not names:
         return
     task = partial(_judged_all, seed=seed)
-    others = set(active_children())
-    # started afresh: a forked child of a process with threads may hang
-    pool = ProcessPoolExecutor(workers, mp_context=get_context("spawn"), initializer=_leave_interrupts)
-    with _single_threaded(), pool:
-        waiting: set[Future] = {pool.submit(task, chunk) for chunk in islice(chunks, QUEUED * workers)}
-        try:
-            while waiting:
-                ready, waiting = wait(waiting, return_when=FIRST_COMPLETED)
-                waiting |= {pool.submit(task, chunk) for chunk in islice(chunks, len(ready))}
-                for future in ready:
-                    yield future.result()
-        except BaseException:
-            pool.shutdown(wait=False, cancel_futures=True)
-            for child in set(active_children()) - others:
-                child.terminate()
-            raise
+    with processes(workers) if scheduler is None else cluster(scheduler) as (pool, size):
+        waiting: set[Future] = {pool.submit(task, chunk) for chunk in islice(chunks, QUEUED * size)}
+        while waiting:
+            ready, waiting = wait(waiting, return_when=FIRST_COMPLETED)
+            waiting |= {pool.submit(task, chunk) for chunk in islice(chunks, len(ready))}
+            for future in ready:
+                yield _same_version(future.result())
 
 
-def _leave_interrupts() -> None:
-    """Ctrl-C is for the parent, which ends its workers."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
+def _same_version(rows: list[Row]) -> list[Row]:
+    """Rows of a worker that has the sources of this process."""
+    for row in rows:
+        if row["version"] != version():
+            raise InputError(f"workers must have the sources {version()}, got {row['version']}")
+    return rows
 
 
 def _chunks(names: list[str]) -> Iterator[list[str]]:
@@ -158,18 +159,3 @@ def _chunks(names: list[str]) -> Iterator[list[str]]:
         chunk = [name for name in rest[:size] if name[0] == rest[0][0]]
         rest = rest[len(chunk) :]
         yield chunk
-
-
-@contextmanager
-def _single_threaded() -> Iterator[None]:
-    """Children that start meanwhile use one thread each for linear algebra."""
-    before = {name: os.environ.get(name) for name in ONE_THREAD}
-    os.environ.update(dict.fromkeys(ONE_THREAD, "1"))
-    try:
-        yield
-    finally:
-        for name, value in before.items():
-            if value is None:
-                os.environ.pop(name)
-            else:
-                os.environ[name] = value
