@@ -22,6 +22,7 @@ CAMPAIGN_RANGES = {  # of the options of stability
     "workers": (0, 1000),
 }
 STUDY_SCENES = (*CATALOGUE, "cylinder-lateral", "slender-axial")  # of workprecision
+PEERS = ("opensees", "calculix")  # of referee
 BASELINE = Path("reports", "baseline")
 SCENE_HELP = f"{', '.join(CATALOGUE)}, or a TOML file"
 ARTEFACTS = ("table1", "table2", "table3", "fig4", "fig5", "fig6", "fig7", "fig8")
@@ -52,6 +53,8 @@ def command_line() -> argparse.ArgumentParser:
     _add_sensitivity(commands)
     _add_stability(commands)
     _add_regress(commands)
+    _add_export(commands)
+    _add_referee(commands)
     return parser
 
 
@@ -135,6 +138,20 @@ def _add_regress(commands: argparse._SubParsersAction) -> None:
     command.add_argument("--time", action="store_true", help=what)
 
 
+def _add_export(commands: argparse._SubParsersAction) -> None:
+    purpose = "the wire model of a scene as an input deck for another program"
+    command = _command(commands, "export", purpose, "coilcheck export spring-a --to calculix --out deck")
+    command.add_argument("--to", choices=("calculix",), required=True, help="which program")
+    _add_common(command)
+
+
+def _add_referee(commands: argparse._SubParsersAction) -> None:
+    purpose = "one scene by the wire model and by another finite-element code, which has to be installed"
+    command = _command(commands, "referee", purpose, "coilcheck referee spring-a --with opensees")
+    command.add_argument("--with", dest="peer", choices=PEERS, required=True, help="which code")
+    _add_common(command)
+
+
 def _command(
     commands: argparse._SubParsersAction, name: str, purpose: str, example: str, writes: bool = True
 ) -> argparse.ArgumentParser:
@@ -152,12 +169,17 @@ def _command(
     return command
 
 
-def _add_scene(command: argparse.ArgumentParser) -> None:
-    """The scene and the options of both models, whose defaults are the models' own."""
+def _add_common(command: argparse.ArgumentParser) -> None:
+    """The scene, and what may take the place of its numbers."""
     command.add_argument("scene", metavar="SCENE", help=SCENE_HELP)
     both = command.add_argument_group("options of both models")
     both.add_argument("--steps", type=_number, metavar="N", help="equal steps of time; default the scene's")
     both.add_argument("--penalty", type=_number, metavar="X", help="contact stiffness; default the scene's")
+
+
+def _add_scene(command: argparse.ArgumentParser) -> None:
+    """The scene and the options of both models, whose defaults are the models' own."""
+    _add_common(command)
     beam = command.add_argument_group("options of equivbeam")
     beam.add_argument("--law", choices=("haringx", "helix"), help="law of a half coil; default haringx")
     beam.add_argument("--tangent", choices=("exact", "paper", "paper-printed"), help="default exact")

@@ -192,6 +192,15 @@ def stability(arguments: argparse.Namespace) -> int:
     return _fail(REGRESSED, "not every outcome is explained") if code else COMPLETED
 
 
+def people(arguments: argparse.Namespace) -> int:
+    """Hand a scene to another program, or to the eye."""
+    with _progress() as progress:
+        run = importlib.import_module("validation.commands_people").COMMANDS[arguments.command]
+        lines = run(arguments, _folder(arguments), progress)
+    _say(*lines)
+    return COMPLETED
+
+
 COMMANDS = {
     "new": new,
     "check": check,
@@ -202,6 +211,8 @@ COMMANDS = {
     "sensitivity": sensitivity,
     "stability": stability,
     "regress": regress,
+    "export": people,
+    "referee": people,
 }
 
 
