@@ -13,7 +13,7 @@ MODEL_OPTIONS = {
     "equivbeam": ("law", "tangent", "sliding"),
     "wirefe": ("element", "elements_per_turn", "pairs_per_turn"),
 }
-FILE_OPTIONS = {"equivbeam": (), "wirefe": ("vtu",)}  # what a model can write besides the path
+FILE_OPTIONS = {"equivbeam": (), "wirefe": ("vtu", "vtu_series")}  # what a model can write besides the path
 COMMON_OPTIONS = ("steps", "penalty")
 CAMPAIGN_RANGES = {  # of the options of stability
     "beams": (0, 10_000_000),
@@ -55,6 +55,7 @@ def command_line() -> argparse.ArgumentParser:
     _add_regress(commands)
     _add_export(commands)
     _add_referee(commands)
+    _add_view(commands)
     return parser
 
 
@@ -91,11 +92,23 @@ def _add_solve(commands: argparse._SubParsersAction) -> None:
     _add_scene(command)
     what = "write wire.vtu too (wirefe): the deformed wire at the last step reached, with section forces"
     command.add_argument("--vtu", action="store_true", help=what)
+    what = "write wire.pvd too (wirefe), a VTU file for every step, to be seen by coilcheck view or ParaView"
+    command.add_argument("--vtu-series", action="store_true", help=what)
+    _add_said(command, "summary.json")
 
 
 def _add_compare(commands: argparse._SubParsersAction) -> None:
     purpose = "one scene by both models: the equivalent beam against the wire model"
-    _add_scene(_command(commands, "compare", purpose, "coilcheck compare my-spring.toml --out results"))
+    command = _command(commands, "compare", purpose, "coilcheck compare my-spring.toml --out results")
+    _add_scene(command)
+    _add_said(command, "compare.json")
+
+
+def _add_said(command: argparse.ArgumentParser, file: str) -> None:
+    """What is printed."""
+    said = command.add_mutually_exclusive_group()
+    said.add_argument("--json", action="store_true", help=f"print what {file} holds, and nothing else")
+    said.add_argument("--quiet", action="store_true", help="print nothing but errors")
 
 
 def _add_workprecision(commands: argparse._SubParsersAction) -> None:
@@ -150,6 +163,16 @@ def _add_referee(commands: argparse._SubParsersAction) -> None:
     command = _command(commands, "referee", purpose, "coilcheck referee spring-a --with opensees")
     command.add_argument("--with", dest="peer", choices=PEERS, required=True, help="which code")
     _add_common(command)
+
+
+def _add_view(commands: argparse._SubParsersAction) -> None:
+    purpose = "the wire as it deforms, in a window with a slider over the steps or as a movie"
+    command = _command(
+        commands, "view", purpose, "coilcheck view spring-a --movie spring-a.gif", writes=False
+    )
+    where = f"{SCENE_HELP}, or the folder of a run with wire.pvd (solve --vtu-series)"
+    command.add_argument("scene", metavar="SCENE|RUN", help=where)
+    command.add_argument("--movie", type=Path, metavar="FILE", help="write a GIF, without a window")
 
 
 def _command(

@@ -40,9 +40,30 @@ def referee(arguments: argparse.Namespace, folder: Path, progress: Progress) -> 
     return [*found.lines(), f"written to {folder}"]
 
 
+def view(arguments: argparse.Namespace, folder: Path, progress: Progress) -> list[str]:
+    """Show the wire as it deforms, in a window or as a movie."""
+    frames = importlib.import_module("validation.frames")
+    place = importlib.import_module("validation.theatre")
+    movie = getattr(arguments, "movie", None)
+    if movie is None:
+        place.require_display()
+    else:
+        place.require_gif(movie)
+        prepare(movie.parent)
+    progress("loading the wire")
+    run = Path(arguments.scene)
+    found = frames.of_run(run) if run.is_dir() else frames.of_scene(load_scene(arguments.scene))
+    if movie is None:
+        place.show(found)
+        return []
+    progress(f"drawing {len(found.times)} pictures")
+    remark = place.film(found, movie)
+    return [*([remark] if remark else []), f"written to {movie}"]
+
+
 def _scene(arguments: argparse.Namespace) -> Scene:
     given = {name: getattr(arguments, name) for name in COMMON_OPTIONS if hasattr(arguments, name)}
     return load_scene(arguments.scene).overridden(**given)
 
 
-COMMANDS = {"export": export, "referee": referee}
+COMMANDS = {"export": export, "referee": referee, "view": view}

@@ -1,15 +1,16 @@
 """A scene's wire model as an input deck of CalculiX, and its run.
 
 B32R beams with a circular section, which CalculiX expands to C3D20R solids; SPRINGA between sphere
-centres with the penalty as a table of force over elongation; a rigid body for the top end.
+centres with the penalty as a table of force over elongation; stiff beams for the rigid top.
 """
 
 from __future__ import annotations
 
-import resource
+import os
 import shutil
 import subprocess
 import tempfile
+from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
@@ -45,10 +46,8 @@ def deck(scene: Scene) -> str:
 
 
 def _head(scene: Scene) -> list[str]:
-    return [
-        "*HEADING",
-        f"{scene.name}: mm, N, MPa",
-    ]
+    name = " ".join(scene.name.encode("ascii", "replace").decode().split())
+    return ["*HEADING", f"scene {name[:60]}: mm, N, MPa"]
 
 
 def _node(number: int, point: np.ndarray) -> str:
@@ -84,30 +83,19 @@ def _ends(scene: Scene, wire: Layout) -> list[str]:
 
     A rigid body would leave the last point of the wire a hinge: beams have rotations in knots only.
     """
-    count, d = len(wire.points), scene.spring.wire_diameter
+    count = len(wire.points)
     top, pointer = count + 1, count + 2
-    spheres = [(count + 3 + i, wire.spheres[i], wire.carriers[i]) for i in range(len(wire.spheres))]
+    spheres = [(count + 3 + i, point, wire.carriers[i]) for i, point in enumerate(wire.spheres)]
     lower = [(number, point) for number, point, carrier in spheres if carrier < 0]
     upper = [(number, point) for number, point, carrier in spheres if carrier >= count]
-    above = wire.reference + (0.0, POINTER * d, 0.0)
+    above = wire.reference + np.array([0.0, POINTER * scene.spring.wire_diameter, 0.0])
     ends = [(count, wire.points[-1]), (pointer, above), *upper]
-    middle = count + 3 + len(spheres)
-    half = [0.5 * (wire.reference + point) for _, point in ends]
+    new = [(top, wire.reference), (pointer, above), *lower, *upper]
     held = scene.supports.top_held
     return [
         "*NODE",
-        _node(top, wire.reference),
-        _node(pointer, above),
-        *(_node(number, point) for number, point in lower + upper),
-        *(_node(number, point) for number, point in enumerate(half, middle)),
-        "*ELEMENT, TYPE=B32R, ELSET=STIFF",
-        *(f"{middle + i}, {top}, {middle + i}, {number}" for i, (number, _) in enumerate(ends)),
-        "*MATERIAL, NAME=STIFF",
-        "*ELASTIC",
-        f"{STIFF * scene.material.E:.12g}, {scene.material.nu:.12g}",
-        "*BEAM SECTION, ELSET=STIFF, MATERIAL=STIFF, SECTION=CIRC",
-        f"{d:.12g}, {d:.12g}",
-        "0.36, 0.48, 0.8",  # along none of the beams
+        *(_node(number, point) for number, point in new),
+        *_stiff_beams(scene, wire, count + 3 + len(spheres), ends),
         "*BOUNDARY",
         "1, 1, 6",
         *(f"{number}, 1, 3" for number, _ in lower),
@@ -117,6 +105,22 @@ def _ends(scene: Scene, wire: Layout) -> list[str]:
         "*NSET, NSET=TIP",
         f"{top}, {pointer}",
     ]
+
+
+def _stiff_beams(scene: Scene, wire: Layout, first: int, ends: list[tuple[int, np.ndarray]]) -> Iterator[str]:
+    """Beams from the top reference point to nodes; `first` is the number of the first middle node."""
+    top, d = len(wire.points) + 1, scene.spring.wire_diameter
+    yield "*NODE"
+    for middle, (_, point) in enumerate(ends, first):
+        yield _node(middle, 0.5 * (wire.reference + point))
+    yield "*ELEMENT, TYPE=B32R, ELSET=STIFF"
+    for middle, (end, _) in enumerate(ends, first):
+        yield f"{middle}, {top}, {middle}, {end}"
+    yield from ("*MATERIAL, NAME=STIFF", "*ELASTIC")
+    yield f"{STIFF * scene.material.E:.12g}, {scene.material.nu:.12g}"
+    yield "*BEAM SECTION, ELSET=STIFF, MATERIAL=STIFF, SECTION=CIRC"
+    yield f"{d:.12g}, {d:.12g}"
+    yield "0.36, 0.48, 0.8"  # along none of the beams
 
 
 def _springs(scene: Scene, wire: Layout) -> list[str]:
@@ -172,10 +176,10 @@ def run(scene: Scene) -> Curve:
     with tempfile.TemporaryDirectory(prefix="coilcheck-") as folder:
         file = Path(folder, FILE)
         file.write_text(text, encoding="ascii")
-        before = resource.getrusage(resource.RUSAGE_CHILDREN)
+        before = os.times()
         subprocess.run([program, JOB], cwd=folder, capture_output=True, check=False)
-        after = resource.getrusage(resource.RUSAGE_CHILDREN)
-        seconds = after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
+        after = os.times()
+        seconds = sum(after[2:4]) - sum(before[2:4])  # of child processes
         printed = file.with_suffix(".dat")
         shown = printed.read_text(encoding="ascii") if printed.exists() else ""
     return Curve("calculix", *read(shown, POINTER * scene.spring.wire_diameter), seconds)

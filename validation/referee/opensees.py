@@ -206,7 +206,7 @@ def run(scene: Scene, steps: int, tolerance: float, halvings: int = HALVINGS) ->
 
 
 def _advance(builder: _Builder, step: float, halvings: int) -> int | None:
-    """Go on by `step` of the load, in halves where it does not converge; iterations, None where it is lost."""
+    """Go on by a step of the load, in halves where it does not converge; iterations, None where lost."""
     ops.integrator("LoadControl", step)
     if ops.analyze(1) == 0:
         spent = ops.testIter()
