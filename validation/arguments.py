@@ -167,9 +167,7 @@ def _add_referee(commands: argparse._SubParsersAction) -> None:
 
 def _add_view(commands: argparse._SubParsersAction) -> None:
     purpose = "the wire as it deforms, in a window with a slider over the steps or as a movie"
-    command = _command(
-        commands, "view", purpose, "coilcheck view spring-a --movie spring-a.gif", writes=False
-    )
+    command = _command(commands, "view", purpose, "coilcheck view spring-a --movie a.gif", writes=False)
     where = f"{SCENE_HELP}, or the folder of a run with wire.pvd (solve --vtu-series)"
     command.add_argument("scene", metavar="SCENE|RUN", help=where)
     command.add_argument("--movie", type=Path, metavar="FILE", help="write a GIF, without a window")

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 PIXELS = (800, 720)
 SPHERE = 0.62  # radius of a contact sphere over the wire's diameter: to be seen around the tube
-TITLE = "N, contact"
+TITLE = "contact, N"
 
 
 def main(what: str, folder: Path) -> None:

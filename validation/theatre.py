@@ -9,12 +9,16 @@ import sys
 import tempfile
 from dataclasses import asdict
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from coilspring import InputError
 from validation.frames import Frames
 from validation.output import write_bytes
+
+if TYPE_CHECKING:
+    from PIL import Image
 
 COMMAND = (sys.executable, "-m", "validation.stage")
 MOST_PICTURES = 60  # of a movie
@@ -51,22 +55,17 @@ def show(frames: Frames) -> None:
 
 def film(frames: Frames, movie: Path) -> str:
     """Write a GIF; a sentence where matplotlib had to draw it, else nothing."""
-    from PIL import Image
-
     chosen = np.unique(np.linspace(0, len(frames.times) - 1, MOST_PICTURES).round().astype(int))
     frames = Frames(frames.diameter, frames.times[chosen], frames.points[chosen], frames.forces[chosen])
     with tempfile.TemporaryDirectory(prefix="coilcheck-") as name:
         folder = Path(name)
         status = _child(frames, folder, "pictures", LONGEST[0] + LONGEST[1] * len(frames.times))
         files = [folder / f"{i:04d}.png" for i in range(len(frames.times))]
-        if status or not all(file.is_file() for file in files):
+        if not status and not all(file.is_file() for file in files):
+            status = "it wrote no pictures"
+        if status:
             _draw_flat(frames, files)
-        pictures = [
-            Image.open(file)
-            .convert("RGB")
-            .quantize(128, Image.Quantize.MAXCOVERAGE, dither=Image.Dither.NONE)
-            for file in files
-        ]
+        pictures = [_picture(file) for file in files]
     stream = io.BytesIO()
     durations = [PACE] * (len(pictures) - 1) + [LAST]
     pictures[0].save(
@@ -74,6 +73,14 @@ def film(frames: Frames, movie: Path) -> str:
     )
     write_bytes(movie, stream.getvalue())
     return f"drawn by matplotlib: pyvista could not draw off screen ({status})" if status else ""
+
+
+def _picture(file: Path) -> Image.Image:
+    """A picture in the 128 colours that a GIF gets here: spread over the scale, not over the greys."""
+    from PIL import Image
+
+    colours = Image.open(file).convert("RGB")
+    return colours.quantize(128, Image.Quantize.MAXCOVERAGE, dither=Image.Dither.NONE)
 
 
 def _child(frames: Frames, folder: Path, what: str, timeout: float | None) -> str:

@@ -95,8 +95,8 @@ def section_results(path: EquilibriumPath, step: int) -> SectionResults:
 def write_vtu(path: EquilibriumPath, step: int, file: str | Path) -> None:
     """Write the deformed wire at a stored step as line cells, mm and N; the end turns are left out.
 
-    Point data: displacement, rotation (vector), contact_force, pair_force. Cell data: axial_force, shear_force,
-    torsion, bending_moment, curvature and twist (changes from rest).
+    Point data: displacement, rotation (vector), contact_force, pair_force. Cell data: axial_force,
+    shear_force, torsion, bending_moment, curvature and twist (changes from rest).
     """
     import meshio
 
