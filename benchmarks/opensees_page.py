@@ -30,8 +30,8 @@ steps as they are.
 Same model: straight elements, 40 a turn, shear, rigid ends, 4 sphere pairs a turn with K = 1e4 N/mm.
 OpenSees: forceBeamColumn, Corotational, corotTruss with a gap material, Newton, SparseSYM, RCM; it stops
 where the energy increment is below {tolerance:g} of the work of the full load (wirefe: where its Newton
-decrement is below 1e-16 of a like work). Spring B with contact is left out: its "no sliding" cannot be
-built exactly with corotTruss, and without it the path ends at a limit point.
+decrement is below 1e-16 of a like work). Spring B with contact is left out: its "no sliding" needs the
+steps that OpenSees takes to be divided; `coilcheck referee spring-b --with opensees` does that.
 """
 
 

@@ -8,7 +8,6 @@ a code did not finish; 2: bad input, or openseespy is missing.
 from __future__ import annotations
 
 import argparse
-import atexit
 import sys
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -62,11 +61,12 @@ def wire_solver(scene: Scene) -> Solver:
 
 def peer_solver(scene: Scene, energy: float) -> Solver:
     """Solve the scene with OpenSees in a given number of steps."""
-    from opensees_model import run
+    from validation.referee.opensees import run
 
     def solve(steps: int) -> Solution:
-        end = run(scene, steps, energy)
-        return Solution(end.tip, end.seconds, end.iterations)
+        end = run(scene, steps, energy, halvings=0)
+        tip = end.tips[-1] if len(end.tips) == steps else None
+        return Solution(tip, end.seconds, end.iterations)
 
     return solve
 
@@ -150,11 +150,10 @@ def main(argv: Sequence[str] | None = None) -> int:
     """Run the comparison; see the module's docstring for the exit codes."""
     options = parse(argv)
     try:
-        from opensees_model import silence
+        import validation.referee.opensees  # noqa: F401
     except (ImportError, RuntimeError):
         print(INSTALL, file=sys.stderr)
         return 2
-    atexit.register(silence)  # OpenSees says good-bye when the interpreter ends
     try:
         duels = [
             duel for name in options.scenes for duel in compare(name, options.repeats, options.tolerance)

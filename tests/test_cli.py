@@ -401,3 +401,26 @@ def test_a_closed_standard_output_is_exit_4(tmp_path):
     assert done.returncode == 4
     assert done.stderr == b"coilcheck: cannot write to standard output: Broken pipe\n"
     assert (tmp_path / "summary.json").exists()
+
+
+def test_json_is_what_the_file_holds_and_quiet_is_nothing(tmp_path, capsys):
+    solve = ["solve", "spring-b", "--model", "equivbeam", "--steps", "3", "--out", str(tmp_path)]
+    compare = ["compare", "spring-b", "--steps", "3", "--out", str(tmp_path)]
+    for command, file in ((solve, "summary.json"), (compare, "compare.json")):
+        assert main([*command, "--json"]) == 0
+        output = capsys.readouterr()
+        assert json.loads(output.out) == read_json(tmp_path / file)
+        assert output.err == ""
+        assert main([*command, "--quiet"]) == 0
+        assert capsys.readouterr() == ("", "")
+
+
+def test_quiet_still_says_what_went_wrong(tmp_path, capsys):
+    free = tmp_path / "free.toml"
+    main(["new", "spring-b"])
+    text = capsys.readouterr().out.replace('sliding = "none"', 'sliding = "free"')
+    free.write_text(text, encoding="utf-8")
+    assert main(["solve", str(free), "--model", "wirefe", "--quiet", "--out", str(tmp_path)]) == 3
+    output = capsys.readouterr()
+    assert output.out == ""
+    assert output.err.startswith("coilcheck: wirefe: ")

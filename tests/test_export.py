@@ -10,7 +10,7 @@ from coilspring import Contact, InputError, Load, Scene, Spring, Supports, load_
 from validation.cli import main
 from wirefe.export import section_results, write_vtu
 
-POINT_DATA = {"displacement", "rotation", "contact_force"}
+POINT_DATA = {"displacement", "rotation", "contact_force", "pair_force"}
 CELL_DATA = {"axial_force", "shear_force", "torsion", "bending_moment", "curvature", "twist"}
 
 

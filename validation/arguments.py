@@ -13,7 +13,7 @@ MODEL_OPTIONS = {
     "equivbeam": ("law", "tangent", "sliding"),
     "wirefe": ("element", "elements_per_turn", "pairs_per_turn"),
 }
-FILE_OPTIONS = {"equivbeam": (), "wirefe": ("vtu",)}  # what a model can write besides the path
+FILE_OPTIONS = {"equivbeam": (), "wirefe": ("vtu", "vtu_series")}  # what a model can write besides the path
 COMMON_OPTIONS = ("steps", "penalty")
 CAMPAIGN_RANGES = {  # of the options of stability
     "beams": (0, 10_000_000),
@@ -22,6 +22,7 @@ CAMPAIGN_RANGES = {  # of the options of stability
     "workers": (0, 1000),
 }
 STUDY_SCENES = (*CATALOGUE, "cylinder-lateral", "slender-axial")  # of workprecision
+PEERS = ("opensees", "calculix")  # of referee
 BASELINE = Path("reports", "baseline")
 SCENE_HELP = f"{', '.join(CATALOGUE)}, or a TOML file"
 ARTEFACTS = ("table1", "table2", "table3", "fig4", "fig5", "fig6", "fig7", "fig8")
@@ -52,6 +53,9 @@ def command_line() -> argparse.ArgumentParser:
     _add_sensitivity(commands)
     _add_stability(commands)
     _add_regress(commands)
+    _add_export(commands)
+    _add_referee(commands)
+    _add_view(commands)
     return parser
 
 
@@ -88,11 +92,23 @@ def _add_solve(commands: argparse._SubParsersAction) -> None:
     _add_scene(command)
     what = "write wire.vtu too (wirefe): the deformed wire at the last step reached, with section forces"
     command.add_argument("--vtu", action="store_true", help=what)
+    what = "write wire.pvd too (wirefe), a VTU file for every step, to be seen by coilcheck view or ParaView"
+    command.add_argument("--vtu-series", action="store_true", help=what)
+    _add_said(command, "summary.json")
 
 
 def _add_compare(commands: argparse._SubParsersAction) -> None:
     purpose = "one scene by both models: the equivalent beam against the wire model"
-    _add_scene(_command(commands, "compare", purpose, "coilcheck compare my-spring.toml --out results"))
+    command = _command(commands, "compare", purpose, "coilcheck compare my-spring.toml --out results")
+    _add_scene(command)
+    _add_said(command, "compare.json")
+
+
+def _add_said(command: argparse.ArgumentParser, file: str) -> None:
+    """What is printed."""
+    said = command.add_mutually_exclusive_group()
+    said.add_argument("--json", action="store_true", help=f"print what {file} holds, and nothing else")
+    said.add_argument("--quiet", action="store_true", help="print nothing but errors")
 
 
 def _add_workprecision(commands: argparse._SubParsersAction) -> None:
@@ -137,6 +153,28 @@ def _add_regress(commands: argparse._SubParsersAction) -> None:
     command.add_argument("--time", action="store_true", help=what)
 
 
+def _add_export(commands: argparse._SubParsersAction) -> None:
+    purpose = "the wire model of a scene as an input deck for another program"
+    command = _command(commands, "export", purpose, "coilcheck export spring-a --to calculix --out deck")
+    command.add_argument("--to", choices=("calculix",), required=True, help="which program")
+    _add_common(command)
+
+
+def _add_referee(commands: argparse._SubParsersAction) -> None:
+    purpose = "one scene by the wire model and by another finite-element code, which has to be installed"
+    command = _command(commands, "referee", purpose, "coilcheck referee spring-a --with opensees")
+    command.add_argument("--with", dest="peer", choices=PEERS, required=True, help="which code")
+    _add_common(command)
+
+
+def _add_view(commands: argparse._SubParsersAction) -> None:
+    purpose = "the wire as it deforms, in a window with a slider over the steps or as a movie"
+    command = _command(commands, "view", purpose, "coilcheck view spring-a --movie a.gif", writes=False)
+    where = f"{SCENE_HELP}, or the folder of a run with wire.pvd (solve --vtu-series)"
+    command.add_argument("scene", metavar="SCENE|RUN", help=where)
+    command.add_argument("--movie", type=Path, metavar="FILE", help="write a GIF, without a window")
+
+
 def _command(
     commands: argparse._SubParsersAction, name: str, purpose: str, example: str, writes: bool = True
 ) -> argparse.ArgumentParser:
@@ -154,12 +192,17 @@ def _command(
     return command
 
 
-def _add_scene(command: argparse.ArgumentParser) -> None:
-    """The scene and the options of both models, whose defaults are the models' own."""
+def _add_common(command: argparse.ArgumentParser) -> None:
+    """The scene, and what may take the place of its numbers."""
     command.add_argument("scene", metavar="SCENE", help=SCENE_HELP)
     both = command.add_argument_group("options of both models")
     both.add_argument("--steps", type=_number, metavar="N", help="equal steps of time; default the scene's")
     both.add_argument("--penalty", type=_number, metavar="X", help="contact stiffness; default the scene's")
+
+
+def _add_scene(command: argparse.ArgumentParser) -> None:
+    """The scene and the options of both models, whose defaults are the models' own."""
+    _add_common(command)
     beam = command.add_argument_group("options of equivbeam")
     beam.add_argument("--law", choices=("haringx", "helix"), help="law of a half coil; default haringx")
     beam.add_argument("--tangent", choices=("exact", "paper", "paper-printed"), help="default exact")

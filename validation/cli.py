@@ -22,7 +22,17 @@ from validation.arguments import (
     command_line,
 )
 from validation.metrics import Comparison, compare_paths
-from validation.output import OutputError, prepare, write_json, write_path, write_vtu, writing
+from validation.output import (
+    OutputError,
+    json_text,
+    prepare,
+    summary,
+    write_json,
+    write_path,
+    write_series,
+    write_vtu,
+    writing,
+)
 from validation.reached import as_far
 
 COMPLETED, REGRESSED, BAD_INPUT, NOT_COMPLETED, NOT_WRITTEN, INTERRUPTED = 0, 1, 2, 3, 4, 130
@@ -95,12 +105,14 @@ def solve(arguments: argparse.Namespace) -> int:
     scene = _scene(arguments)
     folder = _folder(arguments)
     prepare(folder)
-    with _progress() as progress:
+    with _progress(hasattr(arguments, "quiet")) as progress:
         path = _run(scene, model, arguments, progress)
     write_path(path, folder)
     if hasattr(arguments, "vtu") and len(path.times):
         write_vtu(path, folder)
-    _say(*_digest(path), f"written to {folder}")
+    if hasattr(arguments, "vtu_series") and len(path.times):
+        write_series(path, folder)
+    _conclude(arguments, summary(path), [*_digest(path), f"written to {folder}"])
     return _verdict(path)
 
 
@@ -111,22 +123,20 @@ def compare(arguments: argparse.Namespace) -> int:
     folders = {model: folder / model for model in MODEL_OPTIONS}
     for each in folders.values():
         prepare(each)
-    with _progress() as progress:
+    with _progress(hasattr(arguments, "quiet")) as progress:
         paths = {model: _run(scene, model, arguments, progress) for model in MODEL_OPTIONS}
     for model, path in paths.items():
         write_path(path, folders[model])
     comparison = compare_paths(paths["equivbeam"], paths["wirefe"])
-    write_json(
-        folder / "compare.json",
-        {
-            "scene": scene.name,
-            **asdict(comparison),
-            **{model: str(each.resolve()) for model, each in folders.items()},
-            "outcomes": {model: path.outcome for model, path in paths.items()},
-        },
-    )
+    found = {
+        "scene": scene.name,
+        **asdict(comparison),
+        **{model: str(each.resolve()) for model, each in folders.items()},
+        "outcomes": {model: path.outcome for model, path in paths.items()},
+    }
+    write_json(folder / "compare.json", found)
     lines = [line for path in paths.values() for line in _digest(path)]
-    _say(*lines, _apart(comparison), f"written to {folder}")
+    _conclude(arguments, found, [*lines, _apart(comparison), f"written to {folder}"])
     return _verdict(*paths.values())
 
 
@@ -192,6 +202,15 @@ def stability(arguments: argparse.Namespace) -> int:
     return _fail(REGRESSED, "not every outcome is explained") if code else COMPLETED
 
 
+def people(arguments: argparse.Namespace) -> int:
+    """Hand a scene to another program, or to the eye."""
+    with _progress() as progress:
+        run = importlib.import_module("validation.commands_people").COMMANDS[arguments.command]
+        lines = run(arguments, _folder(arguments), progress)
+    _say(*lines)
+    return COMPLETED
+
+
 COMMANDS = {
     "new": new,
     "check": check,
@@ -202,6 +221,9 @@ COMMANDS = {
     "sensitivity": sensitivity,
     "stability": stability,
     "regress": regress,
+    "export": people,
+    "referee": people,
+    "view": people,
 }
 
 
@@ -276,6 +298,14 @@ def _apart(found: Comparison) -> str:
     )
 
 
+def _conclude(arguments: argparse.Namespace, found: dict, lines: list[str]) -> None:
+    """Print a result as asked for: for a reader, as JSON, or not at all."""
+    if hasattr(arguments, "json"):
+        _say(json_text(found))
+    elif not hasattr(arguments, "quiet"):
+        _say(*lines)
+
+
 def _say(*lines: str) -> None:
     """Print to stdout, whatever characters its encoding lacks."""
     encoding = sys.stdout.encoding or "utf-8"
@@ -285,9 +315,9 @@ def _say(*lines: str) -> None:
 
 
 @contextmanager
-def _progress() -> Iterator[Callable[[str], None]]:
+def _progress(quiet: bool = False) -> Iterator[Callable[[str], None]]:
     """Show what is being done, on a terminal only."""
-    if not sys.stderr.isatty():
+    if quiet or not sys.stderr.isatty():
         yield lambda text: None
         return
     from rich.console import Console

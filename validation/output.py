@@ -78,6 +78,11 @@ def write_json(target: Path, value: object) -> None:
     write_bytes(target, _json(value))
 
 
+def json_text(value: object) -> str:
+    """Strict JSON; what is not a finite number becomes null."""
+    return json.dumps(_plain(value), indent=2, allow_nan=False)
+
+
 def write_path(path: EquilibriumPath, folder: Path) -> None:
     """Write ``path.csv`` and ``summary.json`` of a path, complete or not, to an existing folder."""
     write_files({"summary.json": _json(summary(path)), "path.csv": _csv(path.columns).encode()}, folder)
@@ -97,11 +102,27 @@ def write_vtu(path: EquilibriumPath, folder: Path) -> None:
         write(path, -1, temporary)
 
 
+def write_series(path: EquilibriumPath, folder: Path) -> None:
+    """Write ``wire.pvd`` and, in the folder ``wire``, a VTU file for every step reached by the wire model."""
+    from wirefe.export import write_vtu as write
+
+    prepare(folder / "wire")
+    sets = []
+    for step, time in enumerate(path.times):
+        name = f"wire/{step + 1:04d}.vtu"
+        with _whole(folder / name) as temporary:
+            write(path, step, temporary)
+        sets.append(f'    <DataSet timestep="{time:.12g}" file="{name}"/>\n')
+    head = '<?xml version="1.0"?>\n<VTKFile type="Collection" version="0.1">\n  <Collection>\n'
+    write_text(folder / "wire.pvd", f"{head}{''.join(sets)}  </Collection>\n</VTKFile>\n")
+
+
 def summary(path: EquilibriumPath) -> dict[str, object]:
     """What ``summary.json`` holds."""
     load, contact = path.scene.load, path.scene.contact
     return {
         "scene": path.scene.name,
+        "wire_diameter": path.scene.spring.wire_diameter,
         "model": path.model,
         "outcome": path.outcome,
         "message": path.message,
@@ -120,7 +141,7 @@ def summary(path: EquilibriumPath) -> dict[str, object]:
 
 
 def _json(value: object) -> bytes:
-    return (json.dumps(_plain(value), indent=2, allow_nan=False) + "\n").encode("utf-8")
+    return (json_text(value) + "\n").encode("utf-8")
 
 
 def _plain(value: object) -> object:

@@ -93,18 +93,18 @@ def _draw(
     plotter = pyvista.Plotter(off_screen=True, window_size=(PIXELS, PIXELS), lighting="light kit")
     plotter.set_background("white")
     plotter.add_mesh(
-        _tubes([rest[::4]], radius, 6), style="wireframe", color=GREY, opacity=0.3, line_width=1.0
+        tubes([rest[::4]], radius, 6), style="wireframe", color=GREY, opacity=0.3, line_width=1.0
     )
     shine = {"smooth_shading": True, "specular": 0.25, "ambient": 0.12}
-    plotter.add_mesh(_tubes([beam], radius, 20), color=BLUE, **shine)
-    plotter.add_mesh(_tubes(bands(wire), BAND_SCALE * radius, 20), color=RED, **shine)
-    _aim(plotter, every, diameter)
+    plotter.add_mesh(tubes([beam], radius, 20), color=BLUE, **shine)
+    plotter.add_mesh(tubes(bands(wire), BAND_SCALE * radius, 20), color=RED, **shine)
+    aim(plotter, every, diameter)
     plotter.enable_anti_aliasing("ssaa")
     plotter.screenshot(file)
     plotter.close()
 
 
-def _tubes(pieces: list[np.ndarray], radius: float, sides: int) -> pyvista.PolyData:
+def tubes(pieces: list[np.ndarray], radius: float, sides: int) -> pyvista.PolyData:
     """Tubes around lines of points."""
     import pyvista
 
@@ -116,7 +116,7 @@ def _tubes(pieces: list[np.ndarray], radius: float, sides: int) -> pyvista.PolyD
     return mesh.tube(radius=radius, n_sides=sides, capping=True)
 
 
-def _aim(plotter: pyvista.Plotter, every: np.ndarray, diameter: float) -> None:
+def aim(plotter: pyvista.Plotter, every: np.ndarray, diameter: float) -> None:
     """Parallel projection whose frame just holds all points."""
     axes = view()
     seen = every @ axes.T

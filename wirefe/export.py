@@ -13,6 +13,8 @@ from wirefe.beam import deformations
 from wirefe.model import ROW
 from wirefe.shape import WireShape, turned
 
+POINT_DATA = ("displacement", "rotation", "contact_force", "pair_force")  # of a VTU file
+
 
 @dataclass(frozen=True)
 class SectionResults:
@@ -28,6 +30,8 @@ class SectionResults:
     rotation : (nodes, 3) rotation vectors from rest, of at most half a turn, rad.
     contact_force : (nodes, 3) normal contact force on each node, N; the forces on the spheres of a
         rigid end are summed at its node. What holds a pair from sliding is not in it.
+    pair_force : (nodes,) largest normal force of a pair that touches at each node, N; where coils are
+        pressed from both sides it does not cancel.
     force : (elements, 3) axial force and two shear forces, N.
     moment : (elements, 3) torsion and two bending moments, N mm.
     curvature_change : (elements, 3) twist and two bending curvatures, less those at rest, 1/mm.
@@ -37,6 +41,7 @@ class SectionResults:
     displacement: np.ndarray
     rotation: np.ndarray
     contact_force: np.ndarray
+    pair_force: np.ndarray
     force: np.ndarray
     moment: np.ndarray
     curvature_change: np.ndarray
@@ -80,6 +85,7 @@ def section_results(path: EquilibriumPath, step: int) -> SectionResults:
         displacement=points - shape.mesh.points,
         rotation=Rotation.from_quat(np.roll(turns, -1, axis=1)).as_rotvec(),
         contact_force=_contact_force(shape, rows, path.contact_forces[step]),
+        pair_force=_pair_force(shape, len(rows), path.contact_forces[step]),
         force=wrench[:, :3],
         moment=wrench[:, 3:],
         curvature_change=strain[:, 3:] / lengths[:, None],
@@ -89,8 +95,8 @@ def section_results(path: EquilibriumPath, step: int) -> SectionResults:
 def write_vtu(path: EquilibriumPath, step: int, file: str | Path) -> None:
     """Write the deformed wire at a stored step as line cells, mm and N; the end turns are left out.
 
-    Point data: displacement, rotation (vector), contact_force. Cell data: axial_force, shear_force,
-    torsion, bending_moment, curvature and twist (changes from rest).
+    Point data: displacement, rotation (vector), contact_force, pair_force. Cell data: axial_force,
+    shear_force, torsion, bending_moment, curvature and twist (changes from rest).
     """
     import meshio
 
@@ -99,7 +105,7 @@ def write_vtu(path: EquilibriumPath, step: int, file: str | Path) -> None:
     mesh = meshio.Mesh(
         found.points,
         [("line", _pairs(nodes))],
-        point_data={name: getattr(found, name) for name in ("displacement", "rotation", "contact_force")},
+        point_data={name: getattr(found, name) for name in POINT_DATA},
         cell_data={name: [values] for name, values in found.cells.items()},
     )
     mesh.write(file, file_format="vtu")
@@ -123,3 +129,12 @@ def _contact_force(shape: WireShape, rows: np.ndarray, normal: np.ndarray) -> np
     np.add.at(total, data.carrier[first], -push)
     np.add.at(total, data.carrier[second], push)
     return total
+
+
+def _pair_force(shape: WireShape, count: int, normal: np.ndarray) -> np.ndarray:
+    """Largest normal force of the pairs at each of `count` nodes."""
+    data = shape.data.contact
+    largest = np.zeros(count)
+    for side in data.pairs.T:
+        np.maximum.at(largest, data.carrier[side], normal)
+    return largest

@@ -1,6 +1,6 @@
 """A scene's wire model in OpenSees: same nodes, section, supports and sphere contact as `wirefe`.
 
-Built from `coilspring` alone. The choices that OpenSees leaves open:
+The choices that OpenSees leaves open:
 
 - forceBeamColumn with an elastic section that has shear, two Gauss points (exact for a straight
   element) and the Corotational transformation. ElasticTimoshenkoBeam would ignore that one silently.
@@ -10,10 +10,13 @@ Built from `coilspring` alone. The choices that OpenSees leaves open:
   and profile solvers. KrylovNewton and NewtonLineSearch lose Spring A's path, at 50 steps already.
 - EnergyIncr against the work of the load. RelativeEnergyIncr refers to the first iterate of the step,
   which overshoots the farther, the larger the step: at a few steps it then accepts wrong states.
+- "No sliding": a pair that a step has closed gets a zeroLength element with two springs K across its
+  direction, and loses it when a step has opened it. That is linear in the displacements, as `wirefe`'s law.
 """
 
 from __future__ import annotations
 
+import atexit
 import math
 import os
 import sys
@@ -27,28 +30,29 @@ from openseespy import opensees as ops
 
 from coilspring import Scene
 from coilspring.wire import SHEAR_FACTOR
+from validation.referee.layout import layout, refuse
 
 ELEMENTS_PER_TURN = 40
-PAIRS_PER_TURN = 4
-STRIDE = ELEMENTS_PER_TURN // PAIRS_PER_TURN
 STIFF = 1e4  # sections of the stiff beams over the wire's; 1e2 to 1e6 move Spring A's tip by 1e-5
 MOST_ITERATIONS = 60  # of a step
+HALVINGS = 6  # of a step that does not converge
 NEVER_YIELDS = -1e12  # yield stress of the gap material, in compression
-WIRE, STEEP, SECTION, RULE = 1, 2, 1, 1  # tags
+WIRE, STEEP, SECTION, RULE, TANGENTIAL = 1, 2, 1, 1, 1_000_000  # tags
 
 
 @dataclass(frozen=True)
 class Run:
-    """End of one OpenSees analysis.
+    """An OpenSees analysis, as far as it converged.
 
     Attributes
     ----------
-    tip : (3,) UX, UY, ROTZ of the top reference point at time 1; None where a step did not converge.
+    tips : (steps,) rows UX, UY, ROTZ of the top reference point, mm, rad; fewer than asked for where a
+        step did not converge.
     seconds : CPU time of the analysis, without the building of the model.
     iterations : Newton iterations of all steps.
     """
 
-    tip: np.ndarray | None
+    tips: np.ndarray
     seconds: float
     iterations: int
 
@@ -58,10 +62,13 @@ class _Builder:
 
     def __init__(self, scene: Scene) -> None:
         self.scene = scene
-        self.last = round(scene.spring.active_coils * ELEMENTS_PER_TURN)  # node of the last active point
+        self.wire = layout(scene, ELEMENTS_PER_TURN)
+        self.last = len(self.wire.points) - 1
         self.top = self.last + 1  # reference point
         self.nodes = 0
         self.elements = 0
+        self.pairs: list[tuple[int, int]] = []  # nodes of the sphere centres
+        self.held: dict[tuple[int, int], int] = {}  # the element that keeps a pair from sliding
         area, inertia = (
             math.pi * np.array((1.0 / 4.0, 1.0 / 64.0)) * scene.spring.wire_diameter ** np.array((2, 4))
         )
@@ -74,27 +81,46 @@ class _Builder:
         self._wire()
         self._supports()
         self._stiff_beam(self.last)
-        if self.scene.contact.enabled:
-            self._contact()
+        self._contact()
         ops.timeSeries("Linear", 1)
         ops.pattern("Plain", 1, 1)
         ops.load(self.top, *self.scene.load.force, 0.0, 0.0, 0.0, 0.0)
+
+    def hold(self) -> None:
+        """Keep the pairs that touch now from sliding, and let those go that do not."""
+        if self.scene.contact.sliding != "none":
+            return
+        for pair in self.pairs:
+            low, high = (np.add(ops.nodeCoord(node), ops.nodeDisp(node)[:3]) for node in pair)
+            apart = high - low
+            closed = float(np.linalg.norm(apart)) < self.scene.spring.wire_diameter
+            if closed and pair not in self.held:
+                self.held[pair] = self._tangential(pair, apart)
+            elif not closed and pair in self.held:
+                ops.remove("element", self.held.pop(pair))
+
+    def _tangential(self, pair: tuple[int, int], along: np.ndarray) -> int:
+        """Springs across `along` that are free of force now."""
+        across = np.cross(along, np.eye(3)[np.argmin(np.abs(along))])
+        self._element(
+            "zeroLength", *pair, "-mat", TANGENTIAL, TANGENTIAL, "-dir", 2, 3, "-orient", *along, *across
+        )
+        return self.elements
 
     def _node(self, point: np.ndarray) -> int:
         ops.node(self.nodes, *point.tolist())
         self.nodes += 1
         return self.nodes - 1
 
-    def _element(self, kind: str, first: int, second: int, *properties: float) -> None:
+    def _element(self, kind: str, first: int, second: int, *properties: float | str) -> None:
         self.elements += 1
         ops.element(kind, self.elements, first, second, *properties)
 
     def _wire(self) -> None:
         """Nodes 0 to `last` on the helix, then the reference point; straight elements between them."""
-        spring, material = self.scene.spring, self.scene.material
-        for point in spring.points(np.linspace(0.0, spring.phase_end, self.last + 1)):
+        material = self.scene.material
+        for point in (*self.wire.points, self.wire.reference):
             self._node(point)
-        self._node(np.array([0.0, spring.active_height, 0.0]))
         area, inertia = self.area, self.inertia
         properties = (material.E, area, inertia, inertia, material.G, 2.0 * inertia)
         ops.section("Elastic", SECTION, *properties, SHEAR_FACTOR, SHEAR_FACTOR)
@@ -118,70 +144,88 @@ class _Builder:
         self._element("elasticBeamColumn", self.top, node, *properties, STEEP if steep else WIRE)
 
     def _sphere(self, index: int) -> int:
-        """Node at the centre of the sphere at phase index * pi/2: of the wire, or of a rigid end."""
-        node = index * STRIDE
-        if 0 <= node <= self.last:
-            return node
-        phase = np.array([2.0 * math.pi / PAIRS_PER_TURN * index])
-        node = self._node(self.scene.spring.points(phase)[0])
-        if index < 0:
+        """Node at the centre of a sphere: of the wire, or of a rigid end."""
+        carrier = int(self.wire.carriers[index])
+        if 0 <= carrier <= self.last:
+            return carrier
+        node = self._node(self.wire.spheres[index])
+        if carrier < 0:
             ops.fix(node, *[1] * 6)
         else:
             self._stiff_beam(node)
         return node
 
     def _contact(self) -> None:
-        """Trusses between spheres a turn apart, but not within one rigid end."""
-        first, end = (phase / (2.0 * math.pi) * PAIRS_PER_TURN for phase in self.scene.spring.phase_range)
-        spheres = {i: self._sphere(i) for i in range(math.ceil(first - 1e-9), math.floor(end + 1e-9) + 1)}
-        for index, lower in spheres.items():
-            above = index + PAIRS_PER_TURN
-            if above > 0 and above in spheres and index * STRIDE < self.last:
-                self._gap(lower, spheres[above])
+        """A truss between the centres of each pair."""
+        ops.uniaxialMaterial("Elastic", TANGENTIAL, self.scene.contact.stiffness)
+        nodes = {int(index): self._sphere(index) for index in np.unique(self.wire.pairs)}
+        for pair in self.wire.pairs:
+            lower, upper = (nodes[int(index)] for index in pair)
+            self.pairs.append((lower, upper))
+            self._gap(lower, upper, self.wire.rest(pair))
 
-    def _gap(self, lower: int, upper: int) -> None:
+    def _gap(self, lower: int, upper: int, rest: float) -> None:
         """Penalty between two sphere centres; strain is (h - rest) / rest, area 1."""
-        rest = float(np.linalg.norm(np.subtract(ops.nodeCoord(upper), ops.nodeCoord(lower))))
         gap = self.scene.spring.wire_diameter / rest - 1.0
         tag = self.elements + 1
         ops.uniaxialMaterial("ElasticPPGap", tag, self.scene.contact.stiffness * rest, NEVER_YIELDS, gap)
         self._element("corotTruss", lower, upper, 1.0, tag)
 
 
-def run(scene: Scene, steps: int, energy: float) -> Run:
+def run(scene: Scene, steps: int, tolerance: float, halvings: int = HALVINGS) -> Run:
     """Build the scene's model and load it in equal steps.
 
     Parameters
     ----------
-    scene : frictionless, contact exponent 1.
+    scene : one force, contact exponent 1, no Coulomb friction.
     steps : number of load steps.
-    energy : energy increment below which a step has converged, N mm.
+    tolerance : energy increment below which a step has converged, N mm.
+    halvings : of a step that does not converge.
+
+    Raises
+    ------
+    InputError : what is not given to this peer.
     """
+    refuse(scene, "opensees")
+    builder = _Builder(scene)
+    tips: list[list[float]] = []
     with quiet():
-        builder = _Builder(scene)
         builder.build()
-        _prepare(steps, energy)
+        _prepare(tolerance)
         began = time.process_time()
         iterations = 0
-        completed = True
-        for _ in range(steps):
-            completed = ops.analyze(1) == 0
-            if not completed:
+        while len(tips) < steps:
+            spent = _advance(builder, 1.0 / steps, halvings)
+            if spent is None:
                 break
-            iterations += ops.testIter()
+            iterations += spent
+            tips.append([ops.nodeDisp(builder.top, freedom) for freedom in (1, 2, 6)])
         seconds = time.process_time() - began
-        tip = np.array([ops.nodeDisp(builder.top, freedom) for freedom in (1, 2, 6)]) if completed else None
         ops.wipe()
-    return Run(tip, seconds, iterations)
+    return Run(np.array(tips).reshape(-1, 3), seconds, iterations)
 
 
-def _prepare(steps: int, energy: float) -> None:
+def _advance(builder: _Builder, step: float, halvings: int) -> int | None:
+    """Go on by a step of the load, in halves where it does not converge; iterations, None where lost."""
+    ops.integrator("LoadControl", step)
+    if ops.analyze(1) == 0:
+        spent = ops.testIter()
+        builder.hold()
+        return spent
+    if halvings == 0:
+        return None
+    first = _advance(builder, 0.5 * step, halvings - 1)
+    second = None if first is None else _advance(builder, 0.5 * step, halvings - 1)
+    return None if first is None or second is None else MOST_ITERATIONS + first + second
+
+
+def _prepare(tolerance: float) -> None:
     ops.constraints("Plain")
     ops.numberer("RCM")
     ops.system("SparseSYM")
-    ops.test("EnergyIncr", energy, MOST_ITERATIONS, 0)
+    ops.test("EnergyIncr", tolerance, MOST_ITERATIONS, 0)
     ops.algorithm("Newton")
-    ops.integrator("LoadControl", 1.0 / steps)
+    ops.integrator("LoadControl", 1.0)
     ops.analysis("Static")
 
 
@@ -208,3 +252,6 @@ def silence() -> None:
     os.dup2(nowhere, 1)
     os.dup2(nowhere, 2)
     os.close(nowhere)
+
+
+atexit.register(silence)  # OpenSees says good-bye when the interpreter ends

@@ -1,0 +1,88 @@
+"""The deforming wire: a series of VTU files, a movie of it, and words where there is no window."""
+
+import sys
+
+import numpy as np
+import pytest
+from PIL import Image
+
+import wirefe
+from coilspring import spring_b
+from validation import frames, theatre
+from validation.cli import main
+
+
+@pytest.fixture(scope="module")
+def run(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("run")
+    arguments = ["solve", "spring-b", "--model", "wirefe", "--steps", "3", "--vtu-series", "--quiet"]
+    assert main([*arguments, "--out", str(folder)]) == 0
+    return folder
+
+
+def test_the_series_is_the_path(run):
+    """Times, shapes and forces of the run are those of the solved scene, behind a frame at rest."""
+    found, solved = frames.of_run(run), frames.of_scene(spring_b().with_steps(3))
+    np.testing.assert_allclose(found.times, [0.0, 1 / 3, 2 / 3, 1.0], rtol=1e-11)
+    np.testing.assert_allclose(found.points, solved.points, atol=1e-9)
+    np.testing.assert_allclose(found.forces, solved.forces, atol=1e-6)
+    assert found.diameter == solved.diameter == 1.5
+    path = wirefe.solve(spring_b(), steps=3)
+    np.testing.assert_allclose(found.points[0], path.shape.mesh.points, atol=1e-9)
+    np.testing.assert_allclose(found.forces[1:].max(axis=1), path.contact_forces.max(axis=1), rtol=1e-9)
+
+
+def test_paraview_opens_the_series(run):
+    import pyvista
+
+    reader = pyvista.get_reader(run / "wire.pvd")
+    assert reader.time_values == pytest.approx([1 / 3, 2 / 3, 1.0])
+
+
+def pictures(file):
+    with Image.open(file) as movie:
+        return movie.n_frames
+
+
+def test_a_movie_of_a_run(run, tmp_path, capsys):
+    movie = tmp_path / "out" / "b.gif"
+    assert main(["view", str(run), "--movie", str(movie)]) == 0
+    assert pictures(movie) == 4
+    assert f"written to {movie}" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize("code", ["raise SystemExit(3)", "pass"])
+def test_matplotlib_draws_where_pyvista_cannot(code, run, tmp_path, monkeypatch, capsys):
+    """The child fails, or ends well without pictures."""
+    monkeypatch.setattr(theatre, "COMMAND", (sys.executable, "-c", code))
+    movie = tmp_path / "b.gif"
+    assert main(["view", str(run), "--movie", str(movie)]) == 0
+    assert pictures(movie) == 4
+    assert "drawn by matplotlib" in capsys.readouterr().out
+
+
+def test_without_a_display_one_sentence_says_so(run, monkeypatch, capsys):
+    monkeypatch.setattr(sys, "platform", "linux")
+    monkeypatch.delenv("DISPLAY", raising=False)
+    monkeypatch.delenv("WAYLAND_DISPLAY", raising=False)
+    assert main(["view", str(run)]) == 2
+    assert capsys.readouterr().err == (
+        "coilcheck: view needs a display, and there is none: --movie FILE.gif draws without one\n"
+    )
+
+
+def test_a_window_that_does_not_open_is_one_sentence(run, monkeypatch, capsys):
+    monkeypatch.setenv("DISPLAY", ":0")
+    monkeypatch.setattr(theatre, "COMMAND", (sys.executable, "-c", "import os; os.abort()"))
+    assert main(["view", str(run)]) == 2
+    assert capsys.readouterr().err.startswith("coilcheck: no window could be opened (")
+
+
+def test_what_cannot_be_shown_is_refused(run, tmp_path, capsys):
+    assert main(["view", str(tmp_path), "--movie", str(tmp_path / "a.gif")]) == 2
+    assert "holds no wire.pvd" in capsys.readouterr().err
+    assert main(["view", str(run), "--movie", str(tmp_path / "a.mp4")]) == 2
+    assert "--movie must be the name of a .gif file" in capsys.readouterr().err
+    (tmp_path / "wire.pvd").write_text("<VTKFile>", encoding="utf-8")
+    assert main(["view", str(tmp_path), "--movie", str(tmp_path / "a.gif")]) == 2
+    assert "is not a whole run" in capsys.readouterr().err

@@ -1,0 +1,69 @@
+"""Commands that hand a scene to other programs, and to the eye."""
+
+from __future__ import annotations
+
+import argparse
+import importlib
+from collections.abc import Callable
+from pathlib import Path
+
+from coilspring import Scene, load_scene
+from validation.arguments import COMMON_OPTIONS
+from validation.output import prepare, write_json, write_text
+
+Progress = Callable[[str], None]
+
+
+def export(arguments: argparse.Namespace, folder: Path, progress: Progress) -> list[str]:
+    """Write the input deck of a scene for another program."""
+    calculix = importlib.import_module("validation.referee.calculix")
+    scene = _scene(arguments)
+    text = calculix.deck(scene)
+    prepare(folder)
+    write_text(folder / calculix.FILE, text)
+    said = [f"written to {folder / calculix.FILE}; run it there by: ccx {calculix.JOB}"]
+    if scene.contact.enabled and scene.contact.sliding == "none":
+        said.append("its contact is frictionless: a spring element cannot hold a pair where it closed")
+    return said
+
+
+def referee(arguments: argparse.Namespace, folder: Path, progress: Progress) -> list[str]:
+    """Run a peer on a scene beside the wire model."""
+    scene, peer = _scene(arguments), arguments.peer
+    prepare(folder)
+    progress(f"solving with wirefe and {peer}")
+    found = importlib.import_module("validation.referee.bout").bout(scene, peer)
+    write_text(folder / f"{peer}.csv", found.csv())
+    values = {"scene": scene.name, "peer": peer, "remark": found.remark, "steps": found.rows}
+    seconds = {"wirefe": found.wire.solve_seconds, peer: found.peer.seconds}
+    write_json(folder / f"{peer}.json", {**values, "curve_max": found.difference, "seconds": seconds})
+    return [*found.lines(), f"written to {folder}"]
+
+
+def view(arguments: argparse.Namespace, folder: Path, progress: Progress) -> list[str]:
+    """Show the wire as it deforms, in a window or as a movie."""
+    frames = importlib.import_module("validation.frames")
+    place = importlib.import_module("validation.theatre")
+    movie = getattr(arguments, "movie", None)
+    if movie is None:
+        place.require_display()
+    else:
+        place.require_gif(movie)
+        prepare(movie.parent)
+    progress("loading the wire")
+    run = Path(arguments.scene)
+    found = frames.of_run(run) if run.is_dir() else frames.of_scene(load_scene(arguments.scene))
+    if movie is None:
+        place.show(found)
+        return []
+    progress(f"drawing {len(found.times)} pictures")
+    remark = place.film(found, movie)
+    return [*([remark] if remark else []), f"written to {movie}"]
+
+
+def _scene(arguments: argparse.Namespace) -> Scene:
+    given = {name: getattr(arguments, name) for name in COMMON_OPTIONS if hasattr(arguments, name)}
+    return load_scene(arguments.scene).overridden(**given)
+
+
+COMMANDS = {"export": export, "referee": referee, "view": view}

@@ -1,0 +1,1 @@
+"""The wire model in other people's finite-element codes, built from `coilspring` alone."""

@@ -1,0 +1,77 @@
+"""Where the points, spheres and pairs of a scene's wire lie, for codes that build it anew."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from coilspring import InputError, Scene
+
+PAIRS_PER_TURN = 4
+
+
+@dataclass(frozen=True)
+class Layout:
+    """The wire of a scene as points, and what touches.
+
+    Attributes
+    ----------
+    points : (nodes, 3) on the active wire, from the clamped bottom to the rigid top, mm.
+    reference : (3,) top reference point, mm.
+    spheres : (spheres, 3) centres, mm.
+    carriers : (spheres,) node that carries each: -1 the clamped bottom, `len(points)` the rigid top.
+    pairs : (pairs, 2) of spheres a turn apart, without those of one rigid end.
+    """
+
+    points: np.ndarray
+    reference: np.ndarray
+    spheres: np.ndarray
+    carriers: np.ndarray
+    pairs: np.ndarray
+
+    def rest(self, pair: np.ndarray) -> float:
+        """Distance of the centres of a pair at rest, mm."""
+        first, second = self.spheres[pair]
+        return float(np.linalg.norm(second - first))
+
+
+def layout(scene: Scene, nodes_per_turn: int) -> Layout:
+    """Points at `nodes_per_turn` equal phases a turn, spheres at four.
+
+    Raises
+    ------
+    InputError : active coils that are not a whole number of spaces between nodes.
+    """
+    spring = scene.spring
+    last = round(spring.active_coils * nodes_per_turn)
+    if last < 1 or abs(spring.active_coils * nodes_per_turn - last) > 1e-6:
+        raise InputError(
+            f"spring.active_coils must be a multiple of 1/{nodes_per_turn} in [0.5, 1000] for this peer, "
+            f"got {spring.active_coils!r}"
+        )
+    first, end = (phase / (2.0 * math.pi) * PAIRS_PER_TURN for phase in spring.phase_range)
+    index = np.arange(math.ceil(first - 1e-9), math.floor(end + 1e-9) + 1)
+    nodes = index * (nodes_per_turn // PAIRS_PER_TURN)
+    carriers = np.where(nodes > last, last + 1, np.maximum(nodes, -1))
+    pairs = np.stack((np.arange(len(index) - PAIRS_PER_TURN), np.arange(PAIRS_PER_TURN, len(index))), axis=1)
+    low, high = np.clip(nodes, 0, last)[pairs].T  # node 0 and the last one move with their ends
+    return Layout(
+        points=spring.points(np.linspace(0.0, spring.phase_end, last + 1)),
+        reference=np.array([0.0, spring.active_height, 0.0]),
+        spheres=spring.points(2.0 * math.pi / PAIRS_PER_TURN * index),
+        carriers=carriers,
+        pairs=pairs[low != high] if scene.contact.enabled else pairs[:0],
+    )
+
+
+def refuse(scene: Scene, peer: str) -> None:
+    """Raise `InputError` for what the peers are not given."""
+    scene.supports.require_supported(peer)
+    if scene.load.stages or scene.load.displacement:
+        raise InputError(f"load.force must be given for {peer}, got load.stages or load.displacement")
+    if scene.contact.enabled and scene.contact.exponent != 1.0:
+        raise InputError(f"contact.exponent must be 1 for {peer}, got {scene.contact.exponent!r}")
+    if scene.contact.enabled and scene.contact.sliding == "coulomb":
+        raise InputError(f'contact.sliding must be "free" or "none" for {peer}, got "coulomb"')
