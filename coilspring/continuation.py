@@ -18,7 +18,7 @@ from typing import NamedTuple
 import numpy as np
 from numba import njit, types
 
-from coilspring.compiled import copy, kernel
+from coilspring.compiled import copy, part
 from coilspring.kernelset import SIGNATURES
 from coilspring.linesearch import dot, solution
 from coilspring.stepping import PAIR_MOTION
@@ -45,7 +45,7 @@ class Trace(NamedTuple):
     pairs: int  # contact pairs evaluated
 
 
-@kernel
+@part
 def correct(
     reals, ints, anchor, clearance, memory, load, scale, along, pitch, state, time, g, H, v, w,
     assemble, factor, solve, retract,
@@ -73,7 +73,7 @@ def correct(
             size += (w[i] / scale) ** 2
         if not np.isfinite(size) or size > 1.0:
             return False, time, count, negative, pairs
-        retract(reals, ints, state, w, 1.0, trial)
+        retract(reals, ints, state, w, 1.0, state, 0.0, trial)
         copy(trial, state)
         time += shift
         if size <= CORRECTION**2:
@@ -81,7 +81,7 @@ def correct(
     return False, time, MOST_CORRECTIONS, negative, pairs
 
 
-@kernel
+@part
 def direction(v, negative, scale, along, pitch, new):
     """Unit direction of the path from v = dq/dt.
 
@@ -97,7 +97,7 @@ def direction(v, negative, scale, along, pitch, new):
 
 
 def trace(
-    reals, ints, load, points, start, memory, size, assemble, factor, solve, retract, predict, work, carry,
+    reals, ints, load, points, start, memory, size, assemble, factor, solve, retract, work, carry,
     distance, motion, commit, renew, stop,
 ):  # fmt: skip
     """Trace at most `points` points of the path from rest, or to time 1; arguments as in `follow`."""
@@ -122,7 +122,7 @@ def trace(
     time, arc = 0.0, FIRST_ARC
     row, spent = 0, 1
     while row < points and time < 1.0 and arc >= LEAST_ARC and clearance > -np.inf and stop[0] == 0:
-        retract(reals, ints, state, along, arc, trial)
+        retract(reals, ints, state, along, arc, state, 0.0, trial)
         good, reached, count, negative, looked = correct(
             reals, ints, state, clearance, memory, load, scale, along, pitch, trial, time + arc * pitch,
             g, H, v, w, assemble, factor, solve, retract,

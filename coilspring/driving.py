@@ -16,7 +16,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from coilspring.compiled import kernel
+from coilspring.compiled import part
 from coilspring.history import grip, machine_stiffness
 from coilspring.packing import heads, vector
 from coilspring.scene import Scene
@@ -39,7 +39,7 @@ class Drive(NamedTuple):
     machine: np.ndarray  # (1,) stiffness of the test machine, N/mm; 0 where there is none
 
 
-@kernel
+@part
 def drive(reals, ints, state, g, H):
     """Add what acts on the top to the gradient, and to the matrix unless it is empty; returns its energy."""
     head = heads(ints)

@@ -1,6 +1,6 @@
 """The compiled functions that a model hands to the path followers, and their types.
 
-A model is described by its data (two flat arrays, see `coilspring.packing`) and eleven kernels, which
+A model is described by its data (two flat arrays, see `coilspring.packing`) and ten kernels, which
 `coilspring.newton` and the followers take as typed first-class functions, so that they are compiled once
 for all models:
 
@@ -13,11 +13,9 @@ for all models:
     LDL^T of `F` in place. By Sylvester's law the negative pivots count the negative eigenvalues.
 ``solve(reals, ints, F, b)``
     Back substitution in place.
-``retract(reals, ints, state, step, factor, out)``
-    The state moved by ``factor * step`` (rotations by the exponential map).
-``predict(reals, ints, before, state, tangent, last, step, bend, out)``
-    The path extrapolated from `state` by a `step` of time: along its `tangent`, and with ``bend = 1`` on
-    the parabola that also meets the state `before`, a time `last` ago; with 0 on the straight line.
+``retract(reals, ints, state, step, factor, before, second, out)``
+    The state moved by ``factor * step`` (rotations by the exponential map), and by `second` times the way
+    to the state `before`, which for a Newton step is 0.
 ``work(reals, ints, load, a, b)``
     Work of a dead load from state `a` to state `b`.
 ``carry(reals, ints, a, b, v)``
@@ -50,7 +48,6 @@ class Kernels(NamedTuple):
     factor: Any
     solve: Any
     retract: Any
-    predict: Any
     work: Any
     carry: Any
     distance: Any
@@ -67,8 +64,7 @@ def _signatures() -> Kernels:
         assemble=types.Tuple((real, whole))(*data, vector, real, table, vector, vector, vector),
         factor=types.Tuple((whole, real))(*data, vector),
         solve=types.void(*data, vector, vector),
-        retract=types.void(*data, vector, vector, real, vector),
-        predict=types.void(*data, vector, vector, vector, real, real, real, vector),
+        retract=types.void(*data, vector, vector, real, vector, real, vector),
         work=real(*data, vector, vector, vector),
         carry=types.void(*data, vector, vector, vector),
         distance=real(*data, vector, vector),

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from coilspring.compiled import kernel
+from coilspring.compiled import part
 
 ARMIJO = 1e-4  # usual sufficient-decrease constant (Nocedal & Wright, section 3.1)
 ENERGY_NOISE = 1e-13  # relative rounding of the energy: smaller decreases cannot be asked for
@@ -14,7 +14,7 @@ FLAT = 0.5  # of the slope at the start: near enough to the least potential alon
 MOST_FLAT = 6  # attempts for that
 
 
-@kernel
+@part
 def dot(a, b):
     """Scalar product; a plain loop compiles ten times faster than the library call."""
     total = 0.0
@@ -23,14 +23,14 @@ def dot(a, b):
     return total
 
 
-@kernel
+@part
 def subtract(push, g):
     """g -= push."""
     for i in range(g.size):
         g[i] -= push[i]
 
 
-@kernel
+@part
 def solution(reals, ints, F, b, sign, out, solve):
     """out = sign F^-1 b."""
     for i in range(b.size):
@@ -38,7 +38,7 @@ def solution(reals, ints, F, b, sign, out, solve):
     solve(reals, ints, F, out)
 
 
-@kernel
+@part
 def stale_solution(reals, ints, F, home, state, b, sign, out, solve, carry):
     """out = sign F^-1 b at `state`, with the factor of the state `home`, turned along."""
     for i in range(b.size):
@@ -48,7 +48,7 @@ def stale_solution(reals, ints, F, home, state, b, sign, out, solve, carry):
     carry(reals, ints, home, state, out)
 
 
-@kernel
+@part
 def residual(reals, ints, anchor, clearance, memory, push, state, g, H, assemble):
     """Energy and pairs evaluated at `state`; fills the residual `g` under the load and the matrix `H`."""
     energy, looked = assemble(reals, ints, anchor, clearance, memory, state, g, H)
@@ -56,13 +56,13 @@ def residual(reals, ints, anchor, clearance, memory, push, state, g, H, assemble
     return energy, looked
 
 
-@kernel
+@part
 def falls(energy, gain, slope, length, rounding):
     """Whether the potential changed by `gain` has fallen enough, to the rounding of the energy."""
     return gain <= ARMIJO * length * slope + rounding + ENERGY_NOISE * abs(energy)
 
 
-@kernel
+@part
 def shorter(low, high, before, behind, gain, slope):
     """Length between `low` and `high`: where the potential's slope, linear between its values there, is
     zero; where it still falls at `high`, the minimum of the parabola through the potential's `gain`."""
@@ -76,7 +76,7 @@ def shorter(low, high, before, behind, gain, slope):
     return low + min(max(share, LEAST_CUT), 0.5 if low == 0.0 and behind <= 0.0 else 1.0) * (high - low)
 
 
-@kernel
+@part
 def line_search(
     reals, ints, anchor, clearance, memory, push, state, step, energy, slope, gain, behind, rounding, g, H,
     trial, assemble, retract, work,
@@ -93,7 +93,7 @@ def line_search(
     pairs = 0
     for i in range(MOST_BACKTRACKS):
         length = shorter(low, high, before, behind, gain, slope)
-        retract(reals, ints, state, step, length, trial)
+        retract(reals, ints, state, step, length, state, 0.0, trial)
         value, looked = residual(reals, ints, anchor, clearance, memory, push, trial, g, H, assemble)
         pairs += looked
         gain = value - energy - work(reals, ints, push, state, trial)

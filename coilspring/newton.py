@@ -9,7 +9,7 @@ import math
 
 import numpy as np
 
-from coilspring.compiled import copy, kernel
+from coilspring.compiled import copy, part
 from coilspring.linesearch import dot, falls, line_search, residual, solution, stale_solution
 
 CONVERGED, LINEAR, SADDLE, FAILED = 0, 1, 2, 3
@@ -38,14 +38,14 @@ TRUST = 1e-2  # share of the decrement that a good Newton step from a predicted 
 HISTORY = 64  # Newton decrements kept as evidence
 
 
-@kernel
+@part
 def advance(reals, ints, state, step, trial, retract):
     """Move `state` by the whole step; `trial` is scratch."""
-    retract(reals, ints, state, step, 1.0, trial)
+    retract(reals, ints, state, step, 1.0, state, 0.0, trial)
     copy(trial, state)
 
 
-@kernel
+@part
 def positive_factor(reals, ints, H, rest, shift, F, factor):
     """Factor H + shift * rest, a matrix known to be indefinite, with the first shift, from `shift` on,
     that mends it.
@@ -64,7 +64,7 @@ def positive_factor(reals, ints, H, rest, shift, F, factor):
     return shift, count
 
 
-@kernel
+@part
 def worthwhile(left, last, enough, looks, lean):
     """Whether a step with a kept factor is taken; its decrement is `left`, that of the one before `last`.
 
@@ -79,7 +79,7 @@ def worthwhile(left, last, enough, looks, lean):
     return lean and last < np.inf and math.log(enough / left) >= CHORDS * math.log(left / last)
 
 
-@kernel
+@part
 def equilibrium(
     reals,
     ints,
@@ -176,7 +176,7 @@ def equilibrium(
         slope = dot(g, step)
         if negative > 0 and i == 0:
             # a predicted state may be indefinite near a stable equilibrium: plain Newton finds it
-            retract(reals, ints, state, step, 1.0, trial)
+            retract(reals, ints, state, step, 1.0, state, 0.0, trial)
             energy, looked = residual(
                 reals, ints, anchor, clearance, memory, push, trial, g, matrix, assemble
             )
@@ -213,7 +213,7 @@ def equilibrium(
             pairs += looked
             kept, before, last = True, -slope, np.inf
             continue
-        retract(reals, ints, state, step, 1.0, trial)
+        retract(reals, ints, state, step, 1.0, state, 0.0, trial)
         far = -slope > FAR * reference
         value, looked = residual(
             reals, ints, anchor, clearance, memory, push, trial, g, H if far else matrix, assemble

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from coilspring.compiled import kernel
+from coilspring.compiled import part
 
 HEAD = 4  # offset and three extents
 
@@ -41,27 +41,27 @@ def pack(model: tuple) -> tuple[np.ndarray, np.ndarray]:
     return np.concatenate([empty, *reals]), packed
 
 
-@kernel
+@part
 def heads(ints):
     """Table of (offset, extents) of all fields; a row of it is what the functions below take."""
     count = ints[0] // HEAD  # the first integer is the length of the table
     return ints[1 : 1 + HEAD * count].reshape((count, HEAD))
 
 
-@kernel
+@part
 def vector(flat, head):
     """Field as a vector."""
     return flat[head[0] : head[0] + head[1]]
 
 
-@kernel
+@part
 def table(flat, head):
     """Field as a table."""
     n, m = head[1], head[2]
     return flat[head[0] : head[0] + n * m].reshape((n, m))
 
 
-@kernel
+@part
 def stack(flat, head):
     """Field as a stack of tables."""
     n, m, p = head[1], head[2], head[3]

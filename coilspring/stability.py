@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import numpy as np
 
-from coilspring.compiled import kernel
+from coilspring.compiled import part
 from coilspring.linesearch import dot, solution
 
 LEAST_STEP = 1e-9  # of the time 0..1: below it, what cannot be passed is called a critical point
 SAMPLES = 16  # of a linear stretch at which its stability is verified
 
 
-@kernel
+@part
 def softest(reals, ints, state, memory, load, g, H, assemble, factor, solve):
     """Least eigenvalue (in size) of the matrix at `state` and its mode, by inverse iteration."""
     assemble(reals, ints, state, 0.0, memory, state, g, H)
@@ -30,7 +30,7 @@ def softest(reals, ints, state, memory, load, g, H, assemble, factor, solve):
     return value, mode
 
 
-@kernel
+@part
 def unstable_time(
     reals, ints, memory, origin, begin, tangent, end, clearance, H, g, assemble, factor, retract
 ):
@@ -46,7 +46,7 @@ def unstable_time(
     count = 0
     while high - low > LEAST_STEP:
         time = 0.5 * (low + high) if high < np.inf else min(low + (end - begin) / SAMPLES, end)
-        retract(reals, ints, origin, tangent, time - begin, state)
+        retract(reals, ints, origin, tangent, time - begin, origin, 0.0, state)
         assemble(reals, ints, state, clearance, memory, state, g, H)
         count += 1
         if factor(reals, ints, H)[0] > 0:

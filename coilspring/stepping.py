@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 from numba import njit, types
 
-from coilspring.compiled import copy, copy_table, kernel
+from coilspring.compiled import copy, copy_table, part
 from coilspring.kernelset import SIGNATURES
 from coilspring.linesearch import dot, solution, stale_solution
 from coilspring.newton import CONVERGED, FAILED, HISTORY, INDEFINITE, LINEAR, NONE, equilibrium
@@ -52,7 +52,7 @@ class Track(NamedTuple):
     history: np.ndarray  # last Newton decrements over the reference work
 
 
-@kernel
+@part
 def rounding(load, start):
     """Rounding of the load's potential, which is the product of the load and of positions."""
     span, total = 0.0, 0.0
@@ -63,7 +63,7 @@ def rounding(load, start):
     return 2.0 * EPSILON * span * total
 
 
-@kernel
+@part
 def curvature(tangent, old, last, step):
     """1 where a step follows the path's curvature, 0 where the tangent turned too much in the last one."""
     bend, size = 0.0, 0.0
@@ -73,7 +73,15 @@ def curvature(tangent, old, last, step):
     return 1.0 if (0.5 * step / last) ** 2 * bend <= TURN**2 * size else 0.0
 
 
-@kernel
+@part
+def predict(reals, ints, before, state, tangent, last, step, bend, out, retract):
+    """The path extrapolated from `state` by a `step` of time: along its tangent, and with ``bend = 1`` on the
+    parabola that also meets the state `before`, a time `last` ago; with 0 on the straight line."""
+    second = bend * (step / last) ** 2
+    retract(reals, ints, state, tangent, step + second * last, before, second, out)
+
+
+@part
 def continues(reals, ints, predicted, state, trial, diameter, troubled, judged, distance, motion):
     """Whether `trial` continues the branch of `state`, and the share by which the path turned."""
     pair, _ = motion(reals, ints, state, trial)
@@ -103,7 +111,6 @@ def follow(
     factor,
     solve,
     retract,
-    predict,
     work,
     carry,
     distance,
@@ -128,7 +135,7 @@ def follow(
     predictor : the model's matrix is its tangent: start from its prediction and judge the branch by it;
         else from the last state, as the paper did.
     lean : the matrix is costly: it is left out where it is not factored, and its factor is kept longer.
-    assemble, factor, solve, retract, predict, work, carry, distance, motion,
+    assemble, factor, solve, retract, work, carry, distance, motion,
         commit, renew : kernels, see `coilspring.kernelset`.
     stop : one integer; another thread sets it to end the path at the next substep.
     """
@@ -175,14 +182,14 @@ def follow(
         copy(state, predicted)
         if predictor:
             bend = curvature(tangent, old, last, step)
-            predict(reals, ints, before, state, tangent, last, step, bend, predicted)
+            predict(reals, ints, before, state, tangent, last, step, bend, predicted, retract)
             # to where a pair is about to close: its stiffness is not in the tangent
             _, free = motion(reals, ints, state, predicted)
             if free < 1.0:
                 step *= max(free, LEAST_FREE)
                 landing = False
                 target = time + step
-                predict(reals, ints, before, state, tangent, last, step, bend, predicted)
+                predict(reals, ints, before, state, tangent, last, step, bend, predicted, retract)
         copy(predicted, trial)
         for i in range(load.size):
             push[i] = target * load[i]
@@ -266,7 +273,7 @@ def follow(
         outcome, time, bracket = CRITICAL, critical, LEAST_STEP
         while row > 0 and times[row - 1] > critical:
             row -= 1
-        retract(reals, ints, origin, tangent, critical - begin, state)
+        retract(reals, ints, origin, tangent, critical - begin, origin, 0.0, state)
     if outcome in (CRITICAL, STUCK):
         least, mode = softest(reals, ints, state, memory, load, g, H, assemble, factor, solve)
         stiffness, _ = softest(reals, ints, start, memory, load, g, H, assemble, factor, solve)

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 
-from coilspring.compiled import kernel
+from coilspring.compiled import part
 
 # A pair's row of the contact memory: whether it is held, g0, n0, the bound of its tangential force, the
 # length it has slid, and the work that friction has taken.
@@ -16,14 +16,14 @@ ON, GX0, GY0, NX0, NY0, BOUND, SLID, WORK = range(8)
 MEMORY = 8
 
 
-@kernel
+@part
 def circle_centre(x, y, theta, ox, oy):
     """Centre of a circle carried by a node: the node's position and the turned offset."""
     c, s = math.cos(theta), math.sin(theta)
     return x + c * ox - s * oy, y + s * ox + c * oy
 
 
-@kernel
+@part
 def pair_potential(gx, gy, h, d, kc, k, row, f, H):
     """Energy of one pair as a function of g; fills its gradient `f` (2,) and Hessian `H` (2, 2).
 
@@ -62,7 +62,7 @@ def pair_potential(gx, gy, h, d, kc, k, row, f, H):
     return energy
 
 
-@kernel
+@part
 def hold(gx, gy, h, kc, row):
     """Update a pair's memory where it touches at the end of a substep.
 
@@ -83,7 +83,7 @@ def hold(gx, gy, h, kc, row):
     row[GX0], row[GY0] = gx + kept * row[NY0], gy - kept * row[NX0]
 
 
-@kernel
+@part
 def pair_forces(f, H, rax, ray, rbx, rby, g, K):
     """Gradient (6,) and Hessian (6, 6) in the two nodes' freedoms from those in the vector g.
 

@@ -14,7 +14,7 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-from coilspring.compiled import kernel
+from coilspring.compiled import part
 
 
 class Response(NamedTuple):
@@ -31,7 +31,7 @@ class Response(NamedTuple):
     M_m: float
 
 
-@kernel
+@part
 def measures(x1, y1, th1, x2, y2, th2):
     """Cosine and sine of the mean rotation, length, shear and relative rotation of a half coil."""
     thb = 0.5 * (th1 + th2)
@@ -40,7 +40,7 @@ def measures(x1, y1, th1, x2, y2, th2):
     return c, s, ay * c - ax * s, ax * c + ay * s, th2 - th1
 
 
-@kernel
+@part
 def gradient(r, c, s, l, v, g):  # noqa: E741
     """Gradient `g` (6,) of a half coil in its freedoms, from its response `r`."""
     fx = r.T * c - r.N * s
@@ -50,7 +50,7 @@ def gradient(r, c, s, l, v, g):  # noqa: E741
     g[3], g[4], g[5] = fx, fy, 0.5 * fb + r.M
 
 
-@kernel
+@part
 def hessian(r, c, s, l, v, K):  # noqa: E741
     """Hessian `K` (6, 6) of a half coil in its freedoms, from its response `r`."""
     N, T = r.N, r.T
@@ -71,7 +71,7 @@ def hessian(r, c, s, l, v, K):  # noqa: E741
         _scatter_relative(r.N_m * lx, r.N_m * ly, r.N_m * lb, K)
 
 
-@kernel
+@part
 def _scatter(kxx, kxy, kyy, kxb, kyb, same, cross, K):
     """6 x 6 matrix from the second derivatives in (ax, ay), with a node's rotation, and of the rotations."""
     for i in range(2):
@@ -91,7 +91,7 @@ def _scatter(kxx, kxy, kyy, kxb, kyb, same, cross, K):
             K[p + 2, q + 1] = side * kyb
 
 
-@kernel
+@part
 def _scatter_relative(kxm, kym, kbm, K):
     """Add the second derivatives in dtheta with ax, ay and theta_b."""
     for i in range(2):
@@ -106,7 +106,7 @@ def _scatter_relative(kxm, kym, kbm, K):
     K[5, 5] += kbm
 
 
-@kernel
+@part
 def paper_matrix(c, s, kax, ksh, kfl, L, factor, K):
     """The paper's element matrix (section 2.3), which stands in for the tangent, turned by theta_b.
 

@@ -9,7 +9,7 @@ import math
 
 import numpy as np
 
-from coilspring.compiled import kernel
+from coilspring.compiled import part
 from coilspring.material import Material
 from coilspring.spring import Spring
 from equivbeam.halfcoil import Response
@@ -51,7 +51,7 @@ def haringx_rows(spring: Spring, material: Material) -> np.ndarray:
     return np.column_stack((stiffness, lengths_at_rest(spring)))
 
 
-@kernel
+@part
 def haringx(rows, i, l, v, dth):  # noqa: E741
     """Response of the half coil `i`."""
     kax, ksh, kfl = rows[i, KAX], rows[i, KSH], rows[i, KFL]

@@ -29,7 +29,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from coilspring.compiled import kernel
+from coilspring.compiled import kernel, part
 from coilspring.errors import InputError, shown
 from coilspring.material import Material
 from coilspring.spring import Spring
@@ -148,7 +148,7 @@ def _set_lateral(rows: np.ndarray, slant: np.ndarray, on: Refinements) -> None:
         rows[:, [B1, H1, H2]] = 0.0
 
 
-@kernel
+@part
 def _wound(rows, i, u):
     """(B6): e, e', e'' at the sine u."""
     gj, ei, t0, k0 = rows[i, GJ], rows[i, EI], rows[i, TAU0], rows[i, KAPPA0]
@@ -170,7 +170,7 @@ def _wound(rows, i, u):
     return 0.5 * gj * ei * q, 0.5 * gj * ei * q1, 0.5 * gj * ei * q2
 
 
-@kernel
+@part
 def _section(rows, i, u):
     """(B7)-(B9) at the sine u: l / s, its rate in u, and E / s, F, F_u."""
     e, e1, e2 = _wound(rows, i, u)
@@ -182,7 +182,7 @@ def _section(rows, i, u):
     return u + F * f, 1.0 + F_u * f + F * f1, e + 0.5 * F * F * f, F, F_u
 
 
-@kernel
+@part
 def axial(rows, i, l):  # noqa: E741
     """E, E', E'' at the length l; beyond the range of the law a parabola of the same curvature."""
     if rows[i, RATE] > 0.0:
@@ -227,7 +227,7 @@ def set_range(rows):
             rows[i, U_LOW + side], rows[i, LOW + side] = u, rows[i, S] * at
 
 
-@kernel
+@part
 def _set_series(rows, i, h):
     """Inverse of the series of (B8) at rest, whose second and third term are by differences over `h`."""
     u0 = rows[i, U0]
@@ -240,7 +240,7 @@ def _set_series(rows, i, h):
     rows[i, G3] = (0.5 * second * second - third / 6.0) / first**3
 
 
-@kernel
+@part
 def _square(rows, i, l):  # noqa: E741
     """x = (l/s)^2 and its derivatives; beyond the range it tends to 1 (or 0) without leaving [0, 1]."""
     curve = 2.0 * rows[i, PER_S] * rows[i, PER_S]
@@ -255,7 +255,7 @@ def _square(rows, i, l):  # noqa: E741
     return far - (far - x) * decay, x1, -math.copysign(rate, l - end) * x1
 
 
-@kernel
+@part
 def helix(rows, i, l, v, dth):  # noqa: E741
     """Response of one half coil: (B5)."""
     E, N, N_l = axial(rows, i, l)

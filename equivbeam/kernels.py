@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from coilspring.compiled import copy, kernel
+from coilspring.compiled import copy, kernel, part
 from coilspring.packing import heads
 from equivbeam.band import ROW, WIDTH
 from equivbeam.contact import BOUND, ON, circle_centre, hold, pair_forces, pair_potential
@@ -19,7 +19,7 @@ TOUCH = 0.003  # wire diameters by which a pair may penetrate where a prediction
 NEAR = 1.5  # wire diameters between centres, within which a pair's motion in a substep is watched
 
 
-@kernel
+@part
 def _add_nodes(g, H, ge, Ke, a, b):
     """Scatter the 6 freedoms of the nodes `a` <= `b`; node 0 is clamped."""
     p, q = 3 * (a - 1), 3 * (b - 1)
@@ -41,7 +41,7 @@ def _add_nodes(g, H, ge, Ke, a, b):
             H[q + i, j - i] += Ke[3 + i, 3 + j]
 
 
-@kernel
+@part
 def _centres(model, state):
     """Centres of all circles, shape (circles, 2)."""
     carrier, offset = model.carrier, model.offset
@@ -52,7 +52,7 @@ def _centres(model, state):
     return c
 
 
-@kernel
+@part
 def _bound(reach, a, b):
     """Bound on how far any circle's centre moved between two states."""
     most = 0.0
@@ -62,7 +62,7 @@ def _bound(reach, a, b):
     return most
 
 
-@kernel
+@part
 def _add_pairs(model, memory, state, g, H, ge, Ke):
     """Contact energy; adds its gradient and Hessian. Only pairs that touch are scattered."""
     energy = 0.0
@@ -122,7 +122,7 @@ def assemble(reals, ints, anchor, clearance, memory, state, g, flat):
     return energy, count
 
 
-@kernel
+@part
 def _hold(g, H, p):
     """Take the freedom `p` out: no force, a row and column of the unit matrix."""
     g[p] = 0.0
@@ -135,20 +135,11 @@ def _hold(g, H, p):
 
 
 @kernel
-def retract(reals, ints, state, step, factor, out):
-    """Positions and rotations simply add."""
+def retract(reals, ints, state, step, factor, before, second, out):
+    """See `coilspring.kernelset`: positions and rotations simply add."""
     copy(state, out)
     for i in range(step.size):
-        out[3 + i] += factor * step[i]
-
-
-@kernel
-def predict(reals, ints, before, state, tangent, last, step, bend, out):
-    """See `coilspring.kernelset`: the parabola through both states along the tangent."""
-    second = bend * (step / last) ** 2
-    copy(state, out)
-    for i in range(tangent.size):
-        out[3 + i] += step * tangent[i] + second * (before[3 + i] - state[3 + i] + last * tangent[i])
+        out[3 + i] += factor * step[i] + second * (before[3 + i] - state[3 + i])
 
 
 @kernel
@@ -165,7 +156,7 @@ def carry(reals, ints, a, b, v):
     """See `coilspring.kernelset`: half coils are as stiff in all directions, nearly."""
 
 
-@kernel
+@part
 def nearest(gx, gy, sx, sy):
     """Least length of g + x s for x from 0 to 1."""
     square = sx * sx + sy * sy

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from coilspring.compiled import kernel
+from coilspring.compiled import part
 from coilspring.material import Material
 from coilspring.spring import Spring
 from equivbeam.haringx import KAX, KFL, KSH, haringx, haringx_rows
@@ -29,7 +29,7 @@ def law_rows(
     return helix_rows(spring, material, refinements)
 
 
-@kernel
+@part
 def response(law, rows, i, l, v, dth):  # noqa: E741
     """Response of the half coil `i`: energy and derivatives in its length, shear and relative rotation."""
     return haringx(rows, i, l, v, dth) if law == HARINGX else helix(rows, i, l, v, dth)

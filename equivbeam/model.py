@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from coilspring.compiled import kernel
+from coilspring.compiled import part
 from coilspring.driving import Top
 from coilspring.errors import InputError
 from coilspring.packing import heads, table, vector
@@ -136,7 +136,7 @@ def matrix_size(model: BeamModel) -> int:
 REACH = BeamModel._fields.index("reach")  # in the packed arrays
 
 
-@kernel
+@part
 def view(reals, ints):
     """The model's fields, in their order, in the packed arrays."""
     head = heads(ints)

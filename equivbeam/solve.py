@@ -28,7 +28,6 @@ KERNELS = Kernels(
     factor=band.factor,
     solve=band.solve,
     retract=kernels.retract,
-    predict=kernels.predict,
     work=kernels.work,
     carry=kernels.carry,
     distance=kernels.distance,

@@ -162,7 +162,7 @@ def test_the_drive_is_the_derivative_of_its_energy(model):
     def both(step):
         move, state = np.zeros(free), np.empty_like(rest)
         move[list(top.freedom)] = step
-        retract(*pack(data), rest, move, 1.0, state)
+        retract(*pack(data), rest, move, 1.0, rest, 0.0, state)
         found = []
         for kernel in (plain, driven):
             g, H = np.empty(free), np.empty(size)

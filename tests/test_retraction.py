@@ -7,6 +7,7 @@ from scipy.spatial.transform import Rotation
 import wirefe
 from coilspring import Material, load_scene
 from coilspring.packing import pack
+from coilspring.stepping import predict
 from coilspring.wire import round_section
 from wirefe import kernels, model
 from wirefe.solve import scene_problem
@@ -33,7 +34,7 @@ def literal(state, step):
 
 def moved(data, state, step, factor=1.0):
     out = np.empty_like(state)
-    kernels.retract(*pack(data), state, step, factor, out)
+    kernels.retract(*pack(data), state, step, factor, state, 0.0, out)
     return out
 
 
@@ -96,7 +97,8 @@ def test_the_prediction_meets_the_state_before():
     tangent = wave(problem, free, 1.0, seed=2)
     before = moved(problem.data, problem.start, wave(problem, free, 0.5))
     out = np.empty_like(before)
-    kernels.predict(*pack(problem.data), before, problem.start, tangent, 0.2, -0.2, 1.0, out)
+    arrays = pack(problem.data)
+    predict(*arrays, before, problem.start, tangent, 0.2, -0.2, 1.0, out, kernels.retract)
     np.testing.assert_allclose(out, before, atol=1e-10)
 
 

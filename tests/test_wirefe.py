@@ -131,7 +131,7 @@ def shaken(scene, seed, **options):
 
     def moved(state, step):
         out = np.empty_like(state)
-        kernels.retract(reals, ints, state, step, 1.0, out)
+        kernels.retract(reals, ints, state, step, 1.0, state, 0.0, out)
         return out
 
     free = np.where(rod.held, 0.0, 1.0).ravel()

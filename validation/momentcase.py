@@ -79,7 +79,7 @@ def newton(problem: Problem, start: np.ndarray, moment: np.ndarray) -> np.ndarra
         response = solved[1:, -3:].T
         share = np.linalg.solve(np.eye(3) + extra @ response, extra @ solved[0, -3:])
         step = solved[0] - share @ solved[1:]
-        kernels.retract(reals, ints, state, step, 1.0, trial)
+        kernels.retract(reals, ints, state, step, 1.0, state, 0.0, trial)
         state[:] = trial
         if np.abs(step).max() < CONVERGED * RADIUS:
             return state

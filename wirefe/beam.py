@@ -22,7 +22,7 @@ import math
 
 import numpy as np
 
-from coilspring.compiled import arithmetic
+from coilspring.compiled import arithmetic, kernel
 from wirefe.algebra import cross, product, skew, turned
 from wirefe.rotations import quaternion_product, rotation_matrix, stretch_functions
 
@@ -61,7 +61,7 @@ def relative_pose(ends, turns, triads, p1, p2, m, M, th, u):
     return a, sin_a, cos_a
 
 
-@arithmetic
+@kernel
 def deformations(ends, turns, triads, e):
     """Deformation measures (v, theta) of all elements, shape (n, 6), before e0 is taken off."""
     p1, p2, m = np.empty(4), np.empty(4), np.empty(4)
@@ -76,28 +76,45 @@ def deformations(ends, turns, triads, e):
             e[n, 3 + i] = th[i]
 
 
-def deformation_rates(ends: np.ndarray, triads: np.ndarray) -> np.ndarray:
+@kernel
+def deformation_rates(ends, triads):
     """d(v, theta) at rest for a motion (dx, spin) of each element's second end, shape (n, 6, 6)."""
-    n = len(ends)
-    turns = np.zeros((n, 2, 4))
-    turns[..., 0] = 1.0
-    J = np.empty((n, 6, 6))
-    p1, p2, m = np.empty(4), np.empty(4), np.empty(4)
-    M, th, u = np.empty((3, 3)), np.empty(3), np.empty(3)
-    P, Vt, Wt, Gt = (np.empty((3, 3)) for _ in range(4))
-    Sk = np.empty((3, 3))
-    for e in range(n):
-        a, sin_a, cos_a = relative_pose(ends[e], turns[e], triads[e], p1, p2, m, M, th, u)
+    J = np.empty((len(ends), 6, 6))
+    turns, still = np.zeros((2, 4)), np.zeros(6)
+    turns[:, 0] = 1.0
+    p1, p2, m, th, u = np.empty(4), np.empty(4), np.empty(4), np.empty(3), np.empty(3)
+    M, P, Vt, Wt, Gt = (
+        np.empty((3, 3)),
+        np.empty((3, 3)),
+        np.empty((3, 3)),
+        np.empty((3, 3)),
+        np.empty((3, 3)),
+    )
+    Mt, Sk, T = np.empty((3, 3)), np.empty((3, 3)), np.empty((3, 3))
+    for e in range(len(ends)):
+        a, sin_a, cos_a = relative_pose(ends[e], turns, triads[e], p1, p2, m, M, th, u)
         q = 4.0 * a * a
         f = stretch_functions(q, a, sin_a, cos_a)
-        _derivatives(q, f, th, u, np.zeros(6), P, Vt, Wt, Gt)
-        skew(th, 0.5 * f[3], Sk)
-        spin = 0.5 * np.eye(3) - Sk  # (W4) with the first end held
+        _derivatives(q, f, th, u, still, P, Vt, Wt, Gt)
+        # spin of the half-way frame, with the first end held: (I - tau theta x) w / 2
+        skew(th, -0.5 * f[3], T)
+        for i in range(3):
+            T[i, i] += 0.5
+            for j in range(3):
+                Mt[i, j] = M[j, i]
         skew(u, 1.0, Sk)
-        J[e, :3, :3] = P @ M.T
-        J[e, :3, 3:] = (P @ Sk @ spin + Vt @ P) @ M.T
-        J[e, 3:, :3] = 0.0
-        J[e, 3:, 3:] = P @ M.T
+        product(P, Sk, Sk)
+        product(Sk, T, Sk)
+        product(Vt, P, Vt)
+        for i in range(3):
+            for j in range(3):
+                Vt[i, j] += Sk[i, j]
+        product(Vt, Mt, Vt)
+        product(P, Mt, P)
+        for i in range(3):
+            for j in range(3):
+                J[e, i, j] = J[e, 3 + i, 3 + j] = P[i, j]
+                J[e, i, 3 + j], J[e, 3 + i, j] = Vt[i, j], 0.0
     return J
 
 

@@ -12,7 +12,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from coilspring.compiled import kernel
+from coilspring.compiled import part
 
 N6 = 6
 
@@ -80,7 +80,7 @@ def plan_chain(
     return plan, np.array(found, dtype=np.int64), flipped
 
 
-@kernel
+@part
 def _factor_diagonal(D):
     """LDL^T of one block in place; returns its number of negative pivots and the least."""
     negative, least = 0, np.inf
@@ -100,7 +100,7 @@ def _factor_diagonal(D):
     return negative, least
 
 
-@kernel
+@part
 def _forward(D, U):
     """U <- L^-1 U, row by row."""
     for c in range(1, N6):
@@ -110,7 +110,7 @@ def _forward(D, U):
                 U[c, r] -= l * U[m, r]
 
 
-@kernel
+@part
 def _subtract(T, V, U):
     """T -= V^T U for 6 x 6 blocks; a row of T is kept in registers."""
     for r in range(N6):
@@ -126,7 +126,7 @@ def _subtract(T, V, U):
         T[r, 0], T[r, 1], T[r, 2], T[r, 3], T[r, 4], T[r, 5] = t0, t1, t2, t3, t4, t5
 
 
-@kernel
+@part
 def _is_zero(U):
     """Whether a block is empty, as those of open pairs and of their fill are."""
     for i in range(N6):
@@ -136,7 +136,7 @@ def _is_zero(U):
     return True
 
 
-@kernel
+@part
 def eliminate(plan, F):
     """LDL^T of the blocks (blocks, 6, 6) in place; returns the number of negative pivots and the least.
 
@@ -169,7 +169,7 @@ def eliminate(plan, F):
     return negative, least
 
 
-@kernel
+@part
 def substitute(plan, F, b):
     """Solve in place for the right-hand side `b` (nodes * 6,)."""
     steps = plan.order.size

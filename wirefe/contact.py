@@ -14,7 +14,7 @@ from __future__ import annotations
 
 import math
 
-from coilspring.compiled import kernel
+from coilspring.compiled import part
 
 # A pair's row of the contact memory: whether it is held, g0 (3), n0 (3), the bound of its tangential
 # force, the length it has slid, and the work that friction has taken.
@@ -22,7 +22,7 @@ ON, G0, N0, BOUND, SLID, WORK = 0, 1, 4, 7, 8, 9
 MEMORY = 10
 
 
-@kernel
+@part
 def stretch(g, row, e):
     """Tangential vector e = (I - n0 n0^T)(g - g0) of a held pair; returns its length."""
     along, square = 0.0, 0.0
@@ -34,7 +34,7 @@ def stretch(g, row, e):
     return math.sqrt(square)
 
 
-@kernel
+@part
 def hold(g, h, K, row, e):
     """Update a pair's memory where it touches at the end of a substep.
 
@@ -65,7 +65,7 @@ def hold(g, h, K, row, e):
         row[G0 + i] = g[i] - share * e[i]
 
 
-@kernel
+@part
 def sphere_pair(g, h, d, K, k, row, e, f, H):
     """Energy of a pair as a function of g; fills its gradient f (3,) and Hessian H (3, 3).
 
@@ -103,7 +103,7 @@ def sphere_pair(g, h, d, K, k, row, e, f, H):
     return energy
 
 
-@kernel
+@part
 def lever(f, r, C):
     """Second derivative of f . exp(phi) r in the spin phi: 1/2 (f r^T + r f^T) - (f . r) I."""
     fr = f[0] * r[0] + f[1] * r[1] + f[2] * r[2]
@@ -113,7 +113,7 @@ def lever(f, r, C):
         C[i, i] -= fr
 
 
-@kernel
+@part
 def _side(f, r, sign, g, K, J, C):
     """Gradient (6,) of one carrier and the lever's part of its Hessian; J (3, 6) is its dg/dq."""
     J[:] = 0.0
@@ -129,7 +129,7 @@ def _side(f, r, sign, g, K, J, C):
             K[3 + i, 3 + j] = sign * C[i, j]
 
 
-@kernel
+@part
 def pair_matrix(f, Hg, ra, rb, g, K, Ja, Jb, C):
     """Gradient (12,) and Hessian (12, 12) of a pair in its carriers' freedoms; ra, rb as turned now."""
     K[:] = 0.0

@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from coilspring.compiled import copy, kernel
+from coilspring.compiled import copy, kernel, part
 from wirefe.beam import beams
 from wirefe.chain import eliminate, substitute
 from wirefe.contact import BOUND, ON, hold, lever, pair_matrix, sphere_pair
@@ -18,7 +18,7 @@ TOUCH = 0.003  # wire diameters by which a pair may penetrate where a prediction
 NEAR = 1.5  # wire diameters between centres, within which a pair's motion in a substep is watched
 
 
-@kernel
+@part
 def _add_gradient(g, a, b, ge):
     """Add a gradient (12,) at two nodes."""
     for i in range(6):
@@ -26,7 +26,7 @@ def _add_gradient(g, a, b, ge):
         g[6 * b + i] += ge[6 + i]
 
 
-@kernel
+@part
 def _add_nodes(H, a, b, Ke):
     """Add a Hessian's (12, 12) diagonal blocks at two nodes."""
     for i in range(6):
@@ -35,7 +35,7 @@ def _add_nodes(H, a, b, Ke):
             H[b, i, j] += Ke[6 + i, 6 + j]
 
 
-@kernel
+@part
 def _add_block(H, block, flip, K):
     """Add the coupling K[:6, 6:] of a first and a second node."""
     B = H[block]
@@ -47,7 +47,7 @@ def _add_block(H, block, flip, K):
                 B[i, j] += K[6 + i, j]
 
 
-@kernel
+@part
 def _onto_reference(r, g):
     """Carry the second node's part of a gradient over to a point from which it stands off by r."""
     fx, fy, fz = g[6], g[7], g[8]
@@ -56,7 +56,7 @@ def _onto_reference(r, g):
     g[11] += r[0] * fy - r[1] * fx
 
 
-@kernel
+@part
 def _hessian_onto_reference(r, g, K, C):
     """The same for the Hessian: dx2 = dX - r x phi; the second derivative adds the lever of the force."""
     lever(g[6:9], r, C)
@@ -75,7 +75,7 @@ def _hessian_onto_reference(r, g, K, C):
             K[9 + i, 9 + j] += C[i, j]
 
 
-@kernel
+@part
 def centre(contact, state, sphere, c):
     """Centre of a sphere."""
     i = ROW * contact.carrier[sphere]
@@ -84,7 +84,7 @@ def centre(contact, state, sphere, c):
         c[j] += state[i + j]
 
 
-@kernel
+@part
 def _add_elements(chain, state, g, H):
     """Strain energy; adds its gradient and Hessian: gather, compute, scatter."""
     count = chain.stiffness.shape[0]
@@ -112,7 +112,7 @@ def _add_elements(chain, state, g, H):
     return energy
 
 
-@kernel
+@part
 def _add_pairs(contact, memory, state, g, H):
     """Contact energy; adds its gradient and Hessian. Only pairs that touch are scattered."""
     energy = 0.0
@@ -143,7 +143,7 @@ def _add_pairs(contact, memory, state, g, H):
     return energy
 
 
-@kernel
+@part
 def _hold(held, H):
     """Take the held freedoms out: rows and columns of the unit matrix."""
     for m in range(held.block.size):
@@ -195,16 +195,12 @@ def solve(reals, ints, flat, b):
 
 
 @kernel
-def retract(reals, ints, state, step, factor, out):
-    """The wire moved along a step, its deformations linearly; see `wirefe.retraction`."""
-    _move(reals, ints, state, Way(state, step, factor, 0.0), out)
-
-
-@kernel
-def predict(reals, ints, before, state, tangent, last, step, bend, out):
-    """See `coilspring.kernelset`; the deformations of the wire are what is extrapolated."""
-    second = bend * (step / last) ** 2
-    _move(reals, ints, state, Way(before, tangent, step + second * last, second), out)
+def retract(reals, ints, state, step, factor, before, second, out):
+    """See `coilspring.kernelset`; the deformations of the wire are what moves (`wirefe.retraction`)."""
+    way = Way(before, step, factor, second)
+    chain = view_elements(reals, ints)
+    place(chain.triads, chain.arm, state, way, out)
+    close(view_held(ints).freedom, chain.arm, state, way, out)
 
 
 @kernel
@@ -233,14 +229,7 @@ def carry(reals, ints, a, b, v):
         v[held[m]] = 0.0
 
 
-@kernel
-def _move(reals, ints, state, way, out):
-    chain = view_elements(reals, ints)
-    place(chain.triads, chain.arm, state, way, out)
-    close(view_held(ints).freedom, chain.arm, state, way, out)
-
-
-@kernel
+@part
 def _bound(reach, a, b):
     """Bound on how far any point of the wire's nodes or any sphere moved between two states."""
     most = 0.0
@@ -258,7 +247,7 @@ def _bound(reach, a, b):
     return most
 
 
-@kernel
+@part
 def _vector(contact, state, m, c, w):
     """Vector between the centres of a pair, and its length."""
     centre(contact, state, contact.pairs[m, 1], w)
@@ -307,7 +296,7 @@ def motion(reals, ints, a, b):
     return most / contact.d, free
 
 
-@kernel
+@part
 def _is_pair(pairs, A, B):
     for m in range(pairs.shape[0]):  # noqa: SIM110
         if pairs[m, 0] == A and pairs[m, 1] == B:
@@ -315,7 +304,7 @@ def _is_pair(pairs, A, B):
     return False
 
 
-@kernel
+@part
 def _stray(contact, state):
     """Whether spheres touch that are no pair; looked for once they may have come near."""
     if 2.0 * _bound(contact.reach, contact.home, state) < contact.apart:

@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from coilspring.compiled import kernel
+from coilspring.compiled import part
 from coilspring.driving import Top
 from coilspring.packing import heads, stack, table, vector
 from coilspring.scene import Scene
@@ -174,7 +174,7 @@ def matrix_size(model: WireModel) -> int:
     return 36 * model.plan.blocks
 
 
-@kernel
+@part
 def view_elements(reals, ints):
     """The elements in the packed arrays."""
     head = heads(ints)
@@ -184,7 +184,7 @@ def view_elements(reals, ints):
     )  # fmt: skip
 
 
-@kernel
+@part
 def view_held(ints):
     """The held freedoms in the packed arrays."""
     head = heads(ints)
@@ -194,7 +194,7 @@ def view_held(ints):
     )  # fmt: skip
 
 
-@kernel
+@part
 def view_contact(reals, ints):
     """The contact pairs in the packed arrays."""
     head = heads(ints)[CONTACT:PLAN]
@@ -206,7 +206,7 @@ def view_contact(reals, ints):
     )  # fmt: skip
 
 
-@kernel
+@part
 def view_plan(ints):
     """The elimination plan in the packed arrays."""
     head = heads(ints)

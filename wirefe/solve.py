@@ -12,6 +12,7 @@ from coilspring.path import EquilibriumPath
 from coilspring.scene import Scene
 from coilspring.solving import Problem, follow_load, follow_problem, scene_path
 from coilspring.stepping import STRAY
+from coilspring.warming import begin
 from wirefe import driven, kernels, model
 from wirefe.contact import MEMORY
 from wirefe.elements import ELEMENTS
@@ -31,7 +32,6 @@ KERNELS = Kernels(
     factor=kernels.factor,
     solve=kernels.solve,
     retract=kernels.retract,
-    predict=kernels.predict,
     work=kernels.work,
     carry=kernels.carry,
     distance=kernels.distance,
@@ -78,6 +78,7 @@ def solve(
     InputError : bad input, in one sentence.
     EquilibriumNotFound : the path ends before time 1; carries what was reached.
     """
+    begin(KERNELS)  # compiles while the model is built
     scene = scene.overridden(steps, penalty)
     spent, seconds, found = 0, 0.0, NO_PAIRS
     while True:
