@@ -12,14 +12,9 @@ from coilspring.packing import pack
 from wirefe import kernels, model
 from wirefe.contact import MEMORY
 from wirefe.mesh import strays
-from wirefe.shape import turned
+from wirestates import centres
 
 FREE_B = replace(spring_b(), contact=Contact())
-
-
-def centres(contact, state):
-    rows = state.reshape(-1, model.ROW)[contact.carrier]
-    return rows[:, :3] + turned(rows[:, 3:], contact.offset)
 
 
 def unlisted(contact, state, reach=1.0):
