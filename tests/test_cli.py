@@ -13,13 +13,13 @@ import pytest
 
 import coilspring
 import equivbeam
-import validation.cli
 import wirefe
 from coilspring import EquilibriumNotFound
 from validation.arguments import MODEL_OPTIONS, command_line
 from validation.cli import main
 from validation.machine import versions
 from validation.output import OutputError, write_json, write_path, write_text
+from validation.terminal import progress_shown
 
 COLUMNS = "time,load_x,load_y,ux,uy,rotz,iterations,active_contacts,max_penetration"
 SUMMARY_KEYS = {
@@ -365,12 +365,12 @@ def test_the_real_reproduce_takes_what_the_command_passes():
 
 
 def test_progress_is_shown_on_a_terminal_only(monkeypatch, capsys):
-    with validation.cli._progress() as progress:
+    with progress_shown() as progress:
         progress("working")
     assert capsys.readouterr().err == ""
     monkeypatch.setattr(sys.stderr, "isatty", lambda: True)
     monkeypatch.setenv("TERM", "xterm")
-    with validation.cli._progress() as progress:
+    with progress_shown() as progress:
         progress("working [on it]")
     output = capsys.readouterr()
     assert output.out == ""
