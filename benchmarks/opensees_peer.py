@@ -17,14 +17,12 @@ import numpy as np
 from opensees_page import AGREEMENT, LADDER, STEPS, Duel, distance, page
 
 import wirefe
-from coilspring import EquilibriumNotFound, Scene, load_scene
+from coilspring import Scene, load_scene
+from validation.reached import as_far
+from validation.referee.installed import MISSING, opensees
 
 SCENES = ("spring-a", "spring-a-no-contact", "spring-b-no-contact")
 REPORT = Path(__file__).parents[1] / "reports" / "referee" / "opensees.md"
-INSTALL = (
-    "openseespy is missing or cannot be loaded: install it with pip install -e '.[peers]' and, on Debian, "
-    "apt-get install libblas3 liblapack3"
-)
 EXAMPLE = """example:
   python benchmarks/opensees_peer.py --scenes spring-a spring-a-no-contact spring-b-no-contact
 """
@@ -50,11 +48,9 @@ def wire_solver(scene: Scene) -> Solver:
     """Solve the scene with `wirefe` in a given number of steps."""
 
     def solve(steps: int) -> Solution:
-        try:
-            path = wirefe.solve(scene, steps=steps)
-        except EquilibriumNotFound as lost:
-            return Solution(None, lost.path.solve_seconds, lost.path.total_iterations)
-        return Solution(path.tips[-1], path.solve_seconds, path.total_iterations)
+        path = as_far(wirefe.solve, scene, steps=steps)
+        tip = path.tips[-1] if path.outcome == "completed" else None
+        return Solution(tip, path.solve_seconds, path.total_iterations)
 
     return solve
 
@@ -149,10 +145,8 @@ def parse(argv: Sequence[str] | None) -> argparse.Namespace:
 def main(argv: Sequence[str] | None = None) -> int:
     """Run the comparison; see the module's docstring for the exit codes."""
     options = parse(argv)
-    try:
-        import validation.referee.opensees  # noqa: F401
-    except (ImportError, RuntimeError):
-        print(INSTALL, file=sys.stderr)
+    if opensees() is None:
+        print(MISSING, file=sys.stderr)
         return 2
     try:
         duels = [

@@ -15,10 +15,10 @@ from coilspring.packing import pack
 from coilspring.scene import Load, Scene
 from coilspring.solving import Problem, Run, follow_problem
 from equivbeam import band, kernels
-from equivbeam.contact import MEMORY
 from equivbeam.haringx import KAX, KFL, KSH, L0
 from equivbeam.laws import LAWS
-from equivbeam.model import BeamModel, build_model, load_vector, matrix_size, rest_state
+from equivbeam.model import BeamModel, build_model, load_vector
+from equivbeam.problem import beam_problem
 from equivbeam.solve import KERNELS
 
 FARTHEST = 0.9  # of the height at rest: shortening up to which buckling is looked for
@@ -107,18 +107,10 @@ def _compressed(
             f"refine and inclined must be left alone with law {law}, got {refine!r}, {inclined!r}"
         )
     straight = replace(scene.without_contact(), load=Load((0.0, -1.0)))
-    stiffness = build_model(straight)
-    force = shortening / float((1.0 / stiffness.rows[:, KAX]).sum())
     data = _refined(build_model(straight, law=law), scene, refine, inclined)
-    if law == "haringx" and not inclined:
-        force = shortening / float((1.0 / data.rows[:, KAX]).sum())
-    problem = Problem(
-        data=data,
-        load=force * load_vector(data, straight),
-        start=rest_state(data),
-        memory=np.zeros((0, MEMORY)),
-        matrix_size=matrix_size(data),
-    )
+    at_rest = data if law == "haringx" else build_model(straight)
+    force = shortening / float((1.0 / at_rest.rows[:, KAX]).sum())
+    problem = beam_problem(data, force * load_vector(data, straight))
     return problem, follow_problem(problem, KERNELS, np.ones(1), scene.spring.wire_diameter)
 
 

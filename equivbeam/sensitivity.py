@@ -12,9 +12,9 @@ from coilspring.packing import pack
 from coilspring.path import EquilibriumPath
 from coilspring.scene import Scene
 from equivbeam import band, kernels
-from equivbeam.contact import MEMORY
 from equivbeam.model import BeamModel, matrix_size
 from equivbeam.parameters import Options, rise, values, varied
+from equivbeam.problem import rest_memory
 from equivbeam.rendering import BeamShape
 from equivbeam.solve import beam_model
 
@@ -86,7 +86,7 @@ def _factored(data: BeamModel, state: np.ndarray) -> tuple[np.ndarray, np.ndarra
     """The packed model and its factored matrix at a state."""
     reals, ints = pack(data)
     F = np.empty(matrix_size(data))
-    kernels.assemble(reals, ints, state, 0.0, _memory(data), state, np.empty(state.size - 3), F)
+    kernels.assemble(reals, ints, state, 0.0, rest_memory(data), state, np.empty(state.size - 3), F)
     band.factor(reals, ints, F)
     return reals, ints, F
 
@@ -110,9 +110,5 @@ def _residuals(path: EquilibriumPath, scene: Scene, options: Options) -> np.ndar
     reals, ints = pack(data)
     H, g = np.empty(matrix_size(data)), np.empty((len(path.states), path.states.shape[1] - 3))
     for state, row in zip(path.states, g, strict=True):
-        kernels.assemble(reals, ints, state, 0.0, _memory(data), state, row, H)
+        kernels.assemble(reals, ints, state, 0.0, rest_memory(data), state, row, H)
     return g
-
-
-def _memory(data: BeamModel) -> np.ndarray:
-    return np.zeros((len(data.pairs), MEMORY))

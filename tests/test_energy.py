@@ -8,8 +8,7 @@ import pytest
 import wirefe
 from coilspring import Contact, Load, load_scene, spring_a, spring_b
 from wirefe.model import ROW
-from wirefe.shape import turned
-from wirestates import add, elements
+from wirestates import add, centres, elements
 
 # Spring B slides off its coils at 130 N: what is balanced stays below.
 SCENES = {
@@ -60,17 +59,17 @@ def test_whole_body_is_in_equilibrium(name):
     path = wirefe.solve(SCENES[name], steps=10)
     data, rows = path.shape.data.contact, path.states[-1].reshape(-1, ROW)
     points, _, g = elements(path, -1)
-    centres = rows[data.carrier, :3] + turned(rows[data.carrier, 3:], data.offset)
+    places = centres(data, path.states[-1])
     reactions = np.zeros((2, 6))
     for side, node, point, end in ((0, 0, points[0], g[0, :6]), (1, len(rows) - 1, points[-1], g[-1, 6:])):
         add(reactions[side], end[:3], point, end[3:])
         for (A, B), force in zip(data.pairs, path.contact_forces[-1], strict=True):
-            way = centres[B] - centres[A]
+            way = places[B] - places[A]
             push = force * way / np.linalg.norm(way)
             if data.carrier[A] == node:
-                add(reactions[side], push, centres[A])
+                add(reactions[side], push, places[A])
             if data.carrier[B] == node:
-                add(reactions[side], -push, centres[B])
+                add(reactions[side], -push, places[B])
     force = np.array([*path.loads[-1], 0.0])
     scale = np.linalg.norm(force) * np.array([1.0] * 3 + [10.0] * 3)
     assert (np.abs(reactions.sum(axis=0)) <= 1e-8 * scale).all()

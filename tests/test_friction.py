@@ -14,8 +14,7 @@ from coilspring.scenefile import scene_from_text
 from equivbeam.contact import SLID as BEAM_SLID
 from wirefe import kernels, model
 from wirefe.contact import SLID
-from wirefe.shape import turned
-from wirestates import add, elements
+from wirestates import add, centres, elements
 
 NONE = np.inf  # no sliding
 SLIPPING = [("spring-a", 0.1), ("spring-a", 0.3), ("spring-b", 0.1)]
@@ -174,17 +173,17 @@ def reactions(path, step):
     """Force and moment that both ends take, load included; and the sum of the pairs' couples."""
     data, rows = path.shape.data.contact, path.states[step].reshape(-1, model.ROW)
     points, _, g = elements(path, step)
-    centres = rows[data.carrier, :3] + turned(rows[data.carrier, 3:], data.offset)
+    places = centres(data, path.states[step])
     total = np.zeros(6)
     for node, point, end in ((0, points[0], g[0, :6]), (len(rows) - 1, points[-1], g[-1, 6:])):
         add(total, end[:3], point, end[3:])
         pairs = zip(data.pairs, path.contact_forces[step], path.friction.force[step], strict=True)
         for (A, B), normal, tangential in pairs:
-            way = centres[B] - centres[A]
+            way = places[B] - places[A]
             push = normal * way / np.linalg.norm(way) - tangential
-            add(total, push * (data.carrier[A] == node), centres[A])
-            add(total, -push * (data.carrier[B] == node), centres[B])
-    way = centres[data.pairs[:, 1]] - centres[data.pairs[:, 0]]
+            add(total, push * (data.carrier[A] == node), places[A])
+            add(total, -push * (data.carrier[B] == node), places[B])
+    way = places[data.pairs[:, 1]] - places[data.pairs[:, 0]]
     return total, np.cross(way, path.friction.force[step]).sum(axis=0)
 
 

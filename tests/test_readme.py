@@ -14,7 +14,7 @@ import pytest
 import coilspring
 import equivbeam
 import wirefe
-from validation.cli import main
+from validation.cli import COMMANDS, main
 from validation.metrics import compare_paths
 
 ROOT = Path(__file__).parents[1]
@@ -63,6 +63,11 @@ def test_commands(page, tmp_path, monkeypatch, capsys):
             run_line(line, capsys)
             for _, scene in blocks(text, "toml") if "new" in line else ():
                 Path("my.toml").write_text(scene, encoding="utf-8")
+
+
+def test_every_command_is_in_the_table():
+    table = (ROOT / "docs/api/validation.md").read_text(encoding="utf-8")
+    assert sorted(re.findall(r"^\| `(\w+)", table, re.MULTILINE)) == sorted(COMMANDS)
 
 
 def run_line(line, capsys):

@@ -7,19 +7,15 @@ import pytest
 from scipy.spatial import cKDTree
 
 import wirefe
-from coilspring import Contact, EquilibriumNotFound, Load, spring_a, spring_b
+from coilspring import Contact, Load, spring_a, spring_b
 from coilspring.packing import pack
+from validation.reached import as_far
 from wirefe import kernels, model
 from wirefe.contact import MEMORY
 from wirefe.mesh import strays
-from wirefe.shape import turned
+from wirestates import centres
 
 FREE_B = replace(spring_b(), contact=Contact())
-
-
-def centres(contact, state):
-    rows = state.reshape(-1, model.ROW)[contact.carrier]
-    return rows[:, :3] + turned(rows[:, 3:], contact.offset)
 
 
 def unlisted(contact, state, reach=1.0):
@@ -136,10 +132,7 @@ def test_solving_starts_anew_with_what_was_found(scene, penalty, pairs_per_turn)
 
 def solved(scene, penalty, pairs_per_turn):
     options = {"element": "curved", "elements_per_turn": pairs_per_turn, "pairs_per_turn": pairs_per_turn}
-    try:
-        return wirefe.solve(scene, steps=10, penalty=penalty, **options)
-    except EquilibriumNotFound as error:
-        return error.path
+    return as_far(wirefe.solve, scene, steps=10, penalty=penalty, **options)
 
 
 def test_the_last_state_is_searched_too():

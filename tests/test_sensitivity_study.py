@@ -13,8 +13,8 @@ from coilspring import InputError, spring_a, spring_b
 from coilspring.solving import Problem, follow_problem, output_times, scene_path
 from coilspring.wire import round_section
 from equivbeam import model as beam
-from equivbeam.contact import MEMORY
 from equivbeam.haringx import KAX, KFL, KSH
+from equivbeam.problem import beam_problem
 from equivbeam.rendering import BeamShape
 from equivbeam.solve import KERNELS as BEAM_KERNELS
 from validation.cases import PAPER_MESH, case, solve_beam, solve_wire
@@ -127,9 +127,7 @@ def test_a_raised_load_on_the_beam():
     taller = replace(scene, spring=longer)
     data = beam.build_model(taller)
     data.rows[-1, [KAX, KSH, KFL]] *= 1e7
-    memory = np.zeros((len(data.pairs), MEMORY))
-    load, start = beam.load_vector(data, taller), beam.rest_state(data)
-    run = _followed(taller, Problem(data, load, start, memory, beam.matrix_size(data)), BEAM_KERNELS)
+    run = _followed(taller, beam_problem(data, beam.load_vector(data, taller)), BEAM_KERNELS)
     exact = scene_path(taller, BEAM, {}, run, BeamShape(taller, data)).tips
     np.testing.assert_allclose(raised(scene, BEAM, lever).tips, exact, rtol=1e-5)
 

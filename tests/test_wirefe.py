@@ -9,7 +9,6 @@ from scipy.spatial.transform import Rotation
 import wirefe
 from coilspring import (
     Contact,
-    EquilibriumNotFound,
     InputError,
     Load,
     Material,
@@ -22,6 +21,7 @@ from coilspring import (
 )
 from coilspring.packing import pack
 from coilspring.wire import round_section
+from validation.reached import as_far
 from wirefe import kernels, model
 from wirefe.beam import beams, deformations
 from wirefe.contact import MEMORY
@@ -76,18 +76,11 @@ def test_axial_rate_is_that_of_rod_theory():
     assert (4 * fine - coarse) / 3 == pytest.approx(3.412482, rel=1e-3)
 
 
-def solved(scene, **options):
-    try:
-        return wirefe.solve(scene, **options)
-    except EquilibriumNotFound as error:
-        return error.path
-
-
 def test_frictionless_spring_b_has_a_limit_point():
     scene = replace(spring_b(), contact=Contact(sliding="free"))
     times = []
     for steps in (1, 10, 50, 200):
-        path = solved(scene, steps=steps)
+        path = as_far(wirefe.solve, scene, steps=steps)
         assert path.outcome == "limit_point"
         assert (path.times < path.critical_time).all()
         assert len(path.times) == int(path.critical_time * steps + 1e-9)
@@ -99,7 +92,7 @@ def test_frictionless_spring_b_has_a_limit_point():
 def test_frictionless_spring_b_past_its_limit_point():
     """Arc length finds the limit load that the follower names, and equilibria beyond it: coils slide off."""
     scene = replace(spring_b(), contact=Contact(sliding="free"))
-    followed = solved(scene, steps=10)
+    followed = as_far(wirefe.solve, scene, steps=10)
     path = wirefe.trace(scene, points=120)
     turn = np.argmax(np.diff(path.times) < 0.0)  # first point from which time falls
     assert path.times[turn] == pytest.approx(followed.critical_time, rel=1e-3)

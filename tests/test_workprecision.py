@@ -221,11 +221,12 @@ def test_stability_passes_its_arguments_on(code, tmp_path, monkeypatch, capsys):
     assert progress(1, 8) is None
 
 
-def test_one_case_writes_nothing(tmp_path, monkeypatch):
+def test_one_case_writes_nothing(tmp_path, monkeypatch, capsys):
     calls = fake_campaign(monkeypatch, 0)
     assert main(["stability", "--case", "b000007", "--seed", "3", "--out", str(tmp_path / "new")]) == 0
     assert calls[0][1].items() >= {"case": "b000007", "seed": 3}.items()
     assert not (tmp_path / "new").exists()
+    assert capsys.readouterr().out == ""  # what there is to say, the campaign says
 
 
 @pytest.mark.parametrize(

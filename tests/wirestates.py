@@ -18,6 +18,12 @@ def elements(path, step):
     return points, beams(ends, rotations, data.triads, data.strain0, data.stiffness, g, H), g
 
 
+def centres(contact, state):
+    """Centres of the spheres in a state, from the rigid motion of the nodes that carry them."""
+    rows = state.reshape(-1, ROW)[contact.carrier]
+    return rows[:, :3] + turned(rows[:, 3:], contact.offset)
+
+
 def add(total, force, point, moment=0.0):
     """Add a force and a moment that act at a point to the total about the origin."""
     total[:3] += force

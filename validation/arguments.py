@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import NoReturn
 
-from coilspring import CATALOGUE, InputError
+from coilspring import CATALOGUE, InputError, Scene, load_scene
 
 MODEL_OPTIONS = {
     "equivbeam": ("law", "tangent", "sliding"),
@@ -59,6 +59,16 @@ def command_line() -> argparse.ArgumentParser:
     return parser
 
 
+def given(arguments: argparse.Namespace, names: Sequence[str]) -> dict:
+    """The options among `names` that were given, by name."""
+    return {name: getattr(arguments, name) for name in names if hasattr(arguments, name)}
+
+
+def scene_of(arguments: argparse.Namespace) -> Scene:
+    """The scene with the steps and the penalty asked for."""
+    return load_scene(arguments.scene).overridden(**given(arguments, COMMON_OPTIONS))
+
+
 def _add_new(commands: argparse._SubParsersAction) -> None:
     purpose = "a commented scene file of a catalogue scene, to be changed, on standard output"
     command = _command(commands, "new", purpose, "coilcheck new spring-b", writes=False)
@@ -79,7 +89,7 @@ def _add_reproduce(commands: argparse._SubParsersAction) -> None:
         " Solved runs and finished pieces are kept for the next time: in $COILCHECK_STORE, by default the "
         "folder coilcheck among the user's caches, 256 MiB at most."
     )
-    command.add_argument("--only", type=_some_of(ARTEFACTS), metavar="NAMES", help=_some(ARTEFACTS))
+    _add_only(command, ARTEFACTS)
     command.add_argument("--no-render", action="store_true", help="tables and data only, no pictures")
     what = "measure the solution times of Table 3 even where they are stored"
     command.add_argument("--time", action="store_true", help=what)
@@ -115,8 +125,7 @@ def _add_workprecision(commands: argparse._SubParsersAction) -> None:
     purpose = "run time against error of both models, for every mesh, law and number of steps"
     example = "coilcheck workprecision --quick --only spring-a,spring-b"
     command = _command(commands, "workprecision", purpose, example)
-    names = _some_of(STUDY_SCENES)
-    command.add_argument("--only", type=names, metavar="NAMES", help=_some(STUDY_SCENES))
+    _add_only(command, STUDY_SCENES)
     size = command.add_mutually_exclusive_group()
     size.add_argument("--quick", action="store_true", help="few meshes, few rounds: less than a minute")
     size.add_argument("--full", action="store_true", help="meshes up to 320 elements a turn")
@@ -125,8 +134,7 @@ def _add_workprecision(commands: argparse._SubParsersAction) -> None:
 def _add_sensitivity(commands: argparse._SubParsersAction) -> None:
     purpose = "how far what the paper leaves open moves the curves of both models"
     command = _command(commands, "sensitivity", purpose, "coilcheck sensitivity --only spring-a,spring-b")
-    names = tuple(CATALOGUE)
-    command.add_argument("--only", type=_some_of(names), metavar="NAMES", help=_some(names))
+    _add_only(command, tuple(CATALOGUE))
 
 
 def _add_stability(commands: argparse._SubParsersAction) -> None:
@@ -213,6 +221,12 @@ def _add_scene(command: argparse.ArgumentParser) -> None:
     wire.add_argument("--pairs-per-turn", type=_number, metavar="N", help="sphere pairs; default 4")
 
 
+def _add_only(command: argparse.ArgumentParser, names: tuple[str, ...]) -> None:
+    """What of all to make."""
+    what = f"some of {','.join(names)}"
+    command.add_argument("--only", type=_some_of(names), metavar="NAMES", help=what)
+
+
 def _number(text: str) -> int | float | str:
     """The number that `text` says; else the text, for the library to refuse with the range."""
     for kind in (int, float):
@@ -221,10 +235,6 @@ def _number(text: str) -> int | float | str:
         except ValueError:
             continue
     return text
-
-
-def _some(names: tuple[str, ...]) -> str:
-    return f"some of {','.join(names)}"
 
 
 def _some_of(allowed: tuple[str, ...]) -> Callable[[str], tuple[str, ...]]:

@@ -5,23 +5,21 @@ from __future__ import annotations
 import argparse
 import importlib
 import sys
-from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Callable, Sequence
 from dataclasses import asdict
 from pathlib import Path
 
 from coilspring import CATALOGUE, EquilibriumNotFound, EquilibriumPath, InputError, Scene, load_scene
-from coilspring.errors import require_integer
 from coilspring.scenefile import SECTIONS
 from coilspring.scenetext import scene_text
 from validation.arguments import (
-    CAMPAIGN_RANGES,
-    COMMON_OPTIONS,
     FILE_OPTIONS,
     MODEL_OPTIONS,
     command_line,
+    given,
+    scene_of,
 )
-from validation.metrics import Comparison, compare_paths
+from validation.metrics import compare_paths
 from validation.output import (
     OutputError,
     json_text,
@@ -34,6 +32,7 @@ from validation.output import (
     writing,
 )
 from validation.reached import as_far
+from validation.terminal import apart, digest, progress_shown, say
 
 COMPLETED, REGRESSED, BAD_INPUT, NOT_COMPLETED, NOT_WRITTEN, INTERRUPTED = 0, 1, 2, 3, 4, 130
 
@@ -60,7 +59,7 @@ def _fail(code: int, message: str) -> int:
 
 def new(arguments: argparse.Namespace) -> int:
     """Print a scene file."""
-    _say(scene_text(CATALOGUE[arguments.name]()).rstrip("\n"))
+    say(scene_text(CATALOGUE[arguments.name]()).rstrip("\n"))
     return COMPLETED
 
 
@@ -74,14 +73,14 @@ def check(arguments: argparse.Namespace) -> int:
         prepare(folder)
         importlib.import_module("validation.drawing").draw(scene, folder / "spring.png")
         lines.append(f"drawn in {folder / 'spring.png'}")
-    _say(*lines)
+    say(*lines)
     return COMPLETED
 
 
 def reproduce(arguments: argparse.Namespace) -> int:
     """Make the paper's tables and figures."""
     folder = _folder(arguments)
-    with _progress() as progress:
+    with progress_shown() as progress:
         run = importlib.import_module("validation.reproduce").reproduce
         with writing(folder):
             remarks = run(
@@ -91,7 +90,7 @@ def reproduce(arguments: argparse.Namespace) -> int:
                 progress,
                 hasattr(arguments, "time"),
             )
-    _say(*remarks, f"written to {folder}")
+    say(*remarks, f"written to {folder}")
     return COMPLETED
 
 
@@ -99,31 +98,31 @@ def solve(arguments: argparse.Namespace) -> int:
     """Solve one scene with one model."""
     model = arguments.model
     for other, names in MODEL_OPTIONS.items():
-        for name in _given(arguments, names + FILE_OPTIONS[other]) if other != model else ():
+        for name in given(arguments, names + FILE_OPTIONS[other]) if other != model else ():
             flag = "--" + name.replace("_", "-")
             raise InputError(f"{flag} belongs to --model {other}, got --model {model}")
-    scene = _scene(arguments)
+    scene = scene_of(arguments)
     folder = _folder(arguments)
     prepare(folder)
-    with _progress(hasattr(arguments, "quiet")) as progress:
+    with progress_shown(hasattr(arguments, "quiet")) as progress:
         path = _run(scene, model, arguments, progress)
     write_path(path, folder)
     if hasattr(arguments, "vtu") and len(path.times):
         write_vtu(path, folder)
     if hasattr(arguments, "vtu_series") and len(path.times):
         write_series(path, folder)
-    _conclude(arguments, summary(path), [*_digest(path), f"written to {folder}"])
+    _conclude(arguments, summary(path), [*digest(path), f"written to {folder}"])
     return _verdict(path)
 
 
 def compare(arguments: argparse.Namespace) -> int:
     """Solve one scene with both models and compare them."""
-    scene = _scene(arguments)
+    scene = scene_of(arguments)
     folder = _folder(arguments)
     folders = {model: folder / model for model in MODEL_OPTIONS}
     for each in folders.values():
         prepare(each)
-    with _progress(hasattr(arguments, "quiet")) as progress:
+    with progress_shown(hasattr(arguments, "quiet")) as progress:
         paths = {model: _run(scene, model, arguments, progress) for model in MODEL_OPTIONS}
     for model, path in paths.items():
         write_path(path, folders[model])
@@ -135,79 +134,26 @@ def compare(arguments: argparse.Namespace) -> int:
         "outcomes": {model: path.outcome for model, path in paths.items()},
     }
     write_json(folder / "compare.json", found)
-    lines = [line for path in paths.values() for line in _digest(path)]
-    _conclude(arguments, found, [*lines, _apart(comparison), f"written to {folder}"])
+    lines = [line for path in paths.values() for line in digest(path)]
+    _conclude(arguments, found, [*lines, apart(comparison), f"written to {folder}"])
     return _verdict(*paths.values())
 
 
-def workprecision(arguments: argparse.Namespace) -> int:
-    """Measure run time against error of both models."""
-    folder = _folder(arguments)
-    prepare(folder)
-    extent = next((name for name in ("quick", "full") if hasattr(arguments, name)), "normal")
-    with _progress() as progress:
-        progress("loading both models")
-        run = importlib.import_module("validation.workprecision").workprecision
-        with writing(folder):
-            studies = run(folder, getattr(arguments, "only", None), extent, progress)
-    report = importlib.import_module("validation.workreport")
-    _say(*(report.digest(study) for study in studies), f"written to {folder}")
-    return COMPLETED
-
-
-def sensitivity(arguments: argparse.Namespace) -> int:
-    """Vary what the paper leaves open in both models."""
-    folder = _folder(arguments)
-    prepare(folder)
-    with _progress() as progress:
-        progress("loading both models")
-        run = importlib.import_module("validation.sensitivity").sensitivity
-        with writing(folder):
-            studies = run(folder, getattr(arguments, "only", None), progress)
-    page = importlib.import_module("validation.sensitivitypage")
-    _say(*(page.digest(study) for study in studies), f"written to {folder}")
-    return COMPLETED
-
-
-def regress(arguments: argparse.Namespace) -> int:
-    """Compare what both models find with stored baselines."""
-    folder = _folder(arguments)
-    with _progress() as progress:
-        progress("loading both models")
-        regression = importlib.import_module("validation.regression")
-        accept, times = hasattr(arguments, "accept"), hasattr(arguments, "time")
-        with writing(folder):
-            finding = regression.regress(folder, arguments.baseline, accept, times, progress)
-    _say(*map(str, finding.moves), regression.verdict(finding), f"written to {folder}")
-    if finding.moves and not accept:
-        return _fail(REGRESSED, f"{regression.verdict(finding)}; where that is meant: regress --accept")
-    return COMPLETED
-
-
-def stability(arguments: argparse.Namespace) -> int:
-    """Judge sampled scenes of both models."""
-    options = _given(arguments, ("case", "scheduler"))
-    for name, number in _given(arguments, tuple(CAMPAIGN_RANGES)).items():
-        options[name] = require_integer(name, number, *CAMPAIGN_RANGES[name])
-    folder = _folder(arguments)
-    if "case" not in options:
-        prepare(folder)
-    with _progress() as progress:
-        progress("loading both models")
-        campaign = importlib.import_module("validation.campaign.run").campaign
-        with writing(folder):
-            code = campaign(folder, **options, progress=lambda done, of: progress(f"{done} of {of} scenes"))
-    if "case" not in options:
-        _say(f"written to {folder}")
-    return _fail(REGRESSED, "not every outcome is explained") if code else COMPLETED
+def study(arguments: argparse.Namespace) -> int:
+    """Judge the models, by one of the commands that run for minutes."""
+    with progress_shown() as progress:
+        run = importlib.import_module("validation.commands_studies").COMMANDS[arguments.command]
+        lines, failure = run(arguments, _folder(arguments), progress)
+    say(*lines)
+    return _fail(REGRESSED, failure) if failure else COMPLETED
 
 
 def people(arguments: argparse.Namespace) -> int:
     """Hand a scene to another program, or to the eye."""
-    with _progress() as progress:
+    with progress_shown() as progress:
         run = importlib.import_module("validation.commands_people").COMMANDS[arguments.command]
         lines = run(arguments, _folder(arguments), progress)
-    _say(*lines)
+    say(*lines)
     return COMPLETED
 
 
@@ -217,23 +163,14 @@ COMMANDS = {
     "reproduce": reproduce,
     "solve": solve,
     "compare": compare,
-    "workprecision": workprecision,
-    "sensitivity": sensitivity,
-    "stability": stability,
-    "regress": regress,
+    "workprecision": study,
+    "sensitivity": study,
+    "stability": study,
+    "regress": study,
     "export": people,
     "referee": people,
     "view": people,
 }
-
-
-def _scene(arguments: argparse.Namespace) -> Scene:
-    """The scene with the steps and the penalty asked for."""
-    return load_scene(arguments.scene).overridden(**_given(arguments, COMMON_OPTIONS))
-
-
-def _given(arguments: argparse.Namespace, names: Sequence[str]) -> dict:
-    return {name: getattr(arguments, name) for name in names if hasattr(arguments, name)}
 
 
 def _folder(arguments: argparse.Namespace) -> Path:
@@ -255,7 +192,7 @@ def _run(
     run = importlib.import_module(model).solve
     progress(f"solving with {model}")
     try:
-        return as_far(run, scene, **_given(arguments, MODEL_OPTIONS[model]))
+        return as_far(run, scene, **given(arguments, MODEL_OPTIONS[model]))
     except InputError as error:
         raise _in_file(arguments.scene, error) from None
 
@@ -275,56 +212,12 @@ def _verdict(*paths: EquilibriumPath) -> int:
     return COMPLETED
 
 
-def _digest(path: EquilibriumPath) -> list[str]:
-    """A path for a reader at the terminal."""
-    lines = [f"{path.model}: {path.outcome}, {len(path.times)} of {path.scene.load.rows} steps"]
-    if len(path.times):
-        ux, uy, rotz = path.tips[-1]
-        lines.append(f"  tip at time {path.times[-1]:g}: ux {ux:.6g} mm, uy {uy:.6g} mm, rotz {rotz:.6g} rad")
-    lines.append(
-        f"  {path.total_iterations} iterations, {path.solve_seconds:.2g} s CPU "
-        f"(and {path.compile_seconds:.2g} s to make the kernels ready)"
-    )
-    return lines
-
-
-def _apart(found: Comparison) -> str:
-    if found.steps == 0:
-        return "no step was reached by both models: nothing to compare"
-    return (
-        f"difference over {found.steps} common steps: "
-        f"curve {100 * found.curve_max:.3g} % at most, {100 * found.curve_rms:.3g} % rms; "
-        f"shape at time {found.last_time:g} {found.shape_max:.3g} mm at most, {found.shape_rms:.3g} mm rms"
-    )
-
-
 def _conclude(arguments: argparse.Namespace, found: dict, lines: list[str]) -> None:
     """Print a result as asked for: for a reader, as JSON, or not at all."""
     if hasattr(arguments, "json"):
-        _say(json_text(found))
+        say(json_text(found))
     elif not hasattr(arguments, "quiet"):
-        _say(*lines)
-
-
-def _say(*lines: str) -> None:
-    """Print to stdout, whatever characters its encoding lacks."""
-    encoding = sys.stdout.encoding or "utf-8"
-    text = "\n".join(lines).encode(encoding, "backslashreplace").decode(encoding)
-    with writing("standard output"):
-        print(text, flush=True)
-
-
-@contextmanager
-def _progress(quiet: bool = False) -> Iterator[Callable[[str], None]]:
-    """Show what is being done, on a terminal only."""
-    if quiet or not sys.stderr.isatty():
-        yield lambda text: None
-        return
-    from rich.console import Console
-    from rich.text import Text
-
-    with Console(stderr=True).status("") as status:
-        yield lambda text: status.update(Text(text))
+        say(*lines)
 
 
 if __name__ == "__main__":

@@ -7,8 +7,8 @@ import importlib
 from collections.abc import Callable
 from pathlib import Path
 
-from coilspring import Scene, load_scene
-from validation.arguments import COMMON_OPTIONS
+from coilspring import load_scene
+from validation.arguments import scene_of
 from validation.output import prepare, write_json, write_text
 
 Progress = Callable[[str], None]
@@ -17,7 +17,7 @@ Progress = Callable[[str], None]
 def export(arguments: argparse.Namespace, folder: Path, progress: Progress) -> list[str]:
     """Write the input deck of a scene for another program."""
     calculix = importlib.import_module("validation.referee.calculix")
-    scene = _scene(arguments)
+    scene = scene_of(arguments)
     text = calculix.deck(scene)
     prepare(folder)
     write_text(folder / calculix.FILE, text)
@@ -29,7 +29,7 @@ def export(arguments: argparse.Namespace, folder: Path, progress: Progress) -> l
 
 def referee(arguments: argparse.Namespace, folder: Path, progress: Progress) -> list[str]:
     """Run a peer on a scene beside the wire model."""
-    scene, peer = _scene(arguments), arguments.peer
+    scene, peer = scene_of(arguments), arguments.peer
     prepare(folder)
     progress(f"solving with wirefe and {peer}")
     found = importlib.import_module("validation.referee.bout").bout(scene, peer)
@@ -59,11 +59,6 @@ def view(arguments: argparse.Namespace, folder: Path, progress: Progress) -> lis
     progress(f"drawing {len(found.times)} pictures")
     remark = place.film(found, movie)
     return [*([remark] if remark else []), f"written to {movie}"]
-
-
-def _scene(arguments: argparse.Namespace) -> Scene:
-    given = {name: getattr(arguments, name) for name in COMMON_OPTIONS if hasattr(arguments, name)}
-    return load_scene(arguments.scene).overridden(**given)
 
 
 COMMANDS = {"export": export, "referee": referee, "view": view}

@@ -12,8 +12,8 @@ from scipy.spatial import cKDTree
 import wirefe
 from coilspring import Contact, EquilibriumPath, Scene, spring_a, spring_b
 from validation.reached import as_far
-from wirefe.model import ROW, ContactArrays
-from wirefe.shape import turned
+from wirefe.model import ContactArrays
+from wirefe.shape import sphere_centres
 
 NONE = np.inf  # no sliding
 SPRINGS: dict[str, Callable[[], Scene]] = {"A": spring_a, "B": spring_b}
@@ -71,8 +71,7 @@ def to_pieces(points: np.ndarray, first: np.ndarray, second: np.ndarray) -> np.n
 def centres(path: EquilibriumPath, step: int) -> tuple[ContactArrays, np.ndarray]:
     """Contact arrays and the spheres' centres at a stored step."""
     contact = path.shape.data.contact  # type: ignore[attr-defined]
-    rows = path.states[step].reshape(-1, ROW)[contact.carrier]
-    return contact, rows[:, :3] + turned(rows[:, 3:], contact.offset)
+    return contact, sphere_centres(contact, path.states[step])
 
 
 def couple(path: EquilibriumPath) -> float:

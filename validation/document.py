@@ -1,9 +1,11 @@
-"""A report as a list of blocks, written as Markdown, read from it again, or bound as a single HTML page."""
+"""A report as a list of blocks: written as Markdown, read from it, bound as one HTML page; tables as CSV."""
 
 from __future__ import annotations
 
 import base64
+import csv
 import html
+import io
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -68,6 +70,13 @@ class Picture:
 
 Block = Heading | Text | Bullets | Table | Picture
 LONG = 30  # rows: a longer table is folded in HTML
+
+
+def to_csv(table: Table) -> str:
+    """A table as CSV."""
+    text = io.StringIO()
+    csv.writer(text, lineterminator="\n").writerows((table.header, *table.rows))
+    return text.getvalue()
 
 
 def to_markdown(blocks: Sequence[Block]) -> str:

@@ -9,6 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
+from validation.document import Table, Text, to_markdown
 from validation.output import write_text
 
 PAGE = Path("docs/validation.md")
@@ -20,11 +21,11 @@ G numbers are this project's names of its benchmark cases.
 
 *Error* is the largest component's error over the largest component of the target; *order* the observed
 order of convergence with the mesh. "Own" targets come from an independent shooting solver or a closed form,
-"published" ones from the source named.
-
-| check | data | target | source | tolerance | result | error | order | passed | what it cannot show |
-|---|---|---|---|---|---|---|---|---|---|
-"""
+"published" ones from the source named."""
+HEADER = (
+    *("check", "data", "target", "source", "tolerance", "result", "error", "order", "passed"),
+    "what it cannot show",
+)
 
 
 @dataclass(frozen=True)
@@ -52,14 +53,13 @@ class Check:
         return self.error <= self.tolerance
 
     @property
-    def row(self) -> str:
+    def row(self) -> tuple[str, ...]:
         """The row of the page."""
-        cells = (
+        return (
             *(self.name, self.data, _numbers(self.target), self.source, f"{self.tolerance:.1e}"),
             *(_numbers(self.result), f"{self.error:.1e}", "" if self.order is None else f"{self.order:.2f}"),
             *("yes" if self.passed else "**no**", self.limits),
         )
-        return f"| {' | '.join(cells)} |\n"
 
 
 def checks() -> list[Check]:
@@ -72,7 +72,7 @@ def checks() -> list[Check]:
 def write_page(path: str | Path) -> bool:
     """Solve all checks and write the page; whether all passed."""
     found = checks()
-    write_text(Path(path), HEAD + "".join(check.row for check in found))
+    write_text(Path(path), to_markdown((Text(HEAD), Table(HEADER, tuple(check.row for check in found)))))
     return all(check.passed for check in found)
 
 

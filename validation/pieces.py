@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import csv
-import io
 from collections.abc import Callable
 from contextlib import ExitStack
 from dataclasses import dataclass, field
@@ -15,7 +13,7 @@ from typing import TYPE_CHECKING
 from validation import tables
 from validation.binding import PAGE
 from validation.cases import PathStore, case
-from validation.document import Table, to_markdown
+from validation.document import Table, to_csv, to_markdown
 from validation.output import write_files
 from validation.provenance import FILE, provenance
 from validation.timing import Measurement, measure
@@ -124,9 +122,7 @@ class Maker:
 
 def _csv(name: str, table: Table) -> Files:
     """A table as a CSV file."""
-    text = io.StringIO()
-    csv.writer(text, lineterminator="\n").writerows((table.header, *table.rows))
-    return {f"{name}.csv": text.getvalue().encode()}
+    return {f"{name}.csv": to_csv(table).encode()}
 
 
 def _table3(maker: Maker) -> Files:

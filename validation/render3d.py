@@ -1,20 +1,18 @@
 """3D pictures of deformed springs by pyvista, off screen and in a process of its own.
 
-VTK can end the process it runs in, and graphics drivers can hang: a child that fails or takes too
-long costs these pictures, not the run.
+A child that fails or takes too long costs these pictures, not the run.
 """
 
 from __future__ import annotations
 
-import subprocess
 import sys
 import tempfile
-import time
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from validation.child import Child
 from validation.shapes import BAND_SCALE, Shapes, bands, view
 from validation.style import BLUE, GREY, RED
 
@@ -34,41 +32,22 @@ class Rendering:
         self._folder = tempfile.TemporaryDirectory(prefix="coilcheck-")
         folder = Path(self._folder.name)
         self._files = [folder / f"panel{i}.png" for i in range(len(panels))]
-        self._began = time.monotonic()
-        self._failure = ""
-        self._child: subprocess.Popen | None = None
         arrays = {f"{part}{i}": getattr(panel, part) for i, panel in enumerate(panels) for part in PARTS}
         np.savez(folder / "panels.npz", diameter=panels[0].diameter, count=len(panels), **arrays)
-        try:
-            self._child = subprocess.Popen(
-                [*COMMAND, str(folder / "panels.npz")],
-                cwd=Path(__file__).parents[1],  # `-m` finds the package there, installed or not
-                stdin=subprocess.DEVNULL,
-                stdout=subprocess.DEVNULL,
-                stderr=subprocess.DEVNULL,
-            )
-        except OSError as error:
-            self._failure = f"it could not be started ({error.strerror or error})"
+        self._child = Child([*COMMAND, str(folder / "panels.npz")])
 
     def result(self) -> list[Path] | str:
         """One PNG for each panel, waited for; or in a few words why there are none."""
-        if self._child is None:
-            return self._failure
-        try:
-            status = self._child.wait(max(0.0, TIMEOUT - (time.monotonic() - self._began)))
-        except subprocess.TimeoutExpired:
-            return f"it took longer than {TIMEOUT:g} s"
-        if status != 0:
-            return f"it ended with status {status}"
+        failure = self._child.failure(TIMEOUT)
+        if failure:
+            return failure
         return self._files if all(file.is_file() for file in self._files) else "it wrote no picture"
 
     def __enter__(self) -> Rendering:
         return self
 
     def __exit__(self, *error: object) -> None:
-        if self._child is not None:
-            self._child.kill()
-            self._child.wait()
+        self._child.__exit__(*error)
         self._folder.cleanup()
 
 

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import csv
-import io
 from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
 
+from validation.document import Table, to_csv
 from validation.metrics import COMPONENTS
 from validation.openinputs import INPUTS, MODELS
 from validation.output import write_text
@@ -30,18 +29,16 @@ def write(studies: Sequence[Study], out: Path) -> None:
 
 def data(studies: Sequence[Study]) -> str:
     """A row for every case, input, model and value, also where a model has no such input."""
-    text = io.StringIO()
-    writer = csv.writer(text, lineterminator="\n")
-    writer.writerow(HEADER)
+    rows: list[tuple[str, ...]] = []
     for study in studies:
         for item in INPUTS:
             for model in MODELS:
                 head = (study.case.name, model, item.name, item.kind, item.default)
                 found = study.of(item, model)
-                writer.writerows((*head, *_row(study, change)) for change in found)
+                rows += ((*head, *_row(study, change)) for change in found)
                 if not found:
-                    writer.writerow((*head, "", NO_INPUT, *[""] * (len(HEADER) - 7)))
-    return text.getvalue()
+                    rows.append((*head, "", NO_INPUT, *[""] * (len(HEADER) - 7)))
+    return to_csv(Table(HEADER, tuple(rows)))
 
 
 def _row(study: Study, change: Change) -> tuple[str, ...]:

@@ -185,7 +185,7 @@ def _rows(study: Study, item: OpenInput, model: str) -> Iterator[tuple[str, ...]
                 item.title,
                 NAMES[model],
                 change.value,
-                ending(change.curve.outcome, change.curve.critical_time),
+                _ending(change),
                 *[""] * 5,
             )
         elif change in ends:

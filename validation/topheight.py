@@ -12,13 +12,14 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from coilspring import EquilibriumNotFound, EquilibriumPath, Scene
-from coilspring.solving import Problem, follow_problem, output_times, scene_path
+from coilspring import EquilibriumPath, Scene
+from coilspring.solving import follow_problem, output_times, scene_path
 from equivbeam import model as beam
-from equivbeam.contact import MEMORY
+from equivbeam.problem import beam_problem
 from equivbeam.rendering import BeamShape
 from equivbeam.solve import KERNELS as BEAM_KERNELS
 from validation.cases import PAPER_MESH
+from validation.reached import as_far
 from wirefe.shape import WireShape
 from wirefe.solve import KERNELS as WIRE_KERNELS
 from wirefe.solve import scene_problem
@@ -72,29 +73,14 @@ def raised(scene: Scene, model: str, height: float) -> TipCurve:
 
 def followed(scene: Scene, model: str, moment: float) -> TipCurve:
     """Tip curve of the reference point, the force there accompanied by a dead moment, N mm, at time 1."""
-    run = {"equivbeam": _beam, "wirefe": _wire}[model]
-    try:
-        return TipCurve.of(run(scene, moment))
-    except EquilibriumNotFound as error:
-        return TipCurve.of(error.path)
+    return TipCurve.of(as_far({"equivbeam": _beam, "wirefe": _wire}[model], scene, moment=moment))
 
 
 def _beam(scene: Scene, moment: float) -> EquilibriumPath:
     data = beam.build_model(scene)
-    problem = Problem(
-        data=data,
-        load=_with_moment(beam.load_vector(data, scene), moment),
-        start=beam.rest_state(data),
-        memory=np.zeros((len(data.pairs), MEMORY)),
-        matrix_size=beam.matrix_size(data),
-    )
-    return scene_path(
-        scene,
-        "equivbeam",
-        {},
-        follow_problem(problem, BEAM_KERNELS, output_times(scene), scene.spring.wire_diameter),
-        BeamShape(scene, data),
-    )
+    problem = beam_problem(data, _with_moment(beam.load_vector(data, scene), moment))
+    run = follow_problem(problem, BEAM_KERNELS, output_times(scene), scene.spring.wire_diameter)
+    return scene_path(scene, "equivbeam", {}, run, BeamShape(scene, data))
 
 
 def _wire(scene: Scene, moment: float) -> EquilibriumPath:

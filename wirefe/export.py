@@ -11,7 +11,7 @@ from coilspring.errors import InputError
 from coilspring.path import EquilibriumPath
 from wirefe.beam import deformations
 from wirefe.model import ROW
-from wirefe.shape import WireShape, turned
+from wirefe.shape import WireShape, sphere_centres, turned
 
 POINT_DATA = ("displacement", "rotation", "contact_force", "pair_force")  # of a VTU file
 
@@ -119,8 +119,7 @@ def _pairs(nodes: np.ndarray) -> np.ndarray:
 def _contact_force(shape: WireShape, rows: np.ndarray, normal: np.ndarray) -> np.ndarray:
     """Sum of the pairs' normal forces on the nodes that carry their spheres, shape (nodes, 3)."""
     data = shape.data.contact
-    carried = rows[data.carrier]
-    centres = carried[:, :3] + turned(carried[:, 3:], data.offset)
+    centres = sphere_centres(data, rows.ravel())
     total = np.zeros((len(rows), 3))
     closed = data.pairs[normal > 0.0]
     first, second = closed.T

@@ -10,13 +10,20 @@ from coilspring.path import Friction
 from coilspring.scene import Scene
 from wirefe.contact import BOUND, G0, N0, ON, SLID, WORK
 from wirefe.mesh import WireMesh
-from wirefe.model import ROW, WireModel
+from wirefe.model import ROW, ContactArrays, WireModel
 
 
 def turned(q: np.ndarray, v: np.ndarray) -> np.ndarray:
     """Vectors v (..., 3) turned by the unit quaternions q (..., 4)."""
     t = 2.0 * np.cross(q[..., 1:], v)
     return v + q[..., :1] * t + np.cross(q[..., 1:], t)
+
+
+def sphere_centres(contact: ContactArrays, states: np.ndarray) -> np.ndarray:
+    """Centres of all spheres, shape (..., spheres, 3), in states (..., n), mm."""
+    nodes = states.reshape(*states.shape[:-1], states.shape[-1] // ROW, ROW)
+    carried = nodes[..., contact.carrier, :]
+    return carried[..., :3] + turned(carried[..., 3:], contact.offset)
 
 
 @dataclass(frozen=True)
@@ -39,8 +46,7 @@ class WireShape:
         return np.column_stack((moved[:, 0], moved[:, 1], angle))
 
     def _pair_vectors(self, states: np.ndarray) -> np.ndarray:
-        carried = self._nodes(states)[:, self.data.contact.carrier]
-        centres = carried[..., :3] + turned(carried[..., 3:], self.data.contact.offset)
+        centres = sphere_centres(self.data.contact, states)
         first, second = self.data.contact.pairs.T
         return centres[:, second] - centres[:, first]
 

@@ -19,7 +19,7 @@ from wirefe.elements import ELEMENTS
 from wirefe.mesh import WireMesh, strays
 from wirefe.rod import Rod
 from wirefe.rodpath import RodPath
-from wirefe.shape import WireShape, turned
+from wirefe.shape import WireShape, sphere_centres
 
 # Moves of a rod without contact are compared with this part of its length, as with a wire's diameter.
 LENGTHS_OF_A_WIRE = 50.0
@@ -136,8 +136,7 @@ def solve_rod(rod: Rod, *, steps: int = 10) -> RodPath:
 def with_strays(data: model.WireModel, state: np.ndarray, found: np.ndarray) -> np.ndarray:
     """The pairs `found` so far, and those that are near in `state` and no pairs yet."""
     contact = data.contact
-    carried = state.reshape(-1, model.ROW)[contact.carrier]
-    centres = carried[:, :3] + turned(carried[:, 3:], contact.offset)
+    centres = sphere_centres(contact, state)
     new, _ = strays(centres, contact.carrier, contact.pairs, contact.near, STRAY_REACH * contact.d)
     return np.concatenate((found, new))
 

@@ -96,19 +96,36 @@ def judge_branch(
         verdict.ask("critical_shift", shift, most_shift, "another critical time than the fine run's")
 
 
+def sharp_critical(verdict: Verdict, path: EquilibriumPath) -> tuple[float, float] | None:
+    """Critical time and the width of its bracket, which must be small; None where the path has none."""
+    if path.critical_time is None or path.critical_bracket is None:
+        verdict.complain(f"{path.outcome} without a critical time")
+        return None
+    share = path.critical_bracket / path.critical_time
+    verdict.ask("bracket", share, LOAD, "critical time is not that sharp")
+    return path.critical_time, path.critical_bracket
+
+
+def just_before(verdict: Verdict, case: Case, critical: float, time: float) -> EquilibriumPath | None:
+    """The case under the part of its load that acts at `time`; None where that is not reached."""
+    path = reached(case, under(case.scene, time))
+    if path.outcome != "completed":
+        verdict.complain(f"just before the critical time {critical:.6g}: {path.outcome}")
+        return None
+    return path
+
+
 def judge_critical(verdict: Verdict, energy: BeamEnergy, case: Case, path: EquilibriumPath) -> None:
     """The critical point must lie where the judge's Hessian changes sign, and the path must end there."""
-    critical = path.critical_time
-    if critical is None or path.critical_bracket is None:
-        verdict.complain(f"{path.outcome} without a critical time")
+    sharp = sharp_critical(verdict, path)
+    if sharp is None:
         return
-    verdict.ask("bracket", path.critical_bracket / critical, LOAD, "critical time is not that sharp")
-    if len(path.times) and path.times[-1] > critical + path.critical_bracket:
+    critical, width = sharp
+    if len(path.times) and path.times[-1] > critical + width:
         verdict.complain(f"continued to time {path.times[-1]:.6g} past the critical {critical:.6g}")
     time = critical * (1.0 - BEFORE)
-    before = reached(case, under(case.scene, time))
-    if before.outcome != "completed":
-        verdict.complain(f"just before the critical time {critical:.6g}: {before.outcome}")
+    before = just_before(verdict, case, critical, time)
+    if before is None:
         return
     judge_state(verdict, energy, before.states[-1], time)
     found = bracket(energy, before.states[-1], time, critical)

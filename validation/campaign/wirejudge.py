@@ -10,7 +10,7 @@ from scipy.optimize import brentq
 
 import wirefe
 from coilspring import EquilibriumPath
-from validation.campaign.judge import LOAD, judge_branch
+from validation.campaign.judge import LOAD, judge_branch, just_before, sharp_critical
 from validation.campaign.scenes import Case
 from validation.campaign.verdict import CRITICAL, Verdict, fine_steps, reached, under
 from validation.campaign.wire import WireForces, friction_of, wire_forces
@@ -74,19 +74,17 @@ def judge_balance(
 
 def _judge_critical(verdict: Verdict, forces: WireForces, case: Case, path: EquilibriumPath) -> None:
     """Balanced states just before the critical time must tend to a fold there, or arc length must turn."""
-    critical = path.critical_time
-    if critical is None or path.critical_bracket is None:
-        verdict.complain(f"{path.outcome} without a critical time")
+    sharp = sharp_critical(verdict, path)
+    if sharp is None:
         return
-    verdict.ask("bracket", path.critical_bracket / critical, LOAD, "critical time is not that sharp")
+    critical, _ = sharp
     if case.scene.contact.sliding != "free":
         return  # judged by the fine run: where friction follows the path, arc length is another one
     positions = []
     for share in BEFORE:
         time = critical * (1.0 - share)
-        before = reached(case, under(case.scene, time))
-        if before.outcome != "completed":
-            verdict.complain(f"just before the critical time {critical:.6g}: {before.outcome}")
+        before = just_before(verdict, case, critical, time)
+        if before is None:
             return
         judge_balance(verdict, forces, before.states[-1], time, friction_of(before, -1))
         positions.append(before.states[-1].reshape(-1, 7)[:, :3].ravel())

@@ -1,0 +1,26 @@
+"""The equivalent beam's arrays made ready for the path follower."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from coilspring.solving import Problem
+from equivbeam.contact import MEMORY
+from equivbeam.model import BeamModel, matrix_size, rest_state, top_place
+
+
+def rest_memory(data: BeamModel) -> np.ndarray:
+    """Contact memory at rest: no pair has ever closed."""
+    return np.zeros((len(data.pairs), MEMORY))
+
+
+def beam_problem(data: BeamModel, load: np.ndarray) -> Problem:
+    """The beam at rest under a load vector at time 1."""
+    return Problem(
+        data=data,
+        load=load,
+        start=rest_state(data),
+        memory=rest_memory(data),
+        matrix_size=matrix_size(data),
+        top=top_place(data),
+    )

@@ -1,0 +1,46 @@
+"""What the command says at the terminal: progress, whatever the encoding, and a closed output."""
+
+import os
+import subprocess
+import sys
+
+from validation.terminal import progress_shown
+
+
+def test_progress_is_shown_on_a_terminal_only(monkeypatch, capsys):
+    with progress_shown() as progress:
+        progress("working")
+    assert capsys.readouterr().err == ""
+    monkeypatch.setattr(sys.stderr, "isatty", lambda: True)
+    monkeypatch.setenv("TERM", "xterm")
+    with progress_shown() as progress:
+        progress("working [on it]")
+    output = capsys.readouterr()
+    assert output.out == ""
+    assert "working [on it]" in output.err
+
+
+def run_apart(folder, **settings):
+    """The command in a process of its own, with the output folder `folder`."""
+    arguments = ["solve", "spring-a", "--model", "equivbeam", "--steps", "1", "--out", str(folder)]
+    return subprocess.run(
+        [sys.executable, "-m", "validation.cli", *arguments], stderr=subprocess.PIPE, check=False, **settings
+    )
+
+
+def test_output_survives_a_narrow_encoding(tmp_path):
+    narrow = os.environ | {"PYTHONIOENCODING": "ascii"}
+    done = run_apart(tmp_path / "弹簧", stdout=subprocess.PIPE, env=narrow)
+    assert done.returncode == 0
+    assert b"\\u5f39\\u7c27" in done.stdout
+    assert done.stderr == b""
+
+
+def test_a_closed_standard_output_is_exit_4(tmp_path):
+    reader, writer = os.pipe()
+    os.close(reader)
+    done = run_apart(tmp_path, stdout=writer)
+    os.close(writer)
+    assert done.returncode == 4
+    assert done.stderr == b"coilcheck: cannot write to standard output: Broken pipe\n"
+    assert (tmp_path / "summary.json").exists()
