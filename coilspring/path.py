@@ -25,7 +25,7 @@ class Friction:
 
     Attributes
     ----------
-    force : (states, pairs, 2 or 3) tangential force on the lower body of each pair, N.
+    force : (states, pairs, 3) tangential force on the lower body of each pair, N.
     slip : (states, pairs) length that each pair has slid since it closed, mm.
     work : (states, pairs) work that friction has taken from each pair since it closed, N mm.
     """

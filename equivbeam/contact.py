@@ -1,7 +1,6 @@
-"""Penalty contact between the circles in which the wire meets the working plane: (10)-(13).
+"""Contact between the circles in which the wire meets the working plane, (10)-(13), in the nodes' freedoms.
 
-With the centres cA, cB of a pair, g = cB - cA and h = |g|, the potential is
-``Kc max(0, d - h)^(k+1) / (k+1)``; its gradient is the force (12) on the nodes and its moment.
+The law of a pair is `coilspring.pairlaw`.
 """
 
 from __future__ import annotations
@@ -9,11 +8,6 @@ from __future__ import annotations
 import math
 
 from coilspring.compiled import part
-
-# A pair's row of the contact memory: whether it is held, g0, n0, the bound of its tangential force, the
-# length it has slid, and the work that friction has taken.
-ON, GX0, GY0, NX0, NY0, BOUND, SLID, WORK = range(8)
-MEMORY = 8
 
 
 @part
@@ -24,68 +18,8 @@ def circle_centre(x, y, theta, ox, oy):
 
 
 @part
-def pair_potential(gx, gy, h, d, kc, k, row, f, H):
-    """Energy of one pair as a function of g; fills its gradient `f` (2,) and Hessian `H` (2, 2).
-
-    `row` is the pair's row of the contact memory: where held, the tangential potential
-    1/2 kt |(I - n0 n0^T)(g - g0)|^2 holds the pair, with kt = Kc, up to the bound of its force.
-    """
-    energy = 0.0
-    f[0] = f[1] = 0.0
-    H[0, 0] = H[0, 1] = H[1, 0] = H[1, 1] = 0.0
-    delta = d - h
-    if delta > 0.0:
-        nx, ny = gx / h, gy / h
-        F = kc * delta**k
-        slope = kc * k * delta ** (k - 1.0)
-        turn = F / h
-        f[0], f[1] = -F * nx, -F * ny
-        H[0, 0] = slope * nx * nx - turn * ny * ny
-        H[1, 1] = slope * ny * ny - turn * nx * nx
-        H[0, 1] = H[1, 0] = (slope + turn) * nx * ny
-        energy = F * delta / (k + 1.0)
-    if row[ON] > 0.0:
-        tx, ty = -row[NY0], row[NX0]
-        e = tx * (gx - row[GX0]) + ty * (gy - row[GY0])
-        kt, T = kc, kc * e
-        if abs(T) <= row[BOUND]:
-            energy += 0.5 * T * e
-        else:
-            kt, T = 0.0, math.copysign(row[BOUND], e)
-            energy += row[BOUND] * (abs(e) - 0.5 * row[BOUND] / kc)
-        f[0] += T * tx
-        f[1] += T * ty
-        H[0, 0] += kt * tx * tx
-        H[1, 1] += kt * ty * ty
-        H[0, 1] += kt * tx * ty
-        H[1, 0] += kt * tx * ty
-    return energy
-
-
-@part
-def hold(gx, gy, h, kc, row):
-    """Update a pair's memory where it touches at the end of a substep.
-
-    A new pair is remembered as it is; one that slid keeps the stretch that its bound allows.
-    """
-    if row[ON] == 0.0:
-        row[GX0], row[GY0], row[NX0], row[NY0] = gx, gy, gx / h, gy / h
-        row[ON], row[BOUND], row[SLID], row[WORK] = 1.0, math.inf, 0.0, 0.0
-        return
-    e = row[NX0] * (gy - row[GY0]) - row[NY0] * (gx - row[GX0])
-    if kc * abs(e) <= row[BOUND]:
-        return
-    way = abs(e) - row[BOUND] / kc
-    row[SLID] += way
-    row[WORK] += row[BOUND] * way
-    row[NX0], row[NY0] = gx / h, gy / h
-    kept = math.copysign(row[BOUND] / kc, e)
-    row[GX0], row[GY0] = gx + kept * row[NY0], gy - kept * row[NX0]
-
-
-@part
 def pair_forces(f, H, rax, ray, rbx, rby, g, K):
-    """Gradient (6,) and Hessian (6, 6) in the two nodes' freedoms from those in the vector g.
+    """Gradient (6,) and Hessian (6, 6) in the freedoms of the two nodes from those in the vector g (3,).
 
     `ra`, `rb` are the vectors from each node to its circle's centre, as turned now.
     """

@@ -8,8 +8,9 @@ import numpy as np
 
 from coilspring.compiled import copy, kernel, part
 from coilspring.packing import heads
+from coilspring.pairlaw import BOUND, ON, hold, pair_potential
 from equivbeam.band import ROW, WIDTH
-from equivbeam.contact import BOUND, ON, circle_centre, hold, pair_forces, pair_potential
+from equivbeam.contact import circle_centre, pair_forces
 from equivbeam.halfcoil import gradient, hessian, measures, paper_matrix
 from equivbeam.haringx import KAX, KFL, KSH, L0
 from equivbeam.laws import response
@@ -53,6 +54,14 @@ def _centres(model, state):
 
 
 @part
+def _vector(c, pairs, m, w):
+    """Vector (3,) between the centres of a pair, in the working plane; returns its square."""
+    A, B = pairs[m, 0], pairs[m, 1]
+    w[0], w[1], w[2] = c[B, 0] - c[A, 0], c[B, 1] - c[A, 1], 0.0
+    return w[0] * w[0] + w[1] * w[1]
+
+
+@part
 def _bound(reach, a, b):
     """Bound on how far any circle's centre moved between two states."""
     most = 0.0
@@ -66,20 +75,26 @@ def _bound(reach, a, b):
 def _add_pairs(model, memory, state, g, H, ge, Ke):
     """Contact energy; adds its gradient and Hessian. Only pairs that touch are scattered."""
     energy = 0.0
-    f = np.empty(2)
-    Hg = np.empty((2, 2))
+    w, e, f = np.empty(3), np.empty(3), np.empty(3)
+    Hg = np.empty((3, 3))
     c, pairs, carrier = _centres(model, state), model.pairs, model.carrier
     for m in range(pairs.shape[0]):
-        A, B = pairs[m, 0], pairs[m, 1]
-        xa, ya, xb, yb = c[A, 0], c[A, 1], c[B, 0], c[B, 1]
-        gx, gy = xb - xa, yb - ya
-        h2 = gx * gx + gy * gy
+        h2 = _vector(c, pairs, m, w)
         if h2 >= model.d * model.d and memory[m, ON] == 0.0:
             continue
+        A, B = pairs[m, 0], pairs[m, 1]
         a, b = carrier[A], carrier[B]
-        energy += pair_potential(gx, gy, math.sqrt(h2), model.d, model.kc, model.k, memory[m], f, Hg)
+        energy += pair_potential(w, math.sqrt(h2), model.d, model.kc, model.k, memory[m], e, f, Hg)
+        p, q = 3 * a, 3 * b
         pair_forces(
-            f, Hg, xa - state[3 * a], ya - state[3 * a + 1], xb - state[3 * b], yb - state[3 * b + 1], ge, Ke
+            f,
+            Hg,
+            c[A, 0] - state[p],
+            c[A, 1] - state[p + 1],
+            c[B, 0] - state[q],
+            c[B, 1] - state[q + 1],
+            ge,
+            Ke,
         )
         _add_nodes(g, H, ge, Ke, a, b)
     return energy
@@ -156,15 +171,6 @@ def carry(reals, ints, a, b, v):
     """See `coilspring.kernelset`: half coils are as stiff in all directions, nearly."""
 
 
-@part
-def nearest(gx, gy, sx, sy):
-    """Least length of g + x s for x from 0 to 1."""
-    square = sx * sx + sy * sy
-    x = -(gx * sx + gy * sy) / square if square > 0.0 else 0.0
-    x = min(max(x, 0.0), 1.0)
-    return math.hypot(gx + x * sx, gy + x * sy)
-
-
 @kernel
 def distance(reals, ints, a, b):
     """See `coilspring.kernelset`."""
@@ -182,20 +188,25 @@ def motion(reals, ints, a, b):
     inner = (1.0 - TOUCH) * model.d
     if model.pairs.shape[0] == 0:
         return most, free
-    before, after = _centres(model, a), _centres(model, b)
-    pairs, d = model.pairs, model.d
+    before, after, pairs, d = _centres(model, a), _centres(model, b), model.pairs, model.d
+    v, w = np.empty(3), np.empty(3)
     for m in range(pairs.shape[0]):
-        A, B = pairs[m, 0], pairs[m, 1]
-        gx, gy = before[B, 0] - before[A, 0], before[B, 1] - before[A, 1]
-        wx, wy = after[B, 0] - after[A, 0], after[B, 1] - after[A, 1]
-        sx, sy = wx - gx, wy - gy
-        g2, way2 = gx * gx + gy * gy, sx * sx + sy * sy
-        if g2 >= d * d and wx * wx + wy * wy < inner * inner:
-            # first x with |g + x s| = inner
-            along = -(gx * sx + gy * sy)
-            root = math.sqrt(max(along**2 - way2 * (g2 - inner**2), 0.0))
+        start, end = _vector(before, pairs, m, v), _vector(after, pairs, m, w)
+        way2, along = 0.0, 0.0
+        for i in range(2):
+            way2 += (w[i] - v[i]) ** 2
+            along -= v[i] * (w[i] - v[i])
+        if start >= d * d and end < inner * inner:
+            # first x with |v + x (w - v)| = inner
+            root = math.sqrt(max(along**2 - way2 * (start - inner**2), 0.0))
             free = min(free, (along - root) / way2)
-        if way2 > most * most and nearest(gx, gy, sx, sy) < NEAR * d:
+        if way2 <= most * most:
+            continue
+        x = min(max(along / way2, 0.0), 1.0)
+        near = 0.0
+        for i in range(2):
+            near += (v[i] + x * (w[i] - v[i])) ** 2
+        if near < (NEAR * d) ** 2:
             most = math.sqrt(way2)
     return most / d, free
 
@@ -211,15 +222,14 @@ def commit(reals, ints, state, memory):
     if model.pairs.shape[0] == 0:
         return least
     c, pairs = _centres(model, state), model.pairs
+    w, e = np.empty(3), np.empty(3)
     for m in range(pairs.shape[0]):
-        A, B = pairs[m, 0], pairs[m, 1]
-        gx, gy = c[B, 0] - c[A, 0], c[B, 1] - c[A, 1]
-        h = math.sqrt(gx * gx + gy * gy)
+        h = math.sqrt(_vector(c, pairs, m, w))
         least = min(least, h - model.d)
         if model.mu == 0.0:
             continue
         if h < model.d:
-            hold(gx, gy, h, model.kc, memory[m])
+            hold(w, h, model.kc, memory[m], e)
         else:
             memory[m, ON] = 0.0
     return least
@@ -232,14 +242,13 @@ def renew(reals, ints, state, memory):
     change, most = 0.0, 0.0
     if model.mu == 0.0:
         return change
-    c, pairs = _centres(model, state), model.pairs
+    c, pairs, w = _centres(model, state), model.pairs, np.empty(3)
     for m in range(pairs.shape[0]):
         if memory[m, ON] == 0.0:
             continue
         bound = model.mu
         if bound < np.inf:
-            A, B = pairs[m, 0], pairs[m, 1]
-            h = math.hypot(c[B, 0] - c[A, 0], c[B, 1] - c[A, 1])
+            h = math.sqrt(_vector(c, pairs, m, w))
             bound *= model.kc * max(model.d - h, 0.0) ** model.k
             change = max(change, abs(bound - memory[m, BOUND]))
             most = max(most, bound)

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
+from coilspring.pairlaw import MEMORY
 from coilspring.solving import Problem
-from equivbeam.contact import MEMORY
 from equivbeam.model import BeamModel, matrix_size, rest_state, top_place
 
 

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from coilspring.pairlaw import pair_friction
 from coilspring.path import Friction
 from coilspring.scene import Scene
-from equivbeam.contact import BOUND, GX0, GY0, NX0, NY0, ON, SLID, WORK
 from equivbeam.model import BeamModel, rest_state
 
 
@@ -43,9 +43,10 @@ class BeamShape:
         return nodes[..., :2] + np.stack((c * ox - s * oy, s * ox + c * oy), axis=-1)
 
     def _pair_vectors(self, states: np.ndarray) -> np.ndarray:
+        """Vectors between the centres of the pairs, shape (states, pairs, 3)."""
         centres = self.circles(states)
         first, second = self.data.pairs.T
-        return centres[:, second] - centres[:, first]
+        return np.pad(centres[:, second] - centres[:, first], ((0, 0), (0, 0), (0, 1)))
 
     def pair_gaps(self, states: np.ndarray) -> np.ndarray:
         """Gap of every pair, negative where it penetrates, shape (states, pairs), mm."""
@@ -57,18 +58,7 @@ class BeamShape:
 
     def pair_friction(self, states: np.ndarray, memories: np.ndarray) -> Friction:
         """Tangential forces, slips and frictional work of every pair."""
-        held = memories[..., ON] > 0.0
-        normal = memories[..., [NX0, NY0]]
-        tangent = np.stack((-normal[..., 1], normal[..., 0]), axis=-1)
-        e = ((self._pair_vectors(states) - memories[..., [GX0, GY0]]) * tangent).sum(axis=-1)
-        bound = np.where(held, memories[..., BOUND], 0.0)
-        force = np.clip(self.data.kc * e, -bound, bound)
-        way = np.abs(e - force / self.data.kc) * held
-        return Friction(
-            force=force[..., None] * tangent,
-            slip=memories[..., SLID] * held + way,
-            work=memories[..., WORK] * held + np.where(way > 0.0, np.abs(force) * way, 0.0),
-        )
+        return pair_friction(self._pair_vectors(states), memories, self.data.kc)
 
     def centreline(self, state: np.ndarray, phases: np.ndarray) -> np.ndarray:
         """Wire at the phases given, shape (phases, 3), mm.

@@ -12,11 +12,11 @@ from coilspring.errors import InputError, require_choice, require_number, shown
 from coilspring.kernelset import Kernels
 from coilspring.path import EquilibriumPath
 from coilspring.scene import Scene
-from coilspring.solving import MOST_ITERATIONS, Problem, follow_load, scene_path
+from coilspring.solving import MOST_ITERATIONS, follow_load, scene_path
 from equivbeam import band, driven, kernels, model
-from equivbeam.contact import MEMORY
 from equivbeam.helix import HIGH, LOW, Refinements
 from equivbeam.laws import LAWS
+from equivbeam.problem import beam_problem
 from equivbeam.rendering import BeamShape
 
 SLIDING = ("ignore", "scene")
@@ -89,14 +89,7 @@ def solve(
     _refuse_mixtures(law, tangent, refinements, factors)
     scene = scene.overridden(steps, penalty)
     data = model.build_model(scene, tangent, sliding, law, refinements or model.ALL, factors)
-    problem = Problem(
-        data=data,
-        load=model.load_vector(data, scene),
-        start=model.rest_state(data),
-        memory=np.zeros((len(data.pairs), MEMORY)),
-        matrix_size=model.matrix_size(data),
-        top=model.top_place(data),
-    )
+    problem = beam_problem(data, model.load_vector(data, scene))
     exact = tangent == "exact"
     limit = MOST_ITERATIONS if exact else MOST_PAPER_ITERATIONS
     run = follow_load(scene, problem, KERNELS, DRIVEN, limit=limit, predictor=exact)

@@ -3,20 +3,22 @@
 import numpy as np
 import pytest
 
-from equivbeam.contact import MEMORY, circle_centre, pair_forces, pair_potential
+from coilspring.pairlaw import MEMORY, pair_potential
+from equivbeam.contact import circle_centre, pair_forces
 
 D, KC = 1.5, 2.0e4
 OFFSETS = np.array([[5.0, 0.0], [4.6, -0.75]])
 FREE = np.zeros(MEMORY)
-STUCK = np.array([1.0, 0.05, 1.40, *np.array([0.05, 1.40]) / np.hypot(0.05, 1.40), np.inf, 0.0, 0.0])
-SLIDING = np.array([*STUCK[:5], 300.0, 0.0, 0.0])
+G0 = np.array([0.05, 1.40, 0.0])
+STUCK = np.array([1.0, *G0, *G0 / np.linalg.norm(G0), np.inf, 0.0, 0.0])
+SLIDING = np.array([*STUCK[:7], 300.0, 0.0, 0.0])
 
 
 def pair(q, k=1.0, memory=FREE, distance=D):
     xa, ya = circle_centre(*q[:3], *OFFSETS[0])
     xb, yb = circle_centre(*q[3:], *OFFSETS[1])
-    f, H = np.empty(2), np.empty((2, 2))
-    energy = pair_potential(xb - xa, yb - ya, np.hypot(xb - xa, yb - ya), distance, KC, k, memory, f, H)
+    w, f, H = np.array([xb - xa, yb - ya, 0.0]), np.empty(3), np.empty((3, 3))
+    energy = pair_potential(w, np.linalg.norm(w), distance, KC, k, memory, np.empty(3), f, H)
     g, K = np.empty(6), np.empty((6, 6))
     pair_forces(f, H, xa - q[0], ya - q[1], xb - q[3], yb - q[4], g, K)
     return energy, g, K

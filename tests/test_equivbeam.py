@@ -18,8 +18,8 @@ from coilspring import (
     spring_b,
 )
 from coilspring.packing import pack
+from coilspring.pairlaw import MEMORY
 from equivbeam import band, kernels, model
-from equivbeam.contact import MEMORY
 
 # Our own prototype's values, printed with five digits; the paper gives pictures only.
 TIPS = {

@@ -10,10 +10,9 @@ import equivbeam
 import wirefe
 from coilspring import Contact, InputError, load_scene
 from coilspring.packing import pack
+from coilspring.pairlaw import SLID
 from coilspring.scenefile import scene_from_text
-from equivbeam.contact import SLID as BEAM_SLID
 from wirefe import kernels, model
-from wirefe.contact import SLID
 from wirestates import add, centres, elements
 
 NONE = np.inf  # no sliding
@@ -197,7 +196,7 @@ def test_spread_over_the_steps(mu, bound):
 @pytest.mark.parametrize("mu", [0.1, 0.3])
 def test_equivalent_beam_keeps_coulombs_law(mu):
     path = beam_solved("spring-a", mu)
-    assert_coulombs_law(path, mu, BEAM_SLID)
+    assert_coulombs_law(path, mu, SLID)
     assert np.diff(path.friction.work, axis=0)[path.gaps[1:] < 0.0].min() >= -1e-15
 
 

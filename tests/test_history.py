@@ -11,8 +11,8 @@ from coilspring import Contact, EquilibriumNotFound, InputError, Load, Supports,
 from coilspring.driving import Drive
 from coilspring.history import loads, machine_stiffness
 from coilspring.packing import pack
+from coilspring.pairlaw import MEMORY
 from coilspring.sizing import axial_rate
-from equivbeam.contact import MEMORY
 from validation.metrics import compare_paths
 from wirefe.solve import scene_problem
 

@@ -9,9 +9,9 @@ from scipy.spatial import cKDTree
 import wirefe
 from coilspring import Contact, Load, spring_a, spring_b
 from coilspring.packing import pack
+from coilspring.pairlaw import MEMORY
 from validation.reached import as_far
 from wirefe import kernels, model
-from wirefe.contact import MEMORY
 from wirefe.mesh import strays
 from wirestates import centres
 

@@ -12,9 +12,9 @@ import equivbeam
 import wirefe
 from coilspring import CoilSection, Contact, InputError, Load, Material, Scene, Spring, Supports, load_scene
 from coilspring.packing import pack
+from coilspring.pairlaw import MEMORY
 from coilspring.wire import round_section
 from equivbeam import kernels, model
-from equivbeam.contact import MEMORY
 from wirefe.elements import curved_elements
 from wirefe.modes import linear_stiffness
 from wirefe.shape import turned

@@ -10,6 +10,7 @@ import pytest
 
 import equivbeam
 from coilspring import InputError, spring_a, spring_b
+from coilspring.pairlaw import MEMORY
 from coilspring.solving import Problem, follow_problem, output_times, scene_path
 from coilspring.wire import round_section
 from equivbeam import model as beam
@@ -25,7 +26,6 @@ from validation.sensitivity import Change, Study, farther, sensitivity
 from validation.sensitivitydata import NO_INPUT
 from validation.topheight import TipCurve, raised
 from wirefe import model as wire
-from wirefe.contact import MEMORY as WIRE_MEMORY
 from wirefe.mesh import mesh_wire, place_spheres
 from wirefe.rod import straight_rod
 from wirefe.shape import WireShape
@@ -103,7 +103,7 @@ def by_shifted_mesh(scene, height):
     rod = rod.holding(top, "uz", "rotx", "roty").loaded(top, force=(*scene.load.force, 0.0))
     data = wire.rod_model(rod, mesh.arm, place_spheres(scene, mesh, 40, 4))
     start, pairs = wire.rest_state(rod, mesh.arm), len(data.contact.pairs)
-    memory = np.zeros((pairs, WIRE_MEMORY))
+    memory = np.zeros((pairs, MEMORY))
     problem = Problem(data, wire.load_vector(rod), start, memory, wire.matrix_size(data), lean=True)
     return scene_path(scene, WIRE, {}, _followed(scene, problem, WIRE_KERNELS), WireShape(scene, data, mesh))
 

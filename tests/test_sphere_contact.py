@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from wirefe.contact import BOUND, MEMORY, hold, pair_matrix, sphere_pair, stretch
+from coilspring.pairlaw import BOUND, MEMORY, hold, pair_potential, stretch
+from wirefe.contact import pair_matrix
 
 D, K = 1.5, 1.0e4
 FREE = np.zeros(MEMORY)
@@ -17,7 +18,7 @@ def pair(d, gap, k=1.0, memory=FREE):
     direction = np.array([0.2, 0.9, -0.1]) / np.linalg.norm([0.2, 0.9, -0.1])
     w = (D + gap) * direction + d[6:9] + arms[1] - ARMS[1] - d[:3] - arms[0] + ARMS[0]
     f, H = np.empty(3), np.empty((3, 3))
-    energy = sphere_pair(w, np.linalg.norm(w), D, K, k, memory, np.empty(3), f, H)
+    energy = pair_potential(w, np.linalg.norm(w), D, K, k, memory, np.empty(3), f, H)
     g, full = np.empty(12), np.empty((12, 12))
     pair_matrix(f, H, *arms, g, full, np.empty((3, 6)), np.empty((3, 6)), np.empty((3, 3)))
     return energy, g, full
@@ -30,7 +31,7 @@ def stuck(bound=np.inf):
 
 def test_force_by_hand():
     f, H = np.empty(3), np.empty((3, 3))
-    energy = sphere_pair(np.array([0.0, 1.4, 0.0]), 1.4, D, K, 1.0, FREE, np.empty(3), f, H)
+    energy = pair_potential(np.array([0.0, 1.4, 0.0]), 1.4, D, K, 1.0, FREE, np.empty(3), f, H)
     assert energy == pytest.approx(50.0)
     np.testing.assert_allclose(f, [0.0, -1000.0, 0.0])
     np.testing.assert_allclose(H, np.diag([-1000 / 1.4, 1e4, -1000 / 1.4]), atol=1e-9)
@@ -40,7 +41,9 @@ def test_sliding_potential_by_hand():
     """0.1 mm of slip along x holds back with 1000 N; what goes along n0 is not slip."""
     f, H = np.empty(3), np.empty((3, 3))
     memory = np.array([1.0, 0.0, 1.45, 0.0, 0.0, 1.0, 0.0, np.inf, 0.0, 0.0])
-    energy = sphere_pair(np.array([0.1, 1.6, 0.0]), np.hypot(0.1, 1.6), D, K, 1.0, memory, np.empty(3), f, H)
+    energy = pair_potential(
+        np.array([0.1, 1.6, 0.0]), np.hypot(0.1, 1.6), D, K, 1.0, memory, np.empty(3), f, H
+    )
     assert energy == pytest.approx(0.5 * K * 0.1**2)
     np.testing.assert_allclose(f, [1000.0, 0.0, 0.0], atol=1e-9)
     np.testing.assert_allclose(H, np.diag([K, 0.0, K]))
@@ -85,7 +88,7 @@ def test_friction_by_hand():
     f, H, e = np.empty(3), np.empty((3, 3)), np.empty(3)
     row = np.array([1.0, 0.0, 1.45, 0.0, 0.0, 1.0, 0.0, 300.0, 0.0, 0.0])
     g = np.array([0.1, 1.6, 0.0])
-    energy = sphere_pair(g, np.hypot(0.1, 1.6), D, K, 1.0, row, e, f, H)
+    energy = pair_potential(g, np.hypot(0.1, 1.6), D, K, 1.0, row, e, f, H)
     assert energy == pytest.approx(0.5 * K * 0.03**2 + 300.0 * 0.07)
     np.testing.assert_allclose(f, [300.0, 0.0, 0.0], atol=1e-9)
     np.testing.assert_allclose(H, np.diag([0.0, 0.0, 300.0 / 0.1]), atol=1e-9)

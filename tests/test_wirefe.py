@@ -20,11 +20,11 @@ from coilspring import (
     spring_b,
 )
 from coilspring.packing import pack
+from coilspring.pairlaw import MEMORY
 from coilspring.wire import round_section
 from validation.reached import as_far
 from wirefe import kernels, model
 from wirefe.beam import beams, deformations
-from wirefe.contact import MEMORY
 from wirefe.elements import _flexibility, curved_elements
 from wirefe.rotations import exponential, quaternion_product
 

@@ -7,9 +7,10 @@ import math
 import numpy as np
 
 from coilspring.compiled import copy, kernel, part
+from coilspring.pairlaw import BOUND, ON, hold, pair_potential
 from wirefe.beam import beams
 from wirefe.chain import eliminate, substitute
-from wirefe.contact import BOUND, ON, hold, lever, pair_matrix, sphere_pair
+from wirefe.contact import lever, pair_matrix
 from wirefe.model import ROW, view_contact, view_elements, view_held, view_plan
 from wirefe.retraction import Way, close, place, spin_between, turn_along
 from wirefe.rotations import rotate
@@ -130,7 +131,7 @@ def _add_pairs(contact, memory, state, g, H):
             h2 += w[i] * w[i]
         if h2 >= contact.d * contact.d and memory[m, ON] == 0.0:
             continue
-        energy += sphere_pair(w, math.sqrt(h2), contact.d, contact.kc, contact.k, memory[m], e, f, Hg)
+        energy += pair_potential(w, math.sqrt(h2), contact.d, contact.kc, contact.k, memory[m], e, f, Hg)
         a, b = contact.carrier[A], contact.carrier[B]
         for i in range(3):
             ca[i] -= state[ROW * a + i]

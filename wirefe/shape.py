@@ -6,9 +6,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from coilspring.pairlaw import pair_friction
 from coilspring.path import Friction
 from coilspring.scene import Scene
-from wirefe.contact import BOUND, G0, N0, ON, SLID, WORK
 from wirefe.mesh import WireMesh
 from wirefe.model import ROW, ContactArrays, WireModel
 
@@ -60,20 +60,7 @@ class WireShape:
 
     def pair_friction(self, states: np.ndarray, memories: np.ndarray) -> Friction:
         """Tangential forces, slips and frictional work of every pair."""
-        held = memories[..., ON] > 0.0
-        normal = memories[..., N0 : N0 + 3]
-        g = self._pair_vectors(states) - memories[..., G0 : G0 + 3]
-        e = (g - (g * normal).sum(axis=-1, keepdims=True) * normal) * held[..., None]
-        length = np.linalg.norm(e, axis=-1)
-        bound = np.where(held, memories[..., BOUND], 0.0)
-        force = np.minimum(self.data.contact.kc * length, bound)
-        way = length - force / self.data.contact.kc
-        share = np.divide(force, length, out=np.zeros_like(force), where=length > 0.0)
-        return Friction(
-            force=share[..., None] * e,
-            slip=memories[..., SLID] * held + way,
-            work=memories[..., WORK] * held + force * way,
-        )
+        return pair_friction(self._pair_vectors(states), memories, self.data.contact.kc)
 
     def centreline(self, state: np.ndarray, phases: np.ndarray) -> np.ndarray:
         """Wire at the phases given, shape (phases, 3), mm.

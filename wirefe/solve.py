@@ -8,13 +8,13 @@ import numpy as np
 
 from coilspring.errors import EquilibriumNotFound, InputError, require_choice, require_integer
 from coilspring.kernelset import Kernels
+from coilspring.pairlaw import MEMORY
 from coilspring.path import EquilibriumPath
 from coilspring.scene import Scene
 from coilspring.solving import Problem, follow_load, follow_problem, scene_path
 from coilspring.stepping import STRAY
 from coilspring.warming import begin
 from wirefe import driven, kernels, model
-from wirefe.contact import MEMORY
 from wirefe.elements import ELEMENTS
 from wirefe.mesh import WireMesh, strays
 from wirefe.rod import Rod
