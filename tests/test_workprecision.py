@@ -11,6 +11,7 @@ from types import ModuleType, SimpleNamespace
 import numpy as np
 import pytest
 
+import validation.workdata as workdata
 import validation.workprecision as work
 import validation.worksettings as worksettings
 from coilspring import InputError
@@ -74,18 +75,18 @@ def point(time, error, steps=STEPS, competes=True):
 def test_the_front_keeps_what_nothing_faster_matches():
     points = [point(4.0, 1e-4), point(1.0, 1e-2), point(2.0, 9.5e-3), point(3.0, 1e-3), point(5.0, 2e-4)]
     points += [point(0.5, 1e-9, competes=False)]
-    found = work.front(points, lambda each: each.error)
+    found = workdata.front(points, lambda each: each.error)
     assert [each.ratio.median for each in found] == [1.0, 3.0, 4.0]
 
 
 def test_of_equal_times_the_smaller_error_counts_then_the_order():
     points = [point(1.0, 1e-2), point(1.01, 1e-3), point(0.99, 1e-2), point(1.02, 1e-3)]
-    assert work.front(points, lambda each: each.error) == (points[1],)
+    assert workdata.front(points, lambda each: each.error) == (points[1],)
 
 
 def test_errors_below_the_references_own_are_one():
     points = [point(1.0, 1e-5), point(2.0, 1e-9)]
-    assert len(work.front(points, lambda each: max(each.error, 1e-5))) == 1
+    assert len(workdata.front(points, lambda each: max(each.error, 1e-5))) == 1
 
 
 def test_straight_elements_are_of_second_order(study):

@@ -18,7 +18,7 @@ from validation.output import write_files
 from validation.penaltyfigure import draw_penalties
 from validation.penaltysweep import Sweep
 from validation.style import BLUE, DOUBLE, RC, RED
-from validation.workprecision import Point, Study
+from validation.workdata import Point, Study
 from validation.worksettings import SERIES, STEPS, TITLES
 
 COLUMNS = 3
