@@ -118,7 +118,7 @@ def _add_workprecision(commands: argparse._SubParsersAction) -> None:
     names = _some_of(STUDY_SCENES)
     command.add_argument("--only", type=names, metavar="NAMES", help=_some(STUDY_SCENES))
     size = command.add_mutually_exclusive_group()
-    size.add_argument("--quick", action="store_true", help="few meshes, few rounds: less than a minute")
+    size.add_argument("--quick", action="store_true", help="few meshes, few rounds: about a minute")
     size.add_argument("--full", action="store_true", help="meshes up to 320 elements a turn")
 
 

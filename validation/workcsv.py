@@ -29,7 +29,7 @@ def data(studies: Sequence[Study], sweeps: Sequence[Sweep]) -> str:
     writer = csv.writer(text, lineterminator="\n")
     writer.writerow(HEADER)
     for study in studies:
-        writer.writerows(_row(study, point) for point in study.points)
+        writer.writerows(_row(study, point) for point in (*study.points, *study.peers))
     for sweep in sweeps:
         for model, points in sweep.points.items():
             writer.writerows(_penalty_row(sweep, model, point) for point in points)

@@ -79,12 +79,14 @@ class Study:
     scene, reference : what was solved, and what the paths are compared with.
     points : in the order of `worksettings.settings`.
     paper : CPU seconds of the paper's FE mesh, as they were measured.
+    peers : OpenSees where it is installed, on no front; it has no shape.
     """
 
     scene: Scene
     reference: Reference
     points: tuple[Point, ...]
     paper: Spread
+    peers: tuple[Point, ...] = ()
 
     @property
     def curve_front(self) -> tuple[Point, ...]:

@@ -27,6 +27,7 @@ from validation.provenance import write_provenance
 from validation.reached import as_far
 from validation.timing import Spread
 from validation.workdata import Point, Study
+from validation.workpeer import peer_points
 from validation.workreference import reference
 from validation.worksettings import EXTENTS, Extent, Setting, settings, study_scenes
 
@@ -122,7 +123,8 @@ def study(scene: Scene, extent: Extent, progress: Callable[[str], None]) -> Stud
         )
         for setting, path, ratio in zip(runs, paths, ratios, strict=True)
     )
-    return Study(scene, best, tuple(points), Spread.of(paper))
+    peers = peer_points(scene, extent, best, float(np.median(paper)), progress)
+    return Study(scene, best, tuple(points), Spread.of(paper), peers)
 
 
 def reached(scene: Scene, setting: Setting) -> EquilibriumPath:

@@ -8,7 +8,7 @@ from pathlib import Path
 from validation import equalerror, penaltysweep, worktables
 from validation.binding import EQUAL_ERROR
 from validation.document import Block, Heading, Picture, Text, to_markdown
-from validation.machine import machine
+from validation.machine import machine, versions
 from validation.output import write_text
 from validation.penaltysweep import Sweep
 from validation.workcsv import data
@@ -54,6 +54,7 @@ def markdown(studies: Sequence[Study], sweeps: Sequence[Sweep], extent: Extent, 
         Heading(2, "Pareto front of the shape at full load"),
         worktables.front_table(studies, lambda study: study.shape_front),
     ]
+    blocks += [Heading(2, "OpenSees"), *_peer(studies, extent)]
     if sweeps:
         picture = [Picture("workprecision-penalty.png", CAPTIONS["penalty"])] if drawn else []
         blocks += [
@@ -81,6 +82,25 @@ _PAIRS = (
     f"The number of sphere pairs is part of the contact model: the scenes have {PAIRS} a turn, as the paper. "
     "Others change the answer by this much, which no mesh can tell, and are on neither front."
 )
+
+
+_NO_PEER = (
+    "Not in these figures: OpenSees was not installed where they were measured "
+    "(`pip install -e '.[peers]'` adds it)."
+)
+
+
+def _peer(studies: Sequence[Study], extent: Extent) -> list[Block]:
+    if not any(study.peers for study in studies):
+        return [Text(_NO_PEER)]
+    version = versions("openseespy")["openseespy"]
+    words = (
+        f"The wire model of straight elements in another code, openseespy {version}: same nodes, section, "
+        "supports, sphere pairs and penalty, so that its error is that of the mesh, too. Its time is that of "
+        f"the analysis without the building of the model, in {extent.peer_rounds} rounds beside the paper's "
+        "mesh. It has no shape here and is on no front."
+    )
+    return [Text(words), worktables.peer_table(studies)]
 
 
 def _method(extent: Extent) -> list[Block]:

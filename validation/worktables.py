@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 
 from validation.document import Table
 from validation.tables import spread
@@ -70,6 +71,28 @@ def front_table(studies: Sequence[Study], chosen: Callable[[Study], tuple[Point,
             errors = (_percent(point.error.curve_max), f"{point.error.shape_max:.2g}")
             name = TITLES[study.scene.name]
             rows.append((name, point.setting.label, spread(point.seconds, 1e3), share, *errors))
+    return Table(header, tuple(rows))
+
+
+def peer_table(studies: Sequence[Study]) -> Table:
+    """OpenSees beside the wire model with the same mesh and steps."""
+    header = (
+        *("scene", "elements a turn", "steps", "outcome", "OpenSees (ms)", "wire model (ms)"),
+        *("OpenSees / wire model", "OpenSees, curve (%)", "wire model, curve (%)"),
+    )
+    rows = []
+    for study in studies:
+        for point in study.peers:
+            same = replace(point.setting, series="straight")
+            wire = next(other for other in study.points if other.setting == same)
+            rows.append(
+                (
+                    *(TITLES[study.scene.name], str(same.mesh), str(same.steps)),
+                    *(point.outcome.replace("_", " "), spread(point.seconds, 1e3), spread(wire.seconds, 1e3)),
+                    f"{point.ratio.median / wire.ratio.median:.3g}",
+                    *(f"{100.0 * each.error.curve_max:.4f}" for each in (point, wire)),
+                )
+            )
     return Table(header, tuple(rows))
 
 
