@@ -80,7 +80,10 @@ def _add_reproduce(commands: argparse._SubParsersAction) -> None:
         "folder coilcheck among the user's caches, 256 MiB at most."
     )
     command.add_argument("--only", type=_some_of(ARTEFACTS), metavar="NAMES", help=_some(ARTEFACTS))
-    command.add_argument("--no-render", action="store_true", help="tables and data only, no pictures")
+    drawn = command.add_mutually_exclusive_group()
+    drawn.add_argument("--no-render", action="store_true", help="tables and data only, no pictures")
+    what = "springs.html too: both models' springs, to be turned in a browser (extra: interactive)"
+    drawn.add_argument("--interactive", action="store_true", help=what)
     what = "measure the solution times of Table 3 even where they are stored"
     command.add_argument("--time", action="store_true", help=what)
 

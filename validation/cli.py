@@ -90,6 +90,7 @@ def reproduce(arguments: argparse.Namespace) -> int:
                 not hasattr(arguments, "no_render"),
                 progress,
                 hasattr(arguments, "time"),
+                hasattr(arguments, "interactive"),
             )
     _say(*remarks, f"written to {folder}")
     return COMPLETED

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import io
 import os
-import subprocess
 import sys
 import tempfile
 from dataclasses import asdict
@@ -14,6 +13,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from coilspring import InputError
+from validation import child
 from validation.frames import Frames
 from validation.output import write_bytes
 
@@ -86,21 +86,7 @@ def _picture(file: Path) -> Image.Image:
 def _child(frames: Frames, folder: Path, what: str, timeout: float | None) -> str:
     """Draw in a child process; in a few words why it failed, empty where it did not."""
     np.savez(folder / "frames.npz", **asdict(frames))
-    try:
-        done = subprocess.run(
-            [*COMMAND, what, str(folder)],
-            cwd=Path(__file__).parents[1],  # `-m` finds the package there, installed or not
-            stdin=subprocess.DEVNULL,
-            stdout=subprocess.DEVNULL,
-            stderr=subprocess.DEVNULL,
-            timeout=timeout,
-            check=False,
-        )
-    except subprocess.TimeoutExpired:
-        return f"it took longer than {timeout:g} s"
-    except OSError as error:
-        return f"it could not be started ({error.strerror or error})"
-    return f"it ended with status {done.returncode}" if done.returncode else ""
+    return child.run((*COMMAND, what, str(folder)), timeout)
 
 
 def _draw_flat(frames: Frames, files: list[Path]) -> None:

@@ -17,7 +17,7 @@ from validation.figures import drawn
 from validation.output import write_files
 from validation.penaltyfigure import draw_penalties
 from validation.penaltysweep import Sweep
-from validation.style import BLUE, DOUBLE, GREY, RC, RED
+from validation.style import BLUE, DOUBLE, GREY, RC, RED, STEEL
 from validation.workdata import Point, Study
 from validation.worksettings import PEER, SERIES, STEPS, TITLES
 
@@ -107,7 +107,7 @@ def _look(series: str, filled: bool) -> dict[str, Any]:
     look = LOOKS.get(series, {"color": INK, "marker": "v", "linestyle": "none"})
     face = look["color"] if filled else "white"
     style: dict[str, Any] = {"linewidth": 0.9, "zorder": 3.0 if filled else 2.5}
-    edge = INK if filled else (look["color"] if series != "helix" else "#4d87bd")
+    edge = INK if filled else (look["color"] if series != "helix" else STEEL)
     plain: dict[str, Any] = {} if filled else {"linestyle": "none"}
     size = FILLED if filled else OPEN
     symbol = {"markerfacecolor": face, "markeredgecolor": edge, "markersize": size}

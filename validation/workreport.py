@@ -97,8 +97,8 @@ def _peer(studies: Sequence[Study], extent: Extent) -> list[Block]:
     words = (
         f"The wire model of straight elements in another code, openseespy {version}: same nodes, section, "
         "supports, sphere pairs and penalty, so that its error is that of the mesh, too. Its time is that of "
-        f"the analysis without the building of the model, in {extent.peer_rounds} rounds beside the paper's "
-        "mesh. It has no shape here and is on no front."
+        f"the analysis without the building of the model; timed rounds beside the paper's mesh: "
+        f"{extent.peer_rounds}. It has no shape here and is on no front."
     )
     return [Text(words), worktables.peer_table(studies)]
 
