@@ -7,6 +7,7 @@ import re
 from pathlib import Path
 
 import pytest
+from PIL import Image
 
 from validation import binding
 from validation.binding import bound
@@ -58,7 +59,10 @@ WORK = """# Run time against error
 
 *Shape. Words.*
 """
-DRAWING = '<?xml version="1.0"?>\n<svg width="1"><metadata>who</metadata><path d="M 0 0"/></svg>\n'
+DRAWING = (
+    '<?xml version="1.0"?>\n<svg width="9pt" viewBox="0 0 9.5 4">'
+    '<metadata>who</metadata><path d="M 0 0"/></svg>\n'
+)
 PNG = b"\x89PNG\r\n\x1a\n"
 
 
@@ -135,8 +139,29 @@ def test_a_drawing_is_taken_inline_before_its_pixels(out):
     (out / "fig5.svg").write_text(DRAWING, encoding="utf-8")
     page = html(out)
     assert "data:image/png" not in page
-    assert '<svg role="img" aria-label="Figure 5" width="1"><path d="M 0 0"/></svg>' in page
+    start = '<svg role="img" aria-label="Figure 5" style="width: min(100%, 19px)" viewBox="0 0 9.5 4">'
+    assert f'{start}<path d="M 0 0"/></svg>' in page
     assert "who" not in page
+
+
+def test_pixels_are_as_wide_as_the_drawing_would_be(out):
+    """A picture of 300 pixels at 300 dots an inch is an inch, which is 144 pixels of the screen."""
+    Image.new("L", (300, 10)).save(out / "fig5.png", dpi=(300, 300))
+    assert 'style="width: min(100%, 144px)" src="data:image/png' in html(out)
+
+
+def test_quartiles_are_not_torn_apart():
+    page = to_html([([Text("2.67 [2.32, 2.72], [words](a.html)")], Path())], "t")
+    assert '2.67 [2.32,&nbsp;2.72], <a href="a.html">words</a>' in page
+
+
+def test_springs_to_be_turned_are_linked_from_html_alone(out):
+    found = bound(PAGE, out, "springs.html")
+    page = found["report.html"].decode()
+    link = page.index('<a href="springs.html">')
+    assert page.index('id="figures"') < link < page.index("<figure>")
+    assert found["report.md"].decode() == PAGE
+    assert "springs.html" not in html(out)
 
 
 def test_results_beside_come_before_stored_ones(out, monkeypatch):

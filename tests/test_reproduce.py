@@ -200,6 +200,15 @@ def test_unknown_item_is_refused_before_anything_is_written(tmp_path):
     assert not (tmp_path / "new").exists()
 
 
+def test_springs_to_be_turned_are_linked_where_they_are_there(everything, monkeypatch):
+    linked = []
+    monkeypatch.setattr(reproduce, "bound", lambda page, out, scene: linked.append(scene) or {})
+    for there in (False, True):
+        monkeypatch.setattr(reproduce, "is_made", lambda folder, mark, there=there: there)
+        reproduce.reproduce(everything, render=False)
+    assert linked == [None, "springs.html"]
+
+
 def test_whole_run_without_pictures(everything):
     written = {path.name for path in everything.iterdir()}
     assert {f"{name}.csv" for name in NAMES} | {"report.md", "report.html", "claims.csv"} <= written

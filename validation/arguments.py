@@ -90,7 +90,10 @@ def _add_reproduce(commands: argparse._SubParsersAction) -> None:
         "folder coilcheck among the user's caches, 256 MiB at most."
     )
     _add_only(command, ARTEFACTS)
-    command.add_argument("--no-render", action="store_true", help="tables and data only, no pictures")
+    drawn = command.add_mutually_exclusive_group()
+    drawn.add_argument("--no-render", action="store_true", help="tables and data only, no pictures")
+    what = "springs.html too: both models' springs, to be turned in a browser (extra: interactive)"
+    drawn.add_argument("--interactive", action="store_true", help=what)
     what = "measure the solution times of Table 3 even where they are stored"
     command.add_argument("--time", action="store_true", help=what)
 
@@ -127,7 +130,7 @@ def _add_workprecision(commands: argparse._SubParsersAction) -> None:
     command = _command(commands, "workprecision", purpose, example)
     _add_only(command, STUDY_SCENES)
     size = command.add_mutually_exclusive_group()
-    size.add_argument("--quick", action="store_true", help="few meshes, few rounds: less than a minute")
+    size.add_argument("--quick", action="store_true", help="few meshes, few rounds: about a minute")
     size.add_argument("--full", action="store_true", help="meshes up to 320 elements a turn")
 
 

@@ -15,6 +15,7 @@ from validation.provenance import provenance_table
 
 PAGE = "report.md"
 STORED = Path(__file__).parents[1] / "reports"  # of a checkout
+FIGURES = "Figures"
 BESIDE = "Table 3. Solution time"  # heading that the times at equal error follow
 
 
@@ -42,20 +43,21 @@ STUDIES = (
 EQUAL_ERROR = "Time at equal error"  # section of the work-precision page
 
 
-def bound(page: str, out: Path) -> dict[str, bytes]:
+def bound(page: str, out: Path, scene: str | None = None) -> dict[str, bytes]:
     """``report.md`` and ``report.html`` from the reproduction's page and the studies found.
 
     Parameters
     ----------
     page : the reproduction, Markdown.
     out : folder of its pictures, and of the report.
+    scene : file there with the springs to be turned in a browser, which the HTML page links.
     """
     blocks = from_markdown(page)
     title = blocks[0].text if isinstance(blocks[0], Heading) else ""
     found = {study: folder for study in STUDIES if (folder := _folder(study, out)) is not None}
     for study, folder in found.items():
         blocks = _with_equal_error(blocks, _blocks(study, folder))
-    sections = [(blocks, out)]
+    sections = [(_with_scene(blocks, scene), out)]
     for study in STUDIES:
         folder = found.get(study, out)
         sections.append((_section(study, folder) if study in found else _missing(study), folder))
@@ -95,6 +97,15 @@ def _with_equal_error(blocks: Sequence[Block], study: Sequence[Block]) -> list[B
     part = study[begin : _next_heading(study, begin)]
     place = _next_heading(blocks, blocks.index(Heading(3, BESIDE)) + 1)
     return [*blocks[:place], Heading(3, EQUAL_ERROR), *part, *blocks[place:]]
+
+
+def _with_scene(blocks: Sequence[Block], scene: str | None) -> list[Block]:
+    """The figures with a link to the springs that can be turned."""
+    if scene is None or Heading(2, FIGURES) not in blocks:
+        return list(blocks)
+    place = blocks.index(Heading(2, FIGURES)) + 1
+    words = f"The springs of Figures 4 and 6 [can be turned in space]({scene}), a file beside this one."
+    return [*blocks[:place], Text(words), *blocks[place:]]
 
 
 def _next_heading(blocks: Sequence[Block], begin: int) -> int:

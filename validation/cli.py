@@ -89,6 +89,7 @@ def reproduce(arguments: argparse.Namespace) -> int:
                 not hasattr(arguments, "no_render"),
                 progress,
                 hasattr(arguments, "time"),
+                hasattr(arguments, "interactive"),
             )
     say(*remarks, f"written to {folder}")
     return COMPLETED

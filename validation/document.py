@@ -21,7 +21,7 @@ table { border-collapse: collapse; font: 13.5px/1.4 Helvetica, Arial, sans-serif
 th, td { padding: 0.3rem 0.6rem; text-align: left; vertical-align: top; border-bottom: 1px solid #ddd; }
 th { border-bottom: 2px solid #444; }
 figure { margin: 1.2rem 0; }
-figure img, figure svg { max-width: 100%; height: auto; }
+figure img, figure svg { height: auto; }
 nav { font: 14px/1.6 Helvetica, Arial, sans-serif; }
 nav a { margin-right: 1.2em; white-space: nowrap; }
 summary { font: 14px/1.6 Helvetica, Arial, sans-serif; cursor: pointer; }
@@ -69,6 +69,7 @@ class Picture:
 
 
 Block = Heading | Text | Bullets | Table | Picture
+PIXELS = 2.0  # on the screen for a point in print: letters of figures as large as the text
 LONG = 30  # rows: a longer table is folded in HTML
 
 
@@ -163,14 +164,33 @@ def _html(block: Block, folder: Path) -> str:
 
 
 def _image(file: Path, name: str) -> str:
-    """The drawing itself where there is an SVG, which stays sharp; else the PNG."""
+    """The drawing itself where there is an SVG, which stays sharp; else the PNG; both as wide as printed."""
     drawing = file.with_suffix(".svg")
     if not drawing.is_file():
-        data = base64.b64encode(file.read_bytes()).decode()
-        return f'<img alt="{name}" src="data:image/png;base64,{data}">'
+        data = file.read_bytes()
+        text = base64.b64encode(data).decode()
+        return f'<img alt="{name}" style="{_width(_points(data))}" src="data:image/png;base64,{text}">'
     text = drawing.read_text(encoding="utf-8")
     text = re.sub(r"<metadata>.*?</metadata>", "", text[text.index("<svg") :], flags=re.DOTALL)
-    return text.replace("<svg", f'<svg role="img" aria-label="{name}"', 1)
+    tag, rest = text.split(">", 1)
+    size = re.search(r'viewBox="0 0 (\S+)', tag)
+    width = _width(float(size[1]) if size else None)
+    tag = re.sub(r' (width|height)="[^"]*"', "", tag)
+    tag = tag.replace("<svg", f'<svg role="img" aria-label="{name}" style="{width}"')
+    return f"{tag}>{rest}"
+
+
+def _width(points: float | None) -> str:
+    return f"width: min(100%, {PIXELS * points:.0f}px)" if points else "max-width: 100%"
+
+
+def _points(png: bytes) -> float | None:
+    """Printed width of a PNG, pt; None where it does not tell."""
+    place = png.find(b"pHYs")
+    if place < 0:
+        return None
+    pixels, per_metre = (int.from_bytes(png[i : i + 4], "big") for i in (16, place + 4))
+    return pixels / per_metre / 0.0254 * 72.0
 
 
 def _anchor(text: str) -> str:
@@ -181,4 +201,5 @@ def _inline(text: str) -> str:
     text = re.sub(r"\*\*(.+?)\*\*", r"<strong>\1</strong>", html.escape(text))
     text = re.sub(r"\*(?=\S)([^*]+?)(?<=\S)\*", r"<em>\1</em>", text)
     text = re.sub(r"\[([^\]]+)\]\(([^)\s]+)\)", r'<a href="\2">\1</a>', text)
+    text = re.sub(r"\[([\d.]+), ([\d.]+)\]", r"[\1,&nbsp;\2]", text)  # quartiles
     return re.sub(r"`(.+?)`", r"<code>\1</code>", text)

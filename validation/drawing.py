@@ -48,7 +48,7 @@ def _side(axes: Axes, spring: Spring) -> None:
     sections = spring.points(spring.circle_phases())[:, :2]
     _discs(axes, sections, d, facecolors="none", edgecolors="black", linewidths=0.7)
     axes.plot((0.0, 0.0), (0.0, spring.active_height), color=RED, linewidth=0.6, marker="o", markersize=2.5)
-    margin = 0.5 * d
+    margin = 0.55 * d
     axes.set(
         aspect="equal",
         xlim=(x.min() - margin, x.max() + margin),

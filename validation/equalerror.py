@@ -8,7 +8,7 @@ from equivbeam.solve import LAWS
 from validation.cases import CASES
 from validation.document import Table
 from validation.tables import spread
-from validation.workprecision import Point, Study
+from validation.workdata import Point, Study
 from validation.worksettings import STEPS, TITLES
 
 WORDS = (

@@ -16,10 +16,15 @@ from PIL import Image
 
 from coilspring import EquilibriumPath
 from validation.cases import PathStore, case
-from validation.style import BEAM_LABEL, BEAM_LINE, BLUE, DOUBLE, RED, SINGLE, WIRE_LABEL, WIRE_LINE
+from validation.style import BEAM_LABEL, BEAM_LINE, BLUE, DOUBLE, RED, SINGLE, STEEL, WIRE_LABEL, WIRE_LINE
 
 COLOURS = 256  # of a stored picture; keeps the files small
 CONTACT_LINE = {"color": "black", "linewidth": 1.0}
+HELD_LINE = {"color": RED, "linewidth": 2.4, "alpha": 0.7}  # both are of the wire model
+FREE_LINE = {"color": "black", "linewidth": 1.0, "linestyle": (0, (4, 2))}
+EXACT_LINE = {
+    "color": STEEL, "marker": "s", "markerfacecolor": "white", "linewidth": 0.8, "linestyle": "--",
+}  # fmt: skip
 NO_CONTACT_LINE = {"color": "black", "linewidth": 1.1, "linestyle": (0, (1, 1.3))}
 TIPS = ("UX (mm)", "UY (mm)", "ROTZ (rad)")
 
@@ -92,18 +97,15 @@ def iteration_figure(store: PathStore) -> Figure:
     figure = Figure(figsize=(DOUBLE, 2.9), layout="constrained")
     lines = (
         ("", "paper", "contact, paper’s tangent", {"color": BLUE, "marker": "o", "linewidth": 1.0}),
-        (
-            "",
-            "exact",
-            "contact, exact tangent",
-            {"color": RED, "marker": "s", "linewidth": 0.8, "linestyle": "--"},
-        ),
+        ("", "exact", "contact, exact tangent", EXACT_LINE),
         ("-no-contact", "paper", "no contact, paper’s tangent", NO_CONTACT_LINE),
     )
     for axes, letter in zip(figure.subplots(1, 2), "ab", strict=True):
         for ending, tangent, label, style in lines:
             counts = store.beam(case(f"spring-{letter}{ending}").scene, tangent=tangent).iterations
-            axes.plot(np.arange(1, counts.size + 1), counts, **style, markersize=2.4, label=label)
+            axes.plot(
+                np.arange(1, counts.size + 1), counts, **style, markersize=2.4, label=label, clip_on=False
+            )
         title = f"({letter}) Spring {letter.upper()}"
         axes.set(xlabel="substep", ylabel="iterations", xlim=(0, 51), ylim=(0, None), title=title)
     figure.legend(*axes.get_legend_handles_labels(), loc="outside lower center", ncols=3)
@@ -114,8 +116,8 @@ def sliding_figure(held: EquilibriumPath, free: EquilibriumPath) -> Figure:
     """Wire model of Spring B without sliding, and frictionless as far as it goes."""
     figure = Figure(figsize=(SINGLE, 2.6), layout="constrained")
     axes = figure.subplots()
-    axes.plot(-held.tips[:, 1], np.abs(held.loads[:, 1]), **WIRE_LINE, label="no sliding")
-    axes.plot(-free.tips[:, 1], np.abs(free.loads[:, 1]), **CONTACT_LINE, label="frictionless")
+    for path, style, label in ((held, HELD_LINE, "no sliding"), (free, FREE_LINE, "frictionless")):
+        axes.plot(np.append(0.0, -path.tips[:, 1]), np.append(0.0, -path.loads[:, 1]), **style, label=label)
     axes.plot(-free.tips[-1, 1], abs(free.loads[-1, 1]), "kx", markersize=6, label="last equilibrium")
     axes.set(xlabel="deflection −UY (mm)", ylabel="load |Fy| (N)", xlim=(0, None), ylim=(0, None))
     axes.legend(loc="upper left")

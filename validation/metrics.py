@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -15,7 +16,7 @@ NEGLIGIBLE = 1e-9
 
 @dataclass(frozen=True)
 class Comparison:
-    """Differences of a path from a reference; not a number where no time is common to both.
+    """Differences of a path from a reference; not a number where no time, or no shape, is common to both.
 
     Attributes
     ----------
@@ -46,25 +47,43 @@ def compare_paths(path: EquilibriumPath, reference: EquilibriumPath) -> Comparis
     path : the path that is judged.
     reference : the path whose peaks the curve errors are divided by.
     """
-    # equal fractions of time are equal numbers, whatever the two numbers of steps
     times, mine, theirs = np.intersect1d(path.times, reference.times, return_indices=True)
+    curve = compare_curves(path.times, _responses(path), reference)
     if times.size == 0:
-        nan = float("nan")
-        return Comparison(nan, nan, nan, nan, {}, {}, 0, 0.0)
-    errors = _curve_errors(_responses(path), _responses(reference), mine, theirs)
-    largest = {name: float(np.abs(error).max()) for name, error in errors.items()}
-    rms = {name: float(np.sqrt(np.mean(error**2))) for name, error in errors.items()}
+        return curve
     apart = path.circle_centres(mine[-1]) - reference.circle_centres(theirs[-1])
     distance = np.linalg.norm(apart, axis=1)
+    return replace(curve, shape_max=float(distance.max()), shape_rms=float(np.sqrt(np.mean(distance**2))))
+
+
+def compare_curves(
+    times: np.ndarray, responses: Mapping[str, np.ndarray], reference: EquilibriumPath
+) -> Comparison:
+    """Compare a load curve alone with a path; the shape is not a number.
+
+    Parameters
+    ----------
+    times : (steps,) of the load.
+    responses : of each of `COMPONENTS`, (steps,): mm, rad; "uy" the axial force, N, where UY is prescribed.
+    reference : the path whose peaks the curve errors are divided by.
+    """
+    # equal fractions of time are equal numbers, whatever the two numbers of steps
+    common, mine, theirs = np.intersect1d(times, reference.times, return_indices=True)
+    nan = float("nan")
+    if common.size == 0:
+        return Comparison(nan, nan, nan, nan, {}, {}, 0, 0.0)
+    errors = _curve_errors(responses, _responses(reference), mine, theirs)
+    largest = {name: float(np.abs(error).max()) for name, error in errors.items()}
+    rms = {name: float(np.sqrt(np.mean(error**2))) for name, error in errors.items()}
     return Comparison(
         curve_max=max(largest.values()),
         curve_rms=max(rms.values()),
-        shape_max=float(distance.max()),
-        shape_rms=float(np.sqrt(np.mean(distance**2))),
+        shape_max=nan,
+        shape_rms=nan,
         component_max=largest,
         component_rms=rms,
-        steps=times.size,
-        last_time=float(times[-1]),
+        steps=common.size,
+        last_time=float(common[-1]),
     )
 
 
@@ -77,7 +96,7 @@ def _responses(path: EquilibriumPath) -> dict[str, np.ndarray]:
 
 
 def _curve_errors(
-    path: dict[str, np.ndarray], reference: dict[str, np.ndarray], mine: np.ndarray, theirs: np.ndarray
+    path: Mapping[str, np.ndarray], reference: Mapping[str, np.ndarray], mine: np.ndarray, theirs: np.ndarray
 ) -> dict[str, np.ndarray]:
     """Relative difference of every component that the reference moves, at common rows."""
     peaks = {name: np.abs(values).max() for name, values in reference.items()}

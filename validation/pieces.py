@@ -85,6 +85,18 @@ class Maker:
                 self.paths.store.put(key, files | picture)
         self.renderings.clear()
 
+    def interactive(self, mark: str) -> str:
+        """Write the springs of all figures in space as one scene; in a few words why there is none."""
+        from validation import shapes, turntable
+
+        self.paths.announce("springs to be turned")
+        panels = [shapes.shapes(self.paths, name) for names in SPRINGS.values() for name in names]
+        page = turntable.page(panels, mark)
+        if isinstance(page, str):
+            return page
+        write_files({turntable.FILE: page}, self.out)
+        return ""
+
     def picture(self, name: str, draw: Callable[[], Figure], lines: bool = True) -> Files:
         """A figure in the common style as PNG, one of lines as SVG too; nothing where none are wanted."""
         if not self.render:

@@ -14,14 +14,16 @@ import numpy as np
 
 from validation.child import Child
 from validation.shapes import BAND_SCALE, Shapes, bands, view
-from validation.style import BLUE, GREY, RED
+from validation.style import BLUE, GREY, LIT_RED
 
 if TYPE_CHECKING:
     import pyvista
 
 COMMAND = (sys.executable, "-m", "validation.render3d")
 TIMEOUT = 60.0  # s; a picture takes about one
-PIXELS = 900  # a side
+PIXELS = 1300  # a side
+SIDES = 40  # of a tube; where two nearly coincide, fewer make their intersection ragged
+LINE = 0.08  # radius of the wire at rest over its own
 PARTS = ("rest", "beam", "wire")
 
 
@@ -68,19 +70,29 @@ def _draw(
     """One panel; `every` are all points that the frame has to hold."""
     import pyvista
 
-    radius = 0.5 * diameter
     plotter = pyvista.Plotter(off_screen=True, window_size=(PIXELS, PIXELS), lighting="light kit")
     plotter.set_background("white")
-    plotter.add_mesh(
-        tubes([rest[::4]], radius, 6), style="wireframe", color=GREY, opacity=0.3, line_width=1.0
-    )
-    shine = {"smooth_shading": True, "specular": 0.25, "ambient": 0.12}
-    plotter.add_mesh(tubes([beam], radius, 20), color=BLUE, **shine)
-    plotter.add_mesh(tubes(bands(wire), BAND_SCALE * radius, 20), color=RED, **shine)
+    add_spring(plotter, rest, beam, wire, diameter)
     aim(plotter, every, diameter)
     plotter.enable_anti_aliasing("ssaa")
     plotter.screenshot(file)
     plotter.close()
+
+
+def add_spring(
+    plotter: pyvista.Plotter,
+    rest: np.ndarray,
+    beam: np.ndarray,
+    wire: np.ndarray,
+    diameter: float,
+    sides: int = SIDES,
+) -> None:
+    """The beam's tube in bands of the wire model's, and a line where the wire was at rest."""
+    radius = 0.5 * diameter
+    shine = {"smooth_shading": True, "specular": 0.2, "ambient": 0.35, "diffuse": 0.75}
+    plotter.add_mesh(tubes([rest], LINE * radius, 6), color=GREY, lighting=False)
+    plotter.add_mesh(tubes([beam], radius, sides), color=BLUE, **shine)
+    plotter.add_mesh(tubes(bands(wire), BAND_SCALE * radius, sides), color=LIT_RED, **shine)
 
 
 def tubes(pieces: list[np.ndarray], radius: float, sides: int) -> pyvista.PolyData:

@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING
 from coilspring import InputError
 from validation.arguments import ARTEFACTS
 from validation.binding import PAGE, bound
+from validation.interactive import FILE, is_made, require_extra
 from validation.keys import key, sources
 from validation.machine import machine, versions
 from validation.output import prepare, write_files
@@ -26,7 +27,7 @@ from validation.store import Store, default_folder
 if TYPE_CHECKING:
     from validation.pieces import Maker
 
-REPORT = "report"
+REPORT, TURNED = "report", "turned"
 TIMED = ("table3", REPORT)  # pieces that show solution times
 DRAWING = ("matplotlib", "pillow", "pyvista", "vtk")
 
@@ -37,6 +38,7 @@ def reproduce(
     render: bool = True,
     progress: Callable[[str], None] = lambda line: None,
     time: bool = False,
+    turned: bool = False,
 ) -> tuple[str, ...]:
     """Write the paper's tables and figures to `out`; with all of them the report.
 
@@ -47,6 +49,7 @@ def reproduce(
     render : False makes no pictures: CSV files, and the report without figures.
     progress : called with one line on what is being done.
     time : measure the solution times of Table 3 even where some are stored.
+    turned : write the springs as a scene that can be turned in a browser, too.
 
     Returns
     -------
@@ -55,7 +58,7 @@ def reproduce(
 
     Raises
     ------
-    InputError : an unknown name in `only`, or `time` without Table 3.
+    InputError : an unknown name in `only`, `time` without Table 3, or `turned` without its extra.
     EquilibriumNotFound : one of the four cases could not be solved to full load.
     """
     names = ARTEFACTS if only is None else only
@@ -64,10 +67,14 @@ def reproduce(
             raise InputError(f"only must hold names of {', '.join(ARTEFACTS)}, got {name!r}")
     if time and "table3" not in names:
         raise InputError(f"time goes with table3, got only {', '.join(names)}")
+    if turned:
+        require_extra()
     out = Path(out)
     prepare(out)
     with ExitStack() as cleanup:
         run = _Run(out, Store(default_folder()), render, progress, time, cleanup)
+        if turned:
+            run.turn()
         for name in (*names, REPORT) if only is None else names:
             progress(name)
             run.provide(name)
@@ -99,7 +106,15 @@ class _Run:
         write_files(files, self.out)
         if page is not None:
             self.finish()
-            write_files(bound(page.decode(), self.out), self.out)
+            scene = FILE if is_made(self.out, self._key(TURNED)) else None
+            write_files(bound(page.decode(), self.out, scene), self.out)
+
+    def turn(self) -> None:
+        """Write the springs as a scene, unless the one there was made from the same."""
+        mark = self._key(TURNED)
+        trouble = "" if is_made(self.out, mark) else self._loaded().interactive(mark)
+        if trouble:
+            self.remarks.append(f"no {FILE}: pyvista could not export the springs here ({trouble})")
 
     def finish(self) -> None:
         """Wait for the figures that are still being made."""

@@ -26,7 +26,7 @@ class Shapes:
 
     Attributes
     ----------
-    name, title : scene and what to write above the panel.
+    name, title, spring : scene, what to write above the panel, and the name of the case.
     diameter : of the wire, mm.
     rest, beam, wire : (points, 3) centrelines, mm.
     rest_circles, beam_circles, wire_circles : (circles, 2) where the wire crosses the working plane, mm.
@@ -34,6 +34,7 @@ class Shapes:
 
     name: str
     title: str
+    spring: str
     diameter: float
     rest: np.ndarray
     beam: np.ndarray
@@ -63,6 +64,7 @@ def shapes(store: PathStore, name: str) -> Shapes:
     return Shapes(
         name=name,
         title=contact,
+        spring=case(name).title,
         diameter=spring.wire_diameter,
         rest=spring.points(_phases(beam)),
         beam=beam.centreline(-1, POINTS_PER_TURN),

@@ -14,15 +14,15 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch, Rectangle
 
 from validation.shapes import BAND_SCALE, Shapes, bands, view
-from validation.style import BEAM_LABEL, BLUE, DOUBLE, GREY, RED, WIRE_LABEL
+from validation.style import BEAM_LABEL, BLUE, DARK_RED, DOUBLE, GREY, LIT_RED, PALE_BLUE, WIRE_LABEL
 
 TALLEST = 4.4  # in, of the springs
 DETAIL = 1.0  # in, a side of an enlarged detail
 ZOOM = 4.0  # mm shown across it
 MARGIN = 0.6  # mm around the springs
 REST_CIRCLE = {"facecolor": "none", "edgecolor": "#b5b5b5", "linewidth": 0.5}
-BEAM_CIRCLE = {"facecolor": "#2457a655", "edgecolor": BLUE, "linewidth": 0.9}
-WIRE_CIRCLE = {"facecolor": "none", "edgecolor": RED, "linewidth": 0.9, "linestyle": (0, (3, 2))}
+BEAM_CIRCLE = {"facecolor": "#2457a633", "edgecolor": PALE_BLUE, "linewidth": 1.8}
+WIRE_CIRCLE = {"facecolor": "none", "edgecolor": DARK_RED, "linewidth": 0.9, "linestyle": (0, (3, 2))}
 
 
 def space_figure(panels: tuple[Shapes, ...], rendered: list[Path] | str) -> Figure:
@@ -54,7 +54,7 @@ def _cropped(pictures: list[np.ndarray]) -> list[np.ndarray]:
 def _space_key() -> list[Patch | Line2D]:
     return [
         Patch(color=BLUE, label=BEAM_LABEL),
-        Patch(color=RED, label=f"{WIRE_LABEL}, bands"),
+        Patch(color=LIT_RED, label=f"{WIRE_LABEL}, bands"),
         Line2D([], [], color=GREY, linewidth=0.7, label="at rest"),
     ]
 
@@ -82,7 +82,10 @@ def _painted(panels: tuple[Shapes, ...]) -> Figure:
 def _strokes(panel: Shapes, axes3: np.ndarray, width: float) -> LineCollection:
     """Both wires in pieces, the farther ones paler; `width` of the beam's in points."""
     points, colours, widths = [], [], []
-    for line, colour, scale in ((panel.beam, BLUE, 1.0), *((b, RED, BAND_SCALE) for b in bands(panel.wire))):
+    for line, colour, scale in (
+        (panel.beam, BLUE, 1.0),
+        *((b, LIT_RED, BAND_SCALE) for b in bands(panel.wire)),
+    ):
         seen = line @ axes3.T
         points.append(np.stack((seen[:-1], seen[1:]), axis=1))
         colours.append(np.tile(to_rgb(colour), (len(seen) - 1, 1)))

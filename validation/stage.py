@@ -15,7 +15,7 @@ from validation.style import GREY
 if TYPE_CHECKING:
     import pyvista
 
-PIXELS = (800, 720)
+PIXELS = (1000, 720)  # room for the scale beside the spring
 SPHERE = 0.62  # radius of a contact sphere over the wire's diameter: to be seen around the tube
 TITLE = "contact, N"
 
@@ -48,7 +48,7 @@ def draw(plotter: pyvista.Plotter, frames: Frames, step: int) -> None:
 
     points, touched = frames.points[step], frames.touched
     wire = tubes([points], 0.5 * frames.diameter, 16)
-    plotter.add_mesh(wire, name="wire", color=GREY, smooth_shading=True, reset_camera=False)
+    plotter.add_mesh(wire, name="wire", color=GREY, ambient=0.3, smooth_shading=True, reset_camera=False)
     if touched.size:
         spheres = pyvista.PolyData(points[touched])
         spheres[TITLE] = frames.forces[step, touched]
@@ -60,7 +60,7 @@ def draw(plotter: pyvista.Plotter, frames: Frames, step: int) -> None:
             clim=(0.0, float(frames.forces.max())),
             cmap="viridis",
             reset_camera=False,
-            scalar_bar_args={"color": "black", "fmt": "%.3g", "vertical": True, "position_x": 0.86},
+            scalar_bar_args={"color": "black", "fmt": "%.3g", "vertical": True, "position_x": 0.9},
         )
     plotter.add_text(f"time {frames.times[step]:.3g}", name="time", color="black", font_size=11)
 

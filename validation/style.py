@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
-SINGLE, DOUBLE = 3.5, 7.0  # column widths, in
+SINGLE, DOUBLE = 3.35, 6.69  # column widths, in: 85 and 170 mm
 BLUE, RED, GREY = "#2457a6", "#e8562a", "#8c8c8c"  # as the paper: proposed model blue, FE red
+STEEL = "#4d87bd"  # a second line of the equivalent beam
+PALE_BLUE, DARK_RED = "#8db3e2", "#c43c12"  # of lines that coincide: BLUE and RED would be one grey
+LIT_RED = "#f0774a"  # of surfaces, whose shades would else be as dark as the blue in grey
 
 RC = {
-    "figure.dpi": 200,
-    "savefig.dpi": 200,
+    "figure.dpi": 300,
+    "savefig.dpi": 300,
     "font.family": "sans-serif",
     "font.size": 8.0,
     "axes.titlesize": 8.5,
@@ -25,7 +28,7 @@ RC = {
     "lines.linewidth": 1.2,
     "axes.axisbelow": True,
 }
-# Both models mostly coincide: the beam is a wide light line, the wire model a thin dashed one on top.
-BEAM_LINE = {"color": BLUE, "linewidth": 2.2, "alpha": 0.75, "solid_capstyle": "butt"}
-WIRE_LINE = {"color": RED, "linewidth": 1.1, "linestyle": (0, (4, 2))}
+# Both models mostly coincide: the beam is a wide pale line, the wire model a thin dashed one on top.
+BEAM_LINE = {"color": PALE_BLUE, "linewidth": 2.6, "solid_capstyle": "butt"}
+WIRE_LINE = {"color": DARK_RED, "linewidth": 1.1, "linestyle": (0, (4, 2))}
 BEAM_LABEL, WIRE_LABEL = "equivalent beam (proposed model)", "wire model (FE)"

@@ -87,7 +87,7 @@ def _panel(axes: Axes, study: Study, count: int) -> None:
     low, high = min([0.0, *reach]), max([0.0, *reach])
     margin = LABEL * (high - low)
     axes.set(xlim=(low - margin, high + margin), ylim=(count - 0.4, -0.6))
-    axes.set_xlabel("top moves farther by (% of the peak)")
+    axes.set_xlabel("top moves farther (% of peak)")
 
 
 def _bar(axes: Axes, place: float, model: str, changes: Sequence[Change]) -> None:
@@ -99,7 +99,7 @@ def _bar(axes: Axes, place: float, model: str, changes: Sequence[Change]) -> Non
     short = next((change for change in changes if not change.completed), None)
     if short is not None:
         words = short.curve.outcome.replace("_", " ")
-        where: dict[str, Any] = {"xytext": (5.0, 0.0), "textcoords": "offset points", "va": "center_baseline"}
+        where: dict[str, Any] = {"xytext": (4.5, -0.5), "textcoords": "offset points", "va": "baseline"}
         axes.plot(0.0, place, linestyle="none", **END, zorder=4.0)
         axes.annotate(words, (0.0, place), **where, fontsize=SMALL, zorder=5.0)
 

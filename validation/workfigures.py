@@ -17,9 +17,9 @@ from validation.figures import drawn
 from validation.output import write_files
 from validation.penaltyfigure import draw_penalties
 from validation.penaltysweep import Sweep
-from validation.style import BLUE, DOUBLE, RC, RED
-from validation.workprecision import Point, Study
-from validation.worksettings import SERIES, STEPS, TITLES
+from validation.style import BLUE, DOUBLE, GREY, RC, RED, STEEL
+from validation.workdata import Point, Study
+from validation.worksettings import PEER, SERIES, STEPS, TITLES
 
 COLUMNS = 3
 BROWN, SKY, INK, LIGHT = "#5b1a08", "#8fc1ee", "#222222", "#c9c9c9"
@@ -29,12 +29,14 @@ LOOKS: dict[str, dict[str, Any]] = {
     "curved": {"color": BROWN, "marker": "^", "linestyle": "-"},
     "haringx": {"color": BLUE, "marker": "o", "linestyle": "none"},
     "helix": {"color": SKY, "marker": "D", "linestyle": "none"},
+    PEER: {"color": GREY, "marker": "P", "linestyle": "none"},
 }
 NAMES = {
     "straight": "wire model, straight elements",
     "curved": "wire model, curved elements",
     "haringx": "equivalent beam, law haringx",
     "helix": "equivalent beam, law helix",
+    PEER: "OpenSees, straight elements",
 }
 FILLED, OPEN, RING = 4.2, 3.0, 9.0  # sizes of symbols, points
 FRONT: dict[str, Any] = {"color": LIGHT, "linewidth": 3.2, "solid_joinstyle": "round", "zorder": 1.5}
@@ -69,13 +71,14 @@ def draw(studies: Sequence[Study], kind: str) -> Figure:
     for axes in grid.flat[len(studies) :]:
         axes.set_visible(False)
     _scale(grid, studies, kind)
-    figure.legend(handles=_key(), loc="outside lower center", ncols=3, columnspacing=1.4)
+    peers = kind == "curve" and any(study.peers for study in studies)
+    figure.legend(handles=_key(peers), loc="outside lower center", ncols=3, columnspacing=1.4)
     return figure
 
 
 def _panel(axes: Axes, study: Study, kind: str) -> None:
-    able = [point for point in study.points if point.competes]
-    for series in SERIES:
+    able = _shown(study, kind)
+    for series in (*SERIES, PEER):
         _series(axes, [point for point in able if point.setting.series == series], kind)
     best = study.curve_front if kind == "curve" else study.shape_front
     axes.plot(*_places(best, kind), drawstyle="steps-post", **FRONT)
@@ -83,6 +86,12 @@ def _panel(axes: Axes, study: Study, kind: str) -> None:
     for point in able:
         if point.setting.is_paper_mesh or point.setting.is_paper_model:
             axes.plot(*_places([point], kind), **_ring(point.setting.is_paper_mesh))
+
+
+def _shown(study: Study, kind: str) -> list[Point]:
+    """What solves the scene to the end; OpenSees has no shape."""
+    every = (*study.points, *study.peers) if kind == "curve" else study.points
+    return [point for point in every if point.competes]
 
 
 def _series(axes: Axes, points: Sequence[Point], kind: str) -> None:
@@ -98,7 +107,7 @@ def _look(series: str, filled: bool) -> dict[str, Any]:
     look = LOOKS.get(series, {"color": INK, "marker": "v", "linestyle": "none"})
     face = look["color"] if filled else "white"
     style: dict[str, Any] = {"linewidth": 0.9, "zorder": 3.0 if filled else 2.5}
-    edge = INK if filled else (look["color"] if series != "helix" else "#4d87bd")
+    edge = INK if filled else (look["color"] if series != "helix" else STEEL)
     plain: dict[str, Any] = {} if filled else {"linestyle": "none"}
     size = FILLED if filled else OPEN
     symbol = {"markerfacecolor": face, "markeredgecolor": edge, "markersize": size}
@@ -133,8 +142,7 @@ def _floor(study: Study, kind: str) -> float:
 
 def _scale(grid: np.ndarray, studies: Sequence[Study], kind: str) -> None:
     """Logarithmic axes that hold all points and a strip of every floor, and their labels."""
-    points = [point for study in studies for point in study.points if point.competes]
-    errors = np.array([_error(point, kind) for point in points])
+    errors = np.array([_error(point, kind) for study in studies for point in _shown(study, kind)])
     low = min(_floor(study, kind) for study in studies)
     label = "error of the load curve (%)" if kind == "curve" else "error of the shape (mm)"
     for axes in grid.flat:
@@ -147,8 +155,9 @@ def _scale(grid: np.ndarray, studies: Sequence[Study], kind: str) -> None:
         axes.set_ylabel(label)
 
 
-def _key() -> list[Line2D | Patch]:
-    usual = [Line2D([], [], **_look(name, True), label=NAMES.get(name, name)) for name in SERIES]
+def _key(peers: bool) -> list[Line2D | Patch]:
+    series = (*SERIES, PEER) if peers else SERIES
+    usual = [Line2D([], [], **_look(name, True), label=NAMES.get(name, name)) for name in series]
     other = Line2D([], [], **_look("curved", False), label=f"open: other than {STEPS} steps")
     front = Line2D([], [], **FRONT, label="Pareto front")
     rings = [Line2D([], [], **_ring(True), label="paper’s mesh"), Line2D([], [], **_ring(False))]

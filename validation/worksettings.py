@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from coilspring import CATALOGUE, Load, Scene, Spring, Supports
 from equivbeam.solve import LAWS
@@ -12,6 +12,7 @@ STEPS = 50  # of the paper, and of every scene here
 PAIRS = 4  # a turn, as in the paper's mesh; other numbers are other contact models
 PAPER_LAW, PAPER_ELEMENTS = "haringx", 40
 SERIES = ("straight", "curved", *LAWS)
+PEER = "opensees"
 
 
 @dataclass(frozen=True)
@@ -20,7 +21,7 @@ class Setting:
 
     Attributes
     ----------
-    series : element of the wire model, or law of the equivalent beam.
+    series : element of the wire model, law of the equivalent beam, or `PEER`.
     steps : equal steps of time.
     mesh : elements a turn; 0 for the equivalent beam, which has one length of element.
     pairs : sphere pairs a turn; 0 for the equivalent beam.
@@ -36,7 +37,9 @@ class Setting:
 
     @property
     def model(self) -> str:
-        """The model's package."""
+        """The model's package, or `PEER`."""
+        if self.series == PEER:
+            return PEER
         return "wirefe" if self.mesh else "equivbeam"
 
     @property
@@ -50,6 +53,8 @@ class Setting:
     @property
     def label(self) -> str:
         """Name for a reader."""
+        if self.series == PEER:
+            return f"OpenSees {self.mesh}, {self.steps} steps"
         parts = [f"wire {self.series} {self.mesh}" if self.mesh else f"beam {self.series}"]
         parts += ["paper’s tangent"] if self.tangent == "paper" else []
         parts += ["scene’s sliding"] if self.sliding == "scene" else []
@@ -79,6 +84,8 @@ class Extent:
     steps : other numbers of steps; divisors of `Extent.finest`.
     pairs : other sphere pairs a turn.
     rounds : timed rounds.
+    peers : elements a turn and steps of OpenSees, which takes seconds where the others take a tenth.
+    peer_rounds : timed rounds of OpenSees.
     """
 
     straight: tuple[int, ...]
@@ -87,13 +94,28 @@ class Extent:
     steps: tuple[int, ...]
     pairs: tuple[int, ...]
     rounds: int
+    peers: tuple[tuple[int, int], ...] = ()
+    peer_rounds: int = 1
     finest = 200  # steps of the reference: every number of steps here divides it
 
 
-QUICK = Extent((8, 20, 40), (4, 8), 32, (1, 10), (8,), 3)
-NORMAL = Extent((8, 12, 20, 40, 80, 160), (4, 8, 12, 16, 32), 64, (1, 2, 5, 10, 25, 100, 200), (2, 8, 16), 7)
-FULL = Extent(
-    (4, 8, 12, 20, 40, 80, 160, 320), (4, 8, 12, 16, 32, 64, 160), 320, NORMAL.steps, (2, 8, 16, 32), 7
+QUICK = Extent((8, 20, 40), (4, 8), 32, (1, 10), (8,), 3, ((40, STEPS),))
+NORMAL = Extent(
+    straight=(8, 12, 20, 40, 80, 160),
+    curved=(4, 8, 12, 16, 32),
+    reference=64,
+    steps=(1, 2, 5, 10, 25, 100, 200),
+    pairs=(2, 8, 16),
+    rounds=7,
+    peers=((20, STEPS), (40, STEPS), (80, STEPS), (40, 10), (40, 100)),
+    peer_rounds=3,
+)
+FULL = replace(
+    NORMAL,
+    straight=(4, 8, 12, 20, 40, 80, 160, 320),
+    curved=(4, 8, 12, 16, 32, 64, 160),
+    reference=320,
+    pairs=(2, 8, 16, 32),
 )
 
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import importlib
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 
@@ -14,12 +13,8 @@ from validation.metrics import COMPONENTS, NEGLIGIBLE
 from validation.reached import as_far
 from validation.referee import calculix
 from validation.referee.curve import Curve
+from validation.referee.installed import MISSING, opensees
 
-TOLERANCE = 1e-10  # of OpenSees' energy test, over the work of the load
-MISSING = (
-    "openseespy is missing or cannot be loaded: pip install -e '.[peers]' and, on Debian, "
-    "apt-get install libblas3 liblapack3"
-)
 FREE = "frictionless in both codes, since springs without memory cannot tell when a pair has closed"
 
 
@@ -111,14 +106,11 @@ def bout(scene: Scene, peer: str) -> Bout:
 
 
 def _opensees(scene: Scene) -> Curve:
-    try:
-        module = importlib.import_module("validation.referee.opensees")
-    except (ImportError, RuntimeError) as error:
-        raise InputError(MISSING) from error
-    steps = scene.load.steps
-    reach = np.abs(scene.load.force).max() * scene.spring.active_height
-    found = module.run(scene, steps, TOLERANCE * reach)
-    return Curve("opensees", np.arange(1, len(found.tips) + 1) / steps, found.tips, found.seconds)
+    module = opensees()
+    if module is None:
+        raise InputError(MISSING)
+    found = module.run(scene, scene.load.steps, module.tolerance(scene))
+    return Curve("opensees", found.times, found.tips, found.seconds)
 
 
 PEERS: dict[str, Callable[[Scene], Curve]] = {"opensees": _opensees, "calculix": calculix.run}

@@ -16,13 +16,8 @@ The choices that OpenSees leaves open:
 
 from __future__ import annotations
 
-import atexit
 import math
-import os
-import sys
 import time
-from collections.abc import Iterator
-from contextlib import contextmanager
 from dataclasses import dataclass
 
 import numpy as np
@@ -31,8 +26,10 @@ from openseespy import opensees as ops
 from coilspring import Scene
 from coilspring.wire import SHEAR_FACTOR
 from validation.referee.layout import layout, refuse
+from validation.referee.quiet import quiet
 
 ELEMENTS_PER_TURN = 40
+TOLERANCE = 1e-10  # of the energy test, over a bound of the load's work
 STIFF = 1e4  # sections of the stiff beams over the wire's; 1e2 to 1e6 move Spring A's tip by 1e-5
 MOST_ITERATIONS = 60  # of a step
 HALVINGS = 6  # of a step that does not converge
@@ -46,23 +43,30 @@ class Run:
 
     Attributes
     ----------
+    steps : that were asked for.
     tips : (steps,) rows UX, UY, ROTZ of the top reference point, mm, rad; fewer than asked for where a
         step did not converge.
     seconds : CPU time of the analysis, without the building of the model.
     iterations : Newton iterations of all steps.
     """
 
+    steps: int
     tips: np.ndarray
     seconds: float
     iterations: int
+
+    @property
+    def times(self) -> np.ndarray:
+        """Of the load, as far as it was reached."""
+        return np.arange(1, len(self.tips) + 1) / self.steps
 
 
 class _Builder:
     """Puts a scene into OpenSees' one global model."""
 
-    def __init__(self, scene: Scene) -> None:
+    def __init__(self, scene: Scene, elements_per_turn: int) -> None:
         self.scene = scene
-        self.wire = layout(scene, ELEMENTS_PER_TURN)
+        self.wire = layout(scene, elements_per_turn)
         self.last = len(self.wire.points) - 1
         self.top = self.last + 1  # reference point
         self.nodes = 0
@@ -172,7 +176,18 @@ class _Builder:
         self._element("corotTruss", lower, upper, 1.0, tag)
 
 
-def run(scene: Scene, steps: int, tolerance: float, halvings: int = HALVINGS) -> Run:
+def tolerance(scene: Scene) -> float:
+    """Energy increment below which a step has converged, N mm."""
+    return TOLERANCE * float(np.abs(scene.load.force).max()) * scene.spring.active_height
+
+
+def run(
+    scene: Scene,
+    steps: int,
+    tolerance: float,
+    halvings: int = HALVINGS,
+    elements_per_turn: int = ELEMENTS_PER_TURN,
+) -> Run:
     """Build the scene's model and load it in equal steps.
 
     Parameters
@@ -181,13 +196,14 @@ def run(scene: Scene, steps: int, tolerance: float, halvings: int = HALVINGS) ->
     steps : number of load steps.
     tolerance : energy increment below which a step has converged, N mm.
     halvings : of a step that does not converge.
+    elements_per_turn : a multiple of 4.
 
     Raises
     ------
     InputError : what is not given to this peer.
     """
     refuse(scene, "opensees")
-    builder = _Builder(scene)
+    builder = _Builder(scene, elements_per_turn)
     tips: list[list[float]] = []
     with quiet():
         builder.build()
@@ -202,7 +218,7 @@ def run(scene: Scene, steps: int, tolerance: float, halvings: int = HALVINGS) ->
             tips.append([ops.nodeDisp(builder.top, freedom) for freedom in (1, 2, 6)])
         seconds = time.process_time() - began
         ops.wipe()
-    return Run(np.array(tips).reshape(-1, 3), seconds, iterations)
+    return Run(steps, np.array(tips).reshape(-1, 3), seconds, iterations)
 
 
 def _advance(builder: _Builder, step: float, halvings: int) -> int | None:
@@ -227,31 +243,3 @@ def _prepare(tolerance: float) -> None:
     ops.algorithm("Newton")
     ops.integrator("LoadControl", 1.0)
     ops.analysis("Static")
-
-
-@contextmanager
-def quiet() -> Iterator[None]:
-    """Send what OpenSees prints, from C++ and past Python, nowhere."""
-    sys.stdout.flush()
-    sys.stderr.flush()
-    kept = os.dup(1), os.dup(2)
-    try:
-        silence()
-        yield
-    finally:
-        sys.stdout.flush()
-        sys.stderr.flush()
-        for copy, stream in zip(kept, (1, 2), strict=True):
-            os.dup2(copy, stream)
-            os.close(copy)
-
-
-def silence() -> None:
-    """Send standard output and error nowhere."""
-    nowhere = os.open(os.devnull, os.O_WRONLY)
-    os.dup2(nowhere, 1)
-    os.dup2(nowhere, 2)
-    os.close(nowhere)
-
-
-atexit.register(silence)  # OpenSees says good-bye when the interpreter ends
