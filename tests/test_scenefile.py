@@ -410,9 +410,16 @@ def test_the_equivalent_beam_takes_whole_half_coils(tmp_path, capsys):
     assert "got 7.25" in error
 
 
-@pytest.mark.parametrize("model", ["equivbeam", "wirefe"])
 @pytest.mark.parametrize(
-    ("key", "value"), [("bottom_held", '["ux", "uy"]'), ("bottom_held", "[]"), ("seat", '"plate"')]
+    ("key", "value", "model"),
+    [
+        *(
+            ("bottom_held", value, model)
+            for value in ('["ux", "uy"]', "[]")
+            for model in ("equivbeam", "wirefe")
+        ),
+        ("seat", '"plate"', "equivbeam"),
+    ],
 )
 def test_what_a_model_cannot_represent_is_said_plainly(key, value, model, tmp_path, capsys):
     file = tmp_path / "odd.toml"
