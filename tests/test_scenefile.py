@@ -327,7 +327,7 @@ REFUSED_TEXTS = [
         scene_text({"spring.wire_diameter." + "a." * 3000 + "a": "1"}, without=("spring.wire_diameter",)),
         "spring.wire_diameter",
         "[1e-06, 1e+06]",
-        "a dict too large",
+        "got ",  # too deep to be written out, or cut
     ),
     ("name = 9" + "9" * 5000, "complete TOML", "digits", ""),
     (sections_text(("force = [0, -10]", "displacement = -16")), "load.displacement", "above -15.5", "-16"),
