@@ -6,7 +6,7 @@ import argparse
 import importlib
 import sys
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager, nullcontext
 from dataclasses import asdict
 from pathlib import Path
 
@@ -24,13 +24,15 @@ from validation.arguments import (
 from validation.metrics import Comparison, compare_paths
 from validation.output import (
     OutputError,
+    claimed,
+    json_bytes,
     json_text,
+    path_files,
     prepare,
+    series_files,
     summary,
-    write_json,
-    write_path,
-    write_series,
-    write_vtu,
+    vtu_file,
+    write_files,
     writing,
 )
 from validation.reached import as_far
@@ -81,7 +83,7 @@ def check(arguments: argparse.Namespace) -> int:
 def reproduce(arguments: argparse.Namespace) -> int:
     """Make the paper's tables and figures."""
     folder = _folder(arguments)
-    with _progress() as progress:
+    with claimed(folder), _progress() as progress:
         run = importlib.import_module("validation.reproduce").reproduce
         with writing(folder):
             remarks = run(
@@ -104,14 +106,16 @@ def solve(arguments: argparse.Namespace) -> int:
             raise InputError(f"{flag} belongs to --model {other}, got --model {model}")
     scene = _scene(arguments)
     folder = _folder(arguments)
-    prepare(folder)
-    with _progress(hasattr(arguments, "quiet")) as progress:
-        path = _run(scene, model, arguments, progress)
-    write_path(path, folder)
-    if hasattr(arguments, "vtu") and len(path.times):
-        write_vtu(path, folder)
-    if hasattr(arguments, "vtu_series") and len(path.times):
-        write_series(path, folder)
+    with claimed(folder):
+        with _progress(hasattr(arguments, "quiet")) as progress:
+            path = _run(scene, model, arguments, progress)
+        files = path_files(path)
+        if hasattr(arguments, "vtu") and len(path.times):
+            files |= vtu_file(path)
+        if hasattr(arguments, "vtu_series") and len(path.times):
+            prepare(folder / "wire")
+            files |= series_files(path)
+        write_files(files, folder)
     _conclude(arguments, summary(path), [*_digest(path), f"written to {folder}"])
     return _verdict(path)
 
@@ -120,21 +124,22 @@ def compare(arguments: argparse.Namespace) -> int:
     """Solve one scene with both models and compare them."""
     scene = _scene(arguments)
     folder = _folder(arguments)
-    folders = {model: folder / model for model in MODEL_OPTIONS}
-    for each in folders.values():
-        prepare(each)
-    with _progress(hasattr(arguments, "quiet")) as progress:
-        paths = {model: _run(scene, model, arguments, progress) for model in MODEL_OPTIONS}
-    for model, path in paths.items():
-        write_path(path, folders[model])
-    comparison = compare_paths(paths["equivbeam"], paths["wirefe"])
-    found = {
-        "scene": scene.name,
-        **asdict(comparison),
-        **{model: str(each.resolve()) for model, each in folders.items()},
-        "outcomes": {model: path.outcome for model, path in paths.items()},
-    }
-    write_json(folder / "compare.json", found)
+    with ExitStack() as claims:
+        for each in (folder, *(folder / model for model in MODEL_OPTIONS)):
+            claims.enter_context(claimed(each))
+        with _progress(hasattr(arguments, "quiet")) as progress:
+            paths = {model: _run(scene, model, arguments, progress) for model in MODEL_OPTIONS}
+        comparison = compare_paths(paths["equivbeam"], paths["wirefe"])
+        found = {
+            "scene": scene.name,
+            **asdict(comparison),
+            **{model: str((folder / model).resolve()) for model in paths},
+            "outcomes": {model: path.outcome for model, path in paths.items()},
+        }
+        files = {"compare.json": json_bytes(found)}
+        for model, path in paths.items():
+            files |= {f"{model}/{name}": data for name, data in path_files(path).items()}
+        write_files(files, folder)
     lines = [line for path in paths.values() for line in _digest(path)]
     _conclude(arguments, found, [*lines, _apart(comparison), f"written to {folder}"])
     return _verdict(*paths.values())
@@ -143,9 +148,8 @@ def compare(arguments: argparse.Namespace) -> int:
 def workprecision(arguments: argparse.Namespace) -> int:
     """Measure run time against error of both models."""
     folder = _folder(arguments)
-    prepare(folder)
     extent = next((name for name in ("quick", "full") if hasattr(arguments, name)), "normal")
-    with _progress() as progress:
+    with claimed(folder), _progress() as progress:
         progress("loading both models")
         run = importlib.import_module("validation.workprecision").workprecision
         with writing(folder):
@@ -158,8 +162,7 @@ def workprecision(arguments: argparse.Namespace) -> int:
 def sensitivity(arguments: argparse.Namespace) -> int:
     """Vary what the paper leaves open in both models."""
     folder = _folder(arguments)
-    prepare(folder)
-    with _progress() as progress:
+    with claimed(folder), _progress() as progress:
         progress("loading both models")
         run = importlib.import_module("validation.sensitivity").sensitivity
         with writing(folder):
@@ -172,7 +175,7 @@ def sensitivity(arguments: argparse.Namespace) -> int:
 def regress(arguments: argparse.Namespace) -> int:
     """Compare what both models find with stored baselines."""
     folder = _folder(arguments)
-    with _progress() as progress:
+    with claimed(folder), _progress() as progress:
         progress("loading both models")
         regression = importlib.import_module("validation.regression")
         accept, times = hasattr(arguments, "accept"), hasattr(arguments, "time")
@@ -190,9 +193,7 @@ def stability(arguments: argparse.Namespace) -> int:
     for name, number in _given(arguments, tuple(CAMPAIGN_RANGES)).items():
         options[name] = require_integer(name, number, *CAMPAIGN_RANGES[name])
     folder = _folder(arguments)
-    if "case" not in options:
-        prepare(folder)
-    with _progress() as progress:
+    with nullcontext() if "case" in options else claimed(folder), _progress() as progress:
         progress("loading both models")
         campaign = importlib.import_module("validation.campaign.run").campaign
         with writing(folder):
