@@ -175,7 +175,7 @@ def sensitivity(arguments: argparse.Namespace) -> int:
 def regress(arguments: argparse.Namespace) -> int:
     """Compare what both models find with stored baselines."""
     folder = _folder(arguments)
-    with claimed(folder), _progress() as progress:
+    with _progress() as progress:
         progress("loading both models")
         regression = importlib.import_module("validation.regression")
         accept, times = hasattr(arguments, "accept"), hasattr(arguments, "time")
