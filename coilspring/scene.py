@@ -95,30 +95,40 @@ def _changing(field: str, values: list, start: object) -> tuple:
 
 @dataclass(frozen=True)
 class Supports:
-    """What holds the two ends in the plane; UZ = ROTX = ROTY = 0 at both reference points always."""
+    """What holds the two ends in the plane; UZ = ROTX = ROTY = 0 at both reference points always.
 
-    top_held: tuple[str, ...] = ()  # of "ux", "uy", "rotz"
-    bottom_held: tuple[str, ...] = HELD_CHOICES  # clamped; less is in no model yet
-    seat: str = "rigid"  # end turns move with their end; "plate": they rest on it, which is in no model yet
+    Attributes
+    ----------
+    top_held : of "ux", "uy", "rotz".
+    bottom_held : the same; less than all is in no model.
+    seat : with "rigid" the end turns move with their ends. With "plate" they are elastic, ground flat, and
+        rest on plates, which move with the ends and push without friction; the wire's tips are held along
+        their plates and against turning on them.
+    """
+
+    top_held: tuple[str, ...] = ()
+    bottom_held: tuple[str, ...] = HELD_CHOICES
+    seat: str = "rigid"
 
     def __post_init__(self) -> None:
         for end in ("top_held", "bottom_held"):
             object.__setattr__(self, end, _held(f"supports.{end}", getattr(self, end)))
         require_choice("supports.seat", self.seat, SEATS)
 
-    def require_supported(self, model: str) -> None:
-        """Raise `InputError` for what `model` cannot represent: neither model has it."""
+    def require_supported(self, model: str, seats: tuple[str, ...] = ("rigid",)) -> str:
+        """The seat, if `model` can represent these supports with one of its `seats`, else `InputError`."""
         if self.bottom_held != HELD_CHOICES:
             raise InputError(
                 f"supports.bottom_held is unsupported by {model} unless it is all of "
                 f"{', '.join(HELD_CHOICES)}, got {shown(list(self.bottom_held))}; the end that may move must "
                 f"be the top: turn the spring over"
             )
-        if self.seat != "rigid":
+        if self.seat not in seats:
             raise InputError(
-                f"supports.seat is unsupported by {model} unless it is rigid, got {shown(self.seat)}: "
-                f"end turns move with their end, there is no contact with a plate"
+                f"supports.seat is unsupported by {model} unless it is {' or '.join(seats)}, got "
+                f"{shown(self.seat)}: end turns move with their end, there is no contact with a plate"
             )
+        return self.seat
 
 
 def _held(field: str, names: object) -> tuple[str, ...]:
@@ -179,6 +189,8 @@ class Scene:
     def __post_init__(self) -> None:
         if not isinstance(self.name, str) or not self.name.strip():
             raise InputError(f"name must be a text that is not empty, got {shown(self.name)}")
+        if self.supports.seat == "plate":
+            self._check_plates()
         if self.load.displacement:
             self._check_displacement()
             return
@@ -202,6 +214,19 @@ class Scene:
                 raise InputError(
                     f"load.displacement must be above {least:g}, where the top meets the bottom, got {way!r}"
                 )
+
+    def _check_plates(self) -> None:
+        """Refuse what would lift the spring off its plates, and a spring without end turns to lie there."""
+        if self.spring.end_turns == 0.0:
+            raise InputError("spring.end_turns must be in [0.5, 100] with supports.seat = 'plate', got 0")
+        load = self.load
+        axial = load.displacement or tuple(y for _, y in load.stages or (load.force,))
+        if max(axial) >= 0.0:
+            key = "displacement" if load.displacement else "stages" if load.stages else "force"
+            raise InputError(
+                f"load.{key} must press throughout with supports.seat = 'plate', whose plates do not pull: "
+                f"along Y below 0, got {max(axial)!r}"
+            )
 
     def without_contact(self) -> Scene:
         """The same scene with contact switched off."""

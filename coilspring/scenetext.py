@@ -38,7 +38,7 @@ def scene_text(scene: Scene) -> str:
         "[supports]\n"
         + _line("top_held", supports.top_held, "some of ux, uy, rotz, besides uz, rotx, roty [none]")
         + _line("bottom_held", supports.bottom_held, "the bottom is clamped [all three]")
-        + _line("seat", supports.seat, "end turns move with their end [rigid]"),
+        + _line("seat", supports.seat, 'end turns are "rigid" with their end or rest on a "plate" [rigid]'),
         _contact_text(scene.contact),
     )
     return "\n".join(tables)
@@ -53,7 +53,7 @@ def _spring_text(spring: Spring) -> str:
             + _line("active_height", spring.active_height, "of the active coils, between wire centres")
         )
     lines += (
-        _line("end_turns", spring.end_turns, "rigid turns at each end: 0 or at least 0.5 [1.0]")
+        _line("end_turns", spring.end_turns, "not active turns at each end: 0 or at least 0.5 [1.0]")
         + _line("ends", spring.ends, 'pitch: "closed" d, "open" that of the coils next to them [closed]')
         + _line("start_phase", spring.start_phase, "angle from X to Z where the active wire begins [0.0]")
         + _line("hand", spring.hand, "left or right [left]")

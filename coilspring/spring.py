@@ -50,7 +50,7 @@ class Spring:
         stands for both.
     active_coils : n.
     active_height : axial length of the active part at rest, mm.
-    end_turns : turns at each end, rigid; 0 or at least 0.5.
+    end_turns : turns at each end that are not active; 0 or at least 0.5.
     start_phase : angle from X towards Z of the first active point, rad.
     hand : "left" is the helix as the project draws it, X = R cos, Z = R sin with Y rising; "right"
         is its mirror image in the X-Y plane.

@@ -1,11 +1,13 @@
 """The command line as scripts see it: exit codes, files, and one sentence where something is wrong."""
 
 import csv
+import errno
 import importlib
 import json
 import math
 import subprocess
 import sys
+from pathlib import Path
 from types import ModuleType
 
 import pytest
@@ -17,7 +19,7 @@ from coilspring import EquilibriumNotFound
 from validation.arguments import MODEL_OPTIONS, command_line
 from validation.cli import main
 from validation.machine import versions
-from validation.output import OutputError, write_json, write_path, write_text
+from validation.output import OutputError, claimed, path_files, write_files, write_json, write_text
 
 COLUMNS = "time,load_x,load_y,ux,uy,rotz,iterations,active_contacts,max_penetration"
 SUMMARY_KEYS = {
@@ -299,6 +301,74 @@ def test_a_failed_write_keeps_the_old_file(tmp_path, monkeypatch):
     assert list(tmp_path.iterdir()) == [target]
 
 
+WRITERS = [
+    ("solve", "spring-b", "--model", "equivbeam", "--steps", "1"),
+    ("compare", "spring-b", "--steps", "1"),
+    ("reproduce", "--only", "table1"),
+    ("workprecision", "--quick"),
+    ("sensitivity",),
+    ("stability",),
+    ("regress",),
+    ("export", "spring-b", "--to", "calculix"),
+    ("referee", "spring-b", "--with", "opensees"),
+]
+
+
+@pytest.mark.parametrize("command", WRITERS, ids=lambda command: command[0])
+def test_a_folder_is_written_by_one_run_at_a_time(command, tmp_path, capsys):
+    with claimed(tmp_path):
+        assert main([*command, "--out", str(tmp_path)]) == 4
+    assert capsys.readouterr().err == (
+        f"coilcheck: cannot write to {tmp_path}: another run is writing there; "
+        "wait for it, or give another --out\n"
+    )
+    assert [file for file in tmp_path.iterdir() if file.is_file()] == []
+
+
+def test_a_run_beside_another_is_refused_until_that_has_ended(tmp_path, capsys):
+    """Two processes: the first waits in the middle of its work."""
+    code = (
+        "import sys, wirefe; from validation import cli; solve = wirefe.solve\n"
+        "def waiting(*a, **k): print(flush=True); input(); return solve(*a, **k)\n"
+        "wirefe.solve = waiting; sys.exit(cli.main(sys.argv[1:]))"
+    )
+    command = ["compare", "spring-b", "--steps", "2", "--quiet", "--out", str(tmp_path)]
+    pipes = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE}
+    with subprocess.Popen([sys.executable, "-c", code, *command], **pipes) as first:
+        first.stdout.readline()
+        assert main(command) == 4
+        assert main(["solve", "spring-b", "--model", "wirefe", "--out", str(tmp_path / "wirefe")]) == 4
+        assert not (tmp_path / "compare.json").exists()
+        first.communicate(b"\n")
+    assert first.returncode == 0
+    assert read_json(tmp_path / "compare.json")["steps"] == 2
+    assert main(command) == 0
+    assert capsys.readouterr().err.count("another run is writing there") == 2
+
+
+def test_a_disk_that_fills_up_leaves_the_old_run_whole(tmp_path, monkeypatch, capsys):
+    """The new run finds no room for its second file, its third, and so on."""
+    assert main(["compare", "spring-b", "--steps", "2", "--out", str(tmp_path)]) == 0
+    before = {file: file.read_bytes() for file in tmp_path.rglob("*.*")}
+    assert len(before) == 5
+    write, room = Path.write_bytes, 0
+
+    def until_full(file, data):
+        nonlocal room
+        room -= 1
+        if room < 0:
+            raise OSError(errno.ENOSPC, "No space left on device")
+        return write(file, data)
+
+    monkeypatch.setattr(Path, "write_bytes", until_full)
+    for files in range(1, 5):
+        room = files
+        capsys.readouterr()
+        assert main(["compare", "spring-b", "--steps", "3", "--out", str(tmp_path)]) == 4
+        assert "No space left on device" in capsys.readouterr().err
+        assert {file: file.read_bytes() for file in tmp_path.rglob("*.*")} == before
+
+
 def test_json_stays_json_whatever_the_numbers(tmp_path):
     write_json(tmp_path / "x.json", {"nan": math.nan, "list": (math.inf, 1.5), "text": "Feder 弹簧"})
     assert read_json(tmp_path / "x.json") == {"nan": None, "list": [None, 1.5], "text": "Feder 弹簧"}
@@ -307,7 +377,7 @@ def test_json_stays_json_whatever_the_numbers(tmp_path):
 def test_a_path_without_rows_is_a_header(tmp_path):
     with pytest.raises(EquilibriumNotFound) as caught:
         equivbeam.solve(coilspring.load_scene("spring-b"), steps=1, penalty=400.0)
-    write_path(caught.value.path, tmp_path)
+    write_files(path_files(caught.value.path), tmp_path)
     assert (tmp_path / "path.csv").read_text() == COLUMNS + "\n"
 
 

@@ -84,9 +84,10 @@ def run_line(line, capsys):
 @pytest.mark.parametrize("file", sorted((ROOT / "examples").glob("*.toml")), ids=lambda file: file.stem)
 def test_example_scenes(file):
     scene = coilspring.load_scene(file)
-    beam, wire = equivbeam.solve(scene), wirefe.solve(scene)
-    assert compare_paths(beam, wire).curve_max < 0.03
+    wire = wirefe.solve(scene)
     assert wire.active_contacts.max() > 0
+    if scene.supports.seat == "rigid":  # the equivalent beam has no plates
+        assert compare_paths(equivbeam.solve(scene), wire).curve_max < 0.03
 
 
 def example(name):

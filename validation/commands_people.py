@@ -9,7 +9,7 @@ from pathlib import Path
 
 from coilspring import load_scene
 from validation.arguments import scene_of
-from validation.output import prepare, write_json, write_text
+from validation.output import claimed, json_bytes, prepare, write_files, write_text
 
 Progress = Callable[[str], None]
 
@@ -19,8 +19,8 @@ def export(arguments: argparse.Namespace, folder: Path, progress: Progress) -> l
     calculix = importlib.import_module("validation.referee.calculix")
     scene = scene_of(arguments)
     text = calculix.deck(scene)
-    prepare(folder)
-    write_text(folder / calculix.FILE, text)
+    with claimed(folder):
+        write_text(folder / calculix.FILE, text)
     said = [f"written to {folder / calculix.FILE}; run it there by: ccx {calculix.JOB}"]
     if scene.contact.enabled and scene.contact.sliding == "none":
         said.append("its contact is frictionless: a spring element cannot hold a pair where it closed")
@@ -30,13 +30,13 @@ def export(arguments: argparse.Namespace, folder: Path, progress: Progress) -> l
 def referee(arguments: argparse.Namespace, folder: Path, progress: Progress) -> list[str]:
     """Run a peer on a scene beside the wire model."""
     scene, peer = scene_of(arguments), arguments.peer
-    prepare(folder)
-    progress(f"solving with wirefe and {peer}")
-    found = importlib.import_module("validation.referee.bout").bout(scene, peer)
-    write_text(folder / f"{peer}.csv", found.csv())
-    values = {"scene": scene.name, "peer": peer, "remark": found.remark, "steps": found.rows}
-    seconds = {"wirefe": found.wire.solve_seconds, peer: found.peer.seconds}
-    write_json(folder / f"{peer}.json", {**values, "curve_max": found.difference, "seconds": seconds})
+    with claimed(folder):
+        progress(f"solving with wirefe and {peer}")
+        found = importlib.import_module("validation.referee.bout").bout(scene, peer)
+        values = {"scene": scene.name, "peer": peer, "remark": found.remark, "steps": found.rows}
+        seconds = {"wirefe": found.wire.solve_seconds, peer: found.peer.seconds}
+        summary = {**values, "curve_max": found.difference, "seconds": seconds}
+        write_files({f"{peer}.json": json_bytes(summary), f"{peer}.csv": found.csv().encode()}, folder)
     return [*found.lines(), f"written to {folder}"]
 
 

@@ -5,11 +5,12 @@ from __future__ import annotations
 import argparse
 import importlib
 from collections.abc import Callable
+from contextlib import nullcontext
 from pathlib import Path
 
 from coilspring.errors import require_integer
 from validation.arguments import CAMPAIGN_RANGES, given
-from validation.output import prepare, writing
+from validation.output import claimed, writing
 
 Progress = Callable[[str], None]
 Answer = tuple[list[str], str]
@@ -18,11 +19,10 @@ LOADING = "loading both models"
 
 def workprecision(arguments: argparse.Namespace, folder: Path, progress: Progress) -> Answer:
     """Measure run time against error of both models."""
-    prepare(folder)
     extent = next((name for name in ("quick", "full") if hasattr(arguments, name)), "normal")
     progress(LOADING)
     run = importlib.import_module("validation.workprecision").workprecision
-    with writing(folder):
+    with claimed(folder), writing(folder):
         studies = run(folder, getattr(arguments, "only", None), extent, progress)
     digest = importlib.import_module("validation.workreport").digest
     return [*map(digest, studies), f"written to {folder}"], ""
@@ -30,10 +30,9 @@ def workprecision(arguments: argparse.Namespace, folder: Path, progress: Progres
 
 def sensitivity(arguments: argparse.Namespace, folder: Path, progress: Progress) -> Answer:
     """Vary what the paper leaves open in both models."""
-    prepare(folder)
     progress(LOADING)
     run = importlib.import_module("validation.sensitivity").sensitivity
-    with writing(folder):
+    with claimed(folder), writing(folder):
         studies = run(folder, getattr(arguments, "only", None), progress)
     digest = importlib.import_module("validation.sensitivitypage").digest
     return [*map(digest, studies), f"written to {folder}"], ""
@@ -58,11 +57,9 @@ def stability(arguments: argparse.Namespace, folder: Path, progress: Progress) -
     for name, number in given(arguments, tuple(CAMPAIGN_RANGES)).items():
         options[name] = require_integer(name, number, *CAMPAIGN_RANGES[name])
     writes = "case" not in options
-    if writes:
-        prepare(folder)
     progress(LOADING)
     campaign = importlib.import_module("validation.campaign.run").campaign
-    with writing(folder):
+    with claimed(folder) if writes else nullcontext(), writing(folder):
         code = campaign(folder, **options, progress=lambda done, of: progress(f"{done} of {of} scenes"))
     lines = [f"written to {folder}"] if writes else []
     return lines, "not every outcome is explained" if code else ""

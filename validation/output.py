@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+import fcntl
 import json
 import math
 import os
 import tempfile
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
 
@@ -35,6 +36,26 @@ def prepare(folder: Path) -> None:
         folder.mkdir(parents=True, exist_ok=True)
         with tempfile.TemporaryFile(dir=folder):
             pass
+
+
+@contextmanager
+def claimed(folder: Path) -> Iterator[None]:
+    """`prepare` a folder and keep other runs out of it: files of two runs would not belong together."""
+    prepare(folder)
+    with writing(folder):
+        handle = os.open(folder, os.O_RDONLY)
+    try:
+        try:
+            fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError:
+            raise OutputError(
+                f"cannot write to {folder}: another run is writing there; wait for it, or give another --out"
+            ) from None
+        except OSError:
+            pass  # a file system without locks
+        yield
+    finally:
+        os.close(handle)
 
 
 def write_text(target: Path, text: str) -> None:
@@ -75,7 +96,12 @@ def _whole(target: Path) -> Iterator[Path]:
 
 def write_json(target: Path, value: object) -> None:
     """Write strict JSON; what is not a finite number becomes null."""
-    write_bytes(target, _json(value))
+    write_bytes(target, json_bytes(value))
+
+
+def json_bytes(value: object) -> bytes:
+    """A file of strict JSON."""
+    return (json_text(value) + "\n").encode("utf-8")
 
 
 def json_text(value: object) -> str:
@@ -83,9 +109,9 @@ def json_text(value: object) -> str:
     return json.dumps(_plain(value), indent=2, allow_nan=False)
 
 
-def write_path(path: EquilibriumPath, folder: Path) -> None:
-    """Write ``path.csv`` and ``summary.json`` of a path, complete or not, to an existing folder."""
-    write_files({"summary.json": _json(summary(path)), "path.csv": _csv(path.columns).encode()}, folder)
+def path_files(path: EquilibriumPath) -> dict[str, bytes]:
+    """``path.csv`` and ``summary.json`` of a path, complete or not."""
+    return {"summary.json": json_bytes(summary(path)), "path.csv": _csv(path.columns).encode()}
 
 
 def _csv(columns: Mapping[str, np.ndarray]) -> str:
@@ -94,27 +120,35 @@ def _csv(columns: Mapping[str, np.ndarray]) -> str:
     return "".join(",".join(map(str, row)) + "\n" for row in (tuple(columns), *rows))
 
 
-def write_vtu(path: EquilibriumPath, folder: Path) -> None:
-    """Write ``wire.vtu``: the deformed wire at the last step reached by the wire model."""
-    from wirefe.export import write_vtu as write
-
-    with _whole(folder / "wire.vtu") as temporary:
-        write(path, -1, temporary)
+def vtu_file(path: EquilibriumPath) -> dict[str, bytes]:
+    """``wire.vtu``: the deformed wire at the last step reached by the wire model."""
+    return {"wire.vtu": _vtu(path, [-1])[0]}
 
 
-def write_series(path: EquilibriumPath, folder: Path) -> None:
-    """Write ``wire.pvd`` and, in the folder ``wire``, a VTU file for every step reached by the wire model."""
-    from wirefe.export import write_vtu as write
-
-    prepare(folder / "wire")
-    sets = []
-    for step, time in enumerate(path.times):
-        name = f"wire/{step + 1:04d}.vtu"
-        with _whole(folder / name) as temporary:
-            write(path, step, temporary)
-        sets.append(f'    <DataSet timestep="{time:.12g}" file="{name}"/>\n')
+def series_files(path: EquilibriumPath) -> dict[str, bytes]:
+    """``wire.pvd`` and, in the folder ``wire``, a VTU file for every step reached by the wire model."""
+    steps = range(len(path.times))
+    names = [f"wire/{step + 1:04d}.vtu" for step in steps]
+    sets = "".join(
+        f'    <DataSet timestep="{time:.12g}" file="{name}"/>\n'
+        for time, name in zip(path.times, names, strict=True)
+    )
     head = '<?xml version="1.0"?>\n<VTKFile type="Collection" version="0.1">\n  <Collection>\n'
-    write_text(folder / "wire.pvd", f"{head}{''.join(sets)}  </Collection>\n</VTKFile>\n")
+    series = f"{head}{sets}  </Collection>\n</VTKFile>\n"
+    return {"wire.pvd": series.encode(), **dict(zip(names, _vtu(path, steps), strict=True))}
+
+
+def _vtu(path: EquilibriumPath, steps: Iterable[int]) -> list[bytes]:
+    """VTU files of the deformed wire, which meshio writes by name alone."""
+    from wirefe.export import write_vtu
+
+    found = []
+    with writing("the folder for temporary files"), tempfile.TemporaryDirectory(prefix="coilcheck-") as name:
+        file = Path(name, "wire.vtu")
+        for step in steps:
+            write_vtu(path, step, file)
+            found.append(file.read_bytes())
+    return found
 
 
 def summary(path: EquilibriumPath) -> dict[str, object]:
@@ -138,10 +172,6 @@ def summary(path: EquilibriumPath) -> dict[str, object]:
         "options": {"steps": load.steps, "penalty": contact.stiffness, **path.options},
         "versions": versions(),
     }
-
-
-def _json(value: object) -> bytes:
-    return (json_text(value) + "\n").encode("utf-8")
 
 
 def _plain(value: object) -> object:

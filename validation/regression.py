@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from contextlib import ExitStack
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -12,7 +13,7 @@ from validation.baselines import MODELS, Run, find, made, read, runs
 from validation.document import Block, Heading, Table, Text, to_markdown
 from validation.drift import Move, compare
 from validation.freshness import make_ready
-from validation.output import prepare, write_text
+from validation.output import claimed, write_text
 
 
 @dataclass(frozen=True)
@@ -56,23 +57,24 @@ def regress(
     InputError : baselines that are missing or cannot be read, unless they are about to be written.
     """
     kept = _kept(baseline, accept)
-    for folder in (out, baseline) if accept else (out,):
-        prepare(folder)
-    progress("making the kernels ready")
-    make_ready()
-    watched = runs() if chosen is None else chosen
-    found = find(watched, progress, lambda part: baselines.write(part, out))
-    moves = compare(kept, found, str(made()["processor"])) if kept else ()
-    if times or accept:
-        ratios = timeratios.measure(progress)
-        timeratios.write(ratios, out)
-        moves += timeratios.compare(baseline, ratios) if times else ()
-    if accept:
-        baselines.write(found, baseline)
-        timeratios.write(ratios, baseline)
-    finding = Finding(moves, len(watched), accept)
-    write_text(out / "regress.md", to_markdown(_report(finding, kept)))
-    return finding
+    with ExitStack() as claims:
+        for folder in (out, baseline) if accept else (out,):
+            claims.enter_context(claimed(folder))
+        progress("making the kernels ready")
+        make_ready()
+        watched = runs() if chosen is None else chosen
+        found = find(watched, progress, lambda part: baselines.write(part, out))
+        moves = compare(kept, found, str(made()["processor"])) if kept else ()
+        if times or accept:
+            ratios = timeratios.measure(progress)
+            timeratios.write(ratios, out)
+            moves += timeratios.compare(baseline, ratios) if times else ()
+        if accept:
+            baselines.write(found, baseline)
+            timeratios.write(ratios, baseline)
+        finding = Finding(moves, len(watched), accept)
+        write_text(out / "regress.md", to_markdown(_report(finding, kept)))
+        return finding
 
 
 def _kept(baseline: Path, accept: bool) -> dict[str, dict[str, Any]] | None:

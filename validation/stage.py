@@ -17,7 +17,8 @@ if TYPE_CHECKING:
 
 PIXELS = (1000, 720)  # room for the scale beside the spring
 SPHERE = 0.62  # radius of a contact sphere over the wire's diameter: to be seen around the tube
-TITLE = "contact, N"
+TITLE = "contact, N\n"  # clear of the largest number
+ROOM = 0.8  # of the window's height, which leaves the slider clear of the wire
 
 
 def main(what: str, folder: Path) -> None:
@@ -32,6 +33,7 @@ def main(what: str, folder: Path) -> None:
     draw(plotter, frames, len(frames.times) - 1)
     aim(plotter, frames.points.reshape(-1, 3), 2.0 * frames.diameter)
     if window:
+        plotter.camera.zoom(ROOM)
         _slider(plotter, frames)
         plotter.show(title="coilcheck view")
         return
@@ -72,10 +74,14 @@ def _slider(plotter: pyvista.Plotter, frames: Frames) -> None:
         (0, last),
         value=last,
         title="step",
+        title_height=0.02,
         fmt="%.0f",
         color="black",
-        pointa=(0.1, 0.08),
-        pointb=(0.5, 0.08),
+        pointa=(0.25, 0.08),
+        pointb=(0.75, 0.08),
+        slider_width=0.02,
+        tube_width=0.004,
+        interaction_event="always",
     )
 
 

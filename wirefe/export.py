@@ -18,7 +18,7 @@ POINT_DATA = ("displacement", "rotation", "contact_force", "pair_force")  # of a
 
 @dataclass(frozen=True)
 class SectionResults:
-    """What the wire carries between its rigid ends at one equilibrium.
+    """What the wire carries at one equilibrium: between its rigid ends, or on plates all of it.
 
     Forces and moments are means over an element in the frame that moves along it: first axis the
     wire's tangent (straight element: its chord), the others across (curved element: normal, binormal).
@@ -29,7 +29,7 @@ class SectionResults:
     displacement : (nodes, 3) from rest, mm.
     rotation : (nodes, 3) rotation vectors from rest, of at most half a turn, rad.
     contact_force : (nodes, 3) normal contact force on each node, N; the forces on the spheres of a
-        rigid end are summed at its node. What holds a pair from sliding is not in it.
+        rigid end are summed at its node. What holds a pair from sliding is not in it, nor are plates.
     pair_force : (nodes,) largest normal force of a pair that touches at each node, N; where coils are
         pressed from both sides it does not cancel.
     force : (elements, 3) axial force and two shear forces, N.
@@ -80,20 +80,22 @@ def section_results(path: EquilibriumPath, step: int) -> SectionResults:
     wrench = np.einsum("eij,ej->ei", data.stiffness, strain)
     # the deformation measure at rest is the tangent times the element's length
     lengths = np.linalg.norm(data.strain0[:, :3], axis=1)
+    wire = np.count_nonzero(lengths)  # the hold of a tip on a plate has none
+    nodes = slice(wire + 1)
     return SectionResults(
-        points=points,
-        displacement=points - shape.mesh.points,
-        rotation=Rotation.from_quat(np.roll(turns, -1, axis=1)).as_rotvec(),
-        contact_force=_contact_force(shape, rows, path.contact_forces[step]),
-        pair_force=_pair_force(shape, len(rows), path.contact_forces[step]),
-        force=wrench[:, :3],
-        moment=wrench[:, 3:],
-        curvature_change=strain[:, 3:] / lengths[:, None],
+        points=points[nodes],
+        displacement=(points - shape.mesh.points)[nodes],
+        rotation=Rotation.from_quat(np.roll(turns, -1, axis=1)).as_rotvec()[nodes],
+        contact_force=_contact_force(shape, rows, path.contact_forces[step])[nodes],
+        pair_force=_pair_force(shape, len(rows), path.contact_forces[step])[nodes],
+        force=wrench[:wire, :3],
+        moment=wrench[:wire, 3:],
+        curvature_change=strain[:wire, 3:] / lengths[:wire, None],
     )
 
 
 def write_vtu(path: EquilibriumPath, step: int, file: str | Path) -> None:
-    """Write the deformed wire at a stored step as line cells, mm and N; the end turns are left out.
+    """Write the deformed wire at a stored step as line cells, mm and N; rigid end turns are left out.
 
     Point data: displacement, rotation (vector), contact_force, pair_force. Cell data: axial_force,
     shear_force, torsion, bending_moment, curvature and twist (changes from rest).

@@ -17,10 +17,10 @@ PAIRS_OF_PENALTY = 4  # the scene's stiffness is that of a pair at 4 pairs a tur
 
 @dataclass(frozen=True)
 class WireMesh:
-    """Active wire between the two rigid ends.
+    """Elastic wire between the two ends: its active part, or all of it where end turns rest on plates.
 
     Node 0 belongs to the bottom end, the last node is the top end's reference point, from which the
-    wire's last point stands off by `arm`.
+    wire's last point stands off by `arm`. On plates the wire has a node of its own at that point, too.
     """
 
     phases: np.ndarray  # (nodes,) of the wire's points
@@ -29,30 +29,37 @@ class WireMesh:
     arm: np.ndarray  # (3,)
 
 
-def mesh_wire(spring: Spring, elements_per_turn: int) -> WireMesh:
-    """Nodes along the active wire; the line mesh is scikit-fem's.
+def mesh_wire(spring: Spring, elements_per_turn: int, on_plates: bool = False) -> WireMesh:
+    """Nodes along the elastic wire; the line mesh is scikit-fem's.
 
     Raises
     ------
-    InputError : where the active coils are not a whole number of elements.
+    InputError : where the active coils, or end turns on plates, are not a whole number of elements.
     """
     from skfem import MeshLine
 
-    count = round(spring.active_coils * elements_per_turn)
-    if count < 1 or abs(spring.active_coils * elements_per_turn - count) > 1e-6:
-        raise InputError(
-            f"spring.active_coils must be a multiple of 1/{elements_per_turn} (1/elements_per_turn) in "
-            f"[0.5, 1000] for the wire model, got {spring.active_coils!r}"
-        )
-    line = MeshLine(np.linspace(0.0, spring.phase_end, count + 1))
-    points = spring.points(line.p[0])
+    count = _elements("active_coils", spring.active_coils, elements_per_turn, 1000)
+    first, last = 0.0, spring.phase_end
+    if on_plates:
+        count += 2 * _elements("end_turns", spring.end_turns, elements_per_turn, 100)
+        first, last = spring.phase_range
+    phases = MeshLine(np.linspace(first, last, count + 1)).p[0]
+    if on_plates:
+        phases = np.append(phases, last)
+    points = spring.points(phases)
     reference = np.array([0.0, spring.active_height, 0.0])
-    return WireMesh(
-        phases=line.p[0],
-        points=points,
-        reference=reference,
-        arm=points[-1] - reference,
-    )
+    return WireMesh(phases=phases, points=points, reference=reference, arm=points[-1] - reference)
+
+
+def _elements(name: str, turns: float, elements_per_turn: int, most: int) -> int:
+    """Number of elements in some turns of the wire."""
+    count = round(turns * elements_per_turn)
+    if count < 1 or abs(turns * elements_per_turn - count) > 1e-6:
+        raise InputError(
+            f"spring.{name} must be a multiple of 1/{elements_per_turn} (1/elements_per_turn) in "
+            f"[0.5, {most}] for the wire model, got {turns!r}"
+        )
+    return count
 
 
 def refuse_kinks(spring: Spring, mesh: WireMesh) -> None:
@@ -111,7 +118,8 @@ def place_spheres(
     first, end = (phase / TWO_PI * pairs_per_turn for phase in spring.phase_range)
     index = np.arange(math.ceil(first - 1e-9), math.floor(end + 1e-9) + 1)
     phases = index * TWO_PI / pairs_per_turn
-    carrier = np.clip(index * stride, 0, last)
+    start = round(mesh.phases[0] / TWO_PI * elements_per_turn)
+    carrier = np.clip(index * stride - start, 0, last)
     rest = np.concatenate((mesh.points[:-1], mesh.reference[None]))
     pairs = np.stack((np.arange(len(index) - pairs_per_turn), np.arange(pairs_per_turn, len(index))), axis=1)
     pairs = pairs[carrier[pairs[:, 0]] != carrier[pairs[:, 1]]]

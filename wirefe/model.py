@@ -12,12 +12,14 @@ import numpy as np
 
 from coilspring.compiled import part
 from coilspring.driving import Top
+from coilspring.errors import InputError
 from coilspring.packing import heads, stack, table, vector
-from coilspring.scene import Scene
+from coilspring.scene import SEATS, Scene
 from coilspring.wire import round_section
 from wirefe.beam import deformations
 from wirefe.chain import ChainPlan, plan_chain
 from wirefe.mesh import Spheres, WireMesh, mesh_wire, no_spheres, place_spheres, refuse_kinks
+from wirefe.plates import NO_PLATES, PlateArrays, join_top, place_plates
 from wirefe.rod import Rod, curved_rod, straight_rod
 
 ROW = 7  # numbers of a node in the state
@@ -68,10 +70,11 @@ class WireModel(NamedTuple):
     held: HeldArrays
     contact: ContactArrays
     plan: ChainPlan
+    plates: PlateArrays = NO_PLATES
 
 
 # numbers of each part's first field in the packed arrays
-HELD, CONTACT, PLAN = 6, 10, 23
+HELD, CONTACT, PLAN, PLATES = 6, 10, 23, 29
 
 
 def build_model(
@@ -85,27 +88,42 @@ def build_model(
 
     `found` are pairs of spheres that touch besides those one turn apart.
     """
-    scene.supports.require_supported("wirefe")
-    mesh = mesh_wire(scene.spring, elements_per_turn)
-    section = round_section(scene.spring.wire_diameter, scene.material)
-    if element == "curved":
-        refuse_kinks(scene.spring, mesh)
-        rod = curved_rod(scene.spring, mesh.phases, section)
-    else:
-        rod = straight_rod(mesh.points, section)
+    seat = scene.supports.require_supported("wirefe", SEATS)
+    mesh = mesh_wire(scene.spring, elements_per_turn, seat == "plate")
+    rod = _wire(scene, mesh, element)
     top = len(mesh.points) - 1
-    rod = rod.holding(0).holding(top, "uz", "rotx", "roty", *scene.supports.top_held)
+    rod = rod.holding(top, "uz", "rotx", "roty", *scene.supports.top_held)
     rod = rod.loaded(top, force=(*scene.load.force, 0.0))
     spheres = place_spheres(scene, mesh, elements_per_turn, pairs_per_turn, found)
-    return rod_model(rod, mesh.arm, spheres), mesh, rod
+    plates = NO_PLATES
+    if seat == "plate":
+        plates = place_plates(scene.spring, mesh, scene.contact.stiffness, ~rod.held[top])
+    return rod_model(rod, mesh.arm, spheres, plates), mesh, rod
 
 
-def rod_model(rod: Rod, arm: np.ndarray, spheres: Spheres | None = None) -> WireModel:
+def _wire(scene: Scene, mesh: WireMesh, element: str) -> Rod:
+    """The elastic wire, held at the bottom."""
+    section = round_section(scene.spring.wire_diameter, scene.material)
+    if scene.supports.seat == "plate":
+        if element != "straight":
+            raise InputError(f"element must be straight with supports.seat = 'plate', got {element!r}")
+        return join_top(straight_rod(mesh.points[:-1], section)).holding(0, "ux", "uz", "roty")
+    if element == "straight":
+        return straight_rod(mesh.points, section).holding(0)
+    refuse_kinks(scene.spring, mesh)
+    return curved_rod(scene.spring, mesh.phases, section).holding(0)
+
+
+def rod_model(
+    rod: Rod, arm: np.ndarray, spheres: Spheres | None = None, plates: PlateArrays = NO_PLATES
+) -> WireModel:
     """Arrays of a rod whose last point stands off from its last node by `arm`, with contact spheres."""
     spheres = no_spheres() if spheres is None else spheres
     count = len(rod.stiffness)
+    touching = count + len(spheres.pairs)  # number of the first coupling with the top plate
     chain = np.stack((np.arange(count), np.arange(1, count + 1)), axis=1)
-    couplings = np.concatenate((chain, spheres.carrier[spheres.pairs]))
+    resting = np.stack((plates.high, np.full_like(plates.high, count)), axis=1)
+    couplings = np.concatenate((chain, spheres.carrier[spheres.pairs], resting))
     last = np.union1d(couplings[count:], [count])
     plan, block, flip = plan_chain(count + 1, couplings, last)
     return WireModel(
@@ -120,13 +138,14 @@ def rod_model(rod: Rod, arm: np.ndarray, spheres: Spheres | None = None) -> Wire
             kc=spheres.stiffness,
             k=spheres.exponent,
             mu=spheres.friction,
-            block=block[count:],
-            flip=flip[count:],
+            block=block[count:touching],
+            flip=flip[count:touching],
             near=spheres.near,
             home=rest_state(rod, arm),
             apart=spheres.apart,
         ),
         plan,
+        plates._replace(block=block[touching:], flip=flip[touching:]),
     )
 
 

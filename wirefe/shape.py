@@ -58,6 +58,16 @@ class WireShape:
         """Normal force of every pair, shape (states, pairs), N."""
         return self.data.contact.kc * np.maximum(-self.pair_gaps(states), 0.0) ** self.data.contact.k
 
+    def plate_forces(self, states: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Normal forces of the bottom and of the top plate on the nodes `plates.low` and `plates.high` of the
+        model, shapes (states, nodes), N; without nodes where end turns are rigid."""
+        plates, nodes = self.data.plates, self._nodes(states)
+        low = nodes[:, plates.low, 1] - plates.level
+        normal = turned(nodes[:, -1, 3:], np.array([0.0, 1.0, 0.0]))[:, None]
+        apart = nodes[:, -1:, :3] - nodes[:, plates.high, :3]
+        high = (normal * apart).sum(axis=-1) - plates.depth
+        return plates.stiffness * np.maximum(-low, 0.0), plates.stiffness * np.maximum(-high, 0.0)
+
     def pair_friction(self, states: np.ndarray, memories: np.ndarray) -> Friction:
         """Tangential forces, slips and frictional work of every pair."""
         return pair_friction(self._pair_vectors(states), memories, self.data.contact.kc)
@@ -66,7 +76,7 @@ class WireShape:
         """Wire at the phases given, shape (phases, 3), mm.
 
         Between two nodes the rigid motions of both are blended linearly, which is exact at the
-        nodes; the end turns move with the first node and with the top reference point.
+        nodes; rigid end turns move with the first node and with the top reference point.
         """
         rest = self.scene.spring.points(phases)
         rows = state.reshape(-1, ROW)

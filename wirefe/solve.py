@@ -14,7 +14,7 @@ from coilspring.scene import Scene
 from coilspring.solving import Problem, follow_load, follow_problem, scene_path
 from coilspring.stepping import STRAY
 from coilspring.warming import begin
-from wirefe import driven, kernels, model
+from wirefe import driven, kernels, model, seated
 from wirefe.elements import ELEMENTS
 from wirefe.mesh import WireMesh, strays
 from wirefe.rod import Rod
@@ -40,6 +40,8 @@ KERNELS = Kernels(
     renew=kernels.renew,
 )
 DRIVEN = KERNELS._replace(assemble=driven.assemble)
+SEATED = KERNELS._replace(assemble=seated.assemble, commit=seated.commit)
+SEATED_DRIVEN = SEATED._replace(assemble=seated.assemble_driven)
 
 
 def solve(
@@ -83,7 +85,7 @@ def solve(
     spent, seconds, found = 0, 0.0, NO_PAIRS
     while True:
         problem, mesh, options = scene_problem(scene, element, elements_per_turn, pairs_per_turn, found)
-        run = follow_load(scene, problem, KERNELS, DRIVEN)
+        run = follow_load(scene, problem, *scene_kernels(scene))
         seconds += run.solve_seconds
         if run.track.outcome != STRAY:
             run = replace(run, solve_seconds=seconds)
@@ -131,6 +133,11 @@ def solve_rod(rod: Rod, *, steps: int = 10) -> RodPath:
     if path.outcome != "completed":
         raise EquilibriumNotFound(path)
     return path
+
+
+def scene_kernels(scene: Scene) -> tuple[Kernels, Kernels]:
+    """Kernels of a scene under one growing force, and those for other loads."""
+    return (SEATED, SEATED_DRIVEN) if scene.supports.seat == "plate" else (KERNELS, DRIVEN)
 
 
 def with_strays(data: model.WireModel, state: np.ndarray, found: np.ndarray) -> np.ndarray:

@@ -7,6 +7,7 @@ import time
 from coilspring.continuation import Trace, compiled_trace
 from coilspring.errors import EquilibriumNotFound, InputError, require_integer
 from coilspring.interrupt import interruptible
+from coilspring.kernelset import Kernels
 from coilspring.packing import pack
 from coilspring.path import EquilibriumPath
 from coilspring.scene import Scene
@@ -15,7 +16,7 @@ from coilspring.warming import compile_kernels
 from wirefe.rod import Rod
 from wirefe.rodpath import RodPath
 from wirefe.shape import WireShape
-from wirefe.solve import KERNELS, NO_PAIRS, rod_problem, scene_problem, with_strays
+from wirefe.solve import KERNELS, NO_PAIRS, rod_problem, scene_kernels, scene_problem, with_strays
 
 
 def trace(
@@ -53,7 +54,7 @@ def trace(
     spent, pairs = 0, NO_PAIRS
     while True:
         problem, mesh, options = scene_problem(scene, element, elements_per_turn, pairs_per_turn, pairs)
-        found, seconds = _run(problem, points)
+        found, seconds = _run(problem, scene_kernels(scene)[0], points)
         if not found.stray:
             break
         spent += int(found.iterations.sum())
@@ -82,7 +83,7 @@ def trace(
 def trace_rod(rod: Rod, *, points: int = 200) -> RodPath:
     """Trace the path of any wire through its limit points; see `trace`."""
     require_integer("points", points, 1, 100_000)
-    found, seconds = _run(rod_problem(rod), points)
+    found, seconds = _run(rod_problem(rod), KERNELS, points)
     outcome, message = _verdict(found)
     path = RodPath.of(
         rod,
@@ -101,13 +102,13 @@ def trace_rod(rod: Rod, *, points: int = 200) -> RodPath:
     return path
 
 
-def _run(problem: Problem, points: int) -> tuple[Trace, float]:
+def _run(problem: Problem, kernels: Kernels, points: int) -> tuple[Trace, float]:
     follow = compiled_trace()
-    compile_kernels(KERNELS)
+    compile_kernels(kernels)
     began = time.process_time()
     found = interruptible(
         follow, *pack(problem.data), problem.load, points, problem.start, problem.memory, problem.matrix_size,
-        *KERNELS,
+        *kernels,
     )  # fmt: skip
     return Trace(*found), time.process_time() - began
 

@@ -1,0 +1,188 @@
+"""End turns that are elastic and rest on plates."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import wirefe
+from coilspring import Contact, EquilibriumNotFound, InputError, Load, Scene, Spring, Supports, load_scene
+from coilspring.packing import pack
+from coilspring.sizing import axial_rate
+from wirefe import kernels, seated
+from wirefe.contact import MEMORY
+from wirefe.export import section_results
+from wirefe.model import build_model, matrix_size, rest_state
+from wirefe.modes import linear_stiffness
+from wirefe.shape import WireShape
+from wirestates import dense
+
+SPRING = Spring(1.5, 10.0, 5.0, 20.0)
+GUIDED = ("ux", "rotz")
+
+
+def scene_of(force=(0.0, -40.0), held=GUIDED, spring=SPRING, seat="plate", steps=10):
+    return Scene("seated", spring, Load(force, steps=steps), supports=Supports(held, seat=seat))
+
+
+def forces(path, step=-1):
+    low, high = path.shape.plate_forces(path.states[[step]])
+    return low[0], high[0]
+
+
+@pytest.mark.parametrize("held", [(), GUIDED])
+def test_gradient_and_matrix_are_derivatives_of_the_energy(held, check_derivatives):
+    scene = scene_of(held=held)
+    data, mesh, rod = build_model(scene, 8, 4)
+    arrays, rest = pack(data), rest_state(rod, mesh.arm)
+    memory = np.zeros((len(data.contact.pairs), MEMORY))
+    free = (~rod.held).ravel().astype(float)
+    n, state = free.size, np.empty_like(rest)
+    shift = 1e-3 * free * np.random.default_rng(5).normal(size=n)
+    kernels.retract(*arrays, rest, shift, 1.0, state)
+
+    def energy(step):
+        at, g, H = np.empty_like(state), np.empty(n), np.empty(matrix_size(data))
+        kernels.retract(*arrays, state, step * free, 1.0, at)
+        value, _ = seated.assemble(*arrays, state, 0.0, memory, at, g, H)
+        return value, g, dense(data, H, n) * np.outer(free, free)
+
+    pressed = WireShape(scene, data, mesh).plate_forces(state[None])
+    assert min(np.count_nonzero(plate) for plate in pressed) > 3
+    check_derivatives(energy, n, h=1e-5, tolerance=1e-6)
+
+
+@pytest.mark.parametrize("held", [GUIDED, ()])
+def test_the_plates_carry_the_load_where_statics_puts_it(held):
+    path = wirefe.solve(scene_of((0.0, -40.0) if held else (-0.2, -20.0), held))
+    low, high = forces(path)
+    assert low.sum() == pytest.approx(-path.scene.load.force[1], rel=1e-4)
+    nodes, plates = path.states[-1].reshape(-1, 7), path.shape.data.plates
+    top = nodes[-1]
+    if held:
+        assert high.sum() == pytest.approx(40.0, rel=1e-4)
+        return
+    # moment about Z through the tip, where the force along the plate is held
+    tip = nodes[0]
+    moment = (low * (nodes[plates.low, 0] - tip[0])).sum()
+    fx, fy = path.scene.load.force
+    given = (top[0] - tip[0]) * fy - (top[1] - tip[1]) * fx
+    assert moment == pytest.approx(-given, rel=1e-4)
+    assert (low == 0.0).any()
+    assert (high == 0.0).any()
+
+
+def test_a_small_load_meets_the_linear_complementarity_problem():
+    """By the linear stiffness of the wire, and an active set of plate points found in plain numpy."""
+    scene = scene_of((0.0, -0.04), steps=1).without_contact()
+    data, mesh, rod = build_model(scene, 16, 4)
+    bare = linear_stiffness(rod).toarray()
+    arm, n = mesh.arm, len(rod.points)
+    carry = np.eye(6 * n)  # the wire's end stands off from the last node
+    x, y, z = arm
+    carry[6 * n - 6 : 6 * n - 3, 6 * n - 3 :] = [[0.0, z, -y], [-z, 0.0, x], [y, -x, 0.0]]
+    K = carry.T @ bare @ carry
+    plates, load = data.plates, rod.loads.ravel()
+    rows = np.zeros((len(plates.low) + len(plates.high), 6 * n))  # of the gaps
+    rows[np.arange(len(plates.low)), 6 * plates.low + 1] = 1.0
+    for row, node in zip(rows[len(plates.low) :], plates.high, strict=True):
+        row[[6 * node + 1, 6 * n - 5]] = -1.0, 1.0
+    resting = np.concatenate((plates.level < 0.0, plates.depth < 0.0))  # rest height beyond the last coil
+    resting |= np.concatenate((mesh.phases[plates.low] == 0.0, np.isclose(mesh.points[plates.high, 1], 20.0)))
+    rows, free = rows[resting], np.flatnonzero(~rod.held)
+    active = np.ones(len(rows), dtype=bool)
+    while True:
+        u = np.zeros(6 * n)
+        pressed = K + plates.stiffness * rows[active].T @ rows[active]
+        u[free] = np.linalg.solve(pressed[np.ix_(free, free)], load[free])
+        if ((rows @ u < 0.0) == active).all():
+            break
+        active = rows @ u < 0.0
+    path = wirefe.solve(scene, elements_per_turn=16)
+    assert 0 < active.sum() < len(rows)
+    np.testing.assert_array_equal(np.concatenate(forces(path))[resting] > 0.0, active)
+    assert path.tips[-1, 1] == pytest.approx(u[6 * n - 5], rel=1e-4)  # the geometry's share at this load
+
+
+def test_the_rate_lies_between_those_of_active_coils_and_of_all_coils():
+    bare = scene_of(steps=2).without_contact()
+    rigid = replace(bare, supports=Supports(GUIDED))
+    soft = replace(rigid, spring=replace(SPRING, active_coils=7.0, active_height=28.0, end_turns=0.0))
+    rates = [40.0 / -wirefe.solve(each).tips[-1, 1] for each in (rigid, bare, soft)]
+    assert rates[0] > 1.05 * rates[1] > 1.05**2 * rates[2]
+    assert rates[0] == pytest.approx(axial_rate(bare), rel=0.02)
+
+
+def test_coils_that_settle_on_the_end_turns_make_it_stiffer():
+    path = wirefe.solve(scene_of((0.0, -120.0), steps=30))
+    rate = np.diff(path.loads[:, 1]) / np.diff(path.tips[:, 1])
+    settled = path.active_contacts[1:-1] == 6
+    assert path.active_contacts[0] == 2
+    assert rate[1:][settled].min() > 1.15 * rate[:5].max()
+    assert forces(path)[0].sum() == pytest.approx(120.0, rel=1e-4)
+
+
+def test_a_spring_turned_over_does_the_same():
+    """Its top plate, which is held in the model by its own freedoms, becomes the fixed bottom one."""
+    cone = Spring(1.5, (12.0, 8.0), 5.0, 22.5, start_phase=0.3)
+    # turned by half a turn about X: y -> H - y, z -> -z, and the wire begins at its other end
+    over = Spring(1.5, (8.0, 12.0), 5.0, 22.5, start_phase=-0.3 - 2.0 * np.pi * 5.0)
+    one, other = (wirefe.solve(scene_of((0.0, -60.0), spring=spring)) for spring in (cone, over))
+    assert one.active_contacts[-1] == other.active_contacts[-1] > 0
+    np.testing.assert_allclose(one.tips[:, 1], other.tips[:, 1], rtol=1e-4)  # the hold of the top tip yields
+    for here, there in zip(forces(one), forces(other)[::-1], strict=True):
+        np.testing.assert_allclose(here, there[::-1], atol=1e-2)
+
+
+def test_a_spring_whose_load_leaves_its_base_turns_over():
+    with pytest.raises(EquilibriumNotFound) as found:
+        wirefe.solve(scene_of((-6.0, -60.0), ()))
+    path = found.value.path
+    assert path.outcome == "limit_point"
+    # the resultant meets the bottom plate between the axis and the coil
+    x, y = path.top[-1, :2]
+    fx, fy = path.loads[-1]
+    assert 3.0 < abs(x - y * fx / fy) < 5.75
+
+
+def test_test_machine_stages_and_sections():
+    machine = wirefe.solve(replace(scene_of(), load=Load(displacement=(-4.0, -6.0), steps=3)))
+    force = wirefe.solve(scene_of((0.0, machine.loads[-1, 1])))
+    np.testing.assert_allclose(force.tips[-1], machine.tips[-1], rtol=1e-4, atol=1e-9)
+    stages = wirefe.solve(replace(scene_of(), load=Load(stages=((0.0, -60.0), (0.0, -40.0)), steps=4)))
+    np.testing.assert_allclose(stages.tips[-1], wirefe.solve(scene_of()).tips[-1], rtol=1e-6, atol=1e-9)
+    found = section_results(machine, -1)
+    assert len(found.force) + 1 == len(found.points) == 7 * 40 + 1
+    assert np.isfinite(found.curvature_change).all()
+    # over a turn the torsion is that of the load on the coil's radius, wherever the load passes
+    torsion = np.abs(found.moment[120:160, 0]).mean()
+    assert torsion == pytest.approx(-5.0 * machine.loads[-1, 1], rel=0.05)
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        ({"spring": replace(SPRING, end_turns=0.0)}, ("spring.end_turns", "[0.5, 100]", "got 0")),
+        ({"load": Load((0.0, 5.0))}, ("load.force", "below 0", "got 5.0")),
+        ({"load": Load(stages=((0.0, -5.0), (0.0, 0.0)))}, ("load.stages", "below 0", "got 0.0")),
+        ({"load": Load(displacement=(-1.0, 1.0))}, ("load.displacement", "below 0", "got 1.0")),
+    ],
+)
+def test_what_plates_cannot_do_is_refused(change, words):
+    with pytest.raises(InputError) as error:
+        replace(scene_of(), **change)
+    assert all(word in str(error.value) for word in words)
+
+
+def test_the_mesh_is_refused_where_end_turns_are_no_whole_elements():
+    with pytest.raises(InputError, match=r"spring\.end_turns must be a multiple of 1/40"):
+        wirefe.solve(scene_of(spring=replace(SPRING, end_turns=0.777)))
+    with pytest.raises(InputError, match=r"element must be straight with supports\.seat = 'plate'"):
+        wirefe.solve(scene_of(), element="curved", elements_per_turn=4)
+
+
+def test_the_example_is_the_spring_of_these_tests():
+    scene = load_scene("examples/plates.toml")
+    assert scene.supports == Supports(GUIDED, seat="plate")
+    assert scene.contact == Contact()
+    assert scene.spring == SPRING

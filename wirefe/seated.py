@@ -1,0 +1,130 @@
+"""The model's energy with the plates on which its end turns rest: nodes against a rigid plane at each end.
+
+The bottom plate is fixed, the top one moves and turns with the top end. With the normal n of a plate, its
+reference point X and the way w = X - x from a node, the gap is ``g = n . w - c``, where c makes it zero at
+rest for nodes of the end turns, whose undersides are ground flat. The potential is 1/2 k g^2 where g <= 0:
+plates push and do not pull, and the wire slides on them. With n = exp(phi) n along the exponential map
+
+    dg = n . (dX - dx) + phi . (n x w)
+    d2g = 2 phi . (n x (dX - dx)) + (phi . n)(phi . w) - (n . w) phi . phi
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from coilspring.compiled import kernel
+from coilspring.driving import drive
+from coilspring.packing import heads, vector
+from wirefe import kernels
+from wirefe.contact import lever
+from wirefe.model import PLATES, ROW
+from wirefe.plates import PlateArrays
+from wirefe.rotations import rotate
+
+
+@kernel
+def _view(reals, ints):
+    head = heads(ints)[PLATES:]
+    return PlateArrays(
+        vector(ints, head[0]), vector(reals, head[1]), vector(ints, head[2]), vector(reals, head[3]),
+        vector(reals, head[4]), reals[head[5, 0]], vector(ints, head[6]), vector(ints, head[7]),
+    )  # fmt: skip
+
+
+@kernel
+def _press_low(plates, state, g, H):
+    """Potential of the bottom plate; adds its gradient and Hessian."""
+    energy, k = 0.0, plates.stiffness
+    for m in range(plates.low.size):
+        node = plates.low[m]
+        gap = state[ROW * node + 1] - plates.level[m]
+        if gap > 0.0:
+            continue
+        energy += 0.5 * k * gap * gap
+        g[6 * node + 1] += k * gap
+        if len(H) > 0:
+            H[node, 1, 1] += k
+    return energy
+
+
+@kernel
+def _press_high(plates, state, g, H):
+    """Potential of the top plate; adds its gradient and Hessian."""
+    energy, k = 0.0, plates.stiffness
+    n, w, up, C = np.empty(3), np.empty(3), np.zeros(3), np.empty((3, 3))
+    a, b = np.zeros(6), np.empty(6)  # gradient of the gap: at the node, at the top end
+    up[1] = 1.0
+    top = state.size // ROW - 1
+    rotate(state[ROW * top + 3 : ROW * top + 7], up, n)
+    for m in range(plates.high.size):
+        node = plates.high[m]
+        gap = -plates.depth[m]
+        for i in range(3):
+            w[i] = state[ROW * top + i] - state[ROW * node + i]
+            gap += n[i] * w[i]
+        if gap > 0.0:
+            continue
+        energy += 0.5 * k * gap * gap
+        for i in range(3):
+            j, l = (i + 1) % 3, (i + 2) % 3  # noqa: E741
+            a[i] = -n[i]
+            b[i] = n[i] * plates.free[i]
+            b[3 + i] = (n[j] * w[l] - n[l] * w[j]) * plates.free[3 + i]
+        for i in range(6):
+            g[6 * node + i] += k * gap * a[i]
+            g[6 * top + i] += k * gap * b[i]
+        if len(H) > 0:
+            lever(n, w, C)
+            _add_hessian(plates, m, top, k, k * gap, n, a, b, C, H)
+    return energy
+
+
+@kernel
+def _add_hessian(plates, m, top, k, force, n, a, b, C, H):
+    """k dg dg^T + force d2g of the node m of the top plate."""
+    node, free = plates.high[m], plates.free
+    B, flip = H[plates.block[m]], plates.flip[m]
+    for i in range(6):
+        for j in range(6):
+            H[node, i, j] += k * a[i] * a[j]
+            H[top, i, j] += k * b[i] * b[j]
+            if flip:
+                B[i, j] += k * a[i] * b[j]
+            else:
+                B[i, j] += k * b[i] * a[j]
+    for i in range(3):
+        for j in range(3):
+            H[top, 3 + i, 3 + j] += force * C[i, j] * free[3 + i] * free[3 + j]
+        j, l = (i + 1) % 3, (i + 2) % 3  # noqa: E741
+        for way, sign, nl in ((j, -1.0, n[l]), (l, 1.0, n[j])):  # phi_i (n_j d_l - n_l d_j)
+            value = sign * nl * force * free[3 + i]
+            H[top, 3 + i, way] += value * free[way]
+            H[top, way, 3 + i] += value * free[way]
+            if flip:
+                B[way, 3 + i] -= value
+            else:
+                B[3 + i, way] -= value
+
+
+@kernel
+def assemble(reals, ints, anchor, clearance, memory, state, g, H):
+    """`wirefe.kernels.assemble`, and the plates."""
+    energy, pairs = kernels.assemble(reals, ints, anchor, clearance, memory, state, g, H)
+    plates = _view(reals, ints)
+    blocks = H.reshape((H.size // 36, 6, 6))
+    energy += _press_low(plates, state, g, blocks) + _press_high(plates, state, g, blocks)
+    return energy, pairs + plates.low.size + plates.high.size
+
+
+@kernel
+def assemble_driven(reals, ints, anchor, clearance, memory, state, g, H):
+    """`assemble`, and what acts on the top: see `coilspring.driving`."""
+    energy, pairs = assemble(reals, ints, anchor, clearance, memory, state, g, H)
+    return energy + drive(reals, ints, state, g, H), pairs
+
+
+@kernel
+def commit(reals, ints, state, memory):
+    """`wirefe.kernels.commit`; contact with the plates may change at any time."""
+    return min(kernels.commit(reals, ints, state, memory), 0.0)
