@@ -89,6 +89,16 @@ def continues(reals, ints, predicted, state, trial, diameter, troubled, judged, 
 
 
 @kernel
+def remembers(memory):
+    """Whether contact remembers anything of any pair."""
+    for m in range(memory.shape[0]):
+        for i in range(memory.shape[1]):
+            if memory[m, i] != 0.0:
+                return True
+    return False
+
+
+@kernel
 def snapped(reals, ints, state, trial, tangent, ahead, step, predicted, retract, motion):
     """Whether near pairs moved neither as predicted nor as the tangents at both ends tell: the path may have
     passed a limit point between the two. `predicted` is overwritten."""
@@ -233,7 +243,7 @@ def follow(
             good = negative == 0
         if good and status == CONVERGED:
             stale_solution(reals, ints, F, home, trial, load, 1.0, ahead, solve, carry)
-            if predictor:
+            if predictor and not remembers(memory):
                 good = not snapped(
                     reals, ints, state, trial, tangent, ahead, step, predicted, retract, motion
                 )
