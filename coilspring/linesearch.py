@@ -63,17 +63,26 @@ def falls(energy, gain, slope, length, rounding):
 
 
 @part
-def shorter(low, high, before, behind, gain, slope):
+def shorter(low, high, farther, before, behind, beyond, gain, slope, cut):
     """Length between `low` and `high`: where the potential's slope, linear between its values there, is
-    zero; where it still falls at `high`, the minimum of the parabola through the potential's `gain`."""
+    zero; where it still falls at `high`, the minimum of the parabola through the potential's `gain`.
+
+    Where it rises at `high` and more so `farther` on, both are behind a contact that closes: there the slope
+    is zero where the line through these two is, however hard the contact. `cut` is the least share of the way
+    from `low` to `high`.
+    """
+    if 0.0 < behind < beyond:
+        length = high - behind * (farther - high) / (beyond - behind)
+        if length > low:
+            return length
     if low > 0.0 or behind > 0.0:
         share = before / (before - behind) if behind > 0.0 else 0.5
     else:
         curvature = gain - slope * high
         share = -0.5 * slope * high / curvature if curvature > 0.0 else 0.5
     if not np.isfinite(share):
-        share = LEAST_CUT
-    return low + min(max(share, LEAST_CUT), 0.5 if low == 0.0 and behind <= 0.0 else 1.0) * (high - low)
+        share = cut
+    return low + min(max(share, cut), 0.5 if low == 0.0 and behind <= 0.0 else 1.0) * (high - low)
 
 
 @part
@@ -90,9 +99,10 @@ def line_search(
     Returns the accepted length (0 where none was found), the energy there and the pairs evaluated.
     """
     low, high, before = 0.0, 1.0, slope
+    farther, beyond, cut = 1.0, 0.0, LEAST_CUT
     pairs = 0
     for i in range(MOST_BACKTRACKS):
-        length = shorter(low, high, before, behind, gain, slope)
+        length = shorter(low, high, farther, before, behind, beyond, gain, slope, cut)
         retract(reals, ints, state, step, length, state, 0.0, trial)
         value, looked = residual(reals, ints, anchor, clearance, memory, push, trial, g, H, assemble)
         pairs += looked
@@ -103,8 +113,10 @@ def line_search(
                 return length, value, pairs
             if tilt < 0.0:
                 low, before = length, tilt
-                behind *= 0.5  # the Illinois rule: or one end might stay for ever
+                behind, beyond = 0.5 * behind, 0.0  # the Illinois rule: or one end might stay for ever
+                cut = min(10.0 * cut, 0.5)  # before a hard contact, that rule alone would creep
                 continue
+        farther, beyond = high, behind
         high, behind = length, tilt
         before = 0.5 * before if low > 0.0 else before
     return 0.0, energy, pairs

@@ -142,7 +142,11 @@ def equilibrium(
             near = left <= enough and i > 0
             if near and looked == 0:
                 advance(reals, ints, state, step, trial, retract)
-            elif worthwhile(left, last, enough, looks, lean) if i > 0 else lean and left <= NUDGE * way:
+            elif (
+                i + 1 < limit and worthwhile(left, last, enough, looks, lean)
+                if i > 0
+                else lean and left <= NUDGE * way
+            ):
                 # a step may open or close a pair: the state is looked at again
                 advance(reals, ints, state, step, trial, retract)
                 if i > 0:

@@ -26,6 +26,7 @@ TURN = 0.07
 SMALL = 0.05  # wire diameters
 # A pair may not move by more in one substep: beyond, coils could pass through or over each other.
 PAIR_MOTION = 0.5  # wire diameters
+PAIR_TURN = 0.02  # wire diameters, between a pair's motion and that which the tangents tell
 LEAST_FREE = 0.05  # share of a substep that is taken at least, however soon a pair closes
 SAFE = 0.8  # share of the turn allowed that the next substep aims at
 EASY_COUNT = 3
@@ -95,6 +96,27 @@ def continues(reals, ints, predicted, state, trial, diameter, troubled, judged, 
     return near or (share <= TURN and not troubled), share
 
 
+@part
+def remembers(memory):
+    """Whether contact remembers anything of any pair."""
+    for m in range(memory.shape[0]):
+        for i in range(memory.shape[1]):
+            if memory[m, i] != 0.0:
+                return True
+    return False
+
+
+@part
+def snapped(reals, ints, state, trial, tangent, ahead, step, predicted, retract, motion):
+    """Whether near pairs moved neither as predicted nor as the tangents at both ends tell: the path may have
+    passed a limit point between the two. `predicted` is overwritten."""
+    pair, _ = motion(reals, ints, predicted, trial)
+    if pair > PAIR_TURN:
+        retract(reals, ints, state, 0.5 * (tangent + ahead), step, state, 0.0, predicted)
+        pair, _ = motion(reals, ints, predicted, trial)
+    return pair > PAIR_TURN
+
+
 def follow(
     reals,
     ints,
@@ -151,7 +173,7 @@ def follow(
     state = start.copy()
     trial = start.copy()
     predicted = start.copy()
-    tangent = np.empty_like(load)
+    tangent, ahead = np.empty_like(load), np.empty_like(load)
     # the state accepted before, the tangent there and the time since: none as yet
     before, old, last = start.copy(), np.full_like(load, np.inf), 1.0
     mode = np.zeros_like(load)
@@ -180,6 +202,7 @@ def follow(
         target = times[row] if landing else time + dt
         step = target - time
         copy(state, predicted)
+        free = 1.0
         if predictor:
             bend = curvature(tangent, old, last, step)
             predict(reals, ints, before, state, tangent, last, step, bend, predicted, retract)
@@ -219,6 +242,18 @@ def follow(
             good, share = continues(
                 reals, ints, predicted, state, trial, diameter, trouble > NONE, predictor, distance, motion
             )
+        if good and status == CONVERGED and free < 1.0 and clearance > 0.0:
+            # the contact that closes may hide that the open spring has become unstable on the way
+            assemble(reals, ints, state, np.inf, memory, predicted, g, H)
+            negative, _ = factor(reals, ints, H)
+            checks += 1
+            good = negative == 0
+        if good and status == CONVERGED:
+            stale_solution(reals, ints, F, home, trial, load, 1.0, ahead, solve, carry)
+            if predictor and not remembers(memory):
+                good = not snapped(
+                    reals, ints, state, trial, tangent, ahead, step, predicted, retract, motion
+                )
         if not good:
             kept = False
             dt = 0.5 * step
@@ -245,7 +280,7 @@ def follow(
                 break
         copy(tangent, old)
         if status == CONVERGED:
-            stale_solution(reals, ints, F, home, trial, load, 1.0, tangent, solve, carry)
+            copy(ahead, tangent)
         kept, last = True, step
         copy(state, before)
         copy(trial, state)

@@ -13,7 +13,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from coilspring.compiled import kernel
+from coilspring.compiled import kernel, part
 from coilspring.driving import drive
 from coilspring.packing import heads, vector
 from wirefe import kernels
@@ -23,7 +23,7 @@ from wirefe.plates import PlateArrays
 from wirefe.rotations import rotate
 
 
-@kernel
+@part
 def _view(reals, ints):
     head = heads(ints)[PLATES:]
     return PlateArrays(
@@ -32,7 +32,7 @@ def _view(reals, ints):
     )  # fmt: skip
 
 
-@kernel
+@part
 def _press_low(plates, state, g, H):
     """Potential of the bottom plate; adds its gradient and Hessian."""
     energy, k = 0.0, plates.stiffness
@@ -48,7 +48,7 @@ def _press_low(plates, state, g, H):
     return energy
 
 
-@kernel
+@part
 def _press_high(plates, state, g, H):
     """Potential of the top plate; adds its gradient and Hessian."""
     energy, k = 0.0, plates.stiffness
@@ -80,7 +80,7 @@ def _press_high(plates, state, g, H):
     return energy
 
 
-@kernel
+@part
 def _add_hessian(plates, m, top, k, force, n, a, b, C, H):
     """k dg dg^T + force d2g of the node m of the top plate."""
     node, free = plates.high[m], plates.free

@@ -80,8 +80,8 @@ def solve(
     InputError : bad input, in one sentence.
     EquilibriumNotFound : the path ends before time 1; carries what was reached.
     """
-    begin(KERNELS)  # compiles while the model is built
     scene = scene.overridden(steps, penalty)
+    begin(scene_kernels(scene)[0])  # compiles while the model is built
     spent, seconds, found = 0, 0.0, NO_PAIRS
     while True:
         problem, mesh, options = scene_problem(scene, element, elements_per_turn, pairs_per_turn, found)
