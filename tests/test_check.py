@@ -219,7 +219,7 @@ def test_check_prints_its_numbers_and_draws_on_request(source, tmp_path, capsys,
     assert f"rate          {found.rate:.4g} N/mm (G d^4 / 8 D^3 n of EN 13906-1" in plain
     assert f"free {found.free_length:.4g} mm, solid {found.solid_length:.4g} mm" in plain
     with Image.open(folder / "spring.png") as picture:
-        assert picture.size == (1400, 880)
+        assert picture.size == (2007, 1320)  # 170 mm at 300 dots an inch
         assert len(np.unique(np.asarray(picture.convert("RGB")).reshape(-1, 3), axis=0)) > 20
     assert main(["check", source, "--out", str(tmp_path / "here")]) == 0
     assert [path.name for path in (tmp_path / "here").iterdir()] == ["spring.png"]

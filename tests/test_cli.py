@@ -429,7 +429,7 @@ def test_what_ends_a_command_has_its_exit_code_and_one_line(error, code, said, t
 def test_the_real_reproduce_takes_what_the_command_passes():
     reproduce = importlib.import_module("validation.reproduce").reproduce
     names = reproduce.__code__.co_varnames[: reproduce.__code__.co_argcount]
-    assert names == ("out", "only", "render", "progress", "time")
+    assert names == ("out", "only", "render", "progress", "time", "turned")
 
 
 def test_json_is_what_the_file_holds_and_quiet_is_nothing(tmp_path, capsys):
