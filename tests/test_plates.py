@@ -8,9 +8,9 @@ import pytest
 import wirefe
 from coilspring import Contact, EquilibriumNotFound, InputError, Load, Scene, Spring, Supports, load_scene
 from coilspring.packing import pack
+from coilspring.pairlaw import MEMORY
 from coilspring.sizing import axial_rate
 from wirefe import kernels, seated
-from wirefe.contact import MEMORY
 from wirefe.export import section_results
 from wirefe.model import build_model, matrix_size, rest_state
 from wirefe.modes import linear_stiffness
@@ -39,11 +39,11 @@ def test_gradient_and_matrix_are_derivatives_of_the_energy(held, check_derivativ
     free = (~rod.held).ravel().astype(float)
     n, state = free.size, np.empty_like(rest)
     shift = 1e-3 * free * np.random.default_rng(5).normal(size=n)
-    kernels.retract(*arrays, rest, shift, 1.0, state)
+    kernels.retract(*arrays, rest, shift, 1.0, rest, 0.0, state)
 
     def energy(step):
         at, g, H = np.empty_like(state), np.empty(n), np.empty(matrix_size(data))
-        kernels.retract(*arrays, state, step * free, 1.0, at)
+        kernels.retract(*arrays, state, step * free, 1.0, state, 0.0, at)
         value, _ = seated.assemble(*arrays, state, 0.0, memory, at, g, H)
         return value, g, dense(data, H, n) * np.outer(free, free)
 
