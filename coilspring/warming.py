@@ -20,23 +20,15 @@ PARENTS = ("assemble", "factor", "solve", "motion", "commit")
 
 
 @cache
-def begin(kernels: Kernels) -> subprocess.Popen | None:
-    """The first time, a child that compiles half of what `ready` needs and leaves it in the on-disk cache."""
-    if _stored(kernels.assemble):
-        return None
-    places = [_place(getattr(kernels, name)) for name in kernels._fields if name not in PARENTS]
-    return background(f"from coilspring.warming import compile_others; compile_others({places})")
-
-
-@cache
 def ready(kernels: Kernels) -> Callable:
     """The compiled path follower, with a model's kernels compiled or read from the cache.
 
-    A child that fails costs time only, since this process then compiles by itself.
+    The first time half of it is compiled in a child, which leaves it in the on-disk cache. A child
+    that fails costs time only, since this process then compiles by itself.
     """
-    child = begin(kernels)
-    if child:
-        with child:
+    if not _stored(kernels.assemble):
+        places = [_place(getattr(kernels, name)) for name in kernels._fields if name not in PARENTS]
+        with background(f"from coilspring.warming import compile_others; compile_others({places})"):
             compile_kernels(kernels, PARENTS)
     compile_kernels(kernels)
     return compiled_follow()

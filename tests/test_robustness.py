@@ -108,7 +108,7 @@ def test_a_standard_output_that_is_full():
 
 
 def test_two_solves_at_once_into_one_folder(tmp_path):
-    """Both end well, and each file is one run's, whole."""
+    """Each ends well or says that the other is writing there; the files are one run's, whole."""
     children = [
         subprocess.Popen(
             [sys.executable, "-m", "validation.cli", *BEAM, "--steps", steps, "--out", tmp_path],
@@ -118,8 +118,10 @@ def test_two_solves_at_once_into_one_folder(tmp_path):
         )
         for steps in ("3", "5")
     ]
-    for child in children:
-        assert (child.communicate()[1], child.returncode) == (b"", 0)
+    said = [(child.communicate()[1], child.returncode) for child in children]
+    assert (b"", 0) in said
+    for error, code in said:
+        assert code == 0 or (code == 4 and error.endswith(b"wait for it, or give another --out\n"))
     assert {file.name for file in tmp_path.iterdir()} == {"path.csv", "summary.json"}
     assert len(pd.read_csv(tmp_path / "path.csv")) in (3, 5)
     assert json.loads((tmp_path / "summary.json").read_text())["outcome"] == "completed"

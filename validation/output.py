@@ -8,7 +8,7 @@ import math
 import os
 import tempfile
 from collections.abc import Iterable, Iterator, Mapping
-from contextlib import ExitStack, contextmanager
+from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
 
 import numpy as np
@@ -40,7 +40,11 @@ def prepare(folder: Path) -> None:
 
 @contextmanager
 def claimed(folder: Path) -> Iterator[None]:
-    """`prepare` a folder and keep other runs out of it: files of two runs would not belong together."""
+    """`prepare` a folder and keep other runs out of it: files of two runs would not belong together.
+
+    A run that fails before it has written anything leaves no new folder behind.
+    """
+    new = not folder.exists()
     prepare(folder)
     with writing(folder):
         handle = os.open(folder, os.O_RDONLY)
@@ -54,6 +58,11 @@ def claimed(folder: Path) -> Iterator[None]:
         except OSError:
             pass  # a file system without locks
         yield
+    except BaseException:
+        if new:
+            with suppress(OSError):  # there is something in it
+                folder.rmdir()
+        raise
     finally:
         os.close(handle)
 

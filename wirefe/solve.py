@@ -13,7 +13,6 @@ from coilspring.path import EquilibriumPath
 from coilspring.scene import Scene
 from coilspring.solving import Problem, follow_load, follow_problem, scene_path
 from coilspring.stepping import STRAY
-from coilspring.warming import begin
 from wirefe import driven, kernels, model, seated
 from wirefe.elements import ELEMENTS
 from wirefe.mesh import WireMesh, strays
@@ -81,7 +80,6 @@ def solve(
     EquilibriumNotFound : the path ends before time 1; carries what was reached.
     """
     scene = scene.overridden(steps, penalty)
-    begin(scene_kernels(scene)[0])  # compiles while the model is built
     spent, seconds, found = 0, 0.0, NO_PAIRS
     while True:
         problem, mesh, options = scene_problem(scene, element, elements_per_turn, pairs_per_turn, found)
