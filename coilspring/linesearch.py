@@ -11,7 +11,7 @@ ENERGY_NOISE = 1e-13  # relative rounding of the energy: smaller decreases canno
 MOST_BACKTRACKS = 30
 LEAST_CUT = 1e-3
 FLAT = 0.5  # of the slope at the start: near enough to the least potential along a step
-MOST_FLAT = 6  # attempts for that
+MOST_FLAT = 20  # attempts for that
 
 
 @part

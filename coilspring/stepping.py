@@ -27,12 +27,15 @@ SMALL = 0.05  # wire diameters
 # A pair may not move by more in one substep: beyond, coils could pass through or over each other.
 PAIR_MOTION = 0.5  # wire diameters
 PAIR_TURN = 0.02  # wire diameters, between a pair's motion and that which the tangents tell
+SETTLING = 1e-6  # of the time 0..1, in which what was held by a pair that opened finds its place
 LEAST_FREE = 0.05  # share of a substep that is taken at least, however soon a pair closes
 SAFE = 0.8  # share of the turn allowed that the next substep aims at
 EASY_COUNT = 3
 EPSILON = 2.0**-52
 BOUND_CHANGE = 1e-6  # of the bounds of tangential forces, over the largest, where they count as found
 MOST_ROUNDS = 20
+CYCLING = 8  # rounds, after which they are taken to go to and fro: half of each change is made
+MOST_TRIES = 2000  # substeps between requested times; a hundred times what a path needs
 SOFT = 0.05  # share of the least eigenvalue at rest, below which the tangent counts as singular
 
 
@@ -94,6 +97,24 @@ def continues(reals, ints, predicted, state, trial, diameter, troubled, judged, 
     share = turn / way if way > 0.0 else 0.0
     near = turn <= SMALL * diameter
     return near or (share <= TURN and not troubled), share
+
+
+@part
+def average(held, memory):
+    """Take back half of the change from `held` to `memory`, which differ in the bounds alone."""
+    for m in range(memory.shape[0]):
+        for i in range(memory.shape[1]):
+            if memory[m, i] != held[m, i]:
+                memory[m, i] = 0.5 * (memory[m, i] + held[m, i])
+
+
+@part
+def released(held, memory):
+    """Whether a pair that was held has opened: what held it is gone at once."""
+    for m in range(memory.shape[0]):
+        if held[m, 0] > 0.0 and memory[m, 0] == 0.0:
+            return True
+    return False
 
 
 @part
@@ -190,19 +211,23 @@ def follow(
     reference = dot(load, tangent)
     noise = rounding(load, start)
     origin, begin = state.copy(), 0.0  # of the linear stretch whose stability is not yet verified
-    linear, kept = False, True
+    linear, kept, settling = False, True, False
     checks, critical = 0, np.inf
     time, dt = 0.0, min(times[0], FIRST_STEP)
-    row = 0
+    row, tries = 0, 0
     while row < times.size and outcome == COMPLETED and stop[0] == 0:
         if clearance == -np.inf:
             outcome = STRAY
             break
-        landing = times[row] - time <= dt * (1.0 + 1e-9)
-        target = times[row] if landing else time + dt
+        tries += 1
+        if tries > MOST_TRIES:
+            outcome = STUCK
+            break
+        stride = SETTLING if settling else dt
+        landing = times[row] - time <= stride * (1.0 + 1e-9)
+        target = times[row] if landing else time + stride
         step = target - time
         copy(state, predicted)
-        free = 1.0
         if predictor:
             bend = curvature(tangent, old, last, step)
             predict(reals, ints, before, state, tangent, last, step, bend, predicted, retract)
@@ -236,18 +261,24 @@ def follow(
             if rounds == MOST_ROUNDS:
                 status = FAILED
                 break
+            if rounds >= CYCLING:
+                average(held, memory)
             kept = True
         good, share = status in (CONVERGED, LINEAR), 0.0
         if good:
             good, share = continues(
-                reals, ints, predicted, state, trial, diameter, trouble > NONE, predictor, distance, motion
-            )
-        if good and status == CONVERGED and free < 1.0 and clearance > 0.0:
-            # the contact that closes may hide that the open spring has become unstable on the way
-            assemble(reals, ints, state, np.inf, memory, predicted, g, H)
-            negative, _ = factor(reals, ints, H)
-            checks += 1
-            good = negative == 0
+                reals, ints, predicted, state, trial, diameter, trouble > NONE, predictor and not settling,
+                distance, motion,
+            )  # fmt: skip
+        if good and status == CONVERGED and clearance > 0.0:
+            closes = commit(reals, ints, trial, memory) <= 0.0
+            copy_table(held, memory)
+            if closes:
+                # the contact may hide that the open spring has become unstable on the way
+                assemble(reals, ints, state, np.inf, memory, trial, g, H)
+                negative, _ = factor(reals, ints, H)
+                checks += 1
+                good = negative == 0
         if good and status == CONVERGED:
             stale_solution(reals, ints, F, home, trial, load, 1.0, ahead, solve, carry)
             if predictor and not remembers(memory):
@@ -287,10 +318,12 @@ def follow(
         time = target
         copy_table(held, memory)
         clearance = commit(reals, ints, state, memory)
+        settling = released(held, memory)
         if count <= EASY_COUNT:
             # the turn grows with the square of the step
             dt = max(dt, step * min(2.0, math.sqrt(SAFE * TURN / share) if share > 0.0 else 2.0))
         if landing:
+            tries = 0
             copy(state, states[row])
             copy_table(held, memories[row])
             iterations[row] = spent[0]
