@@ -129,7 +129,7 @@ def equilibrium(
     )
     pairs = looked
     enough = max(DECREMENT * reference, rounding)  # less energy than its rounding cannot be asked for
-    count, trouble, looks = 0, NONE, 0
+    count, trouble, looks, doubtful = 0, NONE, 0, False
     least, before, last, damping = np.inf, 0.0, np.inf, FIRST_SHIFT
     for i in range(limit):
         if kept:
@@ -158,7 +158,9 @@ def equilibrium(
                     looks += 1 if near else 0
                     continue
                 current = False
-            if near:
+            if near and not (doubtful or looked == 0 or left <= MEASURED * enough):
+                doubtful = True  # a factor that has another pair closed may think any state within the tolerance
+            elif near:
                 if least >= stiffness * min(SINGULAR, CHANGE * math.sqrt(before / reference)):
                     return CONVERGED, count, trouble, pairs
                 # nearly singular: the pivots must be those of the equilibrium itself

@@ -35,7 +35,7 @@ EPSILON = 2.0**-52
 BOUND_CHANGE = 1e-6  # of the bounds of tangential forces, over the largest, where they count as found
 MOST_ROUNDS = 20
 CYCLING = 8  # rounds, after which they are taken to go to and fro: half of each change is made
-MOST_TRIES = 2000  # substeps between requested times; a hundred times what a path needs
+MOST_TRIES = 1000  # substeps between requested times; ten times what a path needs
 SOFT = 0.05  # share of the least eigenvalue at rest, below which the tangent counts as singular
 
 
@@ -87,7 +87,8 @@ def predict(reals, ints, before, state, tangent, last, step, bend, out, retract)
 
 @part
 def continues(reals, ints, predicted, state, trial, diameter, troubled, judged, distance, motion):
-    """Whether `trial` continues the branch of `state`, and the share by which the path turned."""
+    """Whether `trial` continues the branch of `state`, and the share by which the path turned; less where the
+    turn is small at all."""
     pair, _ = motion(reals, ints, state, trial)
     if pair > PAIR_MOTION:
         return False, 1.0
@@ -95,8 +96,8 @@ def continues(reals, ints, predicted, state, trial, diameter, troubled, judged, 
         return True, 0.0
     way, turn = distance(reals, ints, state, trial), distance(reals, ints, predicted, trial)
     share = turn / way if way > 0.0 else 0.0
-    near = turn <= SMALL * diameter
-    return near or (share <= TURN and not troubled), share
+    least = turn / (SMALL * diameter)
+    return least <= 1.0 or (share <= TURN and not troubled), min(share, TURN * least)
 
 
 @part

@@ -16,6 +16,7 @@ from equivbeam.haringx import KAX, KFL, KSH, L0
 from equivbeam.laws import response
 from equivbeam.model import EXACT, PAPER, REACH, view
 
+SLIGHT = 1e-7  # wire diameters of penetration, whose force is the least with which bounds of friction are compared
 TOUCH = 0.003  # wire diameters by which a pair may penetrate where a prediction closes it
 NEAR = 1.5  # wire diameters between centres, within which a pair's motion in a substep is watched
 
@@ -239,9 +240,10 @@ def commit(reals, ints, state, memory):
 def renew(reals, ints, state, memory):
     """Renew the bounds of the tangential forces; see `coilspring.kernelset`."""
     model = view(reals, ints)
-    change, most = 0.0, 0.0
+    change = 0.0
     if model.mu == 0.0:
         return change
+    most = model.mu * model.kc * (SLIGHT * model.d) ** model.k
     c, pairs, w = _centres(model, state), model.pairs, np.empty(3)
     for m in range(pairs.shape[0]):
         if memory[m, ON] == 0.0:
@@ -253,4 +255,4 @@ def renew(reals, ints, state, memory):
             change = max(change, abs(bound - memory[m, BOUND]))
             most = max(most, bound)
         memory[m, BOUND] = bound
-    return change / most if most > 0.0 else 0.0
+    return change / most if change > 0.0 else 0.0

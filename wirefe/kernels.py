@@ -15,6 +15,7 @@ from wirefe.model import ROW, view_contact, view_elements, view_held, view_plan
 from wirefe.retraction import Way, close, place, spin_between, turn_along
 from wirefe.rotations import rotate
 
+SLIGHT = 1e-7  # wire diameters of penetration, whose force is the least with which bounds of friction are compared
 TOUCH = 0.003  # wire diameters by which a pair may penetrate where a prediction closes it
 NEAR = 1.5  # wire diameters between centres, within which a pair's motion in a substep is watched
 
@@ -355,9 +356,10 @@ def commit(reals, ints, state, memory):
 def renew(reals, ints, state, memory):
     """Renew the bounds of the tangential forces; see `coilspring.kernelset`."""
     contact = view_contact(reals, ints)
-    change, most = 0.0, 0.0
+    change = 0.0
     if contact.mu == 0.0:
         return change
+    most = contact.mu * contact.kc * (SLIGHT * contact.d) ** contact.k
     c, w = np.empty(3), np.empty(3)
     for m in range(contact.pairs.shape[0]):
         if memory[m, ON] == 0.0:
@@ -369,4 +371,4 @@ def renew(reals, ints, state, memory):
             change = max(change, abs(bound - memory[m, BOUND]))
             most = max(most, bound)
         memory[m, BOUND] = bound
-    return change / most if most > 0.0 else 0.0
+    return change / most if change > 0.0 else 0.0
