@@ -159,7 +159,7 @@ def equilibrium(
                     continue
                 current = False
             if near and not (doubtful or looked == 0 or left <= MEASURED * enough):
-                doubtful = True  # a factor that has another pair closed may think any state within the tolerance
+                doubtful = True  # a factor with another pair closed may take any state for a solution
             elif near:
                 if least >= stiffness * min(SINGULAR, CHANGE * math.sqrt(before / reference)):
                     return CONVERGED, count, trouble, pairs

@@ -16,12 +16,14 @@ from coilspring.kernelset import Kernels
 from coilspring.packing import pack
 from coilspring.path import EquilibriumPath, Shape
 from coilspring.scene import Scene
-from coilspring.stepping import COMPLETED, CRITICAL, Track
+from coilspring.stability import softest
+from coilspring.stepping import COMPLETED, CRITICAL, STUCK, Track
 from coilspring.warming import ready
 
 MOST_ITERATIONS = 25  # of a substep with the exact tangent, which needs 2 or 3 far from contact changes
 # Null modes of a bifurcation do no work with the load; rounding leaves far less than this share.
 NO_WORK = 1e-6
+SOFT = 0.05  # share of the least eigenvalue at rest, below which the tangent counts as singular
 VOID_PENETRATION = 0.1  # wire diameters of overlap, beyond which a penalty no longer stands for contact
 
 
@@ -54,6 +56,7 @@ class Run:
     """A followed problem: the track, and the seconds of solving (CPU) and of making kernels ready."""
 
     track: Track
+    mode: np.ndarray  # softest mode where the path ended at a critical point; else zeros
     outcome: str
     message: str
     critical_time: float | None
@@ -85,8 +88,24 @@ def follow_problem(
         length, limit, predictor, problem.lean, *kernels,
     )  # fmt: skip
     track = Track(*found)
+    track, mode = _judged(track, problem, kernels)
     seconds = time.process_time() - began
-    return Run(track, *_verdict(track, problem.load), seconds, compiled)
+    return Run(track, mode, *_verdict(track, mode, problem.load), seconds, compiled)
+
+
+def _judged(track: Track, problem: Problem, kernels: Kernels) -> tuple[Track, np.ndarray]:
+    """The track, with a critical point told from a path that got stuck, and the softest mode at its end."""
+    load = problem.load
+    if track.outcome not in (CRITICAL, STUCK):
+        return track, np.zeros_like(load)
+
+    def least(state: np.ndarray) -> tuple[float, np.ndarray]:
+        return softest(kernels, pack(problem.data), state, track.memory, load.size, problem.matrix_size)
+
+    value, mode = least(track.last)
+    if abs(value) < SOFT * abs(least(problem.start)[0]):
+        track = track._replace(outcome=CRITICAL)
+    return track, mode
 
 
 def output_times(scene: Scene) -> np.ndarray:
@@ -141,7 +160,7 @@ def _joined(runs: list[Run], count: int, load: np.ndarray) -> Run:
     seconds, compiled = (
         sum(getattr(run, name) for run in runs) for name in ("solve_seconds", "compile_seconds")
     )
-    return Run(track, *_verdict(track, load), seconds, compiled)
+    return Run(track, runs[-1].mode, *_verdict(track, runs[-1].mode, load), seconds, compiled)
 
 
 def scene_path(
@@ -197,15 +216,15 @@ def _caution(scene: Scene, shape: Shape, states: np.ndarray) -> str:
     return ""
 
 
-def _verdict(track: Track, load: np.ndarray) -> tuple[str, str, float | None]:
+def _verdict(track: Track, mode: np.ndarray, load: np.ndarray) -> tuple[str, str, float | None]:
     """Outcome, message and critical time."""
     if track.outcome == COMPLETED:
         return "completed", "the load path was followed to time 1", None
     where = f"between time {track.time:.6f} and {track.time + track.bracket:.6f}"
     if track.outcome == CRITICAL:
         critical = track.time + 0.5 * track.bracket
-        norm = np.linalg.norm(load) * np.linalg.norm(track.mode)
-        if norm > 0.0 and abs(load @ track.mode) > NO_WORK * norm:
+        norm = np.linalg.norm(load) * np.linalg.norm(mode)
+        if norm > 0.0 and abs(load @ mode) > NO_WORK * norm:
             return "limit_point", f"limit point {where}: beyond it this branch has no equilibrium", critical
         return "bifurcation", f"bifurcation {where}: the branch loses its stability", critical
     return "not_converged", f"no equilibrium that continues the branch was found {where}", None

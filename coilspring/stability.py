@@ -5,29 +5,11 @@ from __future__ import annotations
 import numpy as np
 
 from coilspring.compiled import part
-from coilspring.linesearch import dot, solution
+from coilspring.kernelset import Kernels
 
+INVERSE_ITERATIONS = 30
 LEAST_STEP = 1e-9  # of the time 0..1: below it, what cannot be passed is called a critical point
 SAMPLES = 16  # of a linear stretch at which its stability is verified
-
-
-@part
-def softest(reals, ints, state, memory, load, g, H, assemble, factor, solve):
-    """Least eigenvalue (in size) of the matrix at `state` and its mode, by inverse iteration."""
-    assemble(reals, ints, state, 0.0, memory, state, g, H)
-    factor(reals, ints, H)
-    mode = np.empty_like(load)
-    new = np.empty_like(load)
-    for i in range(load.size):
-        mode[i] = 1.0 + i / load.size  # no symmetry that could hide the mode
-    value = 0.0
-    for _ in range(30):
-        solution(reals, ints, H, mode, 1.0, new, solve)
-        square = dot(new, new)
-        value = dot(new, mode) / square
-        for i in range(load.size):
-            mode[i] = new[i] / np.sqrt(square)
-    return value, mode
 
 
 @part
@@ -56,3 +38,26 @@ def unstable_time(
         else:
             low = time
     return low, count
+
+
+def softest(
+    kernels: Kernels,
+    data: tuple[np.ndarray, np.ndarray],
+    state: np.ndarray,
+    memory: np.ndarray,
+    freedoms: int,
+    matrix_size: int,
+) -> tuple[float, np.ndarray]:
+    """Least eigenvalue (in size) of the matrix at `state` and its mode (freedoms,), by inverse iteration."""
+    g, H = np.empty(freedoms), np.empty(matrix_size)
+    kernels.assemble(*data, state, 0.0, memory, state, g, H)
+    kernels.factor(*data, H)
+    mode = 1.0 + np.arange(freedoms) / freedoms  # no symmetry that could hide the mode
+    value = 0.0
+    for _ in range(INVERSE_ITERATIONS):
+        new = mode.copy()
+        kernels.solve(*data, H, new)
+        square = new @ new
+        value = float(new @ mode / square)
+        mode = new / np.sqrt(square)
+    return value, mode

@@ -14,7 +14,7 @@ from coilspring.compiled import copy, copy_table, part
 from coilspring.kernelset import SIGNATURES
 from coilspring.linesearch import dot, solution, stale_solution
 from coilspring.newton import CONVERGED, FAILED, HISTORY, INDEFINITE, LINEAR, NONE, equilibrium
-from coilspring.stability import LEAST_STEP, softest, unstable_time
+from coilspring.stability import LEAST_STEP, unstable_time
 
 COMPLETED, CRITICAL, STUCK, STRAY = 0, 1, 2, 3
 
@@ -36,7 +36,6 @@ BOUND_CHANGE = 1e-6  # of the bounds of tangential forces, over the largest, whe
 MOST_ROUNDS = 20
 CYCLING = 8  # rounds, after which they are taken to go to and fro: half of each change is made
 MOST_TRIES = 1000  # substeps between requested times; ten times what a path needs
-SOFT = 0.05  # share of the least eigenvalue at rest, below which the tangent counts as singular
 
 
 class Track(NamedTuple):
@@ -51,8 +50,8 @@ class Track(NamedTuple):
     bracket: float  # length of the time bracket of the critical point
     checks: int  # factorisations that only verified the stability of a linear stretch
     pairs: int  # contact pairs evaluated
-    mode: np.ndarray  # softest mode at the last accepted state, where the path ended at it
     last: np.ndarray  # last accepted state
+    memory: np.ndarray  # contact memory with which a step from there was tried
     history: np.ndarray  # last Newton decrements over the reference work
 
 
@@ -112,10 +111,10 @@ def average(held, memory):
 @part
 def released(held, memory):
     """Whether a pair that was held has opened: what held it is gone at once."""
+    any_pair = False
     for m in range(memory.shape[0]):
-        if held[m, 0] > 0.0 and memory[m, 0] == 0.0:
-            return True
-    return False
+        any_pair |= held[m, 0] > 0.0 and memory[m, 0] == 0.0
+    return any_pair
 
 
 @part
@@ -198,7 +197,6 @@ def follow(
     tangent, ahead = np.empty_like(load), np.empty_like(load)
     # the state accepted before, the tangent there and the time since: none as yet
     before, old, last = start.copy(), np.full_like(load, np.inf), 1.0
-    mode = np.zeros_like(load)
     memory = memory.copy()
     held = memory.copy()
     clearance = commit(reals, ints, state, memory)
@@ -343,11 +341,6 @@ def follow(
         while row > 0 and times[row - 1] > critical:
             row -= 1
         retract(reals, ints, origin, tangent, critical - begin, origin, 0.0, state)
-    if outcome in (CRITICAL, STUCK):
-        least, mode = softest(reals, ints, state, memory, load, g, H, assemble, factor, solve)
-        stiffness, _ = softest(reals, ints, start, memory, load, g, H, assemble, factor, solve)
-        if abs(least) < SOFT * abs(stiffness):
-            outcome = CRITICAL
     return (  # `Track`; making one in compiled code would call back into the interpreter
         states[:row],
         memories[:row],
@@ -358,8 +351,8 @@ def follow(
         bracket,
         checks,
         pairs,
-        mode,
         state,
+        memory,
         history,
     )
 

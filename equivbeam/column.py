@@ -64,7 +64,7 @@ def buckling(
     problem, run = _compressed(scene, law, refine, inclined, FARTHEST * scene.spring.active_height)
     if run.critical_time is None:
         return None
-    mode = np.concatenate((np.zeros(3), run.track.mode)).reshape(-1, 3)
+    mode = np.concatenate((np.zeros(3), run.mode)).reshape(-1, 3)
     return Buckling(
         force=run.critical_time * float(problem.load.min()),
         shortening=scene.spring.active_height - float(run.track.last[-2]),

@@ -16,7 +16,7 @@ from equivbeam.haringx import KAX, KFL, KSH, L0
 from equivbeam.laws import response
 from equivbeam.model import EXACT, PAPER, REACH, view
 
-SLIGHT = 1e-7  # wire diameters of penetration, whose force is the least with which bounds of friction are compared
+SLIGHT = 1e-7  # wire diameters of penetration: its force is the least that friction bounds are compared with
 TOUCH = 0.003  # wire diameters by which a pair may penetrate where a prediction closes it
 NEAR = 1.5  # wire diameters between centres, within which a pair's motion in a substep is watched
 

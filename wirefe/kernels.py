@@ -15,7 +15,7 @@ from wirefe.model import ROW, view_contact, view_elements, view_held, view_plan
 from wirefe.retraction import Way, close, place, spin_between, turn_along
 from wirefe.rotations import rotate
 
-SLIGHT = 1e-7  # wire diameters of penetration, whose force is the least with which bounds of friction are compared
+SLIGHT = 1e-7  # wire diameters of penetration: its force is the least that friction bounds are compared with
 TOUCH = 0.003  # wire diameters by which a pair may penetrate where a prediction closes it
 NEAR = 1.5  # wire diameters between centres, within which a pair's motion in a substep is watched
 
