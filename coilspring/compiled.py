@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import numpy as np
 from numba import njit
 from numba.extending import register_jitable
 
@@ -21,8 +22,23 @@ arithmetic = register_jitable(
 
 
 @part
+def clear(vector):
+    """vector[:] = 0; slice assignment compiles seconds of error messages."""
+    for i in range(vector.size):
+        vector[i] = 0.0
+
+
+@part
+def clear_table(table):
+    """table[:] = 0."""
+    for i in range(table.shape[0]):
+        for j in range(table.shape[1]):
+            table[i, j] = 0.0
+
+
+@part
 def copy(source, target):
-    """target[:] = source for flat arrays; slice assignment compiles seconds of error messages."""
+    """target[:] = source for vectors."""
     for i in range(source.size):
         target[i] = source[i]
 
@@ -33,3 +49,27 @@ def copy_table(source, target):
     for i in range(source.shape[0]):
         for j in range(source.shape[1]):
             target[i, j] = source[i, j]
+
+
+@part
+def zeros(size):
+    """Vector of zeros: one way to make a vector is compiled once, each of numpy's by itself."""
+    out = np.empty(size)
+    clear(out)
+    return out
+
+
+@part
+def copied(source):
+    """Copy of a vector."""
+    out = zeros(source.size)
+    copy(source, out)
+    return out
+
+
+@part
+def copied_table(source):
+    """Copy of a table."""
+    out = np.empty(source.shape)
+    copy_table(source, out)
+    return out

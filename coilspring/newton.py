@@ -9,10 +9,10 @@ import math
 
 import numpy as np
 
-from coilspring.compiled import copy, part
+from coilspring.compiled import copy, part, zeros
 from coilspring.linesearch import dot, falls, line_search, residual, solution, stale_solution
 
-CONVERGED, LINEAR, SADDLE, FAILED = 0, 1, 2, 3
+CONVERGED, LINEAR, SADDLE, FAILED = 0, 1, 2, 3  # to LINEAR: an equilibrium was found
 NONE, LONG, INDEFINITE = 0, 1, 2
 
 # Stop when the Newton decrement g H^-1 g, twice the energy still to gain, is below this share of
@@ -120,8 +120,8 @@ def equilibrium(
     Returns status, factorisations, trouble (NONE, LONG line search, or an INDEFINITE matrix that was
     shifted), and the pairs evaluated.
     """
-    step = np.empty_like(g)
-    trial = np.empty_like(state)
+    step = zeros(g.size)
+    trial = zeros(state.size)
     matrix = H[:0] if lean else H  # of trial states
     current = not (lean and kept)  # `H` is that of `state`
     energy, looked = residual(

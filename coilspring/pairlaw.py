@@ -16,7 +16,7 @@ import math
 
 import numpy as np
 
-from coilspring.compiled import part
+from coilspring.compiled import clear, clear_table, part
 from coilspring.path import Friction
 
 # A pair's row of the contact memory: whether it is held, g0 (3), n0 (3), the bound of its tangential
@@ -75,8 +75,8 @@ def pair_potential(g, h, d, K, k, row, e, f, H):
     `row` is the pair's row of the contact memory; `e` is scratch (3,).
     """
     energy = 0.0
-    f[:] = 0.0
-    H[:] = 0.0
+    clear(f)
+    clear_table(H)
     delta = d - h
     if delta > 0.0:
         F = K * delta**k

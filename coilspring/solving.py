@@ -66,7 +66,7 @@ class Run:
     @property
     def spent(self) -> int:
         """Factorisations in all."""
-        return int(self.track.iterations.sum() + self.track.rest[0])
+        return int(self.track.iterations.sum() + self.track.rest)
 
 
 def follow_problem(

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from coilspring.compiled import part
+from coilspring.compiled import part, zeros
 from coilspring.kernelset import Kernels
 
 INVERSE_ITERATIONS = 30
@@ -23,7 +23,7 @@ def unstable_time(
     does before the end. Returns the time before the sign change (infinite where every
     sample is stable) and the number of factorisations.
     """
-    state = np.empty_like(origin)
+    state = zeros(origin.size)
     low, high, time = begin, np.inf, begin
     count = 0
     while high - low > LEAST_STEP:

@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 from numba import njit, types
 
-from coilspring.compiled import copy, copy_table, part
+from coilspring.compiled import copied, copied_table, copy, copy_table, part, zeros
 from coilspring.kernelset import SIGNATURES
 from coilspring.linesearch import dot, solution, stale_solution
 from coilspring.newton import CONVERGED, FAILED, HISTORY, INDEFINITE, LINEAR, NONE, equilibrium
@@ -44,7 +44,7 @@ class Track(NamedTuple):
     states: np.ndarray  # (reached, state size), at the requested times
     memories: np.ndarray  # (reached, pairs, m) contact memory with which they were found
     iterations: np.ndarray  # (reached,), factorisations since the previous row
-    rest: np.ndarray  # factorisations spent after the last row
+    rest: int  # factorisations spent after the last row
     outcome: int
     time: float  # last accepted time
     bracket: float  # length of the time bracket of the critical point
@@ -184,32 +184,26 @@ def follow(
     """
     states = np.empty((times.size, start.size))
     memories = np.empty((times.size, memory.shape[0], memory.shape[1]))
-    iterations = np.zeros(times.size, np.int64)
-    spent = np.zeros(1, np.int64)
-    history = np.zeros(HISTORY)
-    g = np.empty_like(load)
-    push = np.empty_like(load)
-    H = np.empty(size)
-    F, home = np.empty(size), start.copy()  # the last factor, and its state
-    state = start.copy()
-    trial = start.copy()
-    predicted = start.copy()
-    tangent, ahead = np.empty_like(load), np.empty_like(load)
+    iterations, history, spent = np.empty(times.size, np.int64), zeros(HISTORY), 1
+    g, push = zeros(load.size), zeros(load.size)
+    H = zeros(size)
+    F, home = zeros(size), copied(start)  # the last factor, and its state
+    state, trial, predicted = copied(start), copied(start), copied(start)
+    tangent, ahead = zeros(load.size), zeros(load.size)
     # the state accepted before, the tangent there and the time since: none as yet
-    before, old, last = start.copy(), np.full_like(load, np.inf), 1.0
-    memory = memory.copy()
-    held = memory.copy()
+    before, old, last = copied(start), zeros(load.size), 1.0
+    old[0] = np.inf
+    memory, held = copied_table(memory), copied_table(memory)
     clearance = commit(reals, ints, state, memory)
     _, pairs = assemble(reals, ints, state, clearance, memory, state, g, H)
-    rest = H.copy()
+    rest = copied(H)
     copy(H, F)
     negative, least = factor(reals, ints, F)
-    spent[0] = 1
     outcome = COMPLETED if negative == 0 else CRITICAL
     solution(reals, ints, F, load, 1.0, tangent, solve)
     reference = dot(load, tangent)
     noise = rounding(load, start)
-    origin, begin = state.copy(), 0.0  # of the linear stretch whose stability is not yet verified
+    origin, begin = copied(state), 0.0  # of the linear stretch whose stability is not yet verified
     linear, kept, settling = False, True, False
     checks, critical = 0, np.inf
     time, dt = 0.0, min(times[0], FIRST_STEP)
@@ -248,14 +242,14 @@ def follow(
                 noise * target, limit, trial, g, H, lean, rest, least, F, home, kept, history, assemble,
                 factor, solve, retract, work, carry,
             )  # fmt: skip
-            spent[0] += count
+            spent += count
             pairs += looked
             trouble = max(trouble, more)
             if status == LINEAR and rounds > 0:
                 status = CONVERGED
             rounds += 1
             copy_table(memory, held)  # with the bounds that this state was found with
-            if status not in (CONVERGED, LINEAR) or renew(reals, ints, trial, memory) <= BOUND_CHANGE:
+            if status > LINEAR or renew(reals, ints, trial, memory) <= BOUND_CHANGE:
                 break
             if rounds == MOST_ROUNDS:
                 status = FAILED
@@ -263,7 +257,7 @@ def follow(
             if rounds >= CYCLING:
                 average(held, memory)
             kept = True
-        good, share = status in (CONVERGED, LINEAR), 0.0
+        good, share = status <= LINEAR, 0.0
         if good:
             good, share = continues(
                 reals, ints, predicted, state, trial, diameter, trouble > NONE, predictor and not settling,
@@ -325,8 +319,8 @@ def follow(
             tries = 0
             copy(state, states[row])
             copy_table(held, memories[row])
-            iterations[row] = spent[0]
-            spent[0] = 0
+            iterations[row] = spent
+            spent = 0
             row += 1
     if outcome == COMPLETED and clearance == -np.inf:
         outcome = STRAY

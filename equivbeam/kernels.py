@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from coilspring.compiled import copy, kernel, part
+from coilspring.compiled import clear, copy, kernel, part
 from coilspring.packing import heads
 from coilspring.pairlaw import BOUND, ON, hold, pair_potential
 from equivbeam.band import ROW, WIDTH
@@ -106,8 +106,8 @@ def assemble(reals, ints, anchor, clearance, memory, state, g, flat):
     """Strain and contact energy, gradient and matrix; see `coilspring.kernelset` for the contract."""
     model = view(reals, ints)
     H = flat.reshape((flat.size // ROW, ROW))
-    g[:] = 0.0
-    flat[:] = 0.0
+    clear(g)
+    clear(flat)
     ge = np.empty(6)
     Ke = np.empty((6, 6))
     energy = 0.0

@@ -12,7 +12,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from coilspring.compiled import part
+from coilspring.compiled import clear, part
 
 N6 = 6
 
@@ -196,7 +196,7 @@ def substitute(plan, F, b):
     for step in range(steps - 1, -1, -1):
         n = order[step]
         D, p = F[n], N6 * n
-        z[:] = 0.0
+        clear(z)
         for a in range(start[step], start[step + 1]):
             U, q = F[block[a]], N6 * column[a]
             x0, x1, x2, x3, x4, x5 = b[q], b[q + 1], b[q + 2], b[q + 3], b[q + 4], b[q + 5]

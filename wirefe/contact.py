@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from coilspring.compiled import part
+from coilspring.compiled import clear_table, part
 
 
 @part
@@ -16,33 +16,31 @@ def lever(f, r, C):
 
 
 @part
-def _side(f, r, sign, g, K, J, C):
-    """Gradient (6,) of one carrier and the lever's part of its Hessian; J (3, 6) is its dg/dq."""
-    J[:] = 0.0
+def _side(f, r, sign, at, g, K, J, C):
+    """Gradient of one carrier, whose six freedoms begin `at`; adds to the Hessian, and fills J = dg/dq."""
     for i in range(3):
-        J[i, i] = sign
-    J[0, 4], J[0, 5], J[1, 3] = sign * r[2], -sign * r[1], -sign * r[2]
-    J[1, 5], J[2, 3], J[2, 4] = sign * r[0], sign * r[1], -sign * r[0]
+        for j in range(6):
+            J[i, at + j] = 0.0
+        J[i, at + i] = sign
+    x, y, z = sign * r[0], sign * r[1], sign * r[2]
+    J[0, at + 4], J[0, at + 5], J[1, at + 3] = z, -y, -z
+    J[1, at + 5], J[2, at + 3], J[2, at + 4] = x, y, -x
     lever(f, r, C)
-    for i in range(6):
+    for i in range(at, at + 6):
         g[i] = J[0, i] * f[0] + J[1, i] * f[1] + J[2, i] * f[2]
     for i in range(3):
         for j in range(3):
-            K[3 + i, 3 + j] = sign * C[i, j]
+            K[at + 3 + i, at + 3 + j] += sign * C[i, j]
 
 
 @part
-def pair_matrix(f, Hg, ra, rb, g, K, Ja, Jb, C):
+def pair_matrix(f, Hg, ra, rb, g, K, J, C):
     """Gradient (12,) and Hessian (12, 12) of a pair in its carriers' freedoms; ra, rb as turned now."""
-    K[:] = 0.0
-    _side(f, ra, -1.0, g[:6], K[:6, :6], Ja, C)
-    _side(f, rb, 1.0, g[6:], K[6:, 6:], Jb, C)
+    clear_table(K)
+    _side(f, ra, -1.0, 0, g, K, J, C)
+    _side(f, rb, 1.0, 6, g, K, J, C)
     for i in range(12):
-        for j in range(12):
-            total = 0.0
-            for k in range(3):
-                for l in range(3):  # noqa: E741
-                    left = Ja[k, i] if i < 6 else Jb[k, i - 6]
-                    right = Ja[l, j] if j < 6 else Jb[l, j - 6]
-                    total += left * Hg[k, l] * right
-            K[i, j] += total
+        for k in range(3):
+            row = J[0, i] * Hg[0, k] + J[1, i] * Hg[1, k] + J[2, i] * Hg[2, k]
+            for j in range(12):
+                K[i, j] += row * J[k, j]

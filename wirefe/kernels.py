@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from coilspring.compiled import copy, kernel, part
+from coilspring.compiled import clear, kernel, part
 from coilspring.pairlaw import BOUND, ON, hold, pair_potential
 from wirefe.beam import beams
 from wirefe.chain import eliminate, substitute
@@ -94,8 +94,10 @@ def _add_elements(chain, state, g, H):
     for e in range(count):
         for side in range(2):
             a = ROW * (e + side)
-            copy(state[a : a + 3], ends[e, side])
-            copy(state[a + 3 : a + 7], turns[e, side])
+            for i in range(4):
+                if i < 3:
+                    ends[e, side, i] = state[a + i]
+                turns[e, side, i] = state[a + 3 + i]
     r, C = np.empty(3), np.empty((3, 3))
     rotate(turns[count - 1, 1], chain.arm, r)
     for i in range(3):
@@ -120,8 +122,7 @@ def _add_pairs(contact, memory, state, g, H):
     energy = 0.0
     ca, cb, w, e, f = np.empty(3), np.empty(3), np.empty(3), np.empty(3), np.empty(3)
     Hg, C = np.empty((3, 3)), np.empty((3, 3))
-    Ja, Jb = np.empty((3, 6)), np.empty((3, 6))
-    ge, Ke = np.empty(12), np.empty((12, 12))
+    J, ge, Ke = np.empty((3, 12)), np.empty(12), np.empty((12, 12))
     for m in range(contact.pairs.shape[0]):
         A, B = contact.pairs[m, 0], contact.pairs[m, 1]
         centre(contact, state, A, ca)
@@ -137,7 +138,7 @@ def _add_pairs(contact, memory, state, g, H):
         for i in range(3):
             ca[i] -= state[ROW * a + i]
             cb[i] -= state[ROW * b + i]
-        pair_matrix(f, Hg, ca, cb, ge, Ke, Ja, Jb, C)
+        pair_matrix(f, Hg, ca, cb, ge, Ke, J, C)
         _add_gradient(g, a, b, ge)
         if len(H) > 0:
             _add_nodes(H, a, b, Ke)
@@ -168,8 +169,8 @@ def assemble(reals, ints, anchor, clearance, memory, state, g, flat):
     """Strain and contact energy, gradient and matrix; see `coilspring.kernelset` for the contract."""
     contact = view_contact(reals, ints)
     H = flat.reshape((flat.size // 36, 6, 6))
-    g[:] = 0.0
-    flat[:] = 0.0
+    clear(g)
+    clear(flat)
     energy = _add_elements(view_elements(reals, ints), state, g, H)
     count = contact.pairs.shape[0]
     if count > 0 and clearance > 0.0 and 2.0 * _bound(contact.reach, anchor, state) < clearance:

@@ -201,5 +201,6 @@ def close(freedoms, arm, state, way, out):
             continue
         if n > 0:
             _close(held, arm if n == last else none, state, way, begin, n, out)
-        held[:] = False
+        for i in range(6):
+            held[i] = False
         begin = n
