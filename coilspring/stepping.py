@@ -88,12 +88,14 @@ def predict(reals, ints, before, state, tangent, last, step, bend, out, retract)
 def continues(reals, ints, predicted, state, trial, diameter, troubled, judged, distance, motion):
     """Whether `trial` continues the branch of `state`, and the share by which the path turned; less where the
     turn is small at all."""
-    pair, _ = motion(reals, ints, state, trial)
-    if pair > PAIR_MOTION:
-        return False, 1.0
+    way = distance(reals, ints, state, trial)
+    if 2.0 * way > PAIR_MOTION * diameter:
+        pair, _ = motion(reals, ints, state, trial)
+        if pair > PAIR_MOTION:
+            return False, 1.0
     if not judged:
         return True, 0.0
-    way, turn = distance(reals, ints, state, trial), distance(reals, ints, predicted, trial)
+    turn = distance(reals, ints, predicted, trial)
     share = turn / way if way > 0.0 else 0.0
     least = turn / (SMALL * diameter)
     return least <= 1.0 or (share <= TURN and not troubled), min(share, TURN * least)
@@ -128,12 +130,17 @@ def remembers(memory):
 
 
 @part
-def snapped(reals, ints, state, trial, tangent, ahead, step, predicted, retract, motion):
+def snapped(reals, ints, state, trial, tangent, ahead, step, diameter, predicted, retract, distance, motion):
     """Whether near pairs moved neither as predicted nor as the tangents at both ends tell: the path may have
     passed a limit point between the two. `predicted` is overwritten."""
+    if 2.0 * distance(reals, ints, predicted, trial) <= PAIR_TURN * diameter:
+        return False  # no pair moves by more than its two ends do
     pair, _ = motion(reals, ints, predicted, trial)
     if pair > PAIR_TURN:
-        retract(reals, ints, state, 0.5 * (tangent + ahead), step, state, 0.0, predicted)
+        mean = copied(tangent)
+        for i in range(mean.size):
+            mean[i] = 0.5 * (tangent[i] + ahead[i])
+        retract(reals, ints, state, mean, step, state, 0.0, predicted)
         pair, _ = motion(reals, ints, predicted, trial)
     return pair > PAIR_TURN
 
@@ -225,7 +232,10 @@ def follow(
             bend = curvature(tangent, old, last, step)
             predict(reals, ints, before, state, tangent, last, step, bend, predicted, retract)
             # to where a pair is about to close: its stiffness is not in the tangent
-            _, free = motion(reals, ints, state, predicted)
+            if 2.0 * distance(reals, ints, state, predicted) > clearance:
+                _, free = motion(reals, ints, state, predicted)
+            else:
+                free = 1.0
             if free < 1.0:
                 step *= max(free, LEAST_FREE)
                 landing = False
@@ -276,7 +286,18 @@ def follow(
             stale_solution(reals, ints, F, home, trial, load, 1.0, ahead, solve, carry)
             if predictor and not remembers(memory):
                 good = not snapped(
-                    reals, ints, state, trial, tangent, ahead, step, predicted, retract, motion
+                    reals,
+                    ints,
+                    state,
+                    trial,
+                    tangent,
+                    ahead,
+                    step,
+                    diameter,
+                    predicted,
+                    retract,
+                    distance,
+                    motion,
                 )
         if not good:
             kept = False

@@ -10,7 +10,7 @@ import numpy as np
 
 from coilspring.compiled import arithmetic, kernel
 
-BAND = 11  # half bandwidth: a pair couples nodes up to i and i + 3, three freedoms each
+BAND = 8  # half bandwidth: a pair couples the nodes i and i + 2, three freedoms each
 WIDTH = BAND + 1
 ROW = 2 * WIDTH
 
@@ -49,22 +49,20 @@ def factor(reals, ints, flat):
 def _substitute(F, b):
     """Solve in place; what the next rows still lack or need is kept in registers, not in memory."""
     n = b.size
-    x0 = x1 = x2 = x3 = x4 = x5 = x6 = x7 = x8 = x9 = x10 = 0.0
+    x0 = x1 = x2 = x3 = x4 = x5 = x6 = x7 = 0.0
     for k in range(n):
         R = F[k]
         y = b[k] - x0
         b[k] = y
         x0, x1, x2, x3 = x1 + R[1] * y, x2 + R[2] * y, x3 + R[3] * y, x4 + R[4] * y
-        x4, x5, x6, x7 = x5 + R[5] * y, x6 + R[6] * y, x7 + R[7] * y, x8 + R[8] * y
-        x8, x9, x10 = x9 + R[9] * y, x10 + R[10] * y, R[11] * y
-    x0 = x1 = x2 = x3 = x4 = x5 = x6 = x7 = x8 = x9 = x10 = 0.0
+        x4, x5, x6, x7 = x5 + R[5] * y, x6 + R[6] * y, x7 + R[7] * y, R[8] * y
+    x0 = x1 = x2 = x3 = x4 = x5 = x6 = x7 = 0.0
     for k in range(n - 1, -1, -1):
         R = F[k]
-        far = R[4] * x3 + R[5] * x4 + R[6] * x5 + R[7] * x6 + R[8] * x7 + R[9] * x8 + R[10] * x9 + R[11] * x10
+        far = R[4] * x3 + R[5] * x4 + R[6] * x5 + R[7] * x6 + R[8] * x7
         y = b[k] / R[0] - far - R[3] * x2 - R[2] * x1 - R[1] * x0
         b[k] = y
-        x10, x9, x8, x7, x6, x5 = x9, x8, x7, x6, x5, x4
-        x4, x3, x2, x1, x0 = x3, x2, x1, x0, y
+        x7, x6, x5, x4, x3, x2, x1, x0 = x6, x5, x4, x3, x2, x1, x0, y
 
 
 @kernel
