@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import numbers
-from collections.abc import Mapping
+from collections.abc import Collection, Iterable, Mapping
 from typing import Any
 
 
@@ -34,6 +34,13 @@ class EquilibriumNotFound(RuntimeError):
         self.outcome = path.outcome
         self.message = path.message
         self.critical_time = path.critical_time
+
+
+def require_names(field: str, names: Iterable[str], allowed: Collection[str]) -> None:
+    """Raise `InputError` unless all of `names` are `allowed`."""
+    for name in names:
+        if name not in allowed:
+            raise InputError(f"{field} must hold names of {', '.join(allowed)}, got {name!r}")
 
 
 def require_number(

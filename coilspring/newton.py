@@ -21,9 +21,9 @@ DECREMENT = 1e-16
 MEASURED = 1e-6  # of that, where contact is near: a last step could open or close a pair
 # The same, for a factor kept from an earlier state: only a linear response is let through.
 LINEAR_DECREMENT = 1e-22
-# Stability is decided by the pivots at the equilibrium itself where the least of the last factor is below
-# this share of the least at rest, or could have come from a change of the matrix since: CHANGE times the
-# size of the step in the energy norm.
+# Stability is decided by the pivots at the equilibrium itself where the least of the last factor, over the
+# least at rest, is below this and below what the matrix may have changed by since: CHANGE times the size of
+# the last step in the energy norm.
 SINGULAR = 0.1
 CHANGE = 100.0
 LONG_SEARCH = 0.1  # a step cut below this says that the iteration left the neighbourhood
@@ -245,7 +245,7 @@ def equilibrium(
             # a step cut short went too far along a soft mode: damp the next one more
             damping = 4.0 * shift if length < CUT else max(0.25 * shift, FIRST_SHIFT)
         kept = shift == 0.0 and not (lean and current)
-        before = -slope if kept and length == 1.0 else 0.0
-        last = before if before > 0.0 else np.inf
+        before = -slope
+        last = before if kept and length == 1.0 else np.inf
         copy(trial, state)
     return FAILED, count, trouble, pairs

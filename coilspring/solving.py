@@ -11,6 +11,7 @@ import numpy as np
 
 from coilspring.driving import Top, stages
 from coilspring.errors import EquilibriumNotFound
+from coilspring.friction import goes_on
 from coilspring.interrupt import interruptible
 from coilspring.kernelset import Kernels
 from coilspring.packing import pack
@@ -24,6 +25,8 @@ MOST_ITERATIONS = 25  # of a substep with the exact tangent, which needs 2 or 3 
 # Null modes of a bifurcation do no work with the load; rounding leaves far less than this share.
 NO_WORK = 1e-6
 SOFT = 0.05  # share of the least eigenvalue at rest, below which the tangent counts as singular
+SLIDING = -1  # outcome beside those of `coilspring.stepping`: see `coilspring.friction`
+HELD = "Coulomb's law goes on, but with the bounds of friction held no stable equilibrium was found"
 VOID_PENETRATION = 0.1  # wire diameters of overlap, beyond which a penalty no longer stands for contact
 
 
@@ -98,12 +101,12 @@ def _judged(track: Track, problem: Problem, kernels: Kernels) -> tuple[Track, np
     load = problem.load
     if track.outcome not in (CRITICAL, STUCK):
         return track, np.zeros_like(load)
-
-    def least(state: np.ndarray) -> tuple[float, np.ndarray]:
-        return softest(kernels, pack(problem.data), state, track.memory, load.size, problem.matrix_size)
-
-    value, mode = least(track.last)
-    if abs(value) < SOFT * abs(least(problem.start)[0]):
+    data, size = pack(problem.data), problem.matrix_size
+    value, mode = softest(kernels, data, track.last, track.memory, load.size, size)
+    least, _ = softest(kernels, data, problem.start, problem.memory, load.size, size)
+    if goes_on(kernels, data, track.last, track.memory, load, size):
+        track = track._replace(outcome=SLIDING)
+    elif abs(value) < SOFT * abs(least):
         track = track._replace(outcome=CRITICAL)
     return track, mode
 
@@ -227,4 +230,5 @@ def _verdict(track: Track, mode: np.ndarray, load: np.ndarray) -> tuple[str, str
         if norm > 0.0 and abs(load @ mode) > NO_WORK * norm:
             return "limit_point", f"limit point {where}: beyond it this branch has no equilibrium", critical
         return "bifurcation", f"bifurcation {where}: the branch loses its stability", critical
-    return "not_converged", f"no equilibrium that continues the branch was found {where}", None
+    why = HELD if track.outcome == SLIDING else "no equilibrium that continues the branch was found"
+    return "not_converged", f"{why} {where}", None

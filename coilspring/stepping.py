@@ -14,6 +14,7 @@ from coilspring.compiled import copied, copied_table, copy, copy_table, part, ze
 from coilspring.kernelset import SIGNATURES
 from coilspring.linesearch import dot, solution, stale_solution
 from coilspring.newton import CONVERGED, FAILED, HISTORY, INDEFINITE, LINEAR, NONE, equilibrium
+from coilspring.pairlaw import ON
 from coilspring.stability import LEAST_STEP, unstable_time
 
 COMPLETED, CRITICAL, STUCK, STRAY = 0, 1, 2, 3
@@ -33,9 +34,9 @@ SAFE = 0.8  # share of the turn allowed that the next substep aims at
 EASY_COUNT = 3
 EPSILON = 2.0**-52
 BOUND_CHANGE = 1e-6  # of the bounds of tangential forces, over the largest, where they count as found
-MOST_ROUNDS = 20
-CYCLING = 8  # rounds, after which they are taken to go to and fro: half of each change is made
-MOST_TRIES = 1000  # substeps between requested times; ten times what a path needs
+MOST_ROUNDS = 60
+LEAST_CHANGE = 0.02  # share of the change of a bound that is made
+MOST_TRIES = 4000  # substeps between requested times; far more than a path needs
 
 
 class Track(NamedTuple):
@@ -102,12 +103,25 @@ def continues(reals, ints, predicted, state, trial, diameter, troubled, judged, 
 
 
 @part
-def average(held, memory):
-    """Take back half of the change from `held` to `memory`, which differ in the bounds alone."""
+def relax(held, memory, left, factor):
+    """Aitken's relaxation of the bounds, whose fixed point may repel: those that the state at hand was found
+    with are in `held`, those it asks for in `memory`, what was left of the round before in `left`.
+
+    Returns the factor with which the change is made; before there is a round, it is 0.
+    """
+    along, square = 0.0, 0.0
     for m in range(memory.shape[0]):
         for i in range(memory.shape[1]):
-            if memory[m, i] != held[m, i]:
-                memory[m, i] = 0.5 * (memory[m, i] + held[m, i])
+            change = memory[m, i] - held[m, i] if memory[m, i] != held[m, i] else 0.0
+            along += left[m, i] * (change - left[m, i])
+            square += (change - left[m, i]) * (change - left[m, i])
+            left[m, i] = change
+    factor = min(max(-factor * along / square, LEAST_CHANGE), 1.0) if factor > 0.0 and square > 0.0 else 1.0
+    for m in range(memory.shape[0]):
+        for i in range(memory.shape[1]):
+            if left[m, i] != 0.0:
+                memory[m, i] = held[m, i] + factor * left[m, i]
+    return factor
 
 
 @part
@@ -115,7 +129,7 @@ def released(held, memory):
     """Whether a pair that was held has opened: what held it is gone at once."""
     any_pair = False
     for m in range(memory.shape[0]):
-        any_pair |= held[m, 0] > 0.0 and memory[m, 0] == 0.0
+        any_pair |= held[m, ON] > 0.0 and memory[m, ON] == 0.0
     return any_pair
 
 
@@ -200,7 +214,7 @@ def follow(
     # the state accepted before, the tangent there and the time since: none as yet
     before, old, last = copied(start), zeros(load.size), 1.0
     old[0] = np.inf
-    memory, held = copied_table(memory), copied_table(memory)
+    memory, held, left = copied_table(memory), copied_table(memory), copied_table(memory)
     clearance = commit(reals, ints, state, memory)
     _, pairs = assemble(reals, ints, state, clearance, memory, state, g, H)
     rest = copied(H)
@@ -211,10 +225,10 @@ def follow(
     reference = dot(load, tangent)
     noise = rounding(load, start)
     origin, begin = copied(state), 0.0  # of the linear stretch whose stability is not yet verified
-    linear, kept, settling = False, True, False
+    linear, kept, ease = False, True, np.inf
     checks, critical = 0, np.inf
     time, dt = 0.0, min(times[0], FIRST_STEP)
-    row, tries = 0, 0
+    row, tries, stride = 0, 0, dt
     while row < times.size and outcome == COMPLETED and stop[0] == 0:
         if clearance == -np.inf:
             outcome = STRAY
@@ -223,7 +237,7 @@ def follow(
         if tries > MOST_TRIES:
             outcome = STUCK
             break
-        stride = SETTLING if settling else dt
+        stride = min(dt, ease)
         landing = times[row] - time <= stride * (1.0 + 1e-9)
         target = times[row] if landing else time + stride
         step = target - time
@@ -245,7 +259,7 @@ def follow(
         for i in range(load.size):
             push[i] = target * load[i]
         renew(reals, ints, state, memory)
-        rounds, trouble = 0, NONE
+        rounds, needed, trouble, share_made = 0, 0, NONE, 0.0
         while True:
             status, count, more, looked = equilibrium(
                 reals, ints, state, clearance, memory, push, reference * target**2, reference * step**2,
@@ -253,6 +267,7 @@ def follow(
                 factor, solve, retract, work, carry,
             )  # fmt: skip
             spent += count
+            needed += count
             pairs += looked
             trouble = max(trouble, more)
             if status == LINEAR and rounds > 0:
@@ -264,13 +279,12 @@ def follow(
             if rounds == MOST_ROUNDS:
                 status = FAILED
                 break
-            if rounds >= CYCLING:
-                average(held, memory)
+            share_made = relax(held, memory, left, share_made)
             kept = True
         good, share = status <= LINEAR, 0.0
         if good:
             good, share = continues(
-                reals, ints, predicted, state, trial, diameter, trouble > NONE, predictor and not settling,
+                reals, ints, predicted, state, trial, diameter, trouble > NONE, predictor and ease == np.inf,
                 distance, motion,
             )  # fmt: skip
         if good and status == CONVERGED and clearance > 0.0:
@@ -301,8 +315,11 @@ def follow(
                 )
         if not good:
             kept = False
-            dt = 0.5 * step
-            if dt < LEAST_STEP:
+            if ease < np.inf:
+                ease = 0.5 * step
+            else:
+                dt = 0.5 * step
+            if step < 2.0 * LEAST_STEP:
                 # negative pivots however short the step: the stiffness jumps there, as where a pair opens
                 outcome = CRITICAL if trouble == INDEFINITE else STUCK
                 break
@@ -315,11 +332,11 @@ def follow(
             # a linear stretch took no factorisation: verify its stability once, where it ends
             # up to where the first pair closes, if none is closed: there the substep landed
             wide = clearance > 0.0
-            critical, count = unstable_time(
+            critical, verified = unstable_time(
                 reals, ints, memory, origin, begin, tangent, target if wide else time,
                 np.inf if wide else 0.0, H, g, assemble, factor, retract,
             )  # fmt: skip
-            checks += count
+            checks += verified
             linear = False
             if critical < np.inf:
                 break
@@ -332,8 +349,8 @@ def follow(
         time = target
         copy_table(held, memory)
         clearance = commit(reals, ints, state, memory)
-        settling = released(held, memory)
-        if count <= EASY_COUNT:
+        ease = SETTLING if released(held, memory) else np.inf
+        if needed <= EASY_COUNT:
             # the turn grows with the square of the step
             dt = max(dt, step * min(2.0, math.sqrt(SAFE * TURN / share) if share > 0.0 else 2.0))
         if landing:
@@ -345,7 +362,7 @@ def follow(
             row += 1
     if outcome == COMPLETED and clearance == -np.inf:
         outcome = STRAY
-    bracket = 2.0 * dt
+    bracket = 2.0 * stride
     if linear:
         critical, count = unstable_time(
             reals, ints, memory, origin, begin, tangent, time, 0.0, H, g, assemble, factor, retract

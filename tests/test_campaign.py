@@ -328,7 +328,7 @@ def test_crash_is_an_unexplained_outcome(monkeypatch):
     row = run.judged("b000000", SEED)
     assert row["class"] == UNEXPLAINED
     assert "planted" in row["reason"]
-    assert set(CLASSES) == {"completed", "critical", "refused", "unexplained"}
+    assert set(CLASSES) == {"completed", "critical", "ended", "refused", "unexplained"}
 
 
 def test_one_case_is_printed(tmp_path, capsys):

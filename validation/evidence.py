@@ -19,13 +19,6 @@ RICHARDSON = _REFINED**2 / (_REFINED**2 - 1.0)
 
 OVERLOAD = 1.2  # of the paper's load
 
-# UX, UY, ROTZ at time 1 without contact (mm, rad): exact Cosserat rod with rigid end turns and the
-# default material, integrated by shooting to 1e-10. Our own numbers, not published ones.
-EXACT_ROD: Mapping[str, tuple[float, float, float]] = {
-    "spring-a-no-contact": (-21.260191, -10.464994, 1.200717),
-    "spring-b-no-contact": (0.0, -25.060823, 0.0),
-}
-
 STEPS = (10, 20, 50, 200)  # substeps over which the no-sliding rule's dependence is measured
 
 

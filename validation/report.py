@@ -8,7 +8,8 @@ from collections.abc import Sequence
 from validation.cases import FINE_MESH, PAPER_MESH
 from validation.claims import AGREES, DIFFERS, UNDECIDED, Claim, mechanics
 from validation.document import Block, Bullets, Heading, Picture, Table, Text
-from validation.evidence import EXACT_ROD, CaseEvidence, Evidence
+from validation.evidence import CaseEvidence, Evidence
+from validation.exactrod import EXACT_ROD
 from validation.methods import ELEMENT_NOTE, iteration_notes, sliding_notes, timing_notes
 from validation.tables import table1, table2, table3
 from validation.timeclaims import times
@@ -203,7 +204,7 @@ def _error_row(item: CaseEvidence) -> tuple[str, ...]:
 
 def _exact_rows(item: CaseEvidence) -> list[tuple[str, ...]]:
     rows = []
-    exact = EXACT_ROD.get(item.case.name, ())
+    exact = EXACT_ROD.get(item.case.name, {}).get(1.0, ())
     for name, value, wire, beam in zip(
         ("UX (mm)", "UY (mm)", "ROTZ (rad)"), exact, item.wire.tips[-1], item.beam.tips[-1], strict=False
     ):

@@ -15,6 +15,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from coilspring import InputError
+from coilspring.errors import require_names
 from validation.arguments import ARTEFACTS
 from validation.binding import PAGE, bound
 from validation.interactive import FILE, is_made, require_extra
@@ -62,9 +63,7 @@ def reproduce(
     EquilibriumNotFound : one of the four cases could not be solved to full load.
     """
     names = ARTEFACTS if only is None else only
-    for name in names:
-        if name not in ARTEFACTS:
-            raise InputError(f"only must hold names of {', '.join(ARTEFACTS)}, got {name!r}")
+    require_names("only", names, ARTEFACTS)
     if time and "table3" not in names:
         raise InputError(f"time goes with table3, got only {', '.join(names)}")
     if turned:

@@ -15,7 +15,8 @@ from pathlib import Path
 
 import numpy as np
 
-from coilspring import CATALOGUE, InputError
+from coilspring import CATALOGUE
+from coilspring.errors import require_names
 from validation.cases import CASES, Case, PathStore
 from validation.freshness import make_ready
 from validation.metrics import COMPONENTS, NEGLIGIBLE
@@ -143,9 +144,7 @@ def sensitivity(
     """
     from validation import sensitivitydata, sensitivitypage, tornado  # matplotlib takes a second
 
-    for name in only or ():
-        if name not in CATALOGUE:
-            raise InputError(f"only must hold names of {', '.join(CATALOGUE)}, got {name!r}")
+    require_names("only", only or (), CATALOGUE)
     out = Path(out)
     prepare(out)
     progress("making the kernels ready")

@@ -17,6 +17,7 @@ from pathlib import Path
 import numpy as np
 
 from coilspring import EquilibriumPath, InputError, Scene
+from coilspring.errors import require_names
 from validation import penaltysweep
 from validation.cases import solve_beam, solve_wire
 from validation.freshness import make_ready
@@ -83,9 +84,7 @@ def _command(only: Sequence[str] | None, extent: str) -> str:
 
 def _chosen(only: Sequence[str] | None) -> list[Scene]:
     scenes = study_scenes()
-    for name in only or ():
-        if name not in scenes:
-            raise InputError(f"only must hold names of {', '.join(scenes)}, got {name!r}")
+    require_names("only", only or (), scenes)
     return [scene for name, scene in scenes.items() if only is None or name in only]
 
 

@@ -2,25 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-
 import numpy as np
 
 from coilspring import EquilibriumPath, Scene
 from validation.cases import solve_wire
+from validation.exactrod import EXACT_ROD
 from validation.metrics import COMPONENTS, compare_paths
 from validation.workdata import Reference
 from validation.worksettings import PAIRS, Extent, Setting
-
-# Tips at two times without contact (UX, UY in mm, ROTZ in rad): exact Cosserat rod with rigid end turns
-# and the default material, integrated by shooting to 1e-10. Our own numbers, not published ones.
-EXACT_ROD: Mapping[str, Mapping[float, tuple[float, float, float]]] = {
-    "spring-a-no-contact": {
-        0.5: (-13.325870, -3.912853, 0.707779),
-        1.0: (-21.260191, -10.464994, 1.200717),
-    },
-    "spring-b-no-contact": {0.5: (0.0, -12.476115, 0.0), 1.0: (0.0, -25.060823, 0.0)},
-}
 
 
 def reference(scene: Scene, extent: Extent) -> Reference:

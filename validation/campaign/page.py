@@ -14,7 +14,7 @@ from matplotlib.figure import Figure
 
 from validation.campaign.scenes import CORNERS, MODELS
 from validation.campaign.table import Row, version
-from validation.campaign.verdict import CLASSES, CONFIRMED, REFUSED, RIGHT, UNEXPLAINED
+from validation.campaign.verdict import CLASSES, CONFIRMED, ENDED, REFUSED, RIGHT, UNEXPLAINED
 from validation.document import Block, Bullets, Heading, Picture, Table, Text, to_markdown
 from validation.figures import drawn
 from validation.machine import versions
@@ -25,6 +25,8 @@ TITLES = {"b": "equivalent beam", "w": "wire model"}
 MEANING = {
     RIGHT: "to the full load: stable equilibria, on the branch of a fine run",
     CONFIRMED: "up to a limit point or bifurcation that the judge finds at the same load",
+    ENDED: "friction, up to where Coulomb's law goes on but the iteration on held bounds does not; states "
+    "before are judged like any other",
     REFUSED: "bad input, refused in one sentence",
     UNEXPLAINED: "everything else",
 }
@@ -83,7 +85,7 @@ def write_page(rows: list[Row], out: Path, seed: int) -> None:
 def page(rows: list[Row], seed: int) -> str:
     """The page, Markdown."""
     used = ", ".join(f"{name} {number}" for name, number in versions().items() if number)
-    unexplained = [row for row in rows if row["class"] in (UNEXPLAINED, REFUSED)]
+    unexplained = [row for row in rows if row["class"] in (UNEXPLAINED, ENDED, REFUSED)]
     blocks = (
         Heading(1, "Stability campaign"),
         Text(f"Seed {seed}, sources {version()}, {used}."),
@@ -99,7 +101,7 @@ def page(rows: list[Row], seed: int) -> str:
         Heading(2, "Invariances: largest change of the answer over the largest displacement"),
         Table(("changed", "cases", *TITLES.values()), tuple(_invariance(rows, kind) for kind in KINDS)),
         Text(CHANGES),
-        Heading(2, "Unexplained and refused"),
+        Heading(2, "Unexplained, ended and refused"),
         _listed(unexplained),
     )
     return to_markdown(blocks)

@@ -18,7 +18,16 @@ from validation.campaign.page import write_page
 from validation.campaign.pools import cluster, processes
 from validation.campaign.scenes import case_id, make_case
 from validation.campaign.table import Row, Table, version
-from validation.campaign.verdict import CONFIRMED, CRITICAL, REFUSED, RIGHT, UNEXPLAINED, Verdict, reached
+from validation.campaign.verdict import (
+    CONFIRMED,
+    CRITICAL,
+    ENDED,
+    REFUSED,
+    RIGHT,
+    UNEXPLAINED,
+    Verdict,
+    reached,
+)
 from validation.campaign.wirejudge import BRANCH, judge_wire
 from validation.output import prepare
 from validation.provenance import write_provenance
@@ -119,7 +128,9 @@ def _class(outcome: str, verdict: Verdict) -> str:
         return UNEXPLAINED
     if outcome == "refused":
         return REFUSED
-    return CONFIRMED if outcome in CRITICAL else RIGHT
+    if outcome in CRITICAL:
+        return CONFIRMED
+    return RIGHT if outcome == "completed" else ENDED
 
 
 def _judged_all(names: list[str], seed: int) -> list[Row]:

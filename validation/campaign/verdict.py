@@ -8,11 +8,12 @@ from dataclasses import dataclass, field, replace
 import equivbeam
 import wirefe
 from coilspring import EquilibriumPath, Scene
+from coilspring.solving import HELD
 from validation.campaign.scenes import Case
 from validation.reached import as_far
 
-RIGHT, CONFIRMED, REFUSED, UNEXPLAINED = "completed", "critical", "refused", "unexplained"
-CLASSES = (RIGHT, CONFIRMED, REFUSED, UNEXPLAINED)
+RIGHT, CONFIRMED, ENDED, REFUSED, UNEXPLAINED = "completed", "critical", "ended", "refused", "unexplained"
+CLASSES = (RIGHT, CONFIRMED, ENDED, REFUSED, UNEXPLAINED)
 CRITICAL = ("limit_point", "bifurcation")
 SOLVERS: dict[str, Callable[..., EquilibriumPath]] = {"equivbeam": equivbeam.solve, "wirefe": wirefe.solve}
 FINE = 10  # steps of the fine run over those of the case; at least 40, at most these, but twice at least
@@ -41,6 +42,11 @@ class Verdict:
 def reached(case: Case, scene: Scene | None = None, **options: object) -> EquilibriumPath:
     """Path of the case, complete or not; in another scene or with other options where given."""
     return as_far(SOLVERS[case.model], scene or case.scene, **(dict(case.options) | options))
+
+
+def ended(path: EquilibriumPath) -> bool:
+    """Whether the path ends where Coulomb's law goes on, but the iteration on held bounds does not."""
+    return path.outcome == "not_converged" and path.message.startswith(HELD)
 
 
 def fine_steps(case: Case) -> int:

@@ -10,9 +10,9 @@ from scipy.optimize import brentq
 
 import wirefe
 from coilspring import EquilibriumPath
-from validation.campaign.judge import LOAD, judge_branch, just_before, sharp_critical
+from validation.campaign.judge import LOAD, apart, judge_branch, just_before, sharp_critical
 from validation.campaign.scenes import Case
-from validation.campaign.verdict import CRITICAL, Verdict, fine_steps, reached, under
+from validation.campaign.verdict import CRITICAL, Verdict, ended, fine_steps, reached, under
 from validation.campaign.wire import WireForces, friction_of, wire_forces
 from validation.reached import as_far
 
@@ -31,7 +31,7 @@ TURN = 5e-3  # of the load: how near the critical time a traced path has points
 def judge_wire(case: Case, path: EquilibriumPath) -> Verdict:
     """Judge a path of the wire model, complete or not."""
     verdict, sliding = Verdict(), case.scene.contact.sliding
-    if path.outcome not in ("completed", *CRITICAL):
+    if path.outcome not in ("completed", *CRITICAL) and not ended(path):
         verdict.complain(f"{path.outcome}: {path.message}")
         return verdict
     forces = wire_forces(case.scene, **dict(case.options))  # type: ignore[arg-type]
@@ -39,6 +39,9 @@ def judge_wire(case: Case, path: EquilibriumPath) -> Verdict:
     for row in sorted({count - 1 - (count * k) // ROWS for k in range(ROWS)} & set(range(count))):
         judge_row(verdict, forces, path, row)
     fine = reached(case, steps=fine_steps(case))
+    if ended(path) or ended(fine):
+        verdict.ask("branch", apart(path, fine)[1], BRANCH[sliding], "off the branch of the fine run")
+        return verdict
     judge_branch(verdict, path, fine, BRANCH[sliding], CRITICAL_SHIFT[sliding], BETWEEN)
     if path.outcome in CRITICAL:
         _judge_critical(verdict, forces, case, path)
