@@ -52,7 +52,7 @@ def test_determinant_of_coulombs_tangent():
 
 
 def test_repelling_bounds_are_found():
-    """Sliding raises these normal forces so much that bounds renewed without relaxation are lost at 0.5433."""
+    """Sliding raises these normal forces so much that bounds renewed without relaxation are lost earlier."""
     with pytest.raises(EquilibriumNotFound) as found:
         solve("w00616")
     assert float(found.value.message.split()[-1]) > 0.545

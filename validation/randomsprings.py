@@ -17,7 +17,7 @@ from validation.document import Block, Heading, Table, Text
 from validation.metrics import NEGLIGIBLE
 from validation.reached import as_far
 
-COUNT, FIRST_SEED, STEPS = 40, 0, 10
+COUNT, FIRST_SEED, STEPS = 200, 0, 10
 WIRE = {"element": "curved", "elements_per_turn": 8}
 PHASES = tuple(0.5 * math.pi * k for k in range(4))
 KINDS = ("guided", "lateral, free top", "lateral, guided top")
