@@ -24,7 +24,7 @@ from coilspring.warming import ready
 MOST_ITERATIONS = 25  # of a substep with the exact tangent, which needs 2 or 3 far from contact changes
 # Null modes of a bifurcation do no work with the load; rounding leaves far less than this share.
 NO_WORK = 1e-6
-SOFT = 0.05  # share of the least eigenvalue at rest, below which the tangent counts as singular
+SOFT = 0.1  # share of the least eigenvalue at rest, below which the tangent counts as singular
 SLIDING = -1  # outcome beside those of `coilspring.stepping`: see `coilspring.friction`
 HELD = "Coulomb's law goes on, but with the bounds of friction held no stable equilibrium was found"
 VOID_PENETRATION = 0.1  # wire diameters of overlap, beyond which a penalty no longer stands for contact

@@ -8,7 +8,7 @@ from coilspring.compiled import part, zeros
 from coilspring.kernelset import Kernels
 
 INVERSE_ITERATIONS = 30
-LEAST_STEP = 1e-11  # of the time 0..1: below it, what cannot be passed is called a critical point
+LEAST_STEP = 1e-9  # of the time 0..1: below it, what cannot be passed is called a critical point
 SAMPLES = 16  # of a linear stretch at which its stability is verified
 
 

@@ -34,9 +34,9 @@ SAFE = 0.8  # share of the turn allowed that the next substep aims at
 EASY_COUNT = 3
 EPSILON = 2.0**-52
 BOUND_CHANGE = 1e-6  # of the bounds of tangential forces, over the largest, where they count as found
-MOST_ROUNDS = 60
-LEAST_CHANGE = 0.02  # share of the change of a bound that is made
-MOST_TRIES = 4000  # substeps between requested times; far more than a path needs
+MOST_ROUNDS = 30
+LEAST_CHANGE = 0.1  # share of the change of a bound that is made
+MOST_TRIES = 4000  # equilibria between requested times; far more than a path needs
 
 
 class Track(NamedTuple):
@@ -116,7 +116,12 @@ def relax(held, memory, left, factor):
             along += left[m, i] * (change - left[m, i])
             square += (change - left[m, i]) * (change - left[m, i])
             left[m, i] = change
-    factor = min(max(-factor * along / square, LEAST_CHANGE), 1.0) if factor > 0.0 and square > 0.0 else 1.0
+    if factor > 0.0 and square > 0.0:
+        # where a pair begins or ends to slide in between, the secant may point away: half of it then
+        factor *= -along / square if along < 0.0 else 0.5
+        factor = min(max(factor, LEAST_CHANGE), 1.0)
+    else:
+        factor = 1.0
     for m in range(memory.shape[0]):
         for i in range(memory.shape[1]):
             if left[m, i] != 0.0:
@@ -233,7 +238,6 @@ def follow(
         if clearance == -np.inf:
             outcome = STRAY
             break
-        tries += 1
         if tries > MOST_TRIES:
             outcome = STUCK
             break
@@ -273,6 +277,7 @@ def follow(
             if status == LINEAR and rounds > 0:
                 status = CONVERGED
             rounds += 1
+            tries += 1
             copy_table(memory, held)  # with the bounds that this state was found with
             if status > LINEAR or renew(reals, ints, trial, memory) <= BOUND_CHANGE:
                 break
