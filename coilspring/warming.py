@@ -91,4 +91,5 @@ def _place(kernel: Callable) -> tuple[str, str]:
 def _stored(kernel: Callable) -> bool:
     """Whether the cache holds anything of a kernel."""
     folder = Path(kernel.stats.cache_path)  # type: ignore[attr-defined]
-    return any(folder.glob(f"*.{kernel.__name__}-*.nbi"))
+    module = kernel.__module__.rpartition(".")[2]
+    return any(folder.glob(f"{module}.{kernel.__name__}-*.nbi"))
