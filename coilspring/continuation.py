@@ -18,10 +18,10 @@ from typing import NamedTuple
 import numpy as np
 from numba import njit, types
 
+from coilspring.branch import PAIR_MOTION
 from coilspring.compiled import copy, part
 from coilspring.kernelset import SIGNATURES
 from coilspring.linesearch import dot, solution
-from coilspring.stepping import PAIR_MOTION
 
 FIRST_ARC = 0.02  # of the arc that the tangent at rest would take to full load
 LEAST_ARC = 1e-7

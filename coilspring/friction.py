@@ -11,6 +11,7 @@ import numpy as np
 
 from coilspring.kernelset import Kernels
 from coilspring.pairlaw import BOUND, ON
+from coilspring.stability import factored
 
 NUDGE = 1e-6  # of a bound, and mm or rad of a move, with which differences are taken
 AHEAD = (1e-7, 1e-6, 1e-5, 1e-4)  # of the time 0..1: there the tangent is looked at
@@ -25,16 +26,13 @@ def goes_on(
     load: np.ndarray,
     matrix_size: int,
 ) -> bool:
-    """Whether the tangent with the bounds held has a negative pivot just ahead of `state`, or the bounds
-    are not found there, while the determinant of Coulomb's tangent keeps its sign.
+    """Whether the determinant of Coulomb's tangent keeps its sign just ahead of `state`, where a path ended.
 
-    Then the path has no critical point here: it is the iteration on held bounds that ends.
+    Then no critical point shows there: it is the iteration on held bounds that ends.
     """
     if not np.any((memory[:, ON] > 0.0) & np.isfinite(memory[:, BOUND])):
         return False
-    H = np.empty(matrix_size)
-    kernels.assemble(*data, state, 0.0, memory, state, np.empty_like(load), H)
-    kernels.factor(*data, H)
+    H, _ = factored(kernels, data, state, memory, load.size, matrix_size)
     tangent = load.copy()
     kernels.solve(*data, H, tangent)
     states = [_moved(kernels, data, state, tangent, ahead) for ahead in AHEAD]
@@ -60,7 +58,6 @@ def _determinant(
     """Determinant of Coulomb's tangent over the size of that of the tangent with the bounds held."""
     memory = memory.copy()
     kernels.renew(*data, state, memory)
-    H = np.empty(matrix_size)
 
     def gradient(memory: np.ndarray) -> np.ndarray:
         g = np.empty_like(load)
@@ -72,8 +69,7 @@ def _determinant(
         kernels.renew(*data, _moved(kernels, data, state, step, factor), changed)
         return changed[:, BOUND]
 
-    kernels.assemble(*data, state, 0.0, memory, state, np.empty_like(load), H)
-    negative, _ = kernels.factor(*data, H)
+    H, negative = factored(kernels, data, state, memory, load.size, matrix_size)
     pairs, columns = [], []
     for m in np.flatnonzero((memory[:, ON] > 0.0) & (memory[:, BOUND] > 0.0)):
         low, high = memory.copy(), memory.copy()

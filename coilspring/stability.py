@@ -40,6 +40,21 @@ def unstable_time(
     return low, count
 
 
+def factored(
+    kernels: Kernels,
+    data: tuple[np.ndarray, np.ndarray],
+    state: np.ndarray,
+    memory: np.ndarray,
+    freedoms: int,
+    matrix_size: int,
+) -> tuple[np.ndarray, int]:
+    """Factor of the matrix at `state`, and its negative pivots."""
+    H = np.empty(matrix_size)
+    kernels.assemble(*data, state, 0.0, memory, state, np.empty(freedoms), H)
+    negative, _ = kernels.factor(*data, H)
+    return H, negative
+
+
 def softest(
     kernels: Kernels,
     data: tuple[np.ndarray, np.ndarray],
@@ -49,9 +64,7 @@ def softest(
     matrix_size: int,
 ) -> tuple[float, np.ndarray]:
     """Least eigenvalue (in size) of the matrix at `state` and its mode (freedoms,), by inverse iteration."""
-    g, H = np.empty(freedoms), np.empty(matrix_size)
-    kernels.assemble(*data, state, 0.0, memory, state, g, H)
-    kernels.factor(*data, H)
+    H, _ = factored(kernels, data, state, memory, freedoms, matrix_size)
     mode = 1.0 + np.arange(freedoms) / freedoms  # no symmetry that could hide the mode
     value = 0.0
     for _ in range(INVERSE_ITERATIONS):

@@ -10,24 +10,17 @@ from typing import NamedTuple
 import numpy as np
 from numba import njit, types
 
+from coilspring.branch import TURN, continues, curvature, predict, snapped
 from coilspring.compiled import copied, copied_table, copy, copy_table, part, zeros
+from coilspring.contactmemory import relax, released, remembers
 from coilspring.kernelset import SIGNATURES
 from coilspring.linesearch import dot, solution, stale_solution
 from coilspring.newton import CONVERGED, FAILED, HISTORY, INDEFINITE, LINEAR, NONE, equilibrium
-from coilspring.pairlaw import ON
 from coilspring.stability import LEAST_STEP, unstable_time
 
 COMPLETED, CRITICAL, STUCK, STRAY = 0, 1, 2, 3
 
 FIRST_STEP = 0.1  # largest first substep: the tangent at rest knows nothing of the contact to come
-# A converged state continues the branch when it lies near the straight prediction: within this share
-# of the way it came (a fold or a jump turns the path by more), or within a small distance at all
-# (a closing contact kinks the path, so that no step is short enough for the share).
-TURN = 0.07
-SMALL = 0.05  # wire diameters
-# A pair may not move by more in one substep: beyond, coils could pass through or over each other.
-PAIR_MOTION = 0.5  # wire diameters
-PAIR_TURN = 0.02  # wire diameters, between a pair's motion and that which the tangents tell
 SETTLING = 1e-6  # of the time 0..1, in which what was held by a pair that opened finds its place
 LEAST_FREE = 0.05  # share of a substep that is taken at least, however soon a pair closes
 SAFE = 0.8  # share of the turn allowed that the next substep aims at
@@ -35,7 +28,6 @@ EASY_COUNT = 3
 EPSILON = 2.0**-52
 BOUND_CHANGE = 1e-6  # of the bounds of tangential forces, over the largest, where they count as found
 MOST_ROUNDS = 30
-LEAST_CHANGE = 0.1  # share of the change of a bound that is made
 MOST_TRIES = 4000  # equilibria between requested times; far more than a path needs
 
 
@@ -65,103 +57,6 @@ def rounding(load, start):
     for i in range(load.size):
         total += abs(load[i])
     return 2.0 * EPSILON * span * total
-
-
-@part
-def curvature(tangent, old, last, step):
-    """1 where a step follows the path's curvature, 0 where the tangent turned too much in the last one."""
-    bend, size = 0.0, 0.0
-    for i in range(tangent.size):
-        bend += (tangent[i] - old[i]) ** 2
-        size += tangent[i] ** 2
-    return 1.0 if (0.5 * step / last) ** 2 * bend <= TURN**2 * size else 0.0
-
-
-@part
-def predict(reals, ints, before, state, tangent, last, step, bend, out, retract):
-    """The path extrapolated from `state` by a `step` of time: along its tangent, and with ``bend = 1`` on the
-    parabola that also meets the state `before`, a time `last` ago; with 0 on the straight line."""
-    second = bend * (step / last) ** 2
-    retract(reals, ints, state, tangent, step + second * last, before, second, out)
-
-
-@part
-def continues(reals, ints, predicted, state, trial, diameter, troubled, judged, distance, motion):
-    """Whether `trial` continues the branch of `state`, and the share by which the path turned; less where the
-    turn is small at all."""
-    way = distance(reals, ints, state, trial)
-    if 2.0 * way > PAIR_MOTION * diameter:
-        pair, _ = motion(reals, ints, state, trial)
-        if pair > PAIR_MOTION:
-            return False, 1.0
-    if not judged:
-        return True, 0.0
-    turn = distance(reals, ints, predicted, trial)
-    share = turn / way if way > 0.0 else 0.0
-    least = turn / (SMALL * diameter)
-    return least <= 1.0 or (share <= TURN and not troubled), min(share, TURN * least)
-
-
-@part
-def relax(held, memory, left, factor):
-    """Aitken's relaxation of the bounds, whose fixed point may repel: those that the state at hand was found
-    with are in `held`, those it asks for in `memory`, what was left of the round before in `left`.
-
-    Returns the factor with which the change is made; before there is a round, it is 0.
-    """
-    along, square = 0.0, 0.0
-    for m in range(memory.shape[0]):
-        for i in range(memory.shape[1]):
-            change = memory[m, i] - held[m, i] if memory[m, i] != held[m, i] else 0.0
-            along += left[m, i] * (change - left[m, i])
-            square += (change - left[m, i]) * (change - left[m, i])
-            left[m, i] = change
-    if factor > 0.0 and square > 0.0:
-        # where a pair begins or ends to slide in between, the secant may point away: half of it then
-        factor *= -along / square if along < 0.0 else 0.5
-        factor = min(max(factor, LEAST_CHANGE), 1.0)
-    else:
-        factor = 1.0
-    for m in range(memory.shape[0]):
-        for i in range(memory.shape[1]):
-            if left[m, i] != 0.0:
-                memory[m, i] = held[m, i] + factor * left[m, i]
-    return factor
-
-
-@part
-def released(held, memory):
-    """Whether a pair that was held has opened: what held it is gone at once."""
-    any_pair = False
-    for m in range(memory.shape[0]):
-        any_pair |= held[m, ON] > 0.0 and memory[m, ON] == 0.0
-    return any_pair
-
-
-@part
-def remembers(memory):
-    """Whether contact remembers anything of any pair."""
-    for m in range(memory.shape[0]):
-        for i in range(memory.shape[1]):
-            if memory[m, i] != 0.0:
-                return True
-    return False
-
-
-@part
-def snapped(reals, ints, state, trial, tangent, ahead, step, diameter, predicted, retract, distance, motion):
-    """Whether near pairs moved neither as predicted nor as the tangents at both ends tell: the path may have
-    passed a limit point between the two. `predicted` is overwritten."""
-    if 2.0 * distance(reals, ints, predicted, trial) <= PAIR_TURN * diameter:
-        return False  # no pair moves by more than its two ends do
-    pair, _ = motion(reals, ints, predicted, trial)
-    if pair > PAIR_TURN:
-        mean = copied(tangent)
-        for i in range(mean.size):
-            mean[i] = 0.5 * (tangent[i] + ahead[i])
-        retract(reals, ints, state, mean, step, state, 0.0, predicted)
-        pair, _ = motion(reals, ints, predicted, trial)
-    return pair > PAIR_TURN
 
 
 def follow(
@@ -305,19 +200,9 @@ def follow(
             stale_solution(reals, ints, F, home, trial, load, 1.0, ahead, solve, carry)
             if predictor and not remembers(memory):
                 good = not snapped(
-                    reals,
-                    ints,
-                    state,
-                    trial,
-                    tangent,
-                    ahead,
-                    step,
-                    diameter,
-                    predicted,
-                    retract,
-                    distance,
+                    reals, ints, state, trial, tangent, ahead, step, diameter, predicted, retract, distance,
                     motion,
-                )
+                )  # fmt: skip
         if not good:
             kept = False
             if ease < np.inf:

@@ -6,8 +6,8 @@ from scipy.spatial.transform import Rotation
 
 import wirefe
 from coilspring import Material, load_scene
+from coilspring.branch import predict
 from coilspring.packing import pack
-from coilspring.stepping import predict
 from coilspring.wire import round_section
 from wirefe import kernels, model
 from wirefe.solve import scene_problem

@@ -1,0 +1,65 @@
+"""The branch: where a path is predicted to go on, and whether a state found there continues it."""
+
+from __future__ import annotations
+
+from coilspring.compiled import copied, part
+
+# A converged state continues the branch when it lies near the straight prediction: within this share
+# of the way it came (a fold or a jump turns the path by more), or within a small distance at all
+# (a closing contact kinks the path, so that no step is short enough for the share).
+TURN = 0.07
+SMALL = 0.05  # wire diameters
+# A pair may not move by more in one substep: beyond, coils could pass through or over each other.
+PAIR_MOTION = 0.5  # wire diameters
+PAIR_TURN = 0.02  # wire diameters, between a pair's motion and that which the tangents tell
+
+
+@part
+def curvature(tangent, old, last, step):
+    """1 where a step follows the path's curvature, 0 where the tangent turned too much in the last one."""
+    bend, size = 0.0, 0.0
+    for i in range(tangent.size):
+        bend += (tangent[i] - old[i]) ** 2
+        size += tangent[i] ** 2
+    return 1.0 if (0.5 * step / last) ** 2 * bend <= TURN**2 * size else 0.0
+
+
+@part
+def predict(reals, ints, before, state, tangent, last, step, bend, out, retract):
+    """The path extrapolated from `state` by a `step` of time: along its tangent, and with ``bend = 1`` on the
+    parabola that also meets the state `before`, a time `last` ago; with 0 on the straight line."""
+    second = bend * (step / last) ** 2
+    retract(reals, ints, state, tangent, step + second * last, before, second, out)
+
+
+@part
+def continues(reals, ints, predicted, state, trial, diameter, troubled, judged, distance, motion):
+    """Whether `trial` continues the branch of `state`, and the share by which the path turned; less where the
+    turn is small at all."""
+    way = distance(reals, ints, state, trial)
+    if 2.0 * way > PAIR_MOTION * diameter:
+        pair, _ = motion(reals, ints, state, trial)
+        if pair > PAIR_MOTION:
+            return False, 1.0
+    if not judged:
+        return True, 0.0
+    turn = distance(reals, ints, predicted, trial)
+    share = turn / way if way > 0.0 else 0.0
+    least = turn / (SMALL * diameter)
+    return least <= 1.0 or (share <= TURN and not troubled), min(share, TURN * least)
+
+
+@part
+def snapped(reals, ints, state, trial, tangent, ahead, step, diameter, predicted, retract, distance, motion):
+    """Whether near pairs moved neither as predicted nor as the tangents at both ends tell: the path may have
+    passed a limit point between the two. `predicted` is overwritten."""
+    if 2.0 * distance(reals, ints, predicted, trial) <= PAIR_TURN * diameter:
+        return False  # no pair moves by more than its two ends do
+    pair, _ = motion(reals, ints, predicted, trial)
+    if pair > PAIR_TURN:
+        mean = copied(tangent)
+        for i in range(mean.size):
+            mean[i] = 0.5 * (tangent[i] + ahead[i])
+        retract(reals, ints, state, mean, step, state, 0.0, predicted)
+        pair, _ = motion(reals, ints, predicted, trial)
+    return pair > PAIR_TURN

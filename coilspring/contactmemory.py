@@ -1,0 +1,54 @@
+"""What contact remembers from substep to substep, whatever a model's pairs are."""
+
+from __future__ import annotations
+
+from coilspring.compiled import part
+from coilspring.pairlaw import ON
+
+LEAST_CHANGE = 0.1  # share of the change of a bound that is made
+
+
+@part
+def relax(held, memory, left, factor):
+    """Aitken's relaxation of the bounds, whose fixed point may repel: those that the state at hand was found
+    with are in `held`, those it asks for in `memory`, what was left of the round before in `left`.
+
+    Returns the factor with which the change is made; before there is a round, it is 0.
+    """
+    along, square = 0.0, 0.0
+    for m in range(memory.shape[0]):
+        for i in range(memory.shape[1]):
+            change = memory[m, i] - held[m, i] if memory[m, i] != held[m, i] else 0.0
+            along += left[m, i] * (change - left[m, i])
+            square += (change - left[m, i]) * (change - left[m, i])
+            left[m, i] = change
+    if factor > 0.0 and square > 0.0:
+        # where a pair begins or ends to slide in between, the secant may point away: half of it then
+        factor *= -along / square if along < 0.0 else 0.5
+        factor = min(max(factor, LEAST_CHANGE), 1.0)
+    else:
+        factor = 1.0
+    for m in range(memory.shape[0]):
+        for i in range(memory.shape[1]):
+            if left[m, i] != 0.0:
+                memory[m, i] = held[m, i] + factor * left[m, i]
+    return factor
+
+
+@part
+def released(held, memory):
+    """Whether a pair that was held has opened: what held it is gone at once."""
+    any_pair = False
+    for m in range(memory.shape[0]):
+        any_pair |= held[m, ON] > 0.0 and memory[m, ON] == 0.0
+    return any_pair
+
+
+@part
+def remembers(memory):
+    """Whether contact remembers anything of any pair."""
+    for m in range(memory.shape[0]):
+        for i in range(memory.shape[1]):
+            if memory[m, i] != 0.0:
+                return True
+    return False
