@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import numpy as np
+
 from coilspring.compiled import copied, part
 
 # A converged state continues the branch when it lies near the straight prediction: within this share
@@ -33,33 +35,31 @@ def predict(reals, ints, before, state, tangent, last, step, bend, out, retract)
 
 
 @part
-def continues(reals, ints, predicted, state, trial, diameter, troubled, judged, distance, motion):
+def continues(reals, ints, predicted, state, trial, diameter, troubled, judged, motion):
     """Whether `trial` continues the branch of `state`, and the share by which the path turned; less where the
     turn is small at all."""
-    way = distance(reals, ints, state, trial)
-    if 2.0 * way > PAIR_MOTION * diameter:
-        pair, _ = motion(reals, ints, state, trial)
-        if pair > PAIR_MOTION:
-            return False, 1.0
+    # no pair moves by more than its two ends do
+    way, pair, _ = motion(reals, ints, state, trial, 0.5 * PAIR_MOTION * diameter)
+    if pair > PAIR_MOTION:
+        return False, 1.0
     if not judged:
         return True, 0.0
-    turn = distance(reals, ints, predicted, trial)
+    turn, _, _ = motion(reals, ints, predicted, trial, np.inf)
     share = turn / way if way > 0.0 else 0.0
     least = turn / (SMALL * diameter)
     return least <= 1.0 or (share <= TURN and not troubled), min(share, TURN * least)
 
 
 @part
-def snapped(reals, ints, state, trial, tangent, ahead, step, diameter, predicted, retract, distance, motion):
+def snapped(reals, ints, state, trial, tangent, ahead, step, diameter, predicted, retract, motion):
     """Whether near pairs moved neither as predicted nor as the tangents at both ends tell: the path may have
     passed a limit point between the two. `predicted` is overwritten."""
-    if 2.0 * distance(reals, ints, predicted, trial) <= PAIR_TURN * diameter:
-        return False  # no pair moves by more than its two ends do
-    pair, _ = motion(reals, ints, predicted, trial)
+    least = 0.5 * PAIR_TURN * diameter
+    _, pair, _ = motion(reals, ints, predicted, trial, least)
     if pair > PAIR_TURN:
         mean = copied(tangent)
         for i in range(mean.size):
             mean[i] = 0.5 * (tangent[i] + ahead[i])
         retract(reals, ints, state, mean, step, state, 0.0, predicted)
-        pair, _ = motion(reals, ints, predicted, trial)
+        _, pair, _ = motion(reals, ints, predicted, trial, least)
     return pair > PAIR_TURN

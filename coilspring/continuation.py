@@ -98,7 +98,7 @@ def direction(v, negative, scale, along, pitch, new):
 
 def trace(
     reals, ints, load, points, start, memory, size, assemble, factor, solve, retract, work, carry,
-    distance, motion, commit, renew, stop,
+    motion, commit, renew, stop,
 ):  # fmt: skip
     """Trace at most `points` points of the path from rest, or to time 1; arguments as in `follow`."""
     times = np.empty(points)
@@ -131,7 +131,7 @@ def trace(
         pairs += looked
         if good:
             share, cosine = direction(v, negative, scale, along, pitch, new)
-            pair, _ = motion(reals, ints, state, trial)
+            _, pair, _ = motion(reals, ints, state, trial, 0.0)
             good = (cosine >= TURN_COSINE or arc <= KINK_ARC) and pair <= PAIR_MOTION
         if not good:
             arc *= 0.5

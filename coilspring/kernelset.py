@@ -1,6 +1,6 @@
 """The compiled functions that a model hands to the path followers, and their types.
 
-A model is described by its data (two flat arrays, see `coilspring.packing`) and ten kernels, which
+A model is described by its data (two flat arrays, see `coilspring.packing`) and nine kernels, which
 `coilspring.newton` and the followers take as typed first-class functions, so that they are compiled once
 for all models:
 
@@ -21,11 +21,10 @@ for all models:
 ``carry(reals, ints, a, b, v)``
     Turn the parts of a step or a residual `v` in place with the nodes on which they act, from state `a`
     to `b`: seen so, a factor stays good while the body turns.
-``distance(reals, ints, a, b) -> distance``
-    Bound on how far any point moved from state `a` to `b`.
-``motion(reals, ints, a, b) -> (pair motion, free share)``
-    The largest change of the vector between the centres of a pair that comes near on the way, in wire
-    diameters; the share of the way after which the first pair that is open in `a` has closed.
+``motion(reals, ints, a, b, least) -> (distance, pair motion, free share)``
+    Bound on how far any point moved from state `a` to `b`. Where it is more than `least`: the largest change
+    of the vector between the centres of a pair that comes near on the way, in wire diameters; the share of
+    the way after which the first pair that is open in `a` has closed. Else 0 and 1.
 ``commit(reals, ints, state, memory) -> least gap``
     Update the contact memory with an accepted state. Minus infinity: a pair touches that is not in
     the model.
@@ -50,7 +49,6 @@ class Kernels(NamedTuple):
     retract: Any
     work: Any
     carry: Any
-    distance: Any
     motion: Any
     commit: Any
     renew: Any
@@ -67,8 +65,7 @@ def _signatures() -> Kernels:
         retract=types.void(*data, vector, vector, real, vector, real, vector),
         work=real(*data, vector, vector, vector),
         carry=types.void(*data, vector, vector, vector),
-        distance=real(*data, vector, vector),
-        motion=types.UniTuple(real, 2)(*data, vector, vector),
+        motion=types.UniTuple(real, 3)(*data, vector, vector, real),
         commit=real(*data, vector, table),
         renew=real(*data, vector, table),
     )

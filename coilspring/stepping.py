@@ -77,7 +77,6 @@ def follow(
     retract,
     work,
     carry,
-    distance,
     motion,
     commit,
     renew,
@@ -99,7 +98,7 @@ def follow(
     predictor : the model's matrix is its tangent: start from its prediction and judge the branch by it;
         else from the last state, as the paper did.
     lean : the matrix is costly: it is left out where it is not factored, and its factor is kept longer.
-    assemble, factor, solve, retract, work, carry, distance, motion,
+    assemble, factor, solve, retract, work, carry, motion,
         commit, renew : kernels, see `coilspring.kernelset`.
     stop : one integer; another thread sets it to end the path at the next substep.
     """
@@ -145,10 +144,7 @@ def follow(
             bend = curvature(tangent, old, last, step)
             predict(reals, ints, before, state, tangent, last, step, bend, predicted, retract)
             # to where a pair is about to close: its stiffness is not in the tangent
-            if 2.0 * distance(reals, ints, state, predicted) > clearance:
-                _, free = motion(reals, ints, state, predicted)
-            else:
-                free = 1.0
+            _, _, free = motion(reals, ints, state, predicted, 0.5 * clearance)
             if free < 1.0:
                 step *= max(free, LEAST_FREE)
                 landing = False
@@ -185,7 +181,7 @@ def follow(
         if good:
             good, share = continues(
                 reals, ints, predicted, state, trial, diameter, trouble > NONE, predictor and ease == np.inf,
-                distance, motion,
+                motion,
             )  # fmt: skip
         if good and status == CONVERGED and clearance > 0.0:
             closes = commit(reals, ints, trial, memory) <= 0.0
@@ -200,9 +196,8 @@ def follow(
             stale_solution(reals, ints, F, home, trial, load, 1.0, ahead, solve, carry)
             if predictor and not remembers(memory):
                 good = not snapped(
-                    reals, ints, state, trial, tangent, ahead, step, diameter, predicted, retract, distance,
-                    motion,
-                )  # fmt: skip
+                    reals, ints, state, trial, tangent, ahead, step, diameter, predicted, retract, motion
+                )
         if not good:
             kept = False
             if ease < np.inf:

@@ -7,14 +7,13 @@ import math
 import numpy as np
 
 from coilspring.compiled import clear, copy, kernel, part
-from coilspring.packing import heads
 from coilspring.pairlaw import BOUND, ON, hold, pair_potential
 from equivbeam.band import ROW, WIDTH
 from equivbeam.contact import circle_centre, pair_forces
 from equivbeam.halfcoil import gradient, hessian, measures, paper_matrix
 from equivbeam.haringx import KAX, KFL, KSH, L0
 from equivbeam.laws import response
-from equivbeam.model import EXACT, PAPER, REACH, view
+from equivbeam.model import EXACT, PAPER, view
 
 SLIGHT = 1e-7  # wire diameters of penetration: its force is the least that friction bounds are compared with
 TOUCH = 0.003  # wire diameters by which a pair may penetrate where a prediction closes it
@@ -173,22 +172,16 @@ def carry(reals, ints, a, b, v):
 
 
 @kernel
-def distance(reals, ints, a, b):
-    """See `coilspring.kernelset`."""
-    return _bound(reals[heads(ints)[REACH, 0]], a, b)
-
-
-@kernel
-def motion(reals, ints, a, b):
-    """See `coilspring.kernelset`: largest pair motion, share of the way to the first touch.
+def motion(reals, ints, a, b, least):
+    """See `coilspring.kernelset`: bound on all motion, largest pair motion, share of the way to the first touch.
 
     A pair counts if it comes near anywhere between the states: circles must not pass through each other.
     """
     model = view(reals, ints)
-    most, free = 0.0, 1.0
+    most, free, way = 0.0, 1.0, _bound(model.reach, a, b)
     inner = (1.0 - TOUCH) * model.d
-    if model.pairs.shape[0] == 0:
-        return most, free
+    if model.pairs.shape[0] == 0 or way <= least:
+        return way, most, free
     before, after, pairs, d = _centres(model, a), _centres(model, b), model.pairs, model.d
     v, w = np.empty(3), np.empty(3)
     for m in range(pairs.shape[0]):
@@ -209,7 +202,7 @@ def motion(reals, ints, a, b):
             near += (v[i] + x * (w[i] - v[i])) ** 2
         if near < (NEAR * d) ** 2:
             most = math.sqrt(way2)
-    return most / d, free
+    return way, most / d, free
 
 
 @kernel

@@ -133,9 +133,6 @@ def matrix_size(model: BeamModel) -> int:
     return 3 * len(model.rows) * ROW
 
 
-REACH = BeamModel._fields.index("reach")  # in the packed arrays
-
-
 @part
 def view(reals, ints):
     """The model's fields, in their order, in the packed arrays."""

@@ -30,7 +30,6 @@ KERNELS = Kernels(
     retract=kernels.retract,
     work=kernels.work,
     carry=kernels.carry,
-    distance=kernels.distance,
     motion=kernels.motion,
     commit=kernels.commit,
     renew=kernels.renew,

@@ -12,7 +12,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from coilspring.compiled import clear, part
+from coilspring.compiled import clear, part, zeros
 
 N6 = 6
 
@@ -144,7 +144,7 @@ def eliminate(plan, F):
     """
     negative, least = 0, np.inf
     scaled = np.empty((N6, N6))
-    empty = np.zeros(plan.block.size, np.bool_)
+    full = zeros(plan.block.size)
     t = 0
     for step in range(plan.order.size):
         D = F[plan.order[step]]
@@ -153,17 +153,17 @@ def eliminate(plan, F):
         begin, end = plan.start[step], plan.start[step + 1]
         for a in range(begin, end):
             U = F[plan.block[a]]
-            empty[a] = _is_zero(U)
-            if empty[a]:
+            if _is_zero(U):
                 t += a - begin + 1
                 continue
+            full[a] = 1.0
             _forward(D, U)
             for k in range(N6):
                 w = 1.0 / D[k, k]
                 for r in range(N6):
                     scaled[k, r] = w * U[k, r]
             for b in range(begin, a + 1):
-                if not empty[b]:
+                if full[b] > 0.0:
                     _subtract(F[plan.target[t]], F[plan.block[b]], scaled)
                 t += 1
     return negative, least
@@ -172,40 +172,31 @@ def eliminate(plan, F):
 @part
 def substitute(plan, F, b):
     """Solve in place for the right-hand side `b` (nodes * 6,)."""
-    steps = plan.order.size
     order, start, block, column = plan.order, plan.start, plan.block, plan.column
-    for step in range(steps):
-        n = order[step]
-        D, p = F[n], N6 * n
-        y0, y1, y2, y3, y4, y5 = b[p], b[p + 1], b[p + 2], b[p + 3], b[p + 4], b[p + 5]
-        y1 -= D[1, 0] * y0
-        y2 -= D[2, 0] * y0 + D[2, 1] * y1
-        y3 -= D[3, 0] * y0 + D[3, 1] * y1 + D[3, 2] * y2
-        y4 -= D[4, 0] * y0 + D[4, 1] * y1 + D[4, 2] * y2 + D[4, 3] * y3
-        y5 -= D[5, 0] * y0 + D[5, 1] * y1 + D[5, 2] * y2 + D[5, 3] * y3 + D[5, 4] * y4
-        b[p], b[p + 1], b[p + 2], b[p + 3], b[p + 4], b[p + 5] = y0, y1, y2, y3, y4, y5
-        y0, y1, y2 = y0 / D[0, 0], y1 / D[1, 1], y2 / D[2, 2]
-        y3, y4, y5 = y3 / D[3, 3], y4 / D[4, 4], y5 / D[5, 5]
-        for a in range(start[step], start[step + 1]):
-            U, p = F[block[a]], N6 * column[a]
-            for j in range(N6):
-                b[p + j] -= (
-                    U[0, j] * y0 + U[1, j] * y1 + U[2, j] * y2 + U[3, j] * y3 + U[4, j] * y4 + U[5, j] * y5
-                )
-    z = np.empty(N6)
-    for step in range(steps - 1, -1, -1):
-        n = order[step]
-        D, p = F[n], N6 * n
-        clear(z)
+    y = zeros(N6)
+    for step in range(order.size):
+        D, p = F[order[step]], N6 * order[step]
+        for i in range(N6):
+            total = b[p + i]
+            for j in range(i):
+                total -= D[i, j] * b[p + j]
+            b[p + i] = total
+            y[i] = total / D[i, i]
         for a in range(start[step], start[step + 1]):
             U, q = F[block[a]], N6 * column[a]
-            x0, x1, x2, x3, x4, x5 = b[q], b[q + 1], b[q + 2], b[q + 3], b[q + 4], b[q + 5]
             for i in range(N6):
-                z[i] += (
-                    U[i, 0] * x0 + U[i, 1] * x1 + U[i, 2] * x2 + U[i, 3] * x3 + U[i, 4] * x4 + U[i, 5] * x5
-                )
-        for i in range(N6):
-            b[p + i] = (b[p + i] - z[i]) / D[i, i]
-        for i in range(N6 - 2, -1, -1):
+                for j in range(N6):
+                    b[q + j] -= U[i, j] * y[i]
+    for step in range(order.size - 1, -1, -1):
+        D, p = F[order[step]], N6 * order[step]
+        clear(y)
+        for a in range(start[step], start[step + 1]):
+            U, q = F[block[a]], N6 * column[a]
+            for i in range(N6):
+                for j in range(N6):
+                    y[i] += U[i, j] * b[q + j]
+        for i in range(N6 - 1, -1, -1):
+            total = (b[p + i] - y[i]) / D[i, i]
             for j in range(i + 1, N6):
-                b[p + i] -= D[j, i] * b[p + j]
+                total -= D[j, i] * b[p + j]
+            b[p + i] = total

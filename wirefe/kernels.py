@@ -261,19 +261,15 @@ def _vector(contact, state, m, c, w):
 
 
 @kernel
-def distance(reals, ints, a, b):
-    """See `coilspring.kernelset`."""
-    return _bound(view_contact(reals, ints).reach, a, b)
-
-
-@kernel
-def motion(reals, ints, a, b):
-    """See `coilspring.kernelset`: largest pair motion, share of the way to the first touch.
+def motion(reals, ints, a, b, least):
+    """See `coilspring.kernelset`: bound on all motion, largest pair motion, share of the way to the first touch.
 
     A pair counts if it comes near anywhere between the states: spheres must not pass through each other.
     """
     contact = view_contact(reals, ints)
-    most, free = 0.0, 1.0
+    most, free, way = 0.0, 1.0, _bound(contact.reach, a, b)
+    if way <= least:
+        return way, most, free
     inner = (contact.d * (1.0 - TOUCH)) ** 2
     c, v, w = np.empty(3), np.empty(3), np.empty(3)
     for m in range(contact.pairs.shape[0]):
@@ -296,7 +292,7 @@ def motion(reals, ints, a, b):
             near += (v[i] + x * (w[i] - v[i])) ** 2
         if near < (NEAR * contact.d) ** 2:
             most = math.sqrt(square)
-    return most / contact.d, free
+    return way, most / contact.d, free
 
 
 @part
