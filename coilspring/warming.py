@@ -16,7 +16,7 @@ from coilspring.kernelset import SIGNATURES, Kernels
 from coilspring.stepping import compiled_follow
 
 # About half the work; a child has the others and the follower.
-PARENTS = ("assemble", "factor", "solve", "motion", "commit", "renew")
+PARENTS = ("assemble", "retract", "work", "carry", "motion", "commit", "renew")
 
 
 @cache

@@ -173,7 +173,7 @@ def carry(reals, ints, a, b, v):
 
 @kernel
 def motion(reals, ints, a, b, least):
-    """See `coilspring.kernelset`: bound on all motion, largest pair motion, share of the way to the first touch.
+    """See `coilspring.kernelset`: bound on all motion, pair motion, share of the way to the first touch.
 
     A pair counts if it comes near anywhere between the states: circles must not pass through each other.
     """

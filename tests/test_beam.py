@@ -8,22 +8,23 @@ from coilspring import Material
 from coilspring.wire import round_section
 from wirefe.beam import beams, deformations
 from wirefe.elements import straight_stiffness
-from wirefe.rotations import exponential, quaternion_product, stretch_functions
+from wirefe.quaternions import exponential, times
+from wirefe.rotations import stretch_functions
 
 UNIT = np.array([1.0, 0.0, 0.0, 0.0])
 
 
 def spun(spin, q):
-    turn, out = np.empty(4), np.empty(4)
-    exponential(*spin, turn)
-    quaternion_product(turn, q, out)
-    return out
+    return np.array(times(exponential(spin), q))
+
+
+def nodes(x1, q1, x2, q2):
+    return np.concatenate((x1, q1, x2, q2))
 
 
 def one(x1, q1, x2, q2, triads, e0, K):
     g, H = np.empty((1, 12)), np.empty((1, 12, 12))
-    ends, turns = np.array([[x1, x2]]), np.array([[q1, q2]])
-    energy = beams(ends, turns, triads[None], e0[None], K[None], g, H)
+    energy = beams(nodes(x1, q1, x2, q2), np.zeros(3), triads[None], e0[None], K[None], g, H)
     return energy, g[0], H[0]
 
 
@@ -68,7 +69,7 @@ def test_series_meets_closed_form(q):
 def test_rigid_motion_strains_nothing():
     x1, q1, x2, q2, triads, _, K = random_element(0.8)
     e = np.empty((1, 6))
-    deformations(np.array([[x1, x2]]), np.array([[q1, q2]]), triads[None], e)
+    deformations(nodes(x1, q1, x2, q2), np.zeros(3), triads[None], e)
     spin, shift = np.array([0.3, -2.0, 0.9]), np.array([3.0, 1.0, -7.0])
     R = Rotation.from_rotvec(spin)
     moved = one(R.apply(x1) + shift, spun(spin, q1), R.apply(x2) + shift, spun(spin, q2), triads, e[0], K)

@@ -20,7 +20,7 @@ def pair(d, gap, k=1.0, memory=FREE):
     f, H = np.empty(3), np.empty((3, 3))
     energy = pair_potential(w, np.linalg.norm(w), D, K, k, memory, np.empty(3), f, H)
     g, full = np.empty(12), np.empty((12, 12))
-    pair_matrix(f, H, *arms, g, full, np.empty((3, 12)), np.empty((3, 3)))
+    pair_matrix(f, H, *arms, g, full)
     return energy, g, full
 
 

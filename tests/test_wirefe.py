@@ -26,7 +26,8 @@ from validation.reached import as_far
 from wirefe import kernels, model
 from wirefe.beam import beams, deformations
 from wirefe.elements import _flexibility, curved_elements
-from wirefe.rotations import exponential, quaternion_product
+from wirefe.poses import at_rest
+from wirefe.quaternions import exponential, times
 from wirestates import dense
 
 # G13: exact Cosserat rod by shooting, our own number, relative error below 1e-7; UX, UY, ROTZ at time 1.
@@ -163,13 +164,10 @@ def test_whole_wire_moved_rigidly_strains_nothing():
     reals, ints = pack(data)
     spin, shift = np.array([0.4, 2.0, -1.1]), np.array([3.0, -4.0, 5.0])
     rows = model.rest_state(rod, mesh.arm).reshape(-1, model.ROW)
-    turn, out = np.empty(4), np.empty(4)
-    exponential(*spin, turn)
     R = Rotation.from_rotvec(spin)
     for row in rows:
         row[:3] = R.apply(row[:3]) + shift
-        quaternion_product(turn, row[3:].copy(), out)
-        row[3:] = out
+        row[3:] = times(exponential(spin), row[3:].copy())
     g, H = np.empty(6 * len(rows)), np.empty(model.matrix_size(data))
     value, _ = kernels.assemble(reals, ints, rows.ravel(), 0.0, np.zeros((0, MEMORY)), rows.ravel(), g, H)
     # stiffness times rounding of the positions
@@ -184,10 +182,7 @@ def test_clamp_carries_the_load_and_its_moment():
     rows = path.states[-1].reshape(-1, model.ROW)
     g, H = np.empty((1, 12)), np.empty((1, 12, 12))
     first = data.elements
-    beams(
-        rows[None, :2, :3].copy(), rows[None, :2, 3:].copy(), first.triads[:1], first.strain0[:1],
-        first.stiffness[:1], g, H,
-    )  # fmt: skip
+    beams(rows[:2].ravel(), np.zeros(3), first.triads[:1], first.strain0[:1], first.stiffness[:1], g, H)
     force, about = g[0, :3].copy(), g[0, 3:6] + np.cross(rows[0, :3], g[0, :3])
     # pairs whose lower sphere stands on the ground bring the rest
     for m, (A, B) in enumerate(data.contact.pairs):
@@ -339,11 +334,10 @@ def test_curved_element_carries_the_linear_flexibility_of_its_helix():
     spring, section = spring_b().spring, round_section(1.5, Material())
     phases = np.array([1.0, 1.0 + 0.5 * np.pi])
     triads, K = curved_elements(spring, section, phases)
-    ends, turns = spring.points(phases)[None], np.zeros((1, 2, 4))
-    turns[..., 0] = 1.0
+    state, still = at_rest(spring.points(phases)).ravel(), np.zeros(3)
     e0, g, H = np.empty((1, 6)), np.empty((1, 12)), np.empty((1, 12, 12))
-    deformations(ends, turns, triads, e0)
-    beams(ends, turns, triads, e0, K, g, H)
+    deformations(state, still, triads, e0)
+    beams(state, still, triads, e0, K, g, H)
     np.testing.assert_allclose(g, 0.0, atol=1e-9)
     expected = _flexibility(spring, section, phases)[0]
     np.testing.assert_allclose(np.linalg.inv(H[0, 6:, 6:]), expected, rtol=1e-8, atol=1e-16)

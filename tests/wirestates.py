@@ -12,10 +12,8 @@ def elements(path, step):
     data, rows = path.shape.data.elements, path.states[step].reshape(-1, ROW)
     points, turns = rows[:, :3].copy(), rows[:, 3:]
     points[-1] += turned(turns[-1], data.arm)
-    count = len(rows) - 1
-    g, H = np.empty((count, 12)), np.empty((count, 12, 12))
-    ends, rotations = (np.stack((a[:-1], a[1:]), axis=1) for a in (points, turns))
-    return points, beams(ends, rotations, data.triads, data.strain0, data.stiffness, g, H), g
+    g, H = np.empty((len(rows) - 1, 12)), np.empty((0, 12, 12))
+    return points, beams(path.states[step], data.arm, data.triads, data.strain0, data.stiffness, g, H), g
 
 
 def centres(contact, state):

@@ -1,4 +1,4 @@
-"""Products of small vectors and matrices, written out for the compiled kernels."""
+"""Vectors (3) and matrices (9, by rows) as tuples: they stay in registers, and compile fast."""
 
 from __future__ import annotations
 
@@ -6,37 +6,104 @@ from coilspring.compiled import arithmetic
 
 
 @arithmetic
-def skew(a, factor, S):
-    """S = factor [a], the matrix of the cross product a x."""
+def dot(a, b):
+    """a . b."""
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+
+
+@arithmetic
+def cross(a, b):
+    """a x b."""
+    return a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
+
+
+@arithmetic
+def plus(a, factor, b):
+    """a + factor b of vectors."""
+    return a[0] + factor * b[0], a[1] + factor * b[1], a[2] + factor * b[2]
+
+
+@arithmetic
+def mixed(x, a, y, b):
+    """x a + y b of vectors."""
+    return x * a[0] + y * b[0], x * a[1] + y * b[1], x * a[2] + y * b[2]
+
+
+@arithmetic
+def skew(a, factor):
+    """factor [a], the matrix of the cross product a x."""
     x, y, z = factor * a[0], factor * a[1], factor * a[2]
-    S[0, 0], S[0, 1], S[0, 2] = 0.0, -z, y
-    S[1, 0], S[1, 1], S[1, 2] = z, 0.0, -x
-    S[2, 0], S[2, 1], S[2, 2] = -y, x, 0.0
+    return 0.0, -z, y, z, 0.0, -x, -y, x, 0.0
 
 
 @arithmetic
-def cross(a, b, c):
-    """c = a x b."""
-    c[0] = a[1] * b[2] - a[2] * b[1]
-    c[1] = a[2] * b[0] - a[0] * b[2]
-    c[2] = a[0] * b[1] - a[1] * b[0]
+def outer(x, a, b):
+    """x a b^T."""
+    u, v, w = x * a[0], x * a[1], x * a[2]
+    return (
+        u * b[0], u * b[1], u * b[2],
+        v * b[0], v * b[1], v * b[2],
+        w * b[0], w * b[1], w * b[2],
+    )  # fmt: skip
 
 
 @arithmetic
-def product(A, B, C):
-    """C = A B for 3 x 3 matrices; C may be A or B. Read first, then write: twice as fast."""
-    b00, b01, b02 = B[0, 0], B[0, 1], B[0, 2]
-    b10, b11, b12 = B[1, 0], B[1, 1], B[1, 2]
-    b20, b21, b22 = B[2, 0], B[2, 1], B[2, 2]
-    for i in range(3):
-        x, y, z = A[i, 0], A[i, 1], A[i, 2]
-        C[i, 0] = x * b00 + y * b10 + z * b20
-        C[i, 1] = x * b01 + y * b11 + z * b21
-        C[i, 2] = x * b02 + y * b12 + z * b22
+def added(A, factor, B):
+    """A + factor B."""
+    return (
+        A[0] + factor * B[0], A[1] + factor * B[1], A[2] + factor * B[2],
+        A[3] + factor * B[3], A[4] + factor * B[4], A[5] + factor * B[5],
+        A[6] + factor * B[6], A[7] + factor * B[7], A[8] + factor * B[8],
+    )  # fmt: skip
 
 
 @arithmetic
-def turned(M, Mt, A):
-    """A becomes M A M^T; `Mt` is the transpose of M."""
-    product(A, Mt, A)
-    product(M, A, A)
+def diagonal(A, x):
+    """A + x I."""
+    return A[0] + x, A[1], A[2], A[3], A[4] + x, A[5], A[6], A[7], A[8] + x
+
+
+@arithmetic
+def transposed(A):
+    """A^T."""
+    return A[0], A[3], A[6], A[1], A[4], A[7], A[2], A[5], A[8]
+
+
+@arithmetic
+def applied(A, v):
+    """A v."""
+    return (
+        A[0] * v[0] + A[1] * v[1] + A[2] * v[2],
+        A[3] * v[0] + A[4] * v[1] + A[5] * v[2],
+        A[6] * v[0] + A[7] * v[1] + A[8] * v[2],
+    )
+
+
+@arithmetic
+def product(A, B):
+    """A B, column by column."""
+    x = applied(A, (B[0], B[3], B[6]))
+    y = applied(A, (B[1], B[4], B[7]))
+    z = applied(A, (B[2], B[5], B[8]))
+    return x[0], y[0], z[0], x[1], y[1], z[1], x[2], y[2], z[2]
+
+
+@arithmetic
+def block(K, i, j):
+    """The matrix whose first entry is K[i, j]."""
+    return (
+        K[i, j], K[i, j + 1], K[i, j + 2],
+        K[i + 1, j], K[i + 1, j + 1], K[i + 1, j + 2],
+        K[i + 2, j], K[i + 2, j + 1], K[i + 2, j + 2],
+    )  # fmt: skip
+
+
+@arithmetic
+def put(K, i, j, A):
+    """Write A into K, and its transpose into the mirrored place."""
+    K[i, j], K[i, j + 1], K[i, j + 2] = A[0], A[1], A[2]
+    K[i + 1, j], K[i + 1, j + 1], K[i + 1, j + 2] = A[3], A[4], A[5]
+    K[i + 2, j], K[i + 2, j + 1], K[i + 2, j + 2] = A[6], A[7], A[8]
+    K[j, i], K[j + 1, i], K[j + 2, i] = A[0], A[1], A[2]
+    K[j, i + 1], K[j + 1, i + 1], K[j + 2, i + 1] = A[3], A[4], A[5]
+    K[j, i + 2], K[j + 1, i + 2], K[j + 2, i + 2] = A[6], A[7], A[8]

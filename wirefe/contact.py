@@ -2,45 +2,56 @@
 
 from __future__ import annotations
 
-from coilspring.compiled import clear_table, part
+from coilspring.compiled import arithmetic
+from wirefe.algebra import added, block, cross, diagonal, dot, outer, product, put, skew
+from wirefe.poses import three
 
 
-@part
-def lever(f, r, C):
+@arithmetic
+def lever(f, r):
     """Second derivative of f . exp(phi) r in the spin phi: 1/2 (f r^T + r f^T) - (f . r) I."""
-    fr = f[0] * r[0] + f[1] * r[1] + f[2] * r[2]
-    for i in range(3):
-        for j in range(3):
-            C[i, j] = 0.5 * (f[i] * r[j] + r[i] * f[j])
-        C[i, i] -= fr
+    return diagonal(added(outer(0.5, f, r), 1.0, outer(0.5, r, f)), -dot(f, r))
 
 
-@part
-def _side(f, r, sign, at, g, K, J, C):
-    """Gradient of one carrier, whose six freedoms begin `at`; adds to the Hessian, and fills J = dg/dq."""
-    for i in range(3):
-        for j in range(6):
-            J[i, at + j] = 0.0
-        J[i, at + i] = sign
-    x, y, z = sign * r[0], sign * r[1], sign * r[2]
-    J[0, at + 4], J[0, at + 5], J[1, at + 3] = z, -y, -z
-    J[1, at + 5], J[2, at + 3], J[2, at + 4] = x, y, -x
-    lever(f, r, C)
-    for i in range(at, at + 6):
-        g[i] = J[0, i] * f[0] + J[1, i] * f[1] + J[2, i] * f[2]
-    for i in range(3):
-        for j in range(3):
-            K[at + 3 + i, at + 3 + j] += sign * C[i, j]
+@arithmetic
+def pair_matrix(f, Hg, ra, rb, g, K):
+    """Gradient (12,) and Hessian (12, 12) of a pair in its carriers' freedoms; `ra`, `rb` as turned now.
+
+    `f` and `Hg` are those in the way from one sphere to the other: dxb - rb x phib - dxa + ra x phia.
+    """
+    F, A = three(f, 0), block(Hg, 0, 0)
+    g[0], g[1], g[2] = -F[0], -F[1], -F[2]
+    g[3], g[4], g[5] = cross(F, ra)
+    g[6], g[7], g[8] = F[0], F[1], F[2]
+    g[9], g[10], g[11] = cross(rb, F)
+    Ra, Rb = skew(ra, -1.0), skew(rb, -1.0)
+    Ba, Bb = product(A, Ra), product(A, Rb)
+    put(K, 0, 0, A)
+    put(K, 6, 6, A)
+    put(K, 6, 0, added(A, -2.0, A))
+    put(K, 0, 3, Ba)
+    put(K, 6, 3, added(Ba, -2.0, Ba))
+    put(K, 0, 9, added(Bb, -2.0, Bb))
+    put(K, 6, 9, Bb)
+    # skew matrices: their transposes are their opposites
+    put(K, 3, 3, added(product(skew(ra, 1.0), Ba), -1.0, lever(F, ra)))
+    put(K, 9, 9, added(product(skew(rb, 1.0), Bb), 1.0, lever(F, rb)))
+    put(K, 3, 9, product(Ra, Bb))
 
 
-@part
-def pair_matrix(f, Hg, ra, rb, g, K, J, C):
-    """Gradient (12,) and Hessian (12, 12) of a pair in its carriers' freedoms; ra, rb as turned now."""
-    clear_table(K)
-    _side(f, ra, -1.0, 0, g, K, J, C)
-    _side(f, rb, 1.0, 6, g, K, J, C)
-    for i in range(12):
-        for k in range(3):
-            row = J[0, i] * Hg[0, k] + J[1, i] * Hg[1, k] + J[2, i] * Hg[2, k]
-            for j in range(12):
-                K[i, j] += row * J[k, j]
+@arithmetic
+def onto_reference(r, g, K):
+    """Carry an element's gradient (12,) and Hessian (12, 12), if not empty, from its second end over to a
+    node from which that stands off by `r`: dx = dX - r x phi, and the lever of the force."""
+    F = three(g, 6)
+    x, y, z = cross(r, F)
+    g[9], g[10], g[11] = g[9] + x, g[10] + y, g[11] + z
+    if len(K) == 0:
+        return
+    R = skew(r, -1.0)
+    moved = added(block(K, 6, 9), 1.0, product(block(K, 6, 6), R))
+    turned = added(block(K, 9, 9), 1.0, product(block(K, 9, 6), R))
+    put(K, 9, 9, added(added(turned, -1.0, product(R, moved)), 1.0, lever(F, r)))
+    put(K, 6, 9, moved)
+    put(K, 0, 9, added(block(K, 0, 9), 1.0, product(block(K, 0, 6), R)))
+    put(K, 3, 9, added(block(K, 3, 9), 1.0, product(block(K, 3, 6), R)))

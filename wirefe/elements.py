@@ -8,6 +8,7 @@ import numpy as np
 
 from coilspring.wire import Section
 from wirefe.beam import deformation_rates
+from wirefe.poses import at_rest
 from wirefe.rotations import quaternion_from_matrix
 
 if TYPE_CHECKING:
@@ -51,10 +52,10 @@ def curved_elements(curve: Curve, section: Section, phases: np.ndarray) -> tuple
     frames = [_frenet_frames(curve, at) for at in (phases[:-1] + inset, phases[1:] - inset)]
     triads = np.stack([quaternion_from_matrix(frame) for frame in frames], axis=1)
     points = curve.points(phases)
-    ends = np.stack((points[:-1], points[1:]), axis=1)
     flexibility = _flexibility(curve, section, phases)
     # K in (v, theta) from the flexibility of the second end's motion: d(v, theta) = J d
-    J = deformation_rates(ends, triads)
+    J = np.empty((len(triads), 6, 6))
+    deformation_rates(at_rest(points).ravel(), triads, J)
     inverse = np.linalg.inv(J)
     K = np.swapaxes(inverse, 1, 2) @ np.linalg.inv(flexibility) @ inverse
     return triads, 0.5 * (K + np.swapaxes(K, 1, 2))

@@ -75,7 +75,7 @@ def section_results(path: EquilibriumPath, step: int) -> SectionResults:
     points, turns = rows[:, :3].copy(), rows[:, 3:]
     points[-1] += turned(turns[-1], data.arm)
     strain = np.empty_like(data.strain0)
-    deformations(_pairs(points), _pairs(turns), data.triads, strain)
+    deformations(path.states[step], data.arm, data.triads, strain)
     strain -= data.strain0
     wrench = np.einsum("eij,ej->ei", data.stiffness, strain)
     # the deformation measure at rest is the tangent times the element's length

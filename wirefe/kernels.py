@@ -6,14 +6,16 @@ import math
 
 import numpy as np
 
-from coilspring.compiled import clear, kernel, part
+from coilspring.compiled import arithmetic, clear, kernel, part
 from coilspring.pairlaw import BOUND, ON, hold, pair_potential
+from wirefe.algebra import dot, plus
 from wirefe.beam import beams
 from wirefe.chain import eliminate, substitute
-from wirefe.contact import lever, pair_matrix
-from wirefe.model import ROW, view_contact, view_elements, view_held, view_plan
+from wirefe.contact import onto_reference, pair_matrix
+from wirefe.model import view_contact, view_elements, view_held, view_plan
+from wirefe.poses import ROW, four, three
+from wirefe.quaternions import turned
 from wirefe.retraction import Way, close, place, spin_between, turn_along
-from wirefe.rotations import rotate
 
 SLIGHT = 1e-7  # wire diameters of penetration: its force is the least that friction bounds are compared with
 TOUCH = 0.003  # wire diameters by which a pair may penetrate where a prediction closes it
@@ -49,96 +51,45 @@ def _add_block(H, block, flip, K):
                 B[i, j] += K[6 + i, j]
 
 
-@part
-def _onto_reference(r, g):
-    """Carry the second node's part of a gradient over to a point from which it stands off by r."""
-    fx, fy, fz = g[6], g[7], g[8]
-    g[9] += r[1] * fz - r[2] * fy
-    g[10] += r[2] * fx - r[0] * fz
-    g[11] += r[0] * fy - r[1] * fx
-
-
-@part
-def _hessian_onto_reference(r, g, K, C):
-    """The same for the Hessian: dx2 = dX - r x phi; the second derivative adds the lever of the force."""
-    lever(g[6:9], r, C)
-    for i in range(12):
-        kx, ky, kz = K[i, 6], K[i, 7], K[i, 8]
-        K[i, 9] += r[1] * kz - r[2] * ky
-        K[i, 10] += r[2] * kx - r[0] * kz
-        K[i, 11] += r[0] * ky - r[1] * kx
-    for j in range(12):
-        kx, ky, kz = K[6, j], K[7, j], K[8, j]
-        K[9, j] += r[1] * kz - r[2] * ky
-        K[10, j] += r[2] * kx - r[0] * kz
-        K[11, j] += r[0] * ky - r[1] * kx
-    for i in range(3):
-        for j in range(3):
-            K[9 + i, 9 + j] += C[i, j]
-
-
-@part
-def centre(contact, state, sphere, c):
-    """Centre of a sphere."""
+@arithmetic
+def centre(contact, state, sphere):
+    """Centre of a sphere, and its arm from its carrier as turned now."""
     i = ROW * contact.carrier[sphere]
-    rotate(state[i + 3 : i + 7], contact.offset[sphere], c)
-    for j in range(3):
-        c[j] += state[i + j]
+    r = turned(four(state, i + 3), three(contact.offset[sphere], 0))
+    return plus(three(state, i), 1.0, r), r
 
 
-@part
-def _add_elements(chain, state, g, H):
-    """Strain energy; adds its gradient and Hessian: gather, compute, scatter."""
-    count = chain.stiffness.shape[0]
-    ends, turns = np.empty((count, 2, 3)), np.empty((count, 2, 4))
-    for e in range(count):
-        for side in range(2):
-            a = ROW * (e + side)
-            for i in range(4):
-                if i < 3:
-                    ends[e, side, i] = state[a + i]
-                turns[e, side, i] = state[a + 3 + i]
-    r, C = np.empty(3), np.empty((3, 3))
-    rotate(turns[count - 1, 1], chain.arm, r)
-    for i in range(3):
-        ends[count - 1, 1, i] += r[i]
-    wanted = len(H) > 0
-    ge, Ke = np.empty((count, 12)), np.empty((count if wanted else 0, 12, 12))
-    energy = beams(ends, turns, chain.triads, chain.strain0, chain.stiffness, ge, Ke)
-    if wanted:
-        _hessian_onto_reference(r, ge[count - 1], Ke[count - 1], C)
-    _onto_reference(r, ge[count - 1])
-    for e in range(count):
+@arithmetic
+def _scatter(chain, state, ge, Ke, g, H):
+    """Add the gradients and Hessians of the elements, the last one's carried over to its node."""
+    last = len(ge) - 1
+    r = turned(four(state, ROW * last + ROW + 3), three(chain.arm, 0))
+    onto_reference(r, ge[last], Ke[last] if len(Ke) > 0 else H[0, :0])
+    for e in range(len(ge)):
         _add_gradient(g, e, e + 1, ge[e])
     for e in range(len(Ke)):
         _add_nodes(H, e, e + 1, Ke[e])
         _add_block(H, chain.block[e], chain.flip[e], Ke[e])
-    return energy
 
 
-@part
+@arithmetic
 def _add_pairs(contact, memory, state, g, H):
     """Contact energy; adds its gradient and Hessian. Only pairs that touch are scattered."""
     energy = 0.0
-    ca, cb, w, e, f = np.empty(3), np.empty(3), np.empty(3), np.empty(3), np.empty(3)
-    Hg, C = np.empty((3, 3)), np.empty((3, 3))
-    J, ge, Ke = np.empty((3, 12)), np.empty(12), np.empty((12, 12))
+    w, e, f, Hg = np.empty(3), np.empty(3), np.empty(3), np.empty((3, 3))
+    ge, Ke = np.empty(12), np.empty((12, 12))
     for m in range(contact.pairs.shape[0]):
         A, B = contact.pairs[m, 0], contact.pairs[m, 1]
-        centre(contact, state, A, ca)
-        centre(contact, state, B, cb)
-        h2 = 0.0
-        for i in range(3):
-            w[i] = cb[i] - ca[i]
-            h2 += w[i] * w[i]
+        ca, ra = centre(contact, state, A)
+        cb, rb = centre(contact, state, B)
+        between = plus(cb, -1.0, ca)
+        h2 = dot(between, between)
         if h2 >= contact.d * contact.d and memory[m, ON] == 0.0:
             continue
+        w[0], w[1], w[2] = between
         energy += pair_potential(w, math.sqrt(h2), contact.d, contact.kc, contact.k, memory[m], e, f, Hg)
+        pair_matrix(f, Hg, ra, rb, ge, Ke)
         a, b = contact.carrier[A], contact.carrier[B]
-        for i in range(3):
-            ca[i] -= state[ROW * a + i]
-            cb[i] -= state[ROW * b + i]
-        pair_matrix(f, Hg, ca, cb, ge, Ke, J, C)
         _add_gradient(g, a, b, ge)
         if len(H) > 0:
             _add_nodes(H, a, b, Ke)
@@ -171,7 +122,11 @@ def assemble(reals, ints, anchor, clearance, memory, state, g, flat):
     H = flat.reshape((flat.size // 36, 6, 6))
     clear(g)
     clear(flat)
-    energy = _add_elements(view_elements(reals, ints), state, g, H)
+    chain = view_elements(reals, ints)
+    count = len(chain.triads)
+    ge, Ke = np.empty((count, 12)), np.empty((count if len(H) > 0 else 0, 12, 12))
+    energy = beams(state, chain.arm, chain.triads, chain.strain0, chain.stiffness, ge, Ke)
+    _scatter(chain, state, ge, Ke, g, H)
     count = contact.pairs.shape[0]
     if count > 0 and clearance > 0.0 and 2.0 * _bound(contact.reach, anchor, state) < clearance:
         count = 0
@@ -250,19 +205,17 @@ def _bound(reach, a, b):
     return most
 
 
-@part
-def _vector(contact, state, m, c, w):
-    """Vector between the centres of a pair, and its length."""
-    centre(contact, state, contact.pairs[m, 1], w)
-    centre(contact, state, contact.pairs[m, 0], c)
-    for i in range(3):
-        w[i] -= c[i]
-    return math.sqrt(w[0] ** 2 + w[1] ** 2 + w[2] ** 2)
+@arithmetic
+def _between(contact, state, m):
+    """Vector between the centres of a pair."""
+    a, _ = centre(contact, state, contact.pairs[m, 0])
+    b, _ = centre(contact, state, contact.pairs[m, 1])
+    return plus(b, -1.0, a)
 
 
 @kernel
 def motion(reals, ints, a, b, least):
-    """See `coilspring.kernelset`: bound on all motion, largest pair motion, share of the way to the first touch.
+    """See `coilspring.kernelset`: bound on all motion, pair motion, share of the way to the first touch.
 
     A pair counts if it comes near anywhere between the states: spheres must not pass through each other.
     """
@@ -271,26 +224,19 @@ def motion(reals, ints, a, b, least):
     if way <= least:
         return way, most, free
     inner = (contact.d * (1.0 - TOUCH)) ** 2
-    c, v, w = np.empty(3), np.empty(3), np.empty(3)
     for m in range(contact.pairs.shape[0]):
-        before = _vector(contact, a, m, c, v)
-        _vector(contact, b, m, c, w)
-        square, along, end = 0.0, 0.0, 0.0
-        for i in range(3):
-            square += (w[i] - v[i]) ** 2
-            along -= v[i] * (w[i] - v[i])
-            end += w[i] ** 2
-        if before >= contact.d and end < inner:
-            # first x with |v + x (w - v)|^2 = inner
-            root = math.sqrt(max(along**2 - square * (before**2 - inner), 0.0))
+        v = _between(contact, a, m)
+        w = _between(contact, b, m)
+        x = plus(w, -1.0, v)
+        before, square, along = dot(v, v), dot(x, x), -dot(v, x)
+        if before >= contact.d**2 and dot(w, w) < inner:
+            # first share with |v + share x|^2 = inner
+            root = math.sqrt(max(along**2 - square * (before - inner), 0.0))
             free = min(free, (along - root) / square)
         if square <= most * most:
             continue
-        x = min(max(along / square, 0.0), 1.0)
-        near = 0.0
-        for i in range(3):
-            near += (v[i] + x * (w[i] - v[i])) ** 2
-        if near < (NEAR * contact.d) ** 2:
+        near = plus(v, min(max(along / square, 0.0), 1.0), x)
+        if dot(near, near) < (NEAR * contact.d) ** 2:
             most = math.sqrt(square)
     return way, most / contact.d, free
 
@@ -303,15 +249,14 @@ def _is_pair(pairs, A, B):
     return False
 
 
-@part
+@arithmetic
 def _stray(contact, state):
-    """Whether spheres touch that are no pair; looked for once they may have come near."""
-    if 2.0 * _bound(contact.reach, contact.home, state) < contact.apart:
-        return False
+    """Whether spheres touch that are no pair."""
     count = contact.carrier.size
     centres = np.empty((count, 3))
     for A in range(count):
-        centre(contact, state, A, centres[A])
+        c, _ = centre(contact, state, A)
+        centres[A, 0], centres[A, 1], centres[A, 2] = c
     for A in range(count):
         for B in range(A + contact.near + 1, count):
             y = centres[B, 1] - centres[A, 1]
@@ -333,16 +278,20 @@ def commit(reals, ints, state, memory):
     infinity says that spheres touch which are no pair.
     """
     contact = view_contact(reals, ints)
-    if contact.pairs.shape[0] > 0 and _stray(contact, state):
+    # spheres that are no pair are looked at once they may have come near
+    near = contact.pairs.shape[0] > 0 and 2.0 * _bound(contact.reach, contact.home, state) >= contact.apart
+    if near and _stray(contact, state):
         return -np.inf
     least = np.inf
-    c, w, e = np.empty(3), np.empty(3), np.empty(3)
+    w, e = np.empty(3), np.empty(3)
     for m in range(contact.pairs.shape[0]):
-        h = _vector(contact, state, m, c, w)
+        between = _between(contact, state, m)
+        h = math.sqrt(dot(between, between))
         least = min(least, h - contact.d)
         if contact.mu == 0.0:
             continue
         if h < contact.d:
+            w[0], w[1], w[2] = between
             hold(w, h, contact.kc, memory[m], e)
         else:
             memory[m, ON] = 0.0
@@ -357,13 +306,13 @@ def renew(reals, ints, state, memory):
     if contact.mu == 0.0:
         return change
     most = contact.mu * contact.kc * (SLIGHT * contact.d) ** contact.k
-    c, w = np.empty(3), np.empty(3)
     for m in range(contact.pairs.shape[0]):
         if memory[m, ON] == 0.0:
             continue
         bound = contact.mu
         if bound < np.inf:
-            h = _vector(contact, state, m, c, w)
+            between = _between(contact, state, m)
+            h = math.sqrt(dot(between, between))
             bound *= contact.kc * max(contact.d - h, 0.0) ** contact.k
             change = max(change, abs(bound - memory[m, BOUND]))
             most = max(most, bound)

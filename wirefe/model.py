@@ -20,9 +20,8 @@ from wirefe.beam import deformations
 from wirefe.chain import ChainPlan, plan_chain
 from wirefe.mesh import Spheres, WireMesh, mesh_wire, no_spheres, place_spheres, refuse_kinks
 from wirefe.plates import NO_PLATES, PlateArrays, join_top, place_plates
+from wirefe.poses import ROW, at_rest
 from wirefe.rod import Rod, curved_rod, straight_rod
-
-ROW = 7  # numbers of a node in the state
 
 
 class ElementArrays(NamedTuple):
@@ -161,20 +160,16 @@ def _held_arrays(held: np.ndarray, couplings: np.ndarray, block: np.ndarray, fli
 
 
 def _strain_at_rest(rod: Rod) -> np.ndarray:
-    turns = np.zeros_like(rod.triads)
-    turns[..., 0] = 1.0
     e0 = np.empty((len(rod.triads), 6))
-    deformations(np.stack((rod.points[:-1], rod.points[1:]), axis=1), turns, rod.triads, e0)
+    deformations(at_rest(rod.points).ravel(), np.zeros(3), rod.triads, e0)
     return e0
 
 
 def rest_state(rod: Rod, arm: np.ndarray) -> np.ndarray:
     """State at rest, flat."""
-    state = np.zeros((len(rod.points), ROW))
-    state[:, :3] = rod.points
-    state[-1, :3] -= arm
-    state[:, 3] = 1.0
-    return state.ravel()
+    rows = at_rest(rod.points)
+    rows[-1, :3] -= arm
+    return rows.ravel()
 
 
 def load_vector(rod: Rod) -> np.ndarray:

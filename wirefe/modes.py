@@ -9,8 +9,9 @@ import numpy as np
 
 from coilspring.errors import InputError, require_integer, require_number
 from wirefe.beam import beams, deformations
+from wirefe.poses import at_rest
 from wirefe.rod import Rod
-from wirefe.rotations import rotation_matrix
+from wirefe.shape import turned
 
 if TYPE_CHECKING:
     from scipy.sparse import csr_array
@@ -52,9 +53,9 @@ def linear_stiffness(rod: Rod) -> csr_array:
     from scipy.sparse import coo_array
 
     count = len(rod.stiffness)
-    ends, turns, strain0 = _at_rest(rod)
+    state, strain0 = _at_rest(rod)
     g, H = np.empty((count, 12)), np.empty((count, 12, 12))
-    beams(ends, turns, rod.triads, strain0, rod.stiffness, g, H)
+    beams(state, np.zeros(3), rod.triads, strain0, rod.stiffness, g, H)
     freedoms = 6 * np.arange(count)[:, None] + np.arange(12)
     rows, columns = np.broadcast_arrays(freedoms[:, :, None], freedoms[:, None, :])
     return coo_array((H.ravel(), (rows.ravel(), columns.ravel())), shape=(rod.held.size,) * 2).tocsr()
@@ -69,7 +70,7 @@ def consistent_mass(rod: Rod, density: float, diameter: float) -> csr_array:
     from skfem import Basis, BilinearForm, ElementLineP1, ElementVector, MeshLine
     from skfem.helpers import dot
 
-    _, _, strain0 = _at_rest(rod)
+    _, strain0 = _at_rest(rod)
     # the deformation measure at rest is the tangent times the element's length
     lengths = np.linalg.norm(strain0[:, :3], axis=1)
     t = _tangents(rod)
@@ -85,14 +86,11 @@ def consistent_mass(rod: Rod, density: float, diameter: float) -> csr_array:
     return csr_array(kinetic.assemble(Basis(line, ElementVector(ElementLineP1(), 6))))
 
 
-def _at_rest(rod: Rod) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Ends, rotations and deformation measures of the elements."""
-    ends = np.stack((rod.points[:-1], rod.points[1:]), axis=1)
-    turns = np.zeros_like(rod.triads)
-    turns[..., 0] = 1.0
-    strain0 = np.empty((len(ends), 6))
-    deformations(ends, turns, rod.triads, strain0)
-    return ends, turns, strain0
+def _at_rest(rod: Rod) -> tuple[np.ndarray, np.ndarray]:
+    """State, and deformation measures of the elements."""
+    state, strain0 = at_rest(rod.points).ravel(), np.empty((len(rod.triads), 6))
+    deformations(state, np.zeros(3), rod.triads, strain0)
+    return state, strain0
 
 
 def _tangents(rod: Rod) -> np.ndarray:
@@ -101,10 +99,7 @@ def _tangents(rod: Rod) -> np.ndarray:
     sign = np.sign(np.einsum("ei,ei->e", first, second))[:, None]
     middle = first + sign * second
     middle /= np.linalg.norm(middle, axis=1)[:, None]
-    frames = np.empty((len(middle), 3, 3))
-    for q, R in zip(middle, frames, strict=True):
-        rotation_matrix(q, R)
-    return frames[:, :, 0]
+    return turned(middle, np.array([1.0, 0.0, 0.0]))
 
 
 def _refuse_loose(rod: Rod) -> None:

@@ -40,12 +40,6 @@ def half_way(p, q):
 
 
 @arithmetic
-def cross(a, b):
-    """a x b."""
-    return a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
-
-
-@arithmetic
 def turned(q, v):
     """Vector v turned by q."""
     tx = 2.0 * (q[2] * v[2] - q[3] * v[1])
@@ -80,3 +74,14 @@ def exponential(v):
     angle = math.sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2])
     share = math.sin(0.5 * angle) / angle if angle > 0.0 else 0.5
     return math.cos(0.5 * angle), share * v[0], share * v[1], share * v[2]
+
+
+@arithmetic
+def matrix(q):
+    """Matrix of the unit quaternion q, by rows."""
+    w, x, y, z = q
+    return (
+        1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y - w * z), 2.0 * (x * z + w * y),
+        2.0 * (x * y + w * z), 1.0 - 2.0 * (x * x + z * z), 2.0 * (y * z - w * x),
+        2.0 * (x * z - w * y), 2.0 * (y * z + w * x), 1.0 - 2.0 * (x * x + y * y),
+    )  # fmt: skip

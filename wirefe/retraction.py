@@ -18,10 +18,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from coilspring.compiled import arithmetic
+from coilspring.compiled import arithmetic, clear, zeros
+from wirefe.algebra import cross, plus
+from wirefe.poses import ROW, four, pose, three
 from wirefe.quaternions import (
     conjugate,
-    cross,
     exponential,
     half_way,
     rotation_vector,
@@ -30,8 +31,6 @@ from wirefe.quaternions import (
     turned,
     unit,
 )
-
-ROW = 7  # numbers of a node in the state
 
 
 class Way(NamedTuple):
@@ -48,16 +47,6 @@ class Way(NamedTuple):
 
 
 @arithmetic
-def _three(a, i):
-    return a[i], a[i + 1], a[i + 2]
-
-
-@arithmetic
-def _four(a, i):
-    return a[i], a[i + 1], a[i + 2], a[i + 3]
-
-
-@arithmetic
 def _put(out, n, x, q):
     """Set position and rotation of node n."""
     a = ROW * n
@@ -66,64 +55,53 @@ def _put(out, n, x, q):
 
 
 @arithmetic
-def _plus(a, factor, b):
-    return a[0] + factor * b[0], a[1] + factor * b[1], a[2] + factor * b[2]
-
-
-@arithmetic
 def spin_between(a, b, n):
     """Rotation vector from state a to state b of node n."""
-    return rotation_vector(times(_four(b, ROW * n + 3), conjugate(_four(a, ROW * n + 3))))
+    return rotation_vector(times(four(b, ROW * n + 3), conjugate(four(a, ROW * n + 3))))
 
 
 @arithmetic
 def turn_along(a, b, v):
     """Turn both vectors of each node in `v` (nodes * 6,) as the node turns from state a to state b."""
     for n in range(v.size // 6):
-        q = times(_four(b, ROW * n + 3), conjugate(_four(a, ROW * n + 3)))
+        q = times(four(b, ROW * n + 3), conjugate(four(a, ROW * n + 3)))
         p = 6 * n
-        v[p], v[p + 1], v[p + 2] = turned(q, _three(v, p))
-        v[p + 3], v[p + 4], v[p + 5] = turned(q, _three(v, p + 3))
+        v[p], v[p + 1], v[p + 2] = turned(q, three(v, p))
+        v[p + 3], v[p + 4], v[p + 5] = turned(q, three(v, p + 3))
 
 
 @arithmetic
 def _literal(state, way, n):
     """Position and rotation of node n, moved by the step itself."""
-    spin = _three(way.step, 6 * n + 3)
+    spin = three(way.step, 6 * n + 3)
     v = (way.first * spin[0], way.first * spin[1], way.first * spin[2])
-    q = _four(state, ROW * n + 3)
+    q = four(state, ROW * n + 3)
     if way.second != 0.0:
-        v = _plus(v, way.second, spin_between(state, way.before, n))
+        v = plus(v, way.second, spin_between(state, way.before, n))
     t = times(exponential(v), q)
-    return _plus(_three(state, ROW * n), way.first, _three(way.step, 6 * n)), unit(t[0], t[1], t[2], t[3])
+    return plus(three(state, ROW * n), way.first, three(way.step, 6 * n)), unit(t[0], t[1], t[2], t[3])
 
 
 @arithmetic
-def _pose(state, e, first, second, arm):
-    """Half-way frame of an element with the end frames `first` and `second` at rest, its relative rotation
-    by halves, and its chord in that frame; the wire's end stands off from the second node by `arm`."""
-    a = ROW * e
-    turn = _four(state, a + 10)
-    p1 = times(_four(state, a + 3), first)
-    m, _ = half_way(p1, times(turn, second))
-    back = conjugate(m)
-    r = turned(turn, arm)
-    chord = _plus(_plus(_three(state, a + 7), -1.0, _three(state, a)), 1.0, r)
-    return back, times(conjugate(p1), m), turned(back, chord), r
+def _deformation(state, e, triads, arm):
+    """Half-way frame of an element, turned back, its relative rotation by halves, its chord in that frame,
+    and the arm from its second node to its end."""
+    p1, _, m, u, r = pose(state, e, triads, arm)
+    return conjugate(m), times(conjugate(p1), m), u, r
 
 
 @arithmetic
 def _rates(step, e, back, h, u, r):
     """Rates of an element's deformation along a step: du and w."""
     i, j = 6 * e, 6 * e + 6
-    spin1, spin2 = _three(step, i + 3), _three(step, j + 3)
-    moved = _plus(_plus(_three(step, j), -1.0, _three(step, i)), 1.0, cross(spin2, r))
-    w = turned(back, _plus(spin2, -1.0, spin1))
-    mean = turned(back, _plus(spin1, 1.0, spin2))
+    spin1, spin2 = three(step, i + 3), three(step, j + 3)
+    moved = plus(plus(three(step, j), -1.0, three(step, i)), 1.0, cross(spin2, r))
+    w = turned(back, plus(spin2, -1.0, spin1))
+    mean = turned(back, plus(spin1, 1.0, spin2))
     half = 0.5 / h[0]  # of h's vector: tau/2 theta, half of tan(theta/4) along the axis of theta
     slip = cross((half * h[1], half * h[2], half * h[3]), w)
     mu = (0.5 * mean[0] - slip[0], 0.5 * mean[1] - slip[1], 0.5 * mean[2] - slip[2])
-    return _plus(turned(back, moved), 1.0, cross(u, mu)), w
+    return plus(turned(back, moved), 1.0, cross(u, mu)), w
 
 
 @arithmetic
@@ -137,27 +115,27 @@ def place(triads, arm, state, way, out):
     x, q = _literal(state, way, 0)
     _put(out, 0, x, q)
     for e in range(count):
-        first, second = _four(triads[e, 0], 0), _four(triads[e, 1], 0)
+        first, second = four(triads[e, 0], 0), four(triads[e, 1], 0)
         stand = (arm[0], arm[1], arm[2]) if e == count - 1 else (0.0, 0.0, 0.0)
-        back, h, u, r = _pose(state, e, first, second, stand)
+        back, h, u, r = _deformation(state, e, triads[e], stand)
         du, w = _rates(way.step, e, back, h, u, r)
         turn = (way.first * w[0], way.first * w[1], way.first * w[2])
-        chord = _plus(u, way.first, du)
+        chord = plus(u, way.first, du)
         if way.second != 0.0:
-            _, hb, ub, _ = _pose(way.before, e, first, second, stand)
+            _, hb, ub, _ = _deformation(way.before, e, triads[e], stand)
             half = times(conjugate(h), hb)
             other = times(hb, conjugate(h))
             b = times(half, other)  # exp(theta) = h exp(b) h at the earlier state
-            turn = _plus(turn, 2.0 * way.second / b[0], (b[1], b[2], b[3]))
-            chord = _plus(chord, way.second, _plus(ub, -1.0, u))
+            turn = plus(turn, 2.0 * way.second / b[0], (b[1], b[2], b[3]))
+            chord = plus(chord, way.second, plus(ub, -1.0, u))
         # the new frames, on the end of the element before; its length kept, or rounding would grow
         p1 = times(q, first)
         t = times(times(h, (1.0, 0.5 * turn[0], 0.5 * turn[1], 0.5 * turn[2])), h)
         p2 = times(p1, unit(t[0], t[1], t[2], t[3]))
         m, _ = half_way(p1, p2)
         q = times(p2, conjugate(second))
-        x = _plus(x, 1.0, turned(m, chord))
-        _put(out, e + 1, _plus(x, -1.0, turned(q, stand)), q)
+        x = plus(x, 1.0, turned(m, chord))
+        _put(out, e + 1, plus(x, -1.0, turned(q, stand)), q)
 
 
 @arithmetic
@@ -168,20 +146,20 @@ def _close(held, arm, state, way, begin, end, out):
     """
     count = end - begin
     target, turn = _literal(state, way, end)
-    if held[3] or held[4] or held[5]:
-        v = rotation_vector(times(turn, conjugate(_four(out, ROW * end + 3))))
-        new = old = _three(out, ROW * begin)
+    if held[3] + held[4] + held[5] > 0.0:
+        v = rotation_vector(times(turn, conjugate(four(out, ROW * end + 3))))
+        new = old = three(out, ROW * begin)
         for n in range(begin + 1, end + 1):
-            q = _four(out, ROW * n + 3)
-            x = _three(out, ROW * n)
+            q = four(out, ROW * n + 3)
+            x = three(out, ROW * n)
             if n == end:
-                x = _plus(x, 1.0, turned(q, (arm[0], arm[1], arm[2])))
-            new = _plus(new, 1.0, turned(small_turn(v, (n - begin - 0.5) / count), _plus(x, -1.0, old)))
+                x = plus(x, 1.0, turned(q, (arm[0], arm[1], arm[2])))
+            new = plus(new, 1.0, turned(small_turn(v, (n - begin - 0.5) / count), plus(x, -1.0, old)))
             old = x
             _put(out, n, new, times(small_turn(v, (n - begin) / count), q))
-        _put(out, end, _plus(new, -1.0, turned(turn, (arm[0], arm[1], arm[2]))), turn)
+        _put(out, end, plus(new, -1.0, turned(turn, (arm[0], arm[1], arm[2]))), turn)
     for i in range(3):
-        if held[i]:
+        if held[i] > 0.0:
             missing = (target[i] - out[ROW * end + i]) / count
             for n in range(begin + 1, end + 1):
                 out[ROW * n + i] += (n - begin) * missing
@@ -191,16 +169,15 @@ def _close(held, arm, state, way, begin, end, out):
 @arithmetic
 def close(freedoms, arm, state, way, out):
     """Bring all held `freedoms`, numbered 6 node + freedom in rising order, to where the step leaves them."""
-    held = np.zeros(6, np.bool_)
+    held = zeros(6)
     begin, last = 0, way.step.size // 6 - 1
-    none = np.zeros(3)
+    none = zeros(3)
     for m in range(freedoms.size):
         n = freedoms[m] // 6
-        held[freedoms[m] % 6] = True
+        held[freedoms[m] % 6] = 1.0
         if m + 1 < freedoms.size and freedoms[m + 1] // 6 == n:
             continue
         if n > 0:
             _close(held, arm if n == last else none, state, way, begin, n, out)
-        for i in range(6):
-            held[i] = False
+        clear(held)
         begin = n

@@ -1,8 +1,6 @@
-"""Finite rotations: unit quaternions (w, x, y, z) and the functions of the rotation angle."""
+"""Finite rotations: the functions of the rotation angle, and quaternions of given matrices."""
 
 from __future__ import annotations
-
-import math
 
 import numpy as np
 
@@ -53,47 +51,6 @@ def _quarter(a, sin_a, cos_a, third):
     """tau = tan(a/2)/(2 a) and its derivative in q = 4 a^2, with third = (a - sin a)/a^3."""
     ratio = sin_a / a if a > 0.0 else 1.0
     return ratio / (2.0 * (1.0 + cos_a)), third / (16.0 * (1.0 + cos_a))
-
-
-@arithmetic
-def quaternion_product(p, q, out):
-    """Hamilton product p q: first the rotation q, then p."""
-    w = p[0] * q[0] - p[1] * q[1] - p[2] * q[2] - p[3] * q[3]
-    x = p[0] * q[1] + p[1] * q[0] + p[2] * q[3] - p[3] * q[2]
-    y = p[0] * q[2] - p[1] * q[3] + p[2] * q[0] + p[3] * q[1]
-    z = p[0] * q[3] + p[1] * q[2] - p[2] * q[1] + p[3] * q[0]
-    out[0], out[1], out[2], out[3] = w, x, y, z
-
-
-@arithmetic
-def rotation_matrix(q, R):
-    """Matrix of the unit quaternion q."""
-    w, x, y, z = q[0], q[1], q[2], q[3]
-    R[0, 0], R[0, 1], R[0, 2] = 1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y - w * z), 2.0 * (x * z + w * y)
-    R[1, 0], R[1, 1], R[1, 2] = 2.0 * (x * y + w * z), 1.0 - 2.0 * (x * x + z * z), 2.0 * (y * z - w * x)
-    R[2, 0], R[2, 1], R[2, 2] = 2.0 * (x * z - w * y), 2.0 * (y * z + w * x), 1.0 - 2.0 * (x * x + y * y)
-
-
-@arithmetic
-def rotate(q, v, out):
-    """Vector v turned by the unit quaternion q."""
-    tx = 2.0 * (q[2] * v[2] - q[3] * v[1])
-    ty = 2.0 * (q[3] * v[0] - q[1] * v[2])
-    tz = 2.0 * (q[1] * v[1] - q[2] * v[0])
-    x = v[0] + q[0] * tx + q[2] * tz - q[3] * ty
-    y = v[1] + q[0] * ty + q[3] * tx - q[1] * tz
-    z = v[2] + q[0] * tz + q[1] * ty - q[2] * tx
-    out[0], out[1], out[2] = x, y, z
-
-
-@arithmetic
-def exponential(vx, vy, vz, out):
-    """Quaternion of the rotation vector (vx, vy, vz)."""
-    angle = math.sqrt(vx * vx + vy * vy + vz * vz)
-    # sin(angle/2)/angle -> 1/2 at zero
-    share = math.sin(0.5 * angle) / angle if angle > 0.0 else 0.5
-    out[0] = math.cos(0.5 * angle)
-    out[1], out[2], out[3] = share * vx, share * vy, share * vz
 
 
 def quaternion_from_matrix(R: np.ndarray) -> np.ndarray:

@@ -17,10 +17,12 @@ from coilspring.compiled import kernel, part
 from coilspring.driving import drive
 from coilspring.packing import heads, vector
 from wirefe import kernels
+from wirefe.algebra import put
 from wirefe.contact import lever
-from wirefe.model import PLATES, ROW
+from wirefe.model import PLATES
 from wirefe.plates import PlateArrays
-from wirefe.rotations import rotate
+from wirefe.poses import ROW, four, three
+from wirefe.quaternions import turned
 
 
 @part
@@ -52,11 +54,10 @@ def _press_low(plates, state, g, H):
 def _press_high(plates, state, g, H):
     """Potential of the top plate; adds its gradient and Hessian."""
     energy, k = 0.0, plates.stiffness
-    n, w, up, C = np.empty(3), np.empty(3), np.zeros(3), np.empty((3, 3))
+    n, w, C = np.empty(3), np.empty(3), np.empty((3, 3))
     a, b = np.zeros(6), np.empty(6)  # gradient of the gap: at the node, at the top end
-    up[1] = 1.0
     top = state.size // ROW - 1
-    rotate(state[ROW * top + 3 : ROW * top + 7], up, n)
+    n[0], n[1], n[2] = turned(four(state, ROW * top + 3), (0.0, 1.0, 0.0))
     for m in range(plates.high.size):
         node = plates.high[m]
         gap = -plates.depth[m]
@@ -75,7 +76,7 @@ def _press_high(plates, state, g, H):
             g[6 * node + i] += k * gap * a[i]
             g[6 * top + i] += k * gap * b[i]
         if len(H) > 0:
-            lever(n, w, C)
+            put(C, 0, 0, lever(three(n, 0), three(w, 0)))
             _add_hessian(plates, m, top, k, k * gap, n, a, b, C, H)
     return energy
 
