@@ -18,15 +18,17 @@ from coilspring.packing import pack
 from coilspring.path import EquilibriumPath, Shape
 from coilspring.scene import Scene
 from coilspring.stability import softest
-from coilspring.stepping import COMPLETED, CRITICAL, STUCK, Track
+from coilspring.stepping import COMPLETED, CRITICAL, OPENED, STUCK, Track
 from coilspring.warming import ready
 
 MOST_ITERATIONS = 25  # of a substep with the exact tangent, which needs 2 or 3 far from contact changes
 # Null modes of a bifurcation do no work with the load; rounding leaves far less than this share.
 NO_WORK = 1e-6
-SOFT = 0.1  # share of the least eigenvalue at rest, below which the tangent counts as singular
+SOFT = 0.1  # stiffness of the softest mode over that at rest, below which the tangent counts as singular
 SLIDING = -1  # outcome beside those of `coilspring.stepping`: see `coilspring.friction`
 HELD = "Coulomb's law goes on, but with the bounds of friction held no stable equilibrium was found"
+LOST = "a pair that could not slide opened, and without what it held no equilibrium was found nearby"
+WHY = {SLIDING: HELD, OPENED: LOST, STUCK: "no equilibrium that continues the branch was found"}
 VOID_PENETRATION = 0.1  # wire diameters of overlap, beyond which a penalty no longer stands for contact
 
 
@@ -99,14 +101,13 @@ def follow_problem(
 def _judged(track: Track, problem: Problem, kernels: Kernels) -> tuple[Track, np.ndarray]:
     """The track, with a critical point told from a path that got stuck, and the softest mode at its end."""
     load = problem.load
-    if track.outcome not in (CRITICAL, STUCK):
+    if track.outcome not in (CRITICAL, STUCK, OPENED):
         return track, np.zeros_like(load)
     data, size = pack(problem.data), problem.matrix_size
-    value, mode = softest(kernels, data, track.last, track.memory, load.size, size)
-    least, _ = softest(kernels, data, problem.start, problem.memory, load.size, size)
+    share, mode = softest(kernels, data, track.last, track.memory, problem.start, load.size, size)
     if goes_on(kernels, data, track.last, track.memory, load, size):
         track = track._replace(outcome=SLIDING)
-    elif abs(value) < SOFT * abs(least):
+    elif track.outcome == STUCK and abs(share) < SOFT:
         track = track._replace(outcome=CRITICAL)
     return track, mode
 
@@ -230,5 +231,4 @@ def _verdict(track: Track, mode: np.ndarray, load: np.ndarray) -> tuple[str, str
         if norm > 0.0 and abs(load @ mode) > NO_WORK * norm:
             return "limit_point", f"limit point {where}: beyond it this branch has no equilibrium", critical
         return "bifurcation", f"bifurcation {where}: the branch loses its stability", critical
-    why = HELD if track.outcome == SLIDING else "no equilibrium that continues the branch was found"
-    return "not_converged", f"{why} {where}", None
+    return "not_converged", f"{WHY.get(track.outcome, WHY[STUCK])} {where}", None

@@ -9,6 +9,7 @@ from coilspring.kernelset import Kernels
 
 INVERSE_ITERATIONS = 30
 LEAST_STEP = 1e-9  # of the time 0..1: below it, what cannot be passed is called a critical point
+WAY = 1e-6  # of the spring's size, with which a difference is taken
 SAMPLES = 16  # of a linear stretch at which its stability is verified
 
 
@@ -60,10 +61,12 @@ def softest(
     data: tuple[np.ndarray, np.ndarray],
     state: np.ndarray,
     memory: np.ndarray,
+    start: np.ndarray,
     freedoms: int,
     matrix_size: int,
 ) -> tuple[float, np.ndarray]:
-    """Least eigenvalue (in size) of the matrix at `state` and its mode (freedoms,), by inverse iteration."""
+    """Softest mode (freedoms,) of the matrix at `state`, by inverse iteration, and its stiffness over that of
+    the same motion at rest (`start`, contact left out): a number without units, 0 at a critical point."""
     H, _ = factored(kernels, data, state, memory, freedoms, matrix_size)
     mode = 1.0 + np.arange(freedoms) / freedoms  # no symmetry that could hide the mode
     value = 0.0
@@ -73,4 +76,13 @@ def softest(
         square = new @ new
         value = float(new @ mode / square)
         mode = new / np.sqrt(square)
-    return value, mode
+
+    def force(way: float) -> np.ndarray:
+        moved, g = start.copy(), np.empty(freedoms)
+        kernels.retract(*data, start, mode, way, start, 0.0, moved)
+        kernels.assemble(*data, start, np.inf, memory, moved, g, np.empty(0))
+        return g
+
+    way = WAY * float(np.ptp(start)) / float(np.abs(mode).max())
+    rest = float(mode @ (force(way) - force(-way))) / (2.0 * way)
+    return value / rest, mode

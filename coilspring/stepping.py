@@ -18,7 +18,7 @@ from coilspring.linesearch import dot, solution, stale_solution
 from coilspring.newton import CONVERGED, FAILED, HISTORY, INDEFINITE, LINEAR, NONE, equilibrium
 from coilspring.stability import LEAST_STEP, unstable_time
 
-COMPLETED, CRITICAL, STUCK, STRAY = 0, 1, 2, 3
+COMPLETED, CRITICAL, STUCK, STRAY, OPENED = 0, 1, 2, 3, 4
 
 FIRST_STEP = 0.1  # largest first substep: the tangent at rest knows nothing of the contact to come
 SETTLING = 1e-6  # of the time 0..1, in which what was held by a pair that opened finds its place
@@ -207,6 +207,8 @@ def follow(
             if step < 2.0 * LEAST_STEP:
                 # negative pivots however short the step: the stiffness jumps there, as where a pair opens
                 outcome = CRITICAL if trouble == INDEFINITE else STUCK
+                if ease < np.inf:
+                    outcome = OPENED  # what a pair had held is gone at once: there is no branch to judge by
                 break
             continue
         if status == LINEAR:

@@ -8,12 +8,20 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+import equivbeam
 from coilspring import InputError, load_scene
 from validation.campaign import pools, run
 from validation.campaign.critical import bracket
 from validation.campaign.energy import beam_energy
 from validation.campaign.invariance import KINDS, judge_invariance
-from validation.campaign.judge import judge_beam, judge_branch, judge_critical, judge_states
+from validation.campaign.judge import (
+    grain,
+    judge_beam,
+    judge_branch,
+    judge_critical,
+    judge_states,
+    remembered,
+)
 from validation.campaign.scenes import Case, case_id, in_units, make_case
 from validation.campaign.table import Row, Table, read_rows
 from validation.campaign.verdict import CLASSES, UNEXPLAINED, Verdict, reached, under
@@ -328,7 +336,37 @@ def test_crash_is_an_unexplained_outcome(monkeypatch):
     row = run.judged("b000000", SEED)
     assert row["class"] == UNEXPLAINED
     assert "planted" in row["reason"]
-    assert set(CLASSES) == {"completed", "critical", "ended", "refused", "unexplained"}
+    assert set(CLASSES) == {"completed", "critical", "ended", "apart", "refused", "unexplained"}
+
+
+def test_no_answer_is_asked_to_be_finer_than_its_positions():
+    """Coils that touch at rest, hard contact: 2e-8 mm of displacement, known to 3e-15 mm."""
+    assert run.judged("b007119", SEED)["class"] == "completed"
+    path = equivbeam.solve(load_scene("spring-a"), steps=1)
+    assert grain(path) == pytest.approx(4 * 2.0**-52 * 28.6 / np.abs(path.tips[:, :2]).max())
+    assert grain(path) < 1e-14
+
+
+def test_what_pairs_remember_sets_runs_apart(monkeypatch):
+    """Judged apart only where pairs may not slide, and runs agree up to where the first pair touches."""
+    row = run.judged("w00935", SEED)
+    assert row["class"] == "apart"
+    assert row["reason"].startswith("off the branch of the fine run")
+    case = make_case("w00935", SEED)
+    path, fine = reached(case), reached(case, steps=86)
+    assert remembered(path, fine)
+    early = replace(fine, states=fine.states[::-1].copy())
+    assert not remembered(path, early)
+    free = replace(path.scene, contact=replace(path.scene.contact, sliding="free"))
+    assert not remembered(replace(path, scene=free), fine)
+
+
+@pytest.mark.parametrize("units", [(1.0, 1.0), (1e-3, 1e-6)])
+def test_the_softest_mode_has_no_units(units):
+    """Its stiffness over that at rest: a limit point at a closing pair, told in mm and in m."""
+    case = make_case("b014872", SEED)
+    path = reached(replace(case, scene=in_units(case.scene, *units)))
+    assert path.outcome == "limit_point"
 
 
 def test_one_case_is_printed(tmp_path, capsys):

@@ -9,7 +9,7 @@ import equivbeam
 from coilspring import Contact, EquilibriumNotFound, spring_a
 from coilspring.friction import _determinant
 from coilspring.packing import pack
-from coilspring.solving import HELD
+from coilspring.solving import HELD, LOST
 from equivbeam.model import matrix_size
 from equivbeam.solve import KERNELS
 from validation.campaign.scenes import make_case
@@ -64,3 +64,11 @@ def test_an_end_of_the_iteration_is_no_limit_point():
     assert found.value.outcome == "not_converged"
     assert found.value.message.startswith(HELD)
     assert found.value.critical_time is None
+
+
+def test_a_pair_that_opens_takes_what_it_held_with_it():
+    """No sliding: its tangential force is gone at once, and the path has no neighbour to go on to."""
+    with pytest.raises(EquilibriumNotFound) as found:
+        solve("w00201")
+    assert found.value.outcome == "not_converged"
+    assert found.value.message.startswith(LOST)

@@ -6,7 +6,7 @@ import math
 from dataclasses import replace
 
 from coilspring import EquilibriumPath, Scene
-from validation.campaign.judge import UNCHANGED, apart
+from validation.campaign.judge import UNCHANGED, apart, grain, remembered
 from validation.campaign.scenes import Case, in_units
 from validation.campaign.verdict import CRITICAL, Verdict, ended, reached
 
@@ -61,16 +61,30 @@ def judge_invariance(verdict: Verdict, case: Case, path: EquilibriumPath, loose:
     kind = KINDS[case.number % len(KINDS)]
     scene, back = changed(case, kind)
     other = reached(case, scene)
+    compared = Verdict()
+    _compare(compared, kind, path, other, back, verdict.numbers.get("least", 1.0), loose)
+    verdict.take(compared, remembered(path, other, back))
+    return kind
+
+
+def _compare(
+    verdict: Verdict,
+    kind: str,
+    path: EquilibriumPath,
+    other: EquilibriumPath,
+    back: tuple[float, ...],
+    least: float,
+    loose: float,
+) -> None:
+    """What a change of this kind changes."""
     if not (ended(path) or ended(other)) and (path.outcome in CRITICAL) != (other.outcome in CRITICAL):
         verdict.complain(f"{kind}: {path.outcome}, but changed it ends as {other.outcome}")
-        return kind
-    least = verdict.numbers.get("least", 1.0)
+        return
     most = {"mirror": ROUNDING / least, "binary": ROUNDING / least, "perturbed": ANSWER}.get(kind, SOLVER)
     if kind == "perturbed" and least <= SOFT:
-        return kind
+        return
     _, shown = apart(path, other, back)
-    verdict.ask("invariance", shown, max(most, loose), f"{kind} changes the answer")
+    verdict.ask("invariance", shown, max(most, loose, grain(path)), f"{kind} changes the answer")
     if path.critical_time is not None and other.critical_time is not None:
         shift = abs(path.critical_time - other.critical_time) / path.critical_time
         verdict.ask("critical_shift", shift, max(CRITICAL_SHIFT, loose), f"{kind} shifts the critical time")
-    return kind

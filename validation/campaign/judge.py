@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 from scipy.linalg import solve_triangular
 
 from coilspring import EquilibriumPath
+from coilspring.pairlaw import ON
 from validation.campaign.critical import bracket
 from validation.campaign.energy import BeamEnergy, beam_energy
 from validation.campaign.scenes import Case
@@ -16,6 +19,7 @@ from validation.campaign.verdict import CRITICAL, Verdict, fine_steps, reached, 
 RESIDUAL = 1e-6  # way to the equilibrium over the way from rest, both in the energy norm
 BRANCH = 1e-6  # difference from the fine run over the largest displacement,
 SOLVER = 1e-8  # or this over the root of the least stiffness: what solvers leave, in the energy norm
+ROUNDING = 4.0 * 2.0**-52  # of the spring's height: positions are no finer
 LOAD = 1e-4  # within which a critical point is bracketed
 BEFORE = 4e-5  # share of the load by which a state lies before its critical point
 UNCHANGED = (1.0, 1.0, 1.0)
@@ -76,6 +80,33 @@ def apart(
     return float(shares[-1]), float(shares.max())
 
 
+def grain(path: EquilibriumPath) -> float:
+    """What the rounding of the positions makes of the largest displacement, as a share of it."""
+    largest = np.abs(path.tips[:, :2]).max(initial=0.0)
+    return ROUNDING * path.scene.spring.active_height / largest if largest > 0.0 else 0.0
+
+
+def remembered(path: EquilibriumPath, other: EquilibriumPath, back: Sequence[float] = UNCHANGED) -> bool:
+    """Whether pairs may not slide, and two runs agree before either remembers one: after that, each has a
+    law of its own, since a pair remembers where it was when its substep ended."""
+    if path.scene.contact.sliding != "none":
+        return False
+    count = min(_first_held(path), _first_held(other))
+    before = [
+        replace(run, times=run.times[early], states=run.states[early], iterations=run.iterations[early])
+        for run in (path, other)
+        for early in [run.times < count]
+    ]
+    return apart(before[0], before[1], back)[1] <= BRANCH
+
+
+def _first_held(path: EquilibriumPath) -> float:
+    """First stored time at which a pair is remembered."""
+    assert path.memories is not None
+    held = (path.memories[:, :, ON] > 0.0).any(axis=1)
+    return float(path.times[held][0]) if held.any() else math.inf
+
+
 def judge_branch(
     verdict: Verdict,
     path: EquilibriumPath,
@@ -85,7 +116,7 @@ def judge_branch(
     most_between: float = 0.0,
 ) -> None:
     """The path must be the fine run's, and end as that does; `most_between` is for states before the last."""
-    most = max(most, SOLVER / max(verdict.numbers.get("least", 1.0), 1e-12) ** 0.5)
+    most = max(most, SOLVER / max(verdict.numbers.get("least", 1.0), 1e-12) ** 0.5, grain(path))
     last, largest = apart(path, fine)
     verdict.ask("branch", last, most, "off the branch of the fine run")
     verdict.ask("branch", largest, max(most, most_between), "off the branch of the fine run on the way")

@@ -14,7 +14,7 @@ from matplotlib.figure import Figure
 
 from validation.campaign.scenes import CORNERS, MODELS
 from validation.campaign.table import Row, version
-from validation.campaign.verdict import CLASSES, CONFIRMED, ENDED, REFUSED, RIGHT, UNEXPLAINED
+from validation.campaign.verdict import APART, CLASSES, CONFIRMED, ENDED, REFUSED, RIGHT, UNEXPLAINED
 from validation.document import Block, Bullets, Heading, Picture, Table, Text, to_markdown
 from validation.figures import drawn
 from validation.machine import versions
@@ -25,8 +25,10 @@ TITLES = {"b": "equivalent beam", "w": "wire model"}
 MEANING = {
     RIGHT: "to the full load: stable equilibria, on the branch of a fine run",
     CONFIRMED: "up to a limit point or bifurcation that the judge finds at the same load",
-    ENDED: "friction, up to where Coulomb's law goes on but the iteration on held bounds does not; states "
-    "before are judged like any other",
+    ENDED: "friction, up to where Coulomb's law goes on but the iteration on held bounds does not, or to "
+    "where a pair that could not slide opens and what it held is lost; states before are judged",
+    APART: "no sliding: balanced, but with other substeps apart by more than 2 %, from the first touch on; "
+    "that rule remembers where a pair was when its substep ended",
     REFUSED: "bad input, refused in one sentence",
     UNEXPLAINED: "everything else",
 }
@@ -48,8 +50,9 @@ KINDS = {
 }
 CHANGES = (
     "Rounding may change the answer by 1e-10 over the least stiffness (in units of that at rest), units "
-    "and steps by 1e-6, a change of the input by 1e-12 by 1e-8. With friction or no sliding the answer "
-    "depends on the substeps, which may change it by 2 %."
+    "and steps by 1e-6, a change of the input by 1e-12 by 1e-8; and positions are no finer than 4 roundings "
+    "of the spring's height. With friction or no sliding the answer depends on the substeps, which may "
+    "change it by 2 %."
 )
 CAPTION = (
     "Outcome over penalty and steps, slenderness and load. The darker a cell, the more of its scenes end at "
@@ -85,7 +88,7 @@ def write_page(rows: list[Row], out: Path, seed: int) -> None:
 def page(rows: list[Row], seed: int) -> str:
     """The page, Markdown."""
     used = ", ".join(f"{name} {number}" for name, number in versions().items() if number)
-    unexplained = [row for row in rows if row["class"] in (UNEXPLAINED, ENDED, REFUSED)]
+    unexplained = [row for row in rows if row["class"] in (UNEXPLAINED, ENDED, APART, REFUSED)]
     blocks = (
         Heading(1, "Stability campaign"),
         Text(f"Seed {seed}, sources {version()}, {used}."),
@@ -101,7 +104,7 @@ def page(rows: list[Row], seed: int) -> str:
         Heading(2, "Invariances: largest change of the answer over the largest displacement"),
         Table(("changed", "cases", *TITLES.values()), tuple(_invariance(rows, kind) for kind in KINDS)),
         Text(CHANGES),
-        Heading(2, "Unexplained, ended and refused"),
+        Heading(2, "Unexplained, ended, apart and refused"),
         _listed(unexplained),
     )
     return to_markdown(blocks)

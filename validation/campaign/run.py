@@ -19,6 +19,7 @@ from validation.campaign.pools import cluster, processes
 from validation.campaign.scenes import case_id, make_case
 from validation.campaign.table import Row, Table, version
 from validation.campaign.verdict import (
+    APART,
     CONFIRMED,
     CRITICAL,
     ENDED,
@@ -128,9 +129,11 @@ def _class(outcome: str, verdict: Verdict) -> str:
         return UNEXPLAINED
     if outcome == "refused":
         return REFUSED
-    if outcome in CRITICAL:
-        return CONFIRMED
-    return RIGHT if outcome == "completed" else ENDED
+    if outcome not in ("completed", *CRITICAL):
+        return ENDED
+    if verdict.apart:
+        return APART
+    return CONFIRMED if outcome in CRITICAL else RIGHT
 
 
 def _judged_all(names: list[str], seed: int) -> list[Row]:

@@ -52,7 +52,7 @@ class Row(dict[str, str]):
             "version": version(),
             "class": verdict_class,
             "outcome": outcome,
-            "reason": "; ".join(verdict.complaints),
+            "reason": "; ".join(verdict.complaints + verdict.apart),
             "corner": case.corner,
             "variant": variant,
             "steps": scene.load.steps,

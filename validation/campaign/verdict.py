@@ -8,12 +8,13 @@ from dataclasses import dataclass, field, replace
 import equivbeam
 import wirefe
 from coilspring import EquilibriumPath, Scene
-from coilspring.solving import HELD
+from coilspring.solving import HELD, LOST
 from validation.campaign.scenes import Case
 from validation.reached import as_far
 
-RIGHT, CONFIRMED, ENDED, REFUSED, UNEXPLAINED = "completed", "critical", "ended", "refused", "unexplained"
-CLASSES = (RIGHT, CONFIRMED, ENDED, REFUSED, UNEXPLAINED)
+RIGHT, CONFIRMED, ENDED, APART = "completed", "critical", "ended", "apart"
+REFUSED, UNEXPLAINED = "refused", "unexplained"
+CLASSES = (RIGHT, CONFIRMED, ENDED, APART, REFUSED, UNEXPLAINED)
 CRITICAL = ("limit_point", "bifurcation")
 SOLVERS: dict[str, Callable[..., EquilibriumPath]] = {"equivbeam": equivbeam.solve, "wirefe": wirefe.solve}
 FINE = 10  # steps of the fine run over those of the case; at least 40, at most these, but twice at least
@@ -23,16 +24,29 @@ MOST_FINE = {"equivbeam": 400, "wirefe": 120}
 
 @dataclass
 class Verdict:
-    """Findings of one case; the first complaint is the reason."""
+    """Findings of one case; the first complaint is the reason.
+
+    `apart` says what differs where pairs may not slide: they remember where they were when a substep ended.
+    """
 
     complaints: list[str] = field(default_factory=list)
     numbers: dict[str, float] = field(default_factory=dict)
+    apart: list[str] = field(default_factory=list)
 
     def ask(self, name: str, value: float, most: float, what: str) -> None:
         """Keep the largest value of a name; complain where it is above the bound or no number."""
         self.numbers[name] = max(value, self.numbers.get(name, value))
         if not value <= most:
             self.complaints.append(f"{what}: {value:.2e}, above {most:.0e}")
+
+    def take(self, other: Verdict, remembered: bool) -> None:
+        """Take over a comparison with another run; `remembered`: what differs is what pairs remember."""
+        if other.complaints and remembered:
+            self.apart += other.complaints
+            return
+        self.complaints += other.complaints
+        for name, value in other.numbers.items():
+            self.numbers[name] = max(value, self.numbers.get(name, value))
 
     def complain(self, what: str) -> None:
         """Something is wrong that has no number."""
@@ -45,8 +59,8 @@ def reached(case: Case, scene: Scene | None = None, **options: object) -> Equili
 
 
 def ended(path: EquilibriumPath) -> bool:
-    """Whether the path ends where Coulomb's law goes on, but the iteration on held bounds does not."""
-    return path.outcome == "not_converged" and path.message.startswith(HELD)
+    """Whether the path ends for what friction held: its bounds, or a pair that could not slide and opened."""
+    return path.outcome == "not_converged" and path.message.startswith((HELD, LOST))
 
 
 def fine_steps(case: Case) -> int:

@@ -10,7 +10,7 @@ from scipy.optimize import brentq
 
 import wirefe
 from coilspring import EquilibriumPath
-from validation.campaign.judge import LOAD, apart, judge_branch, just_before, sharp_critical
+from validation.campaign.judge import LOAD, apart, judge_branch, just_before, remembered, sharp_critical
 from validation.campaign.scenes import Case
 from validation.campaign.verdict import CRITICAL, Verdict, ended, fine_steps, reached, under
 from validation.campaign.wire import WireForces, friction_of, wire_forces
@@ -38,11 +38,12 @@ def judge_wire(case: Case, path: EquilibriumPath) -> Verdict:
     count = len(path.times)
     for row in sorted({count - 1 - (count * k) // ROWS for k in range(ROWS)} & set(range(count))):
         judge_row(verdict, forces, path, row)
-    fine = reached(case, steps=fine_steps(case))
+    fine, compared = reached(case, steps=fine_steps(case)), Verdict()
     if ended(path) or ended(fine):
-        verdict.ask("branch", apart(path, fine)[1], BRANCH[sliding], "off the branch of the fine run")
-        return verdict
-    judge_branch(verdict, path, fine, BRANCH[sliding], CRITICAL_SHIFT[sliding], BETWEEN)
+        compared.ask("branch", apart(path, fine)[1], BRANCH[sliding], "off the branch of the fine run")
+    else:
+        judge_branch(compared, path, fine, BRANCH[sliding], CRITICAL_SHIFT[sliding], BETWEEN)
+    verdict.take(compared, remembered(path, fine))
     if path.outcome in CRITICAL:
         _judge_critical(verdict, forces, case, path)
     return verdict
