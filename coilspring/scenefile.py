@@ -72,7 +72,9 @@ def scene_from_text(text: str, default_name: str = "scene") -> Scene:
     try:
         table = tomllib.loads(text)
     except (ValueError, RecursionError) as error:  # a number of thousands of digits is a ValueError
-        raise InputError(f"the file must be complete TOML, but it is not: {error}") from None
+        raise InputError(
+            f"the file must be complete TOML (numbers as 2.5, texts in quotes), but it is not: {error}"
+        ) from None
     _refuse_unknown("top level", table, ("name", *SECTIONS))
     parts = {section: _section(table, section) for section in SECTIONS}
     return Scene(

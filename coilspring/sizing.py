@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -16,7 +16,7 @@ from coilspring.profile import TWO_PI, CoilSection, closest
 from coilspring.scene import HELD_CHOICES, Load, Scene
 from coilspring.spring import Spring
 
-POINTS = 33  # of a section, at which what is not linear in the turns is looked at
+POINTS = 129  # of a section, at which what is not linear in the turns is looked at
 POINTS_PER_TURN = 72
 QUADRATURE = 8  # Gauss points of a turn of wire
 # Effective over real length of a column whose bottom is clamped, by what holds the top.
@@ -37,9 +37,10 @@ class Sizes:
     helix_angle : largest, rad.
     rate : axial, while no coils touch, N/mm.
     closing : axial force at which the first and the last coil would close, N.
-    force : largest axial one of the scene's load, positive in compression, N; of a prescribed displacement
-        by the rate.
-    stress : largest shear stress in the wire under that force, MPa.
+    force, shortening : largest axial one of the scene's load, positive in compression, N, and what it does to
+        the spring, mm, coils that close taken out; of a prescribed displacement the force that goes with it,
+        infinite beyond solid.
+    stress : largest shear stress in the wire under that force, MPa; coils that have closed give no more.
     stress_factor : of the wire's curvature, in it.
     buckling : shortening at which the straight spring buckles, mm; None where it does not.
     """
@@ -54,14 +55,10 @@ class Sizes:
     rate: float
     closing: tuple[float, float]
     force: float
+    shortening: float
     stress: float
     stress_factor: float
     buckling: float | None
-
-    @property
-    def shortening(self) -> float:
-        """Under the axial load, by the rate, mm."""
-        return self.force / self.rate
 
     @property
     def travel(self) -> float:
@@ -76,6 +73,7 @@ class Along(NamedTuple):
     diameter: np.ndarray  # of the coil, mm
     pitch: np.ndarray  # mm
     closing: np.ndarray  # axial force at which neighbours of such a coil would close, N
+    gap: np.ndarray  # way of such a coil until they do, mm
 
 
 def along(scene: Scene) -> Along:
@@ -84,24 +82,27 @@ def along(scene: Scene) -> Along:
     ends = np.array([(section.mean_diameter, section.pitch) for section in spring.coils])
     diameter, pitch = np.moveaxis(ends[..., :1] * (1.0 - share) + ends[..., 1:] * share, 1, 0)
     solid = np.array([_solid_pitch(section, d) for section in spring.coils])[:, None]
-    closing = scene.material.G * d**4 / 8.0 * np.maximum(pitch - solid, 0.0) / diameter**3
+    gap = np.maximum(pitch - solid, 0.0)
+    closing = scene.material.G * d**4 / 8.0 * gap / diameter**3
     knots = spring.profile.knots / TWO_PI
     turns = knots[:-1, None] + np.diff(knots)[:, None] * share
-    return Along(turns.ravel(), diameter.ravel(), pitch.ravel(), closing.ravel())
+    return Along(*(values.ravel() for values in (turns, diameter, pitch, closing, gap)))
 
 
 def sizes(scene: Scene) -> Sizes:
     """Closed-form numbers of a scene's spring; see `Sizes`."""
     spring, d, coils = scene.spring, scene.spring.wire_diameter, along(scene)
     rate = axial_rate(scene)
-    force = 0.0 if "uy" in scene.supports.top_held else _axial_force(scene.load, rate)
-    widest = float(coils.diameter.max())
-    factor = stress_factor(widest / d)
+    force, shortening = (0.0, 0.0) if "uy" in scene.supports.top_held else _axial(scene.load, rate, coils)
+    index = coils.diameter / d
+    # a coil that has closed carries no more than what closed it
+    carried = np.minimum(abs(force), np.where(force > 0.0, coils.closing, np.inf))
+    stress = stress_factor(index) * 8.0 * carried * coils.diameter / (math.pi * d**3)
     low, high = spring.height(np.array(spring.phase_range)).tolist()
     active = sum(_solid_pitch(section, d) * section.coils for section in spring.coils)
     return Sizes(
         wire_length=wire_length(spring),
-        index=(float(coils.diameter.min()) / d, widest / d),
+        index=(float(index.min()), float(index.max())),
         total_coils=spring.active_coils + 2.0 * spring.end_turns,
         free_length=high - low + d,
         solid_length=high - low + d - spring.active_height + active,
@@ -110,8 +111,9 @@ def sizes(scene: Scene) -> Sizes:
         rate=rate,
         closing=(float(coils.closing.min()), float(coils.closing.max())),
         force=force,
-        stress=factor * 8.0 * abs(force) * widest / (math.pi * d**3),
-        stress_factor=factor,
+        shortening=shortening,
+        stress=float(stress.max()),
+        stress_factor=float(stress_factor(index[np.argmax(stress)])),
         buckling=buckling_shortening(scene),
     )
 
@@ -122,13 +124,28 @@ def axial_rate(scene: Scene) -> float:
     return scene.material.G * spring.wire_diameter**4 / 8.0 / sum(map(_cubes, spring.coils))
 
 
-def _axial_force(load: Load, rate: float) -> float:
-    """Largest axial force of a load history, positive in compression, N; of displacements by the rate."""
-    forces = [rate * way for way in load.displacement] or [y for _, y in load.stages or (load.force,)]
-    return -max(forces, key=abs)
+def _axial(load: Load, rate: float, coils: Along) -> tuple[float, float]:
+    """Largest axial force of a load history, positive in compression, N, and the shortening, mm."""
+    if not load.displacement:
+        force = -max((y for _, y in load.stages or (load.force,)), key=abs)
+        return force, shortened(coils, rate, force)
+    way = -max(load.displacement, key=abs)
+    forces = np.unique(coils.closing)  # between them the shortening is linear in the force
+    ways = np.array([shortened(coils, rate, force) for force in forces])
+    if way <= ways[0]:
+        return rate * way, way
+    return (float(np.interp(way, ways, forces)) if way <= ways[-1] else math.inf), way
 
 
-def stress_factor(index: float) -> float:
+def shortened(coils: Along, rate: float, force: float) -> float:
+    """Shortening under an axial force, mm: coils close one by one, and then give no more."""
+    if force <= coils.closing.min():
+        return force / rate
+    share = np.minimum(force, coils.closing) / np.maximum(coils.closing, np.finfo(float).tiny)
+    return float(np.trapezoid(share * coils.gap, coils.turns))
+
+
+def stress_factor(index: Any) -> Any:
     """Bergstraesser's factor of the stress at the inside of a coil of index D/d (EN 13906-1)."""
     return (index + 0.5) / (index - 0.75)
 

@@ -11,7 +11,17 @@ from PIL import Image
 
 import equivbeam
 import wirefe
-from coilspring import CATALOGUE, CoilSection, Load, Scene, Spring, Supports, load_scene
+from coilspring import (
+    CATALOGUE,
+    CoilSection,
+    Load,
+    Scene,
+    Spring,
+    Supports,
+    load_scene,
+    spring_a,
+    spring_b,
+)
 from coilspring.scenefile import scene_from_text
 from coilspring.scenetext import scene_text
 from coilspring.sizing import along, buckling_shortening, least_gap, sizes, wire_length
@@ -92,6 +102,34 @@ def test_numbers_of_a_cylinder_by_hand():
     assert found.stress_factor == pytest.approx(10.5 / 9.25)
     assert found.stress == pytest.approx(10.5 / 9.25 * 8.0 * 20.0 * D / (math.pi * d**3))
     assert found.shortening == pytest.approx(20.0 / found.rate)
+
+
+def test_coils_that_have_closed_give_no_more():
+    """A cone under twice its first closing force, by quadrature of each coil's way."""
+    d, G = 2.0, 206e3 / 2.6
+    cone = scene_of(Spring(d, (24.0, 16.0), 8.0, 60.0), force=-160.0)
+    found = sizes(cone)
+    first, last = found.closing
+    assert first < 160.0 < last
+    D = np.linspace(24.0, 16.0, 400_001)
+    gap = 7.5 - np.sqrt(d**2 - 0.5**2)  # a coil above is 0.5 mm narrower all round
+    way = np.minimum(8.0 * D**3 * 160.0 / (G * d**4), gap)
+    assert found.shortening == pytest.approx(8.0 * np.mean(way), rel=1e-3)
+    stress = (D / d + 0.5) / (D / d - 0.75) * 8.0 * D / (math.pi * d**3)
+    carried = np.minimum(160.0, G * d**4 * gap / (8.0 * D**3))
+    assert found.stress == pytest.approx((stress * carried).max(), rel=3e-3)
+    driven = sizes(replace(cone, load=Load(displacement=(-found.shortening,))))
+    assert driven.force == pytest.approx(160.0, rel=1e-3)
+    beyond = replace(cone, load=Load(displacement=(-1.01 * found.travel,)))
+    assert math.isinf(sizes(beyond).force)
+    lines, warnings = report(beyond)
+    assert any("beyond solid" in warning for warning in warnings)
+    assert not any("inf" in line for line in lines if "axial load" in line or "stress" in line)
+
+
+def test_a_model_that_leaves_the_scenes_sliding_out_says_so():
+    assert any("--sliding scene" in line for line in report(spring_b())[0])
+    assert not any("--sliding scene" in line for line in report(spring_a())[0])
 
 
 def test_flat_coils_of_a_cone_nest():

@@ -15,7 +15,8 @@ import pytest
 import coilspring
 import equivbeam
 import wirefe
-from coilspring import EquilibriumNotFound
+from coilspring import EquilibriumNotFound, spring_a
+from coilspring.scenetext import scene_text
 from validation.arguments import MODEL_OPTIONS, command_line
 from validation.cli import main
 from validation.machine import versions
@@ -136,6 +137,36 @@ def free_spring_b(folder):
         '[load]\nforce = [0, -200]\n[supports]\ntop_held = ["ux", "rotz"]\n'
     )
     return str(file)
+
+
+def test_compare_says_what_the_beam_leaves_out_and_draws(tmp_path, capsys):
+    assert main(["compare", "spring-b", "--steps", "5", "--draw", "--out", str(tmp_path)]) == 0
+    said = capsys.readouterr().out
+    assert "without the scene's sliding = 'none'" in said
+    assert "% at most (uy)" in said
+    assert read_json(tmp_path / "compare.json")["notes"][0].startswith(
+        "equivbeam: without the scene's sliding"
+    )
+    assert (tmp_path / "compare.png").read_bytes().startswith(b"\x89PNG")
+    assert main(["compare", "spring-b", "--steps", "5", "--sliding", "scene", "--out", str(tmp_path)]) == 0
+    assert "without the scene's sliding" not in capsys.readouterr().out
+
+
+def test_a_run_leaves_nothing_of_the_wire_of_the_run_before(tmp_path):
+    wire = ["--model", "wirefe", "--elements-per-turn", "8", "--vtu", "--vtu-series", "--out", str(tmp_path)]
+    assert main(["solve", "spring-a", "--steps", "4", *wire]) == 0
+    assert main(["solve", "spring-a", "--steps", "2", *wire]) == 0
+    assert sorted(file.name for file in (tmp_path / "wire").iterdir()) == ["0001.vtu", "0002.vtu"]
+    assert main(["solve", "spring-a", "--steps", "2", "--model", "equivbeam", "--out", str(tmp_path)]) == 0
+    assert sorted(file.name for file in tmp_path.iterdir()) == ["path.csv", "summary.json"]
+
+
+def test_a_driven_spring_shows_its_force(tmp_path, capsys):
+    file = tmp_path / "driven.toml"
+    text = scene_text(spring_a()).replace("force = ", "displacement = [-2.0] # ")
+    file.write_text(text, encoding="utf-8")
+    assert main(["solve", str(file), "--model", "equivbeam", "--steps", "2", "--out", str(tmp_path)]) == 0
+    assert ", axial force -" in capsys.readouterr().out
 
 
 def test_compare_of_a_path_that_ends_early_compares_the_common_part(tmp_path, capsys):

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 from collections.abc import Callable, Sequence
+from importlib.metadata import version
 from pathlib import Path
 from typing import NoReturn
 
@@ -28,6 +29,12 @@ SCENE_HELP = f"{', '.join(CATALOGUE)}, or a TOML file"
 ARTEFACTS = ("table1", "table2", "table3", "fig4", "fig5", "fig6", "fig7", "fig8")
 
 
+EPILOG = """exit codes: 0 done; 1 something moved or is unexplained (regress, stability); 2 bad input;
+3 a path ended early, what was reached is written; 4 nothing could be written there; 130 interrupted
+
+example: coilcheck solve spring-a --model equivbeam"""
+
+
 class _Parser(argparse.ArgumentParser):
     """Refuses with one sentence instead of a usage page."""
 
@@ -40,9 +47,11 @@ def command_line() -> argparse.ArgumentParser:
     parser = _Parser(
         prog="coilcheck",
         description="Cross-validation of two models of helical compression springs whose coils touch.",
-        epilog="example: coilcheck solve spring-a --model equivbeam",
+        epilog=EPILOG,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
         allow_abbrev=False,
     )
+    parser.add_argument("--version", action="version", version=f"coilcheck {version('coilcheck')}")
     commands = parser.add_subparsers(metavar="COMMAND", dest="command", required=True)
     _add_new(commands)
     _add_check(commands)
@@ -114,6 +123,7 @@ def _add_compare(commands: argparse._SubParsersAction) -> None:
     purpose = "one scene by both models: the equivalent beam against the wire model"
     command = _command(commands, "compare", purpose, "coilcheck compare my-spring.toml --out results")
     _add_scene(command)
+    command.add_argument("--draw", action="store_true", help="write compare.png: both load curves and shapes")
     _add_said(command, "compare.json")
 
 

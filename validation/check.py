@@ -16,6 +16,7 @@ INDEX = (4.0, 20.0)
 LEAST_COILS = 2.0
 STEEPEST = 7.5  # degrees
 TOUCHING = 1e-3  # wire diameters
+LEFT_OUT = "; what keeps its coils from sliding with --sliding scene alone"
 ELEMENTS_PER_TURN = 40  # of the wire model, where nothing is said
 
 
@@ -47,7 +48,13 @@ def _lines(scene: Scene, found: Sizes) -> Iterator[str]:
     yield f"  rate          {found.rate:.4g} N/mm (G d^4 / 8 D^3 n of EN 13906-1, summed over the coils)"
     first, last = found.closing
     yield f"  closing       first coil at about {first:.3g} N, last at {last:.3g} N, by the same formula"
-    yield f"  axial load    {found.force:.4g} N, which shortens it by {found.shortening:.3g} mm by that rate"
+    if math.isinf(found.force):
+        yield f"  axial load    none shortens it by {found.shortening:.3g} mm: solid before"
+    else:
+        yield (
+            f"  axial load    {found.force:.4g} N, which shortens it by {found.shortening:.3g} mm, "
+            f"by the same formula: coils that close give no more"
+        )
     yield (
         f"  stress        {found.stress:.3g} MPa (8 F D / pi d^3 with Bergstraesser's factor "
         f"{found.stress_factor:.3f} of EN 13906-1)"
@@ -73,7 +80,12 @@ def _warnings(scene: Scene, found: Sizes) -> Iterator[str]:
         )
     if found.least_gap is not None and found.least_gap < TOUCHING * spring.wire_diameter:
         yield "coils touch at rest"
-    if found.force > found.closing[1]:
+    if math.isinf(found.force):
+        yield (
+            f"the prescribed shortening of {found.shortening:.3g} mm is beyond solid: "
+            f"the spring has {found.travel:.3g} mm"
+        )
+    elif found.force > found.closing[1]:
         yield (
             f"the axial load of {found.force:.3g} N is beyond solid: the last coil closes at "
             f"{found.closing[1]:.3g} N"
@@ -87,9 +99,14 @@ def _models(scene: Scene) -> Iterator[tuple[str, str]]:
     for model, accept in (("equivbeam", build_model), ("wirefe", _mesh)):
         try:
             accept(scene)
-            yield model, "represents it"
+            yield model, "represents it" + (LEFT_OUT if model == "equivbeam" and _sticks(scene) else "")
         except InputError as error:
             yield model, str(error)
+
+
+def _sticks(scene: Scene) -> bool:
+    """Whether coils that touch do more than push."""
+    return scene.contact.enabled and scene.contact.sliding != "free"
 
 
 def _mesh(scene: Scene) -> None:

@@ -28,6 +28,7 @@ from validation.output import (
     json_text,
     path_files,
     prepare,
+    remove_stale,
     series_files,
     summary,
     vtu_file,
@@ -35,7 +36,7 @@ from validation.output import (
     writing,
 )
 from validation.reached import as_far
-from validation.terminal import apart, digest, progress_shown, say
+from validation.terminal import apart, digest, notes, progress_shown, say
 
 COMPLETED, REGRESSED, BAD_INPUT, NOT_COMPLETED, NOT_WRITTEN, INTERRUPTED = 0, 1, 2, 3, 4, 130
 
@@ -117,6 +118,7 @@ def solve(arguments: argparse.Namespace) -> int:
             prepare(folder / "wire")
             files |= series_files(path)
         write_files(files, folder)
+        remove_stale(files, folder)
     _conclude(arguments, summary(path), [*digest(path), f"written to {folder}"])
     return _verdict(path)
 
@@ -136,13 +138,18 @@ def compare(arguments: argparse.Namespace) -> int:
             **asdict(comparison),
             **{model: str((folder / model).resolve()) for model in paths},
             "outcomes": {model: path.outcome for model, path in paths.items()},
+            "notes": [f"{model}: {note}" for model, path in paths.items() for note in notes(path)],
         }
         files = {"compare.json": json_bytes(found)}
+        if hasattr(arguments, "draw"):
+            files["compare.png"] = importlib.import_module("validation.overlay").overlay(*paths.values())
         for model, path in paths.items():
             files |= {f"{model}/{name}": data for name, data in path_files(path).items()}
         write_files(files, folder)
     lines = [line for path in paths.values() for line in digest(path)]
-    _conclude(arguments, found, [*lines, apart(comparison), f"written to {folder}"])
+    _conclude(
+        arguments, found, [*lines, apart(comparison, bool(scene.load.displacement)), f"written to {folder}"]
+    )
     return _verdict(*paths.values())
 
 

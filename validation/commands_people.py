@@ -45,14 +45,16 @@ def view(arguments: argparse.Namespace, folder: Path, progress: Progress) -> lis
     frames = importlib.import_module("validation.frames")
     place = importlib.import_module("validation.theatre")
     movie = getattr(arguments, "movie", None)
+    run = Path(arguments.scene)
+    progress("loading the wire")
+    scene = None if run.is_dir() else load_scene(arguments.scene)
+    found = frames.of_run(run) if scene is None else None
     if movie is None:
         place.require_display()
     else:
         place.require_gif(movie)
         prepare(movie.parent)
-    progress("loading the wire")
-    run = Path(arguments.scene)
-    found = frames.of_run(run) if run.is_dir() else frames.of_scene(load_scene(arguments.scene))
+    found = frames.of_scene(scene) if found is None else found
     if movie is None:
         place.show(found)
         return []

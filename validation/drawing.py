@@ -68,7 +68,8 @@ def _discs(axes: Axes, centres: np.ndarray, diameter: float, **look: Any) -> Non
 
 def _coils(plots: Sequence[Axes], scene: Scene) -> None:
     """Diameter, pitch and closing force along the active coils."""
-    coils, load = along(scene), sizes(scene).force
+    coils, force = along(scene), sizes(scene).force
+    load = force if math.isfinite(force) else None
     for axes, values, limit, label in (
         (plots[0], coils.diameter, None, "coil diameter (mm)"),
         (plots[1], coils.pitch, scene.spring.wire_diameter, "pitch; wire, dashed (mm)"),

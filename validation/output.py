@@ -129,6 +129,16 @@ def _csv(columns: Mapping[str, np.ndarray]) -> str:
     return "".join(",".join(map(str, row)) + "\n" for row in (tuple(columns), *rows))
 
 
+def remove_stale(files: Mapping[str, bytes], folder: Path) -> None:
+    """Remove what an earlier run left of the wire, since it would not belong to these `files`."""
+    with writing(folder):
+        for target in (folder / "wire.pvd", folder / "wire.vtu", *folder.glob("wire/*.vtu")):
+            if target.relative_to(folder).as_posix() not in files:
+                target.unlink(missing_ok=True)
+        with suppress(OSError):  # there is something in it, or it is not there
+            (folder / "wire").rmdir()
+
+
 def vtu_file(path: EquilibriumPath) -> dict[str, bytes]:
     """``wire.vtu``: the deformed wire at the last step reached by the wire model."""
     return {"wire.vtu": _vtu(path, [-1])[0]}

@@ -39,7 +39,11 @@ def digest(path: EquilibriumPath) -> list[str]:
     lines = [f"{path.model}: {path.outcome}, {len(path.times)} of {path.scene.load.rows} steps"]
     if len(path.times):
         ux, uy, rotz = path.tips[-1]
-        lines.append(f"  tip at time {path.times[-1]:g}: ux {ux:.6g} mm, uy {uy:.6g} mm, rotz {rotz:.6g} rad")
+        force = f", axial force {path.loads[-1, 1]:.6g} N" if path.scene.load.displacement else ""
+        lines.append(
+            f"  tip at time {path.times[-1]:g}: ux {ux:.6g} mm, uy {uy:.6g} mm, rotz {rotz:.6g} rad{force}"
+        )
+    lines += [f"  {note}" for note in notes(path)]
     lines.append(
         f"  {path.total_iterations} iterations, {path.solve_seconds:.2g} s CPU "
         f"(and {path.compile_seconds:.2g} s to make the kernels ready)"
@@ -47,12 +51,26 @@ def digest(path: EquilibriumPath) -> list[str]:
     return lines
 
 
-def apart(found: Comparison) -> str:
-    """How far two paths lie apart, for a reader at the terminal."""
+def notes(path: EquilibriumPath) -> list[str]:
+    """What a reader must know to compare a path with another model's."""
+    contact, said = path.scene.contact, []
+    if contact.enabled and contact.sliding != "free" and path.options.get("sliding") == "ignore":
+        said.append(
+            f"without the scene's sliding = {contact.sliding!r}, as the paper's model: --sliding scene has it"
+        )
+    if contact.sliding == "free" and path.critical_time is not None and path.active_contacts[-1:].any():
+        said.append("coils touch, and may slide off one another: contact.sliding = 'none' would hold them")
+    return said
+
+
+def apart(found: Comparison, driven: bool) -> str:
+    """How far two paths lie apart, for a reader at the terminal; `driven`: UY is prescribed."""
     if found.steps == 0:
         return "no step was reached by both models: nothing to compare"
+    worst = max(found.component_max, key=found.component_max.__getitem__)
+    name = "axial force" if driven and worst == "uy" else worst
     return (
         f"difference over {found.steps} common steps: "
-        f"curve {100 * found.curve_max:.3g} % at most, {100 * found.curve_rms:.3g} % rms; "
+        f"curve {100 * found.curve_max:.3g} % at most ({name}), {100 * found.curve_rms:.3g} % rms; "
         f"shape at time {found.last_time:g} {found.shape_max:.3g} mm at most, {found.shape_rms:.3g} mm rms"
     )
