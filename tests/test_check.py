@@ -24,7 +24,7 @@ from coilspring import (
 )
 from coilspring.scenefile import scene_from_text
 from coilspring.scenetext import scene_text
-from coilspring.sizing import along, buckling_shortening, least_gap, sizes, wire_length
+from coilspring.sizing import POINTS, along, buckling_shortening, least_gap, sizes, wire_length
 from validation.check import report
 from validation.cli import main
 from validation.drawing import draw
@@ -282,6 +282,6 @@ def test_coils_are_looked_at_along_all_sections():
         Spring.of_sections(1.0, [CoilSection(2.0, 2.0, (8.0, 12.0)), CoilSection(1.0, (2.0, 3.0), 12.0)])
     )
     coils = along(scene)
-    np.testing.assert_allclose(coils.turns[[0, 32, 33, -1]], [0.0, 2.0, 2.0, 3.0])
+    np.testing.assert_allclose(coils.turns[[0, POINTS - 1, POINTS, -1]], [0.0, 2.0, 2.0, 3.0])
     np.testing.assert_allclose(np.interp([0.5, 1.0, 2.9], coils.turns, coils.diameter), [9.0, 10.0, 12.0])
     np.testing.assert_allclose(np.interp([1.9, 2.5], coils.turns, coils.pitch), [2.0, 2.5])
