@@ -87,9 +87,9 @@ def grain(path: EquilibriumPath) -> float:
 
 
 def remembered(path: EquilibriumPath, other: EquilibriumPath, back: Sequence[float] = UNCHANGED) -> bool:
-    """Whether pairs may not slide, and two runs agree before either remembers one: after that, each has a
-    law of its own, since a pair remembers where it was when its substep ended."""
-    if path.scene.contact.sliding != "none":
+    """Whether there is friction, and two runs agree before either remembers a pair: after that each has a
+    history of its own, since a pair remembers where it was when its substep ended."""
+    if path.scene.contact.sliding == "free":
         return False
     count = min(_first_held(path), _first_held(other))
     before = [

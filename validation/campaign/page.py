@@ -27,8 +27,8 @@ MEANING = {
     CONFIRMED: "up to a limit point or bifurcation that the judge finds at the same load",
     ENDED: "friction, up to where Coulomb's law goes on but the iteration on held bounds does not, or to "
     "where a pair that could not slide opens and what it held is lost; states before are judged",
-    APART: "no sliding: balanced, but with other substeps apart by more than 2 %, from the first touch on; "
-    "that rule remembers where a pair was when its substep ended",
+    APART: "friction or no sliding: balanced, but with other substeps apart by more than 2 %, from the first "
+    "touch on; a pair remembers where it was when its substep ended",
     REFUSED: "bad input, refused in one sentence",
     UNEXPLAINED: "everything else",
 }

@@ -26,7 +26,7 @@ MOST_FINE = {"equivbeam": 400, "wirefe": 120}
 class Verdict:
     """Findings of one case; the first complaint is the reason.
 
-    `apart` says what differs where pairs may not slide: they remember where they were when a substep ended.
+    `apart` says what differs with friction: pairs remember where they were when a substep ended.
     """
 
     complaints: list[str] = field(default_factory=list)
