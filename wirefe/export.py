@@ -31,7 +31,7 @@ class SectionResults:
     contact_force : (nodes, 3) normal contact force on each node, N; the forces on the spheres of a
         rigid end are summed at its node. What holds a pair from sliding is not in it, nor are plates.
     pair_force : (nodes,) largest normal force of a pair that touches at each node, N; where coils are
-        pressed from both sides it does not cancel.
+        pressed from both sides it does not cancel. Spheres of a rigid end are at no node.
     force : (elements, 3) axial force and two shear forces, N.
     moment : (elements, 3) torsion and two bending moments, N mm.
     curvature_change : (elements, 3) twist and two bending curvatures, less those at rest, 1/mm.
@@ -133,9 +133,11 @@ def _contact_force(shape: WireShape, rows: np.ndarray, normal: np.ndarray) -> np
 
 
 def _pair_force(shape: WireShape, count: int, normal: np.ndarray) -> np.ndarray:
-    """Largest normal force of the pairs at each of `count` nodes."""
+    """Largest normal force of the pairs at each of `count` nodes; those on rigid end turns are at none."""
     data = shape.data.contact
     largest = np.zeros(count)
+    there = ~data.offset.any(axis=1)
     for side in data.pairs.T:
-        np.maximum.at(largest, data.carrier[side], normal)
+        shown = there[side]
+        np.maximum.at(largest, data.carrier[side[shown]], normal[shown])
     return largest
