@@ -7,6 +7,7 @@ and drawing are loaded for the others alone.
 from __future__ import annotations
 
 import json
+import re
 from collections.abc import Callable
 from contextlib import ExitStack
 from dataclasses import dataclass, field
@@ -21,7 +22,7 @@ from validation.binding import PAGE, bound
 from validation.interactive import FILE, is_made, require_extra
 from validation.keys import key, sources
 from validation.machine import machine, versions
-from validation.output import prepare, write_files
+from validation.output import prepare, write_files, writing
 from validation.provenance import MODELS
 from validation.store import Store, default_folder
 
@@ -79,7 +80,14 @@ def reproduce(
             run.provide(name)
         run.finish()
     trouble = (run.store.trouble,) if run.store.trouble else ()
-    return (*run.remarks, *trouble)
+    return (*run.remarks, *trouble, *((_headline(out),) if only is None else ()))
+
+
+def _headline(out: Path) -> str:
+    """The report's verdict in one sentence, and where the report is."""
+    with writing(out):
+        found = re.search(r"\*\*(.+?)\*\*", (out / "report.md").read_text(encoding="utf-8"))
+    return f"{found[1] if found else 'done'} Open {out / 'report.html'}."
 
 
 @dataclass
