@@ -1,7 +1,7 @@
 """Closed-form numbers of a spring, as a designer looks at them before any model is run.
 
 After EN 13906-1 (rate, stress with Bergstraesser's factor, buckling), taken coil by coil so that they
-hold for coils of any diameter and pitch. Contact is in none of them but `Sizes.closing`.
+hold for coils of any diameter and pitch. Of contact they know that coils which have closed give no more.
 """
 
 from __future__ import annotations
@@ -18,6 +18,7 @@ from coilspring.spring import Spring
 
 POINTS = 129  # of a section, at which what is not linear in the turns is looked at
 POINTS_PER_TURN = 72
+ROUNDING = 1e-9  # of the way to solid
 QUADRATURE = 8  # Gauss points of a turn of wire
 # Effective over real length of a column whose bottom is clamped, by what holds the top.
 SEATING = {(): 2.0, ("ux",): 0.7, ("rotz",): 1.0, ("ux", "rotz"): 0.5}
@@ -127,14 +128,15 @@ def axial_rate(scene: Scene) -> float:
 def _axial(load: Load, rate: float, coils: Along) -> tuple[float, float]:
     """Largest axial force of a load history, positive in compression, N, and the shortening, mm."""
     if not load.displacement:
-        force = -max((y for _, y in load.stages or (load.force,)), key=abs)
+        force = 0.0 - max((y for _, y in load.stages or (load.force,)), key=abs)
         return force, shortened(coils, rate, force)
-    way = -max(load.displacement, key=abs)
+    way = 0.0 - max(load.displacement, key=abs)
     forces = np.unique(coils.closing)  # between them the shortening is linear in the force
     ways = np.array([shortened(coils, rate, force) for force in forces])
     if way <= ways[0]:
         return rate * way, way
-    return (float(np.interp(way, ways, forces)) if way <= ways[-1] else math.inf), way
+    solid = way > ways[-1] * (1.0 + ROUNDING)
+    return (math.inf if solid else float(np.interp(way, ways, forces))), way
 
 
 def shortened(coils: Along, rate: float, force: float) -> float:

@@ -27,7 +27,7 @@ NO_WORK = 1e-6
 SOFT = 0.1  # stiffness of the softest mode over that at rest, below which the tangent counts as singular
 SLIDING = -1  # outcome beside those of `coilspring.stepping`: see `coilspring.friction`
 HELD = "Coulomb's law goes on, but with the bounds of friction held no stable equilibrium was found"
-LOST = "a pair that could not slide opened, and without what it held no equilibrium was found nearby"
+LOST = "a pair that was held opened, and without what it held no equilibrium was found nearby"
 WHY = {SLIDING: HELD, OPENED: LOST, STUCK: "no equilibrium that continues the branch was found"}
 VOID_PENETRATION = 0.1  # wire diameters of overlap, beyond which a penalty no longer stands for contact
 

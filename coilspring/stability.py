@@ -9,7 +9,7 @@ from coilspring.kernelset import Kernels
 
 INVERSE_ITERATIONS = 30
 LEAST_STEP = 1e-9  # of the time 0..1: below it, what cannot be passed is called a critical point
-WAY = 1e-6  # of the spring's size, with which a difference is taken
+WAY = 1e-6  # of the span of the state's numbers, with which a difference is taken
 SAMPLES = 16  # of a linear stretch at which its stability is verified
 
 
@@ -66,9 +66,22 @@ def softest(
     matrix_size: int,
 ) -> tuple[float, np.ndarray]:
     """Softest mode (freedoms,) of the matrix at `state`, by inverse iteration, and its stiffness over that of
-    the same motion at rest (`start`, contact left out): a number without units, 0 at a critical point."""
+    the same motion at `start` (at rest, or where a stage of loads began), contact left out: a number without
+    units, 0 at a critical point."""
+
+    def force(step: np.ndarray) -> np.ndarray:
+        moved, g = start.copy(), np.empty(freedoms)
+        kernels.retract(*data, start, step, 1.0, start, 0.0, moved)
+        kernels.assemble(*data, start, np.inf, memory, moved, g, np.empty(0))
+        return g
+
+    def stiffness(mode: np.ndarray) -> np.ndarray:
+        way = WAY * float(np.ptp(start)) / float(np.abs(mode).max())
+        return (force(way * mode) - force(-way * mode)) / (2.0 * way)
+
     H, _ = factored(kernels, data, state, memory, freedoms, matrix_size)
-    mode = 1.0 + np.arange(freedoms) / freedoms  # no symmetry that could hide the mode
+    # nothing in held freedoms, and no symmetry that could hide the mode
+    mode = stiffness(1.0 + np.arange(freedoms) / freedoms)
     value = 0.0
     for _ in range(INVERSE_ITERATIONS):
         new = mode.copy()
@@ -76,13 +89,4 @@ def softest(
         square = new @ new
         value = float(new @ mode / square)
         mode = new / np.sqrt(square)
-
-    def force(way: float) -> np.ndarray:
-        moved, g = start.copy(), np.empty(freedoms)
-        kernels.retract(*data, start, mode, way, start, 0.0, moved)
-        kernels.assemble(*data, start, np.inf, memory, moved, g, np.empty(0))
-        return g
-
-    way = WAY * float(np.ptp(start)) / float(np.abs(mode).max())
-    rest = float(mode @ (force(way) - force(-way))) / (2.0 * way)
-    return value / rest, mode
+    return value / float(mode @ stiffness(mode)), mode

@@ -347,18 +347,31 @@ def test_no_answer_is_asked_to_be_finer_than_its_positions():
     assert grain(path) < 1e-14
 
 
-def test_what_pairs_remember_sets_runs_apart(monkeypatch):
-    """Judged apart only where pairs may not slide, and runs agree up to where the first pair touches."""
-    row = run.judged("w00935", SEED)
+def test_what_pairs_remember_sets_runs_apart():
+    """Judged apart only with friction, and only where runs agree before anything touches."""
+    row = run.judged("w00819", SEED)
     assert row["class"] == "apart"
     assert row["reason"].startswith("off the branch of the fine run")
-    case = make_case("w00935", SEED)
-    path, fine = reached(case), reached(case, steps=86)
-    assert remembered(path, fine)
-    early = replace(fine, states=fine.states[::-1].copy())
-    assert not remembered(path, early)
+    case = make_case("w00819", SEED)
+    path, fine = reached(case), reached(case, steps=40)
+    assert remembered(case, path, fine)
+    harder = replace(fine.scene, material=replace(fine.scene.material, E=1.01 * fine.scene.material.E))
+    assert not remembered(case, path, replace(fine, scene=harder))
     free = replace(path.scene, contact=replace(path.scene.contact, sliding="free"))
-    assert not remembered(replace(path, scene=free), fine)
+    assert not remembered(case, replace(path, scene=free), fine)
+    early = reached(case, under(case.scene, 0.1))
+    assert not remembered(case, early, early)
+
+
+def test_a_failure_is_not_excused_by_what_pairs_remember():
+    verdict, compared = Verdict(), Verdict()
+    compared.ask("branch", 0.5, 0.02, "off the branch")
+    compared.complain("the fine run ends as not_converged")
+    verdict.take(compared, remembered=True)
+    assert verdict.complaints == ["the fine run ends as not_converged"]
+    assert verdict.apart == ["off the branch: 5.00e-01, above 2e-02"]
+    verdict.take(compared, remembered=False)
+    assert len(verdict.complaints) == 3
 
 
 @pytest.mark.parametrize("units", [(1.0, 1.0), (1e-3, 1e-6)])

@@ -127,6 +127,24 @@ def test_coils_that_have_closed_give_no_more():
     assert not any("inf" in line for line in lines if "axial load" in line or "stress" in line)
 
 
+def test_a_way_to_solid_is_not_beyond_it():
+    for coils in (8.0, 9.5, 11.5):
+        scene = scene_of(Spring(2.0, 20.0, coils, 7.3 * coils))
+        solid = replace(scene, load=Load(displacement=(-sizes(scene).travel,)))
+        assert sizes(solid).force == pytest.approx(sizes(scene).closing[1], rel=1e-6)
+
+
+def test_what_pulls_or_pushes_sideways_closes_nothing():
+    pulled = sizes(scene_of(force=20.0))
+    assert (pulled.force, pulled.shortening) == (-20.0, pytest.approx(-20.0 / pulled.rate))
+    longer = sizes(replace(scene_of(), load=Load(displacement=(5.0,))))
+    assert (longer.force, longer.shortening) == (pytest.approx(-5.0 * longer.rate), -5.0)
+    lines, _ = report(Scene("across", CYLINDER, Load((-9.0, 0.0))))
+    assert any("axial load    0 N, which shortens it by 0 mm" in line for line in lines)
+    touching = sizes(scene_of(Spring(2.0, 20.0, 8.0, 16.0)))
+    assert (touching.shortening, touching.stress) == (0.0, 0.0)
+
+
 def test_a_model_that_leaves_the_scenes_sliding_out_says_so():
     assert any("--sliding scene" in line for line in report(spring_b())[0])
     assert not any("--sliding scene" in line for line in report(spring_a())[0])

@@ -142,7 +142,7 @@ def free_spring_b(folder):
 def test_compare_says_what_the_beam_leaves_out_and_draws(tmp_path, capsys):
     assert main(["compare", "spring-b", "--steps", "5", "--draw", "--out", str(tmp_path)]) == 0
     said = capsys.readouterr().out
-    assert "without the scene's sliding = 'none'" in said
+    assert 'without the scene\'s sliding = "none"' in said
     assert "% at most (uy)" in said
     assert read_json(tmp_path / "compare.json")["notes"][0].startswith(
         "equivbeam: without the scene's sliding"
@@ -152,13 +152,35 @@ def test_compare_says_what_the_beam_leaves_out_and_draws(tmp_path, capsys):
     assert "without the scene's sliding" not in capsys.readouterr().out
 
 
+def test_pictures_of_driven_and_staged_loads_and_of_nothing_in_common(tmp_path, capsys):
+    lines = scene_text(spring_a()).splitlines()
+    text = "\n".join(line for line in lines if not line.startswith("force"))
+    for name, load in (
+        ("driven", "displacement = [-2.0, -1.0]"),
+        ("staged", "stages = [[0.0, -6.0], [0.0, 0.0]]"),
+    ):
+        file = tmp_path / f"{name}.toml"
+        file.write_text(text.replace("[load]", f"[load]\n{load}"), encoding="utf-8")
+        out = tmp_path / name
+        assert main(["compare", str(file), "--steps", "2", "--draw", "--out", str(out)]) == 0
+        assert (out / "compare.png").stat().st_size > 10_000
+        assert (", axial force " in capsys.readouterr().out) == (name == "driven")
+    out = tmp_path / "nothing"
+    assert main(["compare", free_spring_b(tmp_path), "--steps", "1", "--draw", "--out", str(out)]) == 3
+    assert (out / "compare.png").is_file()
+    assert main(["compare", "spring-a", "--steps", "1", "--out", str(out)]) == 0
+    assert not (out / "compare.png").exists()
+
+
 def test_a_run_leaves_nothing_of_the_wire_of_the_run_before(tmp_path):
     wire = ["--model", "wirefe", "--elements-per-turn", "8", "--vtu", "--vtu-series", "--out", str(tmp_path)]
     assert main(["solve", "spring-a", "--steps", "4", *wire]) == 0
     assert main(["solve", "spring-a", "--steps", "2", *wire]) == 0
     assert sorted(file.name for file in (tmp_path / "wire").iterdir()) == ["0001.vtu", "0002.vtu"]
+    (tmp_path / "wire" / "mine.vtu").touch()
     assert main(["solve", "spring-a", "--steps", "2", "--model", "equivbeam", "--out", str(tmp_path)]) == 0
-    assert sorted(file.name for file in tmp_path.iterdir()) == ["path.csv", "summary.json"]
+    assert sorted(file.name for file in tmp_path.iterdir()) == ["path.csv", "summary.json", "wire"]
+    assert [file.name for file in (tmp_path / "wire").iterdir()] == ["mine.vtu"]
 
 
 def test_a_driven_spring_shows_its_force(tmp_path, capsys):

@@ -9,7 +9,7 @@ from wirefe.contact import pair_matrix
 
 D, K = 1.5, 1.0e4
 FREE = np.zeros(MEMORY)
-ARMS = np.array([[0.0, 0.0, 0.0], [5.0, 0.4, -0.8]])  # a wire node and a sphere on a rigid end
+ARMS = np.array([[0.3, -0.2, 0.7], [5.0, 0.4, -0.8]])  # of spheres on rigid ends
 
 
 def pair(d, gap, k=1.0, memory=FREE):

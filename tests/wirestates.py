@@ -3,7 +3,7 @@
 import numpy as np
 
 from wirefe.beam import beams
-from wirefe.model import ROW
+from wirefe.poses import ROW
 from wirefe.shape import turned
 
 

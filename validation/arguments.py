@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import argparse
 from collections.abc import Callable, Sequence
-from importlib.metadata import version
 from pathlib import Path
 from typing import NoReturn
 
 from coilspring import CATALOGUE, InputError, Scene, load_scene
+from validation.machine import versions
 
 MODEL_OPTIONS = {
     "equivbeam": ("law", "tangent", "sliding"),
@@ -51,7 +51,9 @@ def command_line() -> argparse.ArgumentParser:
         formatter_class=argparse.RawDescriptionHelpFormatter,
         allow_abbrev=False,
     )
-    parser.add_argument("--version", action="version", version=f"coilcheck {version('coilcheck')}")
+    parser.add_argument(
+        "--version", action="version", version=f"coilcheck {versions()['coilcheck'] or '(a checkout)'}"
+    )
     commands = parser.add_subparsers(metavar="COMMAND", dest="command", required=True)
     _add_new(commands)
     _add_check(commands)

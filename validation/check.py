@@ -48,16 +48,20 @@ def _lines(scene: Scene, found: Sizes) -> Iterator[str]:
     yield f"  rate          {found.rate:.4g} N/mm (G d^4 / 8 D^3 n of EN 13906-1, summed over the coils)"
     first, last = found.closing
     yield f"  closing       first coil at about {first:.3g} N, last at {last:.3g} N, by the same formula"
-    if math.isinf(found.force):
-        yield f"  axial load    none shortens it by {found.shortening:.3g} mm: solid before"
-    else:
-        yield (
-            f"  axial load    {found.force:.4g} N, which shortens it by {found.shortening:.3g} mm, "
-            f"by the same formula: coils that close give no more"
-        )
+    yield f"  axial load    {_axial(found)}"
     yield (
         f"  stress        {found.stress:.3g} MPa (8 F D / pi d^3 with Bergstraesser's factor "
         f"{found.stress_factor:.3f} of EN 13906-1)"
+    )
+
+
+def _axial(found: Sizes) -> str:
+    """What the axial load does."""
+    if math.isinf(found.force):
+        return f"none shortens it by {found.shortening:.3g} mm: solid before"
+    return (
+        f"{found.force:.4g} N, which shortens it by {found.shortening:.3g} mm, "
+        f"by the same formula: coils that close give no more"
     )
 
 

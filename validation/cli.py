@@ -146,6 +146,9 @@ def compare(arguments: argparse.Namespace) -> int:
         for model, path in paths.items():
             files |= {f"{model}/{name}": data for name, data in path_files(path).items()}
         write_files(files, folder)
+        remove_stale(files, folder)
+        for model in paths:
+            remove_stale({}, folder / model)
     lines = [line for path in paths.values() for line in digest(path)]
     _conclude(
         arguments, found, [*lines, apart(comparison, bool(scene.load.displacement)), f"written to {folder}"]

@@ -7,7 +7,7 @@ import importlib
 from collections.abc import Callable
 from pathlib import Path
 
-from coilspring import load_scene
+from coilspring import Scene, load_scene
 from validation.arguments import scene_of
 from validation.output import claimed, json_bytes, prepare, write_files, write_text
 
@@ -47,14 +47,13 @@ def view(arguments: argparse.Namespace, folder: Path, progress: Progress) -> lis
     movie = getattr(arguments, "movie", None)
     run = Path(arguments.scene)
     progress("loading the wire")
-    scene = None if run.is_dir() else load_scene(arguments.scene)
-    found = frames.of_run(run) if scene is None else None
+    source = frames.of_run(run) if run.is_dir() else load_scene(arguments.scene)
     if movie is None:
         place.require_display()
     else:
         place.require_gif(movie)
         prepare(movie.parent)
-    found = frames.of_scene(scene) if found is None else found
+    found = frames.of_scene(source) if isinstance(source, Scene) else source
     if movie is None:
         place.show(found)
         return []

@@ -130,13 +130,16 @@ def _csv(columns: Mapping[str, np.ndarray]) -> str:
 
 
 def remove_stale(files: Mapping[str, bytes], folder: Path) -> None:
-    """Remove what an earlier run left of the wire, since it would not belong to these `files`."""
+    """Remove what an earlier run left there, by the names that runs give, and is none of these `files`."""
     with writing(folder):
-        for target in (folder / "wire.pvd", folder / "wire.vtu", *folder.glob("wire/*.vtu")):
-            if target.relative_to(folder).as_posix() not in files:
-                target.unlink(missing_ok=True)
-        with suppress(OSError):  # there is something in it, or it is not there
-            (folder / "wire").rmdir()
+        series = [file for file in folder.glob("wire/*.vtu") if file.stem.isdecimal() and len(file.stem) >= 4]
+        ours = series if (folder / "wire.pvd").is_file() else []
+        for target in (folder / "compare.png", folder / "wire.pvd", folder / "wire.vtu", *ours):
+            if target.relative_to(folder).as_posix() not in files and target.is_file():
+                target.unlink()
+        if ours:
+            with suppress(OSError):  # there is something in it
+                (folder / "wire").rmdir()
 
 
 def vtu_file(path: EquilibriumPath) -> dict[str, bytes]:

@@ -87,7 +87,7 @@ def _headline(out: Path) -> str:
     """The report's verdict in one sentence, and where the report is."""
     with writing(out):
         found = re.search(r"\*\*(.+?)\*\*", (out / "report.md").read_text(encoding="utf-8"))
-    return f"{found[1] if found else 'done'} Open {out / 'report.html'}."
+    return f"{found[1] if found else 'Done.'} Open {out / 'report.html'}."
 
 
 @dataclass

@@ -56,10 +56,11 @@ def notes(path: EquilibriumPath) -> list[str]:
     contact, said = path.scene.contact, []
     if contact.enabled and contact.sliding != "free" and path.options.get("sliding") == "ignore":
         said.append(
-            f"without the scene's sliding = {contact.sliding!r}, as the paper's model: --sliding scene has it"
+            f"without the scene's sliding = \"{contact.sliding}\", as the paper's model: "
+            "--sliding scene has it"
         )
     if contact.sliding == "free" and path.critical_time is not None and path.active_contacts[-1:].any():
-        said.append("coils touch, and may slide off one another: contact.sliding = 'none' would hold them")
+        said.append('coils touch, and may slide off one another: contact.sliding = "none" would hold them')
     return said
 
 

@@ -58,6 +58,12 @@ def added(A, factor, B):
 
 
 @arithmetic
+def scaled(x, A):
+    """x A."""
+    return x * A[0], x * A[1], x * A[2], x * A[3], x * A[4], x * A[5], x * A[6], x * A[7], x * A[8]
+
+
+@arithmetic
 def diagonal(A, x):
     """A + x I."""
     return A[0] + x, A[1], A[2], A[3], A[4] + x, A[5], A[6], A[7], A[8] + x
@@ -100,7 +106,7 @@ def block(K, i, j):
 
 @arithmetic
 def put(K, i, j, A):
-    """Write A into K, and its transpose into the mirrored place."""
+    """Write A into K, and its transpose into the mirrored place; on the diagonal A must be symmetric."""
     K[i, j], K[i, j + 1], K[i, j + 2] = A[0], A[1], A[2]
     K[i + 1, j], K[i + 1, j + 1], K[i + 1, j + 2] = A[3], A[4], A[5]
     K[i + 2, j], K[i + 2, j + 1], K[i + 2, j + 2] = A[6], A[7], A[8]

@@ -32,8 +32,10 @@ from wirefe.algebra import (
     dot,
     mixed,
     outer,
+    plus,
     product,
     put,
+    scaled,
     skew,
     transposed,
 )
@@ -49,14 +51,14 @@ def _strain(state, n, triads, arm):
     Relative rotations reach to 180 degrees. The wire's end stands off from the last node by `arm`.
     """
     last = n == len(triads) - 1
-    p1, p2, m, u, _ = pose(state, n, triads[n], three(arm, 0) if last else (0.0, 0.0, 0.0))
+    p1, p2, M, u, _ = pose(state, n, triads[n], three(arm, 0) if last else (0.0, 0.0, 0.0))
     # cos a, and sin a times the axis, which is the same in R1, M and R2; a = theta/2
     h = times(conjugate(p1), p2)
     sin_a = math.sqrt(h[1] * h[1] + h[2] * h[2] + h[3] * h[3])
     a = math.atan2(sin_a, h[0])
     twice = 2.0 * a / sin_a if sin_a > 0.0 else 2.0
     q = 4.0 * a * a
-    return m, (twice * h[1], twice * h[2], twice * h[3]), u, q, stretch_functions(q, a, sin_a, h[0])
+    return M, (twice * h[1], twice * h[2], twice * h[3]), u, q, stretch_functions(q, a, sin_a, h[0])
 
 
 @arithmetic
@@ -77,13 +79,13 @@ def deformations(state, arm, triads, e):
 @kernel
 def deformation_rates(state, triads, J):
     """d(v, theta) at rest for a motion (dx, spin) of each element's second end, shape (n, 6, 6)."""
-    still = (0.0, 0.0, 0.0)
+    still = np.zeros(3)
     for n in range(len(triads)):
-        m, th, u, q, f = _strain(state, n, triads, np.zeros(3))
-        P, V, _, _ = _derivatives(q, f, th, u, still)
+        M, th, u, q, f = _strain(state, n, triads, still)
+        P, V, _, _ = _derivatives(q, f, th, u, three(still, 0))
         # spin of the half-way frame, with the first end held: (I - tau theta x) w / 2
         T = product(P, product(skew(u, 1.0), diagonal(skew(th, -0.5 * f[3]), 0.5)))
-        back = transposed(matrix(m))
+        back = transposed(matrix(M))
         straight, bent = product(P, back), product(added(T, 1.0, V), back)
         for i in range(3):
             for j in range(3):
@@ -107,12 +109,12 @@ def beams(state, arm, triads, e0, K, g, H):
     """
     energy = 0.0
     for n in range(len(triads)):
-        m, th, u, q, f = _strain(state, n, triads, arm)
-        work, s, N, Y, PY, C, X = _forces(q, f, th, u, e0[n], K[n])
+        M, th, u, q, f = _strain(state, n, triads, arm)
+        work, s, N, m, Pm, C, X = _forces(q, f, th, u, e0[n], K[n])
         energy += work
-        _gradient(m, N, C, PY, X, f[3], g[n])
+        _gradient(M, N, C, Pm, X, f[3], g[n])
         if n < len(H):
-            _hessian(m, q, f, th, u, s, N, Y, PY, C, X, K[n], H[n])
+            _hessian(M, q, f, th, u, s, N, m, Pm, C, X, K[n], H[n])
     return energy
 
 
@@ -120,27 +122,27 @@ def beams(state, arm, triads, e0, K, g, H):
 def _forces(q, f, th, u, e0, K):
     """Energy of one element; s = K e in v, and the forces conjugate to the variations.
 
-    N to u, Y to theta, P Y to w, C = N x u to mu; X = theta x C.
+    N to u, m to theta, P m to w, C = N x u to mu; X = theta x C.
     """
     c, c1 = f[0], f[1]
     al, al1 = 1.0 + c * q, c1 * q + c
-    v = mixed(1.0, _stretched(q, f, th, u), -1.0, three(e0, 0))
-    k = mixed(1.0, th, -1.0, three(e0, 3))
+    v = plus(_stretched(q, f, th, u), -1.0, three(e0, 0))
+    k = plus(th, -1.0, three(e0, 3))
     mutual = block(K, 0, 3)
-    s = mixed(1.0, applied(block(K, 0, 0), v), 1.0, applied(mutual, k))
-    y = mixed(1.0, applied(transposed(mutual), v), 1.0, applied(block(K, 3, 3), k))
+    s = plus(applied(block(K, 0, 0), v), 1.0, applied(mutual, k))
+    y = plus(applied(transposed(mutual), v), 1.0, applied(block(K, 3, 3), k))
     A, B, S = dot(th, s), dot(th, u), dot(s, u)
-    Y = mixed(1.0, y, 2.0 * (al1 * S - c1 * A * B), th)
-    Y = mixed(1.0, Y, -c, mixed(B, s, A, u))
+    m = plus(y, 2.0 * (al1 * S - c1 * A * B), th)
+    m = plus(m, -c, mixed(B, s, A, u))
     N = mixed(al, s, -c * A, th)
     C = cross(N, u)
-    return 0.5 * (dot(s, v) + dot(y, k)), s, N, Y, _stretched(q, f, th, Y), C, cross(th, C)
+    return 0.5 * (dot(s, v) + dot(y, k)), s, N, m, _stretched(q, f, th, m), C, cross(th, C)
 
 
 @arithmetic
-def _gradient(m, N, C, PY, X, tau, g):
-    """Gradient (12,) from the forces in the half-way frame `m`."""
-    force, mean, bend = turned(m, N), turned(m, C), turned(m, mixed(1.0, PY, 0.5 * tau, X))
+def _gradient(M, N, C, Pm, X, tau, g):
+    """Gradient (12,) from the forces in the half-way frame `M`."""
+    force, mean, bend = turned(M, N), turned(M, C), turned(M, plus(Pm, 0.5 * tau, X))
     g[0], g[1], g[2] = -force[0], -force[1], -force[2]
     g[6], g[7], g[8] = force[0], force[1], force[2]
     g[3], g[4], g[5] = mixed(0.5, mean, -1.0, bend)
@@ -157,7 +159,7 @@ def _derivatives(q, f, th, u, s):
     V = added(outer(2.0, mixed(al1, u, -c1 * B, th), th), -c, diagonal(outer(1.0, th, u), B))
     W = added(outer(2.0, mixed(al1, s, -c1 * A, th), th), -c, diagonal(outer(1.0, th, s), A))
     y = mixed(B, s, A, u)
-    # half of it and its transpose: 2 (al2 S - c2 A B) theta theta^T - 2 c1 theta y^T - c s u^T + ...
+    # half of the latter: 2 (al2 S - c2 A B) theta theta^T - 2 c1 theta y^T - c s u^T + ...
     half = outer(2.0, th, mixed(al2 * S - c2 * A * B, th, -c1, y))
     half = diagonal(added(half, 1.0, outer(-c, s, u)), al1 * S - c1 * A * B)
     G = product(P, product(added(half, 1.0, transposed(half)), P))
@@ -165,7 +167,7 @@ def _derivatives(q, f, th, u, s):
 
 
 @arithmetic
-def _hessian(m, q, f, th, u, s, N, Y, PY, C, X, K, H):
+def _hessian(M, q, f, th, u, s, N, m, Pm, C, X, K, H):
     """Hessian (12, 12): blocks in the half-way frame's (rho, mu, w), then in the freedoms of the ends."""
     c, c1, tau, tau1 = f[0], f[1], f[3], f[4]
     P, V, W, G = _derivatives(q, f, th, u, s)
@@ -176,15 +178,15 @@ def _hessian(m, q, f, th, u, s, N, Y, PY, C, X, K, H):
     rw = added(rw, 1.0, W)
     half = outer(0.5, N, u)
     mm = diagonal(added(added(mm, 1.0, half), 1.0, transposed(half)), -dot(N, u))
-    mw = added(added(mw, -1.0, product(S, W)), 1.0, skew(PY, 0.5))
+    mw = added(added(mw, -1.0, product(S, W)), 1.0, skew(Pm, 0.5))
     mw = diagonal(added(mw, 0.25 * tau, outer(1.0, C, th)), -0.25 * tau * dot(C, th))
-    # a term and its transpose: -tau/2 [C] P - tau' (C x theta) theta^T + theta (2 alpha' Y - c P Y)^T
-    half = added(outer(tau1, X, th), -0.5 * tau, product(skew(C, 1.0), P))
-    half = added(half, 1.0, outer(1.0, th, mixed(2.0 * (c + c1 * q), Y, -c, PY)))
-    half = added(half, -2.0 * c1 * dot(Y, th), outer(1.0, th, th))
-    ww = added(added(ww, 0.5, half), 0.5, transposed(half))
-    ww = added(added(ww, 1.0, G), -c * dot(Y, th), P)
-    _spread(matrix(m), skew(th, -0.5 * tau), rr, rm, rw, mm, mw, ww, H)
+    # half of -tau/2 [C] P + tau' X theta^T + theta (2 alpha' m - c P m - 2 c' (m . theta) theta)^T
+    half = added(outer(0.5 * tau1, X, th), -0.25 * tau, product(skew(C, 1.0), P))
+    bend = plus(mixed(c + c1 * q, m, -0.5 * c, Pm), -c1 * dot(m, th), th)
+    half = added(half, 1.0, outer(1.0, th, bend))
+    ww = added(added(ww, 1.0, half), 1.0, transposed(half))
+    ww = added(added(ww, 1.0, G), -c * dot(m, th), P)
+    _spread(matrix(M), skew(th, -0.5 * tau), rr, rm, rw, mm, mw, ww, H)
 
 
 @arithmetic
@@ -217,17 +219,16 @@ def _spread(M, S, rr, rm, rw, mm, mw, ww, H):
     Mt = transposed(M)
     rr, rm, rw = product(M, product(rr, Mt)), product(M, product(rm, Mt)), product(M, product(rw, Mt))
     mm, mw, ww = product(M, product(mm, Mt)), product(M, product(mw, Mt)), product(M, product(ww, Mt))
-    zero = added(rr, -1.0, rr)
     put(H, 0, 0, rr)
     put(H, 6, 6, rr)
-    put(H, 6, 0, added(zero, -1.0, rr))
+    put(H, 6, 0, scaled(-1.0, rr))
     left, right = added(rw, -0.5, rm), added(rw, 0.5, rm)
     put(H, 0, 3, left)
-    put(H, 6, 3, added(zero, -1.0, left))
+    put(H, 6, 3, scaled(-1.0, left))
     put(H, 6, 9, right)
-    put(H, 0, 9, added(zero, -1.0, right))
+    put(H, 0, 9, scaled(-1.0, right))
     turn = transposed(mw)
-    same, apart = added(ww, 0.25, mm), added(added(zero, 0.25, mm), -1.0, ww)
+    same, apart = added(ww, 0.25, mm), added(scaled(0.25, mm), -1.0, ww)
     put(H, 3, 3, added(added(same, -0.5, mw), -0.5, turn))
     put(H, 9, 9, added(added(same, 0.5, mw), 0.5, turn))
     put(H, 3, 9, added(added(apart, 0.5, mw), -0.5, turn))

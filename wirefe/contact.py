@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from coilspring.compiled import arithmetic
-from wirefe.algebra import added, block, cross, diagonal, dot, outer, product, put, skew
+from wirefe.algebra import added, block, cross, diagonal, dot, outer, product, put, scaled, skew
 from wirefe.poses import three
 
 
@@ -28,10 +28,10 @@ def pair_matrix(f, Hg, ra, rb, g, K):
     Ba, Bb = product(A, Ra), product(A, Rb)
     put(K, 0, 0, A)
     put(K, 6, 6, A)
-    put(K, 6, 0, added(A, -2.0, A))
+    put(K, 6, 0, scaled(-1.0, A))
     put(K, 0, 3, Ba)
-    put(K, 6, 3, added(Ba, -2.0, Ba))
-    put(K, 0, 9, added(Bb, -2.0, Bb))
+    put(K, 6, 3, scaled(-1.0, Ba))
+    put(K, 0, 9, scaled(-1.0, Bb))
     put(K, 6, 9, Bb)
     # skew matrices: their transposes are their opposites
     put(K, 3, 3, added(product(skew(ra, 1.0), Ba), -1.0, lever(F, ra)))
@@ -41,17 +41,17 @@ def pair_matrix(f, Hg, ra, rb, g, K):
 
 @arithmetic
 def onto_reference(r, g, K):
-    """Carry an element's gradient (12,) and Hessian (12, 12), if not empty, from its second end over to a
-    node from which that stands off by `r`: dx = dX - r x phi, and the lever of the force."""
+    """Carry an element's gradient (12,) and Hessian (1, 12, 12), or none, from its second end over to a node
+    from which that stands off by `r`: dx = dX - r x phi, and the lever of the force."""
     F = three(g, 6)
     x, y, z = cross(r, F)
     g[9], g[10], g[11] = g[9] + x, g[10] + y, g[11] + z
     if len(K) == 0:
         return
-    R = skew(r, -1.0)
-    moved = added(block(K, 6, 9), 1.0, product(block(K, 6, 6), R))
-    turned = added(block(K, 9, 9), 1.0, product(block(K, 9, 6), R))
-    put(K, 9, 9, added(added(turned, -1.0, product(R, moved)), 1.0, lever(F, r)))
-    put(K, 6, 9, moved)
-    put(K, 0, 9, added(block(K, 0, 9), 1.0, product(block(K, 0, 6), R)))
-    put(K, 3, 9, added(block(K, 3, 9), 1.0, product(block(K, 3, 6), R)))
+    R, H = skew(r, -1.0), K[0]
+    moved = added(block(H, 6, 9), 1.0, product(block(H, 6, 6), R))
+    turned = added(block(H, 9, 9), 1.0, product(block(H, 9, 6), R))
+    put(H, 9, 9, added(added(turned, -1.0, product(R, moved)), 1.0, lever(F, r)))
+    put(H, 6, 9, moved)
+    put(H, 0, 9, added(block(H, 0, 9), 1.0, product(block(H, 0, 6), R)))
+    put(H, 3, 9, added(block(H, 3, 9), 1.0, product(block(H, 3, 6), R)))

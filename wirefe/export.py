@@ -10,7 +10,7 @@ import numpy as np
 from coilspring.errors import InputError
 from coilspring.path import EquilibriumPath
 from wirefe.beam import deformations
-from wirefe.model import ROW
+from wirefe.poses import ROW
 from wirefe.shape import WireShape, sphere_centres, turned
 
 POINT_DATA = ("displacement", "rotation", "contact_force", "pair_force")  # of a VTU file
@@ -136,7 +136,7 @@ def _pair_force(shape: WireShape, count: int, normal: np.ndarray) -> np.ndarray:
     """Largest normal force of the pairs at each of `count` nodes; those on rigid end turns are at none."""
     data = shape.data.contact
     largest = np.zeros(count)
-    there = ~data.offset.any(axis=1)
+    there = np.all(data.offset == 0.0, axis=1)
     for side in data.pairs.T:
         shown = there[side]
         np.maximum.at(largest, data.carrier[side[shown]], normal[shown])

@@ -64,7 +64,7 @@ def _scatter(chain, state, ge, Ke, g, H):
     """Add the gradients and Hessians of the elements, the last one's carried over to its node."""
     last = len(ge) - 1
     r = turned(four(state, ROW * last + ROW + 3), three(chain.arm, 0))
-    onto_reference(r, ge[last], Ke[last] if len(Ke) > 0 else H[0, :0])
+    onto_reference(r, ge[last], Ke[last:])
     for e in range(len(ge)):
         _add_gradient(g, e, e + 1, ge[e])
     for e in range(len(Ke)):
@@ -123,8 +123,8 @@ def assemble(reals, ints, anchor, clearance, memory, state, g, flat):
     clear(g)
     clear(flat)
     chain = view_elements(reals, ints)
-    count = len(chain.triads)
-    ge, Ke = np.empty((count, 12)), np.empty((count if len(H) > 0 else 0, 12, 12))
+    elements = len(chain.triads)
+    ge, Ke = np.empty((elements, 12)), np.empty((elements if len(H) > 0 else 0, 12, 12))
     energy = beams(state, chain.arm, chain.triads, chain.strain0, chain.stiffness, ge, Ke)
     _scatter(chain, state, ge, Ke, g, H)
     count = contact.pairs.shape[0]

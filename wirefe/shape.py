@@ -10,7 +10,8 @@ from coilspring.pairlaw import pair_friction
 from coilspring.path import Friction
 from coilspring.scene import Scene
 from wirefe.mesh import WireMesh
-from wirefe.model import ROW, ContactArrays, WireModel
+from wirefe.model import ContactArrays, WireModel
+from wirefe.poses import ROW
 
 
 def turned(q: np.ndarray, v: np.ndarray) -> np.ndarray:

@@ -63,7 +63,7 @@ def judge_invariance(verdict: Verdict, case: Case, path: EquilibriumPath, loose:
     other = reached(case, scene)
     compared = Verdict()
     _compare(compared, kind, path, other, back, verdict.numbers.get("least", 1.0), loose)
-    verdict.take(compared, remembered(path, other, back))
+    verdict.take(compared, remembered(case, path, other, back))
     return kind
 
 
@@ -77,8 +77,11 @@ def _compare(
     loose: float,
 ) -> None:
     """What a change of this kind changes."""
+    if other.outcome == "not_converged" and not ended(other):
+        verdict.complain(f"{kind}: {path.outcome}, but changed it ends as {other.outcome}: {other.message}")
+        return
     if not (ended(path) or ended(other)) and (path.outcome in CRITICAL) != (other.outcome in CRITICAL):
-        verdict.complain(f"{kind}: {path.outcome}, but changed it ends as {other.outcome}")
+        verdict.differ(f"{kind}: {path.outcome}, but changed it ends as {other.outcome}")
         return
     most = {"mirror": ROUNDING / least, "binary": ROUNDING / least, "perturbed": ANSWER}.get(kind, SOLVER)
     if kind == "perturbed" and least <= SOFT:

@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
-from dataclasses import replace
 
 import numpy as np
 from scipy.linalg import solve_triangular
@@ -23,6 +21,7 @@ ROUNDING = 4.0 * 2.0**-52  # of the spring's height: positions are no finer
 LOAD = 1e-4  # within which a critical point is bracketed
 BEFORE = 4e-5  # share of the load by which a state lies before its critical point
 UNCHANGED = (1.0, 1.0, 1.0)
+HALVINGS = 8  # of a share of the load, to where nothing has touched
 ROWS = 3  # states of a path that are judged, the last among them
 
 
@@ -86,25 +85,30 @@ def grain(path: EquilibriumPath) -> float:
     return ROUNDING * path.scene.spring.active_height / largest if largest > 0.0 else 0.0
 
 
-def remembered(path: EquilibriumPath, other: EquilibriumPath, back: Sequence[float] = UNCHANGED) -> bool:
-    """Whether there is friction, and two runs agree before either remembers a pair: after that each has a
-    history of its own, since a pair remembers where it was when its substep ended."""
-    if path.scene.contact.sliding == "free":
+def remembered(
+    case: Case, path: EquilibriumPath, other: EquilibriumPath, back: Sequence[float] = UNCHANGED
+) -> bool:
+    """Whether two runs with friction part because of what their pairs remember: each has a history of its own
+    from its first touch on, since a pair remembers where it was when its substep ended.
+
+    Then they agree under a share of the load at whose end neither remembers any.
+    """
+    if path.scene.contact.sliding == "free" or not (_touched(path) or _touched(other)):
         return False
-    count = min(_first_held(path), _first_held(other))
-    before = [
-        replace(run, times=run.times[early], states=run.states[early], iterations=run.iterations[early])
-        for run in (path, other)
-        for early in [run.times < count]
-    ]
-    return apart(before[0], before[1], back)[1] <= BRANCH
+    share = min(float(run.times[-1]) for run in (path, other))
+    for _ in range(HALVINGS):
+        share *= 0.5
+        early = [reached(case, under(run.scene, share)) for run in (path, other)]
+        if not any(_touched(run) for run in early):
+            same = all(run.outcome == "completed" for run in early)
+            return same and apart(early[0], early[1], back)[1] <= BRANCH
+    return False
 
 
-def _first_held(path: EquilibriumPath) -> float:
-    """First stored time at which a pair is remembered."""
+def _touched(path: EquilibriumPath) -> bool:
+    """Whether a pair is remembered or touches at a stored time."""
     assert path.memories is not None
-    held = (path.memories[:, :, ON] > 0.0).any(axis=1)
-    return float(path.times[held][0]) if held.any() else math.inf
+    return bool((path.memories[:, :, ON] > 0.0).any() or path.active_contacts.any())
 
 
 def judge_branch(
@@ -120,8 +124,10 @@ def judge_branch(
     last, largest = apart(path, fine)
     verdict.ask("branch", last, most, "off the branch of the fine run")
     verdict.ask("branch", largest, max(most, most_between), "off the branch of the fine run on the way")
-    if (path.outcome in CRITICAL) != (fine.outcome in CRITICAL) or fine.outcome == "not_converged":
+    if fine.outcome == "not_converged":
         verdict.complain(f"{path.outcome}, but the fine run ends as {fine.outcome}: {fine.message}")
+    elif (path.outcome in CRITICAL) != (fine.outcome in CRITICAL):
+        verdict.differ(f"{path.outcome}, but the fine run ends as {fine.outcome}: {fine.message}")
     elif path.critical_time is not None and fine.critical_time is not None:
         shift = abs(path.critical_time - fine.critical_time) / fine.critical_time
         verdict.ask("critical_shift", shift, most_shift, "another critical time than the fine run's")

@@ -26,7 +26,7 @@ MEANING = {
     RIGHT: "to the full load: stable equilibria, on the branch of a fine run",
     CONFIRMED: "up to a limit point or bifurcation that the judge finds at the same load",
     ENDED: "friction, up to where Coulomb's law goes on but the iteration on held bounds does not, or to "
-    "where a pair that could not slide opens and what it held is lost; states before are judged",
+    "where a pair that was held opens and what it held is lost; states before are judged",
     APART: "friction or no sliding: balanced, but with other substeps apart by more than 2 %, from the first "
     "touch on; a pair remembers where it was when its substep ended",
     REFUSED: "bad input, refused in one sentence",
@@ -88,7 +88,7 @@ def write_page(rows: list[Row], out: Path, seed: int) -> None:
 def page(rows: list[Row], seed: int) -> str:
     """The page, Markdown."""
     used = ", ".join(f"{name} {number}" for name, number in versions().items() if number)
-    unexplained = [row for row in rows if row["class"] in (UNEXPLAINED, ENDED, APART, REFUSED)]
+    listed = [row for row in rows if row["class"] in (UNEXPLAINED, ENDED, APART, REFUSED)]
     blocks = (
         Heading(1, "Stability campaign"),
         Text(f"Seed {seed}, sources {version()}, {used}."),
@@ -99,13 +99,13 @@ def page(rows: list[Row], seed: int) -> str:
         Picture("stability.png", CAPTION),
         Heading(2, "Corners"),
         Table(("corner", *CLASSES), tuple(_corner(rows, name) for name in ("", *CORNERS))),
-        Heading(2, "Largest of what the judge measured, unexplained cases left out"),
+        Heading(2, "Largest of what the judge measured, completed and critical cases alone"),
         Table(("number", *TITLES.values(), "meaning"), tuple(_largest(rows, name) for name in NUMBERS)),
         Heading(2, "Invariances: largest change of the answer over the largest displacement"),
         Table(("changed", "cases", *TITLES.values()), tuple(_invariance(rows, kind) for kind in KINDS)),
         Text(CHANGES),
         Heading(2, "Unexplained, ended, apart and refused"),
-        _listed(unexplained),
+        _listed(listed),
     )
     return to_markdown(blocks)
 

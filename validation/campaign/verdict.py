@@ -26,27 +26,33 @@ MOST_FINE = {"equivbeam": 400, "wirefe": 120}
 class Verdict:
     """Findings of one case; the first complaint is the reason.
 
-    `apart` says what differs with friction: pairs remember where they were when a substep ended.
+    `differences` are those complaints that two histories of contact would explain; `apart` are such as have
+    been explained so: pairs remember where they were when a substep ended.
     """
 
     complaints: list[str] = field(default_factory=list)
+    differences: list[str] = field(default_factory=list)
     numbers: dict[str, float] = field(default_factory=dict)
     apart: list[str] = field(default_factory=list)
 
     def ask(self, name: str, value: float, most: float, what: str) -> None:
-        """Keep the largest value of a name; complain where it is above the bound or no number."""
+        """Keep the largest value of a name; it differs where it is above the bound or no number."""
         self.numbers[name] = max(value, self.numbers.get(name, value))
         if not value <= most:
-            self.complaints.append(f"{what}: {value:.2e}, above {most:.0e}")
+            self.differ(f"{what}: {value:.2e}, above {most:.0e}")
 
     def take(self, other: Verdict, remembered: bool) -> None:
         """Take over a comparison with another run; `remembered`: what differs is what pairs remember."""
-        if other.complaints and remembered:
-            self.apart += other.complaints
-            return
-        self.complaints += other.complaints
-        for name, value in other.numbers.items():
+        excused = other.differences if remembered else []
+        self.apart += excused
+        self.complaints += [what for what in other.complaints if what not in excused]
+        for name, value in () if excused else other.numbers.items():
             self.numbers[name] = max(value, self.numbers.get(name, value))
+
+    def differ(self, what: str) -> None:
+        """Another run has another answer."""
+        self.complaints.append(what)
+        self.differences.append(what)
 
     def complain(self, what: str) -> None:
         """Something is wrong that has no number."""
@@ -59,7 +65,7 @@ def reached(case: Case, scene: Scene | None = None, **options: object) -> Equili
 
 
 def ended(path: EquilibriumPath) -> bool:
-    """Whether the path ends for what friction held: its bounds, or a pair that could not slide and opened."""
+    """Whether the path ends for what friction held: its bounds, or a pair that opened."""
     return path.outcome == "not_converged" and path.message.startswith((HELD, LOST))
 
 

@@ -1,0 +1,63 @@
+"""What both models' kernels promise the path follower: the softest mode, and how far a state moved."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import equivbeam
+import wirefe
+from coilspring import Contact, Spring, Supports, spring_a, spring_b
+from coilspring.packing import pack
+from coilspring.stability import softest
+from equivbeam.model import build_model, load_vector
+from equivbeam.problem import beam_problem
+from equivbeam.solve import KERNELS as BEAM_KERNELS
+from wirefe.solve import KERNELS as WIRE_KERNELS
+from wirefe.solve import scene_problem
+
+MODELS = ("equivbeam", "wirefe")
+
+
+def kernels_of(model, scene):
+    if model == "wirefe":
+        return WIRE_KERNELS, scene_problem(scene, "straight", 8, 4)[0]
+    data = build_model(scene)
+    return BEAM_KERNELS, beam_problem(data, load_vector(data, scene))
+
+
+@pytest.mark.parametrize("held", [("ux", "rotz"), ()])
+@pytest.mark.parametrize("model", MODELS)
+def test_the_softest_mode_at_rest_is_as_stiff_as_at_rest(model, held):
+    """A stiff short spring: the unit rows of held freedoms would be softer than any of its modes."""
+    scene = replace(
+        spring_b(),
+        spring=Spring(10.0, 40.0, 3.0, 45.0),
+        supports=Supports(held),
+        contact=Contact(enabled=False),
+    )
+    kernels, problem = kernels_of(model, scene)
+    start, n = problem.start, problem.load.size
+    share, _ = softest(kernels, pack(problem.data), start, problem.memory, start, n, problem.matrix_size)
+    assert share == pytest.approx(1.0, rel=1e-5)
+
+
+@pytest.mark.parametrize("model", MODELS)
+def test_pairs_are_looked_at_where_anything_moved_enough(model):
+    """Spring A from half its load to the whole: coils close on the way."""
+    solve = {"equivbeam": equivbeam.solve, "wirefe": wirefe.solve}[model]
+    options = {"elements_per_turn": 8} if model == "wirefe" else {}
+    path = solve(spring_a(), steps=2, penalty=100.0, **options)
+    kernels, problem = kernels_of(model, spring_a())
+    data, d = pack(problem.data), path.scene.spring.wire_diameter
+    first, last = path.states
+    way, pair, free = kernels.motion(*data, first, last, 0.0)
+    assert kernels.motion(*data, first, last, np.inf) == (way, 0.0, 1.0)
+    assert kernels.motion(*data, first, last, way) == (way, 0.0, 1.0)
+    assert kernels.motion(*data, first, first, -1.0) == (0.0, 0.0, 1.0)
+    assert 0.0 < pair * d <= 2.0 * way
+    assert 0.0 < free < 1.0
+    closing = (path.gaps[0] >= 0.0) & (path.gaps[1] < -0.003 * d)
+    # were centres to move straight, the first pair would be that deep after this share of the way
+    shares = (path.gaps[0] / (path.gaps[0] - path.gaps[1]))[closing]
+    assert free == pytest.approx(shares.min(), abs=0.1)
