@@ -63,7 +63,7 @@ def judge_invariance(verdict: Verdict, case: Case, path: EquilibriumPath, loose:
     other = reached(case, scene)
     compared = Verdict()
     _compare(compared, kind, path, other, back, verdict.numbers.get("least", 1.0), loose)
-    verdict.take(compared, remembered(case, path, other, back))
+    verdict.take(compared, bool(compared.differences) and remembered(case, path, other, back))
     return kind
 
 

@@ -21,7 +21,7 @@ ROUNDING = 4.0 * 2.0**-52  # of the spring's height: positions are no finer
 LOAD = 1e-4  # within which a critical point is bracketed
 BEFORE = 4e-5  # share of the load by which a state lies before its critical point
 UNCHANGED = (1.0, 1.0, 1.0)
-HALVINGS = 8  # of a share of the load, to where nothing has touched
+HALVINGS = 9  # of a share of the load, to where nothing has touched
 ROWS = 3  # states of a path that are judged, the last among them
 
 
@@ -95,9 +95,7 @@ def remembered(
     """
     if path.scene.contact.sliding == "free" or not (_touched(path) or _touched(other)):
         return False
-    share = min(float(run.times[-1]) for run in (path, other))
-    for _ in range(HALVINGS):
-        share *= 0.5
+    for share in 0.5 ** np.arange(1, HALVINGS):
         early = [reached(case, under(run.scene, share)) for run in (path, other)]
         if not any(_touched(run) for run in early):
             same = all(run.outcome == "completed" for run in early)

@@ -51,7 +51,7 @@ def judge_wire(case: Case, path: EquilibriumPath) -> Verdict:
         compared.ask("branch", apart(path, fine)[1], BRANCH[sliding], "off the branch of the fine run")
     else:
         judge_branch(compared, path, fine, BRANCH[sliding], CRITICAL_SHIFT[sliding], BETWEEN)
-    verdict.take(compared, remembered(case, path, fine))
+    verdict.take(compared, bool(compared.differences) and remembered(case, path, fine))
     if path.outcome in CRITICAL:
         _judge_critical(verdict, forces, case, path)
     return verdict
