@@ -17,7 +17,7 @@ from coilspring.kernelset import Kernels
 from coilspring.packing import pack
 from coilspring.path import EquilibriumPath, Shape
 from coilspring.scene import Scene
-from coilspring.stability import softest
+from coilspring.stability import Body, softest
 from coilspring.stepping import COMPLETED, CRITICAL, OPENED, STUCK, Track
 from coilspring.warming import ready
 
@@ -103,9 +103,9 @@ def _judged(track: Track, problem: Problem, kernels: Kernels) -> tuple[Track, np
     load = problem.load
     if track.outcome not in (CRITICAL, STUCK, OPENED):
         return track, np.zeros_like(load)
-    data, size = pack(problem.data), problem.matrix_size
-    share, mode = softest(kernels, data, track.last, track.memory, problem.start, load.size, size)
-    if goes_on(kernels, data, track.last, track.memory, load, size):
+    body = Body(kernels, pack(problem.data), load.size, problem.matrix_size)
+    share, mode = softest(body, track.last, track.memory, problem.start)
+    if goes_on(body, track.last, track.memory, load):
         track = track._replace(outcome=SLIDING)
     elif track.outcome == STUCK and abs(share) < SOFT:
         track = track._replace(outcome=CRITICAL)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 
 from coilspring.compiled import part, zeros
@@ -41,51 +43,59 @@ def unstable_time(
     return low, count
 
 
-def factored(
-    kernels: Kernels,
-    data: tuple[np.ndarray, np.ndarray],
-    state: np.ndarray,
-    memory: np.ndarray,
-    freedoms: int,
-    matrix_size: int,
-) -> tuple[np.ndarray, int]:
-    """Factor of the matrix at `state`, and its negative pivots."""
-    H = np.empty(matrix_size)
-    kernels.assemble(*data, state, 0.0, memory, state, np.empty(freedoms), H)
-    negative, _ = kernels.factor(*data, H)
-    return H, negative
+@dataclass(frozen=True)
+class Body:
+    """A model's kernels with its packed data, as Python calls them where a path has ended."""
+
+    kernels: Kernels
+    data: tuple[np.ndarray, np.ndarray]
+    freedoms: int
+    matrix_size: int
+
+    def moved(self, state: np.ndarray, step: np.ndarray, factor: float = 1.0) -> np.ndarray:
+        """State moved by ``factor * step``."""
+        out = state.copy()
+        self.kernels.retract(*self.data, state, step, factor, state, 0.0, out)
+        return out
+
+    def gradient(self, state: np.ndarray, memory: np.ndarray, clearance: float = 0.0) -> np.ndarray:
+        """Gradient of the energy; with an infinite `clearance` contact is left out."""
+        g = np.empty(self.freedoms)
+        self.kernels.assemble(*self.data, state, clearance, memory, state, g, np.empty(0))
+        return g
+
+    def factored(self, state: np.ndarray, memory: np.ndarray) -> tuple[np.ndarray, int]:
+        """Factor of the matrix at `state`, and its negative pivots."""
+        H = np.empty(self.matrix_size)
+        self.kernels.assemble(*self.data, state, 0.0, memory, state, np.empty(self.freedoms), H)
+        negative, _ = self.kernels.factor(*self.data, H)
+        return H, negative
+
+    def solved(self, H: np.ndarray, b: np.ndarray) -> np.ndarray:
+        """Solution for the right-hand side `b` with a factor `H`."""
+        out = b.copy()
+        self.kernels.solve(*self.data, H, out)
+        return out
 
 
-def softest(
-    kernels: Kernels,
-    data: tuple[np.ndarray, np.ndarray],
-    state: np.ndarray,
-    memory: np.ndarray,
-    start: np.ndarray,
-    freedoms: int,
-    matrix_size: int,
-) -> tuple[float, np.ndarray]:
+def softest(body: Body, state: np.ndarray, memory: np.ndarray, start: np.ndarray) -> tuple[float, np.ndarray]:
     """Softest mode (freedoms,) of the matrix at `state`, by inverse iteration, and its stiffness over that of
     the same motion at `start` (at rest, or where a stage of loads began), contact left out: a number without
     units, 0 at a critical point."""
 
-    def force(step: np.ndarray) -> np.ndarray:
-        moved, g = start.copy(), np.empty(freedoms)
-        kernels.retract(*data, start, step, 1.0, start, 0.0, moved)
-        kernels.assemble(*data, start, np.inf, memory, moved, g, np.empty(0))
-        return g
-
     def stiffness(mode: np.ndarray) -> np.ndarray:
         way = WAY * float(np.ptp(start)) / float(np.abs(mode).max())
-        return (force(way * mode) - force(-way * mode)) / (2.0 * way)
+        ahead, back = (
+            body.gradient(body.moved(start, step), memory, np.inf) for step in (way * mode, -way * mode)
+        )
+        return (ahead - back) / (2.0 * way)
 
-    H, _ = factored(kernels, data, state, memory, freedoms, matrix_size)
+    H, _ = body.factored(state, memory)
     # nothing in held freedoms, and no symmetry that could hide the mode
-    mode = stiffness(1.0 + np.arange(freedoms) / freedoms)
+    mode = stiffness(1.0 + np.arange(body.freedoms) / body.freedoms)
     value = 0.0
     for _ in range(INVERSE_ITERATIONS):
-        new = mode.copy()
-        kernels.solve(*data, H, new)
+        new = body.solved(H, mode)
         square = new @ new
         value = float(new @ mode / square)
         mode = new / np.sqrt(square)

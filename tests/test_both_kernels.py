@@ -9,7 +9,7 @@ import equivbeam
 import wirefe
 from coilspring import Contact, Spring, Supports, spring_a, spring_b
 from coilspring.packing import pack
-from coilspring.stability import softest
+from coilspring.stability import Body, softest
 from equivbeam.model import build_model, load_vector
 from equivbeam.problem import beam_problem
 from equivbeam.solve import KERNELS as BEAM_KERNELS
@@ -37,8 +37,8 @@ def test_the_softest_mode_at_rest_is_as_stiff_as_at_rest(model, held):
         contact=Contact(enabled=False),
     )
     kernels, problem = kernels_of(model, scene)
-    start, n = problem.start, problem.load.size
-    share, _ = softest(kernels, pack(problem.data), start, problem.memory, start, n, problem.matrix_size)
+    body = Body(kernels, pack(problem.data), problem.load.size, problem.matrix_size)
+    share, _ = softest(body, problem.start, problem.memory, problem.start)
     assert share == pytest.approx(1.0, rel=1e-5)
 
 

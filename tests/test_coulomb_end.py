@@ -10,6 +10,7 @@ from coilspring import Contact, EquilibriumNotFound, spring_a
 from coilspring.friction import _determinant
 from coilspring.packing import pack
 from coilspring.solving import HELD, LOST
+from coilspring.stability import Body
 from equivbeam.model import matrix_size
 from equivbeam.solve import KERNELS
 from validation.campaign.scenes import make_case
@@ -46,7 +47,7 @@ def test_determinant_of_coulombs_tangent():
         return np.linalg.slogdet(np.array(columns).T[np.ix_(free, free)])
 
     (sign, log), (sign_held, log_held) = determinant(False), determinant(True)
-    ratio = _determinant(KERNELS, data, state, memory, np.empty(n), size)
+    ratio = _determinant(Body(KERNELS, data, n, size), state, memory)
     assert ratio == pytest.approx(sign * sign_held * np.exp(log - log_held), rel=1e-4)
     assert abs(ratio - 1.0) > 1e-3  # sliding pairs there are
 

@@ -42,6 +42,14 @@ class _Parser(argparse.ArgumentParser):
         raise InputError(f"{message}; see {self.prog} --help")
 
 
+class _Version(argparse.Action):
+    """Prints the version; it is looked up here, not at every start."""
+
+    def __call__(self, parser: argparse.ArgumentParser, *unused: object) -> NoReturn:
+        print("coilcheck", versions()["coilcheck"] or "(a checkout)")
+        parser.exit()
+
+
 def command_line() -> argparse.ArgumentParser:
     """Parser of the whole command line; an option that was not given stays unset."""
     parser = _Parser(
@@ -51,9 +59,7 @@ def command_line() -> argparse.ArgumentParser:
         formatter_class=argparse.RawDescriptionHelpFormatter,
         allow_abbrev=False,
     )
-    parser.add_argument(
-        "--version", action="version", version=f"coilcheck {versions()['coilcheck'] or '(a checkout)'}"
-    )
+    parser.add_argument("--version", action=_Version, nargs=0, help="print the version and exit")
     commands = parser.add_subparsers(metavar="COMMAND", dest="command", required=True)
     _add_new(commands)
     _add_check(commands)

@@ -5,18 +5,16 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
 
 import matplotlib
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.collections import EllipseCollection
 from matplotlib.colors import LinearSegmentedColormap
 from matplotlib.figure import Figure
 
 from coilspring import Scene, Spring
 from coilspring.sizing import along, sizes
-from validation.figures import png
+from validation.figures import discs, png
 from validation.output import write_bytes
 from validation.style import BLUE, DOUBLE, RC, RED
 
@@ -44,9 +42,9 @@ def _side(axes: Axes, spring: Spring) -> None:
     count = min(math.ceil(way / d * DISCS), MOST_DISCS)
     x, y, z = spring.points(np.linspace(first, last, count)).T
     order = np.argsort(z)
-    _discs(axes, np.stack((x, y), axis=1)[order], d, array=z[order], cmap=WIRE)
+    discs(axes, np.stack((x, y), axis=1)[order], d, array=z[order], cmap=WIRE, linewidths=0.0)
     sections = spring.points(spring.circle_phases())[:, :2]
-    _discs(axes, sections, d, facecolors="none", edgecolors="black", linewidths=0.7)
+    discs(axes, sections, d, facecolors="none", edgecolors="black", linewidths=0.7)
     axes.plot((0.0, 0.0), (0.0, spring.active_height), color=RED, linewidth=0.6, marker="o", markersize=2.5)
     margin = 0.55 * d
     axes.set(
@@ -58,12 +56,6 @@ def _side(axes: Axes, spring: Spring) -> None:
         title="at rest, with the reference points",
     )
     axes.grid(False)
-
-
-def _discs(axes: Axes, centres: np.ndarray, diameter: float, **look: Any) -> None:
-    size = np.full(len(centres), diameter)
-    look = {"linewidths": 0.0, "offsets": centres, "offset_transform": axes.transData} | look
-    axes.add_collection(EllipseCollection(size, size, np.zeros(len(centres)), units="xy", **look))
 
 
 def _coils(plots: Sequence[Axes], scene: Scene) -> None:

@@ -10,6 +10,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.backends.backend_svg import FigureCanvasSVG
+from matplotlib.collections import EllipseCollection
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from PIL import Image
@@ -62,7 +63,7 @@ def tip_figure(store: PathStore) -> Figure:
         beam, wire = store.beam(case(name).scene), store.wire(case(name).scene)
         load = np.hypot(*beam.loads.T)
         for index, (axes, below) in enumerate(plots.T):
-            _both(axes, (load, beam.tips[:, index]), (load, wire.tips[:, index]))
+            both(axes, (load, beam.tips[:, index]), (load, wire.tips[:, index]))
             axes.annotate(label, (load[-1], beam.tips[-1, index]), **_beside())
             below.plot(load, _share(beam, wire, index), **line)
     for index, (axes, below) in enumerate(plots.T):
@@ -81,7 +82,7 @@ def load_figure(store: PathStore) -> Figure:
     for name, label, line in _contact_and_without("spring-b"):
         beam, wire = store.beam(case(name).scene), store.wire(case(name).scene)
         load = np.abs(beam.loads[:, 1])
-        _both(left, (-beam.tips[:, 1], load), (-wire.tips[:, 1], load))
+        both(left, (-beam.tips[:, 1], load), (-wire.tips[:, 1], load))
         side = {"xytext": (-6, 0), "ha": "right"} if label == "contact" else {"xytext": (5, -6), "ha": "left"}
         left.annotate(label, (-wire.tips[-10, 1], load[-10]), **(_beside() | side))
         right.plot(load, _share(beam, wire, 1), **line)
@@ -129,7 +130,14 @@ def _contact_and_without(name: str) -> tuple[tuple[str, str, dict], ...]:
     return (name, "contact", CONTACT_LINE), (f"{name}-no-contact", "no contact", NO_CONTACT_LINE)
 
 
-def _both(axes: Axes, beam: tuple[np.ndarray, np.ndarray], wire: tuple[np.ndarray, np.ndarray]) -> None:
+def discs(axes: Axes, centres: np.ndarray, diameter: float, **look: Any) -> None:
+    """Circles to scale around centres (n, 2)."""
+    size = np.full(1, diameter)
+    look = {"units": "xy", "offsets": centres, "offset_transform": axes.transData} | look
+    axes.add_collection(EllipseCollection(size, size, 0.0, **look))
+
+
+def both(axes: Axes, beam: tuple[np.ndarray, np.ndarray], wire: tuple[np.ndarray, np.ndarray]) -> None:
     """Curves of both models, from the unloaded spring on."""
     for (x, y), style in ((beam, BEAM_LINE), (wire, WIRE_LINE)):
         axes.plot(np.append(0.0, x), np.append(0.0, y), **style)

@@ -48,7 +48,7 @@ def compare_paths(path: EquilibriumPath, reference: EquilibriumPath) -> Comparis
     reference : the path whose peaks the curve errors are divided by.
     """
     times, mine, theirs = np.intersect1d(path.times, reference.times, return_indices=True)
-    curve = compare_curves(path.times, _responses(path), reference)
+    curve = compare_curves(path.times, answered(path), reference)
     if times.size == 0:
         return curve
     apart = path.circle_centres(mine[-1]) - reference.circle_centres(theirs[-1])
@@ -72,7 +72,7 @@ def compare_curves(
     nan = float("nan")
     if common.size == 0:
         return Comparison(nan, nan, nan, nan, {}, {}, 0, 0.0)
-    errors = _curve_errors(responses, _responses(reference), mine, theirs)
+    errors = _curve_errors(responses, answered(reference), mine, theirs)
     largest = {name: float(np.abs(error).max()) for name, error in errors.items()}
     rms = {name: float(np.sqrt(np.mean(error**2))) for name, error in errors.items()}
     return Comparison(
@@ -87,7 +87,7 @@ def compare_curves(
     )
 
 
-def _responses(path: EquilibriumPath) -> dict[str, np.ndarray]:
+def answered(path: EquilibriumPath) -> dict[str, np.ndarray]:
     """What a path answers to its load, each (steps,): the reaction where UY is prescribed."""
     answers = dict(zip(COMPONENTS, path.tips.T, strict=True))
     if path.scene.load.displacement:

@@ -2,21 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
 import matplotlib
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.collections import EllipseCollection
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from coilspring import EquilibriumPath
-from validation.figures import png
+from validation.figures import TIPS, both, discs, png
+from validation.metrics import COMPONENTS, answered
 from validation.springfigures import BEAM_CIRCLE, REST_CIRCLE, WIRE_CIRCLE
 from validation.style import BEAM_LABEL, BEAM_LINE, DOUBLE, GREY, RC, WIRE_LABEL, WIRE_LINE
 
-COMPONENTS = ("UX (mm)", "UY (mm)", "ROTZ (rad)")
+LABELS = dict(zip(COMPONENTS, TIPS, strict=True))
+HELD = 1e-9  # mm, rad: tips below are held freedoms' rounding
 
 
 def overlay(beam: EquilibriumPath, wire: EquilibriumPath) -> bytes:
@@ -24,10 +23,10 @@ def overlay(beam: EquilibriumPath, wire: EquilibriumPath) -> bytes:
     the last time that both reached."""
     with matplotlib.rc_context(RC):
         figure = Figure(figsize=(DOUBLE, 4.4), layout="constrained")
-        names = ("ux", "uy", "rotz")
-        plots = figure.subplot_mosaic([[name, "shape"] for name in names], width_ratios=(1.15, 1.0))
-        for index, name in enumerate(names):
-            _curve(plots[name], (beam, wire), index)
+        plots = figure.subplot_mosaic([[name, "shape"] for name in LABELS], width_ratios=(1.15, 1.0))
+        for name in LABELS:
+            _curve(plots[name], beam, wire, name)
+            plots[name].tick_params(labelbottom=name == "rotz")
         plots["rotz"].set_xlabel(_abscissa(beam)[1])
         _shape(plots["shape"], beam, wire)
         figure.legend(handles=_key(), loc="outside lower center", ncols=3)
@@ -42,19 +41,14 @@ def _abscissa(path: EquilibriumPath) -> tuple[np.ndarray, str]:
     return np.hypot(*path.loads.T), "load |F| (N)"
 
 
-def _curve(axes: Axes, paths: Sequence[EquilibriumPath], index: int) -> None:
-    """One component of both models, from the unloaded spring on."""
-    driven = index == 1 and bool(paths[0].scene.load.displacement)
-    largest = 0.0
-    for path, style in zip(paths, (BEAM_LINE, WIRE_LINE), strict=True):
-        values = path.loads[:, 1] if driven else path.tips[:, index]
-        axes.plot(np.append(0.0, _abscissa(path)[0]), np.append(0.0, values), **style)
-        largest = max(largest, float(np.abs(values).max(initial=0.0)))
-    if largest < 1e-9:
-        axes.set_ylim(-1.0, 1.0)  # held: its rounding is no curve
-    axes.set(ylabel="force FY (N)" if driven else COMPONENTS[index], xlim=(0.0, None))
-    if index < 2:
-        axes.tick_params(labelbottom=False)
+def _curve(axes: Axes, beam: EquilibriumPath, wire: EquilibriumPath, name: str) -> None:
+    """One component of both models."""
+    values = [answered(path)[name] for path in (beam, wire)]
+    both(axes, (_abscissa(beam)[0], values[0]), (_abscissa(wire)[0], values[1]))
+    if max(np.abs(each).max(initial=0.0) for each in values) < HELD:
+        axes.set_ylim(-1.0, 1.0)  # its rounding is no curve
+    driven = name == "uy" and beam.scene.load.displacement
+    axes.set(ylabel="force FY (N)" if driven else LABELS[name], xlim=(0.0, None))
 
 
 def _shape(axes: Axes, beam: EquilibriumPath, wire: EquilibriumPath) -> None:
@@ -68,13 +62,7 @@ def _shape(axes: Axes, beam: EquilibriumPath, wire: EquilibriumPath) -> None:
             (wire.circle_centres(theirs[-1]), WIRE_CIRCLE),
         ]
     for centres, look in groups:
-        size = np.full(len(centres), spring.wire_diameter)
-        axes.add_collection(
-            EllipseCollection(
-                size, size, np.zeros(len(centres)), units="xy", offsets=centres,
-                offset_transform=axes.transData, **look,
-            )
-        )  # fmt: skip
+        discs(axes, centres, spring.wire_diameter, **look)
     every = np.concatenate([centres for centres, _ in groups])
     low, high = every.min(axis=0) - spring.wire_diameter, every.max(axis=0) + spring.wire_diameter
     title = f"contact circles at time {common[-1]:g}" if common.size else "no common step"

@@ -6,13 +6,14 @@ from pathlib import Path
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.collections import EllipseCollection, LineCollection
+from matplotlib.collections import LineCollection
 from matplotlib.colors import to_rgb
 from matplotlib.figure import Figure
 from matplotlib.image import imread
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch, Rectangle
 
+from validation.figures import discs
 from validation.shapes import BAND_SCALE, Shapes, bands, view
 from validation.style import BEAM_LABEL, BLUE, DARK_RED, DOUBLE, GREY, LIT_RED, PALE_BLUE, WIRE_LABEL
 
@@ -129,17 +130,12 @@ def plane_figure(panels: tuple[Shapes, ...]) -> Figure:
 
 def _circles(axes: Axes, panel: Shapes) -> None:
     """Circles of the wire's diameter around the three sets of centres."""
-    diameter = np.full(1, panel.diameter)
     for centres, style in (
         (panel.rest_circles, REST_CIRCLE),
         (panel.beam_circles, BEAM_CIRCLE),
         (panel.wire_circles, WIRE_CIRCLE),
     ):
-        axes.add_collection(
-            EllipseCollection(
-                diameter, diameter, 0.0, units="xy", offsets=centres, offset_transform=axes.transData, **style
-            )
-        )
+        discs(axes, centres, panel.diameter, **style)
 
 
 def _detail(axes: Axes, detail: Axes, panel: Shapes, place: Shapes) -> None:

@@ -60,6 +60,14 @@ def centre(contact, state, sphere):
 
 
 @arithmetic
+def _between(contact, state, m):
+    """Vector between the centres of a pair, and their arms from their carriers as turned now."""
+    a, ra = centre(contact, state, contact.pairs[m, 0])
+    b, rb = centre(contact, state, contact.pairs[m, 1])
+    return plus(b, -1.0, a), ra, rb
+
+
+@arithmetic
 def _scatter(chain, state, ge, Ke, g, H):
     """Add the gradients and Hessians of the elements, the last one's carried over to its node."""
     last = len(ge) - 1
@@ -79,17 +87,14 @@ def _add_pairs(contact, memory, state, g, H):
     w, e, f, Hg = np.empty(3), np.empty(3), np.empty(3), np.empty((3, 3))
     ge, Ke = np.empty(12), np.empty((12, 12))
     for m in range(contact.pairs.shape[0]):
-        A, B = contact.pairs[m, 0], contact.pairs[m, 1]
-        ca, ra = centre(contact, state, A)
-        cb, rb = centre(contact, state, B)
-        between = plus(cb, -1.0, ca)
+        between, ra, rb = _between(contact, state, m)
         h2 = dot(between, between)
         if h2 >= contact.d * contact.d and memory[m, ON] == 0.0:
             continue
         w[0], w[1], w[2] = between
         energy += pair_potential(w, math.sqrt(h2), contact.d, contact.kc, contact.k, memory[m], e, f, Hg)
         pair_matrix(f, Hg, ra, rb, ge, Ke)
-        a, b = contact.carrier[A], contact.carrier[B]
+        a, b = contact.carrier[contact.pairs[m, 0]], contact.carrier[contact.pairs[m, 1]]
         _add_gradient(g, a, b, ge)
         if len(H) > 0:
             _add_nodes(H, a, b, Ke)
@@ -205,14 +210,6 @@ def _bound(reach, a, b):
     return most
 
 
-@arithmetic
-def _between(contact, state, m):
-    """Vector between the centres of a pair."""
-    a, _ = centre(contact, state, contact.pairs[m, 0])
-    b, _ = centre(contact, state, contact.pairs[m, 1])
-    return plus(b, -1.0, a)
-
-
 @kernel
 def motion(reals, ints, a, b, least):
     """See `coilspring.kernelset`: bound on all motion, pair motion, share of the way to the first touch.
@@ -225,8 +222,8 @@ def motion(reals, ints, a, b, least):
         return way, most, free
     inner = (contact.d * (1.0 - TOUCH)) ** 2
     for m in range(contact.pairs.shape[0]):
-        v = _between(contact, a, m)
-        w = _between(contact, b, m)
+        v, _, _ = _between(contact, a, m)
+        w, _, _ = _between(contact, b, m)
         x = plus(w, -1.0, v)
         before, square, along = dot(v, v), dot(x, x), -dot(v, x)
         if before >= contact.d**2 and dot(w, w) < inner:
@@ -285,7 +282,7 @@ def commit(reals, ints, state, memory):
     least = np.inf
     w, e = np.empty(3), np.empty(3)
     for m in range(contact.pairs.shape[0]):
-        between = _between(contact, state, m)
+        between, _, _ = _between(contact, state, m)
         h = math.sqrt(dot(between, between))
         least = min(least, h - contact.d)
         if contact.mu == 0.0:
@@ -311,7 +308,7 @@ def renew(reals, ints, state, memory):
             continue
         bound = contact.mu
         if bound < np.inf:
-            between = _between(contact, state, m)
+            between, _, _ = _between(contact, state, m)
             h = math.sqrt(dot(between, between))
             bound *= contact.kc * max(contact.d - h, 0.0) ** contact.k
             change = max(change, abs(bound - memory[m, BOUND]))
