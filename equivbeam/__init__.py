@@ -2,7 +2,7 @@
 
 from equivbeam.calibration import Calibration, calibrate
 from equivbeam.column import Buckling, buckling, lateral_stiffness
-from equivbeam.helix import Refinements
+from equivbeam.helixrows import Refinements
 from equivbeam.sensitivity import Sensitivity, sensitivities
 from equivbeam.solve import solve
 from equivbeam.sweep import Outcome, sweep

@@ -16,7 +16,8 @@ ROW = 2 * WIDTH
 
 
 @arithmetic
-def _eliminate(F):
+def eliminate(F, width):
+    """LDL^T in place of rows of `width` entries; returns the negative pivots and the least pivot."""
     n = F.shape[0]
     negative, least = 0, np.inf
     for k in range(n):
@@ -25,13 +26,13 @@ def _eliminate(F):
         if not pivot > 0.0:
             negative += 1
         share = 1.0 / pivot
-        for m in range(1, min(WIDTH, n - k)):
+        for m in range(1, min(width, n - k)):
             if F[k, m] == 0.0:
                 continue  # as where no pair touches
             l = F[k, m] * share  # noqa: E741
-            for q in range(WIDTH):
+            for q in range(width):
                 F[k + m, q] -= l * F[k, m + q]
-        for m in range(1, WIDTH):
+        for m in range(1, width):
             F[k, m] *= share
     return negative, least
 
@@ -42,7 +43,7 @@ def factor(reals, ints, flat):
 
     Returns the number of negative pivots and the least pivot.
     """
-    return _eliminate(flat.reshape((flat.size // ROW, ROW)))
+    return eliminate(flat.reshape((flat.size // ROW, ROW)), WIDTH)
 
 
 @arithmetic

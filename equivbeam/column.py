@@ -16,6 +16,7 @@ from coilspring.scene import Load, Scene
 from coilspring.solving import Problem, Run, follow_problem
 from equivbeam import band, kernels
 from equivbeam.haringx import KAX, KFL, KSH, L0
+from equivbeam.helixrows import Refinements
 from equivbeam.laws import LAWS
 from equivbeam.model import BeamModel, build_model, load_vector
 from equivbeam.problem import beam_problem
@@ -107,7 +108,9 @@ def _compressed(
             f"refine and inclined must be left alone with law {law}, got {refine!r}, {inclined!r}"
         )
     straight = replace(scene.without_contact(), load=Load((0.0, -1.0)))
-    data = _refined(build_model(straight, law=law), scene, refine, inclined)
+    # a perfect column: what held ends do to its axis would bow it from the first force on
+    perfect = build_model(straight, law=law, refinements=Refinements(ends=False))
+    data = _refined(perfect, scene, refine, inclined)
     at_rest = data if law == "haringx" else build_model(straight)
     force = shortening / float((1.0 / at_rest.rows[:, KAX]).sum())
     problem = beam_problem(data, force * load_vector(data, straight))

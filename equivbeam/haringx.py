@@ -13,21 +13,9 @@ from coilspring.compiled import part
 from coilspring.material import Material
 from coilspring.spring import Spring
 from equivbeam.halfcoil import Response
+from equivbeam.stations import half_coils
 
 KAX, KSH, KFL, L0 = range(4)
-
-
-def middle_phases(spring: Spring) -> np.ndarray:
-    """Phases in the middle of the half coils, rad."""
-    return (np.arange(round(2 * spring.active_coils)) + 0.5) * math.pi
-
-
-def lengths_at_rest(spring: Spring) -> np.ndarray:
-    """Axial lengths of the half coils, mm: half the mean pitch in each."""
-    count = round(2 * spring.active_coils)
-    if not spring.sections:
-        return np.full(count, 0.5 * spring.pitch)  # without the rounding of differences
-    return np.diff(spring.height(np.arange(count + 1) * math.pi))
 
 
 def haringx_stiffness(spring: Spring, material: Material) -> np.ndarray:
@@ -36,9 +24,10 @@ def haringx_stiffness(spring: Spring, material: Material) -> np.ndarray:
     Haringx (1948) with the paper's cos p; the coil diameter is that in the middle of the half coil,
     the helix angle p that of its mean pitch.
     """
-    D = 2.0 * spring.radius(middle_phases(spring))
+    at = half_coils(spring)
+    D = 2.0 * spring.radius(at.middles)
     E, G, d = material.E, material.G, spring.wire_diameter
-    cos_p = np.cos(np.arctan(2.0 * lengths_at_rest(spring) / (math.pi * D)))
+    cos_p = np.cos(np.arctan(2.0 * at.lengths / (math.pi * D)))
     kax = 2.0 * G * d**4 / (8.0 * D**3) * cos_p
     ksh = 2.0 * E * d**4 / (8.0 * D**3) * cos_p
     kfl = 2.0 * 4.0 * E * G * d**4 / (64.0 * D * (2.0 * G + E)) * cos_p
@@ -48,7 +37,7 @@ def haringx_stiffness(spring: Spring, material: Material) -> np.ndarray:
 def haringx_rows(spring: Spring, material: Material) -> np.ndarray:
     """Parameters of every half coil: Kax, Ksh, Kfl and the length at rest, shape (2 n, 4)."""
     stiffness = haringx_stiffness(spring, material)
-    return np.column_stack((stiffness, lengths_at_rest(spring)))
+    return np.column_stack((stiffness, half_coils(spring).lengths))
 
 
 @part

@@ -1,6 +1,6 @@
 """The helix law of a half coil: Love's helix in large deformation on its axis, wire theory across it.
 
-    U = E(l) + v^2 / (2 Csh) + dtheta^2 / (2 Cfl)                              (B5)
+    U = E(l) + (v - v0(l))^2 / (2 Csh) + (dtheta - dtheta0(l))^2 / (2 Cfl)     (B5)
 
 E(l): wire of length s, at rest with torsion tau0 and curvature kappa0; u is the sine of the angle between
 the normals of its sections and the plane of a coil, c = sqrt(1 - u^2), omega the winding angle per length::
@@ -19,29 +19,33 @@ Csh, Cfl: lateral and bending flexibility of the wire, averaged over a turn, at 
     Csh = s [L^2 (1 - x)/2 (x/GJ + (1 - x)/EI) + (1 - x)/(2 EA) + (1 + x)/(2 GA)] + l^2 Cfl / 12   (B11)
 
 with L the length of wire per radian. The last term spreads the bending over the half coil, which has
-it in its middle. Derivation: docs/theory.md.
+it in its middle.
+
+v0, dtheta0: what the axial force alone does besides, by the angle alpha = asin(l/s) and the radius
+rho = L cos(alpha) of the helix, chi = alpha - alpha0, from psi_1 to psi_2 counted from the beam's plane::
+
+    dtheta0 = -m chi,  m = int (r / r_mean)^2 cos(psi) dpsi                    (B12)
+    v0 = (cos psi_2 - cos psi_1) (rho - rho0) - (sin psi_1 + sin psi_2) / 2 chi l    (B13)
+
+The wire turns about its own radius as its angle changes, and a node, which stands at the radius at rest from
+the wire, moves as the coil grows. Where the wire is held the axis is so tilted and set off. What of the
+flexibilities is by way of the length is taken off Cfl and Csh. Derivation: docs/theory.md.
 """
 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
-
-import numpy as np
 
 from coilspring.compiled import kernel, part
-from coilspring.errors import InputError, shown
-from coilspring.material import Material
-from coilspring.spring import Spring
-from coilspring.wire import round_section
 from equivbeam.halfcoil import Response
-from equivbeam.haringx import KAX, haringx_stiffness, lengths_at_rest, middle_phases
 
 # columns of the table of parameters; B0.. and H0.. are the polynomials of (B10) and (B11) in x, G1.. the
 # series of u - u0 in l/s - l0/s, from which (B8) is solved
 RATE, S, PER_S, L0, GJ, EI, IGA, IEA, OMEGA, TAU0, KAPPA0, FREE, U0 = range(13)
 B0, B1, H0, H1, H2, G1, G2, G3, U_LOW, U_HIGH, LOW, HIGH = range(13, 25)
-COLUMNS = 25
+# factors in (B12) and (B13): of chi, of rho - rho0 and of chi l
+TILT, SWELL, TIP = 25, 26, 27
+COLUMNS = 28
 
 CLOSE = 1e-7  # step in u whose square is rounding: E and its derivatives are carried along it
 MOST_STEPS = 30
@@ -52,100 +56,6 @@ LEAST_COSINE = 0.2
 LEAST_ROOT = (
     0.5  # and while (B7), which has no root under a force that shears the wire flat, is clear of that
 )
-STRAIGHT = 0.05  # cosine of the angle of a helix of 87 degrees
-
-
-@dataclass(frozen=True)
-class Refinements:
-    """What the helix law has beyond Haringx's: each can be left out, to see what it is worth.
-
-    Attributes
-    ----------
-    large : axial law of a helix in large deformation, else Haringx's constant stiffness; `held` and
-        `taper` refine this law.
-    held : the ends of a half coil do not turn about the axis, as the scenes have it; else they are free.
-    shear, stretch : transverse shear and stretch of the wire.
-    taper : radius of a half coil of a cone by its axial flexibility, else that in its middle.
-    lateral : lateral and bending flexibility by wire theory, else Haringx's; `spread` and `current`
-        refine it.
-    spread : bending acts all along the half coil, else in its middle.
-    current : lateral and bending flexibility at the current angle of the helix, else at rest.
-    """
-
-    large: bool = True
-    held: bool = True
-    shear: bool = True
-    stretch: bool = True
-    taper: bool = True
-    lateral: bool = True
-    spread: bool = True
-    current: bool = True
-
-    def __post_init__(self) -> None:
-        for name, value in vars(self).items():
-            if not isinstance(value, bool):
-                raise InputError(f"refinements.{name} must be true or false, got {shown(value)}")
-
-
-def helix_rows(spring: Spring, material: Material, refinements: Refinements) -> np.ndarray:
-    """Parameters of every half coil, shape (2 n, `COLUMNS`)."""
-    wire, on = round_section(spring.wire_diameter, material), refinements
-    radius, length = _radii(spring, on.taper), lengths_at_rest(spring)
-    c = length / math.pi
-    slant = np.hypot(radius, c)  # L, wire length per radian
-    _refuse_straight_wire(spring, float((radius / slant).min()))
-    rows = np.zeros((radius.size, COLUMNS))
-    stiffness = haringx_stiffness(spring, material)
-    rows[:, RATE] = 0.0 if on.large else stiffness[:, KAX]
-    rows[:, S], rows[:, PER_S], rows[:, L0] = math.pi * slant, 1.0 / (math.pi * slant), length
-    rows[:, GJ], rows[:, EI] = wire.GJ, wire.EI
-    rows[:, IGA], rows[:, IEA] = on.shear / wire.GA, on.stretch / wire.EA
-    rows[:, OMEGA], rows[:, TAU0], rows[:, KAPPA0] = 1.0 / slant, c / slant**2, radius / slant**2
-    rows[:, FREE], rows[:, U0] = not on.held, c / slant
-    if on.lateral:
-        _set_lateral(rows, slant, on)
-    else:
-        rows[:, H0], rows[:, B0] = 1.0 / stiffness[:, 1], 1.0 / stiffness[:, 2]
-    set_range(rows)
-    return rows
-
-
-def _refuse_straight_wire(spring: Spring, cosine: float) -> None:
-    """Refuse a wire that is all but straight at rest: the law is one of coils."""
-    if cosine < STRAIGHT:
-        least = min(min(section.mean_diameter) for section in spring.coils)
-        most = math.pi * least * spring.active_coils / STRAIGHT
-        raise InputError(
-            f"spring.active_height must be below about {most:.3g} with law helix, so that the wire is "
-            f"coiled, got {spring.active_height!r}"
-        )
-
-
-def _radii(spring: Spring, taper: bool) -> np.ndarray:
-    """Radius of every half coil: in its middle, or the one whose cube is the mean of r^3 over it.
-
-    The mean is Simpson's, exact unless two sections meet within the half coil.
-    """
-    middle = spring.radius(middle_phases(spring))
-    if not taper:
-        return middle
-    cubes = spring.radius(np.arange(len(middle) + 1) * math.pi) ** 3
-    return np.cbrt((cubes[:-1] + 4.0 * middle**3 + cubes[1:]) / 6.0)
-
-
-def _set_lateral(rows: np.ndarray, slant: np.ndarray, on: Refinements) -> None:
-    """Coefficients of (B10) and (B11); at rest, where they do not follow the angle, constants."""
-    s, x = rows[:, S], rows[:, U0] ** 2
-    J, I, G, A = 1.0 / rows[:, GJ], 1.0 / rows[:, EI], rows[:, IGA], rows[:, IEA]  # noqa: E741
-    h, q = 0.5 * slant**2, on.spread * s**2 / 12.0
-    rows[:, B0], rows[:, B1] = 0.5 * s * (J + I), 0.5 * s * (I - J)
-    rows[:, H0] = s * (h * I + 0.5 * (A + G))
-    rows[:, H1] = s * (h * (J - 2.0 * I) + 0.5 * (G - A) + 0.5 * q * (J + I))
-    rows[:, H2] = s * (I - J) * (h + 0.5 * q)
-    if not on.current:
-        rows[:, B0] += x * rows[:, B1]
-        rows[:, H0] += x * (rows[:, H1] + x * rows[:, H2])
-        rows[:, [B1, H1, H2]] = 0.0
 
 
 @part
@@ -256,6 +166,19 @@ def _square(rows, i, l):  # noqa: E741
 
 
 @part
+def winding(rows, i, l):  # noqa: E741
+    """chi and rho - rho0 at the length l, each with its derivatives; beyond the range straight lines."""
+    per, slant = rows[i, PER_S], 1.0 / rows[i, OMEGA]
+    end = min(max(l, rows[i, LOW]), rows[i, HIGH])
+    y, y0 = end * per, rows[i, L0] * per
+    c, c0 = math.sqrt(1.0 - y * y), math.sqrt(1.0 - y0 * y0)
+    rate = per / c
+    bend = rate * rate / c if l == end else 0.0
+    chi = math.asin(y * c0 - y0 * c) + (l - end) * rate
+    return chi, rate, y * bend, slant * (c - c0 - (l - end) * y * rate), -slant * y * rate, -slant * bend
+
+
+@part
 def helix(rows, i, l, v, dth):  # noqa: E741
     """Response of one half coil: (B5)."""
     E, N, N_l = axial(rows, i, l)
@@ -263,10 +186,19 @@ def helix(rows, i, l, v, dth):  # noqa: E741
     h1 = rows[i, H1] + 2.0 * rows[i, H2] * x
     ksh = 1.0 / (rows[i, H0] + x * (rows[i, H1] + x * rows[i, H2]))
     kfl = 1.0 / (rows[i, B0] + x * rows[i, B1])
+    # v0 and -dtheta0 and their derivatives in l
+    chi, chi1, chi2, rho, rho1, rho2 = winding(rows, i, l)
+    m, swell, tip = rows[i, TILT], rows[i, SWELL], rows[i, TIP]
+    m1, m2 = m * chi1, m * chi2
+    v1, v2 = swell * rho1 + tip * (chi + l * chi1), swell * rho2 + tip * (2.0 * chi1 + l * chi2)
+    v -= swell * rho + tip * chi * l
+    dth += m * chi
     # derivatives of the flexibilities in l, and with K = 1/C: K' = -C' K^2, K'' = (2 C'^2 K - C'') K^2
     C1, C2 = h1 * x1, 2.0 * rows[i, H2] * x1 * x1 + h1 * x2
     D1, D2 = rows[i, B1] * x1, rows[i, B1] * x2
     T, M = ksh * v, kfl * dth
-    N -= 0.5 * (C1 * T * T + D1 * M * M)
+    N_v, N_m = -ksh * (C1 * T + v1), kfl * (m1 - D1 * M)
+    N -= 0.5 * (C1 * T * T + D1 * M * M) + T * v1 - M * m1
     N_l += (C1 * C1 * ksh - 0.5 * C2) * T * T + (D1 * D1 * kfl - 0.5 * D2) * M * M
-    return Response(E + 0.5 * (T * v + M * dth), N, T, M, N_l, -C1 * ksh * T, -D1 * kfl * M, ksh, kfl)
+    N_l += ksh * v1 * (v1 + 2.0 * C1 * T) - T * v2 + kfl * m1 * (m1 - 2.0 * D1 * M) + M * m2
+    return Response(E + 0.5 * (T * v + M * dth), N, T, M, N_l, N_v, N_m, ksh, kfl)

@@ -8,7 +8,8 @@ from coilspring.compiled import part
 from coilspring.material import Material
 from coilspring.spring import Spring
 from equivbeam.haringx import KAX, KFL, KSH, haringx, haringx_rows
-from equivbeam.helix import Refinements, helix, helix_rows
+from equivbeam.helix import helix
+from equivbeam.helixrows import Refinements, helix_rows
 
 HARINGX, HELIX = 0, 1
 LAWS = {"haringx": HARINGX, "helix": HELIX}

@@ -14,8 +14,9 @@ from coilspring.packing import heads, table, vector
 from coilspring.scene import Scene
 from equivbeam.band import ROW
 from equivbeam.haringx import L0
-from equivbeam.helix import Refinements
+from equivbeam.helixrows import Refinements
 from equivbeam.laws import LAWS, law_rows
+from equivbeam.stations import half_coil_count
 
 EXACT, PAPER, PRINTED = 0, 1, 2
 TANGENTS = {"exact": EXACT, "paper": PAPER, "paper-printed": PRINTED}
@@ -63,12 +64,7 @@ def build_model(
             f"tangent must be exact where the spring has sections: the paper's matrix is for half coils of "
             f"one length, got {tangent!r}"
         )
-    count = round(2 * spring.active_coils)
-    if abs(2 * spring.active_coils - count) > 1e-9:
-        raise InputError(
-            f"spring.active_coils must be a multiple of 0.5 in [0.5, 1000] for the equivalent beam, "
-            f"got {spring.active_coils!r}"
-        )
+    count = half_coil_count(spring)
     carrier, offset = _circles(scene, count)
     index = np.arange(carrier.size - 2)
     pairs = np.stack((index, index + 2), axis=1)
@@ -95,7 +91,7 @@ def build_model(
 def _circles(scene: Scene, count: int) -> tuple[np.ndarray, np.ndarray]:
     """Carriers and offsets of the contact circles, end turns included, from bottom to top.
 
-    The model knows the start phase only by the side on which the wire begins.
+    Circles know the start phase only by the side on which the wire begins.
     """
     spring = scene.spring
     ends = math.floor(2 * spring.end_turns + 1e-9)

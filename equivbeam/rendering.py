@@ -13,6 +13,14 @@ from coilspring.scene import Scene
 from equivbeam.model import BeamModel, rest_state
 
 
+def element_lengths(states: np.ndarray) -> np.ndarray:
+    """Lengths l of all elements by (B1), shape (states, elements), mm; `states` are flat, three a node."""
+    nodes = states.reshape(len(states), -1, 3)
+    ax, ay = np.moveaxis(np.diff(nodes[..., :2], axis=1), -1, 0)
+    mean = 0.5 * (nodes[:, 1:, 2] + nodes[:, :-1, 2])
+    return ay * np.cos(mean) - ax * np.sin(mean)
+
+
 @dataclass(frozen=True)
 class BeamShape:
     """Reads the states of an equivalent beam; see `coilspring.path.Shape`."""
@@ -27,13 +35,6 @@ class BeamShape:
     def tips(self, states: np.ndarray) -> np.ndarray:
         """UX, UY, ROTZ of the last node, shape (states, 3)."""
         return self._nodes(states)[:, -1] - np.array([0.0, self.scene.spring.active_height, 0.0])
-
-    def lengths(self, states: np.ndarray) -> np.ndarray:
-        """Lengths l of all half coils by (B1), shape (states, elements), mm."""
-        nodes = self._nodes(states)
-        ax, ay = np.moveaxis(np.diff(nodes[..., :2], axis=1), -1, 0)
-        mean = 0.5 * (nodes[:, 1:, 2] + nodes[:, :-1, 2])
-        return ay * np.cos(mean) - ax * np.sin(mean)
 
     def circles(self, states: np.ndarray) -> np.ndarray:
         """Centres of the contact circles, shape (states, circles, 2), mm."""

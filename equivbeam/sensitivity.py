@@ -62,6 +62,8 @@ def sensitivities(path: EquilibriumPath, parameters: Sequence[str]) -> Sensitivi
     """
     names = tuple(parameters)
     shape = path.shape
+    if path.options.get("plane") == "across":
+        raise InputError("sensitivities needs a path with plane = 'working', got 'across'")
     if not isinstance(shape, BeamShape):
         raise InputError(f"sensitivities needs a path of the model equivbeam, got {path.model}")
     if shape.data.mu > 0.0 and path.scene.contact.enabled:

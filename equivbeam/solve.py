@@ -14,12 +14,18 @@ from coilspring.path import EquilibriumPath
 from coilspring.scene import Scene
 from coilspring.solving import MOST_ITERATIONS, follow_load, scene_path
 from equivbeam import band, driven, kernels, model
-from equivbeam.helix import HIGH, LOW, Refinements
+from equivbeam.across import band as wide
+from equivbeam.across import kernels as across
+from equivbeam.across.model import across_problem, build_across
+from equivbeam.across.shape import AcrossShape
+from equivbeam.helix import HIGH, LOW
+from equivbeam.helixrows import Refinements
 from equivbeam.laws import LAWS
 from equivbeam.problem import beam_problem
-from equivbeam.rendering import BeamShape
+from equivbeam.rendering import BeamShape, element_lengths
 
 SLIDING = ("ignore", "scene")
+PLANES = ("working", "across")
 # The paper's matrices are not the tangent: they converge linearly, the printed one by hundreds of steps.
 MOST_PAPER_ITERATIONS = 10_000
 
@@ -35,6 +41,15 @@ KERNELS = Kernels(
     renew=kernels.renew,
 )
 DRIVEN = KERNELS._replace(assemble=driven.assemble)
+ACROSS = KERNELS._replace(
+    assemble=across.assemble,
+    factor=wide.factor,
+    solve=wide.solve,
+    motion=across.motion,
+    commit=across.commit,
+    renew=across.renew,
+)
+ACROSS_DRIVEN = ACROSS._replace(assemble=across.driven)
 
 
 def solve(
@@ -45,6 +60,7 @@ def solve(
     law: str = "haringx",
     tangent: str = "exact",
     sliding: str = "ignore",
+    plane: str = "working",
     refinements: Refinements | None = None,
     factors: tuple[float, float, float] = model.ONES,
 ) -> EquilibriumPath:
@@ -53,8 +69,8 @@ def solve(
     Parameters
     ----------
     scene : Scene
-        What is modelled; active coils a multiple of 0.5. Of the start phase only the side on which
-        the wire begins matters to an in-plane model.
+        What is modelled; active coils a multiple of 0.5. The start phase is in the helix law; circles stand
+        on the side on which the wire begins.
     steps : int, optional
         Requested equal steps of time; by default the scene's.
     penalty : float, optional
@@ -68,6 +84,10 @@ def solve(
     sliding : {"ignore", "scene"}
         "scene" applies the scene's "no sliding" or friction to the circles; by default they are
         frictionless.
+    plane : {"working", "across"}
+        Where the beam lies. "across", by the helix law for springs that are loaded along their axis, is at
+        a right angle to the plane in which the wire leaves the end turns: there the coils meet first
+        (`equivbeam.across`).
     refinements : Refinements, optional
         What the helix law has beyond the paper's; by default all of it.
     factors : tuple of float
@@ -85,8 +105,11 @@ def solve(
     require_choice("law", law, tuple(LAWS))
     require_choice("tangent", tangent, tuple(model.TANGENTS))
     require_choice("sliding", sliding, SLIDING)
-    _refuse_mixtures(law, tangent, refinements, factors)
+    require_choice("plane", plane, PLANES)
+    _refuse_mixtures(law, tangent, plane, refinements, factors)
     scene = scene.overridden(steps, penalty)
+    if plane == "across":
+        return _solve_across(scene, {"law": law, "tangent": tangent, "sliding": sliding, "plane": plane})
     data = model.build_model(scene, tangent, sliding, law, refinements or model.ALL, factors)
     problem = beam_problem(data, model.load_vector(data, scene))
     exact = tangent == "exact"
@@ -97,10 +120,24 @@ def solve(
         options["refinements"] = asdict(refinements)
     if tuple(factors) != model.ONES:
         options["factors"] = tuple(factors)
-    shape = BeamShape(scene, data)
     if law == "helix":
-        run = replace(run, message=run.message + _caution(data, shape, run.track.states))
+        run = replace(run, message=run.message + _caution(data.rows, run.track.states))
+    return scene_path(scene, "equivbeam", options, run, BeamShape(scene, data))
+
+
+def _solve_across(scene: Scene, options: Mapping[str, Any]) -> EquilibriumPath:
+    """Follow the load path in the plane across."""
+    shape = beam_shape(scene, options)
+    run = follow_load(scene, across_problem(shape.data, scene), ACROSS, ACROSS_DRIVEN)
+    run = replace(run, message=run.message + _caution(shape.data.rows, run.track.states))
     return scene_path(scene, "equivbeam", options, run, shape)
+
+
+def beam_shape(scene: Scene, options: Mapping[str, Any]) -> Any:
+    """Reader of the states of a path that was solved with the options."""
+    if options.get("plane") == "across":
+        return AcrossShape(scene, build_across(scene, options["sliding"]))
+    return BeamShape(scene, beam_model(scene, options))
 
 
 def beam_model(scene: Scene, options: Mapping[str, Any]) -> model.BeamModel:
@@ -117,9 +154,13 @@ def beam_model(scene: Scene, options: Mapping[str, Any]) -> model.BeamModel:
 
 
 def _refuse_mixtures(
-    law: str, tangent: str, refinements: Refinements | None, factors: tuple[float, float, float]
+    law: str, tangent: str, plane: str, refinements: Refinements | None, factors: tuple[float, float, float]
 ) -> None:
     """Refuse what goes with one law alone."""
+    if plane == "across" and (law != "helix" or refinements is not None):
+        raise InputError(
+            "plane must be working unless the law is helix with all its refinements, got 'across'"
+        )
     if not isinstance(factors, list | tuple) or len(factors) != 3:
         raise InputError(f"factors must be three numbers, got {shown(factors)}")
     for factor in factors:
@@ -136,12 +177,12 @@ def _refuse_mixtures(
         raise InputError(f"refinements must be left out unless the law is helix, got them with {law!r}")
 
 
-def _caution(data: model.BeamModel, shape: BeamShape, states: np.ndarray) -> str:
+def _caution(rows: np.ndarray, states: np.ndarray) -> str:
     """Words on half coils that the last state has drawn beyond the range of the helix law, or nothing."""
     if not len(states):
         return ""
-    lengths = shape.lengths(states[-1:])[0]
-    beyond = np.flatnonzero((lengths < data.rows[:, LOW]) | (lengths > data.rows[:, HIGH]))
+    lengths = element_lengths(states[-1:])[0]
+    beyond = np.flatnonzero((lengths < rows[:, LOW]) | (lengths > rows[:, HIGH]))
     if not beyond.size:
         return ""
     return (

@@ -13,6 +13,7 @@ import equivbeam
 from coilspring import Scene, Spring, Supports, spring_a
 from coilspring.errors import InputError
 from coilspring.scene import Load
+from equivbeam import Refinements
 from equivbeam.column import buckling, lateral_stiffness
 
 MESHES = (1, 2, 4, 8)
@@ -97,7 +98,8 @@ def test_bad_input():
 def test_post_buckling_into_coil_contact(law):
     """Spring A pressed beyond its buckling load, with a side load of a ten-thousandth to choose the side."""
     scene = replace(spring_a(), load=Load((1e-3, -12.0), steps=12))
-    path = equivbeam.solve(scene, law=law)
+    perfect = Refinements(ends=False) if law == "helix" else None
+    path = equivbeam.solve(scene, law=law, refinements=perfect)
     buckled = int(np.argmax(path.tips[:, 0] > 1.0))
     straight = -path.loads[buckled - 1, 1], -path.loads[buckled, 1]
     assert straight[0] < -buckling(scene, law=law).force * 1.2 < straight[1] * 1.2

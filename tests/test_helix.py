@@ -24,14 +24,17 @@ from coilspring import (
 from coilspring.wire import round_section
 from equivbeam import Refinements
 from equivbeam.halfcoil import gradient, hessian, measures
-from equivbeam.helix import HIGH, LOW, U0, axial, helix, helix_rows
+from equivbeam.helix import HIGH, LOW, U0, axial, helix
+from equivbeam.helixrows import helix_rows
 from equivbeam.laws import LAWS
 from equivbeam.model import build_model
 from validation.metrics import compare_paths
+from validation.reached import as_far
 
 ALL = Refinements()
 NONE = Refinements(**dict.fromkeys(vars(ALL), False))
 FREE = replace(ALL, held=False)
+PERFECT = Refinements(ends=False)  # a column that does not bow by its ends
 INEXTENSIBLE = replace(ALL, shear=False, stretch=False)
 GUIDED = Supports(("ux", "rotz"))
 STEEP = Spring(1.0, (8.0, 6.0), 4.0, 60.0, end_turns=0.0)
@@ -66,7 +69,7 @@ def test_derivatives(check_derivatives, spring, refinements, share):
     rows = rows_of(spring, refinements)
     length = share * rows[3, HIGH] if share in (0.999, 1.2) else share * 0.5 * spring.pitch
     q = at_length(length, 0.4 * spring.pitch, 0.25)
-    check_derivatives(lambda step: element(rows, 3, q + step), 6, h=1e-4 * spring.pitch, tolerance=1e-7)
+    check_derivatives(lambda step: element(rows, 3, q + step), 6, h=5e-5 * spring.pitch, tolerance=1e-7)
 
 
 def test_nothing_refined_is_haringx():
@@ -105,7 +108,10 @@ def test_axial_rate(refinements, rate):
 
 
 def test_lateral_flexibility_is_that_of_the_wire():
-    """Mean over a turn of the wire's flexibility to a force and a couple in the plane, by quadrature."""
+    """Mean over a turn of the wire's flexibility to a force and a couple in the plane, by quadrature.
+
+    What the ends take off it is given back by way of the length.
+    """
     spring, wire = spring_a().spring, round_section(1.5, Material())
     phi = (np.arange(720) + 0.5) * np.pi / 360
     t = spring.derivatives(phi)[0]
@@ -120,13 +126,17 @@ def test_lateral_flexibility_is_that_of_the_wire():
 
     x = spring.radius(phi)[:, None] * np.stack((np.cos(phi), 0 * phi, np.sin(phi)), axis=1)
     side, axle = np.array([[1.0, 0.0, 0.0]]), np.array([[0.0, 0.0, 1.0]])
-    at_rest = helix(rows_of(spring, replace(ALL, spread=False)), 0, 0.5 * spring.pitch, 1.0, 1.0)
+    at_rest = helix(rows_of(spring, replace(PERFECT, spread=False)), 0, 0.5 * spring.pitch, 1.0, 1.0)
     shear = flexibility(np.repeat(side, 720, 0), np.cross(-x, side))
     bending = flexibility(0.0 * t, np.repeat(axle, 720, 0))
     assert 1.0 / at_rest.T_v == pytest.approx(shear, rel=1e-10)
     assert 1.0 / at_rest.M_m == pytest.approx(bending, rel=1e-10)
-    spread = helix(rows_of(spring), 0, 0.5 * spring.pitch, 1.0, 1.0)
+    spread = helix(rows_of(spring, PERFECT), 0, 0.5 * spring.pitch, 1.0, 1.0)
     assert 1.0 / spread.T_v == pytest.approx(shear + (0.5 * spring.pitch) ** 2 / 12.0 * bending, rel=1e-10)
+    r = helix(rows_of(spring), 0, 0.5 * spring.pitch, 0.0, 0.0)
+    whole = np.linalg.inv([[r.N_l, r.N_v, r.N_m], [r.N_v, r.T_v, 0.0], [r.N_m, 0.0, r.M_m]])
+    assert whole[1, 1] == pytest.approx(1.0 / spread.T_v, rel=1e-10)
+    assert whole[2, 2] == pytest.approx(bending, rel=1e-10)
 
 
 def test_taper_keeps_the_axial_flexibility_of_a_cone():
@@ -162,12 +172,15 @@ def test_load_curve(name, pairs, sliding):
 
 
 def test_spring_b_in_contact_misses_the_pairs_out_of_the_plane():
-    """1.26 %, as much as the wire model itself changes when it has the plane's 2 pairs a turn: 1.29 %."""
+    """1.20 %, as much as the wire model itself changes when it has the plane's 2 pairs a turn: 1.29 %.
+
+    What the plane across makes of it: tests/test_across.py.
+    """
     whole = wire("spring-b")
-    found = compare_paths(equivbeam.solve(spring_b(), law="helix"), whole).curve_max
+    found = compare_paths(equivbeam.solve(spring_b(), law="helix", sliding="scene"), whole).curve_max
     own = compare_paths(wire("spring-b", 2), whole).curve_max
-    assert found == pytest.approx(0.0126, abs=5e-4)
-    assert found == pytest.approx(own, abs=1e-3)
+    assert found == pytest.approx(0.0120, abs=5e-4)
+    assert found == pytest.approx(own, abs=1.5e-3)
 
 
 @pytest.mark.parametrize("spring", [spring_a().spring, spring_b().spring, STEEP, Spring(1.0, 2.0, 3.0, 6.0)])
@@ -193,7 +206,7 @@ def test_energy_is_finite_and_convex_however_far_it_is_drawn(spring, refinements
 def test_a_wire_drawn_straight_is_said_to_be_so():
     """One half coil whose top is guided, of 15.74 mm of wire."""
     spring = Spring(1.5, 10.0, 0.5, 1.0, end_turns=0.0)
-    for force, length, words in ((3e3, 13.76, False), (1e5, 50.7, True)):
+    for force, length, words in ((3e3, 12.97, False), (1e5, 43.6, True)):
         scene = Scene("drawn", spring, Load((0.0, force), 4), Material(), GUIDED, Contact(enabled=False))
         path = equivbeam.solve(scene, law="helix")
         assert 1.0 + path.tips[-1, 1] == pytest.approx(length, rel=1e-2)
@@ -231,13 +244,24 @@ def test_every_law_has_a_row_for_every_half_coil():
         assert len(build_model(spring_b(), law=law).rows) == 15
 
 
-@pytest.mark.parametrize("name", ["spring-a", "spring-b", "spring-b-no-contact"])
+@pytest.mark.parametrize("name", ["spring-a", "spring-b-no-contact"])
 def test_one_answer_for_every_number_of_steps(name):
     scene = load_scene(name)
     tips = [
         equivbeam.solve(scene, steps=steps, law="helix", sliding="ignore").tips[-1] for steps in (1, 10, 200)
     ]
     assert np.ptp(tips, axis=0).max() <= 2e-5
+
+
+def test_frictionless_spring_b_slides_off():
+    """As the wire model does, at 0.650: its coils do not stand straight above one another."""
+    found = []
+    for steps in (10, 200):
+        with pytest.raises(EquilibriumNotFound) as caught:
+            equivbeam.solve(spring_b(), steps=steps, law="helix")
+        assert caught.value.outcome == "limit_point"
+        found.append(caught.value.critical_time)
+    assert found == pytest.approx([0.996939] * 2, abs=1e-6)
 
 
 def test_mirror_image():
@@ -248,18 +272,20 @@ def test_mirror_image():
 
 
 def test_buckling_load_changes_with_the_law():
-    """A slender guided cylinder: critical by both, at loads 1 % apart."""
+    """A slender guided cylinder, perfect: critical by both, at loads 1 % apart. With its ends it bows."""
     scene = Scene(
         "column", Spring(1.5, 10.0, 14.5, 60.0), Load((0.0, -60.0), steps=5), contact=Contact(enabled=False)
     )
     found = []
     for law in LAWS:
         with pytest.raises(EquilibriumNotFound) as caught:
-            equivbeam.solve(scene, law=law)
+            equivbeam.solve(scene, law=law, refinements=PERFECT if law == "helix" else None)
         assert caught.value.outcome == "bifurcation"
         found.append(caught.value.critical_time)
     assert found[1] == pytest.approx(found[0], rel=0.03)
     assert found[1] != pytest.approx(found[0], rel=1e-4)
+    bowed = as_far(equivbeam.solve, scene, law="helix")
+    assert bowed.outcome != "bifurcation"
 
 
 def test_budget_of_iterations():

@@ -57,10 +57,9 @@ def unpacked(
 def _shape(model: str, scene: Scene, options: Mapping[str, object], found: np.ndarray) -> Shape:
     """The model's reader of states, as its `solve` makes it."""
     if model == "equivbeam":
-        from equivbeam.rendering import BeamShape
-        from equivbeam.solve import beam_model
+        from equivbeam.solve import beam_shape
 
-        return BeamShape(scene, beam_model(scene, options))
+        return beam_shape(scene, options)
     from wirefe.shape import WireShape
     from wirefe.solve import scene_problem
 

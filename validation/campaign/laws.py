@@ -1,6 +1,6 @@
 """The laws of a half coil in plain numpy, for judging: energy and forces, real or complex.
 
-Haringx: (B2), (B3). Helix: (B5)-(B11), solved in another way than the solver does: the sine u is found by a
+Haringx: (B2), (B3). Helix: (B5)-(B13), solved in another way than the solver does: the sine u is found by a
 bracketed search on the length, and one Newton step in the complex plane carries the derivative along.
 """
 
@@ -82,16 +82,54 @@ def helix_law(scene: Scene) -> Callable:
     helices = _helices(scene)
     low, high = _range(helices)
     ends = helices.section(low)[0], helices.section(high)[0]
+    m, swell = _ends(scene, helices)
+    own, l0 = _own_way(helices, ends, m, swell), helices.u0 * helices.s
+    soft = np.divide(*helices.rate(helices.u0))
+    _, way, _, tilt = own(l0)
+    csh, _, cfl, _ = _flexibilities(helices, helices.u0**2)
+    less = np.minimum(soft * way**2, 0.5 * csh), np.minimum(soft * tilt**2, 0.5 * cfl)
 
     def law(l, v, turn):  # noqa: E741
         E, N = _axial(helices, low, high, ends, l)
         x, x1 = _square(helices.s, ends, l)
         csh, csh1, cfl, cfl1 = _flexibilities(helices, x)
-        T, M = v / csh, turn / cfl
-        N = N - 0.5 * (csh1 * T * T + cfl1 * M * M) * x1
-        return E + 0.5 * (T * v + M * turn), N, T, M
+        v0, v1, turn0, turn1 = own(l)
+        T, M = (v - v0) / (csh - less[0]), (turn - turn0) / (cfl - less[1])
+        N = N - 0.5 * (csh1 * T * T + cfl1 * M * M) * x1 - T * v1 - M * turn1
+        return E + 0.5 * (T * (v - v0) + M * (turn - turn0)), N, T, M
 
     return law
+
+
+def _ends(scene: Scene, helices: Helices) -> Pair:
+    """Factors of chi in (B12) and of rho - rho0 in (B13)."""
+    spring = scene.spring
+    bottom, top = spring.mean_diameter
+    count = round(2 * spring.active_coils)
+    psi = (np.arange(count)[:, None] + 0.5 + 0.5 * NODES) * math.pi
+    radius = 0.5 * (bottom + (top - bottom) * psi / (count * math.pi))
+    mean = helices.L * np.sqrt(1.0 - helices.u0**2)
+    turns = (radius / mean[:, None]) ** 2 * np.cos(psi + spring.start_phase)
+    side = np.cos(np.arange(count + 1) * math.pi + spring.start_phase)
+    # the sine u follows the length by less than 1/s, as shear and stretch do their part
+    return helices.s / helices.rate(helices.u0)[0] * (turns @ WEIGHTS) * (math.pi / 2.0), np.diff(side)
+
+
+def _own_way(helices: Helices, ends: Pair, m: np.ndarray, swell: np.ndarray) -> Callable:
+    """v0 and dtheta0, each with its derivative in the length; beyond the range straight lines."""
+    cosine0 = np.sqrt(1.0 - helices.u0**2)
+
+    def own(l):  # noqa: E741
+        end = np.clip(l.real, *ends)
+        beyond = np.where(end == l.real, 0.0, l - end)
+        y = (l - beyond) / helices.s
+        cosine = np.sqrt(1.0 - y * y)
+        rate = 1.0 / (helices.s * cosine)
+        turned = np.arcsin(y) - np.arcsin(helices.u0) + beyond * rate
+        grown = helices.L * (cosine - cosine0 - beyond * y * rate)
+        return swell * grown, -swell * helices.L * y * rate, -m * turned, -m * rate
+
+    return own
 
 
 def _helices(scene: Scene) -> Helices:

@@ -1,0 +1,153 @@
+"""Residual, matrix and contact of the beam in the plane across: the kernels that the path follower calls."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from coilspring.compiled import clear, kernel, part
+from coilspring.driving import drive
+from coilspring.pairlaw import ON, pair_potential
+from coilspring.pairvectors import approach, remember, renew_bounds
+from equivbeam.across.band import ROW, WIDTH
+from equivbeam.across.model import FIRST, view
+from equivbeam.across.pairs import CHI_L, FREEDOMS, LENGTH, RHO_L, derivatives, places, vectors, way, windings
+from equivbeam.halfcoil import gradient, hessian, measures
+from equivbeam.helix import helix
+
+
+@part
+def _add(g, H, ge, Ke, first, count):
+    """Scatter `count` freedoms from the node `first` on; node 0 is clamped."""
+    p, n = 3 * (first - 1), g.size
+    for i in range(count):
+        if not 0 <= p + i < n:
+            continue
+        g[p + i] += ge[i]
+        if H.shape[0] > 0:
+            for j in range(i, min(count, n - p)):
+                H[p + i, j - i] += Ke[i, j]
+
+
+@part
+def _bound(model, a, b):
+    """Bound on how far any circle's centre moved between two states."""
+    moved = turned = drawn = 0.0
+    for i in range(0, a.size, 3):
+        moved = max(moved, math.sqrt((a[i] - b[i]) ** 2 + (a[i + 1] - b[i + 1]) ** 2))
+        turned = max(turned, abs(a[i + 2] - b[i + 2]))
+    rows, reach = model.rows, model.reach
+    one, other = windings(rows, a), windings(rows, b)
+    for e in range(len(rows)):
+        # rates of the radius and of the angle, which raises by twice the radius at most, grow with the length
+        rate = max(one[e, CHI_L], other[e, CHI_L])
+        swell = max(abs(one[e, RHO_L]), abs(other[e, RHO_L]))
+        way = abs(one[e, LENGTH] - other[e, LENGTH])
+        drawn = max(drawn, (swell + 2.0 * reach * rate) * way)
+    return moved + reach * turned + drawn
+
+
+@part
+def _add_pairs(model, memory, state, g, H):
+    """Contact energy; adds its gradient and Hessian. Only pairs that touch are scattered."""
+    energy = 0.0
+    w, e, f, Hg = np.empty(3), np.empty(3), np.empty(3), np.empty((3, 3))
+    many = FREEDOMS if H.shape[0] > 0 else 0
+    J, ge, g6 = np.empty((3, FREEDOMS)), np.empty(FREEDOMS), np.empty(6)
+    C, K6 = np.empty((many, many)), np.empty((many // 2, many // 2))
+    circles, pairs, arm, d = model.circles, model.pairs, model.arm, model.d
+    wound, place = windings(model.rows, state), places(model.node, circles, state)
+    for m in range(len(pairs)):
+        way(circles, pairs, arm, wound, place, m, w)
+        h2 = w[0] * w[0] + w[1] * w[1] + w[2] * w[2]
+        if h2 >= d * d and memory[m, ON] == 0.0:
+            continue
+        energy += pair_potential(w, math.sqrt(h2), d, model.kc, model.k, memory[m], e, f, Hg)
+        derivatives(circles, pairs, arm, wound, place, m, f, J, C, g6, K6)
+        for i in range(FREEDOMS):
+            ge[i] = J[0, i] * f[0] + J[1, i] * f[1] + J[2, i] * f[2]
+            for n in range(3):
+                w[n] = J[0, i] * Hg[0, n] + J[1, i] * Hg[1, n] + J[2, i] * Hg[2, n]
+            for j in range(many):
+                C[i, j] += w[0] * J[0, j] + w[1] * J[1, j] + w[2] * J[2, j]
+        _add(g, H, ge, C, pairs[m, FIRST], FREEDOMS)
+    return energy
+
+
+@kernel
+def assemble(reals, ints, anchor, clearance, memory, state, g, flat):
+    """Strain and contact energy, gradient and matrix; see `coilspring.kernelset` for the contract."""
+    model = view(reals, ints)
+    H = flat.reshape((flat.size // ROW, ROW))
+    clear(g)
+    clear(flat)
+    ge, Ke = np.empty(6), np.empty((6, 6))
+    energy, rows = 0.0, model.rows
+    for e in range(rows.shape[0]):
+        i = 3 * e
+        c, s, l, v, dth = measures(  # noqa: E741
+            state[i], state[i + 1], state[i + 2], state[i + 3], state[i + 4], state[i + 5]
+        )
+        r = helix(rows, e, l, v, dth)
+        energy += r.U
+        gradient(r, c, s, l, v, ge)
+        if H.shape[0] > 0:
+            hessian(r, c, s, l, v, Ke)
+        _add(g, H, ge, Ke, e, 6)
+    count = model.pairs.shape[0]
+    if count > 0 and clearance > 0.0 and 2.0 * _bound(model, anchor, state) < clearance:
+        count = 0
+    if count > 0:
+        energy += _add_pairs(model, memory, state, g, H)
+    for i in range(3):
+        if model.held[i] > 0.0:
+            _hold(g, H, g.size - 3 + i)
+    return energy, count
+
+
+@part
+def _hold(g, H, p):
+    """Take the freedom `p` out: no force, a row and column of the unit matrix."""
+    g[p] = 0.0
+    if H.shape[0] == 0:
+        return
+    for m in range(WIDTH):
+        H[p, m] = 0.0
+        if 0 < m <= p:
+            H[p - m, m] = 0.0
+    H[p, 0] = 1.0
+
+
+@kernel
+def driven(reals, ints, anchor, clearance, memory, state, g, flat):
+    """`assemble`, and what acts on the top besides a growing load: see `coilspring.driving`."""
+    energy, pairs = assemble(reals, ints, anchor, clearance, memory, state, g, flat)
+    return energy + drive(reals, ints, state, g, flat), pairs
+
+
+@kernel
+def motion(reals, ints, a, b, least):
+    """See `coilspring.kernelset`: bound on all motion, pair motion, share of the way to the first touch."""
+    model = view(reals, ints)
+    bound = _bound(model, a, b)
+    if model.pairs.shape[0] == 0 or bound <= least:
+        return bound, 0.0, 1.0
+    most, free = approach(vectors(model, a), vectors(model, b), model.d)
+    return bound, most / model.d, free
+
+
+@kernel
+def commit(reals, ints, state, memory):
+    """See `coilspring.pairvectors.remember`."""
+    model = view(reals, ints)
+    return remember(vectors(model, state), memory, model.mu, model.kc, model.d)
+
+
+@kernel
+def renew(reals, ints, state, memory):
+    """See `coilspring.pairvectors.renew_bounds`."""
+    model = view(reals, ints)
+    if model.mu == 0.0 or model.mu == np.inf:
+        return 0.0
+    return renew_bounds(vectors(model, state), memory, model.mu, model.kc, model.k, model.d)

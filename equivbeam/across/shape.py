@@ -1,0 +1,62 @@
+"""What is read off the states of the beam in the plane across."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from coilspring.pairlaw import pair_friction
+from coilspring.path import Friction
+from coilspring.scene import Scene
+from equivbeam.across.model import AcrossModel
+from equivbeam.across.pairs import vectors
+from equivbeam.stations import quarters_at_ends
+
+
+@dataclass(frozen=True)
+class AcrossShape:
+    """Reads the states; see `coilspring.path.Shape`."""
+
+    scene: Scene
+    data: AcrossModel
+
+    def tips(self, states: np.ndarray) -> np.ndarray:
+        """UX, UY, ROTZ of the last node, shape (states, 3); the first and the last are held."""
+        return states[:, -3:] - np.array([0.0, self.scene.spring.active_height, 0.0])
+
+    def _pair_vectors(self, states: np.ndarray) -> np.ndarray:
+        """Vectors between the centres of the pairs, shape (states, pairs, 3)."""
+        return np.array([vectors(self.data, state) for state in states]).reshape(len(states), -1, 3)
+
+    def pair_gaps(self, states: np.ndarray) -> np.ndarray:
+        """Gap of every pair, negative where it penetrates, shape (states, pairs), mm."""
+        return np.linalg.norm(self._pair_vectors(states), axis=-1) - self.data.d
+
+    def pair_forces(self, states: np.ndarray) -> np.ndarray:
+        """Normal force of every pair, shape (states, pairs), N."""
+        return self.data.kc * np.maximum(-self.pair_gaps(states), 0.0) ** self.data.k
+
+    def pair_friction(self, states: np.ndarray, memories: np.ndarray) -> Friction:
+        """Tangential forces, slips and frictional work of every pair."""
+        return pair_friction(self._pair_vectors(states), memories, self.data.kc)
+
+    def centreline(self, state: np.ndarray, phases: np.ndarray) -> np.ndarray:
+        """Wire at the phases given, shape (phases, 3), mm.
+
+        Between two nodes the axis and its rotation are interpolated linearly in the height at rest; the end
+        turns move with the first and the last node.
+        """
+        spring = self.scene.spring
+        at = np.clip(phases, 0.0, spring.phase_end)
+        heights = spring.height(quarters_at_ends(spring).phases)
+        axis = spring.height(at)
+        x, y, turn = (np.interp(axis, heights, values) for values in state.reshape(-1, 3).T)
+        rise, radius = spring.height(phases) - axis, spring.radius(phases)
+        c, s, out = np.cos(turn), np.sin(turn), radius * np.sin(phases)
+        inside, beside = x + c * out - s * rise, radius * np.cos(phases)
+        # the radius to the first active point is that beside the plane
+        start, hand = spring.start_phase, 1.0 if spring.hand == "left" else -1.0
+        X = beside * np.cos(start) - inside * np.sin(start)
+        Z = hand * (beside * np.sin(start) + inside * np.cos(start))
+        return np.stack((X, y + s * out + c * rise, Z), axis=-1)

@@ -1,0 +1,70 @@
+"""Where along the wire the nodes of an equivalent beam stand."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from coilspring.errors import InputError
+from coilspring.spring import Spring
+
+
+@dataclass(frozen=True)
+class Stations:
+    """Phases of the nodes, and what is between them.
+
+    Attributes
+    ----------
+    phases : (n + 1,) phases of the nodes, rad, from 0 to the last active point.
+    turns : (n,) angles wound by the elements, rad.
+    lengths : (n,) their axial lengths at rest, mm.
+    plane : phase at which the wire crosses the plane of the beam on its positive side, rad.
+    """
+
+    phases: np.ndarray
+    turns: np.ndarray
+    lengths: np.ndarray
+    plane: float
+
+    @property
+    def middles(self) -> np.ndarray:
+        """Phases in the middle of the elements, rad."""
+        return 0.5 * (self.phases[:-1] + self.phases[1:])
+
+
+def half_coil_count(spring: Spring) -> int:
+    """Number of half coils.
+
+    Raises
+    ------
+    InputError : where the active coils are not a whole number of half coils.
+    """
+    count = round(2 * spring.active_coils)
+    if abs(2 * spring.active_coils - count) > 1e-9:
+        raise InputError(
+            f"spring.active_coils must be a multiple of 0.5 in [0.5, 1000] for the equivalent beam, "
+            f"got {spring.active_coils!r}"
+        )
+    return count
+
+
+def half_coils(spring: Spring) -> Stations:
+    """Nodes at phases k pi, where a wire that starts in the working plane crosses it."""
+    count = round(2 * spring.active_coils)
+    return _stations(spring, np.arange(count + 1) * math.pi, np.full(count, math.pi), -spring.start_phase)
+
+
+def quarters_at_ends(spring: Spring) -> Stations:
+    """Nodes at the ends and where the wire crosses the plane across that in which it starts: pi/2 + k pi."""
+    count = round(2 * spring.active_coils)
+    between = (np.arange(count) + 0.5) * math.pi
+    phases = np.concatenate(([0.0], between, [count * math.pi]))
+    return _stations(spring, phases, np.diff(phases), 0.5 * math.pi)
+
+
+def _stations(spring: Spring, phases: np.ndarray, turns: np.ndarray, plane: float) -> Stations:
+    # without sections half the pitch in a half coil, without the rounding of differences
+    uniform = 0.5 * spring.pitch * (turns / math.pi)
+    return Stations(phases, turns, np.diff(spring.height(phases)) if spring.sections else uniform, plane)
