@@ -8,15 +8,15 @@ from dataclasses import dataclass
 import numpy as np
 
 from coilspring.errors import InputError
+from coilspring.kernelset import Kernels
 from coilspring.packing import pack
 from coilspring.path import EquilibriumPath
 from coilspring.scene import Scene
-from equivbeam import band, kernels
-from equivbeam.model import BeamModel, matrix_size
+from coilspring.solving import Problem
+from equivbeam.across.shape import AcrossShape
 from equivbeam.parameters import Options, rise, values, varied
-from equivbeam.problem import rest_memory
 from equivbeam.rendering import BeamShape
-from equivbeam.solve import beam_model
+from equivbeam.solve import beam_kernels
 
 STEP = 6e-6  # relative, for central differences of the residual: the cube root of the rounding
 
@@ -62,9 +62,7 @@ def sensitivities(path: EquilibriumPath, parameters: Sequence[str]) -> Sensitivi
     """
     names = tuple(parameters)
     shape = path.shape
-    if path.options.get("plane") == "across":
-        raise InputError("sensitivities needs a path with plane = 'working', got 'across'")
-    if not isinstance(shape, BeamShape):
+    if not isinstance(shape, BeamShape | AcrossShape):
         raise InputError(f"sensitivities needs a path of the model equivbeam, got {path.model}")
     if shape.data.mu > 0.0 and path.scene.contact.enabled:
         raise InputError("sensitivities needs a path without friction, got sliding = 'scene'")
@@ -72,24 +70,27 @@ def sensitivities(path: EquilibriumPath, parameters: Sequence[str]) -> Sensitivi
         raise InputError("sensitivities needs a path under forces, got one of load.displacement")
     at = values(path.scene, path.options, names)
     tips = np.empty((len(path.times), len(names), 3))
-    factored = [_factored(shape.data, state) for state in path.states]
+    problem, kernels = beam_kernels(path.scene, path.options)
+    factored = [_factored(problem, kernels, state) for state in path.states]
     for i, name in enumerate(names):
         rates = _residual_rates(path, names[i : i + 1], at[i])
         lift = rise(path.scene, name)
         for row, (reals, ints, F) in enumerate(factored):
             move = -rates[row]
             move[-3:] *= 1.0 - shape.data.held
-            band.solve(reals, ints, F, move)
+            kernels.solve(reals, ints, F, move)
             tips[row, i] = move[-3:] - np.array([0.0, lift, 0.0])
     return Sensitivity(names, at, tips)
 
 
-def _factored(data: BeamModel, state: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def _factored(
+    problem: Problem, kernels: Kernels, state: np.ndarray
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """The packed model and its factored matrix at a state."""
-    reals, ints = pack(data)
-    F = np.empty(matrix_size(data))
-    kernels.assemble(reals, ints, state, 0.0, rest_memory(data), state, np.empty(state.size - 3), F)
-    band.factor(reals, ints, F)
+    reals, ints = pack(problem.data)
+    F = np.empty(problem.matrix_size)
+    kernels.assemble(reals, ints, state, 0.0, problem.memory, state, np.empty(state.size - 3), F)
+    kernels.factor(reals, ints, F)
     return reals, ints, F
 
 
@@ -108,9 +109,9 @@ def _residual_rates(path: EquilibriumPath, name: tuple[str, ...], value: float) 
 
 def _residuals(path: EquilibriumPath, scene: Scene, options: Options) -> np.ndarray:
     """Gradients of the energy of another scene at the states of the path, shape (steps, n)."""
-    data = beam_model(scene, options)
-    reals, ints = pack(data)
-    H, g = np.empty(matrix_size(data)), np.empty((len(path.states), path.states.shape[1] - 3))
+    problem, kernels = beam_kernels(scene, options)
+    reals, ints = pack(problem.data)
+    g = np.empty((len(path.states), path.states.shape[1] - 3))
     for state, row in zip(path.states, g, strict=True):
-        kernels.assemble(reals, ints, state, 0.0, rest_memory(data), state, row, H)
+        kernels.assemble(reals, ints, state, 0.0, problem.memory, state, row, np.empty(0))
     return g

@@ -12,11 +12,11 @@ from coilspring.errors import InputError, require_choice, require_number, shown
 from coilspring.kernelset import Kernels
 from coilspring.path import EquilibriumPath
 from coilspring.scene import Scene
-from coilspring.solving import MOST_ITERATIONS, follow_load, scene_path
+from coilspring.solving import MOST_ITERATIONS, Problem, follow_load, scene_path
 from equivbeam import band, driven, kernels, model
 from equivbeam.across import band as wide
 from equivbeam.across import kernels as across
-from equivbeam.across.model import across_problem, build_across
+from equivbeam.across.model import across_problem, build_across, is_axial
 from equivbeam.across.shape import AcrossShape
 from equivbeam.helix import HIGH, LOW
 from equivbeam.helixrows import Refinements
@@ -60,7 +60,7 @@ def solve(
     law: str = "haringx",
     tangent: str = "exact",
     sliding: str = "ignore",
-    plane: str = "working",
+    plane: str | None = None,
     refinements: Refinements | None = None,
     factors: tuple[float, float, float] = model.ONES,
 ) -> EquilibriumPath:
@@ -84,10 +84,10 @@ def solve(
     sliding : {"ignore", "scene"}
         "scene" applies the scene's "no sliding" or friction to the circles; by default they are
         frictionless.
-    plane : {"working", "across"}
-        Where the beam lies. "across", by the helix law for springs that are loaded along their axis, is at
-        a right angle to the plane in which the wire leaves the end turns: there the coils meet first
-        (`equivbeam.across`).
+    plane : {"working", "across"}, optional
+        Where the beam lies. "across", for the helix law with all its refinements and springs loaded along
+        their axis, is at a right angle to the plane in which the wire leaves the end turns: there the coils
+        meet first (`equivbeam.across`). By default it is taken where it can be.
     refinements : Refinements, optional
         What the helix law has beyond the paper's; by default all of it.
     factors : tuple of float
@@ -105,17 +105,17 @@ def solve(
     require_choice("law", law, tuple(LAWS))
     require_choice("tangent", tangent, tuple(model.TANGENTS))
     require_choice("sliding", sliding, SLIDING)
-    require_choice("plane", plane, PLANES)
-    _refuse_mixtures(law, tangent, plane, refinements, factors)
+    _refuse_mixtures(law, tangent, refinements, factors)
     scene = scene.overridden(steps, penalty)
+    plane = _plane(scene, plane, able=law == "helix" and refinements is None)
+    options: dict[str, object] = {"law": law, "tangent": tangent, "sliding": sliding, "plane": plane}
     if plane == "across":
-        return _solve_across(scene, {"law": law, "tangent": tangent, "sliding": sliding, "plane": plane})
+        return _solve_across(scene, options)
     data = model.build_model(scene, tangent, sliding, law, refinements or model.ALL, factors)
     problem = beam_problem(data, model.load_vector(data, scene))
     exact = tangent == "exact"
     limit = MOST_ITERATIONS if exact else MOST_PAPER_ITERATIONS
     run = follow_load(scene, problem, KERNELS, DRIVEN, limit=limit, predictor=exact)
-    options: dict[str, object] = {"law": law, "tangent": tangent, "sliding": sliding}
     if refinements is not None:
         options["refinements"] = asdict(refinements)
     if tuple(factors) != model.ONES:
@@ -123,6 +123,18 @@ def solve(
     if law == "helix":
         run = replace(run, message=run.message + _caution(data.rows, run.track.states))
     return scene_path(scene, "equivbeam", options, run, BeamShape(scene, data))
+
+
+def _plane(scene: Scene, plane: str | None, able: bool) -> str:
+    """The plane of the beam; `able` says whether the law is that of the plane across."""
+    if plane is None:
+        return "across" if able and is_axial(scene) else "working"
+    require_choice("plane", plane, PLANES)
+    if plane == "across" and not able:
+        raise InputError(
+            "plane must be working unless the law is helix with all its refinements, got 'across'"
+        )
+    return plane
 
 
 def _solve_across(scene: Scene, options: Mapping[str, Any]) -> EquilibriumPath:
@@ -133,9 +145,17 @@ def _solve_across(scene: Scene, options: Mapping[str, Any]) -> EquilibriumPath:
     return scene_path(scene, "equivbeam", options, run, shape)
 
 
+def beam_kernels(scene: Scene, options: Mapping[str, Any]) -> tuple[Problem, Kernels]:
+    """Another scene's beam under its load with the options of a path, and the kernels of its plane."""
+    if options["plane"] == "across":
+        return across_problem(build_across(scene, options["sliding"]), scene), ACROSS
+    data = beam_model(scene, options)
+    return beam_problem(data, model.load_vector(data, scene)), KERNELS
+
+
 def beam_shape(scene: Scene, options: Mapping[str, Any]) -> Any:
     """Reader of the states of a path that was solved with the options."""
-    if options.get("plane") == "across":
+    if options["plane"] == "across":
         return AcrossShape(scene, build_across(scene, options["sliding"]))
     return BeamShape(scene, beam_model(scene, options))
 
@@ -154,13 +174,9 @@ def beam_model(scene: Scene, options: Mapping[str, Any]) -> model.BeamModel:
 
 
 def _refuse_mixtures(
-    law: str, tangent: str, plane: str, refinements: Refinements | None, factors: tuple[float, float, float]
+    law: str, tangent: str, refinements: Refinements | None, factors: tuple[float, float, float]
 ) -> None:
     """Refuse what goes with one law alone."""
-    if plane == "across" and (law != "helix" or refinements is not None):
-        raise InputError(
-            "plane must be working unless the law is helix with all its refinements, got 'across'"
-        )
     if not isinstance(factors, list | tuple) or len(factors) != 3:
         raise InputError(f"factors must be three numbers, got {shown(factors)}")
     for factor in factors:

@@ -15,6 +15,7 @@ from equivbeam import Refinements
 from equivbeam.across.band import ROW, WIDTH
 from equivbeam.across.pairs import vectors
 from equivbeam.across.shape import AcrossShape
+from equivbeam.parameters import varied
 from equivbeam.solve import ACROSS, beam_shape
 from validation.metrics import compare_paths
 
@@ -169,7 +170,8 @@ def test_axial_loads_on_random_springs():
         assert kind == 0
         reference = wirefe.solve(scene, **WIRE)
         assert compare_paths(equivbeam.solve(scene, **OPTIONS), reference).curve_max <= 4e-4
-        assert compare_paths(equivbeam.solve(scene, law="helix"), reference).curve_max >= 3e-3
+        working = equivbeam.solve(scene, law="helix", plane="working")
+        assert compare_paths(working, reference).curve_max >= 3e-3
 
 
 @pytest.mark.parametrize("sliding", ["ignore", "scene"])
@@ -254,7 +256,27 @@ def test_what_has_no_plane_across_is_refused(name, options, words):
         equivbeam.solve(load_scene(name), plane="across", **options)
 
 
-def test_sensitivities_are_of_the_working_plane():
+def test_sensitivities_against_differences():
+    """In contact, by solving with other values."""
     path = equivbeam.solve(spring_b(), steps=2, **OPTIONS)
-    with pytest.raises(InputError, match="plane"):
-        equivbeam.sensitivities(path, ["pitch"])
+    assert path.active_contacts[-1] > 5
+    found = equivbeam.sensitivities(path, ["pitch", "G", "penalty"])
+    for i, name in enumerate(found.names):
+        h = 1e-5 * found.values[i]
+        both = [
+            equivbeam.solve(
+                *varied(path.scene, {}, (name,), np.array([found.values[i] + way]))[:1], **OPTIONS
+            )
+            for way in (h, -h)
+        ]
+        slope = (both[0].tips[-1] - both[1].tips[-1])[1] / (2 * h)
+        assert found.tips[-1, i, 1] == pytest.approx(slope, rel=1e-5)
+
+
+def test_the_helix_law_takes_the_plane_where_it_can():
+    assert equivbeam.solve(spring_b(), steps=1, law="helix").options["plane"] == "across"
+    assert equivbeam.solve(load_scene("spring-a"), steps=1, law="helix").options["plane"] == "working"
+    assert equivbeam.solve(spring_b(), steps=1).options["plane"] == "working"
+    bare = load_scene("spring-b-no-contact")
+    all_on = equivbeam.solve(bare, steps=1, law="helix", refinements=Refinements())
+    assert all_on.options["plane"] == "working"

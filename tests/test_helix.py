@@ -167,7 +167,7 @@ def wire(name, pairs=4):
     ("spring-b", 2, "scene"),  # 0.088 %: the same contact points and the same rule of sliding
 ])  # fmt: skip
 def test_load_curve(name, pairs, sliding):
-    path = equivbeam.solve(load_scene(name), law="helix", sliding=sliding)
+    path = equivbeam.solve(load_scene(name), law="helix", sliding=sliding, plane="working")
     assert compare_paths(path, wire(name, pairs)).curve_max <= 0.003
 
 
@@ -177,7 +177,8 @@ def test_spring_b_in_contact_misses_the_pairs_out_of_the_plane():
     What the plane across makes of it: tests/test_across.py.
     """
     whole = wire("spring-b")
-    found = compare_paths(equivbeam.solve(spring_b(), law="helix", sliding="scene"), whole).curve_max
+    path = equivbeam.solve(spring_b(), law="helix", sliding="scene", plane="working")
+    found = compare_paths(path, whole).curve_max
     own = compare_paths(wire("spring-b", 2), whole).curve_max
     assert found == pytest.approx(0.0120, abs=5e-4)
     assert found == pytest.approx(own, abs=1.5e-3)
@@ -208,7 +209,7 @@ def test_a_wire_drawn_straight_is_said_to_be_so():
     spring = Spring(1.5, 10.0, 0.5, 1.0, end_turns=0.0)
     for force, length, words in ((3e3, 12.97, False), (1e5, 43.6, True)):
         scene = Scene("drawn", spring, Load((0.0, force), 4), Material(), GUIDED, Contact(enabled=False))
-        path = equivbeam.solve(scene, law="helix")
+        path = equivbeam.solve(scene, law="helix", plane="working")
         assert 1.0 + path.tips[-1, 1] == pytest.approx(length, rel=1e-2)
         assert ("no longer holds" in path.message) == words
 
@@ -258,7 +259,7 @@ def test_frictionless_spring_b_slides_off():
     found = []
     for steps in (10, 200):
         with pytest.raises(EquilibriumNotFound) as caught:
-            equivbeam.solve(spring_b(), steps=steps, law="helix")
+            equivbeam.solve(spring_b(), steps=steps, law="helix", plane="working")
         assert caught.value.outcome == "limit_point"
         found.append(caught.value.critical_time)
     assert found == pytest.approx([0.996939] * 2, abs=1e-6)

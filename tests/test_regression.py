@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 import equivbeam.haringx
-import equivbeam.helix
+import equivbeam.helixrows
 import equivbeam.model
 import validation.baselines
 import validation.regression
@@ -97,7 +97,7 @@ def test_a_stiffness_of_the_papers_law_is_caught(before, column, monkeypatch):
 
 @pytest.mark.parametrize("part", ["GJ", "EI", "GA", "EA"])
 def test_a_stiffness_of_the_wire_is_caught(before, part, monkeypatch):
-    for module, chosen in ((wirefe.model, CURVED), (equivbeam.helix, few("law=helix,"))):
+    for module, chosen in ((wirefe.model, CURVED), (equivbeam.helixrows, few("law=helix,"))):
         sound = module.round_section
         with monkeypatch.context() as patch:
             patch.setattr(module, "round_section", lambda *given, s=sound: off(s(*given), part))

@@ -57,8 +57,13 @@ def build_across(scene: Scene, sliding: str) -> AcrossModel:
         its axis or its top is free to move across or to turn, or the scene has what no beam represents.
     """
     spring, contact = scene.spring, scene.contact
-    require_axial(scene)
+    scene.supports.require_supported("equivbeam")
     half_coil_count(spring)
+    if not is_axial(scene):
+        raise InputError(
+            "plane must be working unless all forces act along the axis and supports.top_held has ux and "
+            "rotz, got 'across'"
+        )
     at, on = quarters_at_ends(spring), Refinements()
     rows = wound_rows(spring, scene.material, on, at)
     set_range(rows)
@@ -82,16 +87,10 @@ def build_across(scene: Scene, sliding: str) -> AcrossModel:
     )
 
 
-def require_axial(scene: Scene) -> None:
-    """Refuse a scene in which one plane through the axis is not as good as another."""
+def is_axial(scene: Scene) -> bool:
+    """Whether one plane through the axis is as good as another."""
     load, held = scene.load, scene.supports.top_held
-    across = [load.force[0], *(stage[0] for stage in load.stages)]
-    scene.supports.require_supported("equivbeam")
-    if any(across) or "ux" not in held or "rotz" not in held:
-        raise InputError(
-            "plane must be working unless all forces act along the axis and supports.top_held has ux and "
-            "rotz, got 'across'"
-        )
+    return not any((load.force[0], *(x for x, _ in load.stages))) and "ux" in held and "rotz" in held
 
 
 def _circle_phases(scene: Scene) -> np.ndarray:

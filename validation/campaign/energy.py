@@ -52,10 +52,9 @@ class BeamEnergy:
 
     def energy(self, state: np.ndarray) -> float:
         """Strain and contact energy."""
-        l, v, turn = _measures(state[self._element_places])[:3]  # noqa: E741
+        l, v, turn = measures(state[self._element_places])[:3]  # noqa: E741
         strain = self.law(l, v, turn)[0].sum()
-        g, _, _ = self._pair_vectors(state[self._pair_places], slice(None))
-        depth = np.maximum(self.d - np.hypot(*g), 0.0)
+        depth = np.maximum(self.d - self._distances(state[self._pair_places], slice(None)), 0.0)
         return float(strain + (self.stiffness * depth ** (self.exponent + 1.0)).sum() / (self.exponent + 1.0))
 
     def gradient(self, state: np.ndarray, closed: np.ndarray | None = None) -> np.ndarray:
@@ -75,7 +74,7 @@ class BeamEnergy:
             if places is self._element_places:
                 forces = self._element_forces(x)
             else:
-                closed = np.hypot(*self._pair_vectors(x, every)[0]) < self.d
+                closed = self._distances(x, every) < self.d
                 forces = np.where(closed, self._pair_forces(x, every), 0.0)
             np.add.at(total.T, places, forces.swapaxes(1, 2))
         return total[:, self.free]
@@ -96,8 +95,7 @@ class BeamEnergy:
         Given to `gradient` and `hessian`, these pairs push where they overlap and pull where they do not,
         so that nothing has a kink there.
         """
-        g, _, _ = self._pair_vectors(state[self._pair_places], slice(None))
-        return np.hypot(*g) < self.d
+        return self._distances(state[self._pair_places], slice(None)) < self.d
 
     def _pair_part(
         self, state: np.ndarray, closed: np.ndarray | None
@@ -143,10 +141,14 @@ class BeamEnergy:
 
     def _element_forces(self, x: np.ndarray) -> np.ndarray:
         """Forces (6, ...) of the half coils, equations (7)-(9)."""
-        l, v, turn, c, s = _measures(x)  # noqa: E741
+        l, v, turn, c, s = measures(x)  # noqa: E741
         _, N, T, M = self.law(l, v, turn)
         fx, fy, arm = T * c - N * s, T * s + N * c, 0.5 * (T * l - N * v)
         return np.stack((-fx, -fy, arm - M, fx, fy, arm + M))
+
+    def _distances(self, x: np.ndarray, index: np.ndarray | slice) -> np.ndarray:
+        """Distances of the centres of pairs, real."""
+        return np.linalg.norm(self._pair_vectors(x, index)[0], axis=0)
 
     def _pair_vectors(self, x: np.ndarray, index: np.ndarray | slice) -> tuple[np.ndarray, ...]:
         """Vectors (2, ...) between the centres of the pairs, and from the nodes to the centres."""
@@ -159,15 +161,18 @@ class BeamEnergy:
     def _pair_forces(self, x: np.ndarray, index: np.ndarray) -> np.ndarray:
         """Forces (6, ...) of the contact pairs on their nodes, with the moments r x F."""
         g, low, high = self._pair_vectors(x, index)
-        h = np.sqrt(g[0] ** 2 + g[1] ** 2)
-        sign = np.where(h.real < self.d, 1.0, -1.0)
-        size = sign * self.stiffness * (sign * (self.d - h)) ** self.exponent
-        px, py = -size * g[0] / h, -size * g[1] / h  # derivative of the energy in g
+        px, py = self._pulls(g)
         return np.stack((-px, -py, low[1] * px - low[0] * py, px, py, high[0] * py - high[1] * px))
+
+    def _pulls(self, g: np.ndarray) -> np.ndarray:
+        """Derivative of the contact energy in the vectors between centres."""
+        h = np.sqrt((g * g).sum(axis=0))
+        sign = np.where(h.real < self.d, 1.0, -1.0)
+        return -sign * self.stiffness * (sign * (self.d - h)) ** self.exponent * g / h
 
 
 def beam_energy(scene: Scene, law: str) -> BeamEnergy:
-    """The scene's equivalent beam."""
+    """The scene's equivalent beam in the working plane."""
     spring, contact = scene.spring, scene.contact
     count = round(2 * spring.active_coils)
     rest = np.zeros((count + 1, 3))
@@ -211,7 +216,7 @@ def _pairs(scene: Scene, count: int) -> tuple[np.ndarray, np.ndarray]:
     return table[..., 0].astype(int), table[..., 1:]
 
 
-def _measures(x: np.ndarray) -> tuple[np.ndarray, ...]:
+def measures(x: np.ndarray) -> tuple[np.ndarray, ...]:
     """(B1): l, v, dtheta, and cosine and sine of the mean rotation, from the 6 freedoms of each half coil."""
     mean = 0.5 * (x[2] + x[5])
     c, s = np.cos(mean), np.sin(mean)
@@ -220,9 +225,10 @@ def _measures(x: np.ndarray) -> tuple[np.ndarray, ...]:
 
 
 def _jacobian(forces: Callable[[np.ndarray], np.ndarray], x: np.ndarray) -> np.ndarray:
-    """Derivatives (6, 6, items) of the forces by complex steps."""
-    moved = np.repeat(x[:, None].astype(complex), 6, axis=1)  # (freedom, step, item)
-    moved[np.arange(6), np.arange(6)] += 1j * TINY
+    """Derivatives (freedoms, freedoms, items) of the forces by complex steps."""
+    count = np.arange(len(x))
+    moved = np.repeat(x[:, None].astype(complex), len(x), axis=1)  # (freedom, step, item)
+    moved[count, count] += 1j * TINY
     return forces(moved).imag / TINY
 
 

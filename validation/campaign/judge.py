@@ -7,8 +7,9 @@ from collections.abc import Sequence
 import numpy as np
 from scipy.linalg import solve_triangular
 
-from coilspring import EquilibriumPath
+from coilspring import EquilibriumPath, Scene
 from coilspring.pairlaw import ON
+from validation.campaign.across import across_energy
 from validation.campaign.critical import bracket
 from validation.campaign.energy import BeamEnergy, beam_energy
 from validation.campaign.scenes import Case
@@ -27,7 +28,7 @@ ROWS = 3  # states of a path that are judged, the last among them
 
 def judge_beam(case: Case, path: EquilibriumPath) -> Verdict:
     """Judge a path of the equivalent beam, complete or not."""
-    verdict, energy = Verdict(), beam_energy(case.scene, str(case.options["law"]))
+    verdict, energy = Verdict(), energy_of(case.scene, path)
     if path.outcome not in ("completed", *CRITICAL):
         verdict.complain(f"{path.outcome}: {path.message}")
         return verdict
@@ -36,6 +37,13 @@ def judge_beam(case: Case, path: EquilibriumPath) -> Verdict:
     if path.outcome in CRITICAL:
         judge_critical(verdict, energy, case, path)
     return verdict
+
+
+def energy_of(scene: Scene, path: EquilibriumPath) -> BeamEnergy:
+    """Energy of the beam in the plane in which a path was found."""
+    if path.options["plane"] == "across":
+        return across_energy(scene)
+    return beam_energy(scene, str(path.options["law"]))
 
 
 def judge_states(verdict: Verdict, energy: BeamEnergy, path: EquilibriumPath) -> None:

@@ -77,13 +77,18 @@ class Helices:
         return length.imag / 1e-30, F.imag / 1e-30
 
 
-def helix_law(scene: Scene) -> Callable:
-    """The helix law with all its refinements."""
-    helices = _helices(scene)
-    low, high = _range(helices)
-    ends = helices.section(low)[0], helices.section(high)[0]
-    m, swell = _ends(scene, helices)
-    own, l0 = _own_way(helices, ends, m, swell), helices.u0 * helices.s
+def half_coils(scene: Scene) -> np.ndarray:
+    """Phases between half coils."""
+    return np.arange(round(2 * scene.spring.active_coils) + 1) * math.pi
+
+
+def helix_law(scene: Scene, phases: np.ndarray | None = None, plane: float | None = None) -> Callable:
+    """The helix law with all its refinements, between phases of the wire; it crosses the plane at one."""
+    phases = half_coils(scene) if phases is None else phases
+    plane = -scene.spring.start_phase if plane is None else plane
+    helices = helices_of(scene, phases)
+    low, high, ends = reach(helices)
+    own, l0 = _own_way(helices, ends, *_ends(scene, helices, phases, plane)), helices.u0 * helices.s
     soft = np.divide(*helices.rate(helices.u0))
     _, way, _, tilt = own(l0)
     csh, _, cfl, _ = _flexibilities(helices, helices.u0**2)
@@ -101,50 +106,56 @@ def helix_law(scene: Scene) -> Callable:
     return law
 
 
-def _ends(scene: Scene, helices: Helices) -> Pair:
-    """Factors of chi in (B12) and of rho - rho0 in (B13)."""
-    spring = scene.spring
-    bottom, top = spring.mean_diameter
-    count = round(2 * spring.active_coils)
-    psi = (np.arange(count)[:, None] + 0.5 + 0.5 * NODES) * math.pi
-    radius = 0.5 * (bottom + (top - bottom) * psi / (count * math.pi))
+def _between(scene: Scene, phases: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Phases and radii at Gauss's points between phases, (elements, points)."""
+    bottom, top = scene.spring.mean_diameter
+    at = phases[:-1, None] + 0.5 * np.diff(phases)[:, None] * (1.0 + NODES)
+    return at, 0.5 * (bottom + (top - bottom) * at / phases[-1])
+
+
+def _ends(scene: Scene, helices: Helices, phases: np.ndarray, plane: float) -> tuple[np.ndarray, ...]:
+    """Factors of chi in (B12), of rho - rho0 and of chi l in (B13)."""
+    at, radius = _between(scene, phases)
     mean = helices.L * np.sqrt(1.0 - helices.u0**2)
-    turns = (radius / mean[:, None]) ** 2 * np.cos(psi + spring.start_phase)
-    side = np.cos(np.arange(count + 1) * math.pi + spring.start_phase)
+    turns = (radius / mean[:, None]) ** 2 * np.cos(at - plane)
     # the sine u follows the length by less than 1/s, as shear and stretch do their part
-    return helices.s / helices.rate(helices.u0)[0] * (turns @ WEIGHTS) * (math.pi / 2.0), np.diff(side)
+    share = helices.s / helices.rate(helices.u0)[0]
+    m = share * (turns @ WEIGHTS) * np.diff(phases) / 2.0
+    sine = np.sin(phases - plane)
+    return m, np.diff(np.cos(phases - plane)), -0.5 * share * (sine[1:] + sine[:-1])
 
 
-def _own_way(helices: Helices, ends: Pair, m: np.ndarray, swell: np.ndarray) -> Callable:
-    """v0 and dtheta0, each with its derivative in the length; beyond the range straight lines."""
-    cosine0 = np.sqrt(1.0 - helices.u0**2)
+def _own_way(helices: Helices, ends: Pair, m: np.ndarray, swell: np.ndarray, tip: np.ndarray) -> Callable:
+    """v0 and dtheta0, each with its derivative in the length."""
 
     def own(l):  # noqa: E741
-        end = np.clip(l.real, *ends)
-        beyond = np.where(end == l.real, 0.0, l - end)
-        y = (l - beyond) / helices.s
-        cosine = np.sqrt(1.0 - y * y)
-        rate = 1.0 / (helices.s * cosine)
-        turned = np.arcsin(y) - np.arcsin(helices.u0) + beyond * rate
-        grown = helices.L * (cosine - cosine0 - beyond * y * rate)
-        return swell * grown, -swell * helices.L * y * rate, -m * turned, -m * rate
+        chi, chi1, rho, rho1 = wound(helices, ends, l)
+        return swell * rho + tip * chi * l, swell * rho1 + tip * (chi + l * chi1), -m * chi, -m * chi1
 
     return own
 
 
-def _helices(scene: Scene) -> Helices:
+def wound(helices: Helices, ends: Pair, l: np.ndarray) -> tuple[np.ndarray, ...]:  # noqa: E741
+    """chi and rho - rho0 at the length l, each with its derivative; beyond the range straight lines."""
+    end = np.clip(l.real, *ends)
+    beyond = np.where(end == l.real, 0.0, l - end)
+    y = (l - beyond) / helices.s
+    cosine, cosine0 = np.sqrt(1.0 - y * y), np.sqrt(1.0 - helices.u0**2)
+    rate = 1.0 / (helices.s * cosine)
+    chi = np.arcsin(y) - np.arcsin(helices.u0) + beyond * rate
+    return chi, rate, helices.L * (cosine - cosine0 - beyond * y * rate), -helices.L * y * rate
+
+
+def helices_of(scene: Scene, phases: np.ndarray) -> Helices:
     spring, E, G = scene.spring, scene.material.E, scene.material.G
-    d, (bottom, top) = spring.wire_diameter, spring.mean_diameter
-    count = round(2 * spring.active_coils)
-    share = (np.arange(count)[:, None] + 0.5 + 0.5 * NODES) / count
-    radius = 0.5 * (bottom + (top - bottom) * share)
+    d, (_, radius) = spring.wire_diameter, _between(scene, phases)
     r = np.cbrt((radius**3) @ WEIGHTS / 2.0)  # by the axial flexibility of the taper
     rise = spring.active_height / spring.active_coils / (2.0 * math.pi)
     L = np.sqrt(r * r + rise * rise)
     area = math.pi * d * d / 4.0
     bending = E * math.pi * d**4 / 64.0
     return Helices(
-        s=math.pi * L,
+        s=np.diff(phases) * L,
         L=L,
         u0=rise / L,
         GJ=G * math.pi * d**4 / 32.0,
@@ -152,6 +163,12 @@ def _helices(scene: Scene) -> Helices:
         GA=SHEAR_FACTOR * G * area,
         EA=E * area,
     )
+
+
+def reach(helices: Helices) -> tuple[np.ndarray, np.ndarray, Pair]:
+    """Sines and lengths between which the law holds."""
+    low, high = _range(helices)
+    return low, high, (helices.section(low)[0], helices.section(high)[0])
 
 
 def _range(helices: Helices) -> tuple[np.ndarray, np.ndarray]:
