@@ -13,6 +13,7 @@ TURN = 0.07
 SMALL = 0.05  # wire diameters
 # A pair may not move by more in one substep: beyond, coils could pass through or over each other.
 PAIR_MOTION = 0.5  # wire diameters
+JUMP = 0.25  # of the way, by which it may differ from that which the tangents at both ends tell
 PAIR_TURN = 0.02  # wire diameters, between a pair's motion and that which the tangents tell
 
 
@@ -52,14 +53,18 @@ def continues(reals, ints, predicted, state, trial, diameter, troubled, judged, 
 
 @part
 def snapped(reals, ints, state, trial, tangent, ahead, step, diameter, predicted, retract, motion):
-    """Whether near pairs moved neither as predicted nor as the tangents at both ends tell: the path may have
-    passed a limit point between the two. `predicted` is overwritten."""
+    """Whether near pairs moved neither as predicted nor as the tangents at both ends tell, or the whole did not
+    as these tell: the path may have passed a limit point between the two. `predicted` is overwritten.
+    """
     least = 0.5 * PAIR_TURN * diameter
     _, pair, _ = motion(reals, ints, predicted, trial, least)
-    if pair > PAIR_TURN:
-        mean = copied(tangent)
-        for i in range(mean.size):
-            mean[i] = 0.5 * (tangent[i] + ahead[i])
-        retract(reals, ints, state, mean, step, state, 0.0, predicted)
-        _, pair, _ = motion(reals, ints, predicted, trial, least)
-    return pair > PAIR_TURN
+    way, _, _ = motion(reals, ints, state, trial, np.inf)
+    if pair <= PAIR_TURN and way * JUMP <= SMALL * diameter:
+        return False
+    mean = copied(tangent)
+    for i in range(mean.size):
+        mean[i] = 0.5 * (tangent[i] + ahead[i])
+    retract(reals, ints, state, mean, step, state, 0.0, predicted)
+    turn, other, _ = motion(reals, ints, predicted, trial, least)
+    # a fold's tangent points along the jump from it, and may be as long; behind it the tangent is short
+    return min(pair, other) > PAIR_TURN or turn > max(JUMP * way, SMALL * diameter)
