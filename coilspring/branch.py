@@ -53,8 +53,8 @@ def continues(reals, ints, predicted, state, trial, diameter, troubled, judged, 
 
 @part
 def snapped(reals, ints, state, trial, tangent, ahead, step, diameter, predicted, retract, motion):
-    """Whether near pairs moved neither as predicted nor as the tangents at both ends tell, or the whole did not
-    as these tell: the path may have passed a limit point between the two. `predicted` is overwritten.
+    """Whether near pairs moved neither as predicted nor as the tangents at both ends tell, or all did not as
+    these tell: the path may have passed a limit point between the two. `predicted` is overwritten.
     """
     least = 0.5 * PAIR_TURN * diameter
     _, pair, _ = motion(reals, ints, predicted, trial, least)

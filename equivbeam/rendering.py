@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import math
+from abc import ABC, abstractmethod
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -21,8 +23,30 @@ def element_lengths(states: np.ndarray) -> np.ndarray:
     return ay * np.cos(mean) - ax * np.sin(mean)
 
 
+class PairReader(ABC):
+    """What is read of contact pairs from the vectors between their centres; see `coilspring.path.Shape`."""
+
+    data: Any  # with d, kc and k of the pairs
+
+    @abstractmethod
+    def pair_vectors(self, states: np.ndarray) -> np.ndarray:
+        """Vectors between the centres of the pairs, shape (states, pairs, 3)."""
+
+    def pair_gaps(self, states: np.ndarray) -> np.ndarray:
+        """Gap of every pair, negative where it penetrates, shape (states, pairs), mm."""
+        return np.linalg.norm(self.pair_vectors(states), axis=-1) - self.data.d
+
+    def pair_forces(self, states: np.ndarray) -> np.ndarray:
+        """Normal force of every pair by (12), shape (states, pairs), N."""
+        return self.data.kc * np.maximum(-self.pair_gaps(states), 0.0) ** self.data.k
+
+    def pair_friction(self, states: np.ndarray, memories: np.ndarray) -> Friction:
+        """Tangential forces, slips and frictional work of every pair."""
+        return pair_friction(self.pair_vectors(states), memories, self.data.kc)
+
+
 @dataclass(frozen=True)
-class BeamShape:
+class BeamShape(PairReader):
     """Reads the states of an equivalent beam; see `coilspring.path.Shape`."""
 
     scene: Scene
@@ -43,23 +67,11 @@ class BeamShape:
         ox, oy = self.data.offset.T
         return nodes[..., :2] + np.stack((c * ox - s * oy, s * ox + c * oy), axis=-1)
 
-    def _pair_vectors(self, states: np.ndarray) -> np.ndarray:
+    def pair_vectors(self, states: np.ndarray) -> np.ndarray:
         """Vectors between the centres of the pairs, shape (states, pairs, 3)."""
         centres = self.circles(states)
         first, second = self.data.pairs.T
         return np.pad(centres[:, second] - centres[:, first], ((0, 0), (0, 0), (0, 1)))
-
-    def pair_gaps(self, states: np.ndarray) -> np.ndarray:
-        """Gap of every pair, negative where it penetrates, shape (states, pairs), mm."""
-        return np.linalg.norm(self._pair_vectors(states), axis=-1) - self.data.d
-
-    def pair_forces(self, states: np.ndarray) -> np.ndarray:
-        """Normal force of every pair by (12), shape (states, pairs), N."""
-        return self.data.kc * np.maximum(-self.pair_gaps(states), 0.0) ** self.data.k
-
-    def pair_friction(self, states: np.ndarray, memories: np.ndarray) -> Friction:
-        """Tangential forces, slips and frictional work of every pair."""
-        return pair_friction(self._pair_vectors(states), memories, self.data.kc)
 
     def centreline(self, state: np.ndarray, phases: np.ndarray) -> np.ndarray:
         """Wire at the phases given, shape (phases, 3), mm.

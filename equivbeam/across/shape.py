@@ -6,16 +6,15 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from coilspring.pairlaw import pair_friction
-from coilspring.path import Friction
 from coilspring.scene import Scene
 from equivbeam.across.model import AcrossModel
 from equivbeam.across.pairs import vectors
+from equivbeam.rendering import PairReader
 from equivbeam.stations import quarters_at_ends
 
 
 @dataclass(frozen=True)
-class AcrossShape:
+class AcrossShape(PairReader):
     """Reads the states; see `coilspring.path.Shape`."""
 
     scene: Scene
@@ -25,21 +24,9 @@ class AcrossShape:
         """UX, UY, ROTZ of the last node, shape (states, 3); the first and the last are held."""
         return states[:, -3:] - np.array([0.0, self.scene.spring.active_height, 0.0])
 
-    def _pair_vectors(self, states: np.ndarray) -> np.ndarray:
+    def pair_vectors(self, states: np.ndarray) -> np.ndarray:
         """Vectors between the centres of the pairs, shape (states, pairs, 3)."""
         return np.array([vectors(self.data, state) for state in states]).reshape(len(states), -1, 3)
-
-    def pair_gaps(self, states: np.ndarray) -> np.ndarray:
-        """Gap of every pair, negative where it penetrates, shape (states, pairs), mm."""
-        return np.linalg.norm(self._pair_vectors(states), axis=-1) - self.data.d
-
-    def pair_forces(self, states: np.ndarray) -> np.ndarray:
-        """Normal force of every pair, shape (states, pairs), N."""
-        return self.data.kc * np.maximum(-self.pair_gaps(states), 0.0) ** self.data.k
-
-    def pair_friction(self, states: np.ndarray, memories: np.ndarray) -> Friction:
-        """Tangential forces, slips and frictional work of every pair."""
-        return pair_friction(self._pair_vectors(states), memories, self.data.kc)
 
     def centreline(self, state: np.ndarray, phases: np.ndarray) -> np.ndarray:
         """Wire at the phases given, shape (phases, 3), mm.

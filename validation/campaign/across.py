@@ -12,7 +12,7 @@ from functools import cached_property
 import numpy as np
 
 from coilspring import Scene
-from validation.campaign.energy import BeamEnergy, measures
+from validation.campaign.energy import PlaneEnergy, measures
 from validation.campaign.laws import Helices, Pair, helices_of, helix_law, reach, wound
 
 NODES = 4  # that a pair couples
@@ -34,9 +34,9 @@ class Side:
     offset: np.ndarray
 
 
-@dataclass(frozen=True)
-class AcrossEnergy(BeamEnergy):
-    """`BeamEnergy` in the plane across; `carriers` and `offsets` are not used.
+@dataclass(frozen=True, kw_only=True)
+class AcrossEnergy(PlaneEnergy):
+    """`PlaneEnergy` in the plane across.
 
     Attributes
     ----------
@@ -47,13 +47,13 @@ class AcrossEnergy(BeamEnergy):
     helices, ends : of these elements, each (3, pairs).
     """
 
-    first: np.ndarray = None  # type: ignore[assignment]
-    sides: tuple[Side, Side] = None  # type: ignore[assignment]
-    beside: np.ndarray = None  # type: ignore[assignment]
-    lean: np.ndarray = None  # type: ignore[assignment]
-    grow: np.ndarray = None  # type: ignore[assignment]
-    helices: Helices = None  # type: ignore[assignment]
-    ends: Pair = None  # type: ignore[assignment]
+    first: np.ndarray
+    sides: tuple[Side, Side]
+    beside: np.ndarray
+    lean: np.ndarray
+    grow: np.ndarray
+    helices: Helices
+    ends: Pair
 
     @cached_property
     def _pair_places(self) -> np.ndarray:
@@ -128,8 +128,6 @@ def across_energy(scene: Scene) -> AcrossEnergy:
     return AcrossEnergy(
         rest=rest.ravel(),
         law=helix_law(scene, phases, 0.5 * math.pi),
-        carriers=np.zeros((2, len(first)), dtype=int),
-        offsets=np.zeros((2, len(first), 2)),
         d=spring.wire_diameter,
         stiffness=contact.stiffness,
         exponent=contact.exponent,

@@ -7,6 +7,7 @@ derivative by complex steps, which is exact to rounding. A state holds x, y, the
 from __future__ import annotations
 
 import math
+from abc import ABC, abstractmethod
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property, partial
@@ -23,16 +24,14 @@ TINY = 1e-30  # of a complex step
 PAIRS_A_TURN = 2  # in the plane; the scene's stiffness is that of a pair at 4 a turn
 
 
-@dataclass(frozen=True)
-class BeamEnergy:
-    """Energy of one scene at load factor t: U + C - t f . u.
+@dataclass(frozen=True, kw_only=True)
+class PlaneEnergy(ABC):
+    """Energy of one scene in some plane at load factor t: U + C - t f . u.
 
     Attributes
     ----------
     rest : (3 nodes,) state at rest.
     law : (l, v, dtheta) of all half coils -> energy, N, T, M of each.
-    carriers : (2, pairs) nodes that carry the circles of each pair.
-    offsets : (2, pairs, 2) from the nodes to the circles' centres at rest.
     d, stiffness, exponent : of the contact.
     free : indices of the free freedoms.
     force : (free,) load at time 1.
@@ -41,8 +40,6 @@ class BeamEnergy:
 
     rest: np.ndarray
     law: Law
-    carriers: np.ndarray
-    offsets: np.ndarray
     d: float
     stiffness: float
     exponent: float
@@ -68,7 +65,7 @@ class BeamEnergy:
     def gradients(self, states: np.ndarray) -> np.ndarray:
         """Internal forces in many states, (states, free)."""
         total = np.zeros(states.shape)
-        every = np.arange(self.carriers.shape[1])
+        every = np.arange(self._pair_places.shape[1])
         for places in (self._element_places, self._pair_places):
             x = states[:, places].swapaxes(0, 1)  # (freedom, state, item)
             if places is self._element_places:
@@ -107,7 +104,7 @@ class BeamEnergy:
     @cached_property
     def rest_factor(self) -> np.ndarray:
         """Cholesky factor of the Hessian at rest with all pairs open, in which stiffness is measured."""
-        return np.linalg.cholesky(self.hessian(self.rest, np.zeros(self.carriers.shape[1], dtype=bool)))
+        return np.linalg.cholesky(self.hessian(self.rest, np.zeros(self._pair_places.shape[1], dtype=bool)))
 
     def relative(self, matrix: np.ndarray) -> np.ndarray:
         """The matrix in units of that at rest: its eigenvalues are ratios of stiffness."""
@@ -134,11 +131,6 @@ class BeamEnergy:
         first = 3 * np.arange(self.rest.size // 3 - 1)
         return np.arange(6)[:, None] + first[None]
 
-    @cached_property
-    def _pair_places(self) -> np.ndarray:
-        axis = np.arange(3)[:, None]
-        return np.concatenate((3 * self.carriers[0] + axis, 3 * self.carriers[1] + axis))
-
     def _element_forces(self, x: np.ndarray) -> np.ndarray:
         """Forces (6, ...) of the half coils, equations (7)-(9)."""
         l, v, turn, c, s = measures(x)  # noqa: E741
@@ -149,6 +141,44 @@ class BeamEnergy:
     def _distances(self, x: np.ndarray, index: np.ndarray | slice) -> np.ndarray:
         """Distances of the centres of pairs, real."""
         return np.linalg.norm(self._pair_vectors(x, index)[0], axis=0)
+
+    @property
+    @abstractmethod
+    def _pair_places(self) -> np.ndarray:
+        """Freedoms of each pair, (freedoms, pairs)."""
+
+    @abstractmethod
+    def _pair_vectors(self, x: np.ndarray, index: np.ndarray | slice) -> tuple[np.ndarray, ...]:
+        """Vectors between the centres of the pairs, and what else their forces need."""
+
+    @abstractmethod
+    def _pair_forces(self, x: np.ndarray, index: np.ndarray) -> np.ndarray:
+        """Forces of the contact pairs in their freedoms."""
+
+    def _pulls(self, g: np.ndarray) -> np.ndarray:
+        """Derivative of the contact energy in the vectors between centres."""
+        h = np.sqrt((g * g).sum(axis=0))
+        sign = np.where(h.real < self.d, 1.0, -1.0)
+        return -sign * self.stiffness * (sign * (self.d - h)) ** self.exponent * g / h
+
+
+@dataclass(frozen=True, kw_only=True)
+class BeamEnergy(PlaneEnergy):
+    """`PlaneEnergy` in the working plane.
+
+    Attributes
+    ----------
+    carriers : (2, pairs) nodes that carry the circles of each pair.
+    offsets : (2, pairs, 2) from the nodes to the circles' centres at rest.
+    """
+
+    carriers: np.ndarray
+    offsets: np.ndarray
+
+    @cached_property
+    def _pair_places(self) -> np.ndarray:
+        axis = np.arange(3)[:, None]
+        return np.concatenate((3 * self.carriers[0] + axis, 3 * self.carriers[1] + axis))
 
     def _pair_vectors(self, x: np.ndarray, index: np.ndarray | slice) -> tuple[np.ndarray, ...]:
         """Vectors (2, ...) between the centres of the pairs, and from the nodes to the centres."""
@@ -163,12 +193,6 @@ class BeamEnergy:
         g, low, high = self._pair_vectors(x, index)
         px, py = self._pulls(g)
         return np.stack((-px, -py, low[1] * px - low[0] * py, px, py, high[0] * py - high[1] * px))
-
-    def _pulls(self, g: np.ndarray) -> np.ndarray:
-        """Derivative of the contact energy in the vectors between centres."""
-        h = np.sqrt((g * g).sum(axis=0))
-        sign = np.where(h.real < self.d, 1.0, -1.0)
-        return -sign * self.stiffness * (sign * (self.d - h)) ** self.exponent * g / h
 
 
 def beam_energy(scene: Scene, law: str) -> BeamEnergy:

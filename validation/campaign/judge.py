@@ -11,7 +11,7 @@ from coilspring import EquilibriumPath, Scene
 from coilspring.pairlaw import ON
 from validation.campaign.across import across_energy
 from validation.campaign.critical import bracket
-from validation.campaign.energy import BeamEnergy, beam_energy
+from validation.campaign.energy import PlaneEnergy, beam_energy
 from validation.campaign.scenes import Case
 from validation.campaign.verdict import CRITICAL, Verdict, fine_steps, reached, under
 
@@ -39,14 +39,14 @@ def judge_beam(case: Case, path: EquilibriumPath) -> Verdict:
     return verdict
 
 
-def energy_of(scene: Scene, path: EquilibriumPath) -> BeamEnergy:
+def energy_of(scene: Scene, path: EquilibriumPath) -> PlaneEnergy:
     """Energy of the beam in the plane in which a path was found."""
     if path.options["plane"] == "across":
         return across_energy(scene)
     return beam_energy(scene, str(path.options["law"]))
 
 
-def judge_states(verdict: Verdict, energy: BeamEnergy, path: EquilibriumPath) -> None:
+def judge_states(verdict: Verdict, energy: PlaneEnergy, path: EquilibriumPath) -> None:
     """Residual and stability of the last state, of some before, and of the one with the largest residual."""
     count = len(path.times)
     if not count:
@@ -58,7 +58,7 @@ def judge_states(verdict: Verdict, energy: BeamEnergy, path: EquilibriumPath) ->
         judge_state(verdict, energy, path.states[row], float(path.times[row]))
 
 
-def judge_state(verdict: Verdict, energy: BeamEnergy, state: np.ndarray, time: float) -> None:
+def judge_state(verdict: Verdict, energy: PlaneEnergy, state: np.ndarray, time: float) -> None:
     """One state must be a stable equilibrium at its time."""
     H = energy.hessian(state)
     residual = energy.gradient(state) - time * energy.force
@@ -158,7 +158,7 @@ def just_before(verdict: Verdict, case: Case, critical: float, time: float) -> E
     return path
 
 
-def judge_critical(verdict: Verdict, energy: BeamEnergy, case: Case, path: EquilibriumPath) -> None:
+def judge_critical(verdict: Verdict, energy: PlaneEnergy, case: Case, path: EquilibriumPath) -> None:
     """The critical point must lie where the judge's Hessian changes sign, and the path must end there."""
     sharp = sharp_critical(verdict, path)
     if sharp is None:
