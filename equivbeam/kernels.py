@@ -7,7 +7,7 @@ import math
 import numpy as np
 
 from coilspring.compiled import clear, copy, kernel, part
-from coilspring.pairlaw import BOUND, ON, hold, pair_potential
+from coilspring.pairlaw import ON, hold, pair_potential, renewed
 from equivbeam.band import ROW, WIDTH
 from equivbeam.contact import circle_centre, pair_forces
 from equivbeam.halfcoil import gradient, hessian, measures, paper_matrix
@@ -223,7 +223,7 @@ def commit(reals, ints, state, memory):
         if model.mu == 0.0:
             continue
         if h < model.d:
-            hold(w, h, model.kc, memory[m], e)
+            hold(w, h, model.d, model.kc, memory[m], e)
         else:
             memory[m, ON] = 0.0
     return least
@@ -237,15 +237,14 @@ def renew(reals, ints, state, memory):
     if model.mu == 0.0:
         return change
     most = model.mu * model.kc * (SLIGHT * model.d) ** model.k
-    c, pairs, w = _centres(model, state), model.pairs, np.empty(3)
+    c, pairs, w, e = _centres(model, state), model.pairs, np.empty(3), np.empty(3)
     for m in range(pairs.shape[0]):
         if memory[m, ON] == 0.0:
             continue
-        bound = model.mu
+        h, bound = math.sqrt(_vector(c, pairs, m, w)), model.mu
         if bound < np.inf:
-            h = math.sqrt(_vector(c, pairs, m, w))
-            bound *= model.kc * max(model.d - h, 0.0) ** model.k
-            change = max(change, abs(bound - memory[m, BOUND]))
+            # at the arm d instead of h, on which arcs are measured
+            bound *= model.kc * max(model.d - h, 0.0) ** model.k * h / model.d
             most = max(most, bound)
-        memory[m, BOUND] = bound
+        change = max(change, renewed(w, h, model.d, bound, model.kc, memory[m], e))
     return change / most if change > 0.0 else 0.0

@@ -7,7 +7,7 @@ import math
 import numpy as np
 
 from coilspring.compiled import arithmetic, clear, kernel, part
-from coilspring.pairlaw import BOUND, ON, hold, pair_potential
+from coilspring.pairlaw import ON, hold, pair_potential, renewed
 from wirefe.algebra import dot, plus
 from wirefe.beam import beams
 from wirefe.chain import eliminate, substitute
@@ -289,7 +289,7 @@ def commit(reals, ints, state, memory):
             continue
         if h < contact.d:
             w[0], w[1], w[2] = between
-            hold(w, h, contact.kc, memory[m], e)
+            hold(w, h, contact.d, contact.kc, memory[m], e)
         else:
             memory[m, ON] = 0.0
     return least
@@ -302,16 +302,18 @@ def renew(reals, ints, state, memory):
     change = 0.0
     if contact.mu == 0.0:
         return change
+    w, e = np.zeros(3), np.zeros(3)
     most = contact.mu * contact.kc * (SLIGHT * contact.d) ** contact.k
     for m in range(contact.pairs.shape[0]):
         if memory[m, ON] == 0.0:
             continue
+        between, _, _ = _between(contact, state, m)
+        w[0], w[1], w[2] = between
+        h = math.sqrt(dot(between, between))
         bound = contact.mu
         if bound < np.inf:
-            between, _, _ = _between(contact, state, m)
-            h = math.sqrt(dot(between, between))
-            bound *= contact.kc * max(contact.d - h, 0.0) ** contact.k
-            change = max(change, abs(bound - memory[m, BOUND]))
+            # at the arm d instead of h, on which arcs are measured
+            bound *= contact.kc * max(contact.d - h, 0.0) ** contact.k * h / contact.d
             most = max(most, bound)
-        memory[m, BOUND] = bound
+        change = max(change, renewed(w, h, contact.d, bound, contact.kc, memory[m], e))
     return change / most if change > 0.0 else 0.0
