@@ -255,7 +255,7 @@ def follow(
         if rise != 0.0:
             let_rise(memory, rise)
         ease = SETTLING if released(held, memory) else np.inf
-        if needed < EASY_COUNT + rounds:
+        if needed < EASY_COUNT + rounds:  # a round with renewed bounds takes one more
             # the turn grows with the square of the step
             dt = max(dt, step * min(2.0, math.sqrt(SAFE * TURN / share) if share > 0.0 else 2.0))
         if landing:

@@ -7,16 +7,14 @@ the load, which may so pass through its highest value, a limit point.
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from coilspring import EquilibriumPath
-from validation.campaign.poses import product
+from validation.campaign.moves import NUDGE, moved, nudged, width
 from validation.campaign.wire import WireForces, friction_of
 
-NUDGE = 1e-6  # wire diameters or rad, with which differences are taken
 SLIDES = 1e-3  # of its bound: a pair nearer to it slides on
 TO_LIMIT = 10  # steps of the rate at the start to where the load would reach the limit point
 MOST_STEPS = 8 * TO_LIMIT
@@ -93,11 +91,11 @@ class Slipping:
         J = np.zeros((size + len(press), size + len(press)))
         for node in np.unique(self.forces.carrier[self.pairs]):
             for i in range(6):
-                ends = [_nudged(rows, node, i, step, d) for step in (NUDGE, -NUDGE)]
-                moved = (self.vectors(ends[0]) - self.vectors(ends[1])) / _width(i, d)
-                turned = (self.spread(ends[0], force) - self.spread(ends[1], force)) / _width(i, d)
-                change = np.einsum("mij,mj->mi", slope, moved)
-                J[:, 6 * node + i] = np.append(turned + self.spread(rows, change), (n * moved).sum(axis=1))
+                ends = [nudged(rows, node, i, step, d) for step in (NUDGE, -NUDGE)]
+                change = (self.vectors(ends[0]) - self.vectors(ends[1])) / width(i, d)
+                turned = (self.spread(ends[0], force) - self.spread(ends[1], force)) / width(i, d)
+                pull = np.einsum("mij,mj->mi", slope, change)
+                J[:, 6 * node + i] = np.append(turned + self.spread(rows, pull), (n * change).sum(axis=1))
         for m in range(len(press)):
             one = np.arange(len(press))[:, None] == m
             J[:size, size + m] = self.spread(rows, np.where(one, rise - n, 0.0))
@@ -198,7 +196,7 @@ def _settled(
     pair would have to be pulled), and the step made."""
     size, count = len(load), len(load) + len(press)
     most, move = float(np.abs(move[:size]).max()), move.copy()
-    rows, press, time = _moved(rows, move[:size]), press + move[size:count], time + move[count]
+    rows, press, time = moved(rows, move[:size]), press + move[size:count], time + move[count]
     matrix = np.zeros((count + 1, count + 1))
     matrix[:size, count], matrix[count, :size] = -load, control
     wire, free = _wire_tangent(pairs.forces, rows, len(press)), ~pairs.forces.held.ravel()
@@ -209,7 +207,7 @@ def _settled(
         change = np.linalg.solve(matrix, np.append(-left, 0.0))
         if not np.isfinite(change).all() or np.abs(change[:size]).max() > most:
             return None
-        rows, press = _moved(rows, change[:size]), press + change[size:count]
+        rows, press = moved(rows, change[:size]), press + change[size:count]
         move, time = move + change, time + change[count]
         if np.abs(change[:size]).max() <= CLOSE * most:
             return rows, press, move
@@ -222,11 +220,11 @@ def _wire_tangent(forces: WireForces, rows: np.ndarray, pairs: int) -> np.ndarra
     nodes, d = len(rows), forces.d
     J = np.zeros((nodes, 6, nodes, 6))
     for first in range(3):  # an element joins two nodes: every third may be moved at once
-        moved = np.arange(first, nodes, 3)
+        some = np.arange(first, nodes, 3)
         for i in range(6):
-            ends = [forces.element_forces(_nudged(rows, moved, i, h, d)) for h in (NUDGE, -NUDGE)]
-            change = (ends[0] - ends[1]) / _width(i, d)
-            for node in moved:
+            ends = [forces.element_forces(nudged(rows, some, i, h, d)) for h in (NUDGE, -NUDGE)]
+            change = (ends[0] - ends[1]) / width(i, d)
+            for node in some:
                 near = slice(max(node - 1, 0), node + 2)
                 J[near, :, node, i] = change[near]
     held, size = forces.held.ravel(), 6 * nodes
@@ -248,27 +246,3 @@ def _across(v: np.ndarray, n: np.ndarray) -> np.ndarray:
 
 def _ratio(a: np.ndarray, b: np.ndarray) -> np.ndarray:
     return np.divide(a, b, out=np.zeros_like(a), where=b > 0.0)
-
-
-def _width(i: int, d: float) -> float:
-    """Width of a central difference."""
-    return 2.0 * NUDGE * (d if i < 3 else 1.0)
-
-
-def _nudged(rows: np.ndarray, nodes: np.ndarray | int, i: int, h: float, d: float) -> np.ndarray:
-    move = np.zeros((len(rows), 6))
-    move[nodes, i] = h * (d if i < 3 else 1.0)
-    return _moved(rows, move.ravel())
-
-
-def _moved(rows: np.ndarray, move: np.ndarray) -> np.ndarray:
-    """Rows after the moves and spins of all nodes."""
-    move = move.reshape(-1, 6)
-    spin = move[:, 3:]
-    half = 0.5 * np.linalg.norm(spin, axis=1)
-    turn = np.concatenate((np.cos(half)[None], 0.5 * np.sinc(half / math.pi) * spin.T))
-    out = rows.copy()
-    out[:, :3] += move[:, :3]
-    out[:, 3:] = product(turn, rows[:, 3:].T).T
-    out[:, 3:] /= np.linalg.norm(out[:, 3:], axis=1, keepdims=True)
-    return out
