@@ -28,9 +28,6 @@ SINGULAR = 0.1
 CHANGE = 100.0
 LONG_SEARCH = 0.1  # a step cut below this says that the iteration left the neighbourhood
 MOST_LOOKS = 8  # at a state within the tolerance
-# States within the tolerance that are left again, as by a step across where a pair begins to slide: the next
-# one is taken as it is.
-MOST_SETTLED = 3
 NUDGE = 1e-2  # of the energy of the way: so small a step with a kept factor takes out stiff errors first
 CHORDS = 3  # steps with a kept factor that cost less than a new one
 FAR = 1e-7  # of the reference work: from such a decrement, another factorisation will be needed
@@ -133,7 +130,7 @@ def equilibrium(
     pairs = looked
     enough = max(DECREMENT * reference, rounding)  # less energy than its rounding cannot be asked for
     count, trouble, looks, doubtful = 0, NONE, 0, False
-    least, before, last, damping, settled = np.inf, 0.0, np.inf, FIRST_SHIFT, 0
+    least, before, last, damping = np.inf, 0.0, np.inf, FIRST_SHIFT
     for i in range(limit):
         if kept:
             # the factor of a state nearby may close the residual: then nothing is factored for it
@@ -213,9 +210,6 @@ def equilibrium(
         if -slope <= enough:
             if shift > 0.0:
                 return SADDLE, count, trouble, pairs
-            settled += 1
-            if settled > MOST_SETTLED:
-                return CONVERGED, count, trouble, pairs
             advance(reals, ints, state, step, trial, retract)
             if looked == 0:
                 return CONVERGED, count, trouble, pairs
