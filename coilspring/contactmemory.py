@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import numpy as np
+
 from coilspring.compiled import part
-from coilspring.pairlaw import ON
+from coilspring.pairlaw import BOUND, ON, RISE, WAY
 
 LEAST_CHANGE = 0.1  # share of the change of a bound that is made
 
@@ -17,11 +19,10 @@ def relax(held, memory, left, factor):
     """
     along, square = 0.0, 0.0
     for m in range(memory.shape[0]):
-        for i in range(memory.shape[1]):
-            change = memory[m, i] - held[m, i] if memory[m, i] != held[m, i] else 0.0
-            along += left[m, i] * (change - left[m, i])
-            square += (change - left[m, i]) * (change - left[m, i])
-            left[m, i] = change
+        change = memory[m, BOUND] - held[m, BOUND] if memory[m, BOUND] != held[m, BOUND] else 0.0
+        along += left[m] * (change - left[m])
+        square += (change - left[m]) * (change - left[m])
+        left[m] = change
     if factor > 0.0 and square > 0.0:
         # where a pair begins or ends to slide in between, the secant may point away: half of it then
         factor *= -along / square if along < 0.0 else 0.5
@@ -29,9 +30,8 @@ def relax(held, memory, left, factor):
     else:
         factor = 1.0
     for m in range(memory.shape[0]):
-        for i in range(memory.shape[1]):
-            if left[m, i] != 0.0:
-                memory[m, i] = held[m, i] + factor * left[m, i]
+        if left[m] != 0.0:
+            memory[m, BOUND] = held[m, BOUND] + factor * left[m]
     return factor
 
 
@@ -52,3 +52,28 @@ def remembers(memory):
             if memory[m, i] != 0.0:
                 return True
     return False
+
+
+@part
+def rubs(memory):
+    """Whether a pair is held by friction that is bounded."""
+    any_pair = False
+    for m in range(memory.shape[0]):
+        any_pair |= memory[m, ON] > 0.0 and memory[m, BOUND] < np.inf
+    return any_pair
+
+
+@part
+def slides(memory):
+    """Whether a pair slides in the substep at hand."""
+    any_pair = False
+    for m in range(memory.shape[0]):
+        any_pair |= memory[m, ON] > 0.0 and memory[m, WAY] > 0.0
+    return any_pair
+
+
+@part
+def let_rise(memory, rise):
+    """Let the bounds of the pairs that are held rise so with their slips."""
+    for m in range(memory.shape[0]):
+        memory[m, RISE] = rise if memory[m, ON] > 0.0 else 0.0

@@ -1,56 +1,92 @@
-"""Stability under Coulomb friction, whose bounds follow the normal forces.
+"""Where a path with Coulomb friction ends: at a limit point of Coulomb's law, or of the iteration only.
 
-The follower's matrix H is that with the bounds held, which has a potential. With the bounds b = b(q) the
-tangent is ``H + U V^T``, U = dg/db and V = db/dq: not symmetric, and its determinant is that of H times
-``det(I + V^T H^-1 U)`` (matrix determinant lemma), of the size of the number of pairs that slide.
+The follower's matrix has a potential. With the bounds of friction held as numbers it is H; with the bounds
+b = b(q) of Coulomb's law the tangent is ``H + U V^T``, U = dg/db and V = db/dq: not symmetric, and its
+determinant is that of H times ``det(I + V^T H^-1 U)`` (matrix determinant lemma), of the size of the
+number of pairs that slide.
 """
 
 from __future__ import annotations
 
 import numpy as np
 
-from coilspring.pairlaw import BOUND, ON
+from coilspring.pairlaw import BOUND, ON, RISE
 from coilspring.stability import Body
 
-NUDGE = 1e-6  # of a bound, and mm or rad of a move, with which differences are taken
-AHEAD = (1e-7, 1e-6, 1e-5, 1e-4)  # of the time 0..1: there the tangent is looked at
+NUDGE = 1e-6  # of a bound, with which differences are taken
+MOVE = 1e-5  # wire diameters or rad, the same
+SLACK = 1e-3  # of a bound: pairs nearer to it slide on
 SLIDES = 1e-9  # least force in a freedom per unit of a bound
+SMALL = 0.1  # determinant near a limit point
+FALLS = (1e-6, 3e-5)  # wire diameters of the way between which the determinant's fall is measured
+AHEAD = (1e-7, 1e-6, 1e-5, 1e-4)  # of the time 0..1: there its sign is looked at
 
 
-def goes_on(body: Body, state: np.ndarray, memory: np.ndarray, load: np.ndarray) -> bool:
+def time_left(body: Body, state: np.ndarray, memory: np.ndarray, load: np.ndarray, diameter: float) -> float:
+    """Time from `state`, where a path ended, to the limit point ahead under Coulomb's law; infinite where
+    none shows.
+
+    There the determinant of Coulomb's tangent is zero. It falls with the way along the path, and that is
+    the root of the time that is left: so left is half the time in which the determinant would vanish at
+    the rate at hand.
+    """
+    here, rate = coulomb(body, state, memory, load, diameter)
+    if -SMALL < here <= 0.0:
+        return 0.0
+    if not here > 0.0:
+        return np.inf
+    small = MOVE * diameter / float(np.abs(rate).max())
+    speed = body.way(state, body.moved(state, rate, small)) / (small * diameter)
+    first, last = (
+        coulomb(body, body.moved(state, rate, way / speed), memory, load, diameter)[0] for way in FALLS
+    )
+    if not last < first < SMALL:
+        return np.inf
+    return 0.5 * (FALLS[1] - FALLS[0]) / speed * first / (first - last)
+
+
+def goes_on(body: Body, state: np.ndarray, memory: np.ndarray, load: np.ndarray, diameter: float) -> bool:
     """Whether the determinant of Coulomb's tangent keeps its sign just ahead of `state`, where a path ended.
 
-    Then no critical point shows there: it is the iteration on held bounds that ends.
+    Then no critical point shows there: it is the iteration on renewed bounds that ends.
     """
-    if not np.any((memory[:, ON] > 0.0) & np.isfinite(memory[:, BOUND])):
-        return False
-    H, _ = body.factored(state, memory)
-    tangent = body.solved(H, load)
-    return all(_determinant(body, body.moved(state, tangent, ahead), memory) > 0.0 for ahead in AHEAD)
+    _, rate = coulomb(body, state, memory, load, diameter)
+    states = (body.moved(state, rate, time) for time in AHEAD)
+    return all(coulomb(body, there, memory, load, diameter)[0] > 0.0 for there in states)
 
 
-def _determinant(body: Body, state: np.ndarray, memory: np.ndarray) -> float:
-    """Determinant of Coulomb's tangent over the size of that of the tangent with the bounds held."""
+def coulomb(
+    body: Body, state: np.ndarray, memory: np.ndarray, load: np.ndarray, diameter: float
+) -> tuple[float, np.ndarray]:
+    """Determinant of Coulomb's tangent over the size of that of H, and the tangent's solution for `load`.
+
+    Pairs at their bounds slide on.
+    """
     memory = memory.copy()
+    memory[:, RISE] = 0.0
     body.kernels.renew(*body.data, state, memory)
+    held = np.flatnonzero((memory[:, ON] > 0.0) & (memory[:, BOUND] > 0.0))
+    memory[held, BOUND] *= 1.0 - SLACK
 
-    def bounds(step: np.ndarray, factor: float) -> np.ndarray:
-        changed = memory.copy()
-        body.kernels.renew(*body.data, body.moved(state, step, factor), changed)
-        return changed[:, BOUND]
+    def bounds(step: np.ndarray) -> np.ndarray:
+        size = MOVE * diameter / max(float(np.abs(step).max()), 1e-300)
+        ends = memory.copy(), memory.copy()
+        for end, factor in zip(ends, (size, -size), strict=True):
+            body.kernels.renew(*body.data, body.moved(state, step, factor), end)
+        return (ends[0] - ends[1])[:, BOUND] / (2.0 * size)
 
     H, negative = body.factored(state, memory)
+    rate, here = body.solved(H, load), body.gradient(state, memory)
     pairs, columns = [], []
-    for m in np.flatnonzero((memory[:, ON] > 0.0) & (memory[:, BOUND] > 0.0)):
-        low, high = memory.copy(), memory.copy()
-        low[m, BOUND] *= 1.0 - NUDGE
-        high[m, BOUND] *= 1.0 + NUDGE
-        force = (body.gradient(state, high) - body.gradient(state, low)) / (high[m, BOUND] - low[m, BOUND])
+    for m in held:
+        lower = memory.copy()
+        lower[m, BOUND] *= 1.0 - NUDGE
+        force = (here - body.gradient(state, lower)) / (memory[m, BOUND] - lower[m, BOUND])
         if np.abs(force).max() > SLIDES:
             pairs.append(m)
             columns.append(body.solved(H, force))
-    M = np.eye(len(pairs))
-    for j, column in enumerate(columns):
-        size = NUDGE / max(float(np.abs(column).max()), 1e-300)
-        M[:, j] += (bounds(column, size) - bounds(column, -size))[pairs] / (2.0 * size)
-    return (-1.0) ** negative * float(np.linalg.det(M))
+    if not pairs:
+        return (-1.0) ** negative, rate
+    M = np.eye(len(pairs)) + np.array([bounds(column)[pairs] for column in columns]).T
+    rate = rate - np.array(columns).T @ np.linalg.solve(M, bounds(rate)[pairs])
+    return (-1.0) ** negative * float(np.linalg.det(M)), rate

@@ -24,10 +24,10 @@ def dot(a, b):
 
 
 @part
-def subtract(push, g):
-    """g -= push."""
-    for i in range(g.size):
-        g[i] -= push[i]
+def subtract(b, a):
+    """a -= b."""
+    for i in range(a.size):
+        a[i] -= b[i]
 
 
 @part

@@ -4,10 +4,12 @@ With the centres of a pair, g = cB - cA and h = |g|, the potential is ``K max(0,
 Where sliding is off, a closed pair also has ``1/2 K |e|^2`` with ``e = (I - n0 n0^T)(g - g0)``, g0 and n0
 being the vector and its direction at the end of the substep in which the pair closed.
 
-With Coulomb friction the tangential force K |e| is bounded by ``mu F``: return mapping (Simo & Hughes
-1998, Computational Inelasticity, chapter 2). Within a substep the bound is a number (Tresca's law), so
-that the pair keeps a potential, K |e|^2 / 2 up to the bound and linear beyond; the path follower renews
-the bound until it is that of the normal force. What slid is taken off e when the substep is accepted.
+With Coulomb friction the way of one sphere over the other is the arc ``l = d acos(n0 . n)``, n = g/h, so that
+the force turns with the pair, and its size is that of return mapping (Simo & Hughes 1998, Computational
+Inelasticity, chapter 2): ``K l`` up to a bound. Within a substep the bound is a line over what slides in it,
+``b (1 + r s)``, so that the pair keeps a potential; the path follower renews b until the line meets the bound
+``mu F`` of the normal force at the slip that is found. The rise r is no part of the law then, but of the
+matrix (`coilspring.boundrise`). What slid is taken off l when the substep is accepted.
 """
 
 from __future__ import annotations
@@ -20,9 +22,11 @@ from coilspring.compiled import clear, clear_table, part
 from coilspring.path import Friction
 
 # A pair's row of the contact memory: whether it is held, g0 (3), n0 (3), the bound of its tangential
-# force, the length it has slid, and the work that friction has taken.
-ON, G0, N0, BOUND, SLID, WORK = 0, 1, 4, 7, 8, 9
-MEMORY = 10
+# force before it slides in the substep at hand, the length it has slid, the work that friction has
+# taken; the rise r, and what it slides in this substep, negative where it sticks.
+ON, G0, N0, BOUND, SLID, WORK, RISE, WAY = 0, 1, 4, 7, 8, 9, 10, 11
+MEMORY = 12
+LEAST_LEFT = 0.5  # share of a bound that falls with the slip
 
 
 @part
@@ -38,34 +42,91 @@ def stretch(g, row, e):
 
 
 @part
-def hold(g, h, K, row, e):
+def arc(g, h, row, t):
+    """Angle from n0 to the direction of g; `t` is the unit vector along which it grows, or zero."""
+    square = 0.0
+    for i in range(3):
+        t[i] = g[i] / h - row[N0 + i]
+        square += t[i] * t[i]
+    sine = math.sqrt(max(square * (1.0 - 0.25 * square), 0.0))
+    for i in range(3):
+        t[i] = (t[i] - 0.5 * square * g[i] / h) / sine if sine > 0.0 else 0.0
+    return 2.0 * math.asin(min(0.5 * math.sqrt(square), 1.0))
+
+
+@part
+def hold(g, h, d, K, row, t):
     """Update a pair's memory where it touches at the end of a substep.
 
-    A new pair is remembered as it is. One that slid keeps the stretch that its bound allows, turned
-    into its present tangent plane.
+    A new pair is remembered as it is. One that slid keeps the stretch that its bound allows.
     """
     if row[ON] == 0.0:
         for i in range(3):
             row[G0 + i] = g[i]
             row[N0 + i] = g[i] / h
-        row[ON], row[BOUND], row[SLID], row[WORK] = 1.0, math.inf, 0.0, 0.0
+        row[ON], row[BOUND], row[SLID], row[WORK], row[RISE] = 1.0, math.inf, 0.0, 0.0, 0.0
         return
-    length = stretch(g, row, e)
-    if K * length <= row[BOUND]:
+    if row[BOUND] == math.inf:
         return
-    way = length - row[BOUND] / K
+    way = (K * d * arc(g, h, row, t) - row[BOUND]) / (K + row[BOUND] * row[RISE])
+    if way <= 0.0:
+        return
+    row[BOUND] *= 1.0 + row[RISE] * way
     row[SLID] += way
     row[WORK] += row[BOUND] * way
-    out, square = 0.0, 0.0
+    left = row[BOUND] / (K * d)
     for i in range(3):
-        row[N0 + i] = g[i] / h
-        out += e[i] * row[N0 + i]
+        row[N0 + i] = math.cos(left) * g[i] / h - math.sin(left) * t[i]
+
+
+@part
+def renewed(g, h, d, bound, K, row, t):
+    """Set the bound of a held pair so that it is `bound` at the pair's present slip; returns its change."""
+    if bound < math.inf:
+        row[WAY] = d * arc(g, h, row, t) - bound / K
+        bound /= max(1.0 + row[RISE] * max(row[WAY], 0.0), LEAST_LEFT)
+    change = abs(bound - row[BOUND]) if bound != row[BOUND] else 0.0
+    row[BOUND] = bound
+    return change
+
+
+@part
+def _add_stuck(g, K, row, e, f, H):
+    """Energy of a pair that cannot slide; adds its gradient and Hessian."""
+    length = stretch(g, row, e)
     for i in range(3):
-        e[i] -= out * row[N0 + i]
-        square += e[i] * e[i]
-    share = row[BOUND] / (K * math.sqrt(square)) if square > 0.0 else 0.0
+        f[i] += K * e[i]
+        H[i, i] += K
+        for j in range(3):
+            H[i, j] -= K * row[N0 + i] * row[N0 + j]
+    return 0.5 * K * length**2
+
+
+@part
+def _add_friction(g, h, d, K, row, t, f, H):
+    """Energy of a pair with a bounded tangential force; adds its gradient and Hessian."""
+    angle = arc(g, h, row, t)
+    force, slope, energy = K * d * angle, K, 0.5 * K * (d * angle) ** 2
+    across = K * d  # force over the tangent of the angle
+    if force > row[BOUND]:
+        rise = row[BOUND] * row[RISE]
+        way = (force - row[BOUND]) / (K + rise)
+        force = row[BOUND] + rise * way
+        slope = K * rise / (K + rise)
+        energy = 0.5 * force**2 / K + (row[BOUND] + 0.5 * rise * way) * way
+        across = force / math.tan(angle)
+    elif angle > 0.0:
+        across *= angle / math.tan(angle)
+    force, across, slope = force * d / h, across * d / h**2, slope * (d / h) ** 2
     for i in range(3):
-        row[G0 + i] = g[i] - share * e[i]
+        f[i] += force * t[i]
+        H[i, i] += across
+        for j in range(3):
+            n = g[i] * g[j] / h**2
+            H[i, j] += (
+                (slope - across) * t[i] * t[j] - across * n - force * (g[i] * t[j] + t[i] * g[j]) / h**2
+            )
+    return energy
 
 
 @part
@@ -90,34 +151,34 @@ def pair_potential(g, h, d, K, k, row, e, f, H):
             for j in range(3):
                 H[i, j] += (slope + turn) * ni * g[j] / h
     if row[ON] > 0.0:
-        length = stretch(g, row, e)
-        if K * length <= row[BOUND]:
-            slope, radial = K, 0.0
-            energy += 0.5 * K * length**2
+        if row[BOUND] == math.inf:
+            energy += _add_stuck(g, K, row, e, f, H)
         else:
-            slope = row[BOUND] / length
-            radial = -slope / length**2
-            energy += row[BOUND] * (length - 0.5 * row[BOUND] / K)
-        for i in range(3):
-            f[i] += slope * e[i]
-            H[i, i] += slope
-            for j in range(3):
-                H[i, j] += radial * e[i] * e[j] - slope * row[N0 + i] * row[N0 + j]
+            energy += _add_friction(g, h, d, K, row, e, f, H)
     return energy
 
 
-def pair_friction(vectors: np.ndarray, memories: np.ndarray, K: float) -> Friction:
+def pair_friction(vectors: np.ndarray, memories: np.ndarray, d: float, K: float) -> Friction:
     """Tangential forces, slips and frictional work of pairs, from their g (..., pairs, 3) and memories."""
     held = memories[..., ON] > 0.0
+    bounded = np.isfinite(memories[..., BOUND])
     normal = memories[..., N0 : N0 + 3]
     g = vectors - memories[..., G0 : G0 + 3]
-    e = (g - (g * normal).sum(axis=-1, keepdims=True) * normal) * held[..., None]
-    length = np.linalg.norm(e, axis=-1)
-    force = np.minimum(K * length, np.where(held, memories[..., BOUND], 0.0))
-    way = length - force / K
-    share = np.divide(force, length, out=np.zeros_like(force), where=length > 0.0)
+    stuck = g - (g * normal).sum(axis=-1, keepdims=True) * normal
+    h = np.linalg.norm(vectors, axis=-1)
+    n = vectors / h[..., None]
+    chord = n - normal
+    square = (chord**2).sum(axis=-1)
+    length = 2.0 * d * np.arcsin(np.minimum(0.5 * np.sqrt(square), 1.0))
+    along = chord - 0.5 * square[..., None] * n
+    bound = np.where(held & bounded, memories[..., BOUND], 0.0)
+    rise = bound * memories[..., RISE]
+    way = np.maximum(K * length - bound, 0.0) / (K + rise) * (held & bounded)
+    force = np.minimum(K * length, bound + rise * way)
+    size = np.sqrt(square * (1.0 - 0.25 * square))
+    share = np.divide(force * d / h, size, out=np.zeros_like(force), where=size > 0.0)
     return Friction(
-        force=share[..., None] * e,
+        force=np.where(bounded[..., None], share[..., None] * along, K * stuck) * held[..., None],
         slip=memories[..., SLID] * held + way,
         work=memories[..., WORK] * held + force * way,
     )

@@ -7,7 +7,7 @@ import math
 import numpy as np
 
 from coilspring.compiled import part
-from coilspring.pairlaw import BOUND, ON, hold
+from coilspring.pairlaw import ON, hold, renewed
 
 SLIGHT = 1e-7  # wire diameters of penetration: its force is the least that friction bounds are compared with
 TOUCH = 0.003  # wire diameters by which a pair may penetrate where a prediction closes it
@@ -15,8 +15,8 @@ NEAR = 1.5  # wire diameters between centres, within which a pair's motion in a 
 
 
 @part
-def _product(a, b):
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+def _distance(vectors, m):
+    return math.sqrt(vectors[m, 0] ** 2 + vectors[m, 1] ** 2 + vectors[m, 2] ** 2)
 
 
 @part
@@ -26,13 +26,13 @@ def approach(before, after, d):
     A pair counts if it comes near anywhere on the way: wires must not pass through each other.
     """
     most, free, inner = 0.0, 1.0, ((1.0 - TOUCH) * d) ** 2
-    x = np.empty(3)
     for m in range(before.shape[0]):
-        v, w = before[m], after[m]
-        for i in range(3):
-            x[i] = w[i] - v[i]
-        start, way, along = _product(v, v), _product(x, x), -_product(v, x)
-        if start >= d * d and _product(w, w) < inner:
+        v0, v1, v2 = before[m, 0], before[m, 1], before[m, 2]
+        w0, w1, w2 = after[m, 0], after[m, 1], after[m, 2]
+        x0, x1, x2 = w0 - v0, w1 - v1, w2 - v2
+        start, way = v0 * v0 + v1 * v1 + v2 * v2, x0 * x0 + x1 * x1 + x2 * x2
+        along = -(v0 * x0 + v1 * x1 + v2 * x2)
+        if start >= d * d and w0 * w0 + w1 * w1 + w2 * w2 < inner:
             # first share with |v + share x|^2 = inner
             free = min(free, (along - math.sqrt(max(along**2 - way * (start - inner), 0.0))) / way)
         if way <= most * most:
@@ -51,12 +51,12 @@ def remember(vectors, memory, mu, K, d):
     """
     least, e = np.inf, np.empty(3)
     for m in range(vectors.shape[0]):
-        h = math.sqrt(_product(vectors[m], vectors[m]))
+        h = _distance(vectors, m)
         least = min(least, h - d)
         if mu == 0.0:
             continue
         if h < d:
-            hold(vectors[m], h, K, memory[m], e)
+            hold(vectors[m], h, d, K, memory[m], e)
         else:
             memory[m, ON] = 0.0
     return least
@@ -65,15 +65,14 @@ def remember(vectors, memory, mu, K, d):
 @part
 def renew_bounds(vectors, memory, mu, K, k, d):
     """Renew the bounds of the tangential forces; returns the largest change over the largest bound."""
-    change, most = 0.0, mu * K * (SLIGHT * d) ** k
+    change, most, e = 0.0, mu * K * (SLIGHT * d) ** k, np.empty(3)
     for m in range(vectors.shape[0]):
         if memory[m, ON] == 0.0:
             continue
-        bound = mu
+        h, bound = _distance(vectors, m), mu
         if bound < np.inf:
-            h = math.sqrt(_product(vectors[m], vectors[m]))
-            bound *= K * max(d - h, 0.0) ** k
-            change = max(change, abs(bound - memory[m, BOUND]))
+            # at the arm d instead of h, on which arcs are measured
+            bound *= K * max(d - h, 0.0) ** k * h / d
             most = max(most, bound)
-        memory[m, BOUND] = bound
+        change = max(change, renewed(vectors[m], h, d, bound, K, memory[m], e))
     return change / most if change > 0.0 else 0.0

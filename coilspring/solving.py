@@ -9,9 +9,10 @@ from typing import Any
 
 import numpy as np
 
+from coilspring.contactmemory import rubs
 from coilspring.driving import Top, stages
 from coilspring.errors import EquilibriumNotFound
-from coilspring.friction import goes_on
+from coilspring.friction import goes_on, time_left
 from coilspring.interrupt import interruptible
 from coilspring.kernelset import Kernels
 from coilspring.packing import pack
@@ -25,8 +26,9 @@ MOST_ITERATIONS = 25  # of a substep with the exact tangent, which needs 2 or 3 
 # Null modes of a bifurcation do no work with the load; rounding leaves far less than this share.
 NO_WORK = 1e-6
 SOFT = 0.1  # stiffness of the softest mode over that at rest, below which the tangent counts as singular
+LEFT = 1e-5  # of the time 0..1: so near to where a path ends, a limit point of Coulomb's law is its end
 SLIDING = -1  # outcome beside those of `coilspring.stepping`: see `coilspring.friction`
-HELD = "Coulomb's law goes on, but with the bounds of friction held no stable equilibrium was found"
+HELD = "Coulomb's law goes on, but by renewed bounds of friction no stable equilibrium was found"
 LOST = "a pair that was held opened, and without what it held no equilibrium was found nearby"
 WHY = {SLIDING: HELD, OPENED: LOST, STUCK: "no equilibrium that continues the branch was found"}
 VOID_PENETRATION = 0.1  # wire diameters of overlap, beyond which a penalty no longer stands for contact
@@ -93,19 +95,23 @@ def follow_problem(
         length, limit, predictor, problem.lean, *kernels,
     )  # fmt: skip
     track = Track(*found)
-    track, mode = _judged(track, problem, kernels)
+    track, mode = _judged(track, problem, kernels, length)
     seconds = time.process_time() - began
     return Run(track, mode, *_verdict(track, mode, problem.load), seconds, compiled)
 
 
-def _judged(track: Track, problem: Problem, kernels: Kernels) -> tuple[Track, np.ndarray]:
+def _judged(track: Track, problem: Problem, kernels: Kernels, length: float) -> tuple[Track, np.ndarray]:
     """The track, with a critical point told from a path that got stuck, and the softest mode at its end."""
     load = problem.load
     if track.outcome not in (CRITICAL, STUCK, OPENED):
         return track, np.zeros_like(load)
     body = Body(kernels, pack(problem.data), load.size, problem.matrix_size)
     share, mode = softest(body, track.last, track.memory, problem.start)
-    if goes_on(body, track.last, track.memory, load):
+    end, friction = (body, track.last, track.memory, load, length), rubs(track.memory)
+    left = time_left(*end) if friction and track.outcome != OPENED else np.inf
+    if left <= LEFT:
+        track = track._replace(outcome=CRITICAL, bracket=max(track.bracket, 2.0 * left))
+    elif friction and goes_on(*end):
         track = track._replace(outcome=SLIDING)
     elif track.outcome == STUCK and abs(share) < SOFT:
         track = track._replace(outcome=CRITICAL)

@@ -58,6 +58,10 @@ class Body:
         self.kernels.retract(*self.data, state, step, factor, state, 0.0, out)
         return out
 
+    def way(self, a: np.ndarray, b: np.ndarray) -> float:
+        """Bound on how far any point moves from state `a` to `b`, mm."""
+        return float(self.kernels.motion(*self.data, a, b, np.inf)[0])
+
     def gradient(self, state: np.ndarray, memory: np.ndarray, clearance: float = 0.0) -> np.ndarray:
         """Gradient of the energy; with an infinite `clearance` contact is left out."""
         g = np.empty(self.freedoms)

@@ -10,9 +10,10 @@ from typing import NamedTuple
 import numpy as np
 from numba import njit, types
 
+from coilspring.boundrise import rise_of_bounds
 from coilspring.branch import TURN, continues, curvature, predict, snapped
 from coilspring.compiled import copied, copied_table, copy, copy_table, part, zeros
-from coilspring.contactmemory import relax, released, remembers
+from coilspring.contactmemory import let_rise, relax, released, remembers, rubs, slides
 from coilspring.kernelset import SIGNATURES
 from coilspring.linesearch import dot, solution, stale_solution
 from coilspring.newton import CONVERGED, FAILED, HISTORY, INDEFINITE, LINEAR, NONE, equilibrium
@@ -113,7 +114,8 @@ def follow(
     # the state accepted before, the tangent there and the time since: none as yet
     before, old, last = copied(start), zeros(load.size), 1.0
     old[0] = np.inf
-    memory, held, left = copied_table(memory), copied_table(memory), copied_table(memory)
+    memory, held, far = copied_table(memory), copied_table(memory), copied_table(memory)
+    left = zeros(memory.shape[0])
     clearance = commit(reals, ints, state, memory)
     _, pairs = assemble(reals, ints, state, clearance, memory, state, g, H)
     rest = copied(H)
@@ -124,10 +126,10 @@ def follow(
     reference = dot(load, tangent)
     noise = rounding(load, start)
     origin, begin = copied(state), 0.0  # of the linear stretch whose stability is not yet verified
-    linear, kept, ease = False, True, np.inf
+    linear, kept, ease, lost = False, True, np.inf, False
     checks, critical = 0, np.inf
     time, dt = 0.0, min(times[0], FIRST_STEP)
-    row, tries, stride = 0, 0, dt
+    row, tries, stride, rise = 0, 0, dt, 0.0
     while row < times.size and outcome == COMPLETED and stop[0] == 0:
         if clearance == -np.inf:
             outcome = STRAY
@@ -150,7 +152,8 @@ def follow(
                 landing = False
                 target = time + step
                 predict(reals, ints, before, state, tangent, last, step, bend, predicted, retract)
-        copy(predicted, trial)
+        # where friction has just begun it holds next to nothing: the prediction slides where the state sticks
+        copy(state if lost and rubs(memory) else predicted, trial)
         for i in range(load.size):
             push[i] = target * load[i]
         renew(reals, ints, state, memory)
@@ -177,7 +180,8 @@ def follow(
                 break
             share_made = relax(held, memory, left, share_made)
             kept = True
-        good, share = status <= LINEAR, 0.0
+        lost = status > LINEAR
+        good, share = not lost, 0.0
         if good:
             good, share = continues(
                 reals, ints, predicted, state, trial, diameter, trouble > NONE, predictor and ease == np.inf,
@@ -192,6 +196,18 @@ def follow(
                 negative, _ = factor(reals, ints, H)
                 checks += 1
                 good = negative == 0
+        if good and status == CONVERGED and slides(memory):
+            # the matrix at the state itself, which also tells how the bounds rise with the slips
+            assemble(reals, ints, state, clearance, held, trial, g, F)
+            copy(trial, home)
+            negative, _ = factor(reals, ints, F)
+            spent += 1
+            good = negative == 0
+            if good:
+                rise = rise_of_bounds(
+                    reals, ints, trial, held, F, diameter, g, push, far, memory, predicted, assemble, solve,
+                    retract, motion, renew,
+                )  # fmt: skip
         if good and status == CONVERGED:
             stale_solution(reals, ints, F, home, trial, load, 1.0, ahead, solve, carry)
             if predictor and not remembers(memory):
@@ -236,8 +252,10 @@ def follow(
         time = target
         copy_table(held, memory)
         clearance = commit(reals, ints, state, memory)
+        if rise != 0.0:
+            let_rise(memory, rise)
         ease = SETTLING if released(held, memory) else np.inf
-        if needed <= EASY_COUNT:
+        if needed < EASY_COUNT + rounds:  # a round with renewed bounds takes one more
             # the turn grows with the square of the step
             dt = max(dt, step * min(2.0, math.sqrt(SAFE * TURN / share) if share > 0.0 else 2.0))
         if landing:

@@ -7,17 +7,14 @@ import math
 import numpy as np
 
 from coilspring.compiled import clear, copy, kernel, part
-from coilspring.pairlaw import BOUND, ON, hold, pair_potential
+from coilspring.pairlaw import ON, pair_potential
+from coilspring.pairvectors import approach, remember, renew_bounds
 from equivbeam.band import ROW, WIDTH
 from equivbeam.contact import circle_centre, pair_forces
 from equivbeam.halfcoil import gradient, hessian, measures, paper_matrix
 from equivbeam.haringx import KAX, KFL, KSH, L0
 from equivbeam.laws import response
 from equivbeam.model import EXACT, PAPER, view
-
-SLIGHT = 1e-7  # wire diameters of penetration: its force is the least that friction bounds are compared with
-TOUCH = 0.003  # wire diameters by which a pair may penetrate where a prediction closes it
-NEAR = 1.5  # wire diameters between centres, within which a pair's motion in a substep is watched
 
 
 @part
@@ -54,11 +51,14 @@ def _centres(model, state):
 
 
 @part
-def _vector(c, pairs, m, w):
-    """Vector (3,) between the centres of a pair, in the working plane; returns its square."""
-    A, B = pairs[m, 0], pairs[m, 1]
-    w[0], w[1], w[2] = c[B, 0] - c[A, 0], c[B, 1] - c[A, 1], 0.0
-    return w[0] * w[0] + w[1] * w[1]
+def _vectors(model, state):
+    """Vectors between the centres of all pairs, in the working plane, shape (pairs, 3)."""
+    c, pairs = _centres(model, state), model.pairs
+    w = np.empty((pairs.shape[0], 3))
+    for m in range(pairs.shape[0]):
+        A, B = pairs[m, 0], pairs[m, 1]
+        w[m, 0], w[m, 1], w[m, 2] = c[B, 0] - c[A, 0], c[B, 1] - c[A, 1], 0.0
+    return w
 
 
 @part
@@ -79,10 +79,11 @@ def _add_pairs(model, memory, state, g, H, ge, Ke):
     Hg = np.empty((3, 3))
     c, pairs, carrier = _centres(model, state), model.pairs, model.carrier
     for m in range(pairs.shape[0]):
-        h2 = _vector(c, pairs, m, w)
+        A, B = pairs[m, 0], pairs[m, 1]
+        w[0], w[1], w[2] = c[B, 0] - c[A, 0], c[B, 1] - c[A, 1], 0.0
+        h2 = w[0] * w[0] + w[1] * w[1]
         if h2 >= model.d * model.d and memory[m, ON] == 0.0:
             continue
-        A, B = pairs[m, 0], pairs[m, 1]
         a, b = carrier[A], carrier[B]
         energy += pair_potential(w, math.sqrt(h2), model.d, model.kc, model.k, memory[m], e, f, Hg)
         p, q = 3 * a, 3 * b
@@ -173,79 +174,28 @@ def carry(reals, ints, a, b, v):
 
 @kernel
 def motion(reals, ints, a, b, least):
-    """See `coilspring.kernelset`: bound on all motion, pair motion, share of the way to the first touch.
-
-    A pair counts if it comes near anywhere between the states: circles must not pass through each other.
-    """
+    """See `coilspring.kernelset`: bound on all motion, pair motion, share of the way to the first touch."""
     model = view(reals, ints)
-    most, free, way = 0.0, 1.0, _bound(model.reach, a, b)
-    inner = (1.0 - TOUCH) * model.d
+    way = _bound(model.reach, a, b)
     if model.pairs.shape[0] == 0 or way <= least:
-        return way, most, free
-    before, after, pairs, d = _centres(model, a), _centres(model, b), model.pairs, model.d
-    v, w = np.empty(3), np.empty(3)
-    for m in range(pairs.shape[0]):
-        start, end = _vector(before, pairs, m, v), _vector(after, pairs, m, w)
-        way2, along = 0.0, 0.0
-        for i in range(2):
-            way2 += (w[i] - v[i]) ** 2
-            along -= v[i] * (w[i] - v[i])
-        if start >= d * d and end < inner * inner:
-            # first x with |v + x (w - v)| = inner
-            root = math.sqrt(max(along**2 - way2 * (start - inner**2), 0.0))
-            free = min(free, (along - root) / way2)
-        if way2 <= most * most:
-            continue
-        x = min(max(along / way2, 0.0), 1.0)
-        near = 0.0
-        for i in range(2):
-            near += (v[i] + x * (w[i] - v[i])) ** 2
-        if near < (NEAR * d) ** 2:
-            most = math.sqrt(way2)
-    return way, most / d, free
+        return way, 0.0, 1.0
+    most, free = approach(_vectors(model, a), _vectors(model, b), model.d)
+    return way, most / model.d, free
 
 
 @kernel
 def commit(reals, ints, state, memory):
-    """Update the contact memory with an accepted state; returns the least gap of all pairs.
-
-    A pair that touches is remembered where there is friction, one that has opened is forgotten.
-    """
+    """See `coilspring.pairvectors.remember`."""
     model = view(reals, ints)
-    least = np.inf
     if model.pairs.shape[0] == 0:
-        return least
-    c, pairs = _centres(model, state), model.pairs
-    w, e = np.empty(3), np.empty(3)
-    for m in range(pairs.shape[0]):
-        h = math.sqrt(_vector(c, pairs, m, w))
-        least = min(least, h - model.d)
-        if model.mu == 0.0:
-            continue
-        if h < model.d:
-            hold(w, h, model.kc, memory[m], e)
-        else:
-            memory[m, ON] = 0.0
-    return least
+        return np.inf
+    return remember(_vectors(model, state), memory, model.mu, model.kc, model.d)
 
 
 @kernel
 def renew(reals, ints, state, memory):
-    """Renew the bounds of the tangential forces; see `coilspring.kernelset`."""
+    """See `coilspring.pairvectors.renew_bounds`."""
     model = view(reals, ints)
-    change = 0.0
     if model.mu == 0.0:
-        return change
-    most = model.mu * model.kc * (SLIGHT * model.d) ** model.k
-    c, pairs, w = _centres(model, state), model.pairs, np.empty(3)
-    for m in range(pairs.shape[0]):
-        if memory[m, ON] == 0.0:
-            continue
-        bound = model.mu
-        if bound < np.inf:
-            h = math.sqrt(_vector(c, pairs, m, w))
-            bound *= model.kc * max(model.d - h, 0.0) ** model.k
-            change = max(change, abs(bound - memory[m, BOUND]))
-            most = max(most, bound)
-        memory[m, BOUND] = bound
-    return change / most if change > 0.0 else 0.0
+        return 0.0
+    return renew_bounds(_vectors(model, state), memory, model.mu, model.kc, model.k, model.d)

@@ -42,7 +42,7 @@ class PairReader(ABC):
 
     def pair_friction(self, states: np.ndarray, memories: np.ndarray) -> Friction:
         """Tangential forces, slips and frictional work of every pair."""
-        return pair_friction(self.pair_vectors(states), memories, self.data.kc)
+        return pair_friction(self.pair_vectors(states), memories, self.data.d, self.data.kc)
 
 
 @dataclass(frozen=True)

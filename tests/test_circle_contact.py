@@ -10,8 +10,8 @@ D, KC = 1.5, 2.0e4
 OFFSETS = np.array([[5.0, 0.0], [4.6, -0.75]])
 FREE = np.zeros(MEMORY)
 G0 = np.array([0.05, 1.40, 0.0])
-STUCK = np.array([1.0, *G0, *G0 / np.linalg.norm(G0), np.inf, 0.0, 0.0])
-SLIDING = np.array([*STUCK[:7], 300.0, 0.0, 0.0])
+STUCK = np.array([1.0, *G0, *G0 / np.linalg.norm(G0), np.inf, *np.zeros(4)])
+SLIDING = np.array([*STUCK[:7], 300.0, *np.zeros(4)])
 
 
 def pair(q, k=1.0, memory=FREE, distance=D):

@@ -4,7 +4,18 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from coilspring.pairlaw import BOUND, MEMORY, hold, pair_potential, stretch
+from coilspring.pairlaw import (
+    BOUND,
+    MEMORY,
+    N0,
+    ON,
+    RISE,
+    WORK,
+    hold,
+    pair_friction,
+    pair_potential,
+    renewed,
+)
 from wirefe.contact import pair_matrix
 
 D, K = 1.5, 1.0e4
@@ -24,9 +35,9 @@ def pair(d, gap, k=1.0, memory=FREE):
     return energy, g, full
 
 
-def stuck(bound=np.inf):
+def stuck(bound=np.inf, rise=0.0):
     g0 = np.array([0.25, 1.42, -0.2])
-    return np.array([1.0, *g0, *g0 / np.linalg.norm(g0), bound, 0.0, 0.0])
+    return np.array([1.0, *g0, *g0 / np.linalg.norm(g0), bound, 0.0, 0.0, rise, 0.0])
 
 
 def test_force_by_hand():
@@ -40,7 +51,7 @@ def test_force_by_hand():
 def test_sliding_potential_by_hand():
     """0.1 mm of slip along x holds back with 1000 N; what goes along n0 is not slip."""
     f, H = np.empty(3), np.empty((3, 3))
-    memory = np.array([1.0, 0.0, 1.45, 0.0, 0.0, 1.0, 0.0, np.inf, 0.0, 0.0])
+    memory = np.array([1.0, 0.0, 1.45, 0.0, 0.0, 1.0, 0.0, np.inf, 0.0, 0.0, 0.0, 0.0])
     energy = pair_potential(
         np.array([0.1, 1.6, 0.0]), np.hypot(0.1, 1.6), D, K, 1.0, memory, np.empty(3), f, H
     )
@@ -51,7 +62,9 @@ def test_sliding_potential_by_hand():
 
 @pytest.mark.parametrize("k", [1.0, 1.5, 2.0])
 @pytest.mark.parametrize(
-    "memory", [FREE, stuck(), stuck(300.0)], ids=["frictionless", "no-sliding", "friction"]
+    "memory",
+    [FREE, stuck(), stuck(300.0), stuck(1e4), stuck(300.0, 0.5)],
+    ids=["frictionless", "no-sliding", "friction", "sticking", "rising"],
 )
 def test_derivatives_closed(check_derivatives, k, memory):
     check_derivatives(lambda d: pair(d, -0.05, k, memory), 12, h=1e-4)
@@ -83,17 +96,55 @@ def test_pair_sums_to_zero_force_and_moment(memory):
         np.testing.assert_allclose(np.cross(centre_to_centre, g[6:9]), 0.0, atol=1e-9)
 
 
+def sliding(bound=300.0, rise=0.0):
+    """Row of a pair that had its direction along y."""
+    row = np.zeros(MEMORY)
+    row[[ON, N0 + 1, BOUND, RISE]] = 1.0, 1.0, bound, rise
+    return row
+
+
+def tilted(angle, h):
+    """Vector between the centres, tilted by an angle from y to x."""
+    return h * np.array([np.sin(angle), np.cos(angle), 0.0])
+
+
 def test_friction_by_hand():
-    """0.1 mm along x against a bound of 300 N: 0.03 mm is elastic, 0.07 mm slides; what slid stays."""
+    """An arc of 0.1 mm against a bound of 300 N: 0.03 mm is elastic, 0.07 mm slides; what slid stays.
+
+    The bound is one at the arm d, so that the force is larger by d/h, and it turns with the pair.
+    """
     f, H, e = np.empty(3), np.empty((3, 3)), np.empty(3)
-    row = np.array([1.0, 0.0, 1.45, 0.0, 0.0, 1.0, 0.0, 300.0, 0.0, 0.0])
-    g = np.array([0.1, 1.6, 0.0])
-    energy = pair_potential(g, np.hypot(0.1, 1.6), D, K, 1.0, row, e, f, H)
+    row, h, angle = sliding(), 1.6, 0.1 / D
+    g = tilted(angle, h)
+    energy = pair_potential(g, h, D, K, 1.0, row, e, f, H)
     assert energy == pytest.approx(0.5 * K * 0.03**2 + 300.0 * 0.07)
-    np.testing.assert_allclose(f, [300.0, 0.0, 0.0], atol=1e-9)
-    np.testing.assert_allclose(H, np.diag([0.0, 0.0, 300.0 / 0.1]), atol=1e-9)
-    hold(g, np.linalg.norm(g), K, row, e)
-    np.testing.assert_allclose(row[BOUND:], [300.0, 0.07, 21.0])
-    assert K * stretch(g, row, e) == pytest.approx(300.0)
-    np.testing.assert_allclose(row[4:7], g / np.linalg.norm(g))
-    assert e @ g == pytest.approx(0.0, abs=1e-12)
+    np.testing.assert_allclose(f, 300.0 * D / h * np.array([np.cos(angle), -np.sin(angle), 0.0]), atol=1e-9)
+    assert H[2, 2] == pytest.approx(300.0 * D / h**2 / np.tan(angle))
+    hold(g, h, D, K, row, e)
+    np.testing.assert_allclose(row[BOUND : WORK + 1], [300.0, 0.07, 21.0])
+    np.testing.assert_allclose(row[N0 : N0 + 3], tilted(angle - 0.03 / D, 1.0))
+    np.testing.assert_allclose(pair_friction(g, row, D, K).force, f)
+
+
+def test_rising_bound_by_hand():
+    """300 N that rise by 10 % a mm: K (0.1 - s) = 300 (1 + 0.1 s)."""
+    f, H, e = np.empty(3), np.empty((3, 3)), np.empty(3)
+    row, g = sliding(rise=0.1), tilted(0.1 / D, D)
+    slip = (K * 0.1 - 300.0) / (K + 30.0)
+    force = 300.0 * (1.0 + 0.1 * slip)
+    energy = pair_potential(g, D, D, K, 1.0, row, e, f, H)
+    assert energy == pytest.approx(0.5 * force**2 / K + 0.5 * (300.0 + force) * slip)
+    assert np.linalg.norm(f) == pytest.approx(force)
+    assert pair_friction(g, row, D, K).slip == pytest.approx(slip)
+    hold(g, D, D, K, row, e)
+    np.testing.assert_allclose(row[BOUND : WORK + 1], [force, slip, force * slip])
+
+
+@pytest.mark.parametrize("rise", [0.0, 0.1, -0.1])
+def test_renewed_bound_is_met_at_the_slip_found(rise):
+    """However the bound rises: the force at this very state is then the bound asked for."""
+    row, g, e, f = sliding(rise=rise), tilted(0.1 / D, D), np.empty(3), np.empty(3)
+    assert renewed(g, D, D, 250.0, K, row, e) > 0.0
+    pair_potential(g, D, D, K, 1.0, row, e, f, np.empty((3, 3)))
+    assert np.linalg.norm(f) == pytest.approx(250.0)
+    assert renewed(g, D, D, 250.0, K, row, e) == pytest.approx(0.0, abs=1e-10)

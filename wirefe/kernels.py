@@ -7,7 +7,8 @@ import math
 import numpy as np
 
 from coilspring.compiled import arithmetic, clear, kernel, part
-from coilspring.pairlaw import BOUND, ON, hold, pair_potential
+from coilspring.pairlaw import ON, pair_potential
+from coilspring.pairvectors import approach, remember, renew_bounds
 from wirefe.algebra import dot, plus
 from wirefe.beam import beams
 from wirefe.chain import eliminate, substitute
@@ -16,10 +17,6 @@ from wirefe.model import view_contact, view_elements, view_held, view_plan
 from wirefe.poses import ROW, four, three
 from wirefe.quaternions import turned
 from wirefe.retraction import Way, close, place, spin_between, turn_along
-
-SLIGHT = 1e-7  # wire diameters of penetration: its force is the least that friction bounds are compared with
-TOUCH = 0.003  # wire diameters by which a pair may penetrate where a prediction closes it
-NEAR = 1.5  # wire diameters between centres, within which a pair's motion in a substep is watched
 
 
 @part
@@ -65,6 +62,16 @@ def _between(contact, state, m):
     a, ra = centre(contact, state, contact.pairs[m, 0])
     b, rb = centre(contact, state, contact.pairs[m, 1])
     return plus(b, -1.0, a), ra, rb
+
+
+@arithmetic
+def _vectors(contact, state):
+    """Vectors between the centres of all pairs, shape (pairs, 3)."""
+    w = np.empty((contact.pairs.shape[0], 3))
+    for m in range(contact.pairs.shape[0]):
+        between, _, _ = _between(contact, state, m)
+        w[m, 0], w[m, 1], w[m, 2] = between
+    return w
 
 
 @arithmetic
@@ -212,29 +219,12 @@ def _bound(reach, a, b):
 
 @kernel
 def motion(reals, ints, a, b, least):
-    """See `coilspring.kernelset`: bound on all motion, pair motion, share of the way to the first touch.
-
-    A pair counts if it comes near anywhere between the states: spheres must not pass through each other.
-    """
+    """See `coilspring.kernelset`: bound on all motion, pair motion, share of the way to the first touch."""
     contact = view_contact(reals, ints)
-    most, free, way = 0.0, 1.0, _bound(contact.reach, a, b)
-    if way <= least:
-        return way, most, free
-    inner = (contact.d * (1.0 - TOUCH)) ** 2
-    for m in range(contact.pairs.shape[0]):
-        v, _, _ = _between(contact, a, m)
-        w, _, _ = _between(contact, b, m)
-        x = plus(w, -1.0, v)
-        before, square, along = dot(v, v), dot(x, x), -dot(v, x)
-        if before >= contact.d**2 and dot(w, w) < inner:
-            # first share with |v + share x|^2 = inner
-            root = math.sqrt(max(along**2 - square * (before - inner), 0.0))
-            free = min(free, (along - root) / square)
-        if square <= most * most:
-            continue
-        near = plus(v, min(max(along / square, 0.0), 1.0), x)
-        if dot(near, near) < (NEAR * contact.d) ** 2:
-            most = math.sqrt(square)
+    way = _bound(contact.reach, a, b)
+    if contact.pairs.shape[0] == 0 or way <= least:
+        return way, 0.0, 1.0
+    most, free = approach(_vectors(contact, a), _vectors(contact, b), contact.d)
     return way, most / contact.d, free
 
 
@@ -269,49 +259,19 @@ def _stray(contact, state):
 
 @kernel
 def commit(reals, ints, state, memory):
-    """Update the contact memory with an accepted state; returns the least gap of all pairs.
-
-    A pair that touches is remembered where there is friction, one that has opened is forgotten. Minus
-    infinity says that spheres touch which are no pair.
-    """
+    """See `coilspring.pairvectors.remember`; minus infinity says that spheres touch which are no pair."""
     contact = view_contact(reals, ints)
     # spheres that are no pair are looked at once they may have come near
     near = contact.pairs.shape[0] > 0 and 2.0 * _bound(contact.reach, contact.home, state) >= contact.apart
     if near and _stray(contact, state):
         return -np.inf
-    least = np.inf
-    w, e = np.empty(3), np.empty(3)
-    for m in range(contact.pairs.shape[0]):
-        between, _, _ = _between(contact, state, m)
-        h = math.sqrt(dot(between, between))
-        least = min(least, h - contact.d)
-        if contact.mu == 0.0:
-            continue
-        if h < contact.d:
-            w[0], w[1], w[2] = between
-            hold(w, h, contact.kc, memory[m], e)
-        else:
-            memory[m, ON] = 0.0
-    return least
+    return remember(_vectors(contact, state), memory, contact.mu, contact.kc, contact.d)
 
 
 @kernel
 def renew(reals, ints, state, memory):
-    """Renew the bounds of the tangential forces; see `coilspring.kernelset`."""
+    """See `coilspring.pairvectors.renew_bounds`."""
     contact = view_contact(reals, ints)
-    change = 0.0
     if contact.mu == 0.0:
-        return change
-    most = contact.mu * contact.kc * (SLIGHT * contact.d) ** contact.k
-    for m in range(contact.pairs.shape[0]):
-        if memory[m, ON] == 0.0:
-            continue
-        bound = contact.mu
-        if bound < np.inf:
-            between, _, _ = _between(contact, state, m)
-            h = math.sqrt(dot(between, between))
-            bound *= contact.kc * max(contact.d - h, 0.0) ** contact.k
-            change = max(change, abs(bound - memory[m, BOUND]))
-            most = max(most, bound)
-        memory[m, BOUND] = bound
-    return change / most if change > 0.0 else 0.0
+        return 0.0
+    return renew_bounds(_vectors(contact, state), memory, contact.mu, contact.kc, contact.k, contact.d)

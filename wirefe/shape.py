@@ -71,7 +71,7 @@ class WireShape:
 
     def pair_friction(self, states: np.ndarray, memories: np.ndarray) -> Friction:
         """Tangential forces, slips and frictional work of every pair."""
-        return pair_friction(self._pair_vectors(states), memories, self.data.contact.kc)
+        return pair_friction(self._pair_vectors(states), memories, self.data.contact.d, self.data.contact.kc)
 
     def centreline(self, state: np.ndarray, phases: np.ndarray) -> np.ndarray:
         """Wire at the phases given, shape (phases, 3), mm.

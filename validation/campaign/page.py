@@ -25,7 +25,7 @@ TITLES = {"b": "equivalent beam", "w": "wire model"}
 MEANING = {
     RIGHT: "to the full load: stable equilibria, on the branch of a fine run",
     CONFIRMED: "up to a limit point or bifurcation that the judge finds at the same load",
-    ENDED: "friction, up to where Coulomb's law goes on but the iteration on held bounds does not, or to "
+    ENDED: "friction, up to where Coulomb's law goes on but the iteration on renewed bounds does not, or to "
     "where a pair that was held opens and what it held is lost; states before are judged",
     APART: "friction or no sliding: balanced, but with other substeps apart by more than 2 %, from the first "
     "touch on; a pair remembers where it was when its substep ended",
@@ -37,7 +37,7 @@ NUMBERS = {
     "branch": "difference from the fine run over the largest displacement",
     "bracket": "width of the solver's bracket of a critical time, relative",
     "critical_shift": "change of a critical time by finer steps or an invariance, relative",
-    "confirmed": "distance of the judge's sign change from the critical time, relative",
+    "confirmed": "distance of the judge's sign change, fold or highest load from the critical time, relative",
     "passed": "how far arc length stays stable beyond the critical time, relative",
     "friction": "friction beyond its bound, over the largest bound",
 }

@@ -51,11 +51,11 @@ class WireForces:
         rows = state.reshape(-1, 7)
         total = self.element_forces(rows)
         for (low, high), force in zip(*self._touching(rows), strict=True):
-            self._add_force(total, rows, low, force)
-            self._add_force(total, rows, high, -force)
+            self.add_force(total, rows, low, force)
+            self.add_force(total, rows, high, -force)
         for (low, high), force in zip(*friction, strict=True):
-            self._add_force(total, rows, low, -force)
-            self._add_force(total, rows, high, force)
+            self.add_force(total, rows, low, -force)
+            self.add_force(total, rows, high, force)
         total[-1, :2] -= time * self.load
         return np.where(self.held, 0.0, total)
 
@@ -98,7 +98,8 @@ class WireForces:
         size = self.penalty * (self.d - h[hit]) ** self.exponent / h[hit]
         return np.stack((low[hit], high[hit]), axis=1), size[:, None] * g[hit]
 
-    def _add_force(self, total: np.ndarray, rows: np.ndarray, sphere: int, force: np.ndarray) -> None:
+    def add_force(self, total: np.ndarray, rows: np.ndarray, sphere: int, force: np.ndarray) -> None:
+        """Add the gradient `force` at a sphere to that of the nodes."""
         node = self.carrier[sphere]
         arm = rotated(rows[node, 3:], self.offset[sphere])
         total[node, :3] += force

@@ -20,6 +20,7 @@ from validation.campaign.judge import (
     sharp_critical,
 )
 from validation.campaign.scenes import Case
+from validation.campaign.slipping import highest_load, sliding
 from validation.campaign.verdict import CRITICAL, Verdict, ended, fine_steps, reached, under
 from validation.campaign.wire import WireForces, friction_of, wire_forces
 from validation.reached import as_far
@@ -31,6 +32,7 @@ BETWEEN = 1e-4  # where a column passes its buckling load all but neutral, befor
 CRITICAL_SHIFT = {"free": LOAD, "none": 2e-2, "coulomb": 2e-2}
 ROWS = 3
 BEFORE = (1e-6, 4e-6, 1.6e-5)  # shares of the load by which states lie before their critical point
+BEFORE_SLIDING = 5e-3  # the same with coils that slide: limit points of other substeps lie within this share
 STRAIGHT = 0.99  # cosine between the moves towards a fold
 POINTS = 300  # of an arc-length run
 TURN = 5e-3  # of the load: how near the critical time a traced path has points
@@ -94,6 +96,8 @@ def _judge_critical(verdict: Verdict, forces: WireForces, case: Case, path: Equi
     if sharp is None:
         return
     critical, _ = sharp
+    if case.scene.contact.sliding == "coulomb" and path.outcome == "limit_point":
+        _judge_slipping(verdict, forces, case, critical)
     if case.scene.contact.sliding != "free":
         return  # judged by the fine run: where friction follows the path, arc length is another one
     positions = []
@@ -109,6 +113,23 @@ def _judge_critical(verdict: Verdict, forces: WireForces, case: Case, path: Equi
         _judge_turn(verdict, case, critical)
     else:
         verdict.ask("confirmed", abs(found / critical - 1.0), LOAD, "states tend to a fold elsewhere")
+
+
+def _judge_slipping(verdict: Verdict, forces: WireForces, case: Case, critical: float) -> None:
+    """Where coils slide on each other before a limit point, Coulomb's law must reach its highest load
+    there."""
+    time = critical * (1.0 - BEFORE_SLIDING)
+    before = just_before(verdict, case, critical, time)
+    if before is None:
+        return
+    judge_balance(verdict, forces, before.states[-1], time, friction_of(before, -1))
+    if not sliding(forces, before).any():
+        return
+    highest = highest_load(forces, before, time, critical)
+    if highest is None:
+        verdict.complain(f"Coulomb's law reaches no highest load near {critical:.6g}")
+        return
+    verdict.ask("confirmed", abs(highest / critical - 1.0), BEFORE_SLIDING, "the load is highest elsewhere")
 
 
 def fold(positions: Sequence[np.ndarray], times: Sequence[float]) -> float | None:
