@@ -17,6 +17,7 @@ from equivbeam.across.pairs import vectors
 from equivbeam.across.shape import AcrossShape
 from equivbeam.parameters import varied
 from equivbeam.solve import ACROSS, beam_shape
+from validation.campaign.across import across_energy
 from validation.metrics import compare_paths
 
 CONVERGED = {"element": "curved", "elements_per_turn": 16}
@@ -206,6 +207,19 @@ def test_derivatives(sliding):
     columns = np.array([(a[1] - b[1]) / (2 * h) for a, b in both])
     assert np.abs(slopes - g).max() <= 1e-8 * np.abs(g).max()
     assert np.abs(columns - H).max() <= 1e-8 * np.abs(H).max()
+
+
+def test_the_judge_has_the_same_energy():
+    """Code that shares nothing with the kernels, in a state off balance with many pairs closed."""
+    path, judge = equivbeam.solve(spring_b(), steps=10, **OPTIONS), across_energy(spring_b())
+    reals, ints = pack(path.shape.data)
+    state, memory = path.states[-1].copy(), np.zeros_like(path.memories[-1])
+    state[3:-3] += np.random.default_rng(2).normal(0.0, 2e-3, state.size - 6)
+    g = np.empty(state.size - 3)
+    energy, _ = ACROSS.assemble(reals, ints, state, 0.0, memory, state, g, np.empty(0))
+    assert (path.shape.pair_gaps(state[None])[0] < 0.0).sum() > 8
+    assert judge.energy(state) == pytest.approx(energy, rel=1e-12)
+    np.testing.assert_allclose(judge.gradient(state), g[judge.free - 3], atol=1e-11 * np.abs(g).max())
 
 
 def test_a_displacement_asks_for_its_force():

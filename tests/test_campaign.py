@@ -386,3 +386,11 @@ def test_one_case_is_printed(tmp_path, capsys):
     assert run.campaign(tmp_path / "none", case="b000001", seed=SEED) == 0
     assert "b000001" in capsys.readouterr().out
     assert not (tmp_path / "none").exists()
+
+
+def test_a_jump_along_the_tangent_of_a_fold_is_seen():
+    """A column bowed and straightened by its closing coils: of 16 steps, one would take the jump for its path."""
+    case = make_case("b000303", 1)
+    paths = [reached(case, steps=steps) for steps in (16, 64)]
+    assert [path.outcome for path in paths] == ["limit_point"] * 2
+    assert paths[0].critical_time == pytest.approx(paths[1].critical_time, rel=1e-6)
