@@ -389,7 +389,7 @@ def test_one_case_is_printed(tmp_path, capsys):
 
 
 def test_a_jump_along_the_tangent_of_a_fold_is_seen():
-    """A column bowed and straightened by its closing coils: of 16 steps, one would take the jump for its path."""
+    """A column that its closing coils straighten: one of 16 steps would take the jump for its path."""
     case = make_case("b000303", 1)
     paths = [reached(case, steps=steps) for steps in (16, 64)]
     assert [path.outcome for path in paths] == ["limit_point"] * 2
