@@ -9,12 +9,13 @@ import numpy as np
 import pytest
 
 import equivbeam
-from coilspring import InputError, load_scene
+from coilspring import InputError, load_scene, spring_b
 from validation.campaign import pools, run
 from validation.campaign.critical import bracket
 from validation.campaign.energy import beam_energy
 from validation.campaign.invariance import KINDS, judge_invariance
 from validation.campaign.judge import (
+    force_grain,
     grain,
     judge_beam,
     judge_branch,
@@ -345,6 +346,10 @@ def test_no_answer_is_asked_to_be_finer_than_its_positions():
     path = equivbeam.solve(load_scene("spring-a"), steps=1)
     assert grain(path) == pytest.approx(4 * 2.0**-52 * 28.6 / np.abs(path.tips[:, :2]).max())
     assert grain(path) < 1e-14
+    # a pair of stiffness 2 K, with which positions 28.6 mm apart make a force, over the load
+    assert force_grain(equivbeam.solve(load_scene("spring-a-no-contact"), steps=1)) == 0.0
+    hard = equivbeam.solve(spring_b(), penalty=1e9, steps=10)
+    assert force_grain(hard) == pytest.approx(4 * 2.0**-52 * 28.6 * 2e9 / 200.0)
 
 
 def test_what_pairs_remember_sets_runs_apart():

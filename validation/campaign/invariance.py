@@ -6,7 +6,7 @@ import math
 from dataclasses import replace
 
 from coilspring import EquilibriumPath, Scene
-from validation.campaign.judge import UNCHANGED, apart, grain, remembered
+from validation.campaign.judge import UNCHANGED, apart, force_grain, grain, remembered
 from validation.campaign.scenes import Case, in_units
 from validation.campaign.verdict import CRITICAL, Verdict, ended, reached
 
@@ -90,4 +90,5 @@ def _compare(
     verdict.ask("invariance", shown, max(most, loose, grain(path)), f"{kind} changes the answer")
     if path.critical_time is not None and other.critical_time is not None:
         shift = abs(path.critical_time - other.critical_time) / path.critical_time
-        verdict.ask("critical_shift", shift, max(CRITICAL_SHIFT, loose), f"{kind} shifts the critical time")
+        most = max(CRITICAL_SHIFT, loose, force_grain(path))
+        verdict.ask("critical_shift", shift, most, f"{kind} shifts the critical time")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 
 import numpy as np
@@ -91,6 +92,18 @@ def grain(path: EquilibriumPath) -> float:
     """What the rounding of the positions makes of the largest displacement, as a share of it."""
     largest = np.abs(path.tips[:, :2]).max(initial=0.0)
     return ROUNDING * path.scene.spring.active_height / largest if largest > 0.0 else 0.0
+
+
+def force_grain(path: EquilibriumPath) -> float:
+    """What the rounding of the positions makes of a contact force, as a share of the load.
+
+    A hard pair's force is its stiffness times a difference of positions that are as large as the spring.
+    """
+    contact, depth = path.scene.contact, path.max_penetration.max(initial=0.0)
+    if not depth > 0.0:
+        return 0.0
+    stiffness = 2.0 * contact.stiffness * contact.exponent * depth ** (contact.exponent - 1.0)
+    return ROUNDING * path.scene.spring.active_height * stiffness / math.hypot(*path.scene.load.force)
 
 
 def remembered(
