@@ -39,8 +39,11 @@ def rise_of_bounds(
     motion,
     renew,
 ):
-    """Rise of the bounds at an equilibrium found with `memory`; `F` is the factor of its matrix, and `g`
-    its gradient without a load. `push`, `far`, `near` and `moved` are scratch."""
+    """Rise of the bounds, 1/mm, at an equilibrium found with `memory`.
+
+    `F` is the factor of its matrix, and `g` its gradient without a load; `push`, `far`, `near` and `moved`
+    are scratch.
+    """
     copy_table(memory, far)
     for m in range(far.shape[0]):
         far[m, BOUND] *= 1.0 - LESS

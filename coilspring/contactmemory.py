@@ -12,10 +12,11 @@ LEAST_CHANGE = 0.1  # share of the change of a bound that is made
 
 @part
 def relax(held, memory, left, factor):
-    """Aitken's relaxation of the bounds, whose fixed point may repel: those that the state at hand was found
-    with are in `held`, those it asks for in `memory`, what was left of the round before in `left`.
+    """Aitken's relaxation of the bounds, whose fixed point may repel.
 
-    Returns the factor with which the change is made; before there is a round, it is 0.
+    Those that the state at hand was found with are in `held`, those it asks for in `memory`, what was left
+    of the round before in `left`. Returns the factor with which the change is made; before there is a round,
+    it is 0.
     """
     along, square = 0.0, 0.0
     for m in range(memory.shape[0]):

@@ -29,8 +29,8 @@ for all models:
     Update the contact memory with an accepted state. Minus infinity: a pair touches that is not in
     the model.
 ``renew(reals, ints, state, memory) -> change``
-    Set the bounds of the tangential forces, which are numbers in `assemble`, to those of the normal
-    forces at `state`; returns their largest change over the largest bound, 0 without friction.
+    Set the bounds of the tangential forces, which are lines over the slips in `assemble`, to those of the
+    normal forces at `state`; returns their largest change over the largest bound, 0 without friction.
 """
 
 from __future__ import annotations

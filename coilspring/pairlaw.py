@@ -26,7 +26,9 @@ from coilspring.path import Friction
 # taken; the rise r, and what it slides in this substep, negative where it sticks.
 ON, G0, N0, BOUND, SLID, WORK, RISE, WAY = 0, 1, 4, 7, 8, 9, 10, 11
 MEMORY = 12
-LEAST_LEFT = 0.5  # share of a bound that falls with the slip
+# Share of a bound that is left when it falls with the slip: less is out of reach, since the rise is at least
+# -1/d and a pair moves by no more than half of d in a substep.
+LEAST_LEFT = 0.5
 
 
 @part

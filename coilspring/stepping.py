@@ -252,8 +252,7 @@ def follow(
         time = target
         copy_table(held, memory)
         clearance = commit(reals, ints, state, memory)
-        if rise != 0.0:
-            let_rise(memory, rise)
+        let_rise(memory, rise)
         ease = SETTLING if released(held, memory) else np.inf
         if needed < EASY_COUNT + rounds:  # a round with renewed bounds takes one more
             # the turn grows with the square of the step

@@ -41,7 +41,7 @@ class PairReader(ABC):
         return self.data.kc * np.maximum(-self.pair_gaps(states), 0.0) ** self.data.k
 
     def pair_friction(self, states: np.ndarray, memories: np.ndarray) -> Friction:
-        """Tangential forces, slips and frictional work of every pair."""
+        """Tangential forces (states, pairs, 3), N, slips, mm, and frictional work, N mm, of every pair."""
         return pair_friction(self.pair_vectors(states), memories, self.data.d, self.data.kc)
 
 

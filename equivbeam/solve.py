@@ -69,8 +69,8 @@ def solve(
     Parameters
     ----------
     scene : Scene
-        What is modelled; active coils a multiple of 0.5. The start phase is in the helix law; circles stand
-        on the side on which the wire begins.
+        What is modelled; active coils a multiple of 0.5. Of the start phase the paper's law has the side on
+        which the wire begins, as the circles of the working plane do; the helix law has it all.
     steps : int, optional
         Requested equal steps of time; by default the scene's.
     penalty : float, optional
@@ -85,9 +85,9 @@ def solve(
         "scene" applies the scene's "no sliding" or friction to the circles; by default they are
         frictionless.
     plane : {"working", "across"}, optional
-        Where the beam lies. "across", for the helix law with all its refinements and springs loaded along
-        their axis, is at a right angle to the plane in which the wire leaves the end turns: there the coils
-        meet first (`equivbeam.across`). By default it is taken where it can be.
+        Where the beam lies. "across", for the helix law with all its refinements and springs with closed end
+        turns whose top is held in ux and rotz, is at a right angle to the plane in which the wire leaves the
+        end turns: there the coils meet first (`equivbeam.across`). By default it is taken where it can be.
     refinements : Refinements, optional
         What the helix law has beyond the paper's; by default all of it.
     factors : tuple of float
@@ -107,7 +107,7 @@ def solve(
     require_choice("sliding", sliding, SLIDING)
     _refuse_mixtures(law, tangent, refinements, factors)
     scene = scene.overridden(steps, penalty)
-    plane = _plane(scene, plane, able=law == "helix" and refinements is None)
+    plane = _plane(scene, plane, able=law == "helix" and refinements in (None, model.ALL))
     options: dict[str, object] = {"law": law, "tangent": tangent, "sliding": sliding, "plane": plane}
     if plane == "across":
         return _solve_across(scene, options)

@@ -236,7 +236,7 @@ def _add_scene(command: argparse.ArgumentParser) -> None:
     beam.add_argument("--law", choices=("haringx", "helix"), help="law of a half coil; default haringx")
     beam.add_argument("--tangent", choices=("exact", "paper", "paper-printed"), help="default exact")
     beam.add_argument("--sliding", choices=("ignore", "scene"), help="the scene's sliding; default ignore")
-    what = "where the beam lies; default across for axial loads by the helix law, else working"
+    what = "where the beam lies; default across where the helix law can, else working"
     beam.add_argument("--plane", choices=("working", "across"), help=what)
     wire = command.add_argument_group("options of wirefe")
     wire.add_argument("--element", choices=("straight", "curved"), help="beam element; default straight")

@@ -13,6 +13,7 @@ import equivbeam
 import wirefe
 from coilspring import EquilibriumPath
 from equivbeam import Refinements
+from equivbeam.across.model import is_axial
 from validation.cases import CASES
 from validation.document import Block, Bullets, Heading, Table, Text, to_markdown
 from validation.metrics import compare_paths
@@ -153,7 +154,7 @@ def without_one(found: Sequence[Reference]) -> list[tuple[str, list[float]]]:
 def _across(reference: Reference) -> float:
     """Error in the plane across, where the load is axial and the pairs are those of all four quarters."""
     scene = reference.path.scene
-    if scene.load.force[0] or (scene.contact.enabled and reference.path.options["pairs_per_turn"] != 4):
+    if not is_axial(scene) or (scene.contact.enabled and reference.path.options["pairs_per_turn"] != 4):
         return math.nan
     return error(reference, plane="across")
 

@@ -60,18 +60,19 @@ is this definition's, and need not be what wires do that rub at their surfaces.
 SOLVER = """
 ## Solver and stability
 
-Within a substep the bound of a pair's tangential force is a number (Tresca's law), so that every iteration
+Within a substep the bound of a pair's tangential force is a line over its slip, so that every iteration
 minimises a potential whose matrix is symmetric: LDL^T, as without friction. After convergence the bounds
 are renewed from the normal forces and the equilibrium is found again, until they change by at most 1e-6 of
-the largest (the fixed point of Panagiotopoulos 1975), at most 20 times; otherwise the substep is halved.
+the largest (the fixed point of Panagiotopoulos 1975), at most 30 times; otherwise the substep is halved.
 Accepted states then satisfy Coulomb's law implicitly, without the unsymmetric tangent of a linearised
 bound; forces balance to that 1e-6 of the largest bound. Slip, work and the points of sticking change with
 accepted substeps only.
 
 - Without friction, no negative pivot means a stable equilibrium.
-- With friction, and with no sliding, the pivots are those of the incremental energy at frozen bounds and
-  memory: they tell stability against perturbations that leave the normal forces as they are. Flutter, and
-  instabilities of Coulomb's law in some directions only, are not excluded.
+- With no sliding the pivots are those of the incremental energy at frozen memory. With friction the slope of
+  the bounds is that with which the normal forces answer to the sliding, on average over the pairs
+  ([theory.md](theory.md)): paths go on to the limit points of Coulomb's law, where coils slip off each other.
+  Flutter, and instabilities of Coulomb's law in some directions only, are not excluded.
 - The answer depends on the sequence of loads, and on the substeps as far as the table says.
 - `wirefe.trace` refuses friction: its arc is not a history of loads.
 """

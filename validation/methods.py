@@ -128,7 +128,7 @@ def assumption_notes(store: PathStore, evidence: Evidence) -> list[Block]:
         Text(
             "**Start phase.** The paper does not say at which angle to the working plane the active wire "
             "begins; we let it begin in the plane. Turning the helix about its axis changes the wire "
-            "model's answer, which no in-plane model can know:"
+            "model's answer; the paper's law knows the side alone, the helix law knows the phase:"
         ),
         assumptions.phase_table(store),
     ]

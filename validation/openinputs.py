@@ -193,14 +193,15 @@ INPUTS = (
         "one full non-active turn, 'pseudo-rigid' through beams of 'higher stiffness', not given",
         "0.75: as if those beams let a quarter turn take part, and the usual 1.5 lost coils of hot coiled "
         "springs; 1.25: as much to the other side. Turns and height of the whole spring and the "
-        "loaded point stay. The active wire then begins 90° off the plane, which the beam cannot know.",
+        "loaded point stay. The active wire then begins 90° off the plane, of which the paper's law does not "
+        "know.",
         _rigid,
     ),
     OpenInput(
         "start_phase", "start phase", NOT_GIVEN, "0°",
         "does not say at which angle to the working plane the active wire begins",
         "all round in steps of 30°; with contact by 20 pairs a turn, against 20 pairs at 0°, so that the "
-        "place of few spheres plays no part. The beam knows the side alone.",
+        "place of few spheres plays no part. The paper's law knows the side alone.",
         _phase,
     ),
     OpenInput(

@@ -170,7 +170,9 @@ def _summary(found: list[Sample], contact: bool) -> list[Block]:
     rows = []
     for name, values in (
         ("helix, in its plane", [item.helix for item in found]),
+        ("helix, in its plane, guided springs", [item.helix for item in found if item.kind == 0]),
         ("helix, working plane", [item.working for item in found]),
+        ("helix, working plane, guided springs", [item.working for item in found if item.kind == 0]),
         ("helix, working plane, mean of four phases", [item.mean for item in found]),
         ("helix, working plane, without `ends`", [item.blind for item in found]),
         ("Haringx", [item.haringx for item in found]),

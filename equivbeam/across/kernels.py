@@ -43,8 +43,7 @@ def _bound(model, a, b):
         # rates of the radius and of the angle, which raises by twice the radius at most, grow with the length
         rate = max(one[e, CHI_L], other[e, CHI_L])
         swell = max(abs(one[e, RHO_L]), abs(other[e, RHO_L]))
-        way = abs(one[e, LENGTH] - other[e, LENGTH])
-        drawn = max(drawn, (swell + 2.0 * reach * rate) * way)
+        drawn = max(drawn, (swell + 2.0 * reach * rate) * abs(one[e, LENGTH] - other[e, LENGTH]))
     return moved + reach * turned + drawn
 
 
@@ -148,6 +147,6 @@ def commit(reals, ints, state, memory):
 def renew(reals, ints, state, memory):
     """See `coilspring.pairvectors.renew_bounds`."""
     model = view(reals, ints)
-    if model.mu == 0.0 or model.mu == np.inf:
+    if model.mu == 0.0:
         return 0.0
     return renew_bounds(vectors(model, state), memory, model.mu, model.kc, model.k, model.d)

@@ -35,7 +35,7 @@ SMALL = 1e-9
 class AcrossModel(NamedTuple):
     """Arrays of one beam; its first and last node are the ends of the active coils, node 0 is clamped."""
 
-    rows: np.ndarray  # (elements, columns) parameters of the helix law
+    rows: np.ndarray  # (elements, columns) parameters of the helix law; N, mm, rad throughout
     held: np.ndarray  # (3,) freedoms of the last node that are held: 1.0 or 0.0
     node: np.ndarray  # (circles,) node that carries each circle, or the one below
     circles: np.ndarray  # (circles, 5) columns `SHARE` to `BOW`
@@ -61,8 +61,8 @@ def build_across(scene: Scene, sliding: str) -> AcrossModel:
     half_coil_count(spring)
     if not is_axial(scene):
         raise InputError(
-            "plane must be working unless all forces act along the axis and supports.top_held has ux and "
-            "rotz, got 'across'"
+            "plane must be working unless supports.top_held has ux and rotz and the spring has closed end "
+            "turns, got 'across'"
         )
     at, on = quarters_at_ends(spring), Refinements()
     rows = wound_rows(spring, scene.material, on, at)
@@ -77,7 +77,7 @@ def build_across(scene: Scene, sliding: str) -> AcrossModel:
         held=np.array([name in scene.supports.top_held for name in ("ux", "uy", "rotz")], dtype=float),
         node=node,
         circles=circles,
-        pairs=_coupled(pairs, node, circles, len(rows)),
+        pairs=_coupled(phases, pairs, node, circles, len(rows)),
         arm=np.abs(circles[pairs, BESIDE]).mean(axis=1),
         reach=float(np.hypot(spring.radius(phases), circles[:, RISE]).max()),
         d=spring.wire_diameter,
@@ -88,9 +88,10 @@ def build_across(scene: Scene, sliding: str) -> AcrossModel:
 
 
 def is_axial(scene: Scene) -> bool:
-    """Whether one plane through the axis is as good as another."""
-    load, held = scene.load, scene.supports.top_held
-    return not any((load.force[0], *(x for x, _ in load.stages))) and "ux" in held and "rotz" in held
+    """Whether the spring can only move along its axis, so that one plane is as good as another, and ends in
+    closed turns: without them nothing here would keep solid coils from tilting out of the plane."""
+    spring, held = scene.spring, scene.supports.top_held
+    return "ux" in held and "rotz" in held and spring.ends == "closed" and spring.end_turns > 0.0
 
 
 def _circle_phases(scene: Scene) -> np.ndarray:
@@ -134,12 +135,14 @@ def _pairs(phases: np.ndarray, node: np.ndarray, circles: np.ndarray) -> np.ndar
     return pairs[~still]
 
 
-def _coupled(pairs: np.ndarray, node: np.ndarray, circles: np.ndarray, count: int) -> np.ndarray:
+def _coupled(
+    phases: np.ndarray, pairs: np.ndarray, node: np.ndarray, circles: np.ndarray, count: int
+) -> np.ndarray:
     """Table of the pairs of a beam of `count` elements."""
     first = np.clip(node[pairs[:, 0]], 0, max(count - 3, 0))
     offset = 3 * (node[pairs] - first[:, None])
     between = circles[pairs, SHARE] > 0.0
-    start = np.where(between[:, 0], node[pairs[:, 0]], node[pairs[:, 1]] - 2)
+    start = np.rint(phases[pairs[:, 0]] / math.pi).astype(int)  # of elements with their middles at k pi
     lean = np.clip(start[:, None] + np.arange(3), 0, count - 1)
     grows = between * np.sign(circles[pairs, BESIDE]).astype(int)
     return np.ascontiguousarray(np.column_stack((pairs, first, offset, lean, grows)))

@@ -32,7 +32,7 @@ class AcrossShape(PairReader):
         """Wire at the phases given, shape (phases, 3), mm.
 
         Between two nodes the axis and its rotation are interpolated linearly in the height at rest; the end
-        turns move with the first and the last node.
+        turns move with the first and the last node. The tilt out of the plane, (B14), is not drawn.
         """
         spring = self.scene.spring
         at = np.clip(phases, 0.0, spring.phase_end)

@@ -172,7 +172,7 @@ def _pairs(scene: Scene, count: int) -> tuple:
         if a["inside"]:
             continue
         arm = 0.5 * (abs(a["beside"]) + abs(b["beside"]))
-        low = b["node"] - 2 if a["rigid"] else a["node"]
+        low = a["phase"]
         for e, factor in ((low, 1.0), (low + 1, -2.0), (low + 2, 1.0)):
             lean[min(max(e, 0), count) - first[m], m] += factor * arm
         for circle, sign in ((a, -1.0), (b, 1.0)):
@@ -194,6 +194,7 @@ def _circle(scene: Scene, k: int, count: int) -> dict:
     rise = spring.wire_diameter * (phase - end * share) / (2.0 * math.pi)
     return {
         "node": node,
+        "phase": k // 2,
         "rigid": rigid,
         "inside": inside,
         "offset": (round(math.sin(phase)) * radius, rise),

@@ -174,7 +174,6 @@ def _touching(forces: WireForces, path: EquilibriumPath) -> tuple[Slipping, np.n
     on."""
     known, force = friction_of(path, -1)
     hit = path.gaps[-1] < 0.0
-    assert path.scene.contact.coefficient is not None
     none = np.zeros(int(hit.sum()), dtype=bool)
     pairs = Slipping(forces, path.scene.contact.coefficient, known[hit], force[hit], force[hit], none)
     w = pairs.vectors(path.states[-1].reshape(-1, 7))
