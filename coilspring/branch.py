@@ -37,28 +37,28 @@ def predict(reals, ints, before, state, tangent, last, step, bend, out, retract)
 
 @part
 def continues(reals, ints, predicted, state, trial, diameter, troubled, judged, motion):
-    """Whether `trial` continues the branch of `state`, and the share by which the path turned; less where the
-    turn is small at all."""
+    """Whether `trial` continues the branch of `state`; the share by which the path turned, less where the
+    turn is small at all; a bound on how far any point moved."""
     # no pair moves by more than its two ends do
     way, pair, _ = motion(reals, ints, state, trial, 0.5 * PAIR_MOTION * diameter)
     if pair > PAIR_MOTION:
-        return False, 1.0
+        return False, 1.0, way
     if not judged:
-        return True, 0.0
+        return True, 0.0, way
     turn, _, _ = motion(reals, ints, predicted, trial, np.inf)
     share = turn / way if way > 0.0 else 0.0
     least = turn / (SMALL * diameter)
-    return least <= 1.0 or (share <= TURN and not troubled), min(share, TURN * least)
+    return least <= 1.0 or (share <= TURN and not troubled), min(share, TURN * least), way
 
 
 @part
-def snapped(reals, ints, state, trial, tangent, ahead, step, diameter, predicted, retract, motion):
+def snapped(reals, ints, state, trial, way, tangent, ahead, step, diameter, predicted, retract, motion):
     """Whether near pairs moved neither as predicted nor as the tangents at both ends tell, or all did not as
-    these tell: the path may have passed a limit point between the two. `predicted` is overwritten.
+    these tell: the path may have passed a limit point between the two. `way` is that of `continues`;
+    `predicted` is overwritten.
     """
     least = 0.5 * PAIR_TURN * diameter
     _, pair, _ = motion(reals, ints, predicted, trial, least)
-    way, _, _ = motion(reals, ints, state, trial, np.inf)
     if pair <= PAIR_TURN and way * JUMP <= SMALL * diameter:
         return False
     mean = copied(tangent)

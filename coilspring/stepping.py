@@ -126,7 +126,7 @@ def follow(
     reference = dot(load, tangent)
     noise = rounding(load, start)
     origin, begin = copied(state), 0.0  # of the linear stretch whose stability is not yet verified
-    linear, kept, ease, lost = False, True, np.inf, False
+    linear, kept, ease, lost, slid = False, True, np.inf, False, False
     checks, critical = 0, np.inf
     time, dt = 0.0, min(times[0], FIRST_STEP)
     row, tries, stride, rise = 0, 0, dt, 0.0
@@ -181,9 +181,9 @@ def follow(
             share_made = relax(held, memory, left, share_made)
             kept = True
         lost = status > LINEAR
-        good, share = not lost, 0.0
+        good, share, way = not lost, 0.0, 0.0
         if good:
-            good, share = continues(
+            good, share, way = continues(
                 reals, ints, predicted, state, trial, diameter, trouble > NONE, predictor and ease == np.inf,
                 motion,
             )  # fmt: skip
@@ -197,6 +197,7 @@ def follow(
                 checks += 1
                 good = negative == 0
         if good and status == CONVERGED and slides(memory):
+            slid = True
             # the matrix at the state itself, which also tells how the bounds rise with the slips
             assemble(reals, ints, state, clearance, held, trial, g, F)
             copy(trial, home)
@@ -212,7 +213,7 @@ def follow(
             stale_solution(reals, ints, F, home, trial, load, 1.0, ahead, solve, carry)
             if predictor and not remembers(memory):
                 good = not snapped(
-                    reals, ints, state, trial, tangent, ahead, step, diameter, predicted, retract, motion
+                    reals, ints, state, trial, way, tangent, ahead, step, diameter, predicted, retract, motion
                 )
         if not good:
             kept = False
@@ -252,7 +253,8 @@ def follow(
         time = target
         copy_table(held, memory)
         clearance = commit(reals, ints, state, memory)
-        let_rise(memory, rise)
+        if slid:
+            let_rise(memory, rise)
         ease = SETTLING if released(held, memory) else np.inf
         if needed < EASY_COUNT + rounds:  # a round with renewed bounds takes one more
             # the turn grows with the square of the step

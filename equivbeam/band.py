@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from coilspring.compiled import arithmetic, kernel
+from coilspring.compiled import arithmetic, kernel, part
 
 BAND = 8  # half bandwidth: a pair couples the nodes i and i + 2, three freedoms each
 WIDTH = BAND + 1
@@ -35,6 +35,19 @@ def eliminate(F, width):
         for m in range(1, width):
             F[k, m] *= share
     return negative, least
+
+
+@part
+def hold(g, H, p):
+    """Take the freedom `p` out: no force, and in the matrix, unless it is empty, a unit row and column."""
+    g[p] = 0.0
+    if H.shape[0] == 0:
+        return
+    for m in range(H.shape[1] // 2):
+        H[p, m] = 0.0
+        if 0 < m <= p:
+            H[p - m, m] = 0.0
+    H[p, 0] = 1.0
 
 
 @kernel

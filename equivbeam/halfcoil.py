@@ -41,6 +41,13 @@ def measures(x1, y1, th1, x2, y2, th2):
 
 
 @part
+def measures_at(state, e):
+    """`measures` of the element between the nodes e and e + 1 of a state."""
+    i = 3 * e
+    return measures(state[i], state[i + 1], state[i + 2], state[i + 3], state[i + 4], state[i + 5])
+
+
+@part
 def gradient(r, c, s, l, v, g):  # noqa: E741
     """Gradient `g` (6,) of a half coil in its freedoms, from its response `r`."""
     fx = r.T * c - r.N * s

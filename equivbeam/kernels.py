@@ -9,9 +9,9 @@ import numpy as np
 from coilspring.compiled import clear, copy, kernel, part
 from coilspring.pairlaw import ON, pair_potential
 from coilspring.pairvectors import approach, remember, renew_bounds
-from equivbeam.band import ROW, WIDTH
+from equivbeam.band import ROW, hold
 from equivbeam.contact import circle_centre, pair_forces
-from equivbeam.halfcoil import gradient, hessian, measures, paper_matrix
+from equivbeam.halfcoil import gradient, hessian, measures_at, paper_matrix
 from equivbeam.haringx import KAX, KFL, KSH, L0
 from equivbeam.laws import response
 from equivbeam.model import EXACT, PAPER, view
@@ -113,10 +113,7 @@ def assemble(reals, ints, anchor, clearance, memory, state, g, flat):
     energy = 0.0
     law, rows = model.law, model.rows  # once: an array taken from the tuple costs as much as the law
     for e in range(rows.shape[0]):
-        i = 3 * e
-        c, s, l, v, dth = measures(  # noqa: E741
-            state[i], state[i + 1], state[i + 2], state[i + 3], state[i + 4], state[i + 5]
-        )
+        c, s, l, v, dth = measures_at(state, e)  # noqa: E741
         r = response(law, rows, e, l, v, dth)
         energy += r.U
         gradient(r, c, s, l, v, ge)
@@ -134,20 +131,8 @@ def assemble(reals, ints, anchor, clearance, memory, state, g, flat):
     n = g.size
     for i in range(3):
         if model.held[i] > 0.0:
-            _hold(g, H, n - 3 + i)
+            hold(g, H, n - 3 + i)
     return energy, count
-
-
-@part
-def _hold(g, H, p):
-    """Take the freedom `p` out: no force, a row and column of the unit matrix."""
-    g[p] = 0.0
-    if H.shape[0] == 0:
-        return
-    H[p, :] = 0.0
-    for q in range(max(p - WIDTH + 1, 0), p):
-        H[q, p - q] = 0.0
-    H[p, 0] = 1.0
 
 
 @kernel

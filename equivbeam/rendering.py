@@ -3,14 +3,11 @@
 from __future__ import annotations
 
 import math
-from abc import ABC, abstractmethod
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
-from coilspring.pairlaw import pair_friction
-from coilspring.path import Friction
+from coilspring.pairreader import PairReader
 from coilspring.scene import Scene
 from equivbeam.model import BeamModel, rest_state
 
@@ -21,28 +18,6 @@ def element_lengths(states: np.ndarray) -> np.ndarray:
     ax, ay = np.moveaxis(np.diff(nodes[..., :2], axis=1), -1, 0)
     mean = 0.5 * (nodes[:, 1:, 2] + nodes[:, :-1, 2])
     return ay * np.cos(mean) - ax * np.sin(mean)
-
-
-class PairReader(ABC):
-    """What is read of contact pairs from the vectors between their centres; see `coilspring.path.Shape`."""
-
-    data: Any  # with d, kc and k of the pairs
-
-    @abstractmethod
-    def pair_vectors(self, states: np.ndarray) -> np.ndarray:
-        """Vectors between the centres of the pairs, shape (states, pairs, 3)."""
-
-    def pair_gaps(self, states: np.ndarray) -> np.ndarray:
-        """Gap of every pair, negative where it penetrates, shape (states, pairs), mm."""
-        return np.linalg.norm(self.pair_vectors(states), axis=-1) - self.data.d
-
-    def pair_forces(self, states: np.ndarray) -> np.ndarray:
-        """Normal force of every pair by (12), shape (states, pairs), N."""
-        return self.data.kc * np.maximum(-self.pair_gaps(states), 0.0) ** self.data.k
-
-    def pair_friction(self, states: np.ndarray, memories: np.ndarray) -> Friction:
-        """Tangential forces (states, pairs, 3), N, slips, mm, and frictional work, N mm, of every pair."""
-        return pair_friction(self.pair_vectors(states), memories, self.data.d, self.data.kc)
 
 
 @dataclass(frozen=True)
@@ -59,6 +34,11 @@ class BeamShape(PairReader):
     def tips(self, states: np.ndarray) -> np.ndarray:
         """UX, UY, ROTZ of the last node, shape (states, 3)."""
         return self._nodes(states)[:, -1] - np.array([0.0, self.scene.spring.active_height, 0.0])
+
+    @property
+    def pair_law(self) -> BeamModel:
+        """The model's arrays, which hold the law of its pairs."""
+        return self.data
 
     def circles(self, states: np.ndarray) -> np.ndarray:
         """Centres of the contact circles, shape (states, circles, 2), mm."""

@@ -16,11 +16,12 @@ from coilspring.solving import MOST_ITERATIONS, Problem, follow_load, scene_path
 from equivbeam import band, driven, kernels, model
 from equivbeam.across import band as wide
 from equivbeam.across import kernels as across
-from equivbeam.across.model import across_problem, build_across, is_axial
+from equivbeam.across.model import AcrossModel, build_across, is_axial
 from equivbeam.across.shape import AcrossShape
 from equivbeam.helix import HIGH, LOW
 from equivbeam.helixrows import Refinements
 from equivbeam.laws import LAWS
+from equivbeam.model import BeamModel
 from equivbeam.problem import beam_problem
 from equivbeam.rendering import BeamShape, element_lengths
 
@@ -109,20 +110,18 @@ def solve(
     scene = scene.overridden(steps, penalty)
     plane = _plane(scene, plane, able=law == "helix" and refinements in (None, model.ALL))
     options: dict[str, object] = {"law": law, "tangent": tangent, "sliding": sliding, "plane": plane}
-    if plane == "across":
-        return _solve_across(scene, options)
-    data = model.build_model(scene, tangent, sliding, law, refinements or model.ALL, factors)
-    problem = beam_problem(data, model.load_vector(data, scene))
-    exact = tangent == "exact"
-    limit = MOST_ITERATIONS if exact else MOST_PAPER_ITERATIONS
-    run = follow_load(scene, problem, KERNELS, DRIVEN, limit=limit, predictor=exact)
     if refinements is not None:
         options["refinements"] = asdict(refinements)
     if tuple(factors) != model.ONES:
         options["factors"] = tuple(factors)
+    data = beam_model(scene, options)
+    exact = tangent == "exact"
+    limit = MOST_ITERATIONS if exact else MOST_PAPER_ITERATIONS
+    problem, *both = _ready(scene, data)
+    run = follow_load(scene, problem, *both, limit=limit, predictor=exact)
     if law == "helix":
         run = replace(run, message=run.message + _caution(data.rows, run.track.states))
-    return scene_path(scene, "equivbeam", options, run, BeamShape(scene, data))
+    return scene_path(scene, "equivbeam", options, run, _reader(scene, data))
 
 
 def _plane(scene: Scene, plane: str | None, able: bool) -> str:
@@ -137,31 +136,33 @@ def _plane(scene: Scene, plane: str | None, able: bool) -> str:
     return plane
 
 
-def _solve_across(scene: Scene, options: Mapping[str, Any]) -> EquilibriumPath:
-    """Follow the load path in the plane across."""
-    shape = beam_shape(scene, options)
-    run = follow_load(scene, across_problem(shape.data, scene), ACROSS, ACROSS_DRIVEN)
-    run = replace(run, message=run.message + _caution(shape.data.rows, run.track.states))
-    return scene_path(scene, "equivbeam", options, run, shape)
+def _ready(scene: Scene, data: BeamModel | AcrossModel) -> tuple[Problem, Kernels, Kernels]:
+    """A beam under the scene's load, the kernels of its plane, and those with what else acts on the top."""
+    load = model.load_vector(data, scene)
+    if isinstance(data, AcrossModel):
+        return beam_problem(data, load, wide.ROW), ACROSS, ACROSS_DRIVEN
+    return beam_problem(data, load), KERNELS, DRIVEN
+
+
+def _reader(scene: Scene, data: BeamModel | AcrossModel) -> BeamShape | AcrossShape:
+    """Reader of a beam's states."""
+    return AcrossShape(scene, data) if isinstance(data, AcrossModel) else BeamShape(scene, data)
 
 
 def beam_kernels(scene: Scene, options: Mapping[str, Any]) -> tuple[Problem, Kernels]:
     """Another scene's beam under its load with the options of a path, and the kernels of its plane."""
-    if options["plane"] == "across":
-        return across_problem(build_across(scene, options["sliding"]), scene), ACROSS
-    data = beam_model(scene, options)
-    return beam_problem(data, model.load_vector(data, scene)), KERNELS
+    return _ready(scene, beam_model(scene, options))[:2]
 
 
-def beam_shape(scene: Scene, options: Mapping[str, Any]) -> Any:
+def beam_shape(scene: Scene, options: Mapping[str, Any]) -> BeamShape | AcrossShape:
     """Reader of the states of a path that was solved with the options."""
-    if options["plane"] == "across":
-        return AcrossShape(scene, build_across(scene, options["sliding"]))
-    return BeamShape(scene, beam_model(scene, options))
+    return _reader(scene, beam_model(scene, options))
 
 
-def beam_model(scene: Scene, options: Mapping[str, Any]) -> model.BeamModel:
+def beam_model(scene: Scene, options: Mapping[str, Any]) -> BeamModel | AcrossModel:
     """Arrays of another scene's equivalent beam with the options that a path was solved with."""
+    if options["plane"] == "across":
+        return build_across(scene, options["sliding"])
     chosen = options.get("refinements")
     return model.build_model(
         scene,

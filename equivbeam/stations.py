@@ -52,13 +52,13 @@ def half_coil_count(spring: Spring) -> int:
 
 def half_coils(spring: Spring) -> Stations:
     """Nodes at phases k pi, where a wire that starts in the working plane crosses it."""
-    count = round(2 * spring.active_coils)
+    count = half_coil_count(spring)
     return _stations(spring, np.arange(count + 1) * math.pi, np.full(count, math.pi), -spring.start_phase)
 
 
 def quarters_at_ends(spring: Spring) -> Stations:
     """Nodes at the ends and where the wire crosses the plane across that in which it starts: pi/2 + k pi."""
-    count = round(2 * spring.active_coils)
+    count = half_coil_count(spring)
     between = (np.arange(count) + 0.5) * math.pi
     phases = np.concatenate(([0.0], between, [count * math.pi]))
     return _stations(spring, phases, np.diff(phases), 0.5 * math.pi)

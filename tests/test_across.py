@@ -14,7 +14,6 @@ from coilspring.pairlaw import MEMORY
 from coilspring.wire import round_section
 from equivbeam import Refinements
 from equivbeam.across.band import ROW, WIDTH
-from equivbeam.across.pairs import vectors
 from equivbeam.across.shape import AcrossShape
 from equivbeam.helix import L0
 from equivbeam.parameters import varied
@@ -141,7 +140,8 @@ def test_rise_of_the_wire_beside_the_plane(phase):
     for i in range(3 * count):
         state = start.ravel().copy()
         state[3 + i] += h
-        rises.append((vectors(shape.data, state) - vectors(shape.data, start.ravel()))[pair, 1] / h)
+        both = shape.pair_vectors(np.array([state, start.ravel()]))
+        rises.append((both[0] - both[1])[pair, 1] / h)
     found = flexible(scene, [np.array(rises), seat])[0, 1]
     assert found == pytest.approx(exact, rel=0.05)
 

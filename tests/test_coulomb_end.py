@@ -15,7 +15,7 @@ from coilspring.stability import Body
 from equivbeam.model import matrix_size
 from equivbeam.solve import KERNELS
 from validation.campaign.scenes import make_case
-from validation.campaign.slipping import highest_load, sliding
+from validation.campaign.slipping import highest_load, sliding_pairs
 from validation.campaign.verdict import SOLVERS, reached, under
 from validation.campaign.wire import wire_forces
 
@@ -82,7 +82,7 @@ def test_limit_point_is_that_of_a_solver_without_held_bounds(name):
     critical = reached(case).critical_time
     forces, time = wire_forces(case.scene, **case.options), 0.999 * critical
     before = reached(case, under(case.scene, time))
-    assert sliding(forces, before).any()
+    assert sliding_pairs(forces, before).any()
     assert highest_load(forces, before, time, critical) == pytest.approx(critical, rel=5e-4)
     # it tells where the load is highest by itself: what is claimed only sets its steps
     early = reached(case, under(case.scene, 0.9 * critical))

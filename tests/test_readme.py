@@ -151,7 +151,7 @@ def test_the_site_builds_without_warnings(tmp_path):
     if mkdocs is None:
         pytest.skip("mkdocs is not installed")
     done = subprocess.run(
-        [mkdocs, "build", "--strict", "--site-dir", tmp_path / "site"],
+        [mkdocs, "build", "-f", ".ci/mkdocs.yml", "--strict", "--site-dir", tmp_path / "site"],
         capture_output=True, text=True, cwd=ROOT, check=False,
     )  # fmt: skip
     assert done.returncode == 0, done.stdout + done.stderr

@@ -6,8 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from coilspring.pairlaw import pair_friction
-from coilspring.path import Friction
+from coilspring.pairreader import PairReader
 from coilspring.scene import Scene
 from wirefe.mesh import WireMesh
 from wirefe.model import ContactArrays, WireModel
@@ -28,7 +27,7 @@ def sphere_centres(contact: ContactArrays, states: np.ndarray) -> np.ndarray:
 
 
 @dataclass(frozen=True)
-class WireShape:
+class WireShape(PairReader):
     """Reads the states of a wire model; see `coilspring.path.Shape`."""
 
     scene: Scene
@@ -46,18 +45,16 @@ class WireShape:
         angle = np.unwrap(np.concatenate(([0.0], 2.0 * np.arctan2(top[:, 6], top[:, 3]))))[1:]
         return np.column_stack((moved[:, 0], moved[:, 1], angle))
 
-    def _pair_vectors(self, states: np.ndarray) -> np.ndarray:
+    @property
+    def pair_law(self) -> ContactArrays:
+        """The model's contact arrays, which hold the law of its pairs."""
+        return self.data.contact
+
+    def pair_vectors(self, states: np.ndarray) -> np.ndarray:
+        """Vectors between the centres of the pairs, shape (states, pairs, 3), mm."""
         centres = sphere_centres(self.data.contact, states)
         first, second = self.data.contact.pairs.T
         return centres[:, second] - centres[:, first]
-
-    def pair_gaps(self, states: np.ndarray) -> np.ndarray:
-        """Gap of every pair, negative where it penetrates, shape (states, pairs), mm."""
-        return np.linalg.norm(self._pair_vectors(states), axis=-1) - self.data.contact.d
-
-    def pair_forces(self, states: np.ndarray) -> np.ndarray:
-        """Normal force of every pair, shape (states, pairs), N."""
-        return self.data.contact.kc * np.maximum(-self.pair_gaps(states), 0.0) ** self.data.contact.k
 
     def plate_forces(self, states: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Normal forces of the bottom and of the top plate on the nodes `plates.low` and `plates.high` of the
@@ -68,10 +65,6 @@ class WireShape:
         apart = nodes[:, -1:, :3] - nodes[:, plates.high, :3]
         high = (normal * apart).sum(axis=-1) - plates.depth
         return plates.stiffness * np.maximum(-low, 0.0), plates.stiffness * np.maximum(-high, 0.0)
-
-    def pair_friction(self, states: np.ndarray, memories: np.ndarray) -> Friction:
-        """Tangential forces, slips and frictional work of every pair."""
-        return pair_friction(self._pair_vectors(states), memories, self.data.contact.d, self.data.contact.kc)
 
     def centreline(self, state: np.ndarray, phases: np.ndarray) -> np.ndarray:
         """Wire at the phases given, shape (phases, 3), mm.

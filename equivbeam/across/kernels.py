@@ -10,10 +10,11 @@ from coilspring.compiled import clear, kernel, part
 from coilspring.driving import drive
 from coilspring.pairlaw import ON, pair_potential
 from coilspring.pairvectors import approach, remember, renew_bounds
-from equivbeam.across.band import ROW, WIDTH
+from equivbeam.across.band import ROW
 from equivbeam.across.model import FIRST, view
 from equivbeam.across.pairs import CHI_L, FREEDOMS, LENGTH, RHO_L, derivatives, places, vectors, way, windings
-from equivbeam.halfcoil import gradient, hessian, measures
+from equivbeam.band import hold
+from equivbeam.halfcoil import gradient, hessian, measures_at
 from equivbeam.helix import helix
 
 
@@ -31,15 +32,14 @@ def _add(g, H, ge, Ke, first, count):
 
 
 @part
-def _bound(model, a, b):
-    """Bound on how far any circle's centre moved between two states."""
+def _bound(model, a, b, one, other):
+    """Bound on how far any circle's centre moved between two states, from them and their windings."""
     moved = turned = drawn = 0.0
     for i in range(0, a.size, 3):
         moved = max(moved, math.sqrt((a[i] - b[i]) ** 2 + (a[i + 1] - b[i + 1]) ** 2))
         turned = max(turned, abs(a[i + 2] - b[i + 2]))
-    rows, reach = model.rows, model.reach
-    one, other = windings(rows, a), windings(rows, b)
-    for e in range(len(rows)):
+    reach = model.reach
+    for e in range(len(one)):
         # rates of the radius and of the angle, which raises by twice the radius at most, grow with the length
         rate = max(one[e, CHI_L], other[e, CHI_L])
         swell = max(abs(one[e, RHO_L]), abs(other[e, RHO_L]))
@@ -48,7 +48,7 @@ def _bound(model, a, b):
 
 
 @part
-def _add_pairs(model, memory, state, g, H):
+def _add_pairs(model, memory, state, wound, g, H):
     """Contact energy; adds its gradient and Hessian. Only pairs that touch are scattered."""
     energy = 0.0
     w, e, f, Hg = np.empty(3), np.empty(3), np.empty(3), np.empty((3, 3))
@@ -56,7 +56,7 @@ def _add_pairs(model, memory, state, g, H):
     J, ge, g6 = np.empty((3, FREEDOMS)), np.empty(FREEDOMS), np.empty(6)
     C, K6 = np.empty((many, many)), np.empty((many // 2, many // 2))
     circles, pairs, arm, d = model.circles, model.pairs, model.arm, model.d
-    wound, place = windings(model.rows, state), places(model.node, circles, state)
+    place = places(model.node, circles, state)
     for m in range(len(pairs)):
         way(circles, pairs, arm, wound, place, m, w)
         h2 = w[0] * w[0] + w[1] * w[1] + w[2] * w[2]
@@ -84,10 +84,7 @@ def assemble(reals, ints, anchor, clearance, memory, state, g, flat):
     ge, Ke = np.empty(6), np.empty((6, 6))
     energy, rows = 0.0, model.rows
     for e in range(rows.shape[0]):
-        i = 3 * e
-        c, s, l, v, dth = measures(  # noqa: E741
-            state[i], state[i + 1], state[i + 2], state[i + 3], state[i + 4], state[i + 5]
-        )
+        c, s, l, v, dth = measures_at(state, e)  # noqa: E741
         r = helix(rows, e, l, v, dth)
         energy += r.U
         gradient(r, c, s, l, v, ge)
@@ -95,27 +92,16 @@ def assemble(reals, ints, anchor, clearance, memory, state, g, flat):
             hessian(r, c, s, l, v, Ke)
         _add(g, H, ge, Ke, e, 6)
     count = model.pairs.shape[0]
-    if count > 0 and clearance > 0.0 and 2.0 * _bound(model, anchor, state) < clearance:
-        count = 0
+    wound = windings(rows if count > 0 else rows[:0], state)
+    if count > 0 and clearance > 0.0:
+        moved = 2.0 * _bound(model, anchor, state, windings(rows, anchor), wound)
+        count = 0 if moved < clearance else count
     if count > 0:
-        energy += _add_pairs(model, memory, state, g, H)
+        energy += _add_pairs(model, memory, state, wound, g, H)
     for i in range(3):
         if model.held[i] > 0.0:
-            _hold(g, H, g.size - 3 + i)
+            hold(g, H, g.size - 3 + i)
     return energy, count
-
-
-@part
-def _hold(g, H, p):
-    """Take the freedom `p` out: no force, a row and column of the unit matrix."""
-    g[p] = 0.0
-    if H.shape[0] == 0:
-        return
-    for m in range(WIDTH):
-        H[p, m] = 0.0
-        if 0 < m <= p:
-            H[p - m, m] = 0.0
-    H[p, 0] = 1.0
 
 
 @kernel
@@ -129,10 +115,11 @@ def driven(reals, ints, anchor, clearance, memory, state, g, flat):
 def motion(reals, ints, a, b, least):
     """See `coilspring.kernelset`: bound on all motion, pair motion, share of the way to the first touch."""
     model = view(reals, ints)
-    bound = _bound(model, a, b)
+    one, other = windings(model.rows, a), windings(model.rows, b)
+    bound = _bound(model, a, b, one, other)
     if model.pairs.shape[0] == 0 or bound <= least:
         return bound, 0.0, 1.0
-    most, free = approach(vectors(model, a), vectors(model, b), model.d)
+    most, free = approach(vectors(model, a, one), vectors(model, b, other), model.d)
     return bound, most / model.d, free
 
 
@@ -140,7 +127,8 @@ def motion(reals, ints, a, b, least):
 def commit(reals, ints, state, memory):
     """See `coilspring.pairvectors.remember`."""
     model = view(reals, ints)
-    return remember(vectors(model, state), memory, model.mu, model.kc, model.d)
+    between = vectors(model, state, windings(model.rows, state))
+    return remember(between, memory, model.mu, model.kc, model.d)
 
 
 @kernel
@@ -149,4 +137,5 @@ def renew(reals, ints, state, memory):
     model = view(reals, ints)
     if model.mu == 0.0:
         return 0.0
-    return renew_bounds(vectors(model, state), memory, model.mu, model.kc, model.k, model.d)
+    between = vectors(model, state, windings(model.rows, state))
+    return renew_bounds(between, memory, model.mu, model.kc, model.k, model.d)

@@ -8,17 +8,13 @@ from typing import NamedTuple
 import numpy as np
 
 from coilspring.compiled import part
-from coilspring.driving import Top
 from coilspring.errors import InputError
 from coilspring.packing import heads, table, vector
-from coilspring.pairlaw import MEMORY
 from coilspring.scene import Scene
-from coilspring.solving import Problem
 from coilspring.spring import Spring
-from equivbeam.across.band import ROW
-from equivbeam.helix import L0, set_range
+from equivbeam.helix import set_range
 from equivbeam.helixrows import Refinements, set_ends, wound_rows
-from equivbeam.stations import Stations, half_coil_count, quarters_at_ends
+from equivbeam.stations import Stations, quarters_at_ends
 
 PAIRS_PER_TURN = 4
 # Columns of a circle: share of the next node in carrying it, distance from the axis in the plane and beside
@@ -53,18 +49,17 @@ def build_across(scene: Scene, sliding: str) -> AcrossModel:
 
     Raises
     ------
-    InputError : where the active coils are not a whole number of half coils, the spring is loaded across
-        its axis or its top is free to move across or to turn, or the scene has what no beam represents.
+    InputError : where the active coils are not a whole number of half coils, the top is free to
+        move across or to turn or the end turns are not closed, or the scene has what no beam represents.
     """
     spring, contact = scene.spring, scene.contact
     scene.supports.require_supported("equivbeam")
-    half_coil_count(spring)
+    at, on = quarters_at_ends(spring), Refinements()
     if not is_axial(scene):
         raise InputError(
             "plane must be working unless supports.top_held has ux and rotz and the spring has closed end "
             "turns, got 'across'"
         )
-    at, on = quarters_at_ends(spring), Refinements()
     rows = wound_rows(spring, scene.material, on, at)
     set_range(rows)
     set_ends(rows, spring, at)
@@ -146,24 +141,6 @@ def _coupled(
     lean = np.clip(start[:, None] + np.arange(3), 0, count - 1)
     grows = between * np.sign(circles[pairs, BESIDE]).astype(int)
     return np.ascontiguousarray(np.column_stack((pairs, first, offset, lean, grows)))
-
-
-def across_problem(data: AcrossModel, scene: Scene) -> Problem:
-    """The beam at rest under the scene's load at time 1."""
-    count = len(data.rows)
-    start = np.zeros((count + 1, 3))
-    start[1:, 1] = np.cumsum(data.rows[:, L0])
-    load = np.zeros(3 * count)
-    load[-2] = scene.load.force[1] * (1.0 - data.held[1])
-    state, free = 3 * count, 3 * (count - 1)
-    return Problem(
-        data=data,
-        load=load,
-        start=start.ravel(),
-        memory=np.zeros((len(data.pairs), MEMORY)),
-        matrix_size=3 * count * ROW,
-        top=Top((state, state + 1), (free, free + 1), (free + 1) * ROW),
-    )
 
 
 @part

@@ -22,7 +22,7 @@ import numpy as np
 
 from coilspring.compiled import clear_table, part
 from equivbeam.across.model import BESIDE, BOW, FIRST, GROWS, INSIDE, LEAN, LOWER, OFFSET, RISE, SHARE
-from equivbeam.halfcoil import Response, gradient, hessian, measures
+from equivbeam.halfcoil import Response, gradient, hessian, measures_at
 from equivbeam.helix import winding
 
 FREEDOMS = 12  # of the four nodes that a pair couples
@@ -37,10 +37,7 @@ def windings(rows, state):
     """Windings of all elements, shape (elements, 10)."""
     out = np.empty((len(rows), 10))
     for i in range(len(rows)):
-        p = 3 * i
-        c, s, l, v, _ = measures(  # noqa: E741
-            state[p], state[p + 1], state[p + 2], state[p + 3], state[p + 4], state[p + 5]
-        )
+        c, s, l, v, _ = measures_at(state, i)  # noqa: E741
         out[i, COS], out[i, SIN], out[i, LENGTH], out[i, SHEAR] = c, s, l, v
         out[i, CHI], out[i, CHI_L], out[i, CHI_LL], out[i, RHO], out[i, RHO_L], out[i, RHO_LL] = winding(
             rows, i, l
@@ -68,11 +65,11 @@ def places(node, circles, state):
 
 
 @part
-def vectors(model, state):
+def vectors(model, state, wound):
     """Vectors between the centres of all pairs, shape (pairs, 3): across the axis, along it, out of plane."""
     circles, pairs, arm = model.circles, model.pairs, model.arm
     out = np.empty((len(pairs), 3))
-    wound, place = windings(model.rows, state), places(model.node, circles, state)
+    place = places(model.node, circles, state)
     for m in range(len(out)):
         way(circles, pairs, arm, wound, place, m, out[m])
     return out

@@ -6,10 +6,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from coilspring.pairreader import PairReader
 from coilspring.scene import Scene
 from equivbeam.across.model import AcrossModel
-from equivbeam.across.pairs import vectors
-from equivbeam.rendering import PairReader
+from equivbeam.across.pairs import vectors, windings
 from equivbeam.stations import quarters_at_ends
 
 
@@ -20,13 +20,20 @@ class AcrossShape(PairReader):
     scene: Scene
     data: AcrossModel
 
+    @property
+    def pair_law(self) -> AcrossModel:
+        """The model's arrays, which hold the law of its pairs."""
+        return self.data
+
     def tips(self, states: np.ndarray) -> np.ndarray:
         """UX, UY, ROTZ of the last node, shape (states, 3); the first and the last are held."""
         return states[:, -3:] - np.array([0.0, self.scene.spring.active_height, 0.0])
 
     def pair_vectors(self, states: np.ndarray) -> np.ndarray:
         """Vectors between the centres of the pairs, shape (states, pairs, 3)."""
-        return np.array([vectors(self.data, state) for state in states]).reshape(len(states), -1, 3)
+        rows = self.data.rows
+        found = [vectors(self.data, state, windings(rows, state)) for state in states]
+        return np.array(found).reshape(len(states), -1, 3)
 
     def centreline(self, state: np.ndarray, phases: np.ndarray) -> np.ndarray:
         """Wire at the phases given, shape (phases, 3), mm.

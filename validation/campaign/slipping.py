@@ -164,7 +164,7 @@ def highest_load(forces: WireForces, path: EquilibriumPath, time: float, critica
     return None
 
 
-def sliding(forces: WireForces, path: EquilibriumPath) -> np.ndarray:
+def sliding_pairs(forces: WireForces, path: EquilibriumPath) -> np.ndarray:
     """Which pairs of those that touch at the last state of a path slide."""
     return _touching(forces, path)[0].slides
 

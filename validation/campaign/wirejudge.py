@@ -20,7 +20,7 @@ from validation.campaign.judge import (
     sharp_critical,
 )
 from validation.campaign.scenes import Case
-from validation.campaign.slipping import highest_load, sliding
+from validation.campaign.slipping import highest_load, sliding_pairs
 from validation.campaign.verdict import CRITICAL, Verdict, ended, fine_steps, reached, under
 from validation.campaign.wire import WireForces, friction_of, wire_forces
 from validation.reached import as_far
@@ -123,7 +123,7 @@ def _judge_slipping(verdict: Verdict, forces: WireForces, case: Case, critical: 
     if before is None:
         return
     judge_balance(verdict, forces, before.states[-1], time, friction_of(before, -1))
-    if not sliding(forces, before).any():
+    if not sliding_pairs(forces, before).any():
         return
     highest = highest_load(forces, before, time, critical)
     if highest is None:

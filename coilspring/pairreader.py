@@ -1,0 +1,36 @@
+"""What is read of contact pairs off a model's states, from the vectors between their centres."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from typing import Any
+
+import numpy as np
+
+from coilspring.pairlaw import pair_friction
+from coilspring.path import Friction
+
+
+class PairReader(ABC):
+    """The part of `coilspring.path.Shape` that is the same for all models."""
+
+    @property
+    @abstractmethod
+    def pair_law(self) -> Any:
+        """What holds the wire diameter d, the penalty kc of a pair and its exponent k."""
+
+    @abstractmethod
+    def pair_vectors(self, states: np.ndarray) -> np.ndarray:
+        """Vectors between the centres of the pairs, shape (states, pairs, 3), mm."""
+
+    def pair_gaps(self, states: np.ndarray) -> np.ndarray:
+        """Gap of every pair, negative where it penetrates, shape (states, pairs), mm."""
+        return np.linalg.norm(self.pair_vectors(states), axis=-1) - self.pair_law.d
+
+    def pair_forces(self, states: np.ndarray) -> np.ndarray:
+        """Normal force of every pair, shape (states, pairs), N."""
+        return self.pair_law.kc * np.maximum(-self.pair_gaps(states), 0.0) ** self.pair_law.k
+
+    def pair_friction(self, states: np.ndarray, memories: np.ndarray) -> Friction:
+        """Tangential forces (states, pairs, 3), N, slips, mm, and frictional work, N mm, of every pair."""
+        return pair_friction(self.pair_vectors(states), memories, self.pair_law.d, self.pair_law.kc)
