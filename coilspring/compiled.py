@@ -2,23 +2,58 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from typing import Any
+
 import numpy as np
 from numba import njit
 from numba.extending import register_jitable
 
-# Division by zero gives inf or nan ("numpy"): checking for it would cost a branch at each division.
+from coilspring.kernelcache import OPTIONS, KernelCache
 
-# A function that Python calls or that is handed to the path follower: compiled once, stored on disk.
-kernel = njit(cache=True, error_model="numpy")
+# Division by zero gives inf or nan ("numpy"): checking for it would cost a branch at each division.
+KERNEL = {"error_model": "numpy"}
+PART = {"error_model": "numpy", "no_cfunc_wrapper": True}
+ARITHMETIC = PART | {"fastmath": {"contract", "reassoc", "nsz", "arcp"}}
+
+
+def kernel(function: Callable) -> Any:
+    """A function that Python calls or that is handed to the path follower: compiled once, stored on disk."""
+    return _stored(function, KERNEL)
+
+
+def signed(function: Callable, *arguments: Any) -> Any:
+    """A kernel for arguments of the types given, compiled or read from the disk here and now.
+
+    It lets other threads run: it calls nothing of Python's.
+    """
+    dispatcher = _stored(function, KERNEL | {"nogil": True})
+    dispatcher.compile(arguments)
+    dispatcher.disable_compile()
+    return dispatcher
+
+
+def _stored(function: Callable, options: dict[str, Any]) -> Any:
+    dispatcher = njit(**options)(function)
+    setattr(function, OPTIONS, options)
+    dispatcher._cache = KernelCache(function)
+    return dispatcher
+
+
+def _part(options: dict[str, Any]) -> Callable[[Callable], Any]:
+    def mark(function: Callable) -> Any:
+        setattr(function, OPTIONS, options)
+        return register_jitable(**options)(function)
+
+    return mark
+
 
 # A part of kernels, compiled into them alone: without what Python would need to call it, which is a
 # quarter of the time of compiling. Called from Python it is plain Python.
-part = register_jitable(no_cfunc_wrapper=True, error_model="numpy")
+part = _part(PART)
 
 # The same for plain arithmetic: sums may be reordered and multiplied on the fly.
-arithmetic = register_jitable(
-    no_cfunc_wrapper=True, error_model="numpy", fastmath={"contract", "reassoc", "nsz", "arcp"}
-)
+arithmetic = _part(ARITHMETIC)
 
 
 @part

@@ -16,10 +16,10 @@ from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit, types
+from numba import types
 
 from coilspring.branch import PAIR_MOTION
-from coilspring.compiled import copy, part
+from coilspring.compiled import copy, part, signed
 from coilspring.kernelset import SIGNATURES
 from coilspring.linesearch import dot, solution
 
@@ -157,4 +157,4 @@ def compiled_trace() -> Callable:
     vector, numbers, table = types.float64[::1], types.int64[::1], types.float64[:, ::1]
     data = (vector, numbers, vector, types.int64, vector, table, types.int64)
     functions = tuple(types.FunctionType(signature) for signature in SIGNATURES)
-    return njit(data + functions + (numbers,), cache=True, error_model="numpy", nogil=True)(trace)
+    return signed(trace, *data, *functions, numbers)

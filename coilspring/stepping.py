@@ -8,11 +8,11 @@ from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit, types
+from numba import types
 
 from coilspring.boundrise import rise_of_bounds
 from coilspring.branch import TURN, continues, curvature, predict, snapped
-from coilspring.compiled import copied, copied_table, copy, copy_table, part, zeros
+from coilspring.compiled import copied, copied_table, copy, copy_table, part, signed, zeros
 from coilspring.contactmemory import let_rise, relax, released, remembers, rubs, slides
 from coilspring.kernelset import SIGNATURES
 from coilspring.linesearch import dot, solution, stale_solution
@@ -307,4 +307,4 @@ def compiled_follow() -> Callable:
     data = (vector, numbers, vector, vector, vector, table, whole)
     control = (real, whole, types.boolean, types.boolean)
     functions = tuple(types.FunctionType(signature) for signature in SIGNATURES)
-    return njit(data + control + functions + (numbers,), cache=True, error_model="numpy", nogil=True)(follow)
+    return signed(follow, *data, *control, *functions, numbers)

@@ -10,7 +10,6 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from functools import cache
 from importlib import import_module
-from pathlib import Path
 
 from coilspring.kernelset import SIGNATURES, Kernels
 from coilspring.stepping import compiled_follow
@@ -26,7 +25,7 @@ def ready(kernels: Kernels) -> Callable:
     The first time half of it is compiled in a child, which leaves it in the on-disk cache. A child
     that fails costs time only, since this process then compiles by itself.
     """
-    if not _stored(kernels.assemble):
+    if not kernels.assemble._cache.stored:
         places = [_place(getattr(kernels, name)) for name in kernels._fields if name not in PARENTS]
         with background(f"from coilspring.warming import compile_others; compile_others({places})"):
             compile_kernels(kernels, PARENTS)
@@ -86,10 +85,3 @@ def _no_collection() -> Iterator[None]:
 
 def _place(kernel: Callable) -> tuple[str, str]:
     return kernel.__module__, kernel.__name__
-
-
-def _stored(kernel: Callable) -> bool:
-    """Whether the cache holds anything of a kernel."""
-    folder = Path(kernel.stats.cache_path)  # type: ignore[attr-defined]
-    module = kernel.__module__.rpartition(".")[2]
-    return any(folder.glob(f"{module}.{kernel.__name__}-*.nbi"))

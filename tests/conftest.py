@@ -1,4 +1,4 @@
-"""Shared checks: derivatives by differences, and compiled code that is never older than its sources."""
+"""Shared checks: derivatives by differences, and a store of the session's own."""
 
 from __future__ import annotations
 
@@ -6,10 +6,6 @@ import os
 
 import numpy as np
 import pytest
-
-from validation.freshness import forget_stale_kernels
-
-forget_stale_kernels()  # before anything is solved: a kernel that was loaded stays
 
 
 @pytest.fixture(scope="session", autouse=True)

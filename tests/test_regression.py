@@ -2,7 +2,6 @@
 
 import copy
 import json
-import os
 import sys
 from dataclasses import replace
 from pathlib import Path
@@ -18,7 +17,7 @@ import validation.regression
 import wirefe.model
 from coilspring import InputError
 from equivbeam import Refinements
-from validation import freshness, timeratios
+from validation import timeratios
 from validation.arguments import command_line
 from validation.baselines import MODELS, Run, find, read, runs
 from validation.cli import main
@@ -339,22 +338,6 @@ def test_times_that_were_never_kept_are_bad_input(small, tmp_path):
     (tmp_path / "base" / "times.json").unlink()
     with pytest.raises(InputError, match="no ratios of times"):
         timeratios.compare(tmp_path / "base", {"a / b": 1.0})
-
-
-def test_kernels_older_than_a_source_are_forgotten(tmp_path, monkeypatch):
-    names = ("old.nbi", "old.1.nbc", "new.nbi", "old.txt")
-    for name in names:
-        (tmp_path / name).write_text("")
-        os.utime(tmp_path / name, (0, 0) if name.startswith("old") else None)
-    os.utime(tmp_path / "new.nbi", (4e9, 4e9))
-    monkeypatch.setattr(freshness, "_folders", lambda: {tmp_path})
-    assert freshness.forget_stale_kernels() == 2
-    assert sorted(file.name for file in tmp_path.iterdir()) == ["new.nbi", "old.txt"]
-
-
-def test_the_places_of_the_cached_kernels_are_found():
-    kernels = (BEAM_SOLVE.KERNELS.assemble, WIRE_SOLVE.KERNELS.assemble)
-    assert {Path(kernel.stats.cache_path) for kernel in kernels} <= freshness._folders()
 
 
 def test_help_has_an_example_that_parses(capsys):

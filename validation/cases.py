@@ -8,10 +8,10 @@ from dataclasses import dataclass, field
 import equivbeam
 import wirefe
 from coilspring import CATALOGUE, EquilibriumNotFound, EquilibriumPath, Scene
-from validation.freshness import make_ready
 from validation.reached import as_far
 from validation.store import Store
 from validation.storedruns import packed, run_key, unpacked
+from validation.warmup import make_ready
 
 # the paper's proposed model, solved with the exact tangent
 PAPER_BEAM = {"law": "haringx", "tangent": "exact", "sliding": "ignore"}

@@ -12,8 +12,8 @@ from validation import baselines, timeratios
 from validation.baselines import MODELS, Run, find, made, read, runs
 from validation.document import Block, Heading, Table, Text, to_markdown
 from validation.drift import Move, compare
-from validation.freshness import make_ready
 from validation.output import claimed, write_text
+from validation.warmup import make_ready
 
 
 @dataclass(frozen=True)

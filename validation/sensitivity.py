@@ -18,12 +18,12 @@ import numpy as np
 from coilspring import CATALOGUE
 from coilspring.errors import require_names
 from validation.cases import CASES, Case, PathStore
-from validation.freshness import make_ready
 from validation.metrics import COMPONENTS, NEGLIGIBLE
 from validation.openinputs import BEAM, INPUTS, MODELS, WIRE, OpenInput, Variant
 from validation.output import prepare
 from validation.provenance import write_provenance
 from validation.topheight import TipCurve, raised
+from validation.warmup import make_ready
 
 ROUNDING = 1e-6  # %: what is smaller is told as nothing
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import cache
+
 import equivbeam
 from coilspring import spring_b
 from coilspring.warming import background
@@ -12,7 +14,8 @@ WIRE = (
 )
 
 
-def warm_up() -> None:
-    """Compile the wire model's kernels in a child while this process compiles what else there is."""
+@cache
+def make_ready() -> None:
+    """Compile the wire model's kernels in a child while this process compiles what else there is; once."""
     with background(WIRE):
         equivbeam.solve(spring_b(), steps=1)

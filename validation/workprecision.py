@@ -20,13 +20,13 @@ from coilspring import EquilibriumPath, InputError, Scene
 from coilspring.errors import require_names
 from validation import penaltysweep
 from validation.cases import solve_beam, solve_wire
-from validation.freshness import make_ready
 from validation.metrics import compare_paths
 from validation.output import prepare
 from validation.penaltysweep import Sweep
 from validation.provenance import write_provenance
 from validation.reached import as_far
 from validation.timing import Spread
+from validation.warmup import make_ready
 from validation.workdata import Point, Study
 from validation.workpeer import peer_points
 from validation.workreference import reference

@@ -1,0 +1,243 @@
+"""Compiled kernels on disk, found by the content of all that they are compiled from.
+
+numba's own cache compares a function with its source file alone. It knows nothing of the functions that it
+calls, so that an edited law would go on running as it was. Here the name of an entry holds a digest of the
+function as it is in memory: its code, the code of all functions that it calls, the values of the globals that
+they read, how each is compiled, and by which compiler. The processor is in numba's own key. Entries of other
+contents lie beside it: two checkouts share a folder, and an edit that is taken back finds the old entry.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import os
+import tempfile
+import time
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import suppress
+from functools import cache, cached_property
+from pathlib import Path
+from types import BuiltinFunctionType, CodeType, FunctionType, ModuleType
+from typing import Any
+
+import llvmlite
+import numba
+import numpy as np
+from numba.core import config
+from numba.core.caching import CompileResultCacheImpl, FunctionCache
+
+OPTIONS = "__compiled__"  # attribute of a function: how it is compiled
+FLAGS = ("OPT", "BOUNDSCHECK", "DEBUGINFO_DEFAULT", "LOOP_VECTORIZE", "SLP_VECTORIZE", "ENABLE_AVX")
+UNUSED_DAYS = 30  # after which an entry goes
+MOST_ENTRIES = 1000  # about 100 kB each
+DAY = 86_400.0
+DIGITS = 32  # of a digest, in the names of files
+FOREIGN = ("builtins", "math", "numba", "numpy")  # modules whose content is their version
+PLAIN = (bool, int, float, str, bytes, type(None), BuiltinFunctionType, np.ufunc, numba.types.Type)
+
+
+class KernelCache:
+    """Cache of one kernel, as a numba dispatcher asks for it.
+
+    The digest is taken when something is first asked of it: by then all that the kernel calls is defined.
+    """
+
+    def __init__(self, function: Callable) -> None:
+        self._function = function
+
+    @cached_property
+    def _cache(self) -> _ContentCache:
+        return _ContentCache(self._function)
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self._cache, name)
+
+    @property
+    def stored(self) -> bool:
+        """Whether the disk holds anything of this kernel with this content."""
+        return self._cache.index.exists()
+
+    def load_overload(self, sig: Any, target_context: Any) -> Any:
+        """The compiled kernel for a signature, or None."""
+        found = self._cache.load_overload(sig, target_context)
+        if found is not None:
+            _touch(self._cache.index)
+        return found
+
+    def save_overload(self, sig: Any, data: Any) -> None:
+        """Keep a compiled kernel; entries that nobody has used for long go. A full disk costs time only."""
+        with suppress(OSError):
+            self._cache.save_overload(sig, data)
+            _trim(Path(self._cache.cache_path))
+
+
+class _Locator:
+    """Where numba finds a kernel's entry: in one folder for all, by its digest."""
+
+    def __init__(self, function: Callable) -> None:
+        self.digest = content_digest(function)
+
+    def ensure_cache_path(self) -> None:
+        """Nothing to do: see `folder`."""
+
+    def get_cache_path(self) -> str:
+        return str(folder())
+
+    def get_source_stamp(self) -> str:
+        return self.digest
+
+    def get_disambiguator(self) -> str:
+        return self.digest[:DIGITS]
+
+
+class _ContentImpl(CompileResultCacheImpl):
+    """numba's way to keep compiled functions, with the locator above."""
+
+    def __init__(self, function: Callable) -> None:
+        self._lineno = function.__code__.co_firstlineno
+        self._locator = _Locator(function)
+        self._filename_base = self.get_filename_base(f"{function.__module__}.{function.__qualname__}", "")
+
+
+class _ContentCache(FunctionCache):
+    _impl_class = _ContentImpl
+
+    @property
+    def index(self) -> Path:
+        """The file that numba looks at first."""
+        return Path(self.cache_path) / f"{self._impl.filename_base}.nbi"
+
+
+@cache
+def folder() -> Path:
+    """Folder of the entries: `$NUMBA_CACHE_DIR`, else among the user's caches, else among temporary files.
+
+    The first that can be written to. None of them is part of the installation, which may be read-only.
+    """
+    for place in _places():
+        with suppress(OSError):
+            place.mkdir(parents=True, exist_ok=True, mode=0o700)
+            with tempfile.TemporaryFile(dir=place):
+                return place
+    return Path(tempfile.mkdtemp(prefix="coilcheck-kernels-"))
+
+
+def _places() -> Iterator[Path]:
+    chosen = getattr(config, "CACHE_DIR", "")
+    if chosen:
+        yield Path(chosen) / "coilcheck"
+    caches = os.environ.get("LOCALAPPDATA" if os.name == "nt" else "XDG_CACHE_HOME")
+    with suppress(RuntimeError):  # a user without a home
+        yield Path(caches or Path.home() / ".cache") / "coilcheck" / "kernels"
+    user = os.getuid() if hasattr(os, "getuid") else 0
+    shared = Path(tempfile.gettempdir()) / f"coilcheck-kernels-{user}"
+    # compiled code of another user is not loaded
+    if not shared.exists() or shared.stat().st_uid == user:
+        yield shared
+
+
+def _touch(file: Path) -> None:
+    """Note that an entry is in use, once a day."""
+    with suppress(OSError):
+        if time.time() - file.stat().st_mtime > DAY:
+            os.utime(file)
+
+
+def _trim(place: Path) -> None:
+    """Remove the entries that have not been used for long, and the oldest of too many."""
+    ages: dict[str, float] = {}
+    for file in place.glob("*.nb[ic]*"):
+        with suppress(OSError):  # another process was faster
+            entry = file.name[: file.name.rindex("-") + 1 + DIGITS]
+            ages[entry] = max(ages.get(entry, 0.0), file.stat().st_mtime)
+    newest = sorted(ages, key=lambda entry: -ages[entry])
+    limit = time.time() - UNUSED_DAYS * DAY
+    for number, entry in enumerate(newest):
+        if number >= MOST_ENTRIES or ages[entry] < limit:
+            for file in place.glob(f"{entry}*"):
+                file.unlink(missing_ok=True)
+
+
+def content_digest(function: Callable) -> str:
+    """Digest of all that a kernel is compiled from.
+
+    Raises
+    ------
+    TypeError : a compiled function reads a global whose content cannot be told.
+    """
+    found = hashlib.sha256()
+    versions = (numba.__version__, llvmlite.__version__, np.__version__)
+    found.update(repr((versions, [getattr(config, flag, None) for flag in FLAGS])).encode())
+    for line in _described(function, set()):
+        found.update(line.encode() + b"\n")
+    return found.hexdigest()
+
+
+def _described(value: Any, seen: set[int]) -> Iterator[str]:
+    """Lines that differ where compiled code would."""
+    value = getattr(value, "py_func", value)  # of a dispatcher
+    if isinstance(value, FunctionType):
+        yield f"function {value.__module__}.{value.__qualname__}"
+        if id(value) not in seen:
+            seen.add(id(value))
+            yield from _described_function(value, seen)
+    elif isinstance(value, np.ndarray | np.generic):
+        array = np.ascontiguousarray(value)
+        yield f"array {array.dtype.descr} {array.shape} {hashlib.sha256(array.tobytes()).hexdigest()}"
+    elif isinstance(value, tuple):
+        yield f"tuple {len(value)}"
+        for item in value:
+            yield from _described(item, seen)
+    elif isinstance(value, frozenset):
+        yield f"set {sorted(map(repr, value))}"  # the order of a set changes with the process
+    elif isinstance(value, type) and issubclass(value, tuple) and hasattr(value, "_fields"):
+        yield f"record {value.__qualname__} {value._fields}"  # type: ignore[attr-defined]
+    elif isinstance(value, PLAIN) or (isinstance(value, type) and _foreign(value.__module__)):
+        yield repr(value)
+    else:
+        raise TypeError(f"a compiled function reads {value!r}, whose content cannot be told")
+
+
+def _foreign(module: str) -> bool:
+    """Whether a module is one that compiled code knows by its version."""
+    return module.partition(".")[0] in FOREIGN
+
+
+def _described_function(function: FunctionType, seen: set[int]) -> Iterator[str]:
+    """A function's code and options, and all that it reads from outside."""
+    for name, option in getattr(function, OPTIONS, {}).items():
+        yield f"option {name} {sorted(option) if isinstance(option, set) else option}"
+    yield from _described(function.__defaults__ or (), seen)
+    for cell in function.__closure__ or ():
+        yield from _described(cell.cell_contents, seen)
+    for code in _codes(function.__code__):
+        yield f"code {code.co_code.hex()} {code.co_names} {code.co_varnames[: code.co_argcount]}"
+        for constant in code.co_consts:
+            if not isinstance(constant, CodeType) and constant is not function.__doc__:
+                yield from _described(constant, seen)
+        yield from _described_names(function.__globals__, code.co_names, seen)
+
+
+def _described_names(space: Mapping[str, Any], names: Sequence[str], seen: set[int]) -> Iterator[str]:
+    """What code finds under its names in a name space, and in the modules that it finds there."""
+    for name in names:
+        if name not in space:
+            continue  # a builtin, or an attribute of something else
+        value = space[name]
+        yield f"name {name}"
+        if not isinstance(value, ModuleType):
+            yield from _described(value, seen)
+        elif _foreign(value.__name__):
+            yield f"module {value.__name__}"
+        elif id(value) not in seen:
+            seen.add(id(value))
+            yield from _described_names(vars(value), names, seen)
+            seen.discard(id(value))
+
+
+def _codes(code: CodeType) -> Iterator[CodeType]:
+    """A code object and those nested in it."""
+    yield code
+    for constant in code.co_consts:
+        if isinstance(constant, CodeType):
+            yield from _codes(constant)

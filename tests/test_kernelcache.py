@@ -1,0 +1,159 @@
+"""The compiled code that runs is that of the sources as they are: no edit is answered by an old kernel."""
+
+import json
+import os
+import shutil
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from coilspring import kernelcache, pairvectors
+from coilspring.compiled import kernel, part
+from coilspring.kernelcache import content_digest
+from equivbeam import haringx
+from equivbeam import kernels as beam
+from wirefe import kernels as wire
+
+ROOT = Path(__file__).parents[1]
+PACKAGES = ("coilspring", "equivbeam", "wirefe", "validation")
+SCENE = """
+[spring]
+wire_diameter = 2.0
+mean_diameter = 20.0
+active_coils = 2.0
+active_height = 16.0
+[load]
+force = [0.0, -1.0]
+steps = 1
+[supports]
+top_held = ["ux", "rotz"]
+[contact]
+enabled = false
+"""
+SCRIPT = """
+import json, coilspring, equivbeam, wirefe
+scene = coilspring.load_scene("scene.toml")
+options = {"element": "curved", "elements_per_turn": 4}
+print(json.dumps([
+    equivbeam.solve(scene).tips[-1, 1],
+    wirefe.solve(scene, **options).tips[-1, 1],
+    next(equivbeam.sweep([scene], workers=1)).tip[1],
+]))
+"""
+
+
+@pytest.fixture
+def checkout(tmp_path):
+    """A copy of the packages, beside a scene."""
+    for package in PACKAGES:
+        shutil.copytree(ROOT / package, tmp_path / package, ignore=shutil.ignore_patterns("__pycache__"))
+    (tmp_path / "scene.toml").write_text(SCENE)
+    (tmp_path / "script.py").write_text(
+        f"if __name__ == '__main__':\n{SCRIPT.replace(chr(10), chr(10) + '    ')}"
+    )
+    return tmp_path
+
+
+def tips(checkout):
+    """Tips by Python, by a worker process and by the command line."""
+    environment = os.environ | {"PYTHONPATH": str(checkout)}
+    run = {"capture_output": True, "text": True, "check": True, "cwd": checkout, "env": environment}
+    found = json.loads(subprocess.run([sys.executable, "script.py"], **run).stdout)
+    for model in ("equivbeam", "wirefe"):
+        command = f"-c|from validation.cli import main; main()|solve|scene.toml|--model|{model}|--out|out"
+        mesh = ["--element", "curved", "--elements-per-turn", "4"] if model == "wirefe" else []
+        subprocess.run([sys.executable, *command.split("|"), *mesh], **run)
+        found.append(float((checkout / "out/path.csv").read_text().splitlines()[1].split(",")[4]))
+    return np.array(found)
+
+
+def edit(file, old, new):
+    """Edit a file; its time may not tell."""
+    text = file.read_text()
+    assert old in text
+    before = file.stat().st_mtime
+    file.write_text(text.replace(old, new))
+    os.utime(file, (before - 10.0, before - 10.0))
+
+
+def test_an_edited_law_is_the_one_that_runs(checkout):
+    """Called functions in other files than the kernels'; from Python, a worker and the command line."""
+    before = tips(checkout)
+    np.testing.assert_allclose(before[3:], before[:2], rtol=1e-12)
+    edit(checkout / "equivbeam/haringx.py", "= rows[i, KAX], rows", "= 2.0 * rows[i, KAX], rows")
+    edit(
+        checkout / "wirefe/model.py", "        stack(reals, head[0]),", "        2.0 * stack(reals, head[0]),"
+    )
+    np.testing.assert_allclose(tips(checkout), 0.5 * before, rtol=1e-3)  # a little nonlinear
+
+
+def test_the_digest_knows_all_that_a_kernel_reads(monkeypatch):
+    kernels = (beam.assemble, beam.motion, wire.assemble, wire.motion)
+    before = [content_digest(each) for each in kernels]
+    assert len(set(before)) == len(kernels)
+    assert [content_digest(each) for each in kernels] == before
+    with monkeypatch.context() as patch:
+        patch.setattr(pairvectors, "TOUCH", 0.1)  # a number in a module that kernels import
+        changed = [content_digest(each) != was for each, was in zip(kernels, before, strict=True)]
+    assert changed == [False, True, False, True]
+    with monkeypatch.context() as patch:
+        patch.setattr(haringx, "KAX", 1)
+        changed = [content_digest(each) != was for each, was in zip(kernels, before, strict=True)]
+    assert changed == [True, False, False, False]
+    monkeypatch.setattr(kernelcache.numba, "__version__", "0")
+    assert not {content_digest(each) for each in kernels} & set(before)
+
+
+def test_options_and_defaults_of_called_functions_count():
+    def called(x, factor=2.0):
+        return factor * x
+
+    def caller(x):
+        return called(x)
+
+    digests = {content_digest(kernel(caller))}
+    called = part(called)
+    digests.add(content_digest(kernel(caller)))
+    called.__defaults__ = (3.0,)
+    digests.add(content_digest(kernel(caller)))
+    assert len(digests) == 3
+
+
+def test_what_cannot_be_told_is_refused():
+    secret = object()
+
+    def reads():
+        return secret
+
+    with pytest.raises(TypeError, match="whose content cannot be told"):
+        content_digest(reads)
+
+
+def test_entries_that_nobody_uses_go(tmp_path, monkeypatch):
+    names = [f"module.function-{digit * 32}.py311" for digit in "abc"]
+    for name, days in zip(names, (0, 10, 40), strict=True):
+        for end in (".nbi", ".1.nbc"):
+            (tmp_path / (name + end)).write_text("")
+            os.utime(tmp_path / (name + end), (time.time() - days * 86_400,) * 2)
+    kernelcache._trim(tmp_path)
+    assert {file.name[:49] for file in tmp_path.iterdir()} == {name[:49] for name in names[:2]}
+    monkeypatch.setattr(kernelcache, "MOST_ENTRIES", 1)
+    kernelcache._trim(tmp_path)
+    assert {file.name[:49] for file in tmp_path.iterdir()} == {names[0][:49]}
+
+
+def test_where_no_home_can_be_written_kernels_are_kept_elsewhere(tmp_path):
+    code = "from coilspring.kernelcache import folder; print(folder())"
+    environment = os.environ | {
+        "XDG_CACHE_HOME": "/proc/none",
+        "TMPDIR": str(tmp_path),
+        "NUMBA_CACHE_DIR": "",
+    }
+    run = {"capture_output": True, "text": True, "check": True, "cwd": ROOT, "env": environment}
+    found = Path(subprocess.run([sys.executable, "-c", code], **run).stdout.strip())
+    assert found.parent == tmp_path
+    assert found.stat().st_mode & 0o077 == 0
