@@ -98,7 +98,7 @@ def direction(v, negative, scale, along, pitch, new):
 
 def trace(
     reals, ints, load, points, start, memory, size, assemble, factor, solve, retract, work, carry,
-    motion, commit, renew, stop,
+    motion, commit, renew, overlap, stop,
 ):  # fmt: skip
     """Trace at most `points` points of the path from rest, or to time 1; arguments as in `follow`."""
     times = np.empty(points)

@@ -1,6 +1,6 @@
 """The compiled functions that a model hands to the path followers, and their types.
 
-A model is described by its data (two flat arrays, see `coilspring.packing`) and nine kernels, which
+A model is described by its data (two flat arrays, see `coilspring.packing`) and ten kernels, which
 `coilspring.newton` and the followers take as typed first-class functions, so that they are compiled once
 for all models:
 
@@ -31,6 +31,10 @@ for all models:
 ``renew(reals, ints, state, memory) -> change``
     Set the bounds of the tangential forces, which are lines over the slips in `assemble`, to those of the
     normal forces at `state`; returns their largest change over the largest bound, 0 without friction.
+``overlap(reals, ints, state) -> (overlap, excess)``
+    By how much the wire, or the circles that stand for it, run into themselves, mm: all of it against all of
+    it. And by how much that is more than the deepest contact pair, told where it is more than the follower
+    allows. Asked in scenes with contact alone.
 """
 
 from __future__ import annotations
@@ -52,6 +56,7 @@ class Kernels(NamedTuple):
     motion: Any
     commit: Any
     renew: Any
+    overlap: Any
 
 
 def _signatures() -> Kernels:
@@ -68,6 +73,7 @@ def _signatures() -> Kernels:
         motion=types.UniTuple(real, 3)(*data, vector, vector, real),
         commit=real(*data, vector, table),
         renew=real(*data, vector, table),
+        overlap=types.UniTuple(real, 2)(*data, vector),
     )
 
 

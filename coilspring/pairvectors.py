@@ -11,6 +11,9 @@ from coilspring.pairlaw import ON, hold, renewed
 
 SLIGHT = 1e-7  # wire diameters of penetration: its force is the least that friction bounds are compared with
 TOUCH = 0.003  # wire diameters by which a pair may penetrate where a prediction closes it
+OVERLAP_ALLOWED = (
+    0.1  # wire diameters by which wires may overlap more than the deepest pair: beyond, it is no spring
+)
 NEAR = 1.5  # wire diameters between centres, within which a pair's motion in a substep is watched
 
 

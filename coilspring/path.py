@@ -16,7 +16,7 @@ from coilspring.scene import Scene
 if TYPE_CHECKING:
     import pandas as pd
 
-OUTCOMES = ("completed", "limit_point", "bifurcation", "not_converged", "unsupported")
+OUTCOMES = ("completed", "limit_point", "bifurcation", "interpenetration", "not_converged", "unsupported")
 
 
 @dataclass(frozen=True)
@@ -46,6 +46,9 @@ class Shape(Protocol):
 
     def pair_gaps(self, states: np.ndarray) -> np.ndarray:
         """Gap h - d of every pair, negative where it penetrates, shape (states, pairs), mm."""
+
+    def overlaps(self, states: np.ndarray) -> np.ndarray:
+        """By how much the wire runs into itself, or the circles that stand for it, shape (states,), mm."""
 
     def pair_friction(self, states: np.ndarray, memories: np.ndarray) -> Friction:
         """What sliding and its hindrance do to every pair, by the contact memories of the states."""
@@ -157,6 +160,15 @@ class EquilibriumPath:
         """Largest penetration, shape (steps,), mm; 0 where nothing touches."""
         return self.penetrations.max(axis=1, initial=0.0)
 
+    @cached_property
+    def max_overlap(self) -> np.ndarray:
+        """Largest overlap of the wire with itself, all coils against all, shape (steps,), mm; 0 if free.
+
+        Of the equivalent beam that of its circles; coils that have changed places overlap by what they
+        do side by side.
+        """
+        return np.maximum(self.shape.overlaps(self.states), 0.0)
+
     @property
     def columns(self) -> dict[str, np.ndarray]:
         """The columns of ``path.csv`` by name, each (steps,)."""
@@ -170,6 +182,7 @@ class EquilibriumPath:
             "iterations": self.iterations,
             "active_contacts": self.active_contacts,
             "max_penetration": self.max_penetration,
+            "max_overlap": self.max_overlap,
         }
 
     @cached_property

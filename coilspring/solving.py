@@ -16,10 +16,11 @@ from coilspring.friction import goes_on, time_left
 from coilspring.interrupt import interruptible
 from coilspring.kernelset import Kernels
 from coilspring.packing import pack
+from coilspring.pairvectors import OVERLAP_ALLOWED
 from coilspring.path import EquilibriumPath, Shape
 from coilspring.scene import Scene
 from coilspring.stability import Body, softest
-from coilspring.stepping import COMPLETED, CRITICAL, OPENED, STUCK, Track
+from coilspring.stepping import COMPLETED, CRITICAL, OPENED, OVERLAP, STUCK, Track
 from coilspring.warming import ready
 
 MOST_ITERATIONS = 25  # of a substep with the exact tangent, which needs 2 or 3 far from contact changes
@@ -30,6 +31,10 @@ LEFT = 1e-5  # of the time 0..1: so near to where a path ends, a limit point of 
 SLIDING = -1  # outcome beside those of `coilspring.stepping`: see `coilspring.friction`
 HELD = "Coulomb's law goes on, but by renewed bounds of friction no stable equilibrium was found"
 LOST = "a pair that was held opened, and without what it held no equilibrium was found nearby"
+THROUGH = (
+    f"coils pass through each other: the wire overlaps by {OVERLAP_ALLOWED:g} wire diameters more than any "
+    "contact pair"
+)
 WHY = {SLIDING: HELD, OPENED: LOST, STUCK: "no equilibrium that continues the branch was found"}
 VOID_PENETRATION = 0.1  # wire diameters of overlap, beyond which a penalty no longer stands for contact
 
@@ -231,6 +236,8 @@ def _verdict(track: Track, mode: np.ndarray, load: np.ndarray) -> tuple[str, str
     if track.outcome == COMPLETED:
         return "completed", "the load path was followed to time 1", None
     where = f"between time {track.time:.6f} and {track.time + track.bracket:.6f}"
+    if track.outcome == OVERLAP:
+        return "interpenetration", f"{THROUGH} {where}", None
     if track.outcome == CRITICAL:
         critical = track.time + 0.5 * track.bracket
         norm = np.linalg.norm(load) * np.linalg.norm(mode)

@@ -17,9 +17,10 @@ from coilspring.contactmemory import let_rise, relax, released, remembers, rubs,
 from coilspring.kernelset import SIGNATURES
 from coilspring.linesearch import dot, solution, stale_solution
 from coilspring.newton import CONVERGED, FAILED, HISTORY, INDEFINITE, LINEAR, NONE, equilibrium
+from coilspring.pairvectors import OVERLAP_ALLOWED
 from coilspring.stability import LEAST_STEP, unstable_time
 
-COMPLETED, CRITICAL, STUCK, STRAY, OPENED = 0, 1, 2, 3, 4
+COMPLETED, CRITICAL, STUCK, STRAY, OPENED, OVERLAP = 0, 1, 2, 3, 4, 5
 
 FIRST_STEP = 0.1  # largest first substep: the tangent at rest knows nothing of the contact to come
 SETTLING = 1e-6  # of the time 0..1, in which what was held by a pair that opened finds its place
@@ -27,6 +28,10 @@ LEAST_FREE = 0.05  # share of a substep that is taken at least, however soon a p
 SAFE = 0.8  # share of the turn allowed that the next substep aims at
 EASY_COUNT = 3
 EPSILON = 2.0**-52
+NEARER = (
+    3.0  # times the bound on all motion: so much nearer may wires come that both move, between nodes, too
+)
+OVERLAP_TIME = 1e-4  # of the time 0..1: so closely is it told where they do
 BOUND_CHANGE = 1e-6  # of the bounds of tangential forces, over the largest, where they count as found
 MOST_ROUNDS = 30
 MOST_TRIES = 4000  # equilibria between requested times; far more than a path needs
@@ -81,6 +86,7 @@ def follow(
     motion,
     commit,
     renew,
+    overlap,
     stop,
 ):
     """Follow the equilibrium from rest through the increasing `times`.
@@ -100,7 +106,7 @@ def follow(
         else from the last state, as the paper did.
     lean : the matrix is costly: it is left out where it is not factored, and its factor is kept longer.
     assemble, factor, solve, retract, work, carry, motion,
-        commit, renew : kernels, see `coilspring.kernelset`.
+        commit, renew, overlap : kernels, see `coilspring.kernelset`.
     stop : one integer; another thread sets it to end the path at the next substep.
     """
     states = np.empty((times.size, start.size))
@@ -130,6 +136,11 @@ def follow(
     checks, critical = 0, np.inf
     time, dt = 0.0, min(times[0], FIRST_STEP)
     row, tries, stride, rise = 0, 0, dt, 0.0
+    most = OVERLAP_ALLOWED * diameter
+    # how much nearer wires may come, and the bound on all motion since that was measured
+    room, moved = np.inf, 0.0
+    if memory.shape[0] > 0:
+        room = most - overlap(reals, ints, state)[1]
     while row < times.size and outcome == COMPLETED and stop[0] == 0:
         if clearance == -np.inf:
             outcome = STRAY
@@ -187,6 +198,13 @@ def follow(
                 reals, ints, predicted, state, trial, diameter, trouble > NONE, predictor and ease == np.inf,
                 motion,
             )  # fmt: skip
+        nearer, since = room, moved + way
+        if good and NEARER * since >= room:
+            nearer, since = most - overlap(reals, ints, trial)[1], 0.0
+            good = nearer >= 0.0
+            if not good and step < OVERLAP_TIME:
+                outcome = OVERLAP
+                break
         if good and status == CONVERGED and clearance > 0.0:
             closes = commit(reals, ints, trial, memory) <= 0.0
             copy_table(held, memory)
@@ -248,6 +266,7 @@ def follow(
         if status == CONVERGED:
             copy(ahead, tangent)
         kept, last = True, step
+        room, moved = nearer, since
         copy(state, before)
         copy(trial, state)
         time = target

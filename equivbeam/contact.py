@@ -35,3 +35,28 @@ def pair_forces(f, H, rax, ray, rbx, rby, g, K):
     # second derivative of the centres: c'' = -r
     K[2, 2] += f[0] * rax + f[1] * ray
     K[5, 5] -= f[0] * rbx + f[1] * rby
+
+
+@part
+def circle_overlap(centres, carrier, state, d):
+    """By how much circles of diameter d overlap, at most, and beyond those one turn apart; mm.
+
+    All are held against all but for those of one node. Two of one side that have changed places along the
+    axis, with less than a diameter across it, have passed through each other: they overlap by what
+    they do side by side.
+    """
+    whole, pairs = -d, 0.0
+    for a in range(len(centres)):
+        for b in range(a + 1, len(centres)):
+            x, y = centres[b, 0] - centres[a, 0], centres[b, 1] - centres[a, 1]
+            if carrier[a] == carrier[b] or (abs(y) >= d and b != a + 2):
+                continue
+            depth = d - math.sqrt(x * x + y * y)
+            if b == a + 2:
+                pairs = max(pairs, depth)
+                turn = 0.5 * (state[3 * carrier[a] + 2] + state[3 * carrier[b] + 2])
+                c, s = math.cos(turn), math.sin(turn)
+                if y * c - x * s < 0.0:
+                    depth = d - abs(x * c + y * s)
+            whole = max(whole, depth)
+    return whole, whole - pairs

@@ -10,7 +10,7 @@ from coilspring.compiled import clear, copy, kernel, part
 from coilspring.pairlaw import ON, pair_potential
 from coilspring.pairvectors import approach, remember, renew_bounds
 from equivbeam.band import ROW, hold
-from equivbeam.contact import circle_centre, pair_forces
+from equivbeam.contact import circle_centre, circle_overlap, pair_forces
 from equivbeam.halfcoil import gradient, hessian, measures_at, paper_matrix
 from equivbeam.haringx import KAX, KFL, KSH, L0
 from equivbeam.laws import response
@@ -184,3 +184,10 @@ def renew(reals, ints, state, memory):
     if model.mu == 0.0:
         return 0.0
     return renew_bounds(_vectors(model, state), memory, model.mu, model.kc, model.k, model.d)
+
+
+@kernel
+def overlap(reals, ints, state):
+    """See `coilspring.kernelset`: of all circles, and beyond the deepest pair."""
+    model = view(reals, ints)
+    return circle_overlap(_centres(model, state), model.carrier, state, model.d)

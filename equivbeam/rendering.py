@@ -7,8 +7,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from coilspring.packing import pack
 from coilspring.pairreader import PairReader
 from coilspring.scene import Scene
+from equivbeam import kernels
 from equivbeam.model import BeamModel, rest_state
 
 
@@ -52,6 +54,11 @@ class BeamShape(PairReader):
         centres = self.circles(states)
         first, second = self.data.pairs.T
         return np.pad(centres[:, second] - centres[:, first], ((0, 0), (0, 0), (0, 1)))
+
+    def overlaps(self, states: np.ndarray) -> np.ndarray:
+        """By how much circles overlap, shape (states,), mm; see `equivbeam.contact.circle_overlap`."""
+        data = pack(self.data)
+        return np.array([kernels.overlap(*data, state)[0] for state in states])
 
     def centreline(self, state: np.ndarray, phases: np.ndarray) -> np.ndarray:
         """Wire at the phases given, shape (phases, 3), mm.

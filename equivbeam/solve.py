@@ -40,6 +40,7 @@ KERNELS = Kernels(
     motion=kernels.motion,
     commit=kernels.commit,
     renew=kernels.renew,
+    overlap=kernels.overlap,
 )
 DRIVEN = KERNELS._replace(assemble=driven.assemble)
 ACROSS = KERNELS._replace(
@@ -49,6 +50,7 @@ ACROSS = KERNELS._replace(
     motion=across.motion,
     commit=across.commit,
     renew=across.renew,
+    overlap=across.overlap,
 )
 ACROSS_DRIVEN = ACROSS._replace(assemble=across.driven)
 

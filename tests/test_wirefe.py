@@ -101,6 +101,7 @@ def test_frictionless_spring_b_past_its_limit_point():
     assert not path.negative_pivots[: turn - 1].any()
     assert path.times.max() > followed.critical_time + 0.01
     assert path.tips[-1, 1] < followed.tips[-1, 1] - 1.0
+    assert "coils pass through each other" in path.message  # beyond, they are no spring's
 
 
 @pytest.mark.parametrize("stiffness", [1e3, 1e6])

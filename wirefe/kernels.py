@@ -8,12 +8,13 @@ import numpy as np
 
 from coilspring.compiled import arithmetic, clear, kernel, part
 from coilspring.pairlaw import ON, pair_potential
-from coilspring.pairvectors import approach, remember, renew_bounds
+from coilspring.pairvectors import OVERLAP_ALLOWED, approach, remember, renew_bounds
 from wirefe.algebra import dot, plus
 from wirefe.beam import beams
 from wirefe.chain import eliminate, substitute
 from wirefe.contact import onto_reference, pair_matrix
-from wirefe.model import view_contact, view_elements, view_held, view_plan
+from wirefe.model import view_contact, view_elements, view_held, view_plan, view_stations
+from wirefe.overlap import wire_overlap
 from wirefe.poses import ROW, four, three
 from wirefe.quaternions import turned
 from wirefe.retraction import Way, close, place, spin_between, turn_along
@@ -275,3 +276,17 @@ def renew(reals, ints, state, memory):
     if contact.mu == 0.0:
         return 0.0
     return renew_bounds(_vectors(contact, state), memory, contact.mu, contact.kc, contact.k, contact.d)
+
+
+@kernel
+def overlap(reals, ints, state):
+    """See `coilspring.kernelset`: of the whole wire, and beyond the deepest pair of spheres."""
+    contact = view_contact(reals, ints)
+    whole = wire_overlap(view_stations(reals, ints), state)
+    if whole <= OVERLAP_ALLOWED * contact.d:
+        return whole, whole
+    nearest = contact.d
+    for m in range(contact.pairs.shape[0]):
+        between, _, _ = _between(contact, state, m)
+        nearest = min(nearest, math.sqrt(dot(between, between)))
+    return whole, whole - (contact.d - nearest)

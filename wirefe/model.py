@@ -19,6 +19,7 @@ from coilspring.wire import round_section
 from wirefe.beam import deformations
 from wirefe.chain import ChainPlan, plan_chain
 from wirefe.mesh import Spheres, WireMesh, mesh_wire, no_spheres, place_spheres, refuse_kinks
+from wirefe.overlap import NO_STATIONS, Stations, place_stations
 from wirefe.plates import NO_PLATES, PlateArrays, join_top, place_plates
 from wirefe.poses import ROW, at_rest
 from wirefe.rod import Rod, curved_rod, straight_rod
@@ -70,10 +71,11 @@ class WireModel(NamedTuple):
     contact: ContactArrays
     plan: ChainPlan
     plates: PlateArrays = NO_PLATES
+    stations: Stations = NO_STATIONS
 
 
 # numbers of each part's first field in the packed arrays
-HELD, CONTACT, PLAN, PLATES = 6, 10, 23, 29
+HELD, CONTACT, PLAN, PLATES, STATIONS = 6, 10, 23, 29, 37
 
 
 def build_model(
@@ -97,7 +99,8 @@ def build_model(
     plates = NO_PLATES
     if seat == "plate":
         plates = place_plates(scene.spring, mesh, scene.contact.stiffness, ~rod.held[top])
-    return rod_model(rod, mesh.arm, spheres, plates), mesh, rod
+    stations = place_stations(scene.spring, mesh)
+    return rod_model(rod, mesh.arm, spheres, plates)._replace(stations=stations), mesh, rod
 
 
 def _wire(scene: Scene, mesh: WireMesh, element: str) -> Rod:
@@ -227,4 +230,14 @@ def view_plan(ints):
     return ChainPlan(
         vector(ints, head[PLAN]), vector(ints, head[PLAN + 1]), vector(ints, head[PLAN + 2]),
         vector(ints, head[PLAN + 3]), vector(ints, head[PLAN + 4]), ints[head[PLAN + 5, 0]],
+    )  # fmt: skip
+
+
+@part
+def view_stations(reals, ints):
+    """The stations along the wire in the packed arrays."""
+    head = heads(ints)[STATIONS:]
+    return Stations(
+        vector(ints, head[0]), vector(reals, head[1]), table(reals, head[2]), reals[head[3, 0]],
+        ints[head[4, 0]], ints[head[5, 0]], reals[head[6, 0]],
     )  # fmt: skip

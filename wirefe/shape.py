@@ -6,8 +6,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from coilspring.packing import pack
 from coilspring.pairreader import PairReader
 from coilspring.scene import Scene
+from wirefe import kernels
 from wirefe.mesh import WireMesh
 from wirefe.model import ContactArrays, WireModel
 from wirefe.poses import ROW
@@ -55,6 +57,11 @@ class WireShape(PairReader):
         centres = sphere_centres(self.data.contact, states)
         first, second = self.data.contact.pairs.T
         return centres[:, second] - centres[:, first]
+
+    def overlaps(self, states: np.ndarray) -> np.ndarray:
+        """By how much the wire runs into itself, shape (states,), mm; below 0 where free."""
+        data = pack(self.data)
+        return np.array([kernels.overlap(*data, state)[0] for state in states])
 
     def plate_forces(self, states: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Normal forces of the bottom and of the top plate on the nodes `plates.low` and `plates.high` of the

@@ -36,6 +36,7 @@ KERNELS = Kernels(
     motion=kernels.motion,
     commit=kernels.commit,
     renew=kernels.renew,
+    overlap=kernels.overlap,
 )
 DRIVEN = KERNELS._replace(assemble=driven.assemble)
 SEATED = KERNELS._replace(assemble=seated.assemble, commit=seated.commit)

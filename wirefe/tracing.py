@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 import time
+from dataclasses import replace
+
+import numpy as np
 
 from coilspring.continuation import Trace, compiled_trace
 from coilspring.errors import EquilibriumNotFound, InputError, require_integer
 from coilspring.interrupt import interruptible
 from coilspring.kernelset import Kernels
 from coilspring.packing import pack
+from coilspring.pairvectors import OVERLAP_ALLOWED
 from coilspring.path import EquilibriumPath
 from coilspring.scene import Scene
 from coilspring.solving import Problem
@@ -36,7 +40,8 @@ def trace(
     Returns
     -------
     EquilibriumPath
-        `times` rise and fall; `negative_pivots` is 0 where a point is stable.
+        `times` rise and fall; `negative_pivots` is 0 where a point is stable. Equilibria of the model are
+        traced even where wires pass through each other: `max_overlap` and the message say so.
 
     Raises
     ------
@@ -75,9 +80,24 @@ def trace(
         outcome=outcome,
         message=message,
     )
+    path = replace(path, message=message + _caution(path))
     if not found.finished:
         raise EquilibriumNotFound(path)
     return path
+
+
+def _caution(path: EquilibriumPath) -> str:
+    """Where the equilibria that were traced stop being those of a spring, or nothing."""
+    if not path.scene.contact.enabled:
+        return ""
+    most = OVERLAP_ALLOWED * path.scene.spring.wire_diameter
+    through = np.flatnonzero(path.max_overlap - path.max_penetration > most)
+    if not through.size:
+        return ""
+    return (
+        f"; but from point {through[0] + 1} on, at time {path.times[through[0]]:.6f}, coils pass through "
+        f"each other: the wire overlaps by {OVERLAP_ALLOWED:g} wire diameters more than any contact pair"
+    )
 
 
 def trace_rod(rod: Rod, *, points: int = 200) -> RodPath:

@@ -139,3 +139,17 @@ def renew(reals, ints, state, memory):
         return 0.0
     between = vectors(model, state, windings(model.rows, state))
     return renew_bounds(between, memory, model.mu, model.kc, model.k, model.d)
+
+
+@kernel
+def overlap(reals, ints, state):
+    """See `coilspring.kernelset`: of pairs, and of those that have changed places along the axis."""
+    model = view(reals, ints)
+    between = vectors(model, state, windings(model.rows, state))
+    whole, pairs = -np.inf, 0.0
+    for m in range(len(between)):
+        x, y, z = between[m, 0], between[m, 1], between[m, 2]
+        depth = model.d - math.sqrt(x * x + y * y + z * z)
+        pairs = max(pairs, depth)
+        whole = max(whole, model.d - math.sqrt(x * x + z * z) if y < 0.0 else depth)
+    return whole, whole - pairs

@@ -6,8 +6,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from coilspring.packing import pack
 from coilspring.pairreader import PairReader
 from coilspring.scene import Scene
+from equivbeam.across import kernels
 from equivbeam.across.model import AcrossModel
 from equivbeam.across.pairs import vectors, windings
 from equivbeam.stations import quarters_at_ends
@@ -34,6 +36,11 @@ class AcrossShape(PairReader):
         rows = self.data.rows
         found = [vectors(self.data, state, windings(rows, state)) for state in states]
         return np.array(found).reshape(len(states), -1, 3)
+
+    def overlaps(self, states: np.ndarray) -> np.ndarray:
+        """By how much circles of pairs overlap or have passed each other, shape (states,), mm."""
+        data = pack(self.data)
+        return np.array([kernels.overlap(*data, state)[0] for state in states])
 
     def centreline(self, state: np.ndarray, phases: np.ndarray) -> np.ndarray:
         """Wire at the phases given, shape (phases, 3), mm.
