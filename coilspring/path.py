@@ -73,6 +73,8 @@ class EquilibriumPath:
         traced paths.
     critical_time : middle of the time bracket of a critical point, or None.
     critical_bracket : length of that bracket, or None.
+    end_bracket : times between which a path ends that did not complete, or None.
+    last_state : (n,) the last equilibrium of such a path, at the first of these times, or None.
     total_iterations : factorisations in all, those after the last row included.
     stability_checks : further factorisations, which only verified the stability of linear stretches.
     pair_evaluations : contact pairs looked at in all residuals together.
@@ -95,6 +97,8 @@ class EquilibriumPath:
     memories: np.ndarray | None = None
     critical_time: float | None = None
     critical_bracket: float | None = None
+    end_bracket: tuple[float, float] | None = None
+    last_state: np.ndarray | None = None
     total_iterations: int = 0
     stability_checks: int = 0
     pair_evaluations: int = 0

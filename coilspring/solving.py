@@ -206,6 +206,8 @@ def scene_path(
         shape=shape,
         critical_time=run.critical_time,
         critical_bracket=None if run.critical_time is None else track.bracket,
+        end_bracket=None if track.outcome == COMPLETED else (track.time, track.time + track.bracket),
+        last_state=None if track.outcome == COMPLETED else track.last,
         total_iterations=spent + run.spent,
         stability_checks=track.checks,
         pair_evaluations=track.pairs,

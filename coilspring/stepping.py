@@ -31,7 +31,7 @@ EPSILON = 2.0**-52
 NEARER = (
     3.0  # times the bound on all motion: so much nearer may wires come that both move, between nodes, too
 )
-OVERLAP_TIME = 1e-4  # of the time 0..1: so closely is it told where they do
+OVERLAP_TIME = 1e-5  # of the time 0..1: so closely is it told where they do
 BOUND_CHANGE = 1e-6  # of the bounds of tangential forces, over the largest, where they count as found
 MOST_ROUNDS = 30
 MOST_TRIES = 4000  # equilibria between requested times; far more than a path needs

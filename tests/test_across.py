@@ -262,11 +262,10 @@ def test_short_springs():
         assert path.outcome == "completed"
 
 
-@pytest.mark.parametrize("coils", [0.5, 1.0])
-def test_a_short_cylinder_is_the_same_from_both_ends(coils):
-    """Pressed beyond solid: forces of the wire model on half a coil within 15 %, UY within 0.2 %."""
+def test_a_short_cylinder_is_the_same_from_both_ends():
+    """One coil, pressed beyond solid: UY within 0.2 % of the wire model."""
     scene = spring_b()
-    spring = replace(scene.spring, mean_diameter=(12.0, 12.0), active_coils=coils, active_height=4.0 * coils)
+    spring = replace(scene.spring, mean_diameter=(12.0, 12.0), active_coils=1.0, active_height=4.0)
     scene = replace(scene, spring=spring, load=replace(scene.load, force=(0.0, -500.0)))
     path = equivbeam.solve(scene, steps=5, sliding="scene", **OPTIONS)
     forces = path.contact_forces[-1]

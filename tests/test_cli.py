@@ -22,7 +22,7 @@ from validation.cli import main
 from validation.machine import versions
 from validation.output import OutputError, claimed, path_files, write_files, write_json, write_text
 
-COLUMNS = "time,load_x,load_y,ux,uy,rotz,iterations,active_contacts,max_penetration"
+COLUMNS = "time,load_x,load_y,ux,uy,rotz,iterations,active_contacts,max_penetration,max_overlap"
 SUMMARY_KEYS = {
     *("outcome", "message", "last_time", "critical_time", "total_iterations", "solve_seconds"),
     *("compile_seconds", "model", "options", "versions", "scene"),

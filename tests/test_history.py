@@ -118,12 +118,12 @@ def test_a_test_machine_finds_the_load_curve(solve, options):
 
 def test_a_test_machine_goes_through_limit_points():
     """Frictionless wires of Spring B slide off each other at 130 N; arc-length continuation says how."""
-    path = wirefe.solve(pressed(FREE_B, -14.0, steps=140), **CURVED)
+    path = wirefe.solve(pressed(FREE_B, -13.0, steps=130), **CURVED)
     traced = wirefe.trace(FREE_B, points=160, **CURVED)
     assert traced.negative_pivots.max() == 1
     assert (np.diff(-traced.loads[:, 1]) < 0.0).any()  # the load falls beyond the limit point
     rising = np.maximum.accumulate(-traced.tips[:, 1])  # no snap-back in the displacement
-    for way in (12.0, 13.0, 13.3):
+    for way in (12.0, 12.5, 12.9):
         row = np.abs(path.tips[:, 1] + way).argmin()
         expected = np.interp(-path.tips[row, 1], rising, traced.loads[:, 1])
         assert path.loads[row, 1] == pytest.approx(expected, rel=2e-3)

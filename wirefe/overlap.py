@@ -1,7 +1,7 @@
 """How far the wire runs into itself: all of it against all of it, whatever its contact spheres see.
 
 The wire is followed by stations, points of it at equal phases that move with the nodes about them (as
-`wirefe.shape` draws it), and the straight pieces between them. Contact spheres are not asked: between them,
+`wirefe.shape` draws it), and the pieces between them. Contact spheres are not asked: between them,
 wires could pass through each other unseen.
 """
 
@@ -14,7 +14,7 @@ import numpy as np
 
 from coilspring.compiled import arithmetic, part
 from coilspring.spring import Spring
-from wirefe.algebra import dot, plus
+from wirefe.algebra import dot, mixed, plus
 from wirefe.mesh import WireMesh
 from wirefe.poses import ROW, four, three
 from wirefe.quaternions import turned
@@ -27,15 +27,17 @@ STRETCH = (
     1.05  # of the distance of neighbours, at most: what an arc has over its chord, and the wire's strain
 )
 SAME = 1e-9
-REACH = 1.3  # wire diameters between centrelines beyond which a distance is not told
+PARALLEL = 1e-9  # square of the sine between chords, below which they count as parallel
+ASIDE = 0.6  # of the distance of neighbours, at most: from a station to the nearest of a coil beside it
+REACH = 1.1  # wire diameters between centrelines beyond which a distance is not told
 
 
 class Stations(NamedTuple):
     """Points along the wire, end turns included, from bottom to top."""
 
     node: np.ndarray  # (stations,) node at or below each
-    share: np.ndarray  # (stations,) of the next node in its motion
-    arms: np.ndarray  # (stations, 6) from both nodes, at rest
+    share: np.ndarray  # (stations,) of the next node's position in its own
+    arms: np.ndarray  # (stations, 6) that turn with both nodes
     stride: float  # largest distance of neighbours, mm
     low: int  # last station of the rigid bottom end
     high: int  # first station of the rigid top end
@@ -45,22 +47,42 @@ class Stations(NamedTuple):
 NO_STATIONS = Stations(np.zeros(0, dtype=np.int64), np.zeros(0), np.zeros((0, 6)), 1.0, 0, 0, 1.0)
 
 
+def carried(spring: Spring, mesh: WireMesh, phases: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Node at or below the wire at some phases, share of the next node, and arms (phases, 6) of both.
+
+    With x, R of a node, X its place at rest and T(P) = x + R (P - X), the wire between the points A and B
+    of two nodes a and b is the cubic along the turned tangents of the wire at rest: at the share s
+
+        (1 - s) Ta(P) + s Tb(P) - s (1 - s)^2 (Tb(A) - Ta(A)) + s^2 (1 - s) (Tb(B) - Ta(B)),
+
+    a sum of both positions and of an arm turned with each. End turns that are rigid move with their node.
+    """
+    rest = spring.points(phases)
+    homes = np.concatenate((mesh.points[:-1], mesh.reference[None]))
+    upper = np.clip(np.searchsorted(mesh.phases, phases), 1, len(homes) - 1)
+    step = mesh.phases[1] - mesh.phases[0]
+    s = np.clip((phases - mesh.phases[upper - 1]) / step, 0.0, 1.0)[:, None]
+    low, high = s * (1.0 - s) ** 2, s**2 * (1.0 - s)
+    A, B, a, b = mesh.points[upper - 1], mesh.points[upper], homes[upper - 1], homes[upper]
+    arms = (
+        (1.0 - s) * (rest - a) + low * (A - a) - high * (B - a),
+        s * (rest - b) - low * (A - b) + high * (B - b),
+    )
+    return upper - 1, (s - low + high)[:, 0], np.concatenate(arms, axis=1)
+
+
 def place_stations(spring: Spring, mesh: WireMesh) -> Stations:
     """Stations along the whole wire of a mesh."""
     first, last = (phase / (2.0 * math.pi) * PER_TURN for phase in spring.phase_range)
-    phases = np.arange(math.ceil(first - 1e-9), math.floor(last + 1e-9) + 1) * 2.0 * math.pi / PER_TURN
-    rest = spring.points(phases)
-    origins = np.concatenate((mesh.points[:-1], mesh.reference[None]))
-    upper = np.clip(np.searchsorted(mesh.phases, phases), 1, len(origins) - 1)
-    step = mesh.phases[1] - mesh.phases[0]
-    share = np.clip((phases - mesh.phases[upper - 1]) / step, 0.0, 1.0)
+    phases = np.arange(math.ceil(first - SAME), math.floor(last + SAME) + 1) * 2.0 * math.pi / PER_TURN
+    node, share, arms = carried(spring, mesh, phases)
     return Stations(
-        node=upper - 1,
+        node=node,
         share=share,
-        arms=np.concatenate((rest - origins[upper - 1], rest - origins[upper]), axis=1),
-        stride=STRETCH * float(np.linalg.norm(np.diff(rest, axis=0), axis=1).max()),
-        low=int(np.count_nonzero(share + upper < 1.0 + SAME)) - 1,
-        high=len(phases) - int(np.count_nonzero(share + upper > len(origins) - SAME)),
+        arms=arms,
+        stride=STRETCH * float(np.linalg.norm(np.diff(spring.points(phases), axis=0), axis=1).max()),
+        low=int(np.count_nonzero(node + share < SAME)) - 1,
+        high=int(np.count_nonzero(node + share < len(mesh.points) - 1 - SAME)),
         diameter=spring.wire_diameter,
     )
 
@@ -73,11 +95,12 @@ def station_points(stations, state):
         i, share = ROW * stations.node[k], stations.share[k]
         p = (0.0, 0.0, 0.0)
         if share < 1.0:
-            r = turned(four(state, i + 3), three(stations.arms[k], 0))
-            p = plus(p, 1.0 - share, plus(three(state, i), 1.0, r))
+            p = turned(four(state, i + 3), three(stations.arms[k], 0))
+            p = plus(p, 1.0 - share, three(state, i))
         if share > 0.0:
-            r = turned(four(state, i + ROW + 3), three(stations.arms[k], 3))
-            p = plus(p, share, plus(three(state, i + ROW), 1.0, r))
+            i += ROW
+            p = plus(p, 1.0, turned(four(state, i + 3), three(stations.arms[k], 3)))
+            p = plus(p, share, three(state, i))
         out[3 * k], out[3 * k + 1], out[3 * k + 2] = p
     return out
 
@@ -90,20 +113,43 @@ def _square(points, i, j):
 
 
 @arithmetic
-def _to_piece(points, i, j):
-    """Square of the distance of the station i from the straight piece between j and j + 1."""
-    a = three(points, 3 * j)
-    along, way = plus(three(points, 3 * j + 3), -1.0, a), plus(three(points, 3 * i), -1.0, a)
-    share = min(max(dot(along, way) / dot(along, along), 0.0), 1.0)
-    apart = plus(way, -share, along)
+def _bulge(points, i, s):
+    """From the chord of the piece i to the wire at its share s: that of the parabola with the mean second
+    difference at both ends."""
+    if i == 0 or 3 * i + 6 >= len(points):
+        return 0.0, 0.0, 0.0
+    ends = plus(three(points, 3 * i - 3), 1.0, three(points, 3 * i + 6))
+    middle = plus(three(points, 3 * i), 1.0, three(points, 3 * i + 3))
+    return mixed(-0.25 * s * (1.0 - s), ends, 0.25 * s * (1.0 - s), middle)
+
+
+@arithmetic
+def _between(points, i, j):
+    """Square of the distance of the piece of wire from the station i to the next from that at j.
+
+    Arc to arc where the chords are nearest (Ericson 2005, Real-Time Collision Detection, section 5.1.9).
+    """
+    a, b = three(points, 3 * i), three(points, 3 * j)
+    u, v, w = (
+        plus(three(points, 3 * i + 3), -1.0, a),
+        plus(three(points, 3 * j + 3), -1.0, b),
+        plus(b, -1.0, a),
+    )
+    uu, vv, uv, uw, vw = dot(u, u), dot(v, v), dot(u, v), dot(u, w), dot(v, w)
+    det = uu * vv - uv * uv
+    s = min(max((uw * vv - vw * uv) / det, 0.0), 1.0) if det > PARALLEL * uu * vv else 0.5
+    t = min(max((s * uv - vw) / vv, 0.0), 1.0)
+    s = min(max((t * uv + uw) / uu, 0.0), 1.0)
+    apart = plus(mixed(-s, u, t, v), 1.0, w)
+    apart = plus(plus(apart, 1.0, _bulge(points, j, t)), -1.0, _bulge(points, i, s))
     return dot(apart, apart)
 
 
 @part
 def _next_coil(stations, points, least):
-    """Least square of the distance of any station from the coil above it, if less than `least`."""
-    count, reach = len(points) // 3, (0.5 * stations.stride) ** 2
-    for i in range(min(stations.high, count - HALF)):
+    """Least square of the distance of any piece from the coil above it, if less than `least`."""
+    count, reach = len(points) // 3, (ASIDE * stations.stride) ** 2
+    for i in range(min(stations.high, count - HALF - 1)):
         first = max(i + HALF, stations.low if i <= stations.low else 0)
         j = min(max(i + PER_TURN, first), count - 1)
         here = _square(points, i, j)
@@ -115,24 +161,24 @@ def _next_coil(stations, points, least):
             here = _square(points, i, j)
         if here < least + reach:
             if j > first:
-                least = min(least, _to_piece(points, i, j - 1))
+                least = min(least, _between(points, i, j - 1))
             if j + 1 < count:
-                least = min(least, _to_piece(points, i, j))
+                least = min(least, _between(points, i, j))
     return least
 
 
 @part
 def _far_coils(stations, points, least):
     """The same for coils farther along the wire: pairs of every second station first, and where the wire
-    between these could be nearer than `least`, all stations about them."""
+    between these could be nearer than `least`, all pieces about them."""
     count, low, high = len(points) // 3, stations.low, stations.high
     reach = (2.0 * stations.stride) ** 2
     for i in range(0, min(high, count), 2):
         for j in range(i + PER_TURN + HALF, count, 2):
             if _square(points, i, j) < least + reach:
-                for a in range(max(i - 1, 0), min(i + 2, high)):
+                for a in range(max(i - 1, 0), min(i + 1, high)):
                     for b in range(max(j - 2, low if a <= low else 0), min(j + 2, count - 1)):
-                        least = min(least, _to_piece(points, a, b))
+                        least = min(least, _between(points, a, b))
     return least
 
 

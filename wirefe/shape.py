@@ -12,6 +12,7 @@ from coilspring.scene import Scene
 from wirefe import kernels
 from wirefe.mesh import WireMesh
 from wirefe.model import ContactArrays, WireModel
+from wirefe.overlap import carried
 from wirefe.poses import ROW
 
 
@@ -76,17 +77,9 @@ class WireShape(PairReader):
     def centreline(self, state: np.ndarray, phases: np.ndarray) -> np.ndarray:
         """Wire at the phases given, shape (phases, 3), mm.
 
-        Between two nodes the rigid motions of both are blended linearly, which is exact at the
-        nodes; rigid end turns move with the first node and with the top reference point.
+        See `wirefe.overlap.carried`.
         """
-        rest = self.scene.spring.points(phases)
-        rows = state.reshape(-1, ROW)
-        origins = np.concatenate((self.mesh.points[:-1], self.mesh.reference[None]))
-        upper = np.clip(np.searchsorted(self.mesh.phases, phases), 1, len(rows) - 1)
-        step = self.mesh.phases[1] - self.mesh.phases[0]
-        share = np.clip((phases - self.mesh.phases[upper - 1]) / step, 0.0, 1.0)[:, None]
-        ends = [
-            rows[n, :3] + turned(rows[n, 3:], rest - origins[n])
-            for n in (upper - 1, upper)
-        ]  # fmt: skip
-        return (1.0 - share) * ends[0] + share * ends[1]
+        node, share, arms = carried(self.scene.spring, self.mesh, phases)
+        low, high = (state.reshape(-1, ROW)[n] for n in (node, node + 1))
+        turn = turned(low[:, 3:], arms[:, :3]) + turned(high[:, 3:], arms[:, 3:])
+        return turn + (1.0 - share[:, None]) * low[:, :3] + share[:, None] * high[:, :3]

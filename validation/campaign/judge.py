@@ -13,8 +13,9 @@ from coilspring.pairlaw import ON
 from validation.campaign.across import across_energy
 from validation.campaign.critical import bracket
 from validation.campaign.energy import PlaneEnergy, beam_energy
+from validation.campaign.overlap import judge_apart
 from validation.campaign.scenes import Case
-from validation.campaign.verdict import CRITICAL, Verdict, fine_steps, reached, under
+from validation.campaign.verdict import CONFIRMED, CRITICAL, THROUGH, Verdict, fine_steps, reached, under
 
 RESIDUAL = 1e-6  # way to the equilibrium over the way from rest, both in the energy norm
 BRANCH = 1e-6  # difference from the fine run over the largest displacement,
@@ -30,10 +31,11 @@ ROWS = 3  # states of a path that are judged, the last among them
 def judge_beam(case: Case, path: EquilibriumPath) -> Verdict:
     """Judge a path of the equivalent beam, complete or not."""
     verdict, energy = Verdict(), energy_of(case.scene, path)
-    if path.outcome not in ("completed", *CRITICAL):
+    if path.outcome not in ("completed", THROUGH, *CRITICAL):
         verdict.complain(f"{path.outcome}: {path.message}")
         return verdict
     judge_states(verdict, energy, path)
+    judge_apart(verdict, path)
     judge_branch(verdict, path, reached(case, steps=fine_steps(case)))
     if path.outcome in CRITICAL:
         judge_critical(verdict, energy, case, path)
@@ -145,11 +147,16 @@ def judge_branch(
     verdict.ask("branch", largest, max(most, most_between), "off the branch of the fine run on the way")
     if fine.outcome == "not_converged":
         verdict.complain(f"{path.outcome}, but the fine run ends as {fine.outcome}: {fine.message}")
-    elif (path.outcome in CRITICAL) != (fine.outcome in CRITICAL):
+    elif _kind(path) != _kind(fine):
         verdict.differ(f"{path.outcome}, but the fine run ends as {fine.outcome}: {fine.message}")
-    elif path.critical_time is not None and fine.critical_time is not None:
-        shift = abs(path.critical_time - fine.critical_time) / fine.critical_time
+    elif path.end_bracket is not None and fine.end_bracket is not None:
+        shift = abs(sum(path.end_bracket) / sum(fine.end_bracket) - 1.0)
         verdict.ask("critical_shift", shift, most_shift, "another critical time than the fine run's")
+
+
+def _kind(path: EquilibriumPath) -> str:
+    """Outcome of a path; which kind of critical point it is may be told apart by rounding alone."""
+    return CONFIRMED if path.outcome in CRITICAL else path.outcome
 
 
 def sharp_critical(verdict: Verdict, path: EquilibriumPath) -> tuple[float, float] | None:

@@ -14,7 +14,16 @@ from matplotlib.figure import Figure
 
 from validation.campaign.scenes import CORNERS, MODELS
 from validation.campaign.table import Row, version
-from validation.campaign.verdict import APART, CLASSES, CONFIRMED, ENDED, REFUSED, RIGHT, UNEXPLAINED
+from validation.campaign.verdict import (
+    APART,
+    CLASSES,
+    CONFIRMED,
+    ENDED,
+    REFUSED,
+    RIGHT,
+    THROUGH,
+    UNEXPLAINED,
+)
 from validation.document import Block, Bullets, Heading, Picture, Table, Text, to_markdown
 from validation.figures import drawn
 from validation.machine import versions
@@ -25,6 +34,8 @@ TITLES = {"b": "equivalent beam", "w": "wire model"}
 MEANING = {
     RIGHT: "to the full load: stable equilibria, on the branch of a fine run",
     CONFIRMED: "up to a limit point or bifurcation that the judge finds at the same load",
+    THROUGH: "up to where coils pass through each other: the wire, or the circles, overlap by 0.1 diameters "
+    "more than the deepest pair; the judge finds as much by points of its own",
     ENDED: "friction, up to where Coulomb's law goes on but the iteration on renewed bounds does not, or to "
     "where a pair that was held opens and what it held is lost; states before are judged",
     APART: "friction or no sliding: balanced, but with other substeps apart by more than 2 %, from the first "
@@ -39,6 +50,7 @@ NUMBERS = {
     "critical_shift": "change of a critical time by finer steps or an invariance, relative",
     "confirmed": "distance of the judge's sign change, fold or highest load from the critical time, relative",
     "passed": "how far arc length stays stable beyond the critical time, relative",
+    "overlap": "where coils pass through each other: the overlap found less that claimed, in wire diameters",
     "friction": "friction beyond its bound, over the largest bound",
 }
 KINDS = {

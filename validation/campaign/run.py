@@ -25,6 +25,7 @@ from validation.campaign.verdict import (
     ENDED,
     REFUSED,
     RIGHT,
+    THROUGH,
     UNEXPLAINED,
     Verdict,
     reached,
@@ -129,10 +130,12 @@ def _class(outcome: str, verdict: Verdict) -> str:
         return UNEXPLAINED
     if outcome == "refused":
         return REFUSED
-    if outcome not in ("completed", *CRITICAL):
+    if outcome not in ("completed", THROUGH, *CRITICAL):
         return ENDED
     if verdict.apart:
         return APART
+    if outcome == THROUGH:
+        return THROUGH
     return CONFIRMED if outcome in CRITICAL else RIGHT
 
 

@@ -15,7 +15,7 @@ from validation.output import write_text, writing
 
 NUMBERS = (
     "residual", "least", "branch", "bracket", "critical_shift", "passed", "confirmed", "friction",
-    "invariance",
+    "invariance", "overlap",
 )  # fmt: skip
 COLUMNS = (
     "id", "seed", "version", "class", "outcome", "reason", "corner", "variant", "steps", "penalty",

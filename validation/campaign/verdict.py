@@ -12,9 +12,9 @@ from coilspring.solving import HELD, LOST
 from validation.campaign.scenes import Case
 from validation.reached import as_far
 
-RIGHT, CONFIRMED, ENDED, APART = "completed", "critical", "ended", "apart"
+RIGHT, CONFIRMED, THROUGH, ENDED, APART = "completed", "critical", "interpenetration", "ended", "apart"
 REFUSED, UNEXPLAINED = "refused", "unexplained"
-CLASSES = (RIGHT, CONFIRMED, ENDED, APART, REFUSED, UNEXPLAINED)
+CLASSES = (RIGHT, CONFIRMED, THROUGH, ENDED, APART, REFUSED, UNEXPLAINED)
 CRITICAL = ("limit_point", "bifurcation")
 SOLVERS: dict[str, Callable[..., EquilibriumPath]] = {"equivbeam": equivbeam.solve, "wirefe": wirefe.solve}
 FINE = 10  # steps of the fine run over those of the case; at least 40, at most these, but twice at least

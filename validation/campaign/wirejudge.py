@@ -19,9 +19,10 @@ from validation.campaign.judge import (
     remembered,
     sharp_critical,
 )
+from validation.campaign.overlap import judge_apart
 from validation.campaign.scenes import Case
 from validation.campaign.slipping import highest_load, sliding_pairs
-from validation.campaign.verdict import CRITICAL, Verdict, ended, fine_steps, reached, under
+from validation.campaign.verdict import CRITICAL, THROUGH, Verdict, ended, fine_steps, reached, under
 from validation.campaign.wire import WireForces, friction_of, wire_forces
 from validation.reached import as_far
 
@@ -41,13 +42,14 @@ TURN = 5e-3  # of the load: how near the critical time a traced path has points
 def judge_wire(case: Case, path: EquilibriumPath) -> Verdict:
     """Judge a path of the wire model, complete or not."""
     verdict, sliding = Verdict(), case.scene.contact.sliding
-    if path.outcome not in ("completed", *CRITICAL) and not ended(path):
+    if path.outcome not in ("completed", THROUGH, *CRITICAL) and not ended(path):
         verdict.complain(f"{path.outcome}: {path.message}")
         return verdict
     forces = wire_forces(case.scene, **dict(case.options))  # type: ignore[arg-type]
     count = len(path.times)
     for row in sorted({count - 1 - (count * k) // ROWS for k in range(ROWS)} & set(range(count))):
         judge_row(verdict, forces, path, row)
+    judge_apart(verdict, path)
     fine, compared = reached(case, steps=fine_steps(case)), Verdict()
     if ended(path) or ended(fine):
         compared.ask("branch", apart(path, fine)[1], BRANCH[sliding], "off the branch of the fine run")
