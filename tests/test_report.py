@@ -11,10 +11,10 @@ from test_statements import NAMES, NUMBER
 from validation import cases, methods, report, shapes, timing
 from validation.claims import DIFFERS, VERDICTS
 from validation.document import Bullets, Picture, Table, Text, to_html, to_markdown
-from validation.evidence import Evidence, gather
+from validation.evidence import Evidence, frictionless, gather
 from validation.exactrod import EXACT_ROD
 from validation.facts import facts
-from validation.phases import phase_table
+from validation.phases import phase_table, turned_by
 from validation.statements import Statement, rendered, within
 
 STORE = cases.PathStore(lambda line: None)
@@ -78,6 +78,13 @@ def test_the_headline_follows_the_curves(evidence):
     assert "**The proposed model does not match the wire model (Spring A, " in changed[2].text
     table = next(block for block in changed if isinstance(block, Table))
     assert table.rows[0][3] == DIFFERS
+
+
+def test_a_path_that_ends_is_not_compared():
+    """Frictionless Spring B, whose wire model ends at a limit point."""
+    row = turned_by(STORE, frictionless(cases.case("spring-b").scene), 0, 4)
+    assert row.outcome.startswith("limit point at t = 0.65")
+    assert row.farther == row.softer == ()
 
 
 def test_a_phase_that_is_not_completed_is_told_and_not_counted(evidence):

@@ -46,12 +46,13 @@ class Turned:
 def over_phases(store: PathStore) -> dict[str, tuple[Turned, ...]]:
     """Spring A at all start phases, by the names in `KINDS`."""
     return {
-        name: tuple(_turned(store, case(scene).scene, degrees, pairs) for degrees in DEGREES)
+        name: tuple(turned_by(store, case(scene).scene, degrees, pairs) for degrees in DEGREES)
         for name, scene, pairs in KINDS
     }
 
 
-def _turned(store: PathStore, scene: Scene, degrees: int, pairs: object) -> Turned:
+def turned_by(store: PathStore, scene: Scene, degrees: int, pairs: object) -> Turned:
+    """Both models of a scene at a start phase, the wire model with that many sphere pairs a turn."""
     scene = turned(scene, degrees) if degrees else scene
     beam, wire = store.beam_as_far(scene), store.wire_as_far(scene, pairs_per_turn=pairs)
     for path in (wire, beam):
