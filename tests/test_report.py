@@ -2,26 +2,105 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
-from validation import cases, shapes, timing
-from validation.claims import Claim
-from validation.document import Picture, Table, Text, to_html, to_markdown
-from validation.evidence import Evidence, gather
+from test_statements import NAMES, NUMBER
+from validation import cases, methods, report, shapes, timing
+from validation.claims import DIFFERS, VERDICTS
+from validation.document import Bullets, Picture, Table, Text, to_html, to_markdown
+from validation.evidence import Evidence, frictionless, gather
 from validation.exactrod import EXACT_ROD
+from validation.facts import facts
+from validation.phases import phase_table, turned_by
+from validation.statements import Statement, rendered, within
 
+STORE = cases.PathStore(lambda line: None)
 PNG = b"\x89PNG\r\n\x1a\n"
 
 
 @pytest.fixture(scope="module")
 def evidence() -> Evidence:
-    return gather(cases.PathStore(lambda line: None), timing.Measurement((), {}))
+    return gather(STORE, measured())
 
 
-def test_a_verdict_is_one_of_three():
-    with pytest.raises(ValueError, match="maybe"):
-        Claim("text", "statement", "1", "maybe", "")
+def measured() -> timing.Measurement:
+    """Times that nobody measured: the paper's, as if they were ours."""
+    rows = [
+        timing.Timing(case, *(spread(value) for value in ratios), (1, 2, 3), 5)
+        for case in cases.CASES
+        for ratios in [(case.paper_wire / case.paper_beam, case.paper_wire, case.paper_beam, case.paper_beam)]
+    ]
+    names = ("date", "processor", "cores", "system", "versions")
+    return timing.Measurement(tuple(rows), dict.fromkeys(names, "none"))
+
+
+def spread(value: float) -> timing.Spread:
+    return timing.Spread(value, value, value)
+
+
+def page(evidence: Evidence) -> tuple[list, tuple]:
+    """The report's parts, and its blocks."""
+    known = facts(evidence)
+    parts = report.compose(evidence, known, STORE, True, ())
+    return parts, rendered(parts, known)
+
+
+def test_every_number_and_verdict_of_the_report_is_a_statement(evidence):
+    """Text between the statements defines and names; captions too."""
+    parts, _ = page(evidence)
+    stated = {item.id for item in within(parts)}
+    kept = {
+        item.id
+        for module in (report, methods)
+        for item in vars(module).values()
+        if isinstance(item, Statement)
+    }
+    assert stated == kept
+    plain = [part.text for part in parts if isinstance(part, Text)]
+    plain += [item for part in parts if isinstance(part, Bullets) for item in part.items]
+    plain += [part.caption for part in parts if isinstance(part, Picture)]
+    assert len(plain) > 8
+    for text in plain:
+        assert not NUMBER.search(NAMES.sub("", text)), text
+        assert not [word for word in (*VERDICTS, "softer", "matches", "faster") if word in text], text
+
+
+def test_the_headline_follows_the_curves(evidence):
+    """The evidence itself is changed: every curve is off by half of its peak."""
+    assert "**The proposed model matches the wire model, " in page(evidence)[1][2].text
+    off = {
+        name: replace(item, error=replace(item.error, curve_max=0.5)) for name, item in evidence.cases.items()
+    }
+    changed = page(replace(evidence, cases=off))[1]
+    assert "**The proposed model does not match the wire model (Spring A, " in changed[2].text
+    table = next(block for block in changed if isinstance(block, Table))
+    assert table.rows[0][3] == DIFFERS
+
+
+def test_a_path_that_ends_is_not_compared():
+    """Frictionless Spring B, whose wire model ends at a limit point."""
+    row = turned_by(STORE, frictionless(cases.case("spring-b").scene), 0, 4)
+    assert row.outcome.startswith("limit point at t = 0.65")
+    assert row.farther == row.softer == ()
+
+
+def test_a_phase_that_is_not_completed_is_told_and_not_counted(evidence):
+    broken = replace(evidence.phases["few"][1], outcome="limit point at t = 0.500", farther=(), softer=())
+    few = (evidence.phases["few"][0], broken, *evidence.phases["few"][2:])
+    found = replace(evidence, phases={**evidence.phases, "few": few})
+    assert facts(found)["phases.few.degrees"] == (0, *range(60, 360, 30))
+    assert "limit point at t = 0.500" in phase_table(found.phases).rows[1]
+
+
+def test_the_sign_changes_with_the_phase(evidence):
+    """Spring A without contact: the beam is softer all along at 30 degrees, as the paper says."""
+    bare = {row.degrees: row for row in evidence.phases["bare"]}
+    assert bare[30].softer == (50, 50, 50)
+    assert bare[90].farther[1] == pytest.approx(0.019, abs=1e-3)
+    assert bare[270].farther[1] == pytest.approx(-0.017, abs=1e-3)
 
 
 def test_mesh_error_estimate_meets_the_exact_rod(evidence):

@@ -22,6 +22,7 @@ from coilspring import (
 from coilspring.packing import pack
 from coilspring.pairlaw import MEMORY
 from coilspring.wire import round_section
+from validation.exactrod import EXACT_ROD
 from validation.reached import as_far
 from wirefe import kernels, model
 from wirefe.beam import beams, deformations
@@ -30,11 +31,7 @@ from wirefe.poses import at_rest
 from wirefe.quaternions import exponential, times
 from wirestates import dense
 
-# G13: exact Cosserat rod by shooting, our own number, relative error below 1e-7; UX, UY, ROTZ at time 1.
-EXACT = {
-    "spring-a-no-contact": (-21.260191, -10.464994, 1.200717),
-    "spring-b-no-contact": (0.0, -25.060823, 0.0),
-}
+EXACT = {name: tips[1.0] for name, tips in EXACT_ROD.items()}  # G13: UX, UY, ROTZ
 # Our own prototype, straight elements, 40 a turn; B's converged value is -15.40.
 PROTOTYPE = {"spring-a": (-19.870, -8.162, 1.1260), "spring-b": (0.0, -15.367, 0.0)}
 

@@ -1,4 +1,4 @@
-"""How far the results rest on what the paper does not give: material, penalty, start phase."""
+"""How far the results rest on what the paper does not give: material and penalty."""
 
 from __future__ import annotations
 
@@ -12,7 +12,6 @@ from validation.document import Table
 MODULUS_CHANGES = (0.95, 1.05)
 POISSON_RATIOS = (0.28, 0.32)
 PENALTY_FACTORS = (0.1, 10.0)
-START_PHASES = (90.0, 270.0)  # degrees
 
 
 def material_table(store: PathStore) -> Table:
@@ -46,20 +45,6 @@ def penalty_table(store: PathStore) -> Table:
     return Table(header, tuple(rows))
 
 
-def phase_table(store: PathStore) -> Table:
-    """Tips of the wire model of Spring A for other start phases, with and without contact."""
-    rows = []
-    for name in ("spring-a", "spring-a-no-contact"):
-        scene = case(name).scene
-        base = store.wire(scene)
-        for degrees in (0.0, *START_PHASES):
-            path = base if degrees == 0.0 else store.wire_as_far(turned(scene, degrees))
-            rows.append((case(name).title, f"{degrees:g}", *_tips(path, base)))
-    return Table(
-        ("case", "start phase (degrees)", "UX (mm)", "UY (mm)", "change of UX / UY (%)"), tuple(rows)
-    )
-
-
 def turned(scene: Scene, degrees: float) -> Scene:
     """The scene with the helix started at another phase."""
     return replace(scene, spring=replace(scene.spring, start_phase=math.radians(degrees)))
@@ -76,14 +61,6 @@ def _penetration(path: EquilibriumPath, base: EquilibriumPath) -> tuple[str, str
     if path.outcome != "completed":
         return "", change, ""
     return f"{path.tips[-1, 1]:.3f}", change, f"{1e3 * path.max_penetration[-1]:.2g}"
-
-
-def _tips(path: EquilibriumPath, base: EquilibriumPath) -> tuple[str, str, str]:
-    change = _change(path, base)
-    if path.outcome != "completed":
-        return "", "", change
-    ux, uy, _ = path.tips[-1]
-    return f"{ux:.3f}", f"{uy:.3f}", change
 
 
 def _change(path: EquilibriumPath, base: EquilibriumPath) -> str:

@@ -1,4 +1,7 @@
-"""What the report rests on: paths of both models, their differences, the mesh's own error, timings."""
+"""What the report rests on: paths of both models, their differences, the mesh's own error, timings.
+
+`validation.facts` turns it into the numbers that sentences are computed from.
+"""
 
 from __future__ import annotations
 
@@ -10,6 +13,7 @@ import numpy as np
 from coilspring import EquilibriumPath, Scene
 from validation.cases import CASES, FINE_MESH, PAPER_MESH, Case, PathStore, case
 from validation.metrics import Comparison, compare_paths
+from validation.phases import Turned, over_phases
 from validation.timing import Measurement, Timing
 
 # Richardson: an error that falls with the square of the element length is this multiple of the
@@ -68,6 +72,7 @@ class Evidence:
     sticking : equivalent beam of Spring B without sliding, against the wire model.
     stepped : wire model of Spring B without sliding, UY at full load by number of substeps.
     overloaded : equivalent beam of Spring B under more than its full load, as far as it goes.
+    phases : both models of Spring A at other start phases, by contact.
     """
 
     cases: Mapping[str, CaseEvidence]
@@ -77,6 +82,7 @@ class Evidence:
     sticking: Comparison
     stepped: Mapping[int, float]
     overloaded: EquilibriumPath
+    phases: Mapping[str, tuple[Turned, ...]]
 
     @property
     def overload(self) -> float:
@@ -96,6 +102,7 @@ def gather(store: PathStore, measured: Measurement) -> Evidence:
         sticking=compare_paths(store.beam(scene, sliding="scene"), store.wire(scene)),
         stepped={n: float(store.wire(scene, steps=n).tips[-1, 1]) for n in STEPS},
         overloaded=store.beam_as_far(overloaded(scene)),
+        phases=over_phases(store),
     )
 
 

@@ -184,19 +184,29 @@ def _plane_figure(panels: tuple[Shapes, ...]) -> Figure:
 
 def _report(maker: Maker) -> Files:
     """The reproduction's page; all pictures are there when it is made."""
-    from validation import evidence, methods, report
+    from validation import evidence, facts, phases, report
+    from validation.output import json_bytes
+    from validation.statements import rendered
 
     assert maker.measured is not None
     scene = case("spring-b").scene
     found = evidence.gather(maker.paths, maker.measured)
-    assumed = methods.assumption_notes(maker.paths, found)
+    known = facts.facts(found)
     held = maker.paths.wire(scene)
     picture = maker.picture("sliding", lambda: _figures().sliding_figure(held, found.frictionless))
     maker.finish()
-    claims = report.judge(found)
-    blocks = report.compose(found, claims, assumed, maker.render, maker.notes)
-    made = {PAGE: to_markdown(blocks).encode(), FILE: provenance("coilcheck reproduce")}
-    return picture | _csv("claims", report.claim_table(claims)) | made
+    parts = report.compose(found, known, maker.paths, maker.render, maker.notes)
+    made = {
+        PAGE: to_markdown(rendered(parts, known)).encode(),
+        FILE: provenance("coilcheck reproduce"),
+        facts.FILE: json_bytes(known),
+    }
+    return (
+        picture
+        | _csv("claims", report.claim_table(known))
+        | _csv("phases", phases.phase_table(found.phases))
+        | made
+    )
 
 
 SPRINGS = {"fig4": ("spring-a-no-contact", "spring-a"), "fig6": ("spring-b-no-contact", "spring-b")}

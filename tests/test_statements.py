@@ -1,0 +1,235 @@
+"""Sentences of the report and of the findings: each number and verdict moves with its evidence."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+
+import pytest
+
+from validation import findings, methods, report
+from validation.claims import AGREES, DIFFERS, NOT_COMPARED, UNDECIDED, Claim, Judgement
+from validation.records import ROOT, Records
+from validation.statements import Statement
+
+NUMBER = re.compile(r"(?<![\w.])[+-]?\d+(?:\.\d+)*(?:e[+-]?\d+)?(?!\w)")
+# numbers that name a place, not a result, and the 1 over another number
+NAMES = re.compile(r"Figures? \d|Tables? \d|section \d|\(\d+\)-\(\d+\)|\b1(?=/)|\]\([^)]*\)")
+SCALES = (1.03, 0.97, 1.3, 0.7, 2.0, 0.5, 10.0, 0.1, 1e9, 1e-9, -1.0, 0.0)
+
+
+class Changed(Mapping):
+    """Facts of which some are replaced; remembers what was read."""
+
+    def __init__(self, facts, **replaced):
+        self.facts, self.replaced, self.read = facts, replaced, []
+
+    def __getitem__(self, key):
+        self.read.append(key)
+        return self.replaced[key] if key in self.replaced else self.facts[key]
+
+    def __iter__(self):
+        return iter(self.facts)
+
+    def __len__(self):
+        return len(self.facts)
+
+
+def changes(value, steps):
+    """Other values that a fact could have; `steps` are all the substeps."""
+    match value:
+        case None:
+            yield 0.5
+        case str():
+            yield from (
+                re.sub(r"\d", lambda digit: str((int(digit[0]) + 3) % 10), value),
+                "completed",
+                "other",
+            )
+        case (str(), *others):
+            yield from (("other", *others), others)
+        case tuple():
+            for scale in SCALES:
+                yield tuple(scale * item for item in value)
+            yield tuple(item + i for i, item in enumerate(value))
+            yield tuple(item - 1.0 for item in value)
+            yield from ((steps,) * len(value), value[:-1])
+        case _:
+            yield from (type(value)(scale * value) for scale in SCALES)
+            yield from (value + 1, None)
+
+
+def texts(words, facts, key):
+    """What a sentence says where one fact is another."""
+    for value in changes(facts[key], facts.get("setting.steps")):
+        try:
+            yield words(Changed(facts, **{key: value}))
+        except (TypeError, ValueError, ZeroDivisionError, IndexError, OverflowError):
+            continue  # no such evidence
+
+
+def split(text):
+    """Numbers of a sentence, and the rest."""
+    text = NAMES.sub("", text)
+    return NUMBER.findall(text), NUMBER.sub("#", text)
+
+
+def fixed_numbers(words, facts):
+    """Numbers that no fact moves while the rest of the sentence stays, and facts that change nothing."""
+    read = Changed(facts)
+    text = words(read)
+    numbers, rest = split(text)
+    moved, idle = set(), set()
+    for key in dict.fromkeys(read.read):
+        others = [other for other in texts(words, facts, key) if other != text]
+        idle |= set() if others else {key}
+        for found, skeleton in map(split, others):
+            if skeleton == rest:
+                moved |= {i for i, pair in enumerate(zip(numbers, found, strict=True)) if pair[0] != pair[1]}
+    return [number for i, number in enumerate(numbers) if i not in moved], idle, set(read.read) - idle
+
+
+def judged(claim):
+    """A judgement as one text."""
+
+    def words(facts):
+        found = claim.judge(facts)
+        return f"{found.ours} | {found.verdict} | {found.why}"
+
+    return words
+
+
+FACTS = Records()
+SENTENCES = {item.id: item.words for module in (report, methods, findings) for item in vars(module).values()
+             if isinstance(item, Statement)}  # fmt: skip
+CLAIMS = {item.id: judged(item) for item in report.CLAIMS}
+EVERYTHING = SENTENCES | CLAIMS
+
+
+def test_ids_name_one_sentence_each():
+    named = [item for module in (report, methods, findings) for item in vars(module).values()]
+    assert len({id(item) for item in named if isinstance(item, Statement)}) == len(SENTENCES)
+    assert len(report.CLAIMS) == len(CLAIMS)
+    assert not set(CLAIMS) & set(SENTENCES)
+    listed = [item.id for items in findings.SECTIONS.values() for item in items]
+    assert sorted(listed) == sorted(name for name in SENTENCES if name.startswith("findings."))
+
+
+@pytest.mark.parametrize("name", EVERYTHING)
+def test_every_number_moves_with_the_evidence(name):
+    fixed, _, used = fixed_numbers(EVERYTHING[name], FACTS)
+    assert used, "no evidence"
+    assert not fixed
+
+
+def test_what_a_sentence_reads_it_says():
+    """Each fact that is read changes a sentence or a judgement."""
+    found = [fixed_numbers(words, FACTS) for words in EVERYTHING.values()]
+    assert not set().union(*(idle for _, idle, _ in found)) - set().union(*(used for *_, used in found))
+
+
+def test_a_constant_sentence_is_found():
+    """The test would see one."""
+    assert fixed_numbers(lambda f: "at most 0.12 %", {})[0] == ["0.12"]
+    assert fixed_numbers(lambda f: f"{f['a']} of 12", {"a": 3})[0] == ["12"]
+    assert fixed_numbers(lambda f: f"{f['a']} in Table 3", {"a": 3, "b": 2})[0] == []
+
+
+def test_findings_are_those_of_the_records():
+    """Word for word; `python -m validation.findings` writes the page anew."""
+    assert (ROOT / "docs/findings.md").read_text(encoding="utf-8") == findings.page(Records())
+
+
+# id: our verdict and why; evidence that would turn it, and what it would be then
+FAR = (0.01,) * 12
+SIGNS = {f"phases.{kind}.{name}": FAR for kind in ("bare", "few", "many") for name in ("ux", "uy", "rotz")}
+SIGNS |= {f"phases.{kind}.softer": (50,) * 12 for kind in ("bare", "few", "many")}
+STIFFER = {key: tuple(-abs(item) for item in value) for key, value in SIGNS.items()}
+VERDICTS = {
+    "match": (AGREES, "all four curves within 5 %", {"spring-b.curve": 0.5}, DIFFERS),
+    "shape-a-bare": (AGREES, "0.02 mm", {"spring-a-no-contact.shape": 0.2}, DIFFERS),
+    "shape-a": (AGREES, "0.01 mm", {"spring-a.shape": 0.2}, DIFFERS),
+    "shape-b": (DIFFERS, "0.31 mm, a fifth of the wire", {"spring-b.shape": 0.1}, AGREES),
+    "vertical": (AGREES, "UY by 22 %, the others by 6 %", {"spring-a.wire": (-9.0, -10.0, 1.1)}, DIFFERS),
+    "softer-bare": (UNDECIDED, "UY changes sign over the start phases", SIGNS, AGREES),
+    "softer-contact": (UNDECIDED, "all three change sign over the start phases", STIFFER, DIFFERS),
+    "compenetration": (AGREES, "0.39 mm at the third pair from below", {"overlap.without": 0.1}, DIFFERS),
+    "sliding": (AGREES, "a limit point at 0.65", {"limit.outcome": "completed", "limit.time": None}, DIFFERS),
+    "linear": (AGREES, "to rounding", {"linear.beam": 1e-3}, DIFFERS),
+    "telescopes": (AGREES, "6 crossings of 18", {"telescope.beam": 0}, DIFFERS),
+    "under": (UNDECIDED, "above by 4 mm, with a material not given", {"under.wire": -1.0, "under.beam": -2.0},
+              AGREES),
+    "cost": (DIFFERS, "milliseconds are not expensive", {"spring-a.time.wire": 154.0}, AGREES),
+    "competitive": (DIFFERS, "contact costs the beam more",
+                    {"spring-a.time.ratio": 1e3, "spring-b.time.ratio": 1e3}, AGREES),
+    "contact-fe-a": (DIFFERS, "154 s are not little more than 81 s", {"paper.spring-a.wire": 82.0}, AGREES),
+    "contact-helps": (AGREES, "514 < 761", {"spring-a.paper_iterations": 800}, DIFFERS),
+    "doubles-fe": (AGREES, "2.0", {"spring-b.time.wire": 1.0}, DIFFERS),
+    "doubles-beam": (AGREES, "2.1", {"spring-b.time.beam": 1.0}, DIFFERS),
+    "a-against-b": (DIFFERS, "1.2 and 1.3", {"spring-b.time.beam": 1e-4, "spring-b.time.beam_paper": 1e-4},
+                    AGREES),
+    "one-iteration": (AGREES, "1", {"first.most": 2}, DIFFERS),
+    "growing": (AGREES, "5 to 20", {"growth.paper.end": 6.0}, DIFFERS),
+    "sixth": (AGREES, "1/6.4", {"paper.spring-a.beam": 30.0}, DIFFERS),
+    "twentieth": (DIFFERS, "1/15 by its own table", {"paper.spring-b.beam": 6.0}, AGREES),
+}  # fmt: skip
+SECONDS = {
+    f"reduction-{name}" for name in ("spring-a", "spring-a-no-contact", "spring-b", "spring-b-no-contact")
+}
+
+
+def by_id(name) -> Claim:
+    return next(item for item in report.CLAIMS if item.id == name)
+
+
+def test_every_claim_is_judged_here():
+    assert {*VERDICTS, *SECONDS} == {item.id for item in report.CLAIMS}
+
+
+@pytest.mark.parametrize("name", VERDICTS)
+def test_verdicts_follow_from_the_evidence(name):
+    verdict, _, turned, other = VERDICTS[name]
+    assert by_id(name).judge(FACTS).verdict == verdict
+    assert by_id(name).judge(Changed(FACTS, **turned)).verdict == other
+
+
+@pytest.mark.parametrize("name", SECONDS)
+def test_seconds_of_other_programs_are_not_compared(name):
+    assert by_id(name).judge(FACTS).verdict == NOT_COMPARED
+
+
+def test_one_sign_over_the_phases_decides():
+    """With the sign of one phase alone changed, nothing is decided."""
+    one = SIGNS | {"phases.bare.uy": (*FAR[1:], -0.01), "phases.bare.softer": (*(50,) * 11, 0)}
+    assert by_id("softer-bare").judge(Changed(FACTS, **one)).verdict == UNDECIDED
+    assert by_id("softer-contact").judge(Changed(FACTS, **SIGNS)).verdict == AGREES
+    assert by_id("softer-bare").judge(Changed(FACTS, **STIFFER)).verdict == DIFFERS
+
+
+def test_the_headline_is_a_verdict():
+    headline = SENTENCES["verdict"]
+    assert headline(FACTS).startswith(
+        "**The proposed model matches the wire model, at a small part of its cost.**"
+    )
+    apart = {f"{name}.curve": 0.5 for name in report.CASE_NAMES}
+    assert headline(Changed(FACTS, **apart)).startswith("**The proposed model does not match the wire model")
+    slow = {f"{name}.time.ratio": 0.5 for name in report.CASE_NAMES}
+    assert "and is not cheaper.**" in headline(Changed(FACTS, **slow))
+
+
+def test_a_verdict_is_one_of_four():
+    with pytest.raises(ValueError, match="maybe"):
+        Judgement("1", "maybe", "")
+
+
+@pytest.mark.parametrize(
+    "key",
+    [
+        "tangents > Fifty steps > spring-a > iterations",
+        "tangents > Nothing > a > b",
+        "contact > Friction > {} apples",
+    ],
+)
+def test_a_record_that_is_not_one_is_refused(key):
+    with pytest.raises(KeyError):
+        FACTS[key]
