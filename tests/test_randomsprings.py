@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -13,7 +14,7 @@ import wirefe
 from coilspring import Load, Scene, Spring
 from coilspring.scene import Supports
 from validation import budget, randompage, randomsprings
-from validation.randomscenes import BUCKLING, KINDS, SIDE, population
+from validation.randomscenes import BUCKLING, KINDS, SIDE, SOLID, population
 from validation.reached import as_far
 
 ROOT = Path(__file__).parents[1]
@@ -30,10 +31,10 @@ def four() -> pd.DataFrame:
 
 
 def test_population():
-    """A spring does not depend on how many are drawn; loads keep to what the page says of them."""
+    """A spring does not depend on how many are drawn; loads keep to what the page says, the 6th's at SOLID."""
     from coilspring.sizing import sizes
 
-    drawn = list(population(0, 4))
+    drawn = list(population(0, 6))
     fewer = list(population(0, 2))
     assert [item for item in drawn if item.number < 2] == fewer
     assert len({item.scene.spring.start_phase for item in drawn}) == len(drawn)
@@ -46,7 +47,7 @@ def test_population():
         if item.kind.endswith("combined"):
             assert abs(scene.load.force[0]) == pytest.approx(-SIDE * scene.load.force[1])
         if kind.displacement:
-            assert -scene.load.displacement[0] < size.travel
+            assert -scene.load.displacement[0] <= SOLID * size.travel * (1.0 + 1e-9)
 
 
 def fake(tips, displacement=(), loads=None):
@@ -137,20 +138,27 @@ def perturbed(data: pd.DataFrame) -> pd.DataFrame:
     return data.assign(wire="completed", reference=3.0 * data["reference"])
 
 
+def assert_other_numbers(before: str, after: str) -> None:
+    """Every measured number of a sentence, which has a decimal point, is another."""
+    assert after != before
+    pairs = list(zip(*(re.findall(r"\d+(?:\.\d+)?", text) for text in (before, after)), strict=False))
+    assert all(old != new for old, new in pairs if "." in old), pairs
+
+
 @pytest.mark.parametrize("name", randompage.SENTENCES)
 def test_sentences_on_random_springs_follow_the_rows(name, recorded):
-    sentence = randompage.SENTENCES[name]
-    before = sentence(randompage.classified(recorded))
-    assert any(letter.isdigit() for letter in before)
-    assert sentence(randompage.classified(perturbed(recorded))) != before
+    both = (
+        randompage.SENTENCES[name](randompage.classified(rows)) for rows in (recorded, perturbed(recorded))
+    )
+    assert_other_numbers(*both)
 
 
 @pytest.mark.parametrize("name", budget.SENTENCES)
 def test_sentences_on_the_four_cases_follow_the_numbers(name, four):
     sentence = budget.SENTENCES[name]
     rng = np.random.default_rng(0)
-    other = four.assign(value=four["value"] * rng.uniform(0.2, 3.0, len(four)))
-    assert sentence(budget.Cases(other)) != sentence(budget.Cases(four))
+    other = four.assign(value=four["value"] * rng.uniform(1.5, 4.0, len(four)))
+    assert_other_numbers(sentence(budget.Cases(four)), sentence(budget.Cases(other)))
 
 
 def test_verdicts_on_the_four_cases_turn(four):

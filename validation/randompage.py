@@ -192,7 +192,7 @@ def _by_class(law: str) -> Callable[[pd.DataFrame], str]:
         shown = [_both(errors) for errors in found]
         return (
             f"Over all these kinds of load the {NAMES[law]}'s tip is off by {shown[0]} without contact "
-            f"(median / 95th percentile), {shown[1]} where no pair closes, {shown[2]} where up to three "
+            f"(median and 95th percentile), {shown[1]} where no pair closes, {shown[2]} where up to three "
             f"close and {shown[3]} where more do."
         )
 
@@ -212,9 +212,9 @@ def _guided(rows: pd.DataFrame) -> str:
 def _side_force(rows: pd.DataFrame) -> str:
     combined = rows[rows["kind"].str.endswith("combined") & ~rows["contact"]]
     return (
-        f"Under an axial force with {100 * SIDE:g} % of it sideways, without contact, the worst component is "
-        f"off by {_pair(combined['helix_worst'])} with the helix law, {_both(combined['haringx_worst'])} with "
-        "the paper's."
+        f"Under an axial force with {100 * SIDE:g} % of it sideways, without contact, the worst component "
+        f"is off by {_pair(combined['helix_worst'])} with the helix law, {_both(combined['haringx_worst'])} "
+        "with the paper's."
     )
 
 
