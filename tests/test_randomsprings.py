@@ -31,7 +31,7 @@ def four() -> pd.DataFrame:
 
 
 def test_population():
-    """A spring does not depend on how many are drawn; loads keep to what the page says, the 6th's at SOLID."""
+    """A spring does not depend on how many are drawn; loads keep to what the page says."""
     from coilspring.sizing import sizes
 
     drawn = list(population(0, 6))
