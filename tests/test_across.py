@@ -165,16 +165,21 @@ def test_spring_b_against_the_wire_model(name, most):
 
 
 def test_axial_loads_on_random_springs():
-    """Guided springs of 3 to 20 coils: measured 0.03 % at most, where the working plane has 1.2 %."""
-    from validation.randomsprings import WIRE, random_scene
+    """Guided springs without contact, where the working plane is farther from the wire model."""
+    from validation.randomscenes import population
+    from validation.randomsprings import reference
 
-    for seed in (25, 92, 122):
-        scene, kind = random_scene(seed)
-        assert kind == 0
-        reference = wirefe.solve(scene, **WIRE)
-        assert compare_paths(equivbeam.solve(scene, **OPTIONS), reference).curve_max <= 4e-4
-        working = equivbeam.solve(scene, law="helix", plane="working")
-        assert compare_paths(working, reference).curve_max >= 3e-3
+    errors = []
+    for drawn in population(0, 20):
+        scene = drawn.scene
+        if drawn.kind == "guided, axial force" and not scene.contact.enabled:
+            wire = reference(scene)
+            paths = (equivbeam.solve(scene, law="helix", plane=plane) for plane in ("across", "working"))
+            errors.append([compare_paths(path, wire).curve_max for path in paths])
+    across, working = np.median(errors, axis=0)
+    assert len(errors) >= 4
+    assert across <= 1e-4
+    assert working >= 5.0 * across
 
 
 @pytest.mark.parametrize("sliding", ["ignore", "scene"])

@@ -91,7 +91,7 @@ def test_limit_point_is_that_of_a_solver_without_held_bounds(name):
 
 def test_other_friction_has_its_highest_load_elsewhere():
     """What the judge would say to a solver with 1 % more friction."""
-    case = make_case("w00186", 1)
+    case = make_case("w00474", 1)
     critical = reached(case).critical_time
     forces, time = wire_forces(case.scene, **case.options), 0.99 * critical
     before = reached(case, under(case.scene, time))

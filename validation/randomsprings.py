@@ -1,214 +1,134 @@
-"""The helix law on random springs, against the wire model at four start phases; part of the error budget."""
+"""Both laws against the wire model on random springs: the rows of ``randomsprings.csv``."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
-from dataclasses import dataclass, replace
+from collections.abc import Iterable
+from pathlib import Path
+from typing import Any
 
 import numpy as np
+import pandas as pd
+from scipy.spatial import cKDTree
 
 import equivbeam
 import wirefe
-from coilspring import Contact, Load, Material, Scene, Spring
-from coilspring.scene import Supports
-from coilspring.wire import Section, round_section
-from validation.document import Block, Heading, Table, Text
-from validation.metrics import NEGLIGIBLE
+from coilspring import EquilibriumPath, Scene
+from coilspring.sizing import middle_diameter
+from validation.metrics import answered
+from validation.output import write_text
+from validation.randomscenes import Drawn, population
 from validation.reached import as_far
 
-COUNT, FIRST_SEED, STEPS = 200, 0, 10
-WIRE = {"element": "curved", "elements_per_turn": 8}
-PHASES = tuple(0.5 * math.pi * k for k in range(4))
-KINDS = ("guided", "lateral, free top", "lateral, guided top")
-HELD = (("ux", "rotz"), (), ("rotz",))
-LISTED = 6  # of the worst
-SLENDER = 5.0  # L/D from which a guided cylinder may buckle
-FEW = 5.0  # coils, below which the ends' share in the wire shows
-SHARE = 0.5  # of an error that is put down to one cause
-SETTING = (
-    f"{COUNT} springs, seeds {FIRST_SEED} to {FIRST_SEED + COUNT - 1}: index 4 to 15, 3 to 20 coils, "
-    "cylinders and cones; load axial with a guided top, or lateral and axial with a free or guided top; "
-    "axial load up to what closes the widest coil. Error of the load curve in per cent of the peak over "
-    f"{STEPS} steps, as far as both go, against the wire model (8 curved elements a turn) at start phase "
-    "0. *In its plane* is the plane across where the load is axial, the working plane elsewhere. *Mean of "
-    "four phases* compares the means of both models over the start phases 0, 90, 180 and 270 degrees; with "
-    "contact each phase has its spheres elsewhere, and the mean is one of four contact models."
-)
-WORKING = {"law": "helix", "plane": "working"}
-BOTH = ((wirefe.solve, WIRE), (equivbeam.solve, WORKING))
-BLIND = {"refinements": equivbeam.Refinements(ends=False)}
+CSV = Path("reports/errorbudget/randomsprings.csv")
+SEEDS, EACH = (0, 1, 2), 40  # springs of every kind and seed
+LAWS = ("helix", "haringx")
+COMPONENTS = ("ux", "uy", "rotz")
+ELEMENTS = {True: 16, False: 8}  # curved, a turn, with contact and without
+PAIRS = 16  # a turn, in contact
+PAPER_PAIRS = 4  # a turn: how closed pairs are counted
+NEGLIGIBLE = 1e-3  # of the largest component; ROTZ times the mean coil radius
+OVERLAP = 0.1  # of the wire diameter, from which on a wire path is no reference
+POINTS = 160  # a turn, at which the wire is looked at for it
+DIGITS = "%.4g"
 
 
-@dataclass(frozen=True)
-class Sample:
-    """One random spring: errors of its load curves in per cent of the peak, at phase 0 unless said."""
-
-    seed: int
-    kind: int
-    spring: Spring
-    helix: float  # in its plane
-    working: float  # in the working plane
-    blind: float  # there, without what held ends do
-    haringx: float
-    mean: float  # the helix law's mean over four phases against the wire's, in the working plane
-    outcome: str
-    bare: float  # as `helix`, without contact
-
-    @property
-    def slenderness(self) -> float:
-        """Active height over the mean diameter."""
-        return self.spring.active_height / float(np.mean(self.spring.mean_diameter))
-
-    @property
-    def reason(self) -> str:
-        """What the error comes from, as far as the runs beside it tell."""
-        if self.kind == 0 and self.slenderness > SLENDER:
-            return "slender and guided: beyond buckling, where the wire bows out of any plane"
-        if self.bare < SHARE * self.helix:
-            return f"contact: {self.bare:.2f} % without; pairs out of the plane"
-        if self.mean < SHARE * self.helix:
-            return "coupling of the planes by few coils: the mean over four phases agrees"
-        if self.spring.active_coils < FEW:
-            return "few coils: out-of-plane motion that the ends hold"
-        return "not explained by the runs beside it"
+def study(seeds: Iterable[int] = SEEDS, each: int = EACH) -> pd.DataFrame:
+    """A row for each spring of the seeds, `each` of every kind of load and support."""
+    return pd.DataFrame([row(drawn) for seed in seeds for drawn in population(seed, each)])
 
 
-def random_scene(seed: int) -> tuple[Scene, int]:
-    """A spring of index 4 to 15 and 3 to 20 coils, cylinder or cone, loaded up to coil contact at most."""
-    rng = np.random.default_rng(seed)
-    bottom, coils = rng.uniform(4.0, 15.0), round(2 * rng.uniform(3.0, 20.0)) / 2
-    top = max(bottom * rng.uniform(0.5, 1.0), 4.0) if rng.random() < 0.5 else bottom
-    if rng.random() < 0.5:
-        bottom, top = top, bottom
-    pitch = rng.uniform(1.3, 1.0 + 0.25 * 0.5 * (bottom + top))
-    spring = Spring(1.0, (bottom, top), coils, coils * pitch)
-    kind = int(rng.integers(3))
-    force = _force(rng, spring, kind, round_section(1.0, Material()))
-    scene = Scene(f"random {seed}", spring, Load(force, STEPS), Material(), Supports(HELD[kind]), Contact())
-    return scene, kind
+def row(drawn: Drawn) -> dict[str, Any]:
+    """What a spring is, and both laws' errors on it, per cent.
+
+    ``closed`` is the largest number of quarter turns on which pairs are closed at once; ``reference`` what
+    half the pairs a turn move the wire model by, without contact twice the elements.
+    """
+    scene, spring = drawn.scene, drawn.scene.spring
+    contact = scene.contact.enabled
+    wire = reference(scene)
+    rows = sound(wire)
+    other = reference(scene, elements=16, pairs=PAIRS // 2)
+    diameter = middle_diameter(spring)
+    found: dict[str, Any] = {
+        **{"seed": drawn.seed, "kind": drawn.kind, "number": drawn.number, "shape": drawn.shape},
+        **{"index": diameter / spring.wire_diameter, "coils": spring.active_coils},
+        **{"slenderness": spring.active_height / diameter, "phase": math.degrees(spring.start_phase)},
+        "contact": contact,
+        "closed": closed(wire, rows) if contact else 0,
+        "wire": wire.outcome if rows == len(wire.times) else "interpenetration",
+        "reference": errors(other, wire, min(rows, sound(other)))["vector"],
+    }
+    for law in LAWS:
+        path = as_far(equivbeam.solve, scene, law=law)
+        found[law] = path.outcome
+        found |= {f"{law}_{name}": value for name, value in errors(path, wire, rows).items()}
+    return found
 
 
-def _force(rng: np.random.Generator, spring: Spring, kind: int, wire: Section) -> tuple[float, float]:
-    """A share of the axial load that closes the widest coil; a side load well below buckling."""
-    gap, height = spring.pitch - 1.0, spring.active_height
-    widest = 0.5 * max(spring.mean_diameter)
-    axial = rng.uniform(0.3, 1.0) * gap * wire.GJ / (2.0 * math.pi * widest**3)
-    if kind == 0:
-        return 0.0, -axial
-    radius = spring.radius(np.linspace(0.0, spring.phase_end, 2001))
-    bending = radius.mean() * spring.phase_end * (0.5 / wire.GJ + 0.5 / wire.EI)
-    shear = (radius**3).mean() * spring.phase_end * 0.5 / wire.EI
-    stiffness = 1.0 / (shear + bending * height**2 * (1.0 / 3.0 if kind == 1 else 1.0 / 12.0))
-    # Haringx's critical load of the clamped column, its top free or guided
-    q, B, S = math.pi * (0.5 if kind == 1 else 1.0) / height, height / bending, height / shear
-    critical = 0.5 * S * (math.sqrt(1.0 + 4.0 * q * q * B / S) - 1.0)
-    axial = min(axial, 0.4 * critical)
-    way = rng.uniform(0.1, 0.5) * min(spring.active_coils * gap, 0.3 * height)
-    side = way * stiffness * (1.0 - axial / critical)
-    return (side if rng.random() < 0.5 else -side), -axial
+def reference(scene: Scene, elements: int | None = None, pairs: int = PAIRS) -> EquilibriumPath:
+    """The wire model's path, as far as it goes."""
+    elements = elements or ELEMENTS[scene.contact.enabled]
+    options = {"element": "curved", "elements_per_turn": elements}
+    if scene.contact.enabled:
+        options["pairs_per_turn"] = pairs
+    return as_far(wirefe.solve, scene, **options)
 
 
-def sample(seed: int, contact: bool) -> Sample:
-    """Solve one random spring by both laws and by the wire model at four phases."""
-    scene, kind = random_scene(seed)
-    bare = scene.without_contact()
-    scene = scene if contact else bare
-    phases = [turned(scene, phase) for phase in PHASES]
-    wires, beams = ([_tips(solve, each, **o) for each in phases] for solve, o in BOTH)
-    common = min(map(len, (*wires, *beams)))
-    means = (np.mean([tips[:common] for tips in tips_of], axis=0) for tips_of in (beams, wires))
-    path = as_far(equivbeam.solve, scene, law="helix")
-    unclosed = path.tips if not contact else _tips(equivbeam.solve, bare, law="helix")
-    return Sample(
-        seed=seed,
-        kind=kind,
-        spring=scene.spring,
-        helix=curve_error(path.tips, wires[0]),
-        working=curve_error(beams[0], wires[0]),
-        blind=curve_error(_tips(equivbeam.solve, scene, law="helix", **BLIND), wires[0]),
-        haringx=curve_error(_tips(equivbeam.solve, scene), wires[0]),
-        mean=curve_error(*means),
-        outcome=path.outcome,
-        bare=curve_error(unclosed, _tips(wirefe.solve, bare, **WIRE) if contact else wires[0]),
-    )
+def closed(wire: EquilibriumPath, rows: int) -> int:
+    """Largest number of quarter turns on which pairs are closed at once, of so many rows.
+
+    A contact of the paper's pairs, 4 a turn, is one quarter turn, whatever the number of pairs.
+    """
+    pairs: np.ndarray = wire.shape.data.contact.pairs  # type: ignore[attr-defined]
+    quarters = pairs[:, 0] * PAPER_PAIRS // PAIRS
+    return max((len(np.unique(quarters[gaps < 0.0])) for gaps in wire.gaps[:rows]), default=0)
 
 
-def turned(scene: Scene, phase: float) -> Scene:
-    """The scene with another start phase, rad."""
-    return replace(scene, spring=replace(scene.spring, start_phase=phase))
+def sound(wire: EquilibriumPath) -> int:
+    """Rows of a wire path before the first at which coils overlap by more than `OVERLAP`.
+
+    Coils may pass each other between the pairs; what follows is no answer to hold a law against.
+    """
+    scene, half = wire.scene, POINTS // 2
+    if not scene.contact.enabled:
+        return len(wire.times)
+    nearest = (1.0 - OVERLAP) * scene.spring.wire_diameter
+    for place in np.flatnonzero(wire.active_contacts):
+        pairs = cKDTree(wire.centreline(int(place), POINTS)).query_pairs(nearest, output_type="ndarray")
+        if (np.ptp(pairs, axis=1) > half).any():
+            return int(place)
+    return len(wire.times)
 
 
-def _tips(solve: Callable, scene: Scene, **options: object) -> np.ndarray:
-    """Tips of a path as far as it is reached."""
-    return as_far(solve, scene, **options).tips
+def errors(path: EquilibriumPath, wire: EquilibriumPath, rows: int) -> dict[str, float]:
+    """Largest errors as far as both paths go, `rows` at most, over the wire model's peak there, per cent.
 
-
-def curve_error(tips: np.ndarray, reference: np.ndarray) -> float:
-    """Largest difference at the same step over the reference's peak, worst component, per cent."""
-    common = min(len(tips), len(reference))
+    ``vector`` is of the displacement (UX, UY), or of the axial force where UY is prescribed; the others of a
+    component alone, and not a number where the wire model hardly moves it. ``steps`` both have.
+    """
+    common = min(len(path.times), rows)
+    found = dict.fromkeys(("vector", *COMPONENTS), math.nan) | {"steps": common}
     if common == 0:
-        return math.nan
-    peaks = np.abs(reference[:common]).max(axis=0)
-    moved = peaks > NEGLIGIBLE * peaks.max()
-    return float(100.0 * (np.abs(tips[:common] - reference[:common])[:, moved] / peaks[moved]).max())
-
-
-def random_part() -> list[Block]:
-    """The part of the page on random springs."""
-    blocks: list[Block] = [
-        Heading(2, "Random springs"),
-        Text(SETTING),
-    ]
-    for contact in (False, True):
-        found = [sample(seed, contact) for seed in range(FIRST_SEED, FIRST_SEED + COUNT)]
-        blocks += _summary(found, contact)
-    return blocks
-
-
-def _summary(found: list[Sample], contact: bool) -> list[Block]:
-    rows = []
-    for name, values in (
-        ("helix, in its plane", [item.helix for item in found]),
-        ("helix, in its plane, guided springs", [item.helix for item in found if item.kind == 0]),
-        ("helix, working plane", [item.working for item in found]),
-        ("helix, working plane, guided springs", [item.working for item in found if item.kind == 0]),
-        ("helix, working plane, mean of four phases", [item.mean for item in found]),
-        ("helix, working plane, without `ends`", [item.blind for item in found]),
-        ("Haringx", [item.haringx for item in found]),
-    ):
-        shown = (np.nanmedian(values), np.nanpercentile(values, 95), np.nanmax(values))
-        rows.append((name, *(f"{value:.3f}" for value in shown)))
-    ended = sum(item.outcome != "completed" for item in found)
-    words = "With contact, frictionless" if contact else "Without contact"
-    worst = sorted(found, key=lambda item: -item.helix)[:LISTED]
-    return [
-        Heading(3, words),
-        Table(("law", "median", "95th percentile", "worst"), tuple(rows)),
-        Text(f"Paths of the helix law that end at a critical point: {ended}. The worst in its plane:"),
-        Table(
-            (
-                "seed",
-                "support",
-                "D",
-                "coils",
-                "L/D",
-                "helix",
-                "without `ends`",
-                "mean of phases",
-                "Haringx",
-                "reason",
-            ),
-            tuple(_row(item) for item in worst),
-        ),
-    ]
-
-
-def _row(item: Sample) -> tuple[str, ...]:
-    bottom, top = item.spring.mean_diameter
-    shape = f"{bottom:.1f}" if bottom == top else f"{bottom:.1f} to {top:.1f}"
-    errors = (f"{value:.2f}" for value in (item.helix, item.blind, item.mean, item.haringx))
-    return (
-        *(str(item.seed), KINDS[item.kind], shape, f"{item.spring.active_coils:g}"),
-        *(f"{item.slenderness:.1f}", *errors, item.reason),
+        return found
+    mine, theirs = (
+        np.column_stack([answered(each)[name][:common] for name in COMPONENTS]) for each in (path, wire)
     )
+    peaks = np.abs(theirs).max(axis=0)
+    sizes = peaks * (1.0, 1.0, 0.5 * middle_diameter(wire.scene.spring))
+    for place, name in enumerate(COMPONENTS):
+        if sizes[place] > NEGLIGIBLE * sizes.max():
+            found[name] = 100.0 * float(np.abs(mine - theirs)[:, place].max() / peaks[place])
+    apart, size = (np.linalg.norm(values[:, :2], axis=1).max() for values in (mine - theirs, theirs))
+    return found | {"vector": 100.0 * float(apart / size)}
+
+
+def write_csv(data: pd.DataFrame, path: Path = CSV) -> None:
+    """Write the rows, numbers to 4 digits."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    write_text(path, data.to_csv(index=False, float_format=DIGITS, lineterminator="\n"))
+
+
+def read_csv(path: Path = CSV) -> pd.DataFrame:
+    """The rows as recorded."""
+    return pd.read_csv(path)

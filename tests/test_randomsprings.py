@@ -1,0 +1,194 @@
+"""The laws on random springs: who is drawn, what is measured; page and README say what is recorded."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+from types import SimpleNamespace
+
+import numpy as np
+import pandas as pd
+import pytest
+
+import wirefe
+from coilspring import Load, Scene, Spring
+from coilspring.scene import Supports
+from validation import budget, randompage, randomsprings
+from validation.randomscenes import BUCKLING, KINDS, SIDE, SOLID, population
+from validation.reached import as_far
+
+ROOT = Path(__file__).parents[1]
+
+
+@pytest.fixture(scope="module")
+def recorded() -> pd.DataFrame:
+    return randomsprings.read_csv(ROOT / randomsprings.CSV)
+
+
+@pytest.fixture(scope="module")
+def four() -> pd.DataFrame:
+    return pd.read_csv(ROOT / budget.FOUR)
+
+
+def test_population():
+    """A spring does not depend on how many are drawn; loads keep to what the page says."""
+    from coilspring.sizing import sizes
+
+    drawn = list(population(0, 6))
+    fewer = list(population(0, 2))
+    assert [item for item in drawn if item.number < 2] == fewer
+    assert len({item.scene.spring.start_phase for item in drawn}) == len(drawn)
+    kinds = {kind.name: kind for kind in KINDS}
+    for item in drawn:
+        kind, scene, size = kinds[item.kind], item.scene, sizes(item.scene)
+        assert scene.supports.top_held == kind.held
+        if size.buckling is not None:
+            assert size.shortening <= BUCKLING * size.buckling * (1.0 + 1e-6)
+        if item.kind.endswith("combined"):
+            assert abs(scene.load.force[0]) == pytest.approx(-SIDE * scene.load.force[1])
+        if kind.displacement:
+            assert -scene.load.displacement[0] <= SOLID * size.travel * (1.0 + 1e-9)
+
+
+def fake(tips, displacement=(), loads=None):
+    """What `errors` reads of a path."""
+    spring = Spring(1.0, 10.0, 5.0, 10.0)
+    scene = SimpleNamespace(load=SimpleNamespace(displacement=displacement), spring=spring)
+    times = np.linspace(0.0, 1.0, len(tips) + 1)[1:]
+    return SimpleNamespace(tips=np.array(tips), times=times, loads=loads, scene=scene)
+
+
+def test_errors():
+    """Of the vector over its peak, of components over theirs; what hardly moves is left out."""
+    wire = fake([[1.5, 2.0, 1e-4], [3.0, 4.0, 2e-4]])
+    beam = fake([[1.5, 2.0, 0.0], [3.3, 3.6, 0.0]])
+    found = randomsprings.errors(beam, wire, 2)
+    assert found["vector"] == pytest.approx(10.0)
+    assert (found["ux"], found["uy"]) == pytest.approx((10.0, 10.0))
+    assert np.isnan(found["rotz"])  # 2e-4 rad of 5 mm is a part in 4000
+    assert randomsprings.errors(beam, wire, 1)["vector"] == 0.0
+    assert np.isnan(randomsprings.errors(beam, wire, 0)["vector"])
+
+
+def test_errors_of_a_prescribed_displacement_are_of_the_force():
+    tips, forces = [[0.0, -1.0, 0.0]], np.array([[0.0, -8.0]])
+    wire, beam = (fake(tips, (-1.0,), forces * share) for share in (1.0, 1.25))
+    assert randomsprings.errors(beam, wire, 1)["vector"] == pytest.approx(25.0)
+
+
+def test_coils_that_pass_each_other_are_no_reference():
+    """A cone whose coils pass between 4 pairs a turn: the wires overlap by more than half of d."""
+    spring = Spring(1.5, (20.0, 8.0), 6.0, 24.0)
+    scene = Scene("cone", spring, Load(steps=10, displacement=(-12.0,)), supports=Supports(("ux", "rotz")))
+    path = as_far(wirefe.solve, scene, element="curved", elements_per_turn=8)
+    assert 3 < randomsprings.sound(path) < scene.load.steps
+
+
+def test_closed_pairs_are_counted_as_the_papers():
+    """Spring A by 16 pairs a turn has as many closed quarter turns as closed pairs by 4."""
+    from coilspring import spring_a
+
+    fine = randomsprings.reference(spring_a(), elements=16)
+    coarse = wirefe.solve(spring_a(), element="curved", elements_per_turn=16, pairs_per_turn=4)
+    assert randomsprings.closed(fine, 50) == coarse.active_contacts.max() > 3
+    assert randomsprings.closed(fine, 0) == 0
+
+
+def test_percentile_bound():
+    """59 is the least sample whose largest bounds a 95th percentile; the bound holds 95 times in 100."""
+    assert np.isnan(randompage.percentile_bound(pd.Series(range(58))))
+    assert randompage.percentile_bound(pd.Series(range(59))) == 58
+    rng = np.random.default_rng(0)
+    bounds = [randompage.percentile_bound(pd.Series(rng.uniform(size=140))) for _ in range(1000)]
+    assert 0.93 <= np.mean(np.array(bounds) >= 0.95) <= 0.99
+
+
+def test_cells_of_few_springs_show_no_percentile():
+    assert randompage.cell(pd.Series([1.0, 2.0, 9.0, np.nan])) == "2 / max 9 (3)"
+    assert randompage.cell(pd.Series(np.arange(1.0, 22.0))) == "11 / 20 (21)"
+
+
+def test_recorded_rows_are_those_of_the_code(recorded):
+    """A spring of every kind, solved anew."""
+    found = randomsprings.study(seeds=(0,), each=2)
+    known = recorded[(recorded["seed"] == 0) & (recorded["number"] < 2)].reset_index(drop=True)
+    words = ["kind", "shape", "contact", "closed", "wire", "helix", "haringx", "helix_steps", "haringx_steps"]
+    pd.testing.assert_frame_equal(found[words], known[words])
+    pd.testing.assert_frame_equal(found, known, rtol=1e-2, atol=1e-4, check_dtype=False)
+
+
+def test_enough_springs_close(recorded):
+    rows = randompage.classified(recorded)
+    assert (rows["closing"] == "more than 3 close").sum() >= 100
+    assert rows["seed"].nunique() == 3
+    assert rows.groupby("kind").size().nunique() == 1
+
+
+def test_page_is_a_view_of_the_recorded_numbers(recorded, four):
+    assert (ROOT / budget.PAGE).read_text(encoding="utf-8") == budget.page(four, recorded)
+
+
+def perturbed(data: pd.DataFrame) -> pd.DataFrame:
+    """Other errors, outcomes and numbers of springs."""
+    rng = np.random.default_rng(1)
+    data = data.iloc[::2].copy()
+    for name in ("helix", "haringx"):
+        columns = [column for column in data if column.startswith(f"{name}_") and column != f"{name}_steps"]
+        data[columns] = data[columns].mul(rng.uniform(0.1, 8.0, len(data)), axis=0)
+    return data.assign(wire="completed", reference=3.0 * data["reference"])
+
+
+def assert_other_numbers(before: str, after: str) -> None:
+    """Every measured number of a sentence, which has a decimal point, is another."""
+    assert after != before
+    pairs = list(zip(*(re.findall(r"\d+(?:\.\d+)?", text) for text in (before, after)), strict=False))
+    assert all(old != new for old, new in pairs if "." in old), pairs
+
+
+@pytest.mark.parametrize("name", randompage.SENTENCES)
+def test_sentences_on_random_springs_follow_the_rows(name, recorded):
+    both = (
+        randompage.SENTENCES[name](randompage.classified(rows)) for rows in (recorded, perturbed(recorded))
+    )
+    assert_other_numbers(*both)
+
+
+@pytest.mark.parametrize("name", budget.SENTENCES)
+def test_sentences_on_the_four_cases_follow_the_numbers(name, four):
+    sentence = budget.SENTENCES[name]
+    rng = np.random.default_rng(0)
+    other = four.assign(value=four["value"] * rng.uniform(1.5, 4.0, len(four)))
+    assert_other_numbers(sentence(budget.Cases(four)), sentence(budget.Cases(other)))
+
+
+def test_verdicts_on_the_four_cases_turn(four):
+    def having(value, **where):
+        chosen = np.logical_and.reduce([four[key] == name for key, name in where.items()])
+        assert chosen.any()
+        return budget.Cases(four.assign(value=four["value"].where(~chosen, value)))
+
+    said = budget.SENTENCES["errors that cancel"]
+    assert "two errors of opposite sign cancel" in said(budget.Cases(four))
+    assert "no errors cancel" in said(having(3.0, row=budget.PAPER, case=budget.B4))
+    assert "more than twice" in budget.SENTENCES["pairs of spring A"](having(9.0, row=budget.PAPER))
+    exact = four.query("row == 'exact rod' and case == '200 N'")["value"].item()
+    assert "farther" not in budget.SENTENCES["taper"](having(exact, row="helix law", case="200 N"))
+
+
+def test_readme_quotes_the_page(recorded, four):
+    """Accuracies in the README are sentences of the page, with their population."""
+    text = " ".join((ROOT / "README.md").read_text(encoding="utf-8").split())
+    rows = randompage.classified(recorded)
+    for name in ("population", "guided", "helix", "haringx"):
+        assert randompage.SENTENCES[name](rows) in text
+    error = max(budget.Cases(four).law(case) for case in (budget.A, budget.A4))
+    assert f"Spring A: {error:.2f} % of the wire model's load curve" in text
+
+
+@pytest.mark.slow
+def test_the_whole_study(recorded):
+    found = randompage.classified(randomsprings.study())
+    known = randompage.classified(recorded)
+    for law in randomsprings.LAWS:
+        medians = (rows.groupby("closing")[f"{law}_vector"].median() for rows in (found, known))
+        pd.testing.assert_series_equal(*medians, rtol=0.01)

@@ -1,0 +1,167 @@
+"""The random springs on which the laws are judged: kinds of load and support, shapes, size of the load."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+import equivbeam
+from coilspring import CoilSection, Contact, Load, Scene, Spring
+from coilspring.scene import Supports
+from coilspring.sizing import along, buckling_shortening, shortened, sizes
+
+STEPS = 10
+SHAPES = ("cylinder", "cone", "barrel", "progressive")
+INDEX, COILS = (4.0, 15.0), (3, 20)
+PITCH = (1.3, 0.25)  # least, mm; largest is 1 mm and this share of the mean diameter
+TAPER, PROGRESS = (0.5, 1.0), (0.3, 1.0)  # ratio of the diameters of a cone; of gaps between coils
+CONTACT, DEEP = 0.75, 0.75  # share of the scenes with contact; of those, loaded until coils close
+BELOW, ABOVE = (0.3, 1.0), 0.9  # of the first closing load; least of it where coils are to close
+LAST, SEVERAL = 0.9, 4.0  # of the axial load between first and last closing; of a first closing load
+BUCKLING, SOLID, SWAY = 0.8, 0.95, 0.7  # most shortening over that of buckling, over the travel; most UX / L
+SIDE = 0.05  # side force of a combined load over the axial one
+DRAWS = 50  # of a spring that must not be loaded until coils close
+PROBE = 1e-3  # of a closing load, at which rates are taken
+
+
+@dataclass(frozen=True)
+class Kind:
+    """A kind of load and support.
+
+    Attributes
+    ----------
+    name : as tables have it.
+    held : of the top.
+    side : Fx over the size of the load.
+    axial : least and largest -Fy over it.
+    displacement : whether UY is prescribed in place of the force.
+    """
+
+    name: str
+    held: tuple[str, ...]
+    side: float = 0.0
+    axial: tuple[float, float] = (1.0, 1.0)
+    displacement: bool = False
+
+
+KINDS = (
+    Kind("guided, axial force", ("ux", "rotz")),
+    Kind("guided, displacement", ("ux", "rotz"), displacement=True),
+    Kind("pinned, axial force", ("ux",)),
+    Kind("free top, axial force", ()),
+    Kind("free top, lateral", (), 1.0, (0.0, 1.0)),
+    Kind("guided top, lateral", ("rotz",), 1.0, (0.0, 1.0)),
+    Kind("free top, combined", (), SIDE),
+    Kind("guided top, combined", ("rotz",), SIDE),
+)
+TEXT = (
+    f"Wire of 1 mm, index {INDEX[0]:g} to {INDEX[1]:g}, {COILS[0]} to {COILS[1]} coils in halves, closed "
+    f"ends, pitch from {PITCH[0]:g} mm to 1 mm + {PITCH[1]:g} D, start phase uniform over the turn. In "
+    f"equal shares cylinders, cones (diameters {TAPER[0]:g} to {TAPER[1]:g} of each other), barrels or "
+    "waists, and cylinders whose pitch falls along the wire. *Lateral* is a side force with up to as much "
+    f"along the axis; *combined* an axial force with {100 * SIDE:g} % of it sideways. {100 * CONTACT:g} % of "
+    f"the scenes have contact, frictionless; {100 * DEEP:g} % of those are loaded until coils close by a "
+    f"closed form, up to {100 * LAST:g} % of the way to the last closing or, with a side force, up to "
+    f"{SEVERAL:g} times the first; all others up to the first. No spring is shortened by more than "
+    f"{BUCKLING:g} of its buckling shortening after EN 13906-1, driven beyond {100 * SOLID:g} % of its "
+    f"travel, or swayed by more than {SWAY:g} of its height (linearly). Beyond these bounds the numbers "
+    "below say nothing."
+)
+
+
+@dataclass(frozen=True)
+class Drawn:
+    """A random scene, and what it was drawn as."""
+
+    seed: int
+    number: int
+    kind: str
+    shape: str
+    scene: Scene
+
+
+def population(seed: int, each: int) -> Iterator[Drawn]:
+    """Random scenes of one seed, `each` of every kind; one does not depend on how many are drawn."""
+    for place, kind in enumerate(KINDS):
+        for number in range(each):
+            rng = np.random.default_rng((seed, place, number))
+            shape, scene = _scene(rng, kind, f"{kind.name} {seed}/{number}")
+            yield Drawn(seed, number, kind.name, shape, scene)
+
+
+def _scene(rng: np.random.Generator, kind: Kind, name: str) -> tuple[str, Scene]:
+    """A shape and a scene; springs that would buckle or sway before coils close are drawn again."""
+    contact = bool(rng.random() < CONTACT)
+    deep = contact and bool(rng.random() < DEEP)
+    for _ in range(DRAWS):
+        shape = str(rng.choice(SHAPES))
+        blank = Load((0.0, -1.0), STEPS)
+        supports, law = Supports(kind.held), Contact(enabled=contact)
+        scene = Scene(name, _spring(rng, shape), blank, supports=supports, contact=law)
+        way = np.array((kind.side * rng.choice((-1.0, 1.0)), -rng.uniform(*kind.axial)))
+        first, several, most = _bounds(scene, way)
+        wanted = rng.uniform(ABOVE * first, several) if deep else rng.uniform(*BELOW) * first
+        if wanted <= most or not deep:
+            break
+    return shape, replace(scene, load=_load(scene, kind, min(wanted, most) * way))
+
+
+def _spring(rng: np.random.Generator, shape: str) -> Spring:
+    """A spring of 1 mm wire."""
+    halves = int(rng.integers(2 * COILS[0], 2 * COILS[1] + 1))
+    wide = rng.uniform(*INDEX)
+    narrow = max(wide * rng.uniform(*TAPER), INDEX[0]) if shape in ("cone", "barrel") else wide
+    ends = (wide, narrow) if rng.random() < 0.5 else (narrow, wide)
+    pitch = rng.uniform(PITCH[0], 1.0 + PITCH[1] * 0.5 * (wide + narrow))
+    same = (pitch, pitch)
+    phase = rng.uniform(0.0, 2.0 * math.pi)
+    if shape == "barrel":
+        low, high = halves // 2 / 2, (halves - halves // 2) / 2
+        sections = (CoilSection(low, same, ends), CoilSection(high, same, ends[::-1]))
+        return Spring.of_sections(1.0, sections, start_phase=phase)
+    if shape == "progressive":
+        pitches = (pitch, 1.0 + (pitch - 1.0) * rng.uniform(*PROGRESS))
+        return Spring.of_sections(1.0, (CoilSection(halves / 2, pitches, ends),), start_phase=phase)
+    return Spring(1.0, ends, halves / 2, pitch * halves / 2, start_phase=phase)
+
+
+def _bounds(scene: Scene, way: np.ndarray) -> tuple[float, float, float]:
+    """Multiples of a load at which a first coil closes, several have, and the most that is put on."""
+    coils = along(scene)
+    first, last = float(coils.closing.min()), float(coils.closing.max())
+    most = _buckling_force(scene) / -way[1] if way[1] else math.inf
+    if way[0] == 0.0:
+        return first, first + LAST * (last - first), most
+    probe = PROBE * first
+    load = Load((float(probe * way[0]), float(probe * way[1])), 2)
+    path = equivbeam.solve(replace(scene, load=load, contact=Contact()))
+    half, whole = path.gaps
+    rest, rate = 2.0 * half - whole, half - whole
+    closing = rate > 1e-9 * rest
+    sway = SWAY * scene.spring.active_height * probe / abs(float(path.tips[-1, 0]))
+    solid = last / -way[1] if way[1] else math.inf
+    first = min(0.5 * probe * float((rest[closing] / rate[closing]).min()), solid)
+    return first, min(SEVERAL * first, solid), min(most, sway)
+
+
+def _buckling_force(scene: Scene) -> float:
+    """Axial force at `BUCKLING` of the shortening at which the column buckles, N; infinite if it does not."""
+    shortening, coils = buckling_shortening(scene), along(scene)
+    if shortening is None:
+        return math.inf
+    forces = np.unique([0.0, *coils.closing])
+    rate = sizes(scene).rate
+    ways = [shortened(coils, rate, force) for force in forces]
+    return float(np.interp(BUCKLING * shortening, ways, forces, right=math.inf))
+
+
+def _load(scene: Scene, kind: Kind, force: np.ndarray) -> Load:
+    """The load, N; or the shortening under it where UY is prescribed, mm."""
+    if not kind.displacement:
+        return Load((float(force[0]), float(force[1])), STEPS)
+    coils, spring = along(scene), sizes(scene)
+    way = min(shortened(coils, spring.rate, -float(force[1])), SOLID * spring.travel)
+    return Load(steps=STEPS, displacement=(-way,))
