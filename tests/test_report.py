@@ -88,10 +88,10 @@ def test_a_path_that_ends_is_not_compared():
 
 
 def test_a_phase_that_is_not_completed_is_told_and_not_counted(evidence):
-    broken = replace(evidence.phases["few"][1], outcome="limit point at t = 0.500", farther=(), softer=())
-    few = (evidence.phases["few"][0], broken, *evidence.phases["few"][2:])
-    found = replace(evidence, phases={**evidence.phases, "few": few})
-    assert facts(found)["phases.few.degrees"] == (0, *range(60, 360, 30))
+    broken = replace(evidence.phases["many"][1], outcome="limit point at t = 0.500", farther=(), softer=())
+    many = (evidence.phases["many"][0], broken, *evidence.phases["many"][2:])
+    found = replace(evidence, phases={**evidence.phases, "many": many})
+    assert facts(found)["phases.many.degrees"] == (0, *range(60, 360, 30))
     assert "limit point at t = 0.500" in phase_table(found.phases).rows[1]
 
 

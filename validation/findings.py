@@ -6,6 +6,7 @@ import re
 import textwrap
 from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
 from validation.claims import (
     AGREES,
@@ -271,7 +272,7 @@ def helix(f: Facts) -> str:
 
 @statement("findings.across")
 def across(f: Facts) -> str:
-    outside = f["error-budget > What these numbers say > working plane: {} % of the normal forces"]
+    outside = f["error-budget > What these numbers say > {} % of the normal forces of Spring B"]
     plane, working = (f[f"{FOUR} > {row} > {TOUCHING_B}"] for row in ("helix law, plane across", "helix law"))
     than = "nearer" if plane < working else "no nearer"
     return (
@@ -300,15 +301,23 @@ def cancel(f: Facts) -> str:
 
 @statement("findings.random")
 def random(f: Facts) -> str:
-    table = "error-budget > Without contact"
-    law, paper = (
-        [f[f"{table} > {row} > {column}"] for column in ("median", "95th percentile")]
-        for row in ("helix, in its plane", "Haringx")
-    )
+    def cells(law: str, contact: str, *columns: str) -> list[Any]:
+        row = f"error-budget > What the sample bounds > {law} | {contact}"
+        return [f[f"{row} > {column}"] for column in columns]
+
+    open_, shut, share = "without contact", "more than 3 close", ("median", "95th percentile")
+    bare, closed = (cells("helix law", contact, *share) for contact in (open_, shut))
+    paper, paper_closed = (cells("paper's law", contact, *share) for contact in (open_, shut))
+    springs, bound = cells("helix law", open_, "springs", "its bound")
+    touching, bound_closed = cells("helix law", shut, "springs", "its bound")
+    nearer = "The helix law is nearer" if bare < paper and closed < paper_closed else "Neither law is nearer"
     return (
-        "**On random springs without contact, their helix starting in the working plane,** the helix law's "
-        f"median error is {law[0]:.3f} %, and one spring in twenty is above {law[1]:.2f} %; the paper's "
-        f"{paper[0]:.2f} and {paper[1]:.1f} %. [Error budget](error-budget.md#random-springs)"
+        f"**{nearer} on random springs of any start phase,** guided, pinned or free, loaded along or across "
+        f"their axis. Without contact ({springs:.0f} springs) its tip is off by {bare[0]:g} % in the median, "
+        f"and one spring in twenty by more than {bare[1]:g} % (bound {bound:g} %); by the paper's law "
+        f"{paper[0]:g} and {paper[1]:g} %. Where more than three pairs close ({touching:.0f} springs): "
+        f"{closed[0]:g} and {closed[1]:g} % (bound {bound_closed:g} %), and {paper_closed[0]:g} and "
+        f"{paper_closed[1]:g} %. By kind of load: [Error budget](error-budget.md#random-springs)"
     )
 
 
