@@ -11,7 +11,7 @@ import numpy as np
 
 from coilspring.errors import EquilibriumNotFound, InputError, shown
 from coilspring.path import EquilibriumPath
-from coilspring.scene import Scene
+from coilspring.scene import Scene, require_scene
 from equivbeam.parameters import values, varied
 from equivbeam.sensitivity import sensitivities
 from equivbeam.solve import solve
@@ -105,7 +105,7 @@ def calibrate(
     EquilibriumNotFound : the scene as given does not reach the curve's end.
     """
     names = tuple(parameters)
-    start = values(scene, options, names)
+    start = values(require_scene(scene), options, names)
     fit = _Fit(scene, names, start, _table(curve), options)
     shares = np.ones(len(names))
     before = fit.residuals(shares)

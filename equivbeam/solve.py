@@ -11,7 +11,7 @@ import numpy as np
 from coilspring.errors import InputError, require_choice, require_number, shown
 from coilspring.kernelset import Kernels
 from coilspring.path import EquilibriumPath
-from coilspring.scene import Scene
+from coilspring.scene import Scene, require_scene
 from coilspring.solving import MOST_ITERATIONS, Problem, follow_load, scene_path
 from equivbeam import band, driven, kernels, model
 from equivbeam.across import band as wide
@@ -107,7 +107,7 @@ def solve(
     require_choice("tangent", tangent, tuple(model.TANGENTS))
     require_choice("sliding", sliding, SLIDING)
     _refuse_mixtures(law, tangent, refinements, factors)
-    scene = scene.overridden(steps, penalty)
+    scene = require_scene(scene).overridden(steps, penalty)
     plane = _plane(scene, plane, able=law == "helix" and refinements in (None, model.ALL))
     options: dict[str, object] = {"law": law, "tangent": tangent, "sliding": sliding, "plane": plane}
     if refinements is not None:

@@ -104,6 +104,18 @@ def test_numbers_of_a_cylinder_by_hand():
     assert found.shortening == pytest.approx(20.0 / found.rate)
 
 
+def test_ground_ends_are_solid_at_the_standards_length():
+    """Half of the wire is gone at each tip: (n + 2) d of EN 15800, and the same travel."""
+    rigid = sizes(scene_of())
+    plates = replace(scene_of(), supports=Supports(("ux", "rotz"), seat="plate"))
+    found = sizes(plates)
+    assert found.solid_length == pytest.approx((8.0 + 2.0) * 2.0)
+    assert found.free_length == pytest.approx(rigid.free_length - 2.0)
+    assert found.travel == pytest.approx(rigid.travel)
+    assert any("over the ground ends" in line for line in report(plates)[0])
+    assert not any("ground" in line for line in report(scene_of())[0])
+
+
 def test_coils_that_have_closed_give_no_more():
     """A cone under twice its first closing force, by quadrature of each coil's way."""
     d, G = 2.0, 206e3 / 2.6

@@ -38,8 +38,9 @@ def _lines(scene: Scene, found: Sizes) -> Iterator[str]:
         f"  coils         {spring.active_coils:g} active{parts}, {found.total_coils:g} in all; "
         f"{kind}, {spring.hand}-handed"
     )
+    over = "over the ground ends" if scene.supports.seat == "plate" else "over the wire"
     yield (
-        f"  length        free {found.free_length:.4g} mm, solid {found.solid_length:.4g} mm, over the wire; "
+        f"  length        free {found.free_length:.4g} mm, solid {found.solid_length:.4g} mm, {over}; "
         f"active {spring.active_height:g} mm"
     )
     gap = "none below one coil" if found.least_gap is None else f"{found.least_gap:.3g} mm at least"
