@@ -150,9 +150,8 @@ def compare(arguments: argparse.Namespace) -> int:
         for model in paths:
             remove_stale({}, folder / model)
     lines = [line for path in paths.values() for line in digest(path)]
-    _conclude(
-        arguments, found, [*lines, apart(comparison, bool(scene.load.displacement)), f"written to {folder}"]
-    )
+    lines += apart(comparison, bool(scene.load.displacement))
+    _conclude(arguments, found, [*lines, f"written to {folder}"])
     return _verdict(*paths.values())
 
 
