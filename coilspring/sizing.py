@@ -102,13 +102,12 @@ def sizes(scene: Scene) -> Sizes:
     stress = stress_factor(index) * 8.0 * carried * coils.diameter / (math.pi * d**3)
     low, high = spring.height(np.array(spring.phase_range)).tolist()
     free = high - low + (0.0 if scene.supports.seat == "plate" else d)
-    active = sum(_solid_pitch(section, d) * section.coils for section in spring.coils)
     return Sizes(
         wire_length=wire_length(spring),
         index=(float(index.min()), float(index.max())),
         total_coils=spring.active_coils + 2.0 * spring.end_turns,
         free_length=free,
-        solid_length=free - spring.active_height + active,
+        solid_length=free - spring.active_height + solid_height(spring),
         least_gap=least_gap(spring),
         helix_angle=float(np.arctan(coils.pitch / (math.pi * coils.diameter)).max()),
         rate=rate,
@@ -119,6 +118,11 @@ def sizes(scene: Scene) -> Sizes:
         stress_factor=float(stress_factor(index[np.argmax(stress)])),
         buckling=buckling_shortening(scene),
     )
+
+
+def solid_height(spring: Spring) -> float:
+    """Height of the active part where all its coils touch, mm; coils of different diameter nest."""
+    return sum(_solid_pitch(section, spring.wire_diameter) * section.coils for section in spring.coils)
 
 
 def axial_rate(scene: Scene) -> float:

@@ -29,7 +29,7 @@ from validation.overlay import picture
 COLUMNS = "time,load_x,load_y,ux,uy,rotz,iterations,active_contacts,max_penetration"
 SUMMARY_KEYS = {
     *("outcome", "message", "last_time", "critical_time", "total_iterations", "solve_seconds"),
-    *("compile_seconds", "model", "options", "versions", "scene"),
+    *("compile_seconds", "model", "options", "versions", "scene", "warnings"),
     *("stability_checks", "pair_evaluations", "residual_history"),
 }
 
