@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Any
 
 import matplotlib
 import numpy as np
@@ -14,10 +15,10 @@ from coilspring import EquilibriumPath
 from validation.figures import TIPS, both, discs, png
 from validation.metrics import COMPONENTS, answered
 from validation.springfigures import BEAM_CIRCLE, REST_CIRCLE, WIRE_CIRCLE
-from validation.style import BEAM_LABEL, BEAM_LINE, DOUBLE, GREY, RC, WIRE_LABEL, WIRE_LINE
+from validation.style import BEAM_LABEL, BEAM_LINE, DOUBLE, GREY, RC, WIRE_LABEL, WIRE_LINE, Look
 
 LABELS = dict(zip(COMPONENTS, TIPS, strict=True))
-DIFFERENCE = {"color": "black", "linewidth": 1.0}
+DIFFERENCE: Look = {"color": "black", "linewidth": 1.0}
 HELD = 1e-9  # mm, rad: tips below are held freedoms' rounding
 
 
@@ -55,7 +56,7 @@ def _moves(path: EquilibriumPath, name: str) -> bool:
 
 def _panels(figure: Figure, names: Sequence[str], heights: Sequence[float]) -> dict[str, Axes]:
     """Plots with one abscissa, one above the other, beside that of the shape."""
-    rows = [[name, "shape"] for name in names]
+    rows: Any = [[name, "shape"] for name in names]
     plots = figure.subplot_mosaic(rows, width_ratios=(1.15, 1.0), height_ratios=heights)
     for name in names[:-1]:
         plots[name].sharex(plots[names[-1]])
