@@ -32,6 +32,16 @@ LEAST_LEFT = 0.5
 
 
 @part
+def normal_law(penetration, K, k):
+    """Energy, normal force and its derivative by the penetration (>= 0): F = K penetration^k.
+
+    The one place of the law: kernels compile it, and what reads forces off states calls it as plain Python.
+    """
+    F = K * penetration**k
+    return F * penetration / (k + 1.0), F, K * k * penetration ** (k - 1.0)
+
+
+@part
 def stretch(g, row, e):
     """Tangential vector e = (I - n0 n0^T)(g - g0) of a held pair; returns its length."""
     along, square = 0.0, 0.0
@@ -140,12 +150,9 @@ def pair_potential(g, h, d, K, k, row, e, f, H):
     energy = 0.0
     clear(f)
     clear_table(H)
-    delta = d - h
-    if delta > 0.0:
-        F = K * delta**k
-        slope = K * k * delta ** (k - 1.0)
+    if d > h:
+        energy, F, slope = normal_law(d - h, K, k)
         turn = F / h
-        energy = F * delta / (k + 1.0)
         for i in range(3):
             ni = g[i] / h
             f[i] = -F * ni
@@ -158,6 +165,15 @@ def pair_potential(g, h, d, K, k, row, e, f, H):
         else:
             energy += _add_friction(g, h, d, K, row, e, f, H)
     return energy
+
+
+def normal_forces(penetrations: np.ndarray, K: float, k: float) -> np.ndarray:
+    """Normal forces of pairs, N, from their penetrations, mm; of those that are open none."""
+    forces = np.zeros_like(penetrations)
+    closed = penetrations > 0.0
+    # one by one: a law for numbers may branch
+    forces[closed] = [normal_law(penetration, K, k)[1] for penetration in penetrations[closed].tolist()]
+    return forces
 
 
 def pair_friction(vectors: np.ndarray, memories: np.ndarray, d: float, K: float) -> Friction:

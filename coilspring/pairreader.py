@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from coilspring.pairlaw import pair_friction
+from coilspring.pairlaw import normal_forces, pair_friction
 from coilspring.path import Friction
 
 
@@ -29,7 +29,7 @@ class PairReader(ABC):
 
     def pair_forces(self, states: np.ndarray) -> np.ndarray:
         """Normal force of every pair, shape (states, pairs), N."""
-        return self.pair_law.kc * np.maximum(-self.pair_gaps(states), 0.0) ** self.pair_law.k
+        return normal_forces(-self.pair_gaps(states), self.pair_law.kc, self.pair_law.k)
 
     def pair_friction(self, states: np.ndarray, memories: np.ndarray) -> Friction:
         """Tangential forces (states, pairs, 3), N, slips, mm, and frictional work, N mm, of every pair."""

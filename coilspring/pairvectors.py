@@ -7,7 +7,7 @@ import math
 import numpy as np
 
 from coilspring.compiled import part
-from coilspring.pairlaw import ON, hold, renewed
+from coilspring.pairlaw import ON, hold, normal_law, renewed
 
 SLIGHT = 1e-7  # wire diameters of penetration: its force is the least that friction bounds are compared with
 TOUCH = 0.003  # wire diameters by which a pair may penetrate where a prediction closes it
@@ -68,14 +68,14 @@ def remember(vectors, memory, mu, K, d):
 @part
 def renew_bounds(vectors, memory, mu, K, k, d):
     """Renew the bounds of the tangential forces; returns the largest change over the largest bound."""
-    change, most, e = 0.0, mu * K * (SLIGHT * d) ** k, np.empty(3)
+    change, most, e = 0.0, mu * normal_law(SLIGHT * d, K, k)[1], np.empty(3)
     for m in range(vectors.shape[0]):
         if memory[m, ON] == 0.0:
             continue
         h, bound = _distance(vectors, m), mu
         if bound < np.inf:
             # at the arm d instead of h, on which arcs are measured
-            bound *= K * max(d - h, 0.0) ** k * h / d
+            bound *= normal_law(max(d - h, 0.0), K, k)[1] * h / d
             most = max(most, bound)
         change = max(change, renewed(vectors[m], h, d, bound, K, memory[m], e))
     return change / most if change > 0.0 else 0.0

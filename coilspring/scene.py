@@ -244,3 +244,13 @@ class Scene:
         """The scene with the number of steps and the penalty a caller asked for."""
         scene = self if steps is None else self.with_steps(steps)
         return scene if penalty is None else scene.with_penalty(penalty)
+
+
+def require_scene(value: object) -> Scene:
+    """Return `value`, or raise `InputError` unless it is a `Scene`."""
+    if isinstance(value, Scene):
+        return value
+    raise InputError(
+        f"scene must be a coilspring.Scene, got {shown(value)}; coilspring.load_scene makes one of a "
+        "catalogue name or a file"
+    )

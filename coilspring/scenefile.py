@@ -30,6 +30,9 @@ SECTIONS: Mapping[str, Keys] = {
 REQUIRED_SECTIONS = ("spring", "load")
 OF_SECTIONS: Keys = (("wire_diameter", "sections"), ENDS)  # of [spring] where it has [[spring.sections]]
 MOST_BYTES = 1_000_000
+# Other diameters of a coil, by the first word of the key, and what makes the mean one of them.
+OUTER, INNER = ", the outer diameter minus wire_diameter", ", the inner diameter plus wire_diameter"
+DIAMETERS = {"outer": OUTER, "outside": OUTER, "inner": INNER, "inside": INNER, "coil": "", "spring": ""}
 LOADS = ("force", "stages", "displacement")  # one of them
 COILS: Keys = (("coils", "pitch", "mean_diameter"), ())  # of [[spring.sections]]
 
@@ -114,9 +117,17 @@ def _refuse_keys(field: str, where: str, keys: Mapping[str, object], known: Keys
 def _refuse_unknown(where: str, keys: Mapping[str, object], allowed: tuple[str, ...]) -> None:
     for key in keys:
         if key not in allowed:
-            near = difflib.get_close_matches(key[:100], allowed, n=1)
-            meant = f"did you mean {near[0]}? " if near else ""
+            near = _near(key[:100], allowed)
+            meant = f"did you mean {near}? " if near else ""
             raise InputError(f"unknown key {shown(key)} in {where}; {meant}allowed: {', '.join(allowed)}")
+
+
+def _near(key: str, allowed: tuple[str, ...]) -> str:
+    """What is likely meant by an unknown key, or nothing."""
+    first = key.lower().partition("_")[0]
+    if first in DIAMETERS and "diam" in key.lower() and "mean_diameter" in allowed:
+        return "mean_diameter" + DIAMETERS[first]
+    return "".join(difflib.get_close_matches(key, allowed, n=1))
 
 
 def _spring(keys: dict) -> Spring:

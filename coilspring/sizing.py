@@ -33,7 +33,8 @@ class Sizes:
     wire_length : end turns included, mm.
     index : least and largest coil index D/d.
     total_coils : end turns included.
-    free_length, solid_length : over the wire, mm; coils of different diameter nest where they are solid.
+    free_length, solid_length : over the wire, mm, or over the ground ends, where half of the wire is taken
+        off each tip; coils of different diameter nest where they are solid.
     least_gap : between neighbouring active coils, in the plane through the axis, mm; None below one coil.
     helix_angle : largest, rad.
     rate : axial, while no coils touch, N/mm.
@@ -100,13 +101,13 @@ def sizes(scene: Scene) -> Sizes:
     carried = np.minimum(abs(force), np.where(force > 0.0, coils.closing, np.inf))
     stress = stress_factor(index) * 8.0 * carried * coils.diameter / (math.pi * d**3)
     low, high = spring.height(np.array(spring.phase_range)).tolist()
-    active = sum(_solid_pitch(section, d) * section.coils for section in spring.coils)
+    free = high - low + (0.0 if scene.supports.seat == "plate" else d)
     return Sizes(
         wire_length=wire_length(spring),
         index=(float(index.min()), float(index.max())),
         total_coils=spring.active_coils + 2.0 * spring.end_turns,
-        free_length=high - low + d,
-        solid_length=high - low + d - spring.active_height + active,
+        free_length=free,
+        solid_length=free - spring.active_height + solid_height(spring),
         least_gap=least_gap(spring),
         helix_angle=float(np.arctan(coils.pitch / (math.pi * coils.diameter)).max()),
         rate=rate,
@@ -117,6 +118,11 @@ def sizes(scene: Scene) -> Sizes:
         stress_factor=float(stress_factor(index[np.argmax(stress)])),
         buckling=buckling_shortening(scene),
     )
+
+
+def solid_height(spring: Spring) -> float:
+    """Height of the active part where all its coils touch, mm; coils of different diameter nest."""
+    return sum(_solid_pitch(section, spring.wire_diameter) * section.coils for section in spring.coils)
 
 
 def axial_rate(scene: Scene) -> float:

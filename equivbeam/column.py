@@ -12,7 +12,7 @@ import numpy as np
 
 from coilspring.errors import InputError, require_choice, require_integer
 from coilspring.packing import pack
-from coilspring.scene import Load, Scene
+from coilspring.scene import Load, Scene, require_scene
 from coilspring.solving import Problem, Run, follow_problem
 from equivbeam import band, kernels
 from equivbeam.haringx import KAX, KFL, KSH, L0
@@ -62,7 +62,8 @@ def buckling(
     -------
     Buckling, or None where the spring stays straight down to a tenth of its height.
     """
-    problem, run = _compressed(scene, law, refine, inclined, FARTHEST * scene.spring.active_height)
+    shortening = FARTHEST * require_scene(scene).spring.active_height
+    problem, run = _compressed(scene, law, refine, inclined, shortening)
     if run.critical_time is None:
         return None
     mode = np.concatenate((np.zeros(3), run.mode)).reshape(-1, 3)
@@ -107,7 +108,7 @@ def _compressed(
         raise InputError(
             f"refine and inclined must be left alone with law {law}, got {refine!r}, {inclined!r}"
         )
-    straight = replace(scene.without_contact(), load=Load((0.0, -1.0)))
+    straight = replace(require_scene(scene).without_contact(), load=Load((0.0, -1.0)))
     # a perfect column: what held ends do to its axis would bow it from the first force on
     perfect = build_model(straight, law=law, refinements=Refinements(ends=False))
     data = _refined(perfect, scene, refine, inclined)

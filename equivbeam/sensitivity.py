@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from coilspring.errors import InputError
+from coilspring.errors import InputError, shown
 from coilspring.kernelset import Kernels
 from coilspring.packing import pack
 from coilspring.path import EquilibriumPath
@@ -61,6 +61,8 @@ def sensitivities(path: EquilibriumPath, parameters: Sequence[str]) -> Sensitivi
     InputError : unknown name, another model's path, or one with friction.
     """
     names = tuple(parameters)
+    if not isinstance(path, EquilibriumPath):
+        raise InputError(f"path must be an EquilibriumPath of equivbeam.solve, got {shown(path)}")
     shape = path.shape
     if not isinstance(shape, BeamShape | AcrossShape):
         raise InputError(f"sensitivities needs a path of the model equivbeam, got {path.model}")

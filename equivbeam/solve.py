@@ -6,24 +6,22 @@ from collections.abc import Mapping
 from dataclasses import asdict, replace
 from typing import Any
 
-import numpy as np
-
 from coilspring.errors import InputError, require_choice, require_number, shown
 from coilspring.kernelset import Kernels
 from coilspring.path import EquilibriumPath
-from coilspring.scene import Scene
+from coilspring.scene import Scene, require_scene
 from coilspring.solving import MOST_ITERATIONS, Problem, follow_load, scene_path
 from equivbeam import band, driven, kernels, model
 from equivbeam.across import band as wide
 from equivbeam.across import kernels as across
 from equivbeam.across.model import AcrossModel, build_across, is_axial
 from equivbeam.across.shape import AcrossShape
-from equivbeam.helix import HIGH, LOW
 from equivbeam.helixrows import Refinements
 from equivbeam.laws import LAWS
+from equivbeam.limits import caution
 from equivbeam.model import BeamModel
 from equivbeam.problem import beam_problem
-from equivbeam.rendering import BeamShape, element_lengths
+from equivbeam.rendering import BeamShape
 
 SLIDING = ("ignore", "scene")
 PLANES = ("working", "across")
@@ -109,7 +107,7 @@ def solve(
     require_choice("tangent", tangent, tuple(model.TANGENTS))
     require_choice("sliding", sliding, SLIDING)
     _refuse_mixtures(law, tangent, refinements, factors)
-    scene = scene.overridden(steps, penalty)
+    scene = require_scene(scene).overridden(steps, penalty)
     plane = _plane(scene, plane, able=law == "helix" and refinements in (None, model.ALL))
     options: dict[str, object] = {"law": law, "tangent": tangent, "sliding": sliding, "plane": plane}
     if refinements is not None:
@@ -121,8 +119,7 @@ def solve(
     limit = MOST_ITERATIONS if exact else MOST_PAPER_ITERATIONS
     problem, *both = _ready(scene, data)
     run = follow_load(scene, problem, *both, limit=limit, predictor=exact)
-    if law == "helix":
-        run = replace(run, message=run.message + _caution(data.rows, run.track.states))
+    run = replace(run, message=run.message + caution(scene, law, plane, data.rows, run.track.states))
     return scene_path(scene, "equivbeam", options, run, _reader(scene, data))
 
 
@@ -194,17 +191,3 @@ def _refuse_mixtures(
         raise InputError(f"refinements must be equivbeam.Refinements, got {shown(refinements)}")
     if law != "helix":
         raise InputError(f"refinements must be left out unless the law is helix, got them with {law!r}")
-
-
-def _caution(rows: np.ndarray, states: np.ndarray) -> str:
-    """Words on half coils that the last state has drawn beyond the range of the helix law, or nothing."""
-    if not len(states):
-        return ""
-    lengths = element_lengths(states[-1:])[0]
-    beyond = np.flatnonzero((lengths < rows[:, LOW]) | (lengths > rows[:, HIGH]))
-    if not beyond.size:
-        return ""
-    return (
-        f"; but half coil {beyond[0] + 1} is drawn to a length of {lengths[beyond[0]]:.3g} mm, where its "
-        "wire is all but straight and the helix law no longer holds"
-    )

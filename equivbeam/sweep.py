@@ -3,17 +3,15 @@
 from __future__ import annotations
 
 import os
-import signal
 from collections.abc import Callable, Iterable, Iterator
-from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass
 from functools import partial
 from itertools import islice
-from multiprocessing import get_context
 from typing import Any
 
-from coilspring.errors import EquilibriumNotFound, InputError
+from coilspring.errors import EquilibriumNotFound, InputError, shown
 from coilspring.scene import Scene
+from coilspring.workers import processes
 from equivbeam.solve import solve
 
 CHUNK = 64  # springs handed to a worker at a time
@@ -70,13 +68,25 @@ def sweep(
     Yields
     ------
     Outcome
+
+    Raises
+    ------
+    InputError : `scenes` are none, as a name or a single scene.
     """
-    task = partial(_outcomes, options=options)
-    count = workers or os.cpu_count() or 1
+    if isinstance(scenes, str | Scene) or not isinstance(scenes, Iterable):
+        raise InputError(f"scenes must be an iterable of coilspring.Scene, got {shown(scenes)}")
+    return _swept(iter(scenes), workers or os.cpu_count() or 1, progress, partial(_outcomes, options=options))
+
+
+def _swept(
+    springs: Iterator[Scene],
+    count: int,
+    progress: Callable[[int], None] | None,
+    task: Callable[[list[Scene]], list[Outcome]],
+) -> Iterator[Outcome]:
+    """Outcomes of the springs in their order."""
     done = 0
-    # started afresh: a forked child of a process with threads may hang
-    with ProcessPoolExecutor(count, mp_context=get_context("spawn"), initializer=_quiet) as pool:
-        springs = iter(scenes)
+    with processes(count) as pool:
         waiting = [pool.submit(task, chunk) for chunk in _chunks(springs, 4 * count)]
         while waiting:
             found = waiting.pop(0).result()
@@ -86,11 +96,6 @@ def sweep(
                 yield outcome
             if progress is not None:
                 progress(done)
-
-
-def _quiet() -> None:
-    """Leave Ctrl-C to the parent."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
 
 
 def _chunks(springs: Iterator[Scene], count: int) -> list[list[Scene]]:

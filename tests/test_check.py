@@ -1,5 +1,6 @@
 """Closed-form numbers of springs, and the commands new and check."""
 
+import json
 import math
 import re
 from dataclasses import replace
@@ -15,6 +16,7 @@ from coilspring import (
     CATALOGUE,
     CoilSection,
     Load,
+    Material,
     Scene,
     Spring,
     Supports,
@@ -34,8 +36,8 @@ SCENES = (*CATALOGUE, *map(str, EXAMPLES))
 CYLINDER = Spring(2.0, 20.0, 8.0, 40.0)
 
 
-def scene_of(spring=CYLINDER, force=-20.0, held=("ux", "rotz")):
-    return Scene("scene", spring, Load((0.0, force)), supports=Supports(held))
+def scene_of(spring=CYLINDER, force=-20.0, held=("ux", "rotz"), E=206e3):
+    return Scene("scene", spring, Load((0.0, force)), Material(E), Supports(held))
 
 
 @pytest.mark.parametrize("source", SCENES)
@@ -102,6 +104,18 @@ def test_numbers_of_a_cylinder_by_hand():
     assert found.stress_factor == pytest.approx(10.5 / 9.25)
     assert found.stress == pytest.approx(10.5 / 9.25 * 8.0 * 20.0 * D / (math.pi * d**3))
     assert found.shortening == pytest.approx(20.0 / found.rate)
+
+
+def test_ground_ends_are_solid_at_the_standards_length():
+    """Half of the wire is gone at each tip: (n + 2) d of EN 15800, and the same travel."""
+    rigid = sizes(scene_of())
+    plates = replace(scene_of(), supports=Supports(("ux", "rotz"), seat="plate"))
+    found = sizes(plates)
+    assert found.solid_length == pytest.approx((8.0 + 2.0) * 2.0)
+    assert found.free_length == pytest.approx(rigid.free_length - 2.0)
+    assert found.travel == pytest.approx(rigid.travel)
+    assert any("over the ground ends" in line for line in report(plates)[0])
+    assert not any("ground" in line for line in report(scene_of())[0])
 
 
 def test_coils_that_have_closed_give_no_more():
@@ -218,6 +232,12 @@ def test_first_coils_close_as_the_model_says():
 
 
 WARNINGS = [
+    ({}, {"E": 206.0}, "E is 206 MPa, which looks like GPa"),
+    (
+        {"wire_diameter": 0.002, "mean_diameter": 0.02, "active_height": 0.04},
+        {"force": -1e-6},
+        "the wire diameter is 0.002 mm, which looks like metres",
+    ),
     ({"mean_diameter": 7.0}, {}, "index D/d is 3.5 to 3.5, outside 4 to 20"),
     ({"mean_diameter": (30.0, 44.0)}, {}, "index D/d is 15 to 22, outside"),
     ({"active_coils": 1.5, "active_height": 6.0}, {}, "1.5 active coils, less than 2"),
@@ -234,6 +254,28 @@ def test_warnings(spring, scene, warning):
     _, found = report(scene_of(replace(CYLINDER, **spring), **scene))
     assert [text for text in found if warning in text], found
     assert not [text for text in report(scene_of())[1] if warning.split()[0] in text]
+
+
+@pytest.mark.parametrize("command", ["solve --model equivbeam", "compare"])
+def test_what_check_warns_of_is_said_by_runs(command, tmp_path, capsys):
+    """On stderr and in the JSON; what concerns the formulas of `check` alone is not."""
+    scene = scene_of(replace(CYLINDER, mean_diameter=7.0, active_height=80.0), force=-50.0)
+    file, out = tmp_path / "scene.toml", tmp_path / "out"
+    file.write_text(scene_text(scene))
+    run = [*command.split(), str(file), "--steps", "2", "--out", str(out)]
+    assert main(run) == 0
+    said = capsys.readouterr()
+    expected = "index D/d is 3.5 to 3.5, outside 4 to 20 (EN 13906-1)"
+    assert said.err == f"coilcheck: warning: {expected}\n"
+    assert expected not in said.out
+    name = "summary.json" if "solve" in command else "compare.json"
+    assert json.loads((out / name).read_text())["warnings"] == [expected]
+    assert main([*run, "--quiet"]) == 0
+    assert capsys.readouterr() == ("", "")
+    assert main([*run, "--json"]) == 0
+    said = capsys.readouterr()
+    assert (json.loads(said.out)["warnings"], said.err) == ([expected], "")
+    assert sum("degrees" in text or expected in text for text in report(scene)[1]) == 2
 
 
 def test_a_sound_spring_is_not_warned_about():

@@ -5,27 +5,31 @@ import errno
 import importlib
 import json
 import math
+import re
 import subprocess
 import sys
+from dataclasses import replace
 from pathlib import Path
 from types import ModuleType
 
+import numpy as np
 import pytest
 
 import coilspring
 import equivbeam
 import wirefe
-from coilspring import EquilibriumNotFound, spring_a
+from coilspring import EquilibriumNotFound, Load, spring_a, spring_b
 from coilspring.scenetext import scene_text
 from validation.arguments import MODEL_OPTIONS, command_line
 from validation.cli import main
 from validation.machine import versions
 from validation.output import OutputError, claimed, path_files, write_files, write_json, write_text
+from validation.overlay import picture
 
 COLUMNS = "time,load_x,load_y,ux,uy,rotz,iterations,active_contacts,max_penetration,max_overlap"
 SUMMARY_KEYS = {
     *("outcome", "message", "last_time", "critical_time", "total_iterations", "solve_seconds"),
-    *("compile_seconds", "model", "options", "versions", "scene"),
+    *("compile_seconds", "model", "options", "versions", "scene", "warnings"),
     *("stability_checks", "pair_evaluations", "residual_history"),
 }
 
@@ -126,7 +130,11 @@ def test_compare_writes_both_runs_and_their_difference(tmp_path, capsys):
         for key in ("ux", "uy", "rotz")
     )
     assert found["curve_max"] == pytest.approx(worst, rel=1e-12)
-    assert "10 common steps" in capsys.readouterr().out
+    said = capsys.readouterr().out
+    assert "10 common steps" in said
+    for name in ("ux", "uy", "rotz"):
+        largest, rms = (100.0 * found[f"component_{kind}"][name] for kind in ("max", "rms"))
+        assert re.search(rf"{name} +{largest:.3g} % at most, {rms:.3g} % rms", said)
 
 
 def free_spring_b(folder):
@@ -150,6 +158,24 @@ def test_compare_says_what_the_beam_leaves_out_and_draws(tmp_path, capsys):
     assert (tmp_path / "compare.png").read_bytes().startswith(b"\x89PNG")
     assert main(["compare", "spring-b", "--steps", "5", "--sliding", "scene", "--out", str(tmp_path)]) == 0
     assert "without the scene's sliding" not in capsys.readouterr().out
+
+
+@pytest.mark.parametrize("load", [{}, {"load": Load(displacement=(-5.0,))}], ids=["force", "driven"])
+def test_an_axial_load_is_drawn_as_force_against_deflection(load):
+    """And the difference below; no panel for what is held."""
+    scene = replace(spring_b(), **load).with_steps(4)
+    beam, wire = equivbeam.solve(scene), wirefe.solve(scene, element="curved", elements_per_turn=8)
+    plots = {axes.get_ylabel().partition(" ")[0]: axes for axes in picture(beam, wire).axes}
+    assert set(plots) == {"force", "beam", "Y"}
+    curve, below = plots["force"], plots["beam"]
+    assert (curve.get_ylabel(), below.get_xlabel()) == ("force −FY (N)", "deflection −UY (mm)")
+    for line, path in zip(curve.get_lines(), (beam, wire), strict=True):
+        np.testing.assert_array_equal(line.get_xdata()[1:], -path.tips[:, 1])
+        np.testing.assert_array_equal(line.get_ydata()[1:], -path.loads[:, 1])
+    answers = [path.loads[:, 1] if load else path.tips[:, 1] for path in (beam, wire)]
+    share = -100.0 * (answers[0] - answers[1]) / np.abs(answers[1]).max()
+    np.testing.assert_allclose(below.get_lines()[0].get_ydata()[1:], share, atol=1e-12)
+    assert ("force" if load else "deflection") in below.get_ylabel()
 
 
 def test_pictures_of_driven_and_staged_loads_and_of_nothing_in_common(tmp_path, capsys):

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import equivbeam
+import wirefe
 from coilspring import (
     Contact,
     EquilibriumNotFound,
@@ -13,6 +14,7 @@ from coilspring import (
     Load,
     Scene,
     Spring,
+    Supports,
     load_scene,
     spring_a,
     spring_b,
@@ -253,6 +255,45 @@ def test_half_coils_are_whole(coils):
     scene = replace(spring_b(), spring=replace(spring_b().spring, active_coils=coils))
     with pytest.raises(InputError, match=r"spring.active_coils must be a multiple of 0.5 .*got 7"):
         equivbeam.solve(scene)
+
+
+VALVE = Scene(
+    "valve",
+    Spring(4.0, 25.0, 5.5, 39.6),
+    Load(displacement=(-0.98 * 17.6,), steps=10),
+    supports=Supports(("ux", "rotz")),
+)
+
+
+def test_a_law_that_leaves_its_range_says_so():
+    """At 98 % of its travel the default law misses 40 % of the force, the helix law 8 %."""
+    wire = wirefe.solve(VALVE, element="curved", elements_per_turn=16, pairs_per_turn=16)
+    for law, words, errors in (
+        ("haringx", "use law='helix', or wirefe with pairs_per_turn of 16 or more", (0.3, 0.5)),
+        ("helix", "use wirefe with pairs_per_turn of 16 or more", (0.05, 0.12)),
+    ):
+        path = equivbeam.solve(VALVE, law=law)
+        assert errors[0] < 1.0 - path.loads[-1, 1] / wire.loads[-1, 1] < errors[1]
+        assert "but it is 98% of the way to solid" in path.message
+        assert words in path.message
+        near = equivbeam.solve(replace(VALVE, load=Load(displacement=(-0.89 * 17.6,))), law=law)
+        assert "solid" not in near.message
+        assert near.loads[-1, 1] == pytest.approx(wire.loads[8, 1], rel=0.03)
+
+
+def test_a_beam_that_is_not_in_the_plane_across_says_so():
+    pressed = replace(VALVE, load=Load((0.0, -200.0), 1))
+    free = replace(pressed, supports=Supports(("ux",)))
+    assert "where law='helix' lays" in equivbeam.solve(pressed).message
+    assert "laid only with closed end turns and a top held" in equivbeam.solve(free, law="helix").message
+    pushed = replace(free, load=Load((1.0, -200.0), 1), supports=Supports())
+    for scene, law in (
+        (pressed, "helix"),
+        (pressed.without_contact(), "haringx"),
+        (free, "haringx"),
+        (pushed, "helix"),
+    ):
+        assert "working plane" not in equivbeam.solve(scene, law=law).message
 
 
 @pytest.mark.parametrize(

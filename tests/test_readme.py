@@ -90,7 +90,7 @@ def test_example_scenes(file):
 
 
 def example(name):
-    """A script of the examples, as a module that worker processes would find again."""
+    """A script of the examples, as a module."""
     spec = importlib.util.spec_from_file_location(name, ROOT / "examples" / f"{name}.py")
     module = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(module)

@@ -7,6 +7,7 @@ from pathlib import Path
 import pytest
 
 import equivbeam
+import wirefe
 from coilspring import CATALOGUE, CoilSection, InputError, Load, Material, Spring, load_scene
 from coilspring.scenefile import scene_from_text
 from validation.cli import main
@@ -288,6 +289,14 @@ REFUSED_VALUES = [
     ({"name": "3"}, "name", "text", "3"),
     ({"name": '"  "'}, "name", "not empty", "'  '"),
     ({"spring.wire_diamter": "1.5"}, "'wire_diamter'", "did you mean wire_diameter?", "[spring]"),
+    (
+        {"spring.outer_diameter": "1.5"},
+        "did you mean mean_diameter,",
+        "outer diameter minus wire",
+        "[spring]",
+    ),
+    ({"spring.inside_diam": "1.5"}, "did you mean mean_diameter,", "inner diameter plus wire", "[spring]"),
+    ({"spring.coil_diameter": "1.5"}, "did you mean mean_diameter? allowed", "", "[spring]"),
     ({"spring.Пружина": "1.5"}, "complete TOML", "line", ""),
     ({"spring.'Пружина'": "1.5"}, "'Пружина'", "wire_diameter", "[spring]"),
     ({"load.moment": "[0.0, 1.0]"}, "'moment'", "force, stages, displacement, steps", "[load]"),
@@ -436,3 +445,22 @@ def test_what_a_model_cannot_represent_is_said_plainly(key, value, model, tmp_pa
 def test_the_message_of_a_file_names_the_file():
     with pytest.raises(InputError, match=r"no-such-file\.toml"):
         load_scene(Path("no-such-file.toml"))
+
+
+NAMED = {
+    "solve": equivbeam.solve,
+    "wire": wirefe.solve,
+    "trace": wirefe.trace,
+    "buckling": equivbeam.buckling,
+    "stiffness": lambda name: equivbeam.lateral_stiffness(name, 1.0),
+    "calibrate": lambda name: equivbeam.calibrate(name, "curve.csv", ["axial"]),
+    "sensitivities": lambda name: equivbeam.sensitivities(name, ["E"]),
+}
+
+
+@pytest.mark.parametrize("value", ["spring-a", None], ids=str)
+@pytest.mark.parametrize("function", NAMED)
+def test_what_is_no_scene_is_refused_in_one_sentence(function, value):
+    with pytest.raises(InputError, match="must be an? .*(Scene|Path).* got " + repr(value)) as caught:
+        NAMED[function](value)
+    assert "load_scene" in str(caught.value) or function == "sensitivities"

@@ -7,7 +7,7 @@ import pytest
 
 import equivbeam
 import wirefe
-from coilspring import spring_a, spring_b
+from coilspring import Load, Scene, Spring, Supports, spring_a, spring_b
 from coilspring.errors import InputError
 from equivbeam.parameters import NAMES, values, varied
 
@@ -68,6 +68,56 @@ def test_calibration_to_the_wire_model():
     assert found.values[0] == pytest.approx(0.98, abs=0.01)
     assert found.rms_after < 0.3 * found.rms_before
     assert found.evaluations < 20
+
+
+AXIAL = Scene(
+    "guided", Spring(2.0, 16.0, 8.0, 40.0), Load((0.0, -40.0), 10), supports=Supports(top_held=("ux", "rotz"))
+)
+# parameters that are fitted to an axial curve, how many it determines, which it does not, which stay
+RANKS = {
+    "bending": (["bending"], 0, ("bending",), ("bending",)),
+    "traded": (["axial", "wire_diameter"], 1, ("axial", "wire_diameter"), ("wire_diameter",)),
+    "in their order": (["wire_diameter", "axial"], 1, ("wire_diameter", "axial"), ("axial",)),
+    "one of two": (["penalty", "axial"], 1, ("penalty",), ("penalty",)),
+    "one of three": (["bending", "G", "E"], 1, ("bending", "E"), ("bending", "E")),
+}
+
+
+@pytest.mark.parametrize("noise", [0.0, 1e-5])
+@pytest.mark.parametrize("case", RANKS)
+def test_calibration_names_what_a_curve_does_not_determine(case, noise):
+    names, rank, undetermined, fixed = RANKS[case]
+    curve = equivbeam.solve(AXIAL, factors=(1.1, 1.0, 1.0)).table
+    curve["uy"] *= 1.0 + noise * np.cos(np.arange(10))
+    found = equivbeam.calibrate(AXIAL, curve, names)
+    assert (found.rank, found.undetermined, found.fixed) == (rank, undetermined, fixed)
+    lost = np.array([name in undetermined for name in names])
+    np.testing.assert_array_equal(np.isnan(found.errors), lost)
+    at_start = np.array([name in fixed for name in names])
+    np.testing.assert_array_equal(found.values == values(AXIAL, {}, tuple(names)), at_start)
+    if rank:
+        assert found.rms_after < noise + 1e-12 < found.rms_before
+    text = str(found)
+    assert text.count("does not determine") == len(undetermined)
+    assert f"{rank} of {len(names)} parameters fitted" in text
+
+
+def test_one_number_leaves_no_standard_error():
+    curve = equivbeam.solve(AXIAL.with_steps(1), factors=(1.1, 1.0, 1.0))
+    found = equivbeam.calibrate(AXIAL, curve, ["axial"])
+    assert found.values[0] == pytest.approx(1.1)
+    assert np.isnan(found.errors[0])
+    assert found.undetermined == ()
+    assert "unknown" in str(found)
+
+
+def test_standard_errors_tell_the_scatter():
+    curve = equivbeam.solve(AXIAL, factors=(1.1, 1.0, 1.0)).table
+    off = []
+    for row in np.random.default_rng(1).normal(scale=0.01, size=(40, 10)):  # mm
+        found = equivbeam.calibrate(AXIAL, curve.assign(uy=curve["uy"] + row), ["axial"])
+        off.append((found.values[0] - 1.1) / found.errors[0])
+    assert 0.7 < np.sqrt(np.mean(np.square(off))) < 1.5
 
 
 BAD = {

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
+from coilspring import pairlaw, pairvectors
 from coilspring.pairlaw import (
     BOUND,
     MEMORY,
@@ -12,10 +13,13 @@ from coilspring.pairlaw import (
     RISE,
     WORK,
     hold,
+    normal_law,
     pair_friction,
     pair_potential,
     renewed,
 )
+from coilspring.pairreader import PairReader
+from coilspring.pairvectors import renew_bounds
 from wirefe.contact import pair_matrix
 
 D, K = 1.5, 1.0e4
@@ -46,6 +50,46 @@ def test_force_by_hand():
     assert energy == pytest.approx(50.0)
     np.testing.assert_allclose(f, [0.0, -1000.0, 0.0])
     np.testing.assert_allclose(H, np.diag([-1000 / 1.4, 1e4, -1000 / 1.4]), atol=1e-9)
+
+
+def test_normal_law_is_a_potential():
+    for k in (1.0, 1.5, 3.0):
+        energies, forces, _ = zip(*(normal_law(0.1 + step, K, k) for step in (-1e-6, 0.0, 1e-6)), strict=True)
+        assert normal_law(0.1, K, k)[1] == pytest.approx((energies[2] - energies[0]) / 2e-6)
+        assert normal_law(0.1, K, k)[2] == pytest.approx((forces[2] - forces[0]) / 2e-6)
+
+
+def _stiffening(penetration, K, k):
+    """Another law, with a branch: twice as stiff from 0.05 mm on."""
+    beyond = max(penetration - 0.05, 0.0)
+    F = K * (penetration + beyond)
+    return 0.5 * K * (penetration**2 + beyond**2), F, K * (2.0 if beyond > 0.0 else 1.0)
+
+
+class Reader(PairReader):
+    """Two pairs along y: one that penetrates by 0.1 mm, one that is open."""
+
+    class pair_law:
+        d, kc, k = D, K, 1.0
+
+    def pair_vectors(self, states):
+        return np.array([[[0.0, D - 0.1, 0.0], [0.0, D + 0.1, 0.0]]])
+
+
+def test_an_edited_law_is_that_of_kernels_of_readers_and_of_friction(monkeypatch):
+    for module in (pairlaw, pairvectors):
+        monkeypatch.setattr(module, "normal_law", _stiffening)
+    f, H = np.empty(3), np.empty((3, 3))
+    g = np.array([0.0, D - 0.1, 0.0])
+    energy = pair_potential(g, D - 0.1, D, K, 1.0, FREE, np.empty(3), f, H)
+    assert energy == pytest.approx(0.5 * K * (0.1**2 + 0.05**2))
+    assert H[1, 1] == pytest.approx(2.0 * K)
+    np.testing.assert_allclose(f, [0.0, -1500.0, 0.0])
+    np.testing.assert_allclose(Reader().pair_forces(None), [[1500.0, 0.0]])
+    memory = np.array([stuck(bound=1.0)])
+    memory[0, N0 : N0 + 3] = 0.0, 1.0, 0.0
+    renew_bounds(g[None], memory, 0.3, K, 1.0, D)
+    assert memory[0, BOUND] == pytest.approx(0.3 * 1500.0 * (D - 0.1) / D)
 
 
 def test_sliding_potential_by_hand():

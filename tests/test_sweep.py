@@ -1,11 +1,17 @@
-"""Sweeps: order kept, every spring accounted for."""
+"""Sweeps: order kept, every spring accounted for, and nothing asked of the script that starts one."""
 
+import os
+import signal
+import subprocess
+import sys
 from dataclasses import replace
+from itertools import islice, repeat
 
 import numpy as np
+import pytest
 
 import equivbeam
-from coilspring import spring_a, spring_b
+from coilspring import InputError, spring_a, spring_b
 from coilspring.scene import Contact
 
 
@@ -29,3 +35,75 @@ def test_order_and_outcomes():
     for scene, outcome in list(zip(scenes(), found, strict=True))[::40]:
         if outcome.outcome == "completed":
             np.testing.assert_array_equal(equivbeam.solve(scene, steps=1).tips[-1], outcome.tip)
+
+
+def test_scenes_are_drawn_as_they_are_needed():
+    drawn = []
+    endless = (drawn.append(None) or scene for scene in repeat(spring_a()))
+    found = equivbeam.sweep(endless, workers=1, steps=1)
+    assert drawn == []
+    assert next(found).outcome == "completed"
+    assert len(drawn) < 1000
+    found.close()
+
+
+def test_sweeps_side_by_side():
+    one, two = (equivbeam.sweep(repeat(spring_a()), workers=1, steps=steps) for steps in (1, 2))
+    for a, b in islice(zip(one, two, strict=True), 70):
+        np.testing.assert_allclose(a.tip, b.tip, rtol=1e-4)
+    one.close()
+    assert next(two).outcome == "completed"
+    two.close()
+
+
+@pytest.mark.parametrize("scenes", ["spring-a", spring_a(), None], ids=["name", "scene", "nothing"])
+def test_what_are_no_scenes_is_refused(scenes):
+    with pytest.raises(InputError, match="scenes must be an iterable of "):
+        equivbeam.sweep(scenes)
+
+
+def test_what_is_no_scene_among_scenes_is_refused_there():
+    found = list(equivbeam.sweep([spring_a(), "spring-a"], workers=1, steps=1))
+    assert [each.outcome for each in found] == ["completed", "refused"]
+    assert "scene must be a coilspring.Scene, got 'spring-a'" in found[1].message
+
+
+SCRIPT = """
+import sys
+from itertools import repeat
+import equivbeam
+from coilspring import spring_a
+assert "loky" not in sys.modules
+for found in equivbeam.sweep(repeat(spring_a(), COUNT), workers=2, steps=1):
+    print(found.outcome, flush=True)
+"""
+
+
+@pytest.mark.parametrize("source", ["file", "standard input"])
+def test_a_script_needs_no_guard(source, tmp_path):
+    text = SCRIPT.replace("COUNT", "3")
+    file = tmp_path / "script.py"
+    file.write_text(text)
+    call = {"input": text} if source == "standard input" else {}
+    done = subprocess.run(
+        [sys.executable, "-" if call else file], **call, capture_output=True, text=True, check=False
+    )
+    assert (done.stdout, done.stderr) == ("completed\n" * 3, "")
+
+
+def test_an_interrupt_ends_a_sweep_at_once_and_quietly():
+    """Of the whole group, as Ctrl-C on a terminal is: one traceback, of the script."""
+    code = SCRIPT.replace("COUNT", "10**9")
+    run = subprocess.Popen(
+        [sys.executable, "-c", code],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        start_new_session=True,
+    )
+    assert run.stdout.readline() == "completed\n"
+    os.killpg(run.pid, signal.SIGINT)
+    _, said = run.communicate(timeout=30)
+    assert run.returncode == -signal.SIGINT
+    assert said.count("Traceback") == 1
+    assert said.endswith("KeyboardInterrupt\n")

@@ -102,7 +102,8 @@ def _add_check(commands: argparse._SubParsersAction) -> None:
 def _add_reproduce(commands: argparse._SubParsersAction) -> None:
     purpose = "the paper's tables and figures by both models, and a report"
     command = _command(commands, "reproduce", purpose, "coilcheck reproduce --only table3,fig5")
-    command.description += (
+    command.description = (
+        f"{command.description}"
         " Solved runs and finished pieces are kept for the next time: in $COILCHECK_STORE, by default the "
         "folder coilcheck among the user's caches, 256 MiB at most."
     )

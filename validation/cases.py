@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from typing import Any
 
 import equivbeam
 import wirefe
@@ -14,9 +15,9 @@ from validation.storedruns import packed, run_key, unpacked
 from validation.warmup import make_ready
 
 # the paper's proposed model, solved with the exact tangent
-PAPER_BEAM = {"law": "haringx", "tangent": "exact", "sliding": "ignore"}
+PAPER_BEAM: dict[str, Any] = {"law": "haringx", "tangent": "exact", "sliding": "ignore"}
 # the paper's FE mesh (its Table 2)
-PAPER_MESH = {"element": "straight", "elements_per_turn": 40, "pairs_per_turn": 4}
+PAPER_MESH: dict[str, Any] = {"element": "straight", "elements_per_turn": 40, "pairs_per_turn": 4}
 FINE_MESH = PAPER_MESH | {"elements_per_turn": 80}  # to estimate the error of that mesh
 
 
@@ -57,12 +58,12 @@ def case(name: str) -> Case:
     return next(item for item in CASES if item.name == name)
 
 
-def solve_beam(scene: Scene, **options: object) -> EquilibriumPath:
+def solve_beam(scene: Scene, **options: Any) -> EquilibriumPath:
     """Path of the equivalent beam, solved anew; by default the paper's."""
     return equivbeam.solve(scene, **(PAPER_BEAM | options))
 
 
-def solve_wire(scene: Scene, **options: object) -> EquilibriumPath:
+def solve_wire(scene: Scene, **options: Any) -> EquilibriumPath:
     """Path of the wire model, solved anew; by default on the paper's mesh."""
     return wirefe.solve(scene, **(PAPER_MESH | options))
 

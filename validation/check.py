@@ -7,15 +7,12 @@ from collections.abc import Iterator
 
 from coilspring import InputError, Scene
 from coilspring.scene import SEATS
-from coilspring.sizing import Sizes, middle_diameter, sizes
+from coilspring.sizing import Sizes, sizes
 from equivbeam.model import build_model
+from validation.doubts import warnings
 from wirefe.mesh import mesh_wire
 
-# EN 13906-1:2013: ranges of cold-coiled springs to which its formulas apply
-INDEX = (4.0, 20.0)
-LEAST_COILS = 2.0
-STEEPEST = 7.5  # degrees
-TOUCHING = 1e-3  # wire diameters
+STEEPEST = 7.5  # degrees; EN 13906-1:2013, to which its formulas apply
 LEFT_OUT = "; what keeps its coils from sliding with --sliding scene alone"
 ELEMENTS_PER_TURN = 40  # of the wire model, where nothing is said
 
@@ -24,7 +21,8 @@ def report(scene: Scene) -> tuple[list[str], list[str]]:
     """Lines that say what a scene is, and warnings."""
     found = sizes(scene)
     models = [f"  {model:<13} {verdict}" for model, verdict in _models(scene)]
-    return [f"{scene.name}: a valid scene", *_lines(scene, found), *models], list(_warnings(scene, found))
+    lines = [f"{scene.name}: a valid scene", *_lines(scene, found), *models]
+    return lines, [*warnings(scene), *_of_formulas(found)]
 
 
 def _lines(scene: Scene, found: Sizes) -> Iterator[str]:
@@ -38,8 +36,9 @@ def _lines(scene: Scene, found: Sizes) -> Iterator[str]:
         f"  coils         {spring.active_coils:g} active{parts}, {found.total_coils:g} in all; "
         f"{kind}, {spring.hand}-handed"
     )
+    over = "over the ground ends" if scene.supports.seat == "plate" else "over the wire"
     yield (
-        f"  length        free {found.free_length:.4g} mm, solid {found.solid_length:.4g} mm, over the wire; "
+        f"  length        free {found.free_length:.4g} mm, solid {found.solid_length:.4g} mm, {over}; "
         f"active {spring.active_height:g} mm"
     )
     gap = "none below one coil" if found.least_gap is None else f"{found.least_gap:.3g} mm at least"
@@ -65,37 +64,13 @@ def _axial(found: Sizes) -> str:
     )
 
 
-def _warnings(scene: Scene, found: Sizes) -> Iterator[str]:
-    spring, slender = scene.spring, scene.spring.active_height / middle_diameter(scene.spring)
-    low, high = found.index
-    if low < INDEX[0] or high > INDEX[1]:
-        yield f"index D/d is {low:.3g} to {high:.3g}, outside {INDEX[0]:g} to {INDEX[1]:g} (EN 13906-1)"
-    if spring.active_coils < LEAST_COILS:
-        yield f"{spring.active_coils:g} active coils, less than {LEAST_COILS:g} (EN 13906-1)"
+def _of_formulas(found: Sizes) -> Iterator[str]:
+    """What the numbers of this report leave out."""
     angle = math.degrees(found.helix_angle)
     if angle > STEEPEST:
         yield f"helix angle up to {angle:.3g} degrees, above {STEEPEST:g}: the formulas leave it out"
     if found.force < 0.0:
         yield "the axial load pulls: the formulas are those of a compression spring"
-    if found.buckling is not None and found.shortening >= found.buckling:
-        yield (
-            f"slenderness {slender:.3g}: as a column it buckles when shortened by {found.buckling:.3g} mm, "
-            f"at about {found.buckling * found.rate:.3g} N (EN 13906-1; see also equivbeam.buckling)"
-        )
-    if found.least_gap is not None and found.least_gap < TOUCHING * spring.wire_diameter:
-        yield "coils touch at rest"
-    if math.isinf(found.force):
-        yield (
-            f"the prescribed shortening of {found.shortening:.3g} mm is beyond solid: "
-            f"the spring has {found.travel:.3g} mm"
-        )
-    elif found.force > found.closing[1]:
-        yield (
-            f"the axial load of {found.force:.3g} N is beyond solid: the last coil closes at "
-            f"{found.closing[1]:.3g} N"
-        )
-    elif found.force > found.closing[0] and not scene.contact.enabled:
-        yield "coils close under the load, and contact is not enabled"
 
 
 def _models(scene: Scene) -> Iterator[tuple[str, str]]:

@@ -20,6 +20,7 @@ from validation.arguments import (
     given,
     scene_of,
 )
+from validation.doubts import warnings
 from validation.metrics import compare_paths
 from validation.output import (
     OutputError,
@@ -119,6 +120,7 @@ def solve(arguments: argparse.Namespace) -> int:
             files |= series_files(path)
         write_files(files, folder)
         remove_stale(files, folder)
+    _warn(scene, arguments)
     _conclude(arguments, summary(path), [*digest(path), f"written to {folder}"])
     return _verdict(path)
 
@@ -137,6 +139,7 @@ def compare(arguments: argparse.Namespace) -> int:
             "scene": scene.name,
             **asdict(comparison),
             **{model: str((folder / model).resolve()) for model in paths},
+            "warnings": warnings(scene),
             "outcomes": {model: path.outcome for model, path in paths.items()},
             "notes": [f"{model}: {note}" for model, path in paths.items() for note in notes(path)],
         }
@@ -149,10 +152,10 @@ def compare(arguments: argparse.Namespace) -> int:
         remove_stale(files, folder)
         for model in paths:
             remove_stale({}, folder / model)
+    _warn(scene, arguments)
     lines = [line for path in paths.values() for line in digest(path)]
-    _conclude(
-        arguments, found, [*lines, apart(comparison, bool(scene.load.displacement)), f"written to {folder}"]
-    )
+    lines += apart(comparison, bool(scene.load.displacement))
+    _conclude(arguments, found, [*lines, f"written to {folder}"])
     return _verdict(*paths.values())
 
 
@@ -219,6 +222,14 @@ def _in_file(scene: str, error: InputError) -> InputError:
     if scene not in CATALOGUE and str(error).partition(".")[0] in SECTIONS:
         return InputError(f"{scene}: {error}")
     return error
+
+
+def _warn(scene: Scene, arguments: argparse.Namespace) -> None:
+    """Say on stderr what makes the scene doubtful, unless asked to be quiet or for JSON, which holds it."""
+    if hasattr(arguments, "quiet") or hasattr(arguments, "json"):
+        return
+    for warning in warnings(scene):
+        print(f"coilcheck: warning: {warning}", file=sys.stderr)
 
 
 def _verdict(*paths: EquilibriumPath) -> int:

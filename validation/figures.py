@@ -17,16 +17,27 @@ from PIL import Image
 
 from coilspring import EquilibriumPath
 from validation.cases import PathStore, case
-from validation.style import BEAM_LABEL, BEAM_LINE, BLUE, DOUBLE, RED, SINGLE, STEEL, WIRE_LABEL, WIRE_LINE
+from validation.style import (
+    BEAM_LABEL,
+    BEAM_LINE,
+    BLUE,
+    DOUBLE,
+    RED,
+    SINGLE,
+    STEEL,
+    WIRE_LABEL,
+    WIRE_LINE,
+    Look,
+)
 
 COLOURS = 256  # of a stored picture; keeps the files small
-CONTACT_LINE = {"color": "black", "linewidth": 1.0}
-HELD_LINE = {"color": RED, "linewidth": 2.4, "alpha": 0.7}  # both are of the wire model
-FREE_LINE = {"color": "black", "linewidth": 1.0, "linestyle": (0, (4, 2))}
-EXACT_LINE = {
+CONTACT_LINE: Look = {"color": "black", "linewidth": 1.0}
+HELD_LINE: Look = {"color": RED, "linewidth": 2.4, "alpha": 0.7}  # both are of the wire model
+FREE_LINE: Look = {"color": "black", "linewidth": 1.0, "linestyle": (0, (4, 2))}
+EXACT_LINE: Look = {
     "color": STEEL, "marker": "s", "markerfacecolor": "white", "linewidth": 0.8, "linestyle": "--",
 }  # fmt: skip
-NO_CONTACT_LINE = {"color": "black", "linewidth": 1.1, "linestyle": (0, (1, 1.3))}
+NO_CONTACT_LINE: Look = {"color": "black", "linewidth": 1.1, "linestyle": (0, (1, 1.3))}
 TIPS = ("UX (mm)", "UY (mm)", "ROTZ (rad)")
 
 
@@ -133,8 +144,8 @@ def _contact_and_without(name: str) -> tuple[tuple[str, str, dict], ...]:
 def discs(axes: Axes, centres: np.ndarray, diameter: float, **look: Any) -> None:
     """Circles to scale around centres (n, 2)."""
     size = np.full(1, diameter)
-    look = {"units": "xy", "offsets": centres, "offset_transform": axes.transData} | look
-    axes.add_collection(EllipseCollection(size, size, 0.0, **look))
+    placed = {"offsets": centres, "offset_transform": axes.transData} | look
+    axes.add_collection(EllipseCollection(size, size, 0.0, units="xy", **placed))
 
 
 def both(axes: Axes, beam: tuple[np.ndarray, np.ndarray], wire: tuple[np.ndarray, np.ndarray]) -> None:

@@ -14,6 +14,7 @@ from pathlib import Path
 import numpy as np
 
 from coilspring.path import EquilibriumPath
+from validation.doubts import warnings
 from validation.machine import versions
 
 
@@ -182,6 +183,7 @@ def summary(path: EquilibriumPath) -> dict[str, object]:
         "model": path.model,
         "outcome": path.outcome,
         "message": path.message,
+        "warnings": warnings(path.scene),
         "last_time": path.times[-1] if len(path.times) else 0.0,
         "critical_time": path.critical_time,
         "critical_bracket": path.critical_bracket,

@@ -8,7 +8,7 @@ from __future__ import annotations
 import sys
 import tempfile
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -70,7 +70,7 @@ def _draw(
     """One panel; `every` are all points that the frame has to hold."""
     import pyvista
 
-    plotter = pyvista.Plotter(off_screen=True, window_size=(PIXELS, PIXELS), lighting="light kit")
+    plotter = pyvista.Plotter(off_screen=True, window_size=[PIXELS, PIXELS], lighting="light kit")
     plotter.set_background("white")
     add_spring(plotter, rest, beam, wire, diameter)
     aim(plotter, every, diameter)
@@ -89,7 +89,7 @@ def add_spring(
 ) -> None:
     """The beam's tube in bands of the wire model's, and a line where the wire was at rest."""
     radius = 0.5 * diameter
-    shine = {"smooth_shading": True, "specular": 0.2, "ambient": 0.35, "diffuse": 0.75}
+    shine: dict[str, Any] = {"smooth_shading": True, "specular": 0.2, "ambient": 0.35, "diffuse": 0.75}
     plotter.add_mesh(tubes([rest], LINE * radius, 6), color=GREY, lighting=False)
     plotter.add_mesh(tubes([beam], radius, sides), color=BLUE, **shine)
     plotter.add_mesh(tubes(bands(wire), BAND_SCALE * radius, sides), color=LIT_RED, **shine)

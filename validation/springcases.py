@@ -119,7 +119,7 @@ def rate() -> Check:
 def frequencies() -> Check:
     """Natural frequencies of a clamped spring."""
     height = 7.6 * 10.0 * np.pi * np.tan(np.radians(8.5744))
-    spring = Spring(1.0, 10.0, 7.6, height, end_turns=0.0)
+    spring = Spring(1.0, (10.0, 10.0), 7.6, height, end_turns=0.0)
 
     def found(count: int) -> np.ndarray:
         phases = np.linspace(0.0, spring.phase_end, round(7.6 * count) + 1)

@@ -15,15 +15,15 @@ from matplotlib.patches import Patch, Rectangle
 
 from validation.figures import discs
 from validation.shapes import BAND_SCALE, Shapes, bands, view
-from validation.style import BEAM_LABEL, BLUE, DARK_RED, DOUBLE, GREY, LIT_RED, PALE_BLUE, WIRE_LABEL
+from validation.style import BEAM_LABEL, BLUE, DARK_RED, DOUBLE, GREY, LIT_RED, PALE_BLUE, WIRE_LABEL, Look
 
 TALLEST = 4.4  # in, of the springs
 DETAIL = 1.0  # in, a side of an enlarged detail
 ZOOM = 4.0  # mm shown across it
 MARGIN = 0.6  # mm around the springs
-REST_CIRCLE = {"facecolor": "none", "edgecolor": "#b5b5b5", "linewidth": 0.5}
-BEAM_CIRCLE = {"facecolor": "#2457a633", "edgecolor": PALE_BLUE, "linewidth": 1.8}
-WIRE_CIRCLE = {"facecolor": "none", "edgecolor": DARK_RED, "linewidth": 0.9, "linestyle": (0, (3, 2))}
+REST_CIRCLE: Look = {"facecolor": "none", "edgecolor": "#b5b5b5", "linewidth": 0.5}
+BEAM_CIRCLE: Look = {"facecolor": "#2457a633", "edgecolor": PALE_BLUE, "linewidth": 1.8}
+WIRE_CIRCLE: Look = {"facecolor": "none", "edgecolor": DARK_RED, "linewidth": 0.9, "linestyle": (0, (3, 2))}
 
 
 def space_figure(panels: tuple[Shapes, ...], rendered: list[Path] | str) -> Figure:

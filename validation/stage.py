@@ -15,7 +15,7 @@ from validation.style import GREY
 if TYPE_CHECKING:
     import pyvista
 
-PIXELS = (1000, 720)  # room for the scale beside the spring
+PIXELS = [1000, 720]  # room for the scale beside the spring
 SPHERE = 0.62  # radius of a contact sphere over the wire's diameter: to be seen around the tube
 TITLE = "contact, N\n"  # clear of the largest number
 ROOM = 0.8  # of the window's height, which leaves the slider clear of the wire

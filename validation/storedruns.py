@@ -6,6 +6,7 @@ import io
 import json
 from collections.abc import Mapping
 from dataclasses import asdict
+from typing import Any
 
 import numpy as np
 
@@ -46,7 +47,7 @@ def unpacked(
 ) -> EquilibriumPath:
     """The path of an entry; `scene` and `options` are those of its key."""
     numbers = json.loads(files["numbers.json"])
-    arrays = {name: _array(files[f"{name}.npy"]) for name in (*ARRAYS, "found")}
+    arrays: dict[str, Any] = {name: _array(files[f"{name}.npy"]) for name in (*ARRAYS, "found")}
     found = arrays.pop("found")
     solved = scene.overridden(options.get("steps"), options.get("penalty"))  # type: ignore[arg-type]
     shape = _shape(model, solved, numbers["options"], found)
@@ -71,7 +72,7 @@ def _shape(model: str, scene: Scene, options: Mapping[str, object], found: np.nd
 def _pairs_found(path: EquilibriumPath) -> np.ndarray:
     """Sphere pairs that the wire model's search has found: the last ones of its pairs."""
     count = path.options.get("pairs_found", 0)
-    if not count:
+    if not isinstance(count, int) or not count:
         return np.zeros((0, 2), dtype=np.int64)
     return path.shape.data.contact.pairs[-count:]  # type: ignore[attr-defined]
 

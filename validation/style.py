@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+from typing import Any
+
+Look = dict[str, Any]  # keywords of a line or a patch
+
 SINGLE, DOUBLE = 3.35, 6.69  # column widths, in: 85 and 170 mm
 BLUE, RED, GREY = "#2457a6", "#e8562a", "#8c8c8c"  # as the paper: proposed model blue, FE red
 STEEL = "#4d87bd"  # a second line of the equivalent beam
 PALE_BLUE, DARK_RED = "#8db3e2", "#c43c12"  # of lines that coincide: BLUE and RED would be one grey
 LIT_RED = "#f0774a"  # of surfaces, whose shades would else be as dark as the blue in grey
 
-RC = {
+RC: dict[Any, Any] = {
     "figure.dpi": 300,
     "savefig.dpi": 300,
     "font.family": "sans-serif",
@@ -29,6 +33,6 @@ RC = {
     "axes.axisbelow": True,
 }
 # Both models mostly coincide: the beam is a wide pale line, the wire model a thin dashed one on top.
-BEAM_LINE = {"color": PALE_BLUE, "linewidth": 2.6, "solid_capstyle": "butt"}
-WIRE_LINE = {"color": DARK_RED, "linewidth": 1.1, "linestyle": (0, (4, 2))}
+BEAM_LINE: Look = {"color": PALE_BLUE, "linewidth": 2.6, "solid_capstyle": "butt"}
+WIRE_LINE: Look = {"color": DARK_RED, "linewidth": 1.1, "linestyle": (0, (4, 2))}
 BEAM_LABEL, WIRE_LABEL = "equivalent beam (proposed model)", "wire model (FE)"

@@ -61,17 +61,24 @@ def notes(path: EquilibriumPath) -> list[str]:
         )
     if contact.sliding == "free" and path.critical_time is not None and path.active_contacts[-1:].any():
         said.append('coils touch, and may slide off one another: contact.sliding = "none" would hold them')
+    if path.outcome == "completed" and "; " in path.message:
+        said.append(path.message.partition("; ")[2])
     return said
 
 
-def apart(found: Comparison, driven: bool) -> str:
+def apart(found: Comparison, driven: bool) -> list[str]:
     """How far two paths lie apart, for a reader at the terminal; `driven`: UY is prescribed."""
     if found.steps == 0:
-        return "no step was reached by both models: nothing to compare"
-    worst = max(found.component_max, key=found.component_max.__getitem__)
-    name = "axial force" if driven and worst == "uy" else worst
-    return (
+        return ["no step was reached by both models: nothing to compare"]
+    names = {name: "force" if driven and name == "uy" else name for name in found.component_max}
+    worst = max(names, key=found.component_max.__getitem__)
+    return [
         f"difference over {found.steps} common steps: "
-        f"curve {100 * found.curve_max:.3g} % at most ({name}), {100 * found.curve_rms:.3g} % rms; "
-        f"shape at time {found.last_time:g} {found.shape_max:.3g} mm at most, {found.shape_rms:.3g} mm rms"
-    )
+        f"curve {100 * found.curve_max:.3g} % at most ({names[worst]}), {100 * found.curve_rms:.3g} % rms; "
+        f"shape at time {found.last_time:g} {found.shape_max:.3g} mm at most, {found.shape_rms:.3g} mm rms",
+        *(
+            f"  {label:<5} {100 * found.component_max[name]:.3g} % at most, "
+            f"{100 * found.component_rms[name]:.3g} % rms of the wire model's peak"
+            for name, label in names.items()
+        ),
+    ]

@@ -100,9 +100,8 @@ def _draw_flat(frames: Frames, files: list[Path]) -> None:
         axes = figure.add_subplot(aspect="equal", title=f"time {time:.2f}", xlabel="X, mm", ylabel="Y, mm")
         axes.plot(points[:, 0], points[:, 1], color="0.6", linewidth=3.0)
         if touched.size:
-            dots = axes.scatter(
-                *points[touched, :2].T, c=forces[touched], vmin=0.0, vmax=frames.forces.max(), zorder=3
-            )
+            x, y = points[touched, :2].T
+            dots = axes.scatter(x, y, c=forces[touched], vmin=0.0, vmax=frames.forces.max(), zorder=3)
             figure.colorbar(dots, label="contact force, N")
         axes.set_xlim(low[0] - margin, high[0] + margin)
         axes.set_ylim(low[1] - margin, high[1] + margin)

@@ -109,8 +109,12 @@ def measure(store: PathStore) -> Measurement:
 
 
 def _iterations(store: PathStore, case: Case) -> tuple[int, int, int]:
-    paths = (store.wire(case.scene), store.beam(case.scene), store.beam(case.scene, tangent="paper"))
-    return tuple(path.total_iterations for path in paths)
+    wire, beam, paper = (
+        store.wire(case.scene),
+        store.beam(case.scene),
+        store.beam(case.scene, tangent="paper"),
+    )
+    return wire.total_iterations, beam.total_iterations, paper.total_iterations
 
 
 def _round(case: Case) -> tuple[float, float, float]:

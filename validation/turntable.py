@@ -59,7 +59,7 @@ def main(folder: Path) -> None:
     sys.modules["trame.widgets.vtklocal"] = None  # type: ignore[assignment]
     with np.load(folder / "panels.npz") as stored:
         data = dict(stored)
-    plotter = pyvista.Plotter(off_screen=True, window_size=(1200, 800))
+    plotter = pyvista.Plotter(off_screen=True, window_size=[1200, 800])
     plotter.set_background("white")
     low, high = _springs(plotter, data)
     for i, (words, colour) in enumerate(KEY):

@@ -10,7 +10,7 @@ from coilspring.errors import EquilibriumNotFound, InputError, require_choice, r
 from coilspring.kernelset import Kernels
 from coilspring.pairlaw import MEMORY
 from coilspring.path import EquilibriumPath
-from coilspring.scene import Scene
+from coilspring.scene import Scene, require_scene
 from coilspring.solving import Problem, follow_load, follow_problem, scene_path
 from coilspring.stepping import STRAY
 from wirefe import driven, kernels, model, seated
@@ -79,7 +79,7 @@ def solve(
     InputError : bad input, in one sentence.
     EquilibriumNotFound : the path ends before time 1; carries what was reached.
     """
-    scene = scene.overridden(steps, penalty)
+    scene = require_scene(scene).overridden(steps, penalty)
     spent, seconds, found = 0, 0.0, NO_PAIRS
     while True:
         problem, mesh, options = scene_problem(scene, element, elements_per_turn, pairs_per_turn, found)

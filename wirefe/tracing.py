@@ -14,7 +14,7 @@ from coilspring.kernelset import Kernels
 from coilspring.packing import pack
 from coilspring.pairvectors import OVERLAP_ALLOWED
 from coilspring.path import EquilibriumPath
-from coilspring.scene import Scene
+from coilspring.scene import Scene, require_scene
 from coilspring.solving import Problem
 from coilspring.warming import compile_kernels
 from wirefe.rod import Rod
@@ -49,13 +49,13 @@ def trace(
     EquilibriumNotFound : the arc shrank to nothing before; carries what was reached.
     """
     require_integer("points", points, 1, 100_000)
+    scene = require_scene(scene).overridden(penalty=penalty)
     if scene.contact.enabled and scene.contact.sliding == "coulomb":
         raise InputError(
             "contact.sliding must be free or none for trace: friction depends on the path, got 'coulomb'"
         )
     if scene.load.stages or scene.load.displacement:
         raise InputError("load must be one force for trace, got stages or a displacement")
-    scene = scene.overridden(penalty=penalty)
     spent, pairs = 0, NO_PAIRS
     while True:
         problem, mesh, options = scene_problem(scene, element, elements_per_turn, pairs_per_turn, pairs)

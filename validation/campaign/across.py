@@ -8,6 +8,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 
@@ -81,7 +82,8 @@ class AcrossEnergy(PlaneEnergy):
 
     def _pair_vectors(self, x: np.ndarray, index: np.ndarray | slice) -> tuple[np.ndarray, ...]:
         """Vectors (3, ...) between the centres of the pairs."""
-        mine, g = self._of(index), 0.0
+        mine = self._of(index)
+        g: Any = 0.0
         for side, sign in zip(mine.sides, (-1.0, 1.0), strict=True):
             g = g + sign * (_carried(side, x) + _arm(side, x))
         chi, _, rho, _ = mine.wound(_lengths(x)[0])

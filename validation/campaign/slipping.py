@@ -217,7 +217,7 @@ def _wire_tangent(forces: WireForces, rows: np.ndarray, pairs: int) -> np.ndarra
     """Derivative of the elements' forces, by central differences, with room for normal forces; 1 where
     held."""
     nodes, d = len(rows), forces.d
-    J = np.zeros((nodes, 6, nodes, 6))
+    J: np.ndarray = np.zeros((nodes, 6, nodes, 6))
     for first in range(3):  # an element joins two nodes: every third may be moved at once
         some = np.arange(first, nodes, 3)
         for i in range(6):

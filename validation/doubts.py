@@ -1,0 +1,61 @@
+"""What makes a scene doubtful before it is solved, in a sentence each."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+
+from coilspring import Scene
+from coilspring.sizing import Sizes, middle_diameter, sizes
+
+# EN 13906-1:2013: ranges of cold-coiled springs to which its formulas apply
+INDEX = (4.0, 20.0)
+LEAST_COILS = 2.0
+TOUCHING = 1e-3  # wire diameters
+SOFTEST = 1000.0  # MPa; metals have 1e4 and more
+THINNEST = 0.05  # mm; wire is drawn to about 0.1 for springs
+
+
+def warnings(scene: Scene) -> list[str]:
+    """Sentences on units, ranges of the standard, buckling, and coils that close or cannot."""
+    found = sizes(scene)
+    return [*_of_units(scene), *_of_ranges(scene, found), *_of_load(scene, found)]
+
+
+def _of_units(scene: Scene) -> Iterator[str]:
+    E, d = scene.material.E, scene.spring.wire_diameter
+    if E < SOFTEST:
+        yield f"E is {E:g} MPa, which looks like GPa: 206 GPa are 206000 MPa"
+    if d < THINNEST:
+        yield f"the wire diameter is {d:g} mm, which looks like metres: lengths are in mm"
+
+
+def _of_ranges(scene: Scene, found: Sizes) -> Iterator[str]:
+    low, high = found.index
+    if low < INDEX[0] or high > INDEX[1]:
+        yield f"index D/d is {low:.3g} to {high:.3g}, outside {INDEX[0]:g} to {INDEX[1]:g} (EN 13906-1)"
+    if scene.spring.active_coils < LEAST_COILS:
+        yield f"{scene.spring.active_coils:g} active coils, less than {LEAST_COILS:g} (EN 13906-1)"
+    if found.least_gap is not None and found.least_gap < TOUCHING * scene.spring.wire_diameter:
+        yield "coils touch at rest"
+
+
+def _of_load(scene: Scene, found: Sizes) -> Iterator[str]:
+    if found.buckling is not None and found.shortening >= found.buckling:
+        slender = scene.spring.active_height / middle_diameter(scene.spring)
+        yield (
+            f"slenderness {slender:.3g}: as a column it buckles when shortened by {found.buckling:.3g} mm, "
+            f"at about {found.buckling * found.rate:.3g} N (EN 13906-1; see also equivbeam.buckling)"
+        )
+    if math.isinf(found.force):
+        yield (
+            f"the prescribed shortening of {found.shortening:.3g} mm is beyond solid: "
+            f"the spring has {found.travel:.3g} mm"
+        )
+    elif found.force > found.closing[1]:
+        yield (
+            f"the axial load of {found.force:.3g} N is beyond solid: the last coil closes at "
+            f"{found.closing[1]:.3g} N"
+        )
+    elif found.force > found.closing[0] and not scene.contact.enabled:
+        yield "coils close under the load, and contact is not enabled"
