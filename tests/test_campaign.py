@@ -337,7 +337,15 @@ def test_crash_is_an_unexplained_outcome(monkeypatch):
     row = run.judged("b000000", SEED)
     assert row["class"] == UNEXPLAINED
     assert "planted" in row["reason"]
-    assert set(CLASSES) == {"completed", "critical", "ended", "apart", "refused", "unexplained"}
+    assert set(CLASSES) == {
+        "completed",
+        "critical",
+        "interpenetration",
+        "ended",
+        "apart",
+        "refused",
+        "unexplained",
+    }
 
 
 def test_no_answer_is_asked_to_be_finer_than_its_positions():

@@ -157,32 +157,24 @@ def test_spring_b_against_the_exact_rod():
 
 
 @cache
-def wire(name, pairs=4):
-    return wirefe.solve(load_scene(name), element="curved", elements_per_turn=16, pairs_per_turn=pairs)
+def wire(name):
+    return wirefe.solve(load_scene(name), element="curved", elements_per_turn=16)
 
 
-@pytest.mark.parametrize(("name", "pairs", "sliding"), [
-    ("spring-a-no-contact", 4, "ignore"),  # measured 0.065 %
-    ("spring-a", 4, "ignore"),  # 0.134 %
-    ("spring-b-no-contact", 4, "ignore"),  # 0.156 %
-    ("spring-b", 2, "scene"),  # 0.088 %: the same contact points and the same rule of sliding
+@pytest.mark.parametrize("name", [
+    "spring-a-no-contact",  # measured 0.065 %
+    "spring-a",  # 0.134 %
+    "spring-b-no-contact",  # 0.156 %
 ])  # fmt: skip
-def test_load_curve(name, pairs, sliding):
-    path = equivbeam.solve(load_scene(name), law="helix", sliding=sliding, plane="working")
-    assert compare_paths(path, wire(name, pairs)).curve_max <= 0.003
+def test_load_curve(name):
+    path = equivbeam.solve(load_scene(name), law="helix", plane="working")
+    assert compare_paths(path, wire(name)).curve_max <= 0.003
 
 
 def test_spring_b_in_contact_misses_the_pairs_out_of_the_plane():
-    """1.20 %, as much as the wire model itself changes when it has the plane's 2 pairs a turn: 1.29 %.
-
-    What the plane across makes of it: tests/test_across.py.
-    """
-    whole = wire("spring-b")
+    """1.20 %; what the plane across makes of it: tests/test_across.py."""
     path = equivbeam.solve(spring_b(), law="helix", sliding="scene", plane="working")
-    found = compare_paths(path, whole).curve_max
-    own = compare_paths(wire("spring-b", 2), whole).curve_max
-    assert found == pytest.approx(0.0120, abs=5e-4)
-    assert found == pytest.approx(own, abs=1.5e-3)
+    assert compare_paths(path, wire("spring-b")).curve_max == pytest.approx(0.0120, abs=5e-4)
 
 
 @pytest.mark.parametrize("spring", [spring_a().spring, spring_b().spring, STEEP, Spring(1.0, 2.0, 3.0, 6.0)])

@@ -11,7 +11,7 @@ from scipy.stats import binom
 
 from validation.document import Block, Bullets, Heading, Picture, Table, Text
 from validation.randomscenes import KINDS, SIDE, TEXT
-from validation.randomsprings import COMPONENTS, LAWS, NEGLIGIBLE, OVERLAP, PAIRS
+from validation.randomsprings import COMPONENTS, LAWS, NEGLIGIBLE, PAIRS
 
 CLASSES = ("without contact", "none closes", "up to 3 close", "more than 3 close")
 NAMES = {"helix": "helix law", "haringx": "paper's law"}
@@ -29,8 +29,7 @@ MEASURED = (
     "peak: of the tip vector (UX, UY), or the axial force where UY is prescribed; and of each component "
     f"over its own peak. A component whose peak is below {NEGLIGIBLE:g} of the largest, ROTZ taken times "
     "the mean coil radius, is left out. Closed pairs are counted as the paper's 4 a turn: quarter turns of "
-    "the wire on which pairs are closed, the largest number at once. A wire path counts up to the state in "
-    f"which its coils overlap by more than {OVERLAP:g} d between the pairs (*interpenetration*)."
+    "the wire on which pairs are closed, the largest number at once."
 )
 
 

@@ -9,7 +9,6 @@ from typing import Any
 
 import numpy as np
 import pandas as pd
-from scipy.spatial import cKDTree
 
 import equivbeam
 import wirefe
@@ -28,8 +27,6 @@ ELEMENTS = {True: 16, False: 8}  # curved, a turn, with contact and without
 PAIRS = 16  # a turn, in contact
 PAPER_PAIRS = 4  # a turn: how closed pairs are counted
 NEGLIGIBLE = 1e-3  # of the largest component; ROTZ times the mean coil radius
-OVERLAP = 0.1  # of the wire diameter, from which on a wire path is no reference
-POINTS = 160  # a turn, at which the wire is looked at for it
 DIGITS = "%.4g"
 
 
@@ -47,7 +44,6 @@ def row(drawn: Drawn) -> dict[str, Any]:
     scene, spring = drawn.scene, drawn.scene.spring
     contact = scene.contact.enabled
     wire = reference(scene)
-    rows = sound(wire)
     other = reference(scene, elements=16, pairs=PAIRS // 2)
     diameter = middle_diameter(spring)
     found: dict[str, Any] = {
@@ -55,14 +51,14 @@ def row(drawn: Drawn) -> dict[str, Any]:
         **{"index": diameter / spring.wire_diameter, "coils": spring.active_coils},
         **{"slenderness": spring.active_height / diameter, "phase": math.degrees(spring.start_phase)},
         "contact": contact,
-        "closed": closed(wire, rows) if contact else 0,
-        "wire": wire.outcome if rows == len(wire.times) else "interpenetration",
-        "reference": errors(other, wire, min(rows, sound(other)))["vector"],
+        "closed": closed(wire) if contact else 0,
+        "wire": wire.outcome,
+        "reference": errors(other, wire)["vector"],
     }
     for law in LAWS:
         path = as_far(equivbeam.solve, scene, law=law)
         found[law] = path.outcome
-        found |= {f"{law}_{name}": value for name, value in errors(path, wire, rows).items()}
+        found |= {f"{law}_{name}": value for name, value in errors(path, wire).items()}
     return found
 
 
@@ -75,39 +71,23 @@ def reference(scene: Scene, elements: int | None = None, pairs: int = PAIRS) -> 
     return as_far(wirefe.solve, scene, **options)
 
 
-def closed(wire: EquilibriumPath, rows: int) -> int:
-    """Largest number of quarter turns on which pairs are closed at once, of so many rows.
+def closed(wire: EquilibriumPath) -> int:
+    """Largest number of quarter turns on which pairs are closed at once.
 
     A contact of the paper's pairs, 4 a turn, is one quarter turn, whatever the number of pairs.
     """
     pairs: np.ndarray = wire.shape.data.contact.pairs  # type: ignore[attr-defined]
     quarters = pairs[:, 0] * PAPER_PAIRS // PAIRS
-    return max((len(np.unique(quarters[gaps < 0.0])) for gaps in wire.gaps[:rows]), default=0)
+    return max((len(np.unique(quarters[gaps < 0.0])) for gaps in wire.gaps), default=0)
 
 
-def sound(wire: EquilibriumPath) -> int:
-    """Rows of a wire path before the first at which coils overlap by more than `OVERLAP`.
-
-    Coils may pass each other between the pairs; what follows is no answer to hold a law against.
-    """
-    scene, half = wire.scene, POINTS // 2
-    if not scene.contact.enabled:
-        return len(wire.times)
-    nearest = (1.0 - OVERLAP) * scene.spring.wire_diameter
-    for place in np.flatnonzero(wire.active_contacts):
-        pairs = cKDTree(wire.centreline(int(place), POINTS)).query_pairs(nearest, output_type="ndarray")
-        if (np.ptp(pairs, axis=1) > half).any():
-            return int(place)
-    return len(wire.times)
-
-
-def errors(path: EquilibriumPath, wire: EquilibriumPath, rows: int) -> dict[str, float]:
-    """Largest errors as far as both paths go, `rows` at most, over the wire model's peak there, per cent.
+def errors(path: EquilibriumPath, wire: EquilibriumPath) -> dict[str, float]:
+    """Largest errors as far as both paths go, over the wire model's peak there, per cent.
 
     ``vector`` is of the displacement (UX, UY), or of the axial force where UY is prescribed; the others of a
     component alone, and not a number where the wire model hardly moves it. ``steps`` both have.
     """
-    common = min(len(path.times), rows)
+    common = min(len(path.times), len(wire.times))
     found = dict.fromkeys(("vector", *COMPONENTS), math.nan) | {"steps": common}
     if common == 0:
         return found

@@ -17,8 +17,8 @@ from validation.machine import versions
 
 ARRAYS = ("times", "states", "iterations", "memories")
 NUMBERS = (
-    "outcome", "message", "critical_time", "critical_bracket", "total_iterations", "stability_checks",
-    "pair_evaluations", "residual_history", "solve_seconds", "compile_seconds",
+    "outcome", "message", "critical_time", "critical_bracket", "end_bracket", "total_iterations",
+    "stability_checks", "pair_evaluations", "residual_history", "solve_seconds", "compile_seconds",
 )  # fmt: skip
 
 
@@ -38,6 +38,8 @@ def packed(path: EquilibriumPath) -> dict[str, bytes]:
     """A followed path, complete or not, as files of an entry."""
     numbers = {name: getattr(path, name) for name in NUMBERS} | {"options": dict(path.options)}
     arrays = {name: getattr(path, name) for name in ARRAYS} | {"found": _pairs_found(path)}
+    if path.last_state is not None:
+        arrays["last_state"] = path.last_state
     files = {f"{name}.npy": _npy(array) for name, array in arrays.items()}
     return files | {"numbers.json": json.dumps(numbers, default=np.generic.item).encode()}
 
@@ -47,11 +49,15 @@ def unpacked(
 ) -> EquilibriumPath:
     """The path of an entry; `scene` and `options` are those of its key."""
     numbers = json.loads(files["numbers.json"])
-    arrays: dict[str, Any] = {name: _array(files[f"{name}.npy"]) for name in (*ARRAYS, "found")}
+    arrays: dict[str, Any] = {
+        name.removesuffix(".npy"): _array(data) for name, data in files.items() if name.endswith(".npy")
+    }
     found = arrays.pop("found")
     solved = scene.overridden(options.get("steps"), options.get("penalty"))  # type: ignore[arg-type]
     shape = _shape(model, solved, numbers["options"], found)
     numbers["residual_history"] = tuple(numbers["residual_history"])
+    if numbers["end_bracket"] is not None:
+        numbers["end_bracket"] = tuple(numbers["end_bracket"])
     return EquilibriumPath(scene=solved, model=model, shape=shape, **numbers, **arrays)
 
 
