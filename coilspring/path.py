@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Protocol
 import numpy as np
 
 from coilspring.errors import InputError
-from coilspring.history import loads
+from coilspring.history import given_loads
 from coilspring.scene import Scene
 
 if TYPE_CHECKING:
@@ -46,6 +46,9 @@ class Shape(Protocol):
 
     def pair_gaps(self, states: np.ndarray) -> np.ndarray:
         """Gap h - d of every pair, negative where it penetrates, shape (states, pairs), mm."""
+
+    def reactions(self, states: np.ndarray, memories: np.ndarray) -> np.ndarray:
+        """Force that holds the top along Y in states found with contact memories, shape (states,), N."""
 
     def overlaps(self, states: np.ndarray) -> np.ndarray:
         """By how much the wire runs into itself, or the circles that stand for it, shape (states,), mm."""
@@ -117,10 +120,14 @@ class EquilibriumPath:
         if self.outcome not in OUTCOMES:
             raise ValueError(f"outcome must be one of {OUTCOMES}, got {self.outcome!r}")
 
-    @property
+    @cached_property
     def loads(self) -> np.ndarray:
         """Load at the top reference point, shape (steps, 2), N; the reaction to a prescribed displacement."""
-        return loads(self.scene, self.times, self.tips)
+        if not self.scene.load.displacement:
+            return given_loads(self.scene.load, self.times)
+        assert self.memories is not None  # paths traced by arc length are under forces
+        axial = self.shape.reactions(self.states, self.memories)
+        return np.stack((np.zeros_like(axial), axial), axis=1)
 
     @cached_property
     def tips(self) -> np.ndarray:

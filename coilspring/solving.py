@@ -23,6 +23,7 @@ from coilspring.stability import Body, softest
 from coilspring.stepping import COMPLETED, CRITICAL, OPENED, OVERLAP, STUCK, Track
 from coilspring.warming import ready
 
+NOTHING = np.zeros(0)
 MOST_ITERATIONS = 25  # of a substep with the exact tangent, which needs 2 or 3 far from contact changes
 # Null modes of a bifurcation do no work with the load; rounding leaves far less than this share.
 NO_WORK = 1e-6
@@ -89,15 +90,17 @@ def follow_problem(
     *,
     limit: int = MOST_ITERATIONS,
     predictor: bool = True,
+    prescribed: np.ndarray = NOTHING,
 ) -> Run:
-    """Follow a problem through the increasing `times`; `length` is the one with which moves are compared."""
+    """Follow a problem through the increasing `times`; `length` is the one with which moves are compared,
+    `prescribed` that of `coilspring.driving.Stage`."""
     began = time.perf_counter()
     follow = ready(kernels)
     compiled = time.perf_counter() - began
     began = time.process_time()
     found = interruptible(
         follow, *pack(problem.data), problem.load, times, problem.start, problem.memory, problem.matrix_size,
-        length, limit, predictor, problem.lean, *kernels,
+        length, limit, predictor, problem.lean, prescribed, *kernels,
     )  # fmt: skip
     track = Track(*found)
     track, mode = _judged(track, problem, kernels, length)
@@ -145,11 +148,11 @@ def follow_load(
     assert problem.top is not None
     runs: list[Run] = []
     times = np.arange(1, scene.load.steps + 1) / scene.load.steps
-    for drive, growing in stages(scene, problem.top):
+    for stage in stages(scene, problem.top):
         load = np.zeros_like(problem.load)
-        load[list(problem.top.freedom)] = growing
-        problem = replace(problem, data=(problem.data, drive), load=load)
-        runs.append(follow_problem(problem, driven, times, length, **controls))
+        load[list(problem.top.freedom)] = stage.load
+        problem = replace(problem, data=(problem.data, stage.drive), load=load)
+        runs.append(follow_problem(problem, driven, times, length, prescribed=stage.prescribed, **controls))
         track = runs[-1].track
         if track.outcome != COMPLETED:
             break

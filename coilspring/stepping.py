@@ -15,7 +15,7 @@ from coilspring.branch import TURN, continues, curvature, predict, snapped
 from coilspring.compiled import copied, copied_table, copy, copy_table, part, signed, zeros
 from coilspring.contactmemory import let_rise, relax, released, remembers, rubs, slides
 from coilspring.kernelset import SIGNATURES
-from coilspring.linesearch import dot, solution, stale_solution
+from coilspring.linesearch import solution, stale_solution
 from coilspring.newton import CONVERGED, FAILED, HISTORY, INDEFINITE, LINEAR, NONE, equilibrium
 from coilspring.pairvectors import OVERLAP_ALLOWED
 from coilspring.stability import LEAST_STEP, unstable_time
@@ -55,14 +55,30 @@ class Track(NamedTuple):
 
 
 @part
-def rounding(load, start):
-    """Rounding of the load's potential, which is the product of the load and of positions."""
-    span, total = 0.0, 0.0
+def scales(load, tangent, start, prescribed):
+    """Work of the whole load along the tangent at rest, and the rounding of its potential, the product
+    of a force and of positions; of a prescribed displacement those of its reaction."""
+    span, work, force = 0.0, 0.0, 0.0
     for i in range(start.size):
         span = max(span, abs(start[i]))
     for i in range(load.size):
-        total += abs(load[i])
-    return 2.0 * EPSILON * span * total
+        force += abs(load[i])
+        if prescribed.size == 0:
+            work += load[i] * tangent[i]
+        elif load[i] != 0.0:
+            # the load that fixes the top less the tangent's last digits, in which the reaction is
+            work += load[i] * (prescribed[1] - tangent[i])
+    if prescribed.size > 0:
+        force = abs(work / prescribed[1])
+    return work, 2.0 * EPSILON * span * force
+
+
+@part
+def put_prescribed(prescribed, start, time, state):
+    """Put what moves as prescribed to where it is at a time."""
+    if prescribed.size > 0:
+        place = int(prescribed[0])
+        state[place] = start[place] + time * prescribed[1]
 
 
 def follow(
@@ -77,6 +93,7 @@ def follow(
     limit,
     predictor,
     lean,
+    prescribed,
     assemble,
     factor,
     solve,
@@ -105,6 +122,8 @@ def follow(
     predictor : the model's matrix is its tangent: start from its prediction and judge the branch by it;
         else from the last state, as the paper did.
     lean : the matrix is costly: it is left out where it is not factored, and its factor is kept longer.
+    prescribed : place in the state of what moves as prescribed, and its change by time 1; or empty. With it
+        `load` is the one that gives the tangent, see `coilspring.driving`.
     assemble, factor, solve, retract, work, carry, motion,
         commit, renew, overlap : kernels, see `coilspring.kernelset`.
     stop : one integer; another thread sets it to end the path at the next substep.
@@ -129,8 +148,7 @@ def follow(
     negative, least = factor(reals, ints, F)
     outcome = COMPLETED if negative == 0 else CRITICAL
     solution(reals, ints, F, load, 1.0, tangent, solve)
-    reference = dot(load, tangent)
-    noise = rounding(load, start)
+    reference, noise = scales(load, tangent, start, prescribed)
     origin, begin = copied(state), 0.0  # of the linear stretch whose stability is not yet verified
     linear, kept, ease, lost, slid = False, True, np.inf, False, False
     checks, critical = 0, np.inf
@@ -156,6 +174,7 @@ def follow(
         if predictor:
             bend = curvature(tangent, old, last, step)
             predict(reals, ints, before, state, tangent, last, step, bend, predicted, retract)
+            put_prescribed(prescribed, start, target, predicted)
             # to where a pair is about to close: its stiffness is not in the tangent
             _, _, free = motion(reals, ints, state, predicted, 0.5 * clearance)
             if free < 1.0:
@@ -163,10 +182,12 @@ def follow(
                 landing = False
                 target = time + step
                 predict(reals, ints, before, state, tangent, last, step, bend, predicted, retract)
+                put_prescribed(prescribed, start, target, predicted)
         # where friction has just begun it holds next to nothing: the prediction slides where the state sticks
         copy(state if lost and rubs(memory) else predicted, trial)
         for i in range(load.size):
-            push[i] = target * load[i]
+            push[i] = target * load[i] if prescribed.size == 0 else 0.0
+        put_prescribed(prescribed, start, target, trial)
         renew(reals, ints, state, memory)
         rounds, needed, trouble, share_made = 0, 0, NONE, 0.0
         while True:
@@ -191,6 +212,7 @@ def follow(
                 break
             share_made = relax(held, memory, left, share_made)
             kept = True
+        put_prescribed(prescribed, start, target, trial)
         lost = status > LINEAR
         good, share, way = not lost, 0.0, 0.0
         if good:
@@ -324,6 +346,6 @@ def compiled_follow() -> Callable:
     whole, real = types.int64, types.float64
     vector, numbers, table = types.float64[::1], types.int64[::1], types.float64[:, ::1]
     data = (vector, numbers, vector, vector, vector, table, whole)
-    control = (real, whole, types.boolean, types.boolean)
+    control = (real, whole, types.boolean, types.boolean, vector)
     functions = tuple(types.FunctionType(signature) for signature in SIGNATURES)
     return signed(follow, *data, *control, *functions, numbers)

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from coilspring.driving import reactions
 from coilspring.packing import pack
 from coilspring.pairreader import PairReader
 from coilspring.scene import Scene
@@ -54,6 +55,11 @@ class BeamShape(PairReader):
         centres = self.circles(states)
         first, second = self.data.pairs.T
         return np.pad(centres[:, second] - centres[:, first], ((0, 0), (0, 0), (0, 1)))
+
+    def reactions(self, states: np.ndarray, memories: np.ndarray) -> np.ndarray:
+        """Force that holds the top along Y, shape (states,), N."""
+        size = states.shape[1] - 3
+        return reactions(kernels.assemble, self.data, size, size - 2, states, memories)
 
     def overlaps(self, states: np.ndarray) -> np.ndarray:
         """By how much circles overlap, shape (states,), mm; see `equivbeam.contact.circle_overlap`."""

@@ -40,7 +40,7 @@ KERNELS = Kernels(
     renew=kernels.renew,
     overlap=kernels.overlap,
 )
-DRIVEN = KERNELS._replace(assemble=driven.assemble)
+DRIVEN = KERNELS._replace(assemble=driven.assemble, solve=driven.solve)
 ACROSS = KERNELS._replace(
     assemble=across.assemble,
     factor=wide.factor,
@@ -50,7 +50,7 @@ ACROSS = KERNELS._replace(
     renew=across.renew,
     overlap=across.overlap,
 )
-ACROSS_DRIVEN = ACROSS._replace(assemble=across.driven)
+ACROSS_DRIVEN = ACROSS._replace(assemble=across.driven, solve=across.solve_driven)
 
 
 def solve(

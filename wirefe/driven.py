@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from coilspring.compiled import kernel
-from coilspring.driving import drive
+from coilspring.driving import drive, rests
 from wirefe import kernels
 
 
@@ -12,3 +12,12 @@ def assemble(reals, ints, anchor, clearance, memory, state, g, H):
     """`wirefe.kernels.assemble`, and what acts on the top."""
     energy, pairs = kernels.assemble(reals, ints, anchor, clearance, memory, state, g, H)
     return energy + drive(reals, ints, state, g, H), pairs
+
+
+@kernel
+def solve(reals, ints, F, b):
+    """`wirefe.kernels.solve`; a prescribed displacement stays as it is."""
+    y = rests(reals, ints, b)
+    kernels.solve(reals, ints, F, b)
+    if y >= 0:
+        b[y] = 0.0

@@ -171,7 +171,7 @@ def retract(reals, ints, state, step, factor, before, second, out):
     way = Way(before, step, factor, second)
     chain = view_elements(reals, ints)
     place(chain.triads, chain.arm, state, way, out)
-    close(view_held(ints).freedom, chain.arm, state, way, out)
+    close(view_held(ints).placed, chain.arm, state, way, out)
 
 
 @kernel
@@ -194,10 +194,14 @@ def work(reals, ints, load, a, b):
 @kernel
 def carry(reals, ints, a, b, v):
     """See `coilspring.kernelset`: forces and moments, or motions and spins, turned with their nodes."""
+    held = view_held(ints)
+    p = v.size - 6
+    top = three(v, p)
     turn_along(a, b, v)
-    held = view_held(ints).freedom
-    for m in range(held.size):
-        v[held[m]] = 0.0
+    if held.placed.size > held.freedom.size:
+        v[p], v[p + 1], v[p + 2] = top  # what fixes the top does not turn with it
+    for m in range(held.freedom.size):
+        v[held.freedom[m]] = 0.0
 
 
 @part

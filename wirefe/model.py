@@ -43,6 +43,7 @@ class HeldArrays(NamedTuple):
     block: np.ndarray
     place: np.ndarray  # row or column in the block
     row: np.ndarray  # 1 where it is a row
+    placed: np.ndarray  # freedoms that are held, and those that move as prescribed
 
 
 class ContactArrays(NamedTuple):
@@ -75,7 +76,7 @@ class WireModel(NamedTuple):
 
 
 # numbers of each part's first field in the packed arrays
-HELD, CONTACT, PLAN, PLATES, STATIONS = 6, 10, 23, 29, 37
+HELD, CONTACT, PLAN, PLATES, STATIONS = 6, 11, 24, 30, 38
 
 
 def build_model(
@@ -100,7 +101,11 @@ def build_model(
     if seat == "plate":
         plates = place_plates(scene.spring, mesh, scene.contact.stiffness, ~rod.held[top])
     stations = place_stations(scene.spring, mesh)
-    return rod_model(rod, mesh.arm, spheres, plates)._replace(stations=stations), mesh, rod
+    data = rod_model(rod, mesh.arm, spheres, plates)._replace(stations=stations)
+    if scene.load.displacement:
+        placed = np.union1d(data.held.placed, [6 * top + 1])
+        data = data._replace(held=data.held._replace(placed=placed))
+    return data, mesh, rod
 
 
 def _wire(scene: Scene, mesh: WireMesh, element: str) -> Rod:
@@ -159,7 +164,7 @@ def _held_arrays(held: np.ndarray, couplings: np.ndarray, block: np.ndarray, fli
         for c in np.flatnonzero((couplings == freedom // 6).any(axis=1))
     ]
     table = np.array(cuts, dtype=np.int64).reshape(-1, 3)
-    return HeldArrays(held, table[:, 0], table[:, 1], table[:, 2])
+    return HeldArrays(held, table[:, 0], table[:, 1], table[:, 2], held)
 
 
 def _strain_at_rest(rod: Rod) -> np.ndarray:
@@ -207,7 +212,7 @@ def view_held(ints):
     head = heads(ints)
     return HeldArrays(
         vector(ints, head[HELD]), vector(ints, head[HELD + 1]), vector(ints, head[HELD + 2]),
-        vector(ints, head[HELD + 3]),
+        vector(ints, head[HELD + 3]), vector(ints, head[HELD + 4]),
     )  # fmt: skip
 
 

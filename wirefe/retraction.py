@@ -79,7 +79,10 @@ def _literal(state, way, n):
     if way.second != 0.0:
         v = plus(v, way.second, spin_between(state, way.before, n))
     t = times(exponential(v), q)
-    return plus(three(state, ROW * n), way.first, three(way.step, 6 * n)), unit(t[0], t[1], t[2], t[3])
+    x = three(state, ROW * n)
+    if way.second != 0.0:
+        x = plus(x, way.second, plus(three(way.before, ROW * n), -1.0, x))
+    return plus(x, way.first, three(way.step, 6 * n)), unit(t[0], t[1], t[2], t[3])
 
 
 @arithmetic
@@ -168,7 +171,7 @@ def _close(held, arm, state, way, begin, end, out):
 
 @arithmetic
 def close(freedoms, arm, state, way, out):
-    """Bring all held `freedoms`, numbered 6 node + freedom in rising order, to where the step leaves them."""
+    """Bring `freedoms`, numbered 6 node + freedom in rising order, to where the step leaves them."""
     held = zeros(6)
     begin, last = 0, way.step.size // 6 - 1
     none = zeros(3)

@@ -6,10 +6,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from coilspring.driving import reactions
 from coilspring.packing import pack
 from coilspring.pairreader import PairReader
 from coilspring.scene import Scene
-from wirefe import kernels
+from wirefe import kernels, seated
 from wirefe.mesh import WireMesh
 from wirefe.model import ContactArrays, WireModel
 from wirefe.overlap import carried
@@ -58,6 +59,11 @@ class WireShape(PairReader):
         centres = sphere_centres(self.data.contact, states)
         first, second = self.data.contact.pairs.T
         return centres[:, second] - centres[:, first]
+
+    def reactions(self, states: np.ndarray, memories: np.ndarray) -> np.ndarray:
+        """Force that holds the top along Y, shape (states,), N."""
+        size, part = 6 * (states.shape[1] // ROW), seated if len(self.data.plates.low) else kernels
+        return reactions(part.assemble, self.data, size, size - 5, states, memories)
 
     def overlaps(self, states: np.ndarray) -> np.ndarray:
         """By how much the wire runs into itself, shape (states,), mm; below 0 where free."""

@@ -38,9 +38,9 @@ KERNELS = Kernels(
     renew=kernels.renew,
     overlap=kernels.overlap,
 )
-DRIVEN = KERNELS._replace(assemble=driven.assemble)
+DRIVEN = KERNELS._replace(assemble=driven.assemble, solve=driven.solve)
 SEATED = KERNELS._replace(assemble=seated.assemble, commit=seated.commit)
-SEATED_DRIVEN = SEATED._replace(assemble=seated.assemble_driven)
+SEATED_DRIVEN = SEATED._replace(assemble=seated.assemble_driven, solve=driven.solve)
 
 
 def solve(

@@ -7,9 +7,10 @@ import math
 import numpy as np
 
 from coilspring.compiled import clear, kernel, part
-from coilspring.driving import drive
+from coilspring.driving import drive, rests
 from coilspring.pairlaw import ON, pair_potential
 from coilspring.pairvectors import approach, remember, renew_bounds
+from equivbeam.across import band
 from equivbeam.across.band import ROW
 from equivbeam.across.model import FIRST, view
 from equivbeam.across.pairs import CHI_L, FREEDOMS, LENGTH, RHO_L, derivatives, places, vectors, way, windings
@@ -109,6 +110,15 @@ def driven(reals, ints, anchor, clearance, memory, state, g, flat):
     """`assemble`, and what acts on the top besides a growing load: see `coilspring.driving`."""
     energy, pairs = assemble(reals, ints, anchor, clearance, memory, state, g, flat)
     return energy + drive(reals, ints, state, g, flat), pairs
+
+
+@kernel
+def solve_driven(reals, ints, F, b):
+    """`equivbeam.across.band.solve`; a prescribed displacement stays as it is."""
+    y = rests(reals, ints, b)
+    band.solve(reals, ints, F, b)
+    if y >= 0:
+        b[y] = 0.0
 
 
 @kernel

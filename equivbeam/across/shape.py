@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from coilspring.driving import reactions
 from coilspring.packing import pack
 from coilspring.pairreader import PairReader
 from coilspring.scene import Scene
@@ -36,6 +37,11 @@ class AcrossShape(PairReader):
         rows = self.data.rows
         found = [vectors(self.data, state, windings(rows, state)) for state in states]
         return np.array(found).reshape(len(states), -1, 3)
+
+    def reactions(self, states: np.ndarray, memories: np.ndarray) -> np.ndarray:
+        """Force that holds the top along Y, shape (states,), N."""
+        size = states.shape[1] - 3
+        return reactions(kernels.assemble, self.data, size, size - 2, states, memories)
 
     def overlaps(self, states: np.ndarray) -> np.ndarray:
         """By how much circles of pairs overlap or have passed each other, shape (states,), mm."""
