@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
 
-from coilspring.compiled import part, zeros
+from coilspring.compiled import copy, part, zeros
 from coilspring.kernelset import Kernels
 
 INVERSE_ITERATIONS = 30
@@ -41,6 +42,32 @@ def unstable_time(
         else:
             low = time
     return low, count
+
+
+@part
+def least_stiffness(reals, ints, F, mode, scratch, solve):
+    """Stiffness of the softest mode by one step of inverse iteration with a factor; `mode` is improved.
+
+    From state to state the mode changes little, so that one step is enough.
+    """
+    copy(mode, scratch)
+    solve(reals, ints, F, scratch)
+    square, along = 0.0, 0.0
+    for i in range(mode.size):
+        square += scratch[i] * scratch[i]
+        along += scratch[i] * mode[i]
+    size = math.sqrt(square)
+    for i in range(mode.size):
+        mode[i] = scratch[i] / size
+    return along / square
+
+
+@part
+def predicted_zero(time, value, before, value_before):
+    """Time at which a stiffness that falls is zero on the straight line through two values; else infinite."""
+    if value >= value_before:
+        return np.inf
+    return time + value * (time - before) / (value_before - value)
 
 
 @dataclass(frozen=True)

@@ -18,7 +18,7 @@ from coilspring.kernelset import SIGNATURES
 from coilspring.linesearch import solution, stale_solution
 from coilspring.newton import CONVERGED, FAILED, HISTORY, INDEFINITE, LINEAR, NONE, equilibrium
 from coilspring.pairvectors import OVERLAP_ALLOWED
-from coilspring.stability import LEAST_STEP, unstable_time
+from coilspring.stability import LEAST_STEP, least_stiffness, predicted_zero, unstable_time
 
 COMPLETED, CRITICAL, STUCK, STRAY, OPENED, OVERLAP = 0, 1, 2, 3, 4, 5
 
@@ -32,6 +32,10 @@ NEARER = (
     3.0  # times the bound on all motion: so much nearer may wires come that both move, between nodes, too
 )
 OVERLAP_TIME = 1e-5  # of the time 0..1: so closely is it told where they do
+# Share of the time to the predicted zero of the least stiffness: at a limit point, where it falls with
+# the root of the time that is left, the straight line meets zero twice as far as the path goes.
+APPROACH = 0.5
+SETTLED = 4  # steps of inverse iteration for the softest mode at rest
 BOUND_CHANGE = 1e-6  # of the bounds of tangential forces, over the largest, where they count as found
 MOST_ROUNDS = 30
 MOST_TRIES = 4000  # equilibria between requested times; far more than a path needs
@@ -150,6 +154,12 @@ def follow(
     solution(reals, ints, F, load, 1.0, tangent, solve)
     reference, noise = scales(load, tangent, start, prescribed)
     origin, begin = copied(state), 0.0  # of the linear stretch whose stability is not yet verified
+    mode, softness = zeros(load.size), 0.0
+    for i in range(load.size):
+        mode[i] = 1.0 + i / load.size  # no symmetry that could hide the softest mode
+    for _ in range(SETTLED):
+        softness = least_stiffness(reals, ints, F, mode, ahead, solve)
+    looked_at, zero = 0.0, np.inf  # when the softest mode was last looked at, and its predicted zero
     linear, kept, ease, lost, slid = False, True, np.inf, False, False
     checks, critical = 0, np.inf
     time, dt = 0.0, min(times[0], FIRST_STEP)
@@ -166,7 +176,10 @@ def follow(
         if tries > MOST_TRIES:
             outcome = STUCK
             break
-        stride = min(dt, ease)
+        stride = min(dt, ease, APPROACH * (zero - time))
+        if stride < LEAST_STEP:
+            outcome, stride = CRITICAL, 0.5 * (zero - time)
+            break
         landing = times[row] - time <= stride * (1.0 + 1e-9)
         target = times[row] if landing else time + stride
         step = target - time
@@ -287,6 +300,10 @@ def follow(
         copy(tangent, old)
         if status == CONVERGED:
             copy(ahead, tangent)
+            if needed > 0:
+                value = least_stiffness(reals, ints, F, mode, ahead, solve)
+                zero = predicted_zero(target, value, looked_at, softness)
+                softness, looked_at = value, target
         kept, last = True, step
         room, moved = nearer, since
         copy(state, before)
