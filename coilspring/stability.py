@@ -11,6 +11,7 @@ from coilspring.compiled import copy, part, zeros
 from coilspring.kernelset import Kernels
 
 INVERSE_ITERATIONS = 30
+SETTLED = 0.01  # relative change of the least stiffness by a step of inverse iteration, that ends it
 LEAST_STEP = 1e-9  # of the time 0..1: below it, what cannot be passed is called a critical point
 WAY = 1e-6  # of the span of the state's numbers, with which a difference is taken
 SAMPLES = 16  # of a linear stretch at which its stability is verified
@@ -46,20 +47,26 @@ def unstable_time(
 
 @part
 def least_stiffness(reals, ints, F, mode, scratch, solve):
-    """Stiffness of the softest mode by one step of inverse iteration with a factor; `mode` is improved.
+    """Stiffness of the softest mode by inverse iteration with a factor, from `mode`, which is improved.
 
-    From state to state the mode changes little, so that one step is enough.
+    From state to state the mode changes little, so that a step or two are enough.
     """
-    copy(mode, scratch)
-    solve(reals, ints, F, scratch)
-    square, along = 0.0, 0.0
-    for i in range(mode.size):
-        square += scratch[i] * scratch[i]
-        along += scratch[i] * mode[i]
-    size = math.sqrt(square)
-    for i in range(mode.size):
-        mode[i] = scratch[i] / size
-    return along / square
+    value, last = 0.0, np.inf
+    for _ in range(INVERSE_ITERATIONS):
+        copy(mode, scratch)
+        solve(reals, ints, F, scratch)
+        square, along = 0.0, 0.0
+        for i in range(mode.size):
+            square += scratch[i] * scratch[i]
+            along += scratch[i] * mode[i]
+        size = math.sqrt(square)
+        for i in range(mode.size):
+            mode[i] = scratch[i] / size
+        value = along / square
+        if abs(value - last) <= SETTLED * abs(value):
+            break
+        last = value
+    return value
 
 
 @part

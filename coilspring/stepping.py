@@ -35,7 +35,7 @@ OVERLAP_TIME = 1e-5  # of the time 0..1: so closely is it told where they do
 # Share of the time to the predicted zero of the least stiffness: at a limit point, where it falls with
 # the root of the time that is left, the straight line meets zero twice as far as the path goes.
 APPROACH = 0.5
-SETTLED = 4  # steps of inverse iteration for the softest mode at rest
+NEUTRAL = 1e-4  # of the least stiffness at rest: what is left of it where a path ends at a predicted zero
 BOUND_CHANGE = 1e-6  # of the bounds of tangential forces, over the largest, where they count as found
 MOST_ROUNDS = 30
 MOST_TRIES = 4000  # equilibria between requested times; far more than a path needs
@@ -154,11 +154,11 @@ def follow(
     solution(reals, ints, F, load, 1.0, tangent, solve)
     reference, noise = scales(load, tangent, start, prescribed)
     origin, begin = copied(state), 0.0  # of the linear stretch whose stability is not yet verified
-    mode, softness = zeros(load.size), 0.0
+    mode = zeros(load.size)
     for i in range(load.size):
         mode[i] = 1.0 + i / load.size  # no symmetry that could hide the softest mode
-    for _ in range(SETTLED):
-        softness = least_stiffness(reals, ints, F, mode, ahead, solve)
+    softness = least_stiffness(reals, ints, F, mode, ahead, solve)
+    neutral = NEUTRAL * softness
     looked_at, zero = 0.0, np.inf  # when the softest mode was last looked at, and its predicted zero
     linear, kept, ease, lost, slid = False, True, np.inf, False, False
     checks, critical = 0, np.inf
@@ -176,6 +176,7 @@ def follow(
         if tries > MOST_TRIES:
             outcome = STUCK
             break
+        approached = APPROACH * (zero - time) < min(dt, ease)
         stride = min(dt, ease, APPROACH * (zero - time))
         if stride < LEAST_STEP:
             outcome, stride = CRITICAL, 0.5 * (zero - time)
@@ -282,6 +283,7 @@ def follow(
                 break
             continue
         if status == LINEAR:
+            zero = np.inf  # the stretch is looked at where it ends
             if not linear:
                 copy(state, origin)
                 begin, linear = time, True
@@ -300,9 +302,16 @@ def follow(
         copy(tangent, old)
         if status == CONVERGED:
             copy(ahead, tangent)
-            if needed > 0:
+            if needed == 0 and approached:
+                assemble(reals, ints, trial, 0.0, held, trial, g, F)
+                copy(trial, home)
+                factor(reals, ints, F)
+                spent += 1
+            if needed > 0 or approached:
                 value = least_stiffness(reals, ints, F, mode, ahead, solve)
                 zero = predicted_zero(target, value, looked_at, softness)
+                if APPROACH * (zero - target) < LEAST_STEP and value > neutral:
+                    zero = np.inf  # the stiffness jumps here, as where a pair opens
                 softness, looked_at = value, target
         kept, last = True, step
         room, moved = nearer, since
