@@ -20,14 +20,14 @@ from coilspring.pairvectors import OVERLAP_ALLOWED
 from coilspring.path import EquilibriumPath, Shape
 from coilspring.scene import Scene
 from coilspring.stability import Body, softest
-from coilspring.stepping import COMPLETED, CRITICAL, OPENED, OVERLAP, STUCK, Track
+from coilspring.stepping import COMPLETED, CRITICAL, EXHAUSTED, MOST_TRIES, OPENED, OVERLAP, STUCK, Track
 from coilspring.warming import ready
 
 NOTHING = np.zeros(0)
 MOST_ITERATIONS = 25  # of a substep with the exact tangent, which needs 2 or 3 far from contact changes
 # Null modes of a bifurcation do no work with the load; rounding leaves far less than this share.
 NO_WORK = 1e-6
-SOFT = 0.1  # stiffness of the softest mode over that at rest, below which the tangent counts as singular
+SOFT = 0.01  # stiffness of the softest mode over that at rest, below which the tangent counts as singular
 LEFT = 1e-5  # of the time 0..1: so near to where a path ends, a limit point of Coulomb's law is its end
 SLIDING = -1  # outcome beside those of `coilspring.stepping`: see `coilspring.friction`
 HELD = "Coulomb's law goes on, but by renewed bounds of friction no stable equilibrium was found"
@@ -36,7 +36,12 @@ THROUGH = (
     f"coils pass through each other: the wire overlaps by {OVERLAP_ALLOWED:g} wire diameters more than any "
     "contact pair"
 )
-WHY = {SLIDING: HELD, OPENED: LOST, STUCK: "no equilibrium that continues the branch was found"}
+WHY = {
+    SLIDING: HELD,
+    OPENED: LOST,
+    STUCK: "no equilibrium that continues the branch was found",
+    EXHAUSTED: f"the path was given up after {MOST_TRIES} equilibria besides those asked for,",
+}
 VOID_PENETRATION = 0.1  # wire diameters of overlap, beyond which a penalty no longer stands for contact
 
 
@@ -70,6 +75,7 @@ class Run:
 
     track: Track
     mode: np.ndarray  # softest mode where the path ended at a critical point; else zeros
+    work: float  # share of the load that does work with it
     outcome: str
     message: str
     critical_time: float | None
@@ -103,16 +109,19 @@ def follow_problem(
         length, limit, predictor, problem.lean, prescribed, *kernels,
     )  # fmt: skip
     track = Track(*found)
-    track, mode = _judged(track, problem, kernels, length)
+    track, mode, work = _judged(track, problem, kernels, length, prescribed)
     seconds = time.process_time() - began
-    return Run(track, mode, *_verdict(track, mode, problem.load), seconds, compiled)
+    return Run(track, mode, work, *_verdict(track, work), seconds, compiled)
 
 
-def _judged(track: Track, problem: Problem, kernels: Kernels, length: float) -> tuple[Track, np.ndarray]:
-    """The track, with a critical point told from a path that got stuck, and the softest mode at its end."""
+def _judged(
+    track: Track, problem: Problem, kernels: Kernels, length: float, prescribed: np.ndarray
+) -> tuple[Track, np.ndarray, float]:
+    """The track, with a critical point told from a path that got stuck, the softest mode at its end, and the
+    share of the load that does work with it."""
     load = problem.load
     if track.outcome not in (CRITICAL, STUCK, OPENED):
-        return track, np.zeros_like(load)
+        return track, np.zeros_like(load), 0.0
     body = Body(kernels, pack(problem.data), load.size, problem.matrix_size)
     share, mode = softest(body, track.last, track.memory, problem.start)
     end, friction = (body, track.last, track.memory, load, length), rubs(track.memory)
@@ -123,7 +132,9 @@ def _judged(track: Track, problem: Problem, kernels: Kernels, length: float) -> 
         track = track._replace(outcome=SLIDING)
     elif track.outcome == STUCK and abs(share) < SOFT:
         track = track._replace(outcome=CRITICAL)
-    return track, mode
+    pull = body.pull(track.last, track.memory, int(prescribed[0])) if prescribed.size else load
+    norm = float(np.linalg.norm(pull) * np.linalg.norm(mode))
+    return track, mode, abs(float(pull @ mode)) / norm if norm > 0.0 else 0.0
 
 
 def output_times(scene: Scene) -> np.ndarray:
@@ -159,11 +170,11 @@ def follow_load(
         problem = replace(
             problem, data=problem.data[0], start=track.states[-1], memory=track.memories[-1].copy()
         )
-    return _joined(runs, scene.load.rows // scene.load.steps, problem.load)
+    return _joined(runs, scene.load.rows // scene.load.steps)
 
 
-def _joined(runs: list[Run], count: int, load: np.ndarray) -> Run:
-    """Run through the first of `count` stages, each of which took the times 0..1; `load` grew in the last."""
+def _joined(runs: list[Run], count: int) -> Run:
+    """Run through the first of `count` stages, each of which took the times 0..1."""
     tracks = [run.track for run in runs]
     last = tracks[-1]
     track = last._replace(
@@ -178,7 +189,7 @@ def _joined(runs: list[Run], count: int, load: np.ndarray) -> Run:
     seconds, compiled = (
         sum(getattr(run, name) for run in runs) for name in ("solve_seconds", "compile_seconds")
     )
-    return Run(track, runs[-1].mode, *_verdict(track, runs[-1].mode, load), seconds, compiled)
+    return Run(track, runs[-1].mode, runs[-1].work, *_verdict(track, runs[-1].work), seconds, compiled)
 
 
 def scene_path(
@@ -236,7 +247,7 @@ def _caution(scene: Scene, shape: Shape, states: np.ndarray) -> str:
     return ""
 
 
-def _verdict(track: Track, mode: np.ndarray, load: np.ndarray) -> tuple[str, str, float | None]:
+def _verdict(track: Track, work: float) -> tuple[str, str, float | None]:
     """Outcome, message and critical time."""
     if track.outcome == COMPLETED:
         return "completed", "the load path was followed to time 1", None
@@ -245,8 +256,7 @@ def _verdict(track: Track, mode: np.ndarray, load: np.ndarray) -> tuple[str, str
         return "interpenetration", f"{THROUGH} {where}", None
     if track.outcome == CRITICAL:
         critical = track.time + 0.5 * track.bracket
-        norm = np.linalg.norm(load) * np.linalg.norm(mode)
-        if norm > 0.0 and abs(load @ mode) > NO_WORK * norm:
+        if work > NO_WORK:
             return "limit_point", f"limit point {where}: beyond it this branch has no equilibrium", critical
         return "bifurcation", f"bifurcation {where}: the branch loses its stability", critical
     return "not_converged", f"{WHY.get(track.outcome, WHY[STUCK])} {where}", None

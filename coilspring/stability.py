@@ -102,6 +102,15 @@ class Body:
         self.kernels.assemble(*self.data, state, clearance, memory, state, g, np.empty(0))
         return g
 
+    def pull(self, state: np.ndarray, memory: np.ndarray, place: int) -> np.ndarray:
+        """What a number of the state, as it moves, pulls at the freedoms: the load of a prescribed motion."""
+        way, ends = WAY * float(np.ptp(state)), []
+        for sign in (1.0, -1.0):
+            moved = state.copy()
+            moved[place] += sign * way
+            ends.append(self.gradient(moved, memory))
+        return (ends[1] - ends[0]) / (2.0 * way)
+
     def factored(self, state: np.ndarray, memory: np.ndarray) -> tuple[np.ndarray, int]:
         """Factor of the matrix at `state`, and its negative pivots."""
         H = np.empty(self.matrix_size)

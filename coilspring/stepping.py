@@ -20,7 +20,7 @@ from coilspring.newton import CONVERGED, FAILED, HISTORY, INDEFINITE, LINEAR, NO
 from coilspring.pairvectors import OVERLAP_ALLOWED
 from coilspring.stability import LEAST_STEP, least_stiffness, predicted_zero, unstable_time
 
-COMPLETED, CRITICAL, STUCK, STRAY, OPENED, OVERLAP = 0, 1, 2, 3, 4, 5
+COMPLETED, CRITICAL, STUCK, STRAY, OPENED, OVERLAP, EXHAUSTED = 0, 1, 2, 3, 4, 5, 6
 
 FIRST_STEP = 0.1  # largest first substep: the tangent at rest knows nothing of the contact to come
 SETTLING = 1e-6  # of the time 0..1, in which what was held by a pair that opened finds its place
@@ -38,7 +38,7 @@ APPROACH = 0.5
 NEUTRAL = 1e-4  # of the least stiffness at rest: what is left of it where a path ends at a predicted zero
 BOUND_CHANGE = 1e-6  # of the bounds of tangential forces, over the largest, where they count as found
 MOST_ROUNDS = 30
-MOST_TRIES = 4000  # equilibria between requested times; far more than a path needs
+MOST_TRIES = 20_000  # equilibria besides those at requested times; far more than a path needs
 
 
 class Track(NamedTuple):
@@ -173,8 +173,8 @@ def follow(
         if clearance == -np.inf:
             outcome = STRAY
             break
-        if tries > MOST_TRIES:
-            outcome = STUCK
+        if tries > MOST_TRIES + row:
+            outcome = EXHAUSTED
             break
         approached = APPROACH * (zero - time) < min(dt, ease)
         stride = min(dt, ease, APPROACH * (zero - time))
@@ -327,7 +327,6 @@ def follow(
             # the turn grows with the square of the step
             dt = max(dt, step * min(2.0, math.sqrt(SAFE * TURN / share) if share > 0.0 else 2.0))
         if landing:
-            tries = 0
             copy(state, states[row])
             copy_table(held, memories[row])
             iterations[row] = spent
