@@ -35,7 +35,7 @@ OVERLAP_TIME = 1e-5  # of the time 0..1: so closely is it told where they do
 # Share of the time to the predicted zero of the least stiffness: at a limit point, where it falls with
 # the root of the time that is left, the straight line meets zero twice as far as the path goes.
 APPROACH = 0.5
-NEUTRAL = 1e-4  # of the least stiffness at rest: what is left of it where a path ends at a predicted zero
+NEUTRAL = 1e-5  # of the least stiffness at rest: what is left of it counts as none, rounding is not far below
 BOUND_CHANGE = 1e-6  # of the bounds of tangential forces, over the largest, where they count as found
 MOST_ROUNDS = 30
 MOST_TRIES = 20_000  # equilibria besides those at requested times; far more than a path needs
@@ -178,8 +178,8 @@ def follow(
             break
         approached = APPROACH * (zero - time) < min(dt, ease)
         stride = min(dt, ease, APPROACH * (zero - time))
-        if stride < LEAST_STEP:
-            outcome, stride = CRITICAL, 0.5 * (zero - time)
+        if softness <= neutral or stride < LEAST_STEP:
+            outcome, stride = CRITICAL, max(zero - time, LEAST_STEP)
             break
         landing = times[row] - time <= stride * (1.0 + 1e-9)
         target = times[row] if landing else time + stride
@@ -309,7 +309,8 @@ def follow(
                 spent += 1
             if needed > 0 or approached:
                 value = least_stiffness(reals, ints, F, mode, ahead, solve)
-                zero = predicted_zero(target, value, looked_at, softness)
+                if value > neutral or value < softness:
+                    zero = predicted_zero(target, value, looked_at, softness)
                 if APPROACH * (zero - target) < LEAST_STEP and value > neutral:
                     zero = np.inf  # the stiffness jumps here, as where a pair opens
                 softness, looked_at = value, target

@@ -1,0 +1,126 @@
+"""Requested steps are output points only: outcome, critical time and answer do not depend on their number."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import equivbeam
+import wirefe
+from coilspring import Contact, EquilibriumNotFound, Load, Scene, Spring, Supports, load_scene
+from coilspring.sizing import solid_height
+from validation.campaign.scenes import make_case
+from validation.campaign.verdict import SOLVERS
+
+STEPS = (1, 3, 10, 50, 200)
+TIPS, TIMES = 1e-6, 1e-3  # of the largest displacement, and of the critical time
+GUIDED = Supports(("ux", "rotz"))
+
+
+def paths(solve, scene, steps, **options):
+    found = []
+    for count in steps:
+        try:
+            found.append(solve(scene, steps=count, **options))
+        except EquilibriumNotFound as ended:
+            found.append(ended.path)
+    return found
+
+
+def same_answer(found):
+    """One outcome, at one time, with one tip or with its mirror image, of which a perfect column has two."""
+    assert len({path.outcome for path in found}) == 1, [path.message for path in found]
+    if found[0].outcome != "completed":
+        ends = np.array([np.mean(path.end_bracket) for path in found])
+        np.testing.assert_allclose(ends, ends[-1], rtol=TIMES)
+        return
+    size = max(found[0].scene.spring.mean_diameter)
+    tips = np.array([path.tips[-1] for path in found]) * (1.0, 1.0, size)
+    apart = np.minimum(np.abs(tips - tips[-1]), np.abs(tips * (-1.0, 1.0, -1.0) - tips[-1])).max(axis=1)
+    assert (apart <= TIPS * np.abs(tips).max()).all()
+
+
+SLENDER = Scene(
+    "slender",
+    Spring(0.4, (4.0, 4.0), 12.0, 21.6),
+    Load(displacement=(-6.72,)),
+    supports=Supports(("rotz",)),
+    contact=Contact(enabled=False),
+)
+LONG = Scene("long", Spring(2.0, (16.0, 16.0), 20.0, 100.0), Load(displacement=(-45.0,)), supports=GUIDED)
+FREE = Scene("free top", Spring(2.0, (12.7, 12.7), 11.5, 35.19, start_phase=3.53), Load(displacement=(-9.0,)))
+
+
+@pytest.mark.parametrize(
+    ("solve", "scene", "options", "outcome", "time"),
+    [
+        (wirefe.solve, SLENDER, {"element": "curved", "elements_per_turn": 16}, "bifurcation", 0.32919),
+        (wirefe.solve, LONG, {"element": "curved", "elements_per_turn": 8}, "bifurcation", 0.90047),
+        (equivbeam.solve, LONG, {"law": "helix"}, "bifurcation", 0.83911),
+        (wirefe.solve, FREE, {"element": "curved", "elements_per_turn": 8}, "completed", None),
+    ],
+    ids=["slender", "long", "long, helix", "free top"],
+)
+def test_springs_whose_outcome_was_decided_by_the_steps(solve, scene, options, outcome, time):
+    found = paths(solve, scene, STEPS, **options)
+    same_answer(found)
+    assert found[0].outcome == outcome
+    assert max(path.total_iterations for path in found) < 500  # 19 410 once
+    if time is not None:
+        assert found[0].critical_time == pytest.approx(time, abs=2e-5)
+
+
+def test_the_kind_of_a_critical_point_does_not_depend_on_the_steps():
+    """The barrel of the examples, frictionless, under more than it bears."""
+    barrel = load_scene("examples/barrel.toml")
+    same_answer(paths(wirefe.solve, replace(barrel, load=Load((0.0, -110.0)), contact=Contact()), STEPS))
+
+
+@pytest.mark.parametrize("way", [-6.0, -15.13])
+def test_a_prescribed_displacement_costs_what_the_force_costs(way):
+    """Without contact; and the tip is where it was asked, to the last bit."""
+    spring = load_scene("spring-b").spring
+    pressed = Scene("b", spring, Load(displacement=(way,)), supports=GUIDED, contact=Contact(enabled=False))
+    options = {"element": "curved", "elements_per_turn": 8}
+    path = wirefe.solve(pressed, steps=20, **options)
+    assert path.tips[-1, 1] == way
+    pushed = replace(pressed, load=Load((0.0, path.loads[-1, 1])))
+    forced = wirefe.solve(pushed, steps=20, **options)
+    np.testing.assert_allclose(forced.tips[-1, 1], way, rtol=1e-8)
+    assert path.total_iterations <= forced.total_iterations + 2
+
+
+def pressed_instead(scene, share):
+    """The scene with a prescribed displacement, a share of the way to solid."""
+    spring = scene.spring
+    travel = max(spring.active_height - solid_height(spring), 0.05 * spring.active_height)
+    held = tuple(name for name in scene.supports.top_held if name != "uy")
+    return replace(scene, supports=Supports(held), load=Load(displacement=(-share * travel,)))
+
+
+def random_case(name, seed, driven):
+    """A frictionless scene of the campaign, by force or by displacement."""
+    case = make_case(name, seed)
+    scene = replace(case.scene, contact=replace(case.scene.contact, sliding="free", friction=None))
+    if driven:
+        scene = pressed_instead(scene, np.random.default_rng([seed, int(name[1:])]).uniform(0.1, 0.95))
+    return SOLVERS[case.model], scene, dict(case.options)
+
+
+NAMES = [f"b{i:06d}" for i in range(12)] + [f"w{i:05d}" for i in range(3)]
+MANY = [f"b{i:06d}" for i in range(300)] + [f"w{i:05d}" for i in range(300)]
+
+
+@pytest.mark.parametrize("driven", [False, True], ids=["force", "displacement"])
+def test_random_springs_have_one_answer(driven):
+    for name in NAMES:
+        solve, scene, options = random_case(name, 2, driven)
+        same_answer(paths(solve, scene, STEPS, **options))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("driven", [False, True], ids=["force", "displacement"])
+@pytest.mark.parametrize("name", MANY)
+def test_many_random_springs_have_one_answer(name, driven):
+    solve, scene, options = random_case(name, 4, driven)
+    same_answer(paths(solve, scene, STEPS, **options))
