@@ -44,6 +44,8 @@ def load_scene(source: str | Path) -> Scene:
     ------
     InputError : unknown name, unreadable or truncated file, or a refused value, in one sentence.
     """
+    if not isinstance(source, str | Path):
+        raise InputError(f"SCENE must be the name of a scene or of a TOML file, got {shown(source)}")
     if str(source) in CATALOGUE:
         return CATALOGUE[str(source)]()
     path = Path(source)

@@ -66,7 +66,7 @@ class Calibration:
             if name in self.fixed:
                 what = "left at its start: the curve does not determine it"
             elif name in self.undetermined:
-                what = "for the start of others that stand for it: the curve does not determine it"
+                what = "with those left that can stand for it: the curve does not determine it alone"
             else:
                 what = "standard error unknown" if np.isnan(error) else f"+- {error:.2g}"
             lines.append(f"{name} {value:.6g}, {what}")
@@ -105,6 +105,8 @@ def calibrate(
     EquilibriumNotFound : the scene as given does not reach the curve's end.
     """
     names = tuple(parameters)
+    if isinstance(parameters, str) or not names or len(set(names)) < len(names):
+        raise InputError(f"parameters must be a list of different names, got {shown(parameters)}")
     start = values(require_scene(scene), options, names)
     fit = _Fit(scene, names, start, _table(curve), options)
     shares = np.ones(len(names))

@@ -50,7 +50,8 @@ def _solid(scene: Scene, law: str, plane: str, height: float) -> str:
     shortened, travel = spring.active_height - height, spring.active_height - solid_height(spring)
     if travel <= 0.0 or shortened <= TRUSTED[plane] * travel:
         return ""
-    better = "law='helix', or " if law == "haringx" and is_axial(scene) else ""
+    within = law == "haringx" and is_axial(scene) and shortened <= TRUSTED["across"] * travel
+    better = "law='helix', or " if within else ""
     return (
         f"; but it is {shortened / travel:.0%} of the way to solid, where coils close bit by bit and the "
         f"beam's force may be far off: use {better}wirefe with pairs_per_turn of 16 or more"

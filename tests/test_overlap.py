@@ -20,6 +20,7 @@ from coilspring import (
 )
 from equivbeam.contact import circle_overlap
 from validation.cli import main
+from wirefe.overlap import _between
 
 GUIDED = Supports(("ux", "rotz"))
 PRESSED_B = Scene("b", spring_b().spring, Load(displacement=(-15.13,)), supports=GUIDED)
@@ -57,6 +58,17 @@ def test_overlap_is_that_of_a_dense_search(scene):
     found = path.shape.overlaps(path.states)
     np.testing.assert_allclose(np.maximum(found, 0.0), np.maximum(dense, 0.0), atol=0.02 * d)
     np.testing.assert_array_equal(path.max_overlap, np.maximum(found, 0.0))
+
+
+def test_wires_that_bend_towards_each_other_are_nearest_between_stations():
+    """Two parabolas through four stations each; their chords are nearest at an end."""
+    x = np.arange(4.0)
+    middle = x - 1.55
+    lower = np.column_stack((x, -0.04 * middle**2, 0.0 * x))
+    upper = np.column_stack((x, 0.9 + 0.04 * middle**2, 0.0 * x))
+    points = np.concatenate((lower, upper)).ravel()
+    assert np.sqrt(_between(points, 1, 5, 0.0)) > 0.915
+    np.testing.assert_allclose(np.sqrt(_between(points, 1, 5, 1.0)), 0.9, atol=1e-3)
 
 
 @pytest.mark.parametrize(("scene", "steps"), [(PRESSED_B, (10, 60)), (CONE, (10, 60))])

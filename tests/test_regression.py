@@ -3,21 +3,24 @@
 import copy
 import json
 import sys
+from contextlib import nullcontext
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 
 import numpy as np
 import pytest
 
+import equivbeam
 import equivbeam.haringx
 import equivbeam.helixrows
 import equivbeam.model
 import validation.baselines
 import validation.regression
 import wirefe.model
-from coilspring import InputError
+from coilspring import CATALOGUE, EquilibriumNotFound, InputError
 from equivbeam import Refinements
-from validation import timeratios
+from validation import timeratios, warmup
 from validation.arguments import command_line
 from validation.baselines import MODELS, Run, find, read, runs
 from validation.cli import main
@@ -361,3 +364,14 @@ def test_the_library_compares_without_the_command(tmp_path):
     assert regress(tmp_path / "out", tmp_path / "base", accept=True, chosen=chosen).accepted
     finding = regress(tmp_path / "out", tmp_path / "base", chosen=chosen)
     assert (finding.moves, finding.compared, finding.accepted) == ((), 1, False)
+
+
+def test_a_law_without_a_path_is_made_ready_too(monkeypatch):
+    """An edit that ends Spring B's path is told as what moved, not as an error of the command."""
+    solve = equivbeam.solve
+    short = partial(solve, penalty=600.0)  # a limit point before full load
+    with pytest.raises(EquilibriumNotFound):
+        short(CATALOGUE["spring-b"](), steps=1)
+    monkeypatch.setattr(warmup.equivbeam, "solve", short)
+    monkeypatch.setattr(warmup, "background", lambda code: nullcontext())
+    warmup.make_ready.__wrapped__()

@@ -445,6 +445,8 @@ def test_what_a_model_cannot_represent_is_said_plainly(key, value, model, tmp_pa
 def test_the_message_of_a_file_names_the_file():
     with pytest.raises(InputError, match=r"no-such-file\.toml"):
         load_scene(Path("no-such-file.toml"))
+    with pytest.raises(InputError, match="SCENE must be the name of a scene or of a TOML file, got 3"):
+        load_scene(3)
 
 
 NAMED = {

@@ -137,3 +137,9 @@ BAD = {
 def test_bad_input(words):
     with pytest.raises(InputError, match=words):
         BAD[words]()
+
+
+@pytest.mark.parametrize("names", [[], ["E", "E"], "E"])
+def test_parameters_to_fit_are_a_list_of_different_names(names):
+    with pytest.raises(InputError, match="parameters must be a list of different names"):
+        equivbeam.calibrate(AXIAL, equivbeam.solve(AXIAL), names)

@@ -19,17 +19,16 @@ from wirefe.mesh import WireMesh
 from wirefe.poses import ROW, four, three
 from wirefe.quaternions import turned
 
-PER_TURN, HALF = (
-    20,
-    10,
-)  # a chord lies 0.6 % of the wire's diameter per unit of the coil index beside the wire
-STRETCH = (
-    1.05  # of the distance of neighbours, at most: what an arc has over its chord, and the wire's strain
-)
+# A chord lies 0.6 % of the wire's diameter per unit of the coil index beside the wire.
+PER_TURN, HALF = 20, 10
+# Of the distance of neighbours, at most: what an arc has over its chord, and the wire's strain.
+STRETCH = 1.05
 SAME = 1e-9
 PARALLEL = 1e-9  # square of the sine between chords, below which they count as parallel
 ASIDE = 0.6  # of the distance of neighbours, at most: from a station to the nearest of a coil beside it
 REACH = 1.1  # wire diameters between centrelines beyond which a distance is not told
+DEEP = 0.95  # wire diameters between them, within which pieces are looked at more closely
+SHARES = 5  # of a piece, from end to end, at which they then are
 
 
 class Stations(NamedTuple):
@@ -124,10 +123,21 @@ def _bulge(points, i, s):
 
 
 @arithmetic
-def _between(points, i, j):
+def _arcs(points, i, s, j, t):
+    """Square of the distance between the shares s and t of the pieces of wire from the stations i and j."""
+    a = mixed(1.0 - s, three(points, 3 * i), s, three(points, 3 * i + 3))
+    b = mixed(1.0 - t, three(points, 3 * j), t, three(points, 3 * j + 3))
+    apart = plus(plus(b, -1.0, a), 1.0, plus(_bulge(points, j, t), -1.0, _bulge(points, i, s)))
+    return dot(apart, apart)
+
+
+@arithmetic
+def _between(points, i, j, deep):
     """Square of the distance of the piece of wire from the station i to the next from that at j.
 
     Arc to arc where the chords are nearest (Ericson 2005, Real-Time Collision Detection, section 5.1.9).
+    Wires that are all but parallel and bend towards each other are nearest elsewhere: where the square is
+    less than `deep`, it is the least at some shares.
     """
     a, b = three(points, 3 * i), three(points, 3 * j)
     u, v, w = (
@@ -140,15 +150,20 @@ def _between(points, i, j):
     s = min(max((uw * vv - vw * uv) / det, 0.0), 1.0) if det > PARALLEL * uu * vv else 0.5
     t = min(max((s * uv - vw) / vv, 0.0), 1.0)
     s = min(max((t * uv + uw) / uu, 0.0), 1.0)
-    apart = plus(mixed(-s, u, t, v), 1.0, w)
-    apart = plus(plus(apart, 1.0, _bulge(points, j, t)), -1.0, _bulge(points, i, s))
-    return dot(apart, apart)
+    least = _arcs(points, i, s, j, t)
+    if least < deep:
+        for k in range(SHARES):
+            s = k / (SHARES - 1)
+            t = min(max((s * uv - vw) / vv, 0.0), 1.0)
+            least = min(least, _arcs(points, i, s, j, t))
+    return least
 
 
 @part
 def _next_coil(stations, points, least):
     """Least square of the distance of any piece from the coil above it, if less than `least`."""
     count, reach = len(points) // 3, (ASIDE * stations.stride) ** 2
+    deep = (DEEP * stations.diameter) ** 2
     for i in range(min(stations.high, count - HALF - 1)):
         first = max(i + HALF, stations.low if i <= stations.low else 0)
         j = min(max(i + PER_TURN, first), count - 1)
@@ -161,9 +176,9 @@ def _next_coil(stations, points, least):
             here = _square(points, i, j)
         if here < least + reach:
             if j > first:
-                least = min(least, _between(points, i, j - 1))
+                least = min(least, _between(points, i, j - 1, deep))
             if j + 1 < count:
-                least = min(least, _between(points, i, j))
+                least = min(least, _between(points, i, j, deep))
     return least
 
 
@@ -172,13 +187,13 @@ def _far_coils(stations, points, least):
     """The same for coils farther along the wire: pairs of every second station first, and where the wire
     between these could be nearer than `least`, all pieces about them."""
     count, low, high = len(points) // 3, stations.low, stations.high
-    reach = (2.0 * stations.stride) ** 2
+    reach, deep = (2.0 * stations.stride) ** 2, (DEEP * stations.diameter) ** 2
     for i in range(0, min(high, count), 2):
         for j in range(i + PER_TURN + HALF, count, 2):
             if _square(points, i, j) < least + reach:
                 for a in range(max(i - 1, 0), min(i + 1, high)):
                     for b in range(max(j - 2, low if a <= low else 0), min(j + 2, count - 1)):
-                        least = min(least, _between(points, a, b))
+                        least = min(least, _between(points, a, b, deep))
     return least
 
 
