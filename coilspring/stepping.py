@@ -167,6 +167,7 @@ def follow(
     most = OVERLAP_ALLOWED * diameter
     # how much nearer wires may come, and the bound on all motion since that was measured
     room, moved = np.inf, 0.0
+    measured, through = 0.0, np.inf  # when, and when it is predicted to be used up
     if memory.shape[0] > 0:
         room = most - overlap(reals, ints, state)[1]
     while row < times.size and outcome == COMPLETED and stop[0] == 0:
@@ -177,8 +178,8 @@ def follow(
             outcome = EXHAUSTED
             break
         approached = APPROACH * (zero - time) < min(dt, ease)
-        stride = min(dt, ease, APPROACH * (zero - time))
-        if softness <= neutral or stride < LEAST_STEP:
+        stride = min(dt, ease, APPROACH * (zero - time), max(APPROACH * (through - time), OVERLAP_TIME))
+        if softness <= neutral or APPROACH * (zero - time) < LEAST_STEP:
             outcome, stride = CRITICAL, max(zero - time, LEAST_STEP)
             break
         landing = times[row] - time <= stride * (1.0 + 1e-9)
@@ -315,6 +316,9 @@ def follow(
                     zero = np.inf  # the stiffness jumps here, as where a pair opens
                 softness, looked_at = value, target
         kept, last = True, step
+        if since == 0.0:
+            through = predicted_zero(target, nearer, measured, room)
+            measured = target
         room, moved = nearer, since
         copy(state, before)
         copy(trial, state)
