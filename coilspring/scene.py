@@ -27,7 +27,7 @@ class Load:
     steps : equal steps of time of each stage at which results are wanted.
     stages : dead loads (Fx, Fy) reached one after the other at equal intervals of time, along straight
         lines, N.
-    displacement : UY of the top, prescribed by a test machine in the same way, mm; one or several.
+    displacement : UY of the top, prescribed in the same way, mm; one or several.
     """
 
     force: tuple[float, float] = (0.0, 0.0)

@@ -81,7 +81,7 @@ def _load_text(load: Load) -> str:
         given = (
             _line("force", load.force, "Fx, Fy at the top at time 1, a dead load that grows with time")
             + "# or stages = [[0.0, -9.0], [0.0, 0.0]], forces reached one after the other, on and off,\n"
-            + "# or displacement = -10.0, UY of the top as a test machine prescribes it; or several of them\n"
+            + "# or displacement = -10.0, UY of the top, prescribed as by a test machine; or several\n"
         )
     return "[load]\n" + given + _line("steps", load.steps, "equal steps (of each stage) for results [50]")
 
