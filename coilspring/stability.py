@@ -11,6 +11,7 @@ from coilspring.compiled import copy, part, zeros
 from coilspring.kernelset import Kernels
 
 INVERSE_ITERATIONS = 30
+FEW_ITERATIONS = 6  # enough from a mode that is nearly there, and to begin with
 SETTLED = 0.01  # relative change of the least stiffness by a step of inverse iteration, that ends it
 LEAST_STEP = 1e-9  # of the time 0..1: below it, what cannot be passed is called a critical point
 WAY = 1e-6  # of the span of the state's numbers, with which a difference is taken
@@ -52,7 +53,7 @@ def least_stiffness(reals, ints, F, mode, scratch, solve):
     From state to state the mode changes little, so that a step or two are enough.
     """
     value, last = 0.0, np.inf
-    for _ in range(INVERSE_ITERATIONS):
+    for _ in range(FEW_ITERATIONS):
         copy(mode, scratch)
         solve(reals, ints, F, scratch)
         square, along = 0.0, 0.0

@@ -35,6 +35,8 @@ OVERLAP_TIME = 1e-5  # of the time 0..1: so closely is it told where they do
 # Share of the time to the predicted zero of the least stiffness: at a limit point, where it falls with
 # the root of the time that is left, the straight line meets zero twice as far as the path goes.
 APPROACH = 0.5
+LOOK = 0.05  # of the time 0..1: so often at least the softest mode is looked at,
+SOONER = 0.25  # and after this share of the time to its predicted zero
 NEUTRAL = 1e-5  # of the least stiffness at rest: what is left of it counts as none, rounding is not far below
 BOUND_CHANGE = 1e-6  # of the bounds of tangential forces, over the largest, where they count as found
 MOST_ROUNDS = 30
@@ -178,7 +180,8 @@ def follow(
             outcome = EXHAUSTED
             break
         approached = APPROACH * (zero - time) < min(dt, ease)
-        stride = min(dt, ease, APPROACH * (zero - time), max(APPROACH * (through - time), OVERLAP_TIME))
+        closing = max(APPROACH * (through - time), OVERLAP_TIME)
+        stride = min(dt, ease, APPROACH * (zero - time), closing)
         if softness <= neutral or APPROACH * (zero - time) < LEAST_STEP:
             outcome, stride = CRITICAL, max(zero - time, LEAST_STEP)
             break
@@ -236,7 +239,7 @@ def follow(
                 motion,
             )  # fmt: skip
         nearer, since = room, moved + way
-        if good and NEARER * since >= room:
+        if good and (NEARER * since >= room or stride == closing):
             nearer, since = most - overlap(reals, ints, trial)[1], 0.0
             good = nearer >= 0.0
             if not good and step < OVERLAP_TIME:
@@ -308,7 +311,8 @@ def follow(
                 copy(trial, home)
                 factor(reals, ints, F)
                 spent += 1
-            if needed > 0 or approached:
+            look = looked_at + min(LOOK, SOONER * (zero - looked_at))
+            if approached or (needed > 0 and target >= look):
                 value = least_stiffness(reals, ints, F, mode, ahead, solve)
                 if value > neutral or value < softness:
                     zero = predicted_zero(target, value, looked_at, softness)

@@ -187,7 +187,8 @@ def _far_coils(stations, points, least):
     """The same for coils farther along the wire: pairs of every second station first, and where the wire
     between these could be nearer than `least`, all pieces about them."""
     count, low, high = len(points) // 3, stations.low, stations.high
-    reach, deep = (2.0 * stations.stride) ** 2, (DEEP * stations.diameter) ** 2
+    # points nearest each other lie within a stride of such stations, each along its wire
+    reach, deep = 2.0 * stations.stride**2, (DEEP * stations.diameter) ** 2
     for i in range(0, min(high, count), 2):
         for j in range(i + PER_TURN + HALF, count, 2):
             if _square(points, i, j) < least + reach:
