@@ -11,7 +11,7 @@ from coilspring.compiled import copy, part, zeros
 from coilspring.kernelset import Kernels
 
 INVERSE_ITERATIONS = 30
-FEW_ITERATIONS = 6  # enough from a mode that is nearly there, and to begin with
+FEW_ITERATIONS = 4  # enough from a mode that is nearly there, and to begin with
 SETTLED = 0.01  # relative change of the least stiffness by a step of inverse iteration, that ends it
 LEAST_STEP = 1e-9  # of the time 0..1: below it, what cannot be passed is called a critical point
 WAY = 1e-6  # of the span of the state's numbers, with which a difference is taken
