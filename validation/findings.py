@@ -377,8 +377,8 @@ def stability(f: Facts) -> str:
         f"**Of the sampled equivalent beams {beam['completed']} reach full load and {beam['critical']} a "
         f"critical point** that code of its own confirms; of the wires {wire['completed']} and "
         f"{wire['critical']}; {left or 'none'} left unexplained. With friction {wire['ended']} end where "
-        f"the iteration does, not the spring, or where a pair that was held opens; {wire['apart']} are "
-        "apart with other substeps. [Stability "
+        f"the iteration does, not the spring, or where a pair that was held opens; {wire['apart']} "
+        "depend on their substeps. [Stability "
         "campaign](../reports/stability/stability.md#what-became-of-the-scenes)"
     )
 
