@@ -10,7 +10,7 @@ import pytest
 
 import equivbeam
 from coilspring import InputError, load_scene, spring_b
-from validation.campaign import pools, run
+from validation.campaign import page, pools, run
 from validation.campaign.critical import bracket
 from validation.campaign.energy import beam_energy
 from validation.campaign.invariance import KINDS, judge_invariance
@@ -24,8 +24,8 @@ from validation.campaign.judge import (
     remembered,
 )
 from validation.campaign.scenes import Case, case_id, in_units, make_case
-from validation.campaign.table import Row, Table, read_rows
-from validation.campaign.verdict import CLASSES, UNEXPLAINED, Verdict, reached, under
+from validation.campaign.table import COLUMNS, Row, Table, read_rows
+from validation.campaign.verdict import CLASSES, THROUGH, UNEXPLAINED, Verdict, reached, under
 from validation.campaign.wire import friction_of, wire_forces
 from validation.campaign.wirejudge import fold, judge_balance, judge_row, judge_wire
 from validation.cli import main
@@ -407,3 +407,8 @@ def test_a_jump_along_the_tangent_of_a_fold_is_seen():
     paths = [reached(case, steps=steps) for steps in (16, 64)]
     assert [path.outcome for path in paths] == ["limit_point"] * 2
     assert paths[0].critical_time == pytest.approx(paths[1].critical_time, rel=1e-6)
+
+
+def test_the_page_says_how_well_the_judge_finds_what_passes_through():
+    row = Row(dict.fromkeys(COLUMNS, "")) | {"id": "w00000", "class": THROUGH, "overlap": "0.0042"}
+    assert "| overlap | - | 4.2e-03 |" in page.page([Row(row)], SEED)

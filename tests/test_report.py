@@ -70,7 +70,7 @@ def test_every_number_and_verdict_of_the_report_is_a_statement(evidence):
 
 def test_the_headline_follows_the_curves(evidence):
     """The evidence itself is changed: every curve is off by half of its peak."""
-    assert "**The proposed model matches the wire model, " in page(evidence)[1][2].text
+    assert "**The proposed model matches the wire model where " in page(evidence)[1][2].text
     off = {
         name: replace(item, error=replace(item.error, curve_max=0.5)) for name, item in evidence.cases.items()
     }

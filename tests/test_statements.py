@@ -209,12 +209,40 @@ def test_one_sign_over_the_phases_decides():
 def test_the_headline_is_a_verdict():
     headline = SENTENCES["verdict"]
     assert headline(FACTS).startswith(
-        "**The proposed model matches the wire model, at a small part of its cost.**"
+        "**The proposed model matches the wire model where the helix starts in the working plane, at a small "
+        "part of its cost.**"
     )
     apart = {f"{name}.curve": 0.5 for name in report.CASE_NAMES}
     assert headline(Changed(FACTS, **apart)).startswith("**The proposed model does not match the wire model")
     slow = {f"{name}.time.ratio": 0.5 for name in report.CASE_NAMES}
     assert "and is not cheaper.**" in headline(Changed(FACTS, **slow))
+
+
+# id: evidence that would turn its words, and what it would say then
+APART = "sensitivity > Spring A > spheres out of the plane by | wire model | 30° > models apart (%)"
+OUTSIDE = "error-budget > What these numbers say > {} % of the normal forces of Spring B"
+HELD = "error-budget > The paper's four cases > without `held` > Spring B w/o contacts"
+SLOW = {f"{name}.time.ratio": 0.5 for name in report.CASE_NAMES}
+WORDS = [
+    ("verdict", SLOW, "it takes 2 to 2 of the time"),
+    ("verdict.limit-beam", {"limit.beam": 0.9}, "A modulus about 11 % higher than assumed"),
+    ("phases", {"phases.many.apart": (0.5,) * 12}, "with 20 their places matter too"),
+    ("sliding.free", {"limit.outcome": "not converged", "limit.time": None}, "no critical point"),
+    ("assumed.margin", {"limit.beam": 3.0}, "does not rest on the material"),
+    ("findings.time", SLOW, "0.50 to 0.50 times as fast as the wire model"),
+    ("findings.sliding", {"limit.beam": None, "limit.beam_outcome": "completed"}, "plausibly needed"),
+    ("findings.sliding", {"limit.outcome": "completed", "limit.time": None}, "is not explained"),
+    ("findings.spheres", {APART: 0.1}, "hardly matters"),
+    ("findings.across", {OUTSIDE: 10.0}, "meet in the plane in which its wire starts"),
+    ("findings.helix", {HELD: 0.15}, "does not need large deformation"),
+]
+
+
+@pytest.mark.parametrize(("name", "turned", "said"), WORDS)
+def test_words_follow_from_the_evidence(name, turned, said):
+    words = SENTENCES[name]
+    assert (said in words(FACTS)) == (said == "plausibly needed")
+    assert said in words(Changed(FACTS, **turned))
 
 
 def test_a_verdict_is_one_of_four():

@@ -96,14 +96,16 @@ def faster(f: Facts) -> str:
     ratios = [f[f"{name}.time.ratio"] for name in CASE_NAMES]
     papers = [f[f"paper.{name}.wire"] / f[f"paper.{name}.beam"] for name in CASE_NAMES]
     wire = [1e3 * f[f"{name}.time.wire"] for name in CASE_NAMES]
-    faster = "faster" if min(ratios) > 1.0 else "as fast"
+    faster = (
+        f"{span(ratios, 0)} times faster than" if min(ratios) > 1.0 else f"{span(ratios, 2)} times as fast as"
+    )
     cheap = (
         'so "very expensive" is not the method\'s.'
         if cost.judge(f).verdict != AGREES
         else 'so FE is "very expensive", as the paper says.'
     )
     return (
-        f"**The beam is {span(ratios, 0)} times {faster} than the wire model.** The paper's table has "
+        f"**The beam is {faster} the wire model.** The paper's table has "
         f"{span(papers, 1)} times, of other programs: the two cannot be compared. Our whole FE path takes "
         f"{span(wire, 0)} ms; {cheap} {SENTENCES}"
     )
@@ -112,15 +114,19 @@ def faster(f: Facts) -> str:
 @statement("findings.sliding")
 def sliding(f: Facts) -> str:
     time, over = f["limit.time"], f["limit.beam"]
-    if time is None or over is None:
+    beam = (
+        f"The beam's ends too, at a {f['limit.beam_outcome']} at {over:.3f} of the load."
+        if over is not None
+        else f"The beam beyond its full load: {f['limit.beam_outcome']}."
+    )
+    if time is None:
         return (
-            f'**"No sliding" of Spring B is not explained:** without it the wire model ends as '
-            f"{f['limit.outcome']}, the beam as {f['limit.beam_outcome']}. [Report]({REPORT}#verdict)"
+            '**"No sliding" of Spring B is not explained:** without it the outcome of the wire model is: '
+            f"{f['limit.outcome']}. {beam} [Report]({REPORT}#verdict)"
         )
     return (
         '**The FE of Spring B plausibly needed "no sliding" because the branch ends without it:** our wire '
-        f"model, at a {f['limit.outcome']} at {time:.3f} of the load. The beam's ends too, at a "
-        f"{f['limit.beam_outcome']} at {over:.3f} of the load. [Report]({REPORT}#verdict)"
+        f"model, at a {f['limit.outcome']} at {time:.3f} of the load. {beam} [Report]({REPORT}#verdict)"
     )
 
 
@@ -161,12 +167,19 @@ MODELS = ("beam", "wire model")
 
 @statement("findings.spheres")
 def spheres(f: Facts) -> str:
-    row = "sensitivity > Spring A > spheres out of the plane by | wire model | 45° > "
+    near, far = (
+        f"sensitivity > Spring A > spheres out of the plane by | wire model | {angle}° > "
+        for angle in ("30", "45")
+    )
+    apart, farther = f[near + "models apart (%)"], f[far + "UX (%)"]
+    much = apart > 100.0 * f["threshold.match"]
+    so = " The paper's two models agree, so its spheres cannot have stood far out." if much else ""
+    ends = f"its path ends as {farther}" if isinstance(farther, str) else f"{farther:.0f} % of UX"
     return (
-        f"**Where the spheres stand matters:** {f[row + 'value']:.0f} degrees out of the plane, "
-        f"{abs(f[row + 'UY (%)']):.0f} % of UY in the wire model, and the two models are "
-        f"{f[row + 'models apart (%)']:.0f} % apart. The paper's two models agree, so its spheres cannot "
-        f"have stood far out. [Sensitivity]({SENSITIVITY}#spring-a)"
+        f"**Where the spheres stand {'matters' if much else 'hardly matters'}:** {f[near + 'value']:.0f} "
+        f"degrees out of the plane, {abs(f[near + 'UY (%)']):.0f} % of UY in the wire model, and the two "
+        f"models are {apart:.0f} % apart; {f[far + 'value']:.0f} degrees out, {ends}.{so} "
+        f"[Sensitivity]({SENSITIVITY}#spring-a)"
     )
 
 
@@ -258,12 +271,13 @@ def helix(f: Facts) -> str:
         for row in ("helix law", "Haringx, the paper's law")
     )
     less = [f[f"{FOUR} > without `{name}` > {BARE_B}"] for name in ("large", "held", "shear")]
+    needs = "needs" if min(less) > 2.0 * law[0] else "does not need"
     mends = "mends" if max(a / b for a, b in zip(law, paper, strict=True)) < 0.5 else "does not mend"
     soft = f["validation > What the wire's curvature changes > move too far by {} % under an axial load"]
     return (
         f"**A helix in large deformation {mends} the paper's law without contact, against rods:** "
         f"{paper[0]:.2f} to {law[0]:.2f} % (Spring B) and {paper[1]:.2f} to {law[1]:.2f} % (Spring A). "
-        "Spring B needs large deformation, held winding and wire shear together: without one of them "
+        f"Spring B {needs} large deformation, held winding and wire shear together: without one of them "
         f"{less[0]:.2f}, {less[1]:.2f}, {less[2]:.2f} %. The wire's curvature is in neither model: as a "
         f"solid Spring A is stiffer, by {soft:g} % of its axial deflection. {BUDGET}, "
         "[Validation](validation.md#what-the-wires-curvature-changes)"
@@ -275,11 +289,13 @@ def across(f: Facts) -> str:
     outside = f["error-budget > What these numbers say > {} % of the normal forces of Spring B"]
     plane, working = (f[f"{FOUR} > {row} > {TOUCHING_B}"] for row in ("helix law, plane across", "helix law"))
     than = "nearer" if plane < working else "no nearer"
+    where = "beside" if outside > 50.0 else "in"  # per cent
+    root = ", where the first root of tan(phi) = phi lies" if outside > 50.0 else ""
     return (
-        "**The coils of an axially loaded spring meet beside the plane in which its wire starts,** where the "
-        f"first root of tan(phi) = phi lies: {outside:.0f} % of Spring B's normal forces are there. A beam "
-        f"in that plane, with the tilt of the held ends, is {than}: {plane:.2f} % from the wire model in "
-        f"contact; in the working plane the same law is {working:.2f} % off. {BUDGET}, "
+        f"**The coils of an axially loaded spring meet {where} the plane in which its wire starts:** "
+        f"{outside:.0f} % of Spring B's normal forces are beside it{root}. A beam "
+        f"in the plane across, with the tilt of the held ends, is {than}: {plane:.2f} % from the wire model "
+        f"in contact; in the working plane the same law is {working:.2f} % off. {BUDGET}, "
         "[Theory](theory.md#2-equivalent-beam-equivbeam)"
     )
 
@@ -366,8 +382,8 @@ def stability(f: Facts) -> str:
         f"**Of the sampled equivalent beams {beam['completed']} reach full load and {beam['critical']} a "
         f"critical point** that code of its own confirms; of the wires {wire['completed']} and "
         f"{wire['critical']}; {left or 'none'} left unexplained. With friction {wire['ended']} end where "
-        f"the iteration does, not the spring, or where a pair that was held opens; {wire['apart']} are "
-        "apart with other substeps. [Stability "
+        f"the iteration does, not the spring, or where a pair that was held opens; {wire['apart']} "
+        "depend on their substeps. [Stability "
         "campaign](../reports/stability/stability.md#what-became-of-the-scenes)"
     )
 

@@ -73,10 +73,15 @@ def free_sliding(f: Facts) -> str:
         return "The frictionless wire model of Spring B completed: the paper's reason is not found."
     time = f["limit.time"]
     critical = "" if time is None else f" at t = {time:.4f} ({time * f['limit.load']:.1f} N)"
-    return (
+    reached = (
         f"With frictionless spheres the wire model of Spring B ends in a **{f['limit.outcome']}**{critical}. "
         f"The last substep reached is t = {f['limit.last']:.2f}, with UY = {f['limit.uy']:.2f} mm and "
-        f"{f['limit.closed']} closed pairs. There the tangent becomes singular: coils of the cone are "
+        f"{f['limit.closed']} closed pairs."
+    )
+    if time is None:
+        return f"{reached} That is no critical point of the spring: the paper's reason is not found."
+    return (
+        f"{reached} There the tangent becomes singular: coils of the cone are "
         "about to slide off each other, and no equilibrium nearby carries a larger load. Beyond it a "
         "solver can only jump, and where it lands depends on its steps, so no number is printed beyond it. "
         "That this is why the paper had to switch sliding off is plausible; the paper does not say."
@@ -120,10 +125,14 @@ def margin(f: Facts) -> str:
     over = f["limit.beam"]
     if over is None:
         return f"The frictionless beam of Spring B ends as {f['limit.beam_outcome']} beyond its full load."
+    near = abs(1.0 - 1.0 / over) < f["threshold.match"]  # of the modulus
     return (
         f"The frictionless beam of Spring B ends in a {f['limit.beam_outcome']} at {over:.3f} times the "
-        "paper's load: there its coils slide off each other too. So whether the proposed model reaches "
-        "full load at all rests on the material, which the paper does not give."
+        "paper's load: there its coils slide off each other too. "
+        + ("So whether" if near else "That is so far from it that whether")
+        + " the proposed model reaches full load at all "
+        + ("rests" if near else "does not rest")
+        + " on the material, which the paper does not give."
     )
 
 

@@ -9,7 +9,6 @@ from validation.cases import PathStore
 from validation.claims import (
     AGREES,
     CASE_NAMES,
-    DIFFERS,
     MECHANICS,
     UNDECIDED,
     VERDICTS,
@@ -103,14 +102,20 @@ def verdict(f: Facts) -> str:
         f"**{_matching(f)}, {_costing(f, min(ratios))}.** Against a wire model on the paper's own FE mesh "
         f"its tip curves differ by at most {error['spring-a']} (Spring A) and {error['spring-b']} (Spring "
         f"B) with contact, {error['spring-a-no-contact']} and {error['spring-b-no-contact']} without, and "
-        f"it takes 1/{min(ratios):.0f} to 1/{max(ratios):.0f} of the time. Of the paper's statements, "
-        f"those on mechanics: {_count(f, MECHANICS)}; those on time and iterations: {_count(f, TIMES)}."
+        f"it takes {_parts(ratios)} of the time. Our verdicts on the paper's statements are, on mechanics: "
+        f"{_count(f, MECHANICS)}; on time and iterations: {_count(f, TIMES)}."
     )
+
+
+def _parts(ratios: Sequence[float]) -> str:
+    """Of the time, from the largest to the least."""
+    low, high = min(ratios), max(ratios)
+    return f"1/{low:.0f} to 1/{high:.0f}" if low > 1.0 else f"{1.0 / high:.2g} to {1.0 / low:.2g}"
 
 
 def _matching(f: Facts) -> str:
     if match.judge(f).verdict == AGREES:
-        return "The proposed model matches the wire model"
+        return "The proposed model matches the wire model where the helix starts in the working plane"
     far = [f[f"{name}.title"] for name, value in curves(f).items() if value >= f["threshold.match"]]
     return f"The proposed model does not match the wire model ({', '.join(far)})"
 
@@ -123,8 +128,7 @@ def _costing(f: Facts, least: float) -> str:
 
 def _count(f: Facts, claims: Sequence[Claim]) -> str:
     counts = Counter(item.judge(f).verdict for item in claims)
-    words = {AGREES: "agree with our numbers", DIFFERS: "differ"}
-    return ", ".join(f"{counts[name]} {words.get(name, name)}" for name in VERDICTS if counts[name])
+    return ", ".join(f"{name} {counts[name]}" for name in VERDICTS if counts[name])
 
 
 @statement("verdict.mesh")
@@ -171,8 +175,8 @@ def limit_beam(f: Facts) -> str:
         f"{f['limit.beam_outcome']}."
     return (
         f"Spring B, proposed model (frictionless): its branch ends in a {f['limit.beam_outcome']} at "
-        f"{over:.3f} times the paper's load. A modulus about {percent(1.0 - 1.0 / over, 0)} lower than "
-        "assumed would put that end at the paper's load."
+        f"{over:.3f} times the paper's load. A modulus about {percent(abs(1.0 - 1.0 / over), 0)} "
+        f"{'lower' if over > 1.0 else 'higher'} than assumed would put that end at the paper's load."
     )
 
 
@@ -226,12 +230,14 @@ def phases(f: Facts) -> str:
         if count == f["setting.steps"]
     ]
     where = f"at {', '.join(always)}" if always else "at no phase"
+    near = max(f["phases.many.apart"]) < f["threshold.match"]
+    matter = "their places hardly matter" if near else "their places matter too"
     return (
         "By how much the equivalent beam moves farther than the wire model at full load, and in how many of "
         "the substeps, for UX, UY and ROTZ of Spring A. Without contact the beam is "
         f"softer in all components and all substeps {where}. With {f['setting.pairs']} pairs a turn the "
         "spheres turn with the helix, out of the plane in which the spring bends; with "
-        f"{f['setting.many_pairs']} their places hardly matter. The tip curves differ by "
+        f"{f['setting.many_pairs']} {matter}. The tip curves differ by "
         f"{phase_range(f, 'bare')} without contact, {phase_range(f, 'few')} with {f['setting.pairs']} "
         f"pairs a turn and {phase_range(f, 'many')} with {f['setting.many_pairs']}; at {_least(f)} degrees "
         f"they come nearest with {f['setting.pairs']}."

@@ -27,8 +27,7 @@ SAME = 1e-9
 PARALLEL = 1e-9  # square of the sine between chords, below which they count as parallel
 ASIDE = 0.6  # of the distance of neighbours, at most: from a station to the nearest of a coil beside it
 REACH = 1.1  # wire diameters between centrelines beyond which a distance is not told
-DEEP = 0.95  # wire diameters between them, within which pieces are looked at more closely
-SHARES = 5  # of a piece, from end to end, at which they then are
+SHARES = (0.25, 0.5, 0.75)  # of a piece, at which those that touch are looked at more closely
 
 
 class Stations(NamedTuple):
@@ -112,32 +111,23 @@ def _square(points, i, j):
 
 
 @arithmetic
-def _bulge(points, i, s):
-    """From the chord of the piece i to the wire at its share s: that of the parabola with the mean second
-    difference at both ends."""
-    if i == 0 or 3 * i + 6 >= len(points):
-        return 0.0, 0.0, 0.0
-    ends = plus(three(points, 3 * i - 3), 1.0, three(points, 3 * i + 6))
-    middle = plus(three(points, 3 * i), 1.0, three(points, 3 * i + 3))
-    return mixed(-0.25 * s * (1.0 - s), ends, 0.25 * s * (1.0 - s), middle)
+def _bulge(points, i):
+    """From the middle of the chord of the piece i to the wire: that of the parabola with the mean second
+    difference at both ends, or with the one that there is at the end of the wire."""
+    low, high = max(3 * i, 3), min(3 * i + 3, len(points) - 6)
+    ends = plus(three(points, low - 3), 1.0, three(points, high + 3))
+    after, before = plus(three(points, low + 3), 1.0, three(points, high - 3)), three(points, low)
+    middle = plus(before, 1.0, three(points, high))
+    return mixed(-0.0625, plus(ends, 1.0, after), 0.125, middle)
 
 
 @arithmetic
-def _arcs(points, i, s, j, t):
-    """Square of the distance between the shares s and t of the pieces of wire from the stations i and j."""
-    a = mixed(1.0 - s, three(points, 3 * i), s, three(points, 3 * i + 3))
-    b = mixed(1.0 - t, three(points, 3 * j), t, three(points, 3 * j + 3))
-    apart = plus(plus(b, -1.0, a), 1.0, plus(_bulge(points, j, t), -1.0, _bulge(points, i, s)))
-    return dot(apart, apart)
-
-
-@arithmetic
-def _between(points, i, j, deep):
+def _between(points, i, j, near):
     """Square of the distance of the piece of wire from the station i to the next from that at j.
 
     Arc to arc where the chords are nearest (Ericson 2005, Real-Time Collision Detection, section 5.1.9).
     Wires that are all but parallel and bend towards each other are nearest elsewhere: where the square is
-    less than `deep`, it is the least at some shares.
+    less than `near`, it is the least at some shares of the pieces.
     """
     a, b = three(points, 3 * i), three(points, 3 * j)
     u, v, w = (
@@ -150,20 +140,28 @@ def _between(points, i, j, deep):
     s = min(max((uw * vv - vw * uv) / det, 0.0), 1.0) if det > PARALLEL * uu * vv else 0.5
     t = min(max((s * uv - vw) / vv, 0.0), 1.0)
     s = min(max((t * uv + uw) / uu, 0.0), 1.0)
-    least = _arcs(points, i, s, j, t)
-    if least < deep:
-        for k in range(SHARES):
-            s = k / (SHARES - 1)
-            t = min(max((s * uv - vw) / vv, 0.0), 1.0)
-            least = min(least, _arcs(points, i, s, j, t))
+    p, q = _bulge(points, i), _bulge(points, j)
+    least = _square_at(u, v, w, p, q, s, t)
+    if least < near:
+        for share in SHARES:
+            t = min(max((share * uv - vw) / vv, 0.0), 1.0)
+            least = min(least, _square_at(u, v, w, p, q, share, t))
     return least
+
+
+@arithmetic
+def _square_at(u, v, w, p, q, s, t):
+    """Square of the distance of two arcs with chords u, v, w apart, and bulges p, q, at their shares s, t."""
+    apart = plus(mixed(-s, u, t, v), 1.0, w)
+    apart = plus(apart, 1.0, mixed(-4.0 * s * (1.0 - s), p, 4.0 * t * (1.0 - t), q))
+    return dot(apart, apart)
 
 
 @part
 def _next_coil(stations, points, least):
     """Least square of the distance of any piece from the coil above it, if less than `least`."""
     count, reach = len(points) // 3, (ASIDE * stations.stride) ** 2
-    deep = (DEEP * stations.diameter) ** 2
+    near = stations.diameter**2
     for i in range(min(stations.high, count - HALF - 1)):
         first = max(i + HALF, stations.low if i <= stations.low else 0)
         j = min(max(i + PER_TURN, first), count - 1)
@@ -176,9 +174,9 @@ def _next_coil(stations, points, least):
             here = _square(points, i, j)
         if here < least + reach:
             if j > first:
-                least = min(least, _between(points, i, j - 1, deep))
+                least = min(least, _between(points, i, j - 1, near))
             if j + 1 < count:
-                least = min(least, _between(points, i, j, deep))
+                least = min(least, _between(points, i, j, near))
     return least
 
 
@@ -188,13 +186,13 @@ def _far_coils(stations, points, least):
     between these could be nearer than `least`, all pieces about them."""
     count, low, high = len(points) // 3, stations.low, stations.high
     # points nearest each other lie within a stride of such stations, each along its wire
-    reach, deep = 2.0 * stations.stride**2, (DEEP * stations.diameter) ** 2
+    reach, near = 2.0 * stations.stride**2, stations.diameter**2
     for i in range(0, min(high, count), 2):
         for j in range(i + PER_TURN + HALF, count, 2):
             if _square(points, i, j) < least + reach:
                 for a in range(max(i - 1, 0), min(i + 1, high)):
                     for b in range(max(j - 2, low if a <= low else 0), min(j + 2, count - 1)):
-                        least = min(least, _between(points, a, b, deep))
+                        least = min(least, _between(points, a, b, near))
     return least
 
 

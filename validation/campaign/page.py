@@ -111,7 +111,7 @@ def page(rows: list[Row], seed: int) -> str:
         Picture("stability.png", CAPTION),
         Heading(2, "Corners"),
         Table(("corner", *CLASSES), tuple(_corner(rows, name) for name in ("", *CORNERS))),
-        Heading(2, "Largest of what the judge measured, completed and critical cases alone"),
+        Heading(2, "Largest of what the judge measured, completed, critical and interpenetration alone"),
         Table(("number", *TITLES.values(), "meaning"), tuple(_largest(rows, name) for name in NUMBERS)),
         Heading(2, "Invariances: largest change of the answer over the largest displacement"),
         Table(("changed", "cases", *TITLES.values()), tuple(_invariance(rows, kind) for kind in KINDS)),
@@ -137,7 +137,8 @@ def _largest(rows: list[Row], name: str) -> tuple[str, ...]:
 
 
 def _most(rows: list[Row], letter: str, name: str, kind: str = "") -> str:
-    explained = [row for row in rows if row["id"][0] == letter and row["class"] in (RIGHT, CONFIRMED)]
+    told = (RIGHT, CONFIRMED, THROUGH)
+    explained = [row for row in rows if row["id"][0] == letter and row["class"] in told]
     found = [float(row[name]) for row in explained if row[name] and (not kind or row["kind"] == kind)]
     return f"{max(found):.1e}" if found else "-"
 
