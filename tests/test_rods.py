@@ -191,3 +191,8 @@ def test_scene_and_rod_are_one_model():
 def test_bad_rods(change, words):
     with pytest.raises(InputError, match=words):
         change(wirefe.straight_rod(line(1.0, 2), Section(1.0, 1.0, 1.0, 1.0)))
+
+
+def test_what_is_no_rod_is_refused():
+    with pytest.raises(InputError, match=r"rod must be a wirefe\.Rod, got 'x'"):
+        wirefe.solve_rod("x")

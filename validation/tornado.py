@@ -96,12 +96,8 @@ def _bar(axes: Axes, place: float, model: str, changes: Sequence[Change]) -> Non
     low, high = min([0.0, *largest]), max([0.0, *largest])
     if low < high:
         axes.barh(place, high - low, BAR, left=low, **LOOKS[model], zorder=2.0)
-    short = next((change for change in changes if not change.completed), None)
-    if short is not None:
-        words = short.curve.outcome.replace("_", " ")
-        where: dict[str, Any] = {"xytext": (4.5, -0.5), "textcoords": "offset points", "va": "baseline"}
+    if not all(change.completed for change in changes):
         axes.plot(0.0, place, linestyle="none", **END, zorder=4.0)
-        axes.annotate(words, (0.0, place), **where, fontsize=SMALL, zorder=5.0)
 
 
 def _values(axes: Axes, row: int, changes: Sequence[Change]) -> None:
@@ -122,5 +118,5 @@ def _values(axes: Axes, row: int, changes: Sequence[Change]) -> None:
 def _key() -> list[Line2D | Patch]:
     bars = [Patch(**LOOKS[model], label=LABELS[model]) for model in MODELS]
     band = Patch(**BAND, label="the models apart, our defaults")
-    end = Line2D([], [], linestyle="none", **END, label="a value ends short of full load")
+    end = Line2D([], [], linestyle="none", **END, label="a value ends short of full load (table)")
     return [*bars, band, end]

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from coilspring.errors import EquilibriumNotFound, InputError, require_choice, require_integer
+from coilspring.errors import EquilibriumNotFound, InputError, require_choice, require_integer, shown
 from coilspring.kernelset import Kernels
 from coilspring.pairlaw import MEMORY
 from coilspring.path import EquilibriumPath
@@ -113,6 +113,8 @@ def solve_rod(rod: Rod, *, steps: int = 10) -> RodPath:
     EquilibriumNotFound : the path ends before time 1; carries what was reached.
     """
     require_integer("steps", steps, 1, 100_000)
+    if not isinstance(rod, Rod):
+        raise InputError(f"rod must be a wirefe.Rod, got {shown(rod)}")
     times = np.arange(1, steps + 1) / steps
     length = float(np.linalg.norm(np.diff(rod.points, axis=0), axis=1).sum()) / LENGTHS_OF_A_WIRE
     run = follow_problem(rod_problem(rod), KERNELS, times, length)
