@@ -10,13 +10,13 @@ from validation.campaign.across import across_energy
 from validation.campaign.critical import bracket
 from validation.campaign.energy import PlaneEnergy, beam_energy
 from validation.campaign.overlap import judge_apart
-from validation.campaign.runs import LOAD, ROUNDING, force_grain, judge_steps, largest_load
+from validation.campaign.runs import LOAD, force_grain, judge_steps, largest_load
 from validation.campaign.scenes import Case
 from validation.campaign.verdict import CRITICAL, THROUGH, Verdict, reached, under
 
 RESIDUAL = 1e-6  # way to the equilibrium over the way from rest, both in the energy norm
-PLACE = 1e-12  # of the prescribed way: the top is there to rounding
-REACTION = 1e-6  # of it, told by the judge's own forces in the same state
+PLACE = 1e-10  # of the prescribed way: the top is there to what rounding sums up to
+REACTION = 1e-6  # of the reaction, told by the judge's own forces in the same state
 BEFORE = 4e-5  # share of the load by which a state lies before its critical point
 ROWS = 3  # states of a path that are judged, the last among them
 
@@ -59,11 +59,17 @@ def judge_states(verdict: Verdict, energy: PlaneEnergy, path: EquilibriumPath) -
 def judge_reaction(verdict: Verdict, energy: PlaneEnergy, path: EquilibriumPath, row: int) -> None:
     """The top must be where it is prescribed, and be held there by the force that the path reports."""
     state, time, told = path.states[row], float(path.times[row]), float(path.loads[row, 1])
-    way = state[energy.top] - energy.rest[energy.top]
-    most = max(PLACE, ROUNDING * energy.rest[energy.top] / abs(time * energy.way))
-    verdict.ask("place", abs(way / (time * energy.way) - 1.0), most, f"top elsewhere at time {time:.6g}")
+    judge_place(verdict, path, row, float(state[energy.top]))
     share = abs(float(energy.forces(state)[energy.top]) - told) / largest_load(path, row)
     verdict.ask("reaction", share, max(REACTION, force_grain(path)), f"another reaction at time {time:.6g}")
+
+
+def judge_place(verdict: Verdict, path: EquilibriumPath, row: int, y: float) -> None:
+    """The top's y must be where it is prescribed."""
+    scene, time = path.scene, float(path.times[row])
+    (way,) = scene.load.displacement
+    share = abs(y - scene.spring.active_height - time * way) / abs(way)
+    verdict.ask("place", share, PLACE, f"top elsewhere at time {time:.6g}")
 
 
 def judge_state(verdict: Verdict, energy: PlaneEnergy, state: np.ndarray, time: float) -> None:

@@ -10,9 +10,9 @@ from scipy.optimize import brentq
 
 import wirefe
 from coilspring import EquilibriumPath
-from validation.campaign.judge import PLACE, just_before, sharp_critical
+from validation.campaign.judge import judge_place, just_before, sharp_critical
 from validation.campaign.overlap import judge_apart
-from validation.campaign.runs import LOAD, ROUNDING, SOLVER, judge_steps, largest_load
+from validation.campaign.runs import LOAD, SOLVER, judge_steps, largest_load
 from validation.campaign.scenes import Case
 from validation.campaign.slipping import highest_load, sliding_pairs
 from validation.campaign.verdict import CRITICAL, THROUGH, Verdict, ended, under
@@ -77,10 +77,7 @@ def judge_balance(
     share = float(np.abs(left).max()) / largest_load(path, row)
     verdict.ask("residual", share, most, f"forces out of balance at time {path.times[row]:.6g}")
     if path.scene.load.displacement:
-        way, height = path.times[row] * path.scene.load.displacement[0], path.scene.spring.active_height
-        place = abs(path.states[row].reshape(-1, 7)[-1, 1] - height - way)
-        bound = max(PLACE, ROUNDING * height / abs(way))
-        verdict.ask("place", place / abs(way), bound, f"top elsewhere at time {path.times[row]:.6g}")
+        judge_place(verdict, path, row, float(path.states[row][-6]))
 
 
 def _judge_critical(verdict: Verdict, forces: WireForces, case: Case, path: EquilibriumPath) -> None:
