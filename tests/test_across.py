@@ -243,6 +243,13 @@ def test_one_answer_for_every_number_of_steps():
     np.testing.assert_allclose(tips, tips[0], rtol=1e-9)
 
 
+def test_a_path_that_ends_before_its_first_row_can_be_read():
+    path = equivbeam.solve(spring_b(), steps=1, **OPTIONS)
+    none = replace(path, times=path.times[:0], states=path.states[:0], iterations=path.iterations[:0])
+    assert none.gaps.shape == (0, path.gaps.shape[1])
+    assert none.max_penetration.size == 0
+
+
 @pytest.mark.parametrize("hand", ["left", "right"])
 @pytest.mark.parametrize("phase", [0.0, 0.7])
 def test_wire_at_rest_is_the_spring(phase, hand):

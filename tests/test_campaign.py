@@ -9,25 +9,19 @@ import numpy as np
 import pytest
 
 import equivbeam
-from coilspring import InputError, load_scene, spring_b
-from validation.campaign import page, pools, run
+from coilspring import Contact, InputError, Load, Scene, Spring, Supports, load_scene, spring_b
+from validation.campaign import page, pools, run, runs
 from validation.campaign.critical import bracket
 from validation.campaign.energy import beam_energy
 from validation.campaign.invariance import KINDS, judge_invariance
-from validation.campaign.judge import (
-    force_grain,
-    grain,
-    judge_beam,
-    judge_branch,
-    judge_critical,
-    judge_states,
-    remembered,
-)
-from validation.campaign.scenes import Case, case_id, in_units, make_case
+from validation.campaign.judge import energy_of, judge_beam, judge_critical, judge_states
+from validation.campaign.runs import force_grain, grain, judge_branch, judge_steps, remembered
+from validation.campaign.scenes import Case, case_id, in_units, make_case, pressed
 from validation.campaign.table import COLUMNS, Row, Table, read_rows
 from validation.campaign.verdict import CLASSES, THROUGH, UNEXPLAINED, Verdict, reached, under
-from validation.campaign.wire import friction_of, wire_forces
+from validation.campaign.wire import wire_forces
 from validation.campaign.wirejudge import fold, judge_balance, judge_row, judge_wire
+from validation.campaign.wiresoft import vanishing
 from validation.cli import main
 
 SEED = 1
@@ -123,16 +117,17 @@ def test_moved_wire_is_caught():
 def test_wrong_force_in_the_wire_is_caught(kind):
     case = wire("spring-b")
     scene, path = case.scene, reached(case)
-    pairs, push = friction_of(path, -1)
-    assert np.abs(push).max() > 0.1  # N
+    told = path
+    assert np.abs(path.friction.force[-1]).max() > 0.1  # N
     if kind == "penalty":
         scene = scene.with_penalty(1.001e4)
     elif kind == "modulus":
         scene = replace(scene, material=replace(scene.material, E=206_100.0))
     else:
-        push = 0.0 * push
+        free = replace(scene.contact, sliding="free")
+        told = replace(path, scene=replace(path.scene, contact=free))
     verdict = Verdict()
-    judge_balance(verdict, wire_forces(scene, **SMALL), path.states[-1], 1.0, (pairs, push))
+    judge_balance(verdict, wire_forces(scene, **SMALL), told)
     assert verdict.complaints
     assert not judge_wire(case, path).complaints
 
@@ -210,7 +205,130 @@ def test_invariance_is_judged(number):
     assert "changes the answer" in verdict.complaints[0]
 
 
+# prescribed displacements
+
+
+def driven(case, share=0.6):
+    return replace(case, scene=pressed(case.scene, share))
+
+
+def judge(case):
+    return judge_beam if case.model == "equivbeam" else judge_wire
+
+
+PRESSED = [driven(beam("spring-b", law)) for law in LAWS] + [driven(wire("spring-a"))]
+
+
+@pytest.mark.parametrize("case", PRESSED, ids=["haringx", "helix", "wire"])
+@pytest.mark.parametrize("kind", ["none", "reaction", "place"])
+def test_a_reaction_or_a_top_elsewhere_is_caught(case, kind):
+    path, verdict = reached(case), Verdict()
+    assert path.outcome == "completed"
+    if kind == "reaction":
+        path.__dict__["loads"] = path.loads * 1.001
+    elif kind == "place":
+        path = replace(path, scene=under(path.scene, 1.0 + 1e-9))
+        case = replace(case, scene=path.scene)
+    if case.model == "equivbeam":
+        judge_states(verdict, energy_of(case.scene, path), path)
+    else:
+        judge_row(verdict, wire_forces(case.scene, **SMALL), path, -1)
+    words = {"reaction": ("another reaction", "out of balance"), "place": ("top elsewhere",) * 2}
+    found = verdict.complaints
+    assert bool(found) == (kind != "none")
+    assert not found or words[kind][case.model == "wirefe"] in found[0]
+
+
+GUIDED = Scene(
+    "guided", Spring(2.0, (16.0, 16.0), 20.0, 100.0), Load((0.0, -1.0)), supports=Supports(("ux", "rotz"))
+)
+COLUMN = Case("b000000", "", pressed(GUIDED, 0.7), 1.0, 0, {"law": "helix"})
+SLENDER = Scene(
+    "slender",
+    Spring(0.4, (4.0, 4.0), 12.0, 21.6),
+    Load(displacement=(-6.72,), steps=3),
+    supports=Supports(("rotz",)),
+    contact=Contact(enabled=False),
+)
+BUCKLING = [replace(COLUMN, scene=COLUMN.scene.with_steps(4)), replace(wire("spring-a"), scene=SLENDER)]
+
+
+@pytest.mark.parametrize("case", BUCKLING, ids=["beam", "wire"])
+def test_buckling_under_a_prescribed_displacement_is_confirmed(case):
+    path = reached(case)
+    assert path.outcome == "bifurcation"
+    assert not judge(case)(case, path).complaints
+    wrong = replace(path, critical_time=path.critical_time * 0.99, times=0.9 * path.times)
+    found = " ".join(judge(case)(case, wrong).complaints)
+    assert "elsewhere" in found or "no eigenvalue" in found
+
+
+@pytest.mark.parametrize(("power", "times"), [(1.0, (0.998, 0.992, 0.982)), (0.5, (0.998, 0.992, 0.982))])
+def test_a_stiffness_vanishes_linearly_or_as_a_root(power, times):
+    least = [0.3 * (1.0 - time) ** power * (1.0 + 0.1 * (1.0 - time)) for time in times]
+    assert vanishing(times, least) == pytest.approx(1.0, abs=1e-5)
+    assert vanishing(times, least[::-1]) is None
+
+
+# numbers of steps
+
+
+def planted(monkeypatch, steps, change):
+    """A solver that makes a mistake for one number of steps."""
+    solve = runs.reached
+
+    def wrong(case, scene=None, **options):
+        path = solve(case, scene, **options)
+        return change(path) if options.get("steps") == steps else path
+
+    monkeypatch.setattr(runs, "reached", wrong)
+
+
+@pytest.mark.parametrize(("steps", "name"), [(1, "run in one step"), (200, "fine run")])
+def test_another_tip_for_one_number_of_steps_is_caught(monkeypatch, steps, name):
+    case, verdict = replace(beam("spring-a"), scene=load_scene("spring-a").with_steps(10)), Verdict()
+    path = reached(case)
+    judge_steps(verdict, case, path)
+    assert not verdict.complaints
+    assert verdict.numbers["stepped"] == 0.0
+    planted(monkeypatch, steps, lambda path: replace(path, states=path.states * 1.0001))
+    judge_steps(verdict, case, path)
+    assert f"off the branch of the {name}" in verdict.complaints[0]
+
+
+@pytest.mark.parametrize("steps", [1, 200])
+def test_a_critical_point_that_was_stepped_over_is_counted(monkeypatch, steps):
+    case = soft_b()
+    case = replace(case, scene=case.scene.with_steps(10))
+    path, verdict = reached(case), Verdict()
+    whole = {
+        "outcome": "completed",
+        "critical_time": None,
+        "end_bracket": None,
+        "times": np.linspace(0.1, 1, 10),
+    }
+    beyond = reached(replace(case, scene=under(case.scene, 0.5 * path.critical_time)))
+    planted(monkeypatch, steps, lambda path: replace(beyond, **whole))
+    judge_steps(verdict, case, path)
+    assert "stepped over a critical point at" in verdict.complaints[0]
+    assert verdict.numbers["stepped"] == 1.0
+    row = run.judged("b000000", SEED) | {"stepped": "1"}
+    assert "in 1 of 1 scenes: b000000." in page.page([Row(row)], SEED)
+    assert "in 0 of 1 scenes." in page.page([Row(row | {"stepped": "0"})], SEED)
+
+
 # sampling
+
+
+@pytest.mark.parametrize("letter", ["b", "w"])
+def test_a_fifth_of_the_scenes_prescribes_the_displacement(letter):
+    cases = [make_case(case_id(letter, number), 7) for number in range(400)]
+    ways = [case for case in cases if case.scene.load.displacement]
+    assert len(ways) == pytest.approx(80, abs=2)
+    assert len({case.corner for case in ways}) > 4
+    assert min(case.size for case in ways) < 0.1 < 0.9 < max(case.size for case in ways)
+    for case in ways:
+        assert in_units(case.scene, 8.0, 1.0).load.displacement[0] == 8.0 * case.scene.load.displacement[0]
 
 
 def test_case_follows_from_its_id_alone():

@@ -36,7 +36,7 @@ class AcrossShape(PairReader):
         """Vectors between the centres of the pairs, shape (states, pairs, 3)."""
         rows = self.data.rows
         found = [vectors(self.data, state, windings(rows, state)) for state in states]
-        return np.array(found).reshape(len(states), -1, 3)
+        return np.array(found).reshape(len(states), len(self.data.pairs), 3)
 
     def reactions(self, states: np.ndarray, memories: np.ndarray) -> np.ndarray:
         """Force that holds the top along Y, shape (states,), N."""

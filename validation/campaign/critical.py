@@ -56,26 +56,29 @@ def bracket(energy: PlaneEnergy, state: np.ndarray, time: float, critical: float
 
 @dataclass(frozen=True)
 class _Start:
-    """A stable equilibrium, its softest mode, and the linear form that measures the way along it."""
+    """A stable equilibrium, its softest mode, the linear form that measures the way along it, and what time
+    does to the spring."""
 
     state: np.ndarray
     time: float
     least: float
     mode: np.ndarray
     form: np.ndarray
+    rate: np.ndarray
 
     @classmethod
     def of(cls, energy: PlaneEnergy, state: np.ndarray, time: float) -> _Start:
         values, vectors = np.linalg.eigh(energy.relative(energy.hessian(state)))
         soft = vectors[:, 0]
         mode = solve_triangular(energy.rest_factor, soft, lower=True, trans="T")
-        sign = 1.0 if mode @ energy.force >= 0.0 else -1.0
-        return cls(state, time, float(values[0]), sign * mode, sign * energy.rest_factor @ soft)
+        rate = energy.rate(state)
+        sign = 1.0 if mode @ rate >= 0.0 else -1.0
+        return cls(state, time, float(values[0]), sign * mode, sign * energy.rest_factor @ soft, rate)
 
 
 def _along_mode(energy: PlaneEnergy, start: _Start, critical: float) -> Bracket | None:
     """Narrow the sign change of the least eigenvalue over the way along the softest mode."""
-    work = float(start.mode @ energy.force)
+    work = float(start.mode @ start.rate)
     if work <= 0.0:
         return None
     way = 3.0 * (critical - start.time) * work / start.least  # a parabola has its top at 2
@@ -140,15 +143,15 @@ def _newton(
     form: np.ndarray | None,
 ) -> tuple[np.ndarray, float] | None:
     """Newton's method with the closed pairs held closed, which leaves no kinks."""
-    state, size = state.copy(), energy.free.size
+    state, size = energy.placed(state.copy(), time), energy.free.size
     matrix = np.zeros((size + 1, size + 1))
-    matrix[:size, size], matrix[size, size] = -energy.force, 1.0
+    matrix[size, size] = 1.0
     if form is not None:
         matrix[size, :size], matrix[size, size] = form, 0.0
     before = np.inf
     for _ in range(MOST_CORRECTIONS):
-        residual = energy.gradient(state, closed) - time * energy.force
-        matrix[:size, :size] = energy.hessian(state, closed)
+        residual = energy.residual(state, time, closed)
+        matrix[:size, :size], matrix[:size, size] = energy.hessian(state, closed), -energy.rate(state, closed)
         try:
             step = np.linalg.solve(matrix, np.append(-residual, short(state) if short else 0.0))
         except np.linalg.LinAlgError:
@@ -157,6 +160,7 @@ def _newton(
             return None
         state[energy.free] += step[:size]
         time += step[size]
+        state = energy.placed(state, time)
         # by the step, not by the residual: hard contact turns rounding of positions into large forces
         share = energy.moved(step[:size]) / abs(time)
         if share <= CLOSE or (before <= LOOSE and share > 0.5 * before):
@@ -169,7 +173,7 @@ def _by_load(energy: PlaneEnergy, start: _Start, critical: float) -> Bracket | N
     """Continue the branch by the load to as far beyond the critical point as `start` lies before it."""
     time = 2.0 * critical - start.time
     ahead = start.state.copy()
-    tangent = np.linalg.solve(energy.hessian(start.state), energy.force) * (time - start.time)
+    tangent = np.linalg.solve(energy.hessian(start.state), start.rate) * (time - start.time)
     ahead[energy.free] += tangent
     found = _settled(energy, ahead, time)
     if found is None:

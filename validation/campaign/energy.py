@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from abc import ABC, abstractmethod
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property, partial
 
 import numpy as np
@@ -36,6 +36,8 @@ class PlaneEnergy(ABC):
     free : indices of the free freedoms.
     force : (free,) load at time 1.
     size : length that turns rotations into displacements, mm.
+    way : UY of the top that is prescribed at time 1, mm; 0 under a force. `force` then is what this motion
+        does to the free freedoms of the spring at rest, linearly, and measures residuals alone.
     """
 
     rest: np.ndarray
@@ -46,6 +48,34 @@ class PlaneEnergy(ABC):
     free: np.ndarray
     force: np.ndarray
     size: float
+    way: float = 0.0
+
+    @property
+    def top(self) -> int:
+        """Freedom of the top's y."""
+        return self.rest.size - 2
+
+    def residual(self, state: np.ndarray, time: float, closed: np.ndarray | None = None) -> np.ndarray:
+        """Forces out of balance on the free freedoms."""
+        return self.gradient(state, closed) - (0.0 if self.way else time * self.force)
+
+    def rate(self, state: np.ndarray, closed: np.ndarray | None = None) -> np.ndarray:
+        """What time does to the free freedoms: less the derivative of the residual."""
+        if not self.way:
+            return self.force
+        return -self.way * self._stiffness(state, closed)[self.free, self.top]
+
+    def placed(self, state: np.ndarray, time: float) -> np.ndarray:
+        """The state with the top where it is prescribed."""
+        if self.way:
+            state[self.top] = self.rest[self.top] + time * self.way
+        return state
+
+    def driven(self, way: float) -> PlaneEnergy:
+        """The same spring with UY of its top prescribed."""
+        free = self.free[self.free != self.top]
+        made = replace(self, free=free, force=np.zeros(free.size), way=way)
+        return replace(made, force=made.rate(self.rest, made._open))
 
     def energy(self, state: np.ndarray) -> float:
         """Strain and contact energy."""
@@ -56,11 +86,15 @@ class PlaneEnergy(ABC):
 
     def gradient(self, state: np.ndarray, closed: np.ndarray | None = None) -> np.ndarray:
         """Internal forces on the free freedoms; see `closed` for the pairs that count as closed."""
+        return self.forces(state, closed)[self.free]
+
+    def forces(self, state: np.ndarray, closed: np.ndarray | None = None) -> np.ndarray:
+        """Internal forces on all freedoms."""
         total = np.zeros(self.rest.size)
         np.add.at(total, self._element_places, self._element_forces(state[self._element_places]))
         places, forces = self._pair_part(state, closed)
         np.add.at(total, places, forces(state[places]))
-        return total[self.free]
+        return total
 
     def gradients(self, states: np.ndarray) -> np.ndarray:
         """Internal forces in many states, (states, free)."""
@@ -78,13 +112,17 @@ class PlaneEnergy(ABC):
 
     def hessian(self, state: np.ndarray, closed: np.ndarray | None = None) -> np.ndarray:
         """Second derivatives in the free freedoms, dense."""
+        dense = self._stiffness(state, closed)[np.ix_(self.free, self.free)]
+        return 0.5 * (dense + dense.T)
+
+    def _stiffness(self, state: np.ndarray, closed: np.ndarray | None) -> np.ndarray:
+        """Second derivatives in all freedoms."""
         total = np.zeros((self.rest.size, self.rest.size))
         _add_blocks(total, self._element_places, _jacobian(self._element_forces, state[self._element_places]))
         places, forces = self._pair_part(state, closed)
         if places.size:
             _add_blocks(total, places, _jacobian(forces, state[places]))
-        dense = total[np.ix_(self.free, self.free)]
-        return 0.5 * (dense + dense.T)
+        return total
 
     def closed(self, state: np.ndarray) -> np.ndarray:
         """Which pairs touch.
@@ -104,7 +142,12 @@ class PlaneEnergy(ABC):
     @cached_property
     def rest_factor(self) -> np.ndarray:
         """Cholesky factor of the Hessian at rest with all pairs open, in which stiffness is measured."""
-        return np.linalg.cholesky(self.hessian(self.rest, np.zeros(self._pair_places.shape[1], dtype=bool)))
+        return np.linalg.cholesky(self.hessian(self.rest, self._open))
+
+    @property
+    def _open(self) -> np.ndarray:
+        """All pairs open."""
+        return np.zeros(self._pair_places.shape[1], dtype=bool)
 
     def relative(self, matrix: np.ndarray) -> np.ndarray:
         """The matrix in units of that at rest: its eigenvalues are ratios of stiffness."""

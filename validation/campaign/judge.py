@@ -2,29 +2,22 @@
 
 from __future__ import annotations
 
-import math
-from collections.abc import Sequence
-
 import numpy as np
 from scipy.linalg import solve_triangular
 
 from coilspring import EquilibriumPath, Scene
-from coilspring.pairlaw import ON
 from validation.campaign.across import across_energy
 from validation.campaign.critical import bracket
 from validation.campaign.energy import PlaneEnergy, beam_energy
 from validation.campaign.overlap import judge_apart
+from validation.campaign.runs import LOAD, force_grain, judge_steps, largest_load
 from validation.campaign.scenes import Case
-from validation.campaign.verdict import CONFIRMED, CRITICAL, THROUGH, Verdict, fine_steps, reached, under
+from validation.campaign.verdict import CRITICAL, THROUGH, Verdict, reached, under
 
 RESIDUAL = 1e-6  # way to the equilibrium over the way from rest, both in the energy norm
-BRANCH = 1e-6  # difference from the fine run over the largest displacement,
-SOLVER = 1e-8  # or this over the root of the least stiffness: what solvers leave, in the energy norm
-ROUNDING = 4.0 * 2.0**-52  # of the spring's height: positions are no finer
-LOAD = 1e-4  # within which a critical point is bracketed
+PLACE = 1e-10  # of the prescribed way: the top is there to what rounding sums up to
+REACTION = 1e-6  # of the reaction, told by the judge's own forces in the same state
 BEFORE = 4e-5  # share of the load by which a state lies before its critical point
-UNCHANGED = (1.0, 1.0, 1.0)
-HALVINGS = 9  # of a share of the load, to where nothing has touched
 ROWS = 3  # states of a path that are judged, the last among them
 
 
@@ -36,7 +29,7 @@ def judge_beam(case: Case, path: EquilibriumPath) -> Verdict:
         return verdict
     judge_states(verdict, energy, path)
     judge_apart(verdict, path)
-    judge_branch(verdict, path, reached(case, steps=fine_steps(case)))
+    judge_steps(verdict, case, path)
     if path.outcome in CRITICAL:
         judge_critical(verdict, energy, case, path)
     return verdict
@@ -44,9 +37,9 @@ def judge_beam(case: Case, path: EquilibriumPath) -> Verdict:
 
 def energy_of(scene: Scene, path: EquilibriumPath) -> PlaneEnergy:
     """Energy of the beam in the plane in which a path was found."""
-    if path.options["plane"] == "across":
-        return across_energy(scene)
-    return beam_energy(scene, str(path.options["law"]))
+    across = path.options["plane"] == "across"
+    energy: PlaneEnergy = across_energy(scene) if across else beam_energy(scene, str(path.options["law"]))
+    return energy.driven(*scene.load.displacement) if scene.load.displacement else energy
 
 
 def judge_states(verdict: Verdict, energy: PlaneEnergy, path: EquilibriumPath) -> None:
@@ -54,17 +47,35 @@ def judge_states(verdict: Verdict, energy: PlaneEnergy, path: EquilibriumPath) -
     count = len(path.times)
     if not count:
         return
-    residuals = energy.gradients(path.states) - path.times[:, None] * energy.force
+    residuals = energy.gradients(path.states) - (0.0 if energy.way else path.times[:, None] * energy.force)
     rows = {int(np.argmax(energy.share(residuals.T) / path.times))}
     rows |= {count - 1 - (count * k) // ROWS for k in range(ROWS)} & set(range(count))
     for row in sorted(rows):
         judge_state(verdict, energy, path.states[row], float(path.times[row]))
+        if energy.way:
+            judge_reaction(verdict, energy, path, row)
+
+
+def judge_reaction(verdict: Verdict, energy: PlaneEnergy, path: EquilibriumPath, row: int) -> None:
+    """The top must be where it is prescribed, and be held there by the force that the path reports."""
+    state, time, told = path.states[row], float(path.times[row]), float(path.loads[row, 1])
+    judge_place(verdict, path, row, float(state[energy.top]))
+    share = abs(float(energy.forces(state)[energy.top]) - told) / largest_load(path, row)
+    verdict.ask("reaction", share, max(REACTION, force_grain(path)), f"another reaction at time {time:.6g}")
+
+
+def judge_place(verdict: Verdict, path: EquilibriumPath, row: int, y: float) -> None:
+    """The top's y must be where it is prescribed."""
+    scene, time = path.scene, float(path.times[row])
+    (way,) = scene.load.displacement
+    share = abs(y - scene.spring.active_height - time * way) / abs(way)
+    verdict.ask("place", share, PLACE, f"top elsewhere at time {time:.6g}")
 
 
 def judge_state(verdict: Verdict, energy: PlaneEnergy, state: np.ndarray, time: float) -> None:
     """One state must be a stable equilibrium at its time."""
     H = energy.hessian(state)
-    residual = energy.gradient(state) - time * energy.force
+    residual = energy.residual(state, time)
     least = float(np.linalg.eigvalsh(energy.relative(H))[0])
     if not least > 0.0:
         verdict.complain(f"unstable at time {time:.6g}: least eigenvalue {least:.2e} of that at rest")
@@ -72,91 +83,6 @@ def judge_state(verdict: Verdict, energy: PlaneEnergy, state: np.ndarray, time: 
     whole = float(np.linalg.norm(solve_triangular(energy.rest_factor, energy.force, lower=True))) * time
     verdict.ask("residual", way / whole, RESIDUAL, f"no equilibrium at time {time:.6g}")
     verdict.numbers["least"] = min(least, verdict.numbers.get("least", least))
-
-
-def apart(
-    path: EquilibriumPath, other: EquilibriumPath, back: Sequence[float] = UNCHANGED
-) -> tuple[float, float]:
-    """Difference of the tips over the largest displacement: at the last common time, and the largest.
-
-    Rotations count as displacements at the coil's diameter; `back` are factors of the other path's tips.
-    """
-    _, mine, theirs = np.intersect1d(path.times, other.times, return_indices=True)
-    if not mine.size:
-        return 0.0, 0.0
-    size = np.array([1.0, 1.0, max(path.scene.spring.mean_diameter)])
-    tips, others = path.tips[mine] * size, other.tips[theirs] * size * back
-    shares = np.abs(tips - others).max(axis=1) / np.abs(others).max()
-    return float(shares[-1]), float(shares.max())
-
-
-def grain(path: EquilibriumPath) -> float:
-    """What the rounding of the positions makes of the largest displacement, as a share of it."""
-    largest = np.abs(path.tips[:, :2]).max(initial=0.0)
-    return ROUNDING * path.scene.spring.active_height / largest if largest > 0.0 else 0.0
-
-
-def force_grain(path: EquilibriumPath) -> float:
-    """What the rounding of the positions makes of a contact force, as a share of the load.
-
-    A hard pair's force is its stiffness times a difference of positions that are as large as the spring.
-    """
-    contact, depth = path.scene.contact, path.max_penetration.max(initial=0.0)
-    if not depth > 0.0:
-        return 0.0
-    stiffness = 2.0 * contact.stiffness * contact.exponent * depth ** (contact.exponent - 1.0)
-    return ROUNDING * path.scene.spring.active_height * stiffness / math.hypot(*path.scene.load.force)
-
-
-def remembered(
-    case: Case, path: EquilibriumPath, other: EquilibriumPath, back: Sequence[float] = UNCHANGED
-) -> bool:
-    """Whether two runs with friction part because of what their pairs remember: each has a history of its own
-    from its first touch on, since a pair remembers where it was when its substep ended.
-
-    Then they agree under a share of the load at whose end neither remembers any.
-    """
-    if path.scene.contact.sliding == "free" or not (_touched(path) or _touched(other)):
-        return False
-    for share in 0.5 ** np.arange(1, HALVINGS):
-        early = [reached(case, under(run.scene, share)) for run in (path, other)]
-        if not any(_touched(run) for run in early):
-            same = all(run.outcome == "completed" for run in early)
-            return same and apart(early[0], early[1], back)[1] <= BRANCH
-    return False
-
-
-def _touched(path: EquilibriumPath) -> bool:
-    """Whether a pair is remembered or touches at a stored time."""
-    assert path.memories is not None
-    return bool((path.memories[:, :, ON] > 0.0).any() or path.active_contacts.any())
-
-
-def judge_branch(
-    verdict: Verdict,
-    path: EquilibriumPath,
-    fine: EquilibriumPath,
-    most: float = BRANCH,
-    most_shift: float = LOAD,
-    most_between: float = 0.0,
-) -> None:
-    """The path must be the fine run's, and end as that does; `most_between` is for states before the last."""
-    most = max(most, SOLVER / max(verdict.numbers.get("least", 1.0), 1e-12) ** 0.5, grain(path))
-    last, largest = apart(path, fine)
-    verdict.ask("branch", last, most, "off the branch of the fine run")
-    verdict.ask("branch", largest, max(most, most_between), "off the branch of the fine run on the way")
-    if fine.outcome == "not_converged":
-        verdict.complain(f"{path.outcome}, but the fine run ends as {fine.outcome}: {fine.message}")
-    elif _kind(path) != _kind(fine):
-        verdict.differ(f"{path.outcome}, but the fine run ends as {fine.outcome}: {fine.message}")
-    elif path.end_bracket is not None and fine.end_bracket is not None:
-        shift = abs(sum(path.end_bracket) / sum(fine.end_bracket) - 1.0)
-        verdict.ask("critical_shift", shift, most_shift, "another critical time than the fine run's")
-
-
-def _kind(path: EquilibriumPath) -> str:
-    """Outcome of a path; which kind of critical point it is may be told apart by rounding alone."""
-    return CONFIRMED if path.outcome in CRITICAL else path.outcome
 
 
 def sharp_critical(verdict: Verdict, path: EquilibriumPath) -> tuple[float, float] | None:

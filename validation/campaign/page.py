@@ -13,7 +13,7 @@ from matplotlib.collections import QuadMesh
 from matplotlib.figure import Figure
 
 from validation.campaign.scenes import CORNERS, MODELS
-from validation.campaign.table import Row, version
+from validation.campaign.table import DISPLACEMENT, FORCE, Row, version
 from validation.campaign.verdict import (
     APART,
     CLASSES,
@@ -30,10 +30,11 @@ from validation.machine import versions
 from validation.output import write_files, write_text
 from validation.style import DOUBLE, RC
 
+GIVEN = (FORCE, DISPLACEMENT)
 TITLES = {"b": "equivalent beam", "w": "wire model"}
 MEANING = {
-    RIGHT: "to the full load: stable equilibria, on the branch of a fine run",
-    CONFIRMED: "up to a limit point or bifurcation that the judge finds at the same load",
+    RIGHT: "to the full load or displacement: stable equilibria, on the branch of other runs",
+    CONFIRMED: "up to a limit point or bifurcation that the judge finds at the same load or displacement",
     THROUGH: "up to where coils pass through each other: the wire, or the circles, overlap by 0.1 diameters "
     "more than the deepest pair; the judge finds as much by points of its own",
     ENDED: "friction, up to where Coulomb's law goes on but the iteration on renewed bounds does not, or to "
@@ -45,26 +46,41 @@ MEANING = {
 }
 NUMBERS = {
     "residual": "way to the equilibrium over that from rest (beam); force left over the load (wire)",
-    "branch": "difference from the fine run over the largest displacement",
+    "branch": "difference from the run in one step and from the fine run over the largest displacement",
     "bracket": "width of the solver's bracket of a critical time, relative",
-    "critical_shift": "change of a critical time by finer steps or an invariance, relative",
-    "confirmed": "distance of the judge's sign change, fold or highest load from the critical time, relative",
+    "critical_shift": "change of a critical time by other steps or an invariance, relative",
+    "confirmed": "distance of the judge's sign change, fold, highest load or vanishing stiffness from the "
+    "critical time, relative",
     "passed": "how far arc length stays stable beyond the critical time, relative",
     "overlap": "where coils pass through each other: the overlap found less that claimed, in wire diameters",
+    "place": "prescribed displacement: distance of the top from where it is prescribed, relative",
+    "reaction": "reported reaction to a prescribed displacement against the judge's own, relative (beam; the "
+    "wire's is in `residual`)",
     "friction": "friction beyond its bound, over the largest bound",
 }
 KINDS = {
     "mirror": "mirror image",
     "binary": "units by powers of two",
     "units": "units by 1000",
-    "steps": "one step",
     "perturbed": "input changed by 1e-12",
 }
 CHANGES = (
     "Rounding may change the answer by 1e-10 over the least stiffness (in units of that at rest), units "
-    "and steps by 1e-6, a change of the input by 1e-12 by 1e-8; and positions are no finer than 4 roundings "
+    "by 1e-6, a change of the input by 1e-12 by 1e-8; and positions are no finer than 4 roundings "
     "of the spring's height. With friction or no sliding the answer depends on the substeps, which may "
     "change it by 2 %."
+)
+SAMPLED = (
+    "In a fifth of the scenes UY of the top is prescribed, 4 to 104 % of the way to solid, solid corners to "
+    "120 %; in the others a force acts. Under a prescribed displacement the judge frees all but that motion: "
+    "what is left must balance, the force there must be the reported reaction, and critical points are those "
+    "of the constrained spring; a wire's with friction or no sliding are judged by its other runs alone."
+)
+STEPS = (
+    "Every scene is solved in three numbers of steps: one, a random one, and the multiple of that next to "
+    "200 (twice at least). All must have one outcome; frictionless ones the same end time within 1e-4, and "
+    "the same tips within 1e-6 of the largest displacement, or 1e-8 over the root of the least stiffness; "
+    "with friction or no sliding both within 2 %."
 )
 CAPTION = (
     "Outcome over penalty and steps, slenderness and load. The darker a cell, the more of its scenes end at "
@@ -76,7 +92,7 @@ LABELS = {
     "penalty": "penalty K (N/mm$^k$)",
     "steps": "requested steps",
     "slenderness": "height over mean diameter",
-    "load": "load over that of solid height\nor of a deflection of 1.2 heights",
+    "load": "share of the way to solid, or load over that\nof solid height or a deflection of 1.2 heights",
 }
 LOGARITHMIC = ("penalty", "steps", "slenderness")
 EDGES = {
@@ -108,6 +124,12 @@ def page(rows: list[Row], seed: int) -> str:
         Heading(2, "What became of the scenes"),
         Table(("model", *CLASSES), tuple(_counts(rows, letter) for letter in MODELS)),
         Bullets(tuple(f"*{name}*: {MEANING[name]}" for name in CLASSES)),
+        Heading(2, "Forces and prescribed displacements"),
+        Text(SAMPLED),
+        Table(("given", *CLASSES), tuple(_given(rows, letter, by) for letter in MODELS for by in GIVEN)),
+        Heading(2, "Numbers of steps"),
+        Text(STEPS),
+        Text(_stepped(rows)),
         Picture("stability.png", CAPTION),
         Heading(2, "Corners"),
         Table(("corner", *CLASSES), tuple(_corner(rows, name) for name in ("", *CORNERS))),
@@ -125,6 +147,19 @@ def page(rows: list[Row], seed: int) -> str:
 def _counts(rows: list[Row], letter: str) -> tuple[str, ...]:
     counts = Counter(row["class"] for row in rows if row["id"][0] == letter)
     return TITLES[letter], *(str(counts[name]) for name in CLASSES)
+
+
+def _given(rows: list[Row], letter: str, by: str) -> tuple[str, ...]:
+    mine = [row for row in rows if row["by"] == by]
+    return f"{TITLES[letter]}, {by}", *_counts(mine, letter)[1:]
+
+
+def _stepped(rows: list[Row]) -> str:
+    """How many scenes have a critical point that a run stepped over."""
+    compared = [row for row in rows if row["stepped"]]
+    over = [row["id"] for row in compared if float(row["stepped"]) > 0.0]
+    named = f": {', '.join(over)}" if over else ""
+    return f"A run stepped over a critical point of another in {len(over)} of {len(compared)} scenes{named}."
 
 
 def _corner(rows: list[Row], corner: str) -> tuple[str, ...]:

@@ -1,7 +1,8 @@
 """Sampled scenes of the campaign: each follows from the seed and its id alone.
 
 Ids are `b000123` (equivalent beam) and `w00012` (wire model): the model's letter and the place in a scrambled
-Sobol sequence. Every eighth scene is a pathological corner.
+Sobol sequence. Every eighth scene is a pathological corner. In a fifth of all scenes a displacement of the
+top is prescribed, in place of the force.
 """
 
 from __future__ import annotations
@@ -16,6 +17,7 @@ import numpy as np
 from scipy.stats import qmc
 
 from coilspring import Contact, InputError, Load, Scene, Spring, Supports
+from coilspring.sizing import solid_height
 
 DIMENSIONS = 20
 BLOCK = 1024
@@ -25,6 +27,10 @@ HELD: tuple[tuple[str, ...], ...] = ((), (), ("rotz",), ("ux",), ("ux", "rotz"))
 MODELS = {"b": "equivbeam", "w": "wirefe"}
 DIGITS = {"b": 6, "w": 5}
 MOST_ELEMENTS = 200  # of a wire
+DRIVEN = 0.2  # of the scenes
+GOLDEN = 0.5 * (math.sqrt(5.0) - 1.0)  # whose multiples tell which: a sequence as even as Sobol's
+OF_SIZE = 0.8  # of the way to solid for a size of 1: 4 to 104 %, solid corners 80 to 120 %
+SHORTEST = 0.05  # of the height: least height left, and way to solid of coils that touch at rest
 LEAST_ANGLE = 0.05  # a mostly axial load leans at least by this, rad: exact symmetry is a corner of its own
 
 
@@ -36,7 +42,8 @@ class Case:
     ----------
     id, corner : corner is one of `CORNERS`, or "" for an ordinary scene.
     scene, options : what `equivbeam.solve` or `wirefe.solve` are given.
-    size : load over the one that makes the spring solid, or bends it over its height.
+    size : load over the one that makes the spring solid, or bends it over its height; of a prescribed
+        displacement its share of the way to solid.
     number : place in the sequence.
     """
 
@@ -72,7 +79,25 @@ def make_case(name: str, seed: int) -> Case:
     draw = Draw(_block(letter, seed, number // BLOCK)[number % BLOCK])
     corner = CORNERS[number // EVERY % len(CORNERS)] if number % EVERY == EVERY - 1 else ""
     make = _beam_case if letter == "b" else _wire_case
-    return make(case_id(letter, number), corner, number, draw)
+    case = make(case_id(letter, number), corner, number, draw)
+    if not is_driven(letter, number, seed):
+        return case
+    size = OF_SIZE * case.size
+    return replace(case, scene=pressed(case.scene, size), size=size)
+
+
+def is_driven(letter: str, number: int, seed: int) -> bool:
+    """Whether a displacement is prescribed in a scene."""
+    first = np.random.default_rng((seed, int(letter == "w"))).random()
+    return bool((first + GOLDEN * number) % 1.0 < DRIVEN)
+
+
+def pressed(scene: Scene, share: float) -> Scene:
+    """The scene with a share of the way to solid prescribed in place of its force."""
+    height = scene.spring.active_height
+    travel = max(height - solid_height(scene.spring), SHORTEST * height)
+    way = min(share * travel, (1.0 - SHORTEST) * height)
+    return replace(scene, load=Load(steps=scene.load.steps, displacement=(-way,)))
 
 
 @lru_cache(maxsize=4)
@@ -218,11 +243,17 @@ def _scaled(scene: Scene, corner: str) -> Scene:
     return in_units(scene, 1e-3, 1e-6) if corner == "tiny" else in_units(scene, 1e3, 1e6)
 
 
+def scaled_load(load: Load, force: float, length: float) -> Load:
+    """The load with its force, or the displacement it prescribes, times a factor."""
+    x, y = load.force
+    ways = tuple(way * length for way in load.displacement)
+    return replace(load, force=(x * force, y * force), displacement=ways)
+
+
 def in_units(scene: Scene, length: float, force: float) -> Scene:
     """The same scene in other units: all lengths and forces times a factor."""
     spring, contact = scene.spring, scene.contact
     bottom, top = spring.mean_diameter
-    x, y = scene.load.force
     return replace(
         scene,
         spring=replace(
@@ -232,6 +263,6 @@ def in_units(scene: Scene, length: float, force: float) -> Scene:
             active_height=spring.active_height * length,
         ),
         material=replace(scene.material, E=scene.material.E * force / length**2),
-        load=replace(scene.load, force=(x * force, y * force)),
+        load=scaled_load(scene.load, force, length),
         contact=replace(contact, stiffness=contact.stiffness * force / length**contact.exponent),
     )

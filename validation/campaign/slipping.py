@@ -136,7 +136,7 @@ def highest_load(forces: WireForces, path: EquilibriumPath, time: float, critica
     size, count = 6 * len(rows), len(press)
     load = np.zeros(size)
     load[-6:-4] = forces.load
-    tangent = _wire_tangent(forces, rows, count) + pairs.contact_tangent(rows, press)
+    tangent = wire_tangent(forces, rows, count) + pairs.contact_tangent(rows, press)
     rate = np.linalg.solve(tangent, np.append(load, np.zeros(count)))
     # moves alone measure the way: spins are of another unit
     control = (rate[:size].reshape(-1, 6) * [1.0, 1.0, 1.0, 0.0, 0.0, 0.0]).ravel()
@@ -198,7 +198,7 @@ def _settled(
     rows, press, time = moved(rows, move[:size]), press + move[size:count], time + move[count]
     matrix = np.zeros((count + 1, count + 1))
     matrix[:size, count], matrix[count, :size] = -load, control
-    wire, free = _wire_tangent(pairs.forces, rows, len(press)), ~pairs.forces.held.ravel()
+    wire, free = wire_tangent(pairs.forces, rows, len(press)), ~pairs.forces.held.ravel()
     for _ in range(MOST_CORRECTIONS):
         left = pairs.contact(rows, press)
         left[:size] = free * (left[:size] + pairs.forces.element_forces(rows).ravel() - time * load)
@@ -213,7 +213,7 @@ def _settled(
     return None
 
 
-def _wire_tangent(forces: WireForces, rows: np.ndarray, pairs: int) -> np.ndarray:
+def wire_tangent(forces: WireForces, rows: np.ndarray, pairs: int) -> np.ndarray:
     """Derivative of the elements' forces, by central differences, with room for normal forces; 1 where
     held."""
     nodes, d = len(rows), forces.d

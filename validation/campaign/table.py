@@ -15,11 +15,12 @@ from validation.output import write_text, writing
 
 NUMBERS = (
     "residual", "least", "branch", "bracket", "critical_shift", "passed", "confirmed", "friction",
-    "invariance", "overlap",
+    "invariance", "overlap", "place", "reaction", "stepped",
 )  # fmt: skip
+FORCE, DISPLACEMENT = "force", "displacement"
 COLUMNS = (
     "id", "seed", "version", "class", "outcome", "reason", "corner", "variant", "steps", "penalty",
-    "exponent", "sliding", "index", "coils", "slenderness", "taper", "load", "held", "time", "ux", "uy",
+    "exponent", "sliding", "index", "coils", "slenderness", "taper", "by", "load", "held", "time", "ux", "uy",
     "rotz", "contacts", "kind", *NUMBERS, "message", "seconds",
 )  # fmt: skip
 
@@ -63,6 +64,7 @@ class Row(dict[str, str]):
             "coils": _short(spring.active_coils),
             "slenderness": _short(2.0 * spring.active_height / (bottom + top)),
             "taper": _short(top / bottom),
+            "by": DISPLACEMENT if scene.load.displacement else FORCE,
             "load": _short(case.size),
             "held": " ".join(scene.supports.top_held),
             "time": _short(time),

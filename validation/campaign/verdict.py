@@ -9,7 +9,7 @@ import equivbeam
 import wirefe
 from coilspring import EquilibriumPath, Scene
 from coilspring.solving import HELD, LOST
-from validation.campaign.scenes import Case
+from validation.campaign.scenes import Case, scaled_load
 from validation.reached import as_far
 
 RIGHT, CONFIRMED, THROUGH, ENDED, APART = "completed", "critical", "interpenetration", "ended", "apart"
@@ -17,9 +17,7 @@ REFUSED, UNEXPLAINED = "refused", "unexplained"
 CLASSES = (RIGHT, CONFIRMED, THROUGH, ENDED, APART, REFUSED, UNEXPLAINED)
 CRITICAL = ("limit_point", "bifurcation")
 SOLVERS: dict[str, Callable[..., EquilibriumPath]] = {"equivbeam": equivbeam.solve, "wirefe": wirefe.solve}
-FINE = 10  # steps of the fine run over those of the case; at least 40, at most these, but twice at least
-LEAST_FINE = 40
-MOST_FINE = {"equivbeam": 400, "wirefe": 120}
+MANY = 200  # steps of the fine run, nearly
 
 
 @dataclass
@@ -70,12 +68,11 @@ def ended(path: EquilibriumPath) -> bool:
 
 
 def fine_steps(case: Case) -> int:
-    """Steps of the fine run: a multiple, so that the times of the case are among its own."""
+    """Steps of the fine run: the multiple of the case's next to 200, whose times so are among its own."""
     steps = case.scene.load.steps
-    return steps * max(min(FINE, MOST_FINE[case.model] // steps), -(-LEAST_FINE // steps), 2)
+    return steps * max(round(MANY / steps), 2)
 
 
 def under(scene: Scene, share: float) -> Scene:
     """The scene under a share of its load."""
-    x, y = scene.load.force
-    return replace(scene, load=replace(scene.load, force=(x * share, y * share)))
+    return replace(scene, load=scaled_load(scene.load, share, share))

@@ -23,6 +23,7 @@ class WireForces:
 
     Attributes
     ----------
+    rest : (nodes, 7) positions and quaternions at rest.
     frames : (4, 2, elements) quaternions of the end triads at rest.
     arm : (3,) from the top reference point to the wire's last point, at rest.
     stiffness, strain0 : (6, 6, elements) and (6, elements).
@@ -30,9 +31,10 @@ class WireForces:
     near : spheres so near along the wire do not touch.
     d, penalty, exponent : of the contact.
     held : (freedoms,) of the nodes, where nothing must balance.
-    load : (2,) at time 1.
+    load : (2,) at time 1; 0 where a displacement is prescribed.
     """
 
+    rest: np.ndarray
     frames: np.ndarray
     arm: np.ndarray
     stiffness: np.ndarray
@@ -46,18 +48,27 @@ class WireForces:
     held: np.ndarray
     load: np.ndarray
 
-    def residual(self, state: np.ndarray, time: float, friction: tuple[np.ndarray, np.ndarray]) -> np.ndarray:
-        """Force and moment (nodes, 6) that are out of balance; `friction` is pairs and their forces."""
+    def residual(
+        self, state: np.ndarray, load: np.ndarray, friction: tuple[np.ndarray, np.ndarray]
+    ) -> np.ndarray:
+        """Force and moment (nodes, 6) that are out of balance under a load, or the reaction to a prescribed
+        displacement; `friction` is pairs and their forces."""
         rows = state.reshape(-1, 7)
         total = self.element_forces(rows)
-        for (low, high), force in zip(*self._touching(rows), strict=True):
-            self.add_force(total, rows, low, force)
-            self.add_force(total, rows, high, -force)
+        total += self.contact_forces(rows)
         for (low, high), force in zip(*friction, strict=True):
             self.add_force(total, rows, low, -force)
             self.add_force(total, rows, high, force)
-        total[-1, :2] -= time * self.load
+        total[-1, :2] -= load
         return np.where(self.held, 0.0, total)
+
+    def contact_forces(self, rows: np.ndarray) -> np.ndarray:
+        """Gradient (nodes, 6) of the energy of the pairs that touch."""
+        total = np.zeros((len(rows), 6))
+        for (low, high), force in zip(*self.touching(rows), strict=True):
+            self.add_force(total, rows, low, force)
+            self.add_force(total, rows, high, -force)
+        return total
 
     def element_forces(self, rows: np.ndarray) -> np.ndarray:
         """Gradient (nodes, 6) of the strain energy in displacements and spins."""
@@ -86,7 +97,7 @@ class WireForces:
         carried = rows[self.carrier]
         return carried[:, :3] + rotated(carried[:, 3:].T, self.offset.T).T
 
-    def _touching(self, rows: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    def touching(self, rows: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Pairs of spheres that touch, and the gradient of their energy at the lower one."""
         if self.penalty == 0.0:
             return np.zeros((0, 2), int), np.zeros((0, 3))
@@ -122,7 +133,11 @@ def wire_forces(scene: Scene, element: str, elements_per_turn: int, pairs_per_tu
     for name in scene.supports.top_held:
         held[-1, {"ux": 0, "rotz": 5}[name]] = True
     contact = scene.contact
+    rest = np.zeros((count + 1, 7))
+    rest[:, :3], rest[:, 3] = points, 1.0
+    rest[-1, :3] = reference
     return WireForces(
+        rest=rest,
         frames=frames,
         arm=points[-1] - reference,
         stiffness=(curved if element == "curved" else straight)(scene, phases, points, poses),

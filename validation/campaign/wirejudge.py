@@ -10,20 +10,14 @@ from scipy.optimize import brentq
 
 import wirefe
 from coilspring import EquilibriumPath
-from validation.campaign.judge import (
-    LOAD,
-    SOLVER,
-    apart,
-    judge_branch,
-    just_before,
-    remembered,
-    sharp_critical,
-)
+from validation.campaign.judge import judge_place, just_before, sharp_critical
 from validation.campaign.overlap import judge_apart
+from validation.campaign.runs import LOAD, SOLVER, judge_steps, largest_load
 from validation.campaign.scenes import Case
 from validation.campaign.slipping import highest_load, sliding_pairs
-from validation.campaign.verdict import CRITICAL, THROUGH, Verdict, ended, fine_steps, reached, under
+from validation.campaign.verdict import CRITICAL, THROUGH, Verdict, ended, under
 from validation.campaign.wire import WireForces, friction_of, wire_forces
+from validation.campaign.wiresoft import least_stiffness, vanishing
 from validation.reached import as_far
 
 BALANCE = 1e-5  # of the load at the worst node; the wire stretches up to 1e6 times less than the spring
@@ -34,6 +28,8 @@ CRITICAL_SHIFT = {"free": LOAD, "none": 2e-2, "coulomb": 2e-2}
 ROWS = 3
 BEFORE = (1e-6, 4e-6, 1.6e-5)  # shares of the load by which states lie before their critical point
 BEFORE_SLIDING = 5e-3  # the same with coils that slide: limit points of other substeps lie within this share
+BEFORE_SOFT = (2e-3, 8e-3, 1.8e-2)  # the same for the least stiffness: nearer it is rounding
+SOFTENED = 1e-3  # within which it vanishes at the critical time
 STRAIGHT = 0.99  # cosine between the moves towards a fold
 POINTS = 300  # of an arc-length run
 TURN = 5e-3  # of the load: how near the critical time a traced path has points
@@ -50,12 +46,7 @@ def judge_wire(case: Case, path: EquilibriumPath) -> Verdict:
     for row in sorted({count - 1 - (count * k) // ROWS for k in range(ROWS)} & set(range(count))):
         judge_row(verdict, forces, path, row)
     judge_apart(verdict, path)
-    fine, compared = reached(case, steps=fine_steps(case)), Verdict()
-    if ended(path) or ended(fine):
-        compared.ask("branch", apart(path, fine)[1], BRANCH[sliding], "off the branch of the fine run")
-    else:
-        judge_branch(compared, path, fine, BRANCH[sliding], CRITICAL_SHIFT[sliding], BETWEEN)
-    verdict.take(compared, bool(compared.differences) and remembered(case, path, fine))
+    judge_steps(verdict, case, path, BRANCH[sliding], CRITICAL_SHIFT[sliding], BETWEEN)
     if path.outcome in CRITICAL:
         _judge_critical(verdict, forces, case, path)
     return verdict
@@ -67,9 +58,9 @@ def judge_row(verdict: Verdict, forces: WireForces, path: EquilibriumPath, row: 
     friction = friction_of(path, row)
     contact = path.scene.contact
     # in a mode as stiff as a held pair, what solvers leave in the energy norm is this share of the load
-    held = contact.stiffness * float(np.hypot(*path.tips[row, :2])) / (time * float(np.hypot(*forces.load)))
+    held = contact.stiffness * float(np.hypot(*path.tips[row, :2])) / largest_load(path, row)
     most = BALANCE if contact.sliding == "free" else max(BALANCE, SOLVER * math.sqrt(held))
-    judge_balance(verdict, forces, path.states[row], time, friction, most)
+    judge_balance(verdict, forces, path, row, most)
     if contact.sliding == "coulomb" and len(friction[0]):
         normal = contact.coefficient * path.contact_forces[row]
         excess = np.linalg.norm(friction[1], axis=1) - normal
@@ -78,18 +69,15 @@ def judge_row(verdict: Verdict, forces: WireForces, path: EquilibriumPath, row: 
 
 
 def judge_balance(
-    verdict: Verdict,
-    forces: WireForces,
-    state: np.ndarray,
-    time: float,
-    friction: tuple[np.ndarray, np.ndarray],
-    most: float = BALANCE,
+    verdict: Verdict, forces: WireForces, path: EquilibriumPath, row: int = -1, most: float = BALANCE
 ) -> None:
-    """One state's balance."""
-    left = forces.residual(state, time, friction)
+    """One state's balance under the load, or with the reaction that the path reports."""
+    left = forces.residual(path.states[row], path.loads[row], friction_of(path, row))
     left[:, 3:] /= float(np.abs(forces.arm[[0, 2]]).max())
-    share = float(np.abs(left).max() / (time * np.hypot(*forces.load)))
-    verdict.ask("residual", share, most, f"forces out of balance at time {time:.6g}")
+    share = float(np.abs(left).max()) / largest_load(path, row)
+    verdict.ask("residual", share, most, f"forces out of balance at time {path.times[row]:.6g}")
+    if path.scene.load.displacement:
+        judge_place(verdict, path, row, float(path.states[row][-6]))
 
 
 def _judge_critical(verdict: Verdict, forces: WireForces, case: Case, path: EquilibriumPath) -> None:
@@ -98,7 +86,8 @@ def _judge_critical(verdict: Verdict, forces: WireForces, case: Case, path: Equi
     if sharp is None:
         return
     critical, _ = sharp
-    if case.scene.contact.sliding == "coulomb" and path.outcome == "limit_point":
+    driven = bool(case.scene.load.displacement)
+    if case.scene.contact.sliding == "coulomb" and path.outcome == "limit_point" and not driven:
         _judge_slipping(verdict, forces, case, critical)
     if case.scene.contact.sliding != "free":
         return  # judged by the fine run: where friction follows the path, arc length is another one
@@ -108,13 +97,36 @@ def _judge_critical(verdict: Verdict, forces: WireForces, case: Case, path: Equi
         before = just_before(verdict, case, critical, time)
         if before is None:
             return
-        judge_balance(verdict, forces, before.states[-1], time, friction_of(before, -1))
+        judge_balance(verdict, forces, before)
         positions.append(before.states[-1].reshape(-1, 7)[:, :3].ravel())
     found = fold(positions, [critical * (1.0 - share) for share in BEFORE])
-    if found is None:
+    if found is None and driven:
+        _judge_softening(verdict, forces, case, critical)
+    elif found is None:
         _judge_turn(verdict, case, critical)
     else:
         verdict.ask("confirmed", abs(found / critical - 1.0), LOAD, "states tend to a fold elsewhere")
+
+
+def _judge_softening(verdict: Verdict, forces: WireForces, case: Case, critical: float) -> None:
+    """The least stiffness of the constrained wire must tend to zero at the critical time: arc length would
+    need a load."""
+    times, least = [critical * (1.0 - share) for share in BEFORE_SOFT], []
+    for time in times:
+        before = just_before(verdict, case, critical, time)
+        if before is None:
+            return
+        least.append(least_stiffness(forces, before.states[-1].reshape(-1, 7)))
+    if min(least) <= 0.0:
+        verdict.complain(
+            f"unstable before the critical time {critical:.6g}: least stiffness {min(least):.2e}"
+        )
+        return
+    found = vanishing(times, least)
+    if found is None:
+        verdict.complain(f"the least stiffness does not tend to zero near {critical:.6g}")
+        return
+    verdict.ask("confirmed", abs(found / critical - 1.0), SOFTENED, "the least stiffness vanishes elsewhere")
 
 
 def _judge_slipping(verdict: Verdict, forces: WireForces, case: Case, critical: float) -> None:
@@ -124,7 +136,7 @@ def _judge_slipping(verdict: Verdict, forces: WireForces, case: Case, critical: 
     before = just_before(verdict, case, critical, time)
     if before is None:
         return
-    judge_balance(verdict, forces, before.states[-1], time, friction_of(before, -1))
+    judge_balance(verdict, forces, before)
     if not sliding_pairs(forces, before).any():
         return
     highest = highest_load(forces, before, time, critical)

@@ -1,0 +1,153 @@
+"""Whether two runs of a scene tell the same, and whether one stepped over a critical point of the other."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from coilspring import EquilibriumPath
+from coilspring.pairlaw import ON
+from validation.campaign.scenes import Case
+from validation.campaign.verdict import CONFIRMED, CRITICAL, Verdict, ended, fine_steps, reached, under
+
+BRANCH = 1e-6  # difference from the fine run over the largest displacement,
+SOLVER = 1e-8  # or this over the root of the least stiffness: what solvers leave, in the energy norm
+ROUNDING = 4.0 * 2.0**-52  # of the spring's height: positions are no finer
+LOAD = 1e-4  # within which a critical point is bracketed
+UNCHANGED = (1.0, 1.0, 1.0)
+HALVINGS = 9  # of a share of the load, to where nothing has touched
+STEPPED = 1e-3  # of its time, by which a run goes beyond a critical point that it stepped over
+
+
+def apart(
+    path: EquilibriumPath, other: EquilibriumPath, back: Sequence[float] = UNCHANGED
+) -> tuple[float, float]:
+    """Difference of the tips over the largest displacement: at the last common time, and the largest.
+
+    Rotations count as displacements at the coil's diameter; `back` are factors of the other path's tips.
+    """
+    _, mine, theirs = np.intersect1d(path.times, other.times, return_indices=True)
+    if not mine.size:
+        return 0.0, 0.0
+    size = np.array([1.0, 1.0, max(path.scene.spring.mean_diameter)])
+    tips, others = path.tips[mine] * size, other.tips[theirs] * size * back
+    shares = np.abs(tips - others).max(axis=1) / np.abs(others).max()
+    return float(shares[-1]), float(shares.max())
+
+
+def grain(path: EquilibriumPath) -> float:
+    """What the rounding of the positions makes of the largest displacement, as a share of it."""
+    largest = np.abs(path.tips[:, :2]).max(initial=0.0)
+    return ROUNDING * path.scene.spring.active_height / largest if largest > 0.0 else 0.0
+
+
+def force_grain(path: EquilibriumPath) -> float:
+    """What the rounding of the positions makes of a contact force, as a share of the load.
+
+    A hard pair's force is its stiffness times a difference of positions that are as large as the spring.
+    """
+    contact, depth = path.scene.contact, path.max_penetration.max(initial=0.0)
+    if not depth > 0.0:
+        return 0.0
+    stiffness = 2.0 * contact.stiffness * contact.exponent * depth ** (contact.exponent - 1.0)
+    return ROUNDING * path.scene.spring.active_height * stiffness / float(np.abs(path.loads).max())
+
+
+def largest_load(path: EquilibriumPath, row: int) -> float:
+    """Largest load of a path up to a row, N: a reaction may pass through zero."""
+    return float(np.hypot(*path.loads[: row % len(path.times) + 1].T).max())
+
+
+def remembered(
+    case: Case, path: EquilibriumPath, other: EquilibriumPath, back: Sequence[float] = UNCHANGED
+) -> bool:
+    """Whether two runs with friction part because of what their pairs remember: each has a history of its own
+    from its first touch on, since a pair remembers where it was when its substep ended.
+
+    Then they agree under a share of the load at whose end neither remembers any.
+    """
+    if path.scene.contact.sliding == "free" or not (_touched(path) or _touched(other)):
+        return False
+    for share in 0.5 ** np.arange(1, HALVINGS):
+        early = [reached(case, under(run.scene, share)) for run in (path, other)]
+        if not any(_touched(run) for run in early):
+            same = all(run.outcome == "completed" for run in early)
+            return same and apart(early[0], early[1], back)[1] <= BRANCH
+    return False
+
+
+def _touched(path: EquilibriumPath) -> bool:
+    """Whether a pair is remembered or touches at a stored time."""
+    assert path.memories is not None
+    return bool((path.memories[:, :, ON] > 0.0).any() or path.active_contacts.any())
+
+
+def judge_branch(
+    verdict: Verdict,
+    path: EquilibriumPath,
+    other: EquilibriumPath,
+    name: str = "fine run",
+    bounds: tuple[float, float, float] = (BRANCH, LOAD, 0.0),
+) -> None:
+    """The path must be the other run's, and end as that does; the bounds are for the last common state, for
+    the end time, and for states before the last."""
+    most, most_shift, most_between = bounds
+    most = max(most, SOLVER / max(verdict.numbers.get("least", 1.0), 1e-12) ** 0.5, grain(path))
+    last, largest = apart(path, other)
+    verdict.ask("branch", last, most, f"off the branch of the {name}")
+    verdict.ask("branch", largest, max(most, most_between), f"off the branch of the {name} on the way")
+    if other.outcome == "not_converged":
+        verdict.complain(f"{path.outcome}, but the {name} ends as {other.outcome}: {other.message}")
+    elif _kind(path) != _kind(other):
+        verdict.differ(f"{path.outcome}, but the {name} ends as {other.outcome}: {other.message}")
+    elif path.end_bracket is not None and other.end_bracket is not None:
+        shift = abs(sum(path.end_bracket) / sum(other.end_bracket) - 1.0)
+        verdict.ask("critical_shift", shift, most_shift, f"another critical time than the {name}'s")
+
+
+def _kind(path: EquilibriumPath) -> str:
+    """Outcome of a path; which kind of critical point it is may be told apart by rounding alone."""
+    return CONFIRMED if path.outcome in CRITICAL else path.outcome
+
+
+def judge_passed(
+    verdict: Verdict, path: EquilibriumPath, other: EquilibriumPath, name: str, most: float
+) -> None:
+    """Neither run may go on beyond a critical point at which the other ends."""
+    runs = (("the path", path), (f"the {name}", other))
+    verdict.numbers["stepped"] = 0.0
+    for (_, stops), (who, goes) in (runs, runs[::-1]):
+        if stops.outcome not in CRITICAL or stops.critical_time is None:
+            continue
+        if _reach(goes) > stops.critical_time * (1.0 + max(STEPPED, most)):
+            verdict.numbers["stepped"] = 1.0
+            verdict.differ(f"{who} stepped over a critical point at {stops.critical_time:.6g}")
+
+
+def _reach(path: EquilibriumPath) -> float:
+    """Time that a path reached."""
+    return max([0.0, *path.times[-1:], *(path.end_bracket or ())[:1]])
+
+
+def judge_steps(
+    verdict: Verdict,
+    case: Case,
+    path: EquilibriumPath,
+    most: float = BRANCH,
+    most_shift: float = LOAD,
+    most_between: float = 0.0,
+) -> None:
+    """The path must be that of one step and that of 200: one outcome, one critical time, the same tips."""
+    counts = {"run in one step": 1, "fine run": fine_steps(case)}
+    for name, steps in counts.items():
+        if steps == case.scene.load.steps:
+            continue
+        known = {key: verdict.numbers[key] for key in ("least",) if key in verdict.numbers}
+        other, compared = reached(case, steps=steps), Verdict(numbers=known)
+        judge_passed(compared, path, other, name, most_shift)
+        if ended(path) or ended(other):
+            compared.ask("branch", apart(path, other)[1], most, f"off the branch of the {name}")
+        else:
+            judge_branch(compared, path, other, name, (most, most_shift, most_between))
+        verdict.take(compared, bool(compared.differences) and remembered(case, path, other))
