@@ -11,7 +11,8 @@ from coilspring.compiled import copy, part, zeros
 from coilspring.kernelset import Kernels
 
 INVERSE_ITERATIONS = 30
-FEW_ITERATIONS = 4  # enough from a mode that is nearly there, and to begin with
+FEW_ITERATIONS = 8
+OTHERS = 0.1
 SETTLED = 0.01  # relative change of the least stiffness by a step of inverse iteration, that ends it
 LEAST_STEP = 1e-9  # of the time 0..1: below it, what cannot be passed is called a critical point
 WAY = 1e-6  # of the span of the state's numbers, with which a difference is taken
@@ -50,8 +51,11 @@ def unstable_time(
 def least_stiffness(reals, ints, F, mode, scratch, solve):
     """Stiffness of the softest mode by inverse iteration with a factor, from `mode`, which is improved.
 
-    From state to state the mode changes little, so that a step or two are enough.
+    From state to state the mode changes little, so that a few steps are enough. A share of all other modes is
+    put in before, or one that has become the softest would be missed where symmetry hides it.
     """
+    for i in range(mode.size):
+        mode[i] += OTHERS * (1.0 + i / mode.size) / math.sqrt(mode.size)
     value, last = 0.0, np.inf
     for _ in range(FEW_ITERATIONS):
         copy(mode, scratch)

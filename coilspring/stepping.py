@@ -37,6 +37,8 @@ OVERLAP_TIME = 1e-5  # of the time 0..1: so closely is it told where they do
 APPROACH = 0.5
 LOOK = 0.05  # of the time 0..1: so often at least the softest mode is looked at,
 SOONER = 0.25  # and after this share of the time to its predicted zero
+WEAK = 0.1  # of the least stiffness at rest: below, it is looked at wherever the matrix is factored,
+PROBE = 1e-3  # and after so short a step where a pair has closed, since that turns its slope
 NEUTRAL = 1e-5  # of the least stiffness at rest: what is left of it counts as none, rounding is not far below
 BOUND_CHANGE = 1e-6  # of the bounds of tangential forces, over the largest, where they count as found
 MOST_ROUNDS = 30
@@ -157,11 +159,10 @@ def follow(
     reference, noise = scales(load, tangent, start, prescribed)
     origin, begin = copied(state), 0.0  # of the linear stretch whose stability is not yet verified
     mode = zeros(load.size)
-    for i in range(load.size):
-        mode[i] = 1.0 + i / load.size  # no symmetry that could hide the softest mode
     softness = least_stiffness(reals, ints, F, mode, ahead, solve)
     neutral = NEUTRAL * softness
     looked_at, zero = 0.0, np.inf  # when the softest mode was last looked at, and its predicted zero
+    closed = False  # whether the last step led to where a pair closes
     linear, kept, ease, lost, slid = False, True, np.inf, False, False
     checks, critical = 0, np.inf
     time, dt = 0.0, min(times[0], FIRST_STEP)
@@ -179,9 +180,12 @@ def follow(
         if tries > MOST_TRIES + row:
             outcome = EXHAUSTED
             break
-        approached = APPROACH * (zero - time) < min(dt, ease)
+        weak = softness < WEAK / NEUTRAL * neutral
+        probed = weak and closed
+        approached = probed or APPROACH * (zero - time) < min(dt, ease)
         closing = max(APPROACH * (through - time), OVERLAP_TIME)
-        stride = min(dt, ease, APPROACH * (zero - time), closing)
+        stride = min(dt, ease, APPROACH * (zero - time), closing, PROBE if probed else np.inf)
+        shortened = False
         if softness <= neutral or APPROACH * (zero - time) < LEAST_STEP:
             outcome, stride = CRITICAL, max(zero - time, LEAST_STEP)
             break
@@ -196,6 +200,7 @@ def follow(
             # to where a pair is about to close: its stiffness is not in the tangent
             _, _, free = motion(reals, ints, state, predicted, 0.5 * clearance)
             if free < 1.0:
+                shortened = True
                 step *= max(free, LEAST_FREE)
                 landing = False
                 target = time + step
@@ -287,7 +292,6 @@ def follow(
                 break
             continue
         if status == LINEAR:
-            zero = np.inf  # the stretch is looked at where it ends
             if not linear:
                 copy(state, origin)
                 begin, linear = time, True
@@ -306,19 +310,21 @@ def follow(
         copy(tangent, old)
         if status == CONVERGED:
             copy(ahead, tangent)
-            if needed == 0 and approached:
-                assemble(reals, ints, trial, 0.0, held, trial, g, F)
-                copy(trial, home)
-                factor(reals, ints, F)
-                spent += 1
-            look = looked_at + min(LOOK, SOONER * (zero - looked_at))
-            if approached or (needed > 0 and target >= look):
-                value = least_stiffness(reals, ints, F, mode, ahead, solve)
-                if value > neutral or value < softness:
-                    zero = predicted_zero(target, value, looked_at, softness)
-                if APPROACH * (zero - target) < LEAST_STEP and value > neutral:
-                    zero = np.inf  # the stiffness jumps here, as where a pair opens
-                softness, looked_at = value, target
+        closed = shortened
+        approached = approached or (weak and closed)
+        if needed == 0 and approached:
+            assemble(reals, ints, trial, 0.0, held, trial, g, F)
+            copy(trial, home)
+            factor(reals, ints, F)
+            spent += 1
+        look = looked_at + min(LOOK, SOONER * (zero - looked_at))
+        if approached or (needed > 0 and (weak or target >= look)):
+            value = least_stiffness(reals, ints, F, mode, ahead, solve)
+            if value > neutral or value < softness:
+                zero = predicted_zero(target, value, looked_at, softness)
+            if APPROACH * (zero - target) < LEAST_STEP and value > neutral:
+                zero = np.inf  # the stiffness jumps here, as where a pair opens
+            softness, looked_at = value, target
         kept, last = True, step
         if since == 0.0:
             through = predicted_zero(target, nearer, measured, room)
