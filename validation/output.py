@@ -187,6 +187,7 @@ def summary(path: EquilibriumPath) -> dict[str, object]:
         "last_time": path.times[-1] if len(path.times) else 0.0,
         "critical_time": path.critical_time,
         "critical_bracket": path.critical_bracket,
+        "end_bracket": path.end_bracket,
         "total_iterations": path.total_iterations,
         "stability_checks": path.stability_checks,
         "pair_evaluations": path.pair_evaluations,
