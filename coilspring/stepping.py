@@ -17,7 +17,7 @@ from coilspring.contactmemory import let_rise, relax, released, remembers, rubs,
 from coilspring.kernelset import SIGNATURES
 from coilspring.linesearch import solution, stale_solution
 from coilspring.newton import CONVERGED, FAILED, HISTORY, INDEFINITE, LINEAR, NONE, equilibrium
-from coilspring.pairvectors import OVERLAP_ALLOWED
+from coilspring.pairvectors import OVERLAP_ALLOWED, TOUCH
 from coilspring.stability import LEAST_STEP, least_stiffness, predicted_zero, unstable_time
 
 COMPLETED, CRITICAL, STUCK, STRAY, OPENED, OVERLAP, EXHAUSTED = 0, 1, 2, 3, 4, 5, 6
@@ -166,6 +166,8 @@ def follow(
     linear, kept, ease, lost, slid = False, True, np.inf, False, False
     checks, critical = 0, np.inf
     time, dt = 0.0, min(times[0], FIRST_STEP)
+    if clearance <= TOUCH * diameter:
+        dt, closed = SETTLING, True  # what touches at rest is no part of the tangent, nor of the stiffness
     row, tries, stride, rise = 0, 0, dt, 0.0
     most = OVERLAP_ALLOWED * diameter
     # how much nearer wires may come, and the bound on all motion since that was measured
