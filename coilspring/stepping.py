@@ -39,7 +39,7 @@ LOOK = 0.05  # of the time 0..1: so often at least the softest mode is looked at
 SOONER = 0.25  # and after this share of the time to its predicted zero
 WEAK = 0.1  # of the least stiffness at rest: below, it is looked at wherever the matrix is factored,
 PROBE = 1e-3  # and after so short a step where a pair has closed, since that turns its slope
-NEUTRAL = 1e-5  # of the least stiffness at rest: what is left of it counts as none, rounding is not far below
+NEUTRAL = 1e-6  # of the least stiffness at rest: what is left of it counts as none, rounding is not far below
 BOUND_CHANGE = 1e-6  # of the bounds of tangential forces, over the largest, where they count as found
 MOST_ROUNDS = 30
 MOST_TRIES = 20_000  # equilibria besides those at requested times; far more than a path needs
@@ -167,7 +167,8 @@ def follow(
     checks, critical = 0, np.inf
     time, dt = 0.0, min(times[0], FIRST_STEP)
     if clearance <= TOUCH * diameter:
-        dt, closed = SETTLING, True  # what touches at rest is no part of the tangent, nor of the stiffness
+        # what touches at rest is no part of the tangent, nor of the stiffness
+        dt, closed = min(dt, PROBE), True
     row, tries, stride, rise = 0, 0, dt, 0.0
     most = OVERLAP_ALLOWED * diameter
     # how much nearer wires may come, and the bound on all motion since that was measured
