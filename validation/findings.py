@@ -375,20 +375,21 @@ def stability(f: Facts) -> str:
     table = "stability > What became of the scenes"
     beam, wire = (
         {name: int(f[f"{table} > {model} > {name}"]) for name in outcomes}
-        for model, outcomes in (("equivalent beam", OUTCOMES[:3]), ("wire model", OUTCOMES))
+        for model, outcomes in (("equivalent beam", OUTCOMES[:4]), ("wire model", OUTCOMES))
     )
     left = beam["unexplained"] + wire["unexplained"]
     return (
         f"**Of the sampled equivalent beams {beam['completed']} reach full load and {beam['critical']} a "
         f"critical point** that code of its own confirms; of the wires {wire['completed']} and "
-        f"{wire['critical']}; {left or 'none'} left unexplained. With friction {wire['ended']} end where "
+        f"{wire['critical']}. {beam['interpenetration']} and {wire['interpenetration']} end where coils pass "
+        f"through each other, {left or 'none'} left unexplained. With friction {wire['ended']} end where "
         f"the iteration does, not the spring, or where a pair that was held opens; {wire['apart']} "
         "depend on their substeps. [Stability "
         "campaign](../reports/stability/stability.md#what-became-of-the-scenes)"
     )
 
 
-OUTCOMES = ("completed", "critical", "unexplained", "ended", "apart")
+OUTCOMES = ("completed", "critical", "interpenetration", "unexplained", "ended", "apart")
 
 SECTIONS: dict[str, tuple[Statement, ...]] = {
     "On the paper's claims": (matching, softer, faster, sliding, tangent),
