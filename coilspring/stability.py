@@ -12,7 +12,7 @@ from coilspring.kernelset import Kernels
 
 INVERSE_ITERATIONS = 30
 FEW_ITERATIONS = 8
-OTHERS = 0.05
+OTHERS = 0.05  # share of all modes that is put into the softest one before it is looked for anew
 SETTLED = 0.05  # relative change of the least stiffness by a step of inverse iteration, that ends it
 LEAST_STEP = 1e-9  # of the time 0..1: below it, what cannot be passed is called a critical point
 WAY = 1e-6  # of the span of the state's numbers, with which a difference is taken

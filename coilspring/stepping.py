@@ -28,9 +28,7 @@ LEAST_FREE = 0.05  # share of a substep that is taken at least, however soon a p
 SAFE = 0.8  # share of the turn allowed that the next substep aims at
 EASY_COUNT = 3
 EPSILON = 2.0**-52
-NEARER = (
-    3.0  # times the bound on all motion: so much nearer may wires come that both move, between nodes, too
-)
+NEARER = 3.0  # times the bound on all motion: so much nearer may two wires come, also between nodes
 OVERLAP_TIME = 1e-5  # of the time 0..1: so closely is it told where they do
 # Share of the time to the predicted zero of the least stiffness: at a limit point, where it falls with
 # the root of the time that is left, the straight line meets zero twice as far as the path goes.
@@ -160,7 +158,7 @@ def follow(
     origin, begin = copied(state), 0.0  # of the linear stretch whose stability is not yet verified
     mode = zeros(load.size)
     softness = least_stiffness(reals, ints, F, mode, ahead, solve)
-    neutral = NEUTRAL * softness
+    at_rest = softness
     looked_at, zero = 0.0, np.inf  # when the softest mode was last looked at, and its predicted zero
     closed = False  # whether the last step led to where a pair closes
     linear, kept, ease, lost, slid = False, True, np.inf, False, False
@@ -183,13 +181,13 @@ def follow(
         if tries > MOST_TRIES + row:
             outcome = EXHAUSTED
             break
-        weak = softness < WEAK / NEUTRAL * neutral
+        weak = softness < WEAK * at_rest
         probed = weak and closed
         approached = probed or APPROACH * (zero - time) < min(dt, ease)
         closing = max(APPROACH * (through - time), OVERLAP_TIME)
         stride = min(dt, ease, APPROACH * (zero - time), closing, PROBE if probed else np.inf)
         shortened = False
-        if softness <= neutral or APPROACH * (zero - time) < LEAST_STEP:
+        if softness <= NEUTRAL * at_rest or APPROACH * (zero - time) < LEAST_STEP:
             outcome, stride = CRITICAL, max(zero - time, LEAST_STEP)
             break
         landing = times[row] - time <= stride * (1.0 + 1e-9)
@@ -323,9 +321,9 @@ def follow(
         look = looked_at + min(LOOK, SOONER * (zero - looked_at))
         if approached or (needed > 0 and (weak or target >= look)):
             value = least_stiffness(reals, ints, F, mode, ahead, solve)
-            if value > neutral or value < softness:
+            if value > NEUTRAL * at_rest or value < softness:
                 zero = predicted_zero(target, value, looked_at, softness)
-            if APPROACH * (zero - target) < LEAST_STEP and value > neutral:
+            if APPROACH * (zero - target) < LEAST_STEP and value > NEUTRAL * at_rest:
                 zero = np.inf  # the stiffness jumps here, as where a pair opens
             softness, looked_at = value, target
         kept, last = True, step

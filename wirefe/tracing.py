@@ -15,7 +15,7 @@ from coilspring.packing import pack
 from coilspring.pairvectors import OVERLAP_ALLOWED
 from coilspring.path import EquilibriumPath
 from coilspring.scene import Scene, require_scene
-from coilspring.solving import Problem
+from coilspring.solving import THROUGH, Problem
 from coilspring.warming import compile_kernels
 from wirefe.rod import Rod
 from wirefe.rodpath import RodPath
@@ -94,10 +94,7 @@ def _caution(path: EquilibriumPath) -> str:
     through = np.flatnonzero(path.max_overlap - path.max_penetration > most)
     if not through.size:
         return ""
-    return (
-        f"; but from point {through[0] + 1} on, at time {path.times[through[0]]:.6f}, coils pass through "
-        f"each other: the wire overlaps by {OVERLAP_ALLOWED:g} wire diameters more than any contact pair"
-    )
+    return f"; but from point {through[0] + 1} on, at time {path.times[through[0]]:.6f}, {THROUGH}"
 
 
 def trace_rod(rod: Rod, *, points: int = 200) -> RodPath:
