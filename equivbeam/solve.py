@@ -11,7 +11,7 @@ from coilspring.kernelset import Kernels
 from coilspring.path import EquilibriumPath
 from coilspring.scene import Scene, require_scene
 from coilspring.solving import MOST_ITERATIONS, Problem, follow_load, scene_path
-from equivbeam import band, driven, kernels, model
+from equivbeam import band, kernels, model
 from equivbeam.across import band as wide
 from equivbeam.across import kernels as across
 from equivbeam.across.model import AcrossModel, build_across, is_axial
@@ -40,7 +40,6 @@ KERNELS = Kernels(
     renew=kernels.renew,
     overlap=kernels.overlap,
 )
-DRIVEN = KERNELS._replace(assemble=driven.assemble, solve=driven.solve)
 ACROSS = KERNELS._replace(
     assemble=across.assemble,
     factor=wide.factor,
@@ -50,7 +49,6 @@ ACROSS = KERNELS._replace(
     renew=across.renew,
     overlap=across.overlap,
 )
-ACROSS_DRIVEN = ACROSS._replace(assemble=across.driven, solve=across.solve_driven)
 
 
 def solve(
@@ -117,8 +115,8 @@ def solve(
     data = beam_model(scene, options)
     exact = tangent == "exact"
     limit = MOST_ITERATIONS if exact else MOST_PAPER_ITERATIONS
-    problem, *both = _ready(scene, data)
-    run = follow_load(scene, problem, *both, limit=limit, predictor=exact)
+    problem, used = _ready(scene, data)
+    run = follow_load(scene, problem, used, limit=limit, predictor=exact)
     run = replace(run, message=run.message + caution(scene, law, plane, data.rows, run.track.states))
     return scene_path(scene, "equivbeam", options, run, _reader(scene, data))
 
@@ -135,12 +133,12 @@ def _plane(scene: Scene, plane: str | None, able: bool) -> str:
     return plane
 
 
-def _ready(scene: Scene, data: BeamModel | AcrossModel) -> tuple[Problem, Kernels, Kernels]:
-    """A beam under the scene's load, the kernels of its plane, and those with what else acts on the top."""
+def _ready(scene: Scene, data: BeamModel | AcrossModel) -> tuple[Problem, Kernels]:
+    """A beam under the scene's load, and the kernels of its plane."""
     load = model.load_vector(data, scene)
     if isinstance(data, AcrossModel):
-        return beam_problem(data, load, wide.ROW), ACROSS, ACROSS_DRIVEN
-    return beam_problem(data, load), KERNELS, DRIVEN
+        return beam_problem(data, load, wide.ROW), ACROSS
+    return beam_problem(data, load), KERNELS
 
 
 def _reader(scene: Scene, data: BeamModel | AcrossModel) -> BeamShape | AcrossShape:
@@ -150,7 +148,7 @@ def _reader(scene: Scene, data: BeamModel | AcrossModel) -> BeamShape | AcrossSh
 
 def beam_kernels(scene: Scene, options: Mapping[str, Any]) -> tuple[Problem, Kernels]:
     """Another scene's beam under its load with the options of a path, and the kernels of its plane."""
-    return _ready(scene, beam_model(scene, options))[:2]
+    return _ready(scene, beam_model(scene, options))
 
 
 def beam_shape(scene: Scene, options: Mapping[str, Any]) -> BeamShape | AcrossShape:

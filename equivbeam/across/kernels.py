@@ -7,10 +7,8 @@ import math
 import numpy as np
 
 from coilspring.compiled import clear, kernel, part
-from coilspring.driving import drive, rests
 from coilspring.pairlaw import ON, pair_potential
 from coilspring.pairvectors import approach, remember, renew_bounds
-from equivbeam.across import band
 from equivbeam.across.band import ROW
 from equivbeam.across.model import FIRST, view
 from equivbeam.across.pairs import CHI_L, FREEDOMS, LENGTH, RHO_L, derivatives, places, vectors, way, windings
@@ -103,22 +101,6 @@ def assemble(reals, ints, anchor, clearance, memory, state, g, flat):
         if model.held[i] > 0.0:
             hold(g, H, g.size - 3 + i)
     return energy, count
-
-
-@kernel
-def driven(reals, ints, anchor, clearance, memory, state, g, flat):
-    """`assemble`, and what acts on the top besides a growing load: see `coilspring.driving`."""
-    energy, pairs = assemble(reals, ints, anchor, clearance, memory, state, g, flat)
-    return energy + drive(reals, ints, state, g, flat), pairs
-
-
-@kernel
-def solve_driven(reals, ints, F, b):
-    """`equivbeam.across.band.solve`; a prescribed displacement stays as it is."""
-    y = rests(reals, ints, b)
-    band.solve(reals, ints, F, b)
-    if y >= 0:
-        b[y] = 0.0
 
 
 @kernel
