@@ -9,9 +9,9 @@ from pathlib import Path
 import pytest
 from PIL import Image
 
-from validation import binding
-from validation.binding import bound
-from validation.document import (
+from validation.reproduce import binding
+from validation.reproduce.binding import bound
+from validation.study.document import (
     LONG,
     Bullets,
     Heading,
@@ -22,7 +22,7 @@ from validation.document import (
     to_html,
     to_markdown,
 )
-from validation.provenance import FILE, models, write_provenance
+from validation.study.provenance import FILE, models, write_provenance
 
 REPORTS = Path(__file__).parents[1] / "reports"
 PAGE = """# The title

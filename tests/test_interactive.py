@@ -6,8 +6,9 @@ import sys
 
 import pytest
 
-from validation import interactive, reproduce, turntable
 from validation.cli import main
+from validation.reproduce import reproduce
+from validation.view import interactive, turntable
 
 needs_extra = pytest.mark.skipif(
     any(importlib.util.find_spec(name) is None for name in interactive.NEEDED),

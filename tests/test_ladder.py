@@ -3,9 +3,9 @@
 import pytest
 
 from coilspring import Material, spring_a
-from validation.curvature import EXACT_RING, SPRING_A, formula, rod
-from validation.ladder import Check, observed_order, write_page
-from validation.springcases import rate
+from validation.verification.curvature import EXACT_RING, SPRING_A, formula, rod
+from validation.verification.ladder import Check, observed_order, write_page
+from validation.verification.springcases import rate
 
 CHECKS = (
     "G1,",

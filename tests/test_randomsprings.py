@@ -12,8 +12,8 @@ import pytest
 
 import wirefe
 from coilspring import Spring
-from validation import budget, randompage, randomsprings
-from validation.randomscenes import BUCKLING, KINDS, SIDE, SOLID, population
+from validation.verification import budget, randompage, randomsprings
+from validation.verification.randomscenes import BUCKLING, KINDS, SIDE, SOLID, population
 
 ROOT = Path(__file__).parents[1]
 

@@ -15,7 +15,7 @@ import coilspring
 import equivbeam
 import wirefe
 from validation.cli import COMMANDS, main
-from validation.metrics import compare_paths
+from validation.study.metrics import compare_paths
 
 ROOT = Path(__file__).parents[1]
 README = (ROOT / "README.md").read_text(encoding="utf-8")

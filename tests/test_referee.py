@@ -12,8 +12,8 @@ import pytest
 
 from coilspring import InputError, load_scene, spring_a, spring_b
 from validation.cli import main
-from validation.referee import calculix
-from validation.referee.layout import layout
+from validation.peers import calculix
+from validation.peers.layout import layout
 from wirefe.mesh import mesh_wire, place_spheres
 
 ROOT = Path(__file__).parents[1]
@@ -120,7 +120,7 @@ def test_what_a_peer_is_not_given_is_refused(old, new, field, tmp_path, capsys):
 def test_without_the_peer_one_sentence_says_how_to_install_it(peer, install, tmp_path, monkeypatch, capsys):
     monkeypatch.setattr(shutil, "which", lambda name: None)
     monkeypatch.setitem(sys.modules, "openseespy", None)
-    monkeypatch.delitem(sys.modules, "validation.referee.opensees", raising=False)
+    monkeypatch.delitem(sys.modules, "validation.peers.opensees", raising=False)
     assert main(["referee", "spring-a", "--with", peer, "--out", str(tmp_path)]) == 2
     error = capsys.readouterr().err
     assert install in error

@@ -12,12 +12,14 @@ import pytest
 
 from coilspring import CATALOGUE, InputError
 from test_statements import VERDICTS
-from validation import cases, pieces, render3d, reproduce, timing
-from validation.arguments import ARTEFACTS
-from validation.claims import MECHANICS
-from validation.machine import machine
-from validation.records import REPRODUCTION
-from validation.report import CLAIMS
+from validation.cli.arguments import ARTEFACTS
+from validation.reproduce import pieces, reproduce
+from validation.reproduce.claims import MECHANICS
+from validation.reproduce.records import REPRODUCTION
+from validation.reproduce.report import CLAIMS
+from validation.study import cases, timing
+from validation.study.machine import machine
+from validation.view import render3d
 
 NAMES = ("table1", "table2", "table3", "fig4", "fig5", "fig6", "fig7", "fig8")
 PNG = b"\x89PNG\r\n\x1a\n"
@@ -112,7 +114,7 @@ def test_table_3_without_rendering_imports_no_drawing(tmp_path, own_store):
     code = (
         "import sys, pathlib\n"
         "from validation import timing\n"
-        "from validation.reproduce import reproduce\n"
+        "from validation.reproduce.reproduce import reproduce\n"
         "timing.BUDGET, timing.LEAST_ROUNDS = 0.0, 1\n"
         "lines = []\n"
         f"reproduce(pathlib.Path({str(tmp_path)!r}), ('table3',), False, lines.append)\n"
@@ -233,7 +235,7 @@ def test_second_run_makes_nothing_and_writes_the_same(everything, tmp_path):
     """In a process of its own, to another folder: without the compiler, the models and all drawing."""
     code = (
         "import sys, pathlib\n"
-        "from validation.reproduce import reproduce\n"
+        "from validation.reproduce.reproduce import reproduce\n"
         "lines = []\n"
         f"said = reproduce(pathlib.Path({str(tmp_path)!r}), None, False, lines.append)\n"
         "heavy = {'numba', 'scipy', 'pandas', 'matplotlib', 'pyvista', 'equivbeam', 'wirefe'}\n"
@@ -300,7 +302,7 @@ def test_two_runs_at_once_into_one_folder(tmp_path, own_store):
     """Both end well, with the files of one; nothing half written is left."""
     code = (
         "import pathlib\n"
-        "from validation.reproduce import reproduce\n"
+        "from validation.reproduce.reproduce import reproduce\n"
         f"reproduce(pathlib.Path({str(tmp_path)!r}), ('table1', 'fig7', 'fig8'), False)\n"
     )
     children = [subprocess.Popen([sys.executable, "-c", code], stderr=subprocess.PIPE) for _ in range(2)]

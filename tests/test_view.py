@@ -8,8 +8,8 @@ from PIL import Image
 
 import wirefe
 from coilspring import spring_b
-from validation import frames, theatre
 from validation.cli import main
+from validation.view import frames, theatre
 
 
 @pytest.fixture(scope="module")

@@ -31,8 +31,8 @@ from validation.campaign.verdict import (
     reached,
 )
 from validation.campaign.wirejudge import BRANCH, judge_wire
-from validation.output import prepare
-from validation.provenance import write_provenance
+from validation.study.output import prepare
+from validation.study.provenance import write_provenance
 
 CHUNK = {"b": 8, "w": 1}  # cases handed to a worker at a time
 QUEUED = 2  # chunks a worker has waiting

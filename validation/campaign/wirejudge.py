@@ -18,7 +18,7 @@ from validation.campaign.slipping import highest_load, sliding_pairs
 from validation.campaign.verdict import CRITICAL, THROUGH, Verdict, ended, under
 from validation.campaign.wire import WireForces, friction_of, wire_forces
 from validation.campaign.wiresoft import least_stiffness, vanishing
-from validation.reached import as_far
+from validation.study.reached import as_far
 
 BALANCE = 1e-5  # of the load at the worst node; the wire stretches up to 1e6 times less than the spring
 # difference from the fine run over the largest displacement; with friction it depends on the substeps

@@ -1,0 +1,1 @@
+"""Run time against error of both models: what a given accuracy costs."""
