@@ -19,7 +19,7 @@ from opensees_page import AGREEMENT, LADDER, STEPS, Duel, distance, page
 import wirefe
 from coilspring import Scene, load_scene
 from validation.peers.installed import MISSING, opensees
-from validation.study.reached import as_far
+from validation.study.partialsolve import as_far
 
 SCENES = ("spring-a", "spring-a-no-contact", "spring-b-no-contact")
 REPORT = Path(__file__).parents[1] / "reports" / "referee" / "opensees.md"

@@ -461,9 +461,9 @@ def test_a_path_without_rows_is_a_header(tmp_path):
 
 
 def fake_reproduce(monkeypatch, run):
-    module = ModuleType("validation.reproduce.reproduce")
+    module = ModuleType("validation.reproduce.reproduction")
     module.reproduce = run
-    monkeypatch.setitem(sys.modules, "validation.reproduce.reproduce", module)
+    monkeypatch.setitem(sys.modules, "validation.reproduce.reproduction", module)
 
 
 def test_reproduce_passes_its_arguments_on(tmp_path, monkeypatch, capsys):
@@ -506,7 +506,7 @@ def test_what_ends_a_command_has_its_exit_code_and_one_line(error, code, said, t
 
 
 def test_the_real_reproduce_takes_what_the_command_passes():
-    reproduce = importlib.import_module("validation.reproduce.reproduce").reproduce
+    reproduce = importlib.import_module("validation.reproduce.reproduction").reproduce
     names = reproduce.__code__.co_varnames[: reproduce.__code__.co_argcount]
     assert names == ("out", "only", "render", "progress", "time", "turned")
 

@@ -30,7 +30,7 @@ from equivbeam.laws import LAWS
 from equivbeam.model import build_model
 from validation.study.exactrod import EXACT_ROD
 from validation.study.metrics import compare_paths
-from validation.study.reached import as_far
+from validation.study.partialsolve import as_far
 
 ALL = Refinements()
 NONE = Refinements(**dict.fromkeys(vars(ALL), False))

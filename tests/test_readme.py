@@ -14,7 +14,8 @@ import pytest
 import coilspring
 import equivbeam
 import wirefe
-from validation.cli import COMMANDS, main
+from validation.cli import main
+from validation.cli.command import COMMANDS
 from validation.study.metrics import compare_paths
 
 ROOT = Path(__file__).parents[1]

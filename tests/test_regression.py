@@ -16,7 +16,7 @@ import equivbeam.haringx
 import equivbeam.helixrows
 import equivbeam.model
 import validation.regress.baselines
-import validation.regress.regression
+import validation.regress.run
 import wirefe.model
 from coilspring import CATALOGUE, EquilibriumNotFound, InputError
 from equivbeam import Refinements
@@ -24,8 +24,8 @@ from validation.cli import main
 from validation.cli.arguments import command_line
 from validation.regress import timeratios
 from validation.regress.baselines import MODELS, Run, find, read, runs
-from validation.regress.drift import compare
-from validation.regress.regression import regress
+from validation.regress.comparison import compare
+from validation.regress.run import regress
 from validation.study import warmup
 
 KEPT = Path(__file__).parents[1] / "reports" / "baseline"
@@ -255,7 +255,7 @@ def small(monkeypatch, tmp_path):
     """The command with a few runs and baselines in `tmp_path`; returns its arguments."""
     names = ("spring-a-no-contact, law=haringx", "spring-b, element=curved, elements_per_turn=4")
     chosen = [run for name in names for run in only(name)]
-    monkeypatch.setattr(validation.regress.regression, "runs", lambda: chosen)
+    monkeypatch.setattr(validation.regress.run, "runs", lambda: chosen)
     return ["regress", "--out", str(tmp_path / "out"), "--baseline", str(tmp_path / "base")]
 
 

@@ -19,9 +19,9 @@ from equivbeam.problem import beam_problem
 from equivbeam.rendering import BeamShape
 from equivbeam.solve import KERNELS as BEAM_KERNELS
 from validation.cli import main
-from validation.sensitivity.openinputs import BEAM, INPUTS, LIKE, MODELS, NOT_GIVEN, READING, WIRE
-from validation.sensitivity.sensitivity import Change, Study, farther, sensitivity
-from validation.sensitivity.sensitivitydata import NO_INPUT
+from validation.sensitivity.data import NO_INPUT
+from validation.sensitivity.inputs import BEAM, INPUTS, LIKE, MODELS, NOT_GIVEN, READING, WIRE
+from validation.sensitivity.run import Change, Study, farther, sensitivity
 from validation.sensitivity.topheight import TipCurve, raised
 from validation.study.cases import PAPER_MESH, case, solve_beam, solve_wire
 from validation.study.metrics import compare_paths

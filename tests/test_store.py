@@ -11,7 +11,7 @@ import wirefe
 from coilspring import Contact, Material, load_scene, spring_a, spring_b
 from validation.study import keys, store
 from validation.study.cases import PathStore
-from validation.study.reached import as_far
+from validation.study.partialsolve import as_far
 from validation.study.store import Store
 from validation.study.storedruns import _array, packed, run_key, unpacked
 

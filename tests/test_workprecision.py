@@ -11,11 +11,11 @@ from types import ModuleType, SimpleNamespace
 import numpy as np
 import pytest
 
-import validation.workprecision.workdata as workdata
-import validation.workprecision.workpeer as workpeer
-import validation.workprecision.workprecision as work
-import validation.workprecision.workreport as workreport
-import validation.workprecision.worksettings as worksettings
+import validation.workprecision.page as workreport
+import validation.workprecision.peer as workpeer
+import validation.workprecision.points as workdata
+import validation.workprecision.run as work
+import validation.workprecision.settings as worksettings
 import wirefe
 from coilspring import InputError
 from equivbeam.solve import LAWS
@@ -23,7 +23,7 @@ from validation.cli import main
 from validation.cli.arguments import CAMPAIGN_RANGES, STUDY_SCENES, command_line
 from validation.peers.installed import opensees
 from validation.study.cases import PAPER_MESH
-from validation.workprecision.worksettings import (
+from validation.workprecision.settings import (
     EXTENTS,
     NORMAL,
     STEPS,

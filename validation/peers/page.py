@@ -9,7 +9,7 @@ import sys
 from pathlib import Path
 
 from coilspring import CATALOGUE
-from validation.peers.bout import Bout, bout
+from validation.peers.comparison import Bout, bout
 from validation.study.document import Heading, Table, Text, to_markdown
 from validation.study.machine import machine, versions
 from validation.study.output import write_text

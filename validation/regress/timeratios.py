@@ -10,7 +10,7 @@ import numpy as np
 
 from coilspring import InputError, Scene
 from validation.regress.baselines import made
-from validation.regress.drift import Move
+from validation.regress.comparison import Move
 from validation.study.cases import CASES, PAPER_MESH, solve_beam, solve_wire
 from validation.study.output import write_json
 

@@ -1,4 +1,4 @@
-"""The findings, each computed from recorded evidence, as a page: ``python -m validation.reproduce.findings``."""
+"""Findings, each computed from recorded evidence: ``python -m validation.reproduce.findings``."""
 
 from __future__ import annotations
 
@@ -28,10 +28,11 @@ WIDTH = 110
 HEAD = """\
 # Findings
 
-Written by `python -m validation.reproduce.findings` from recorded results: each finding with its numbers and the place
-where they are measured. Material, penalty and much else of the paper's springs had to be assumed ([what that
-moves](../reports/sensitivity/sensitivity.md)); nothing here is compared with a measured spring. Full load
-unless said otherwise; *curve* is the largest difference of the top's displacements over the reference's peak.
+Written by `python -m validation.reproduce.findings` from recorded results: each finding with its numbers and
+the place where they are measured. Material, penalty and much else of the paper's springs had to be assumed
+([what that moves](../reports/sensitivity/sensitivity.md)); nothing here is compared with a measured spring.
+Full load unless said otherwise; *curve* is the largest difference of the top's displacements over the
+reference's peak.
 """
 REPORT = "../reports/paper/report.md"
 SENTENCES = f"[Report]({REPORT}#what-the-paper-says-sentence-by-sentence)"

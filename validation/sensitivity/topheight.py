@@ -19,7 +19,7 @@ from equivbeam.problem import beam_problem
 from equivbeam.rendering import BeamShape
 from equivbeam.solve import KERNELS as BEAM_KERNELS
 from validation.study.cases import PAPER_MESH
-from validation.study.reached import as_far
+from validation.study.partialsolve import as_far
 from wirefe.shape import WireShape
 from wirefe.solve import KERNELS as WIRE_KERNELS
 from wirefe.solve import scene_problem

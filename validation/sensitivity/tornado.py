@@ -13,8 +13,8 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
 from validation.reproduce.figures import drawn
-from validation.sensitivity.openinputs import AGAINST, BEAM, MODELS, WIRE, OpenInput
-from validation.sensitivity.sensitivity import Change, Study
+from validation.sensitivity.inputs import AGAINST, BEAM, MODELS, WIRE, OpenInput
+from validation.sensitivity.run import Change, Study
 from validation.study.output import write_files
 from validation.study.style import BEAM_LABEL, BLUE, DOUBLE, RC, RED, WIRE_LABEL
 

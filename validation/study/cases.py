@@ -9,7 +9,7 @@ from typing import Any
 import equivbeam
 import wirefe
 from coilspring import CATALOGUE, EquilibriumNotFound, EquilibriumPath, Scene
-from validation.study.reached import as_far
+from validation.study.partialsolve import as_far
 from validation.study.store import Store
 from validation.study.storedruns import packed, run_key, unpacked
 from validation.study.warmup import make_ready

@@ -14,8 +14,8 @@ from pathlib import Path
 import numpy as np
 
 from coilspring.path import EquilibriumPath
-from validation.study.doubts import warnings
 from validation.study.machine import versions
+from validation.study.scenewarnings import warnings
 
 
 class OutputError(RuntimeError):

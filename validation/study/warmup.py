@@ -7,7 +7,7 @@ from functools import cache
 import equivbeam
 from coilspring import spring_b
 from coilspring.warming import background
-from validation.study.reached import as_far
+from validation.study.partialsolve import as_far
 
 WIRE = (
     "from wirefe.solve import KERNELS; "

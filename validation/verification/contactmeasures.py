@@ -11,7 +11,7 @@ from scipy.spatial import cKDTree
 
 import wirefe
 from coilspring import Contact, EquilibriumPath, Scene, spring_a, spring_b
-from validation.study.reached import as_far
+from validation.study.partialsolve import as_far
 from wirefe.model import ContactArrays
 from wirefe.shape import sphere_centres
 

@@ -18,7 +18,7 @@ from equivbeam.across.model import is_axial
 from validation.study.cases import CASES
 from validation.study.exactrod import EXACT_ROD
 from validation.study.metrics import compare_paths
-from validation.study.reached import as_far
+from validation.study.partialsolve import as_far
 
 COLUMNS = ("table", "row", "case", "value")
 CONVERGED: dict[str, Any] = {"element": "curved", "elements_per_turn": 16}

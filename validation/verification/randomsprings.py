@@ -16,7 +16,7 @@ from coilspring import EquilibriumPath, Scene
 from coilspring.sizing import middle_diameter
 from validation.study.metrics import answered
 from validation.study.output import write_text
-from validation.study.reached import as_far
+from validation.study.partialsolve import as_far
 from validation.verification.randomscenes import Drawn, population
 
 CSV = Path("reports/errorbudget/randomsprings.csv")

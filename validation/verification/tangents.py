@@ -1,4 +1,4 @@
-"""The paper's matrix and the exact tangent compared, as a page: ``python -m validation.verification.tangents``."""
+"""The paper's matrix and the exact tangent compared: ``python -m validation.verification.tangents``."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ import equivbeam
 from coilspring import EquilibriumPath, Scene, load_scene
 from validation.study.document import Block, Heading, Table, Text, to_markdown
 from validation.study.output import write_text
-from validation.study.reached import as_far
+from validation.study.partialsolve import as_far
 
 PAGE = Path("docs/tangents.md")
 CASES = ("spring-a", "spring-a-no-contact", "spring-b", "spring-b-no-contact")

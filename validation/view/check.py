@@ -9,7 +9,7 @@ from coilspring import InputError, Scene
 from coilspring.scene import SEATS
 from coilspring.sizing import Sizes, sizes
 from equivbeam.model import build_model
-from validation.study.doubts import warnings
+from validation.study.scenewarnings import warnings
 from wirefe.mesh import mesh_wire
 
 STEEPEST = 7.5  # degrees; EN 13906-1:2013, to which its formulas apply

@@ -10,7 +10,7 @@ from xml.etree import ElementTree
 import numpy as np
 
 from coilspring import InputError, Scene
-from validation.study.reached import as_far
+from validation.study.partialsolve import as_far
 
 HINT = "make it with coilcheck solve SCENE --model wirefe --vtu-series"
 

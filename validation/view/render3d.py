@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from validation.study.style import BLUE, GREY, LIT_RED
-from validation.view.child import Child
+from validation.view.process import Child
 from validation.view.shapes import BAND_SCALE, Shapes, bands, view
 
 if TYPE_CHECKING:

@@ -7,8 +7,8 @@ from collections.abc import Sequence
 from validation.reproduce.tables import spread
 from validation.study.cases import CASES
 from validation.study.document import Table
-from validation.workprecision.workdata import Point, Study
-from validation.workprecision.worksettings import ACROSS, BEAMS, PAPER_LAW, STEPS, TITLES
+from validation.workprecision.points import Point, Study
+from validation.workprecision.settings import ACROSS, BEAMS, PAPER_LAW, STEPS, TITLES
 
 WORDS = (
     "The paper compares times at unequal errors: its 'reduction' is that of its model against one FE mesh. "

@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 
 from validation.study.style import BLUE, DOUBLE, GREY, RED
 from validation.workprecision.penaltysweep import NAMES, PenaltyPoint, Sweep
-from validation.workprecision.worksettings import TITLES
+from validation.workprecision.settings import TITLES
 
 COLOURS = {"equivbeam": BLUE, "wirefe": RED}
 MARKERS = {"equivbeam": "o", "wirefe": "s"}

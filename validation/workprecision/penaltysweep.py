@@ -16,9 +16,9 @@ from validation.reproduce.tables import spread
 from validation.study.cases import PAPER_MESH, solve_beam, solve_wire
 from validation.study.document import Table
 from validation.study.metrics import Comparison, compare_paths
-from validation.study.reached import as_far
+from validation.study.partialsolve import as_far
 from validation.study.timing import Spread
-from validation.workprecision.worksettings import PAPER_LAW, TITLES
+from validation.workprecision.settings import PAPER_LAW, TITLES
 
 SCENES = ("spring-a", "spring-b")
 PENALTIES = (1e2, 1e3, 1e4, 1e5, 1e6)  # N/mm

@@ -7,8 +7,8 @@ from dataclasses import replace
 
 from validation.reproduce.tables import spread
 from validation.study.document import Table
-from validation.workprecision.workdata import Point, Study
-from validation.workprecision.worksettings import PAIRS, STEPS, TITLES
+from validation.workprecision.points import Point, Study
+from validation.workprecision.settings import PAIRS, STEPS, TITLES
 
 
 def paper_table(studies: Sequence[Study]) -> Table:

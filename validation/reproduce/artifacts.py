@@ -11,7 +11,7 @@ from types import ModuleType
 from typing import TYPE_CHECKING
 
 from validation.reproduce import tables
-from validation.reproduce.binding import PAGE
+from validation.reproduce.assembly import PAGE
 from validation.study.cases import PathStore, case
 from validation.study.document import Table, to_csv, to_markdown
 from validation.study.output import write_files
@@ -87,14 +87,14 @@ class Maker:
 
     def interactive(self, mark: str) -> str:
         """Write the springs of all figures in space as one scene; in a few words why there is none."""
-        from validation.view import shapes, turntable
+        from validation.view import htmlscene, shapes
 
         self.paths.announce("springs to be turned")
         panels = [shapes.shapes(self.paths, name) for names in SPRINGS.values() for name in names]
-        page = turntable.page(panels, mark)
+        page = htmlscene.page(panels, mark)
         if isinstance(page, str):
             return page
-        write_files({turntable.FILE: page}, self.out)
+        write_files({htmlscene.FILE: page}, self.out)
         return ""
 
     def picture(self, name: str, draw: Callable[[], Figure], lines: bool = True) -> Files:

@@ -21,27 +21,27 @@ def workprecision(arguments: argparse.Namespace, folder: Path, progress: Progres
     """Measure run time against error of both models."""
     extent = next((name for name in ("quick", "full") if hasattr(arguments, name)), "normal")
     progress(LOADING)
-    run = importlib.import_module("validation.workprecision.workprecision").workprecision
+    run = importlib.import_module("validation.workprecision.run").workprecision
     with claimed(folder), writing(folder):
         studies = run(folder, getattr(arguments, "only", None), extent, progress)
-    digest = importlib.import_module("validation.workprecision.workreport").digest
+    digest = importlib.import_module("validation.workprecision.page").digest
     return [*map(digest, studies), f"written to {folder}"], ""
 
 
 def sensitivity(arguments: argparse.Namespace, folder: Path, progress: Progress) -> Answer:
     """Vary what the paper leaves open in both models."""
     progress(LOADING)
-    run = importlib.import_module("validation.sensitivity.sensitivity").sensitivity
+    run = importlib.import_module("validation.sensitivity.run").sensitivity
     with claimed(folder), writing(folder):
         studies = run(folder, getattr(arguments, "only", None), progress)
-    digest = importlib.import_module("validation.sensitivity.sensitivitypage").digest
+    digest = importlib.import_module("validation.sensitivity.page").digest
     return [*map(digest, studies), f"written to {folder}"], ""
 
 
 def regress(arguments: argparse.Namespace, folder: Path, progress: Progress) -> Answer:
     """Compare what both models find with stored baselines."""
     progress(LOADING)
-    regression = importlib.import_module("validation.regress.regression")
+    regression = importlib.import_module("validation.regress.run")
     accept, times = hasattr(arguments, "accept"), hasattr(arguments, "time")
     with writing(folder):
         finding = regression.regress(folder, arguments.baseline, accept, times, progress)

@@ -18,8 +18,8 @@ from validation.study.output import write_files
 from validation.study.style import BLUE, DOUBLE, GREY, RC, RED, STEEL
 from validation.workprecision.penaltyfigure import draw_penalties
 from validation.workprecision.penaltysweep import Sweep
-from validation.workprecision.workdata import Point, Study
-from validation.workprecision.worksettings import ACROSS, PEER, SERIES, STEPS, TITLES
+from validation.workprecision.points import Point, Study
+from validation.workprecision.settings import ACROSS, PEER, SERIES, STEPS, TITLES
 
 COLUMNS = 3
 BROWN, SKY, INK, LIGHT = "#5b1a08", "#8fc1ee", "#222222", "#c9c9c9"

@@ -5,15 +5,15 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import Path
 
-from validation.reproduce.binding import EQUAL_ERROR
+from validation.reproduce.assembly import EQUAL_ERROR
 from validation.study.document import Block, Heading, Picture, Text, to_markdown
 from validation.study.machine import machine, versions
 from validation.study.output import write_text
-from validation.workprecision import equalerror, penaltysweep, worktables
+from validation.workprecision import equalerror, penaltysweep, tables
+from validation.workprecision.csvfile import data
 from validation.workprecision.penaltysweep import Sweep
-from validation.workprecision.workcsv import data
-from validation.workprecision.workdata import Study
-from validation.workprecision.worksettings import PAIRS, STEPS, Extent
+from validation.workprecision.points import Study
+from validation.workprecision.settings import PAIRS, STEPS, Extent
 
 CAPTIONS = {
     "curve": "Error of the load curve against CPU time. Filled symbols: the scenes' 50 steps; small open "
@@ -43,16 +43,16 @@ def markdown(studies: Sequence[Study], sweeps: Sequence[Sweep], extent: Extent, 
         Text(equalerror.WORDS),
         equalerror.equal_error_table(studies),
         Heading(2, "What the paper's accuracy costs"),
-        worktables.paper_table(studies),
+        tables.paper_table(studies),
         Text(_PAPER),
         Heading(2, "The reference's own error"),
-        worktables.reference_table(studies),
+        tables.reference_table(studies),
         Text(_REFERENCE),
         *(_pictures() if drawn else []),
         Heading(2, "Pareto front of the load curve"),
-        worktables.front_table(studies, lambda study: study.curve_front),
+        tables.front_table(studies, lambda study: study.curve_front),
         Heading(2, "Pareto front of the shape at full load"),
-        worktables.front_table(studies, lambda study: study.shape_front),
+        tables.front_table(studies, lambda study: study.shape_front),
     ]
     blocks += [Heading(2, "OpenSees"), *_peer(studies, extent)]
     if sweeps:
@@ -63,8 +63,8 @@ def markdown(studies: Sequence[Study], sweeps: Sequence[Sweep], extent: Extent, 
             *picture,
             penaltysweep.penalty_table(sweeps),
         ]
-    if any(worktables.differing_pairs(study) for study in studies):
-        blocks += [Heading(2, "Pairs a turn"), Text(_PAIRS), worktables.pairs_table(studies)]
+    if any(tables.differing_pairs(study) for study in studies):
+        blocks += [Heading(2, "Pairs a turn"), Text(_PAIRS), tables.pairs_table(studies)]
     return to_markdown(blocks)
 
 
@@ -100,7 +100,7 @@ def _peer(studies: Sequence[Study], extent: Extent) -> list[Block]:
         f"the analysis without the building of the model; timed rounds beside the paper's mesh: "
         f"{extent.peer_rounds}. It has no shape here and is on no front."
     )
-    return [Text(words), worktables.peer_table(studies)]
+    return [Text(words), tables.peer_table(studies)]
 
 
 def _method(extent: Extent) -> list[Block]:
@@ -130,7 +130,7 @@ def _method(extent: Extent) -> list[Block]:
 def digest(study: Study) -> str:
     """A scene for a reader at the terminal."""
     mesh = next(point for point in study.points if point.setting.is_paper_mesh)
-    best = worktables.as_accurate(study, mesh)
+    best = tables.as_accurate(study, mesh)
     front = ", ".join(point.setting.label.removesuffix(f", {STEPS} steps") for point in study.curve_front)
     return (
         f"{study.scene.name}: as accurate as the paper's mesh in 1/{1.0 / best.ratio.median:.3g} of its time "

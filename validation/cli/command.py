@@ -21,7 +21,6 @@ from validation.cli.arguments import (
     scene_of,
 )
 from validation.cli.terminal import apart, digest, notes, progress_shown, say
-from validation.study.doubts import warnings
 from validation.study.metrics import compare_paths
 from validation.study.output import (
     OutputError,
@@ -37,7 +36,8 @@ from validation.study.output import (
     write_files,
     writing,
 )
-from validation.study.reached import as_far
+from validation.study.partialsolve import as_far
+from validation.study.scenewarnings import warnings
 
 COMPLETED, REGRESSED, BAD_INPUT, NOT_COMPLETED, NOT_WRITTEN, INTERRUPTED = 0, 1, 2, 3, 4, 130
 
@@ -86,7 +86,7 @@ def reproduce(arguments: argparse.Namespace) -> int:
     """Make the paper's tables and figures."""
     folder = _folder(arguments)
     with claimed(folder), progress_shown() as progress:
-        run = importlib.import_module("validation.reproduce.reproduce").reproduce
+        run = importlib.import_module("validation.reproduce.reproduction").reproduce
         with writing(folder):
             remarks = run(
                 folder,
@@ -162,7 +162,7 @@ def compare(arguments: argparse.Namespace) -> int:
 def study(arguments: argparse.Namespace) -> int:
     """Judge the models, by one of the commands that run for minutes."""
     with progress_shown() as progress:
-        run = importlib.import_module("validation.cli.commands_studies").COMMANDS[arguments.command]
+        run = importlib.import_module("validation.cli.studies").COMMANDS[arguments.command]
         lines, failure = run(arguments, _folder(arguments), progress)
     say(*lines)
     return _fail(REGRESSED, failure) if failure else COMPLETED
@@ -171,7 +171,7 @@ def study(arguments: argparse.Namespace) -> int:
 def people(arguments: argparse.Namespace) -> int:
     """Hand a scene to another program, or to the eye."""
     with progress_shown() as progress:
-        run = importlib.import_module("validation.cli.commands_people").COMMANDS[arguments.command]
+        run = importlib.import_module("validation.cli.external").COMMANDS[arguments.command]
         lines = run(arguments, _folder(arguments), progress)
     say(*lines)
     return COMPLETED

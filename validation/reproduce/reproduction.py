@@ -18,16 +18,16 @@ from typing import TYPE_CHECKING
 from coilspring import InputError
 from coilspring.errors import require_names
 from validation.cli.arguments import ARTEFACTS
-from validation.reproduce.binding import PAGE, bound
+from validation.reproduce.assembly import PAGE, bound
 from validation.study.keys import key, sources
 from validation.study.machine import machine, versions
 from validation.study.output import prepare, write_files, writing
 from validation.study.provenance import MODELS
 from validation.study.store import Store, default_folder
-from validation.view.interactive import FILE, is_made, require_extra
+from validation.view.htmlfile import FILE, is_made, require_extra
 
 if TYPE_CHECKING:
-    from validation.reproduce.pieces import Maker
+    from validation.reproduce.artifacts import Maker
 
 REPORT, TURNED = "report", "turned"
 TIMED = ("table3", REPORT)  # pieces that show solution times
@@ -162,7 +162,7 @@ class _Run:
     def _loaded(self) -> Maker:
         if self.maker is None:
             self.progress("loading both models")
-            from validation.reproduce.pieces import Maker
+            from validation.reproduce.artifacts import Maker
             from validation.study.cases import PathStore
 
             paths = PathStore(self.progress, self.store)

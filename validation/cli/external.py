@@ -32,7 +32,7 @@ def referee(arguments: argparse.Namespace, folder: Path, progress: Progress) -> 
     scene, peer = scene_of(arguments), arguments.peer
     with claimed(folder):
         progress(f"solving with wirefe and {peer}")
-        found = importlib.import_module("validation.peers.bout").bout(scene, peer)
+        found = importlib.import_module("validation.peers.comparison").bout(scene, peer)
         values = {"scene": scene.name, "peer": peer, "remark": found.remark, "steps": found.rows}
         seconds = {"wirefe": found.wire.solve_seconds, peer: found.peer.seconds}
         summary = {**values, "curve_max": found.difference, "seconds": seconds}
@@ -43,7 +43,7 @@ def referee(arguments: argparse.Namespace, folder: Path, progress: Progress) -> 
 def view(arguments: argparse.Namespace, folder: Path, progress: Progress) -> list[str]:
     """Show the wire as it deforms, in a window or as a movie."""
     frames = importlib.import_module("validation.view.frames")
-    place = importlib.import_module("validation.view.theatre")
+    place = importlib.import_module("validation.view.animation")
     movie = getattr(arguments, "movie", None)
     run = Path(arguments.scene)
     progress("loading the wire")

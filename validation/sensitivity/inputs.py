@@ -1,4 +1,4 @@
-"""What the paper leaves open, in which range, and why: the inputs that `validation.sensitivity.sensitivity` varies."""
+"""What the paper leaves open, in which range, and why: the inputs that the study varies."""
 
 from __future__ import annotations
 

@@ -10,7 +10,7 @@ import numpy as np
 from coilspring import EquilibriumPath, Scene
 from validation.study.metrics import Comparison
 from validation.study.timing import Spread
-from validation.workprecision.worksettings import PAIRS, STEPS, Setting
+from validation.workprecision.settings import PAIRS, STEPS, Setting
 
 TIE = 1.1  # times nearer to each other than about this factor are one
 GAIN = 0.9  # a slower setting is on the front where its error is below this part of the faster ones'

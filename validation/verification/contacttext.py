@@ -5,8 +5,8 @@ from __future__ import annotations
 HEAD = """\
 # Contact in the wire model
 
-Written by `python -m validation.verification.contactstudy`; every number is computed there. Unless said otherwise:
-straight elements, 40 a turn; 4 pairs a turn; K = 1e4 N/mm; 50 steps; the catalogue's sliding (A
+Written by `python -m validation.verification.contact`; every number is computed there. Unless said
+otherwise: straight elements, 40 a turn; 4 pairs a turn; K = 1e4 N/mm; 50 steps; the catalogue's sliding (A
 frictionless, B none). Results at full load; mm, N, rad. Equations: [theory.md](theory.md), section 3. The
 model is compared with itself, not with a measured spring; times depend on the machine.
 """

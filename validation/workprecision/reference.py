@@ -8,8 +8,8 @@ from coilspring import EquilibriumPath, Scene
 from validation.study.cases import solve_wire
 from validation.study.exactrod import EXACT_ROD
 from validation.study.metrics import COMPONENTS, compare_paths
-from validation.workprecision.workdata import Reference
-from validation.workprecision.worksettings import PAIRS, Extent, Setting
+from validation.workprecision.points import Reference
+from validation.workprecision.settings import PAIRS, Extent, Setting
 
 
 def reference(scene: Scene, extent: Extent) -> Reference:

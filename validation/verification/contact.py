@@ -1,4 +1,4 @@
-"""What the wire model's contact moves and costs, written as a page: ``python -m validation.verification.contactstudy``."""
+"""What the wire model's contact moves and costs: ``python -m validation.verification.contact``."""
 
 from __future__ import annotations
 
@@ -12,8 +12,8 @@ import wirefe
 from coilspring import EquilibriumPath, spring_a
 from validation.study.document import Table, to_markdown
 from validation.study.output import write_text
-from validation.study.reached import as_far
-from validation.verification import contactwords as words
+from validation.study.partialsolve import as_far
+from validation.verification import contacttext as words
 from validation.verification.contactmeasures import (
     CATALOGUE,
     HELD,

@@ -9,8 +9,8 @@ from pathlib import Path
 import pytest
 from PIL import Image
 
-from validation.reproduce import binding
-from validation.reproduce.binding import bound
+from validation.reproduce import assembly
+from validation.reproduce.assembly import bound
 from validation.study.document import (
     LONG,
     Bullets,
@@ -69,7 +69,7 @@ PNG = b"\x89PNG\r\n\x1a\n"
 @pytest.fixture
 def out(tmp_path, monkeypatch):
     """Folder of a report with its figure; nothing is found but what stands beside it."""
-    monkeypatch.setattr(binding, "STORED", tmp_path / "nowhere")
+    monkeypatch.setattr(assembly, "STORED", tmp_path / "nowhere")
     folder = tmp_path / "reproduce"
     folder.mkdir()
     (folder / "fig5.png").write_bytes(PNG)
@@ -103,7 +103,7 @@ def test_blocks_come_back_from_markdown():
 
 @pytest.mark.parametrize("file", sorted(REPORTS.glob("*/*.md")), ids=lambda file: file.name)
 def test_stored_pages_are_read_without_loss(file):
-    if file.stem not in {"report", *(study.name for study in binding.STUDIES)}:
+    if file.stem not in {"report", *(study.name for study in assembly.STUDIES)}:
         pytest.skip("no section of the report")
     text = file.read_text(encoding="utf-8")
     assert to_markdown(from_markdown(text)) == text
@@ -111,7 +111,7 @@ def test_stored_pages_are_read_without_loss(file):
 
 def test_a_study_that_is_missing_is_said_in_a_sentence(out):
     page = html(out)
-    for study in binding.STUDIES:
+    for study in assembly.STUDIES:
         assert f"<code>coilcheck {study.name}</code> tells {study.tells}" in page
 
 
@@ -165,7 +165,7 @@ def test_springs_to_be_turned_are_linked_from_html_alone(out):
 
 
 def test_results_beside_come_before_stored_ones(out, monkeypatch):
-    monkeypatch.setattr(binding, "STORED", REPORTS)
+    monkeypatch.setattr(assembly, "STORED", REPORTS)
     assert "Spring A | 85.4" not in bound(PAGE, out)["report.md"].decode()
     work(out)
     assert "Spring A | 85.4" in bound(PAGE, out)["report.md"].decode()

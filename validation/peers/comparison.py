@@ -13,7 +13,7 @@ from validation.peers import calculix
 from validation.peers.curve import Curve
 from validation.peers.installed import MISSING, opensees
 from validation.study.metrics import COMPONENTS, NEGLIGIBLE
-from validation.study.reached import as_far
+from validation.study.partialsolve import as_far
 
 FREE = "frictionless in both codes, since springs without memory cannot tell when a pair has closed"
 

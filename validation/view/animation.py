@@ -14,13 +14,13 @@ import numpy as np
 
 from coilspring import InputError
 from validation.study.output import write_bytes
-from validation.view import child
+from validation.view import process
 from validation.view.frames import Frames
 
 if TYPE_CHECKING:
     from PIL import Image
 
-COMMAND = (sys.executable, "-m", "validation.view.stage")
+COMMAND = (sys.executable, "-m", "validation.view.viewer")
 MOST_PICTURES = 60  # of a movie
 LONGEST = (60.0, 5.0)  # s, in all and for each picture; one takes a fraction of a second
 PACE, LAST = 80, 1500  # ms, each picture and the last
@@ -86,7 +86,7 @@ def _picture(file: Path) -> Image.Image:
 def _child(frames: Frames, folder: Path, what: str, timeout: float | None) -> str:
     """Draw in a child process; in a few words why it failed, empty where it did not."""
     np.savez(folder / "frames.npz", **asdict(frames))
-    return child.run((*COMMAND, what, str(folder)), timeout)
+    return process.run((*COMMAND, what, str(folder)), timeout)
 
 
 def _draw_flat(frames: Frames, files: list[Path]) -> None:

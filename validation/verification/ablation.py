@@ -1,4 +1,7 @@
-"""The page on the laws' errors: ``python -m validation.verification.budget``; ``--page`` writes it of recorded numbers."""
+"""The page on the laws' errors: ``python -m validation.verification.ablation``.
+
+``--page`` writes it of recorded numbers.
+"""
 
 from __future__ import annotations
 
@@ -19,10 +22,10 @@ FOUR = Path("reports/errorbudget/fourcases.csv")
 DOUBLED, NEEDED = 2.0, "at least doubles"  # from which on a refinement is said to be needed
 
 HEAD = (
-    "Written by `python -m validation.verification.budget`, of the recorded numbers by `python -m validation.verification.budget "
-    "--page`: [the four cases](../reports/errorbudget/fourcases.csv), [the random "
-    "springs](../reports/errorbudget/randomsprings.csv). None compares with a measured spring. The law is "
-    "in [theory.md](theory.md), section 2."
+    "Written by `python -m validation.verification.ablation`, with `--page` of the recorded numbers: "
+    "[the four cases](../reports/errorbudget/fourcases.csv), "
+    "[the random springs](../reports/errorbudget/randomsprings.csv). "
+    "None compares with a measured spring. The law is in [theory.md](theory.md), section 2."
 )
 CASES_TEXT = (
     "Largest error of the load curve in per cent of the peak, worst component, 50 steps. Reference: wire "
@@ -178,7 +181,7 @@ def page(four: pd.DataFrame, springs: pd.DataFrame) -> str:
 
 def main(arguments: Sequence[str] | None = None) -> None:
     """Solve everything, unless only the page is wanted; write numbers, figure and page."""
-    parser = argparse.ArgumentParser(prog="python -m validation.verification.budget", description=__doc__)
+    parser = argparse.ArgumentParser(prog="python -m validation.verification.ablation", description=__doc__)
     parser.add_argument(
         "--page", action="store_true", help="write the page of the recorded numbers, solve nothing"
     )
@@ -186,7 +189,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
         FOUR.parent.mkdir(parents=True, exist_ok=True)
         write_text(FOUR, measured().to_csv(index=False, float_format="%.6g", lineterminator="\n"))
         randomsprings.write_csv(randomsprings.study())
-        write_provenance("python -m validation.verification.budget", FOUR.parent)
+        write_provenance("python -m validation.verification.ablation", FOUR.parent)
     springs = randomsprings.read_csv()
     randomfigure.write(springs)
     write_text(PAGE, page(pd.read_csv(FOUR), springs))

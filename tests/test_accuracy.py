@@ -3,8 +3,8 @@
 import pytest
 
 from coilspring import Material, spring_a
+from validation.verification.accuracy import Check, observed_order, write_page
 from validation.verification.curvature import EXACT_RING, SPRING_A, formula, rod
-from validation.verification.ladder import Check, observed_order, write_page
 from validation.verification.springcases import rate
 
 CHECKS = (

@@ -9,8 +9,8 @@ from collections.abc import Sequence
 from coilspring import Scene
 from validation.study.metrics import Comparison
 from validation.workprecision.penaltysweep import PenaltyPoint, Sweep
-from validation.workprecision.workdata import Point, Reference, Study
-from validation.workprecision.worksettings import PAIRS, PAPER_ELEMENTS, PAPER_LAW, STEPS, Setting
+from validation.workprecision.points import Point, Reference, Study
+from validation.workprecision.settings import PAIRS, PAPER_ELEMENTS, PAPER_LAW, STEPS, Setting
 
 HEADER = (
     *("scene", "model", "series", "elements_per_turn", "pairs_per_turn", "tangent", "sliding", "steps"),

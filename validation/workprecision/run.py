@@ -21,16 +21,16 @@ from coilspring.errors import require_names
 from validation.study.cases import solve_beam, solve_wire
 from validation.study.metrics import compare_paths
 from validation.study.output import prepare
+from validation.study.partialsolve import as_far
 from validation.study.provenance import write_provenance
-from validation.study.reached import as_far
 from validation.study.timing import Spread
 from validation.study.warmup import make_ready
 from validation.workprecision import penaltysweep
+from validation.workprecision.peer import peer_points
 from validation.workprecision.penaltysweep import Sweep
-from validation.workprecision.workdata import Point, Study
-from validation.workprecision.workpeer import peer_points
-from validation.workprecision.workreference import reference
-from validation.workprecision.worksettings import EXTENTS, Extent, Setting, settings, study_scenes
+from validation.workprecision.points import Point, Study
+from validation.workprecision.reference import reference
+from validation.workprecision.settings import EXTENTS, Extent, Setting, settings, study_scenes
 
 SHORT, MOST_REPEATS = 0.02, 5  # s; a shorter solve is repeated within a round
 
@@ -54,7 +54,7 @@ def workprecision(
     ------
     InputError : an unknown name or extent.
     """
-    from validation.workprecision import workreport
+    from validation.workprecision import page
 
     if extent not in EXTENTS:
         raise InputError(f"extent must be one of {', '.join(EXTENTS)}, got {extent!r}")
@@ -69,10 +69,10 @@ def workprecision(
         studies += (study(scene, EXTENTS[extent], progress),)
         if scene.name in penaltysweep.SCENES:
             sweeps += (penaltysweep.sweep(scene, EXTENTS[extent].rounds, progress),)
-        workreport.write(studies, sweeps, EXTENTS[extent], out, drawn=False)
+        page.write(studies, sweeps, EXTENTS[extent], out, drawn=False)
     progress("drawing")
     _draw(studies, sweeps, out)
-    workreport.write(studies, sweeps, EXTENTS[extent], out, drawn=True)
+    page.write(studies, sweeps, EXTENTS[extent], out, drawn=True)
     write_provenance(_command(only, extent), out)
     return studies
 
@@ -90,9 +90,9 @@ def _chosen(only: Sequence[str] | None) -> list[Scene]:
 
 def _draw(studies: Sequence[Study], sweeps: Sequence[Sweep], out: Path) -> None:
     """Drawing is imported here: matplotlib takes most of a second."""
-    from validation.workprecision import workfigures
+    from validation.workprecision import figures
 
-    workfigures.write(studies, sweeps, out)
+    figures.write(studies, sweeps, out)
 
 
 def study(scene: Scene, extent: Extent, progress: Callable[[str], None]) -> Study:

@@ -11,10 +11,10 @@ from coilspring import Scene
 from validation.peers.installed import opensees
 from validation.study.cases import PAPER_MESH, solve_wire
 from validation.study.metrics import COMPONENTS, compare_curves
-from validation.study.reached import as_far
+from validation.study.partialsolve import as_far
 from validation.study.timing import Spread
-from validation.workprecision.workdata import Point, Reference
-from validation.workprecision.worksettings import PAIRS, PEER, Extent, Setting
+from validation.workprecision.points import Point, Reference
+from validation.workprecision.settings import PAIRS, PEER, Extent, Setting
 
 if TYPE_CHECKING:
     from validation.peers.opensees import Run

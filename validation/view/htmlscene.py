@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from validation.study.style import BLUE, GREY, LIT_RED
-from validation.view import child
-from validation.view.interactive import FILE, signature
+from validation.view import process
+from validation.view.htmlfile import FILE, signature
 from validation.view.render3d import PARTS, add_spring
 from validation.view.shapes import Shapes
 
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     import pyvista
 
 TITLE = "Springs of Figures 4 and 6 at full load, by both models"
-COMMAND = (sys.executable, "-m", "validation.view.turntable")
+COMMAND = (sys.executable, "-m", "validation.view.htmlscene")
 TIMEOUT = 120.0  # s; it takes a few
 GAP, LETTER = 6.0, 1.6  # mm between springs; height of the words
 EYE = (0.12, 0.3, 1.4)  # from where it is seen at first, over the width of what is seen
@@ -41,7 +41,7 @@ def page(panels: Sequence[Shapes], mark: str) -> bytes | str:
     with tempfile.TemporaryDirectory(prefix="coilcheck-") as name:
         folder = Path(name)
         np.savez(folder / "panels.npz", diameter=panels[0].diameter, titles=titles, **arrays)
-        trouble = child.run((*COMMAND, name), TIMEOUT)
+        trouble = process.run((*COMMAND, name), TIMEOUT)
         if not trouble and not (folder / FILE).is_file():
             trouble = "it wrote no file"
         if trouble:

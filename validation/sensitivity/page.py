@@ -8,8 +8,8 @@ from pathlib import Path
 import numpy as np
 
 from validation.reproduce.assumptions import ending
-from validation.sensitivity.openinputs import BEAM, INPUTS, KINDS, MODELS, NOT_GIVEN, READING, WIRE, OpenInput
-from validation.sensitivity.sensitivity import Change, Study
+from validation.sensitivity.inputs import BEAM, INPUTS, KINDS, MODELS, NOT_GIVEN, READING, WIRE, OpenInput
+from validation.sensitivity.run import Change, Study
 from validation.study.document import Block, Bullets, Heading, Picture, Table, Text, to_markdown
 from validation.study.metrics import COMPONENTS
 from validation.study.output import write_text

@@ -1,4 +1,4 @@
-"""The accuracy ladder of the wire model, written as a page: ``python -m validation.verification.ladder``."""
+"""Accuracy of the wire model, as a page: ``python -m validation.verification.accuracy``."""
 
 from __future__ import annotations
 
@@ -15,10 +15,10 @@ from validation.study.output import write_text
 PAGE = Path("docs/validation.md")
 HEAD = """# Accuracy of the wire model
 
-Written by `python -m validation.verification.ladder`; every result is computed there. Code verification: rows with exact
-targets and observed orders. Solution verification: G13 over the mesh. No row compares with a measured spring
-or with a wire of solid elements; what its curvature changes stands at the end. G numbers are this project's
-names of its benchmark cases.
+Written by `python -m validation.verification.accuracy`; every result is computed there. Code verification:
+rows with exact targets and observed orders. Solution verification: G13 over the mesh. No row compares with a
+measured spring or with a wire of solid elements; what its curvature changes stands at the end. G numbers are
+this project's names of its benchmark cases.
 
 *Error* is the largest component's error over the largest component of the target; *order* the observed
 order of convergence with the mesh. "Own" targets come from an independent shooting solver or a closed form,

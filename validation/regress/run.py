@@ -10,7 +10,7 @@ from typing import Any
 
 from validation.regress import baselines, timeratios
 from validation.regress.baselines import MODELS, Run, find, made, read, runs
-from validation.regress.drift import Move, compare
+from validation.regress.comparison import Move, compare
 from validation.study.document import Block, Heading, Table, Text, to_markdown
 from validation.study.output import claimed, write_text
 from validation.study.warmup import make_ready

@@ -10,15 +10,15 @@ from scipy.optimize import brentq
 
 import wirefe
 from coilspring import EquilibriumPath
-from validation.campaign.judge import judge_place, just_before, sharp_critical
 from validation.campaign.overlap import judge_apart
 from validation.campaign.runs import LOAD, SOLVER, judge_steps, largest_load
 from validation.campaign.scenes import Case
 from validation.campaign.slipping import highest_load, sliding_pairs
 from validation.campaign.verdict import CRITICAL, THROUGH, Verdict, ended, under
+from validation.campaign.verifier import judge_place, just_before, sharp_critical
 from validation.campaign.wire import WireForces, friction_of, wire_forces
 from validation.campaign.wiresoft import least_stiffness, vanishing
-from validation.study.reached import as_far
+from validation.study.partialsolve import as_far
 
 BALANCE = 1e-5  # of the load at the worst node; the wire stretches up to 1e6 times less than the spring
 # difference from the fine run over the largest displacement; with friction it depends on the substeps

@@ -1,8 +1,9 @@
 """How far our curves could be from the authors' because of what the paper leaves open.
 
-One input at a time takes its other values (`validation.sensitivity.openinputs`) in both models, on the paper's four
-cases. A change is positive where the top moves farther than with our default, in per cent of the default's
-peak, as `validation.study.metrics` has it; the size of an input is the largest of its changes at any load.
+One input at a time takes its other values (`validation.sensitivity.inputs`) in both models, on the paper's
+four cases. A change is positive where the top moves farther than with our default, in per cent of the
+default's peak, as `validation.study.metrics` has it; the size of an input is the largest of its changes at
+any load.
 """
 
 from __future__ import annotations
@@ -17,7 +18,7 @@ import numpy as np
 
 from coilspring import CATALOGUE
 from coilspring.errors import require_names
-from validation.sensitivity.openinputs import BEAM, INPUTS, MODELS, WIRE, OpenInput, Variant
+from validation.sensitivity.inputs import BEAM, INPUTS, MODELS, WIRE, OpenInput, Variant
 from validation.sensitivity.topheight import TipCurve, raised
 from validation.study.cases import CASES, Case, PathStore
 from validation.study.metrics import COMPONENTS, NEGLIGIBLE
@@ -142,11 +143,7 @@ def sensitivity(
     ------
     InputError : an unknown name.
     """
-    from validation.sensitivity import (
-        sensitivitydata,  # matplotlib takes a second
-        sensitivitypage,  # matplotlib takes a second
-        tornado,  # matplotlib takes a second
-    )
+    from validation.sensitivity import data, page, tornado  # matplotlib takes a second
 
     require_names("only", only or (), CATALOGUE)
     out = Path(out)
@@ -154,10 +151,10 @@ def sensitivity(
     progress("making the kernels ready")
     make_ready()
     studies = tuple(study(case, progress) for case in CASES if only is None or case.name in only)
-    sensitivitydata.write(studies, out)
+    data.write(studies, out)
     progress("drawing")
     tornado.write(studies, out)
-    sensitivitypage.write(studies, out)
+    page.write(studies, out)
     write_provenance("coilcheck sensitivity" + (f" --only {','.join(only)}" if only else ""), out)
     return studies
 
