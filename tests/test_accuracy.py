@@ -3,7 +3,8 @@
 import pytest
 
 from coilspring import Material, spring_a
-from validation.verification.accuracy import Check, observed_order, write_page
+from validation.verification.accuracy import write_page
+from validation.verification.case import Check, observed_order
 from validation.verification.curvature import EXACT_RING, SPRING_A, formula, rod
 from validation.verification.springcases import rate
 

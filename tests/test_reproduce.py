@@ -12,8 +12,7 @@ import pytest
 
 from coilspring import CATALOGUE, InputError
 from test_statements import VERDICTS
-from validation.cli.arguments import ARTEFACTS
-from validation.reproduce import artifacts, reproduction
+from validation.reproduce import ARTEFACTS, artifacts, reproduction
 from validation.reproduce.claims import MECHANICS
 from validation.reproduce.records import REPRODUCTION
 from validation.reproduce.report import CLAIMS

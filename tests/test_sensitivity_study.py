@@ -21,7 +21,8 @@ from equivbeam.solve import KERNELS as BEAM_KERNELS
 from validation.cli import main
 from validation.sensitivity.data import NO_INPUT
 from validation.sensitivity.inputs import BEAM, INPUTS, LIKE, MODELS, NOT_GIVEN, READING, WIRE
-from validation.sensitivity.run import Change, Study, farther, sensitivity
+from validation.sensitivity.results import Change, Study, farther
+from validation.sensitivity.run import sensitivity
 from validation.sensitivity.topheight import TipCurve, raised
 from validation.study.cases import PAPER_MESH, case, solve_beam, solve_wire
 from validation.study.metrics import compare_paths

@@ -23,15 +23,8 @@ from validation.cli import main
 from validation.cli.arguments import CAMPAIGN_RANGES, STUDY_SCENES, command_line
 from validation.peers.installed import opensees
 from validation.study.cases import PAPER_MESH
-from validation.workprecision.settings import (
-    EXTENTS,
-    NORMAL,
-    STEPS,
-    TITLES,
-    Extent,
-    settings,
-    study_scenes,
-)
+from validation.study.scenes import study_scenes
+from validation.workprecision.settings import EXTENTS, NORMAL, STEPS, TITLES, Extent, settings
 
 SMALL = Extent((20, 40, 80), (4, 8), 32, (1, 10), (), 3)
 NAME = "spring-a-no-contact"

@@ -24,10 +24,10 @@ from validation.campaign.verdict import (
     THROUGH,
     UNEXPLAINED,
 )
-from validation.reproduce.figures import drawn
 from validation.study.document import Block, Bullets, Heading, Picture, Table, Text, to_markdown
 from validation.study.machine import versions
 from validation.study.output import write_files, write_text
+from validation.study.plots import drawn
 from validation.study.style import DOUBLE, RC
 
 GIVEN = (FORCE, DISPLACEMENT)

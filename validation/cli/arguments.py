@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import NoReturn
 
 from coilspring import CATALOGUE, InputError, Scene, load_scene
+from validation.reproduce import ARTEFACTS
 from validation.study.machine import versions
 
 MODEL_OPTIONS = {
@@ -26,7 +27,6 @@ STUDY_SCENES = (*CATALOGUE, "cylinder-lateral", "slender-axial")  # of workpreci
 PEERS = ("opensees", "calculix")  # of referee
 BASELINE = Path("reports", "baseline")
 SCENE_HELP = f"{', '.join(CATALOGUE)}, or a TOML file"
-ARTEFACTS = ("table1", "table2", "table3", "fig4", "fig5", "fig6", "fig7", "fig8")
 
 
 EPILOG = """exit codes: 0 done; 1 something moved or is unexplained (regress, stability); 2 bad input;

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import importlib
 import sys
 from collections.abc import Callable, Sequence
 from contextlib import ExitStack
@@ -13,6 +12,7 @@ from pathlib import Path
 from coilspring import CATALOGUE, EquilibriumNotFound, EquilibriumPath, InputError, Scene, load_scene
 from coilspring.scenefile import SECTIONS
 from coilspring.scenetext import scene_text
+from validation.cli import external, studies
 from validation.cli.arguments import (
     FILE_OPTIONS,
     MODEL_OPTIONS,
@@ -71,12 +71,16 @@ def new(arguments: argparse.Namespace) -> int:
 def check(arguments: argparse.Namespace) -> int:
     """Say what a scene describes."""
     scene = load_scene(arguments.scene)
-    lines, warnings = importlib.import_module("validation.view.check").report(scene)
+    from validation.view.check import report
+
+    lines, warnings = report(scene)
     lines += [f"warning: {warning}" for warning in warnings]
     if hasattr(arguments, "draw") or hasattr(arguments, "out"):
         folder = _folder(arguments)
         prepare(folder)
-        importlib.import_module("validation.view.drawing").draw(scene, folder / "spring.png")
+        from validation.view.drawing import draw
+
+        draw(scene, folder / "spring.png")
         lines.append(f"drawn in {folder / 'spring.png'}")
     say(*lines)
     return COMPLETED
@@ -86,7 +90,8 @@ def reproduce(arguments: argparse.Namespace) -> int:
     """Make the paper's tables and figures."""
     folder = _folder(arguments)
     with claimed(folder), progress_shown() as progress:
-        run = importlib.import_module("validation.reproduce.reproduction").reproduce
+        from validation.reproduce.reproduction import reproduce as run
+
         with writing(folder):
             remarks = run(
                 folder,
@@ -145,7 +150,9 @@ def compare(arguments: argparse.Namespace) -> int:
         }
         files = {"compare.json": json_bytes(found)}
         if hasattr(arguments, "draw"):
-            files["compare.png"] = importlib.import_module("validation.view.overlay").overlay(*paths.values())
+            from validation.view.overlay import overlay
+
+            files["compare.png"] = overlay(*paths.values())
         for model, path in paths.items():
             files |= {f"{model}/{name}": data for name, data in path_files(path).items()}
         write_files(files, folder)
@@ -162,8 +169,7 @@ def compare(arguments: argparse.Namespace) -> int:
 def study(arguments: argparse.Namespace) -> int:
     """Judge the models, by one of the commands that run for minutes."""
     with progress_shown() as progress:
-        run = importlib.import_module("validation.cli.studies").COMMANDS[arguments.command]
-        lines, failure = run(arguments, _folder(arguments), progress)
+        lines, failure = studies.COMMANDS[arguments.command](arguments, _folder(arguments), progress)
     say(*lines)
     return _fail(REGRESSED, failure) if failure else COMPLETED
 
@@ -171,8 +177,7 @@ def study(arguments: argparse.Namespace) -> int:
 def people(arguments: argparse.Namespace) -> int:
     """Hand a scene to another program, or to the eye."""
     with progress_shown() as progress:
-        run = importlib.import_module("validation.cli.external").COMMANDS[arguments.command]
-        lines = run(arguments, _folder(arguments), progress)
+        lines = external.COMMANDS[arguments.command](arguments, _folder(arguments), progress)
     say(*lines)
     return COMPLETED
 
@@ -209,12 +214,23 @@ def _run(
 ) -> EquilibriumPath:
     """The path of one model, complete or as far as it was reached."""
     progress(f"loading {model}")
-    run = importlib.import_module(model).solve
+    solver = _solver(model)
     progress(f"solving with {model}")
     try:
-        return as_far(run, scene, **given(arguments, MODEL_OPTIONS[model]))
+        return as_far(solver, scene, **given(arguments, MODEL_OPTIONS[model]))
     except InputError as error:
         raise _in_file(arguments.scene, error) from None
+
+
+def _solver(model: str) -> Callable[..., EquilibriumPath]:
+    """A model's `solve`, loaded alone: numba takes its time."""
+    if model == "equivbeam":
+        import equivbeam
+
+        return equivbeam.solve
+    import wirefe
+
+    return wirefe.solve
 
 
 def _in_file(scene: str, error: InputError) -> InputError:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import importlib
 from collections.abc import Callable
 from pathlib import Path
 
@@ -16,7 +15,8 @@ Progress = Callable[[str], None]
 
 def export(arguments: argparse.Namespace, folder: Path, progress: Progress) -> list[str]:
     """Write the input deck of a scene for another program."""
-    calculix = importlib.import_module("validation.peers.calculix")
+    from validation.peers import calculix
+
     scene = scene_of(arguments)
     text = calculix.deck(scene)
     with claimed(folder):
@@ -32,7 +32,9 @@ def referee(arguments: argparse.Namespace, folder: Path, progress: Progress) -> 
     scene, peer = scene_of(arguments), arguments.peer
     with claimed(folder):
         progress(f"solving with wirefe and {peer}")
-        found = importlib.import_module("validation.peers.comparison").bout(scene, peer)
+        from validation.peers.comparison import bout
+
+        found = bout(scene, peer)
         values = {"scene": scene.name, "peer": peer, "remark": found.remark, "steps": found.rows}
         seconds = {"wirefe": found.wire.solve_seconds, peer: found.peer.seconds}
         summary = {**values, "curve_max": found.difference, "seconds": seconds}
@@ -42,23 +44,23 @@ def referee(arguments: argparse.Namespace, folder: Path, progress: Progress) -> 
 
 def view(arguments: argparse.Namespace, folder: Path, progress: Progress) -> list[str]:
     """Show the wire as it deforms, in a window or as a movie."""
-    frames = importlib.import_module("validation.view.frames")
-    place = importlib.import_module("validation.view.animation")
+    from validation.view import animation, frames
+
     movie = getattr(arguments, "movie", None)
     run = Path(arguments.scene)
     progress("loading the wire")
     source = frames.of_run(run) if run.is_dir() else load_scene(arguments.scene)
     if movie is None:
-        place.require_display()
+        animation.require_display()
     else:
-        place.require_gif(movie)
+        animation.require_gif(movie)
         prepare(movie.parent)
     found = frames.of_scene(source) if isinstance(source, Scene) else source
     if movie is None:
-        place.show(found)
+        animation.show(found)
         return []
     progress(f"drawing {len(found.times)} pictures")
-    remark = place.film(found, movie)
+    remark = animation.film(found, movie)
     return [*([remark] if remark else []), f"written to {movie}"]
 
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import importlib
 from collections.abc import Callable
 from contextlib import nullcontext
 from pathlib import Path
@@ -21,31 +20,32 @@ def workprecision(arguments: argparse.Namespace, folder: Path, progress: Progres
     """Measure run time against error of both models."""
     extent = next((name for name in ("quick", "full") if hasattr(arguments, name)), "normal")
     progress(LOADING)
-    run = importlib.import_module("validation.workprecision.run").workprecision
+    from validation.workprecision import page, run
+
     with claimed(folder), writing(folder):
-        studies = run(folder, getattr(arguments, "only", None), extent, progress)
-    digest = importlib.import_module("validation.workprecision.page").digest
-    return [*map(digest, studies), f"written to {folder}"], ""
+        studies = run.workprecision(folder, getattr(arguments, "only", None), extent, progress)
+    return [*map(page.digest, studies), f"written to {folder}"], ""
 
 
 def sensitivity(arguments: argparse.Namespace, folder: Path, progress: Progress) -> Answer:
     """Vary what the paper leaves open in both models."""
     progress(LOADING)
-    run = importlib.import_module("validation.sensitivity.run").sensitivity
+    from validation.sensitivity import page, run
+
     with claimed(folder), writing(folder):
-        studies = run(folder, getattr(arguments, "only", None), progress)
-    digest = importlib.import_module("validation.sensitivity.page").digest
-    return [*map(digest, studies), f"written to {folder}"], ""
+        studies = run.sensitivity(folder, getattr(arguments, "only", None), progress)
+    return [*map(page.digest, studies), f"written to {folder}"], ""
 
 
 def regress(arguments: argparse.Namespace, folder: Path, progress: Progress) -> Answer:
     """Compare what both models find with stored baselines."""
     progress(LOADING)
-    regression = importlib.import_module("validation.regress.run")
+    from validation.regress import run
+
     accept, times = hasattr(arguments, "accept"), hasattr(arguments, "time")
     with writing(folder):
-        finding = regression.regress(folder, arguments.baseline, accept, times, progress)
-    verdict = regression.verdict(finding)
+        finding = run.regress(folder, arguments.baseline, accept, times, progress)
+    verdict = run.verdict(finding)
     lines = [*map(str, finding.moves), verdict, f"written to {folder}"]
     moved = finding.moves and not accept
     return lines, f"{verdict}; where that is meant: regress --accept" if moved else ""
@@ -58,7 +58,8 @@ def stability(arguments: argparse.Namespace, folder: Path, progress: Progress) -
         options[name] = require_integer(name, number, *CAMPAIGN_RANGES[name])
     writes = "case" not in options
     progress(LOADING)
-    campaign = importlib.import_module("validation.campaign.run").campaign
+    from validation.campaign.run import campaign
+
     with claimed(folder) if writes else nullcontext(), writing(folder):
         code = campaign(folder, **options, progress=lambda done, of: progress(f"{done} of {of} scenes"))
     lines = [f"written to {folder}"] if writes else []

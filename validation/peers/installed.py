@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import importlib
 from types import ModuleType
 
 MISSING = (
@@ -14,6 +13,7 @@ MISSING = (
 def opensees() -> ModuleType | None:
     """`validation.peers.opensees`; None where openseespy is missing or cannot be loaded."""
     try:
-        return importlib.import_module("validation.peers.opensees")
+        import validation.peers.opensees as module
     except (ImportError, RuntimeError):  # the latter where its libraries are missing
         return None
+    return module

@@ -15,6 +15,7 @@ from validation.study.cases import solve_beam, solve_wire
 from validation.study.machine import machine, versions
 from validation.study.output import write_text
 from validation.study.partialsolve import as_far
+from validation.study.scenes import study_scenes
 
 MODELS = ("equivbeam", "wirefe")
 SHARES = (0.2, 0.4, 0.6, 0.8, 1.0)  # of the steps reached, at which the tips are kept
@@ -76,8 +77,6 @@ def runs() -> tuple[Run, ...]:
 
 def _slender() -> Scene:
     """A column that buckles, at about 0.7 of its load."""
-    from validation.workprecision.settings import study_scenes
-
     scene = study_scenes()["slender-axial"]
     return replace(scene, name="slender-column", load=replace(scene.load, force=(0.0, -20.0)))
 

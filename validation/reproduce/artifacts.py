@@ -10,13 +10,15 @@ from pathlib import Path
 from types import ModuleType
 from typing import TYPE_CHECKING
 
-from validation.reproduce import tables
+from validation.reproduce import curves, evidence, facts, phases, report, tables
 from validation.reproduce.assembly import PAGE
 from validation.study.cases import PathStore, case
 from validation.study.document import Table, to_csv, to_markdown
-from validation.study.output import write_files
+from validation.study.output import json_bytes, write_files
 from validation.study.provenance import FILE, provenance
+from validation.study.statements import rendered
 from validation.study.timing import Measurement, measure
+from validation.view import htmlscene, render3d, shapes
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -87,8 +89,6 @@ class Maker:
 
     def interactive(self, mark: str) -> str:
         """Write the springs of all figures in space as one scene; in a few words why there is none."""
-        from validation.view import htmlscene, shapes
-
         self.paths.announce("springs to be turned")
         panels = [shapes.shapes(self.paths, name) for names in SPRINGS.values() for name in names]
         page = htmlscene.page(panels, mark)
@@ -103,7 +103,7 @@ class Maker:
             return {}
         import matplotlib
 
-        from validation.reproduce.figures import drawn, png
+        from validation.study.plots import drawn, png
         from validation.study.style import RC
 
         with matplotlib.rc_context(RC):
@@ -111,8 +111,6 @@ class Maker:
 
     def _springs(self, name: str, key: str) -> Files:
         """Deformed springs; the figure in space is rendered in a process of its own while work goes on."""
-        from validation.view import shapes
-
         panels = tuple(shapes.shapes(self.paths, scene) for scene in SPRINGS[name])
         rendering = self._rendering(panels)
         files = _csv(name, shapes.centreline_table(panels))
@@ -127,8 +125,6 @@ class Maker:
     def _rendering(self, panels: tuple[Shapes, ...]) -> Rendering | None:
         if not self.render:
             return None
-        from validation.view import render3d
-
         return self.cleanup.enter_context(render3d.Rendering(panels))
 
 
@@ -143,22 +139,16 @@ def _table3(maker: Maker) -> Files:
 
 
 def _fig5(maker: Maker) -> Files:
-    from validation.reproduce import curves
-
     data = _csv("fig5", curves.tip_curves(maker.paths))
     return data | maker.picture("fig5", lambda: _figures().tip_figure(maker.paths))
 
 
 def _fig7(maker: Maker) -> Files:
-    from validation.reproduce import curves
-
     data = _csv("fig7", curves.load_deflection(maker.paths))
     return data | maker.picture("fig7", lambda: _figures().load_figure(maker.paths))
 
 
 def _fig8(maker: Maker) -> Files:
-    from validation.reproduce import curves
-
     data = _csv("fig8", curves.iteration_counts(maker.paths))
     return data | maker.picture("fig8", lambda: _figures().iteration_figure(maker.paths))
 
@@ -184,9 +174,6 @@ def _plane_figure(panels: tuple[Shapes, ...]) -> Figure:
 
 def _report(maker: Maker) -> Files:
     """The reproduction's page; all pictures are there when it is made."""
-    from validation.reproduce import evidence, facts, phases, report
-    from validation.study.output import json_bytes
-    from validation.study.statements import rendered
 
     assert maker.measured is not None
     scene = case("spring-b").scene

@@ -12,6 +12,7 @@ from pathlib import Path
 
 from validation.study.document import Block, Heading, Text, from_markdown, to_html, to_markdown
 from validation.study.provenance import provenance_table
+from validation.workprecision import EQUAL_ERROR
 
 PAGE = "report.md"
 STORED = Path(__file__).parents[2] / "reports"  # of a checkout
@@ -40,7 +41,6 @@ STUDIES = (
     Study("stability", "Stability map", "whether sampled springs are solved, and where their paths end"),
     Study("sensitivity", "Sensitivity", "how far what the paper leaves open moves the curves"),
 )
-EQUAL_ERROR = "Time at equal error"  # section of the work-precision page
 
 
 def bound(page: str, out: Path, scene: str | None = None) -> dict[str, bytes]:

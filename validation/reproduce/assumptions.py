@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import replace
 
-from coilspring import EquilibriumPath, Material, Scene
+from coilspring import EquilibriumPath, Material
 from validation.study.cases import CASES, PathStore, case
 from validation.study.document import Table
+from validation.study.partialsolve import ending
 
 MODULUS_CHANGES = (0.95, 1.05)
 POISSON_RATIOS = (0.28, 0.32)
@@ -43,17 +43,6 @@ def penalty_table(store: PathStore) -> Table:
                 rows.append((case(name).title, model, f"{factor * stiffness:g}", *_penetration(path, base)))
     header = ("case", "model", "K (N/mm)", "UY (mm)", "change of UX / UY (%)", "largest penetration (µm)")
     return Table(header, tuple(rows))
-
-
-def turned(scene: Scene, degrees: float) -> Scene:
-    """The scene with the helix started at another phase."""
-    return replace(scene, spring=replace(scene.spring, start_phase=math.radians(degrees)))
-
-
-def ending(outcome: str, critical_time: float | None) -> str:
-    """How and when a path ended short of full load."""
-    time = "" if critical_time is None else f" at t = {critical_time:.3f}"
-    return f"{outcome.replace('_', ' ')}{time}"
 
 
 def _penetration(path: EquilibriumPath, base: EquilibriumPath) -> tuple[str, str, str]:

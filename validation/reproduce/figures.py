@@ -2,21 +2,13 @@
 
 from __future__ import annotations
 
-import io
-from typing import Any
-
-import matplotlib
 import numpy as np
-from matplotlib.axes import Axes
-from matplotlib.backends.backend_agg import FigureCanvasAgg
-from matplotlib.backends.backend_svg import FigureCanvasSVG
-from matplotlib.collections import EllipseCollection
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
-from PIL import Image
 
 from coilspring import EquilibriumPath
 from validation.study.cases import PathStore, case
+from validation.study.plots import TIPS, both
 from validation.study.style import (
     BEAM_LABEL,
     BEAM_LINE,
@@ -30,7 +22,6 @@ from validation.study.style import (
     Look,
 )
 
-COLOURS = 256  # of a stored picture; keeps the files small
 CONTACT_LINE: Look = {"color": "black", "linewidth": 1.0}
 HELD_LINE: Look = {"color": RED, "linewidth": 2.4, "alpha": 0.7}  # both are of the wire model
 FREE_LINE: Look = {"color": "black", "linewidth": 1.0, "linestyle": (0, (4, 2))}
@@ -38,32 +29,6 @@ EXACT_LINE: Look = {
     "color": STEEL, "marker": "s", "markerfacecolor": "white", "linewidth": 0.8, "linestyle": "--",
 }  # fmt: skip
 NO_CONTACT_LINE: Look = {"color": "black", "linewidth": 1.1, "linestyle": (0, (1, 1.3))}
-TIPS = ("UX (mm)", "UY (mm)", "ROTZ (rad)")
-
-
-def png(figure: Figure) -> bytes:
-    """A figure as PNG."""
-    canvas = FigureCanvasAgg(figure)
-    canvas.draw()
-    drawn = Image.fromarray(np.asarray(canvas.buffer_rgba())).convert("RGB")
-    picture = drawn.quantize(COLOURS, Image.Quantize.MAXCOVERAGE, dither=Image.Dither.NONE)
-    stream = io.BytesIO()
-    picture.save(stream, format="png", dpi=(figure.dpi, figure.dpi))
-    return stream.getvalue()
-
-
-def svg(figure: Figure, salt: str) -> bytes:
-    """A figure as SVG, the same for the same drawing; `salt` keeps its marks apart from other figures'."""
-    stream = io.BytesIO()
-    names: Any = {"svg.hashsalt": salt}
-    with matplotlib.rc_context(names):
-        FigureCanvasSVG(figure).print_svg(stream, metadata={"Date": None})
-    return stream.getvalue()
-
-
-def drawn(figure: Figure, name: str) -> dict[str, bytes]:
-    """Files of a figure by name: PNG for Markdown, SVG for HTML."""
-    return {f"{name}.png": png(figure), f"{name}.svg": svg(figure, name)}
 
 
 def tip_figure(store: PathStore) -> Figure:
@@ -139,19 +104,6 @@ def sliding_figure(held: EquilibriumPath, free: EquilibriumPath) -> Figure:
 def _contact_and_without(name: str) -> tuple[tuple[str, str, dict], ...]:
     """Scene, label and line of the difference, with and without contact."""
     return (name, "contact", CONTACT_LINE), (f"{name}-no-contact", "no contact", NO_CONTACT_LINE)
-
-
-def discs(axes: Axes, centres: np.ndarray, diameter: float, **look: Any) -> None:
-    """Circles to scale around centres (n, 2)."""
-    size = np.full(1, diameter)
-    placed = {"offsets": centres, "offset_transform": axes.transData} | look
-    axes.add_collection(EllipseCollection(size, size, 0.0, units="xy", **placed))
-
-
-def both(axes: Axes, beam: tuple[np.ndarray, np.ndarray], wire: tuple[np.ndarray, np.ndarray]) -> None:
-    """Curves of both models, from the unloaded spring on."""
-    for (x, y), style in ((beam, BEAM_LINE), (wire, WIRE_LINE)):
-        axes.plot(np.append(0.0, x), np.append(0.0, y), **style)
 
 
 def _share(beam: EquilibriumPath, wire: EquilibriumPath, index: int) -> np.ndarray:

@@ -8,10 +8,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from coilspring import Scene
-from validation.reproduce.assumptions import ending, turned
-from validation.study.cases import PAPER_MESH, PathStore, case
+from validation.study.cases import PAPER_MESH, PathStore, case, turned
 from validation.study.document import Table
 from validation.study.metrics import COMPONENTS, compare_paths
+from validation.study.partialsolve import ending
 
 DEGREES = tuple(range(0, 360, 30))
 MANY_PAIRS = 20  # sphere pairs a turn so close that their places hardly matter

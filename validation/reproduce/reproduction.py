@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING
 
 from coilspring import InputError
 from coilspring.errors import require_names
-from validation.cli.arguments import ARTEFACTS
+from validation.reproduce import ARTEFACTS
 from validation.reproduce.assembly import PAGE, bound
 from validation.study.keys import key, sources
 from validation.study.machine import machine, versions
@@ -47,7 +47,7 @@ def reproduce(
     Parameters
     ----------
     out : folder, made where missing. Every piece is written when it is finished.
-    only : names of `arguments.ARTEFACTS` that are wanted; None for all and the report.
+    only : names of `ARTEFACTS` that are wanted; None for all and the report.
     render : False makes no pictures: CSV files, and the report without figures.
     progress : called with one line on what is being done.
     time : measure the solution times of Table 3 even where some are stored.

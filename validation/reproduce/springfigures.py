@@ -13,17 +13,17 @@ from matplotlib.image import imread
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch, Rectangle
 
-from validation.reproduce.figures import discs
+from validation.study.plots import discs
 from validation.study.style import (
+    BEAM_CIRCLE,
     BEAM_LABEL,
     BLUE,
-    DARK_RED,
     DOUBLE,
     GREY,
     LIT_RED,
-    PALE_BLUE,
+    REST_CIRCLE,
+    WIRE_CIRCLE,
     WIRE_LABEL,
-    Look,
 )
 from validation.view.shapes import BAND_SCALE, Shapes, bands, view
 
@@ -31,9 +31,6 @@ TALLEST = 4.4  # in, of the springs
 DETAIL = 1.0  # in, a side of an enlarged detail
 ZOOM = 4.0  # mm shown across it
 MARGIN = 0.6  # mm around the springs
-REST_CIRCLE: Look = {"facecolor": "none", "edgecolor": "#b5b5b5", "linewidth": 0.5}
-BEAM_CIRCLE: Look = {"facecolor": "#2457a633", "edgecolor": PALE_BLUE, "linewidth": 1.8}
-WIRE_CIRCLE: Look = {"facecolor": "none", "edgecolor": DARK_RED, "linewidth": 0.9, "linestyle": (0, (3, 2))}
 
 
 def space_figure(panels: tuple[Shapes, ...], rendered: list[Path] | str) -> Figure:

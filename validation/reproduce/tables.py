@@ -10,7 +10,7 @@ from coilspring import Scene, spring_a, spring_b
 from coilspring.wire import SHEAR_FACTOR
 from validation.study.cases import PAPER_MESH
 from validation.study.document import Table
-from validation.study.timing import Measurement, Spread, Timing
+from validation.study.timing import Measurement, Timing, spread
 
 BESIDE = ("feature", "spring A", "spring B", "paper A", "paper B")
 NOT_GIVEN = ("not given", "not given")
@@ -137,14 +137,3 @@ def table3_data(measured: Measurement) -> Table:
         numbers += [*item.iterations, item.rounds, case.paper_wire, case.paper_beam]
         rows.append((case.name, *(f"{number:.6g}" for number in numbers), *origin))
     return Table(tuple(header), tuple(rows))
-
-
-def spread(value: Spread, scale: float) -> str:
-    """Median and, in brackets, the quartiles, to three digits."""
-    median, low, high = (_three(scale * number) for number in (value.median, value.low, value.high))
-    return f"{median} [{low}, {high}]"
-
-
-def _three(number: float) -> str:
-    """Three significant digits without an exponent."""
-    return f"{number:.0f}" if number >= 100.0 else f"{number:#.3g}".rstrip(".")

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from validation.sensitivity.inputs import INPUTS, MODELS
-from validation.sensitivity.run import Change, Study
+from validation.sensitivity.results import Change, Study
 from validation.study.document import Table, to_csv
 from validation.study.metrics import COMPONENTS
 from validation.study.output import write_text

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field, replace
 from typing import Any
 
 from coilspring import Scene
-from validation.reproduce.assumptions import turned
+from validation.study.cases import turned
 
 BEAM, WIRE = "equivbeam", "wirefe"
 MODELS = (BEAM, WIRE)

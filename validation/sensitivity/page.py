@@ -7,12 +7,12 @@ from pathlib import Path
 
 import numpy as np
 
-from validation.reproduce.assumptions import ending
 from validation.sensitivity.inputs import BEAM, INPUTS, KINDS, MODELS, NOT_GIVEN, READING, WIRE, OpenInput
-from validation.sensitivity.run import Change, Study
+from validation.sensitivity.results import Change, Study
 from validation.study.document import Block, Bullets, Heading, Picture, Table, Text, to_markdown
 from validation.study.metrics import COMPONENTS
 from validation.study.output import write_text
+from validation.study.partialsolve import ending
 
 SILENT, OPEN = (NOT_GIVEN,), (NOT_GIVEN, READING)
 NAMES = {BEAM: "beam", WIRE: "wire model"}

@@ -12,10 +12,10 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
-from validation.reproduce.figures import drawn
 from validation.sensitivity.inputs import AGAINST, BEAM, MODELS, WIRE, OpenInput
-from validation.sensitivity.run import Change, Study
+from validation.sensitivity.results import Change, Study
 from validation.study.output import write_files
+from validation.study.plots import drawn
 from validation.study.style import BEAM_LABEL, BLUE, DOUBLE, RC, RED, WIRE_LABEL
 
 NAME = "sensitivity"

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import equivbeam
@@ -132,3 +133,8 @@ def _completed(path: EquilibriumPath) -> EquilibriumPath:
     if path.outcome != "completed":
         raise EquilibriumNotFound(path)
     return path
+
+
+def turned(scene: Scene, degrees: float) -> Scene:
+    """The scene with the helix started at another phase."""
+    return replace(scene, spring=replace(scene.spring, start_phase=math.radians(degrees)))

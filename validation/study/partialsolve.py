@@ -13,3 +13,9 @@ def as_far(solve: Callable[..., EquilibriumPath], scene: Scene, **options: objec
         return solve(scene, **options)
     except EquilibriumNotFound as error:
         return error.path
+
+
+def ending(outcome: str, critical_time: float | None) -> str:
+    """How and when a path ended short of full load."""
+    time = "" if critical_time is None else f" at t = {critical_time:.3f}"
+    return f"{outcome.replace('_', ' ')}{time}"

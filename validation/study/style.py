@@ -36,3 +36,8 @@ RC: dict[Any, Any] = {
 BEAM_LINE: Look = {"color": PALE_BLUE, "linewidth": 2.6, "solid_capstyle": "butt"}
 WIRE_LINE: Look = {"color": DARK_RED, "linewidth": 1.1, "linestyle": (0, (4, 2))}
 BEAM_LABEL, WIRE_LABEL = "equivalent beam (proposed model)", "wire model (FE)"
+
+
+REST_CIRCLE: Look = {"facecolor": "none", "edgecolor": "#b5b5b5", "linewidth": 0.5}
+BEAM_CIRCLE: Look = {"facecolor": "#2457a633", "edgecolor": PALE_BLUE, "linewidth": 1.8}
+WIRE_CIRCLE: Look = {"facecolor": "none", "edgecolor": DARK_RED, "linewidth": 0.9, "linestyle": (0, (3, 2))}

@@ -139,3 +139,14 @@ def _timing(case: Case, iterations: tuple[int, int, int], seconds: np.ndarray) -
         iterations=iterations,
         rounds=len(seconds),
     )
+
+
+def spread(value: Spread, scale: float) -> str:
+    """Median and, in brackets, the quartiles, to three digits."""
+    median, low, high = (_three(scale * number) for number in (value.median, value.low, value.high))
+    return f"{median} [{low}, {high}]"
+
+
+def _three(number: float) -> str:
+    """Three significant digits without an exponent."""
+    return f"{number:.0f}" if number >= 100.0 else f"{number:#.3g}".rstrip(".")

@@ -14,7 +14,7 @@ import wirefe
 from coilspring.packing import pack
 from coilspring.solving import Problem
 from coilspring.wire import Section
-from validation.verification.accuracy import Check
+from validation.verification.case import Check
 from wirefe import kernels
 from wirefe.shape import turned
 from wirefe.solve import rod_problem

@@ -12,8 +12,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from validation.reproduce.figures import png
 from validation.study.output import write_bytes
+from validation.study.plots import png
 from validation.study.style import BLUE, DOUBLE, GREY, RC, RED
 from validation.verification.randompage import CLASSES, FEW, classified
 from validation.verification.randomscenes import KINDS

@@ -10,7 +10,7 @@ import numpy as np
 import wirefe
 from coilspring import EquilibriumNotFound
 from coilspring.wire import Section
-from validation.verification.accuracy import Check, observed_order
+from validation.verification.case import Check, observed_order
 
 
 @dataclass(frozen=True)

@@ -12,7 +12,7 @@ import wirefe
 from coilspring import Material, Spring, load_scene, spring_a, spring_b
 from coilspring.wire import Section, round_section
 from validation.study.exactrod import EXACT_ROD
-from validation.verification.accuracy import Check, observed_order
+from validation.verification.case import Check, observed_order
 from wirefe.modes import linear_stiffness, natural_frequencies
 
 ROUND = round_section(1.5, Material())

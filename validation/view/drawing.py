@@ -14,8 +14,8 @@ from matplotlib.figure import Figure
 
 from coilspring import Scene, Spring
 from coilspring.sizing import along, sizes
-from validation.reproduce.figures import discs, png
 from validation.study.output import write_bytes
+from validation.study.plots import discs, png
 from validation.study.style import BLUE, DOUBLE, RC, RED
 
 DISCS = 8  # along a wire diameter, of which the wire is drawn

@@ -12,10 +12,21 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from coilspring import EquilibriumPath
-from validation.reproduce.figures import TIPS, both, discs, png
-from validation.reproduce.springfigures import BEAM_CIRCLE, REST_CIRCLE, WIRE_CIRCLE
 from validation.study.metrics import COMPONENTS, answered
-from validation.study.style import BEAM_LABEL, BEAM_LINE, DOUBLE, GREY, RC, WIRE_LABEL, WIRE_LINE, Look
+from validation.study.plots import TIPS, both, discs, png
+from validation.study.style import (
+    BEAM_CIRCLE,
+    BEAM_LABEL,
+    BEAM_LINE,
+    DOUBLE,
+    GREY,
+    RC,
+    REST_CIRCLE,
+    WIRE_CIRCLE,
+    WIRE_LABEL,
+    WIRE_LINE,
+    Look,
+)
 
 LABELS = dict(zip(COMPONENTS, TIPS, strict=True))
 DIFFERENCE: Look = {"color": "black", "linewidth": 1.0}

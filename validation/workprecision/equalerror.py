@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from validation.reproduce.tables import spread
 from validation.study.cases import CASES
 from validation.study.document import Table
+from validation.study.timing import spread
 from validation.workprecision.points import Point, Study
 from validation.workprecision.settings import ACROSS, BEAMS, PAPER_LAW, STEPS, TITLES
 

@@ -13,8 +13,8 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
-from validation.reproduce.figures import drawn
 from validation.study.output import write_files
+from validation.study.plots import drawn
 from validation.study.style import BLUE, DOUBLE, GREY, RC, RED, STEEL
 from validation.workprecision.penaltyfigure import draw_penalties
 from validation.workprecision.penaltysweep import Sweep

@@ -5,11 +5,10 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import Path
 
-from validation.reproduce.assembly import EQUAL_ERROR
 from validation.study.document import Block, Heading, Picture, Text, to_markdown
 from validation.study.machine import machine, versions
 from validation.study.output import write_text
-from validation.workprecision import equalerror, penaltysweep, tables
+from validation.workprecision import EQUAL_ERROR, equalerror, penaltysweep, tables
 from validation.workprecision.csvfile import data
 from validation.workprecision.penaltysweep import Sweep
 from validation.workprecision.points import Study

@@ -12,12 +12,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from coilspring import Scene
-from validation.reproduce.tables import spread
 from validation.study.cases import PAPER_MESH, solve_beam, solve_wire
 from validation.study.document import Table
 from validation.study.metrics import Comparison, compare_paths
 from validation.study.partialsolve import as_far
-from validation.study.timing import Spread
+from validation.study.timing import Spread, spread
 from validation.workprecision.settings import PAPER_LAW, TITLES
 
 SCENES = ("spring-a", "spring-b")

@@ -23,14 +23,15 @@ from validation.study.metrics import compare_paths
 from validation.study.output import prepare
 from validation.study.partialsolve import as_far
 from validation.study.provenance import write_provenance
+from validation.study.scenes import study_scenes
 from validation.study.timing import Spread
 from validation.study.warmup import make_ready
-from validation.workprecision import penaltysweep
+from validation.workprecision import figures, page, penaltysweep
 from validation.workprecision.peer import peer_points
 from validation.workprecision.penaltysweep import Sweep
 from validation.workprecision.points import Point, Study
 from validation.workprecision.reference import reference
-from validation.workprecision.settings import EXTENTS, Extent, Setting, settings, study_scenes
+from validation.workprecision.settings import EXTENTS, Extent, Setting, settings
 
 SHORT, MOST_REPEATS = 0.02, 5  # s; a shorter solve is repeated within a round
 
@@ -54,8 +55,6 @@ def workprecision(
     ------
     InputError : an unknown name or extent.
     """
-    from validation.workprecision import page
-
     if extent not in EXTENTS:
         raise InputError(f"extent must be one of {', '.join(EXTENTS)}, got {extent!r}")
     scenes = _chosen(only)
@@ -71,7 +70,7 @@ def workprecision(
             sweeps += (penaltysweep.sweep(scene, EXTENTS[extent].rounds, progress),)
         page.write(studies, sweeps, EXTENTS[extent], out, drawn=False)
     progress("drawing")
-    _draw(studies, sweeps, out)
+    figures.write(studies, sweeps, out)
     page.write(studies, sweeps, EXTENTS[extent], out, drawn=True)
     write_provenance(_command(only, extent), out)
     return studies
@@ -86,13 +85,6 @@ def _chosen(only: Sequence[str] | None) -> list[Scene]:
     scenes = study_scenes()
     require_names("only", only or (), scenes)
     return [scene for name, scene in scenes.items() if only is None or name in only]
-
-
-def _draw(studies: Sequence[Study], sweeps: Sequence[Sweep], out: Path) -> None:
-    """Drawing is imported here: matplotlib takes most of a second."""
-    from validation.workprecision import figures
-
-    figures.write(studies, sweeps, out)
 
 
 def study(scene: Scene, extent: Extent, progress: Callable[[str], None]) -> Study:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
 
-from coilspring import CATALOGUE, Load, Scene, Spring, Supports
+from coilspring import Scene
 from equivbeam.across.model import is_axial
 from equivbeam.solve import LAWS
 
@@ -124,22 +124,6 @@ FULL = replace(
     reference=320,
     pairs=(2, 8, 16, 32),
 )
-
-
-def study_scenes() -> dict[str, Scene]:
-    """The four cases of the paper and two more springs, by name."""
-    cylinder = Scene(
-        name="cylinder-lateral",
-        spring=Spring(wire_diameter=1.0, mean_diameter=(10.0, 10.0), active_coils=8.0, active_height=24.0),
-        load=Load((1.5, -5.0), STEPS),
-    )
-    slender = Scene(  # its wire model buckles at 14.4 N
-        name="slender-axial",
-        spring=Spring(wire_diameter=1.0, mean_diameter=(8.0, 8.0), active_coils=20.0, active_height=60.0),
-        load=Load((0.0, -12.0), STEPS),
-        supports=Supports(("ux", "rotz")),
-    )
-    return {name: make() for name, make in CATALOGUE.items()} | {s.name: s for s in (cylinder, slender)}
 
 
 TITLES = {

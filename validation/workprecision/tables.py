@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 
-from validation.reproduce.tables import spread
 from validation.study.document import Table
+from validation.study.timing import spread
 from validation.workprecision.points import Point, Study
 from validation.workprecision.settings import PAIRS, STEPS, TITLES
 
