@@ -112,7 +112,7 @@ def test_figure_data(tmp_path):
 def test_table_3_without_rendering_imports_no_drawing(tmp_path, own_store):
     code = (
         "import sys, pathlib\n"
-        "from validation import timing\n"
+        "from validation.study import timing\n"
         "from validation.reproduce.reproduction import reproduce\n"
         "timing.BUDGET, timing.LEAST_ROUNDS = 0.0, 1\n"
         "lines = []\n"
