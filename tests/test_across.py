@@ -19,7 +19,7 @@ from equivbeam.helix import L0
 from equivbeam.parameters import varied
 from equivbeam.solve import ACROSS, beam_shape
 from validation.campaign.across import across_energy
-from validation.metrics import compare_paths
+from validation.study.metrics import compare_paths
 
 CONVERGED = {"element": "curved", "elements_per_turn": 16}
 OPTIONS = {"law": "helix", "plane": "across"}
@@ -166,8 +166,8 @@ def test_spring_b_against_the_wire_model(name, most):
 
 def test_axial_loads_on_random_springs():
     """Guided springs without contact, where the working plane is farther from the wire model."""
-    from validation.randomscenes import population
-    from validation.randomsprings import reference
+    from validation.verification.randomscenes import population
+    from validation.verification.randomsprings import reference
 
     errors = []
     for drawn in population(0, 20):

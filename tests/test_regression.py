@@ -15,17 +15,18 @@ import equivbeam
 import equivbeam.haringx
 import equivbeam.helixrows
 import equivbeam.model
-import validation.baselines
-import validation.regression
+import validation.regress.baselines
+import validation.regress.run
 import wirefe.model
 from coilspring import CATALOGUE, EquilibriumNotFound, InputError
 from equivbeam import Refinements
-from validation import timeratios, warmup
-from validation.arguments import command_line
-from validation.baselines import MODELS, Run, find, read, runs
 from validation.cli import main
-from validation.drift import compare
-from validation.regression import regress
+from validation.cli.arguments import command_line
+from validation.regress import timeratios
+from validation.regress.baselines import MODELS, Run, find, read, runs
+from validation.regress.comparison import compare
+from validation.regress.run import regress
+from validation.study import warmup
 
 KEPT = Path(__file__).parents[1] / "reports" / "baseline"
 # the models' modules, which their own functions `solve` hide
@@ -254,7 +255,7 @@ def small(monkeypatch, tmp_path):
     """The command with a few runs and baselines in `tmp_path`; returns its arguments."""
     names = ("spring-a-no-contact, law=haringx", "spring-b, element=curved, elements_per_turn=4")
     chosen = [run for name in names for run in only(name)]
-    monkeypatch.setattr(validation.regression, "runs", lambda: chosen)
+    monkeypatch.setattr(validation.regress.run, "runs", lambda: chosen)
     return ["regress", "--out", str(tmp_path / "out"), "--baseline", str(tmp_path / "base")]
 
 
