@@ -50,7 +50,8 @@ def stages(scene: Scene, top: Top) -> Iterator[Stage]:
             prescribed = np.array([top.state[1], top.freedom[1], top.diagonal, fixed, change])
             yield Stage(np.zeros(2), np.array([0.0, fixed * change]), prescribed)
         else:
-            yield Stage(*(np.where(held, 0.0, force) for force in (before, after - before)), FREE)
+            dead, growing = (np.where(held, 0.0, force) for force in (before, after - before))
+            yield Stage(dead, growing, FREE)
 
 
 def reactions(

@@ -233,7 +233,7 @@ WORDS = [
     ("findings.sliding", {"limit.beam": None, "limit.beam_outcome": "completed"}, "plausibly needed"),
     ("findings.sliding", {"limit.outcome": "completed", "limit.time": None}, "is not explained"),
     ("findings.spheres", {APART: 0.1}, "hardly matters"),
-    ("findings.across", {OUTSIDE: 10.0}, "meet in the plane in which its wire starts"),
+    ("findings.outside", {OUTSIDE: 10.0}, "meet in the plane in which its wire starts"),
     ("findings.helix", {HELD: 0.15}, "does not need large deformation"),
 ]
 

@@ -47,8 +47,7 @@ def test_every_extent_has_the_paper_and_only_what_can_be_compared(extent):
         assert len({setting.label for setting in chosen}) == len(chosen)
         assert sum(setting.is_paper_mesh for setting in chosen) == 1
         assert sum(setting.is_paper_model for setting in chosen) == 1
-        beams = {*LAWS, "across"} if not scene.load.force[0] else {*LAWS}
-        assert {setting.series for setting in chosen} == {"straight", "curved", *beams}
+        assert {setting.series for setting in chosen} == {"straight", "curved", *LAWS}
         assert all(extent.finest % setting.steps == 0 for setting in chosen)
         assert all(setting.mesh % setting.pairs == 0 for setting in chosen if setting.mesh)
         assert max(setting.mesh for setting in chosen if setting.series == "curved") < extent.reference

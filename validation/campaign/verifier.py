@@ -6,9 +6,8 @@ import numpy as np
 from scipy.linalg import solve_triangular
 
 from coilspring import EquilibriumPath, Scene
-from validation.campaign.across import across_energy
 from validation.campaign.critical import bracket
-from validation.campaign.energy import PlaneEnergy, beam_energy
+from validation.campaign.energy import BeamEnergy, beam_energy
 from validation.campaign.overlap import judge_apart
 from validation.campaign.runs import LOAD, force_grain, judge_steps, largest_load
 from validation.campaign.scenes import Case
@@ -35,14 +34,13 @@ def judge_beam(case: Case, path: EquilibriumPath) -> Verdict:
     return verdict
 
 
-def energy_of(scene: Scene, path: EquilibriumPath) -> PlaneEnergy:
-    """Energy of the beam in the plane in which a path was found."""
-    across = path.options["plane"] == "across"
-    energy: PlaneEnergy = across_energy(scene) if across else beam_energy(scene, str(path.options["law"]))
+def energy_of(scene: Scene, path: EquilibriumPath) -> BeamEnergy:
+    """Energy of the beam by the law with which a path was found."""
+    energy = beam_energy(scene, str(path.options["law"]))
     return energy.driven(*scene.load.displacement) if scene.load.displacement else energy
 
 
-def judge_states(verdict: Verdict, energy: PlaneEnergy, path: EquilibriumPath) -> None:
+def judge_states(verdict: Verdict, energy: BeamEnergy, path: EquilibriumPath) -> None:
     """Residual and stability of the last state, of some before, and of the one with the largest residual."""
     count = len(path.times)
     if not count:
@@ -56,7 +54,7 @@ def judge_states(verdict: Verdict, energy: PlaneEnergy, path: EquilibriumPath) -
             judge_reaction(verdict, energy, path, row)
 
 
-def judge_reaction(verdict: Verdict, energy: PlaneEnergy, path: EquilibriumPath, row: int) -> None:
+def judge_reaction(verdict: Verdict, energy: BeamEnergy, path: EquilibriumPath, row: int) -> None:
     """The top must be where it is prescribed, and be held there by the force that the path reports."""
     state, time, told = path.states[row], float(path.times[row]), float(path.loads[row, 1])
     judge_place(verdict, path, row, float(state[energy.top]))
@@ -72,7 +70,7 @@ def judge_place(verdict: Verdict, path: EquilibriumPath, row: int, y: float) -> 
     verdict.ask("place", share, PLACE, f"top elsewhere at time {time:.6g}")
 
 
-def judge_state(verdict: Verdict, energy: PlaneEnergy, state: np.ndarray, time: float) -> None:
+def judge_state(verdict: Verdict, energy: BeamEnergy, state: np.ndarray, time: float) -> None:
     """One state must be a stable equilibrium at its time."""
     H = energy.hessian(state)
     residual = energy.residual(state, time)
@@ -104,7 +102,7 @@ def just_before(verdict: Verdict, case: Case, critical: float, time: float) -> E
     return path
 
 
-def judge_critical(verdict: Verdict, energy: PlaneEnergy, case: Case, path: EquilibriumPath) -> None:
+def judge_critical(verdict: Verdict, energy: BeamEnergy, case: Case, path: EquilibriumPath) -> None:
     """The critical point must lie where the judge's Hessian changes sign, and the path must end there."""
     sharp = sharp_critical(verdict, path)
     if sharp is None:

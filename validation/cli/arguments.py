@@ -12,7 +12,7 @@ from validation.reproduce import ARTEFACTS
 from validation.study.machine import versions
 
 MODEL_OPTIONS = {
-    "equivbeam": ("law", "tangent", "sliding", "plane"),
+    "equivbeam": ("law", "tangent", "sliding"),
     "wirefe": ("element", "elements_per_turn", "pairs_per_turn"),
 }
 FILE_OPTIONS = {"equivbeam": (), "wirefe": ("vtu", "vtu_series")}  # what a model can write besides the path
@@ -237,8 +237,6 @@ def _add_scene(command: argparse.ArgumentParser) -> None:
     beam.add_argument("--law", choices=("haringx", "helix"), help="law of a half coil; default haringx")
     beam.add_argument("--tangent", choices=("exact", "paper", "paper-printed"), help="default exact")
     beam.add_argument("--sliding", choices=("ignore", "scene"), help="the scene's sliding; default ignore")
-    what = "where the beam lies; default across where the helix law can, else working"
-    beam.add_argument("--plane", choices=("working", "across"), help=what)
     wire = command.add_argument_group("options of wirefe")
     wire.add_argument("--element", choices=("straight", "curved"), help="beam element; default straight")
     wire.add_argument("--elements-per-turn", type=_number, metavar="N", help="default 40")

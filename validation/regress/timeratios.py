@@ -31,8 +31,8 @@ def measure(progress: Callable[[str], None]) -> dict[str, float]:
                 [
                     solve_wire(scene, **PAPER_MESH).solve_seconds,
                     solve_wire(scene, **CURVED).solve_seconds,
-                    _beam_seconds(scene, "haringx"),
-                    _beam_seconds(scene, "helix"),
+                    _beam_seconds(scene, law="haringx"),
+                    _beam_seconds(scene, law="helix", sliding="scene"),
                 ]
                 for _ in range(ROUNDS)
             ]
@@ -47,9 +47,9 @@ def measure(progress: Callable[[str], None]) -> dict[str, float]:
     return found
 
 
-def _beam_seconds(scene: Scene, law: str) -> float:
+def _beam_seconds(scene: Scene, **options: str) -> float:
     """CPU seconds of the equivalent beam, which takes about a millisecond: the median of several."""
-    return float(np.median([solve_beam(scene, law=law).solve_seconds for _ in range(REPEATS)]))
+    return float(np.median([solve_beam(scene, **options).solve_seconds for _ in range(REPEATS)]))
 
 
 def write(ratios: Mapping[str, float], folder: Path) -> None:

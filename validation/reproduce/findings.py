@@ -285,19 +285,17 @@ def helix(f: Facts) -> str:
     )
 
 
-@statement("findings.across")
-def across(f: Facts) -> str:
-    outside = f["error-budget > What these numbers say > {} % of the normal forces of Spring B"]
-    plane, working = (f[f"{FOUR} > {row} > {TOUCHING_B}"] for row in ("helix law, plane across", "helix law"))
-    than = "nearer" if plane < working else "no nearer"
-    where = "beside" if outside > 50.0 else "in"  # per cent
-    root = ", where the first root of tan(phi) = phi lies" if outside > 50.0 else ""
+@statement("findings.outside")
+def outside(f: Facts) -> str:
+    share = f["error-budget > What these numbers say > {} % of the normal forces of Spring B"]
+    touching, bare = (f[f"{FOUR} > helix law > {name}"] for name in (TOUCHING_B, BARE_B))
+    where = "beside" if share > 50.0 else "in"  # per cent
+    root = ", where the first root of tan(phi) = phi lies" if share > 50.0 else ""
     return (
         f"**The coils of an axially loaded spring meet {where} the plane in which its wire starts:** "
-        f"{outside:.0f} % of Spring B's normal forces are beside it{root}. A beam "
-        f"in the plane across, with the tilt of the held ends, is {than}: {plane:.2f} % from the wire model "
-        f"in contact; in the working plane the same law is {working:.2f} % off. {BUDGET}, "
-        "[Theory](theory.md#2-equivalent-beam-equivbeam)"
+        f"{share:.0f} % of Spring B's normal forces are beside it{root}. The beam's circles lie in that "
+        f"plane: in contact the helix law is {touching:.2f} % from the wire model, without "
+        f"{bare:.2f} %. {BUDGET}, [Theory](theory.md#2-equivalent-beam-equivbeam)"
     )
 
 
@@ -396,7 +394,7 @@ SECTIONS: dict[str, tuple[Statement, ...]] = {
     "On the paper's claims": (matching, softer, faster, sliding, tangent),
     "On what decides the answer": (height, spheres, penalty, phase),
     "On contact": (limit, pairs, no_sliding),
-    "On the half-coil law": (helix, across, random),
+    "On the half-coil law": (helix, outside, random),
     "On the codes": (exact, opensees, curved, stability),
 }
 

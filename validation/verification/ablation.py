@@ -123,11 +123,10 @@ def _ends(cases: Cases) -> str:
 
 def _meets(cases: Cases) -> str:
     share = cases.value("outside", "normal forces", B4)
-    across = cases.law(B4, "helix law, plane across")
     return (
         f"{share:.0f} % of the normal forces of Spring B in contact at full load are in pairs of the wire "
-        f"model outside the working plane. In that plane the helix law is {cases.law(B4):.2f} % from the "
-        f"wire model, in the plane across, whose pairs these are, {across:.2f} %."
+        f"model outside the working plane, in which the beam's circles lie. In contact the helix law is "
+        f"{cases.law(B4):.2f} % from the wire model, without contact {cases.law(B):.2f} %."
     )
 
 

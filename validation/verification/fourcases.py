@@ -14,7 +14,6 @@ import equivbeam
 import wirefe
 from coilspring import EquilibriumPath
 from equivbeam import Refinements
-from equivbeam.across.model import is_axial
 from validation.study.cases import CASES
 from validation.study.exactrod import EXACT_ROD
 from validation.study.metrics import compare_paths
@@ -84,7 +83,7 @@ def references() -> list[Reference]:
 
 def error(reference: Reference, **options: Any) -> float:
     """Largest error of the load curve of the helix law, per cent of the reference's peak."""
-    chosen = {"law": "helix", "sliding": "scene", "plane": "working"} | options
+    chosen = {"law": "helix", "sliding": "scene"} | options
     path = as_far(equivbeam.solve, reference.path.scene, **chosen)
     return 100.0 * compare_paths(path, reference.path).curve_max
 
@@ -103,18 +102,10 @@ def without_one(found: Sequence[Reference]) -> list[tuple[str, list[float]]]:
     """Errors of the whole law with one refinement left out."""
     whole = Refinements()
     rows = [("helix law", [error(item) for item in found])]
-    rows.append(("helix law, plane across", [_across(item) for item in found]))
     for stage in STAGES:
         less = replace(whole, **{stage.switch: False})
         rows.append((f"without `{stage.switch}`", [error(item, refinements=less) for item in found]))
     return rows
-
-
-def _across(reference: Reference) -> float:
-    """Error in the plane across, where the load is axial."""
-    if not is_axial(reference.path.scene):
-        return math.nan
-    return error(reference, plane="across")
 
 
 def reference_errors(found: Sequence[Reference]) -> list[tuple[str, list[float]]]:
@@ -149,15 +140,14 @@ def _turned(reference: Reference, phase: float) -> float:
     if scene.contact.enabled:
         return math.nan
     wire = wirefe.solve(scene, **CONVERGED)
-    return 100.0 * compare_paths(equivbeam.solve(scene, law="helix", plane="working"), wire).curve_max
+    return 100.0 * compare_paths(equivbeam.solve(scene, law="helix"), wire).curve_max
 
 
 def rod_tips() -> list[tuple[str, str, str, float]]:
     """UY of Spring B without contact, mm, and of the exact rod."""
     scene = CASES[3].scene.with_steps(2)
     options: dict[str, dict[str, Any]] = {
-        "helix law": {"law": "helix", "plane": "working"},
-        "helix law, plane across": {"law": "helix", "plane": "across"},
+        "helix law": {"law": "helix"},
         "without `taper`": {"law": "helix", "refinements": Refinements(taper=False)},
         "Haringx": {},
     }

@@ -19,7 +19,7 @@ from validation.study.style import BLUE, DOUBLE, GREY, RC, RED, STEEL
 from validation.workprecision.penaltyfigure import draw_penalties
 from validation.workprecision.penaltysweep import Sweep
 from validation.workprecision.points import Point, Study
-from validation.workprecision.settings import ACROSS, PEER, SERIES, STEPS, TITLES
+from validation.workprecision.settings import PEER, SERIES, STEPS, TITLES
 
 COLUMNS = 3
 BROWN, SKY, INK, LIGHT = "#5b1a08", "#8fc1ee", "#222222", "#c9c9c9"
@@ -29,7 +29,6 @@ LOOKS: dict[str, dict[str, Any]] = {
     "curved": {"color": BROWN, "marker": "^", "linestyle": "-"},
     "haringx": {"color": BLUE, "marker": "o", "linestyle": "none"},
     "helix": {"color": SKY, "marker": "D", "linestyle": "none"},
-    ACROSS: {"color": INK, "marker": "*", "linestyle": "none"},
     PEER: {"color": GREY, "marker": "P", "linestyle": "none"},
 }
 NAMES = {
@@ -37,7 +36,6 @@ NAMES = {
     "curved": "wire model, curved elements",
     "haringx": "equivalent beam, law haringx",
     "helix": "equivalent beam, law helix",
-    ACROSS: "equivalent beam, law helix, plane across",
     PEER: "OpenSees, straight elements",
 }
 FILLED, OPEN, RING = 4.2, 3.0, 9.0  # sizes of symbols, points

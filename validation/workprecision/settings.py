@@ -6,15 +6,12 @@ from collections.abc import Iterable
 from dataclasses import dataclass, replace
 
 from coilspring import Scene
-from equivbeam.across.model import is_axial
 from equivbeam.solve import LAWS
 
 STEPS = 50  # of the paper, and of every scene here
 PAIRS = 4  # a turn, as in the paper's mesh; other numbers are other contact models
 PAPER_LAW, PAPER_ELEMENTS = "haringx", 40
-ACROSS = "across"  # the helix law in the plane across
-BEAMS = (*LAWS, ACROSS)
-SERIES = ("straight", "curved", *BEAMS)
+SERIES = ("straight", "curved", *LAWS)
 PEER = "opensees"
 
 
@@ -24,7 +21,7 @@ class Setting:
 
     Attributes
     ----------
-    series : element of the wire model, law of the equivalent beam, `ACROSS`, or `PEER`.
+    series : element of the wire model, law of the equivalent beam, or `PEER`.
     steps : equal steps of time.
     mesh : elements a turn; 0 for the equivalent beam, which has one length of element.
     pairs : sphere pairs a turn; 0 for the equivalent beam.
@@ -52,17 +49,14 @@ class Setting:
             mesh = {"elements_per_turn": self.mesh, "pairs_per_turn": self.pairs}
             return {"element": self.series, "steps": self.steps, **mesh}
         chosen = {"steps": self.steps, "tangent": self.tangent, "sliding": self.sliding}
-        if self.series == ACROSS:
-            return {"law": "helix", "plane": "across", **chosen}
-        return {"law": self.series, "plane": "working", **chosen}
+        return {"law": self.series, **chosen}
 
     @property
     def label(self) -> str:
         """Name for a reader."""
         if self.series == PEER:
             return f"OpenSees {self.mesh}, {self.steps} steps"
-        beam = "beam helix across" if self.series == ACROSS else f"beam {self.series}"
-        parts = [f"wire {self.series} {self.mesh}" if self.mesh else beam]
+        parts = [f"wire {self.series} {self.mesh}" if self.mesh else f"beam {self.series}"]
         parts += ["paper’s tangent"] if self.tangent == "paper" else []
         parts += ["scene’s sliding"] if self.sliding == "scene" else []
         parts += [f"{self.pairs} pairs a turn"] if self.mesh and self.pairs != PAIRS else []
@@ -153,7 +147,7 @@ def _wires(scene: Scene, extent: Extent) -> Iterable[Setting]:
 
 def _beams(scene: Scene, extent: Extent) -> Iterable[Setting]:
     held = scene.contact.enabled and scene.contact.sliding != "free"
-    for series in BEAMS if is_axial(scene) else LAWS:
+    for series in LAWS:
         for steps in (STEPS, *extent.steps):
             yield Setting(series, steps, tangent="exact", sliding="ignore")
         if held:
