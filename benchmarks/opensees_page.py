@@ -8,8 +8,8 @@ from importlib import metadata
 
 import numpy as np
 
-from validation.document import Block, Heading, Table, Text, to_markdown
-from validation.machine import machine
+from validation.study.document import Block, Heading, Table, Text, to_markdown
+from validation.study.machine import machine
 
 STEPS = 50  # the equal steps of the paper
 LADDER = (1, 2, 3, 4, 5, 6, 8, 10, 15, 20, 30, STEPS)

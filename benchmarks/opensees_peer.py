@@ -18,8 +18,8 @@ from opensees_page import AGREEMENT, LADDER, STEPS, Duel, distance, page
 
 import wirefe
 from coilspring import Scene, load_scene
-from validation.reached import as_far
-from validation.referee.installed import MISSING, opensees
+from validation.peers.installed import MISSING, opensees
+from validation.study.partialsolve import as_far
 
 SCENES = ("spring-a", "spring-a-no-contact", "spring-b-no-contact")
 REPORT = Path(__file__).parents[1] / "reports" / "referee" / "opensees.md"
@@ -57,7 +57,7 @@ def wire_solver(scene: Scene) -> Solver:
 
 def peer_solver(scene: Scene, energy: float) -> Solver:
     """Solve the scene with OpenSees in a given number of steps."""
-    from validation.referee.opensees import run
+    from validation.peers.opensees import run
 
     def solve(steps: int) -> Solution:
         end = run(scene, steps, energy, halvings=0)

@@ -10,9 +10,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from coilspring.compiled import copy_table, part
-from coilspring.linesearch import solution, subtract
+from coilspring.compiled import copy_table, inlined
+from coilspring.linesearch import subtract
 from coilspring.pairlaw import BOUND, ON, RISE, WAY
+from coilspring.system import assembled, moved, solution
 
 LESS = 1e-4  # share by which friction is taken back
 NEARBY = 1e-5  # wire diameters of the way: bounds of hard contact are far from straight lines over it
@@ -20,50 +21,34 @@ NEARBY = 1e-5  # wire diameters of the way: bounds of hard contact are far from 
 MOST_RISE = 1.0
 
 
-@part
-def rise_of_bounds(
-    reals,
-    ints,
-    state,
-    memory,
-    F,
-    diameter,
-    g,
-    push,
-    far,
-    near,
-    moved,
-    assemble,
-    solve,
-    retract,
-    motion,
-    renew,
-):
-    """Rise of the bounds, 1/mm, at an equilibrium found with `memory`.
+@inlined
+def rise_of_bounds(system, task, work):
+    """Rise of the bounds, 1/mm, at the trial state, an equilibrium found with `work.held`.
 
-    `F` is the factor of its matrix, and `g` its gradient without a load; `push`, `far`, `near` and `moved`
-    are scratch.
+    `work.F` is the factor of its matrix, and `work.g` its gradient without a load; `work.step`,
+    `work.predicted` and the tables `low` and `high` are overwritten.
     """
-    copy_table(memory, far)
+    state, step, there, near, far = work.trial, work.step, work.predicted, work.low, work.high
+    copy_table(work.held, far)
     for m in range(far.shape[0]):
         far[m, BOUND] *= 1.0 - LESS
-    assemble(reals, ints, state, 0.0, far, state, push, F[:0])
-    subtract(push, g)
-    solution(reals, ints, F, g, 1.0, push, solve)
-    retract(reals, ints, state, push, 1.0, state, 0.0, moved)
-    way, _, _ = motion(reals, ints, state, moved, np.inf)
-    small = NEARBY * diameter / way if way > 0.0 else 0.0
-    copy_table(memory, far)
-    copy_table(memory, near)
-    retract(reals, ints, state, push, small, state, 0.0, moved)
-    renew(reals, ints, moved, far)
-    retract(reals, ints, state, push, -small, state, 0.0, moved)
-    renew(reals, ints, moved, near)
-    most = MOST_RISE / diameter
+    assembled(system, state, 0.0, far, state, step, work.F[:0])
+    subtract(step, work.g)
+    solution(system, work.F, work.g, 1.0, step)
+    moved(system, state, step, 1.0, there)
+    distance, _, _ = system.motion(system.reals, system.ints, state, there, np.inf)
+    small = NEARBY * task.diameter / distance if distance > 0.0 else 0.0
+    copy_table(work.held, far)
+    copy_table(work.held, near)
+    moved(system, state, step, small, there)
+    system.renew(system.reals, system.ints, there, far)
+    moved(system, state, step, -small, there)
+    system.renew(system.reals, system.ints, there, near)
+    most = MOST_RISE / task.diameter
     return min(max(_rise(near, far), -most), most)
 
 
-@part
+@inlined
 def _rise(near, far):
     """From the memories renewed on both sides of the state, of which the second slid farther."""
     work, whole = 0.0, 0.0

@@ -25,12 +25,10 @@ def kernel(function: Callable) -> Any:
 def signed(function: Callable, *arguments: Any) -> Any:
     """A kernel for arguments of the types given, compiled or read from the disk here and now.
 
-    It lets other threads run: it calls nothing of Python's.
+    What is returned takes no others, and does not look at their types: that of a record takes longer to
+    tell than a small spring to solve. It lets other threads run: it calls nothing of Python's.
     """
-    dispatcher = _stored(function, KERNEL | {"nogil": True})
-    dispatcher.compile(arguments)
-    dispatcher.disable_compile()
-    return dispatcher
+    return _stored(function, KERNEL | {"nogil": True}).compile(arguments)
 
 
 def _stored(function: Callable, options: dict[str, Any]) -> Any:
@@ -52,7 +50,10 @@ def _part(options: dict[str, Any]) -> Callable[[Callable], Any]:
 # quarter of the time of compiling. Called from Python it is plain Python.
 part = _part(PART)
 
-# The same for plain arithmetic: sums may be reordered and multiplied on the fly.
+# The same, put where it is called: bundles of arrays are long lists of arguments.
+inlined = _part(PART | {"forceinline": True})
+
+# The same as `part` for plain arithmetic: sums may be reordered and multiplied on the fly.
 arithmetic = _part(ARITHMETIC)
 
 

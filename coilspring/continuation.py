@@ -13,15 +13,15 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from functools import lru_cache
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numba import types
 
-from coilspring.branch import PAIR_MOTION
-from coilspring.compiled import copy, part, signed
-from coilspring.kernelset import SIGNATURES
-from coilspring.linesearch import dot, solution
+from coilspring.branch import PAIR_MOTION, motion
+from coilspring.compiled import copied, copied_table, copy, part, signed, zeros
+from coilspring.linesearch import dot
+from coilspring.system import System, assembled, factored, kernel_types, moved, solution, system_types
 
 FIRST_ARC = 0.02  # of the arc that the tangent at rest would take to full load
 LEAST_ARC = 1e-7
@@ -31,6 +31,23 @@ FEW_CORRECTIONS = 4  # the next arc may be longer
 CORRECTION = 1e-9  # size of the last correction in the arc's measure: the next would be its square
 TURN_COSINE = 0.9  # of the path's direction between neighbouring points,
 KINK_ARC = 1e-3  # but for shorter arcs: contact that opens or closes kinks the path
+
+
+class Arc(NamedTuple):
+    """The last point of a path, its direction, and vectors to work with."""
+
+    state: Any
+    gap: Any  # least gap of its pairs
+    memory: Any
+    load: Any
+    along: Any  # direction: its part in the state
+    pitch: Any  # and in time
+    scale: Any  # length with which states are measured
+    g: Any
+    H: Any
+    v: Any  # H^-1 f
+    w: Any  # correction
+    scratch: Any  # a state
 
 
 class Trace(NamedTuple):
@@ -46,35 +63,31 @@ class Trace(NamedTuple):
 
 
 @part
-def correct(
-    reals, ints, anchor, clearance, memory, load, scale, along, pitch, state, time, g, H, v, w,
-    assemble, factor, solve, retract,
-):  # fmt: skip
-    """Newton's method across the direction (`along`, `pitch`) from `state` at `time`.
+def correct(system, arc, state, time):
+    """Newton's method across the direction of the arc from `state`, which is moved, at `time`.
 
-    Returns whether it converged, the time, factorisations, negative pivots, and pairs evaluated; `v`
-    is left as H^-1 f near the solution, `state` is moved.
+    Returns whether it converged, the time, factorisations, negative pivots, and pairs evaluated; `arc.v`
+    is left as H^-1 f near the solution.
     """
-    trial = np.empty_like(state)
-    pairs = 0
-    negative = 0
+    g, v, w = arc.g, arc.v, arc.w
+    pairs, negative = 0, 0
     for count in range(1, MOST_CORRECTIONS + 1):
-        _, looked = assemble(reals, ints, anchor, clearance, memory, state, g, H)
-        pairs += looked
+        _, near = assembled(system, arc.state, arc.gap, arc.memory, state, g, arc.H)
+        pairs += near
         for i in range(g.size):
-            g[i] -= time * load[i]
-        negative, _ = factor(reals, ints, H)
-        solution(reals, ints, H, load, 1.0, v, solve)
-        solution(reals, ints, H, g, -1.0, w, solve)
-        shift = -dot(along, w) / (dot(along, v) + scale * scale * pitch)
+            g[i] -= time * arc.load[i]
+        negative, _ = factored(system, arc.H)
+        solution(system, arc.H, arc.load, 1.0, v)
+        solution(system, arc.H, g, -1.0, w)
+        shift = -dot(arc.along, w) / (dot(arc.along, v) + arc.scale * arc.scale * arc.pitch)
         size = shift * shift
         for i in range(g.size):
             w[i] += shift * v[i]
-            size += (w[i] / scale) ** 2
+            size += (w[i] / arc.scale) ** 2
         if not np.isfinite(size) or size > 1.0:
             return False, time, count, negative, pairs
-        retract(reals, ints, state, w, 1.0, state, 0.0, trial)
-        copy(trial, state)
+        moved(system, state, w, 1.0, arc.scratch)
+        copy(arc.scratch, state)
         time += shift
         if size <= CORRECTION**2:
             return True, time, count, negative, pairs
@@ -97,64 +110,72 @@ def direction(v, negative, scale, along, pitch, new):
 
 
 def trace(
-    reals, ints, load, points, start, memory, size, assemble, factor, solve, retract, work, carry,
-    motion, commit, renew, overlap, stop,
+    reals, ints, prescribed, reaction, load, points, start, memory, size, assemble, factor, solve, retract,
+    work, carry, motion_, commit, renew, overlap, stop,
 ):  # fmt: skip
-    """Trace at most `points` points of the path from rest, or to time 1; arguments as in `follow`."""
-    times = np.empty(points)
-    states = np.empty((points, start.size))
-    iterations = np.zeros(points, np.int64)
-    negatives = np.zeros(points, np.int64)
-    g, v, w = np.empty_like(load), np.empty_like(load), np.empty_like(load)
-    along, new = np.empty_like(load), np.empty_like(load)
-    H = np.empty(size)
-    state, trial = start.copy(), start.copy()
-    memory = memory.copy()
-    clearance = commit(reals, ints, state, memory)
-    _, pairs = assemble(reals, ints, state, clearance, memory, state, g, H)
-    factor(reals, ints, H)
-    solution(reals, ints, H, load, 1.0, v, solve)
+    """Trace at most `points` points of the path from rest, or to time 1.
+
+    Compiled code takes functions singly; they are bundled here, see `coilspring.system.System`. `size` is the
+    length of the matrix, `stop` as in `coilspring.stepping.follow`.
+    """
+    system = System(
+        reals, ints, prescribed, reaction, assemble, factor, solve, retract, work, carry, motion_, commit,
+        renew, overlap,
+    )  # fmt: skip
+    times, states = np.empty(points), np.empty((points, start.size))
+    iterations, negatives = np.zeros(points, np.int64), np.zeros(points, np.int64)
+    v, along, new, g, w = (
+        zeros(load.size),
+        zeros(load.size),
+        zeros(load.size),
+        zeros(load.size),
+        zeros(load.size),
+    )
+    state, trial, scratch, memory, H = (
+        copied(start),
+        copied(start),
+        copied(start),
+        copied_table(memory),
+        zeros(size),
+    )
+    gap = system.commit(reals, ints, state, memory)
+    _, pairs = assembled(system, state, gap, memory, state, g, H)
+    factored(system, H)
+    solution(system, H, load, 1.0, v)
     scale = np.sqrt(dot(v, v))
-    for i in range(v.size):
-        along[i] = 0.0
     pitch, _ = direction(v, 0, scale, along, 1.0, new)
     copy(new, along)
-    time, arc = 0.0, FIRST_ARC
-    row, spent = 0, 1
-    while row < points and time < 1.0 and arc >= LEAST_ARC and clearance > -np.inf and stop[0] == 0:
-        retract(reals, ints, state, along, arc, state, 0.0, trial)
-        good, reached, count, negative, looked = correct(
-            reals, ints, state, clearance, memory, load, scale, along, pitch, trial, time + arc * pitch,
-            g, H, v, w, assemble, factor, solve, retract,
-        )  # fmt: skip
+    time, length, row, spent = 0.0, FIRST_ARC, 0, 1
+    while row < points and time < 1.0 and length >= LEAST_ARC and gap > -np.inf and stop[0] == 0:
+        arc = Arc(state, gap, memory, load, along, pitch, scale, g, H, v, w, scratch)
+        moved(system, state, along, length, trial)
+        good, reached, count, negative, near = correct(system, arc, trial, time + length * pitch)
         spent += count
-        pairs += looked
+        pairs += near
         if good:
             share, cosine = direction(v, negative, scale, along, pitch, new)
-            _, pair, _ = motion(reals, ints, state, trial, 0.0)
-            good = (cosine >= TURN_COSINE or arc <= KINK_ARC) and pair <= PAIR_MOTION
+            _, pair, _ = motion(system, state, trial, 0.0)
+            good = (cosine >= TURN_COSINE or length <= KINK_ARC) and pair <= PAIR_MOTION
         if not good:
-            arc *= 0.5
+            length *= 0.5
             continue
         copy(trial, state)
         copy(new, along)
         time, pitch = reached, share
-        clearance = commit(reals, ints, state, memory)
+        gap = system.commit(reals, ints, state, memory)
         times[row], iterations[row], negatives[row] = time, spent, negative
         copy(state, states[row])
         row, spent = row + 1, 0
         if count <= FEW_CORRECTIONS:
-            arc = min(1.5 * arc, MOST_ARC)
-    finished = arc >= LEAST_ARC
-    stray = clearance == -np.inf
-    # `Trace`; see `coilspring.stepping.follow`
+            length = min(1.5 * length, MOST_ARC)
+    # `Trace`; making one in compiled code would call back into the interpreter
+    finished, stray = length >= LEAST_ARC, gap == -np.inf
     return times[:row], states[:row], iterations[:row], negatives[:row], finished, stray, pairs
 
 
 @lru_cache(maxsize=1)
 def compiled_trace() -> Callable:
     """`trace`, compiled; read from the cache where stored (see `coilspring.stepping.compiled_follow`)."""
-    vector, numbers, table = types.float64[::1], types.int64[::1], types.float64[:, ::1]
-    data = (vector, numbers, vector, types.int64, vector, table, types.int64)
-    functions = tuple(types.FunctionType(signature) for signature in SIGNATURES)
-    return signed(trace, *data, *functions, numbers)
+    vector, table = types.float64[::1], types.float64[:, ::1]
+    data = (*system_types(), vector, types.int64, vector, table, types.int64)
+    return signed(trace, *data, *kernel_types(), types.int64[::1])

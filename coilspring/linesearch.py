@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from coilspring.compiled import part
+from coilspring.compiled import inlined
+from coilspring.system import assembled, moved
 
 ARMIJO = 1e-4  # usual sufficient-decrease constant (Nocedal & Wright, section 3.1)
 ENERGY_NOISE = 1e-13  # relative rounding of the energy: smaller decreases cannot be asked for
@@ -14,7 +15,7 @@ FLAT = 0.5  # of the slope at the start: near enough to the least potential alon
 MOST_FLAT = 20  # attempts for that
 
 
-@part
+@inlined
 def dot(a, b):
     """Scalar product; a plain loop compiles ten times faster than the library call."""
     total = 0.0
@@ -23,46 +24,28 @@ def dot(a, b):
     return total
 
 
-@part
+@inlined
 def subtract(b, a):
     """a -= b."""
     for i in range(a.size):
         a[i] -= b[i]
 
 
-@part
-def solution(reals, ints, F, b, sign, out, solve):
-    """out = sign F^-1 b."""
-    for i in range(b.size):
-        out[i] = sign * b[i]
-    solve(reals, ints, F, out)
-
-
-@part
-def stale_solution(reals, ints, F, home, state, b, sign, out, solve, carry):
-    """out = sign F^-1 b at `state`, with the factor of the state `home`, turned along."""
-    for i in range(b.size):
-        out[i] = sign * b[i]
-    carry(reals, ints, state, home, out)
-    solve(reals, ints, F, out)
-    carry(reals, ints, home, state, out)
-
-
-@part
-def residual(reals, ints, anchor, clearance, memory, push, state, g, H, assemble):
+@inlined
+def residual(system, target, state, g, H):
     """Energy and pairs evaluated at `state`; fills the residual `g` under the load and the matrix `H`."""
-    energy, looked = assemble(reals, ints, anchor, clearance, memory, state, g, H)
-    subtract(push, g)
-    return energy, looked
+    energy, near = assembled(system, target.anchor, target.gap, target.memory, state, g, H)
+    subtract(target.load, g)
+    return energy, near
 
 
-@part
+@inlined
 def falls(energy, gain, slope, length, rounding):
     """Whether the potential changed by `gain` has fallen enough, to the rounding of the energy."""
     return gain <= ARMIJO * length * slope + rounding + ENERGY_NOISE * abs(energy)
 
 
-@part
+@inlined
 def shorter(low, high, farther, before, behind, beyond, gain, slope, cut):
     """Length between `low` and `high`: where the potential's slope, linear between its values there, is
     zero; where it still falls at `high`, the minimum of the parabola through the potential's `gain`.
@@ -85,32 +68,31 @@ def shorter(low, high, farther, before, behind, beyond, gain, slope, cut):
     return low + min(max(share, cut), 0.5 if low == 0.0 and behind <= 0.0 else 1.0) * (high - low)
 
 
-@part
-def line_search(
-    reals, ints, anchor, clearance, memory, push, state, step, energy, slope, gain, behind, rounding, g, H,
-    trial, assemble, retract, work,
-):  # fmt: skip
-    """Shorten `step` until the potential has fallen enough; `trial`, `g`, `H` belong to the result.
+@inlined
+def line_search(system, target, work, state, it, gain):
+    """Shorten the step until the potential has fallen enough; `work.scratch`, `work.g` and the matrix belong to
+    the result.
 
-    The whole step changes the potential by `gain`, too little of a fall, and its slope there is `behind`.
-    Where contact is near, the length is that of the least potential, roughly: there the pairs that the
-    step closes do touch, so that the next step knows their stiffness.
+    The whole step changes the potential by `gain`, too little of a fall. Where contact is near, the length is
+    that of the least potential, roughly: there the pairs that the step closes do touch, so that the next step
+    knows their stiffness.
 
-    Returns the accepted length (0 where none was found), the energy there and the pairs evaluated.
+    Returns the accepted length, 0 where none was found; ``it.energy`` and ``it.near`` are those there.
     """
-    low, high, before = 0.0, 1.0, slope
+    H = work.H[:0] if target.modified else work.H
+    low, high, before, behind = 0.0, 1.0, it.slope, dot(work.g, work.step)
     farther, beyond, cut = 1.0, 0.0, LEAST_CUT
-    pairs = 0
     for i in range(MOST_BACKTRACKS):
-        length = shorter(low, high, farther, before, behind, beyond, gain, slope, cut)
-        retract(reals, ints, state, step, length, state, 0.0, trial)
-        value, looked = residual(reals, ints, anchor, clearance, memory, push, trial, g, H, assemble)
-        pairs += looked
-        gain = value - energy - work(reals, ints, push, state, trial)
-        tilt = dot(g, step)
-        if falls(abs(energy) + abs(value), gain, slope, length, rounding):
-            if looked == 0 or abs(tilt) <= FLAT * abs(slope) or i >= MOST_FLAT:
-                return length, value, pairs
+        length = shorter(low, high, farther, before, behind, beyond, gain, it.slope, cut)
+        moved(system, state, work.step, length, work.scratch)
+        value, near = residual(system, target, work.scratch, work.g, H)
+        it.pairs += near
+        gain = value - it.energy - system.work(system.reals, system.ints, target.load, state, work.scratch)
+        tilt = dot(work.g, work.step)
+        if falls(abs(it.energy) + abs(value), gain, it.slope, length, target.rounding):
+            if near == 0 or abs(tilt) <= FLAT * abs(it.slope) or i >= MOST_FLAT:
+                it.energy, it.near = value, near
+                return length
             if tilt < 0.0:
                 low, before = length, tilt
                 behind, beyond = 0.5 * behind, 0.0  # the Illinois rule: or one end might stay for ever
@@ -119,4 +101,4 @@ def line_search(
         farther, beyond = high, behind
         high, behind = length, tilt
         before = 0.5 * before if low > 0.0 else before
-    return 0.0, energy, pairs
+    return 0.0

@@ -1,19 +1,19 @@
-"""Equilibrium at a fixed load: Newton's method on the energy, compiled.
-
-The kernels of a model are those of `coilspring.kernelset`.
-"""
+"""Equilibrium at a fixed load: Newton's method on the energy, compiled."""
 
 from __future__ import annotations
 
 import math
+from typing import Any, NamedTuple
 
 import numpy as np
 
-from coilspring.compiled import copy, part, zeros
-from coilspring.linesearch import dot, falls, line_search, residual, solution, stale_solution
+from coilspring.compiled import copy, inlined
+from coilspring.linesearch import dot, falls, line_search, residual
+from coilspring.system import assembled, factored, moved, solution, stale_solution
 
 CONVERGED, LINEAR, SADDLE, FAILED = 0, 1, 2, 3  # to LINEAR: an equilibrium was found
-NONE, LONG, INDEFINITE = 0, 1, 2
+AGAIN, GO_ON = -1, -2  # within an iteration: begin the next one; go on with this one
+NONE, LONG, INDEFINITE = 0, 1, 2  # trouble
 
 # Stop when the Newton decrement g H^-1 g, twice the energy still to gain, is below this share of
 # the reference work: 1e-8 of the displacements in the energy norm, before the last step is applied.
@@ -28,7 +28,7 @@ SINGULAR = 0.1
 CHANGE = 100.0
 LONG_SEARCH = 0.1  # a step cut below this says that the iteration left the neighbourhood
 MOST_LOOKS = 8  # at a state within the tolerance
-NUDGE = 1e-2  # of the energy of the way: so small a step with a kept factor takes out stiff errors first
+NUDGE = 1e-2  # of the predicted energy: so small a step with a kept factor takes out stiff errors first
 CHORDS = 3  # steps with a kept factor that cost less than a new one
 FAR = 1e-7  # of the reference work: from such a decrement, another factorisation will be needed
 FIRST_SHIFT = 0.1  # in units of the matrix at rest
@@ -38,214 +38,222 @@ TRUST = 1e-2  # share of the decrement that a good Newton step from a predicted 
 HISTORY = 64  # Newton decrements kept as evidence
 
 
-@part
-def advance(reals, ints, state, step, trial, retract):
-    """Move `state` by the whole step; `trial` is scratch."""
-    retract(reals, ints, state, step, 1.0, state, 0.0, trial)
-    copy(trial, state)
+class Target(NamedTuple):
+    """Of which equilibrium is asked."""
+
+    anchor: Any  # the last accepted state,
+    gap: Any  # and the least gap of its pairs
+    memory: Any  # contact history
+    load: Any
+    reference: Any  # work with which decrements are compared
+    predicted: Any  # energy of the predicted motion
+    rounding: Any  # absolute noise of the energy
+    limit: Any  # largest number of iterations
+    modified: Any  # see `coilspring.system.Task`
+    least_pivot: Any  # at rest
 
 
-@part
-def positive_factor(reals, ints, H, rest, shift, F, factor):
-    """Factor H + shift * rest, a matrix known to be indefinite, with the first shift, from `shift` on,
-    that mends it.
+@inlined
+def equilibrium(system, target, work, state, it):
+    """Newton's method with energy line search from `state`, which is moved to the equilibrium.
 
-    Returns the shift and the number of factorisations.
+    Where ``it.reuse`` is set and the last factor alone closes the residual, the response is linear and
+    nothing is factored. `it` is the record of the iteration, see `coilspring.system.NEWTON`.
+
+    Returns one of CONVERGED, LINEAR, SADDLE and FAILED.
     """
-    count = 0
-    while shift < MOST_SHIFT:
-        for i in range(F.size):
-            F[i] = H[i] + shift * rest[i]
-        negative, _ = factor(reals, ints, F)
-        count += 1
-        if negative == 0:
-            break
-        shift *= 4.0
-    return shift, count
+    it.pairs, it.count, it.trouble, it.looks = 0, 0, NONE, 0
+    it.doubtful, it.current = False, not (target.modified and it.reuse)
+    it.least_pivot, it.decrement, it.last, it.damping = np.inf, 0.0, np.inf, FIRST_SHIFT
+    it.tolerance = max(DECREMENT * target.reference, target.rounding)  # less cannot be asked for
+    look_at(system, target, work, state, it, it.current or not target.modified)
+    for i in range(target.limit):
+        status = reuse_factor(system, target, work, state, it, i) if it.reuse else GO_ON
+        if status == GO_ON:
+            status = newton_direction(system, target, work, state, it, i == 0)
+        if status == GO_ON:
+            status = move(system, target, work, state, it)
+        if status != AGAIN:
+            return status
+    return FAILED
 
 
-@part
-def worthwhile(left, last, enough, looks, lean):
-    """Whether a step with a kept factor is taken; its decrement is `left`, that of the one before `last`.
+@inlined
+def look_at(system, target, work, state, it, with_matrix):
+    """Energy and residual at a state, and its matrix if asked for."""
+    H = work.H if with_matrix else work.H[:0]
+    it.energy, it.near = residual(system, target, state, work.g, H)
+    it.pairs += it.near
 
-    Within the tolerance `enough`, while it gains, but near a critical point it may gain little for ever;
+
+@inlined
+def advance(system, work, state):
+    """Move `state` by the whole step."""
+    moved(system, state, work.step, 1.0, work.scratch)
+    copy(work.scratch, state)
+
+
+@inlined
+def reuse_factor(system, target, work, state, it, i):
+    """Try the factor of a state nearby: where it closes the residual, nothing is factored.
+
+    Returns GO_ON where the matrix is to be factored, AGAIN where the step was taken.
+    """
+    stale_solution(system, work, state, work.g, -1.0, work.step)
+    left = abs(dot(work.g, work.step))
+    if i == 0 and left <= LINEAR_DECREMENT * target.reference:
+        advance(system, work, state)
+        return LINEAR
+    within = left <= it.tolerance and i > 0
+    if within and it.near == 0:
+        advance(system, work, state)
+    elif i == 0 and target.modified and left <= NUDGE * target.predicted:
+        advance(system, work, state)
+        it.current = False
+    elif 0 < i < target.limit - 1 and worthwhile(left, it, target.modified):
+        # a step may open or close a pair: the state is looked at again
+        advance(system, work, state)
+        look_at(system, target, work, state, it, not target.modified)
+        it.last = left
+        it.looks += within
+        return AGAIN
+    if not within:
+        return GO_ON
+    if not (it.doubtful or it.near == 0 or left <= MEASURED * it.tolerance):
+        it.doubtful = True  # a factor with another pair closed may take any state for a solution
+        return GO_ON
+    if it.least_pivot >= target.least_pivot * min(
+        SINGULAR, CHANGE * math.sqrt(it.decrement / target.reference)
+    ):
+        return CONVERGED
+    return stable_itself(system, target, work, state, it)
+
+
+@inlined
+def stable_itself(system, target, work, state, it):
+    """Where the matrix is nearly singular the pivots must be those of the equilibrium itself."""
+    _, near = assembled(system, target.anchor, target.gap, target.memory, state, work.g, work.H)
+    it.pairs += near
+    negative = factor_at(system, work, state, it)
+    if negative > 0:
+        it.trouble = INDEFINITE
+        return SADDLE
+    return CONVERGED
+
+
+@inlined
+def factor_at(system, work, state, it):
+    """Factor the matrix of `state`; returns the number of negative pivots."""
+    copy(work.H, work.F)
+    copy(state, work.home)
+    negative, it.least_pivot = factored(system, work.F)
+    it.count += 1
+    return negative
+
+
+@inlined
+def worthwhile(left, it, modified):
+    """Whether a step with a kept factor is taken; its decrement is `left`.
+
+    Within the tolerance, while it gains, but near a critical point it may gain little for ever;
     else where so few steps suffice, each gaining as much as the one before, that they cost less than
     another factor.
     """
-    if not left < last:
+    if not left < it.last:
         return False
-    if left <= enough:
-        return left > MEASURED * enough and looks < MOST_LOOKS
-    return lean and last < np.inf and math.log(enough / left) >= CHORDS * math.log(left / last)
-
-
-@part
-def equilibrium(
-    reals,
-    ints,
-    anchor,
-    clearance,
-    memory,
-    push,
-    reference,
-    way,
-    rounding,
-    limit,
-    state,
-    g,
-    H,
-    lean,
-    rest,
-    stiffness,
-    F,
-    home,
-    kept,
-    history,
-    assemble,
-    factor,
-    solve,
-    retract,
-    work,
-    carry,
-):
-    """Newton's method with energy line search from `state`, which is moved to the equilibrium.
-
-    `push` is the load; `kept` says that `F` holds the factor of the state `home`; where that alone already
-    closes the residual the response is linear and nothing is factored. `lean` says that the matrix is
-    costly: it is asked for only where it is factored, and the factor is kept for further steps while it
-    closes the residual fast. `reference`, a work, scales the stop test, `way` is the energy of the way
-    predicted, `stiffness` the least pivot at rest, `rounding` the absolute noise of the energy, `limit`
-    bounds the iterations, `history` receives the decrements over `reference`.
-
-    Returns status, factorisations, trouble (NONE, LONG line search, or an INDEFINITE matrix that was
-    shifted), and the pairs evaluated.
-    """
-    step = zeros(g.size)
-    trial = zeros(state.size)
-    matrix = H[:0] if lean else H  # of trial states
-    current = not (lean and kept)  # `H` is that of `state`
-    energy, looked = residual(
-        reals, ints, anchor, clearance, memory, push, state, g, H if current else matrix, assemble
+    if left <= it.tolerance:
+        return left > MEASURED * it.tolerance and it.looks < MOST_LOOKS
+    return (
+        modified and it.last < np.inf and math.log(it.tolerance / left) >= CHORDS * math.log(left / it.last)
     )
-    pairs = looked
-    enough = max(DECREMENT * reference, rounding)  # less energy than its rounding cannot be asked for
-    count, trouble, looks, doubtful = 0, NONE, 0, False
-    least, before, last, damping = np.inf, 0.0, np.inf, FIRST_SHIFT
-    for i in range(limit):
-        if kept:
-            # the factor of a state nearby may close the residual: then nothing is factored for it
-            stale_solution(reals, ints, F, home, state, g, -1.0, step, solve, carry)
-            left = abs(dot(g, step))
-            if i == 0 and left <= LINEAR_DECREMENT * reference:
-                advance(reals, ints, state, step, trial, retract)
-                return LINEAR, count, trouble, pairs
-            near = left <= enough and i > 0
-            if near and looked == 0:
-                advance(reals, ints, state, step, trial, retract)
-            elif (
-                i + 1 < limit and worthwhile(left, last, enough, looks, lean)
-                if i > 0
-                else lean and left <= NUDGE * way
-            ):
-                # a step may open or close a pair: the state is looked at again
-                advance(reals, ints, state, step, trial, retract)
-                if i > 0:
-                    energy, looked = residual(
-                        reals, ints, anchor, clearance, memory, push, state, g, matrix, assemble
-                    )
-                    pairs += looked
-                    last = left
-                    looks += 1 if near else 0
-                    continue
-                current = False
-            if near and not (doubtful or looked == 0 or left <= MEASURED * enough):
-                doubtful = True  # a factor with another pair closed may take any state for a solution
-            elif near:
-                if least >= stiffness * min(SINGULAR, CHANGE * math.sqrt(before / reference)):
-                    return CONVERGED, count, trouble, pairs
-                # nearly singular: the pivots must be those of the equilibrium itself
-                _, looked = assemble(reals, ints, anchor, clearance, memory, state, g, H)
-                copy(H, F)
-                copy(state, home)
-                negative, _ = factor(reals, ints, F)
-                status = SADDLE if negative > 0 else CONVERGED
-                return status, count + 1, INDEFINITE if negative > 0 else trouble, pairs + looked
-        if lean and not current:
-            energy, looked = residual(reals, ints, anchor, clearance, memory, push, state, g, H, assemble)
-            pairs += looked
-        copy(H, F)
-        copy(state, home)
-        negative, least = factor(reals, ints, F)
-        count, current = count + 1, False
-        shift = 0.0
-        solution(reals, ints, F, g, -1.0, step, solve)
-        slope = dot(g, step)
-        if negative > 0 and i == 0:
-            # a predicted state may be indefinite near a stable equilibrium: plain Newton finds it
-            retract(reals, ints, state, step, 1.0, state, 0.0, trial)
-            energy, looked = residual(
-                reals, ints, anchor, clearance, memory, push, trial, g, matrix, assemble
-            )
-            solution(reals, ints, F, g, 1.0, step, solve)
-            pairs += looked
-            if abs(dot(g, step)) <= TRUST * abs(slope):
-                copy(trial, state)
-                kept = False
-                continue
-            energy, looked = residual(
-                reals, ints, anchor, clearance, memory, push, state, g, matrix, assemble
-            )
-            pairs += looked
-        if negative > 0:
-            trouble = INDEFINITE
-            shift, spent = positive_factor(reals, ints, H, rest, damping, F, factor)
-            count += spent
-            solution(reals, ints, F, g, -1.0, step, solve)
-            slope = dot(g, step)
-        for j in range(HISTORY - 1):
-            history[j] = history[j + 1]
-        history[HISTORY - 1] = -slope / reference
-        if not np.isfinite(slope) or slope > 0.0:
-            return FAILED, count, trouble, pairs
-        if -slope <= enough:
-            if shift > 0.0:
-                return SADDLE, count, trouble, pairs
-            advance(reals, ints, state, step, trial, retract)
-            if looked == 0:
-                return CONVERGED, count, trouble, pairs
-            energy, looked = residual(
-                reals, ints, anchor, clearance, memory, push, state, g, matrix, assemble
-            )
-            pairs += looked
-            kept, before, last = True, -slope, np.inf
-            continue
-        retract(reals, ints, state, step, 1.0, state, 0.0, trial)
-        far = -slope > FAR * reference
-        value, looked = residual(
-            reals, ints, anchor, clearance, memory, push, trial, g, H if far else matrix, assemble
-        )
-        current = far
-        pairs += looked
-        gain = value - energy - work(reals, ints, push, state, trial)
-        length = 1.0
-        if falls(abs(energy) + abs(value), gain, slope, 1.0, rounding):
-            energy = value
-        else:
-            length, energy, looked = line_search(
-                reals, ints, anchor, clearance, memory, push, state, step, energy, slope, gain, dot(g, step),
-                rounding, g, matrix, trial, assemble, retract, work,
-            )  # fmt: skip
-            pairs += looked
-            current = False
-        if length == 0.0:
-            return FAILED, count, trouble, pairs
-        if length < LONG_SEARCH:
-            trouble = max(trouble, LONG)
-        if shift > 0.0:
-            # a step cut short went too far along a soft mode: damp the next one more
-            damping = 4.0 * shift if length < CUT else max(0.25 * shift, FIRST_SHIFT)
-        kept = shift == 0.0 and not (lean and current)
-        before = -slope
-        last = before if kept and length == 1.0 else np.inf
-        copy(trial, state)
-    return FAILED, count, trouble, pairs
+
+
+@inlined
+def newton_direction(system, target, work, state, it, first):
+    """Factor the matrix, damped where it is indefinite, and find the step.
+
+    Returns GO_ON with the step, its slope and its shift, AGAIN where a step was taken, or a status.
+    """
+    if target.modified and not it.current:
+        look_at(system, target, work, state, it, True)
+    negative = factor_at(system, work, state, it)
+    it.current, it.shift = False, 0.0
+    solution(system, work.F, work.g, -1.0, work.step)
+    it.slope = dot(work.g, work.step)
+    if negative > 0 and first and plain_step(system, target, work, state, it):
+        return AGAIN
+    if negative > 0:
+        it.trouble = INDEFINITE
+        make_positive(system, work, it)
+        solution(system, work.F, work.g, -1.0, work.step)
+        it.slope = dot(work.g, work.step)
+    for j in range(HISTORY - 1):
+        work.decrements[j] = work.decrements[j + 1]
+    work.decrements[HISTORY - 1] = -it.slope / target.reference
+    if not np.isfinite(it.slope) or it.slope > 0.0:
+        return FAILED
+    return GO_ON
+
+
+@inlined
+def plain_step(system, target, work, state, it):
+    """A predicted state may be indefinite near a stable equilibrium: whether plain Newton finds it."""
+    moved(system, state, work.step, 1.0, work.scratch)
+    look_at(system, target, work, work.scratch, it, not target.modified)
+    solution(system, work.F, work.g, 1.0, work.step)
+    if abs(dot(work.g, work.step)) <= TRUST * abs(it.slope):
+        copy(work.scratch, state)
+        it.reuse = False
+        return True
+    look_at(system, target, work, state, it, not target.modified)
+    return False
+
+
+@inlined
+def make_positive(system, work, it):
+    """Factor H + shift * rest, with the first shift from the damping on that makes it positive."""
+    it.shift = it.damping
+    while it.shift < MOST_SHIFT:
+        for i in range(work.F.size):
+            work.F[i] = work.H[i] + it.shift * work.rest[i]
+        negative, _ = factored(system, work.F)
+        it.count += 1
+        if negative == 0:
+            break
+        it.shift *= 4.0
+
+
+@inlined
+def move(system, target, work, state, it):
+    """Stop within the tolerance; else take the step, shortened until the potential falls."""
+    if -it.slope <= it.tolerance:
+        if it.shift > 0.0:
+            return SADDLE
+        advance(system, work, state)
+        if it.near == 0:
+            return CONVERGED
+        look_at(system, target, work, state, it, not target.modified)
+        it.reuse, it.decrement, it.last = True, -it.slope, np.inf
+        return AGAIN
+    energy = it.energy
+    moved(system, state, work.step, 1.0, work.scratch)
+    it.current = -it.slope > FAR * target.reference
+    look_at(system, target, work, work.scratch, it, it.current or not target.modified)
+    gain = it.energy - energy - system.work(system.reals, system.ints, target.load, state, work.scratch)
+    length = 1.0
+    if not falls(abs(energy) + abs(it.energy), gain, it.slope, 1.0, target.rounding):
+        it.energy = energy
+        length = line_search(system, target, work, state, it, gain)
+        it.current = False
+    if length == 0.0:
+        return FAILED
+    if length < LONG_SEARCH:
+        it.trouble = max(it.trouble, LONG)
+    if it.shift > 0.0:
+        # a step cut short went too far along a soft mode: damp the next one more
+        it.damping = 4.0 * it.shift if length < CUT else max(0.25 * it.shift, FIRST_SHIFT)
+    it.reuse = it.shift == 0.0 and not (target.modified and it.current)
+    it.decrement = -it.slope
+    it.last = it.decrement if it.reuse and length == 1.0 else np.inf
+    copy(work.scratch, state)
+    return AGAIN

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -15,15 +15,16 @@ from coilspring.errors import EquilibriumNotFound
 from coilspring.friction import goes_on, time_left
 from coilspring.interrupt import interruptible
 from coilspring.kernelset import Kernels
+from coilspring.newton import HISTORY
 from coilspring.packing import pack
 from coilspring.pairvectors import OVERLAP_ALLOWED
 from coilspring.path import EquilibriumPath, Shape
 from coilspring.scene import Scene
 from coilspring.stability import Body, softest
-from coilspring.stepping import COMPLETED, CRITICAL, EXHAUSTED, MOST_TRIES, OPENED, OVERLAP, STUCK, Track
+from coilspring.stepping import COMPLETED, CRITICAL, EXHAUSTED, MOST_TRIES, OPENED, OVERLAP, STRAY, STUCK
+from coilspring.system import FREE, NEWTON, PATH, SUBSTEP, WATCH, Task, Workspace
 from coilspring.warming import ready
 
-NOTHING = np.zeros(0)
 MOST_ITERATIONS = 25  # of a substep with the exact tangent, which needs 2 or 3 far from contact changes
 # Null modes of a bifurcation do no work with the load; rounding leaves far less than this share.
 NO_WORK = 1e-6
@@ -52,12 +53,15 @@ class Problem:
     Attributes
     ----------
     data : the model's arrays (NamedTuple).
-    load : (n,) load vector at time 1 in the model's free freedoms.
+    load : (n,) load vector at time 1 in the model's free degrees of freedom.
     start : state at rest.
     memory : (pairs, m) contact memory at rest.
     matrix_size : length of the model's matrix in its own storage.
-    lean : the matrix is costly: left out where it is not factored, and its factor is kept longer.
+    modified : the matrix is costly: see `coilspring.system.Task`.
     top : where the top reference point is in the state; for loads of several stages.
+    dead : (n,) load that acts from the beginning, or None.
+    prescribed : see `coilspring.system`.
+    extended : gives the problem with the pairs that touch in a state besides its own, which come last.
     """
 
     data: Any
@@ -65,14 +69,36 @@ class Problem:
     start: np.ndarray
     memory: np.ndarray
     matrix_size: int
-    lean: bool = False
+    modified: bool = False
     top: Top | None = None
+    dead: np.ndarray | None = None
+    prescribed: np.ndarray = field(default_factory=lambda: FREE)
+    extended: Callable[[np.ndarray], Problem] | None = None
+
+
+@dataclass(frozen=True)
+class Track:
+    """What was followed, as the solver left it."""
+
+    states: np.ndarray  # (reached, state size), at the requested times
+    memories: np.ndarray  # (reached, pairs, m) contact memory with which they were found
+    iterations: np.ndarray  # (reached,), factorisations since the previous row
+    rest: int  # factorisations spent after the last row
+    outcome: int
+    time: float  # last accepted time
+    bracket: float  # time beyond it, in which the path ends
+    checks: int  # factorisations that only verified the stability of a linear stretch
+    pairs: int  # contact pairs evaluated
+    last: np.ndarray  # last accepted state
+    memory: np.ndarray  # contact memory with which a step from there was tried
+    history: np.ndarray  # last Newton decrements over the reference work
 
 
 @dataclass(frozen=True)
 class Run:
     """A followed problem: the track, and the seconds of solving (CPU) and of making kernels ready."""
 
+    problem: Problem  # with the pairs that were found on the way
     track: Track
     mode: np.ndarray  # softest mode where the path ended at a critical point; else zeros
     work: float  # share of the load that does work with it
@@ -88,6 +114,55 @@ class Run:
         return int(self.track.iterations.sum() + self.track.rest)
 
 
+class Walk:
+    """The arrays and records in which the compiled follower works; it goes on with them when called again."""
+
+    def __init__(self, problem: Problem, times: np.ndarray) -> None:
+        n, rows = problem.load.size, len(times)
+        state, vector, matrix = problem.start.size, n, problem.matrix_size
+        sizes = dict.fromkeys(("g", "step", "load", "mode", "tangent", "old", "ahead"), vector)
+        sizes |= dict.fromkeys(("H", "F", "rest"), matrix) | {"decrements": HISTORY}
+        arrays = {name: np.zeros(sizes.get(name, state)) for name in Workspace._fields}
+        arrays |= {name: problem.memory.copy() for name in ("memory", "held", "low", "high")}
+        arrays |= {"change": np.zeros(len(problem.memory)), "states": np.empty((rows, state))}
+        arrays |= {
+            "memories": np.zeros((rows, *problem.memory.shape)),
+            "iterations": np.zeros(rows, np.int64),
+        }
+        self.work = Workspace(**arrays)
+        self.path, self.substep, self.newton = (np.zeros(1, dtype) for dtype in (PATH, SUBSTEP, NEWTON))
+        self.watch = np.zeros(2, WATCH)
+
+    def extend(self, problem: Problem) -> None:
+        """Make room for the pairs that a problem has beyond those so far, and for its matrix."""
+        more = len(problem.memory) - len(self.work.memory)
+        tables = ("memory", "held", "low", "high")
+        padded = {name: np.pad(getattr(self.work, name), ((0, more), (0, 0))) for name in tables}
+        padded["memories"] = np.pad(self.work.memories, ((0, 0), (0, more), (0, 0)))
+        padded["change"] = np.zeros(len(problem.memory))
+        padded |= {name: np.zeros(problem.matrix_size) for name in ("H", "F", "rest")}
+        self.work = self.work._replace(**padded)
+
+    def track(self) -> Track:
+        """What has been followed so far."""
+        path, work = self.path[0], self.work
+        row = int(path["row"])
+        return Track(
+            states=work.states[:row],
+            memories=work.memories[:row],
+            iterations=work.iterations[:row],
+            rest=int(path["spent"]),
+            outcome=int(path["outcome"]),
+            time=float(path["time"]),
+            bracket=float(path["bracket"]),
+            checks=int(path["checks"]),
+            pairs=int(path["pairs"]),
+            last=work.state,
+            memory=work.memory,
+            history=work.decrements,
+        )
+
+
 def follow_problem(
     problem: Problem,
     kernels: Kernels,
@@ -96,43 +171,56 @@ def follow_problem(
     *,
     limit: int = MOST_ITERATIONS,
     predictor: bool = True,
-    prescribed: np.ndarray = NOTHING,
 ) -> Run:
-    """Follow a problem through the increasing `times`; `length` is the one with which moves are compared,
-    `prescribed` that of `coilspring.driving.Stage`."""
+    """Follow a problem through the increasing `times`; `length` is the one with which moves are compared."""
     began = time.perf_counter()
     follow = ready(kernels)
     compiled = time.perf_counter() - began
     began = time.process_time()
-    found = interruptible(
-        follow, *pack(problem.data), problem.load, times, problem.start, problem.memory, problem.matrix_size,
-        length, limit, predictor, problem.lean, prescribed, *kernels,
-    )  # fmt: skip
-    track = Track(*found)
-    track, mode, work = _judged(track, problem, kernels, length, prescribed)
+    dead = np.zeros_like(problem.load) if problem.dead is None else problem.dead
+    task = Task(times, problem.load, dead, problem.start, length, limit, predictor, problem.modified)
+    walk = Walk(problem, times)
+    while True:
+        interruptible(
+            follow, *pack(problem.data), problem.prescribed, np.zeros(1), task, walk.work, walk.path,
+            walk.substep, walk.newton, walk.watch, *kernels,
+        )  # fmt: skip
+        if walk.path[0]["outcome"] != STRAY or problem.extended is None:
+            break
+        more = problem.extended(walk.work.trial)
+        new = len(more.memory) - len(problem.memory)
+        if new == 0:
+            walk.path[0]["outcome"] = STUCK
+            break
+        memory = np.pad(problem.memory, ((0, new), (0, 0)))
+        problem = replace(
+            problem, data=more.data, memory=memory, matrix_size=more.matrix_size, extended=more.extended
+        )
+        walk.extend(problem)
+    track, mode, work = _judged(walk.track(), problem, kernels, length)
     seconds = time.process_time() - began
-    return Run(track, mode, work, *_verdict(track, work), seconds, compiled)
+    return Run(problem, track, mode, work, *_verdict(track, work), seconds, compiled)
 
 
 def _judged(
-    track: Track, problem: Problem, kernels: Kernels, length: float, prescribed: np.ndarray
+    track: Track, problem: Problem, kernels: Kernels, length: float
 ) -> tuple[Track, np.ndarray, float]:
     """The track, with a critical point told from a path that got stuck, the softest mode at its end, and the
     share of the load that does work with it."""
-    load = problem.load
+    load, prescribed = problem.load, problem.prescribed
     if track.outcome not in (CRITICAL, STUCK, OPENED):
         return track, np.zeros_like(load), 0.0
-    body = Body(kernels, pack(problem.data), load.size, problem.matrix_size)
+    body = Body(kernels, pack(problem.data), load.size, problem.matrix_size, prescribed)
     share, mode = softest(body, track.last, track.memory, problem.start)
     end, friction = (body, track.last, track.memory, load, length), rubs(track.memory)
     left = time_left(*end) if friction and track.outcome != OPENED else np.inf
     if left <= LEFT:
-        track = track._replace(outcome=CRITICAL, bracket=max(track.bracket, 2.0 * left))
+        track = replace(track, outcome=CRITICAL, bracket=max(track.bracket, 2.0 * left))
     elif friction and goes_on(*end):
-        track = track._replace(outcome=SLIDING)
+        track = replace(track, outcome=SLIDING)
     elif track.outcome == STUCK and abs(share) < SOFT:
-        track = track._replace(outcome=CRITICAL)
-    pull = body.pull(track.last, track.memory, int(prescribed[0])) if prescribed.size else load
+        track = replace(track, outcome=CRITICAL)
+    pull = body.pull(track.last, track.memory) if prescribed.size else load
     norm = float(np.linalg.norm(pull) * np.linalg.norm(mode))
     return track, mode, abs(float(pull @ mode)) / norm if norm > 0.0 else 0.0
 
@@ -143,15 +231,9 @@ def output_times(scene: Scene) -> np.ndarray:
 
 
 def follow_load(
-    scene: Scene,
-    problem: Problem,
-    kernels: Kernels,
-    driven: Kernels,
-    *,
-    limit: int = MOST_ITERATIONS,
-    predictor: bool = True,
+    scene: Scene, problem: Problem, kernels: Kernels, *, limit: int = MOST_ITERATIONS, predictor: bool = True
 ) -> Run:
-    """Follow the scene's load with a model's kernels; `driven` are those with `coilspring.driving.drive`."""
+    """Follow the scene's load with a model's kernels, stage by stage."""
     length = scene.spring.wire_diameter
     controls: dict[str, Any] = {"limit": limit, "predictor": predictor}
     if not (scene.load.stages or scene.load.displacement):
@@ -160,36 +242,53 @@ def follow_load(
     runs: list[Run] = []
     times = np.arange(1, scene.load.steps + 1) / scene.load.steps
     for stage in stages(scene, problem.top):
-        load = np.zeros_like(problem.load)
-        load[list(problem.top.freedom)] = stage.load
-        problem = replace(problem, data=(problem.data, stage.drive), load=load)
-        runs.append(follow_problem(problem, driven, times, length, prescribed=stage.prescribed, **controls))
-        track = runs[-1].track
+        problem = replace(
+            problem,
+            load=_on_top(problem, stage.growing),
+            dead=_on_top(problem, stage.dead),
+            prescribed=stage.prescribed,
+        )
+        runs.append(follow_problem(problem, kernels, times, length, **controls))
+        track, problem = runs[-1].track, runs[-1].problem
         if track.outcome != COMPLETED:
             break
-        problem = replace(
-            problem, data=problem.data[0], start=track.states[-1], memory=track.memories[-1].copy()
-        )
+        problem = replace(problem, start=track.states[-1], memory=track.memories[-1].copy())
     return _joined(runs, scene.load.rows // scene.load.steps)
+
+
+def _on_top(problem: Problem, force: np.ndarray) -> np.ndarray:
+    """Load vector of a force on the top."""
+    assert problem.top is not None
+    load = np.zeros_like(problem.load)
+    load[list(problem.top.freedom)] = force
+    return load
 
 
 def _joined(runs: list[Run], count: int) -> Run:
     """Run through the first of `count` stages, each of which took the times 0..1."""
     tracks = [run.track for run in runs]
-    last = tracks[-1]
-    track = last._replace(
+    last, pairs = tracks[-1], tracks[-1].memory.shape[0]
+    padded = [np.pad(t.memories, ((0, 0), (0, pairs - t.memories.shape[1]), (0, 0))) for t in tracks]
+    track = replace(
+        last,
         states=np.concatenate([track.states for track in tracks]),
-        memories=np.concatenate([track.memories for track in tracks]),
+        memories=np.concatenate(padded),
         iterations=np.concatenate([track.iterations for track in tracks]),
         time=(len(runs) - 1 + last.time) / count,
         bracket=last.bracket / count,
         checks=sum(track.checks for track in tracks),
         pairs=sum(track.pairs for track in tracks),
     )
-    seconds, compiled = (
-        sum(getattr(run, name) for run in runs) for name in ("solve_seconds", "compile_seconds")
+    outcome, message, critical = _verdict(track, runs[-1].work)
+    return replace(
+        runs[-1],
+        track=track,
+        outcome=outcome,
+        message=message,
+        critical_time=critical,
+        solve_seconds=sum(run.solve_seconds for run in runs),
+        compile_seconds=sum(run.compile_seconds for run in runs),
     )
-    return Run(track, runs[-1].mode, runs[-1].work, *_verdict(track, runs[-1].work), seconds, compiled)
 
 
 def scene_path(
@@ -198,9 +297,8 @@ def scene_path(
     options: Mapping[str, object],
     run: Run,
     shape: Shape,
-    spent: int = 0,
 ) -> EquilibriumPath:
-    """Path of a run; `spent` are factorisations of runs before it that were given up.
+    """Path of a run.
 
     Raises
     ------
@@ -222,7 +320,7 @@ def scene_path(
         critical_bracket=None if run.critical_time is None else track.bracket,
         end_bracket=None if track.outcome == COMPLETED else (track.time, track.time + track.bracket),
         last_state=None if track.outcome == COMPLETED else track.last,
-        total_iterations=spent + run.spent,
+        total_iterations=run.spent,
         stability_checks=track.checks,
         pair_evaluations=track.pairs,
         residual_history=tuple(track.history[track.history > 0.0]),

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
-from coilspring.compiled import copy, part, zeros
+from coilspring.compiled import inlined
 from coilspring.kernelset import Kernels
+from coilspring.linesearch import dot
+from coilspring.system import DIAGONAL, DOF, FREE, PLACE, STIFFNESS, assembled, factored, moved, solution
 
 INVERSE_ITERATIONS = 30
 FEW_ITERATIONS = 8
@@ -19,26 +21,23 @@ WAY = 1e-6  # of the span of the state's numbers, with which a difference is tak
 SAMPLES = 16  # of a linear stretch at which its stability is verified
 
 
-@part
-def unstable_time(
-    reals, ints, memory, origin, begin, tangent, end, clearance, H, g, assemble, factor, retract
-):
+@inlined
+def unstable_time(system, work, begin, end, gap):
     """First time of a linear stretch at which the matrix has a negative pivot.
 
-    Along the stretch the state is `origin` moved by ``(time - begin) * tangent``; it is sampled at
-    `SAMPLES` times and bisected. `clearance` is that of the origin: 0 where pairs touch, infinite where none
+    Along the stretch the state is `work.origin` moved by ``(time - begin) * work.tangent``; it is sampled at
+    `SAMPLES` times and bisected. `gap` is that of the origin: 0 where pairs touch, infinite where none
     does before the end. Returns the time before the sign change (infinite where every
     sample is stable) and the number of factorisations.
     """
-    state = zeros(origin.size)
     low, high, time = begin, np.inf, begin
     count = 0
     while high - low > LEAST_STEP:
         time = 0.5 * (low + high) if high < np.inf else min(low + (end - begin) / SAMPLES, end)
-        retract(reals, ints, origin, tangent, time - begin, origin, 0.0, state)
-        assemble(reals, ints, state, clearance, memory, state, g, H)
+        moved(system, work.origin, work.tangent, time - begin, work.scratch)
+        assembled(system, work.scratch, gap, work.memory, work.scratch, work.g, work.H)
         count += 1
-        if factor(reals, ints, H)[0] > 0:
+        if factored(system, work.H)[0] > 0:
             high = time
         elif time == end:
             return np.inf, count
@@ -47,34 +46,32 @@ def unstable_time(
     return low, count
 
 
-@part
-def least_stiffness(reals, ints, F, mode, scratch, solve):
-    """Stiffness of the softest mode by inverse iteration with a factor, from `mode`, which is improved.
+@inlined
+def least_stiffness(system, work):
+    """Stiffness of the softest mode by inverse iteration with the last factor, from `work.mode`, which is
+    improved.
 
     From state to state the mode changes little, so that a few steps are enough. A share of all other modes is
     put in before, or one that has become the softest would be missed where symmetry hides it.
     """
+    mode, new = work.mode, work.step
     for i in range(mode.size):
         mode[i] += OTHERS * (1.0 + i / mode.size) / math.sqrt(mode.size)
     value, last = 0.0, np.inf
     for _ in range(FEW_ITERATIONS):
-        copy(mode, scratch)
-        solve(reals, ints, F, scratch)
-        square, along = 0.0, 0.0
-        for i in range(mode.size):
-            square += scratch[i] * scratch[i]
-            along += scratch[i] * mode[i]
+        solution(system, work.F, mode, 1.0, new)
+        square = dot(new, new)
+        value = dot(new, mode) / square
         size = math.sqrt(square)
         for i in range(mode.size):
-            mode[i] = scratch[i] / size
-        value = along / square
+            mode[i] = new[i] / size
         if abs(value - last) <= SETTLED * abs(value):
             break
         last = value
     return value
 
 
-@part
+@inlined
 def predicted_zero(time, value, before, value_before):
     """Time at which a stiffness that falls is zero on the straight line through two values; else infinite."""
     if value >= value_before:
@@ -90,6 +87,12 @@ class Body:
     data: tuple[np.ndarray, np.ndarray]
     freedoms: int
     matrix_size: int
+    prescribed: np.ndarray = field(default_factory=lambda: FREE)  # see `coilspring.system`
+
+    def _bare(self, state: np.ndarray, memory: np.ndarray, clearance: float, H: np.ndarray) -> np.ndarray:
+        g = np.empty(self.freedoms)
+        self.kernels.assemble(*self.data, state, clearance, memory, state, g, H)
+        return g
 
     def moved(self, state: np.ndarray, step: np.ndarray, factor: float = 1.0) -> np.ndarray:
         """State moved by ``factor * step``."""
@@ -103,23 +106,26 @@ class Body:
 
     def gradient(self, state: np.ndarray, memory: np.ndarray, clearance: float = 0.0) -> np.ndarray:
         """Gradient of the energy; with an infinite `clearance` contact is left out."""
-        g = np.empty(self.freedoms)
-        self.kernels.assemble(*self.data, state, clearance, memory, state, g, np.empty(0))
+        g = self._bare(state, memory, clearance, np.empty(0))
+        if self.prescribed.size:
+            g[int(self.prescribed[DOF])] = 0.0
         return g
 
-    def pull(self, state: np.ndarray, memory: np.ndarray, place: int) -> np.ndarray:
-        """What a number of the state, as it moves, pulls at the freedoms: the load of a prescribed motion."""
+    def pull(self, state: np.ndarray, memory: np.ndarray) -> np.ndarray:
+        """What the prescribed number of the state, as it moves, pulls at the degrees of freedom."""
         way, ends = WAY * float(np.ptp(state)), []
         for sign in (1.0, -1.0):
             moved = state.copy()
-            moved[place] += sign * way
+            moved[int(self.prescribed[PLACE])] += sign * way
             ends.append(self.gradient(moved, memory))
         return (ends[1] - ends[0]) / (2.0 * way)
 
     def factored(self, state: np.ndarray, memory: np.ndarray) -> tuple[np.ndarray, int]:
         """Factor of the matrix at `state`, and its negative pivots."""
         H = np.empty(self.matrix_size)
-        self.kernels.assemble(*self.data, state, 0.0, memory, state, np.empty(self.freedoms), H)
+        self._bare(state, memory, 0.0, H)
+        if self.prescribed.size:
+            H[int(self.prescribed[DIAGONAL])] += self.prescribed[STIFFNESS]
         negative, _ = self.kernels.factor(*self.data, H)
         return H, negative
 
@@ -127,6 +133,8 @@ class Body:
         """Solution for the right-hand side `b` with a factor `H`."""
         out = b.copy()
         self.kernels.solve(*self.data, H, out)
+        if self.prescribed.size and b[int(self.prescribed[DOF])] == 0.0:
+            out[int(self.prescribed[DOF])] = 0.0
         return out
 
 

@@ -1,24 +1,47 @@
-"""Load path of a model: adaptive substeps that land on the requested times and keep the branch."""
+"""Load path of a model: adaptive substeps that land on the requested times and keep the branch.
+
+A substep is planned, predicted, solved and judged. Where it continues the branch it is accepted, else it is
+taken again, shorter. A stretch in which the response is linear takes no factorisation; its stability is
+verified where it ends.
+"""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Callable
 from functools import lru_cache
-from typing import NamedTuple
 
 import numpy as np
 from numba import types
 
 from coilspring.boundrise import rise_of_bounds
-from coilspring.branch import TURN, continues, curvature, predict, snapped
-from coilspring.compiled import copied, copied_table, copy, copy_table, part, signed, zeros
+from coilspring.branch import TURN, continues, curvature, jumped, motion, predict
+from coilspring.compiled import copy, copy_table, inlined, signed
 from coilspring.contactmemory import let_rise, relax, released, remembers, rubs, slides
-from coilspring.kernelset import SIGNATURES
-from coilspring.linesearch import solution, stale_solution
-from coilspring.newton import CONVERGED, FAILED, HISTORY, INDEFINITE, LINEAR, NONE, equilibrium
+from coilspring.newton import CONVERGED, FAILED, INDEFINITE, LINEAR, NONE, Target, equilibrium
 from coilspring.pairvectors import OVERLAP_ALLOWED, TOUCH
 from coilspring.stability import LEAST_STEP, least_stiffness, predicted_zero, unstable_time
+from coilspring.system import (
+    CHANGE,
+    NEWTON,
+    PATH,
+    ROOM,
+    SOFTEST,
+    SUBSTEP,
+    WATCH,
+    System,
+    assembled,
+    factored,
+    kernel_types,
+    moved,
+    put_prescribed,
+    record_type,
+    solution,
+    stale_solution,
+    system_types,
+    task_type,
+    workspace_type,
+)
 
 COMPLETED, CRITICAL, STUCK, STRAY, OPENED, OVERLAP, EXHAUSTED = 0, 1, 2, 3, 4, 5, 6
 
@@ -43,338 +66,377 @@ MOST_ROUNDS = 30
 MOST_TRIES = 20_000  # equilibria besides those at requested times; far more than a path needs
 
 
-class Track(NamedTuple):
-    """What `follow` returns, in this order."""
-
-    states: np.ndarray  # (reached, state size), at the requested times
-    memories: np.ndarray  # (reached, pairs, m) contact memory with which they were found
-    iterations: np.ndarray  # (reached,), factorisations since the previous row
-    rest: int  # factorisations spent after the last row
-    outcome: int
-    time: float  # last accepted time
-    bracket: float  # length of the time bracket of the critical point
-    checks: int  # factorisations that only verified the stability of a linear stretch
-    pairs: int  # contact pairs evaluated
-    last: np.ndarray  # last accepted state
-    memory: np.ndarray  # contact memory with which a step from there was tried
-    history: np.ndarray  # last Newton decrements over the reference work
-
-
-@part
-def scales(load, tangent, start, prescribed):
-    """Work of the whole load along the tangent at rest, and the rounding of its potential, the product
-    of a force and of positions; of a prescribed displacement those of its reaction."""
-    span, work, force = 0.0, 0.0, 0.0
-    for i in range(start.size):
-        span = max(span, abs(start[i]))
-    for i in range(load.size):
-        force += abs(load[i])
-        if prescribed.size == 0:
-            work += load[i] * tangent[i]
-        elif load[i] != 0.0:
-            # the load that fixes the top less the tangent's last digits, in which the reaction is
-            work += load[i] * (prescribed[1] - tangent[i])
-    if prescribed.size > 0:
-        force = abs(work / prescribed[1])
-    return work, 2.0 * EPSILON * span * force
-
-
-@part
-def put_prescribed(prescribed, start, time, state):
-    """Put what moves as prescribed to where it is at a time."""
-    if prescribed.size > 0:
-        place = int(prescribed[0])
-        state[place] = start[place] + time * prescribed[1]
-
-
 def follow(
-    reals,
-    ints,
-    load,
-    times,
-    start,
-    memory,
-    size,
-    diameter,
-    limit,
-    predictor,
-    lean,
-    prescribed,
-    assemble,
-    factor,
-    solve,
-    retract,
-    work,
-    carry,
-    motion,
-    commit,
-    renew,
-    overlap,
-    stop,
-):
-    """Follow the equilibrium from rest through the increasing `times`.
+    reals, ints, prescribed, reaction, task, work, path_, substep_, newton_, watch,
+    assemble, factor, solve, retract, dead_work, carry, motion, commit, renew, overlap, stop,
+):  # fmt: skip
+    """Follow the equilibrium through the requested times, from the start or from where `path_` stands.
+
+    Compiled code takes functions singly, and records as vectors of one; they are bundled here.
 
     Parameters
     ----------
-    reals, ints : data of the model, see `coilspring.packing`.
-    load : (n,) dead load at time 1, conjugate to the steps that `retract` takes.
-    times : (steps,) requested times.
-    start : state at rest.
-    memory : (pairs, m) contact memory at rest; its copy is changed with accepted states only, but for the
-        bounds of tangential forces, which are renewed until they are those of the normal forces.
-    size : length of the model's matrix in its own storage.
-    diameter : wire diameter, mm: the length with which moves are compared.
-    limit : largest number of iterations of a substep.
-    predictor : the model's matrix is its tangent: start from its prediction and judge the branch by it;
-        else from the last state, as the paper did.
-    lean : the matrix is costly: it is left out where it is not factored, and its factor is kept longer.
-    prescribed : place in the state of what moves as prescribed, and its change by time 1; or empty. With it
-        `load` is the one that gives the tangent, see `coilspring.driving`.
-    assemble, factor, solve, retract, work, carry, motion,
-        commit, renew, overlap : kernels, see `coilspring.kernelset`.
+    reals, ints, prescribed, reaction, and the kernels from `assemble` to `overlap` : see `System`.
+    task, work : `Task` and `Workspace`.
+    path_, substep_, newton_, watch : records, see `coilspring.system`.
     stop : one integer; another thread sets it to end the path at the next substep.
     """
-    states = np.empty((times.size, start.size))
-    memories = np.empty((times.size, memory.shape[0], memory.shape[1]))
-    iterations, history, spent = np.empty(times.size, np.int64), zeros(HISTORY), 1
-    g, push = zeros(load.size), zeros(load.size)
-    H = zeros(size)
-    F, home = zeros(size), copied(start)  # the last factor, and its state
-    state, trial, predicted = copied(start), copied(start), copied(start)
-    tangent, ahead = zeros(load.size), zeros(load.size)
-    # the state accepted before, the tangent there and the time since: none as yet
-    before, old, last = copied(start), zeros(load.size), 1.0
-    old[0] = np.inf
-    memory, held, far = copied_table(memory), copied_table(memory), copied_table(memory)
-    left = zeros(memory.shape[0])
-    clearance = commit(reals, ints, state, memory)
-    _, pairs = assemble(reals, ints, state, clearance, memory, state, g, H)
-    rest = copied(H)
-    copy(H, F)
-    negative, least = factor(reals, ints, F)
-    outcome = COMPLETED if negative == 0 else CRITICAL
-    solution(reals, ints, F, load, 1.0, tangent, solve)
-    reference, noise = scales(load, tangent, start, prescribed)
-    origin, begin = copied(state), 0.0  # of the linear stretch whose stability is not yet verified
-    mode = zeros(load.size)
-    softness = least_stiffness(reals, ints, F, mode, ahead, solve)
-    at_rest = softness
-    looked_at, zero = 0.0, np.inf  # when the softest mode was last looked at, and its predicted zero
-    closed = False  # whether the last step led to where a pair closes
-    linear, kept, ease, lost, slid = False, True, np.inf, False, False
-    checks, critical = 0, np.inf
-    time, dt = 0.0, min(times[0], FIRST_STEP)
-    if clearance <= TOUCH * diameter:
+    system = System(
+        reals, ints, prescribed, reaction, assemble, factor, solve, retract, dead_work, carry, motion, commit,
+        renew, overlap,
+    )  # fmt: skip
+    path, substep, it = path_[0], substep_[0], newton_[0]
+    if path.tries == 0:
+        begin(system, task, work, path, watch)
+    elif path.outcome == STRAY:
+        resume(system, task, work, path)
+    while path.row < task.times.size and path.outcome == COMPLETED and stop[0] == 0:
+        plan(task, path, substep, watch)
+        if path.outcome != COMPLETED:
+            break
+        predict_trial(system, task, work, path, substep)
+        find_equilibrium(system, task, work, path, substep, it)
+        if not keeps_branch(system, task, work, path, substep, watch):
+            shorten(path, substep)
+        elif verify_linear_stretch(system, work, path, substep) and knows_pairs(system, work, path, substep):
+            watch_stiffness(system, work, path, substep, watch[SOFTEST])
+            accept(work, path, substep, watch[ROOM])
+    conclude(system, task, work, path)
+
+
+@inlined
+def begin(system, task, work, path, watch):
+    """State, tangent and least stiffness at the start, and the first substep."""
+    copy(task.start, work.state)
+    copy(task.start, work.trial)
+    copy(task.start, work.before)
+    copy(task.start, work.origin)
+    path.last_step, work.old[0] = 1.0, np.inf  # no state before, no turn known
+    path.next_step = min(task.times[0], FIRST_STEP)
+    path.settling, path.linear_from = np.inf, 0.0
+    path.gap = system.commit(system.reals, system.ints, work.state, work.memory)
+    path.outcome = STRAY if path.gap == -np.inf else COMPLETED
+    factor_start(system, task, work, path)
+    set_scales(system, task, work, path)
+    softest, room = watch[SOFTEST], watch[ROOM]
+    softest.value = least_stiffness(system, work)
+    softest.time, softest.zero = 0.0, np.inf
+    path.rest_stiffness = softest.value
+    if path.gap <= TOUCH * task.diameter:
         # what touches at rest is no part of the tangent, nor of the stiffness
-        dt, closed = min(dt, PROBE), True
-    row, tries, stride, rise = 0, 0, dt, 0.0
-    most = OVERLAP_ALLOWED * diameter
-    # how much nearer wires may come, and the bound on all motion since that was measured
-    room, moved = np.inf, 0.0
-    measured, through = 0.0, np.inf  # when, and when it is predicted to be used up
-    if memory.shape[0] > 0:
-        room = most - overlap(reals, ints, state)[1]
-    while row < times.size and outcome == COMPLETED and stop[0] == 0:
-        if clearance == -np.inf:
-            outcome = STRAY
+        path.next_step, path.closed = min(path.next_step, PROBE), True
+    room.value, room.time, room.zero = np.inf, 0.0, np.inf
+    if work.memory.shape[0] > 0:
+        room.value = free_room(system, task, work.state)
+
+
+@inlined
+def factor_start(system, task, work, path):
+    """Matrix at the start, its factor, and the tangent."""
+    _, pairs = assembled(system, work.state, path.gap, work.memory, work.state, work.g, work.rest)
+    path.pairs += pairs
+    copy(work.rest, work.F)
+    copy(work.state, work.home)
+    negative, path.least_pivot = factored(system, work.F)
+    path.spent += 1
+    path.reuse = True
+    if negative > 0:
+        path.outcome = CRITICAL
+    solution(system, work.F, task.load, 1.0, work.tangent)
+
+
+@inlined
+def resume(system, task, work, path):
+    """Go on from the last accepted state with pairs that are new: the matrix has other places."""
+    assembled(system, task.start, np.inf, work.memory, task.start, work.g, work.rest)
+    path.gap = system.commit(system.reals, system.ints, work.state, work.memory)
+    path.reuse, path.outcome = False, COMPLETED
+
+
+@inlined
+def set_scales(system, task, work, path):
+    """Work of the whole load along the tangent at rest, and what rounding makes of the potential: the
+    rounding of positions times a force."""
+    span = 0.0
+    for i in range(task.start.size):
+        span = max(span, abs(task.start[i]))
+    path.rounding = 2.0 * EPSILON * span
+    path.reference, path.force, path.dead = 0.0, 0.0, 0.0
+    for i in range(task.load.size):
+        path.force += abs(task.load[i])
+        path.dead += abs(task.dead[i])
+        if system.prescribed.size == 0:
+            path.reference += task.load[i] * work.tangent[i]
+        elif task.load[i] != 0.0:
+            # the load that fixes the top less the tangent's last digits, in which the reaction is
+            path.reference += task.load[i] * (system.prescribed[CHANGE] - work.tangent[i])
+    if system.prescribed.size > 0:
+        path.force = abs(path.reference / system.prescribed[CHANGE])
+
+
+@inlined
+def free_room(system, task, state):
+    """How much nearer wires may come before they overlap by more than is allowed."""
+    return OVERLAP_ALLOWED * task.diameter - system.overlap(system.reals, system.ints, state)[1]
+
+
+@inlined
+def plan(task, path, substep, watch):
+    """Time of the next state: no farther than half way to where stiffness or room are predicted to end."""
+    softest, room = watch[SOFTEST], watch[ROOM]
+    path.tries += 1
+    if path.tries > MOST_TRIES + path.row:
+        path.outcome = EXHAUSTED
+        return
+    wanted = min(path.next_step, path.settling)
+    to_critical = APPROACH * (softest.zero - path.time)
+    to_overlap = max(APPROACH * (room.zero - path.time), OVERLAP_TIME)
+    substep.weak = softest.value < WEAK * path.rest_stiffness
+    probed = substep.weak and path.closed
+    substep.near_critical = probed or to_critical < wanted
+    if softest.value <= NEUTRAL * path.rest_stiffness or to_critical < LEAST_STEP:
+        path.outcome, path.bracket = CRITICAL, 2.0 * max(softest.zero - path.time, LEAST_STEP)
+        return
+    substep.size = min(wanted, to_critical, to_overlap, PROBE if probed else np.inf)
+    substep.near_overlap = substep.size == to_overlap
+    path.bracket = 2.0 * substep.size
+    left = task.times[path.row] - path.time
+    substep.landing = left <= substep.size * (1.0 + 1e-9)
+    substep.target = task.times[path.row] if substep.landing else path.time + substep.size
+    substep.size = substep.target - path.time
+
+
+@inlined
+def predict_trial(system, task, work, path, substep):
+    """Predict the state, and shorten the substep to where a pair is about to close: its stiffness is not in
+    the tangent."""
+    substep.shortened = False
+    if not task.predictor:
+        copy(work.state, work.predicted)
+        return
+    bend = curvature(work.tangent, work.old, path.last_step, substep.size)
+    predict(system, task, work, path, bend, substep.target)
+    _, _, free = motion(system, work.state, work.predicted, 0.5 * path.gap)
+    if free < 1.0:
+        substep.shortened, substep.landing = True, False
+        substep.size *= max(free, LEAST_FREE)
+        substep.target = path.time + substep.size
+        predict(system, task, work, path, bend, substep.target)
+
+
+@inlined
+def find_equilibrium(system, task, work, path, substep, it):
+    """Equilibria for given bounds of the tangential forces, until the bounds are those of the normal forces."""
+    # where friction has just begun it holds next to nothing: the prediction slides where the state sticks
+    copy(work.state if path.lost and rubs(work.memory) else work.predicted, work.trial)
+    for i in range(task.load.size):
+        growing = 0.0 if system.prescribed.size > 0 else substep.target * task.load[i]
+        work.load[i] = task.dead[i] + growing
+    put_prescribed(system, task.start, substep.target, work.trial)
+    target = Target(
+        work.state, path.gap, work.memory, work.load, path.reference * substep.target**2,
+        path.reference * substep.size**2, path.rounding * (path.dead + path.force * substep.target),
+        task.limit, task.modified, path.least_pivot,
+    )  # fmt: skip
+    system.renew(system.reals, system.ints, work.state, work.memory)
+    substep.rounds, substep.iterations, substep.trouble = 0, 0, NONE
+    share = 0.0
+    while True:
+        it.reuse = path.reuse
+        substep.status = equilibrium(system, target, work, work.trial, it)
+        substep.iterations += it.count
+        substep.trouble = max(substep.trouble, it.trouble)
+        path.spent += it.count
+        path.pairs += it.pairs
+        if substep.status == LINEAR and substep.rounds > 0:
+            substep.status = CONVERGED
+        substep.rounds += 1
+        copy_table(work.memory, work.held)  # with the bounds that this state was found with
+        if substep.status > LINEAR:
             break
-        if tries > MOST_TRIES + row:
-            outcome = EXHAUSTED
+        if system.renew(system.reals, system.ints, work.trial, work.memory) <= BOUND_CHANGE:
             break
-        weak = softness < WEAK * at_rest
-        probed = weak and closed
-        approached = probed or APPROACH * (zero - time) < min(dt, ease)
-        closing = max(APPROACH * (through - time), OVERLAP_TIME)
-        stride = min(dt, ease, APPROACH * (zero - time), closing, PROBE if probed else np.inf)
-        shortened = False
-        if softness <= NEUTRAL * at_rest or APPROACH * (zero - time) < LEAST_STEP:
-            outcome, stride = CRITICAL, max(zero - time, LEAST_STEP)
+        if substep.rounds == MOST_ROUNDS:
+            substep.status = FAILED
             break
-        landing = times[row] - time <= stride * (1.0 + 1e-9)
-        target = times[row] if landing else time + stride
-        step = target - time
-        copy(state, predicted)
-        if predictor:
-            bend = curvature(tangent, old, last, step)
-            predict(reals, ints, before, state, tangent, last, step, bend, predicted, retract)
-            put_prescribed(prescribed, start, target, predicted)
-            # to where a pair is about to close: its stiffness is not in the tangent
-            _, _, free = motion(reals, ints, state, predicted, 0.5 * clearance)
-            if free < 1.0:
-                shortened = True
-                step *= max(free, LEAST_FREE)
-                landing = False
-                target = time + step
-                predict(reals, ints, before, state, tangent, last, step, bend, predicted, retract)
-                put_prescribed(prescribed, start, target, predicted)
-        # where friction has just begun it holds next to nothing: the prediction slides where the state sticks
-        copy(state if lost and rubs(memory) else predicted, trial)
-        for i in range(load.size):
-            push[i] = target * load[i] if prescribed.size == 0 else 0.0
-        put_prescribed(prescribed, start, target, trial)
-        renew(reals, ints, state, memory)
-        rounds, needed, trouble, share_made = 0, 0, NONE, 0.0
-        while True:
-            status, count, more, looked = equilibrium(
-                reals, ints, state, clearance, memory, push, reference * target**2, reference * step**2,
-                noise * target, limit, trial, g, H, lean, rest, least, F, home, kept, history, assemble,
-                factor, solve, retract, work, carry,
-            )  # fmt: skip
-            spent += count
-            needed += count
-            pairs += looked
-            trouble = max(trouble, more)
-            if status == LINEAR and rounds > 0:
-                status = CONVERGED
-            rounds += 1
-            tries += 1
-            copy_table(memory, held)  # with the bounds that this state was found with
-            if status > LINEAR or renew(reals, ints, trial, memory) <= BOUND_CHANGE:
-                break
-            if rounds == MOST_ROUNDS:
-                status = FAILED
-                break
-            share_made = relax(held, memory, left, share_made)
-            kept = True
-        put_prescribed(prescribed, start, target, trial)
-        lost = status > LINEAR
-        good, share, way = not lost, 0.0, 0.0
-        if good:
-            good, share, way = continues(
-                reals, ints, predicted, state, trial, diameter, trouble > NONE, predictor and ease == np.inf,
-                motion,
-            )  # fmt: skip
-        nearer, since = room, moved + way
-        if good and (NEARER * since >= room or stride == closing):
-            nearer, since = most - overlap(reals, ints, trial)[1], 0.0
-            good = nearer >= 0.0
-            if not good and step < OVERLAP_TIME:
-                outcome = OVERLAP
-                break
-        if good and status == CONVERGED and clearance > 0.0:
-            closes = commit(reals, ints, trial, memory) <= 0.0
-            copy_table(held, memory)
-            if closes:
-                # the contact may hide that the open spring has become unstable on the way
-                assemble(reals, ints, state, np.inf, memory, trial, g, H)
-                negative, _ = factor(reals, ints, H)
-                checks += 1
-                good = negative == 0
-        if good and status == CONVERGED and slides(memory):
-            slid = True
-            # the matrix at the state itself, which also tells how the bounds rise with the slips
-            assemble(reals, ints, state, clearance, held, trial, g, F)
-            copy(trial, home)
-            negative, _ = factor(reals, ints, F)
-            spent += 1
-            good = negative == 0
-            if good:
-                rise = rise_of_bounds(
-                    reals, ints, trial, held, F, diameter, g, push, far, memory, predicted, assemble, solve,
-                    retract, motion, renew,
-                )  # fmt: skip
-        if good and status == CONVERGED:
-            stale_solution(reals, ints, F, home, trial, load, 1.0, ahead, solve, carry)
-            if predictor and not remembers(memory):
-                good = not snapped(
-                    reals, ints, state, trial, way, tangent, ahead, step, diameter, predicted, retract, motion
-                )
-        if not good:
-            kept = False
-            if ease < np.inf:
-                ease = 0.5 * step
-            else:
-                dt = 0.5 * step
-            if step < 2.0 * LEAST_STEP:
-                # negative pivots however short the step: the stiffness jumps there, as where a pair opens
-                outcome = CRITICAL if trouble == INDEFINITE else STUCK
-                if ease < np.inf:
-                    outcome = OPENED  # what a pair had held is gone at once: there is no branch to judge by
-                break
-            continue
-        if status == LINEAR:
-            if not linear:
-                copy(state, origin)
-                begin, linear = time, True
-        elif linear:
-            # a linear stretch took no factorisation: verify its stability once, where it ends
-            # up to where the first pair closes, if none is closed: there the substep landed
-            wide = clearance > 0.0
-            critical, verified = unstable_time(
-                reals, ints, memory, origin, begin, tangent, target if wide else time,
-                np.inf if wide else 0.0, H, g, assemble, factor, retract,
-            )  # fmt: skip
-            checks += verified
-            linear = False
-            if critical < np.inf:
-                break
-        copy(tangent, old)
-        if status == CONVERGED:
-            copy(ahead, tangent)
-        closed = shortened
-        approached = approached or (weak and closed)
-        if needed == 0 and approached:
-            assemble(reals, ints, trial, 0.0, held, trial, g, F)
-            copy(trial, home)
-            factor(reals, ints, F)
-            spent += 1
-        look = looked_at + min(LOOK, SOONER * (zero - looked_at))
-        if approached or (needed > 0 and (weak or target >= look)):
-            value = least_stiffness(reals, ints, F, mode, ahead, solve)
-            if value > NEUTRAL * at_rest or value < softness:
-                zero = predicted_zero(target, value, looked_at, softness)
-            if APPROACH * (zero - target) < LEAST_STEP and value > NEUTRAL * at_rest:
-                zero = np.inf  # the stiffness jumps here, as where a pair opens
-            softness, looked_at = value, target
-        kept, last = True, step
-        if since == 0.0:
-            through = predicted_zero(target, nearer, measured, room)
-            measured = target
-        room, moved = nearer, since
-        copy(state, before)
-        copy(trial, state)
-        time = target
-        copy_table(held, memory)
-        clearance = commit(reals, ints, state, memory)
-        if slid:
-            let_rise(memory, rise)
-        ease = SETTLING if released(held, memory) else np.inf
-        if needed < EASY_COUNT + rounds:  # a round with renewed bounds takes one more
-            # the turn grows with the square of the step
-            dt = max(dt, step * min(2.0, math.sqrt(SAFE * TURN / share) if share > 0.0 else 2.0))
-        if landing:
-            copy(state, states[row])
-            copy_table(held, memories[row])
-            iterations[row] = spent
-            spent = 0
-            row += 1
-    if outcome == COMPLETED and clearance == -np.inf:
-        outcome = STRAY
-    bracket = 2.0 * stride
-    if linear:
-        critical, count = unstable_time(
-            reals, ints, memory, origin, begin, tangent, time, 0.0, H, g, assemble, factor, retract
-        )
-        checks += count
-    if critical < np.inf:
-        outcome, time, bracket = CRITICAL, critical, LEAST_STEP
-        while row > 0 and times[row - 1] > critical:
-            row -= 1
-        retract(reals, ints, origin, tangent, critical - begin, origin, 0.0, state)
-    return (  # `Track`; making one in compiled code would call back into the interpreter
-        states[:row],
-        memories[:row],
-        iterations[:row],
-        spent,
-        outcome,
-        time,
-        bracket,
-        checks,
-        pairs,
-        state,
-        memory,
-        history,
+        share = relax(work.held, work.memory, work.change, share)
+        path.reuse = True
+        path.tries += 1
+    put_prescribed(system, task.start, substep.target, work.trial)
+    path.lost = substep.status > LINEAR
+
+
+@inlined
+def keeps_branch(system, task, work, path, substep, watch):
+    """Whether the trial state continues the branch; sets the outcome where wires overlap just ahead."""
+    if path.lost:
+        return False
+    good, substep.share, substep.distance = continues(
+        system, task, work, substep.trouble > NONE, task.predictor and path.settling == np.inf
     )
+    substep.room, substep.moved = watch[ROOM].value, path.moved + substep.distance
+    if good and (NEARER * substep.moved >= substep.room or substep.near_overlap):
+        substep.room, substep.moved = free_room(system, task, work.trial), 0.0
+        good = substep.room >= 0.0
+        if not good and substep.size < OVERLAP_TIME:
+            path.outcome = OVERLAP
+    if not good or substep.status == LINEAR:
+        return good
+    if path.gap > 0.0 and hides_instability(system, work, path):
+        return False
+    if slides(work.memory) and not slides_stably(system, task, work, path):
+        return False
+    stale_solution(system, work, work.trial, task.load, 1.0, work.ahead)
+    if not task.predictor or remembers(work.memory):
+        return True
+    return not jumped(system, task, work, substep.distance, substep.size)
+
+
+@inlined
+def hides_instability(system, work, path):
+    """Whether the first pair closes, and the open spring has become unstable before: contact may hide it."""
+    closes = system.commit(system.reals, system.ints, work.trial, work.memory) <= 0.0
+    copy_table(work.held, work.memory)
+    if not closes:
+        return False
+    assembled(system, work.state, np.inf, work.memory, work.trial, work.g, work.H)
+    negative, _ = factored(system, work.H)
+    path.checks += 1
+    return negative > 0
+
+
+@inlined
+def slides_stably(system, task, work, path):
+    """Stability where pairs slide, and how their bounds rise with the slips."""
+    path.slid = True
+    # the matrix at the state itself
+    assembled(system, work.state, path.gap, work.held, work.trial, work.g, work.F)
+    copy(work.trial, work.home)
+    negative, _ = factored(system, work.F)
+    path.spent += 1
+    if negative == 0:
+        path.rise = rise_of_bounds(system, task, work)
+    return negative == 0
+
+
+@inlined
+def shorten(path, substep):
+    """Take the substep again, half as long; one that is too short ends the path."""
+    if path.outcome != COMPLETED:
+        return
+    path.reuse = False
+    if path.settling < np.inf:
+        path.settling = 0.5 * substep.size
+    else:
+        path.next_step = 0.5 * substep.size
+    if substep.size >= 2.0 * LEAST_STEP:
+        return
+    # negative pivots however short the step: the stiffness jumps there, as where a pair opens
+    path.outcome = CRITICAL if substep.trouble == INDEFINITE else STUCK
+    if path.settling < np.inf:
+        path.outcome = OPENED  # what a pair had held is gone at once: there is no branch to judge by
+
+
+@inlined
+def verify_linear_stretch(system, work, path, substep):
+    """Note where a linear stretch begins; verify its stability once, where it ends."""
+    if substep.status == LINEAR:
+        if not path.linear:
+            copy(work.state, work.origin)
+            path.linear_from, path.linear = path.time, True
+        return True
+    if not path.linear:
+        return True
+    # up to where the first pair closes, if none is closed: there the substep landed
+    wide = path.gap > 0.0
+    stable = stable_until(system, work, path, substep.target if wide else path.time, np.inf if wide else 0.0)
+    path.linear = False
+    return stable
+
+
+@inlined
+def stable_until(system, work, path, end, gap):
+    """Whether the linear stretch is stable up to the time `end`; else the path goes back to where it is not."""
+    critical, count = unstable_time(system, work, path.linear_from, end, gap)
+    path.checks += count
+    if critical == np.inf:
+        return True
+    moved(system, work.origin, work.tangent, critical - path.linear_from, work.state)
+    path.outcome, path.time, path.bracket = CRITICAL, critical, LEAST_STEP
+    return False
+
+
+@inlined
+def watch_stiffness(system, work, path, substep, softest):
+    """Look at the softest mode where little is left of its stiffness, and now and then; predict its zero."""
+    near = substep.near_critical or (substep.weak and substep.shortened)
+    if substep.iterations == 0 and near:
+        assembled(system, work.trial, 0.0, work.held, work.trial, work.g, work.F)
+        copy(work.trial, work.home)
+        factored(system, work.F)
+        path.spent += 1
+    due = softest.time + min(LOOK, SOONER * (softest.zero - softest.time))
+    if not (near or (substep.iterations > 0 and (substep.weak or substep.target >= due))):
+        return
+    value, least = least_stiffness(system, work), NEUTRAL * path.rest_stiffness
+    if value > least or value < softest.value:
+        softest.zero = predicted_zero(substep.target, value, softest.time, softest.value)
+    if value > least and APPROACH * (softest.zero - substep.target) < LEAST_STEP:
+        softest.zero = np.inf  # the stiffness jumps here, as where a pair opens
+    softest.value, softest.time = value, substep.target
+
+
+@inlined
+def knows_pairs(system, work, path, substep):
+    """Update the contact history; whether all pairs that touch are in the model.
+
+    Else the path stays where it was, to find the state again with the pair that was missing.
+    """
+    copy_table(work.held, work.memory)
+    substep.gap = system.commit(system.reals, system.ints, work.trial, work.memory)
+    if substep.gap > -np.inf:
+        return True
+    copy_table(work.held, work.memory)
+    path.outcome = STRAY
+    return False
+
+
+@inlined
+def accept(work, path, substep, room):
+    """Make the trial state the last accepted one."""
+    copy(work.tangent, work.old)
+    if substep.status == CONVERGED:
+        copy(work.ahead, work.tangent)
+    path.reuse, path.closed, path.last_step = True, substep.shortened, substep.size
+    if substep.moved == 0.0:
+        room.zero = predicted_zero(substep.target, substep.room, room.time, room.value)
+        room.time = substep.target
+    room.value, path.moved = substep.room, substep.moved
+    copy(work.state, work.before)
+    copy(work.trial, work.state)
+    path.time, path.gap = substep.target, substep.gap
+    if path.slid:
+        let_rise(work.memory, path.rise)
+    path.settling = SETTLING if released(work.held, work.memory) else np.inf
+    if substep.iterations < EASY_COUNT + substep.rounds:  # a round with renewed bounds takes one more
+        # the turn grows with the square of the step
+        growth = min(2.0, math.sqrt(SAFE * TURN / substep.share)) if substep.share > 0.0 else 2.0
+        path.next_step = max(path.next_step, substep.size * growth)
+    if substep.landing:
+        copy(work.state, work.states[path.row])
+        copy_table(work.held, work.memories[path.row])
+        work.iterations[path.row] = path.spent
+        path.spent = 0
+        path.row += 1
+
+
+@inlined
+def conclude(system, task, work, path):
+    """Verify the last linear stretch; rows beyond a critical point found in it are none of the path's."""
+    if path.linear:
+        stable_until(system, work, path, path.time, 0.0)
+    while path.row > 0 and task.times[path.row - 1] > path.time:
+        path.row -= 1
 
 
 @lru_cache(maxsize=1)
@@ -384,9 +446,6 @@ def compiled_follow() -> Callable:
     The kernels enter as typed first-class functions: a jitted function passed as an ordinary
     argument would be compiled anew in every process.
     """
-    whole, real = types.int64, types.float64
-    vector, numbers, table = types.float64[::1], types.int64[::1], types.float64[:, ::1]
-    data = (vector, numbers, vector, vector, vector, table, whole)
-    control = (real, whole, types.boolean, types.boolean, vector)
-    functions = tuple(types.FunctionType(signature) for signature in SIGNATURES)
-    return signed(follow, *data, *control, *functions, numbers)
+    records = (record_type(dtype) for dtype in (PATH, SUBSTEP, NEWTON, WATCH))
+    bundles = (*system_types(), task_type(), workspace_type(), *records)
+    return signed(follow, *bundles, *kernel_types(), types.int64[::1])

@@ -85,23 +85,23 @@ class Refinements:
 def helix_rows(spring: Spring, material: Material, refinements: Refinements) -> np.ndarray:
     """Parameters of every half coil, shape (2 n, `COLUMNS`)."""
     on, at = refinements, half_coils(spring)
-    rows = wound_rows(spring, material, on, at)
+    rows = _wound_rows(spring, material, on, at)
     stiffness = haringx_stiffness(spring, material)
     rows[:, RATE] = 0.0 if on.large else stiffness[:, KAX]
     if not on.lateral:
         rows[:, H0], rows[:, B0] = 1.0 / stiffness[:, 1], 1.0 / stiffness[:, 2]
     set_range(rows)
     if on.ends and on.large and on.held:
-        set_ends(rows, spring, at)
+        _set_ends(rows, spring, at)
     return rows
 
 
-def set_ends(rows: np.ndarray, spring: Spring, at: Stations) -> None:
+def _set_ends(rows: np.ndarray, spring: Spring, at: Stations) -> None:
     """Set the factors in (B12) and (B13), and take what goes by way of the length off the flexibilities."""
     x, weight = np.polynomial.legendre.leggauss(POINTS)
-    phi = at.middles[:, None] + 0.5 * at.turns[:, None] * x
+    phi = at.middles[:, None] + 0.5 * math.pi * x
     square = (spring.radius(phi) / radii(spring, at, taper=True)[:, None]) ** 2
-    m = 0.5 * at.turns * ((square * np.cos(phi - at.plane)) @ weight)
+    m = 0.5 * math.pi * ((square * np.cos(phi - at.plane)) @ weight)
     psi = at.phases - at.plane
     rows[:, SWELL] = np.diff(np.cos(psi))
     # the wire's shear and stretch, which leave its angle as it is, are in the length
@@ -116,15 +116,15 @@ def set_ends(rows: np.ndarray, spring: Spring, at: Stations) -> None:
         row[B0] -= min((row[TILT] * turn) ** 2 * soft, MOST_TAKEN * bending)
 
 
-def wound_rows(spring: Spring, material: Material, on: Refinements, at: Stations) -> np.ndarray:
-    """Parameters of the wire between stations by wire theory, shape (n, `COLUMNS`); the range is not set."""
+def _wound_rows(spring: Spring, material: Material, on: Refinements, at: Stations) -> np.ndarray:
+    """Parameters of the half coils by wire theory; the range is not set."""
     wire = round_section(spring.wire_diameter, material)
     radius = radii(spring, at, on.taper)
-    c = at.lengths / at.turns
+    c = at.lengths / math.pi
     slant = np.hypot(radius, c)  # L, wire length per radian
     _refuse_straight_wire(spring, float((radius / slant).min()))
     rows = np.zeros((radius.size, COLUMNS))
-    rows[:, S], rows[:, PER_S], rows[:, L0] = at.turns * slant, 1.0 / (at.turns * slant), at.lengths
+    rows[:, S], rows[:, PER_S], rows[:, L0] = math.pi * slant, 1.0 / (math.pi * slant), at.lengths
     rows[:, GJ], rows[:, EI] = wire.GJ, wire.EI
     rows[:, IGA], rows[:, IEA] = on.shear / wire.GA, on.stretch / wire.EA
     rows[:, OMEGA], rows[:, TAU0], rows[:, KAPPA0] = 1.0 / slant, c / slant**2, radius / slant**2

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
@@ -104,29 +104,29 @@ def _circles(scene: Scene, count: int) -> tuple[np.ndarray, np.ndarray]:
     return carrier, np.stack((side * spring.radius(phases), rise), axis=1)
 
 
-def rest_state(model: Any) -> np.ndarray:
+def rest_state(model: BeamModel) -> np.ndarray:
     """Positions and rotations (x, y, theta) of all nodes at rest, flat."""
     state = np.zeros((len(model.rows) + 1, 3))
     state[1:, 1] = np.cumsum(model.rows[:, L0])
     return state.ravel()
 
 
-def load_vector(model: Any, scene: Scene) -> np.ndarray:
+def load_vector(model: BeamModel, scene: Scene) -> np.ndarray:
     """Load at time 1 on the free nodes, flat; held freedoms carry none."""
     load = np.zeros(3 * len(model.rows))
     load[-3:-1] = np.array(scene.load.force) * (1.0 - model.held[:2])
     return load
 
 
-def top_place(model: Any, row: int = ROW) -> Top:
-    """Where the last node's x and y are; `row` is the length of a row of the matrix."""
+def top_place(model: BeamModel) -> Top:
+    """Where the last node's x and y are."""
     state, free = 3 * len(model.rows), 3 * (len(model.rows) - 1)
-    return Top((state, state + 1), (free, free + 1), (free + 1) * row)
+    return Top((state, state + 1), (free, free + 1), (free + 1) * ROW)
 
 
-def matrix_size(model: Any, row: int = ROW) -> int:
+def matrix_size(model: BeamModel) -> int:
     """Length of the banded matrix, see `equivbeam.band`."""
-    return 3 * len(model.rows) * row
+    return 3 * len(model.rows) * ROW
 
 
 @part

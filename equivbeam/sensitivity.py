@@ -8,15 +8,15 @@ from dataclasses import dataclass
 import numpy as np
 
 from coilspring.errors import InputError, shown
-from coilspring.kernelset import Kernels
 from coilspring.packing import pack
+from coilspring.pairlaw import MEMORY
 from coilspring.path import EquilibriumPath
 from coilspring.scene import Scene
-from coilspring.solving import Problem
-from equivbeam.across.shape import AcrossShape
+from equivbeam import band, kernels
+from equivbeam.model import BeamModel, matrix_size
 from equivbeam.parameters import Options, rise, values, varied
 from equivbeam.rendering import BeamShape
-from equivbeam.solve import beam_kernels
+from equivbeam.solve import beam_model
 
 STEP = 6e-6  # relative, for central differences of the residual: the cube root of the rounding
 
@@ -64,7 +64,7 @@ def sensitivities(path: EquilibriumPath, parameters: Sequence[str]) -> Sensitivi
     if not isinstance(path, EquilibriumPath):
         raise InputError(f"path must be an EquilibriumPath of equivbeam.solve, got {shown(path)}")
     shape = path.shape
-    if not isinstance(shape, BeamShape | AcrossShape):
+    if not isinstance(shape, BeamShape):
         raise InputError(f"sensitivities needs a path of the model equivbeam, got {path.model}")
     if shape.data.mu > 0.0 and path.scene.contact.enabled:
         raise InputError("sensitivities needs a path without friction, got sliding = 'scene'")
@@ -72,27 +72,24 @@ def sensitivities(path: EquilibriumPath, parameters: Sequence[str]) -> Sensitivi
         raise InputError("sensitivities needs a path under forces, got one of load.displacement")
     at = values(path.scene, path.options, names)
     tips = np.empty((len(path.times), len(names), 3))
-    problem, kernels = beam_kernels(path.scene, path.options)
-    factored = [_factored(problem, kernels, state) for state in path.states]
+    factored = [_factored(shape.data, state) for state in path.states]
     for i, name in enumerate(names):
         rates = _residual_rates(path, names[i : i + 1], at[i])
         lift = rise(path.scene, name)
         for row, (reals, ints, F) in enumerate(factored):
             move = -rates[row]
             move[-3:] *= 1.0 - shape.data.held
-            kernels.solve(reals, ints, F, move)
+            band.solve(reals, ints, F, move)
             tips[row, i] = move[-3:] - np.array([0.0, lift, 0.0])
     return Sensitivity(names, at, tips)
 
 
-def _factored(
-    problem: Problem, kernels: Kernels, state: np.ndarray
-) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def _factored(data: BeamModel, state: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """The packed model and its factored matrix at a state."""
-    reals, ints = pack(problem.data)
-    F = np.empty(problem.matrix_size)
-    kernels.assemble(reals, ints, state, 0.0, problem.memory, state, np.empty(state.size - 3), F)
-    kernels.factor(reals, ints, F)
+    reals, ints = pack(data)
+    F, memory = np.empty(matrix_size(data)), np.zeros((len(data.pairs), MEMORY))
+    kernels.assemble(reals, ints, state, 0.0, memory, state, np.empty(state.size - 3), F)
+    band.factor(reals, ints, F)
     return reals, ints, F
 
 
@@ -111,9 +108,10 @@ def _residual_rates(path: EquilibriumPath, name: tuple[str, ...], value: float) 
 
 def _residuals(path: EquilibriumPath, scene: Scene, options: Options) -> np.ndarray:
     """Gradients of the energy of another scene at the states of the path, shape (steps, n)."""
-    problem, kernels = beam_kernels(scene, options)
-    reals, ints = pack(problem.data)
+    data = beam_model(scene, options)
+    reals, ints = pack(data)
+    memory = np.zeros((len(data.pairs), MEMORY))
     g = np.empty((len(path.states), path.states.shape[1] - 3))
     for state, row in zip(path.states, g, strict=True):
-        kernels.assemble(reals, ints, state, 0.0, problem.memory, state, row, np.empty(0))
+        kernels.assemble(reals, ints, state, 0.0, memory, state, row, np.empty(0))
     return g

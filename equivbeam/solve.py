@@ -10,12 +10,8 @@ from coilspring.errors import InputError, require_choice, require_number, shown
 from coilspring.kernelset import Kernels
 from coilspring.path import EquilibriumPath
 from coilspring.scene import Scene, require_scene
-from coilspring.solving import MOST_ITERATIONS, Problem, follow_load, scene_path
-from equivbeam import band, driven, kernels, model
-from equivbeam.across import band as wide
-from equivbeam.across import kernels as across
-from equivbeam.across.model import AcrossModel, build_across, is_axial
-from equivbeam.across.shape import AcrossShape
+from coilspring.solving import MOST_ITERATIONS, follow_load, scene_path
+from equivbeam import band, kernels, model
 from equivbeam.helixrows import Refinements
 from equivbeam.laws import LAWS
 from equivbeam.limits import caution
@@ -24,7 +20,6 @@ from equivbeam.problem import beam_problem
 from equivbeam.rendering import BeamShape
 
 SLIDING = ("ignore", "scene")
-PLANES = ("working", "across")
 # The paper's matrices are not the tangent: they converge linearly, the printed one by hundreds of steps.
 MOST_PAPER_ITERATIONS = 10_000
 
@@ -40,17 +35,6 @@ KERNELS = Kernels(
     renew=kernels.renew,
     overlap=kernels.overlap,
 )
-DRIVEN = KERNELS._replace(assemble=driven.assemble, solve=driven.solve)
-ACROSS = KERNELS._replace(
-    assemble=across.assemble,
-    factor=wide.factor,
-    solve=wide.solve,
-    motion=across.motion,
-    commit=across.commit,
-    renew=across.renew,
-    overlap=across.overlap,
-)
-ACROSS_DRIVEN = ACROSS._replace(assemble=across.driven, solve=across.solve_driven)
 
 
 def solve(
@@ -61,7 +45,6 @@ def solve(
     law: str = "haringx",
     tangent: str = "exact",
     sliding: str = "ignore",
-    plane: str | None = None,
     refinements: Refinements | None = None,
     factors: tuple[float, float, float] = model.ONES,
 ) -> EquilibriumPath:
@@ -85,10 +68,6 @@ def solve(
     sliding : {"ignore", "scene"}
         "scene" applies the scene's "no sliding" or friction to the circles; by default they are
         frictionless.
-    plane : {"working", "across"}, optional
-        Where the beam lies. "across", for the helix law with all its refinements and springs with closed end
-        turns whose top is held in ux and rotz, is at a right angle to the plane in which the wire leaves the
-        end turns: there the coils meet first (`equivbeam.across`). By default it is taken where it can be.
     refinements : Refinements, optional
         What the helix law has beyond the paper's; by default all of it.
     factors : tuple of float
@@ -108,8 +87,7 @@ def solve(
     require_choice("sliding", sliding, SLIDING)
     _refuse_mixtures(law, tangent, refinements, factors)
     scene = require_scene(scene).overridden(steps, penalty)
-    plane = _plane(scene, plane, able=law == "helix" and refinements in (None, model.ALL))
-    options: dict[str, object] = {"law": law, "tangent": tangent, "sliding": sliding, "plane": plane}
+    options: dict[str, object] = {"law": law, "tangent": tangent, "sliding": sliding}
     if refinements is not None:
         options["refinements"] = asdict(refinements)
     if tuple(factors) != model.ONES:
@@ -117,51 +95,19 @@ def solve(
     data = beam_model(scene, options)
     exact = tangent == "exact"
     limit = MOST_ITERATIONS if exact else MOST_PAPER_ITERATIONS
-    problem, *both = _ready(scene, data)
-    run = follow_load(scene, problem, *both, limit=limit, predictor=exact)
-    run = replace(run, message=run.message + caution(scene, law, plane, data.rows, run.track.states))
-    return scene_path(scene, "equivbeam", options, run, _reader(scene, data))
+    problem = beam_problem(data, model.load_vector(data, scene))
+    run = follow_load(scene, problem, KERNELS, limit=limit, predictor=exact)
+    run = replace(run, message=run.message + caution(scene, law, data.rows, run.track.states))
+    return scene_path(scene, "equivbeam", options, run, BeamShape(scene, data))
 
 
-def _plane(scene: Scene, plane: str | None, able: bool) -> str:
-    """The plane of the beam; `able` says whether the law is that of the plane across."""
-    if plane is None:
-        return "across" if able and is_axial(scene) else "working"
-    require_choice("plane", plane, PLANES)
-    if plane == "across" and not able:
-        raise InputError(
-            "plane must be working unless the law is helix with all its refinements, got 'across'"
-        )
-    return plane
-
-
-def _ready(scene: Scene, data: BeamModel | AcrossModel) -> tuple[Problem, Kernels, Kernels]:
-    """A beam under the scene's load, the kernels of its plane, and those with what else acts on the top."""
-    load = model.load_vector(data, scene)
-    if isinstance(data, AcrossModel):
-        return beam_problem(data, load, wide.ROW), ACROSS, ACROSS_DRIVEN
-    return beam_problem(data, load), KERNELS, DRIVEN
-
-
-def _reader(scene: Scene, data: BeamModel | AcrossModel) -> BeamShape | AcrossShape:
-    """Reader of a beam's states."""
-    return AcrossShape(scene, data) if isinstance(data, AcrossModel) else BeamShape(scene, data)
-
-
-def beam_kernels(scene: Scene, options: Mapping[str, Any]) -> tuple[Problem, Kernels]:
-    """Another scene's beam under its load with the options of a path, and the kernels of its plane."""
-    return _ready(scene, beam_model(scene, options))[:2]
-
-
-def beam_shape(scene: Scene, options: Mapping[str, Any]) -> BeamShape | AcrossShape:
+def beam_shape(scene: Scene, options: Mapping[str, Any]) -> BeamShape:
     """Reader of the states of a path that was solved with the options."""
-    return _reader(scene, beam_model(scene, options))
+    return BeamShape(scene, beam_model(scene, options))
 
 
-def beam_model(scene: Scene, options: Mapping[str, Any]) -> BeamModel | AcrossModel:
+def beam_model(scene: Scene, options: Mapping[str, Any]) -> BeamModel:
     """Arrays of another scene's equivalent beam with the options that a path was solved with."""
-    if options["plane"] == "across":
-        return build_across(scene, options["sliding"])
     chosen = options.get("refinements")
     return model.build_model(
         scene,

@@ -18,13 +18,11 @@ class Stations:
     Attributes
     ----------
     phases : (n + 1,) phases of the nodes, rad, from 0 to the last active point.
-    turns : (n,) angles wound by the elements, rad.
     lengths : (n,) their axial lengths at rest, mm.
-    plane : phase at which the wire crosses the plane of the beam on its positive side, rad.
+    plane : phase at which the wire crosses the working plane on its positive side, rad.
     """
 
     phases: np.ndarray
-    turns: np.ndarray
     lengths: np.ndarray
     plane: float
 
@@ -53,18 +51,7 @@ def half_coil_count(spring: Spring) -> int:
 def half_coils(spring: Spring) -> Stations:
     """Nodes at phases k pi, where a wire that starts in the working plane crosses it."""
     count = half_coil_count(spring)
-    return _stations(spring, np.arange(count + 1) * math.pi, np.full(count, math.pi), -spring.start_phase)
-
-
-def quarters_at_ends(spring: Spring) -> Stations:
-    """Nodes at the ends and where the wire crosses the plane across that in which it starts: pi/2 + k pi."""
-    count = half_coil_count(spring)
-    between = (np.arange(count) + 0.5) * math.pi
-    phases = np.concatenate(([0.0], between, [count * math.pi]))
-    return _stations(spring, phases, np.diff(phases), 0.5 * math.pi)
-
-
-def _stations(spring: Spring, phases: np.ndarray, turns: np.ndarray, plane: float) -> Stations:
-    # without sections half the pitch in a half coil, without the rounding of differences
-    uniform = 0.5 * spring.pitch * (turns / math.pi)
-    return Stations(phases, turns, np.diff(spring.height(phases)) if spring.sections else uniform, plane)
+    phases = np.arange(count + 1) * math.pi
+    # without sections half the pitch, without the rounding of differences
+    lengths = np.diff(spring.height(phases)) if spring.sections else np.full(count, 0.5 * spring.pitch)
+    return Stations(phases, lengths, -spring.start_phase)

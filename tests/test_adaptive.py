@@ -10,7 +10,7 @@ import pytest
 
 import wirefe
 from coilspring import load_scene
-from validation.reached import as_far
+from validation.study.partialsolve import as_far
 
 CASES = ("spring-a", "spring-a-no-contact", "spring-b-no-contact")
 SMALL = {"element": "curved", "elements_per_turn": 8}

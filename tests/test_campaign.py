@@ -14,14 +14,14 @@ from validation.campaign import page, pools, run, runs
 from validation.campaign.critical import bracket
 from validation.campaign.energy import beam_energy
 from validation.campaign.invariance import KINDS, judge_invariance
-from validation.campaign.judge import energy_of, judge_beam, judge_critical, judge_states
 from validation.campaign.runs import force_grain, grain, judge_branch, judge_steps, remembered
 from validation.campaign.scenes import Case, case_id, in_units, make_case, pressed
 from validation.campaign.table import COLUMNS, Row, Table, read_rows
 from validation.campaign.verdict import CLASSES, THROUGH, UNEXPLAINED, Verdict, reached, under
+from validation.campaign.verifier import energy_of, judge_beam, judge_critical, judge_states
 from validation.campaign.wire import wire_forces
-from validation.campaign.wirejudge import fold, judge_balance, judge_row, judge_wire
 from validation.campaign.wiresoft import vanishing
+from validation.campaign.wireverifier import fold, judge_balance, judge_row, judge_wire
 from validation.cli import main
 
 SEED = 1

@@ -27,9 +27,9 @@ from coilspring import (
 from coilspring.scenefile import scene_from_text
 from coilspring.scenetext import scene_text
 from coilspring.sizing import POINTS, along, buckling_shortening, least_gap, sizes, wire_length
-from validation.check import report
 from validation.cli import main
-from validation.drawing import draw
+from validation.view.check import report
+from validation.view.drawing import draw
 
 EXAMPLES = sorted((Path(__file__).parents[1] / "examples").glob("*.toml"))
 SCENES = (*CATALOGUE, *map(str, EXAMPLES))

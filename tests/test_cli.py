@@ -20,11 +20,11 @@ import equivbeam
 import wirefe
 from coilspring import EquilibriumNotFound, Load, spring_a, spring_b
 from coilspring.scenetext import scene_text
-from validation.arguments import MODEL_OPTIONS, command_line
 from validation.cli import main
-from validation.machine import versions
-from validation.output import OutputError, claimed, path_files, write_files, write_json, write_text
-from validation.overlay import picture
+from validation.cli.arguments import MODEL_OPTIONS, command_line
+from validation.study.machine import versions
+from validation.study.output import OutputError, claimed, path_files, write_files, write_json, write_text
+from validation.view.overlay import picture
 
 COLUMNS = "time,load_x,load_y,ux,uy,rotz,iterations,active_contacts,max_penetration,max_overlap"
 SUMMARY_KEYS = {
@@ -461,9 +461,9 @@ def test_a_path_without_rows_is_a_header(tmp_path):
 
 
 def fake_reproduce(monkeypatch, run):
-    module = ModuleType("validation.reproduce")
+    module = ModuleType("validation.reproduce.reproduction")
     module.reproduce = run
-    monkeypatch.setitem(sys.modules, "validation.reproduce", module)
+    monkeypatch.setitem(sys.modules, "validation.reproduce.reproduction", module)
 
 
 def test_reproduce_passes_its_arguments_on(tmp_path, monkeypatch, capsys):
@@ -506,7 +506,7 @@ def test_what_ends_a_command_has_its_exit_code_and_one_line(error, code, said, t
 
 
 def test_the_real_reproduce_takes_what_the_command_passes():
-    reproduce = importlib.import_module("validation.reproduce").reproduce
+    reproduce = importlib.import_module("validation.reproduce.reproduction").reproduce
     names = reproduce.__code__.co_varnames[: reproduce.__code__.co_argcount]
     assert names == ("out", "only", "render", "progress", "time", "turned")
 

@@ -12,7 +12,7 @@ from coilspring.driving import Drive
 from coilspring.history import given_loads
 from coilspring.packing import pack
 from coilspring.pairlaw import MEMORY
-from validation.metrics import compare_paths
+from validation.study.metrics import compare_paths
 from wirefe.solve import scene_problem
 
 CURVED = {"element": "curved", "elements_per_turn": 8}

@@ -6,11 +6,12 @@ import sys
 
 import pytest
 
-from validation import interactive, reproduce, turntable
 from validation.cli import main
+from validation.reproduce import reproduction
+from validation.view import htmlfile, htmlscene
 
 needs_extra = pytest.mark.skipif(
-    any(importlib.util.find_spec(name) is None for name in interactive.NEEDED),
+    any(importlib.util.find_spec(name) is None for name in htmlfile.NEEDED),
     reason="the extra interactive is not installed",
 )
 ONLY = ["--only", "table1", "--interactive"]
@@ -19,10 +20,10 @@ ONLY = ["--only", "table1", "--interactive"]
 @pytest.fixture
 def extra(monkeypatch):
     """The extra is there, or so it seems."""
-    monkeypatch.setattr(interactive, "NEEDED", ())
+    monkeypatch.setattr(htmlfile, "NEEDED", ())
 
 
-@pytest.mark.parametrize("name", interactive.NEEDED)
+@pytest.mark.parametrize("name", htmlfile.NEEDED)
 def test_without_the_extra_one_sentence_says_how_to_install_it(name, tmp_path, monkeypatch, capsys):
     found = importlib.util.find_spec
     monkeypatch.setattr(importlib.util, "find_spec", lambda each: None if each == name else found("json"))
@@ -38,7 +39,7 @@ def test_without_the_extra_one_sentence_says_how_to_install_it(name, tmp_path, m
     ("code", "reason"), [("import os; os.abort()", "it ended with status -6"), ("pass", "it wrote no file")]
 )
 def test_where_pyvista_cannot_export_a_sentence_says_so(code, reason, extra, tmp_path, monkeypatch, capsys):
-    monkeypatch.setattr(turntable, "COMMAND", (sys.executable, "-c", code))
+    monkeypatch.setattr(htmlscene, "COMMAND", (sys.executable, "-c", code))
     assert main(["reproduce", *ONLY, "--out", str(tmp_path)]) == 0
     assert f"no springs.html: pyvista could not export the springs here ({reason}" in capsys.readouterr().out
     assert [file.name for file in tmp_path.iterdir()] == ["table1.csv"]
@@ -48,16 +49,16 @@ def test_it_is_made_anew_where_the_sources_changed(extra, tmp_path, monkeypatch)
     """And is linked only as long as it was made from the sources as they are."""
     made = []
     code = "import sys, pathlib; pathlib.Path(sys.argv[1], 'springs.html').write_text('<title>v</title>')"
-    monkeypatch.setattr(turntable, "COMMAND", (sys.executable, "-c", code))
-    sound = turntable.page
-    monkeypatch.setattr(turntable, "page", lambda *given: made.append(given[1]) or sound(*given))
+    monkeypatch.setattr(htmlscene, "COMMAND", (sys.executable, "-c", code))
+    sound = htmlscene.page
+    monkeypatch.setattr(htmlscene, "page", lambda *given: made.append(given[1]) or sound(*given))
     for _ in range(2):
-        reproduce.reproduce(tmp_path, only=("table1",), turned=True)
+        reproduction.reproduce(tmp_path, only=("table1",), turned=True)
     assert len(made) == 1
-    assert interactive.is_made(tmp_path, made[0])
-    assert not interactive.is_made(tmp_path, "another")
-    monkeypatch.setattr(reproduce, "sources", lambda *packages: "changed")
-    reproduce.reproduce(tmp_path, only=("table1",), turned=True)
+    assert htmlfile.is_made(tmp_path, made[0])
+    assert not htmlfile.is_made(tmp_path, "another")
+    monkeypatch.setattr(reproduction, "sources", lambda *packages: "changed")
+    reproduction.reproduce(tmp_path, only=("table1",), turned=True)
     assert len(set(made)) == 2
 
 
@@ -70,8 +71,8 @@ def test_it_does_not_go_without_pictures(tmp_path, capsys):
 def test_the_file_holds_the_springs_and_nothing_from_elsewhere(tmp_path, capsys):
     assert main(["reproduce", *ONLY, "--out", str(tmp_path)]) == 0
     assert "no springs.html" not in capsys.readouterr().out
-    page = (tmp_path / interactive.FILE).read_text(encoding="utf-8")
-    assert f"<title>{turntable.TITLE}</title>" in page
+    page = (tmp_path / htmlfile.FILE).read_text(encoding="utf-8")
+    assert f"<title>{htmlscene.TITLE}</title>" in page
     assert not re.search(r'<(script|link)[^>]*(src|href)="', page)
     scene = vtk_scene(page)
     actors = [each for each in walk(scene) if each.get("type", "").endswith("Actor")]

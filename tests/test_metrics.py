@@ -7,7 +7,7 @@ import pytest
 
 import coilspring
 from coilspring import EquilibriumPath
-from validation.metrics import compare_paths
+from validation.study.metrics import compare_paths
 
 
 @dataclass(frozen=True)

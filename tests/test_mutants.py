@@ -13,9 +13,9 @@ from hypothesis import strategies as st
 
 from coilspring import CATALOGUE, InputError, load_scene, scene_text
 from coilspring.scenefile import scene_from_text
-from validation.check import report
 from validation.cli import main
-from validation.doubts import warnings
+from validation.study.scenewarnings import warnings
+from validation.view.check import report
 
 EXAMPLES = sorted((Path(__file__).parents[1] / "examples").glob("*.toml"))
 TEXTS = [scene_text(make()) for make in CATALOGUE.values()]

@@ -12,8 +12,8 @@ import pytest
 
 import wirefe
 from coilspring import Spring
-from validation import budget, randompage, randomsprings
-from validation.randomscenes import BUCKLING, KINDS, SIDE, SOLID, population
+from validation.verification import ablation, randompage, randomsprings
+from validation.verification.randomscenes import BUCKLING, KINDS, SIDE, SOLID, population
 
 ROOT = Path(__file__).parents[1]
 
@@ -25,7 +25,7 @@ def recorded() -> pd.DataFrame:
 
 @pytest.fixture(scope="module")
 def four() -> pd.DataFrame:
-    return pd.read_csv(ROOT / budget.FOUR)
+    return pd.read_csv(ROOT / ablation.FOUR)
 
 
 def test_population():
@@ -115,7 +115,7 @@ def test_enough_springs_close(recorded):
 
 
 def test_page_is_a_view_of_the_recorded_numbers(recorded, four):
-    assert (ROOT / budget.PAGE).read_text(encoding="utf-8") == budget.page(four, recorded)
+    assert (ROOT / ablation.PAGE).read_text(encoding="utf-8") == ablation.page(four, recorded)
 
 
 def perturbed(data: pd.DataFrame) -> pd.DataFrame:
@@ -143,23 +143,23 @@ def test_sentences_on_random_springs_follow_the_rows(name, recorded):
     assert_other_numbers(*both)
 
 
-@pytest.mark.parametrize("name", budget.SENTENCES)
+@pytest.mark.parametrize("name", ablation.SENTENCES)
 def test_sentences_on_the_four_cases_follow_the_numbers(name, four):
-    sentence = budget.SENTENCES[name]
+    sentence = ablation.SENTENCES[name]
     rng = np.random.default_rng(0)
     other = four.assign(value=four["value"] * rng.uniform(1.5, 4.0, len(four)))
-    assert_other_numbers(sentence(budget.Cases(four)), sentence(budget.Cases(other)))
+    assert_other_numbers(sentence(ablation.Cases(four)), sentence(ablation.Cases(other)))
 
 
 def test_verdicts_on_the_four_cases_turn(four):
     def having(value, **where):
         chosen = np.logical_and.reduce([four[key] == name for key, name in where.items()])
         assert chosen.any()
-        return budget.Cases(four.assign(value=four["value"].where(~chosen, value)))
+        return ablation.Cases(four.assign(value=four["value"].where(~chosen, value)))
 
-    assert "more than twice" in budget.SENTENCES["pairs of spring A"](having(9.0, row=budget.PAPER))
+    assert "more than twice" in ablation.SENTENCES["pairs of spring A"](having(9.0, row=ablation.PAPER))
     exact = four.query("row == 'exact rod' and case == '200 N'")["value"].item()
-    assert "farther" not in budget.SENTENCES["taper"](having(exact, row="helix law", case="200 N"))
+    assert "farther" not in ablation.SENTENCES["taper"](having(exact, row="helix law", case="200 N"))
 
 
 @pytest.mark.slow

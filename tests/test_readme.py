@@ -17,8 +17,9 @@ import coilspring
 import equivbeam
 import wirefe
 from coilspring.scenefile import scene_from_text
-from validation.cli import COMMANDS, main
-from validation.metrics import compare_paths
+from validation.cli import main
+from validation.cli.command import COMMANDS
+from validation.study.metrics import compare_paths
 
 ROOT = Path(__file__).parents[1]
 README = (ROOT / "README.md").read_text(encoding="utf-8")

@@ -8,14 +8,16 @@ import numpy as np
 import pytest
 
 from test_statements import NAMES, NUMBER
-from validation import cases, methods, report, shapes, timing
-from validation.claims import DIFFERS, VERDICTS
-from validation.document import Bullets, Picture, Table, Text, to_html, to_markdown
-from validation.evidence import Evidence, frictionless, gather
-from validation.exactrod import EXACT_ROD
-from validation.facts import facts
-from validation.phases import phase_table, turned_by
-from validation.statements import Statement, rendered, within
+from validation.reproduce import methods, report
+from validation.reproduce.claims import DIFFERS, VERDICTS
+from validation.reproduce.evidence import Evidence, frictionless, gather
+from validation.reproduce.facts import facts
+from validation.reproduce.phases import phase_table, turned_by
+from validation.study import cases, timing
+from validation.study.document import Bullets, Picture, Table, Text, to_html, to_markdown
+from validation.study.exactrod import EXACT_ROD
+from validation.study.statements import Statement, rendered, within
+from validation.view import shapes
 
 STORE = cases.PathStore(lambda line: None)
 PNG = b"\x89PNG\r\n\x1a\n"

@@ -12,12 +12,13 @@ import pytest
 
 from coilspring import CATALOGUE, InputError
 from test_statements import VERDICTS
-from validation import cases, pieces, render3d, reproduce, timing
-from validation.arguments import ARTEFACTS
-from validation.claims import MECHANICS
-from validation.machine import machine
-from validation.records import REPRODUCTION
-from validation.report import CLAIMS
+from validation.reproduce import ARTEFACTS, artifacts, reproduction
+from validation.reproduce.claims import MECHANICS
+from validation.reproduce.records import REPRODUCTION
+from validation.reproduce.report import CLAIMS
+from validation.study import cases, timing
+from validation.study.machine import machine
+from validation.view import render3d
 
 NAMES = ("table1", "table2", "table3", "fig4", "fig5", "fig6", "fig7", "fig8")
 PNG = b"\x89PNG\r\n\x1a\n"
@@ -56,7 +57,7 @@ def everything(tmp_path_factory):
     out = tmp_path_factory.mktemp("whole")
     budget, timing.BUDGET = timing.BUDGET, 0.0
     try:
-        reproduce.reproduce(out, render=False)
+        reproduction.reproduce(out, render=False)
     finally:
         timing.BUDGET = budget
     return out
@@ -64,11 +65,11 @@ def everything(tmp_path_factory):
 
 def test_items_are_those_of_the_contract():
     assert ARTEFACTS == NAMES
-    assert {*pieces.PIECES, *pieces.SPRINGS} == {*NAMES, "report"}
+    assert {*artifacts.PIECES, *artifacts.SPRINGS} == {*NAMES, "report"}
 
 
 def test_tables_1_and_2_solve_nothing_and_equal_the_paper(tmp_path, solved):
-    reproduce.reproduce(tmp_path, only=("table1", "table2"))
+    reproduction.reproduce(tmp_path, only=("table1", "table2"))
     assert solved == []
     assert sorted(path.name for path in tmp_path.iterdir()) == ["table1.csv", "table2.csv"]
     table1 = read(tmp_path / "table1.csv")
@@ -81,13 +82,13 @@ def test_tables_1_and_2_solve_nothing_and_equal_the_paper(tmp_path, solved):
 
 
 def test_each_item_solves_what_it_needs_once(tmp_path, solved):
-    reproduce.reproduce(tmp_path, only=("fig4", "fig5"), render=False)
+    reproduction.reproduce(tmp_path, only=("fig4", "fig5"), render=False)
     scenes = ("spring-a", "spring-a-no-contact")
     both = [(model, name) for model in ("solve_beam", "solve_wire") for name in scenes]
     assert sorted(call[:2] for call in solved) == both
     solved.clear()
     lines = []
-    reproduce.reproduce(tmp_path, only=("fig8",), render=False, progress=lines.append)
+    reproduction.reproduce(tmp_path, only=("fig8",), render=False, progress=lines.append)
     assert {call[0] for call in solved} == {"solve_beam"}
     assert len(solved) == len(set(solved)) == len(solves(lines))
     # four scenes by two tangents, of which Spring A with the exact one is there
@@ -95,7 +96,7 @@ def test_each_item_solves_what_it_needs_once(tmp_path, solved):
 
 
 def test_figure_data(tmp_path):
-    reproduce.reproduce(tmp_path, only=("fig7", "fig8"), render=False)
+    reproduction.reproduce(tmp_path, only=("fig7", "fig8"), render=False)
     rows = read(tmp_path / "fig7.csv")
     last = dict(zip(rows[0], map(float, rows[-1]), strict=True))
     assert len(rows) == 51
@@ -111,8 +112,8 @@ def test_figure_data(tmp_path):
 def test_table_3_without_rendering_imports_no_drawing(tmp_path, own_store):
     code = (
         "import sys, pathlib\n"
-        "from validation import timing\n"
-        "from validation.reproduce import reproduce\n"
+        "from validation.study import timing\n"
+        "from validation.reproduce.reproduction import reproduce\n"
         "timing.BUDGET, timing.LEAST_ROUNDS = 0.0, 1\n"
         "lines = []\n"
         f"reproduce(pathlib.Path({str(tmp_path)!r}), ('table3',), False, lines.append)\n"
@@ -145,7 +146,7 @@ def test_where_rendering_fails_the_picture_is_painted(tmp_path, monkeypatch, cod
     monkeypatch.setattr(render3d, "COMMAND", (sys.executable, "-c", code))
     monkeypatch.setattr(render3d, "TIMEOUT", timeout)
     lines = []
-    reproduce.reproduce(tmp_path, only=("fig6",), progress=lines.append)
+    reproduction.reproduce(tmp_path, only=("fig6",), progress=lines.append)
     notes = [line for line in lines if "pyvista could not render" in line]
     assert len(notes) == 1
     assert reason in notes[0]
@@ -156,15 +157,15 @@ def test_where_rendering_fails_the_picture_is_painted(tmp_path, monkeypatch, cod
 
 def test_an_interpreter_that_cannot_be_started_is_no_obstacle(tmp_path, monkeypatch):
     monkeypatch.setattr(render3d, "COMMAND", (str(tmp_path / "missing"),))
-    reproduce.reproduce(tmp_path, only=("fig4",))
+    reproduction.reproduce(tmp_path, only=("fig4",))
     assert (tmp_path / "fig4.png").read_bytes().startswith(PNG)
 
 
 def test_curves_are_drawn(tmp_path):
     """Even where they were made without pictures before."""
-    reproduce.reproduce(tmp_path, only=("fig5", "fig7", "fig8"), render=False)
+    reproduction.reproduce(tmp_path, only=("fig5", "fig7", "fig8"), render=False)
     assert not list(tmp_path.glob("*.png"))
-    reproduce.reproduce(tmp_path, only=("fig5", "fig7", "fig8"))
+    reproduction.reproduce(tmp_path, only=("fig5", "fig7", "fig8"))
     for name in ("fig5", "fig7", "fig8"):
         assert 10_000 < (tmp_path / f"{name}.png").stat().st_size < 300_000
 
@@ -173,7 +174,7 @@ def test_pictures_that_pyvista_did_not_render_are_not_kept(tmp_path, monkeypatch
     monkeypatch.setattr(render3d, "COMMAND", (str(tmp_path / "missing"),))
     for folder in ("one", "two"):
         lines = []
-        reproduce.reproduce(tmp_path / folder, only=("fig4",), progress=lines.append)
+        reproduction.reproduce(tmp_path / folder, only=("fig4",), progress=lines.append)
         assert any("pyvista could not render" in line for line in lines)
     assert solves(lines) == []
 
@@ -184,7 +185,7 @@ def test_interrupt_leaves_finished_pieces(tmp_path):
             raise KeyboardInterrupt
 
     with pytest.raises(KeyboardInterrupt):
-        reproduce.reproduce(tmp_path, only=("table1", "fig8"), render=False, progress=progress)
+        reproduction.reproduce(tmp_path, only=("table1", "fig8"), render=False, progress=progress)
     assert [path.name for path in tmp_path.iterdir()] == ["table1.csv"]
 
 
@@ -194,23 +195,23 @@ def test_what_was_solved_before_an_interrupt_is_not_solved_again(tmp_path, solve
             raise KeyboardInterrupt
 
     with pytest.raises(KeyboardInterrupt):
-        reproduce.reproduce(tmp_path, only=("fig8",), render=False, progress=progress)
-    reproduce.reproduce(tmp_path, only=("fig8",), render=False)
+        reproduction.reproduce(tmp_path, only=("fig8",), render=False, progress=progress)
+    reproduction.reproduce(tmp_path, only=("fig8",), render=False)
     assert len(solved) == len(set(solved)) == 8
 
 
 def test_unknown_item_is_refused_before_anything_is_written(tmp_path):
     with pytest.raises(InputError, match="fig9"):
-        reproduce.reproduce(tmp_path / "new", only=("table1", "fig9"))
+        reproduction.reproduce(tmp_path / "new", only=("table1", "fig9"))
     assert not (tmp_path / "new").exists()
 
 
 def test_springs_to_be_turned_are_linked_where_they_are_there(everything, monkeypatch):
     linked = []
-    monkeypatch.setattr(reproduce, "bound", lambda page, out, scene: linked.append(scene) or {})
+    monkeypatch.setattr(reproduction, "bound", lambda page, out, scene: linked.append(scene) or {})
     for there in (False, True):
-        monkeypatch.setattr(reproduce, "is_made", lambda folder, mark, there=there: there)
-        reproduce.reproduce(everything, render=False)
+        monkeypatch.setattr(reproduction, "is_made", lambda folder, mark, there=there: there)
+        reproduction.reproduce(everything, render=False)
     assert linked == [None, "springs.html"]
 
 
@@ -233,7 +234,7 @@ def test_second_run_makes_nothing_and_writes_the_same(everything, tmp_path):
     """In a process of its own, to another folder: without the compiler, the models and all drawing."""
     code = (
         "import sys, pathlib\n"
-        "from validation.reproduce import reproduce\n"
+        "from validation.reproduce.reproduction import reproduce\n"
         "lines = []\n"
         f"said = reproduce(pathlib.Path({str(tmp_path)!r}), None, False, lines.append)\n"
         "heavy = {'numba', 'scipy', 'pandas', 'matplotlib', 'pyvista', 'equivbeam', 'wirefe'}\n"
@@ -248,20 +249,20 @@ def test_second_run_makes_nothing_and_writes_the_same(everything, tmp_path):
 
 
 def test_second_run_touches_only_what_was_changed(everything, tmp_path):
-    reproduce.reproduce(tmp_path, render=False)
+    reproduction.reproduce(tmp_path, render=False)
     before = {file: file.stat().st_mtime_ns for file in tmp_path.iterdir()}
     changed = tmp_path / "fig5.csv"
     changed.write_text("by somebody")
-    reproduce.reproduce(tmp_path, render=False)
+    reproduction.reproduce(tmp_path, render=False)
     assert contents(tmp_path) == contents(everything)
     after = {file: file.stat().st_mtime_ns for file in tmp_path.iterdir()}
     assert {file for file in before if before[file] != after[file]} == {changed}
 
 
 def test_pieces_made_anew_from_stored_runs_are_the_same(everything, tmp_path, monkeypatch):
-    monkeypatch.setattr(reproduce, "DRAWING", ("numpy",))  # another key for every piece
+    monkeypatch.setattr(reproduction, "DRAWING", ("numpy",))  # another key for every piece
     lines = []
-    reproduce.reproduce(tmp_path, render=False, progress=lines.append)
+    reproduction.reproduce(tmp_path, render=False, progress=lines.append)
     assert "loading both models" in lines
     assert solves(lines) == []
     assert contents(tmp_path) == contents(everything)
@@ -270,7 +271,7 @@ def test_pieces_made_anew_from_stored_runs_are_the_same(everything, tmp_path, mo
 def test_times_are_measured_again_on_request_and_on_another_machine(everything, tmp_path, monkeypatch):
     def rounds(**options):
         lines = []
-        said = reproduce.reproduce(tmp_path, ("table3",), False, lines.append, **options)
+        said = reproduction.reproduce(tmp_path, ("table3",), False, lines.append, **options)
         return sum(line.startswith("timing") for line in lines), len(said)
 
     monkeypatch.setattr(timing, "BUDGET", 0.0)
@@ -279,7 +280,7 @@ def test_times_are_measured_again_on_request_and_on_another_machine(everything, 
     assert rounds() == (0, 1)
     assert read(tmp_path / "table3.csv") == whole
     here = machine()
-    monkeypatch.setattr(reproduce, "machine", lambda: here | {"processor": "another"})
+    monkeypatch.setattr(reproduction, "machine", lambda: here | {"processor": "another"})
     assert rounds() == (1, 0)
     assert rounds() == (0, 1)
     assert rounds(time=True) == (1, 0)
@@ -300,7 +301,7 @@ def test_two_runs_at_once_into_one_folder(tmp_path, own_store):
     """Both end well, with the files of one; nothing half written is left."""
     code = (
         "import pathlib\n"
-        "from validation.reproduce import reproduce\n"
+        "from validation.reproduce.reproduction import reproduce\n"
         f"reproduce(pathlib.Path({str(tmp_path)!r}), ('table1', 'fig7', 'fig8'), False)\n"
     )
     children = [subprocess.Popen([sys.executable, "-c", code], stderr=subprocess.PIPE) for _ in range(2)]
@@ -310,7 +311,7 @@ def test_two_runs_at_once_into_one_folder(tmp_path, own_store):
     written = contents(tmp_path)
     assert not [file for file in own_store.iterdir() if file.suffix != ".coilcheck"]
     lines = []
-    reproduce.reproduce(tmp_path, ("table1", "fig7", "fig8"), False, lines.append)
+    reproduction.reproduce(tmp_path, ("table1", "fig7", "fig8"), False, lines.append)
     assert "loading both models" not in lines
     assert contents(tmp_path) == written
 
@@ -320,7 +321,7 @@ def test_where_nothing_can_be_kept_the_run_goes_on(tmp_path, monkeypatch):
     monkeypatch.setenv("COILCHECK_STORE", str(tmp_path / "file" / "store"))
     for _ in range(2):
         lines = []
-        said = reproduce.reproduce(tmp_path / "out", ("fig7",), False, lines.append)
+        said = reproduction.reproduce(tmp_path / "out", ("fig7",), False, lines.append)
         assert len(said) == 1
         assert str(tmp_path / "file" / "store") in said[0]
         assert len(solves(lines)) == 4

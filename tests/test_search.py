@@ -10,7 +10,7 @@ import wirefe
 from coilspring import Contact, Load, spring_a, spring_b
 from coilspring.packing import pack
 from coilspring.pairlaw import MEMORY
-from validation.reached import as_far
+from validation.study.partialsolve import as_far
 from wirefe import kernels, model
 from wirefe.mesh import strays
 from wirestates import centres

@@ -18,13 +18,14 @@ from equivbeam.haringx import KAX, KFL, KSH
 from equivbeam.problem import beam_problem
 from equivbeam.rendering import BeamShape
 from equivbeam.solve import KERNELS as BEAM_KERNELS
-from validation.cases import PAPER_MESH, case, solve_beam, solve_wire
 from validation.cli import main
-from validation.metrics import compare_paths
-from validation.openinputs import BEAM, INPUTS, LIKE, MODELS, NOT_GIVEN, READING, WIRE
-from validation.sensitivity import Change, Study, farther, sensitivity
-from validation.sensitivitydata import NO_INPUT
-from validation.topheight import TipCurve, raised
+from validation.sensitivity.data import NO_INPUT
+from validation.sensitivity.inputs import BEAM, INPUTS, LIKE, MODELS, NOT_GIVEN, READING, WIRE
+from validation.sensitivity.results import Change, Study, farther
+from validation.sensitivity.run import sensitivity
+from validation.sensitivity.topheight import TipCurve, raised
+from validation.study.cases import PAPER_MESH, case, solve_beam, solve_wire
+from validation.study.metrics import compare_paths
 from wirefe import model as wire
 from wirefe.mesh import mesh_wire, place_spheres
 from wirefe.rod import straight_rod

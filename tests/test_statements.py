@@ -7,10 +7,10 @@ from collections.abc import Mapping
 
 import pytest
 
-from validation import findings, methods, report
-from validation.claims import AGREES, DIFFERS, NOT_COMPARED, UNDECIDED, Claim, Judgement
-from validation.records import ROOT, Records
-from validation.statements import Statement
+from validation.reproduce import findings, methods, report
+from validation.reproduce.claims import AGREES, DIFFERS, NOT_COMPARED, UNDECIDED, Claim, Judgement
+from validation.reproduce.records import ROOT, Records
+from validation.study.statements import Statement
 
 NUMBER = re.compile(r"(?<![\w.])[+-]?\d+(?:\.\d+)*(?:e[+-]?\d+)?(?!\w)")
 # numbers that name a place, not a result, and the 1 over another number
@@ -136,7 +136,7 @@ def test_a_constant_sentence_is_found():
 
 
 def test_findings_are_those_of_the_records():
-    """Word for word; `python -m validation.findings` writes the page anew."""
+    """Word for word; `python -m validation.reproduce.findings` writes the page anew."""
     assert (ROOT / "docs/findings.md").read_text(encoding="utf-8") == findings.page(Records())
 
 
@@ -233,7 +233,7 @@ WORDS = [
     ("findings.sliding", {"limit.beam": None, "limit.beam_outcome": "completed"}, "plausibly needed"),
     ("findings.sliding", {"limit.outcome": "completed", "limit.time": None}, "is not explained"),
     ("findings.spheres", {APART: 0.1}, "hardly matters"),
-    ("findings.across", {OUTSIDE: 10.0}, "meet in the plane in which its wire starts"),
+    ("findings.outside", {OUTSIDE: 10.0}, "meet in the plane in which its wire starts"),
     ("findings.helix", {HELD: 0.15}, "does not need large deformation"),
 ]
 

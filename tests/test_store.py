@@ -9,11 +9,11 @@ import pytest
 import equivbeam
 import wirefe
 from coilspring import Contact, Material, load_scene, spring_a, spring_b
-from validation import keys, store
-from validation.cases import PathStore
-from validation.reached import as_far
-from validation.store import Store
-from validation.storedruns import _array, packed, run_key, unpacked
+from validation.study import keys, store
+from validation.study.cases import PathStore
+from validation.study.partialsolve import as_far
+from validation.study.store import Store
+from validation.study.storedruns import _array, packed, run_key, unpacked
 
 FILES = {"a.csv": b"1,2\n", "b.bin": bytes(range(256))}
 

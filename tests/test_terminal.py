@@ -4,7 +4,7 @@ import os
 import subprocess
 import sys
 
-from validation.terminal import progress_shown
+from validation.cli.terminal import progress_shown
 
 
 def test_progress_is_shown_on_a_terminal_only(monkeypatch, capsys):

@@ -8,8 +8,8 @@ from PIL import Image
 
 import wirefe
 from coilspring import spring_b
-from validation import frames, theatre
 from validation.cli import main
+from validation.view import animation, frames
 
 
 @pytest.fixture(scope="module")
@@ -54,7 +54,7 @@ def test_a_movie_of_a_run(run, tmp_path, capsys):
 @pytest.mark.parametrize("code", ["raise SystemExit(3)", "pass"])
 def test_matplotlib_draws_where_pyvista_cannot(code, run, tmp_path, monkeypatch, capsys):
     """The child fails, or ends well without pictures."""
-    monkeypatch.setattr(theatre, "COMMAND", (sys.executable, "-c", code))
+    monkeypatch.setattr(animation, "COMMAND", (sys.executable, "-c", code))
     movie = tmp_path / "b.gif"
     assert main(["view", str(run), "--movie", str(movie)]) == 0
     assert pictures(movie) == 4
@@ -73,7 +73,7 @@ def test_without_a_display_one_sentence_says_so(run, monkeypatch, capsys):
 
 def test_a_window_that_does_not_open_is_one_sentence(run, monkeypatch, capsys):
     monkeypatch.setenv("DISPLAY", ":0")
-    monkeypatch.setattr(theatre, "COMMAND", (sys.executable, "-c", "import os; os.abort()"))
+    monkeypatch.setattr(animation, "COMMAND", (sys.executable, "-c", "import os; os.abort()"))
     assert main(["view", str(run)]) == 2
     assert capsys.readouterr().err.startswith("coilcheck: no window could be opened (")
 

@@ -11,19 +11,20 @@ from types import ModuleType, SimpleNamespace
 import numpy as np
 import pytest
 
-import validation.workdata as workdata
-import validation.workpeer as workpeer
-import validation.workprecision as work
-import validation.workreport as workreport
-import validation.worksettings as worksettings
+import validation.workprecision.page as workreport
+import validation.workprecision.peer as workpeer
+import validation.workprecision.points as workdata
+import validation.workprecision.run as work
+import validation.workprecision.settings as worksettings
 import wirefe
 from coilspring import InputError
 from equivbeam.solve import LAWS
-from validation.arguments import CAMPAIGN_RANGES, STUDY_SCENES, command_line
-from validation.cases import PAPER_MESH
 from validation.cli import main
-from validation.referee.installed import opensees
-from validation.worksettings import EXTENTS, NORMAL, STEPS, TITLES, Extent, settings, study_scenes
+from validation.cli.arguments import CAMPAIGN_RANGES, STUDY_SCENES, command_line
+from validation.peers.installed import opensees
+from validation.study.cases import PAPER_MESH
+from validation.study.scenes import study_scenes
+from validation.workprecision.settings import EXTENTS, NORMAL, STEPS, TITLES, Extent, settings
 
 SMALL = Extent((20, 40, 80), (4, 8), 32, (1, 10), (), 3)
 NAME = "spring-a-no-contact"
@@ -46,8 +47,7 @@ def test_every_extent_has_the_paper_and_only_what_can_be_compared(extent):
         assert len({setting.label for setting in chosen}) == len(chosen)
         assert sum(setting.is_paper_mesh for setting in chosen) == 1
         assert sum(setting.is_paper_model for setting in chosen) == 1
-        beams = {*LAWS, "across"} if not scene.load.force[0] else {*LAWS}
-        assert {setting.series for setting in chosen} == {"straight", "curved", *beams}
+        assert {setting.series for setting in chosen} == {"straight", "curved", *LAWS}
         assert all(extent.finest % setting.steps == 0 for setting in chosen)
         assert all(setting.mesh % setting.pairs == 0 for setting in chosen if setting.mesh)
         assert max(setting.mesh for setting in chosen if setting.series == "curved") < extent.reference

@@ -14,7 +14,6 @@ from __future__ import annotations
 import numpy as np
 
 from coilspring.compiled import kernel, part
-from coilspring.driving import drive
 from coilspring.packing import heads, vector
 from wirefe import kernels
 from wirefe.algebra import put
@@ -116,13 +115,6 @@ def assemble(reals, ints, anchor, clearance, memory, state, g, H):
     blocks = H.reshape((H.size // 36, 6, 6))
     energy += _press_low(plates, state, g, blocks) + _press_high(plates, state, g, blocks)
     return energy, pairs + plates.low.size + plates.high.size
-
-
-@kernel
-def assemble_driven(reals, ints, anchor, clearance, memory, state, g, H):
-    """`assemble`, and what acts on the top: see `coilspring.driving`."""
-    energy, pairs = assemble(reals, ints, anchor, clearance, memory, state, g, H)
-    return energy + drive(reals, ints, state, g, H), pairs
 
 
 @kernel

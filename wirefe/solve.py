@@ -12,8 +12,7 @@ from coilspring.pairlaw import MEMORY
 from coilspring.path import EquilibriumPath
 from coilspring.scene import Scene, require_scene
 from coilspring.solving import Problem, follow_load, follow_problem, scene_path
-from coilspring.stepping import STRAY
-from wirefe import driven, kernels, model, seated
+from wirefe import kernels, model, seated
 from wirefe.elements import ELEMENTS
 from wirefe.mesh import WireMesh, strays
 from wirefe.rod import Rod
@@ -38,9 +37,7 @@ KERNELS = Kernels(
     renew=kernels.renew,
     overlap=kernels.overlap,
 )
-DRIVEN = KERNELS._replace(assemble=driven.assemble, solve=driven.solve)
 SEATED = KERNELS._replace(assemble=seated.assemble, commit=seated.commit)
-SEATED_DRIVEN = SEATED._replace(assemble=seated.assemble_driven, solve=driven.solve)
 
 
 def solve(
@@ -80,17 +77,11 @@ def solve(
     EquilibriumNotFound : the path ends before time 1; carries what was reached.
     """
     scene = require_scene(scene).overridden(steps, penalty)
-    spent, seconds, found = 0, 0.0, NO_PAIRS
-    while True:
-        problem, mesh, options = scene_problem(scene, element, elements_per_turn, pairs_per_turn, found)
-        run = follow_load(scene, problem, *scene_kernels(scene))
-        seconds += run.solve_seconds
-        if run.track.outcome != STRAY:
-            run = replace(run, solve_seconds=seconds)
-            return scene_path(scene, "wirefe", options, run, WireShape(scene, problem.data, mesh), spent)
-        # coils touch elsewhere than one turn apart: once more, with what touches in the model
-        spent += run.spent
-        found = with_strays(problem.data, run.track.last, found)
+    problem, mesh, options = scene_problem(scene, element, elements_per_turn, pairs_per_turn)
+    run = follow_load(scene, problem, scene_kernels(scene))
+    data = run.problem.data
+    options["pairs_found"] = len(data.contact.pairs) - len(problem.memory)
+    return scene_path(scene, "wirefe", options, run, WireShape(scene, data, mesh))
 
 
 def solve_rod(rod: Rod, *, steps: int = 10) -> RodPath:
@@ -135,17 +126,16 @@ def solve_rod(rod: Rod, *, steps: int = 10) -> RodPath:
     return path
 
 
-def scene_kernels(scene: Scene) -> tuple[Kernels, Kernels]:
-    """Kernels of a scene under one growing force, and those for other loads."""
-    return (SEATED, SEATED_DRIVEN) if scene.supports.seat == "plate" else (KERNELS, DRIVEN)
+def scene_kernels(scene: Scene) -> Kernels:
+    """Kernels of a scene: with plates, or without."""
+    return SEATED if scene.supports.seat == "plate" else KERNELS
 
 
-def with_strays(data: model.WireModel, state: np.ndarray, found: np.ndarray) -> np.ndarray:
-    """The pairs `found` so far, and those that are near in `state` and no pairs yet."""
-    contact = data.contact
+def new_pairs(contact: model.ContactArrays, state: np.ndarray) -> np.ndarray:
+    """Pairs of spheres that are near in `state` and not in the model yet, shape (pairs, 2)."""
     centres = sphere_centres(contact, state)
-    new, _ = strays(centres, contact.carrier, contact.pairs, contact.near, STRAY_REACH * contact.d)
-    return np.concatenate((found, new))
+    found, _ = strays(centres, contact.carrier, contact.pairs, contact.near, STRAY_REACH * contact.d)
+    return found
 
 
 def scene_problem(
@@ -165,7 +155,14 @@ def scene_problem(
         "pairs_per_turn": pairs_per_turn,
         "pairs_found": len(found),
     }
-    return _problem(data, rod, mesh.arm), mesh, options
+    problem = _problem(data, rod, mesh.arm)
+
+    def extended(state: np.ndarray) -> Problem:
+        """The problem with the pairs that touch in a state as well."""
+        more = np.concatenate((found, new_pairs(data.contact, state)))
+        return scene_problem(scene, element, elements_per_turn, pairs_per_turn, more)[0]
+
+    return replace(problem, extended=extended), mesh, options
 
 
 def rod_problem(rod: Rod) -> Problem:
@@ -182,6 +179,6 @@ def _problem(data: model.WireModel, rod: Rod, arm: np.ndarray) -> Problem:
         start=model.rest_state(rod, arm),
         memory=np.zeros((len(data.contact.pairs), MEMORY)),
         matrix_size=model.matrix_size(data),
-        lean=True,
+        modified=True,
         top=model.top_place(rod),
     )

@@ -20,7 +20,7 @@ from coilspring.warming import compile_kernels
 from wirefe.rod import Rod
 from wirefe.rodpath import RodPath
 from wirefe.shape import WireShape
-from wirefe.solve import KERNELS, NO_PAIRS, rod_problem, scene_kernels, scene_problem, with_strays
+from wirefe.solve import KERNELS, NO_PAIRS, new_pairs, rod_problem, scene_kernels, scene_problem
 
 
 def trace(
@@ -59,11 +59,11 @@ def trace(
     spent, pairs = 0, NO_PAIRS
     while True:
         problem, mesh, options = scene_problem(scene, element, elements_per_turn, pairs_per_turn, pairs)
-        found, seconds = _run(problem, scene_kernels(scene)[0], points)
+        found, seconds = _run(problem, scene_kernels(scene), points)
         if not found.stray:
             break
         spent += int(found.iterations.sum())
-        pairs = with_strays(problem.data, found.states[-1], pairs)
+        pairs = np.concatenate((pairs, new_pairs(problem.data.contact, found.states[-1])))
     outcome, message = _verdict(found)
     path = EquilibriumPath(
         scene=scene,
@@ -124,8 +124,8 @@ def _run(problem: Problem, kernels: Kernels, points: int) -> tuple[Trace, float]
     compile_kernels(kernels)
     began = time.process_time()
     found = interruptible(
-        follow, *pack(problem.data), problem.load, points, problem.start, problem.memory, problem.matrix_size,
-        *kernels,
+        follow, *pack(problem.data), problem.prescribed, np.zeros(1), problem.load, points, problem.start,
+        problem.memory, problem.matrix_size, *kernels,
     )  # fmt: skip
     return Trace(*found), time.process_time() - began
 

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.linalg import solve_triangular
 
-from validation.campaign.energy import PlaneEnergy
+from validation.campaign.energy import BeamEnergy
 
 CLOSE = 1e-9  # of the way from rest: the last correction
 LOOSE = 1e-7  # where rounding keeps the corrections from becoming smaller
@@ -39,7 +39,7 @@ class Bracket:
         return max(abs(self.stable - time), abs(self.unstable - time)) / time
 
 
-def bracket(energy: PlaneEnergy, state: np.ndarray, time: float, critical: float) -> Bracket | None:
+def bracket(energy: BeamEnergy, state: np.ndarray, time: float, critical: float) -> Bracket | None:
     """Bracket the critical point at `critical` from the stable equilibrium `state` at the lower `time`.
 
     The curve of equilibria is followed along the softest mode, over which the load rises and falls; where
@@ -67,7 +67,7 @@ class _Start:
     rate: np.ndarray
 
     @classmethod
-    def of(cls, energy: PlaneEnergy, state: np.ndarray, time: float) -> _Start:
+    def of(cls, energy: BeamEnergy, state: np.ndarray, time: float) -> _Start:
         values, vectors = np.linalg.eigh(energy.relative(energy.hessian(state)))
         soft = vectors[:, 0]
         mode = solve_triangular(energy.rest_factor, soft, lower=True, trans="T")
@@ -76,7 +76,7 @@ class _Start:
         return cls(state, time, float(values[0]), sign * mode, sign * energy.rest_factor @ soft, rate)
 
 
-def _along_mode(energy: PlaneEnergy, start: _Start, critical: float) -> Bracket | None:
+def _along_mode(energy: BeamEnergy, start: _Start, critical: float) -> Bracket | None:
     """Narrow the sign change of the least eigenvalue over the way along the softest mode."""
     work = float(start.mode @ start.rate)
     if work <= 0.0:
@@ -104,7 +104,7 @@ def _along_mode(energy: PlaneEnergy, start: _Start, critical: float) -> Bracket 
 
 
 def _corrected(
-    energy: PlaneEnergy, state: np.ndarray, time: float, start: _Start, way: float
+    energy: BeamEnergy, state: np.ndarray, time: float, start: _Start, way: float
 ) -> tuple[np.ndarray, float] | None:
     """Equilibrium at the given way along the mode, in state and load."""
 
@@ -115,7 +115,7 @@ def _corrected(
 
 
 def _settled(
-    energy: PlaneEnergy,
+    energy: BeamEnergy,
     state: np.ndarray,
     time: float,
     short: Callable[[np.ndarray], float] | None = None,
@@ -135,7 +135,7 @@ def _settled(
 
 
 def _newton(
-    energy: PlaneEnergy,
+    energy: BeamEnergy,
     closed: np.ndarray,
     state: np.ndarray,
     time: float,
@@ -169,7 +169,7 @@ def _newton(
     return None
 
 
-def _by_load(energy: PlaneEnergy, start: _Start, critical: float) -> Bracket | None:
+def _by_load(energy: BeamEnergy, start: _Start, critical: float) -> Bracket | None:
     """Continue the branch by the load to as far beyond the critical point as `start` lies before it."""
     time = 2.0 * critical - start.time
     ahead = start.state.copy()

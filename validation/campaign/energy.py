@@ -7,7 +7,6 @@ derivative by complex steps, which is exact to rounding. A state holds x, y, the
 from __future__ import annotations
 
 import math
-from abc import ABC, abstractmethod
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
@@ -25,8 +24,8 @@ PAIRS_A_TURN = 2  # in the plane; the scene's stiffness is that of a pair at 4 a
 
 
 @dataclass(frozen=True, kw_only=True)
-class PlaneEnergy(ABC):
-    """Energy of one scene in some plane at load factor t: U + C - t f . u.
+class BeamEnergy:
+    """Energy of one scene at load factor t: U + C - t f . u.
 
     Attributes
     ----------
@@ -36,6 +35,8 @@ class PlaneEnergy(ABC):
     free : indices of the free freedoms.
     force : (free,) load at time 1.
     size : length that turns rotations into displacements, mm.
+    carriers : (2, pairs) nodes that carry the circles of each pair.
+    offsets : (2, pairs, 2) from the nodes to the circles' centres at rest.
     way : UY of the top that is prescribed at time 1, mm; 0 under a force. `force` then is what this motion
         does to the free freedoms of the spring at rest, linearly, and measures residuals alone.
     """
@@ -48,6 +49,8 @@ class PlaneEnergy(ABC):
     free: np.ndarray
     force: np.ndarray
     size: float
+    carriers: np.ndarray
+    offsets: np.ndarray
     way: float = 0.0
 
     @property
@@ -71,7 +74,7 @@ class PlaneEnergy(ABC):
             state[self.top] = self.rest[self.top] + time * self.way
         return state
 
-    def driven(self, way: float) -> PlaneEnergy:
+    def driven(self, way: float) -> BeamEnergy:
         """The same spring with UY of its top prescribed."""
         free = self.free[self.free != self.top]
         made = replace(self, free=free, force=np.zeros(free.size), way=way)
@@ -185,39 +188,6 @@ class PlaneEnergy(ABC):
         """Distances of the centres of pairs, real."""
         return np.linalg.norm(self._pair_vectors(x, index)[0], axis=0)
 
-    @property
-    @abstractmethod
-    def _pair_places(self) -> np.ndarray:
-        """Freedoms of each pair, (freedoms, pairs)."""
-
-    @abstractmethod
-    def _pair_vectors(self, x: np.ndarray, index: np.ndarray | slice) -> tuple[np.ndarray, ...]:
-        """Vectors between the centres of the pairs, and what else their forces need."""
-
-    @abstractmethod
-    def _pair_forces(self, x: np.ndarray, index: np.ndarray) -> np.ndarray:
-        """Forces of the contact pairs in their freedoms."""
-
-    def _pulls(self, g: np.ndarray) -> np.ndarray:
-        """Derivative of the contact energy in the vectors between centres."""
-        h = np.sqrt((g * g).sum(axis=0))
-        sign = np.where(h.real < self.d, 1.0, -1.0)
-        return -sign * self.stiffness * (sign * (self.d - h)) ** self.exponent * g / h
-
-
-@dataclass(frozen=True, kw_only=True)
-class BeamEnergy(PlaneEnergy):
-    """`PlaneEnergy` in the working plane.
-
-    Attributes
-    ----------
-    carriers : (2, pairs) nodes that carry the circles of each pair.
-    offsets : (2, pairs, 2) from the nodes to the circles' centres at rest.
-    """
-
-    carriers: np.ndarray
-    offsets: np.ndarray
-
     @cached_property
     def _pair_places(self) -> np.ndarray:
         axis = np.arange(3)[:, None]
@@ -237,9 +207,15 @@ class BeamEnergy(PlaneEnergy):
         px, py = self._pulls(g)
         return np.stack((-px, -py, low[1] * px - low[0] * py, px, py, high[0] * py - high[1] * px))
 
+    def _pulls(self, g: np.ndarray) -> np.ndarray:
+        """Derivative of the contact energy in the vectors between centres."""
+        h = np.sqrt((g * g).sum(axis=0))
+        sign = np.where(h.real < self.d, 1.0, -1.0)
+        return -sign * self.stiffness * (sign * (self.d - h)) ** self.exponent * g / h
+
 
 def beam_energy(scene: Scene, law: str) -> BeamEnergy:
-    """The scene's equivalent beam in the working plane."""
+    """The scene's equivalent beam."""
     spring, contact = scene.spring, scene.contact
     count = round(2 * spring.active_coils)
     rest = np.zeros((count + 1, 3))

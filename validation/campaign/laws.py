@@ -82,10 +82,9 @@ def half_coils(scene: Scene) -> np.ndarray:
     return np.arange(round(2 * scene.spring.active_coils) + 1) * math.pi
 
 
-def helix_law(scene: Scene, phases: np.ndarray | None = None, plane: float | None = None) -> Callable:
-    """The helix law with all its refinements, between phases of the wire; it crosses the plane at one."""
-    phases = half_coils(scene) if phases is None else phases
-    plane = -scene.spring.start_phase if plane is None else plane
+def helix_law(scene: Scene) -> Callable:
+    """The helix law of all half coils with all its refinements."""
+    phases, plane = half_coils(scene), -scene.spring.start_phase
     helices = helices_of(scene, phases)
     low, high, ends = reach(helices)
     own, l0 = _own_way(helices, ends, *_ends(scene, helices, phases, plane)), helices.u0 * helices.s

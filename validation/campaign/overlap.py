@@ -12,8 +12,7 @@ import math
 import numpy as np
 from scipy.spatial import cKDTree
 
-from coilspring import EquilibriumPath, Scene, Spring
-from validation.campaign.across import across_energy
+from coilspring import EquilibriumPath, Spring
 from validation.campaign.poses import rotated
 from validation.campaign.verdict import THROUGH, Verdict
 from validation.campaign.wireparts import helix
@@ -109,19 +108,8 @@ def _between(spring: Spring, rows: np.ndarray, nodes: np.ndarray, parts: int) ->
 
 
 def _beam_overlap(path: EquilibriumPath, state: np.ndarray) -> float:
-    """Overlap of the circles of a beam in its plane, mm."""
-    if path.options["plane"] == "working":
-        return _circle_overlap(path.scene, state)
-    energy = across_energy(path.scene)
-    across, along, beside = energy._pair_vectors(state[energy._pair_places], slice(None))[0]
-    level = np.where(along < 0.0, 0.0, along)
-    return energy.d - float(np.sqrt(across**2 + level**2 + beside**2).min())
-
-
-def _circle_overlap(scene: Scene, state: np.ndarray) -> float:
-    """Overlap of the circles of a beam in the working plane, mm; coils that have changed places along the
-    axis overlap by what they do side by side."""
-    spring, d = scene.spring, scene.spring.wire_diameter
+    """Overlap of a beam's circles, mm; those that have changed places on the axis overlap side by side."""
+    spring, d = path.scene.spring, path.scene.spring.wire_diameter
     count = round(2.0 * spring.active_coils)
     ends = int(2.0 * spring.end_turns + 1e-9)
     index = np.arange(-ends, count + ends + 1)

@@ -24,11 +24,11 @@ from validation.campaign.verdict import (
     THROUGH,
     UNEXPLAINED,
 )
-from validation.document import Block, Bullets, Heading, Picture, Table, Text, to_markdown
-from validation.figures import drawn
-from validation.machine import versions
-from validation.output import write_files, write_text
-from validation.style import DOUBLE, RC
+from validation.study.document import Block, Bullets, Heading, Picture, Table, Text, to_markdown
+from validation.study.machine import versions
+from validation.study.output import write_files, write_text
+from validation.study.plots import drawn
+from validation.study.style import DOUBLE, RC
 
 GIVEN = (FORCE, DISPLACEMENT)
 TITLES = {"b": "equivalent beam", "w": "wire model"}

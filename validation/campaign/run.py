@@ -13,7 +13,6 @@ from time import process_time
 
 from coilspring import InputError
 from validation.campaign.invariance import judge_invariance
-from validation.campaign.judge import judge_beam
 from validation.campaign.page import write_page
 from validation.campaign.pools import cluster, processes
 from validation.campaign.scenes import case_id, make_case
@@ -30,9 +29,10 @@ from validation.campaign.verdict import (
     Verdict,
     reached,
 )
-from validation.campaign.wirejudge import BRANCH, judge_wire
-from validation.output import prepare
-from validation.provenance import write_provenance
+from validation.campaign.verifier import judge_beam
+from validation.campaign.wireverifier import BRANCH, judge_wire
+from validation.study.output import prepare
+from validation.study.provenance import write_provenance
 
 CHUNK = {"b": 8, "w": 1}  # cases handed to a worker at a time
 QUEUED = 2  # chunks a worker has waiting

@@ -10,8 +10,8 @@ from pathlib import Path
 
 from validation.campaign.scenes import Case
 from validation.campaign.verdict import Verdict
-from validation.keys import digest, source_files
-from validation.output import write_text, writing
+from validation.study.keys import digest, source_files
+from validation.study.output import write_text, writing
 
 NUMBERS = (
     "residual", "least", "branch", "bracket", "critical_shift", "passed", "confirmed", "friction",

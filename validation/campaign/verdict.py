@@ -10,7 +10,7 @@ import wirefe
 from coilspring import EquilibriumPath, Scene
 from coilspring.solving import HELD, LOST
 from validation.campaign.scenes import Case, scaled_load
-from validation.reached import as_far
+from validation.study.partialsolve import as_far
 
 RIGHT, CONFIRMED, THROUGH, ENDED, APART = "completed", "critical", "interpenetration", "ended", "apart"
 REFUSED, UNEXPLAINED = "refused", "unexplained"

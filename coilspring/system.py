@@ -1,0 +1,270 @@
+"""What the compiled solver works with: a model and its constraint, the task, vectors, and where a path stands.
+
+Compiled functions take these few bundles. What changes in place are arrays, and records of numbers.
+"""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import numpy as np
+from numba import from_dtype, types
+
+from coilspring.compiled import inlined
+from coilspring.kernelset import SIGNATURES
+
+# Entries of what is prescribed: its place in the state, in the gradient, on the diagonal of the matrix, the
+# stiffness that fixes it there, and its change by time 1.
+PLACE, DOF, DIAGONAL, STIFFNESS, CHANGE = range(5)
+FREE = np.zeros(0)  # nothing is prescribed
+
+
+class System(NamedTuple):
+    """A model with its kernels (see `coilspring.kernelset`), and the degree of freedom that is prescribed."""
+
+    reals: Any
+    ints: Any
+    prescribed: Any  # (5,) or empty
+    reaction: Any  # (1,) force on what is prescribed, in the state assembled last
+    assemble: Any
+    factor: Any
+    solve: Any
+    retract: Any
+    work: Any
+    carry: Any
+    motion: Any
+    commit: Any
+    renew: Any
+    overlap: Any
+
+
+class Task(NamedTuple):
+    """What is asked of the follower."""
+
+    times: np.ndarray  # (steps,) requested times, increasing
+    load: (
+        np.ndarray
+    )  # (n,) load that grows with time; with a prescribed motion the one that gives the tangent
+    dead: np.ndarray  # (n,) load that is there from the beginning
+    start: np.ndarray  # state at time 0
+    diameter: float  # wire diameter, mm: the length with which motions are compared
+    limit: int  # largest number of iterations of a substep
+    predictor: bool  # the matrix is the tangent: predict by it, and judge the branch by it
+    modified: (
+        bool  # modified Newton: a factor is kept for further steps, the matrix left out where not factored
+    )
+
+
+class Workspace(NamedTuple):
+    """Vectors and tables that change on the way."""
+
+    state: np.ndarray  # last accepted
+    trial: np.ndarray  # of the substep at hand
+    predicted: np.ndarray
+    before: np.ndarray  # the state accepted before the last one
+    origin: np.ndarray  # where the linear stretch at hand began
+    scratch: np.ndarray  # a state
+    home: np.ndarray  # the state whose matrix `F` factors
+    tangent: np.ndarray  # d(state)/d(time) at the last accepted state
+    old: np.ndarray  # the same at the state before
+    ahead: np.ndarray  # the same at the trial state
+    g: np.ndarray  # gradient, or residual
+    step: np.ndarray  # of Newton's method
+    load: np.ndarray  # on the substep at hand
+    mode: np.ndarray  # the softest
+    H: np.ndarray  # matrix
+    F: np.ndarray  # its factor, the last one
+    rest: np.ndarray  # matrix at the start
+    memory: np.ndarray  # contact history, (pairs, m): at the last accepted state, bounds of the trial
+    held: np.ndarray  # contact history with which the trial state was found
+    low: np.ndarray  # two more tables, for differences
+    high: np.ndarray
+    change: np.ndarray  # (pairs,) last change of the bounds
+    decrements: np.ndarray  # the last Newton decrements over the reference work
+    states: np.ndarray  # (steps, state size), at the requested times
+    memories: np.ndarray  # (steps, pairs, m) contact history with which they were found
+    iterations: np.ndarray  # (steps,) factorisations since the previous row
+
+
+# Where a path stands.
+PATH = np.dtype(
+    [
+        ("time", "f8"),
+        ("row", "i8"),  # the next requested time
+        ("outcome", "i8"),
+        ("bracket", "f8"),  # time beyond the last accepted one, in which the path ends
+        ("spent", "i8"),  # factorisations since the last requested time
+        ("checks", "i8"),  # factorisations that only verified stability
+        ("pairs", "i8"),  # contact pairs evaluated
+        ("tries", "i8"),  # equilibria looked for
+        ("next_step", "f8"),
+        ("last_step", "f8"),
+        ("settling", "f8"),  # step in which what an opened pair had held finds its place; else infinite
+        ("gap", "f8"),  # least gap of the contact pairs
+        ("reference", "f8"),  # work of the whole load along the tangent at the start
+        ("rounding", "f8"),  # of the potential, over a force
+        ("force", "f8"),  # sum of the growing load
+        ("dead", "f8"),  # sum of the dead load
+        ("least_pivot", "f8"),  # at the start
+        ("linear_from", "f8"),  # time at which the linear stretch at hand began
+        ("linear", "?"),
+        ("reuse", "?"),  # the last factor is tried first
+        ("closed", "?"),  # the last step led to where a pair closes
+        ("lost", "?"),  # the last attempt found no equilibrium
+        ("slid", "?"),  # a pair slid
+        ("rise", "f8"),  # of the bounds of friction, see `coilspring.boundrise`
+        ("rest_stiffness", "f8"),  # least stiffness at the start
+        ("moved", "f8"),  # bound on all motion since the overlap was measured
+    ],
+    align=True,
+)
+
+# One substep.
+SUBSTEP = np.dtype(
+    [
+        ("target", "f8"),
+        ("size", "f8"),
+        ("landing", "?"),  # on a requested time
+        ("shortened", "?"),  # to where a pair is about to close
+        ("near_critical", "?"),  # it approaches the predicted zero of the least stiffness
+        ("near_overlap", "?"),  # it approaches the predicted overlap
+        ("weak", "?"),  # little is left of the least stiffness
+        ("status", "i8"),
+        ("iterations", "i8"),  # factorisations
+        ("rounds", "i8"),  # of renewed bounds
+        ("trouble", "i8"),
+        ("share", "f8"),  # by which the path turned
+        ("distance", "f8"),  # bound on all motion
+        ("room", "f8"),  # see `ROOM`
+        ("moved", "f8"),  # see `PATH`
+        ("gap", "f8"),  # least gap of the contact pairs
+    ],
+    align=True,
+)
+
+# Newton's method in a substep.
+NEWTON = np.dtype(
+    [
+        ("energy", "f8"),
+        ("near", "i8"),  # contact pairs evaluated at the state: 0 where none can touch
+        ("pairs", "i8"),
+        ("count", "i8"),  # factorisations
+        ("trouble", "i8"),
+        ("tolerance", "f8"),  # of the decrement
+        ("slope", "f8"),  # of the potential along the step
+        ("shift", "f8"),  # with which an indefinite matrix was made positive
+        ("damping", "f8"),  # the shift to begin with
+        ("least_pivot", "f8"),  # of the last factor
+        ("decrement", "f8"),  # of the last step with a factor of its own
+        ("last", "f8"),  # of the last step at all, or infinite
+        ("looks", "i8"),  # at states within the tolerance
+        ("doubtful", "?"),
+        ("reuse", "?"),
+        ("current", "?"),  # the matrix is that of the state
+    ],
+    align=True,
+)
+
+# A number that ends the path where it falls to zero.
+WATCH = np.dtype([("value", "f8"), ("time", "f8"), ("zero", "f8")], align=True)
+SOFTEST, ROOM = 0, 1  # rows: the least stiffness; how much nearer wires may come
+
+
+def system_types() -> tuple[Any, ...]:
+    """Types of what `System` is made of, but for the kernels."""
+    vector = types.float64[::1]
+    return vector, types.int64[::1], vector, vector
+
+
+def task_type() -> Any:
+    """numba's type of `Task`."""
+    vector, real = types.float64[::1], types.float64
+    fields = (vector, vector, vector, vector, real, types.int64, types.boolean, types.boolean)
+    return types.NamedTuple(fields, Task)
+
+
+def workspace_type() -> Any:
+    """numba's type of `Workspace`."""
+    vector, table = types.float64[::1], types.float64[:, ::1]
+    stacked = {"memories": types.float64[:, :, ::1], "iterations": types.int64[::1]}
+    tables = dict.fromkeys(("memory", "held", "low", "high", "states"), table)
+    return types.NamedTuple([(stacked | tables).get(name, vector) for name in Workspace._fields], Workspace)
+
+
+def record_type(dtype: np.dtype) -> Any:
+    """numba's type of a vector of records."""
+    return types.Array(from_dtype(dtype), 1, "C")
+
+
+def kernel_types() -> tuple[Any, ...]:
+    """Types of the kernels, as first-class functions."""
+    return tuple(types.FunctionType(signature) for signature in SIGNATURES)
+
+
+@inlined
+def assembled(system, anchor, gap, memory, state, g, H):
+    """Energy and pairs evaluated; fills the gradient, and the matrix unless it is empty.
+
+    `anchor` and `gap`: see `coilspring.kernelset`. What is prescribed has no gradient, and is fixed by its
+    stiffness.
+    """
+    energy, pairs = system.assemble(system.reals, system.ints, anchor, gap, memory, state, g, H)
+    top = system.prescribed
+    if top.size > 0:
+        dof = int(top[DOF])
+        system.reaction[0] = g[dof]
+        g[dof] = 0.0
+        if H.size > 0:
+            H[int(top[DIAGONAL])] += top[STIFFNESS]
+    return energy, pairs
+
+
+@inlined
+def factored(system, F):
+    """LDL^T of `F` in place; negative pivots, and the least one."""
+    return system.factor(system.reals, system.ints, F)
+
+
+@inlined
+def solve(system, F, b):
+    """b = F^-1 b; what is prescribed stays as it is, unless b holds what moves it."""
+    top = system.prescribed
+    fixed = int(top[DOF]) if top.size > 0 else -1
+    if fixed >= 0 and b[fixed] != 0.0:
+        fixed = -1
+    system.solve(system.reals, system.ints, F, b)
+    if fixed >= 0:
+        b[fixed] = 0.0
+
+
+@inlined
+def solution(system, F, b, sign, out):
+    """out = sign F^-1 b."""
+    for i in range(b.size):
+        out[i] = sign * b[i]
+    solve(system, F, out)
+
+
+@inlined
+def stale_solution(system, work, state, b, sign, out):
+    """out = sign F^-1 b at `state`, with the factor of the state `work.home`, turned along."""
+    for i in range(b.size):
+        out[i] = sign * b[i]
+    system.carry(system.reals, system.ints, state, work.home, out)
+    solve(system, work.F, out)
+    system.carry(system.reals, system.ints, work.home, state, out)
+
+
+@inlined
+def moved(system, state, step, factor, out):
+    """The state moved by ``factor * step``."""
+    system.retract(system.reals, system.ints, state, step, factor, state, 0.0, out)
+
+
+@inlined
+def put_prescribed(system, start, time, state):
+    """Put what is prescribed to where it is at a time."""
+    top = system.prescribed
+    if top.size > 0:
+        place = int(top[PLACE])
+        state[place] = start[place] + time * top[CHANGE]

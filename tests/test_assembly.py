@@ -1,0 +1,204 @@
+"""The one report: pages read back from Markdown, sections of the studies found, figures and provenance."""
+
+from __future__ import annotations
+
+import json
+import re
+from pathlib import Path
+
+import pytest
+from PIL import Image
+
+from validation.reproduce import assembly
+from validation.reproduce.assembly import bound
+from validation.study.document import (
+    LONG,
+    Bullets,
+    Heading,
+    Picture,
+    Table,
+    Text,
+    from_markdown,
+    to_html,
+    to_markdown,
+)
+from validation.study.provenance import FILE, models, write_provenance
+
+REPORTS = Path(__file__).parents[1] / "reports"
+PAGE = """# The title
+
+## Verdict
+
+**Right.**
+
+### Table 3. Solution time
+
+| case | reduction (%) |
+| --- | --- |
+| Spring A | 98 |
+
+Measured once.
+
+## Figures
+
+![Figure 5](fig5.png)
+
+*Figure 5. Curves.*
+"""
+WORK = """# Run time against error
+
+## Time at equal error
+
+| scene | reduction (%) |
+| --- | --- |
+| Spring A | 85.4 |
+
+## Another
+
+![Shape](a.png)
+
+*Shape. Words.*
+"""
+DRAWING = (
+    '<?xml version="1.0"?>\n<svg width="9pt" viewBox="0 0 9.5 4">'
+    '<metadata>who</metadata><path d="M 0 0"/></svg>\n'
+)
+PNG = b"\x89PNG\r\n\x1a\n"
+
+
+@pytest.fixture
+def out(tmp_path, monkeypatch):
+    """Folder of a report with its figure; nothing is found but what stands beside it."""
+    monkeypatch.setattr(assembly, "STORED", tmp_path / "nowhere")
+    folder = tmp_path / "reproduce"
+    folder.mkdir()
+    (folder / "fig5.png").write_bytes(PNG)
+    return folder
+
+
+def work(folder):
+    beside = folder.parent / "workprecision"
+    beside.mkdir()
+    (beside / "workprecision.md").write_text(WORK, encoding="utf-8")
+    (beside / "a.png").write_bytes(PNG)
+    return beside
+
+
+def html(out):
+    return bound(PAGE, out)["report.html"].decode()
+
+
+def test_blocks_come_back_from_markdown():
+    blocks = [
+        Heading(1, "Title # 1"),
+        Text("A paragraph, *word* and `code`."),
+        Bullets(("one", "two - three")),
+        Table(("a|b", "c"), (("1", ""), ("| x |", "2"))),
+        Picture("a.png", "Figure 1. Caption (of it)."),
+        Picture("b.png", "Another"),
+        Text("*All of it leans.*"),
+    ]
+    assert from_markdown(to_markdown(blocks)) == blocks
+
+
+@pytest.mark.parametrize("file", sorted(REPORTS.glob("*/*.md")), ids=lambda file: file.name)
+def test_stored_pages_are_read_without_loss(file):
+    if file.stem not in {"report", *(study.name for study in assembly.STUDIES)}:
+        pytest.skip("no section of the report")
+    text = file.read_text(encoding="utf-8")
+    assert to_markdown(from_markdown(text)) == text
+
+
+def test_a_study_that_is_missing_is_said_in_a_sentence(out):
+    page = html(out)
+    for study in assembly.STUDIES:
+        assert f"<code>coilcheck {study.name}</code> tells {study.tells}" in page
+
+
+def test_sections_in_their_order_one_level_down(out):
+    work(out)
+    heads = re.findall(r"<h(\d) id=\"[a-z0-9-]*\">(.*?)</h", html(out))
+    assert heads == [
+        *(("1", "The title"), ("2", "Verdict"), ("3", "Table 3. Solution time")),
+        *(("3", "Time at equal error"), ("2", "Figures"), ("2", "Work and precision")),
+        *(("3", "Time at equal error"), ("3", "Another"), ("2", "Stability map")),
+        *(("2", "Sensitivity"), ("2", "Provenance")),
+    ]
+
+
+def test_times_at_equal_error_stand_behind_table_3_in_markdown_too(out):
+    assert bound(PAGE, out)["report.md"].decode() == PAGE
+    work(out)
+    text = bound(PAGE, out)["report.md"].decode()
+    assert text.index("Measured once.") < text.index("### Time at equal error") < text.index("| 85.4 |")
+    assert text.index("| 85.4 |") < text.index("## Figures")
+
+
+def test_a_drawing_is_taken_inline_before_its_pixels(out):
+    assert html(out).count("data:image/png") == 1
+    (out / "fig5.svg").write_text(DRAWING, encoding="utf-8")
+    page = html(out)
+    assert "data:image/png" not in page
+    start = '<svg role="img" aria-label="Figure 5" style="width: min(100%, 19px)" viewBox="0 0 9.5 4">'
+    assert f'{start}<path d="M 0 0"/></svg>' in page
+    assert "who" not in page
+
+
+def test_pixels_are_as_wide_as_the_drawing_would_be(out):
+    """A picture of 300 pixels at 300 dots an inch is an inch, which is 144 pixels of the screen."""
+    Image.new("L", (300, 10)).save(out / "fig5.png", dpi=(300, 300))
+    assert 'style="width: min(100%, 144px)" src="data:image/png' in html(out)
+
+
+def test_quartiles_are_not_torn_apart():
+    page = to_html([([Text("2.67 [2.32, 2.72], [words](a.html)")], Path())], "t")
+    assert '2.67 [2.32,&nbsp;2.72], <a href="a.html">words</a>' in page
+
+
+def test_springs_to_be_turned_are_linked_from_html_alone(out):
+    found = bound(PAGE, out, "springs.html")
+    page = found["report.html"].decode()
+    link = page.index('<a href="springs.html">')
+    assert page.index('id="figures"') < link < page.index("<figure>")
+    assert found["report.md"].decode() == PAGE
+    assert "springs.html" not in html(out)
+
+
+def test_results_beside_come_before_stored_ones(out, monkeypatch):
+    monkeypatch.setattr(assembly, "STORED", REPORTS)
+    assert "Spring A | 85.4" not in bound(PAGE, out)["report.md"].decode()
+    work(out)
+    assert "Spring A | 85.4" in bound(PAGE, out)["report.md"].decode()
+
+
+def test_the_report_on_stored_results_stands_alone(monkeypatch):
+    page = bound((REPORTS / "paper" / "report.md").read_text(encoding="utf-8"), REPORTS / "paper")
+    text = page["report.html"].decode()
+    assert len(text) < 5e6
+    links = re.findall(r'(?:src|href)="([^"]*)"', text)
+    assert all(link.startswith(("data:", "#")) for link in links)
+    anchors = set(re.findall(r'<h\d id="([^"]*)"', text))
+    chapters = re.findall(r'<a href="#([^"]*)"', text)
+    assert chapters
+    assert set(chapters) <= anchors
+
+
+def test_provenance_tells_results_of_other_models(out):
+    beside = work(out)
+    assert "not recorded" in html(out)
+    write_provenance("coilcheck workprecision --quick", beside)
+    page = html(out)
+    assert "<code>coilcheck workprecision --quick</code>" in page
+    assert f"<code>{models()}</code>" in page
+    assert "<td>yes</td>" in page
+    made = json.loads((beside / FILE).read_text()) | {"models": "0" * 12}
+    (beside / FILE).write_text(json.dumps(made))
+    page = html(out)
+    assert "<td>yes</td>" not in page
+    assert "no: the command makes it anew" in page
+
+
+def test_long_tables_are_folded(tmp_path):
+    for count, folded in ((LONG, False), (LONG + 1, True)):
+        page = to_html([([Table(("a",), (("1",),) * count)], tmp_path)], "title")
+        assert ("<details>" in page) is folded

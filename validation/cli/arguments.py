@@ -1,0 +1,272 @@
+"""Arguments of the command ``coilcheck``."""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import NoReturn
+
+from coilspring import CATALOGUE, InputError, Scene, load_scene
+from validation.reproduce import ARTEFACTS
+from validation.study.machine import versions
+
+MODEL_OPTIONS = {
+    "equivbeam": ("law", "tangent", "sliding"),
+    "wirefe": ("element", "elements_per_turn", "pairs_per_turn"),
+}
+FILE_OPTIONS = {"equivbeam": (), "wirefe": ("vtu", "vtu_series")}  # what a model can write besides the path
+COMMON_OPTIONS = ("steps", "penalty")
+CAMPAIGN_RANGES = {  # of the options of stability
+    "beams": (0, 10_000_000),
+    "wires": (0, 10_000_000),
+    "seed": (0, 2**32 - 1),
+    "workers": (0, 1000),
+}
+STUDY_SCENES = (*CATALOGUE, "cylinder-lateral", "slender-axial")  # of workprecision
+PEERS = ("opensees", "calculix")  # of referee
+BASELINE = Path("reports", "baseline")
+SCENE_HELP = f"{', '.join(CATALOGUE)}, or a TOML file"
+
+
+EPILOG = """exit codes: 0 done; 1 something moved or is unexplained (regress, stability); 2 bad input;
+3 a path ended early, what was reached is written; 4 nothing could be written there; 130 interrupted
+
+example: coilcheck solve spring-a --model equivbeam"""
+
+
+class _Parser(argparse.ArgumentParser):
+    """Refuses with one sentence instead of a usage page."""
+
+    def error(self, message: str) -> NoReturn:
+        raise InputError(f"{message}; see {self.prog} --help")
+
+
+class _Version(argparse.Action):
+    """Prints the version; it is looked up here, not at every start."""
+
+    def __call__(self, parser: argparse.ArgumentParser, *unused: object) -> NoReturn:
+        print("coilcheck", versions()["coilcheck"] or "(a checkout)")
+        parser.exit()
+
+
+def command_line() -> argparse.ArgumentParser:
+    """Parser of the whole command line; an option that was not given stays unset."""
+    parser = _Parser(
+        prog="coilcheck",
+        description="Cross-validation of two models of helical compression springs whose coils touch.",
+        epilog=EPILOG,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+        allow_abbrev=False,
+    )
+    parser.add_argument("--version", action=_Version, nargs=0, help="print the version and exit")
+    commands = parser.add_subparsers(metavar="COMMAND", dest="command", required=True)
+    _add_new(commands)
+    _add_check(commands)
+    _add_reproduce(commands)
+    _add_solve(commands)
+    _add_compare(commands)
+    _add_workprecision(commands)
+    _add_sensitivity(commands)
+    _add_stability(commands)
+    _add_regress(commands)
+    _add_export(commands)
+    _add_referee(commands)
+    _add_view(commands)
+    return parser
+
+
+def given(arguments: argparse.Namespace, names: Sequence[str]) -> dict:
+    """The options among `names` that were given, by name."""
+    return {name: getattr(arguments, name) for name in names if hasattr(arguments, name)}
+
+
+def scene_of(arguments: argparse.Namespace) -> Scene:
+    """The scene with the steps and the penalty asked for."""
+    return load_scene(arguments.scene).overridden(**given(arguments, COMMON_OPTIONS))
+
+
+def _add_new(commands: argparse._SubParsersAction) -> None:
+    purpose = "a commented scene file of a catalogue scene, to be changed, on standard output"
+    command = _command(commands, "new", purpose, "coilcheck new spring-b", writes=False)
+    command.add_argument("name", choices=tuple(CATALOGUE), metavar="NAME", help=", ".join(CATALOGUE))
+
+
+def _add_check(commands: argparse._SubParsersAction) -> None:
+    purpose = "what a scene describes: its numbers, warnings as of EN 13906-1, and which models represent it"
+    command = _command(commands, "check", purpose, "coilcheck check spring-b --draw")
+    command.add_argument("scene", metavar="SCENE", help=SCENE_HELP)
+    command.add_argument("--draw", action="store_true", help="write spring.png; implied by --out")
+
+
+def _add_reproduce(commands: argparse._SubParsersAction) -> None:
+    purpose = "the paper's tables and figures by both models, and a report"
+    command = _command(commands, "reproduce", purpose, "coilcheck reproduce --only table3,fig5")
+    command.description = (
+        f"{command.description}"
+        " Solved runs and finished pieces are kept for the next time: in $COILCHECK_STORE, by default the "
+        "folder coilcheck among the user's caches, 256 MiB at most."
+    )
+    _add_only(command, ARTEFACTS)
+    drawn = command.add_mutually_exclusive_group()
+    drawn.add_argument("--no-render", action="store_true", help="tables and data only, no pictures")
+    what = "springs.html too: both models' springs, to be turned in a browser (extra: interactive)"
+    drawn.add_argument("--interactive", action="store_true", help=what)
+    what = "measure the solution times of Table 3 even where they are stored"
+    command.add_argument("--time", action="store_true", help=what)
+
+
+def _add_solve(commands: argparse._SubParsersAction) -> None:
+    purpose = "the load path of one scene by one model"
+    command = _command(commands, "solve", purpose, "coilcheck solve spring-b --model wirefe --steps 20")
+    command.add_argument("--model", choices=tuple(MODEL_OPTIONS), required=True, help="which model")
+    _add_scene(command)
+    what = "write wire.vtu too (wirefe): the deformed wire at the last step reached, with section forces"
+    command.add_argument("--vtu", action="store_true", help=what)
+    what = "write wire.pvd too (wirefe), a VTU file for every step, to be seen by coilcheck view or ParaView"
+    command.add_argument("--vtu-series", action="store_true", help=what)
+    _add_said(command, "summary.json")
+
+
+def _add_compare(commands: argparse._SubParsersAction) -> None:
+    purpose = "one scene by both models: the equivalent beam against the wire model"
+    command = _command(commands, "compare", purpose, "coilcheck compare my-spring.toml --out results")
+    _add_scene(command)
+    command.add_argument("--draw", action="store_true", help="write compare.png: both load curves and shapes")
+    _add_said(command, "compare.json")
+
+
+def _add_said(command: argparse.ArgumentParser, file: str) -> None:
+    """What is printed."""
+    said = command.add_mutually_exclusive_group()
+    said.add_argument("--json", action="store_true", help=f"print what {file} holds, and nothing else")
+    said.add_argument("--quiet", action="store_true", help="print nothing but errors")
+
+
+def _add_workprecision(commands: argparse._SubParsersAction) -> None:
+    purpose = "run time against error of both models, for every mesh, law and number of steps"
+    example = "coilcheck workprecision --quick --only spring-a,spring-b"
+    command = _command(commands, "workprecision", purpose, example)
+    _add_only(command, STUDY_SCENES)
+    size = command.add_mutually_exclusive_group()
+    size.add_argument("--quick", action="store_true", help="few meshes, few rounds: about a minute")
+    size.add_argument("--full", action="store_true", help="meshes up to 320 elements a turn")
+
+
+def _add_sensitivity(commands: argparse._SubParsersAction) -> None:
+    purpose = "how far what the paper leaves open moves the curves of both models"
+    command = _command(commands, "sensitivity", purpose, "coilcheck sensitivity --only spring-a,spring-b")
+    _add_only(command, tuple(CATALOGUE))
+
+
+def _add_stability(commands: argparse._SubParsersAction) -> None:
+    purpose = "sampled scenes by both models, each path judged; exit code 1 where an outcome is unexplained"
+    command = _command(commands, "stability", purpose, "coilcheck stability --beams 2000 --wires 100")
+    scenes = command.add_argument_group("what is judged; a campaign that was interrupted goes on")
+    scenes.add_argument("--beams", type=_number, metavar="N", help="equivalent-beam scenes; default 20000")
+    scenes.add_argument("--wires", type=_number, metavar="N", help="wire scenes; default 1000")
+    scenes.add_argument("--seed", type=_number, metavar="N", help="of the sequence of scenes; default 1")
+    scenes.add_argument("--case", metavar="ID", help="judge one case again, and write nothing")
+    how = "processes; default one for each core, 0 for none besides this one"
+    command.add_argument("--workers", type=_number, metavar="N", help=how)
+    where = "address of a Dask scheduler, whose workers judge the scenes (extra: dask)"
+    command.add_argument("--scheduler", metavar="ADDRESS", help=where)
+
+
+def _add_regress(commands: argparse._SubParsersAction) -> None:
+    purpose = "what both models find now against stored baselines; exit code 1 where something moved"
+    command = _command(commands, "regress", purpose, "coilcheck regress --baseline reports/baseline")
+    where = f"folder of the baselines; default {BASELINE.as_posix()}"
+    command.add_argument("--baseline", type=Path, default=BASELINE, metavar="DIR", help=where)
+    command.add_argument("--accept", action="store_true", help="write what is found as the new baselines")
+    what = "measure and judge the models' ratios of time too"
+    command.add_argument("--time", action="store_true", help=what)
+
+
+def _add_export(commands: argparse._SubParsersAction) -> None:
+    purpose = "the wire model of a scene as an input deck for another program"
+    command = _command(commands, "export", purpose, "coilcheck export spring-a --to calculix --out deck")
+    command.add_argument("--to", choices=("calculix",), required=True, help="which program")
+    _add_common(command)
+
+
+def _add_referee(commands: argparse._SubParsersAction) -> None:
+    purpose = "one scene by the wire model and by another finite-element code, which has to be installed"
+    command = _command(commands, "referee", purpose, "coilcheck referee spring-a --with opensees")
+    command.add_argument("--with", dest="peer", choices=PEERS, required=True, help="which code")
+    _add_common(command)
+
+
+def _add_view(commands: argparse._SubParsersAction) -> None:
+    purpose = "the wire as it deforms, in a window with a slider over the steps or as a movie"
+    command = _command(commands, "view", purpose, "coilcheck view spring-a --movie a.gif", writes=False)
+    where = f"{SCENE_HELP}, or the folder of a run with wire.pvd (solve --vtu-series)"
+    command.add_argument("scene", metavar="SCENE|RUN", help=where)
+    command.add_argument("--movie", type=Path, metavar="FILE", help="write a GIF, without a window")
+
+
+def _command(
+    commands: argparse._SubParsersAction, name: str, purpose: str, example: str, writes: bool = True
+) -> argparse.ArgumentParser:
+    command = commands.add_parser(
+        name,
+        help=purpose,
+        description=f"{purpose[0].upper()}{purpose[1:]}.",
+        epilog=f"example: {example}",
+        allow_abbrev=False,
+        argument_default=argparse.SUPPRESS,
+    )
+    if writes:
+        where = "where to write; default coilcheck-out/COMMAND[-SCENE]"
+        command.add_argument("--out", type=Path, metavar="DIR", help=where)
+    return command
+
+
+def _add_common(command: argparse.ArgumentParser) -> None:
+    """The scene, and what may take the place of its numbers."""
+    command.add_argument("scene", metavar="SCENE", help=SCENE_HELP)
+    both = command.add_argument_group("options of both models")
+    both.add_argument("--steps", type=_number, metavar="N", help="equal steps of time; default the scene's")
+    both.add_argument("--penalty", type=_number, metavar="X", help="contact stiffness; default the scene's")
+
+
+def _add_scene(command: argparse.ArgumentParser) -> None:
+    """The scene and the options of both models, whose defaults are the models' own."""
+    _add_common(command)
+    beam = command.add_argument_group("options of equivbeam")
+    beam.add_argument("--law", choices=("haringx", "helix"), help="law of a half coil; default haringx")
+    beam.add_argument("--tangent", choices=("exact", "paper", "paper-printed"), help="default exact")
+    beam.add_argument("--sliding", choices=("ignore", "scene"), help="the scene's sliding; default ignore")
+    wire = command.add_argument_group("options of wirefe")
+    wire.add_argument("--element", choices=("straight", "curved"), help="beam element; default straight")
+    wire.add_argument("--elements-per-turn", type=_number, metavar="N", help="default 40")
+    wire.add_argument("--pairs-per-turn", type=_number, metavar="N", help="sphere pairs; default 4")
+
+
+def _add_only(command: argparse.ArgumentParser, names: tuple[str, ...]) -> None:
+    """What of all to make."""
+    what = f"some of {','.join(names)}"
+    command.add_argument("--only", type=_some_of(names), metavar="NAMES", help=what)
+
+
+def _number(text: str) -> int | float | str:
+    """The number that `text` says; else the text, for the library to refuse with the range."""
+    for kind in (int, float):
+        try:
+            return kind(text)
+        except ValueError:
+            continue
+    return text
+
+
+def _some_of(allowed: tuple[str, ...]) -> Callable[[str], tuple[str, ...]]:
+    """Reads names that are `allowed`, and gives them in that order."""
+
+    def read(text: str) -> tuple[str, ...]:
+        names = text.split(",")
+        for name in names:
+            if name not in allowed:
+                raise argparse.ArgumentTypeError(f"must be names of {','.join(allowed)}, got {name!r}")
+        return tuple(name for name in allowed if name in names)
+
+    return read

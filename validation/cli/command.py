@@ -1,0 +1,264 @@
+"""The command ``coilcheck``."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from collections.abc import Callable, Sequence
+from contextlib import ExitStack
+from dataclasses import asdict
+from pathlib import Path
+
+from coilspring import CATALOGUE, EquilibriumNotFound, EquilibriumPath, InputError, Scene, load_scene
+from coilspring.scenefile import SECTIONS
+from coilspring.scenetext import scene_text
+from validation.cli import external, studies
+from validation.cli.arguments import (
+    FILE_OPTIONS,
+    MODEL_OPTIONS,
+    command_line,
+    given,
+    scene_of,
+)
+from validation.cli.terminal import apart, digest, notes, progress_shown, say
+from validation.study.metrics import compare_paths
+from validation.study.output import (
+    OutputError,
+    claimed,
+    json_bytes,
+    json_text,
+    path_files,
+    prepare,
+    remove_stale,
+    series_files,
+    summary,
+    vtu_file,
+    write_files,
+    writing,
+)
+from validation.study.partialsolve import as_far
+from validation.study.scenewarnings import warnings
+
+COMPLETED, REGRESSED, BAD_INPUT, NOT_COMPLETED, NOT_WRITTEN, INTERRUPTED = 0, 1, 2, 3, 4, 130
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    """Run the command line and return the exit code."""
+    try:
+        arguments = command_line().parse_args(argv)
+        return COMMANDS[arguments.command](arguments)
+    except InputError as error:
+        return _fail(BAD_INPUT, str(error))
+    except EquilibriumNotFound as error:
+        return _fail(NOT_COMPLETED, error.message)
+    except OutputError as error:
+        return _fail(NOT_WRITTEN, str(error))
+    except KeyboardInterrupt:
+        return _fail(INTERRUPTED, "interrupted")
+
+
+def _fail(code: int, message: str) -> int:
+    print("coilcheck:", " ".join(message.splitlines()), file=sys.stderr)
+    return code
+
+
+def new(arguments: argparse.Namespace) -> int:
+    """Print a scene file."""
+    say(scene_text(CATALOGUE[arguments.name]()).rstrip("\n"))
+    return COMPLETED
+
+
+def check(arguments: argparse.Namespace) -> int:
+    """Say what a scene describes."""
+    scene = load_scene(arguments.scene)
+    from validation.view.check import report
+
+    lines, warnings = report(scene)
+    lines += [f"warning: {warning}" for warning in warnings]
+    if hasattr(arguments, "draw") or hasattr(arguments, "out"):
+        folder = _folder(arguments)
+        prepare(folder)
+        from validation.view.drawing import draw
+
+        draw(scene, folder / "spring.png")
+        lines.append(f"drawn in {folder / 'spring.png'}")
+    say(*lines)
+    return COMPLETED
+
+
+def reproduce(arguments: argparse.Namespace) -> int:
+    """Make the paper's tables and figures."""
+    folder = _folder(arguments)
+    with claimed(folder), progress_shown() as progress:
+        from validation.reproduce.reproduction import reproduce as run
+
+        with writing(folder):
+            remarks = run(
+                folder,
+                getattr(arguments, "only", None),
+                not hasattr(arguments, "no_render"),
+                progress,
+                hasattr(arguments, "time"),
+                hasattr(arguments, "interactive"),
+            )
+    say(*remarks, f"written to {folder}")
+    return COMPLETED
+
+
+def solve(arguments: argparse.Namespace) -> int:
+    """Solve one scene with one model."""
+    model = arguments.model
+    for other, names in MODEL_OPTIONS.items():
+        for name in given(arguments, names + FILE_OPTIONS[other]) if other != model else ():
+            flag = "--" + name.replace("_", "-")
+            raise InputError(f"{flag} belongs to --model {other}, got --model {model}")
+    scene = scene_of(arguments)
+    folder = _folder(arguments)
+    with claimed(folder):
+        with progress_shown(hasattr(arguments, "quiet")) as progress:
+            path = _run(scene, model, arguments, progress)
+        files = path_files(path)
+        if hasattr(arguments, "vtu") and len(path.times):
+            files |= vtu_file(path)
+        if hasattr(arguments, "vtu_series") and len(path.times):
+            prepare(folder / "wire")
+            files |= series_files(path)
+        write_files(files, folder)
+        remove_stale(files, folder)
+    _warn(scene, arguments)
+    _conclude(arguments, summary(path), [*digest(path), f"written to {folder}"])
+    return _verdict(path)
+
+
+def compare(arguments: argparse.Namespace) -> int:
+    """Solve one scene with both models and compare them."""
+    scene = scene_of(arguments)
+    folder = _folder(arguments)
+    with ExitStack() as claims:
+        for each in (folder, *(folder / model for model in MODEL_OPTIONS)):
+            claims.enter_context(claimed(each))
+        with progress_shown(hasattr(arguments, "quiet")) as progress:
+            paths = {model: _run(scene, model, arguments, progress) for model in MODEL_OPTIONS}
+        comparison = compare_paths(paths["equivbeam"], paths["wirefe"])
+        found = {
+            "scene": scene.name,
+            **asdict(comparison),
+            **{model: str((folder / model).resolve()) for model in paths},
+            "warnings": warnings(scene),
+            "outcomes": {model: path.outcome for model, path in paths.items()},
+            "notes": [f"{model}: {note}" for model, path in paths.items() for note in notes(path)],
+        }
+        files = {"compare.json": json_bytes(found)}
+        if hasattr(arguments, "draw"):
+            from validation.view.overlay import overlay
+
+            files["compare.png"] = overlay(*paths.values())
+        for model, path in paths.items():
+            files |= {f"{model}/{name}": data for name, data in path_files(path).items()}
+        write_files(files, folder)
+        remove_stale(files, folder)
+        for model in paths:
+            remove_stale({}, folder / model)
+    _warn(scene, arguments)
+    lines = [line for path in paths.values() for line in digest(path)]
+    lines += apart(comparison, bool(scene.load.displacement))
+    _conclude(arguments, found, [*lines, f"written to {folder}"])
+    return _verdict(*paths.values())
+
+
+def study(arguments: argparse.Namespace) -> int:
+    """Judge the models, by one of the commands that run for minutes."""
+    with progress_shown() as progress:
+        lines, failure = studies.COMMANDS[arguments.command](arguments, _folder(arguments), progress)
+    say(*lines)
+    return _fail(REGRESSED, failure) if failure else COMPLETED
+
+
+def people(arguments: argparse.Namespace) -> int:
+    """Hand a scene to another program, or to the eye."""
+    with progress_shown() as progress:
+        lines = external.COMMANDS[arguments.command](arguments, _folder(arguments), progress)
+    say(*lines)
+    return COMPLETED
+
+
+COMMANDS = {
+    "new": new,
+    "check": check,
+    "reproduce": reproduce,
+    "solve": solve,
+    "compare": compare,
+    "workprecision": study,
+    "sensitivity": study,
+    "stability": study,
+    "regress": study,
+    "export": people,
+    "referee": people,
+    "view": people,
+}
+
+
+def _folder(arguments: argparse.Namespace) -> Path:
+    """Where to write; of a scene, by its catalogue name or its file's name."""
+    if hasattr(arguments, "out"):
+        return arguments.out
+    name = arguments.command
+    if hasattr(arguments, "scene"):
+        scene = arguments.scene
+        name += f"-{scene if scene in CATALOGUE else Path(scene).stem}"
+    return Path("coilcheck-out", name)
+
+
+def _run(
+    scene: Scene, model: str, arguments: argparse.Namespace, progress: Callable[[str], None]
+) -> EquilibriumPath:
+    """The path of one model, complete or as far as it was reached."""
+    progress(f"loading {model}")
+    solver = _solver(model)
+    progress(f"solving with {model}")
+    try:
+        return as_far(solver, scene, **given(arguments, MODEL_OPTIONS[model]))
+    except InputError as error:
+        raise _in_file(arguments.scene, error) from None
+
+
+def _solver(model: str) -> Callable[..., EquilibriumPath]:
+    """A model's `solve`, loaded alone: numba takes its time."""
+    if model == "equivbeam":
+        import equivbeam
+
+        return equivbeam.solve
+    import wirefe
+
+    return wirefe.solve
+
+
+def _in_file(scene: str, error: InputError) -> InputError:
+    """What a model refuses, with the scene file where it names a key of one."""
+    if scene not in CATALOGUE and str(error).partition(".")[0] in SECTIONS:
+        return InputError(f"{scene}: {error}")
+    return error
+
+
+def _warn(scene: Scene, arguments: argparse.Namespace) -> None:
+    """Say on stderr what makes the scene doubtful, unless asked to be quiet or for JSON, which holds it."""
+    if hasattr(arguments, "quiet") or hasattr(arguments, "json"):
+        return
+    for warning in warnings(scene):
+        print(f"coilcheck: warning: {warning}", file=sys.stderr)
+
+
+def _verdict(*paths: EquilibriumPath) -> int:
+    """Exit code of solved scenes; what was not completed is said on stderr."""
+    missed = [f"{path.model}: {path.message}" for path in paths if path.outcome != "completed"]
+    if missed:
+        return _fail(NOT_COMPLETED, f"{'; '.join(missed)}; what was reached is written")
+    return COMPLETED
+
+
+def _conclude(arguments: argparse.Namespace, found: dict, lines: list[str]) -> None:
+    """Print a result as asked for: for a reader, as JSON, or not at all."""
+    if hasattr(arguments, "json"):
+        say(json_text(found))
+    elif not hasattr(arguments, "quiet"):
+        say(*lines)

@@ -1,0 +1,84 @@
+"""What the command says: on standard output, and on a terminal while it works."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+
+from coilspring import EquilibriumPath
+from validation.study.metrics import Comparison
+from validation.study.output import writing
+
+
+def say(*lines: str) -> None:
+    """Print to stdout, whatever characters its encoding lacks; nothing where there are no lines."""
+    if not lines:
+        return
+    encoding = sys.stdout.encoding or "utf-8"
+    text = "\n".join(lines).encode(encoding, "backslashreplace").decode(encoding)
+    with writing("standard output"):
+        print(text, flush=True)
+
+
+@contextmanager
+def progress_shown(quiet: bool = False) -> Iterator[Callable[[str], None]]:
+    """Show what is being done, on a terminal only."""
+    if quiet or not sys.stderr.isatty():
+        yield lambda text: None
+        return
+    from rich.console import Console
+    from rich.text import Text
+
+    with Console(stderr=True).status("") as status:
+        yield lambda text: status.update(Text(text))
+
+
+def digest(path: EquilibriumPath) -> list[str]:
+    """A path for a reader at the terminal."""
+    lines = [f"{path.model}: {path.outcome}, {len(path.times)} of {path.scene.load.rows} steps"]
+    if len(path.times):
+        ux, uy, rotz = path.tips[-1]
+        force = f", axial force {path.loads[-1, 1]:.6g} N" if path.scene.load.displacement else ""
+        lines.append(
+            f"  tip at time {path.times[-1]:g}: ux {ux:.6g} mm, uy {uy:.6g} mm, rotz {rotz:.6g} rad{force}"
+        )
+    lines += [f"  {note}" for note in notes(path)]
+    lines.append(
+        f"  {path.total_iterations} iterations, {path.solve_seconds:.2g} s CPU "
+        f"(and {path.compile_seconds:.2g} s to make the kernels ready)"
+    )
+    return lines
+
+
+def notes(path: EquilibriumPath) -> list[str]:
+    """What a reader must know to compare a path with another model's."""
+    contact, said = path.scene.contact, []
+    if contact.enabled and contact.sliding != "free" and path.options.get("sliding") == "ignore":
+        said.append(
+            f"without the scene's sliding = \"{contact.sliding}\", as the paper's model: "
+            "--sliding scene has it"
+        )
+    if contact.sliding == "free" and path.critical_time is not None and path.active_contacts[-1:].any():
+        said.append('coils touch, and may slide off one another: contact.sliding = "none" would hold them')
+    if path.outcome == "completed" and "; " in path.message:
+        said.append(path.message.partition("; ")[2])
+    return said
+
+
+def apart(found: Comparison, driven: bool) -> list[str]:
+    """How far two paths lie apart, for a reader at the terminal; `driven`: UY is prescribed."""
+    if found.steps == 0:
+        return ["no step was reached by both models: nothing to compare"]
+    names = {name: "force" if driven and name == "uy" else name for name in found.component_max}
+    worst = max(names, key=found.component_max.__getitem__)
+    return [
+        f"difference over {found.steps} common steps: "
+        f"curve {100 * found.curve_max:.3g} % at most ({names[worst]}), {100 * found.curve_rms:.3g} % rms; "
+        f"shape at time {found.last_time:g} {found.shape_max:.3g} mm at most, {found.shape_rms:.3g} mm rms",
+        *(
+            f"  {label:<5} {100 * found.component_max[name]:.3g} % at most, "
+            f"{100 * found.component_rms[name]:.3g} % rms of the wire model's peak"
+            for name, label in names.items()
+        ),
+    ]

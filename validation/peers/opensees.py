@@ -1,0 +1,245 @@
+"""A scene's wire model in OpenSees: same nodes, section, supports and sphere contact as `wirefe`.
+
+The choices that OpenSees leaves open:
+
+- forceBeamColumn with an elastic section that has shear, two Gauss points (exact for a straight
+  element) and the Corotational transformation. ElasticTimoshenkoBeam would ignore that one silently.
+- Stiff beams from the top reference point, since rigidLink holds for small rotations only.
+- corotTruss with a gap material between the sphere centres: F = K max(0, d - h) exactly.
+- Newton's method, SparseSYM with RCM: as fast as SparseGEN or UmfPack and much faster than the band
+  and profile solvers. KrylovNewton and NewtonLineSearch lose Spring A's path, at 50 steps already.
+- EnergyIncr against the work of the load. RelativeEnergyIncr refers to the first iterate of the step,
+  which overshoots the farther, the larger the step: at a few steps it then accepts wrong states.
+- "No sliding": a pair that a step has closed gets a zeroLength element with two springs K across its
+  direction, and loses it when a step has opened it. That is linear in the displacements, as `wirefe`'s law.
+"""
+
+from __future__ import annotations
+
+import math
+import time
+from dataclasses import dataclass
+
+import numpy as np
+from openseespy import opensees as ops
+
+from coilspring import Scene
+from coilspring.wire import SHEAR_FACTOR
+from validation.peers.layout import layout, refuse
+from validation.peers.quiet import quiet
+
+ELEMENTS_PER_TURN = 40
+TOLERANCE = 1e-10  # of the energy test, over a bound of the load's work
+STIFF = 1e4  # sections of the stiff beams over the wire's; 1e2 to 1e6 move Spring A's tip by 1e-5
+MOST_ITERATIONS = 60  # of a step
+HALVINGS = 6  # of a step that does not converge
+NEVER_YIELDS = -1e12  # yield stress of the gap material, in compression
+WIRE, STEEP, SECTION, RULE, TANGENTIAL = 1, 2, 1, 1, 1_000_000  # tags
+
+
+@dataclass(frozen=True)
+class Run:
+    """An OpenSees analysis, as far as it converged.
+
+    Attributes
+    ----------
+    steps : that were asked for.
+    tips : (steps,) rows UX, UY, ROTZ of the top reference point, mm, rad; fewer than asked for where a
+        step did not converge.
+    seconds : CPU time of the analysis, without the building of the model.
+    iterations : Newton iterations of all steps.
+    """
+
+    steps: int
+    tips: np.ndarray
+    seconds: float
+    iterations: int
+
+    @property
+    def times(self) -> np.ndarray:
+        """Of the load, as far as it was reached."""
+        return np.arange(1, len(self.tips) + 1) / self.steps
+
+
+class _Builder:
+    """Puts a scene into OpenSees' one global model."""
+
+    def __init__(self, scene: Scene, elements_per_turn: int) -> None:
+        self.scene = scene
+        self.wire = layout(scene, elements_per_turn)
+        self.last = len(self.wire.points) - 1
+        self.top = self.last + 1  # reference point
+        self.nodes = 0
+        self.elements = 0
+        self.pairs: list[tuple[int, int]] = []  # nodes of the sphere centres
+        self.held: dict[tuple[int, int], int] = {}  # the element that keeps a pair from sliding
+        area, inertia = (
+            math.pi * np.array((1.0 / 4.0, 1.0 / 64.0)) * scene.spring.wire_diameter ** np.array((2, 4))
+        )
+        self.area, self.inertia = float(area), float(inertia)
+
+    def build(self) -> None:
+        """Build the whole model, the load included."""
+        ops.wipe()
+        ops.model("basic", "-ndm", 3, "-ndf", 6)
+        self._wire()
+        self._supports()
+        self._stiff_beam(self.last)
+        self._contact()
+        ops.timeSeries("Linear", 1)
+        ops.pattern("Plain", 1, 1)
+        ops.load(self.top, *self.scene.load.force, 0.0, 0.0, 0.0, 0.0)
+
+    def hold(self) -> None:
+        """Keep the pairs that touch now from sliding, and let those go that do not."""
+        if self.scene.contact.sliding != "none":
+            return
+        for pair in self.pairs:
+            low, high = (np.add(ops.nodeCoord(node), ops.nodeDisp(node)[:3]) for node in pair)
+            apart = high - low
+            closed = float(np.linalg.norm(apart)) < self.scene.spring.wire_diameter
+            if closed and pair not in self.held:
+                self.held[pair] = self._tangential(pair, apart)
+            elif not closed and pair in self.held:
+                ops.remove("element", self.held.pop(pair))
+
+    def _tangential(self, pair: tuple[int, int], along: np.ndarray) -> int:
+        """Springs across `along` that are free of force now."""
+        across = np.cross(along, np.eye(3)[np.argmin(np.abs(along))])
+        self._element(
+            "zeroLength", *pair, "-mat", TANGENTIAL, TANGENTIAL, "-dir", 2, 3, "-orient", *along, *across
+        )
+        return self.elements
+
+    def _node(self, point: np.ndarray) -> int:
+        ops.node(self.nodes, *point.tolist())
+        self.nodes += 1
+        return self.nodes - 1
+
+    def _element(self, kind: str, first: int, second: int, *properties: float | str) -> None:
+        self.elements += 1
+        ops.element(kind, self.elements, first, second, *properties)
+
+    def _wire(self) -> None:
+        """Nodes 0 to `last` on the helix, then the reference point; straight elements between them."""
+        material = self.scene.material
+        for point in (*self.wire.points, self.wire.reference):
+            self._node(point)
+        area, inertia = self.area, self.inertia
+        properties = (material.E, area, inertia, inertia, material.G, 2.0 * inertia)
+        ops.section("Elastic", SECTION, *properties, SHEAR_FACTOR, SHEAR_FACTOR)
+        ops.beamIntegration("Legendre", RULE, SECTION, 2)
+        ops.geomTransf("Corotational", WIRE, 0.0, 1.0, 0.0)  # the wire never runs along Y ...
+        ops.geomTransf("Corotational", STEEP, 0.0, 0.0, 1.0)  # ... but a stiff beam may
+        for node in range(self.last):
+            self._element("forceBeamColumn", node, node + 1, WIRE, RULE)
+
+    def _supports(self) -> None:
+        held = self.scene.supports.top_held
+        ops.fix(0, *[1] * 6)
+        ops.fix(self.top, int("ux" in held), 0, 1, 1, 1, int("rotz" in held))
+
+    def _stiff_beam(self, node: int) -> None:
+        """Tie a node to the top reference point."""
+        chord = np.subtract(ops.nodeCoord(node), ops.nodeCoord(self.top))
+        steep = abs(chord[1]) > 0.9 * np.linalg.norm(chord)
+        material, area, inertia = self.scene.material, STIFF * self.area, STIFF * self.inertia
+        properties = (area, material.E, material.G, 2.0 * inertia, inertia, inertia)
+        self._element("elasticBeamColumn", self.top, node, *properties, STEEP if steep else WIRE)
+
+    def _sphere(self, index: int) -> int:
+        """Node at the centre of a sphere: of the wire, or of a rigid end."""
+        carrier = int(self.wire.carriers[index])
+        if 0 <= carrier <= self.last:
+            return carrier
+        node = self._node(self.wire.spheres[index])
+        if carrier < 0:
+            ops.fix(node, *[1] * 6)
+        else:
+            self._stiff_beam(node)
+        return node
+
+    def _contact(self) -> None:
+        """A truss between the centres of each pair."""
+        ops.uniaxialMaterial("Elastic", TANGENTIAL, self.scene.contact.stiffness)
+        nodes = {int(index): self._sphere(index) for index in np.unique(self.wire.pairs)}
+        for pair in self.wire.pairs:
+            lower, upper = (nodes[int(index)] for index in pair)
+            self.pairs.append((lower, upper))
+            self._gap(lower, upper, self.wire.rest(pair))
+
+    def _gap(self, lower: int, upper: int, rest: float) -> None:
+        """Penalty between two sphere centres; strain is (h - rest) / rest, area 1."""
+        gap = self.scene.spring.wire_diameter / rest - 1.0
+        tag = self.elements + 1
+        ops.uniaxialMaterial("ElasticPPGap", tag, self.scene.contact.stiffness * rest, NEVER_YIELDS, gap)
+        self._element("corotTruss", lower, upper, 1.0, tag)
+
+
+def tolerance(scene: Scene) -> float:
+    """Energy increment below which a step has converged, N mm."""
+    return TOLERANCE * float(np.abs(scene.load.force).max()) * scene.spring.active_height
+
+
+def run(
+    scene: Scene,
+    steps: int,
+    tolerance: float,
+    halvings: int = HALVINGS,
+    elements_per_turn: int = ELEMENTS_PER_TURN,
+) -> Run:
+    """Build the scene's model and load it in equal steps.
+
+    Parameters
+    ----------
+    scene : one force, contact exponent 1, no Coulomb friction.
+    steps : number of load steps.
+    tolerance : energy increment below which a step has converged, N mm.
+    halvings : of a step that does not converge.
+    elements_per_turn : a multiple of 4.
+
+    Raises
+    ------
+    InputError : what is not given to this peer.
+    """
+    refuse(scene, "opensees")
+    builder = _Builder(scene, elements_per_turn)
+    tips: list[list[float]] = []
+    with quiet():
+        builder.build()
+        _prepare(tolerance)
+        began = time.process_time()
+        iterations = 0
+        while len(tips) < steps:
+            spent = _advance(builder, 1.0 / steps, halvings)
+            if spent is None:
+                break
+            iterations += spent
+            tips.append([ops.nodeDisp(builder.top, freedom) for freedom in (1, 2, 6)])
+        seconds = time.process_time() - began
+        ops.wipe()
+    return Run(steps, np.array(tips).reshape(-1, 3), seconds, iterations)
+
+
+def _advance(builder: _Builder, step: float, halvings: int) -> int | None:
+    """Go on by a step of the load, in halves where it does not converge; iterations, None where lost."""
+    ops.integrator("LoadControl", step)
+    if ops.analyze(1) == 0:
+        spent = ops.testIter()
+        builder.hold()
+        return spent
+    if halvings == 0:
+        return None
+    first = _advance(builder, 0.5 * step, halvings - 1)
+    second = None if first is None else _advance(builder, 0.5 * step, halvings - 1)
+    return None if first is None or second is None else MOST_ITERATIONS + first + second
+
+
+def _prepare(tolerance: float) -> None:
+    ops.constraints("Plain")
+    ops.numberer("RCM")
+    ops.system("SparseSYM")
+    ops.test("EnergyIncr", tolerance, MOST_ITERATIONS, 0)
+    ops.algorithm("Newton")
+    ops.integrator("LoadControl", 1.0)
+    ops.analysis("Static")

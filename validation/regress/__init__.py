@@ -1,0 +1,1 @@
+"""What both models find now against baselines."""

@@ -1,0 +1,105 @@
+"""Regressions: what both models find now against baselines (``coilcheck regress``)."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from contextlib import ExitStack
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from validation.regress import baselines, timeratios
+from validation.regress.baselines import MODELS, Run, find, made, read, runs
+from validation.regress.comparison import Move, compare
+from validation.study.document import Block, Heading, Table, Text, to_markdown
+from validation.study.output import claimed, write_text
+from validation.study.warmup import make_ready
+
+
+@dataclass(frozen=True)
+class Finding:
+    """What a regression run found.
+
+    Attributes
+    ----------
+    moves : what moved; empty where nothing did, or where there was nothing to compare with.
+    compared : number of runs.
+    accepted : whether the baselines were written anew.
+    """
+
+    moves: tuple[Move, ...]
+    compared: int
+    accepted: bool
+
+
+def regress(
+    out: Path,
+    baseline: Path,
+    accept: bool = False,
+    times: bool = False,
+    progress: Callable[[str], None] = lambda line: None,
+    chosen: Sequence[Run] | None = None,
+) -> Finding:
+    """Run what is watched and compare it with the baselines.
+
+    Parameters
+    ----------
+    out : folder for what was found, one JSON file a model, and ``regress.md``; made where missing.
+        What was found before an interruption is there too.
+    baseline : folder of the baselines.
+    accept : write what was found as the new baselines, with the ratios of times.
+    times : measure and judge the ratios of times too.
+    progress : called with one line on what is being done.
+    chosen : runs; by default all of `baselines.runs`.
+
+    Raises
+    ------
+    InputError : baselines that are missing or cannot be read, unless they are about to be written.
+    """
+    kept = _kept(baseline, accept)
+    with ExitStack() as claims:
+        for folder in (out, baseline) if accept else (out,):
+            claims.enter_context(claimed(folder))
+        progress("making the kernels ready")
+        make_ready()
+        watched = runs() if chosen is None else chosen
+        found = find(watched, progress, lambda part: baselines.write(part, out))
+        moves = compare(kept, found, str(made()["processor"])) if kept else ()
+        if times or accept:
+            ratios = timeratios.measure(progress)
+            timeratios.write(ratios, out)
+            moves += timeratios.compare(baseline, ratios) if times else ()
+        if accept:
+            baselines.write(found, baseline)
+            timeratios.write(ratios, baseline)
+        finding = Finding(moves, len(watched), accept)
+        write_text(out / "regress.md", to_markdown(_report(finding, kept)))
+        return finding
+
+
+def _kept(baseline: Path, accept: bool) -> dict[str, dict[str, Any]] | None:
+    """The baselines; None where they are about to be written for the first time."""
+    if accept and not any((baseline / f"{model}.json").exists() for model in MODELS):
+        return None
+    return read(baseline)
+
+
+def verdict(finding: Finding) -> str:
+    """The outcome in a few words."""
+    found = f"{len(finding.moves)} quantities moved" if finding.moves else "nothing moved"
+    ending = "; accepted as the new baselines" if finding.accepted else ""
+    return f"{finding.compared} runs: {found}{ending}"
+
+
+def _report(finding: Finding, kept: dict[str, dict[str, Any]] | None) -> list[Block]:
+    blocks: list[Block] = [Heading(1, "Regression"), Text(f"**{verdict(finding)}.**")]
+    if kept:
+        since = kept[MODELS[0]]["made"]
+        here = made()
+        origin = f"Baselines of {since['date']} on {since['processor']}"
+        blocks.append(Text(f"{origin}; compared {here['date']} on {here['processor']}."))
+    if finding.moves:
+        header = ("run", "quantity", "was", "is", "by how much")
+        rows = [(move.run, move.quantity, move.before, move.now, move.measure) for move in finding.moves]
+        blocks.append(Table(header, tuple(rows)))
+    return blocks

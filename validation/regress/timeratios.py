@@ -1,0 +1,77 @@
+"""Ratios of solution times between the models: kept beside the baselines, judged only on request."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Mapping
+from pathlib import Path
+
+import numpy as np
+
+from coilspring import InputError, Scene
+from validation.regress.baselines import made
+from validation.regress.comparison import Move
+from validation.study.cases import CASES, PAPER_MESH, solve_beam, solve_wire
+from validation.study.output import write_json
+
+FILE = "times.json"
+ROUNDS, REPEATS = 5, 5
+ALLOWED = 1.5  # factor by which a ratio may change
+CURVED = {"element": "curved", "elements_per_turn": 8}
+
+
+def measure(progress: Callable[[str], None]) -> dict[str, float]:
+    """Medians of ratios that are formed within each round, by name."""
+    found: dict[str, float] = {}
+    for case in CASES:
+        progress(f"timing: {case.name}")
+        scene = case.scene
+        rounds = np.array(
+            [
+                [
+                    solve_wire(scene, **PAPER_MESH).solve_seconds,
+                    solve_wire(scene, **CURVED).solve_seconds,
+                    _beam_seconds(scene, law="haringx"),
+                    _beam_seconds(scene, law="helix", sliding="scene"),
+                ]
+                for _ in range(ROUNDS)
+            ]
+        )
+        straight, curved, haringx, helix = rounds.T
+        for name, ratio in (
+            ("wirefe straight 40 / equivbeam haringx", straight / haringx),
+            ("wirefe straight 40 / wirefe curved 8", straight / curved),
+            ("equivbeam helix / equivbeam haringx", helix / haringx),
+        ):
+            found[f"{case.name}, {name}"] = float(np.median(ratio))
+    return found
+
+
+def _beam_seconds(scene: Scene, **options: str) -> float:
+    """CPU seconds of the equivalent beam, which takes about a millisecond: the median of several."""
+    return float(np.median([solve_beam(scene, **options).solve_seconds for _ in range(REPEATS)]))
+
+
+def write(ratios: Mapping[str, float], folder: Path) -> None:
+    """Write the ratios with where and when they were measured."""
+    write_json(folder / FILE, {"made": made(), "ratios": {name: round(r, 3) for name, r in ratios.items()}})
+
+
+def compare(folder: Path, ratios: Mapping[str, float]) -> tuple[Move, ...]:
+    """Ratios that changed by more than `ALLOWED`.
+
+    Raises
+    ------
+    InputError : where no ratios are kept.
+    """
+    file = folder / FILE
+    try:
+        kept = json.loads(file.read_text(encoding="utf-8"))["ratios"]
+        pairs = [(name, float(kept.get(name, np.nan)), ratio) for name, ratio in ratios.items()]
+    except (OSError, ValueError, KeyError, TypeError, AttributeError) as error:
+        raise InputError(f"{file} holds no ratios of times; write them by --accept") from error
+    return tuple(
+        Move("times", name, f"{before:.3g}", f"{now:.3g}", f"factor {now / before:.3g}, {ALLOWED:g} allowed")
+        for name, before, now in pairs
+        if not 1.0 / ALLOWED <= now / before <= ALLOWED
+    )

@@ -1,0 +1,208 @@
+"""How each table and figure of the paper is made, and the report on them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from contextlib import ExitStack
+from dataclasses import dataclass, field
+from functools import partial
+from pathlib import Path
+from types import ModuleType
+from typing import TYPE_CHECKING
+
+from validation.reproduce import curves, evidence, facts, phases, report, tables
+from validation.reproduce.assembly import PAGE
+from validation.study.cases import PathStore, case
+from validation.study.document import Table, to_csv, to_markdown
+from validation.study.output import json_bytes, write_files
+from validation.study.provenance import FILE, provenance
+from validation.study.statements import rendered
+from validation.study.timing import Measurement, measure
+from validation.view import htmlscene, render3d, shapes
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from validation.view.render3d import Rendering
+    from validation.view.shapes import Shapes
+
+Files = dict[str, bytes]  # by name
+
+
+@dataclass
+class Maker:
+    """Makes pieces, writes their files and keeps them in the store.
+
+    Attributes
+    ----------
+    out : folder of the results.
+    paths : of both models; their store keeps the pieces, too.
+    render : whether pictures are made.
+    cleanup : ends the rendering processes, whatever happens.
+    measured : times of Table 3, for the pieces that show them.
+    renderings : by piece, its key, its other files, and panels and running process of its figure in space.
+    notes : what did not go as planned, one sentence each.
+    """
+
+    out: Path
+    paths: PathStore
+    render: bool
+    cleanup: ExitStack
+    measured: Measurement | None = None
+    renderings: dict[str, tuple[str, Files, tuple[Shapes, ...], Rendering]] = field(default_factory=dict)
+    notes: list[str] = field(default_factory=list)
+
+    def measure(self) -> str:
+        """Measure the times of Table 3; as JSON."""
+        return measure(self.paths).to_json()
+
+    def make(self, name: str, key: str, times: str = "") -> Files:
+        """Make a piece; it is kept under its key when all of it is there.
+
+        Figures in space are written later, by `finish`.
+
+        `times` are those of Table 3 as JSON, for the pieces that show them.
+        """
+        if times:
+            self.measured = Measurement.from_json(times)
+        if name in SPRINGS:
+            return self._springs(name, key)
+        files = PIECES[name](self)
+        if not self.notes:  # which are of this machine today
+            self.paths.store.put(key, files)
+        return files
+
+    def finish(self) -> None:
+        """Wait for the figures in space and write them."""
+        for name, (key, files, panels, rendering) in self.renderings.items():
+            self.paths.announce(f"rendering {name}")
+            rendered = rendering.result()
+            picture = self.picture(name, partial(_space_figure, panels, rendered), lines=False)
+            write_files(picture, self.out)
+            if isinstance(rendered, str):
+                note = f"{name} was drawn by matplotlib, since pyvista could not render here: {rendered}."
+                self.notes.append(note)
+                self.paths.announce(note)
+            else:
+                self.paths.store.put(key, files | picture)
+        self.renderings.clear()
+
+    def interactive(self, mark: str) -> str:
+        """Write the springs of all figures in space as one scene; in a few words why there is none."""
+        self.paths.announce("springs to be turned")
+        panels = [shapes.shapes(self.paths, name) for names in SPRINGS.values() for name in names]
+        page = htmlscene.page(panels, mark)
+        if isinstance(page, str):
+            return page
+        write_files({htmlscene.FILE: page}, self.out)
+        return ""
+
+    def picture(self, name: str, draw: Callable[[], Figure], lines: bool = True) -> Files:
+        """A figure in the common style as PNG, one of lines as SVG too; nothing where none are wanted."""
+        if not self.render:
+            return {}
+        import matplotlib
+
+        from validation.study.plots import drawn, png
+        from validation.study.style import RC
+
+        with matplotlib.rc_context(RC):
+            return drawn(draw(), name) if lines else {f"{name}.png": png(draw())}
+
+    def _springs(self, name: str, key: str) -> Files:
+        """Deformed springs; the figure in space is rendered in a process of its own while work goes on."""
+        panels = tuple(shapes.shapes(self.paths, scene) for scene in SPRINGS[name])
+        rendering = self._rendering(panels)
+        files = _csv(name, shapes.centreline_table(panels))
+        files |= _csv(f"{name}-plane", shapes.circle_table(panels))
+        files |= self.picture(f"{name}-plane", partial(_plane_figure, panels))
+        if rendering is None:
+            self.paths.store.put(key, files)
+        else:
+            self.renderings[name] = (key, files, panels, rendering)
+        return files
+
+    def _rendering(self, panels: tuple[Shapes, ...]) -> Rendering | None:
+        if not self.render:
+            return None
+        return self.cleanup.enter_context(render3d.Rendering(panels))
+
+
+def _csv(name: str, table: Table) -> Files:
+    """A table as a CSV file."""
+    return {f"{name}.csv": to_csv(table).encode()}
+
+
+def _table3(maker: Maker) -> Files:
+    assert maker.measured is not None
+    return _csv("table3", tables.table3_data(maker.measured))
+
+
+def _fig5(maker: Maker) -> Files:
+    data = _csv("fig5", curves.tip_curves(maker.paths))
+    return data | maker.picture("fig5", lambda: _figures().tip_figure(maker.paths))
+
+
+def _fig7(maker: Maker) -> Files:
+    data = _csv("fig7", curves.load_deflection(maker.paths))
+    return data | maker.picture("fig7", lambda: _figures().load_figure(maker.paths))
+
+
+def _fig8(maker: Maker) -> Files:
+    data = _csv("fig8", curves.iteration_counts(maker.paths))
+    return data | maker.picture("fig8", lambda: _figures().iteration_figure(maker.paths))
+
+
+def _figures() -> ModuleType:
+    """Drawing is imported only where pictures are made: matplotlib takes most of a second."""
+    from validation.reproduce import figures
+
+    return figures
+
+
+def _space_figure(panels: tuple[Shapes, ...], rendered: list[Path] | str) -> Figure:
+    from validation.reproduce.springfigures import space_figure
+
+    return space_figure(panels, rendered)
+
+
+def _plane_figure(panels: tuple[Shapes, ...]) -> Figure:
+    from validation.reproduce.springfigures import plane_figure
+
+    return plane_figure(panels)
+
+
+def _report(maker: Maker) -> Files:
+    """The reproduction's page; all pictures are there when it is made."""
+
+    assert maker.measured is not None
+    scene = case("spring-b").scene
+    found = evidence.gather(maker.paths, maker.measured)
+    known = facts.facts(found)
+    held = maker.paths.wire(scene)
+    picture = maker.picture("sliding", lambda: _figures().sliding_figure(held, found.frictionless))
+    maker.finish()
+    parts = report.compose(found, known, maker.paths, maker.render, maker.notes)
+    made = {
+        PAGE: to_markdown(rendered(parts, known)).encode(),
+        FILE: provenance("coilcheck reproduce"),
+        facts.FILE: json_bytes(known),
+    }
+    return (
+        picture
+        | _csv("claims", report.claim_table(known))
+        | _csv("phases", phases.phase_table(found.phases))
+        | made
+    )
+
+
+SPRINGS = {"fig4": ("spring-a-no-contact", "spring-a"), "fig6": ("spring-b-no-contact", "spring-b")}
+PIECES: dict[str, Callable[[Maker], Files]] = {
+    "table1": lambda maker: _csv("table1", tables.table1()),
+    "table2": lambda maker: _csv("table2", tables.table2()),
+    "table3": _table3,
+    "fig5": _fig5,
+    "fig7": _fig7,
+    "fig8": _fig8,
+    "report": _report,
+}

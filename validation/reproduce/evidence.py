@@ -1,0 +1,137 @@
+"""What the report rests on: paths of both models, their differences, the mesh's own error, timings.
+
+`validation.reproduce.facts` turns it into the numbers that sentences are computed from.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from coilspring import EquilibriumPath, Scene
+from validation.reproduce.phases import Turned, over_phases
+from validation.study.cases import CASES, FINE_MESH, PAPER_MESH, Case, PathStore, case
+from validation.study.metrics import Comparison, compare_paths
+from validation.study.timing import Measurement, Timing
+
+# Richardson: an error that falls with the square of the element length is this multiple of the
+# difference to the finer mesh
+_REFINED = FINE_MESH["elements_per_turn"] / PAPER_MESH["elements_per_turn"]
+RICHARDSON = _REFINED**2 / (_REFINED**2 - 1.0)
+
+OVERLOAD = 1.2  # of the paper's load
+
+STEPS = (10, 20, 50, 200)  # substeps over which the no-sliding rule's dependence is measured
+
+
+@dataclass(frozen=True)
+class CaseEvidence:
+    """One case.
+
+    Attributes
+    ----------
+    case : the case.
+    wire, fine : the wire model on the paper's mesh and on a finer one.
+    beam, paper : the equivalent beam with its exact tangent and with the paper's.
+    error : the beam against the wire model on the paper's mesh.
+    mesh_error : Richardson estimate of the error of the paper's mesh.
+    """
+
+    case: Case
+    wire: EquilibriumPath
+    fine: EquilibriumPath
+    beam: EquilibriumPath
+    paper: EquilibriumPath
+    error: Comparison
+    mesh_error: Comparison
+
+    @property
+    def converged_tips(self) -> np.ndarray:
+        """Tips of the wire model extrapolated to an infinitely fine mesh, shape (steps, 3)."""
+        return self.wire.tips + RICHARDSON * (self.fine.tips - self.wire.tips)
+
+    @property
+    def converged_error(self) -> float:
+        """Largest difference of the beam's tips from `converged_tips`, over their peak, worst component."""
+        tips = self.converged_tips
+        moved = np.abs(tips).max(axis=0) > 0.0
+        return float((np.abs(self.beam.tips - tips)[:, moved] / np.abs(tips[:, moved]).max(axis=0)).max())
+
+
+@dataclass(frozen=True)
+class Evidence:
+    """Everything the report's sentences are computed from.
+
+    Attributes
+    ----------
+    cases, timings : by name of the scene.
+    machine : where and when the times were measured.
+    frictionless : wire model of Spring B with sliding contact, as far as it goes.
+    sticking : equivalent beam of Spring B without sliding, against the wire model.
+    stepped : wire model of Spring B without sliding, UY at full load by number of substeps.
+    overloaded : equivalent beam of Spring B under more than its full load, as far as it goes.
+    phases : both models of Spring A at other start phases, by contact.
+    """
+
+    cases: Mapping[str, CaseEvidence]
+    timings: Mapping[str, Timing]
+    machine: Mapping[str, str]
+    frictionless: EquilibriumPath
+    sticking: Comparison
+    stepped: Mapping[int, float]
+    overloaded: EquilibriumPath
+    phases: Mapping[str, tuple[Turned, ...]]
+
+    @property
+    def overload(self) -> float:
+        """Where the overloaded beam ends, in parts of the paper's load."""
+        share = self.overloaded.scene.load.force[1] / self.cases["spring-b"].case.scene.load.force[1]
+        return share * (self.overloaded.critical_time or 1.0)
+
+
+def gather(store: PathStore, measured: Measurement) -> Evidence:
+    """Collect the evidence; solves what `store` does not hold yet."""
+    scene = case("spring-b").scene
+    return Evidence(
+        cases={item.name: _case(store, item) for item in CASES},
+        timings={item.case.name: item for item in measured.timings},
+        machine=measured.machine,
+        frictionless=store.wire_as_far(frictionless(scene)),
+        sticking=compare_paths(store.beam(scene, sliding="scene"), store.wire(scene)),
+        stepped={n: float(store.wire(scene, steps=n).tips[-1, 1]) for n in STEPS},
+        overloaded=store.beam_as_far(overloaded(scene)),
+        phases=over_phases(store),
+    )
+
+
+def frictionless(scene: Scene) -> Scene:
+    """The scene with coils that slide on each other."""
+    return replace(scene, contact=replace(scene.contact, sliding="free"))
+
+
+def overloaded(scene: Scene) -> Scene:
+    """The scene under a load that is larger by `OVERLOAD`."""
+    fx, fy = scene.load.force
+    return replace(scene, load=replace(scene.load, force=(OVERLOAD * fx, OVERLOAD * fy)))
+
+
+def _case(store: PathStore, item: Case) -> CaseEvidence:
+    scene = item.scene
+    wire, fine = store.wire(scene), store.wire(scene, **FINE_MESH)
+    beam = store.beam(scene)
+    return CaseEvidence(
+        case=item,
+        wire=wire,
+        fine=fine,
+        beam=beam,
+        paper=store.beam(scene, tangent="paper"),
+        error=compare_paths(beam, wire),
+        mesh_error=_scaled(compare_paths(wire, fine), RICHARDSON),
+    )
+
+
+def _scaled(comparison: Comparison, factor: float) -> Comparison:
+    names = ("curve_max", "curve_rms", "shape_max", "shape_rms")
+    return replace(comparison, **{name: factor * getattr(comparison, name) for name in names})

@@ -1,0 +1,418 @@
+"""Findings, each computed from recorded evidence: ``python -m validation.reproduce.findings``."""
+
+from __future__ import annotations
+
+import re
+import textwrap
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+from validation.reproduce.claims import (
+    AGREES,
+    CASE_NAMES,
+    UNDECIDED,
+    curves,
+    match,
+    phase_range,
+    softer_bare,
+    softer_contact,
+)
+from validation.reproduce.records import Records
+from validation.reproduce.timeclaims import cost
+from validation.study.output import write_text
+from validation.study.statements import Facts, Statement, percent, statement
+
+PAGE = Path("docs/findings.md")
+WIDTH = 110
+HEAD = """\
+# Findings
+
+Written by `python -m validation.reproduce.findings` from recorded results: each finding with its numbers and
+the place where they are measured. Material, penalty and much else of the paper's springs had to be assumed
+([what that moves](../reports/sensitivity/sensitivity.md)); nothing here is compared with a measured spring.
+Full load unless said otherwise; *curve* is the largest difference of the top's displacements over the
+reference's peak.
+"""
+REPORT = "../reports/paper/report.md"
+SENTENCES = f"[Report]({REPORT}#what-the-paper-says-sentence-by-sentence)"
+PHASES = f"[Report]({REPORT}#which-model-is-softer-by-start-phase)"
+SENSITIVITY = "../reports/sensitivity/sensitivity.md"
+BUDGET = "[Error budget](error-budget.md#the-papers-four-cases)"
+FOUR = "error-budget > The paper's four cases"
+TOUCHING_B, BARE_A, BARE_B = "Spring B", "Spring A w/o contacts", "Spring B w/o contacts"
+ALIKE = 0.01  # per cent: what is less is the same
+
+
+def span(values: Sequence[float], digits: int) -> str:
+    """Least to largest."""
+    return f"{min(values):.{digits}f} to {max(values):.{digits}f}"
+
+
+# On the paper's claims
+
+
+@statement("findings.match")
+def matching(f: Facts) -> str:
+    error = {name: percent(value) for name, value in curves(f).items()}
+    meshes = [100.0 * f[f"{name}.mesh"] for name in CASE_NAMES]
+    verb = "matches" if match.judge(f).verdict == AGREES else "does not match"
+    return (
+        f"**The equivalent beam {verb} the wire model where the helix starts in the working plane.** "
+        f"Curves are apart by at most {error['spring-a']} (Spring A) and {error['spring-b']} (Spring B) "
+        f"with contact, {error['spring-a-no-contact']} and {error['spring-b-no-contact']} without; the FE "
+        f"mesh itself errs by {span(meshes, 2)} %. Over all start phases, which the paper does not give, "
+        f"Spring A's are apart by {phase_range(f, 'bare')} without contact, {phase_range(f, 'few')} with "
+        f"{f['setting.pairs']} sphere pairs a turn and {phase_range(f, 'many')} with "
+        f"{f['setting.many_pairs']}. [Report]({REPORT}#how-far-apart-the-models-are)"
+    )
+
+
+@statement("findings.softer")
+def softer(f: Facts) -> str:
+    verdicts = {softer_bare.judge(f).verdict, softer_contact.judge(f).verdict}
+    head = (
+        "Which model is softer cannot be decided."
+        if verdicts == {UNDECIDED}
+        else f"The paper's beam is always softer than FE: {' and '.join(sorted(verdicts))}."
+    )
+    bare, many = ([100.0 * share for share in f[f"phases.{kind}.uy"]] for kind in ("bare", "many"))
+    pairs = zip(f["phases.bare.degrees"], f["phases.bare.softer"], strict=True)
+    always = " and ".join(str(angle) for angle, count in pairs if count == f["setting.steps"])
+    whole = (
+        f"without contact it is softer in all components at all loads, as the paper says, at {always} degrees"
+        if always
+        else "at no phase is it softer in all components at all loads"
+    )
+    return (
+        f"**{head}** The paper calls its beam always softer than FE, and does not give the start phase of "
+        f"the helix. Over the phases the beam's UY is off by {min(bare):+.1f} to {max(bare):+.1f} % without "
+        f"contact, {min(many):+.1f} to {max(many):+.1f} % with {f['setting.many_pairs']} pairs a turn; "
+        f"{whole}. {PHASES}"
+    )
+
+
+@statement("findings.time")
+def faster(f: Facts) -> str:
+    ratios = [f[f"{name}.time.ratio"] for name in CASE_NAMES]
+    papers = [f[f"paper.{name}.wire"] / f[f"paper.{name}.beam"] for name in CASE_NAMES]
+    wire = [1e3 * f[f"{name}.time.wire"] for name in CASE_NAMES]
+    faster = (
+        f"{span(ratios, 0)} times faster than" if min(ratios) > 1.0 else f"{span(ratios, 2)} times as fast as"
+    )
+    cheap = (
+        'so "very expensive" is not the method\'s.'
+        if cost.judge(f).verdict != AGREES
+        else 'so FE is "very expensive", as the paper says.'
+    )
+    return (
+        f"**The beam is {faster} the wire model.** The paper's table has "
+        f"{span(papers, 1)} times, of other programs: the two cannot be compared. Our whole FE path takes "
+        f"{span(wire, 0)} ms; {cheap} {SENTENCES}"
+    )
+
+
+@statement("findings.sliding")
+def sliding(f: Facts) -> str:
+    time, over = f["limit.time"], f["limit.beam"]
+    beam = (
+        f"The beam's ends too, at a {f['limit.beam_outcome']} at {over:.3f} of the load."
+        if over is not None
+        else f"The beam beyond its full load: {f['limit.beam_outcome']}."
+    )
+    if time is None:
+        return (
+            '**"No sliding" of Spring B is not explained:** without it the outcome of the wire model is: '
+            f"{f['limit.outcome']}. {beam} [Report]({REPORT}#verdict)"
+        )
+    return (
+        '**The FE of Spring B plausibly needed "no sliding" because the branch ends without it:** our wire '
+        f"model, at a {f['limit.outcome']} at {time:.3f} of the load. {beam} [Report]({REPORT}#verdict)"
+    )
+
+
+@statement("findings.tangent")
+def tangent(f: Facts) -> str:
+    table = "tangents > Fifty steps > spring-a"
+    exact, paper, printed = (
+        f[f"{table} | {name} > iterations"] for name in ("exact", "paper", "paper-printed")
+    )
+    owner = (
+        "belong to the paper's matrix, not to the spring" if paper > exact else "do not belong to the matrix"
+    )
+    return (
+        f"**Growing iteration counts {owner}.** Spring A, {f['setting.steps']} steps: {paper:.0f} "
+        f"iterations with that matrix, {exact:.0f} with the exact tangent; with the Phi as printed, "
+        f"{printed:.0f}. [Tangents](tangents.md#fifty-steps)"
+    )
+
+
+# On what decides the answer
+
+
+@statement("findings.height")
+def height(f: Facts) -> str:
+    table = "sensitivity > Spring A"
+    moved = max(abs(f[f"{table} > height of the loaded point | {model} | +d > UY (%)"]) for model in MODELS)
+    inputs = ("Young's modulus | {} | 196 GPa", "Poisson's ratio | {} | 0.26")
+    material = max(abs(f[f"{table} > {name.format(model)} > UY (%)"]) for name in inputs for model in MODELS)
+    than = "more" if moved > material else "less"
+    return (
+        f"**The height of the loaded point moves Spring A's UY by up to {moved:.0f} %,** {than} than the "
+        f"material ({material:.1f} %); the paper does not say it. [Sensitivity]({SENSITIVITY}#spring-a)"
+    )
+
+
+MODELS = ("beam", "wire model")
+
+
+@statement("findings.spheres")
+def spheres(f: Facts) -> str:
+    near, far = (
+        f"sensitivity > Spring A > spheres out of the plane by | wire model | {angle}° > "
+        for angle in ("30", "45")
+    )
+    apart, farther = f[near + "models apart (%)"], f[far + "UX (%)"]
+    much = apart > 100.0 * f["threshold.match"]
+    so = " The paper's two models agree, so its spheres cannot have stood far out." if much else ""
+    ends = f"its path ends as {farther}" if isinstance(farther, str) else f"{farther:.0f} % of UX"
+    return (
+        f"**Where the spheres stand {'matters' if much else 'hardly matters'}:** {f[near + 'value']:.0f} "
+        f"degrees out of the plane, {abs(f[near + 'UY (%)']):.0f} % of UY in the wire model, and the two "
+        f"models are {apart:.0f} % apart; {f[far + 'value']:.0f} degrees out, {ends}.{so} "
+        f"[Sensitivity]({SENSITIVITY}#spring-a)"
+    )
+
+
+@statement("findings.penalty")
+def penalty(f: Facts) -> str:
+    most = [
+        max(
+            abs(f[f"sensitivity > {spring} > contact stiffness | {model} | {value} > curve (%)"])
+            for model in MODELS
+            for value in ("K/10", "10 K")
+        )
+        for spring in ("Spring A", "Spring B")
+    ]
+    how = "hardly matters" if max(most) < 100.0 * f["threshold.match"] else "matters"
+    return (
+        f"**The penalty {how}:** a decade up or down, at most {most[0]:.2f} % of the curve (Spring A) and "
+        f"{most[1]:.2f} % (Spring B). [Sensitivity]({SENSITIVITY}#spring-b)"
+    )
+
+
+@statement("findings.phase")
+def phase(f: Facts) -> str:
+    table = "sensitivity > Spring A > start phase | wire model"
+    moved = max(abs(f[f"{table} | {value} > UY (%)"]) for value in ("60°", "270°"))
+    angles = (90, 270)
+    helix = max(f[f"{FOUR} > helix law, start phase {angle} degrees > {BARE_A}"] for angle in angles)
+    apart = dict(zip(f["phases.bare.degrees"], f["phases.bare.apart"], strict=True))
+    paper = max(apart[angle] for angle in apart if angle % 180 == 90)
+    know = "can" if helix < 100.0 * paper else "does not"
+    return (
+        f"**The start phase moves the wire model's UY by up to {moved:.1f} % (Spring A), and an in-plane "
+        f"model {know} know it:** where an end holds the wire, an axial force tilts the axis about the "
+        "radius to that end, and sets it off by the growth of the coil. With both in the law, Spring A "
+        f"without contact is within {helix:.3f} % of the wire model where the helix starts a quarter turn "
+        f"out of the plane; the paper's law is off by {percent(paper, 1)} there. "
+        f"[Sensitivity]({SENSITIVITY}#spring-a), {BUDGET}"
+    )
+
+
+# On contact
+
+
+@statement("findings.limit")
+def limit(f: Facts) -> str:
+    along = f["contact > Search > moves along the wire: {} % of its way"]
+    row = "contact > Search > B | 0 | 10000 | 80 > "
+    pairs, outcome = f[row + "pairs a turn"], f[row + "outcome"]
+    completes = outcome == "completed"
+    owner = "belongs to the spheres" if completes else "does not go with more spheres"
+    return (
+        f"**The limit point of frictionless Spring B {owner}:** spheres pressed on each other slide off "
+        f"along the wire ({along:.0f} % of the motion), smooth wires need not; with {pairs:.0f} pairs a "
+        f"turn the outcome is: {outcome}. [Contact](contact.md#search)"
+    )
+
+
+@statement("findings.pairs")
+def pairs(f: Facts) -> str:
+    table = "contact > Sphere pairs a turn"
+    count = f[f"{table} > A | 4 > pairs a turn"]
+    overlap = [f[f"{table} > {name} | 4 > overlap of the wires"] for name in "AB"]
+    lost = [f[f"{table} > {name} | 4 > difference to 40"] for name in "AB"]
+    return (
+        f"**With {count:.0f} pairs a turn {overlap[0]:.3f} mm (A) and {overlap[1]:.3f} mm (B) of overlap are "
+        f"left** between the pairs; they cost {lost[0]:g} % and {lost[1]:g} % of the tips. "
+        "[Contact](contact.md#sphere-pairs-a-turn)"
+    )
+
+
+@statement("findings.no-sliding")
+def no_sliding(f: Facts) -> str:
+    couples = f["contact > Friction > and {} % with no sliding"]
+    free, held = (f[f"contact > Friction > A | {name} > UY"] for name in ("0", "no sliding"))
+    small = "no small matter" if abs(held / free - 1.0) > f["threshold.match"] else "a small matter"
+    return (
+        f'**"No sliding" is {small} on Spring A:** the couples that it leaves are '
+        f"{couples:.0f} % of the load's moment, and UY goes from {free:.2f} to {held:.2f} mm. "
+        "[Contact](contact.md#friction)"
+    )
+
+
+# On the half-coil law
+
+
+@statement("findings.helix")
+def helix(f: Facts) -> str:
+    law, paper = (
+        [f[f"{FOUR} > {row} > {column}"] for column in (BARE_B, BARE_A)]
+        for row in ("helix law", "Haringx, the paper's law")
+    )
+    less = [f[f"{FOUR} > without `{name}` > {BARE_B}"] for name in ("large", "held", "shear")]
+    needs = "needs" if min(less) > 2.0 * law[0] else "does not need"
+    mends = "mends" if max(a / b for a, b in zip(law, paper, strict=True)) < 0.5 else "does not mend"
+    soft = f["validation > What the wire's curvature changes > move too far by {} % under an axial load"]
+    return (
+        f"**A helix in large deformation {mends} the paper's law without contact, against rods:** "
+        f"{paper[0]:.2f} to {law[0]:.2f} % (Spring B) and {paper[1]:.2f} to {law[1]:.2f} % (Spring A). "
+        f"Spring B {needs} large deformation, held winding and wire shear together: without one of them "
+        f"{less[0]:.2f}, {less[1]:.2f}, {less[2]:.2f} %. The wire's curvature is in neither model: as a "
+        f"solid Spring A is stiffer, by {soft:g} % of its axial deflection. {BUDGET}, "
+        "[Validation](validation.md#what-the-wires-curvature-changes)"
+    )
+
+
+@statement("findings.outside")
+def outside(f: Facts) -> str:
+    share = f["error-budget > What these numbers say > {} % of the normal forces of Spring B"]
+    touching, bare = (f[f"{FOUR} > helix law > {name}"] for name in (TOUCHING_B, BARE_B))
+    where = "beside" if share > 50.0 else "in"  # per cent
+    root = ", where the first root of tan(phi) = phi lies" if share > 50.0 else ""
+    return (
+        f"**The coils of an axially loaded spring meet {where} the plane in which its wire starts:** "
+        f"{share:.0f} % of Spring B's normal forces are beside it{root}. The beam's circles lie in that "
+        f"plane: in contact the helix law is {touching:.2f} % from the wire model, without "
+        f"{bare:.2f} %. {BUDGET}, [Theory](theory.md#2-equivalent-beam-equivbeam)"
+    )
+
+
+@statement("findings.random")
+def random(f: Facts) -> str:
+    def cells(law: str, contact: str, *columns: str) -> list[Any]:
+        row = f"error-budget > What the sample bounds > {law} | {contact}"
+        return [f[f"{row} > {column}"] for column in columns]
+
+    open_, shut, share = "without contact", "more than 3 close", ("median", "95th percentile")
+    bare, closed = (cells("helix law", contact, *share) for contact in (open_, shut))
+    paper, paper_closed = (cells("paper's law", contact, *share) for contact in (open_, shut))
+    springs, bound = cells("helix law", open_, "springs", "its bound")
+    touching, bound_closed = cells("helix law", shut, "springs", "its bound")
+    nearer = "The helix law is nearer" if bare < paper and closed < paper_closed else "Neither law is nearer"
+    return (
+        f"**{nearer} on random springs of any start phase,** guided, pinned or free, loaded along or across "
+        f"their axis. Without contact ({springs:.0f} springs) its tip is off by {bare[0]:g} % in the median, "
+        f"and one spring in twenty by more than {bare[1]:g} % (bound {bound:g} %); by the paper's law "
+        f"{paper[0]:g} and {paper[1]:g} %. Where more than three pairs close ({touching:.0f} springs): "
+        f"{closed[0]:g} and {closed[1]:g} % (bound {bound_closed:g} %), and {paper_closed[0]:g} and "
+        f"{paper_closed[1]:g} %. By kind of load: [Error budget](error-budget.md#random-springs)"
+    )
+
+
+# On the codes
+
+
+@statement("findings.exact")
+def exact(f: Facts) -> str:
+    page = "validation > Accuracy of the wire model"
+    passed = [cell == "yes" for cell in f[f"{page} > * > passed"]]
+    curved = max(
+        f[f"{page} > G13, {name} | 4 curved elements a turn; UX, UY, ROTZ > error"]
+        for name in ("spring-a-no-contact", "spring-b-no-contact")
+    )
+    head = "meets" if all(passed) else "does not meet all"
+    return (
+        f"**The wire model {head} exact and published solutions:** {sum(passed)} of {len(passed)} checks "
+        f"pass; the fewest curved elements a turn are within {curved:.1e} of the exact rod on both springs. "
+        "[Validation](validation.md)"
+    )
+
+
+@statement("findings.opensees")
+def opensees(f: Facts) -> str:
+    page = "opensees > wirefe against OpenSees > "
+    names = ("spring-a", "spring-a-no-contact", "spring-b-no-contact")
+    equal = [f[f"{page}{name} | equal > ratio"] for name in names]
+    chosen = [f[f"{page}{name} | {how} > ratio"] for name in names for how in ("fewest", "fastest")]
+    apart = max(f[f"{page}{name} | equal > tip difference, %"] for name in names)
+    same = "the same tips" if apart < ALIKE else "other tips"
+    return (
+        f"**OpenSees finds {same}** ({apart:.4f} % at most in {f['setting.steps']} steps) in "
+        f"{span(equal, 0)} times the time for the same steps, {span(chosen, 0)} times where each takes the "
+        "steps that suit it. [OpenSees](../reports/referee/opensees.md)"
+    )
+
+
+@statement("findings.curved")
+def curved(f: Facts) -> str:
+    row = "workprecision > Pareto front of the load curve > Spring B | wire curved 4, 50 steps > "
+    count = re.findall(r"\d+", f[row + "setting"])[0]
+    error, part = f[row + "curve (%)"], f[row + "part of the paper's mesh"]
+    mesh = f["workprecision > What the paper's accuracy costs > Spring B > its error (%)"]
+    beat = "beat" if error < mesh and part < 1.0 else "do not beat"
+    return (
+        f"**{count} curved elements a turn {beat} the paper's {f['setting.elements']} straight ones:** "
+        f"{error:.3f} % in place of {mesh:.1f} % (Spring B), in 1/{1.0 / part:.1f} of the time. "
+        "[Run time against error](../reports/workprecision/workprecision.md#what-the-papers-accuracy-costs)"
+    )
+
+
+@statement("findings.stability")
+def stability(f: Facts) -> str:
+    table = "stability > What became of the scenes"
+    beam, wire = (
+        {name: int(f[f"{table} > {model} > {name}"]) for name in outcomes}
+        for model, outcomes in (("equivalent beam", OUTCOMES[:4]), ("wire model", OUTCOMES))
+    )
+    left = beam["unexplained"] + wire["unexplained"]
+    return (
+        f"**Of the sampled equivalent beams {beam['completed']} reach full load and {beam['critical']} a "
+        f"critical point** that code of its own confirms; of the wires {wire['completed']} and "
+        f"{wire['critical']}. {beam['interpenetration']} and {wire['interpenetration']} end where coils pass "
+        f"through each other, {left or 'none'} left unexplained. With friction {wire['ended']} end where "
+        f"the iteration does, not the spring, or where a pair that was held opens; {wire['apart']} "
+        "depend on their substeps. [Stability "
+        "campaign](../reports/stability/stability.md#what-became-of-the-scenes)"
+    )
+
+
+OUTCOMES = ("completed", "critical", "interpenetration", "unexplained", "ended", "apart")
+
+SECTIONS: dict[str, tuple[Statement, ...]] = {
+    "On the paper's claims": (matching, softer, faster, sliding, tangent),
+    "On what decides the answer": (height, spheres, penalty, phase),
+    "On contact": (limit, pairs, no_sliding),
+    "On the half-coil law": (helix, outside, random),
+    "On the codes": (exact, opensees, curved, stability),
+}
+
+
+def page(facts: Facts) -> str:
+    """The findings as Markdown."""
+    parts = [HEAD]
+    for title, items in SECTIONS.items():
+        lines = [_item(number, item.words(facts)) for number, item in enumerate(items, 1)]
+        parts.append(f"## {title}\n\n" + "\n".join(lines) + "\n")
+    return "\n".join(parts)
+
+
+def _item(number: int, words: str) -> str:
+    return textwrap.fill(
+        f"{number}. {words}", WIDTH, subsequent_indent="   ", break_long_words=False, break_on_hyphens=False
+    )
+
+
+if __name__ == "__main__":
+    write_text(PAGE, page(Records()))

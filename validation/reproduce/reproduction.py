@@ -1,0 +1,170 @@
+"""The paper's Tables 1-3 and Figures 4-8 by both models, and the report on them.
+
+A piece that was made before from the same sources, by the same versions, is taken from the store; models
+and drawing are loaded for the others alone.
+"""
+
+from __future__ import annotations
+
+import json
+import re
+from collections.abc import Callable
+from contextlib import ExitStack
+from dataclasses import dataclass, field
+from functools import cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from coilspring import InputError
+from coilspring.errors import require_names
+from validation.reproduce import ARTEFACTS
+from validation.reproduce.assembly import PAGE, bound
+from validation.study.keys import key, sources
+from validation.study.machine import machine, versions
+from validation.study.output import prepare, write_files, writing
+from validation.study.provenance import MODELS
+from validation.study.store import Store, default_folder
+from validation.view.htmlfile import FILE, is_made, require_extra
+
+if TYPE_CHECKING:
+    from validation.reproduce.artifacts import Maker
+
+REPORT, TURNED = "report", "turned"
+TIMED = ("table3", REPORT)  # pieces that show solution times
+DRAWING = ("matplotlib", "pillow", "pyvista", "vtk")
+
+
+def reproduce(
+    out: Path,
+    only: tuple[str, ...] | None = None,
+    render: bool = True,
+    progress: Callable[[str], None] = lambda line: None,
+    time: bool = False,
+    turned: bool = False,
+) -> tuple[str, ...]:
+    """Write the paper's tables and figures to `out`; with all of them the report.
+
+    Parameters
+    ----------
+    out : folder, made where missing. Every piece is written when it is finished.
+    only : names of `ARTEFACTS` that are wanted; None for all and the report.
+    render : False makes no pictures: CSV files, and the report without figures.
+    progress : called with one line on what is being done.
+    time : measure the solution times of Table 3 even where some are stored.
+    turned : write the springs as a scene that can be turned in a browser, too.
+
+    Returns
+    -------
+    tuple of str
+        What the reader should know of where the results come from.
+
+    Raises
+    ------
+    InputError : an unknown name in `only`, `time` without Table 3, or `turned` without its extra.
+    EquilibriumNotFound : one of the four cases could not be solved to full load.
+    """
+    names = ARTEFACTS if only is None else only
+    require_names("only", names, ARTEFACTS)
+    if time and "table3" not in names:
+        raise InputError(f"time goes with table3, got only {', '.join(names)}")
+    if turned:
+        require_extra()
+    out = Path(out)
+    prepare(out)
+    with ExitStack() as cleanup:
+        run = _Run(out, Store(default_folder()), render, progress, time, cleanup)
+        if turned:
+            run.turn()
+        for name in (*names, REPORT) if only is None else names:
+            progress(name)
+            run.provide(name)
+        run.finish()
+    trouble = (run.store.trouble,) if run.store.trouble else ()
+    return (*run.remarks, *trouble, *((_headline(out),) if only is None else ()))
+
+
+def _headline(out: Path) -> str:
+    """The report's verdict in one sentence, and where the report is."""
+    with writing(out):
+        found = re.search(r"\*\*(.+?)\*\*", (out / "report.md").read_text(encoding="utf-8"))
+    return f"{found[1] if found else 'Done.'} Open {out / 'report.html'}."
+
+
+@dataclass
+class _Run:
+    """One call of `reproduce`; its arguments, the store and what the reader should know."""
+
+    out: Path
+    store: Store
+    render: bool
+    progress: Callable[[str], None]
+    time: bool
+    cleanup: ExitStack
+    maker: Maker | None = None  # loaded with both models for the first piece that is missing
+    remarks: list[str] = field(default_factory=list)
+
+    def provide(self, name: str) -> None:
+        """Write a piece: as it was made before, or made now; the report is bound with the other studies."""
+        piece = self._key(name)
+        files = self.store.get(piece)
+        if files is None:
+            files = self._loaded().make(name, piece, self.times if name in TIMED else "")
+        page = files.pop(PAGE, None)
+        write_files(files, self.out)
+        if page is not None:
+            self.finish()
+            scene = FILE if is_made(self.out, self._key(TURNED)) else None
+            write_files(bound(page.decode(), self.out, scene), self.out)
+
+    def turn(self) -> None:
+        """Write the springs as a scene, unless the one there was made from the same."""
+        mark = self._key(TURNED)
+        trouble = "" if is_made(self.out, mark) else self._loaded().interactive(mark)
+        if trouble:
+            self.remarks.append(f"no {FILE}: pyvista could not export the springs here ({trouble})")
+
+    def finish(self) -> None:
+        """Wait for the figures that are still being made."""
+        if self.maker is not None:
+            self.maker.finish()
+
+    def _key(self, name: str) -> str:
+        return key(
+            "piece",
+            name=name,
+            render=self.render,
+            times=self.times if name in TIMED else None,
+            sources=sources(*MODELS, "validation"),
+            versions=versions(*DRAWING),
+        )
+
+    @cached_property
+    def times(self) -> str:
+        """Times of Table 3 as JSON: stored ones of these sources and this processor, or measured now."""
+        here = machine()
+        name = key(
+            "times",
+            sources=sources(*MODELS, "validation.study.timing", "validation.study.cases"),
+            versions=versions(),
+            machine=[here["processor"], here["cores"], here["system"]],
+        )
+        files = None if self.time else self.store.get(name)
+        if files is None:
+            times = self._loaded().measure()
+            self.store.put(name, {"times.json": times.encode()})
+            return times
+        times = files["times.json"].decode()
+        there = json.loads(times)["machine"]
+        origin = f"measured on {there['date']} on {there['processor']}"
+        self.remarks.append(f"solution times: {origin}; --time measures them again")
+        return times
+
+    def _loaded(self) -> Maker:
+        if self.maker is None:
+            self.progress("loading both models")
+            from validation.reproduce.artifacts import Maker
+            from validation.study.cases import PathStore
+
+            paths = PathStore(self.progress, self.store)
+            self.maker = Maker(self.out, paths, self.render, self.cleanup)
+        return self.maker

@@ -1,0 +1,168 @@
+"""Figures 4 and 6: deformed springs, in space and in the working plane."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.collections import LineCollection
+from matplotlib.colors import to_rgb
+from matplotlib.figure import Figure
+from matplotlib.image import imread
+from matplotlib.lines import Line2D
+from matplotlib.patches import Patch, Rectangle
+
+from validation.study.plots import discs
+from validation.study.style import (
+    BEAM_CIRCLE,
+    BEAM_LABEL,
+    BLUE,
+    DOUBLE,
+    GREY,
+    LIT_RED,
+    REST_CIRCLE,
+    WIRE_CIRCLE,
+    WIRE_LABEL,
+)
+from validation.view.shapes import BAND_SCALE, Shapes, bands, view
+
+TALLEST = 4.4  # in, of the springs
+DETAIL = 1.0  # in, a side of an enlarged detail
+ZOOM = 4.0  # mm shown across it
+MARGIN = 0.6  # mm around the springs
+
+
+def space_figure(panels: tuple[Shapes, ...], rendered: list[Path] | str) -> Figure:
+    """Picture in space, composed of the rendered panels, or painted here where there are none."""
+    if isinstance(rendered, str):
+        return _painted(panels)
+    pictures = _cropped([imread(file) for file in rendered])
+    tall, wide = pictures[0].shape[:2]
+    height = min((0.5 * DOUBLE - 0.1) * tall / wide, TALLEST)
+    figure = Figure(figsize=(DOUBLE, height + 0.6))
+    for index, (panel, picture) in enumerate(zip(panels, pictures, strict=True)):
+        width = height * wide / tall
+        axes = _inches(figure, (0.5 * index + 0.25) * DOUBLE - 0.5 * width, 0.35, width, height)
+        axes.imshow(picture, interpolation="antialiased", aspect="auto")
+        axes.set_axis_off()
+        axes.set_title(f"({'ab'[index]}) {panel.title}", loc="left")
+    figure.legend(handles=_space_key(), loc="lower center", ncols=3)
+    return figure
+
+
+def _cropped(pictures: list[np.ndarray]) -> list[np.ndarray]:
+    """The pictures without the white border that all of them share."""
+    ink = np.any([picture[..., :3].min(axis=-1) < 0.99 for picture in pictures], axis=0)
+    rows, columns = np.flatnonzero(ink.any(axis=1)), np.flatnonzero(ink.any(axis=0))
+    window = slice(rows[0], rows[-1] + 1), slice(columns[0], columns[-1] + 1)
+    return [picture[window] for picture in pictures]
+
+
+def _space_key() -> list[Patch | Line2D]:
+    return [
+        Patch(color=BLUE, label=BEAM_LABEL),
+        Patch(color=LIT_RED, label=f"{WIRE_LABEL}, bands"),
+        Line2D([], [], color=GREY, linewidth=0.7, label="at rest"),
+    ]
+
+
+def _painted(panels: tuple[Shapes, ...]) -> Figure:
+    """The same view, painted from back to front as short strokes as wide as the wire."""
+    axes3 = view()
+    every = np.concatenate([p for s in panels for p in (s.rest, s.beam, s.wire)]) @ axes3.T
+    low, high = every.min(axis=0) - panels[0].diameter, every.max(axis=0) + panels[0].diameter
+    width, height = (high - low)[:2]
+    scale = min((0.5 * DOUBLE - 0.1) / width, TALLEST / height)  # in/mm
+    figure = Figure(figsize=(DOUBLE, height * scale + 0.6))
+    for index, panel in enumerate(panels):
+        left = (0.5 * index + 0.25) * DOUBLE - 0.5 * width * scale
+        axes = _inches(figure, left, 0.35, width * scale, height * scale)
+        axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]))
+        axes.set_axis_off()
+        axes.set_title(f"({'ab'[index]}) {panel.title}", loc="left")
+        axes.plot(*(panel.rest @ axes3.T)[:, :2].T, color=GREY, linewidth=0.5, zorder=0)
+        axes.add_collection(_strokes(panel, axes3, 72.0 * scale * panel.diameter))
+    figure.legend(handles=_space_key(), loc="lower center", ncols=3)
+    return figure
+
+
+def _strokes(panel: Shapes, axes3: np.ndarray, width: float) -> LineCollection:
+    """Both wires in pieces, the farther ones paler; `width` of the beam's in points."""
+    points, colours, widths = [], [], []
+    for line, colour, scale in (
+        (panel.beam, BLUE, 1.0),
+        *((b, LIT_RED, BAND_SCALE) for b in bands(panel.wire)),
+    ):
+        seen = line @ axes3.T
+        points.append(np.stack((seen[:-1], seen[1:]), axis=1))
+        colours.append(np.tile(to_rgb(colour), (len(seen) - 1, 1)))
+        widths.append(np.full(len(seen) - 1, scale * width))
+    pieces, tint, sizes = np.concatenate(points), np.concatenate(colours), np.concatenate(widths)
+    depth = pieces[..., 2].mean(axis=1)
+    # a band lies over the tube that it wraps
+    order = np.argsort(depth + (sizes > width) * 0.5 * panel.diameter)
+    far = 0.45 * (depth.max() - depth) / np.ptp(depth)
+    tint = tint + far[:, None] * (1.0 - tint)
+    return LineCollection(
+        list(pieces[order][..., :2]), colors=tint[order], linewidths=sizes[order], capstyle="round"
+    )
+
+
+def _inches(figure: Figure, left: float, bottom: float, width: float, height: float) -> Axes:
+    """Axes placed in inches."""
+    across, up = figure.get_size_inches()
+    return figure.add_axes((left / across, bottom / up, width / across, height / up))
+
+
+def plane_figure(panels: tuple[Shapes, ...]) -> Figure:
+    """The contact circles of both models, to scale, with the place of most overlap enlarged."""
+    every = np.concatenate([c for p in panels for c in (p.rest_circles, p.beam_circles, p.wire_circles)])
+    margin = 0.5 * panels[0].diameter + MARGIN
+    low, high = every.min(axis=0) - margin, every.max(axis=0) + margin
+    width, height = high - low
+    scale = min((0.5 * DOUBLE - DETAIL - 0.65) / width, TALLEST / height)  # in/mm
+    figure = Figure(figsize=(DOUBLE, height * scale + 1.05))
+    for index, panel in enumerate(panels):
+        left = 0.5 * DOUBLE * index + 0.45
+        axes = _inches(figure, left, 0.75, width * scale, height * scale)
+        _circles(axes, panel)
+        axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), xlabel="X (mm)", ylabel="Y (mm)")
+        axes.set_title(f"({'ab'[index]}) {panel.title}", loc="left")
+        detail = _inches(figure, left + width * scale + 0.1, 0.75, DETAIL, DETAIL)
+        _detail(axes, detail, panel, panels[0])
+    figure.legend(handles=_plane_key(), loc="lower center", ncols=3)
+    return figure
+
+
+def _circles(axes: Axes, panel: Shapes) -> None:
+    """Circles of the wire's diameter around the three sets of centres."""
+    for centres, style in (
+        (panel.rest_circles, REST_CIRCLE),
+        (panel.beam_circles, BEAM_CIRCLE),
+        (panel.wire_circles, WIRE_CIRCLE),
+    ):
+        discs(axes, centres, panel.diameter, **style)
+
+
+def _detail(axes: Axes, detail: Axes, panel: Shapes, place: Shapes) -> None:
+    """Enlarge where the coils of the panel `place` overlap most, and say by how much they do here."""
+    worst = int(np.argmax(place.overlaps(place.wire_circles)))
+    x, y = panel.wire_circles[worst : worst + 3 : 2].mean(axis=0) - 0.5 * ZOOM
+    x, y = max(x, axes.get_xlim()[0]), max(y, axes.get_ylim()[0])
+    _circles(detail, panel)
+    detail.set(xlim=(x, x + ZOOM), ylim=(y, y + ZOOM), xticks=(), yticks=())
+    detail.spines[:].set_visible(True)
+    axes.add_patch(Rectangle((x, y), ZOOM, ZOOM, fill=False, edgecolor="black", linewidth=0.6))
+    beam, wire = (_length(panel.overlaps(c).max()) for c in (panel.beam_circles, panel.wire_circles))
+    note = f"largest overlap of\nneighbouring coils\nbeam: {beam}\nwire model: {wire}"
+    detail.text(0.0, 1.04, note, transform=detail.transAxes, ha="left", va="bottom", fontsize=7.0)
+
+
+def _length(value: float) -> str:
+    return f"{value:.2f} mm" if value >= 0.1 else f"{1e3 * value:.1f} µm"
+
+
+def _plane_key() -> list[Patch]:
+    styles = ((BEAM_CIRCLE, BEAM_LABEL), (WIRE_CIRCLE, WIRE_LABEL), (REST_CIRCLE, "at rest"))
+    return [Patch(**style, label=label) for style, label in styles]

@@ -1,0 +1,121 @@
+"""Tip curves for a load point elsewhere on the rigid top end, which neither model has as an input.
+
+A dead force F at the height h above the top reference point does what F and the moment r x F do at that
+point; r turns with the end, so that the moment is mu(rotz) = -h (Fx cos rotz + Fy sin rotz). Paths are
+followed with three dead moments that span it; at every load the tip is interpolated between them, and the
+moment is found that goes with the rotation it makes. What is read off is the tip of the raised point.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from coilspring import EquilibriumPath, Scene
+from coilspring.solving import follow_problem, output_times, scene_path
+from equivbeam import model as beam
+from equivbeam.problem import beam_problem
+from equivbeam.rendering import BeamShape
+from equivbeam.solve import KERNELS as BEAM_KERNELS
+from validation.study.cases import PAPER_MESH
+from validation.study.partialsolve import as_far
+from wirefe.shape import WireShape
+from wirefe.solve import KERNELS as WIRE_KERNELS
+from wirefe.solve import scene_problem
+
+ROUNDS = 20  # of the fixed point; on Spring A each leaves less than a tenth of the error
+
+
+@dataclass(frozen=True)
+class TipCurve:
+    """What of a path the study compares.
+
+    Attributes
+    ----------
+    times : (steps,) reached.
+    tips : (steps, 3) UX, UY (mm) and ROTZ (rad) of the point that is loaded.
+    outcome, critical_time : how and when the path ended, as `EquilibriumPath` has them.
+    """
+
+    times: np.ndarray
+    tips: np.ndarray
+    outcome: str
+    critical_time: float | None
+
+    @classmethod
+    def of(cls, path: EquilibriumPath) -> TipCurve:
+        """Tip curve of a path."""
+        return cls(path.times, path.tips, path.outcome, path.critical_time)
+
+
+def raised(scene: Scene, model: str, height: float) -> TipCurve:
+    """Tip curve of the point `height` mm above the top reference point, which carries the load.
+
+    For a top that is held in rotation, or without friction: paths followed under several moments are combined
+    at each load, which takes equilibria that do not depend on the way there.
+    """
+    if "rotz" in scene.supports.top_held:  # the end moves without turning, all its points alike
+        return followed(scene, model, 0.0)
+    base = followed(scene, model, 0.0)
+    needed = _moment(scene, height, base.tips[:, 2])
+    moments = np.linspace(needed.min(), needed.max(), 3)
+    curves = [followed(scene, model, float(moment)) for moment in moments]
+    ended = next((curve for curve in (base, *curves) if curve.outcome != "completed"), None)
+    if ended is not None:
+        return ended
+    tips = _consistent(scene, height, moments, np.array([curve.tips for curve in curves]))
+    c, s = np.cos(tips[:, 2]), np.sin(tips[:, 2])
+    tips[:, 0] -= height * s
+    tips[:, 1] -= height * (1.0 - c)
+    return replace(base, tips=tips)
+
+
+def followed(scene: Scene, model: str, moment: float) -> TipCurve:
+    """Tip curve of the reference point, the force there accompanied by a dead moment, N mm, at time 1."""
+    return TipCurve.of(as_far({"equivbeam": _beam, "wirefe": _wire}[model], scene, moment=moment))
+
+
+def _beam(scene: Scene, moment: float) -> EquilibriumPath:
+    data = beam.build_model(scene)
+    problem = beam_problem(data, _with_moment(beam.load_vector(data, scene), moment))
+    run = follow_problem(problem, BEAM_KERNELS, output_times(scene), scene.spring.wire_diameter)
+    return scene_path(scene, "equivbeam", {}, run, BeamShape(scene, data))
+
+
+def _wire(scene: Scene, moment: float) -> EquilibriumPath:
+    problem, mesh, options = scene_problem(scene, **PAPER_MESH)
+    problem = replace(problem, load=_with_moment(problem.load, moment))
+    run = follow_problem(problem, WIRE_KERNELS, output_times(scene), scene.spring.wire_diameter)
+    return scene_path(scene, "wirefe", options, run, WireShape(scene, problem.data, mesh))
+
+
+def _with_moment(load: np.ndarray, moment: float) -> np.ndarray:
+    """The load vector, whose last freedom is the rotation of the top in both models."""
+    load = load.copy()
+    load[-1] += moment
+    return load
+
+
+def _moment(scene: Scene, height: float, rotation: np.ndarray) -> np.ndarray:
+    """Moment of the full force at the raised point about the reference point, N mm."""
+    fx, fy = scene.load.force
+    return -height * (fx * np.cos(rotation) + fy * np.sin(rotation))
+
+
+def _consistent(scene: Scene, height: float, moments: np.ndarray, tips: np.ndarray) -> np.ndarray:
+    """Tips, (steps, 3), at the moments that go with their rotations; `tips` is (moments, steps, 3)."""
+    a, b, c = moments
+
+    def at(m: np.ndarray) -> np.ndarray:
+        weights = np.array([
+            (m - b) * (m - c) / ((a - b) * (a - c)),
+            (m - a) * (m - c) / ((b - a) * (b - c)),
+            (m - a) * (m - b) / ((c - a) * (c - b)),
+        ])  # fmt: skip
+        return np.einsum("ms,msk->sk", weights, tips)
+
+    found = np.full(tips.shape[1], b)
+    for _ in range(ROUNDS):
+        found = _moment(scene, height, at(found)[:, 2])
+    return at(found)

@@ -1,0 +1,1 @@
+"""What all studies share: scenes, metrics, timing, stored runs, documents, plots, files of a run."""

@@ -1,0 +1,140 @@
+"""The paper's four cases, what it prints of them, and their paths, each solved once and kept."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+import equivbeam
+import wirefe
+from coilspring import CATALOGUE, EquilibriumNotFound, EquilibriumPath, Scene
+from validation.study.partialsolve import as_far
+from validation.study.store import Store
+from validation.study.storedruns import packed, run_key, unpacked
+from validation.study.warmup import make_ready
+
+# the paper's proposed model, solved with the exact tangent
+PAPER_BEAM: dict[str, Any] = {"law": "haringx", "tangent": "exact", "sliding": "ignore"}
+# the paper's FE mesh (its Table 2)
+PAPER_MESH: dict[str, Any] = {"element": "straight", "elements_per_turn": 40, "pairs_per_turn": 4}
+FINE_MESH = PAPER_MESH | {"elements_per_turn": 80}  # to estimate the error of that mesh
+
+
+@dataclass(frozen=True)
+class Case:
+    """One row of the paper's Table 3.
+
+    Attributes
+    ----------
+    name : scene of the catalogue.
+    title : as the paper calls it.
+    paper_wire, paper_beam : the paper's solution times of FE and of the proposed model, s.
+    paper_reduction : as the paper prints it, %.
+    """
+
+    name: str
+    title: str
+    paper_wire: float
+    paper_beam: float
+    paper_reduction: float
+
+    @property
+    def scene(self) -> Scene:
+        """The scene that is solved."""
+        return CATALOGUE[self.name]()
+
+
+CASES = (
+    Case("spring-a", "Spring A", 154.0, 24.0, 84.0),
+    Case("spring-a-no-contact", "Spring A w/o contacts", 81.0, 38.0, 53.0),
+    Case("spring-b", "Spring B", 122.0, 8.0, 93.0),
+    Case("spring-b-no-contact", "Spring B w/o contacts", 68.0, 4.0, 94.0),
+)
+
+
+def case(name: str) -> Case:
+    """The case of a catalogue scene."""
+    return next(item for item in CASES if item.name == name)
+
+
+def solve_beam(scene: Scene, **options: Any) -> EquilibriumPath:
+    """Path of the equivalent beam, solved anew; by default the paper's."""
+    return equivbeam.solve(scene, **(PAPER_BEAM | options))
+
+
+def solve_wire(scene: Scene, **options: Any) -> EquilibriumPath:
+    """Path of the wire model, solved anew; by default on the paper's mesh."""
+    return wirefe.solve(scene, **(PAPER_MESH | options))
+
+
+@dataclass
+class PathStore:
+    """Paths of both models, solved when first asked for unless they are in the store.
+
+    Attributes
+    ----------
+    announce : called with one line before each solve.
+    store : what was solved before; by default nothing is kept.
+    """
+
+    announce: Callable[[str], None]
+    store: Store = field(default_factory=lambda: Store(None))
+    _paths: dict[str, EquilibriumPath] = field(default_factory=dict)
+    _ready: bool = False
+
+    def beam(self, scene: Scene, **options: object) -> EquilibriumPath:
+        """Path of the equivalent beam; raises `EquilibriumNotFound` unless completed."""
+        return _completed(self.beam_as_far(scene, **options))
+
+    def wire(self, scene: Scene, **options: object) -> EquilibriumPath:
+        """Path of the wire model; raises `EquilibriumNotFound` unless completed."""
+        return _completed(self.wire_as_far(scene, **options))
+
+    def beam_as_far(self, scene: Scene, **options: object) -> EquilibriumPath:
+        """Path of the equivalent beam as far as it was reached; its outcome says why it ended."""
+        return self._reached("equivbeam", solve_beam, scene, PAPER_BEAM | options)
+
+    def wire_as_far(self, scene: Scene, **options: object) -> EquilibriumPath:
+        """Path of the wire model as far as it was reached; its outcome says why it ended."""
+        return self._reached("wirefe", solve_wire, scene, PAPER_MESH | options)
+
+    def make_ready(self) -> None:
+        """Make the kernels ready, from the sources as they are: what is solved is kept under their digest."""
+        if not self._ready:
+            self.announce("making the kernels ready")
+            make_ready()
+            self._ready = True
+
+    def _reached(
+        self, model: str, solve: Callable[..., EquilibriumPath], scene: Scene, options: dict[str, object]
+    ) -> EquilibriumPath:
+        key = run_key(model, scene, options)
+        if key not in self._paths:
+            files = self.store.get(key)
+            if files is None:
+                self._paths[key] = self._solved(key, solve, scene, options)
+            else:
+                self._paths[key] = unpacked(files, model, scene, options)
+        return self._paths[key]
+
+    def _solved(
+        self, key: str, solve: Callable[..., EquilibriumPath], scene: Scene, options: dict[str, object]
+    ) -> EquilibriumPath:
+        self.make_ready()
+        self.announce(f"{solve.__name__.replace('_', ' ')}: {scene.name}")
+        path = as_far(solve, scene, **options)
+        self.store.put(key, packed(path))
+        return path
+
+
+def _completed(path: EquilibriumPath) -> EquilibriumPath:
+    if path.outcome != "completed":
+        raise EquilibriumNotFound(path)
+    return path
+
+
+def turned(scene: Scene, degrees: float) -> Scene:
+    """The scene with the helix started at another phase."""
+    return replace(scene, spring=replace(scene.spring, start_phase=math.radians(degrees)))

@@ -1,0 +1,212 @@
+"""Files of a run: whole or not at all, and one sentence where they cannot be written."""
+
+from __future__ import annotations
+
+import fcntl
+import json
+import math
+import os
+import tempfile
+from collections.abc import Iterable, Iterator, Mapping
+from contextlib import ExitStack, contextmanager, suppress
+from pathlib import Path
+
+import numpy as np
+
+from coilspring.path import EquilibriumPath
+from validation.study.machine import versions
+from validation.study.scenewarnings import warnings
+
+
+class OutputError(RuntimeError):
+    """Something could not be written; one sentence."""
+
+
+@contextmanager
+def writing(target: str | Path) -> Iterator[None]:
+    """Turn an `OSError` of the block into an `OutputError` that names `target`."""
+    try:
+        yield
+    except OSError as error:
+        raise OutputError(f"cannot write to {target}: {error.strerror or error}") from error
+
+
+def prepare(folder: Path) -> None:
+    """Make sure that `folder` exists and takes files, before work is spent on what goes there."""
+    with writing(folder):
+        folder.mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryFile(dir=folder):
+            pass
+
+
+@contextmanager
+def claimed(folder: Path) -> Iterator[None]:
+    """`prepare` a folder and keep other runs out of it: files of two runs would not belong together.
+
+    A run that fails before it has written anything leaves no new folder behind.
+    """
+    new = not folder.exists()
+    prepare(folder)
+    with writing(folder):
+        handle = os.open(folder, os.O_RDONLY)
+    try:
+        try:
+            fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError:
+            raise OutputError(
+                f"cannot write to {folder}: another run is writing there; wait for it, or give another --out"
+            ) from None
+        except OSError:
+            pass  # a file system without locks
+        yield
+    except BaseException:
+        if new:
+            with suppress(OSError):  # there is something in it
+                folder.rmdir()
+        raise
+    finally:
+        os.close(handle)
+
+
+def write_text(target: Path, text: str) -> None:
+    """Write a whole file or none."""
+    write_bytes(target, text.encode("utf-8"))
+
+
+def write_bytes(target: Path, data: bytes) -> None:
+    """Write a whole file or none."""
+    with _whole(target) as temporary:
+        temporary.write_bytes(data)
+
+
+def write_files(files: Mapping[str, bytes], folder: Path) -> None:
+    """Write files by name, all or none; one that stands there with the same content is left as it is.
+
+    They take their places when all are written, the last one first.
+    """
+    with ExitStack() as places:
+        for name, data in files.items():
+            target = folder / name
+            if not (target.is_file() and target.read_bytes() == data):
+                places.enter_context(_whole(target)).write_bytes(data)
+
+
+@contextmanager
+def _whole(target: Path) -> Iterator[Path]:
+    """A file to write to, which becomes `target` at the end: a partial one is never seen under its name."""
+    temporary = target.with_name(f".{target.name}.{os.getpid()}.part")
+    with writing(target):
+        try:
+            yield temporary
+            os.replace(temporary, target)
+        except BaseException:
+            temporary.unlink(missing_ok=True)
+            raise
+
+
+def write_json(target: Path, value: object) -> None:
+    """Write strict JSON; what is not a finite number becomes null."""
+    write_bytes(target, json_bytes(value))
+
+
+def json_bytes(value: object) -> bytes:
+    """A file of strict JSON."""
+    return (json_text(value) + "\n").encode("utf-8")
+
+
+def json_text(value: object) -> str:
+    """Strict JSON; what is not a finite number becomes null."""
+    return json.dumps(_plain(value), indent=2, allow_nan=False)
+
+
+def path_files(path: EquilibriumPath) -> dict[str, bytes]:
+    """``path.csv`` and ``summary.json`` of a path, complete or not."""
+    return {"summary.json": json_bytes(summary(path)), "path.csv": _csv(path.columns).encode()}
+
+
+def _csv(columns: Mapping[str, np.ndarray]) -> str:
+    """Columns as CSV, each number to its last digit; pandas would take longer to import than to solve."""
+    rows = zip(*(column.tolist() for column in columns.values()), strict=True)
+    return "".join(",".join(map(str, row)) + "\n" for row in (tuple(columns), *rows))
+
+
+def remove_stale(files: Mapping[str, bytes], folder: Path) -> None:
+    """Remove what an earlier run left there, by the names that runs give, and is none of these `files`."""
+    with writing(folder):
+        series = [file for file in folder.glob("wire/*.vtu") if file.stem.isdecimal() and len(file.stem) >= 4]
+        ours = series if (folder / "wire.pvd").is_file() else []
+        for target in (folder / "compare.png", folder / "wire.pvd", folder / "wire.vtu", *ours):
+            if target.relative_to(folder).as_posix() not in files and target.is_file():
+                target.unlink()
+        if ours:
+            with suppress(OSError):  # there is something in it
+                (folder / "wire").rmdir()
+
+
+def vtu_file(path: EquilibriumPath) -> dict[str, bytes]:
+    """``wire.vtu``: the deformed wire at the last step reached by the wire model."""
+    return {"wire.vtu": _vtu(path, [-1])[0]}
+
+
+def series_files(path: EquilibriumPath) -> dict[str, bytes]:
+    """``wire.pvd`` and, in the folder ``wire``, a VTU file for every step reached by the wire model."""
+    steps = range(len(path.times))
+    names = [f"wire/{step + 1:04d}.vtu" for step in steps]
+    sets = "".join(
+        f'    <DataSet timestep="{time:.12g}" file="{name}"/>\n'
+        for time, name in zip(path.times, names, strict=True)
+    )
+    head = '<?xml version="1.0"?>\n<VTKFile type="Collection" version="0.1">\n  <Collection>\n'
+    series = f"{head}{sets}  </Collection>\n</VTKFile>\n"
+    return {"wire.pvd": series.encode(), **dict(zip(names, _vtu(path, steps), strict=True))}
+
+
+def _vtu(path: EquilibriumPath, steps: Iterable[int]) -> list[bytes]:
+    """VTU files of the deformed wire, which meshio writes by name alone."""
+    from wirefe.export import write_vtu
+
+    found = []
+    with writing("the folder for temporary files"), tempfile.TemporaryDirectory(prefix="coilcheck-") as name:
+        file = Path(name, "wire.vtu")
+        for step in steps:
+            write_vtu(path, step, file)
+            found.append(file.read_bytes())
+    return found
+
+
+def summary(path: EquilibriumPath) -> dict[str, object]:
+    """What ``summary.json`` holds."""
+    load, contact = path.scene.load, path.scene.contact
+    return {
+        "scene": path.scene.name,
+        "wire_diameter": path.scene.spring.wire_diameter,
+        "model": path.model,
+        "outcome": path.outcome,
+        "message": path.message,
+        "warnings": warnings(path.scene),
+        "last_time": path.times[-1] if len(path.times) else 0.0,
+        "critical_time": path.critical_time,
+        "critical_bracket": path.critical_bracket,
+        "end_bracket": path.end_bracket,
+        "total_iterations": path.total_iterations,
+        "stability_checks": path.stability_checks,
+        "pair_evaluations": path.pair_evaluations,
+        "residual_history": path.residual_history,
+        "solve_seconds": path.solve_seconds,
+        "compile_seconds": path.compile_seconds,
+        "options": {"steps": load.steps, "penalty": contact.stiffness, **path.options},
+        "versions": versions(),
+    }
+
+
+def _plain(value: object) -> object:
+    """`value` in the types of JSON."""
+    if isinstance(value, Mapping):
+        return {str(key): _plain(item) for key, item in value.items()}
+    if isinstance(value, list | tuple | np.ndarray):
+        return [_plain(item) for item in value]
+    if isinstance(value, np.generic):
+        value = value.item()
+    if isinstance(value, float) and not math.isfinite(value):
+        return None
+    return value

@@ -1,0 +1,58 @@
+"""What all figures are drawn and written with."""
+
+from __future__ import annotations
+
+import io
+from typing import Any
+
+import matplotlib
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.backends.backend_svg import FigureCanvasSVG
+from matplotlib.collections import EllipseCollection
+from matplotlib.figure import Figure
+from PIL import Image
+
+from validation.study.style import BEAM_LINE, WIRE_LINE
+
+COLOURS = 256  # of a stored picture; keeps the files small
+TIPS = ("UX (mm)", "UY (mm)", "ROTZ (rad)")
+
+
+def png(figure: Figure) -> bytes:
+    """A figure as PNG."""
+    canvas = FigureCanvasAgg(figure)
+    canvas.draw()
+    drawn = Image.fromarray(np.asarray(canvas.buffer_rgba())).convert("RGB")
+    picture = drawn.quantize(COLOURS, Image.Quantize.MAXCOVERAGE, dither=Image.Dither.NONE)
+    stream = io.BytesIO()
+    picture.save(stream, format="png", dpi=(figure.dpi, figure.dpi))
+    return stream.getvalue()
+
+
+def svg(figure: Figure, salt: str) -> bytes:
+    """A figure as SVG, the same for the same drawing; `salt` keeps its marks apart from other figures'."""
+    stream = io.BytesIO()
+    names: Any = {"svg.hashsalt": salt}
+    with matplotlib.rc_context(names):
+        FigureCanvasSVG(figure).print_svg(stream, metadata={"Date": None})
+    return stream.getvalue()
+
+
+def drawn(figure: Figure, name: str) -> dict[str, bytes]:
+    """Files of a figure by name: PNG for Markdown, SVG for HTML."""
+    return {f"{name}.png": png(figure), f"{name}.svg": svg(figure, name)}
+
+
+def discs(axes: Axes, centres: np.ndarray, diameter: float, **look: Any) -> None:
+    """Circles to scale around centres (n, 2)."""
+    size = np.full(1, diameter)
+    placed = {"offsets": centres, "offset_transform": axes.transData} | look
+    axes.add_collection(EllipseCollection(size, size, 0.0, units="xy", **placed))
+
+
+def both(axes: Axes, beam: tuple[np.ndarray, np.ndarray], wire: tuple[np.ndarray, np.ndarray]) -> None:
+    """Curves of both models, from the unloaded spring on."""
+    for (x, y), style in ((beam, BEAM_LINE), (wire, WIRE_LINE)):
+        axes.plot(np.append(0.0, x), np.append(0.0, y), **style)

@@ -1,0 +1,22 @@
+"""Both models' kernels made ready at the same time, on two processor cores."""
+
+from __future__ import annotations
+
+from functools import cache
+
+import equivbeam
+from coilspring import spring_b
+from coilspring.warming import background
+from validation.study.partialsolve import as_far
+
+WIRE = (
+    "from wirefe.solve import KERNELS; "
+    "from coilspring.warming import compile_kernels; compile_kernels(KERNELS)"
+)
+
+
+@cache
+def make_ready() -> None:
+    """Compile the wire model's kernels in a child while this process compiles what else there is; once."""
+    with background(WIRE):
+        as_far(equivbeam.solve, spring_b(), steps=1)  # an edited law may have no path

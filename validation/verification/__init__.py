@@ -1,0 +1,1 @@
+"""The wire model and the laws against exact solutions and each other, each as a page."""

@@ -1,0 +1,114 @@
+"""Both laws against the wire model on random springs: the rows of ``randomsprings.csv``."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+import equivbeam
+import wirefe
+from coilspring import EquilibriumPath, Scene
+from coilspring.sizing import middle_diameter
+from validation.study.metrics import answered
+from validation.study.output import write_text
+from validation.study.partialsolve import as_far
+from validation.verification.randomscenes import Drawn, population
+
+CSV = Path("reports/errorbudget/randomsprings.csv")
+SEEDS, EACH = (0, 1, 2), 40  # springs of every kind and seed
+LAWS = ("helix", "haringx")
+COMPONENTS = ("ux", "uy", "rotz")
+ELEMENTS = {True: 16, False: 8}  # curved, a turn, with contact and without
+PAIRS = 16  # a turn, in contact
+PAPER_PAIRS = 4  # a turn: how closed pairs are counted
+NEGLIGIBLE = 1e-3  # of the largest component; ROTZ times the mean coil radius
+DIGITS = "%.4g"
+
+
+def study(seeds: Iterable[int] = SEEDS, each: int = EACH) -> pd.DataFrame:
+    """A row for each spring of the seeds, `each` of every kind of load and support."""
+    return pd.DataFrame([row(drawn) for seed in seeds for drawn in population(seed, each)])
+
+
+def row(drawn: Drawn) -> dict[str, Any]:
+    """What a spring is, and both laws' errors on it, per cent.
+
+    ``closed`` is the largest number of quarter turns on which pairs are closed at once; ``reference`` what
+    half the pairs a turn move the wire model by, without contact twice the elements.
+    """
+    scene, spring = drawn.scene, drawn.scene.spring
+    contact = scene.contact.enabled
+    wire = reference(scene)
+    other = reference(scene, elements=16, pairs=PAIRS // 2)
+    diameter = middle_diameter(spring)
+    found: dict[str, Any] = {
+        **{"seed": drawn.seed, "kind": drawn.kind, "number": drawn.number, "shape": drawn.shape},
+        **{"index": diameter / spring.wire_diameter, "coils": spring.active_coils},
+        **{"slenderness": spring.active_height / diameter, "phase": math.degrees(spring.start_phase)},
+        "contact": contact,
+        "closed": closed(wire) if contact else 0,
+        "wire": wire.outcome,
+        "reference": errors(other, wire)["vector"],
+    }
+    for law in LAWS:
+        path = as_far(equivbeam.solve, scene, law=law)
+        found[law] = path.outcome
+        found |= {f"{law}_{name}": value for name, value in errors(path, wire).items()}
+    return found
+
+
+def reference(scene: Scene, elements: int | None = None, pairs: int = PAIRS) -> EquilibriumPath:
+    """The wire model's path, as far as it goes."""
+    elements = elements or ELEMENTS[scene.contact.enabled]
+    options = {"element": "curved", "elements_per_turn": elements}
+    if scene.contact.enabled:
+        options["pairs_per_turn"] = pairs
+    return as_far(wirefe.solve, scene, **options)
+
+
+def closed(wire: EquilibriumPath) -> int:
+    """Largest number of quarter turns on which pairs are closed at once.
+
+    A contact of the paper's pairs, 4 a turn, is one quarter turn, whatever the number of pairs.
+    """
+    pairs: np.ndarray = wire.shape.data.contact.pairs  # type: ignore[attr-defined]
+    quarters = pairs[:, 0] * PAPER_PAIRS // PAIRS
+    return max((len(np.unique(quarters[gaps < 0.0])) for gaps in wire.gaps), default=0)
+
+
+def errors(path: EquilibriumPath, wire: EquilibriumPath) -> dict[str, float]:
+    """Largest errors as far as both paths go, over the wire model's peak there, per cent.
+
+    ``vector`` is of the displacement (UX, UY), or of the axial force where UY is prescribed; the others of a
+    component alone, and not a number where the wire model hardly moves it. ``steps`` both have.
+    """
+    common = min(len(path.times), len(wire.times))
+    found = dict.fromkeys(("vector", *COMPONENTS), math.nan) | {"steps": common}
+    if common == 0:
+        return found
+    mine, theirs = (
+        np.column_stack([answered(each)[name][:common] for name in COMPONENTS]) for each in (path, wire)
+    )
+    peaks = np.abs(theirs).max(axis=0)
+    sizes = peaks * (1.0, 1.0, 0.5 * middle_diameter(wire.scene.spring))
+    for place, name in enumerate(COMPONENTS):
+        if sizes[place] > NEGLIGIBLE * sizes.max():
+            found[name] = 100.0 * float(np.abs(mine - theirs)[:, place].max() / peaks[place])
+    apart, size = (np.linalg.norm(values[:, :2], axis=1).max() for values in (mine - theirs, theirs))
+    return found | {"vector": 100.0 * float(apart / size)}
+
+
+def write_csv(data: pd.DataFrame, path: Path = CSV) -> None:
+    """Write the rows, numbers to 4 digits."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    write_text(path, data.to_csv(index=False, float_format=DIGITS, lineterminator="\n"))
+
+
+def read_csv(path: Path = CSV) -> pd.DataFrame:
+    """The rows as recorded."""
+    return pd.read_csv(path)

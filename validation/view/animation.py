@@ -1,0 +1,108 @@
+"""The deforming wire in a window or as a GIF, drawn by a child process: VTK can end the one it runs in."""
+
+from __future__ import annotations
+
+import io
+import os
+import sys
+import tempfile
+from dataclasses import asdict
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from coilspring import InputError
+from validation.study.output import write_bytes
+from validation.view import process
+from validation.view.frames import Frames
+
+if TYPE_CHECKING:
+    from PIL import Image
+
+COMMAND = (sys.executable, "-m", "validation.view.viewer")
+MOST_PICTURES = 60  # of a movie
+LONGEST = (60.0, 5.0)  # s, in all and for each picture; one takes a fraction of a second
+PACE, LAST = 80, 1500  # ms, each picture and the last
+
+
+def require_display() -> None:
+    """Raise `InputError` where a window could not be opened."""
+    if sys.platform.startswith("linux") and not (
+        os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY")
+    ):
+        raise InputError("view needs a display, and there is none: --movie FILE.gif draws without one")
+
+
+def require_gif(movie: Path) -> None:
+    """Raise `InputError` for what is not the name of a GIF."""
+    if movie.suffix.lower() != ".gif":
+        raise InputError(f"--movie must be the name of a .gif file, got {str(movie)!r}")
+
+
+def show(frames: Frames) -> None:
+    """Open a window with a slider over the steps, and wait until it is closed.
+
+    Raises
+    ------
+    InputError : the window could not be opened.
+    """
+    with tempfile.TemporaryDirectory(prefix="coilcheck-") as name:
+        status = _child(frames, Path(name), "window", None)
+    if status:
+        raise InputError(f"no window could be opened ({status}): --movie FILE.gif draws without one")
+
+
+def film(frames: Frames, movie: Path) -> str:
+    """Write a GIF; a sentence where matplotlib had to draw it, else nothing."""
+    chosen = np.unique(np.linspace(0, len(frames.times) - 1, MOST_PICTURES).round().astype(int))
+    frames = Frames(frames.diameter, frames.times[chosen], frames.points[chosen], frames.forces[chosen])
+    with tempfile.TemporaryDirectory(prefix="coilcheck-") as name:
+        folder = Path(name)
+        status = _child(frames, folder, "pictures", LONGEST[0] + LONGEST[1] * len(frames.times))
+        files = [folder / f"{i:04d}.png" for i in range(len(frames.times))]
+        if not status and not all(file.is_file() for file in files):
+            status = "it wrote no pictures"
+        if status:
+            _draw_flat(frames, files)
+        pictures = [_picture(file) for file in files]
+    stream = io.BytesIO()
+    durations = [PACE] * (len(pictures) - 1) + [LAST]
+    pictures[0].save(
+        stream, "GIF", save_all=True, append_images=pictures[1:], duration=durations, loop=0, optimize=False
+    )
+    write_bytes(movie, stream.getvalue())
+    return f"drawn by matplotlib: pyvista could not draw off screen ({status})" if status else ""
+
+
+def _picture(file: Path) -> Image.Image:
+    """A picture in the 128 colours that a GIF gets here: spread over the scale, not over the greys."""
+    from PIL import Image
+
+    colours = Image.open(file).convert("RGB")
+    return colours.quantize(128, Image.Quantize.MAXCOVERAGE, dither=Image.Dither.NONE)
+
+
+def _child(frames: Frames, folder: Path, what: str, timeout: float | None) -> str:
+    """Draw in a child process; in a few words why it failed, empty where it did not."""
+    np.savez(folder / "frames.npz", **asdict(frames))
+    return process.run((*COMMAND, what, str(folder)), timeout)
+
+
+def _draw_flat(frames: Frames, files: list[Path]) -> None:
+    """Pictures in the working plane, where OpenGL does not work."""
+    from matplotlib.figure import Figure
+
+    low, high = frames.points.min(axis=(0, 1)), frames.points.max(axis=(0, 1))
+    margin, touched = frames.diameter, frames.touched
+    for time, points, forces, file in zip(frames.times, frames.points, frames.forces, files, strict=True):
+        figure = Figure(figsize=(5.0, 6.0), dpi=100)
+        axes = figure.add_subplot(aspect="equal", title=f"time {time:.2f}", xlabel="X, mm", ylabel="Y, mm")
+        axes.plot(points[:, 0], points[:, 1], color="0.6", linewidth=3.0)
+        if touched.size:
+            x, y = points[touched, :2].T
+            dots = axes.scatter(x, y, c=forces[touched], vmin=0.0, vmax=frames.forces.max(), zorder=3)
+            figure.colorbar(dots, label="contact force, N")
+        axes.set_xlim(low[0] - margin, high[0] + margin)
+        axes.set_ylim(low[1] - margin, high[1] + margin)
+        figure.savefig(file)

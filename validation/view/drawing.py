@@ -1,0 +1,77 @@
+"""A picture of a spring at rest."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from pathlib import Path
+
+import matplotlib
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.colors import LinearSegmentedColormap
+from matplotlib.figure import Figure
+
+from coilspring import Scene, Spring
+from coilspring.sizing import along, sizes
+from validation.study.output import write_bytes
+from validation.study.plots import discs, png
+from validation.study.style import BLUE, DOUBLE, RC, RED
+
+DISCS = 8  # along a wire diameter, of which the wire is drawn
+MOST_DISCS = 20_000
+WIRE = LinearSegmentedColormap.from_list("wire", ("#dfe6f0", BLUE))  # from far to near
+
+
+def draw(scene: Scene, target: Path) -> None:
+    """Write a PNG: the spring at rest from the side, and its coils' diameter, pitch and closing force."""
+    with matplotlib.rc_context(RC):
+        figure = Figure(figsize=(DOUBLE, 4.4), layout="constrained")
+        plots = figure.subplot_mosaic(
+            [["side", "diameter"], ["side", "pitch"], ["side", "closing"]], width_ratios=(1.0, 1.1)
+        )
+        _side(plots["side"], scene.spring)
+        _coils([plots[name] for name in ("diameter", "pitch", "closing")], scene)
+        write_bytes(target, png(figure))
+
+
+def _side(axes: Axes, spring: Spring) -> None:
+    """The wire from the side, nearer parts darker, and its sections in the working plane."""
+    d, (first, last) = spring.wire_diameter, spring.phase_range
+    way = (last - first) * float(spring.radius(np.linspace(first, last, 200)).max())
+    count = min(math.ceil(way / d * DISCS), MOST_DISCS)
+    x, y, z = spring.points(np.linspace(first, last, count)).T
+    order = np.argsort(z)
+    discs(axes, np.stack((x, y), axis=1)[order], d, array=z[order], cmap=WIRE, linewidths=0.0)
+    sections = spring.points(spring.circle_phases())[:, :2]
+    discs(axes, sections, d, facecolors="none", edgecolors="black", linewidths=0.7)
+    axes.plot((0.0, 0.0), (0.0, spring.active_height), color=RED, linewidth=0.6, marker="o", markersize=2.5)
+    margin = 0.55 * d
+    axes.set(
+        aspect="equal",
+        xlim=(x.min() - margin, x.max() + margin),
+        ylim=(y.min() - margin, y.max() + margin),
+        xlabel="X (mm)",
+        ylabel="Y (mm)",
+        title="at rest, with the reference points",
+    )
+    axes.grid(False)
+
+
+def _coils(plots: Sequence[Axes], scene: Scene) -> None:
+    """Diameter, pitch and closing force along the active coils."""
+    coils, force = along(scene), sizes(scene).force
+    load = force if math.isfinite(force) else None
+    for axes, values, limit, label in (
+        (plots[0], coils.diameter, None, "coil diameter (mm)"),
+        (plots[1], coils.pitch, scene.spring.wire_diameter, "pitch; wire, dashed (mm)"),
+        (plots[2], coils.closing, load, "closes at; load, dashed (N)"),
+    ):
+        axes.plot(coils.turns, values, color=BLUE)
+        top = float(values.max())
+        if limit is not None:
+            axes.axhline(limit, color=RED, linewidth=0.8, linestyle="--")
+            top = max(top, limit)
+        axes.set_title(label)
+        axes.set(xlim=(0.0, coils.turns[-1]), ylim=(0.0, 1.1 * top if top > 0.0 else 1.0))
+    plots[-1].set_xlabel("active coil, from the bottom")

@@ -1,0 +1,102 @@
+"""The springs of Figures 4 and 6 in one HTML file, to be turned in a browser: pyvista's vtk.js export."""
+
+from __future__ import annotations
+
+import sys
+import tempfile
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from validation.study.style import BLUE, GREY, LIT_RED
+from validation.view import process
+from validation.view.htmlfile import FILE, signature
+from validation.view.render3d import PARTS, add_spring
+from validation.view.shapes import Shapes
+
+if TYPE_CHECKING:
+    import pyvista
+
+TITLE = "Springs of Figures 4 and 6 at full load, by both models"
+COMMAND = (sys.executable, "-m", "validation.view.htmlscene")
+TIMEOUT = 120.0  # s; it takes a few
+GAP, LETTER = 6.0, 1.6  # mm between springs; height of the words
+EYE = (0.12, 0.3, 1.4)  # from where it is seen at first, over the width of what is seen
+SIDES = 16  # of a tube; the file grows with it
+KEY = (("equivalent beam", BLUE), ("wire model, in bands", LIT_RED), ("at rest", GREY))
+
+
+def page(panels: Sequence[Shapes], mark: str) -> bytes | str:
+    """The page; or in a few words why there is none.
+
+    Parameters
+    ----------
+    panels : springs, put side by side.
+    mark : by which `interactive.is_made` knows the page again.
+    """
+    arrays = {f"{part}{i}": getattr(panel, part) for i, panel in enumerate(panels) for part in PARTS}
+    titles = np.array([panel.spring for panel in panels])
+    with tempfile.TemporaryDirectory(prefix="coilcheck-") as name:
+        folder = Path(name)
+        np.savez(folder / "panels.npz", diameter=panels[0].diameter, titles=titles, **arrays)
+        trouble = process.run((*COMMAND, name), TIMEOUT)
+        if not trouble and not (folder / FILE).is_file():
+            trouble = "it wrote no file"
+        if trouble:
+            return trouble
+        text = (folder / FILE).read_text(encoding="utf-8")
+    head, _, rest = text.partition("<title>")  # of the viewer
+    return f"{head}<title>{TITLE}{rest[rest.index('</title>') :]}\n".encode() + signature(mark)
+
+
+def main(folder: Path) -> None:
+    """Export the panels stored in `folder`; what the child process runs."""
+    import pyvista
+
+    # a viewer that is not used, but would be downloaded
+    sys.modules["trame.widgets.vtklocal"] = None  # type: ignore[assignment]
+    with np.load(folder / "panels.npz") as stored:
+        data = dict(stored)
+    plotter = pyvista.Plotter(off_screen=True, window_size=[1200, 800])
+    plotter.set_background("white")
+    low, high = _springs(plotter, data)
+    for i, (words, colour) in enumerate(KEY):
+        place = low[0] + (i + 0.5) / len(KEY) * (high[0] - low[0])
+        _write(plotter, words, place, low[1] - 5.0 * LETTER, colour)
+    camera = plotter.camera
+    camera.focal_point = 0.5 * (low + high) - (0.0, 3.0 * LETTER, 0.0)
+    camera.position = camera.focal_point + (high[0] - low[0]) * np.array(EYE)
+    camera.up = (0.0, 1.0, 0.0)
+    plotter.trame.export_html(folder / FILE)
+
+
+def _springs(plotter: pyvista.Plotter, data: dict[str, np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
+    """Springs side by side with their names below; corners of the box that holds them."""
+    springs = [[data[f"{part}{i}"] for part in PARTS] for i in range(len(data["titles"]))]
+    lows, highs = (
+        np.array([bound(np.concatenate(parts), axis=0) for parts in springs]) for bound in (np.min, np.max)
+    )
+    widths = (highs - lows)[:, 0]
+    lefts = np.cumsum(widths + GAP) - widths - GAP
+    low = lows.min(axis=0)
+    for title, parts, move in zip(data["titles"], springs, lefts - lows[:, 0], strict=True):
+        rest, beam, wire = (part + np.array((move, 0.0, 0.0)) for part in parts)
+        add_spring(plotter, rest, beam, wire, float(data["diameter"]), SIDES)
+        _write(plotter, str(title), rest[:, 0].mean(), low[1] - 2.0 * LETTER, "black")
+    low[0], high = 0.0, highs.max(axis=0)
+    high[0] = lefts[-1] + widths[-1]
+    return low, high
+
+
+def _write(plotter: pyvista.Plotter, words: str, centre: float, top: float, colour: str) -> None:
+    """Words in the working plane."""
+    import pyvista
+
+    text = pyvista.Text3D(words, height=LETTER, depth=0.05, center=(centre, top - 0.5 * LETTER, 0.0))
+    plotter.add_mesh(text, color=colour, lighting=False)
+
+
+if __name__ == "__main__":
+    main(Path(sys.argv[1]))

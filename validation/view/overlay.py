@@ -1,0 +1,135 @@
+"""One spring by both models in one picture: what the top does, and where the coils are."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import matplotlib
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+
+from coilspring import EquilibriumPath
+from validation.study.metrics import COMPONENTS, answered
+from validation.study.plots import TIPS, both, discs, png
+from validation.study.style import (
+    BEAM_CIRCLE,
+    BEAM_LABEL,
+    BEAM_LINE,
+    DOUBLE,
+    GREY,
+    RC,
+    REST_CIRCLE,
+    WIRE_CIRCLE,
+    WIRE_LABEL,
+    WIRE_LINE,
+    Look,
+)
+
+LABELS = dict(zip(COMPONENTS, TIPS, strict=True))
+DIFFERENCE: Look = {"color": "black", "linewidth": 1.0}
+HELD = 1e-9  # mm, rad: tips below are held freedoms' rounding
+
+
+def overlay(beam: EquilibriumPath, wire: EquilibriumPath) -> bytes:
+    """`picture` as a PNG."""
+    with matplotlib.rc_context(RC):
+        return png(picture(beam, wire))
+
+
+def picture(beam: EquilibriumPath, wire: EquilibriumPath) -> Figure:
+    """What the top does, and the contact circles at the last time that both reached.
+
+    Where the top moves along the axis alone: force against deflection, and the difference of both curves.
+    Else each component that moves, against the load; where UY is prescribed the axial force.
+    """
+    moved = [name for name in LABELS if any(_moves(path, name) for path in (beam, wire))]
+    figure = Figure(figsize=(DOUBLE, 4.4), layout="constrained")
+    if moved == ["uy"]:
+        plots = _panels(figure, ("curve", "difference"), (2.2, 1.0))
+        _axial(plots["curve"], plots["difference"], beam, wire)
+    else:
+        names = moved or list(LABELS)
+        plots = _panels(figure, names, [1.0] * len(names))
+        for name in names:
+            _curve(plots[name], beam, wire, name)
+        plots[names[-1]].set_xlabel(_abscissa(beam)[1])
+    _shape(plots["shape"], beam, wire)
+    figure.legend(handles=_key(), loc="outside lower center", ncols=3)
+    return figure
+
+
+def _moves(path: EquilibriumPath, name: str) -> bool:
+    return bool(np.abs(path.tips[:, COMPONENTS.index(name)]).max(initial=0.0) > HELD)
+
+
+def _panels(figure: Figure, names: Sequence[str], heights: Sequence[float]) -> dict[str, Axes]:
+    """Plots with one abscissa, one above the other, beside that of the shape."""
+    rows: Any = [[name, "shape"] for name in names]
+    plots = figure.subplot_mosaic(rows, width_ratios=(1.15, 1.0), height_ratios=heights)
+    for name in names[:-1]:
+        plots[name].sharex(plots[names[-1]])
+        plots[name].tick_params(labelbottom=False)
+    return plots
+
+
+def _axial(above: Axes, below: Axes, beam: EquilibriumPath, wire: EquilibriumPath) -> None:
+    """Force against deflection, pressing counted up, and below by what the models differ where both have the
+    same load, or the same deflection where that is prescribed."""
+    deflections = [-path.tips[:, 1] for path in (beam, wire)]
+    forces = [-path.loads[:, 1] for path in (beam, wire)]
+    both(above, (deflections[0], forces[0]), (deflections[1], forces[1]))
+    above.set_ylabel("force −FY (N)")
+    what, values = ("force", forces) if beam.scene.load.displacement else ("deflection", deflections)
+    _, mine, theirs = np.intersect1d(beam.times, wire.times, return_indices=True)
+    peak = np.abs(values[1]).max(initial=np.finfo(float).tiny)
+    difference = 100.0 * (values[0][mine] - values[1][theirs]) / peak
+    below.plot(np.append(0.0, deflections[1][theirs]), np.append(0.0, difference), **DIFFERENCE)
+    below.axhline(0.0, color="black", linewidth=0.5)
+    below.set(xlabel="deflection −UY (mm)", ylabel=f"beam − wire model,\n{what} (% of peak)")
+
+
+def _abscissa(path: EquilibriumPath) -> tuple[np.ndarray, str]:
+    """What grows along a path: its load, or the time of its history."""
+    load = path.scene.load
+    if load.stages or load.displacement:
+        return path.times, "time"
+    return np.hypot(*path.loads.T), "load |F| (N)"
+
+
+def _curve(axes: Axes, beam: EquilibriumPath, wire: EquilibriumPath, name: str) -> None:
+    """One component of both models."""
+    values = [answered(path)[name] for path in (beam, wire)]
+    both(axes, (_abscissa(beam)[0], values[0]), (_abscissa(wire)[0], values[1]))
+    driven = name == "uy" and beam.scene.load.displacement
+    axes.set(ylabel="force FY (N)" if driven else LABELS[name], xlim=(0.0, None))
+
+
+def _shape(axes: Axes, beam: EquilibriumPath, wire: EquilibriumPath) -> None:
+    """The contact circles of both models, to scale."""
+    spring = beam.scene.spring
+    common, mine, theirs = np.intersect1d(beam.times, wire.times, return_indices=True)
+    groups = [(spring.points(spring.circle_phases())[:, :2], REST_CIRCLE)]
+    if common.size:
+        groups += [
+            (beam.circle_centres(mine[-1]), BEAM_CIRCLE),
+            (wire.circle_centres(theirs[-1]), WIRE_CIRCLE),
+        ]
+    for centres, look in groups:
+        discs(axes, centres, spring.wire_diameter, **look)
+    every = np.concatenate([centres for centres, _ in groups])
+    low, high = every.min(axis=0) - spring.wire_diameter, every.max(axis=0) + spring.wire_diameter
+    title = f"contact circles at time {common[-1]:g}" if common.size else "no common step"
+    axes.set(aspect="equal", xlim=(low[0], high[0]), ylim=(low[1], high[1]), xlabel="X (mm)", title=title)
+    axes.set_ylabel("Y (mm)")
+    axes.grid(False)
+
+
+def _key() -> list[Line2D]:
+    return [
+        Line2D([], [], **BEAM_LINE, label=BEAM_LABEL),
+        Line2D([], [], **WIRE_LINE, label=WIRE_LABEL),
+        Line2D([], [], color=GREY, marker="o", linestyle="", markerfacecolor="none", label="at rest"),
+    ]

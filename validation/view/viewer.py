@@ -1,0 +1,89 @@
+"""Draws the deforming wire by pyvista; the child process of `validation.view.animation`."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from validation.study.style import GREY
+from validation.view.frames import Frames
+from validation.view.render3d import aim, tubes
+
+if TYPE_CHECKING:
+    import pyvista
+
+PIXELS = [1000, 720]  # room for the scale beside the spring
+SPHERE = 0.62  # radius of a contact sphere over the wire's diameter: to be seen around the tube
+TITLE = "contact, N\n"  # clear of the largest number
+ROOM = 0.8  # of the window's height, which leaves the slider clear of the wire
+
+
+def main(what: str, folder: Path) -> None:
+    """Show ``frames.npz`` of `folder` in a window, or draw its frames as PNG files beside it."""
+    import pyvista
+
+    with np.load(folder / "frames.npz") as stored:
+        frames = Frames(float(stored["diameter"]), stored["times"], stored["points"], stored["forces"])
+    window = what == "window"
+    plotter = pyvista.Plotter(off_screen=not window, window_size=PIXELS, lighting="light kit")
+    plotter.set_background("white")
+    draw(plotter, frames, len(frames.times) - 1)
+    aim(plotter, frames.points.reshape(-1, 3), 2.0 * frames.diameter)
+    if window:
+        plotter.camera.zoom(ROOM)
+        _slider(plotter, frames)
+        plotter.show(title="coilcheck view")
+        return
+    plotter.enable_anti_aliasing("ssaa")
+    for step in range(len(frames.times)):
+        draw(plotter, frames, step)
+        plotter.screenshot(folder / f"{step:04d}.png")
+    plotter.close()
+
+
+def draw(plotter: pyvista.Plotter, frames: Frames, step: int) -> None:
+    """Put a step in the place of the one shown."""
+    import pyvista
+
+    points, touched = frames.points[step], frames.touched
+    wire = tubes([points], 0.5 * frames.diameter, 16)
+    plotter.add_mesh(wire, name="wire", color=GREY, ambient=0.3, smooth_shading=True, reset_camera=False)
+    if touched.size:
+        spheres = pyvista.PolyData(points[touched])
+        spheres[TITLE] = frames.forces[step, touched]
+        ball = pyvista.Sphere(radius=SPHERE * frames.diameter, theta_resolution=16, phi_resolution=16)
+        plotter.add_mesh(
+            spheres.glyph(geom=ball, scale=False, orient=False),
+            name="contact",
+            scalars=TITLE,
+            clim=(0.0, float(frames.forces.max())),
+            cmap="viridis",
+            reset_camera=False,
+            scalar_bar_args={"color": "black", "fmt": "%.3g", "vertical": True, "position_x": 0.9},
+        )
+    plotter.add_text(f"time {frames.times[step]:.3g}", name="time", color="black", font_size=11)
+
+
+def _slider(plotter: pyvista.Plotter, frames: Frames) -> None:
+    last = len(frames.times) - 1
+    plotter.add_slider_widget(
+        lambda value: draw(plotter, frames, round(value)),
+        (0, last),
+        value=last,
+        title="step",
+        title_height=0.02,
+        fmt="%.0f",
+        color="black",
+        pointa=(0.25, 0.08),
+        pointb=(0.75, 0.08),
+        slider_width=0.02,
+        tube_width=0.004,
+        interaction_event="always",
+    )
+
+
+if __name__ == "__main__":
+    main(sys.argv[1], Path(sys.argv[2]))

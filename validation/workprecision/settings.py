@@ -1,0 +1,158 @@
+"""What the work-precision study runs: springs, and every setting of both models."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
+
+from coilspring import Scene
+from equivbeam.solve import LAWS
+
+STEPS = 50  # of the paper, and of every scene here
+PAIRS = 4  # a turn, as in the paper's mesh; other numbers are other contact models
+PAPER_LAW, PAPER_ELEMENTS = "haringx", 40
+SERIES = ("straight", "curved", *LAWS)
+PEER = "opensees"
+
+
+@dataclass(frozen=True)
+class Setting:
+    """One model with its numerics.
+
+    Attributes
+    ----------
+    series : element of the wire model, law of the equivalent beam, or `PEER`.
+    steps : equal steps of time.
+    mesh : elements a turn; 0 for the equivalent beam, which has one length of element.
+    pairs : sphere pairs a turn; 0 for the equivalent beam.
+    tangent, sliding : of the equivalent beam; empty for the wire model.
+    """
+
+    series: str
+    steps: int
+    mesh: int = 0
+    pairs: int = 0
+    tangent: str = ""
+    sliding: str = ""
+
+    @property
+    def model(self) -> str:
+        """The model's package, or `PEER`."""
+        if self.series == PEER:
+            return PEER
+        return "wirefe" if self.mesh else "equivbeam"
+
+    @property
+    def options(self) -> dict[str, object]:
+        """Keyword arguments of the model's `solve`."""
+        if self.mesh:
+            mesh = {"elements_per_turn": self.mesh, "pairs_per_turn": self.pairs}
+            return {"element": self.series, "steps": self.steps, **mesh}
+        chosen = {"steps": self.steps, "tangent": self.tangent, "sliding": self.sliding}
+        return {"law": self.series, **chosen}
+
+    @property
+    def label(self) -> str:
+        """Name for a reader."""
+        if self.series == PEER:
+            return f"OpenSees {self.mesh}, {self.steps} steps"
+        parts = [f"wire {self.series} {self.mesh}" if self.mesh else f"beam {self.series}"]
+        parts += ["paper’s tangent"] if self.tangent == "paper" else []
+        parts += ["scene’s sliding"] if self.sliding == "scene" else []
+        parts += [f"{self.pairs} pairs a turn"] if self.mesh and self.pairs != PAIRS else []
+        return ", ".join([*parts, f"{self.steps} step{'s' if self.steps != 1 else ''}"])
+
+    @property
+    def is_paper_mesh(self) -> bool:
+        """Whether it is the paper's FE mesh with a scene's usual steps."""
+        return (self.series, self.mesh, self.pairs, self.steps) == ("straight", PAPER_ELEMENTS, PAIRS, STEPS)
+
+    @property
+    def is_paper_model(self) -> bool:
+        """Whether it is the paper's equivalent beam, solved with the exact tangent."""
+        plain = self.tangent == "exact" and self.sliding == "ignore"
+        return self.series == PAPER_LAW and plain and self.steps == STEPS
+
+
+@dataclass(frozen=True)
+class Extent:
+    """How much is run.
+
+    Attributes
+    ----------
+    straight, curved : elements a turn.
+    reference : curved elements a turn of the reference; half of it tells the reference's error.
+    steps : other numbers of steps; divisors of `Extent.finest`.
+    pairs : other sphere pairs a turn.
+    rounds : timed rounds.
+    peers : elements a turn and steps of OpenSees, which takes seconds where the others take a tenth.
+    peer_rounds : timed rounds of OpenSees.
+    """
+
+    straight: tuple[int, ...]
+    curved: tuple[int, ...]
+    reference: int
+    steps: tuple[int, ...]
+    pairs: tuple[int, ...]
+    rounds: int
+    peers: tuple[tuple[int, int], ...] = ()
+    peer_rounds: int = 1
+    finest = 200  # steps of the reference: every number of steps here divides it
+
+
+QUICK = Extent((8, 20, 40), (4, 8), 32, (1, 10), (8,), 3, ((40, STEPS),))
+NORMAL = Extent(
+    straight=(8, 12, 20, 40, 80, 160),
+    curved=(4, 8, 12, 16, 32),
+    reference=64,
+    steps=(1, 2, 5, 10, 25, 100, 200),
+    pairs=(2, 8, 16),
+    rounds=7,
+    peers=((20, STEPS), (40, STEPS), (80, STEPS), (40, 10), (40, 100)),
+    peer_rounds=3,
+)
+FULL = replace(
+    NORMAL,
+    straight=(4, 8, 12, 20, 40, 80, 160, 320),
+    curved=(4, 8, 12, 16, 32, 64, 160),
+    reference=320,
+    pairs=(2, 8, 16, 32),
+)
+
+
+TITLES = {
+    "spring-a": "Spring A",
+    "spring-a-no-contact": "Spring A, no contact",
+    "spring-b": "Spring B",
+    "spring-b-no-contact": "Spring B, no contact",
+    "cylinder-lateral": "cylinder C = 10, lateral load",
+    "slender-axial": "slender cylinder, axial load",
+}
+
+
+def settings(scene: Scene, extent: Extent) -> tuple[Setting, ...]:
+    """Every setting that makes sense for a scene."""
+    return tuple(dict.fromkeys((*_wires(scene, extent), *_beams(scene, extent))))
+
+
+def _wires(scene: Scene, extent: Extent) -> Iterable[Setting]:
+    meshes = [("straight", mesh) for mesh in extent.straight] + [("curved", mesh) for mesh in extent.curved]
+    yield from (Setting(element, STEPS, mesh, PAIRS) for element, mesh in meshes)
+    for steps in extent.steps:
+        yield Setting("straight", steps, PAPER_ELEMENTS, PAIRS)
+        yield Setting("curved", steps, extent.curved[0], PAIRS)
+    if scene.contact.enabled:
+        yield from (Setting("curved", STEPS, max(16, pairs), pairs) for pairs in (PAIRS, *extent.pairs))
+
+
+def _beams(scene: Scene, extent: Extent) -> Iterable[Setting]:
+    held = scene.contact.enabled and scene.contact.sliding != "free"
+    for series in LAWS:
+        for steps in (STEPS, *extent.steps):
+            yield Setting(series, steps, tangent="exact", sliding="ignore")
+        if held:
+            yield Setting(series, STEPS, tangent="exact", sliding="scene")
+    yield Setting(PAPER_LAW, STEPS, tangent="paper", sliding="ignore")
+
+
+EXTENTS = {"quick": QUICK, "normal": NORMAL, "full": FULL}
