@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING, Protocol
 import numpy as np
 
 from coilspring.errors import InputError
-from coilspring.history import given_loads
 from coilspring.scene import Scene
+from coilspring.scene.history import given_loads
 
 if TYPE_CHECKING:
     import pandas as pd

@@ -10,8 +10,8 @@ import math
 import numpy as np
 
 from coilspring.compiled import part
-from coilspring.material import Material
-from coilspring.spring import Spring
+from coilspring.scene.material import Material
+from coilspring.scene.spring import Spring
 from equivbeam.halfcoil import Response
 from equivbeam.stations import half_coils
 

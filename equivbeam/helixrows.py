@@ -8,9 +8,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from coilspring.errors import InputError, shown
-from coilspring.material import Material
-from coilspring.spring import Spring
-from coilspring.wire import round_section
+from coilspring.scene.material import Material
+from coilspring.scene.spring import Spring
+from coilspring.scene.wire import round_section
 from equivbeam.haringx import KAX, haringx_stiffness
 from equivbeam.helix import (
     B0,

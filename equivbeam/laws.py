@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from coilspring.compiled import part
-from coilspring.material import Material
-from coilspring.spring import Spring
+from coilspring.scene.material import Material
+from coilspring.scene.spring import Spring
 from equivbeam.haringx import KAX, KFL, KSH, haringx, haringx_rows
 from equivbeam.helix import helix
 from equivbeam.helixrows import Refinements, helix_rows

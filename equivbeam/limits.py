@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from coilspring.scene import Scene
-from coilspring.sizing import solid_height
+from coilspring.scene.sizing import solid_height
 from equivbeam.helix import HIGH, LOW
 from equivbeam.rendering import element_lengths
 

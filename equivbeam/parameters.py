@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 
 from coilspring.errors import require_choice
-from coilspring.material import Material
 from coilspring.scene import Scene
+from coilspring.scene.material import Material
 
 Options = Mapping[str, Any]
 

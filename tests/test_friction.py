@@ -11,7 +11,7 @@ import wirefe
 from coilspring import Contact, InputError, load_scene
 from coilspring.packing import pack
 from coilspring.pairlaw import SLID
-from coilspring.scenefile import scene_from_text
+from coilspring.scene.toml import scene_from_text
 from wirefe import kernels, model
 from wirestates import add, centres, elements
 

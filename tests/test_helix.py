@@ -21,7 +21,7 @@ from coilspring import (
     spring_a,
     spring_b,
 )
-from coilspring.wire import round_section
+from coilspring.scene.wire import round_section
 from equivbeam import Refinements
 from equivbeam.halfcoil import gradient, hessian, measures
 from equivbeam.helix import HIGH, LOW, U0, axial, helix

@@ -9,9 +9,9 @@ import equivbeam
 import wirefe
 from coilspring import Contact, EquilibriumNotFound, InputError, Load, Supports, spring_a, spring_b
 from coilspring.driving import Drive
-from coilspring.history import given_loads
 from coilspring.packing import pack
 from coilspring.pairlaw import MEMORY
+from coilspring.scene.history import given_loads
 from validation.study.metrics import compare_paths
 from wirefe.solve import scene_problem
 

@@ -8,7 +8,7 @@ import wirefe
 from coilspring import Material, load_scene
 from coilspring.branch import predict
 from coilspring.packing import pack
-from coilspring.wire import round_section
+from coilspring.scene.wire import round_section
 from wirefe import kernels, model
 from wirefe.solve import scene_problem
 

@@ -9,7 +9,7 @@ import pytest
 import equivbeam
 import wirefe
 from coilspring import CATALOGUE, CoilSection, InputError, Load, Material, Spring, load_scene
-from coilspring.scenefile import scene_from_text
+from coilspring.scene.toml import scene_from_text
 from validation.cli import main
 
 SPRING_B = {

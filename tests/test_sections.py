@@ -13,7 +13,7 @@ import wirefe
 from coilspring import CoilSection, Contact, InputError, Load, Material, Scene, Spring, Supports, load_scene
 from coilspring.packing import pack
 from coilspring.pairlaw import MEMORY
-from coilspring.wire import round_section
+from coilspring.scene.wire import round_section
 from equivbeam import kernels, model
 from wirefe.elements import curved_elements
 from wirefe.modes import linear_stiffness

@@ -11,8 +11,8 @@ import pytest
 import equivbeam
 from coilspring import InputError, spring_a, spring_b
 from coilspring.pairlaw import MEMORY
+from coilspring.scene.wire import round_section
 from coilspring.solving import Problem, follow_problem, output_times, scene_path
-from coilspring.wire import round_section
 from equivbeam import model as beam
 from equivbeam.haringx import KAX, KFL, KSH
 from equivbeam.problem import beam_problem

@@ -21,7 +21,7 @@ from coilspring import (
 )
 from coilspring.packing import pack
 from coilspring.pairlaw import MEMORY
-from coilspring.wire import round_section
+from coilspring.scene.wire import round_section
 from validation.study.exactrod import EXACT_ROD
 from validation.study.partialsolve import as_far
 from wirefe import kernels, model

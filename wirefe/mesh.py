@@ -9,7 +9,7 @@ import numpy as np
 
 from coilspring.errors import InputError, require_integer
 from coilspring.scene import Scene
-from coilspring.spring import Spring
+from coilspring.scene.spring import Spring
 
 TWO_PI = 2.0 * math.pi
 PAIRS_OF_PENALTY = 4  # the scene's stiffness is that of a pair at 4 pairs a turn

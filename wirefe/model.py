@@ -15,7 +15,7 @@ from coilspring.driving import Top
 from coilspring.errors import InputError
 from coilspring.packing import heads, stack, table, vector
 from coilspring.scene import SEATS, Scene
-from coilspring.wire import round_section
+from coilspring.scene.wire import round_section
 from wirefe.beam import deformations
 from wirefe.chain import ChainPlan, plan_chain
 from wirefe.mesh import Spheres, WireMesh, mesh_wire, no_spheres, place_spheres, refuse_kinks

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from coilspring.scene import Load
+from coilspring.scene.scene import Load
 
 
 def stage_ends(load: Load) -> np.ndarray:

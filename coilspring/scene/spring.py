@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from coilspring.errors import InputError, keep_numbers, require_choice, require_number
-from coilspring.profile import (
+from coilspring.scene.profile import (
     ACTIVE_COILS,
     LONGEST,
     SAME,

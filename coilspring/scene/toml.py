@@ -7,12 +7,12 @@ import tomllib
 from collections.abc import Mapping
 from pathlib import Path
 
-from coilspring.catalogue import CATALOGUE
 from coilspring.errors import InputError, shown
-from coilspring.material import Material
-from coilspring.profile import CoilSection
-from coilspring.scene import Contact, Load, Scene, Supports
-from coilspring.spring import Spring
+from coilspring.scene.catalogue import CATALOGUE
+from coilspring.scene.material import Material
+from coilspring.scene.profile import CoilSection
+from coilspring.scene.scene import Contact, Load, Scene, Supports
+from coilspring.scene.spring import Spring
 
 Keys = tuple[tuple[str, ...], tuple[str, ...]]  # required, optional
 ENDS = ("end_turns", "ends", "start_phase", "hand")

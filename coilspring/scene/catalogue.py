@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from coilspring.scene import Contact, Load, Scene, Supports
-from coilspring.spring import Spring
+from coilspring.scene.scene import Contact, Load, Scene, Supports
+from coilspring.scene.spring import Spring
 
 
 def spring_a() -> Scene:

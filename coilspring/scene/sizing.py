@@ -12,9 +12,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from coilspring.profile import TWO_PI, CoilSection, closest
-from coilspring.scene import HELD_CHOICES, Load, Scene
-from coilspring.spring import Spring
+from coilspring.scene.profile import TWO_PI, CoilSection, closest
+from coilspring.scene.scene import HELD_CHOICES, Load, Scene
+from coilspring.scene.spring import Spring
 
 POINTS = 129  # of a section, at which what is not linear in the turns is looked at
 POINTS_PER_TURN = 72

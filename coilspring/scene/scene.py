@@ -6,9 +6,9 @@ import math
 from dataclasses import dataclass, field, replace
 
 from coilspring.errors import InputError, keep_numbers, require_choice, require_integer, require_number, shown
-from coilspring.material import Material
-from coilspring.profile import LONGEST
-from coilspring.spring import Spring
+from coilspring.scene.material import Material
+from coilspring.scene.profile import LONGEST
+from coilspring.scene.spring import Spring
 
 HELD_CHOICES = ("ux", "uy", "rotz")
 SEATS = ("rigid", "plate")

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import json
 
-from coilspring.profile import CoilSection
-from coilspring.scene import Contact, Load, Scene
-from coilspring.spring import Spring
+from coilspring.scene.profile import CoilSection
+from coilspring.scene.scene import Contact, Load, Scene
+from coilspring.scene.spring import Spring
 
 COLUMN = 36  # at which comments begin
 
