@@ -7,8 +7,7 @@ from coilspring.scene.catalogue import CATALOGUE, spring_a, spring_b
 from coilspring.scene.material import Material
 from coilspring.scene.profile import CoilSection
 from coilspring.scene.spring import Spring
-from coilspring.scene.text import scene_text
-from coilspring.scene.toml import load_scene
+from coilspring.scene.toml import load_scene, scene_text
 
 __all__ = [
     "CATALOGUE",

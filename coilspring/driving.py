@@ -18,7 +18,7 @@ import numpy as np
 
 from coilspring.packing import pack
 from coilspring.scene import Scene
-from coilspring.scene.history import stage_ends
+from coilspring.scene.load import stage_ends
 from coilspring.scene.sizing import axial_rate
 from coilspring.system import FREE
 

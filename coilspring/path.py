@@ -11,7 +11,7 @@ import numpy as np
 
 from coilspring.errors import InputError
 from coilspring.scene import Scene
-from coilspring.scene.history import given_loads
+from coilspring.scene.load import given_loads
 
 if TYPE_CHECKING:
     import pandas as pd

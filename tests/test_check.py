@@ -25,8 +25,7 @@ from coilspring import (
     spring_b,
 )
 from coilspring.scene.sizing import POINTS, along, buckling_shortening, least_gap, sizes, wire_length
-from coilspring.scene.text import scene_text
-from coilspring.scene.toml import scene_from_text
+from coilspring.scene.toml import scene_from_text, scene_text
 from validation.cli import main
 from validation.view.check import report
 from validation.view.drawing import draw

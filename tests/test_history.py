@@ -11,7 +11,7 @@ from coilspring import Contact, EquilibriumNotFound, InputError, Load, Supports,
 from coilspring.driving import Drive
 from coilspring.packing import pack
 from coilspring.pairlaw import MEMORY
-from coilspring.scene.history import given_loads
+from coilspring.scene.load import given_loads
 from validation.study.metrics import compare_paths
 from wirefe.solve import scene_problem
 

@@ -12,9 +12,11 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from coilspring.scene.load import Load
 from coilspring.scene.profile import TWO_PI, CoilSection, closest
-from coilspring.scene.scene import HELD_CHOICES, Load, Scene
+from coilspring.scene.scene import Scene
 from coilspring.scene.spring import Spring
+from coilspring.scene.supports import HELD_CHOICES
 
 POINTS = 129  # of a section, at which what is not linear in the turns is looked at
 POINTS_PER_TURN = 72
