@@ -101,8 +101,8 @@ def solve(
     return scene_path(scene, "equivbeam", options, run, BeamShape(scene, data))
 
 
-def beam_shape(scene: Scene, options: Mapping[str, Any]) -> BeamShape:
-    """Reader of the states of a path that was solved with the options."""
+def path_shape(scene: Scene, options: Mapping[str, Any], found: object = ()) -> BeamShape:
+    """Reader of the states of a path that was solved with the options; no pairs are found on the way."""
     return BeamShape(scene, beam_model(scene, options))
 
 

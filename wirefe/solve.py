@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
@@ -82,6 +84,13 @@ def solve(
     data = run.problem.data
     options["pairs_found"] = len(data.contact.pairs) - len(problem.memory)
     return scene_path(scene, "wirefe", options, run, WireShape(scene, data, mesh))
+
+
+def path_shape(scene: Scene, options: Mapping[str, Any], found: np.ndarray) -> WireShape:
+    """Reader of the states of a path that was solved with the options; `found` are the pairs found on the way."""
+    mesh_options = {name: options[name] for name in ("element", "elements_per_turn", "pairs_per_turn")}
+    problem, mesh, _ = scene_problem(scene, **mesh_options, found=found)
+    return WireShape(scene, problem.data, mesh)
 
 
 def solve_rod(rod: Rod, *, steps: int = 10) -> RodPath:
