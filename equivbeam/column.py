@@ -15,9 +15,9 @@ from coilspring.packing import pack
 from coilspring.scene import Load, Scene, require_scene
 from coilspring.solving import Problem, Run, follow_problem
 from equivbeam import band, kernels
-from equivbeam.haringx import KAX, KFL, KSH, L0
-from equivbeam.helixrows import Refinements
 from equivbeam.laws import LAWS
+from equivbeam.laws.haringx import KAX, KFL, KSH, L0
+from equivbeam.laws.helixrows import Refinements
 from equivbeam.model import BeamModel, build_model, load_vector
 from equivbeam.problem import beam_problem
 from equivbeam.solve import KERNELS

@@ -11,9 +11,9 @@ from coilspring.pairlaw import ON, pair_potential
 from coilspring.pairvectors import approach, remember, renew_bounds
 from equivbeam.band import ROW, hold
 from equivbeam.contact import circle_centre, circle_overlap, pair_forces
-from equivbeam.halfcoil import gradient, hessian, measures_at, paper_matrix
-from equivbeam.haringx import KAX, KFL, KSH, L0
+from equivbeam.element import gradient, hessian, measures_at, paper_matrix
 from equivbeam.laws import response
+from equivbeam.laws.haringx import KAX, KFL, KSH, L0
 from equivbeam.model import EXACT, PAPER, view
 
 

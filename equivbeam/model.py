@@ -13,9 +13,9 @@ from coilspring.errors import InputError
 from coilspring.packing import heads, table, vector
 from coilspring.scene import Scene
 from equivbeam.band import ROW
-from equivbeam.haringx import L0
-from equivbeam.helixrows import Refinements
 from equivbeam.laws import LAWS, law_rows
+from equivbeam.laws.haringx import L0
+from equivbeam.laws.helixrows import Refinements
 from equivbeam.stations import half_coil_count
 
 EXACT, PAPER, PRINTED = 0, 1, 2

@@ -15,7 +15,7 @@ from coilspring.scene import Scene
 from equivbeam import band, kernels
 from equivbeam.model import BeamModel, matrix_size
 from equivbeam.parameters import Options, rise, values, varied
-from equivbeam.rendering import BeamShape
+from equivbeam.shape import BeamShape
 from equivbeam.solve import beam_model
 
 STEP = 6e-6  # relative, for central differences of the residual: the cube root of the rounding

@@ -12,12 +12,12 @@ from coilspring.path import EquilibriumPath
 from coilspring.scene import Scene, require_scene
 from coilspring.solving import MOST_ITERATIONS, follow_load, scene_path
 from equivbeam import band, kernels, model
-from equivbeam.helixrows import Refinements
 from equivbeam.laws import LAWS
+from equivbeam.laws.helixrows import Refinements
 from equivbeam.limits import caution
 from equivbeam.model import BeamModel
 from equivbeam.problem import beam_problem
-from equivbeam.rendering import BeamShape
+from equivbeam.shape import BeamShape
 
 SLIDING = ("ignore", "scene")
 # The paper's matrices are not the tangent: they converge linearly, the printed one by hundreds of steps.
@@ -60,7 +60,7 @@ def solve(
     penalty : float, optional
         Contact stiffness K in the scene's convention, N/mm^exponent; by default the scene's.
     law : {"haringx", "helix"}
-        Law of a half coil: the paper's (1)-(9), or a helix in large deformation (`equivbeam.helix`).
+        Law of a half coil: the paper's (1)-(9), or a helix in large deformation (`equivbeam.laws.helix`).
     tangent : {"exact", "paper", "paper-printed"}
         The Hessian of the energy with a tangent predictor, or the paper's matrix (Phi with the
         factor 12, or as printed) iterated from the last state, as the paper did; the paper's go

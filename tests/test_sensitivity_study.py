@@ -14,9 +14,9 @@ from coilspring.pairlaw import MEMORY
 from coilspring.scene.wire import round_section
 from coilspring.solving import Problem, follow_problem, output_times, scene_path
 from equivbeam import model as beam
-from equivbeam.haringx import KAX, KFL, KSH
+from equivbeam.laws.haringx import KAX, KFL, KSH
 from equivbeam.problem import beam_problem
-from equivbeam.rendering import BeamShape
+from equivbeam.shape import BeamShape
 from equivbeam.solve import KERNELS as BEAM_KERNELS
 from validation.cli import main
 from validation.sensitivity.data import NO_INPUT

@@ -16,7 +16,7 @@ from coilspring import EquilibriumPath, Scene
 from coilspring.solving import follow_problem, output_times, scene_path
 from equivbeam import model as beam
 from equivbeam.problem import beam_problem
-from equivbeam.rendering import BeamShape
+from equivbeam.shape import BeamShape
 from equivbeam.solve import KERNELS as BEAM_KERNELS
 from validation.study.cases import PAPER_MESH
 from validation.study.partialsolve import as_far

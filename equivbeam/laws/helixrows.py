@@ -11,8 +11,8 @@ from coilspring.errors import InputError, shown
 from coilspring.scene.material import Material
 from coilspring.scene.spring import Spring
 from coilspring.scene.wire import round_section
-from equivbeam.haringx import KAX, haringx_stiffness
-from equivbeam.helix import (
+from equivbeam.laws.haringx import KAX, haringx_stiffness
+from equivbeam.laws.helix import (
     B0,
     B1,
     COLUMNS,

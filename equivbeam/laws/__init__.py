@@ -7,9 +7,9 @@ import numpy as np
 from coilspring.compiled import part
 from coilspring.scene.material import Material
 from coilspring.scene.spring import Spring
-from equivbeam.haringx import KAX, KFL, KSH, haringx, haringx_rows
-from equivbeam.helix import helix
-from equivbeam.helixrows import Refinements, helix_rows
+from equivbeam.laws.haringx import KAX, KFL, KSH, haringx_response, haringx_rows
+from equivbeam.laws.helix import helix_response
+from equivbeam.laws.helixrows import Refinements, helix_rows
 
 HARINGX, HELIX = 0, 1
 LAWS = {"haringx": HARINGX, "helix": HELIX}
@@ -33,4 +33,4 @@ def law_rows(
 @part
 def response(law, rows, i, l, v, dth):  # noqa: E741
     """Response of the half coil `i`: energy and derivatives in its length, shear and relative rotation."""
-    return haringx(rows, i, l, v, dth) if law == HARINGX else helix(rows, i, l, v, dth)
+    return haringx_response(rows, i, l, v, dth) if law == HARINGX else helix_response(rows, i, l, v, dth)

@@ -37,7 +37,7 @@ from __future__ import annotations
 import math
 
 from coilspring.compiled import kernel, part
-from equivbeam.halfcoil import Response
+from equivbeam.element import Response
 
 # columns of the table of parameters; B0.. and H0.. are the polynomials of (B10) and (B11) in x, G1.. the
 # series of u - u0 in l/s - l0/s, from which (B8) is solved
@@ -179,7 +179,7 @@ def winding(rows, i, l):  # noqa: E741
 
 
 @part
-def helix(rows, i, l, v, dth):  # noqa: E741
+def helix_response(rows, i, l, v, dth):  # noqa: E741
     """Response of one half coil: (B5)."""
     E, N, N_l = axial(rows, i, l)
     x, x1, x2 = _square(rows, i, l)
