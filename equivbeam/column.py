@@ -18,8 +18,8 @@ from equivbeam import band, kernels
 from equivbeam.laws import LAWS
 from equivbeam.laws.haringx import KAX, KFL, KSH, L0
 from equivbeam.laws.helixrows import Refinements
-from equivbeam.model import BeamModel, build_model, load_vector
-from equivbeam.problem import beam_problem
+from equivbeam.model import BeamModel, beam_problem, build_model, load_vector
+from equivbeam.options import BeamOptions
 from equivbeam.solve import KERNELS
 
 FARTHEST = 0.9  # of the height at rest: shortening up to which buckling is looked for
@@ -110,7 +110,8 @@ def _compressed(
         )
     straight = replace(require_scene(scene).without_contact(), load=Load((0.0, -1.0)))
     # a perfect column: what held ends do to its axis would bow it from the first force on
-    perfect = build_model(straight, law=law, refinements=Refinements(ends=False))
+    refinements = Refinements(ends=False) if law == "helix" else None
+    perfect = build_model(straight, BeamOptions(law, refinements=refinements))
     data = _refined(perfect, scene, refine, inclined)
     at_rest = data if law == "haringx" else build_model(straight)
     force = shortening / float((1.0 / at_rest.rows[:, KAX]).sum())

@@ -14,7 +14,8 @@ from equivbeam.contact import circle_centre, circle_overlap, pair_forces
 from equivbeam.element import gradient, hessian, measures_at, paper_matrix
 from equivbeam.laws import response
 from equivbeam.laws.haringx import KAX, KFL, KSH, L0
-from equivbeam.model import EXACT, PAPER, view
+from equivbeam.model import view
+from equivbeam.options import EXACT, PAPER
 
 
 @part

@@ -11,18 +11,16 @@ from coilspring.compiled import part
 from coilspring.driving import Top
 from coilspring.errors import InputError
 from coilspring.packing import heads, table, vector
+from coilspring.pairlaw import MEMORY
 from coilspring.scene import Scene
+from coilspring.solving import Problem
 from equivbeam.band import ROW
 from equivbeam.laws import LAWS, law_rows
 from equivbeam.laws.haringx import L0
-from equivbeam.laws.helixrows import Refinements
+from equivbeam.options import ALL, TANGENTS, BeamOptions
 from equivbeam.stations import half_coil_count
 
-EXACT, PAPER, PRINTED = 0, 1, 2
-TANGENTS = {"exact": EXACT, "paper": PAPER, "paper-printed": PRINTED}
 PAIRS_PER_TURN = 2
-ALL = Refinements()
-ONES = (1.0, 1.0, 1.0)
 
 
 class BeamModel(NamedTuple):
@@ -42,27 +40,20 @@ class BeamModel(NamedTuple):
     tangent: int  # EXACT, PAPER or PRINTED
 
 
-def build_model(
-    scene: Scene,
-    tangent: str = "exact",
-    sliding: str = "ignore",
-    law: str = "haringx",
-    refinements: Refinements = ALL,
-    factors: tuple[float, float, float] = ONES,
-) -> BeamModel:
-    """Arrays of the equivalent beam of `scene`; the arguments are those of `equivbeam.solve`.
+def build_model(scene: Scene, options: BeamOptions | None = None) -> BeamModel:
+    """Arrays of the equivalent beam of `scene`.
 
     Raises
     ------
     InputError : where the active coils are not a whole number of half coils, or the scene has what the
         model cannot represent.
     """
-    spring, contact = scene.spring, scene.contact
+    spring, contact, chosen = scene.spring, scene.contact, options or BeamOptions()
     scene.supports.require_supported("equivbeam")
-    if spring.sections and tangent != "exact":
+    if spring.sections and chosen.tangent != "exact":
         raise InputError(
             f"tangent must be exact where the spring has sections: the paper's matrix is for half coils of "
-            f"one length, got {tangent!r}"
+            f"one length, got {chosen.tangent!r}"
         )
     count = half_coil_count(spring)
     carrier, offset = _circles(scene, count)
@@ -73,8 +64,8 @@ def build_model(
     pairs = pairs[apart] if contact.enabled else pairs[:0]
     held = [name in scene.supports.top_held for name in ("ux", "uy", "rotz")]
     return BeamModel(
-        law=LAWS[law],
-        rows=law_rows(law, spring, scene.material, refinements, factors),
+        law=LAWS[chosen.law],
+        rows=law_rows(chosen.law, spring, scene.material, chosen.refinements or ALL, chosen.factors),
         held=np.array(held, dtype=float),
         carrier=carrier,
         offset=offset,
@@ -83,8 +74,8 @@ def build_model(
         d=spring.wire_diameter,
         kc=contact.stiffness * 4.0 / PAIRS_PER_TURN,
         k=float(contact.exponent),
-        mu=contact.coefficient if sliding == "scene" else 0.0,
-        tangent=TANGENTS[tangent],
+        mu=contact.coefficient if chosen.sliding == "scene" else 0.0,
+        tangent=TANGENTS[chosen.tangent],
     )
 
 
@@ -127,6 +118,18 @@ def top_place(model: BeamModel) -> Top:
 def matrix_size(model: BeamModel) -> int:
     """Length of the banded matrix, see `equivbeam.band`."""
     return 3 * len(model.rows) * ROW
+
+
+def beam_problem(data: BeamModel, load: np.ndarray) -> Problem:
+    """The beam at rest under a load vector at time 1, as the path follower takes it."""
+    return Problem(
+        data=data,
+        load=load,
+        start=rest_state(data),
+        memory=np.zeros((len(data.pairs), MEMORY)),  # no pair has ever closed
+        matrix_size=matrix_size(data),
+        top=top_place(data),
+    )
 
 
 @part

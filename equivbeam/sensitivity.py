@@ -13,10 +13,10 @@ from coilspring.pairlaw import MEMORY
 from coilspring.path import EquilibriumPath
 from coilspring.scene import Scene
 from equivbeam import band, kernels
-from equivbeam.model import BeamModel, matrix_size
+from equivbeam.model import BeamModel, build_model, matrix_size
+from equivbeam.options import BeamOptions
 from equivbeam.parameters import Options, rise, values, varied
 from equivbeam.shape import BeamShape
-from equivbeam.solve import beam_model
 
 STEP = 6e-6  # relative, for central differences of the residual: the cube root of the rounding
 
@@ -108,7 +108,7 @@ def _residual_rates(path: EquilibriumPath, name: tuple[str, ...], value: float) 
 
 def _residuals(path: EquilibriumPath, scene: Scene, options: Options) -> np.ndarray:
     """Gradients of the energy of another scene at the states of the path, shape (steps, n)."""
-    data = beam_model(scene, options)
+    data = build_model(scene, BeamOptions.of(options))
     reals, ints = pack(data)
     memory = np.zeros((len(data.pairs), MEMORY))
     g = np.empty((len(path.states), path.states.shape[1] - 3))

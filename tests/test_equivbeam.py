@@ -23,6 +23,7 @@ from coilspring.packing import pack
 from coilspring.pairlaw import MEMORY
 from equivbeam import band, kernels, model
 from equivbeam.laws import LAWS
+from equivbeam.options import BeamOptions
 
 # Our own prototype's values, printed with five digits; the paper gives pictures only.
 TIPS = {
@@ -44,7 +45,7 @@ def test_tips(name):
 def test_whole_model_derivatives(check_derivatives, seed, time, stick):
     """At an equilibrium of Spring B in contact, shaken a little."""
     path = equivbeam.solve(spring_b(), steps=2)
-    data = model.build_model(spring_b(), sliding="scene" if stick else "ignore")
+    data = model.build_model(spring_b(), BeamOptions(sliding="scene" if stick else "ignore"))
     reals, ints = pack(data)
     rng = np.random.default_rng(seed)
     load = time * model.load_vector(data, spring_b())

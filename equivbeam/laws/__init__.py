@@ -1,4 +1,4 @@
-"""The laws of a half coil as interchangeable parts: each is a table of parameters and one kernel."""
+"""Constitutive laws of a half coil: each is a table of parameters, a row a half coil, and one kernel."""
 
 from __future__ import annotations
 
@@ -23,11 +23,11 @@ def law_rows(
     factors: tuple[float, float, float] = (1.0, 1.0, 1.0),
 ) -> np.ndarray:
     """Parameters of every half coil as the law reads them, one row each; the length at rest in column L0."""
-    if law == "haringx":
-        rows = haringx_rows(spring, material)
-        rows[:, [KAX, KSH, KFL]] *= factors
-        return rows
-    return helix_rows(spring, material, refinements)
+    if law == "helix":
+        return helix_rows(spring, material, refinements)
+    rows = haringx_rows(spring, material)
+    rows[:, [KAX, KSH, KFL]] *= factors
+    return rows
 
 
 @part
