@@ -50,10 +50,7 @@ def _part(options: dict[str, Any]) -> Callable[[Callable], Any]:
 # quarter of the time of compiling. Called from Python it is plain Python.
 part = _part(PART)
 
-# The same, put where it is called: bundles of arrays are long lists of arguments.
-inlined = _part(PART | {"forceinline": True})
-
-# The same as `part` for plain arithmetic: sums may be reordered and multiplied on the fly.
+# The same for plain arithmetic: sums may be reordered and multiplied on the fly.
 arithmetic = _part(ARITHMETIC)
 
 

@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from coilspring.compiled import copy, inlined
+from coilspring.compiled import copy, part
 from coilspring.linesearch import dot, falls, line_search, residual
 from coilspring.system import assembled, factored, moved, solution, stale_solution
 
@@ -53,7 +53,7 @@ class Target(NamedTuple):
     least_pivot: Any  # at rest
 
 
-@inlined
+@part
 def equilibrium(system, target, work, state, it):
     """Newton's method with energy line search from `state`, which is moved to the equilibrium.
 
@@ -78,7 +78,7 @@ def equilibrium(system, target, work, state, it):
     return FAILED
 
 
-@inlined
+@part
 def look_at(system, target, work, state, it, with_matrix):
     """Energy and residual at a state, and its matrix if asked for."""
     H = work.H if with_matrix else work.H[:0]
@@ -86,14 +86,14 @@ def look_at(system, target, work, state, it, with_matrix):
     it.pairs += it.near
 
 
-@inlined
+@part
 def advance(system, work, state):
     """Move `state` by the whole step."""
     moved(system, state, work.step, 1.0, work.scratch)
     copy(work.scratch, state)
 
 
-@inlined
+@part
 def reuse_factor(system, target, work, state, it, i):
     """Try the factor of a state nearby: where it closes the residual, nothing is factored.
 
@@ -129,7 +129,7 @@ def reuse_factor(system, target, work, state, it, i):
     return stable_itself(system, target, work, state, it)
 
 
-@inlined
+@part
 def stable_itself(system, target, work, state, it):
     """Where the matrix is nearly singular the pivots must be those of the equilibrium itself."""
     _, near = assembled(system, target.anchor, target.gap, target.memory, state, work.g, work.H)
@@ -141,7 +141,7 @@ def stable_itself(system, target, work, state, it):
     return CONVERGED
 
 
-@inlined
+@part
 def factor_at(system, work, state, it):
     """Factor the matrix of `state`; returns the number of negative pivots."""
     copy(work.H, work.F)
@@ -151,7 +151,7 @@ def factor_at(system, work, state, it):
     return negative
 
 
-@inlined
+@part
 def worthwhile(left, it, modified):
     """Whether a step with a kept factor is taken; its decrement is `left`.
 
@@ -168,7 +168,7 @@ def worthwhile(left, it, modified):
     )
 
 
-@inlined
+@part
 def newton_direction(system, target, work, state, it, first):
     """Factor the matrix, damped where it is indefinite, and find the step.
 
@@ -187,15 +187,16 @@ def newton_direction(system, target, work, state, it, first):
         make_positive(system, work, it)
         solution(system, work.F, work.g, -1.0, work.step)
         it.slope = dot(work.g, work.step)
+    decrements = work.decrements
     for j in range(HISTORY - 1):
-        work.decrements[j] = work.decrements[j + 1]
-    work.decrements[HISTORY - 1] = -it.slope / target.reference
+        decrements[j] = decrements[j + 1]
+    decrements[HISTORY - 1] = -it.slope / target.reference
     if not np.isfinite(it.slope) or it.slope > 0.0:
         return FAILED
     return GO_ON
 
 
-@inlined
+@part
 def plain_step(system, target, work, state, it):
     """A predicted state may be indefinite near a stable equilibrium: whether plain Newton finds it."""
     moved(system, state, work.step, 1.0, work.scratch)
@@ -209,21 +210,22 @@ def plain_step(system, target, work, state, it):
     return False
 
 
-@inlined
+@part
 def make_positive(system, work, it):
     """Factor H + shift * rest, with the first shift from the damping on that makes it positive."""
+    F, H, rest = work.F, work.H, work.rest
     it.shift = it.damping
     while it.shift < MOST_SHIFT:
-        for i in range(work.F.size):
-            work.F[i] = work.H[i] + it.shift * work.rest[i]
-        negative, _ = factored(system, work.F)
+        for i in range(F.size):
+            F[i] = H[i] + it.shift * rest[i]
+        negative, _ = factored(system, F)
         it.count += 1
         if negative == 0:
             break
         it.shift *= 4.0
 
 
-@inlined
+@part
 def move(system, target, work, state, it):
     """Stop within the tolerance; else take the step, shortened until the potential falls."""
     if -it.slope <= it.tolerance:

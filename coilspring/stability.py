@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from coilspring.compiled import inlined
+from coilspring.compiled import part
 from coilspring.kernelset import Kernels
 from coilspring.linesearch import dot
 from coilspring.system import DIAGONAL, DOF, FREE, PLACE, STIFFNESS, assembled, factored, moved, solution
@@ -21,7 +21,7 @@ WAY = 1e-6  # of the span of the state's numbers, with which a difference is tak
 SAMPLES = 16  # of a linear stretch at which its stability is verified
 
 
-@inlined
+@part
 def unstable_time(system, work, begin, end, gap):
     """First time of a linear stretch at which the matrix has a negative pivot.
 
@@ -46,7 +46,7 @@ def unstable_time(system, work, begin, end, gap):
     return low, count
 
 
-@inlined
+@part
 def least_stiffness(system, work):
     """Stiffness of the softest mode by inverse iteration with the last factor, from `work.mode`, which is
     improved.
@@ -71,7 +71,7 @@ def least_stiffness(system, work):
     return value
 
 
-@inlined
+@part
 def predicted_zero(time, value, before, value_before):
     """Time at which a stiffness that falls is zero on the straight line through two values; else infinite."""
     if value >= value_before:

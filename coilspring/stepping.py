@@ -16,7 +16,7 @@ from numba import types
 
 from coilspring.boundrise import rise_of_bounds
 from coilspring.branch import TURN, continues, curvature, jumped, motion, predict
-from coilspring.compiled import copy, copy_table, inlined, signed
+from coilspring.compiled import copy, copy_table, part, signed
 from coilspring.contactmemory import let_rise, relax, released, remembers, rubs, slides
 from coilspring.newton import CONVERGED, FAILED, INDEFINITE, LINEAR, NONE, Target, equilibrium
 from coilspring.pairvectors import OVERLAP_ALLOWED, TOUCH
@@ -29,15 +29,16 @@ from coilspring.system import (
     SOFTEST,
     SUBSTEP,
     WATCH,
-    System,
+    TaskRef,
+    WorkRef,
     assembled,
     factored,
-    kernel_types,
     moved,
     put_prescribed,
     record_type,
     solution,
     stale_solution,
+    system_of,
     system_types,
     task_type,
     workspace_type,
@@ -66,25 +67,18 @@ MOST_ROUNDS = 30
 MOST_TRIES = 20_000  # equilibria besides those at requested times; far more than a path needs
 
 
-def follow(
-    reals, ints, prescribed, reaction, task, work, path_, substep_, newton_, watch,
-    assemble, factor, solve, retract, dead_work, carry, motion, commit, renew, overlap, stop,
-):  # fmt: skip
+def follow(reals, ints, prescribed, kernels, task, work, path_, substep_, newton_, watch, stop):
     """Follow the equilibrium through the requested times, from the start or from where `path_` stands.
-
-    Compiled code takes functions singly, and records as vectors of one; they are bundled here.
 
     Parameters
     ----------
-    reals, ints, prescribed, reaction, and the kernels from `assemble` to `overlap` : see `System`.
+    reals, ints, prescribed, kernels : see `coilspring.system.System`.
     task, work : `Task` and `Workspace`.
     path_, substep_, newton_, watch : records, see `coilspring.system`.
     stop : one integer; another thread sets it to end the path at the next substep.
     """
-    system = System(
-        reals, ints, prescribed, reaction, assemble, factor, solve, retract, dead_work, carry, motion, commit,
-        renew, overlap,
-    )  # fmt: skip
+    system = system_of(reals, ints, prescribed, kernels)
+    task, work = TaskRef(*task), WorkRef(*work)
     path, substep, it = path_[0], substep_[0], newton_[0]
     if path.tries == 0:
         begin(system, task, work, path, watch)
@@ -104,7 +98,7 @@ def follow(
     conclude(system, task, work, path)
 
 
-@inlined
+@part
 def begin(system, task, work, path, watch):
     """State, tangent and least stiffness at the start, and the first substep."""
     copy(task.start, work.state)
@@ -130,7 +124,7 @@ def begin(system, task, work, path, watch):
         room.value = free_room(system, task, work.state)
 
 
-@inlined
+@part
 def factor_start(system, task, work, path):
     """Matrix at the start, its factor, and the tangent."""
     _, pairs = assembled(system, work.state, path.gap, work.memory, work.state, work.g, work.rest)
@@ -145,7 +139,7 @@ def factor_start(system, task, work, path):
     solution(system, work.F, task.load, 1.0, work.tangent)
 
 
-@inlined
+@part
 def resume(system, task, work, path):
     """Go on from the last accepted state with pairs that are new: the matrix has other places."""
     assembled(system, task.start, np.inf, work.memory, task.start, work.g, work.rest)
@@ -153,34 +147,36 @@ def resume(system, task, work, path):
     path.reuse, path.outcome = False, COMPLETED
 
 
-@inlined
+@part
 def set_scales(system, task, work, path):
     """Work of the whole load along the tangent at rest, and what rounding makes of the potential: the
     rounding of positions times a force."""
+    start, load, dead, tangent = task.start, task.load, task.dead, work.tangent
     span = 0.0
-    for i in range(task.start.size):
-        span = max(span, abs(task.start[i]))
+    for i in range(start.size):
+        span = max(span, abs(start[i]))
     path.rounding = 2.0 * EPSILON * span
+    change = system.prescribed[CHANGE] if system.prescribed.size > 0 else 0.0
     path.reference, path.force, path.dead = 0.0, 0.0, 0.0
-    for i in range(task.load.size):
-        path.force += abs(task.load[i])
-        path.dead += abs(task.dead[i])
-        if system.prescribed.size == 0:
-            path.reference += task.load[i] * work.tangent[i]
-        elif task.load[i] != 0.0:
+    for i in range(load.size):
+        path.force += abs(load[i])
+        path.dead += abs(dead[i])
+        if change == 0.0:
+            path.reference += load[i] * tangent[i]
+        elif load[i] != 0.0:
             # the load that fixes the top less the tangent's last digits, in which the reaction is
-            path.reference += task.load[i] * (system.prescribed[CHANGE] - work.tangent[i])
-    if system.prescribed.size > 0:
-        path.force = abs(path.reference / system.prescribed[CHANGE])
+            path.reference += load[i] * (change - tangent[i])
+    if change != 0.0:
+        path.force = abs(path.reference / change)
 
 
-@inlined
+@part
 def free_room(system, task, state):
     """How much nearer wires may come before they overlap by more than is allowed."""
     return OVERLAP_ALLOWED * task.diameter - system.overlap(system.reals, system.ints, state)[1]
 
 
-@inlined
+@part
 def plan(task, path, substep, watch):
     """Time of the next state: no farther than half way to where stiffness or room are predicted to end."""
     softest, room = watch[SOFTEST], watch[ROOM]
@@ -206,7 +202,7 @@ def plan(task, path, substep, watch):
     substep.size = substep.target - path.time
 
 
-@inlined
+@part
 def predict_trial(system, task, work, path, substep):
     """Predict the state, and shorten the substep to where a pair is about to close: its stiffness is not in
     the tangent."""
@@ -224,14 +220,15 @@ def predict_trial(system, task, work, path, substep):
         predict(system, task, work, path, bend, substep.target)
 
 
-@inlined
+@part
 def find_equilibrium(system, task, work, path, substep, it):
     """Equilibria for given bounds of the tangential forces, until the bounds are those of the normal forces."""
     # where friction has just begun it holds next to nothing: the prediction slides where the state sticks
     copy(work.state if path.lost and rubs(work.memory) else work.predicted, work.trial)
-    for i in range(task.load.size):
-        growing = 0.0 if system.prescribed.size > 0 else substep.target * task.load[i]
-        work.load[i] = task.dead[i] + growing
+    load, growing, dead = work.load, task.load, task.dead
+    time = 0.0 if system.prescribed.size > 0 else substep.target
+    for i in range(load.size):
+        load[i] = dead[i] + time * growing[i]
     put_prescribed(system, task.start, substep.target, work.trial)
     target = Target(
         work.state, path.gap, work.memory, work.load, path.reference * substep.target**2,
@@ -266,7 +263,7 @@ def find_equilibrium(system, task, work, path, substep, it):
     path.lost = substep.status > LINEAR
 
 
-@inlined
+@part
 def keeps_branch(system, task, work, path, substep, watch):
     """Whether the trial state continues the branch; sets the outcome where wires overlap just ahead."""
     if path.lost:
@@ -292,7 +289,7 @@ def keeps_branch(system, task, work, path, substep, watch):
     return not jumped(system, task, work, substep.distance, substep.size)
 
 
-@inlined
+@part
 def hides_instability(system, work, path):
     """Whether the first pair closes, and the open spring has become unstable before: contact may hide it."""
     closes = system.commit(system.reals, system.ints, work.trial, work.memory) <= 0.0
@@ -305,7 +302,7 @@ def hides_instability(system, work, path):
     return negative > 0
 
 
-@inlined
+@part
 def slides_stably(system, task, work, path):
     """Stability where pairs slide, and how their bounds rise with the slips."""
     path.slid = True
@@ -319,7 +316,7 @@ def slides_stably(system, task, work, path):
     return negative == 0
 
 
-@inlined
+@part
 def shorten(path, substep):
     """Take the substep again, half as long; one that is too short ends the path."""
     if path.outcome != COMPLETED:
@@ -337,7 +334,7 @@ def shorten(path, substep):
         path.outcome = OPENED  # what a pair had held is gone at once: there is no branch to judge by
 
 
-@inlined
+@part
 def verify_linear_stretch(system, work, path, substep):
     """Note where a linear stretch begins; verify its stability once, where it ends."""
     if substep.status == LINEAR:
@@ -354,7 +351,7 @@ def verify_linear_stretch(system, work, path, substep):
     return stable
 
 
-@inlined
+@part
 def stable_until(system, work, path, end, gap):
     """Whether the linear stretch is stable up to the time `end`; else the path goes back to where it is not."""
     critical, count = unstable_time(system, work, path.linear_from, end, gap)
@@ -366,7 +363,7 @@ def stable_until(system, work, path, end, gap):
     return False
 
 
-@inlined
+@part
 def watch_stiffness(system, work, path, substep, softest):
     """Look at the softest mode where little is left of its stiffness, and now and then; predict its zero."""
     near = substep.near_critical or (substep.weak and substep.shortened)
@@ -386,7 +383,7 @@ def watch_stiffness(system, work, path, substep, softest):
     softest.value, softest.time = value, substep.target
 
 
-@inlined
+@part
 def knows_pairs(system, work, path, substep):
     """Update the contact history; whether all pairs that touch are in the model.
 
@@ -401,7 +398,7 @@ def knows_pairs(system, work, path, substep):
     return False
 
 
-@inlined
+@part
 def accept(work, path, substep, room):
     """Make the trial state the last accepted one."""
     copy(work.tangent, work.old)
@@ -430,7 +427,7 @@ def accept(work, path, substep, room):
         path.row += 1
 
 
-@inlined
+@part
 def conclude(system, task, work, path):
     """Verify the last linear stretch; rows beyond a critical point found in it are none of the path's."""
     if path.linear:
@@ -441,11 +438,6 @@ def conclude(system, task, work, path):
 
 @lru_cache(maxsize=1)
 def compiled_follow() -> Callable:
-    """`follow`, compiled; read from the cache where stored.
-
-    The kernels enter as typed first-class functions: a jitted function passed as an ordinary
-    argument would be compiled anew in every process.
-    """
+    """`follow`, compiled; read from the cache where stored."""
     records = (record_type(dtype) for dtype in (PATH, SUBSTEP, NEWTON, WATCH))
-    bundles = (*system_types(), task_type(), workspace_type(), *records)
-    return signed(follow, *bundles, *kernel_types(), types.int64[::1])
+    return signed(follow, *system_types(), task_type(), workspace_type(), *records, types.int64[::1])

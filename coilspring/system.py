@@ -1,17 +1,19 @@
-"""What the compiled solver works with: a model and its constraint, the task, vectors, and where a path stands.
+"""What the compiled solver works with: model and constraint, the task, vectors, where a path stands.
 
 Compiled functions take these few bundles. What changes in place are arrays, and records of numbers.
 """
 
 from __future__ import annotations
 
+from functools import cache
 from typing import Any, NamedTuple
 
 import numpy as np
 from numba import from_dtype, types
+from numba.experimental import structref
 
-from coilspring.compiled import inlined
-from coilspring.kernelset import SIGNATURES
+from coilspring.compiled import part, signed, zeros
+from coilspring.kernelset import SIGNATURES, Kernels
 
 # Entries of what is prescribed: its place in the state, in the gradient, on the diagonal of the matrix, the
 # stiffness that fixes it there, and its change by time 1.
@@ -170,10 +172,61 @@ WATCH = np.dtype([("value", "f8"), ("time", "f8"), ("zero", "f8")], align=True)
 SOFTEST, ROOM = 0, 1  # rows: the least stiffness; how much nearer wires may come
 
 
+# In compiled code bundles are held by one pointer each: a tuple of arrays is handed on as a hundred numbers,
+# which takes long to compile. The bundle of kernels is made once, since Python takes long to hand them over.
+@structref.register
+class _Fields(types.StructRef):
+    """Type of a bundle by its fields."""
+
+
+@structref.register
+class _KernelFields(types.StructRef):
+    """Type of the bundle of kernels."""
+
+
+class SystemRef(structref.StructRefProxy):
+    """`System` in compiled code."""
+
+
+class TaskRef(structref.StructRefProxy):
+    """`Task` in compiled code."""
+
+
+class WorkRef(structref.StructRefProxy):
+    """`Workspace` in compiled code."""
+
+
+class KernelsRef(structref.StructRefProxy):
+    """`coilspring.kernelset.Kernels` in compiled code."""
+
+
+structref.define_attributes(_Fields)
+for _bundle, _names in ((SystemRef, System), (TaskRef, Task), (WorkRef, Workspace)):
+    structref.define_constructor(_bundle, _Fields, list(_names._fields))
+structref.define_proxy(KernelsRef, _KernelFields, list(Kernels._fields))
+
+
+def _bundle_kernels(assemble, factor, solve, retract, work, carry, motion, commit, renew, overlap):
+    return KernelsRef(assemble, factor, solve, retract, work, carry, motion, commit, renew, overlap)
+
+
+@cache
+def bundled(kernels: Kernels) -> Any:
+    """A model's kernels as compiled functions take them."""
+    functions = (types.FunctionType(signature) for signature in SIGNATURES)
+    return signed(_bundle_kernels, *functions)(*kernels)
+
+
+def kernels_type() -> Any:
+    """numba's type of what `bundled` gives."""
+    functions = (types.FunctionType(signature) for signature in SIGNATURES)
+    return _KernelFields(tuple(zip(Kernels._fields, functions, strict=True)))
+
+
 def system_types() -> tuple[Any, ...]:
-    """Types of what `System` is made of, but for the kernels."""
+    """Types of what `system_of` takes."""
     vector = types.float64[::1]
-    return vector, types.int64[::1], vector, vector
+    return vector, types.int64[::1], vector, kernels_type()
 
 
 def task_type() -> Any:
@@ -196,12 +249,16 @@ def record_type(dtype: np.dtype) -> Any:
     return types.Array(from_dtype(dtype), 1, "C")
 
 
-def kernel_types() -> tuple[Any, ...]:
-    """Types of the kernels, as first-class functions."""
-    return tuple(types.FunctionType(signature) for signature in SIGNATURES)
+@part
+def system_of(reals, ints, prescribed, kernels):
+    """`System` in compiled code."""
+    return SystemRef(
+        reals, ints, prescribed, zeros(1), kernels.assemble, kernels.factor, kernels.solve, kernels.retract,
+        kernels.work, kernels.carry, kernels.motion, kernels.commit, kernels.renew, kernels.overlap,
+    )  # fmt: skip
 
 
-@inlined
+@part
 def assembled(system, anchor, gap, memory, state, g, H):
     """Energy and pairs evaluated; fills the gradient, and the matrix unless it is empty.
 
@@ -219,13 +276,13 @@ def assembled(system, anchor, gap, memory, state, g, H):
     return energy, pairs
 
 
-@inlined
+@part
 def factored(system, F):
     """LDL^T of `F` in place; negative pivots, and the least one."""
     return system.factor(system.reals, system.ints, F)
 
 
-@inlined
+@part
 def solve(system, F, b):
     """b = F^-1 b; what is prescribed stays as it is, unless b holds what moves it."""
     top = system.prescribed
@@ -237,7 +294,7 @@ def solve(system, F, b):
         b[fixed] = 0.0
 
 
-@inlined
+@part
 def solution(system, F, b, sign, out):
     """out = sign F^-1 b."""
     for i in range(b.size):
@@ -245,7 +302,7 @@ def solution(system, F, b, sign, out):
     solve(system, F, out)
 
 
-@inlined
+@part
 def stale_solution(system, work, state, b, sign, out):
     """out = sign F^-1 b at `state`, with the factor of the state `work.home`, turned along."""
     for i in range(b.size):
@@ -255,13 +312,13 @@ def stale_solution(system, work, state, b, sign, out):
     system.carry(system.reals, system.ints, work.home, state, out)
 
 
-@inlined
+@part
 def moved(system, state, step, factor, out):
     """The state moved by ``factor * step``."""
     system.retract(system.reals, system.ints, state, step, factor, state, 0.0, out)
 
 
-@inlined
+@part
 def put_prescribed(system, start, time, state):
     """Put what is prescribed to where it is at a time."""
     top = system.prescribed

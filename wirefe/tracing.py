@@ -16,6 +16,7 @@ from coilspring.pairvectors import OVERLAP_ALLOWED
 from coilspring.path import EquilibriumPath
 from coilspring.scene import Scene, require_scene
 from coilspring.solving import THROUGH, Problem
+from coilspring.system import bundled
 from coilspring.warming import compile_kernels
 from wirefe.rod import Rod
 from wirefe.rodpath import RodPath
@@ -124,8 +125,8 @@ def _run(problem: Problem, kernels: Kernels, points: int) -> tuple[Trace, float]
     compile_kernels(kernels)
     began = time.process_time()
     found = interruptible(
-        follow, *pack(problem.data), problem.prescribed, np.zeros(1), problem.load, points, problem.start,
-        problem.memory, problem.matrix_size, *kernels,
+        follow, *pack(problem.data), problem.prescribed, bundled(kernels), problem.load, points,
+        problem.start, problem.memory, problem.matrix_size,
     )  # fmt: skip
     return Trace(*found), time.process_time() - began
 
