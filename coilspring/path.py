@@ -86,7 +86,7 @@ class EquilibriumPath:
     last_state : (n,) the last equilibrium of such a path, at the first of these times, or None.
     total_iterations : factorisations in all, those after the last row included.
     stability_checks : further factorisations, which only verified the stability of linear stretches.
-    pair_evaluations : contact pairs looked at in all residuals together.
+    pair_evaluations : contact pairs evaluated in all residuals together.
     residual_history : last Newton decrements over the reference work of the load, oldest first.
     negative_pivots : (steps,) of traced paths: 0 where the equilibrium is stable; None for followed
         ones, whose equilibria are all stable.

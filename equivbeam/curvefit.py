@@ -15,7 +15,7 @@ from equivbeam.parameters import varied
 from equivbeam.sensitivity import sensitivities
 from equivbeam.solve import solve
 
-FAR = (0.2, 5.0)  # share of its value at the start between which a parameter is looked for
+FAR = (0.2, 5.0)  # share of its value at the start between which a parameter is searched
 LOST = 1.0  # error, over the peak, of rows that a trial does not reach
 
 

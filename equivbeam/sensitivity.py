@@ -51,7 +51,7 @@ def sensitivities(path: EquilibriumPath, parameters: Sequence[str]) -> Sensitivi
     Parameters
     ----------
     path : EquilibriumPath
-        Of `equivbeam.solve`, without friction: with it the answer depends on the way there.
+        Of `equivbeam.solve`, without friction: with it the answer depends on the path.
     parameters : sequence of str
         Of wire_diameter, bottom_diameter, top_diameter, pitch, E, G, penalty, exponent, and with the
         paper's law the factors axial, shearing, bending. E and G vary one without the other.
@@ -78,7 +78,7 @@ def sensitivities(path: EquilibriumPath, parameters: Sequence[str]) -> Sensitivi
         lift = rise(path.scene, name)
         for row, (reals, ints, F) in enumerate(factored):
             move = -rates[row]
-            move[-3:] *= 1.0 - shape.data.held
+            move[-3:] *= 1.0 - shape.data.fixed
             band.solve(reals, ints, F, move)
             tips[row, i] = move[-3:] - np.array([0.0, lift, 0.0])
     return Sensitivity(names, at, tips)
@@ -97,8 +97,8 @@ def _residual_rates(path: EquilibriumPath, name: tuple[str, ...], value: float) 
     """Rates of the residual at fixed states, shape (steps, n), by differences of second order."""
     h = STEP * value
 
-    def at(ways: float) -> np.ndarray:
-        return _residuals(path, *varied(path.scene, path.options, name, np.array([value + ways * h])))
+    def at(steps: float) -> np.ndarray:
+        return _residuals(path, *varied(path.scene, path.options, name, np.array([value + steps * h])))
 
     try:
         return (at(1.0) - at(-1.0)) / (2.0 * h)

@@ -157,9 +157,9 @@ def test_a_contact_side_swapped_is_caught(before, which, monkeypatch):
     sound = equivbeam.model._circles
 
     def swapped(scene, count):
-        carrier, offset = sound(scene, count)
+        attached, offset = sound(scene, count)
         offset[slice(None) if which == "all" else 8, 0] *= -1.0
-        return carrier, offset
+        return attached, offset
 
     monkeypatch.setattr(equivbeam.model, "_circles", swapped)
     moves = moved(before, LAWS)

@@ -87,7 +87,7 @@ def solve(
 
 
 def path_shape(scene: Scene, options: Mapping[str, Any], found: np.ndarray) -> WireShape:
-    """Reader of the states of a path that was solved with the options; `found` are the pairs found on the way."""
+    """Reader of the states of a path solved with the options; `found` are the pairs found on the way."""
     mesh_options = {name: options[name] for name in ("element", "elements_per_turn", "pairs_per_turn")}
     problem, mesh, _ = scene_problem(scene, **mesh_options, found=found)
     return WireShape(scene, problem.data, mesh)
@@ -143,7 +143,7 @@ def scene_kernels(scene: Scene) -> Kernels:
 def new_pairs(contact: model.ContactArrays, state: np.ndarray) -> np.ndarray:
     """Pairs of spheres that are near in `state` and not in the model yet, shape (pairs, 2)."""
     centres = sphere_centres(contact, state)
-    found, _ = strays(centres, contact.carrier, contact.pairs, contact.near, STRAY_REACH * contact.d)
+    found, _ = strays(centres, contact.attached, contact.pairs, contact.near, STRAY_REACH * contact.d)
     return found
 
 

@@ -89,8 +89,8 @@ class Load:
     def _keep_displacement(self) -> None:
         if any(self.force):
             raise InputError(f"load.force must be left out beside load.displacement, got {self.force!r}")
-        ways = self.displacement if isinstance(self.displacement, list | tuple) else (self.displacement,)
-        kept = [require_number("load.displacement", way, -LONGEST, LONGEST) for way in ways]
+        given = self.displacement if isinstance(self.displacement, list | tuple) else (self.displacement,)
+        kept = [require_number("load.displacement", uy, -LONGEST, LONGEST) for uy in given]
         object.__setattr__(self, "displacement", _changing("load.displacement", kept, 0.0))
 
     @property
@@ -120,7 +120,7 @@ def _changing(name: str, values: list, start: object) -> tuple:
 def stage_ends(load: Load) -> np.ndarray:
     """Forces at the ends of the stages, the beginning included, shape (stages + 1, 2), N; of a prescribed
     displacement its UX, left at 0, and UY, mm."""
-    ends = [(0.0, way) for way in load.displacement] or load.stages or [load.force]
+    ends = [(0.0, uy) for uy in load.displacement] or load.stages or [load.force]
     return np.array([(0.0, 0.0), *ends])
 
 

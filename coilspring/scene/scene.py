@@ -32,10 +32,10 @@ class Scene:
         if self.load.displacement:
             self._check_displacement()
             return
-        free = [way not in self.supports.top_held for way in ("ux", "uy")]
+        free = [name not in self.supports.top_held for name in ("ux", "uy")]
         before = (0.0, 0.0)
         for force in self.load.stages or (self.load.force,):
-            if not any(old != new and way for old, new, way in zip(before, force, free, strict=True)):
+            if not any(old != new and moves for old, new, moves in zip(before, force, free, strict=True)):
                 key = "load.stages" if self.load.stages else "load.force"
                 raise InputError(
                     f"{key} must change in a direction that is free, got {force!r} with "
@@ -47,10 +47,10 @@ class Scene:
         if "uy" in self.supports.top_held:
             raise InputError("supports.top_held must be without uy where load.displacement prescribes it")
         least = -self.spring.active_height
-        for way in self.load.displacement:
-            if way <= least:
+        for uy in self.load.displacement:
+            if uy <= least:
                 raise InputError(
-                    f"load.displacement must be above {least:g}, where the top meets the bottom, got {way!r}"
+                    f"load.displacement must be above {least:g}, where the top meets the bottom, got {uy!r}"
                 )
 
     def _check_plates(self) -> None:

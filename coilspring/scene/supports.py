@@ -20,7 +20,7 @@ class Supports:
     top_held : of "ux", "uy", "rotz".
     bottom_held : the same; less than all is in no model.
     seat : with "rigid" the end turns move with their ends. With "plate" they are elastic, ground flat, and
-        rest on plates, which move with the ends and push without friction; the wire's tips are held along
+        rest on plates, which move with the ends and press without friction; the wire's tips are fixed along
         their plates and against turning on them.
     """
 
