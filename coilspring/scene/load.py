@@ -50,9 +50,7 @@ class Load:
         default=(),
         kw_only=True,
         metadata=key(
-            "UY of the top, reached one after the other",
-            instead=("stages",),
-            absent=DISPLACEMENT_SHOWN,
+            "UY of the top, reached one after the other", instead=("stages",), absent=DISPLACEMENT_SHOWN
         ),
     )
     steps: int = field(

@@ -86,8 +86,7 @@ class Spring:
         )
     )
     end_turns: float = field(
-        default=1.0,
-        metadata=key("not active turns at each end: 0 or at least 0.5 [1.0]", number(0.0, 100.0)),
+        default=1.0, metadata=key("not active turns at each end: 0 or at least 0.5 [1.0]", number(0.0, 100.0))
     )
     ends: str = field(
         default="closed",
@@ -97,8 +96,7 @@ class Spring:
         ),
     )
     start_phase: float = field(
-        default=0.0,
-        metadata=key("angle from X to Z where the active wire begins [0.0]", number(-1e3, 1e3)),
+        default=0.0, metadata=key("angle from X to Z where the active wire begins [0.0]", number(-1e3, 1e3))
     )
     hand: str = field(default="left", metadata=key("left or right [left]", choice("left", "right")))
     sections: tuple[CoilSection, ...] = field(

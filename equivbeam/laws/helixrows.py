@@ -44,7 +44,7 @@ from equivbeam.stations import Stations, half_coils
 
 STRAIGHT = 0.05  # cosine of the angle of a helix of 87 degrees
 POINTS = 16  # of Gauss's rule for (B12)
-MOST_TAKEN = 0.5  # of a flexibility: the largest part of the length that is subtracted
+MOST_TAKEN = 0.5  # share of a flexibility, at most, that the length contributes and that is subtracted
 
 
 @dataclass(frozen=True)
