@@ -36,8 +36,8 @@ def curvature(tangent, old, last, step):
 
 @part
 def predict(system, task, work, path, bend, target):
-    """Extrapolate the path to a time: along its tangent, and with ``bend = 1`` on the parabola that also meets
-    the state before; with 0 on the straight line."""
+    """Extrapolate the path to a time: along its tangent, and with ``bend = 1`` on the parabola that also
+    meets the state before; with 0 on the straight line."""
     step, last = target - path.time, path.last_step
     second = bend * (step / last) ** 2
     system.retract(

@@ -28,7 +28,14 @@ def signed(function: Callable, *arguments: Any) -> Any:
     What is returned takes no others, and does not look at their types: that of a record takes longer to
     tell than a small spring to solve. It lets other threads run: it calls nothing of Python's.
     """
-    return _stored(function, KERNEL | {"nogil": True}).compile(arguments)
+    return _stored(function, PART | {"nogil": True}).compile(arguments)
+
+
+def typed(function: Callable, signature: Any) -> Any:
+    """A kernel compiled for one signature, to be handed to another one as a first-class function."""
+    dispatcher = _stored(function, KERNEL)
+    dispatcher.compile(signature.args)
+    return dispatcher
 
 
 def _stored(function: Callable, options: dict[str, Any]) -> Any:

@@ -23,9 +23,9 @@ from typing import Any
 import llvmlite
 import numba
 import numpy as np
-from numba.experimental.structref import StructRefProxy
 from numba.core import config
 from numba.core.caching import CompileResultCacheImpl, FunctionCache
+from numba.experimental.structref import StructRefProxy
 
 OPTIONS = "__compiled__"  # attribute of a function: how it is compiled
 FLAGS = ("OPT", "BOUNDSCHECK", "DEBUGINFO_DEFAULT", "LOOP_VECTORIZE", "SLP_VECTORIZE", "ENABLE_AVX")

@@ -70,8 +70,8 @@ def shorter(low, high, farther, before, behind, beyond, gain, slope, cut):
 
 @part
 def line_search(system, target, work, state, it, gain):
-    """Shorten the step until the potential has fallen enough; `work.scratch`, `work.g` and the matrix belong to
-    the result.
+    """Shorten the step until the potential has fallen enough; `work.scratch`, `work.g` and the matrix belong
+    to the result.
 
     The whole step changes the potential by `gain`, too little of a fall. Where contact is near, the length is
     that of the least potential, roughly: there the pairs that the step closes do touch, so that the next step
@@ -89,7 +89,7 @@ def line_search(system, target, work, state, it, gain):
         it.pairs += near
         gain = value - it.energy - system.work(system.reals, system.ints, target.load, state, work.scratch)
         tilt = dot(work.g, work.step)
-        if falls(abs(it.energy) + abs(value), gain, it.slope, length, target.rounding):
+        if falls(abs(it.energy) + abs(value), gain, it.slope, length, it.rounding):
             if near == 0 or abs(tilt) <= FLAT * abs(it.slope) or i >= MOST_FLAT:
                 it.energy, it.near = value, near
                 return length

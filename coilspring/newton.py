@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import math
-from typing import Any, NamedTuple
+from functools import cache
+from typing import Any
 
 import numpy as np
 
-from coilspring.compiled import copy, part
+from coilspring.compiled import copy, part, typed
 from coilspring.linesearch import dot, falls, line_search, residual
-from coilspring.system import assembled, factored, moved, solution, stale_solution
+from coilspring.system import assembled, equilibrium_signature, factored, moved, solution, stale_solution
 
 CONVERGED, LINEAR, SADDLE, FAILED = 0, 1, 2, 3  # to LINEAR: an equilibrium was found
 AGAIN, GO_ON = -1, -2  # within an iteration: begin the next one; go on with this one
@@ -38,22 +39,6 @@ TRUST = 1e-2  # share of the decrement that a good Newton step from a predicted 
 HISTORY = 64  # Newton decrements kept as evidence
 
 
-class Target(NamedTuple):
-    """Of which equilibrium is asked."""
-
-    anchor: Any  # the last accepted state,
-    gap: Any  # and the least gap of its pairs
-    memory: Any  # contact history
-    load: Any
-    reference: Any  # work with which decrements are compared
-    predicted: Any  # energy of the predicted motion
-    rounding: Any  # absolute noise of the energy
-    limit: Any  # largest number of iterations
-    modified: Any  # see `coilspring.system.Task`
-    least_pivot: Any  # at rest
-
-
-@part
 def equilibrium(system, target, work, state, it):
     """Newton's method with energy line search from `state`, which is moved to the equilibrium.
 
@@ -65,7 +50,6 @@ def equilibrium(system, target, work, state, it):
     it.pairs, it.count, it.trouble, it.looks = 0, 0, NONE, 0
     it.doubtful, it.current = False, not (target.modified and it.reuse)
     it.least_pivot, it.decrement, it.last, it.damping = np.inf, 0.0, np.inf, FIRST_SHIFT
-    it.tolerance = max(DECREMENT * target.reference, target.rounding)  # less cannot be asked for
     look_at(system, target, work, state, it, it.current or not target.modified)
     for i in range(target.limit):
         status = reuse_factor(system, target, work, state, it, i) if it.reuse else GO_ON
@@ -78,11 +62,19 @@ def equilibrium(system, target, work, state, it):
     return FAILED
 
 
+@cache
+def compiled_equilibrium() -> Any:
+    """`equilibrium`, compiled by itself: so two processor cores share the work."""
+    return typed(equilibrium, equilibrium_signature())
+
+
 @part
 def look_at(system, target, work, state, it, with_matrix):
     """Energy and residual at a state, and its matrix if asked for."""
     H = work.H if with_matrix else work.H[:0]
     it.energy, it.near = residual(system, target, state, work.g, H)
+    it.rounding = max(target.rounding, target.grain * abs(system.reaction[0]))
+    it.tolerance = max(DECREMENT * target.reference, it.rounding)  # less cannot be asked for
     it.pairs += it.near
 
 
@@ -243,7 +235,7 @@ def move(system, target, work, state, it):
     look_at(system, target, work, work.scratch, it, it.current or not target.modified)
     gain = it.energy - energy - system.work(system.reals, system.ints, target.load, state, work.scratch)
     length = 1.0
-    if not falls(abs(energy) + abs(it.energy), gain, it.slope, 1.0, target.rounding):
+    if not falls(abs(energy) + abs(it.energy), gain, it.slope, 1.0, it.rounding):
         it.energy = energy
         length = line_search(system, target, work, state, it, gain)
         it.current = False

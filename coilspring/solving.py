@@ -22,7 +22,7 @@ from coilspring.path import EquilibriumPath, Shape
 from coilspring.scene import Scene
 from coilspring.stability import Body, softest
 from coilspring.stepping import COMPLETED, CRITICAL, EXHAUSTED, MOST_TRIES, OPENED, OVERLAP, STRAY, STUCK
-from coilspring.system import FREE, NEWTON, PATH, SUBSTEP, WATCH, Task, Workspace, bundled
+from coilspring.system import FREE, NEWTON, PATH, SUBSTEP, WATCH, Task, Workspace
 from coilspring.warming import ready
 
 MOST_ITERATIONS = 25  # of a substep with the exact tangent, which needs 2 or 3 far from contact changes
@@ -174,7 +174,7 @@ def follow_problem(
 ) -> Run:
     """Follow a problem through the increasing `times`; `length` is the one with which moves are compared."""
     began = time.perf_counter()
-    follow, bundle = ready(kernels), bundled(kernels)
+    follow, bundle = ready(kernels)
     compiled = time.perf_counter() - began
     began = time.process_time()
     dead = np.zeros_like(problem.load) if problem.dead is None else problem.dead

@@ -47,17 +47,18 @@ def unstable_time(system, work, begin, end, gap):
 
 
 @part
-def least_stiffness(system, work):
+def least_stiffness(system, work, last):
     """Stiffness of the softest mode by inverse iteration with the last factor, from `work.mode`, which is
     improved.
 
-    From state to state the mode changes little, so that a few steps are enough. A share of all other modes is
+    From state to state the mode changes little, so that a few steps are enough: one, where the stiffness is
+    still about the `last` one. A share of all other modes is
     put in before, or one that has become the softest would be missed where symmetry hides it.
     """
     mode, new = work.mode, work.step
     for i in range(mode.size):
         mode[i] += OTHERS * (1.0 + i / mode.size) / math.sqrt(mode.size)
-    value, last = 0.0, np.inf
+    value = 0.0
     for _ in range(FEW_ITERATIONS):
         solution(system, work.F, mode, 1.0, new)
         square = dot(new, new)

@@ -18,7 +18,7 @@ from coilspring.boundrise import rise_of_bounds
 from coilspring.branch import TURN, continues, curvature, jumped, motion, predict
 from coilspring.compiled import copy, copy_table, part, signed
 from coilspring.contactmemory import let_rise, relax, released, remembers, rubs, slides
-from coilspring.newton import CONVERGED, FAILED, INDEFINITE, LINEAR, NONE, Target, equilibrium
+from coilspring.newton import CONVERGED, FAILED, INDEFINITE, LINEAR, NONE
 from coilspring.pairvectors import OVERLAP_ALLOWED, TOUCH
 from coilspring.stability import LEAST_STEP, least_stiffness, predicted_zero, unstable_time
 from coilspring.system import (
@@ -29,6 +29,7 @@ from coilspring.system import (
     SOFTEST,
     SUBSTEP,
     WATCH,
+    Target,
     TaskRef,
     WorkRef,
     assembled,
@@ -60,7 +61,7 @@ APPROACH = 0.5
 LOOK = 0.05  # of the time 0..1: so often at least the softest mode is looked at,
 SOONER = 0.25  # and after this share of the time to its predicted zero
 WEAK = 0.1  # of the least stiffness at rest: below, it is looked at wherever the matrix is factored,
-PROBE = 1e-3  # and after so short a step where a pair has closed, since that turns its slope
+PROBE = 1e-3  # and after so short a step where a pair has closed
 NEUTRAL = 1e-6  # of the least stiffness at rest: what is left of it counts as none, rounding is not far below
 BOUND_CHANGE = 1e-6  # of the bounds of tangential forces, over the largest, where they count as found
 MOST_ROUNDS = 30
@@ -89,7 +90,7 @@ def follow(reals, ints, prescribed, kernels, task, work, path_, substep_, newton
         if path.outcome != COMPLETED:
             break
         predict_trial(system, task, work, path, substep)
-        find_equilibrium(system, task, work, path, substep, it)
+        find_equilibrium(system, kernels.equilibrium, task, work, path, substep, it)
         if not keeps_branch(system, task, work, path, substep, watch):
             shorten(path, substep)
         elif verify_linear_stretch(system, work, path, substep) and knows_pairs(system, work, path, substep):
@@ -113,12 +114,12 @@ def begin(system, task, work, path, watch):
     factor_start(system, task, work, path)
     set_scales(system, task, work, path)
     softest, room = watch[SOFTEST], watch[ROOM]
-    softest.value = least_stiffness(system, work)
+    softest.value = least_stiffness(system, work, np.inf)
     softest.time, softest.zero = 0.0, np.inf
     path.rest_stiffness = softest.value
     if path.gap <= TOUCH * task.diameter:
         # what touches at rest is no part of the tangent, nor of the stiffness
-        path.next_step, path.closed = min(path.next_step, PROBE), True
+        path.fresh = 2
     room.value, room.time, room.zero = np.inf, 0.0, np.inf
     if work.memory.shape[0] > 0:
         room.value = free_room(system, task, work.state)
@@ -155,19 +156,18 @@ def set_scales(system, task, work, path):
     span = 0.0
     for i in range(start.size):
         span = max(span, abs(start[i]))
-    path.rounding = 2.0 * EPSILON * span
     change = system.prescribed[CHANGE] if system.prescribed.size > 0 else 0.0
-    path.reference, path.force, path.dead = 0.0, 0.0, 0.0
+    reference, force, standing = 0.0, 0.0, 0.0
     for i in range(load.size):
-        path.force += abs(load[i])
-        path.dead += abs(dead[i])
+        force += abs(load[i])
+        standing += abs(dead[i])
         if change == 0.0:
-            path.reference += load[i] * tangent[i]
+            reference += load[i] * tangent[i]
         elif load[i] != 0.0:
             # the load that fixes the top less the tangent's last digits, in which the reaction is
-            path.reference += load[i] * (change - tangent[i])
-    if change != 0.0:
-        path.force = abs(path.reference / change)
+            reference += load[i] * (change - tangent[i])
+    path.reference, path.rounding, path.dead = reference, 2.0 * EPSILON * span, standing
+    path.force = force if change == 0.0 else abs(reference / change)
 
 
 @part
@@ -188,12 +188,11 @@ def plan(task, path, substep, watch):
     to_critical = APPROACH * (softest.zero - path.time)
     to_overlap = max(APPROACH * (room.zero - path.time), OVERLAP_TIME)
     substep.weak = softest.value < WEAK * path.rest_stiffness
-    probed = substep.weak and path.closed
-    substep.near_critical = probed or to_critical < wanted
+    substep.near_critical = path.fresh > 0 or to_critical < wanted
     if softest.value <= NEUTRAL * path.rest_stiffness or to_critical < LEAST_STEP:
         path.outcome, path.bracket = CRITICAL, 2.0 * max(softest.zero - path.time, LEAST_STEP)
         return
-    substep.size = min(wanted, to_critical, to_overlap, PROBE if probed else np.inf)
+    substep.size = min(wanted, to_critical, to_overlap, PROBE if path.fresh > 0 else np.inf)
     substep.near_overlap = substep.size == to_overlap
     path.bracket = 2.0 * substep.size
     left = task.times[path.row] - path.time
@@ -204,7 +203,7 @@ def plan(task, path, substep, watch):
 
 @part
 def predict_trial(system, task, work, path, substep):
-    """Predict the state, and shorten the substep to where a pair is about to close: its stiffness is not in
+    """Predict the state; shorten the substep to where a pair is about to close, whose stiffness is not in
     the tangent."""
     substep.shortened = False
     if not task.predictor:
@@ -221,7 +220,7 @@ def predict_trial(system, task, work, path, substep):
 
 
 @part
-def find_equilibrium(system, task, work, path, substep, it):
+def find_equilibrium(system, equilibrium, task, work, path, substep, it):
     """Equilibria for given bounds of the tangential forces, until the bounds are those of the normal forces."""
     # where friction has just begun it holds next to nothing: the prediction slides where the state sticks
     copy(work.state if path.lost and rubs(work.memory) else work.predicted, work.trial)
@@ -233,7 +232,7 @@ def find_equilibrium(system, task, work, path, substep, it):
     target = Target(
         work.state, path.gap, work.memory, work.load, path.reference * substep.target**2,
         path.reference * substep.size**2, path.rounding * (path.dead + path.force * substep.target),
-        task.limit, task.modified, path.least_pivot,
+        path.rounding, task.limit, task.modified, path.least_pivot,
     )  # fmt: skip
     system.renew(system.reals, system.ints, work.state, work.memory)
     substep.rounds, substep.iterations, substep.trouble = 0, 0, NONE
@@ -353,7 +352,7 @@ def verify_linear_stretch(system, work, path, substep):
 
 @part
 def stable_until(system, work, path, end, gap):
-    """Whether the linear stretch is stable up to the time `end`; else the path goes back to where it is not."""
+    """Whether the linear stretch is stable up to the time `end`; else the path goes back to where it is."""
     critical, count = unstable_time(system, work, path.linear_from, end, gap)
     path.checks += count
     if critical == np.inf:
@@ -365,8 +364,14 @@ def stable_until(system, work, path, end, gap):
 
 @part
 def watch_stiffness(system, work, path, substep, softest):
-    """Look at the softest mode where little is left of its stiffness, and now and then; predict its zero."""
-    near = substep.near_critical or (substep.weak and substep.shortened)
+    """Look at the softest mode where little is left of its stiffness, and now and then; predict its zero.
+
+    A pair that closes turns the slope of the stiffness, and steeply where a displacement is prescribed: it is
+    looked at there, and after a short step.
+    """
+    closing = substep.shortened and (substep.weak or system.prescribed.size > 0)
+    near = substep.near_critical or closing
+    path.fresh = 1 if closing else max(path.fresh - 1, 0)
     if substep.iterations == 0 and near:
         assembled(system, work.trial, 0.0, work.held, work.trial, work.g, work.F)
         copy(work.trial, work.home)
@@ -375,7 +380,7 @@ def watch_stiffness(system, work, path, substep, softest):
     due = softest.time + min(LOOK, SOONER * (softest.zero - softest.time))
     if not (near or (substep.iterations > 0 and (substep.weak or substep.target >= due))):
         return
-    value, least = least_stiffness(system, work), NEUTRAL * path.rest_stiffness
+    value, least = least_stiffness(system, work, softest.value), NEUTRAL * path.rest_stiffness
     if value > least or value < softest.value:
         softest.zero = predicted_zero(substep.target, value, softest.time, softest.value)
     if value > least and APPROACH * (softest.zero - substep.target) < LEAST_STEP:
@@ -404,7 +409,7 @@ def accept(work, path, substep, room):
     copy(work.tangent, work.old)
     if substep.status == CONVERGED:
         copy(work.ahead, work.tangent)
-    path.reuse, path.closed, path.last_step = True, substep.shortened, substep.size
+    path.reuse, path.last_step = True, substep.size
     if substep.moved == 0.0:
         room.zero = predicted_zero(substep.target, substep.room, room.time, room.value)
         room.time = substep.target

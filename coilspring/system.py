@@ -57,6 +57,22 @@ class Task(NamedTuple):
     )
 
 
+class Target(NamedTuple):
+    """Of which equilibrium is asked."""
+
+    anchor: Any  # the last accepted state,
+    gap: Any  # and the least gap of its pairs
+    memory: Any  # contact history
+    load: Any
+    reference: Any  # work with which decrements are compared
+    predicted: Any  # energy of the predicted motion
+    rounding: Any  # noise of the potential,
+    grain: Any  # and for each newton of the force on what is prescribed, mm
+    limit: Any  # largest number of iterations
+    modified: Any  # see `coilspring.system.Task`
+    least_pivot: Any  # at rest
+
+
 class Workspace(NamedTuple):
     """Vectors and tables that change on the way."""
 
@@ -111,7 +127,7 @@ PATH = np.dtype(
         ("linear_from", "f8"),  # time at which the linear stretch at hand began
         ("linear", "?"),
         ("reuse", "?"),  # the last factor is tried first
-        ("closed", "?"),  # the last step led to where a pair closes
+        ("fresh", "i8"),  # short steps still to take, since a pair has closed
         ("lost", "?"),  # the last attempt found no equilibrium
         ("slid", "?"),  # a pair slid
         ("rise", "f8"),  # of the bounds of friction, see `coilspring.boundrise`
@@ -152,6 +168,7 @@ NEWTON = np.dtype(
         ("pairs", "i8"),
         ("count", "i8"),  # factorisations
         ("trouble", "i8"),
+        ("rounding", "f8"),  # noise of the potential
         ("tolerance", "f8"),  # of the decrement
         ("slope", "f8"),  # of the potential along the step
         ("shift", "f8"),  # with which an indefinite matrix was made positive
@@ -201,32 +218,50 @@ class KernelsRef(structref.StructRefProxy):
 
 
 structref.define_attributes(_Fields)
-for _bundle, _names in ((SystemRef, System), (TaskRef, Task), (WorkRef, Workspace)):
-    structref.define_constructor(_bundle, _Fields, list(_names._fields))
-structref.define_proxy(KernelsRef, _KernelFields, list(Kernels._fields))
+for _ref, _names in ((SystemRef, System), (TaskRef, Task), (WorkRef, Workspace)):
+    structref.define_constructor(_ref, _Fields, list(_names._fields))
+structref.define_proxy(KernelsRef, _KernelFields, [*Kernels._fields, "equilibrium"])
 
 
-def _bundle_kernels(assemble, factor, solve, retract, work, carry, motion, commit, renew, overlap):
-    return KernelsRef(assemble, factor, solve, retract, work, carry, motion, commit, renew, overlap)
+def _bundle(assemble, factor, solve, retract, work, carry, motion, commit, renew, overlap, equilibrium):
+    return KernelsRef(
+        assemble, factor, solve, retract, work, carry, motion, commit, renew, overlap, equilibrium
+    )
 
 
 @cache
-def bundled(kernels: Kernels) -> Any:
-    """A model's kernels as compiled functions take them."""
-    functions = (types.FunctionType(signature) for signature in SIGNATURES)
-    return signed(_bundle_kernels, *functions)(*kernels)
+def bundled(kernels: Kernels, equilibrium: Any) -> Any:
+    """A model's kernels and `coilspring.newton.equilibrium` as the follower takes them."""
+    return compiled_bundle()(*kernels, equilibrium)
 
 
-def kernels_type() -> Any:
-    """numba's type of what `bundled` gives."""
-    functions = (types.FunctionType(signature) for signature in SIGNATURES)
-    return _KernelFields(tuple(zip(Kernels._fields, functions, strict=True)))
+@cache
+def compiled_bundle() -> Any:
+    """`_bundle`, compiled; read from the cache where stored."""
+    return signed(_bundle, *_kernel_types(), types.FunctionType(equilibrium_signature()))
+
+
+def _kernel_types() -> tuple[Any, ...]:
+    return tuple(types.FunctionType(signature) for signature in SIGNATURES)
+
+
+def equilibrium_signature() -> Any:
+    """numba's signature of `coilspring.newton.equilibrium`."""
+    vector, table, real = types.float64[::1], types.float64[:, ::1], types.float64
+    data = (vector, types.int64[::1], vector, vector)
+    system = _Fields(tuple(zip(System._fields, (*data, *_kernel_types()), strict=True)))
+    work = _Fields(tuple(zip(Workspace._fields, workspace_type().types, strict=True)))
+    fields = (vector, real, table, vector, *(real,) * 4, types.int64, types.boolean, real)
+    target = types.NamedTuple(fields, Target)
+    return types.int64(system, target, work, vector, from_dtype(NEWTON))
 
 
 def system_types() -> tuple[Any, ...]:
     """Types of what `system_of` takes."""
     vector = types.float64[::1]
-    return vector, types.int64[::1], vector, kernels_type()
+    functions = (*_kernel_types(), types.FunctionType(equilibrium_signature()))
+    names = (*Kernels._fields, "equilibrium")
+    return vector, types.int64[::1], vector, _KernelFields(tuple(zip(names, functions, strict=True)))
 
 
 def task_type() -> Any:

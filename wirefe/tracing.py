@@ -11,6 +11,7 @@ from coilspring.continuation import Trace, compiled_trace
 from coilspring.errors import EquilibriumNotFound, InputError, require_integer
 from coilspring.interrupt import interruptible
 from coilspring.kernelset import Kernels
+from coilspring.newton import compiled_equilibrium
 from coilspring.packing import pack
 from coilspring.pairvectors import OVERLAP_ALLOWED
 from coilspring.path import EquilibriumPath
@@ -123,10 +124,11 @@ def trace_rod(rod: Rod, *, points: int = 200) -> RodPath:
 def _run(problem: Problem, kernels: Kernels, points: int) -> tuple[Trace, float]:
     follow = compiled_trace()
     compile_kernels(kernels)
+    bundle = bundled(kernels, compiled_equilibrium())
     began = time.process_time()
     found = interruptible(
-        follow, *pack(problem.data), problem.prescribed, bundled(kernels), problem.load, points,
-        problem.start, problem.memory, problem.matrix_size,
+        follow, *pack(problem.data), problem.prescribed, bundle, problem.load, points, problem.start,
+        problem.memory, problem.matrix_size,
     )  # fmt: skip
     return Trace(*found), time.process_time() - began
 
