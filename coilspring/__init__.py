@@ -1,14 +1,15 @@
 """What is modelled: springs, scenes and the equilibrium path, shared by both models."""
 
-from coilspring.catalogue import CATALOGUE, spring_a, spring_b
 from coilspring.errors import EquilibriumNotFound, InputError
-from coilspring.material import Material
-from coilspring.path import EquilibriumPath
-from coilspring.profile import CoilSection
+from coilspring.path import EquilibriumPath, load_path
 from coilspring.scene import Contact, Load, Scene, Supports
-from coilspring.scenefile import load_scene
-from coilspring.scenetext import scene_text
-from coilspring.spring import Spring
+from coilspring.scene.catalogue import CATALOGUE, spring_a, spring_b
+from coilspring.scene.material import Material
+from coilspring.scene.profile import CoilSection
+from coilspring.scene.spring import Spring
+from coilspring.scene.toml import load_scene, scene_text
+
+__version__ = "0.1.0"
 
 __all__ = [
     "CATALOGUE",
@@ -22,6 +23,7 @@ __all__ = [
     "Scene",
     "Spring",
     "Supports",
+    "load_path",
     "load_scene",
     "scene_text",
     "spring_a",

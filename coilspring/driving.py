@@ -16,10 +16,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from coilspring.history import stage_ends
 from coilspring.packing import pack
 from coilspring.scene import Scene
-from coilspring.sizing import axial_rate
+from coilspring.scene.load import stage_ends
+from coilspring.scene.sizing import axial_rate
 from coilspring.system import FREE
 
 FIXED = 1e12  # axial rates of the spring

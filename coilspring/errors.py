@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import numbers
-from collections.abc import Collection, Iterable, Mapping
+from collections.abc import Collection, Iterable
 from typing import Any
 
 
@@ -84,16 +84,6 @@ def require_choice(field: str, value: object, choices: tuple[str, ...]) -> str:
     if not isinstance(value, str) or value not in choices:
         raise InputError(f"{field} must be one of {', '.join(choices)}, got {shown(value)}")
     return value
-
-
-def keep_numbers(record: object, section: str, ranges: Mapping[str, tuple[float, float]]) -> None:
-    """Check fields of a frozen dataclass and keep them as floats.
-
-    An integer kept as such would compile the models' kernels a second time.
-    """
-    for name, (low, high) in ranges.items():
-        number = require_number(f"{section}.{name}", getattr(record, name), low, high)
-        object.__setattr__(record, name, number)
 
 
 def shown(value: object) -> str:

@@ -17,7 +17,7 @@ class PairReader(ABC):
     @property
     @abstractmethod
     def pair_law(self) -> Any:
-        """What holds the wire diameter d, the penalty kc of a pair and its exponent k."""
+        """What holds the pairs, the wire diameter d, the penalty kc of a pair and its exponent k."""
 
     @abstractmethod
     def pair_vectors(self, states: np.ndarray) -> np.ndarray:

@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from functools import cached_property
-from typing import TYPE_CHECKING, Protocol
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, BinaryIO, Protocol
 
 import numpy as np
 
 from coilspring.errors import InputError
-from coilspring.history import given_loads
+from coilspring.pathfile import read_fields, write_fields
 from coilspring.scene import Scene
+from coilspring.scene.load import given_loads
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -37,6 +39,10 @@ class Friction:
 
 class Shape(Protocol):
     """Reads a model's states; made by the model, used by `EquilibriumPath` on demand."""
+
+    @property
+    def pair_law(self) -> Any:
+        """What holds the pairs (pairs, 2) and their law; see `coilspring.pairreader`."""
 
     def tips(self, states: np.ndarray) -> np.ndarray:
         """UX, UY, ROTZ of the top reference point, shape (states, 3); mm, rad (not wrapped)."""
@@ -80,7 +86,7 @@ class EquilibriumPath:
     last_state : (n,) the last equilibrium of such a path, at the first of these times, or None.
     total_iterations : factorisations in all, those after the last row included.
     stability_checks : further factorisations, which only verified the stability of linear stretches.
-    pair_evaluations : contact pairs looked at in all residuals together.
+    pair_evaluations : contact pairs evaluated in all residuals together.
     residual_history : last Newton decrements over the reference work of the load, oldest first.
     negative_pivots : (steps,) of traced paths: 0 where the equilibrium is stable; None for followed
         ones, whose equilibria are all stable.
@@ -119,6 +125,24 @@ class EquilibriumPath:
             )
         if self.outcome not in OUTCOMES:
             raise ValueError(f"outcome must be one of {OUTCOMES}, got {self.outcome!r}")
+
+    def __str__(self) -> str:
+        """The scene, the model and its options, the outcome, the last state, and what it cost."""
+        options = ", ".join(f"{name} {value}" for name, value in self.options.items())
+        cost = f"{self.total_iterations} iterations in {self.solve_seconds:.3g} s"
+        lines = [f"{self.scene.name} by {self.model} ({options})", f"{self.outcome}: {self.message}"]
+        if len(self.times):
+            ux, uy, rotz = self.tips[-1]
+            lines.append(f"time {self.times[-1]:.6g}: UX {ux:.6g} mm, UY {uy:.6g} mm, ROTZ {rotz:.6g} rad")
+            cost = (
+                f"{self.active_contacts[-1]} of {self.gaps.shape[1]} contact pairs closed, penetration up to "
+                f"{self.max_penetration[-1]:.3g} mm; {cost}"
+            )
+        return "\n".join((*lines, cost))
+
+    def save(self, file: str | Path | BinaryIO) -> None:
+        """Write the path to an npz file, or a binary stream, that `coilspring.load_path` reads."""
+        write_fields({item.name: getattr(self, item.name) for item in fields(self)}, file)
 
     @cached_property
     def loads(self) -> np.ndarray:
@@ -218,3 +242,13 @@ class EquilibriumPath:
     def top(self) -> np.ndarray:
         """Position and rotation (x, y, rotz) of the top reference point, shape (steps, 3); mm, rad."""
         return self.tips + np.array([0.0, self.scene.spring.active_height, 0.0])
+
+
+def load_path(file: str | Path | BinaryIO) -> EquilibriumPath:
+    """Path that `EquilibriumPath.save` has written; its model is imported.
+
+    Raises
+    ------
+    InputError : no such file, or one that is no path.
+    """
+    return EquilibriumPath(**read_fields(file))

@@ -221,7 +221,7 @@ def predict_trial(system, task, work, path, substep):
 
 @part
 def find_equilibrium(system, equilibrium, task, work, path, substep, it):
-    """Equilibria for given bounds of the tangential forces, until the bounds are those of the normal forces."""
+    """Equilibria for given bounds of the tangential forces, until these are those of the normal forces."""
     # where friction has just begun it holds next to nothing: the prediction slides where the state sticks
     copy(work.state if path.lost and rubs(work.memory) else work.predicted, work.trial)
     load, growing, dead = work.load, task.load, task.dead

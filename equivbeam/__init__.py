@@ -2,9 +2,9 @@
 
 from equivbeam.calibration import Calibration, calibrate
 from equivbeam.column import Buckling, buckling, lateral_stiffness
-from equivbeam.helixrows import Refinements
+from equivbeam.laws.helixrows import Refinements
 from equivbeam.sensitivity import Sensitivity, sensitivities
-from equivbeam.solve import solve
+from equivbeam.solve import path_shape, solve
 from equivbeam.sweep import Outcome, sweep
 
 __all__ = [
@@ -16,6 +16,7 @@ __all__ = [
     "buckling",
     "calibrate",
     "lateral_stiffness",
+    "path_shape",
     "sensitivities",
     "solve",
     "sweep",

@@ -10,7 +10,7 @@ import numpy as np
 
 from coilspring.compiled import arithmetic, kernel, part
 
-BAND = 8  # half bandwidth: a pair couples the nodes i and i + 2, three freedoms each
+BAND = 8  # half bandwidth: a pair couples the nodes i and i + 2, three degrees of freedom each
 WIDTH = BAND + 1
 ROW = 2 * WIDTH
 
@@ -38,8 +38,8 @@ def eliminate(F, width):
 
 
 @part
-def hold(g, H, p):
-    """Take the freedom `p` out: no force, and in the matrix, unless it is empty, a unit row and column."""
+def fix(g, H, p):
+    """Fix the degree of freedom `p`: no force; in the matrix, unless it is empty, a unit row and column."""
     g[p] = 0.0
     if H.shape[0] == 0:
         return

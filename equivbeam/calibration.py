@@ -2,26 +2,24 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from coilspring.errors import EquilibriumNotFound, InputError, shown
+from coilspring.errors import InputError, shown
 from coilspring.path import EquilibriumPath
 from coilspring.scene import Scene, require_scene
-from equivbeam.parameters import values, varied
-from equivbeam.sensitivity import sensitivities
+from equivbeam.curvefit import CurveFit
+from equivbeam.loadcurve import read_curve
+from equivbeam.parameters import values
 from equivbeam.solve import solve
 
 if TYPE_CHECKING:
     import pandas as pd
 
-COLUMNS = ("ux", "uy", "rotz")
-FAR = (0.2, 5.0)  # share of its value at the start between which a parameter is looked for
-LOST = 1.0  # error, over the peak, of rows that a trial does not reach
 # Singular values of the derivatives, of residuals over peaks by relative changes, over the largest one or 1:
 # differences leave up to 6e-10 of what is zero; the weakest direction that was met in the paper's springs
 # and in guided ones is 2e-7 (an exponent beside a penalty).
@@ -108,7 +106,7 @@ def calibrate(
     if isinstance(parameters, str) or not names or len(set(names)) < len(names):
         raise InputError(f"parameters must be a list of different names, got {shown(parameters)}")
     start = values(require_scene(scene), options, names)
-    fit = _Fit(scene, names, start, _table(curve), options)
+    fit = CurveFit(scene, names, start, read_curve(curve), options)
     shares = np.ones(len(names))
     before = fit.residuals(shares)
     if fit.path is None:
@@ -170,131 +168,3 @@ def _errors(J: np.ndarray, fitted: np.ndarray, undetermined: np.ndarray, residua
         errors[fitted] = scatter * np.linalg.norm(np.linalg.pinv(J[:, fitted]), axis=1)
     errors[undetermined] = np.nan
     return errors
-
-
-class _Fit:
-    """Residuals, their derivatives by the parameters' shares of their values at the start, and the least."""
-
-    def __init__(
-        self,
-        scene: Scene,
-        names: tuple[str, ...],
-        start: np.ndarray,
-        table: Mapping[str, np.ndarray],
-        options: Mapping[str, Any],
-    ) -> None:
-        self.columns = [name for name in COLUMNS if name in table]
-        self.steps, self.rows = _grid(table["time"])
-        self.scene, self.names, self.start, self.options = scene.with_steps(self.steps), names, start, options
-        measured = np.stack([table[name] for name in self.columns], axis=1)
-        self.peaks = np.abs(measured).max(axis=0)
-        self.measured = measured / self.peaks
-        self.path: EquilibriumPath | None = None
-        self.at: np.ndarray | None = None
-        self.evaluations = 0
-
-    def best(self, fitted: np.ndarray) -> np.ndarray:
-        """Shares of the least squares, with those that are not `fitted` at the start."""
-        from scipy.optimize import least_squares
-
-        ones = np.ones(len(self.names))
-        if not fitted.size:
-            return ones
-
-        def shares(x: np.ndarray) -> np.ndarray:
-            new = ones.copy()
-            new[fitted] = x
-            return new
-
-        low, high = self.bounds()
-        found = least_squares(
-            lambda x: self.residuals(shares(x)),
-            ones[fitted],
-            jac=lambda x: self.rates(shares(x))[:, fitted],
-            bounds=(low[fitted], high[fitted]),
-            xtol=1e-10,
-            ftol=1e-12,
-        )
-        return shares(found.x)
-
-    def bounds(self) -> tuple[np.ndarray, np.ndarray]:
-        """Bounds of the shares; an exponent is not below 1."""
-        low = np.full(len(self.names), FAR[0])
-        for i, name in enumerate(self.names):
-            if name == "exponent":
-                low[i] = min(1.0 / self.start[i], 1.0 - 1e-9)
-        return low, np.full(len(self.names), FAR[1])
-
-    def _follow(self, shares: np.ndarray) -> None:
-        if self.at is not None and np.array_equal(self.at, shares):
-            return
-        self.at, self.path = shares.copy(), None
-        self.evaluations += 1
-        scene, options = varied(self.scene, self.options, self.names, self._values(shares))
-        try:
-            self.path = solve(scene, **options)
-        except (EquilibriumNotFound, InputError):
-            return
-
-    def _values(self, shares: np.ndarray) -> np.ndarray:
-        new = self.start * shares
-        for i, name in enumerate(self.names):
-            if name == "exponent":
-                new[i] = max(new[i], 1.0)
-        return new
-
-    def residuals(self, shares: np.ndarray) -> np.ndarray:
-        """Differences of the columns over their peaks, flat."""
-        self._follow(shares)
-        if self.path is None:
-            return np.full(self.measured.size, LOST)
-        tips = self.path.tips[self.rows][:, [COLUMNS.index(name) for name in self.columns]]
-        return (tips / self.peaks - self.measured).ravel()
-
-    def rates(self, shares: np.ndarray) -> np.ndarray:
-        """Derivatives of the residuals, shape (residuals, parameters)."""
-        self._follow(shares)
-        if self.path is None:
-            return np.zeros((self.measured.size, len(self.names)))
-        found = sensitivities(self.path, self.names).tips[self.rows] * self.start[:, None]
-        columns = [COLUMNS.index(name) for name in self.columns]
-        return (found[:, :, columns] / self.peaks).transpose(0, 2, 1).reshape(-1, len(self.names))
-
-
-def _grid(time: np.ndarray) -> tuple[int, np.ndarray]:
-    """Number of equal steps whose times include those given, and their rows."""
-    for steps in (round(1.0 / np.diff(np.concatenate(([0.0], time))).min()), 1000, 10_000):
-        rows = np.rint(time * steps).astype(int) - 1
-        if np.allclose((rows + 1) / steps, time, atol=1e-9) and (rows >= 0).all():
-            return steps, rows
-    raise InputError("curve must have times that are equal steps of 0..1, some of which may be missing")
-
-
-def _table(curve: EquilibriumPath | pd.DataFrame | str | Path) -> dict[str, np.ndarray]:
-    """Columns of the curve, checked."""
-    import pandas as pd
-
-    if isinstance(curve, EquilibriumPath):
-        curve = curve.table
-    elif not isinstance(curve, pd.DataFrame):
-        try:
-            curve = pd.read_csv(curve)
-        except (OSError, ValueError) as error:
-            raise InputError(
-                f"curve must be a readable CSV file, got {shown(str(curve))} ({error})"
-            ) from None
-    names = [name for name in ("time", *COLUMNS) if name in curve]
-    if names[:1] != ["time"] or len(names) < 2 or not len(curve):
-        raise InputError(
-            f"curve must have a column time and one or more of {', '.join(COLUMNS)}, "
-            f"got {', '.join(map(str, curve))}"
-        )
-    table = {name: curve[name].to_numpy(dtype=float) for name in names}
-    columns = np.array(list(table.values()))
-    time = table["time"]
-    if not np.isfinite(columns).all() or (np.diff(time) <= 0.0).any() or time[0] <= 0.0 or time[-1] > 1.0:
-        raise InputError("curve must hold finite numbers, with times that rise from above 0 to 1 at most")
-    moving = {name: values for name, values in table.items() if name == "time" or np.abs(values).max() > 0.0}
-    if len(moving) < 2:
-        raise InputError("curve must have a column that is not zero throughout")
-    return moving

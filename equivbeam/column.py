@@ -15,14 +15,14 @@ from coilspring.packing import pack
 from coilspring.scene import Load, Scene, require_scene
 from coilspring.solving import Problem, Run, follow_problem
 from equivbeam import band, kernels
-from equivbeam.haringx import KAX, KFL, KSH, L0
-from equivbeam.helixrows import Refinements
 from equivbeam.laws import LAWS
-from equivbeam.model import BeamModel, build_model, load_vector
-from equivbeam.problem import beam_problem
+from equivbeam.laws.haringx import KAX, KFL, KSH, L0
+from equivbeam.laws.helixrows import Refinements
+from equivbeam.model import BeamModel, beam_problem, build_model, load_vector
+from equivbeam.options import BeamOptions
 from equivbeam.solve import KERNELS
 
-FARTHEST = 0.9  # of the height at rest: shortening up to which buckling is looked for
+FARTHEST = 0.9  # of the height at rest: shortening up to which buckling is searched
 
 
 @dataclass(frozen=True)
@@ -50,7 +50,7 @@ def buckling(
     ----------
     scene : Scene
         Spring, material and supports: the bottom is clamped, the top free but for ``top_held``.
-        Its load and contact are not looked at. A column pinned at both ends is twice one that is
+        Its load and contact are ignored. A column pinned at both ends is twice one that is
         clamped and free.
     law : {"haringx", "helix"}
     refine : int
@@ -109,8 +109,9 @@ def _compressed(
             f"refine and inclined must be left alone with law {law}, got {refine!r}, {inclined!r}"
         )
     straight = replace(require_scene(scene).without_contact(), load=Load((0.0, -1.0)))
-    # a perfect column: what held ends do to its axis would bow it from the first force on
-    perfect = build_model(straight, law=law, refinements=Refinements(ends=False))
+    # a perfect column: with fixed ends of the wire its axis would bend from the first force on
+    refinements = Refinements(ends=False) if law == "helix" else None
+    perfect = build_model(straight, BeamOptions(law, refinements=refinements))
     data = _refined(perfect, scene, refine, inclined)
     at_rest = data if law == "haringx" else build_model(straight)
     force = shortening / float((1.0 / at_rest.rows[:, KAX]).sum())

@@ -1,4 +1,4 @@
-"""Contact between the circles in which the wire meets the working plane, (10)-(13), in the nodes' freedoms.
+"""Contact between the circles in which the wire meets the working plane, (10)-(13).
 
 The law of a pair is `coilspring.pairlaw`.
 """
@@ -12,18 +12,18 @@ from coilspring.compiled import part
 
 @part
 def circle_centre(x, y, theta, ox, oy):
-    """Centre of a circle carried by a node: the node's position and the turned offset."""
+    """Centre of a circle attached to a node: the node's position and the turned offset."""
     c, s = math.cos(theta), math.sin(theta)
     return x + c * ox - s * oy, y + s * ox + c * oy
 
 
 @part
 def pair_forces(f, H, rax, ray, rbx, rby, g, K):
-    """Gradient (6,) and Hessian (6, 6) in the freedoms of the two nodes from those in the vector g (3,).
+    """Gradient (6,) and Hessian (6, 6) in the dofs of the two nodes from those in the vector g (3,).
 
     `ra`, `rb` are the vectors from each node to its circle's centre, as turned now.
     """
-    # dg/dq, one row per freedom: -(I, r_A') and +(I, r_B') with r' = (-ry, rx)
+    # dg/dq, one row per degree of freedom: -(I, r_A') and +(I, r_B') with r' = (-ry, rx)
     jx = (-1.0, 0.0, ray, 1.0, 0.0, -rby)
     jy = (0.0, -1.0, -rax, 0.0, 1.0, rbx)
     for i in range(6):
@@ -38,10 +38,10 @@ def pair_forces(f, H, rax, ray, rbx, rby, g, K):
 
 
 @part
-def circle_overlap(centres, carrier, state, d):
+def circle_overlap(centres, attached, state, d):
     """By how much circles of diameter d overlap, at most, and beyond those one turn apart; mm.
 
-    All are held against all but for those of one node. Two of one side that have changed places along the
+    All pairs are compared but those of one node. Two of one side that have changed places along the
     axis, with less than a diameter across it, have passed through each other: they overlap by what
     they do side by side.
     """
@@ -49,12 +49,12 @@ def circle_overlap(centres, carrier, state, d):
     for a in range(len(centres)):
         for b in range(a + 1, len(centres)):
             x, y = centres[b, 0] - centres[a, 0], centres[b, 1] - centres[a, 1]
-            if carrier[a] == carrier[b] or (abs(y) >= d and b != a + 2):
+            if attached[a] == attached[b] or (abs(y) >= d and b != a + 2):
                 continue
             depth = d - math.sqrt(x * x + y * y)
             if b == a + 2:
                 pairs = max(pairs, depth)
-                turn = 0.5 * (state[3 * carrier[a] + 2] + state[3 * carrier[b] + 2])
+                turn = 0.5 * (state[3 * attached[a] + 2] + state[3 * attached[b] + 2])
                 c, s = math.cos(turn), math.sin(turn)
                 if y * c - x * s < 0.0:
                     depth = d - abs(x * c + y * s)

@@ -9,17 +9,18 @@ import numpy as np
 from coilspring.compiled import clear, copy, kernel, part
 from coilspring.pairlaw import ON, pair_potential
 from coilspring.pairvectors import approach, remember, renew_bounds
-from equivbeam.band import ROW, hold
+from equivbeam.band import ROW, fix
 from equivbeam.contact import circle_centre, circle_overlap, pair_forces
-from equivbeam.halfcoil import gradient, hessian, measures_at, paper_matrix
-from equivbeam.haringx import KAX, KFL, KSH, L0
+from equivbeam.element import gradient, hessian, measures_at, paper_matrix
 from equivbeam.laws import response
-from equivbeam.model import EXACT, PAPER, view
+from equivbeam.laws.haringx import KAX, KFL, KSH, L0
+from equivbeam.model import view
+from equivbeam.options import EXACT, PAPER
 
 
 @part
 def _add_nodes(g, H, ge, Ke, a, b):
-    """Scatter the 6 freedoms of the nodes `a` <= `b`; node 0 is clamped."""
+    """Scatter the 6 degrees of freedom of the nodes `a` <= `b`; node 0 is clamped."""
     p, q = 3 * (a - 1), 3 * (b - 1)
     if a > 0:
         for i in range(3):
@@ -42,10 +43,10 @@ def _add_nodes(g, H, ge, Ke, a, b):
 @part
 def _centres(model, state):
     """Centres of all circles, shape (circles, 2)."""
-    carrier, offset = model.carrier, model.offset
-    c = np.empty((carrier.size, 2))
-    for k in range(carrier.size):
-        i = 3 * carrier[k]
+    attached, offset = model.attached, model.offset
+    c = np.empty((attached.size, 2))
+    for k in range(attached.size):
+        i = 3 * attached[k]
         c[k, 0], c[k, 1] = circle_centre(state[i], state[i + 1], state[i + 2], offset[k, 0], offset[k, 1])
     return c
 
@@ -66,8 +67,8 @@ def _bound(reach, a, b):
     """Bound on how far any circle's centre moved between two states."""
     most = 0.0
     for i in range(3, a.size, 3):
-        way = math.sqrt((a[i] - b[i]) ** 2 + (a[i + 1] - b[i + 1]) ** 2) + reach * abs(a[i + 2] - b[i + 2])
-        most = max(most, way)
+        moved = math.sqrt((a[i] - b[i]) ** 2 + (a[i + 1] - b[i + 1]) ** 2)
+        most = max(most, moved + reach * abs(a[i + 2] - b[i + 2]))
     return most
 
 
@@ -77,14 +78,14 @@ def _add_pairs(model, memory, state, g, H, ge, Ke):
     energy = 0.0
     w, e, f = np.empty(3), np.empty(3), np.empty(3)
     Hg = np.empty((3, 3))
-    c, pairs, carrier = _centres(model, state), model.pairs, model.carrier
+    c, pairs, attached = _centres(model, state), model.pairs, model.attached
     for m in range(pairs.shape[0]):
         A, B = pairs[m, 0], pairs[m, 1]
         w[0], w[1], w[2] = c[B, 0] - c[A, 0], c[B, 1] - c[A, 1], 0.0
         h2 = w[0] * w[0] + w[1] * w[1]
         if h2 >= model.d * model.d and memory[m, ON] == 0.0:
             continue
-        a, b = carrier[A], carrier[B]
+        a, b = attached[A], attached[B]
         energy += pair_potential(w, math.sqrt(h2), model.d, model.kc, model.k, memory[m], e, f, Hg)
         p, q = 3 * a, 3 * b
         pair_forces(
@@ -130,8 +131,8 @@ def assemble(reals, ints, anchor, clearance, memory, state, g, flat):
         energy += _add_pairs(model, memory, state, g, H, ge, Ke)
     n = g.size
     for i in range(3):
-        if model.held[i] > 0.0:
-            hold(g, H, n - 3 + i)
+        if model.fixed[i] > 0.0:
+            fix(g, H, n - 3 + i)
     return energy, count
 
 
@@ -159,13 +160,13 @@ def carry(reals, ints, a, b, v):
 
 @kernel
 def motion(reals, ints, a, b, least):
-    """See `coilspring.kernelset`: bound on all motion, pair motion, share of the way to the first touch."""
+    """See `coilspring.kernelset`: bound on all motion, pair motion, share until the first touch."""
     model = view(reals, ints)
-    way = _bound(model.reach, a, b)
-    if model.pairs.shape[0] == 0 or way <= least:
-        return way, 0.0, 1.0
+    bound = _bound(model.reach, a, b)
+    if model.pairs.shape[0] == 0 or bound <= least:
+        return bound, 0.0, 1.0
     most, free = approach(_vectors(model, a), _vectors(model, b), model.d)
-    return way, most / model.d, free
+    return bound, most / model.d, free
 
 
 @kernel
@@ -190,4 +191,4 @@ def renew(reals, ints, state, memory):
 def overlap(reals, ints, state):
     """See `coilspring.kernelset`: of all circles, and beyond the deepest pair."""
     model = view(reals, ints)
-    return circle_overlap(_centres(model, state), model.carrier, state, model.d)
+    return circle_overlap(_centres(model, state), model.attached, state, model.d)

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from coilspring.scene import Scene
-from coilspring.sizing import solid_height
-from equivbeam.helix import HIGH, LOW
-from equivbeam.rendering import element_lengths
+from coilspring.scene.sizing import solid_height
+from equivbeam.laws.helix import HIGH, LOW
+from equivbeam.shape import element_lengths
 
 # Share of the travel to solid up to which a force is trusted. Of 24 random guided cylinders the force at a
 # prescribed height is within 2.4 % of the wire model's (32 pairs a turn) up to 0.90; at 0.95 and few coils

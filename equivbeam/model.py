@@ -11,18 +11,16 @@ from coilspring.compiled import part
 from coilspring.driving import Top
 from coilspring.errors import InputError
 from coilspring.packing import heads, table, vector
+from coilspring.pairlaw import MEMORY
 from coilspring.scene import Scene
+from coilspring.solving import Problem
 from equivbeam.band import ROW
-from equivbeam.haringx import L0
-from equivbeam.helixrows import Refinements
 from equivbeam.laws import LAWS, law_rows
+from equivbeam.laws.haringx import L0
+from equivbeam.options import ALL, TANGENTS, BeamOptions
 from equivbeam.stations import half_coil_count
 
-EXACT, PAPER, PRINTED = 0, 1, 2
-TANGENTS = {"exact": EXACT, "paper": PAPER, "paper-printed": PRINTED}
 PAIRS_PER_TURN = 2
-ALL = Refinements()
-ONES = (1.0, 1.0, 1.0)
 
 
 class BeamModel(NamedTuple):
@@ -30,8 +28,8 @@ class BeamModel(NamedTuple):
 
     law: int  # of the half coils, see `equivbeam.laws`
     rows: np.ndarray  # (elements, columns) parameters of the half coils, as the law reads them
-    held: np.ndarray  # (3,) freedoms of the last node that are held: 1.0 or 0.0
-    carrier: np.ndarray  # (circles,) node that carries each circle
+    fixed: np.ndarray  # (3,) degrees of freedom of the last node that are fixed: 1.0 or 0.0
+    attached: np.ndarray  # (circles,) node to which each circle is attached
     offset: np.ndarray  # (circles, 2) from the node to the circle's centre, at rest
     pairs: np.ndarray  # (pairs, 2) circles that may touch
     reach: float  # largest distance of a circle from its node
@@ -42,54 +40,47 @@ class BeamModel(NamedTuple):
     tangent: int  # EXACT, PAPER or PRINTED
 
 
-def build_model(
-    scene: Scene,
-    tangent: str = "exact",
-    sliding: str = "ignore",
-    law: str = "haringx",
-    refinements: Refinements = ALL,
-    factors: tuple[float, float, float] = ONES,
-) -> BeamModel:
-    """Arrays of the equivalent beam of `scene`; the arguments are those of `equivbeam.solve`.
+def build_model(scene: Scene, options: BeamOptions | None = None) -> BeamModel:
+    """Arrays of the equivalent beam of `scene`.
 
     Raises
     ------
     InputError : where the active coils are not a whole number of half coils, or the scene has what the
         model cannot represent.
     """
-    spring, contact = scene.spring, scene.contact
+    spring, contact, chosen = scene.spring, scene.contact, options or BeamOptions()
     scene.supports.require_supported("equivbeam")
-    if spring.sections and tangent != "exact":
+    if spring.sections and chosen.tangent != "exact":
         raise InputError(
             f"tangent must be exact where the spring has sections: the paper's matrix is for half coils of "
-            f"one length, got {tangent!r}"
+            f"one length, got {chosen.tangent!r}"
         )
     count = half_coil_count(spring)
-    carrier, offset = _circles(scene, count)
-    index = np.arange(carrier.size - 2)
+    attached, offset = _circles(scene, count)
+    index = np.arange(attached.size - 2)
     pairs = np.stack((index, index + 2), axis=1)
     # pairs within one rigid end never move against each other
-    apart = carrier[pairs[:, 0]] != carrier[pairs[:, 1]]
-    pairs = pairs[apart] if contact.enabled else pairs[:0]
-    held = [name in scene.supports.top_held for name in ("ux", "uy", "rotz")]
+    relative = attached[pairs[:, 0]] != attached[pairs[:, 1]]
+    pairs = pairs[relative] if contact.enabled else pairs[:0]
+    fixed = [name in scene.supports.top_held for name in ("ux", "uy", "rotz")]
     return BeamModel(
-        law=LAWS[law],
-        rows=law_rows(law, spring, scene.material, refinements, factors),
-        held=np.array(held, dtype=float),
-        carrier=carrier,
+        law=LAWS[chosen.law],
+        rows=law_rows(chosen.law, spring, scene.material, chosen.refinements or ALL, chosen.factors),
+        fixed=np.array(fixed, dtype=float),
+        attached=attached,
         offset=offset,
         pairs=np.ascontiguousarray(pairs),
         reach=float(np.hypot(offset[:, 0], offset[:, 1]).max()),
         d=spring.wire_diameter,
         kc=contact.stiffness * 4.0 / PAIRS_PER_TURN,
         k=float(contact.exponent),
-        mu=contact.coefficient if sliding == "scene" else 0.0,
-        tangent=TANGENTS[tangent],
+        mu=contact.coefficient if chosen.sliding == "scene" else 0.0,
+        tangent=TANGENTS[chosen.tangent],
     )
 
 
 def _circles(scene: Scene, count: int) -> tuple[np.ndarray, np.ndarray]:
-    """Carriers and offsets of the contact circles, end turns included, from bottom to top.
+    """Attached nodes and offsets of the contact circles, end turns included, from bottom to top.
 
     Circles know the start phase only by the side on which the wire begins.
     """
@@ -98,10 +89,10 @@ def _circles(scene: Scene, count: int) -> tuple[np.ndarray, np.ndarray]:
     half = np.arange(-ends, count + ends + 1)
     phases = half * math.pi
     first = 1.0 if math.cos(spring.start_phase) >= 0.0 else -1.0
-    carrier = np.clip(half, 0, count)
+    attached = np.clip(half, 0, count)
     side = np.where(half % 2 == 0, first, -first)
-    rise = spring.height(phases) - spring.height(carrier * math.pi)
-    return carrier, np.stack((side * spring.radius(phases), rise), axis=1)
+    rise = spring.height(phases) - spring.height(attached * math.pi)
+    return attached, np.stack((side * spring.radius(phases), rise), axis=1)
 
 
 def rest_state(model: BeamModel) -> np.ndarray:
@@ -112,9 +103,9 @@ def rest_state(model: BeamModel) -> np.ndarray:
 
 
 def load_vector(model: BeamModel, scene: Scene) -> np.ndarray:
-    """Load at time 1 on the free nodes, flat; held freedoms carry none."""
+    """Load at time 1 on the free nodes, flat; fixed degrees of freedom have none."""
     load = np.zeros(3 * len(model.rows))
-    load[-3:-1] = np.array(scene.load.force) * (1.0 - model.held[:2])
+    load[-3:-1] = np.array(scene.load.force) * (1.0 - model.fixed[:2])
     return load
 
 
@@ -127,6 +118,18 @@ def top_place(model: BeamModel) -> Top:
 def matrix_size(model: BeamModel) -> int:
     """Length of the banded matrix, see `equivbeam.band`."""
     return 3 * len(model.rows) * ROW
+
+
+def beam_problem(data: BeamModel, load: np.ndarray) -> Problem:
+    """The beam at rest under a load vector at time 1, as the path follower takes it."""
+    return Problem(
+        data=data,
+        load=load,
+        start=rest_state(data),
+        memory=np.zeros((len(data.pairs), MEMORY)),  # no pair has ever closed
+        matrix_size=matrix_size(data),
+        top=top_place(data),
+    )
 
 
 @part

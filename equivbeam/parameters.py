@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 
 from coilspring.errors import require_choice
-from coilspring.material import Material
 from coilspring.scene import Scene
+from coilspring.scene.material import Material
 
 Options = Mapping[str, Any]
 
@@ -44,8 +44,7 @@ def _material(scene: Scene, E: float, G: float) -> Scene:
 
 PARAMETERS: Mapping[str, Parameter] = {
     "wire_diameter": Parameter(
-        lambda scene: scene.spring.wire_diameter,
-        lambda scene, value: _spring(scene, wire_diameter=value),
+        lambda scene: scene.spring.wire_diameter, lambda scene, value: _spring(scene, wire_diameter=value)
     ),
     "bottom_diameter": Parameter(
         lambda scene: scene.spring.mean_diameter[0],
@@ -61,20 +60,16 @@ PARAMETERS: Mapping[str, Parameter] = {
         rise=lambda scene: scene.spring.active_coils,
     ),
     "E": Parameter(
-        lambda scene: scene.material.E,
-        lambda scene, value: _material(scene, value, scene.material.G),
+        lambda scene: scene.material.E, lambda scene, value: _material(scene, value, scene.material.G)
     ),
     "G": Parameter(
-        lambda scene: scene.material.G,
-        lambda scene, value: _material(scene, scene.material.E, value),
+        lambda scene: scene.material.G, lambda scene, value: _material(scene, scene.material.E, value)
     ),
     "penalty": Parameter(
-        lambda scene: scene.contact.stiffness,
-        lambda scene, value: _contact(scene, stiffness=value),
+        lambda scene: scene.contact.stiffness, lambda scene, value: _contact(scene, stiffness=value)
     ),
     "exponent": Parameter(
-        lambda scene: scene.contact.exponent,
-        lambda scene, value: _contact(scene, exponent=value),
+        lambda scene: scene.contact.exponent, lambda scene, value: _contact(scene, exponent=value)
     ),
 }
 

@@ -13,10 +13,10 @@ from coilspring.pairlaw import MEMORY
 from coilspring.path import EquilibriumPath
 from coilspring.scene import Scene
 from equivbeam import band, kernels
-from equivbeam.model import BeamModel, matrix_size
+from equivbeam.model import BeamModel, build_model, matrix_size
+from equivbeam.options import BeamOptions
 from equivbeam.parameters import Options, rise, values, varied
-from equivbeam.rendering import BeamShape
-from equivbeam.solve import beam_model
+from equivbeam.shape import BeamShape
 
 STEP = 6e-6  # relative, for central differences of the residual: the cube root of the rounding
 
@@ -51,7 +51,7 @@ def sensitivities(path: EquilibriumPath, parameters: Sequence[str]) -> Sensitivi
     Parameters
     ----------
     path : EquilibriumPath
-        Of `equivbeam.solve`, without friction: with it the answer depends on the way there.
+        Of `equivbeam.solve`, without friction: with it the answer depends on the path.
     parameters : sequence of str
         Of wire_diameter, bottom_diameter, top_diameter, pitch, E, G, penalty, exponent, and with the
         paper's law the factors axial, shearing, bending. E and G vary one without the other.
@@ -78,7 +78,7 @@ def sensitivities(path: EquilibriumPath, parameters: Sequence[str]) -> Sensitivi
         lift = rise(path.scene, name)
         for row, (reals, ints, F) in enumerate(factored):
             move = -rates[row]
-            move[-3:] *= 1.0 - shape.data.held
+            move[-3:] *= 1.0 - shape.data.fixed
             band.solve(reals, ints, F, move)
             tips[row, i] = move[-3:] - np.array([0.0, lift, 0.0])
     return Sensitivity(names, at, tips)
@@ -97,8 +97,8 @@ def _residual_rates(path: EquilibriumPath, name: tuple[str, ...], value: float) 
     """Rates of the residual at fixed states, shape (steps, n), by differences of second order."""
     h = STEP * value
 
-    def at(ways: float) -> np.ndarray:
-        return _residuals(path, *varied(path.scene, path.options, name, np.array([value + ways * h])))
+    def at(steps: float) -> np.ndarray:
+        return _residuals(path, *varied(path.scene, path.options, name, np.array([value + steps * h])))
 
     try:
         return (at(1.0) - at(-1.0)) / (2.0 * h)
@@ -108,7 +108,7 @@ def _residual_rates(path: EquilibriumPath, name: tuple[str, ...], value: float) 
 
 def _residuals(path: EquilibriumPath, scene: Scene, options: Options) -> np.ndarray:
     """Gradients of the energy of another scene at the states of the path, shape (steps, n)."""
-    data = beam_model(scene, options)
+    data = build_model(scene, BeamOptions.of(options))
     reals, ints = pack(data)
     memory = np.zeros((len(data.pairs), MEMORY))
     g = np.empty((len(path.states), path.states.shape[1] - 3))

@@ -3,23 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import asdict, replace
+from dataclasses import replace
 from typing import Any
 
-from coilspring.errors import InputError, require_choice, require_number, shown
 from coilspring.kernelset import Kernels
 from coilspring.path import EquilibriumPath
 from coilspring.scene import Scene, require_scene
 from coilspring.solving import MOST_ITERATIONS, follow_load, scene_path
 from equivbeam import band, kernels, model
-from equivbeam.helixrows import Refinements
-from equivbeam.laws import LAWS
+from equivbeam.laws.helixrows import Refinements
 from equivbeam.limits import caution
-from equivbeam.model import BeamModel
-from equivbeam.problem import beam_problem
-from equivbeam.rendering import BeamShape
+from equivbeam.options import ONES, BeamOptions
+from equivbeam.shape import BeamShape
 
-SLIDING = ("ignore", "scene")
 # The paper's matrices are not the tangent: they converge linearly, the printed one by hundreds of steps.
 MOST_PAPER_ITERATIONS = 10_000
 
@@ -46,7 +42,7 @@ def solve(
     tangent: str = "exact",
     sliding: str = "ignore",
     refinements: Refinements | None = None,
-    factors: tuple[float, float, float] = model.ONES,
+    factors: tuple[float, float, float] = ONES,
 ) -> EquilibriumPath:
     """Follow the load path of `scene` with the 2D equivalent beam.
 
@@ -60,7 +56,7 @@ def solve(
     penalty : float, optional
         Contact stiffness K in the scene's convention, N/mm^exponent; by default the scene's.
     law : {"haringx", "helix"}
-        Law of a half coil: the paper's (1)-(9), or a helix in large deformation (`equivbeam.helix`).
+        Law of a half coil: the paper's (1)-(9), or a helix in large deformation (`equivbeam.laws.helix`).
     tangent : {"exact", "paper", "paper-printed"}
         The Hessian of the energy with a tangent predictor, or the paper's matrix (Phi with the
         factor 12, or as printed) iterated from the last state, as the paper did; the paper's go
@@ -82,58 +78,17 @@ def solve(
     InputError : bad input, in one sentence.
     EquilibriumNotFound : the path ends before time 1; carries what was reached.
     """
-    require_choice("law", law, tuple(LAWS))
-    require_choice("tangent", tangent, tuple(model.TANGENTS))
-    require_choice("sliding", sliding, SLIDING)
-    _refuse_mixtures(law, tangent, refinements, factors)
+    options = BeamOptions(law, tangent, sliding, refinements, factors)
     scene = require_scene(scene).overridden(steps, penalty)
-    options: dict[str, object] = {"law": law, "tangent": tangent, "sliding": sliding}
-    if refinements is not None:
-        options["refinements"] = asdict(refinements)
-    if tuple(factors) != model.ONES:
-        options["factors"] = tuple(factors)
-    data = beam_model(scene, options)
+    data = model.build_model(scene, options)
     exact = tangent == "exact"
     limit = MOST_ITERATIONS if exact else MOST_PAPER_ITERATIONS
-    problem = beam_problem(data, model.load_vector(data, scene))
+    problem = model.beam_problem(data, model.load_vector(data, scene))
     run = follow_load(scene, problem, KERNELS, limit=limit, predictor=exact)
     run = replace(run, message=run.message + caution(scene, law, data.rows, run.track.states))
-    return scene_path(scene, "equivbeam", options, run, BeamShape(scene, data))
+    return scene_path(scene, "equivbeam", options.stored(), run, BeamShape(scene, data))
 
 
-def beam_shape(scene: Scene, options: Mapping[str, Any]) -> BeamShape:
-    """Reader of the states of a path that was solved with the options."""
-    return BeamShape(scene, beam_model(scene, options))
-
-
-def beam_model(scene: Scene, options: Mapping[str, Any]) -> BeamModel:
-    """Arrays of another scene's equivalent beam with the options that a path was solved with."""
-    chosen = options.get("refinements")
-    return model.build_model(
-        scene,
-        options["tangent"],
-        options["sliding"],
-        options["law"],
-        model.ALL if chosen is None else Refinements(**chosen),
-        options.get("factors", model.ONES),
-    )
-
-
-def _refuse_mixtures(
-    law: str, tangent: str, refinements: Refinements | None, factors: tuple[float, float, float]
-) -> None:
-    """Refuse what goes with one law alone."""
-    if not isinstance(factors, list | tuple) or len(factors) != 3:
-        raise InputError(f"factors must be three numbers, got {shown(factors)}")
-    for factor in factors:
-        require_number("factors", factor, 1e-3, 1e3)
-    if law != "haringx" and tuple(factors) != model.ONES:
-        raise InputError(f"factors must be 1 unless the law is haringx, got {factors!r} with {law!r}")
-    if law != "haringx" and tangent != "exact":
-        raise InputError(f"tangent must be exact with law {law}, got {tangent!r}")
-    if refinements is None:
-        return
-    if not isinstance(refinements, Refinements):
-        raise InputError(f"refinements must be equivbeam.Refinements, got {shown(refinements)}")
-    if law != "helix":
-        raise InputError(f"refinements must be left out unless the law is helix, got them with {law!r}")
+def path_shape(scene: Scene, options: Mapping[str, Any], found: object = ()) -> BeamShape:
+    """Reader of the states of a path that was solved with the options; no pairs are found on the way."""
+    return BeamShape(scene, model.build_model(scene, BeamOptions.of(options)))

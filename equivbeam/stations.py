@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from coilspring.errors import InputError
-from coilspring.spring import Spring
+from coilspring.scene.spring import Spring
 
 
 @dataclass(frozen=True)

@@ -19,7 +19,7 @@ CHUNK = 64  # springs handed to a worker at a time
 
 @dataclass(frozen=True)
 class Outcome:
-    """What became of one spring of a sweep.
+    """Result of one spring of a sweep.
 
     Attributes
     ----------

@@ -5,7 +5,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from coilspring import Material
-from coilspring.wire import round_section
+from coilspring.scene.wire import round_section
 from wirefe.beam import beams, deformations
 from wirefe.elements import straight_stiffness
 from wirefe.quaternions import exponential, times

@@ -24,9 +24,8 @@ from coilspring import (
     spring_a,
     spring_b,
 )
-from coilspring.scenefile import scene_from_text
-from coilspring.scenetext import scene_text
-from coilspring.sizing import POINTS, along, buckling_shortening, least_gap, sizes, wire_length
+from coilspring.scene.sizing import POINTS, along, buckling_shortening, least_gap, sizes, wire_length
+from coilspring.scene.toml import scene_from_text, scene_text
 from validation.cli import main
 from validation.view.check import report
 from validation.view.drawing import draw

@@ -19,7 +19,7 @@ import coilspring
 import equivbeam
 import wirefe
 from coilspring import EquilibriumNotFound, Load, spring_a, spring_b
-from coilspring.scenetext import scene_text
+from coilspring.scene.toml import scene_text
 from validation.cli import main
 from validation.cli.arguments import MODEL_OPTIONS, command_line
 from validation.study.machine import versions

@@ -49,7 +49,7 @@ def test_determinant_of_coulombs_tangent():
         steps = 1e-7 * np.eye(n)
         columns = [(force(step, held=held) - force(-step, held=held)) / 2e-7 for step in steps]
         free = np.ones(n, dtype=bool)
-        free[-3:] = path.shape.data.held == 0.0
+        free[-3:] = path.shape.data.fixed == 0.0
         return np.array(columns).T[np.ix_(free, free)], free
 
     (A, free), (H, _) = tangent(False), tangent(True)

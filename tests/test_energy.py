@@ -66,9 +66,9 @@ def test_whole_body_is_in_equilibrium(name):
         for (A, B), force in zip(data.pairs, path.contact_forces[-1], strict=True):
             way = places[B] - places[A]
             push = force * way / np.linalg.norm(way)
-            if data.carrier[A] == node:
+            if data.attached[A] == node:
                 add(reactions[side], push, places[A])
-            if data.carrier[B] == node:
+            if data.attached[B] == node:
                 add(reactions[side], -push, places[B])
     force = np.array([*path.loads[-1], 0.0])
     scale = np.linalg.norm(force) * np.array([1.0] * 3 + [10.0] * 3)

@@ -23,6 +23,7 @@ from coilspring.packing import pack
 from coilspring.pairlaw import MEMORY
 from equivbeam import band, kernels, model
 from equivbeam.laws import LAWS
+from equivbeam.options import BeamOptions
 
 # Our own prototype's values, printed with five digits; the paper gives pictures only.
 TIPS = {
@@ -44,7 +45,7 @@ def test_tips(name):
 def test_whole_model_derivatives(check_derivatives, seed, time, stick):
     """At an equilibrium of Spring B in contact, shaken a little."""
     path = equivbeam.solve(spring_b(), steps=2)
-    data = model.build_model(spring_b(), sliding="scene" if stick else "ignore")
+    data = model.build_model(spring_b(), BeamOptions(sliding="scene" if stick else "ignore"))
     reals, ints = pack(data)
     rng = np.random.default_rng(seed)
     load = time * model.load_vector(data, spring_b())
@@ -54,7 +55,7 @@ def test_whole_model_derivatives(check_derivatives, seed, time, stick):
         kernels.commit(reals, ints, state, memory)
         assert memory[:, 0].any()
     state = state.copy()
-    state[3:] += 1e-3 * rng.normal(size=state.size - 3) * np.tile(1 - data.held, (state.size - 3) // 3)
+    state[3:] += 1e-3 * rng.normal(size=state.size - 3) * np.tile(1 - data.fixed, (state.size - 3) // 3)
     n = state.size - 3
 
     def energy(step):
@@ -62,7 +63,7 @@ def test_whole_model_derivatives(check_derivatives, seed, time, stick):
         moved[3:] += step
         g, H = np.empty(n), np.empty(model.matrix_size(data))
         free = np.ones(n)
-        free[-3:] = 1.0 - data.held
+        free[-3:] = 1.0 - data.fixed
         moved[3:] = state[3:] + step * free
         value, _ = kernels.assemble(reals, ints, state, 0.0, memory, moved, g, H)
         rows = H.reshape(n, band.ROW)
@@ -173,15 +174,15 @@ def test_no_contact_work_while_nothing_can_touch():
 def test_pairs_inside_a_rigid_end_do_not_exist():
     data = model.build_model(spring_a())
     assert len(data.pairs) == 30
-    assert (data.carrier[data.pairs[:, 0]] != data.carrier[data.pairs[:, 1]]).all()
+    assert (data.attached[data.pairs[:, 0]] != data.attached[data.pairs[:, 1]]).all()
     assert len(model.build_model(load_scene("spring-a-no-contact")).pairs) == 0
 
 
 def test_sides_alternate_and_end_turns_stand_where_the_paper_draws_them():
     data = model.build_model(spring_a())
-    bottom = data.offset[data.carrier == 0]
+    bottom = data.offset[data.attached == 0]
     np.testing.assert_allclose(bottom, [[5.0, -1.5], [-5.0, -0.75], [5.0, 0.0]], atol=1e-12)
-    top = data.offset[data.carrier == 29]
+    top = data.offset[data.attached == 29]
     np.testing.assert_allclose(top, [[-5.0, 0.0], [5.0, 0.75], [-5.0, 1.5]], atol=1e-12)
 
 

@@ -51,11 +51,11 @@ def test_contact_forces_on_the_nodes():
     np.testing.assert_allclose(found.contact_force.sum(axis=0), 0.0, atol=1e-12)
     touched = np.flatnonzero(np.linalg.norm(found.contact_force, axis=1))
     data = path.shape.data.contact
-    expected = np.unique(data.carrier[data.pairs[path.contact_forces[-1] > 0.0]])
+    expected = np.unique(data.attached[data.pairs[path.contact_forces[-1] > 0.0]])
     np.testing.assert_array_equal(touched, expected)
     assert not section_results(path, 0).contact_force.any()
     # of the pairs, only the spheres that are at their nodes: the rigid ends carry theirs elsewhere
-    shown = np.unique(data.carrier[np.setdiff1d(data.pairs[path.contact_forces[-1] > 0.0], [0, 1, 2, 3])])
+    shown = np.unique(data.attached[np.setdiff1d(data.pairs[path.contact_forces[-1] > 0.0], [0, 1, 2, 3])])
     np.testing.assert_array_equal(np.flatnonzero(found.pair_force), shown)
 
 

@@ -11,7 +11,7 @@ import wirefe
 from coilspring import Contact, InputError, load_scene
 from coilspring.packing import pack
 from coilspring.pairlaw import SLID
-from coilspring.scenefile import scene_from_text
+from coilspring.scene.toml import scene_from_text
 from wirefe import kernels, model
 from wirestates import add, centres, elements
 
@@ -180,8 +180,8 @@ def reactions(path, step):
         for (A, B), normal, tangential in pairs:
             way = places[B] - places[A]
             push = normal * way / np.linalg.norm(way) - tangential
-            add(total, push * (data.carrier[A] == node), places[A])
-            add(total, -push * (data.carrier[B] == node), places[B])
+            add(total, push * (data.attached[A] == node), places[A])
+            add(total, -push * (data.attached[B] == node), places[B])
     way = places[data.pairs[:, 1]] - places[data.pairs[:, 0]]
     return total, np.cross(way, path.friction.force[step]).sum(axis=0)
 

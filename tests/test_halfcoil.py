@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from coilspring import Material, spring_a
-from equivbeam.halfcoil import gradient, hessian, measures, paper_matrix
-from equivbeam.haringx import haringx, haringx_stiffness
+from equivbeam.element import gradient, hessian, measures, paper_matrix
+from equivbeam.laws.haringx import haringx_response, haringx_stiffness
 
 KAX, KSH, KFL, L0 = 7.0, 18.0, 95.0, 1.3
 
@@ -15,7 +15,7 @@ ROWS = np.array([[KAX, KSH, KFL, L0]])
 
 def element(p):
     c, s, l, v, dth = measures(*p)  # noqa: E741
-    r = haringx(ROWS, 0, l, v, dth)
+    r = haringx_response(ROWS, 0, l, v, dth)
     g, K = np.empty(6), np.empty((6, 6))
     gradient(r, c, s, l, v, g)
     hessian(r, c, s, l, v, K)

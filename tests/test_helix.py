@@ -21,13 +21,14 @@ from coilspring import (
     spring_a,
     spring_b,
 )
-from coilspring.wire import round_section
+from coilspring.scene.wire import round_section
 from equivbeam import Refinements
-from equivbeam.halfcoil import gradient, hessian, measures
-from equivbeam.helix import HIGH, LOW, U0, axial, helix
-from equivbeam.helixrows import helix_rows
+from equivbeam.element import gradient, hessian, measures
 from equivbeam.laws import LAWS
+from equivbeam.laws.helix import HIGH, LOW, U0, axial, helix_response
+from equivbeam.laws.helixrows import helix_rows
 from equivbeam.model import build_model
+from equivbeam.options import BeamOptions
 from validation.study.exactrod import EXACT_ROD
 from validation.study.metrics import compare_paths
 from validation.study.partialsolve import as_far
@@ -47,7 +48,7 @@ def rows_of(spring, refinements=ALL):
 
 def element(rows, i, q):
     c, s, l, v, dth = measures(*q)  # noqa: E741
-    r = helix(rows, i, l, v, dth)
+    r = helix_response(rows, i, l, v, dth)
     g, K = np.empty(6), np.empty((6, 6))
     gradient(r, c, s, l, v, g)
     hessian(r, c, s, l, v, K)
@@ -127,14 +128,14 @@ def test_lateral_flexibility_is_that_of_the_wire():
 
     x = spring.radius(phi)[:, None] * np.stack((np.cos(phi), 0 * phi, np.sin(phi)), axis=1)
     side, axle = np.array([[1.0, 0.0, 0.0]]), np.array([[0.0, 0.0, 1.0]])
-    at_rest = helix(rows_of(spring, replace(PERFECT, spread=False)), 0, 0.5 * spring.pitch, 1.0, 1.0)
+    at_rest = helix_response(rows_of(spring, replace(PERFECT, spread=False)), 0, 0.5 * spring.pitch, 1.0, 1.0)
     shear = flexibility(np.repeat(side, 720, 0), np.cross(-x, side))
     bending = flexibility(0.0 * t, np.repeat(axle, 720, 0))
     assert 1.0 / at_rest.T_v == pytest.approx(shear, rel=1e-10)
     assert 1.0 / at_rest.M_m == pytest.approx(bending, rel=1e-10)
-    spread = helix(rows_of(spring, PERFECT), 0, 0.5 * spring.pitch, 1.0, 1.0)
+    spread = helix_response(rows_of(spring, PERFECT), 0, 0.5 * spring.pitch, 1.0, 1.0)
     assert 1.0 / spread.T_v == pytest.approx(shear + (0.5 * spring.pitch) ** 2 / 12.0 * bending, rel=1e-10)
-    r = helix(rows_of(spring), 0, 0.5 * spring.pitch, 0.0, 0.0)
+    r = helix_response(rows_of(spring), 0, 0.5 * spring.pitch, 0.0, 0.0)
     whole = np.linalg.inv([[r.N_l, r.N_v, r.N_m], [r.N_v, r.T_v, 0.0], [r.N_m, 0.0, r.M_m]])
     assert whole[1, 1] == pytest.approx(1.0 / spread.T_v, rel=1e-10)
     assert whole[2, 2] == pytest.approx(bending, rel=1e-10)
@@ -197,14 +198,16 @@ def test_energy_is_finite_and_convex_however_far_it_is_drawn(spring, refinements
         ends = rows[i, [LOW, HIGH]]
         inner = np.linspace(*ends, 400)
         for l in (*inner, *(ends * 1.0000001), *(3.0 * ends), 1e3, -1e3):  # noqa: E741
-            r = helix(rows, i, l, 5.0, 3.0)
+            r = helix_response(rows, i, l, 5.0, 3.0)
             assert np.isfinite(r).all()
             assert r.U > 0.0
             assert axial(rows, i, l)[2] > 0.0
             assert r.T_v > 0.0
             assert r.M_m > 0.0
         for end in ends:
-            left, right = (np.array(helix(rows, i, end * (1.0 + h), 1.0, 0.5)) for h in (-1e-9, 1e-9))
+            left, right = (
+                np.array(helix_response(rows, i, end * (1.0 + h), 1.0, 0.5)) for h in (-1e-9, 1e-9)
+            )
             np.testing.assert_allclose(left[:4], right[:4], rtol=1e-6)
 
 
@@ -246,7 +249,7 @@ def test_refinements_are_switches():
 
 def test_every_law_has_a_row_for_every_half_coil():
     for law in LAWS:
-        assert len(build_model(spring_b(), law=law).rows) == 15
+        assert len(build_model(spring_b(), BeamOptions(law)).rows) == 15
 
 
 @pytest.mark.parametrize("name", ["spring-a", "spring-b-no-contact"])

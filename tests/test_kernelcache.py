@@ -14,8 +14,8 @@ import pytest
 from coilspring import kernelcache, pairvectors
 from coilspring.compiled import kernel, part
 from coilspring.kernelcache import content_digest
-from equivbeam import haringx
 from equivbeam import kernels as beam
+from equivbeam.laws import haringx
 from wirefe import kernels as wire
 
 ROOT = Path(__file__).parents[1]
@@ -84,7 +84,7 @@ def test_an_edited_law_is_the_one_that_runs(checkout):
     """Called functions in other files than the kernels'; from Python, a worker and the command line."""
     before = tips(checkout)
     np.testing.assert_allclose(before[3:], before[:2], rtol=1e-12)
-    edit(checkout / "equivbeam/haringx.py", "= rows[i, KAX], rows", "= 2.0 * rows[i, KAX], rows")
+    edit(checkout / "equivbeam/laws/haringx.py", "= rows[i, KAX], rows", "= 2.0 * rows[i, KAX], rows")
     edit(
         checkout / "wirefe/model.py", "        stack(reals, head[0]),", "        2.0 * stack(reals, head[0]),"
     )

@@ -8,7 +8,7 @@ from scipy.sparse.linalg import spsolve
 
 import wirefe
 from coilspring import Material, spring_a
-from coilspring.wire import Section, round_section
+from coilspring.scene.wire import Section, round_section
 from wirefe.modes import linear_stiffness
 
 SPRING = replace(spring_a().spring, end_turns=0.0)

@@ -12,7 +12,7 @@ from hypothesis import HealthCheck, Phase, assume, given, settings
 from hypothesis import strategies as st
 
 from coilspring import CATALOGUE, InputError, load_scene, scene_text
-from coilspring.scenefile import scene_from_text
+from coilspring.scene.toml import scene_from_text
 from validation.cli import main
 from validation.study.scenewarnings import warnings
 from validation.view.check import report

@@ -135,17 +135,17 @@ def test_soft_pairs_that_give_way_are_not_blamed_on_the_wire():
 
 def test_circles_all_against_all_and_in_their_order():
     """Three circles of diameter 1 on two sides, by hand; the third is the first one's pair."""
-    carrier, state = np.arange(3), np.zeros(9)
+    attached, state = np.arange(3), np.zeros(9)
     apart = np.array([[2.0, 0.0], [-2.0, 1.0], [2.0, 2.0]])
-    assert circle_overlap(apart, carrier, state, 1.0) == (-1.0, -1.0)
+    assert circle_overlap(apart, attached, state, 1.0) == (-1.0, -1.0)
     pair = np.array([[2.0, 0.0], [-2.0, 1.0], [2.0, 0.9]])
-    np.testing.assert_allclose(circle_overlap(pair, carrier, state, 1.0), (0.1, 0.0))
+    np.testing.assert_allclose(circle_overlap(pair, attached, state, 1.0), (0.1, 0.0))
     others = np.array([[2.0, 0.0], [2.0, 0.8], [2.0, 2.0]])
-    np.testing.assert_allclose(circle_overlap(others, carrier, state, 1.0), (0.2, 0.2))
+    np.testing.assert_allclose(circle_overlap(others, attached, state, 1.0), (0.2, 0.2))
     passed = np.array([[2.0, 0.0], [-2.0, 1.0], [2.3, -1.5]])
-    np.testing.assert_allclose(circle_overlap(passed, carrier, state, 1.0), (0.7, 0.7))
+    np.testing.assert_allclose(circle_overlap(passed, attached, state, 1.0), (0.7, 0.7))
     beside = np.array([[2.0, 0.0], [-2.0, 1.0], [3.1, -1.5]])  # nested, as a cone's coils may be
-    assert circle_overlap(beside, carrier, state, 1.0)[0] < 0.0
+    assert circle_overlap(beside, attached, state, 1.0)[0] < 0.0
     state[2::3] = np.pi  # the whole turned over
-    np.testing.assert_allclose(circle_overlap(-passed, carrier, state, 1.0), (0.7, 0.7))
+    np.testing.assert_allclose(circle_overlap(-passed, attached, state, 1.0), (0.7, 0.7))
     assert circle_overlap(pair, np.zeros(3, dtype=int), state, 1.0)[0] < 0.0  # of one rigid end

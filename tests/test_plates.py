@@ -9,7 +9,7 @@ import wirefe
 from coilspring import Contact, EquilibriumNotFound, InputError, Load, Scene, Spring, Supports, load_scene
 from coilspring.packing import pack
 from coilspring.pairlaw import MEMORY
-from coilspring.sizing import axial_rate
+from coilspring.scene.sizing import axial_rate
 from wirefe import kernels, seated
 from wirefe.export import section_results
 from wirefe.model import build_model, matrix_size, rest_state

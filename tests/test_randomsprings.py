@@ -30,7 +30,7 @@ def four() -> pd.DataFrame:
 
 def test_population():
     """A spring does not depend on how many are drawn; loads keep to what the page says."""
-    from coilspring.sizing import sizes
+    from coilspring.scene.sizing import sizes
 
     drawn = list(population(0, 6))
     fewer = list(population(0, 2))

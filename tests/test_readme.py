@@ -16,7 +16,7 @@ import pytest
 import coilspring
 import equivbeam
 import wirefe
-from coilspring.scenefile import scene_from_text
+from coilspring.scene.toml import scene_from_text
 from validation.cli import main
 from validation.cli.command import COMMANDS
 from validation.study.metrics import compare_paths

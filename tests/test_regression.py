@@ -12,8 +12,8 @@ import numpy as np
 import pytest
 
 import equivbeam
-import equivbeam.haringx
-import equivbeam.helixrows
+import equivbeam.laws.haringx
+import equivbeam.laws.helixrows
 import equivbeam.model
 import validation.regress.baselines
 import validation.regress.run
@@ -89,9 +89,9 @@ def test_a_clean_rerun_finds_nothing(before):
 
 @pytest.mark.parametrize("column", [0, 1, 2], ids=["Kax", "Ksh", "Kfl"])
 def test_a_stiffness_of_the_papers_law_is_caught(before, column, monkeypatch):
-    sound = equivbeam.haringx.haringx_stiffness
+    sound = equivbeam.laws.haringx.haringx_stiffness
     factors = np.where(np.arange(3) == column, FAULT, 1.0)
-    monkeypatch.setattr(equivbeam.haringx, "haringx_stiffness", lambda *given: sound(*given) * factors)
+    monkeypatch.setattr(equivbeam.laws.haringx, "haringx_stiffness", lambda *given: sound(*given) * factors)
     moves = moved(before, LAWS)
     assert {"ux", "uy", "rotz"} & kinds(moves)
     assert not any("law=helix" in move.run for move in moves)
@@ -100,7 +100,7 @@ def test_a_stiffness_of_the_papers_law_is_caught(before, column, monkeypatch):
 
 @pytest.mark.parametrize("part", ["GJ", "EI", "GA", "EA"])
 def test_a_stiffness_of_the_wire_is_caught(before, part, monkeypatch):
-    for module, chosen in ((wirefe.model, CURVED), (equivbeam.helixrows, few("law=helix,"))):
+    for module, chosen in ((wirefe.model, CURVED), (equivbeam.laws.helixrows, few("law=helix,"))):
         sound = module.round_section
         with monkeypatch.context() as patch:
             patch.setattr(module, "round_section", lambda *given, s=sound: off(s(*given), part))
@@ -157,9 +157,9 @@ def test_a_contact_side_swapped_is_caught(before, which, monkeypatch):
     sound = equivbeam.model._circles
 
     def swapped(scene, count):
-        carrier, offset = sound(scene, count)
+        attached, offset = sound(scene, count)
         offset[slice(None) if which == "all" else 8, 0] *= -1.0
-        return carrier, offset
+        return attached, offset
 
     monkeypatch.setattr(equivbeam.model, "_circles", swapped)
     moves = moved(before, LAWS)
@@ -279,8 +279,8 @@ def test_the_command_accepts_and_then_passes(small, tmp_path, capsys):
 
 def test_the_command_says_what_moved_until_it_is_accepted(small, monkeypatch, tmp_path, capsys):
     assert main([*small, "--accept"]) == 0
-    sound = equivbeam.haringx.haringx_stiffness
-    monkeypatch.setattr(equivbeam.haringx, "haringx_stiffness", lambda *given: sound(*given) * FAULT)
+    sound = equivbeam.laws.haringx.haringx_stiffness
+    monkeypatch.setattr(equivbeam.laws.haringx, "haringx_stiffness", lambda *given: sound(*given) * FAULT)
     capsys.readouterr()
     assert main(small) == 1
     output = capsys.readouterr()

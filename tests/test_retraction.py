@@ -10,8 +10,8 @@ import wirefe
 from coilspring import Material, load_scene
 from coilspring.branch import predict
 from coilspring.packing import pack
+from coilspring.scene.wire import round_section
 from coilspring.system import System
-from coilspring.wire import round_section
 from wirefe import kernels, model
 from wirefe.solve import KERNELS, scene_problem
 
@@ -103,7 +103,7 @@ def test_the_prediction_meets_the_state_before():
     system = System(*pack(problem.data), problem.prescribed, np.zeros(1), *KERNELS)
     work = SimpleNamespace(state=problem.start, before=before, tangent=tangent, predicted=out)
     path = SimpleNamespace(time=0.5, last_step=0.2)
-    predict(system, None, work, path, 1.0, 0.3)
+    predict(system, SimpleNamespace(start=problem.start), work, path, 1.0, 0.3)
     np.testing.assert_allclose(out, before, atol=1e-10)
 
 

@@ -7,7 +7,7 @@ import pytest
 
 import wirefe
 from coilspring import EquilibriumNotFound, InputError, Material, spring_a
-from coilspring.wire import Section, round_section
+from coilspring.scene.wire import Section, round_section
 
 
 @dataclass(frozen=True)

@@ -1,7 +1,8 @@
 """Scene files: what they say equals what the dataclasses say, and what they may not say is refused."""
 
 import math
-from dataclasses import replace
+import re
+from dataclasses import fields, replace
 from pathlib import Path
 
 import pytest
@@ -9,7 +10,8 @@ import pytest
 import equivbeam
 import wirefe
 from coilspring import CATALOGUE, CoilSection, InputError, Load, Material, Spring, load_scene
-from coilspring.scenefile import scene_from_text
+from coilspring.scene.schema import required
+from coilspring.scene.toml import SECTIONS, scene_from_text
 from validation.cli import main
 
 SPRING_B = {
@@ -57,7 +59,7 @@ def scene_text(changes=None, without=()):
     return "\n".join(lines) + "\n"
 
 
-SECTIONS = """\
+OF_SECTIONS = """\
 [spring]
 wire_diameter = 1.5
 end_turns = 1
@@ -76,7 +78,7 @@ force = [0, -10]
 
 def sections_text(*changes):
     """A file with sections, in which the first place of each old text is replaced by the new one."""
-    text = SECTIONS
+    text = OF_SECTIONS
     for old, new in changes:
         assert old in text
         text = text.replace(old, new, 1)
@@ -113,7 +115,7 @@ def test_a_file_is_named_by_its_stem_unless_it_says_otherwise(tmp_path):
 
 
 def test_sections_take_the_place_of_the_whole_springs_numbers():
-    spring = scene_from_text(SECTIONS).spring
+    spring = scene_from_text(OF_SECTIONS).spring
     assert (spring.active_coils, spring.active_height, spring.mean_diameter) == (5.5, 15.5, (8.0, 10.0))
     assert spring.sections == (
         CoilSection(2.0, (2.0, 3.0), (8.0, 10.0)),
@@ -155,6 +157,19 @@ def test_friction_goes_with_coulomb():
         0,
         math.inf,
     )
+
+
+@pytest.mark.parametrize("record", SECTIONS.values())
+def test_comments_say_the_defaults(record):
+    words = {"none": (), "all three": ("ux", "uy", "rotz"), "true": True}
+    for item in fields(record):
+        key = item.metadata["key"]
+        said = re.search(r"\[(.*)\]|$", key.comment).group(1)
+        if said is None:
+            assert key.item or key.instead or key.absent == "" or item.name in required(record)
+        else:
+            number = isinstance(item.default, float | int) and said not in words
+            assert item.default == (float(said) if number else words.get(said, said))
 
 
 def test_the_largest_and_least_shear_modulus_are_allowed():
@@ -285,7 +300,7 @@ REFUSED_VALUES = [
     ({"material.E": "-206000.0"}, "material.E", "[0.001, 1e+09]", "-206000.0"),
     ({"material.nu": "0.6"}, "material.nu", "[-0.999, 0.5]", "0.6"),
     ({"material.nu": "-1.0"}, "material.nu", "[-0.999, 0.5]", "-1.0"),
-    ({"material.G": "80000.0"}, "material", "nu or G, not both", "80000.0"),
+    ({"material.G": "80000.0"}, "[material] takes one of", "nu, G", "got nu and G"),
     ({"name": "3"}, "name", "text", "3"),
     ({"name": '"  "'}, "name", "not empty", "'  '"),
     ({"spring.wire_diamter": "1.5"}, "'wire_diamter'", "did you mean wire_diameter?", "[spring]"),
@@ -296,6 +311,10 @@ REFUSED_VALUES = [
         "[spring]",
     ),
     ({"spring.inside_diam": "1.5"}, "did you mean mean_diameter,", "inner diameter plus wire", "[spring]"),
+    ({"spring.od": "1.5"}, "did you mean mean_diameter,", "outer diameter minus wire", "[spring]"),
+    ({"spring.id": "1.5"}, "did you mean mean_diameter,", "inner diameter plus wire", "[spring]"),
+    ({"spring.wire": "1.5"}, "did you mean wire_diameter? allowed", "", "[spring]"),
+    ({"spring.pitch": "1.5"}, "did you mean active_height, the pitch times active_coils", "", "[spring]"),
     ({"spring.coil_diameter": "1.5"}, "did you mean mean_diameter? allowed", "", "[spring]"),
     ({"spring.Пружина": "1.5"}, "complete TOML", "line", ""),
     ({"spring.'Пружина'": "1.5"}, "'Пружина'", "wire_diameter", "[spring]"),
@@ -351,7 +370,13 @@ REFUSED_TEXTS = [
     (sections_text(("[8, 10.0]", "[8, 9.0]")), "sections[2].mean_diameter", "begin with 9.0", "got 10.0"),
     (sections_text(("coils = 2\n", "")), "spring.sections[1].coils is missing", "requires coils", ""),
     (sections_text(("pitch", "pich")), "'pich'", "spring.sections[1]", "did you mean pitch?"),
-    (sections_text(("[spring]", "[spring]\nactive_coils = 5.5")), "'active_coils'", "with sections", ""),
+    (
+        sections_text(("[spring]", "[spring]\nactive_coils = 5.5")),
+        "[spring] takes one of",
+        "active_coils, sections",
+        "got",
+    ),
+    (sections_text(("[spring]", "[spring]\npitch = 2")), "did you mean sections, each of which", "pitch", ""),
     (sections_text(("wire_diameter = 1.5", "")), "spring.wire_diameter is missing", "requires", ""),
     (scene_text({"spring.sections": "[]"}, without=OF_PLAIN), "spring.sections", "1 to 1000", "[]"),
     (scene_text({"spring.sections": "3"}, without=OF_PLAIN), "spring.sections", "tables", "got 3"),

@@ -25,7 +25,7 @@ def unlisted(contact, state, reach=1.0):
     return [
         (a, b)
         for a, b in found.tolist()
-        if b - a > contact.near and contact.carrier[a] != contact.carrier[b] and (a, b) not in listed
+        if b - a > contact.near and contact.attached[a] != contact.attached[b] and (a, b) not in listed
     ]
 
 
@@ -60,7 +60,7 @@ def test_commit_finds_what_another_search_finds(pairs_per_turn):
 def test_strays_are_those_of_another_search():
     data, rest = built(spring_a(), 8)
     contact, state = data.contact, thrown(rest, 1, 0.6)
-    pairs, distance = strays(centres(contact, state), contact.carrier, contact.pairs, contact.near, 4.5)
+    pairs, distance = strays(centres(contact, state), contact.attached, contact.pairs, contact.near, 4.5)
     assert sorted(map(tuple, pairs.tolist())) == sorted(unlisted(contact, state, reach=3.0))
     assert len(pairs) > 20
     way = centres(contact, state)[pairs]
@@ -72,7 +72,7 @@ def brought_together(data, rest):
     contact, state = data.contact, rest.copy()
     A, B = 20, 28
     way = np.subtract(*centres(contact, rest)[[B, A]])
-    state.reshape(-1, model.ROW)[contact.carrier[A], :3] += way - [0.5, 0.0, 0.0]
+    state.reshape(-1, model.ROW)[contact.attached[A], :3] += way - [0.5, 0.0, 0.0]
     assert (A, B) in unlisted(contact, state)
     return state
 

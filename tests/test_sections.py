@@ -13,8 +13,9 @@ import wirefe
 from coilspring import CoilSection, Contact, InputError, Load, Material, Scene, Spring, Supports, load_scene
 from coilspring.packing import pack
 from coilspring.pairlaw import MEMORY
-from coilspring.wire import round_section
+from coilspring.scene.wire import round_section
 from equivbeam import kernels, model
+from equivbeam.options import BeamOptions
 from wirefe.elements import curved_elements
 from wirefe.modes import linear_stiffness
 from wirefe.shape import turned
@@ -176,7 +177,7 @@ def test_a_spring_turned_over_behaves_the_same(solve, options):
 
 @pytest.mark.parametrize("law", ["haringx", "helix"])
 def test_the_equivalent_beam_rests(law):
-    data = model.build_model(BARREL, law=law)
+    data = model.build_model(BARREL, BeamOptions(law))
     state = model.rest_state(data)
     np.testing.assert_allclose(state[1::3], BARREL.spring.height(np.arange(14) * np.pi), atol=1e-13)
     g, H = np.empty(state.size - 3), np.empty(model.matrix_size(data))

@@ -11,12 +11,11 @@ import pytest
 import equivbeam
 from coilspring import InputError, spring_a, spring_b
 from coilspring.pairlaw import MEMORY
+from coilspring.scene.wire import round_section
 from coilspring.solving import Problem, follow_problem, output_times, scene_path
-from coilspring.wire import round_section
 from equivbeam import model as beam
-from equivbeam.haringx import KAX, KFL, KSH
-from equivbeam.problem import beam_problem
-from equivbeam.rendering import BeamShape
+from equivbeam.laws.haringx import KAX, KFL, KSH
+from equivbeam.shape import BeamShape
 from equivbeam.solve import KERNELS as BEAM_KERNELS
 from validation.cli import main
 from validation.sensitivity.data import NO_INPUT
@@ -128,7 +127,7 @@ def test_a_raised_load_on_the_beam():
     taller = replace(scene, spring=longer)
     data = beam.build_model(taller)
     data.rows[-1, [KAX, KSH, KFL]] *= 1e7
-    run = _followed(taller, beam_problem(data, beam.load_vector(data, taller)), BEAM_KERNELS)
+    run = _followed(taller, beam.beam_problem(data, beam.load_vector(data, taller)), BEAM_KERNELS)
     exact = scene_path(taller, BEAM, {}, run, BeamShape(taller, data)).tips
     np.testing.assert_allclose(raised(scene, BEAM, lever).tips, exact, rtol=1e-5)
 

@@ -28,7 +28,7 @@ ARMS = np.array([[0.3, -0.2, 0.7], [5.0, 0.4, -0.8]])  # of spheres on rigid end
 
 
 def pair(d, gap, k=1.0, memory=FREE):
-    """Pair with the carriers moved by d = (x, spin, x, spin) from a state with the given gap."""
+    """Pair with the nodes moved by d = (x, spin, x, spin) from a state with the given gap."""
     arms = [Rotation.from_rotvec(d[3:6]).apply(ARMS[0]), Rotation.from_rotvec(d[9:]).apply(ARMS[1])]
     direction = np.array([0.2, 0.9, -0.1]) / np.linalg.norm([0.2, 0.9, -0.1])
     w = (D + gap) * direction + d[6:9] + arms[1] - ARMS[1] - d[:3] - arms[0] + ARMS[0]
@@ -129,13 +129,13 @@ def test_open_pair_does_nothing():
     "memory", [FREE, stuck(), stuck(300.0)], ids=["frictionless", "no-sliding", "friction"]
 )
 def test_pair_sums_to_zero_force_and_moment(memory):
-    """Moments about carrier A; without sliding the tangential force acts along g only up to the slip."""
+    """Moments about node A; without sliding the tangential force acts along g only up to the slip."""
     _, g, _ = pair(np.zeros(12), -0.05, memory=memory)
     np.testing.assert_allclose(g[:3] + g[6:9], 0.0, atol=1e-9)
     w = (D - 0.05) * np.array([0.2, 0.9, -0.1]) / np.linalg.norm([0.2, 0.9, -0.1])
     centre_to_centre = w
     moment = g[3:6] - np.cross(ARMS[0], g[:3]) + g[9:] - np.cross(ARMS[1], g[6:9])
-    np.testing.assert_allclose(moment, 0.0, atol=1e-9)  # each carrier's moment is its arm x its force
+    np.testing.assert_allclose(moment, 0.0, atol=1e-9)  # each node's moment is its arm x its force
     if not memory.any():
         np.testing.assert_allclose(np.cross(centre_to_centre, g[6:9]), 0.0, atol=1e-9)
 

@@ -1,6 +1,7 @@
 """Stored results: whole entries or none, keys that follow every source, paths as they were solved."""
 
 from dataclasses import replace
+from io import BytesIO
 from pathlib import Path
 
 import numpy as np
@@ -8,12 +9,12 @@ import pytest
 
 import equivbeam
 import wirefe
-from coilspring import Contact, Material, load_scene, spring_a, spring_b
+from coilspring import Contact, InputError, Material, load_path, load_scene, spring_a, spring_b
 from validation.study import keys, store
 from validation.study.cases import PathStore
+from validation.study.keys import run_key
 from validation.study.partialsolve import as_far
 from validation.study.store import Store
-from validation.study.storedruns import _array, packed, run_key, unpacked
 
 FILES = {"a.csv": b"1,2\n", "b.bin": bytes(range(256))}
 
@@ -151,7 +152,7 @@ PACKAGES = ("coilspring", "equivbeam", "wirefe", "validation")
         ("newton.py", {"equivbeam", "wirefe"}),
         ("haringx.py", {"equivbeam"}),
         ("chain.py", {"wirefe"}),
-        ("storedruns.py", {"equivbeam", "wirefe"}),
+        ("pathfile.py", {"equivbeam", "wirefe"}),
         ("style.py", set()),
     ],
 )
@@ -215,10 +216,11 @@ RUNS = {
 
 
 @pytest.mark.parametrize("name", RUNS)
-def test_a_path_comes_back_as_it_was_solved(name):
+def test_a_path_comes_back_as_it_was_solved(name, tmp_path):
     model, scene, options = RUNS[name]
     path = as_far({"equivbeam": equivbeam.solve, "wirefe": wirefe.solve}[model], scene, **options)
-    back = unpacked(packed(path), model, scene, options)
+    path.save(tmp_path / "path.npz")
+    back = load_path(tmp_path / "path.npz")
     assert (path.outcome == "completed") == ("limit" not in name)
     assert (path.options.get("pairs_found", 0) > 0) == ("found" in name)
     for field in set(vars(path)) & set(path.__dataclass_fields__) - {"shape"}:
@@ -239,10 +241,46 @@ def test_a_path_comes_back_as_it_was_solved(name):
 
 
 def test_no_object_is_ever_unpickled(tmp_path):
-    file = tmp_path / "a.npy"
-    np.save(file, np.array([{}], dtype=object), allow_pickle=True)
-    with pytest.raises(ValueError, match="allow_pickle"):
-        _array(file.read_bytes())
+    file = tmp_path / "a.npz"
+    np.savez(file, scene=np.array([{}], dtype=object))
+    with pytest.raises(InputError, match=r"must be a saved path, got .*a\.npz.*allow_pickle"):
+        load_path(file)
+
+
+def test_what_is_no_saved_path_is_refused_in_one_sentence(tmp_path):
+    file = tmp_path / "path.npz"
+    with pytest.raises(InputError, match="No such file"):
+        load_path(file)
+    whole = BytesIO()
+    equivbeam.solve(spring_a(), steps=1).save(whole)
+    for data in (b"", b"text", whole.getvalue()[:-100], b"\x93NUMPY"):
+        file.write_bytes(data)
+        with pytest.raises(InputError, match="must be a saved path"):
+            load_path(file)
+    with np.load(BytesIO(whole.getvalue())) as entries:
+        np.savez(file, **dict(entries) | {"numbers": np.frombuffer(b'{"model": "antigravity"}', np.uint8)})
+    with pytest.raises(InputError, match="must be one of equivbeam, wirefe, got 'antigravity'"):
+        load_path(file)
+
+
+def test_a_traced_path_comes_back(tmp_path):
+    path = as_far(wirefe.trace, load_scene("spring-a-no-contact"), elements_per_turn=8, points=3)
+    path.save(tmp_path / "path.npz")
+    back = load_path(tmp_path / "path.npz")
+    np.testing.assert_array_equal(back.tips, path.tips)
+    assert (back.memories, back.options) == (None, path.options)
+
+
+def test_a_path_says_what_it_is():
+    path = equivbeam.solve(spring_b(), steps=2)
+    first, second, third, last = str(path).splitlines()
+    assert first == "spring-b by equivbeam (law haringx, tangent exact, sliding ignore)"
+    assert second == f"completed: {path.message}"
+    assert third.startswith("time 1: UX 0 mm, UY -15.37")
+    closed = f"{path.active_contacts[-1]} of {path.gaps.shape[1]} contact pairs closed"
+    assert last.startswith(closed)
+    assert last.endswith(" s")
+    assert f"{path.total_iterations} iterations" in last
 
 
 @pytest.mark.parametrize("damaged", [False, True])

@@ -21,7 +21,7 @@ from coilspring import (
 )
 from coilspring.packing import pack
 from coilspring.pairlaw import MEMORY
-from coilspring.wire import round_section
+from coilspring.scene.wire import round_section
 from validation.study.exactrod import EXACT_ROD
 from validation.study.partialsolve import as_far
 from wirefe import kernels, model
@@ -184,9 +184,9 @@ def test_clamp_carries_the_load_and_its_moment():
     force, about = g[0, :3].copy(), g[0, 3:6] + np.cross(rows[0, :3], g[0, :3])
     # pairs whose lower sphere stands on the ground bring the rest
     for m, (A, B) in enumerate(data.contact.pairs):
-        if data.contact.carrier[A] == 0 and path.contact_forces[-1, m] > 0:
+        if data.contact.attached[A] == 0 and path.contact_forces[-1, m] > 0:
             lower = rows[0, :3] + data.contact.offset[A]
-            upper = rows[data.contact.carrier[B], :3]
+            upper = rows[data.contact.attached[B], :3]
             push = path.contact_forces[-1, m] * (upper - lower) / np.linalg.norm(upper - lower)
             force += push
             about += np.cross(lower, push)
@@ -219,7 +219,7 @@ def test_first_closure_of_spring_b():
 def test_pairs_inside_a_rigid_end_do_not_exist():
     data, _, _ = model.build_model(spring_a(), 40, 4)
     assert (
-        data.contact.carrier[data.contact.pairs[:, 0]] != data.contact.carrier[data.contact.pairs[:, 1]]
+        data.contact.attached[data.contact.pairs[:, 0]] != data.contact.attached[data.contact.pairs[:, 1]]
     ).all()
     # phases k pi/2 from -2 pi to 31 pi; each with the one a turn above, less one pair at each end
     assert len(data.contact.pairs) == 67 - 4 - 2

@@ -18,7 +18,7 @@ import validation.workprecision.run as work
 import validation.workprecision.settings as worksettings
 import wirefe
 from coilspring import InputError
-from equivbeam.solve import LAWS
+from equivbeam.laws import LAWS
 from validation.cli import main
 from validation.cli.arguments import CAMPAIGN_RANGES, STUDY_SCENES, command_line
 from validation.peers.installed import opensees

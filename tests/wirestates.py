@@ -18,7 +18,7 @@ def elements(path, step):
 
 def centres(contact, state):
     """Centres of the spheres in a state, from the rigid motion of the nodes that carry them."""
-    rows = state.reshape(-1, ROW)[contact.carrier]
+    rows = state.reshape(-1, ROW)[contact.attached]
     return rows[:, :3] + turned(rows[:, 3:], contact.offset)
 
 
@@ -30,7 +30,7 @@ def add(total, force, point, moment=0.0):
 
 def dense(data, H, n):
     """Full matrix (n, n) of a model's blocks."""
-    blocks, carrier = H.reshape(-1, 6, 6), data.contact.carrier
+    blocks, attached = H.reshape(-1, 6, 6), data.contact.attached
     full = np.zeros((n, n))
     for node in range(n // 6):
         full[6 * node : 6 * node + 6, 6 * node : 6 * node + 6] = blocks[node]
@@ -39,7 +39,7 @@ def dense(data, H, n):
     done = set()
     for part, ends in (
         (data.elements, chain),
-        (data.contact, carrier[data.contact.pairs]),
+        (data.contact, attached[data.contact.pairs]),
         (data.plates, resting),
     ):
         for block, flip, (a, b) in zip(part.block, part.flip, ends, strict=True):

@@ -2,7 +2,17 @@
 
 from wirefe.rod import Rod, curved_rod, straight_rod
 from wirefe.rodpath import RodPath
-from wirefe.solve import solve, solve_rod
+from wirefe.solve import path_shape, solve, solve_rod
 from wirefe.tracing import trace, trace_rod
 
-__all__ = ["Rod", "RodPath", "curved_rod", "solve", "solve_rod", "straight_rod", "trace", "trace_rod"]
+__all__ = [
+    "Rod",
+    "RodPath",
+    "curved_rod",
+    "path_shape",
+    "solve",
+    "solve_rod",
+    "straight_rod",
+    "trace",
+    "trace_rod",
+]

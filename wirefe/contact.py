@@ -15,7 +15,7 @@ def lever(f, r):
 
 @arithmetic
 def pair_matrix(f, Hg, ra, rb, g, K):
-    """Gradient (12,) and Hessian (12, 12) of a pair in its carriers' freedoms; `ra`, `rb` as turned now.
+    """Gradient (12,) and Hessian (12, 12) of a pair in the dofs of its nodes; `ra`, `rb` as turned now.
 
     `f` and `Hg` are those in the way from one sphere to the other: dxb - rb x phib - dxa + ra x phia.
     """

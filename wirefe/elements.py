@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from coilspring.wire import Section
+from coilspring.scene.wire import Section
 from wirefe.beam import deformation_rates
 from wirefe.poses import at_rest
 from wirefe.rotations import quaternion_from_matrix

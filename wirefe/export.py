@@ -127,8 +127,8 @@ def _contact_force(shape: WireShape, rows: np.ndarray, normal: np.ndarray) -> np
     first, second = closed.T
     apart = centres[second] - centres[first]
     push = apart * (normal[normal > 0.0] / np.linalg.norm(apart, axis=1))[:, None]
-    np.add.at(total, data.carrier[first], -push)
-    np.add.at(total, data.carrier[second], push)
+    np.add.at(total, data.attached[first], -push)
+    np.add.at(total, data.attached[second], push)
     return total
 
 
@@ -139,5 +139,5 @@ def _pair_force(shape: WireShape, count: int, normal: np.ndarray) -> np.ndarray:
     there = np.all(data.offset == 0.0, axis=1)
     for side in data.pairs.T:
         shown = there[side]
-        np.maximum.at(largest, data.carrier[side[shown]], normal[shown])
+        np.maximum.at(largest, data.attached[side[shown]], normal[shown])
     return largest

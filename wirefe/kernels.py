@@ -51,15 +51,15 @@ def _add_block(H, block, flip, K):
 
 @arithmetic
 def centre(contact, state, sphere):
-    """Centre of a sphere, and its arm from its carrier as turned now."""
-    i = ROW * contact.carrier[sphere]
+    """Centre of a sphere, and its arm from its node as turned now."""
+    i = ROW * contact.attached[sphere]
     r = turned(four(state, i + 3), three(contact.offset[sphere], 0))
     return plus(three(state, i), 1.0, r), r
 
 
 @arithmetic
 def _between(contact, state, m):
-    """Vector between the centres of a pair, and their arms from their carriers as turned now."""
+    """Vector between the centres of a pair, and their arms from their nodes as turned now."""
     a, ra = centre(contact, state, contact.pairs[m, 0])
     b, rb = centre(contact, state, contact.pairs[m, 1])
     return plus(b, -1.0, a), ra, rb
@@ -102,7 +102,7 @@ def _add_pairs(contact, memory, state, g, H):
         w[0], w[1], w[2] = between
         energy += pair_potential(w, math.sqrt(h2), contact.d, contact.kc, contact.k, memory[m], e, f, Hg)
         pair_matrix(f, Hg, ra, rb, ge, Ke)
-        a, b = contact.carrier[contact.pairs[m, 0]], contact.carrier[contact.pairs[m, 1]]
+        a, b = contact.attached[contact.pairs[m, 0]], contact.attached[contact.pairs[m, 1]]
         _add_gradient(g, a, b, ge)
         if len(H) > 0:
             _add_nodes(H, a, b, Ke)
@@ -244,7 +244,7 @@ def _is_pair(pairs, A, B):
 @arithmetic
 def _stray(contact, state):
     """Whether spheres touch that are no pair."""
-    count = contact.carrier.size
+    count = contact.attached.size
     centres = np.empty((count, 3))
     for A in range(count):
         c, _ = centre(contact, state, A)
@@ -255,7 +255,7 @@ def _stray(contact, state):
             if abs(y) >= contact.d:
                 continue
             square = (centres[B, 0] - centres[A, 0]) ** 2 + y * y + (centres[B, 2] - centres[A, 2]) ** 2
-            if square >= contact.d**2 or contact.carrier[A] == contact.carrier[B]:
+            if square >= contact.d**2 or contact.attached[A] == contact.attached[B]:
                 continue
             if not _is_pair(contact.pairs, A, B):
                 return True

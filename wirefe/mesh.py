@@ -9,7 +9,7 @@ import numpy as np
 
 from coilspring.errors import InputError, require_integer
 from coilspring.scene import Scene
-from coilspring.spring import Spring
+from coilspring.scene.spring import Spring
 
 TWO_PI = 2.0 * math.pi
 PAIRS_OF_PENALTY = 4  # the scene's stiffness is that of a pair at 4 pairs a turn
@@ -77,8 +77,8 @@ def refuse_kinks(spring: Spring, mesh: WireMesh) -> None:
 class Spheres:
     """Contact spheres, the pairs that may touch, and their law."""
 
-    carrier: np.ndarray  # (spheres,) node that carries each
-    arm: np.ndarray  # (spheres, 3) from the carrier's point to the centre, at rest
+    attached: np.ndarray  # (spheres,) node to which each is attached
+    arm: np.ndarray  # (spheres, 3) from the node's point to the centre, at rest
     pairs: np.ndarray  # (pairs, 2), from bottom to top
     diameter: float
     stiffness: float  # of a pair
@@ -119,17 +119,17 @@ def place_spheres(
     index = np.arange(math.ceil(first - 1e-9), math.floor(end + 1e-9) + 1)
     phases = index * TWO_PI / pairs_per_turn
     start = round(mesh.phases[0] / TWO_PI * elements_per_turn)
-    carrier = np.clip(index * stride - start, 0, last)
+    attached = np.clip(index * stride - start, 0, last)
     rest = np.concatenate((mesh.points[:-1], mesh.reference[None]))
     pairs = np.stack((np.arange(len(index) - pairs_per_turn), np.arange(pairs_per_turn, len(index))), axis=1)
-    pairs = pairs[carrier[pairs[:, 0]] != carrier[pairs[:, 1]]]
+    pairs = pairs[attached[pairs[:, 0]] != attached[pairs[:, 1]]]
     if found is not None:
         pairs = np.concatenate((pairs, found))
     near = pairs_per_turn // 2
-    _, gaps = strays(spring.points(phases), carrier, pairs, near, np.inf)
+    _, gaps = strays(spring.points(phases), attached, pairs, near, np.inf)
     return Spheres(
-        carrier=carrier,
-        arm=spring.points(phases) - rest[carrier],
+        attached=attached,
+        arm=spring.points(phases) - rest[attached],
         pairs=pairs if scene.contact.enabled else pairs[:0],
         diameter=spring.wire_diameter,
         stiffness=scene.contact.stiffness * PAIRS_OF_PENALTY / pairs_per_turn,
@@ -141,7 +141,7 @@ def place_spheres(
 
 
 def strays(
-    centres: np.ndarray, carrier: np.ndarray, pairs: np.ndarray, near: int, reach: float
+    centres: np.ndarray, attached: np.ndarray, pairs: np.ndarray, near: int, reach: float
 ) -> tuple[np.ndarray, np.ndarray]:
     """Spheres that are no pair, with centres nearer than `reach`: (n, 2), and their distances (n,).
 
@@ -151,5 +151,5 @@ def strays(
     distance = np.linalg.norm(centres[second] - centres[first], axis=1)
     count = len(centres)
     new = ~np.isin(first * count + second, pairs[:, 0] * count + pairs[:, 1])
-    keep = new & (distance < reach) & (carrier[first] != carrier[second])
+    keep = new & (distance < reach) & (attached[first] != attached[second])
     return np.stack((first[keep], second[keep]), axis=1), distance[keep]

@@ -15,7 +15,7 @@ from coilspring.driving import Top
 from coilspring.errors import InputError
 from coilspring.packing import heads, stack, table, vector
 from coilspring.scene import SEATS, Scene
-from coilspring.wire import round_section
+from coilspring.scene.wire import round_section
 from wirefe.beam import deformations
 from wirefe.chain import ChainPlan, plan_chain
 from wirefe.mesh import Spheres, WireMesh, mesh_wire, no_spheres, place_spheres, refuse_kinks
@@ -49,8 +49,8 @@ class HeldArrays(NamedTuple):
 class ContactArrays(NamedTuple):
     """Spheres, the pairs that may touch, and their law."""
 
-    carrier: np.ndarray  # (spheres,) node that carries each sphere
-    offset: np.ndarray  # (spheres, 3) from its carrier at rest
+    attached: np.ndarray  # (spheres,) node to which each sphere is attached
+    offset: np.ndarray  # (spheres, 3) from its node at rest
     pairs: np.ndarray  # (pairs, 2)
     reach: float  # largest offset
     d: float
@@ -130,14 +130,14 @@ def rod_model(
     touching = count + len(spheres.pairs)  # number of the first coupling with the top plate
     chain = np.stack((np.arange(count), np.arange(1, count + 1)), axis=1)
     resting = np.stack((plates.high, np.full_like(plates.high, count)), axis=1)
-    couplings = np.concatenate((chain, spheres.carrier[spheres.pairs], resting))
+    couplings = np.concatenate((chain, spheres.attached[spheres.pairs], resting))
     last = np.union1d(couplings[count:], [count])
     plan, block, flip = plan_chain(count + 1, couplings, last)
     return WireModel(
         ElementArrays(rod.stiffness, _strain_at_rest(rod), rod.triads, arm, block[:count], flip[:count]),
         _held_arrays(np.flatnonzero(rod.held), couplings, block, flip),
         ContactArrays(
-            carrier=spheres.carrier,
+            attached=spheres.attached,
             offset=spheres.arm,
             pairs=np.ascontiguousarray(spheres.pairs),
             reach=float(np.linalg.norm(spheres.arm, axis=1).max(initial=0.0)),

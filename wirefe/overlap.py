@@ -13,7 +13,7 @@ from typing import NamedTuple
 import numpy as np
 
 from coilspring.compiled import arithmetic, part
-from coilspring.spring import Spring
+from coilspring.scene.spring import Spring
 from wirefe.algebra import dot, mixed, plus
 from wirefe.mesh import WireMesh
 from wirefe.poses import ROW, four, three

@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from coilspring.spring import Spring
+from coilspring.scene.spring import Spring
 from wirefe.mesh import PAIRS_OF_PENALTY, TWO_PI, WireMesh
 from wirefe.rod import Rod
 

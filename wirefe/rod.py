@@ -8,7 +8,7 @@ from typing import Protocol
 import numpy as np
 
 from coilspring.errors import InputError, require_choice
-from coilspring.wire import Section
+from coilspring.scene.wire import Section
 from wirefe.elements import curved_elements, straight_elements
 
 FREEDOMS = ("ux", "uy", "uz", "rotx", "roty", "rotz")

@@ -26,7 +26,7 @@ def turned(q: np.ndarray, v: np.ndarray) -> np.ndarray:
 def sphere_centres(contact: ContactArrays, states: np.ndarray) -> np.ndarray:
     """Centres of all spheres, shape (..., spheres, 3), in states (..., n), mm."""
     nodes = states.reshape(*states.shape[:-1], states.shape[-1] // ROW, ROW)
-    carried = nodes[..., contact.carrier, :]
+    carried = nodes[..., contact.attached, :]
     return carried[..., :3] + turned(carried[..., 3:], contact.offset)
 
 

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
@@ -84,6 +86,13 @@ def solve(
     return scene_path(scene, "wirefe", options, run, WireShape(scene, data, mesh))
 
 
+def path_shape(scene: Scene, options: Mapping[str, Any], found: np.ndarray) -> WireShape:
+    """Reader of the states of a path solved with the options; `found` are the pairs found on the way."""
+    mesh_options = {name: options[name] for name in ("element", "elements_per_turn", "pairs_per_turn")}
+    problem, mesh, _ = scene_problem(scene, **mesh_options, found=found)
+    return WireShape(scene, problem.data, mesh)
+
+
 def solve_rod(rod: Rod, *, steps: int = 10) -> RodPath:
     """Follow the load path of any wire, in equal steps of time 0..1.
 
@@ -134,7 +143,7 @@ def scene_kernels(scene: Scene) -> Kernels:
 def new_pairs(contact: model.ContactArrays, state: np.ndarray) -> np.ndarray:
     """Pairs of spheres that are near in `state` and not in the model yet, shape (pairs, 2)."""
     centres = sphere_centres(contact, state)
-    found, _ = strays(centres, contact.carrier, contact.pairs, contact.near, STRAY_REACH * contact.d)
+    found, _ = strays(centres, contact.attached, contact.pairs, contact.near, STRAY_REACH * contact.d)
     return found
 
 

@@ -17,7 +17,7 @@ import numpy as np
 from scipy.stats import qmc
 
 from coilspring import Contact, InputError, Load, Scene, Spring, Supports
-from coilspring.sizing import solid_height
+from coilspring.scene.sizing import solid_height
 
 DIMENSIONS = 20
 BLOCK = 1024

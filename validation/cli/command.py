@@ -10,8 +10,7 @@ from dataclasses import asdict
 from pathlib import Path
 
 from coilspring import CATALOGUE, EquilibriumNotFound, EquilibriumPath, InputError, Scene, load_scene
-from coilspring.scenefile import SECTIONS
-from coilspring.scenetext import scene_text
+from coilspring.scene.toml import SECTIONS, scene_text
 from validation.cli import external, studies
 from validation.cli.arguments import (
     FILE_OPTIONS,

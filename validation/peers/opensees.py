@@ -24,7 +24,7 @@ import numpy as np
 from openseespy import opensees as ops
 
 from coilspring import Scene
-from coilspring.wire import SHEAR_FACTOR
+from coilspring.scene.wire import SHEAR_FACTOR
 from validation.peers.layout import layout, refuse
 from validation.peers.quiet import quiet
 

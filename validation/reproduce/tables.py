@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from coilspring import Scene, spring_a, spring_b
-from coilspring.wire import SHEAR_FACTOR
+from coilspring.scene.wire import SHEAR_FACTOR
 from validation.study.cases import PAPER_MESH
 from validation.study.document import Table
 from validation.study.timing import Measurement, Timing, spread

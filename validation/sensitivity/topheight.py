@@ -15,8 +15,7 @@ import numpy as np
 from coilspring import EquilibriumPath, Scene
 from coilspring.solving import follow_problem, output_times, scene_path
 from equivbeam import model as beam
-from equivbeam.problem import beam_problem
-from equivbeam.rendering import BeamShape
+from equivbeam.shape import BeamShape
 from equivbeam.solve import KERNELS as BEAM_KERNELS
 from validation.study.cases import PAPER_MESH
 from validation.study.partialsolve import as_far
@@ -78,7 +77,7 @@ def followed(scene: Scene, model: str, moment: float) -> TipCurve:
 
 def _beam(scene: Scene, moment: float) -> EquilibriumPath:
     data = beam.build_model(scene)
-    problem = beam_problem(data, _with_moment(beam.load_vector(data, scene), moment))
+    problem = beam.beam_problem(data, _with_moment(beam.load_vector(data, scene), moment))
     run = follow_problem(problem, BEAM_KERNELS, output_times(scene), scene.spring.wire_diameter)
     return scene_path(scene, "equivbeam", {}, run, BeamShape(scene, data))
 

@@ -5,16 +5,18 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
+from io import BytesIO
 from typing import Any
 
 import equivbeam
 import wirefe
-from coilspring import CATALOGUE, EquilibriumNotFound, EquilibriumPath, Scene
+from coilspring import CATALOGUE, EquilibriumNotFound, EquilibriumPath, Scene, load_path
+from validation.study.keys import run_key
 from validation.study.partialsolve import as_far
 from validation.study.store import Store
-from validation.study.storedruns import packed, run_key, unpacked
 from validation.study.warmup import make_ready
 
+PATH = "path.npz"  # of an entry of the store
 # the paper's proposed model, solved with the exact tangent
 PAPER_BEAM: dict[str, Any] = {"law": "haringx", "tangent": "exact", "sliding": "ignore"}
 # the paper's FE mesh (its Table 2)
@@ -116,7 +118,7 @@ class PathStore:
             if files is None:
                 self._paths[key] = self._solved(key, solve, scene, options)
             else:
-                self._paths[key] = unpacked(files, model, scene, options)
+                self._paths[key] = load_path(BytesIO(files[PATH]))
         return self._paths[key]
 
     def _solved(
@@ -125,7 +127,9 @@ class PathStore:
         self.make_ready()
         self.announce(f"{solve.__name__.replace('_', ' ')}: {scene.name}")
         path = as_far(solve, scene, **options)
-        self.store.put(key, packed(path))
+        stream = BytesIO()
+        path.save(stream)
+        self.store.put(key, {PATH: stream.getvalue()})
         return path
 
 

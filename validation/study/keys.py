@@ -4,15 +4,31 @@ from __future__ import annotations
 
 import hashlib
 import json
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
+from dataclasses import asdict
 from functools import cache
 from importlib.util import find_spec
 from pathlib import Path
+
+from coilspring import Scene
+from validation.study.machine import versions
 
 
 def key(kind: str, **parts: object) -> str:
     """Key of a result of some kind by its parts, which are of JSON's types."""
     return hashlib.sha256(json.dumps([kind, parts], sort_keys=True).encode()).hexdigest()
+
+
+def run_key(model: str, scene: Scene, options: Mapping[str, object]) -> str:
+    """Key of a run: scene, options, the sources of the model and of what it rests on, versions.
+
+    Parameters
+    ----------
+    model : "equivbeam" or "wirefe".
+    scene, options : what its `solve` is called with; options of JSON's types.
+    """
+    used = sources("coilspring", model)
+    return key("run", model=model, scene=asdict(scene), options=options, sources=used, versions=versions())
 
 
 @cache

@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterator
 
 from coilspring import Scene
-from coilspring.sizing import Sizes, middle_diameter, sizes
+from coilspring.scene.sizing import Sizes, middle_diameter, sizes
 
 # EN 13906-1:2013: ranges of cold-coiled springs to which its formulas apply
 INDEX = (4.0, 20.0)

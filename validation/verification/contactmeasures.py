@@ -96,7 +96,7 @@ def unlisted(path: EquilibriumPath) -> int:
         listed = {tuple(pair) for pair in contact.pairs.tolist()}
         touching = cKDTree(places).query_pairs(contact.d, output_type="ndarray").tolist()
         count += sum(
-            b - a > contact.near and contact.carrier[a] != contact.carrier[b] and (a, b) not in listed
+            b - a > contact.near and contact.attached[a] != contact.attached[b] and (a, b) not in listed
             for a, b in touching
         )
     return count

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from coilspring.wire import SHEAR_FACTOR
+from coilspring.scene.wire import SHEAR_FACTOR
 from validation.study.document import Block, Heading, Table, Text
 
 # Axial deflection of a closely coiled spring over 8 F D^3 n/(G d^4), by index D/d: sector of a ring in

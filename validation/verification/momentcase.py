@@ -12,8 +12,8 @@ import numpy as np
 
 import wirefe
 from coilspring.packing import pack
+from coilspring.scene.wire import Section
 from coilspring.solving import Problem
-from coilspring.wire import Section
 from validation.verification.case import Check
 from wirefe import kernels
 from wirefe.shape import turned

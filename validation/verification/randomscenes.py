@@ -11,7 +11,7 @@ import numpy as np
 import equivbeam
 from coilspring import CoilSection, Contact, Load, Scene, Spring
 from coilspring.scene import Supports
-from coilspring.sizing import along, buckling_shortening, shortened, sizes
+from coilspring.scene.sizing import along, buckling_shortening, shortened, sizes
 
 STEPS = 10
 SHAPES = ("cylinder", "cone", "barrel", "progressive")

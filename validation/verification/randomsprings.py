@@ -13,7 +13,7 @@ import pandas as pd
 import equivbeam
 import wirefe
 from coilspring import EquilibriumPath, Scene
-from coilspring.sizing import middle_diameter
+from coilspring.scene.sizing import middle_diameter
 from validation.study.metrics import answered
 from validation.study.output import write_text
 from validation.study.partialsolve import as_far

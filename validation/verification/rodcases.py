@@ -9,7 +9,7 @@ import numpy as np
 
 import wirefe
 from coilspring import EquilibriumNotFound
-from coilspring.wire import Section
+from coilspring.scene.wire import Section
 from validation.verification.case import Check, observed_order
 
 

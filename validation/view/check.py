@@ -7,7 +7,7 @@ from collections.abc import Iterator
 
 from coilspring import InputError, Scene
 from coilspring.scene import SEATS
-from coilspring.sizing import Sizes, sizes
+from coilspring.scene.sizing import Sizes, sizes
 from equivbeam.model import build_model
 from validation.study.scenewarnings import warnings
 from wirefe.mesh import mesh_wire

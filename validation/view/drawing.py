@@ -13,7 +13,7 @@ from matplotlib.colors import LinearSegmentedColormap
 from matplotlib.figure import Figure
 
 from coilspring import Scene, Spring
-from coilspring.sizing import along, sizes
+from coilspring.scene.sizing import along, sizes
 from validation.study.output import write_bytes
 from validation.study.plots import discs, png
 from validation.study.style import BLUE, DOUBLE, RC, RED

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from equivbeam.solve import LAWS
+from equivbeam.laws import LAWS
 from validation.study.cases import CASES
 from validation.study.document import Table
 from validation.study.timing import spread

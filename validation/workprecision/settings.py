@@ -6,7 +6,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass, replace
 
 from coilspring import Scene
-from equivbeam.solve import LAWS
+from equivbeam.laws import LAWS
 
 STEPS = 50  # of the paper, and of every scene here
 PAIRS = 4  # a turn, as in the paper's mesh; other numbers are other contact models

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any
 
-from coilspring.errors import InputError, keep_numbers, require_number, shown
+from coilspring.errors import InputError, require_number, shown
+from coilspring.scene.schema import keep_checked, key, number
 
 MODULI = (1e-3, 1e9)  # MPa
-RANGES = {"E": MODULI, "nu": (-0.999, 0.5)}
+POISSON = (-0.999, 0.5)
 
 
 @dataclass(frozen=True)
@@ -17,11 +20,22 @@ class Material:
     The paper names no material: the default is an assumption for spring steel.
     """
 
-    E: float = 206_000.0  # Young's modulus, MPa
-    nu: float = 0.3  # Poisson's ratio
+    E: float = field(
+        default=206_000.0,
+        metadata=key("Young's modulus [206000]", number(*MODULI), aliases={r"young\w*|modulus": ""}),
+    )
+    nu: float = field(
+        default=0.3,
+        metadata=key(
+            "Poisson's ratio [0.3]; or G, the shear modulus",
+            number(*POISSON),
+            instead=("G",),
+            aliases={r"poisson\w*": ""},
+        ),
+    )
 
     def __post_init__(self) -> None:
-        keep_numbers(self, "material", RANGES)
+        keep_checked(self, "material")
 
     @property
     def G(self) -> float:
@@ -29,11 +43,16 @@ class Material:
         return self.E / (2.0 * (1.0 + self.nu))
 
     @classmethod
+    def from_keys(cls, keys: Mapping[str, Any]) -> Material:
+        """Material of the keys of a scene file: E and nu, or E and G."""
+        return cls.from_moduli(keys.get("E", cls.E), keys["G"]) if "G" in keys else cls(**keys)
+
+    @classmethod
     def from_moduli(cls, E: float, G: float) -> Material:
         """Material given by its two moduli, MPa; their ratio must leave nu within its range."""
         E = require_number("material.E", E, *MODULI)
         G = require_number("material.G", G, *MODULI)
-        least, most = RANGES["nu"]
+        least, most = POISSON
         low, high = E / (2.0 * (1.0 + most)), E / (2.0 * (1.0 + least))
         if not low <= G <= high:
             raise InputError(

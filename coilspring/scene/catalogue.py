@@ -4,8 +4,11 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from coilspring.scene import Contact, Load, Scene, Supports
-from coilspring.spring import Spring
+from coilspring.scene.contact import Contact
+from coilspring.scene.load import Load
+from coilspring.scene.scene import Scene
+from coilspring.scene.spring import Spring
+from coilspring.scene.supports import Supports
 
 
 def spring_a() -> Scene:

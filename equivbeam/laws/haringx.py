@@ -10,9 +10,9 @@ import math
 import numpy as np
 
 from coilspring.compiled import part
-from coilspring.material import Material
-from coilspring.spring import Spring
-from equivbeam.halfcoil import Response
+from coilspring.scene.material import Material
+from coilspring.scene.spring import Spring
+from equivbeam.element import Response
 from equivbeam.stations import half_coils
 
 KAX, KSH, KFL, L0 = range(4)
@@ -41,7 +41,7 @@ def haringx_rows(spring: Spring, material: Material) -> np.ndarray:
 
 
 @part
-def haringx(rows, i, l, v, dth):  # noqa: E741
+def haringx_response(rows, i, l, v, dth):  # noqa: E741
     """Response of the half coil `i`."""
     kax, ksh, kfl = rows[i, KAX], rows[i, KSH], rows[i, KFL]
     x = l - rows[i, L0]

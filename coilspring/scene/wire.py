@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from coilspring.material import Material
+from coilspring.scene.material import Material
 
 SHEAR_FACTOR = 0.9  # of a solid circular section (6/7..0.9 in the literature; the paper gives none)
 

@@ -12,13 +12,15 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from coilspring.profile import TWO_PI, CoilSection, closest
-from coilspring.scene import HELD_CHOICES, Load, Scene
-from coilspring.spring import Spring
+from coilspring.scene.load import Load
+from coilspring.scene.profile import TWO_PI, CoilSection, closest
+from coilspring.scene.scene import Scene
+from coilspring.scene.spring import Spring
+from coilspring.scene.supports import HELD_CHOICES
 
-POINTS = 129  # of a section, at which what is not linear in the turns is looked at
+POINTS = 129  # of a section, at which nonlinear quantities are evaluated
 POINTS_PER_TURN = 72
-ROUNDING = 1e-9  # of the way to solid
+ROUNDING = 1e-9  # of the travel to solid
 QUADRATURE = 8  # Gauss points of a turn of wire
 # Effective over real length of a column whose bottom is clamped, by what holds the top.
 SEATING = {(): 2.0, ("ux",): 0.7, ("rotz",): 1.0, ("ux", "rotz"): 0.5}
@@ -75,7 +77,7 @@ class Along(NamedTuple):
     diameter: np.ndarray  # of the coil, mm
     pitch: np.ndarray  # mm
     closing: np.ndarray  # axial force at which neighbours of such a coil would close, N
-    gap: np.ndarray  # way of such a coil until they do, mm
+    gap: np.ndarray  # closing distance of such a coil, mm
 
 
 def along(scene: Scene) -> Along:
@@ -136,13 +138,13 @@ def _axial(load: Load, rate: float, coils: Along) -> tuple[float, float]:
     if not load.displacement:
         force = 0.0 - max((y for _, y in load.stages or (load.force,)), key=abs)
         return force, shortened(coils, rate, force)
-    way = 0.0 - max(load.displacement, key=abs)
+    distance = 0.0 - max(load.displacement, key=abs)
     forces = np.unique(coils.closing)  # between them the shortening is linear in the force
-    ways = np.array([shortened(coils, rate, force) for force in forces])
-    if way <= ways[0]:
-        return rate * way, way
-    solid = way > ways[-1] * (1.0 + ROUNDING)
-    return (math.inf if solid else float(np.interp(way, ways, forces))), way
+    distances = np.array([shortened(coils, rate, force) for force in forces])
+    if distance <= distances[0]:
+        return rate * distance, distance
+    solid = distance > distances[-1] * (1.0 + ROUNDING)
+    return (math.inf if solid else float(np.interp(distance, distances, forces))), distance
 
 
 def shortened(coils: Along, rate: float, force: float) -> float:
@@ -187,8 +189,10 @@ def least_gap(spring: Spring) -> float | None:
         return None
     lower = np.linspace(0.0, TWO_PI * turns, math.ceil(turns * POINTS_PER_TURN) + 1)
     upper = lower + TWO_PI
-    apart = np.hypot(spring.radius(upper) - spring.radius(lower), spring.height(upper) - spring.height(lower))
-    return float(apart.min()) - spring.wire_diameter
+    distance = np.hypot(
+        spring.radius(upper) - spring.radius(lower), spring.height(upper) - spring.height(lower)
+    )
+    return float(distance.min()) - spring.wire_diameter
 
 
 def buckling_shortening(scene: Scene) -> float | None:

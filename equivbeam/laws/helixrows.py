@@ -8,11 +8,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from coilspring.errors import InputError, shown
-from coilspring.material import Material
-from coilspring.spring import Spring
-from coilspring.wire import round_section
-from equivbeam.haringx import KAX, haringx_stiffness
-from equivbeam.helix import (
+from coilspring.scene.material import Material
+from coilspring.scene.spring import Spring
+from coilspring.scene.wire import round_section
+from equivbeam.laws.haringx import KAX, haringx_stiffness
+from equivbeam.laws.helix import (
     B0,
     B1,
     COLUMNS,
@@ -44,7 +44,7 @@ from equivbeam.stations import Stations, half_coils
 
 STRAIGHT = 0.05  # cosine of the angle of a helix of 87 degrees
 POINTS = 16  # of Gauss's rule for (B12)
-MOST_TAKEN = 0.5  # of a flexibility that is by way of the length, which is taken off
+MOST_TAKEN = 0.5  # share of a flexibility, at most, that the length contributes and that is subtracted
 
 
 @dataclass(frozen=True)
@@ -97,7 +97,7 @@ def helix_rows(spring: Spring, material: Material, refinements: Refinements) -> 
 
 
 def _set_ends(rows: np.ndarray, spring: Spring, at: Stations) -> None:
-    """Set the factors in (B12) and (B13), and take what goes by way of the length off the flexibilities."""
+    """Set the factors in (B12) and (B13); subtract from the flexibilities what the length contributes."""
     x, weight = np.polynomial.legendre.leggauss(POINTS)
     phi = at.middles[:, None] + 0.5 * math.pi * x
     square = (spring.radius(phi) / radii(spring, at, taper=True)[:, None]) ** 2
@@ -109,10 +109,10 @@ def _set_ends(rows: np.ndarray, spring: Spring, at: Stations) -> None:
     for i, row in enumerate(rows):
         length, x = row[L0], row[U0] ** 2
         _, turn, _, _, growth, _ = winding(rows, i, length)
-        way = row[SWELL] * growth + row[TIP] * length * turn
+        coupling = row[SWELL] * growth + row[TIP] * length * turn
         soft = 1.0 / axial(rows, i, length)[2]
         shear, bending = row[H0] + x * (row[H1] + x * row[H2]), row[B0] + x * row[B1]
-        row[H0] -= min(way**2 * soft, MOST_TAKEN * shear)
+        row[H0] -= min(coupling**2 * soft, MOST_TAKEN * shear)
         row[B0] -= min((row[TILT] * turn) ** 2 * soft, MOST_TAKEN * bending)
 
 

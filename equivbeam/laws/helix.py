@@ -28,8 +28,8 @@ rho = L cos(alpha) of the helix, chi = alpha - alpha0, from psi_1 to psi_2 count
     v0 = (cos psi_2 - cos psi_1) (rho - rho0) - (sin psi_1 + sin psi_2) / 2 chi l    (B13)
 
 The wire turns about its own radius as its angle changes, and a node, which stands at the radius at rest from
-the wire, moves as the coil grows. Where the wire is held the axis is so tilted and set off. What of the
-flexibilities is by way of the length is taken off Cfl and Csh. Derivation: docs/theory.md.
+the wire, moves as the coil grows. Where the wire is fixed the axis is so tilted and offset. The part
+of the flexibilities that the length contributes is subtracted from Cfl and Csh. Derivation: docs/theory.md.
 """
 
 from __future__ import annotations
@@ -37,7 +37,7 @@ from __future__ import annotations
 import math
 
 from coilspring.compiled import kernel, part
-from equivbeam.halfcoil import Response
+from equivbeam.element import Response
 
 # columns of the table of parameters; B0.. and H0.. are the polynomials of (B10) and (B11) in x, G1.. the
 # series of u - u0 in l/s - l0/s, from which (B8) is solved
@@ -179,7 +179,7 @@ def winding(rows, i, l):  # noqa: E741
 
 
 @part
-def helix(rows, i, l, v, dth):  # noqa: E741
+def helix_response(rows, i, l, v, dth):  # noqa: E741
     """Response of one half coil: (B5)."""
     E, N, N_l = axial(rows, i, l)
     x, x1, x2 = _square(rows, i, l)

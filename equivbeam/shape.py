@@ -45,7 +45,7 @@ class BeamShape(PairReader):
 
     def circles(self, states: np.ndarray) -> np.ndarray:
         """Centres of the contact circles, shape (states, circles, 2), mm."""
-        nodes = self._nodes(states)[:, self.data.carrier]
+        nodes = self._nodes(states)[:, self.data.attached]
         c, s = np.cos(nodes[..., 2]), np.sin(nodes[..., 2])
         ox, oy = self.data.offset.T
         return nodes[..., :2] + np.stack((c * ox - s * oy, s * ox + c * oy), axis=-1)

@@ -3,16 +3,17 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
 
 import numpy as np
 
-from coilspring.errors import InputError, keep_numbers, require_choice, require_number
-from coilspring.profile import (
+from coilspring.errors import InputError, require_number
+from coilspring.scene.profile import (
     ACTIVE_COILS,
+    DIAMETERS,
     LONGEST,
     SAME,
     TWO_PI,
@@ -24,16 +25,17 @@ from coilspring.profile import (
     profile,
     totals,
 )
+from coilspring.scene.schema import choice, keep_checked, key, number
 
-HANDS = ("left", "right")
-ENDS = ("closed", "open")
-RANGES = {
-    "wire_diameter": (1e-6, 1e6),  # a fourth power of it must not vanish
-    "active_coils": ACTIVE_COILS,
-    "active_height": (1e-6, LONGEST),
-    "end_turns": (0.0, 100.0),
-    "start_phase": (-1e3, 1e3),
-}
+WIRE = (1e-6, 1e6)  # mm; a fourth power of it must not vanish
+SECTIONS_SHOWN = """
+# Coils of several kinds: in the place of mean_diameter, active_coils and active_height, one such table
+# for each kind, from bottom to top. Each begins with the diameter at which the one below it ends.
+# [[spring.sections]]
+# coils = 2.0                       # turns of this kind
+# pitch = [2.0, 4.0]                # at its bottom and its top, linear in the turns; or one number
+# mean_diameter = [12.0, 9.0]       # the same
+"""
 
 
 @dataclass(frozen=True)
@@ -59,28 +61,66 @@ class Spring:
         of one pitch and linearly varying diameter.
     """
 
-    wire_diameter: float
-    mean_diameter: tuple[float, float]
-    active_coils: float
-    active_height: float
-    end_turns: float = 1.0
-    start_phase: float = 0.0
-    hand: str = "left"
-    ends: str = "closed"
-    sections: tuple[CoilSection, ...] = ()
+    wire_diameter: float = field(
+        metadata=key("d", number(*WIRE), aliases={r"d|wire|wire_(size|thickness)": ""})
+    )
+    mean_diameter: tuple[float, float] = field(
+        metadata=key(
+            "of the coils at bottom and top; or one number", instead=("sections",), aliases=DIAMETERS
+        )
+    )
+    active_coils: float = field(
+        metadata=key(
+            "a multiple of 0.5 for the equivalent beam",
+            number(*ACTIVE_COILS),
+            instead=("sections",),
+            aliases={r"n|coils|turns|active_turns": ""},
+        )
+    )
+    active_height: float = field(
+        metadata=key(
+            "of the active coils, between wire centres",
+            number(1e-6, LONGEST),
+            instead=("sections",),
+            aliases={r"pitch": ", the pitch times active_coils, or sections, each with a pitch"},
+        )
+    )
+    end_turns: float = field(
+        default=1.0, metadata=key("not active turns at each end: 0 or at least 0.5 [1.0]", number(0.0, 100.0))
+    )
+    ends: str = field(
+        default="closed",
+        kw_only=True,  # the order here is that of a file
+        metadata=key(
+            'pitch: "closed" d, "open" that of the coils next to them [closed]', choice("closed", "open")
+        ),
+    )
+    start_phase: float = field(
+        default=0.0, metadata=key("angle from X to Z where the active wire begins [0.0]", number(-1e3, 1e3))
+    )
+    hand: str = field(default="left", metadata=key("left or right [left]", choice("left", "right")))
+    sections: tuple[CoilSection, ...] = field(
+        default=(),
+        metadata=key(
+            "", absent=SECTIONS_SHOWN, item=CoilSection, aliases={r"pitch": ", each of which has a pitch"}
+        ),
+    )
 
     def __post_init__(self) -> None:
-        keep_numbers(self, "spring", RANGES)
+        keep_checked(self, "spring")
         diameters = both_ends("spring.mean_diameter", self.mean_diameter, 2.0 * self.wire_diameter)  # index 2
         object.__setattr__(self, "mean_diameter", diameters)
         if 0.0 < self.end_turns < 0.5:
             raise InputError(f"spring.end_turns must be 0 or a number in [0.5, 100], got {self.end_turns!r}")
-        require_choice("spring.hand", self.hand, HANDS)
-        require_choice("spring.ends", self.ends, ENDS)
         if self.sections:
             self._keep_sections()
         else:
             self._refuse_overlap()
+
+    @classmethod
+    def from_keys(cls, keys: Mapping[str, Any]) -> Spring:
+        """Spring of the keys of a scene file: of one kind of coils, or of sections."""
+        return cls.of_sections(**keys) if "sections" in keys else cls(**keys)
 
     @classmethod
     def of_sections(cls, wire_diameter: float, sections: Sequence[CoilSection], **others: Any) -> Spring:
@@ -90,7 +130,7 @@ class Spring:
         ------
         InputError : a number out of its range, or diameters that differ where two sections meet.
         """
-        d = require_number("spring.wire_diameter", wire_diameter, *RANGES["wire_diameter"])
+        d = require_number("spring.wire_diameter", wire_diameter, *WIRE)
         checked = checked_sections(sections, d)
         return cls(d, **totals(checked), **others, sections=checked)
 
@@ -113,8 +153,7 @@ class Spring:
         if self.pitch < least * (1.0 - SAME):
             raise InputError(
                 f"spring.active_height must be a number in [{least * self.active_coils:g}, "
-                f"{RANGES['active_height'][1]:g}] so that the coils do not overlap at rest, "
-                f"got {self.active_height!r}"
+                f"{LONGEST:g}] so that the coils do not overlap at rest, got {self.active_height!r}"
             )
 
     @property

@@ -49,7 +49,7 @@ def measures_at(state, e):
 
 @part
 def gradient(r, c, s, l, v, g):  # noqa: E741
-    """Gradient `g` (6,) of a half coil in its freedoms, from its response `r`."""
+    """Gradient `g` (6,) of a half coil in its degrees of freedom, from its response `r`."""
     fx = r.T * c - r.N * s
     fy = r.N * c + r.T * s
     fb = r.T * l - r.N * v
@@ -59,7 +59,7 @@ def gradient(r, c, s, l, v, g):  # noqa: E741
 
 @part
 def hessian(r, c, s, l, v, K):  # noqa: E741
-    """Hessian `K` (6, 6) of a half coil in its freedoms, from its response `r`."""
+    """Hessian `K` (6, 6) of a half coil in its degrees of freedom, from its response `r`."""
     N, T = r.N, r.T
     # first derivatives with respect to ax, ay, theta_b; dl/dtheta_b = -v, dv/dtheta_b = l
     lx, ly, lb = -s, c, -v

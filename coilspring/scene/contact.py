@@ -1,0 +1,59 @@
+"""Law of the contact between coils."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+
+from coilspring.errors import InputError, require_number, shown
+from coilspring.scene.schema import choice, keep_checked, key, number, switch
+
+
+@dataclass(frozen=True)
+class Contact:
+    """Penalty law of the coil contact, F = K max(0, d - h)^exponent between neighbouring coils.
+
+    Attributes
+    ----------
+    enabled : False lets coils pass through each other.
+    stiffness : K of each sphere pair at 4 pairs a turn, N/mm^exponent.
+    exponent : of the penetration.
+    sliding : "free", "none" (sticking contact), or "coulomb" (with friction).
+    friction : coefficient, with "coulomb" alone.
+    """
+
+    enabled: bool = field(default=True, metadata=key("false: coils pass through each other [true]", switch))
+    stiffness: float = field(
+        default=1.0e4,
+        metadata=key(
+            "penalty K of a pair at 4 pairs a turn, N/mm^exponent [1e4]",
+            number(1e-9, 1e12),
+            aliases={r"k|penalty": ""},
+        ),
+    )
+    exponent: float = field(default=1.0, metadata=key("of the penetration, 1 to 5 [1.0]", number(1.0, 5.0)))
+    sliding: str = field(
+        default="free",
+        metadata=key(
+            '"free", "none", or "coulomb" with friction = ... [free]', choice("free", "none", "coulomb")
+        ),
+    )
+    friction: float | None = field(
+        default=None, metadata=key("coefficient", absent="", aliases={r"mu|friction_coefficient": ""})
+    )
+
+    def __post_init__(self) -> None:
+        keep_checked(self, "contact")
+        if self.sliding == "coulomb":
+            value = require_number("contact.friction", self.friction, 1e-6, 10.0)
+            object.__setattr__(self, "friction", value)
+        elif self.friction is not None:
+            raise InputError(
+                f'contact.friction goes with contact.sliding = "coulomb" alone, got {shown(self.friction)} '
+                f"with {shown(self.sliding)}"
+            )
+
+    @property
+    def coefficient(self) -> float:
+        """Coefficient of friction: 0 for sliding "free", infinite for "none"."""
+        return {"free": 0.0, "none": math.inf}.get(self.sliding, self.friction or 0.0)

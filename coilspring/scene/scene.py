@@ -1,0 +1,94 @@
+"""A scene: the physics of one experiment on one spring, and nothing of how it is solved."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+
+from coilspring.errors import InputError, shown
+from coilspring.scene.contact import Contact
+from coilspring.scene.load import Load
+from coilspring.scene.material import Material
+from coilspring.scene.schema import key
+from coilspring.scene.spring import Spring
+from coilspring.scene.supports import Supports
+
+
+@dataclass(frozen=True)
+class Scene:
+    """Spring, material, load, supports and contact law of one experiment."""
+
+    name: str = field(metadata=key("[the file's name]"))
+    spring: Spring
+    load: Load
+    material: Material = field(default_factory=Material)
+    supports: Supports = field(default_factory=Supports)
+    contact: Contact = field(default_factory=Contact)
+
+    def __post_init__(self) -> None:
+        if not isinstance(self.name, str) or not self.name.strip():
+            raise InputError(f"name must be a text that is not empty, got {shown(self.name)}")
+        if self.supports.seat == "plate":
+            self._check_plates()
+        if self.load.displacement:
+            self._check_displacement()
+            return
+        free = [name not in self.supports.top_held for name in ("ux", "uy")]
+        before = (0.0, 0.0)
+        for force in self.load.stages or (self.load.force,):
+            if not any(old != new and moves for old, new, moves in zip(before, force, free, strict=True)):
+                key = "load.stages" if self.load.stages else "load.force"
+                raise InputError(
+                    f"{key} must change in a direction that is free, got {force!r} with "
+                    f"supports.top_held = {list(self.supports.top_held)!r}"
+                )
+            before = force
+
+    def _check_displacement(self) -> None:
+        if "uy" in self.supports.top_held:
+            raise InputError("supports.top_held must be without uy where load.displacement prescribes it")
+        least = -self.spring.active_height
+        for uy in self.load.displacement:
+            if uy <= least:
+                raise InputError(
+                    f"load.displacement must be above {least:g}, where the top meets the bottom, got {uy!r}"
+                )
+
+    def _check_plates(self) -> None:
+        """Refuse what would lift the spring off its plates, and a spring without end turns to lie there."""
+        if self.spring.end_turns == 0.0:
+            raise InputError("spring.end_turns must be in [0.5, 100] with supports.seat = 'plate', got 0")
+        load = self.load
+        axial = load.displacement or tuple(y for _, y in load.stages or (load.force,))
+        if max(axial) >= 0.0:
+            key = "displacement" if load.displacement else "stages" if load.stages else "force"
+            raise InputError(
+                f"load.{key} must press throughout with supports.seat = 'plate', whose plates do not pull: "
+                f"along Y below 0, got {max(axial)!r}"
+            )
+
+    def without_contact(self) -> Scene:
+        """The same scene with contact switched off."""
+        return replace(self, contact=replace(self.contact, enabled=False))
+
+    def with_steps(self, steps: int) -> Scene:
+        """The same scene with another output grid."""
+        return replace(self, load=replace(self.load, steps=steps))
+
+    def with_penalty(self, stiffness: float) -> Scene:
+        """The same scene with another contact stiffness K, N/mm^exponent."""
+        return replace(self, contact=replace(self.contact, stiffness=stiffness))
+
+    def overridden(self, steps: int | None = None, penalty: float | None = None) -> Scene:
+        """The scene with the number of steps and the penalty a caller asked for."""
+        scene = self if steps is None else self.with_steps(steps)
+        return scene if penalty is None else scene.with_penalty(penalty)
+
+
+def require_scene(value: object) -> Scene:
+    """Return `value`, or raise `InputError` unless it is a `Scene`."""
+    if isinstance(value, Scene):
+        return value
+    raise InputError(
+        f"scene must be a coilspring.Scene, got {shown(value)}; coilspring.load_scene makes one of a "
+        "catalogue name or a file"
+    )
