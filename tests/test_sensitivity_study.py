@@ -116,7 +116,7 @@ def by_shifted_mesh(scene, height):
     data = wire.rod_model(rod, mesh.arm, place_spheres(scene, mesh, 40, 4))
     start, pairs = wire.rest_state(rod, mesh.arm), len(data.contact.pairs)
     memory = np.zeros((pairs, MEMORY))
-    problem = Problem(data, wire.load_vector(rod), start, memory, wire.matrix_size(data), lean=True)
+    problem = Problem(data, wire.load_vector(rod), start, memory, wire.matrix_size(data), modified=True)
     return scene_path(scene, WIRE, {}, _followed(scene, problem, WIRE_KERNELS), WireShape(scene, data, mesh))
 
 
