@@ -384,7 +384,7 @@ def stability(f: Facts) -> str:
         f"through each other, {left or 'none'} left unexplained. With friction {wire['ended']} end where "
         f"the iteration does, not the spring, or where a pair that was held opens; {wire['apart']} "
         "depend on their substeps. [Stability "
-        "campaign](../reports/stability/stability.md#what-became-of-the-scenes)"
+        "campaign](../reports/stability/stability.md#outcome-statistics)"
     )
 
 
