@@ -64,10 +64,11 @@ CHANGES = (
     "change it by 2 %."
 )
 SAMPLED = (
-    "In a fifth of the scenes UY of the top is prescribed, 4 to 104 % of the way to solid, solid corners to "
-    "120 %; in the others a force acts. Under a prescribed displacement the verifier frees all but that "
-    "motion: what is left must balance, the force there must be the reported reaction, and critical points are "
-    "those of the constrained spring; a wire's with friction or no sliding are verified by its other runs alone."
+    "In a fifth of the scenes UY of the top is prescribed, 4 to 104 % of the distance to solid, solid "
+    "corners to 120 %; in the others a force acts. Under a prescribed displacement the verifier frees all "
+    "but that motion: what is left must balance, the force there must be the reported reaction, and "
+    "critical points are those of the constrained spring. A wire with friction or no sliding is verified "
+    "by its other runs alone."
 )
 STEPS = (
     "Every scene is solved in three numbers of steps: one, a random one, and the multiple of that next to "
