@@ -3,21 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from coilspring import Scene
 from validation.peers.installed import opensees
+from validation.peers.layout import Curve
 from validation.study.cases import PAPER_MESH, solve_wire
 from validation.study.metrics import COMPONENTS, compare_curves
 from validation.study.partialsolve import as_far
 from validation.study.timing import Spread
 from validation.workprecision.points import Point, Reference
 from validation.workprecision.settings import PAIRS, PEER, Extent, Setting
-
-if TYPE_CHECKING:
-    from validation.peers.opensees import Run
 
 
 def peer_points(
@@ -47,7 +44,7 @@ def peer_points(
     return tuple(found)
 
 
-def _point(setting: Setting, run: Run, ratios: np.ndarray, paper: float, reference: Reference) -> Point:
+def _point(setting: Setting, run: Curve, ratios: np.ndarray, paper: float, reference: Reference) -> Point:
     return Point(
         setting=setting,
         outcome="completed" if len(run.tips) == setting.steps else "not_converged",
