@@ -178,7 +178,7 @@ def run(scene: Scene) -> Curve:
         before = os.times()
         subprocess.run([program, JOB], cwd=folder, capture_output=True, check=False)
         after = os.times()
-        seconds = sum(after[2:4]) - sum(before[2:4])  # of child processes
+        seconds = sum(after[2:4]) - sum(before[2:4])  # of subprocesses
         printed = file.with_suffix(".dat")
         text = printed.read_text(encoding="ascii") if printed.exists() else ""
     return Curve("calculix", *read(text, POINTER * scene.spring.wire_diameter), seconds)

@@ -1,4 +1,4 @@
-"""What each refinement of the helix law is worth on the paper's four cases, for the error budget."""
+"""What each refinement of the helix law is worth on the paper's four cases."""
 
 from __future__ import annotations
 

@@ -147,8 +147,8 @@ def _ends(rows: pd.DataFrame) -> Table:
 
 
 def _worst(rows: pd.DataFrame) -> Table:
-    shown = ("seed", "number", "kind", "shape", "index", "coils", "slenderness", "phase", "closed", "wire")
-    values = (*shown, "reference", "helix_steps", "helix_vector", "haringx_vector")
+    known = ("seed", "number", "kind", "shape", "index", "coils", "slenderness", "phase", "closed", "wire")
+    values = (*known, "reference", "helix_steps", "helix_vector", "haringx_vector")
     worst = rows.nlargest(WORST, "helix_vector")[list(values)]
     titles = {
         "slenderness": "L/D",
@@ -188,11 +188,11 @@ def _population(rows: pd.DataFrame) -> str:
 def _by_class(law: str) -> Callable[[pd.DataFrame], str]:
     def sentence(rows: pd.DataFrame) -> str:
         found = [rows.loc[rows["closing"] == closing, f"{law}_vector"] for closing in CLASSES]
-        shown = [_both(errors) for errors in found]
+        words = [_both(errors) for errors in found]
         return (
-            f"Over all these kinds of load the {NAMES[law]}'s tip is off by {shown[0]} without contact "
-            f"(median and 95th percentile), {shown[1]} where no pair closes, {shown[2]} where up to three "
-            f"close and {shown[3]} where more do."
+            f"Over all these kinds of load the {NAMES[law]}'s tip is off by {words[0]} without contact "
+            f"(median and 95th percentile), {words[1]} where no pair closes, {words[2]} where up to three "
+            f"close and {words[3]} where more do."
         )
 
     return sentence
