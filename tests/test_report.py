@@ -14,13 +14,12 @@ from validation.reproduce.evidence import Evidence, frictionless, gather
 from validation.reproduce.facts import facts
 from validation.reproduce.phases import phase_table, turned_by
 from validation.study import cases, timing
-from validation.study.document import Bullets, Picture, Table, Text, to_html, to_markdown
+from validation.study.document import Bullets, Picture, Table, Text
 from validation.study.exactrod import EXACT_ROD
 from validation.study.statements import Statement, rendered, within
 from validation.view import shapes
 
 STORE = cases.PathStore(lambda line: None)
-PNG = b"\x89PNG\r\n\x1a\n"
 
 
 @pytest.fixture(scope="module")
@@ -135,15 +134,3 @@ def test_bands_cover_their_share_of_the_wire():
 
 def test_spread_is_median_and_quartiles():
     assert timing.Spread.of([4.0, 1.0, 2.0, 3.0, 5.0]) == timing.Spread(3.0, 2.0, 4.0)
-
-
-def test_document(tmp_path):
-    (tmp_path / "a.png").write_bytes(PNG)
-    blocks = (Text("**bold** & `code`"), Table(("x|y",), (("<1>",),)), Picture("a.png", "Figure 1. Caption."))
-    page = to_html([(blocks, tmp_path)], "title")
-    assert "<strong>bold</strong> &amp; <code>code</code>" in page
-    assert "&lt;1&gt;" in page
-    assert "data:image/png;base64,iVBORw0KGgo=" in page
-    text = to_markdown(blocks)
-    assert "| x\\|y |" in text
-    assert "![Figure 1](a.png)" in text

@@ -208,7 +208,7 @@ def test_unknown_item_is_refused_before_anything_is_written(tmp_path):
 
 def test_springs_to_be_turned_are_linked_where_they_are_there(everything, monkeypatch):
     linked = []
-    monkeypatch.setattr(reproduction, "bound", lambda page, out, scene: linked.append(scene) or {})
+    monkeypatch.setattr(reproduction, "assemble", lambda page, out, scene: linked.append(scene) or b"")
     for there in (False, True):
         monkeypatch.setattr(reproduction, "is_made", lambda folder, mark, there=there: there)
         reproduction.reproduce(everything, render=False)

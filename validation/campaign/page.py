@@ -26,7 +26,7 @@ from validation.campaign.verdict import (
 )
 from validation.study.document import Block, Bullets, Heading, Picture, Table, Text, to_markdown
 from validation.study.machine import versions
-from validation.study.output import write_files, write_text
+from validation.study.output import write_facts, write_files, write_text
 from validation.study.plots import drawn
 from validation.study.style import DOUBLE, RC
 
@@ -111,6 +111,9 @@ def write_page(rows: list[Row], out: Path, seed: int) -> None:
     """Write page and picture of the rows."""
     write_files(drawn(outcome_figure(rows), "stability"), out)
     write_text(out / "stability.md", page(rows, seed))
+    counts = {letter: dict(zip(CLASSES, _counts(rows, letter)[1:], strict=True)) for letter in MODELS}
+    names = {"b": "beam", "w": "wire"}
+    write_facts({f"{names[x]}.{name}": int(n) for x, row in counts.items() for name, n in row.items()}, out)
 
 
 def page(rows: list[Row], seed: int) -> str:

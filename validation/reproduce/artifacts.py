@@ -14,7 +14,7 @@ from validation.reproduce import curves, evidence, facts, phases, report, tables
 from validation.reproduce.assembly import PAGE
 from validation.study.cases import PathStore, case
 from validation.study.document import Table, to_csv, to_markdown
-from validation.study.output import json_bytes, write_files
+from validation.study.output import FACTS, json_bytes, write_files
 from validation.study.provenance import FILE, provenance
 from validation.study.statements import rendered
 from validation.study.timing import Measurement, measure
@@ -186,7 +186,7 @@ def _report(maker: Maker) -> Files:
     made = {
         PAGE: to_markdown(rendered(parts, known)).encode(),
         FILE: provenance("coilcheck reproduce"),
-        facts.FILE: json_bytes(known),
+        FACTS: json_bytes(known),
     }
     return (
         picture

@@ -15,7 +15,6 @@ from validation.study.cases import CASES, FINE_MESH, PAPER_MESH
 from validation.study.timing import Timing
 from validation.view.shapes import overlaps
 
-FILE = "facts.json"
 # what the paper's words are taken to mean
 THRESHOLDS = {
     "threshold.match": 0.05,  # of the peak: as much as 5 % in the modulus, which the paper does not give

@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING
 from coilspring import InputError
 from coilspring.errors import require_names
 from validation.reproduce import ARTEFACTS
-from validation.reproduce.assembly import PAGE, bound
+from validation.reproduce.assembly import PAGE, assemble
 from validation.study.keys import key, sources
 from validation.study.machine import machine, versions
 from validation.study.output import prepare, write_files, writing
@@ -114,7 +114,8 @@ class _Run:
         if page is not None:
             self.finish()
             scene = FILE if is_made(self.out, self._key(TURNED)) else None
-            write_files(bound(page.decode(), self.out, scene), self.out)
+            html = assemble(page.decode(), self.out, scene)
+            write_files({PAGE: page, "report.html": html}, self.out)
 
     def turn(self) -> None:
         """Write the springs as a scene, unless the one there was made from the same."""

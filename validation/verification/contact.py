@@ -4,14 +4,16 @@ from __future__ import annotations
 
 import sys
 from dataclasses import replace
+from functools import cache
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 
 import wirefe
 from coilspring import EquilibriumPath, spring_a
 from validation.study.document import Table, to_markdown
-from validation.study.output import write_text
+from validation.study.output import write_facts, write_text
 from validation.study.partialsolve import as_far
 from validation.verification import contacttext as words
 from validation.verification.contactmeasures import (
@@ -30,7 +32,7 @@ from validation.verification.contactmeasures import (
     with_friction,
 )
 
-PAGE = Path("docs/contact.md")
+PAGE, RECORD = Path("docs/contact.md"), Path("reports/contact")
 PAIRS = (4, 8, 20, 40)
 EXPONENTS = (1.0, 1.5, 2.0)
 TOLERANCE = 1e-8  # of the follower's equilibria
@@ -139,11 +141,19 @@ def friction_section() -> str:
 def friction_words() -> str:
     """What the table of friction says of the couples."""
     paths = {mu: solved("A", mu, STEPS[-1]) for mu in (0.1, 0.3, NONE)}
-    last = paths[NONE]
-    (x, y), (fx, fy) = last.top[-1, :2], last.loads[-1]
-    moment = abs(float(x * fy - y * fx))
-    small, middle, none = (percent(couple(path) / moment) for path in paths.values())
-    return words.FRICTION_WORDS.format(moment=moment, small=small, middle=middle, none=none)
+    small, middle, none = (percent(couple(path) / moment(paths[NONE])) for path in paths.values())
+    return words.FRICTION_WORDS.format(moment=moment(paths[NONE]), small=small, middle=middle, none=none)
+
+
+def moment(path: EquilibriumPath) -> float:
+    """Of the last load about the clamp, N mm."""
+    (x, y), (fx, fy) = path.top[-1, :2], path.loads[-1]
+    return abs(float(x * fy - y * fx))
+
+
+def couple_share(path: EquilibriumPath) -> float:
+    """The couples that contact leaves at the last step over the load's moment."""
+    return couple(path) / moment(path)
 
 
 def friction_row(name: str, coefficient: float) -> tuple[str, ...]:
@@ -179,8 +189,19 @@ def search_section() -> str:
     return words.SEARCH_TEXT + table(head, rows) + search_words(listed)
 
 
-def search_words(listed: int) -> str:
-    """What the table of the search says, and where frictionless Spring B goes at its limit point."""
+class Slide(NamedTuple):
+    """Where frictionless Spring B goes at its limit point: the pair that moves most, its share along it."""
+
+    pairs_found: object
+    time: float
+    first: int
+    second: int
+    share: float
+
+
+@cache
+def slide() -> Slide:
+    """Trace frictionless Spring B through its limit point."""
     path = wirefe.trace(with_friction("B", 0.0), points=160, element="curved", elements_per_turn=8)
     limit = int(np.argmax(np.diff(path.times) < 0.0))
     contact, before = centres(path, limit - 3)
@@ -190,12 +211,19 @@ def search_words(listed: int) -> str:
     most = int(np.argmax(np.linalg.norm(moved, axis=1) * (path.gaps[limit + 1] < 0.0)))
     along = np.cross([0.0, 1.0, 0.0], after[lower[most]])
     share = abs(moved[most] @ along) / np.linalg.norm(along) / np.linalg.norm(moved[most])
+    return Slide(path.options["pairs_found"], path.times[limit], lower[most], upper[most], share)
+
+
+def search_words(listed: int) -> str:
+    """What the table of the search says, and where frictionless Spring B goes at its limit point."""
+    found = slide()
     return words.SEARCH_WORDS.format(
-        listed=listed, traced=path.options["pairs_found"], limit=path.times[limit],
-        first=lower[most], second=upper[most], circ=100.0 * share,
+        listed=listed, traced=found.pairs_found, limit=found.time, first=found.first, second=found.second,
+        circ=100.0 * found.share,
     )  # fmt: skip
 
 
+@cache
 def searched(name: str, coefficient: float, stiffness: float, pairs: int) -> tuple[str, ...]:
     """A row of the table of the search."""
     path = as_far(
@@ -211,10 +239,31 @@ def searched(name: str, coefficient: float, stiffness: float, pairs: int) -> tup
     )  # fmt: skip
 
 
+def facts() -> dict[str, object]:
+    """What findings are computed from: mm, and shares in per cent."""
+    found: dict[str, object] = {"pairs.count": PAIRS[0]}
+    for name in SPRINGS:
+        few, many = (solved(name, CATALOGUE[name], pairs=pairs) for pairs in (PAIRS[0], PAIRS[-1]))
+        found |= {
+            f"pairs.{name}.overlap": overlap(few),
+            f"pairs.{name}.difference": 100.0 * difference(few, many),
+        }
+    free, held = (solved("A", mu, STEPS[-1]) for mu in (0.0, NONE))
+    found |= {"friction.couples": 100.0 * couple_share(held)}
+    found |= {"friction.free": free.tips[-1, 1], "friction.held": held.tips[-1, 1]}
+    pairs, outcome = (searched(*SEARCHED[-1])[i] for i in (3, 5))
+    return found | {
+        "search.along": 100.0 * slide().share,
+        "search.pairs": int(pairs),
+        "search.outcome": outcome,
+    }
+
+
 def write_page(path: str | Path) -> None:
     """Solve all and write the page."""
     sections = (pairs_section(), exponent_section(), friction_section(), words.SOLVER, search_section())
     write_text(Path(path), (words.HEAD + "".join(sections)).replace("\n\n\n", "\n\n"))
+    write_facts(facts(), RECORD)
 
 
 if __name__ == "__main__":

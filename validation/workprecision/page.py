@@ -8,7 +8,7 @@ from pathlib import Path
 from validation.study.document import Block, Heading, Picture, Text, to_markdown
 from validation.study.machine import machine, versions
 from validation.study.output import write_text
-from validation.workprecision import EQUAL_ERROR, equalerror, penaltysweep, tables
+from validation.workprecision import equalerror, penaltysweep, tables
 from validation.workprecision.csvfile import data
 from validation.workprecision.penaltysweep import Sweep
 from validation.workprecision.points import Study
@@ -38,7 +38,7 @@ def markdown(studies: Sequence[Study], sweeps: Sequence[Sweep], extent: Extent, 
     blocks: list[Block] = [
         Heading(1, "Run time against error"),
         *_method(extent),
-        Heading(2, EQUAL_ERROR),
+        Heading(2, "Time at equal error"),
         Text(equalerror.WORDS),
         equalerror.equal_error_table(studies),
         Heading(2, "What the paper's accuracy costs"),
