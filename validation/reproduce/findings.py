@@ -314,11 +314,11 @@ def random(f: Facts) -> str:
     nearer = "The helix law is nearer" if bare < paper and closed < paper_closed else "Neither law is nearer"
     return (
         f"**{nearer} on random springs of any start phase,** guided, pinned or free, loaded along or across "
-        f"their axis. Without contact ({springs:.0f} springs) its tip is off by {bare[0]:g} % in the median, "
-        f"and one spring in twenty by more than {bare[1]:g} % (bound {bound:g} %); by the paper's law "
-        f"{paper[0]:g} and {paper[1]:g} %. Where more than three pairs close ({touching:.0f} springs): "
-        f"{closed[0]:g} and {closed[1]:g} % (bound {bound_closed:g} %), and {paper_closed[0]:g} and "
-        f"{paper_closed[1]:g} %. By kind of load: [Error budget](error-budget.md#random-springs)"
+        f"their axis. Without contact ({springs:.0f} springs) its tip is off by {bare[0]:.2g} % in the median, "
+        f"and one spring in twenty by more than {bare[1]:.2g} % (bound {bound:.2g} %); by the paper's law "
+        f"{paper[0]:.2g} and {paper[1]:.2g} %. Where more than three pairs close ({touching:.0f} springs): "
+        f"{closed[0]:.2g} and {closed[1]:.2g} % (bound {bound_closed:.2g} %), and {paper_closed[0]:.2g} and "
+        f"{paper_closed[1]:.2g} %. By kind of load: [Error budget](error-budget.md#random-springs)"
     )
 
 
