@@ -314,9 +314,10 @@ def random(f: Facts) -> str:
     nearer = "The helix law is nearer" if bare < paper and closed < paper_closed else "Neither law is nearer"
     return (
         f"**{nearer} on random springs of any start phase,** guided, pinned or free, loaded along or across "
-        f"their axis. Without contact ({springs:.0f} springs) its tip is off by {bare[0]:.2g} % in the median, "
-        f"and one spring in twenty by more than {bare[1]:.2g} % (bound {bound:.2g} %); by the paper's law "
-        f"{paper[0]:.2g} and {paper[1]:.2g} %. Where more than three pairs close ({touching:.0f} springs): "
+        f"their axis. Without contact ({springs:.0f} springs) its tip is off by {bare[0]:.2g} % in the "
+        f"median, and one spring in twenty by more than {bare[1]:.2g} % (bound {bound:.2g} %); by the "
+        f"paper's law {paper[0]:.2g} and {paper[1]:.2g} %. Where more than three pairs close "
+        f"({touching:.0f} springs): "
         f"{closed[0]:.2g} and {closed[1]:.2g} % (bound {bound_closed:.2g} %), and {paper_closed[0]:.2g} and "
         f"{paper_closed[1]:.2g} %. By kind of load: [Error budget](error-budget.md#random-springs)"
     )
@@ -356,9 +357,7 @@ def curved(f: Facts) -> str:
         row = (
             f"scene=spring-b | series={element} | elements_per_turn={elements} | pairs_per_turn=4 | steps=50"
         )
-        return [
-            f[f"workprecision/workprecision > {row} | reference=finest wire > {each}"] for each in columns
-        ]
+        return [f[f"workprecision/workprecision > {row} | role=run > {each}"] for each in columns]
 
     columns = ("elements_per_turn", "curve_max", "ratio_to_paper_mesh")
     (count, error, part), (paper, mesh) = run("curved", 4, *columns), run("straight", 40, *columns[:2])

@@ -20,7 +20,7 @@ from validation.study.style import (
     BLUE,
     DOUBLE,
     GREY,
-    LIT_RED,
+    RED,
     REST_CIRCLE,
     WIRE_CIRCLE,
     WIRE_LABEL,
@@ -62,7 +62,7 @@ def _cropped(pictures: list[np.ndarray]) -> list[np.ndarray]:
 def _space_key() -> list[Patch | Line2D]:
     return [
         Patch(color=BLUE, label=BEAM_LABEL),
-        Patch(color=LIT_RED, label=f"{WIRE_LABEL}, bands"),
+        Patch(color=RED, label=f"{WIRE_LABEL}, bands"),
         Line2D([], [], color=GREY, linewidth=0.7, label="at rest"),
     ]
 
@@ -88,24 +88,24 @@ def _painted(panels: tuple[Shapes, ...]) -> Figure:
 
 
 def _strokes(panel: Shapes, axes3: np.ndarray, width: float) -> LineCollection:
-    """Both wires in pieces, the farther ones paler; `width` of the beam's in points."""
+    """Both wires in short strokes, the farther ones paler; `width` of the beam's in points."""
     points, colours, widths = [], [], []
     for line, colour, scale in (
         (panel.beam, BLUE, 1.0),
-        *((b, LIT_RED, BAND_SCALE) for b in bands(panel.wire)),
+        *((b, RED, BAND_SCALE) for b in bands(panel.wire)),
     ):
         seen = line @ axes3.T
         points.append(np.stack((seen[:-1], seen[1:]), axis=1))
         colours.append(np.tile(to_rgb(colour), (len(seen) - 1, 1)))
         widths.append(np.full(len(seen) - 1, scale * width))
-    pieces, tint, sizes = np.concatenate(points), np.concatenate(colours), np.concatenate(widths)
-    depth = pieces[..., 2].mean(axis=1)
+    strokes, tint, sizes = np.concatenate(points), np.concatenate(colours), np.concatenate(widths)
+    depth = strokes[..., 2].mean(axis=1)
     # a band lies over the tube that it wraps
     order = np.argsort(depth + (sizes > width) * 0.5 * panel.diameter)
     far = 0.45 * (depth.max() - depth) / np.ptp(depth)
     tint = tint + far[:, None] * (1.0 - tint)
     return LineCollection(
-        list(pieces[order][..., :2]), colors=tint[order], linewidths=sizes[order], capstyle="round"
+        list(strokes[order][..., :2]), colors=tint[order], linewidths=sizes[order], capstyle="round"
     )
 
 
@@ -155,7 +155,7 @@ def _detail(axes: Axes, detail: Axes, panel: Shapes, place: Shapes) -> None:
     detail.spines[:].set_visible(True)
     axes.add_patch(Rectangle((x, y), ZOOM, ZOOM, fill=False, edgecolor="black", linewidth=0.6))
     beam, wire = (_length(panel.overlaps(c).max()) for c in (panel.beam_circles, panel.wire_circles))
-    note = f"largest overlap of\nneighbouring coils\nbeam: {beam}\nwire model: {wire}"
+    note = f"largest overlap of\nneighbouring circles\nbeam: {beam}\nwire model: {wire}"
     detail.text(0.0, 1.04, note, transform=detail.transAxes, ha="left", va="bottom", fontsize=7.0)
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from io import BytesIO
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -17,11 +18,11 @@ def to_csv(rows: pd.DataFrame, digits: int = 6) -> bytes:
     return rows.to_csv(index=False, float_format=f"%.{digits}g", lineterminator="\n").encode()
 
 
-def read_csv(file: Path) -> pd.DataFrame:
+def read_csv(file: Path | BytesIO) -> pd.DataFrame:
     """What `to_csv` wrote; words that pandas would take for missing stay words."""
     import pandas as pd
 
-    return pd.read_csv(file, keep_default_na=False, na_values=[""])
+    return pd.read_csv(file, keep_default_na=False, na_values=["", "nan"])
 
 
 def view(rows: pd.DataFrame, columns: Mapping[str, Callable[[Any], object]]) -> Table:
