@@ -136,6 +136,15 @@ def test_bands_cover_their_share_of_the_wire():
     assert len(pieces) == 2 * shapes.BANDS_PER_TURN
     share = sum(len(piece) - 1 for piece in pieces) / (len(points) - 1)
     assert share == pytest.approx(shapes.BAND_SHARE)
+    both = pieces + shapes.spaces(points)
+    assert sum(len(piece) - 1 for piece in both) == len(points) - 1  # both models together, once each
+
+
+def test_the_frame_of_a_picture_holds_the_wires():
+    points = np.array([[-10.0, 0.0, 0.0], [10.0, 0.0, 0.0], [0.0, 30.0, 0.0]])
+    centre, half = shapes.picture_frame(points, 1.5)
+    seen = (points - centre) @ shapes.view()[:2].T
+    assert np.abs(seen).max() == pytest.approx(half - 1.5)
 
 
 def test_spread_is_median_and_quartiles():

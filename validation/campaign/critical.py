@@ -1,4 +1,4 @@
-"""Critical points bracketed by the judge's own Hessian: a stable and an unstable equilibrium side by side."""
+"""Critical points bracketed by the verifier's own Hessian: a stable and an unstable state side by side."""
 
 from __future__ import annotations
 

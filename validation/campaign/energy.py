@@ -1,4 +1,4 @@
-"""Potential energy of the equivalent beam in plain numpy, for judging: shares nothing with the solver.
+"""Potential energy of the equivalent beam in plain numpy, for the verifier: shares nothing with the solver.
 
 Written from docs/theory.md, section 2. Forces are the hand-written gradient of the energy, the Hessian their
 derivative by complex steps, which is exact to rounding. A state holds x, y, theta of all nodes, flat.

@@ -1,4 +1,4 @@
-"""The laws of a half coil in plain numpy, for judging: energy and forces, real or complex.
+"""The laws of a half coil in plain numpy, for the verifier: energy and forces, real or complex.
 
 Haringx: (B2), (B3). Helix: (B5)-(B13), solved in another way than the solver does: the sine u is found by a
 bracketed search on the length, and one Newton step in the complex plane carries the derivative along.

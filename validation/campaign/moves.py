@@ -1,4 +1,4 @@
-"""Moves and spins of a wire's nodes, for differences and steps of the judge."""
+"""Moves and spins of a wire's nodes, for differences and steps of the verifier."""
 
 from __future__ import annotations
 

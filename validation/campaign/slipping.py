@@ -1,4 +1,4 @@
-"""Where a wire's coils slide off each other under Coulomb friction, for judging: plain numpy, no bounds held.
+"""Where a wire's coils slide off each other under Coulomb friction, for the verifier.
 
 The unknowns are the wire's nodes, the normal forces of the pairs that touch and the load: Coulomb's law
 takes those normal forces, and its tangent is unsymmetric. The way along the path is prescribed in place of

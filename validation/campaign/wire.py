@@ -1,4 +1,4 @@
-"""Forces in the wire model's states in plain numpy, for judging: shares nothing with the solver.
+"""Forces in the wire model's states in plain numpy, for the verifier: shares nothing with the solver.
 
 Written from docs/theory.md, section 3, with quaternions (scalar first) and complex steps of the energy.
 """

@@ -1,4 +1,4 @@
-"""Geometry and stiffness of the wire's elements and places of its spheres, for judging, in plain numpy."""
+"""The wire's elements and spheres for the verifier, in plain numpy."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Least stiffness of a frictionless wire whose top is held along the axis, for judging."""
+"""Least stiffness of a frictionless wire whose top is held along the axis, for the verifier."""
 
 from __future__ import annotations
 

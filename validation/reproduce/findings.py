@@ -382,13 +382,13 @@ def stability(f: Facts) -> str:
         f"critical point** that code of its own confirms; of the wires {wire['completed']} and "
         f"{wire['critical']}. {beam['interpenetration']} and {wire['interpenetration']} end where coils pass "
         f"through each other, {left or 'none'} left unexplained. With friction {wire['ended']} end where "
-        f"the iteration does, not the spring, or where a pair that was held opens; {wire['apart']} "
+        f"the iteration does, not the spring, or where a pair that was held opens; {wire['deviation']} "
         "depend on their substeps. [Stability "
-        "campaign](../reports/stability/stability.md#what-became-of-the-scenes)"
+        "campaign](../reports/stability/stability.md#outcome-statistics)"
     )
 
 
-OUTCOMES = ("completed", "critical", "interpenetration", "unexplained", "ended", "apart")
+OUTCOMES = ("completed", "critical", "interpenetration", "unexplained", "ended", "deviation")
 
 SECTIONS: dict[str, tuple[Statement, ...]] = {
     "On the paper's claims": (matching, softer, faster, sliding, tangent),

@@ -38,8 +38,8 @@ _FARTHER = (
 )
 CAPTIONS = {
     "fig4": "Figure 4. Spring A at full load, (a) without and (b) with coil contact. The wire model is drawn "
-    "as bands around the beam's wire, a little thicker than it, so that both can be seen where they "
-    "coincide.",
+    "in pieces that alternate with the beam's, so that both can be seen where they coincide. The scale "
+    "holds in the plane of the picture.",
     "fig4-plane": f"Figure 4, {_FRAME}",
     "fig5": f"Figure 5. Spring A: tip displacements with and without contact, {_FARTHER}",
     "fig6": "Figure 6. Spring B at full load, (a) without contact and (b) with contact.",

@@ -15,7 +15,6 @@ import wirefe
 from coilspring import EquilibriumPath, Scene
 from coilspring.sizing import middle_diameter
 from validation.study.metrics import answered
-from validation.study.output import write_text
 from validation.study.partialsolve import as_far
 from validation.verification.randomscenes import Drawn, population
 
@@ -27,7 +26,6 @@ ELEMENTS = {True: 16, False: 8}  # curved, a turn, with contact and without
 PAIRS = 16  # a turn, in contact
 PAPER_PAIRS = 4  # a turn: how closed pairs are counted
 NEGLIGIBLE = 1e-3  # of the largest component; ROTZ times the mean coil radius
-DIGITS = "%.4g"
 
 
 def study(seeds: Iterable[int] = SEEDS, each: int = EACH) -> pd.DataFrame:
@@ -101,12 +99,6 @@ def errors(path: EquilibriumPath, wire: EquilibriumPath) -> dict[str, float]:
             found[name] = 100.0 * float(np.abs(mine - theirs)[:, place].max() / peaks[place])
     apart, size = (np.linalg.norm(values[:, :2], axis=1).max() for values in (mine - theirs, theirs))
     return found | {"vector": 100.0 * float(apart / size)}
-
-
-def write_csv(data: pd.DataFrame, path: Path = CSV) -> None:
-    """Write the rows, numbers to 4 digits."""
-    path.parent.mkdir(parents=True, exist_ok=True)
-    write_text(path, data.to_csv(index=False, float_format=DIGITS, lineterminator="\n"))
 
 
 def read_csv(path: Path = CSV) -> pd.DataFrame:

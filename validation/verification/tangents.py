@@ -56,7 +56,7 @@ def by_steps() -> list[Block]:
         for penalty in PENALTIES:
             for steps in STEPS:
                 scene = load_scene(case).with_penalty(penalty)
-                cells = [told(follow(scene, tangent, steps)) for tangent in TANGENTS]
+                cells = [result(follow(scene, tangent, steps)) for tangent in TANGENTS]
                 rows.append((case, f"{penalty:.0e}", str(steps), *cells))
     words = (
         "Iterations to full load, or in bold what happened instead and when. What helps the paper's "
@@ -71,7 +71,7 @@ def follow(scene: Scene, tangent: str, steps: int) -> EquilibriumPath:
     return as_far(equivbeam.solve, scene, tangent=tangent, steps=steps)
 
 
-def told(path: EquilibriumPath) -> str:
+def result(path: EquilibriumPath) -> str:
     """Iterations of a completed path, or its outcome."""
     if path.outcome == "completed":
         return str(path.total_iterations)

@@ -1,4 +1,4 @@
-"""Draws the deforming wire by pyvista; the child process of `validation.view.animation`."""
+"""Draws the deforming wire by pyvista; the subprocess of `validation.view.animation`."""
 
 from __future__ import annotations
 
