@@ -14,11 +14,12 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from opensees_page import AGREEMENT, LADDER, STEPS, Duel, distance, page
+from opensees_page import AGREEMENT, LADDER, STEPS, Duel, distance, facts, page
 
 import wirefe
 from coilspring import Scene, load_scene
 from validation.peers.installed import MISSING, opensees
+from validation.study.output import write_facts
 from validation.study.partialsolve import as_far
 
 SCENES = ("spring-a", "spring-a-no-contact", "spring-b-no-contact")
@@ -159,6 +160,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     print(text, flush=True)
     options.out.parent.mkdir(parents=True, exist_ok=True)
     options.out.write_text(text, encoding="utf-8")
+    write_facts(facts(duels), options.out.parent)
     return int(any(duel.difference > AGREEMENT for duel in duels))
 
 

@@ -109,3 +109,16 @@ def test_the_page_follows_the_runs():
     assert "found 5 pairs" in contact.page(*groups, limit)
     assert list(table(text, "spring | k")["K, N/mm^k"].unique()) == ["10000", "100000", "1e+06"]
     assert len(table(text, "spring | mu | K")) == len(contact.SEARCH)
+
+
+def test_facts_are_those_of_the_rows():
+    """What findings read: the fewest pairs, the last steps of friction, the last search."""
+    pairs, search = (
+        fake(runs, UY=lambda run: -8.0 - 0.08 / run.pairs) for runs in (contact.PAIRS, contact.SEARCH)
+    )
+    friction = fake(contact.FRICTION, couple=lambda run: 125.0 if run.mu == NONE else 0.0)
+    found = contact.facts(pairs, friction, search, {"circ": 96.0})
+    assert found["pairs.count"] == 4
+    assert found["pairs.A.difference"] == pytest.approx(0.22, abs=0.01)
+    assert (found["friction.couples"], found["search.along"]) == (50.0, 96.0)
+    assert (found["search.pairs"], found["search.outcome"]) == (80, "completed")

@@ -219,9 +219,9 @@ def test_the_headline_is_a_verdict():
 
 
 # id: evidence that would turn its words, and what it would say then
-APART = "sensitivity > Spring A > spheres out of the plane by | wire model | 30° > models apart (%)"
-OUTSIDE = "error-budget > What these numbers say > {} % of the normal forces of Spring B"
-HELD = "error-budget > The paper's four cases > without `held` > Spring B w/o contacts"
+APART = findings.INPUT.format("spring-a", "wirefe", "sphere_place", "30°", "models_apart_percent")
+OUTSIDE = findings.FOUR.format("outside", "normal forces", "Spring B")
+HELD = findings.FOUR.format("law", "without `held`", "Spring B w/o contacts")
 SLOW = {f"{name}.time.ratio": 0.5 for name in report.CASE_NAMES}
 WORDS = [
     ("verdict", SLOW, "it takes 2 to 2 of the time"),
@@ -253,9 +253,11 @@ def test_a_verdict_is_one_of_four():
 @pytest.mark.parametrize(
     "key",
     [
-        "tangents > Fifty steps > spring-a > iterations",
-        "tangents > Nothing > a > b",
-        "contact > Friction > {} apples",
+        "errorbudget/fourcases > table=law > value",
+        "errorbudget/fourcases > table=law | row=nothing > value",
+        "tangents: spring-c.exact",
+        "nothing: at all",
+        "spring-a.colour",
     ],
 )
 def test_a_record_that_is_not_one_is_refused(key):

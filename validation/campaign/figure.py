@@ -13,7 +13,7 @@ from matplotlib.figure import Figure
 
 from validation.campaign.scenes import MODELS
 from validation.campaign.verdict import CONFIRMED, UNEXPLAINED
-from validation.study.style import DARK_RED, DOUBLE, RC
+from validation.study.style import DOUBLE, RC, RED
 
 TITLES = {"b": "equivalent beam", "w": "wire model"}
 MAPS = (("penalty", "steps"), ("slenderness", "load"))
@@ -85,7 +85,7 @@ def _map(axes: Axes, data: pd.DataFrame, names: tuple[str, str]) -> QuadMesh:
     inside = (x >= edges[0][0]) & (x <= edges[0][-1]) & (y >= edges[1][0]) & (y <= edges[1][-1])
     odd = inside & (data["class"] == UNEXPLAINED).to_numpy()
     look: Any = {
-        "color": DARK_RED,
+        "color": RED,
         "markersize": 5,
         "markeredgewidth": 1.2,
         "clip_on": False,

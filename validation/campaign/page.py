@@ -22,7 +22,7 @@ from validation.campaign.verdict import (
 from validation.study.document import Bullets, Heading, Picture, Table, Text, to_markdown
 from validation.study.frames import frame_table
 from validation.study.machine import versions
-from validation.study.output import write_files, write_text
+from validation.study.output import write_facts, write_files, write_text
 from validation.study.plots import drawn
 
 MEANING = {
@@ -88,6 +88,9 @@ def write_page(data: pd.DataFrame, out: Path, seed: int) -> None:
     """Write page and picture of the rows."""
     write_files(drawn(outcome_figure(data), "stability"), out)
     write_text(out / "stability.md", page(data, seed))
+    counts = data.groupby([data["id"].str[0].map({"b": "beam", "w": "wire"}), "class"]).size()
+    names = [(model, name) for model in ("beam", "wire") for name in CLASSES]
+    write_facts({".".join(name): int(counts.get(name, 0)) for name in names}, out)
 
 
 def page(data: pd.DataFrame, seed: int) -> str:

@@ -151,6 +151,8 @@ def _add_workprecision(commands: argparse._SubParsersAction) -> None:
     size = command.add_mutually_exclusive_group()
     size.add_argument("--quick", action="store_true", help="few meshes, few rounds: about a minute")
     size.add_argument("--full", action="store_true", help="meshes up to 320 elements a turn")
+    what = "page and figures of the numbers recorded in the folder, measure nothing"
+    size.add_argument("--page", action="store_true", help=what)
 
 
 def _add_sensitivity(commands: argparse._SubParsersAction) -> None:

@@ -23,8 +23,11 @@ def workprecision(arguments: argparse.Namespace, folder: Path, progress: Progres
     from validation.workprecision import page, run
 
     with claimed(folder), writing(folder):
-        studies = run.workprecision(folder, getattr(arguments, "only", None), extent, progress)
-    return [*map(page.digest, studies), f"written to {folder}"], ""
+        if hasattr(arguments, "page"):
+            rows = page.write(folder, drawn=True)
+        else:
+            rows = run.workprecision(folder, getattr(arguments, "only", None), extent, progress)
+    return [*page.digest(rows), f"written to {folder}"], ""
 
 
 def sensitivity(arguments: argparse.Namespace, folder: Path, progress: Progress) -> Answer:

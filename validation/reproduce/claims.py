@@ -194,7 +194,7 @@ def softer_bare(f: Facts) -> Judgement:
 
 @claim("softer-contact", "section 4, Figure 5", ALWAYS.format("with contact"))
 def softer_contact(f: Facts) -> Judgement:
-    return softer(f, [name for name, *_ in KINDS if name != "bare"])
+    return softer(f, [name for name in KINDS if name != "bare"])
 
 
 @claim(

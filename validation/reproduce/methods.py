@@ -36,7 +36,8 @@ def where_timed(f: Facts) -> str:
 
 def timed() -> list[Part]:
     """How Table 3 was measured, where and when."""
-    return [how_timed, where_timed]
+    beside = "The models' errors differ: `coilcheck workprecision` compares their times at equal error."
+    return [how_timed, where_timed, Text(beside)]
 
 
 @statement("iterations.stop")

@@ -86,7 +86,7 @@ def compose(
         table2(),
         element_note,
         Heading(3, "Table 3. Solution time"),
-        table3(tuple(evidence.timings.values())),
+        table3(evidence.times),
         *timed(),
         *counted(),
         *slid(pictured),

@@ -20,7 +20,7 @@ from validation.study.style import (
     BLUE,
     DOUBLE,
     GREY,
-    LIT_RED,
+    RED,
     REST_CIRCLE,
     WIRE_CIRCLE,
     WIRE_LABEL,
@@ -83,7 +83,7 @@ def _cropped(pictures: list[np.ndarray]) -> list[np.ndarray]:
 def _space_key() -> list[Patch | Line2D]:
     return [
         Patch(color=BLUE, label=BEAM_LABEL),
-        Patch(color=LIT_RED, label=f"{WIRE_LABEL}, in turn"),
+        Patch(color=RED, label=f"{WIRE_LABEL}, in turn"),
         Line2D([], [], color=GREY, linewidth=0.7, label="at rest"),
     ]
 
@@ -111,9 +111,7 @@ def _painted(panels: tuple[Shapes, ...]) -> Figure:
 
 def _strokes(panel: Shapes, axes3: np.ndarray, width: float) -> LineCollection:
     """Both wires in pieces, the farther ones paler; `width` in points."""
-    lines = [(piece, BLUE) for piece in spaces(panel.beam)] + [
-        (piece, LIT_RED) for piece in bands(panel.wire)
-    ]
+    lines = [(piece, BLUE) for piece in spaces(panel.beam)] + [(piece, RED) for piece in bands(panel.wire)]
     seen = [(line @ axes3.T, colour) for line, colour in lines]
     pieces = np.concatenate([np.stack((line[:-1], line[1:]), axis=1) for line, _ in seen])
     tint = np.concatenate([np.tile(to_rgb(colour), (len(line) - 1, 1)) for line, colour in seen])

@@ -1,17 +1,33 @@
-"""Views of a study's data: tables and CSV files of a DataFrame."""
+"""A study's result is one DataFrame, a row for each run: its CSV file and its tables are views of it."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from io import BytesIO
 from pathlib import Path
 from typing import Any
 
 import pandas as pd
 
 from validation.study.document import Table
-from validation.study.output import write_text
+from validation.study.output import write_bytes
 
 Format = str | Callable[[Any], str]  # as str.format takes it, or a function of the value
+
+
+def to_csv(data: pd.DataFrame, digits: int = 6) -> bytes:
+    """A result as a CSV file, numbers to so many significant digits; what is missing is an empty cell."""
+    return data.to_csv(index=False, float_format=f"%.{digits}g", lineterminator="\n").encode()
+
+
+def write_csv(data: pd.DataFrame, file: Path, digits: int = 6) -> None:
+    """Write a CSV file."""
+    write_bytes(file, to_csv(data, digits))
+
+
+def read_csv(file: Path | BytesIO) -> pd.DataFrame:
+    """What `to_csv` wrote; words that pandas would take for missing stay words."""
+    return pd.read_csv(file, keep_default_na=False, na_values=["", "nan"])
 
 
 def formatted(data: pd.DataFrame, formats: Mapping[str, Format]) -> pd.DataFrame:
@@ -29,6 +45,7 @@ def frame_table(data: pd.DataFrame, formats: Mapping[str, Format] | None = None)
     return Table(tuple(map(str, texts.columns)), tuple(texts.itertuples(index=False, name=None)))
 
 
-def write_csv(data: pd.DataFrame, file: Path, digits: int = 6) -> None:
-    """Write a CSV file, numbers to so many significant digits."""
-    write_text(file, data.to_csv(index=False, float_format=f"%.{digits}g", lineterminator="\n"))
+def view(data: pd.DataFrame, columns: Mapping[str, Callable[[Any], object]]) -> Table:
+    """A table whose cells follow from several columns each: header -> function of a row, by attributes."""
+    cells = (tuple(str(cell(row)) for cell in columns.values()) for row in data.itertuples())
+    return Table(tuple(columns), tuple(cells))

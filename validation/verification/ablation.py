@@ -13,7 +13,7 @@ import pandas as pd
 
 from validation.study.document import Block, Bullets, Heading, Table, Text, to_markdown
 from validation.study.frames import write_csv
-from validation.study.output import write_text
+from validation.study.output import write_facts, write_text
 from validation.study.provenance import write_provenance
 from validation.verification import randomfigure, randompage, randomsprings
 from validation.verification.fourcases import STAGES, measured
@@ -192,6 +192,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
         write_provenance("python -m validation.verification.ablation", FOUR.parent)
     springs = randomsprings.read_csv()
     randomfigure.write(springs)
+    write_facts(randompage.facts(springs), FOUR.parent)
     write_text(PAGE, page(pd.read_csv(FOUR), springs))
 
 

@@ -11,11 +11,11 @@ import pandas as pd
 from coilspring import spring_a
 from validation.study.document import to_markdown
 from validation.study.frames import frame_table
-from validation.study.output import write_text
+from validation.study.output import write_facts, write_text
 from validation.verification import contacttext as words
 from validation.verification.contactruns import HELD, NONE, TIPS, Run, difference, limit_point, measured
 
-PAGE = Path("docs/contact.md")
+PAGE, RECORD = Path("docs/contact.md"), Path("reports/contact")
 CATALOGUE = {"A": 0.0, "B": NONE}  # coefficients of the catalogue's springs
 TOLERANCE = 1e-8  # of the follower's equilibria
 LIKE, FORCE = 0.01, 100.0  # mm, N: penetration at which all exponents give one force
@@ -166,11 +166,29 @@ def page(
     return (words.HEAD + "".join(sections)).replace("\n\n\n", "\n\n")
 
 
+def facts(
+    pairs: pd.DataFrame, friction: pd.DataFrame, search: pd.DataFrame, limit: Mapping[str, Any]
+) -> dict[str, object]:
+    """What findings are computed from: mm, and shares in per cent."""
+    found: dict[str, object] = {"pairs.count": int(pairs["pairs"].iloc[0])}
+    for name, group in pairs.groupby("spring", sort=False):
+        found[f"pairs.{name}.overlap"] = group["overlap"].iloc[0]
+        found[f"pairs.{name}.difference"] = 100.0 * difference(group, group.iloc[-1]).iloc[0]
+    last = friction[(friction["spring"] == "A") & (friction["steps"] == STEPS[-1])].set_index("mu")
+    found["friction.couples"] = 100.0 * last["couple"][NONE] / last["moment"][NONE]
+    found |= {"friction.free": last["UY"][0.0], "friction.held": last["UY"][NONE]}
+    most = search.iloc[-1]
+    found |= {"search.pairs": int(most["pairs"]), "search.outcome": most["outcome"]}
+    return found | {"search.along": limit["circ"]}
+
+
 def write_page(path: str | Path) -> None:
     """Solve all and write the page."""
+    pairs = measured(PAIRS, REPEATS)
     exponents, friction, search = map(measured, (EXPONENTS, FRICTION, SEARCH))
-    text = page(measured(PAIRS, REPEATS), exponents, friction, search, limit_point())
-    write_text(Path(path), text)
+    limit = limit_point()
+    write_text(Path(path), page(pairs, exponents, friction, search, limit))
+    write_facts(facts(pairs, friction, search, limit), RECORD)
 
 
 if __name__ == "__main__":

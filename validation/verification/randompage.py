@@ -100,6 +100,22 @@ def _vectors(rows: pd.DataFrame, law: str) -> Table:
     return Table((NAMES[law], *CLASSES), tuple(lines))
 
 
+def facts(data: pd.DataFrame) -> dict[str, float]:
+    """Of the errors of the tip vector of each law, without contact and where many pairs close."""
+    rows = classified(data)
+    found: dict[str, float] = {}
+    for law in LAWS:
+        for name, closing in (("open", CLASSES[0]), ("closed", CLASSES[-1])):
+            errors = rows.loc[rows["closing"] == closing, f"{law}_vector"]
+            found |= {
+                f"{law}.{name}.springs": int(errors.count()),
+                f"{law}.{name}.median": errors.median(),
+                f"{law}.{name}.percentile": errors.quantile(0.95),
+                f"{law}.{name}.bound": percentile_bound(errors),
+            }
+    return found
+
+
 def _bounds(rows: pd.DataFrame) -> Table:
     lines = []
     for law in LAWS:

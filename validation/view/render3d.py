@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from validation.study.style import BLUE, GREY, LIT_RED
+from validation.study.style import BLUE, GREY, RED
 from validation.view.process import Subprocess
 from validation.view.shapes import PARTS, Shapes, bands, picture_frame, spaces, view
 
@@ -92,7 +92,7 @@ def add_spring(
     shine: dict[str, Any] = {"smooth_shading": True, "specular": 0.2, "ambient": 0.35, "diffuse": 0.75}
     plotter.add_mesh(tubes([rest], LINE * radius, 6), color=GREY, lighting=False)
     plotter.add_mesh(tubes(spaces(beam), radius, sides), color=BLUE, **shine)
-    plotter.add_mesh(tubes(bands(wire), radius, sides), color=LIT_RED, **shine)
+    plotter.add_mesh(tubes(bands(wire), radius, sides), color=RED, **shine)
 
 
 def tubes(pieces: list[np.ndarray], radius: float, sides: int) -> pyvista.PolyData:
