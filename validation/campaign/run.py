@@ -163,9 +163,6 @@ def _same_version(rows: list[Row]) -> list[Row]:
 
 
 def _chunks(names: list[str]) -> Iterator[list[str]]:
-    rest = list(names)
-    while rest:
-        size = CHUNK[rest[0][0]]
-        chunk = [name for name in rest[:size] if name[0] == rest[0][0]]
-        rest = rest[len(chunk) :]
-        yield chunk
+    for letter, size in CHUNK.items():
+        mine = [name for name in names if name[0] == letter]
+        yield from (mine[i : i + size] for i in range(0, len(mine), size))

@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from coilspring import EquilibriumPath
-from validation.campaign.moves import NUDGE, moved, nudged, width
+from validation.campaign.poses import NUDGE, moved, nudged, width
 from validation.campaign.wire import WireForces, friction_of
 
 SLIDES = 1e-3  # of its bound: a pair nearer to it slides on

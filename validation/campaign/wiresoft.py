@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 from scipy.linalg import eigh
 
-from validation.campaign.moves import NUDGE, nudged, width
+from validation.campaign.poses import NUDGE, nudged, width
 from validation.campaign.slipping import wire_tangent
 from validation.campaign.wire import WireForces
 
