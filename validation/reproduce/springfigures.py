@@ -83,7 +83,7 @@ def _cropped(pictures: list[np.ndarray]) -> list[np.ndarray]:
 def _space_key() -> list[Patch | Line2D]:
     return [
         Patch(color=BLUE, label=BEAM_LABEL),
-        Patch(color=RED, label=f"{WIRE_LABEL}, in turn"),
+        Patch(color=RED, label=f"{WIRE_LABEL}, alternating"),
         Line2D([], [], color=GREY, linewidth=0.7, label="at rest"),
     ]
 

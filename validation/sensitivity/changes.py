@@ -91,8 +91,10 @@ def change(base: TipCurve, curve: TipCurve) -> dict[str, Any]:
     by_load = np.where(np.abs(by_load) < ROUNDING, 0.0, by_load)
     row |= zip(TIPS, curve.tips[-1], strict=True)
     row |= zip(CHANGES, by_load[-1], strict=True)
-    largest = {CURVE: float(by_load[step, component]), "curve_component": COMPONENTS[component]}
-    return row | largest | {"curve_time": curve.times[step]}
+    row[CURVE] = float(by_load[step, component])
+    if row[CURVE]:  # nothing has no place
+        row |= {"curve_component": COMPONENTS[component], "curve_time": curve.times[step]}
+    return row
 
 
 def farther(tips: np.ndarray, base: np.ndarray) -> np.ndarray:

@@ -25,7 +25,7 @@ TIMEOUT = 120.0  # s; it takes a few
 GAP, LETTER = 6.0, 1.6  # mm between springs; height of the words
 EYE = (0.12, 0.3, 1.4)  # from where it is seen at first, over the width of what is seen
 SIDES = 16  # of a tube; the file grows with it
-KEY = (("equivalent beam", BLUE), ("wire model, in turn", RED), ("at rest", GREY))
+KEY = (("equivalent beam", BLUE), ("wire model, alternating", RED), ("at rest", GREY))
 
 
 def page(panels: Sequence[Shapes], mark: str) -> bytes | str:
