@@ -46,7 +46,7 @@ def view(arguments: argparse.Namespace, folder: Path, progress: Progress) -> lis
     """Show the wire as it deforms, in a window or as a movie."""
     from validation.view import animation, frames
 
-    movie = getattr(arguments, "movie", None)
+    movie = arguments.movie
     run = Path(arguments.scene)
     progress("loading the wire")
     source = frames.of_run(run) if run.is_dir() else load_scene(arguments.scene)

@@ -13,7 +13,7 @@ from validation.peers import calculix
 from validation.peers.curve import Curve
 from validation.peers.installed import MISSING, opensees
 from validation.study.metrics import COMPONENTS, NEGLIGIBLE
-from validation.study.partialsolve import as_far
+from validation.study.partialsolve import partial_path
 
 FREE = "frictionless in both codes, since springs without memory cannot tell when a pair has closed"
 
@@ -102,7 +102,7 @@ def bout(scene: Scene, peer: str) -> Bout:
         scene, remark = replace(scene, contact=replace(contact, sliding="free")), FREE
     curve = PEERS[peer](scene)
     wirefe.solve(scene.with_steps(1).without_contact())  # makes the kernels ready
-    return Bout(scene, as_far(wirefe.solve, scene), curve, remark)
+    return Bout(scene, partial_path(wirefe.solve, scene), curve, remark)
 
 
 def _opensees(scene: Scene) -> Curve:
