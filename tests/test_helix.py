@@ -28,9 +28,9 @@ from equivbeam.helix import HIGH, LOW, U0, axial, helix
 from equivbeam.helixrows import helix_rows
 from equivbeam.laws import LAWS
 from equivbeam.model import build_model
-from validation.study.exactrod import EXACT_ROD
 from validation.study.metrics import compare_paths
 from validation.study.partialsolve import partial_path
+from validation.study.scenes import EXACT_ROD
 
 ALL = Refinements()
 NONE = Refinements(**dict.fromkeys(vars(ALL), False))

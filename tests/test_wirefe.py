@@ -22,8 +22,8 @@ from coilspring import (
 from coilspring.packing import pack
 from coilspring.pairlaw import MEMORY
 from coilspring.wire import round_section
-from validation.study.exactrod import EXACT_ROD
 from validation.study.partialsolve import partial_path
+from validation.study.scenes import EXACT_ROD
 from wirefe import kernels, model
 from wirefe.beam import beams, deformations
 from wirefe.elements import _flexibility, curved_elements

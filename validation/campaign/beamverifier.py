@@ -20,7 +20,7 @@ from validation.campaign.runs import (
 from validation.campaign.scenes import Case
 from validation.campaign.verdict import Verdict
 
-RESIDUAL = 1e-6  # way to the equilibrium over the way from rest, both in the energy norm
+RESIDUAL = 1e-6  # distance to the equilibrium over that from rest, both in the energy norm
 REACTION = 1e-6  # of the reaction, by the verifier's own forces in the same state
 BEFORE = 4e-5  # share of the load by which a state lies before its critical point
 
@@ -35,19 +35,21 @@ def verify_states(verdict: Verdict, energy: BeamEnergy, path: EquilibriumPath) -
     """Residual and stability of the last state, of some before, and of the one with the largest residual."""
     if not len(path.times):
         return
-    residuals = energy.gradients(path.states) - (0.0 if energy.way else path.times[:, None] * energy.force)
+    residuals = energy.gradients(path.states) - (
+        0.0 if energy.displacement else path.times[:, None] * energy.force
+    )
     worst = int(np.argmax(energy.share(residuals.T) / path.times))
     for row in sorted({worst} | verified_rows(path)):
         verify_state(verdict, energy, path.states[row], float(path.times[row]))
-        if energy.way:
+        if energy.displacement:
             verify_reaction(verdict, energy, path, row)
 
 
 def verify_reaction(verdict: Verdict, energy: BeamEnergy, path: EquilibriumPath, row: int) -> None:
     """The top must be where it is prescribed, and be held there by the force that the path reports."""
-    state, time, told = path.states[row], float(path.times[row]), float(path.loads[row, 1])
+    state, time, reported = path.states[row], float(path.times[row]), float(path.loads[row, 1])
     verify_place(verdict, path, row, float(state[energy.top]))
-    share = abs(float(energy.forces(state)[energy.top]) - told) / largest_load(path, row)
+    share = abs(float(energy.forces(state)[energy.top]) - reported) / largest_load(path, row)
     verdict.ask("reaction", share, max(REACTION, force_grain(path)), f"another reaction at time {time:.6g}")
 
 
@@ -58,9 +60,9 @@ def verify_state(verdict: Verdict, energy: BeamEnergy, state: np.ndarray, time: 
     least = float(np.linalg.eigvalsh(energy.relative(H))[0])
     if not least > 0.0:
         verdict.complain(f"unstable at time {time:.6g}: least eigenvalue {least:.2e} of that at rest")
-    way = float(np.sqrt(abs(residual @ np.linalg.solve(H, residual))))
+    distance = float(np.sqrt(abs(residual @ np.linalg.solve(H, residual))))
     whole = float(np.linalg.norm(solve_triangular(energy.rest_factor, energy.force, lower=True))) * time
-    verdict.ask("residual", way / whole, RESIDUAL, f"no equilibrium at time {time:.6g}")
+    verdict.ask("residual", distance / whole, RESIDUAL, f"no equilibrium at time {time:.6g}")
     verdict.numbers["least"] = min(least, verdict.numbers.get("least", least))
 
 
@@ -81,4 +83,4 @@ def verify_critical(verdict: Verdict, energy: BeamEnergy, case: Case, path: Equi
     if found is None:
         verdict.complain(f"no eigenvalue changes sign near the critical time {critical:.6g}")
         return
-    verdict.ask("confirmed", found.distance(critical), LOAD, "eigenvalue changes sign elsewhere")
+    verdict.ask("confirmed", found.offset(critical), LOAD, "eigenvalue changes sign elsewhere")

@@ -40,8 +40,8 @@ def changed(case: Case, kind: str) -> tuple[Scene, tuple[float, ...]]:
         taller = 1.0 if case.corner == "touching" else more
         spring = replace(scene.spring, active_height=scene.spring.active_height * taller)
         material = replace(scene.material, E=scene.material.E * less)
-        ways = tuple(way * more for way in scene.load.displacement)
-        load = replace(scene.load, force=(x * more, y), displacement=ways)
+        displacement = tuple(more * value for value in scene.load.displacement)
+        load = replace(scene.load, force=(x * more, y), displacement=displacement)
         return replace(scene, spring=spring, material=material, load=load), same
     length, force = _units(case, kind)
     return in_units(scene, length, force), (1.0 / length, 1.0 / length, 1.0)

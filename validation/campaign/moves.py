@@ -12,7 +12,7 @@ NUDGE = 1e-6  # wire diameters or rad, with which differences are taken
 
 
 def width(i: int, d: float) -> float:
-    """Width of a central difference in a freedom of a node."""
+    """Width of a central difference in a degree of freedom of a node."""
     return 2.0 * NUDGE * (d if i < 3 else 1.0)
 
 

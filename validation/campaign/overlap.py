@@ -1,8 +1,8 @@
-"""Whether coils pass through each other, told by code that shares nothing with the solver.
+"""Whether coils pass through each other, by code that shares nothing with the solver.
 
 The wire is a cubic curve through the nodes along its tangents there, and straight or helical pieces of the
-rigid ends; points of it, a quarter of a wire diameter apart, are held against all others by a k-d tree. The
-circles of the equivalent beam are held against all others, and in their order.
+rigid ends; points of it, a quarter of a wire diameter apart, are compared with all others by a k-d tree. The
+circles of the equivalent beam are compared with all others, and in their order.
 """
 
 from __future__ import annotations

@@ -38,7 +38,7 @@ MEANING = {
     UNEXPLAINED: "everything else",
 }
 NUMBERS = {
-    "residual": "way to the equilibrium over that from rest (beam); force left over the load (wire)",
+    "residual": "distance to the equilibrium over that from rest (beam); force left over the load (wire)",
     "branch": "difference from the run in one step and from the fine run over the largest displacement",
     "bracket": "width of the solver's bracket of a critical time, relative",
     "critical_shift": "change of a critical time by other steps or an invariance, relative",

@@ -98,7 +98,7 @@ def verify_branch(
     most = max(most, SOLVER / max(verdict.numbers.get("least", 1.0), 1e-12) ** 0.5, grain(path))
     last, largest = deviation(path, other)
     verdict.ask("branch", last, most, f"off the branch of the {name}")
-    verdict.ask("branch", largest, max(most, most_between), f"off the branch of the {name} on the way")
+    verdict.ask("branch", largest, max(most, most_between), f"off the branch of the {name} before the end")
     if other.outcome == "not_converged":
         verdict.complain(f"{path.outcome}, but the {name} ends as {other.outcome}: {other.message}")
     elif _kind(path) != _kind(other):
@@ -164,8 +164,8 @@ def verified_rows(path: EquilibriumPath) -> set[int]:
 def verify_place(verdict: Verdict, path: EquilibriumPath, row: int, y: float) -> None:
     """The top's y must be where it is prescribed."""
     scene, time = path.scene, float(path.times[row])
-    (way,) = scene.load.displacement
-    share = abs(y - scene.spring.active_height - time * way) / abs(way)
+    (displacement,) = scene.load.displacement
+    share = abs(y - scene.spring.active_height - time * displacement) / abs(displacement)
     verdict.ask("place", share, PLACE, f"top elsewhere at time {time:.6g}")
 
 

@@ -132,13 +132,13 @@ def fold(positions: Sequence[np.ndarray], times: Sequence[float]) -> float | Non
     Before a fold at T the state moves along one mode as the root of T - t.
     """
     last, first = positions[0] - positions[1], positions[1] - positions[2]
-    ways = float(np.linalg.norm(last)), float(np.linalg.norm(first))
-    if last @ first < STRAIGHT * ways[0] * ways[1]:
+    moves = float(np.linalg.norm(last)), float(np.linalg.norm(first))
+    if last @ first < STRAIGHT * moves[0] * moves[1]:
         return None
 
     def excess(T: float) -> float:
         a, b, c = (math.sqrt(T - time) for time in times)
-        return (b - a) / (c - b) - ways[0] / ways[1]
+        return (b - a) / (c - b) - moves[0] / moves[1]
 
     low, high = times[0], times[0] + (times[0] - times[2])
     if excess(low) * excess(high) > 0.0:

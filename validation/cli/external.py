@@ -32,9 +32,9 @@ def referee(arguments: argparse.Namespace, folder: Path, progress: Progress) -> 
     scene, peer = scene_of(arguments), arguments.peer
     with claimed(folder):
         progress(f"solving with wirefe and {peer}")
-        from validation.peers.comparison import bout
+        from validation.peers.comparison import compare
 
-        found = bout(scene, peer)
+        found = compare(scene, peer)
         values = {"scene": scene.name, "peer": peer, "remark": found.remark, "steps": found.rows}
         seconds = {"wirefe": found.wire.solve_seconds, peer: found.peer.seconds}
         summary = {**values, "curve_max": found.difference, "seconds": seconds}

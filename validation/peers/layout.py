@@ -1,4 +1,4 @@
-"""Where the points, spheres and pairs of a scene's wire lie, for codes that build it anew."""
+"""What a peer is given, the points, spheres and pairs of a scene's wire, and what it answers."""
 
 from __future__ import annotations
 
@@ -10,6 +10,26 @@ import numpy as np
 from coilspring import InputError, Scene
 
 PAIRS_PER_TURN = 4
+
+
+@dataclass(frozen=True)
+class Curve:
+    """Load curve of one code, as far as it was reached.
+
+    Attributes
+    ----------
+    code : name of the code.
+    times : (steps,) of the load.
+    tips : (steps, 3) UX, UY, ROTZ of the top reference point, mm, rad.
+    seconds : CPU time of the solution.
+    iterations : Newton iterations of all steps, where they are known.
+    """
+
+    code: str
+    times: np.ndarray
+    tips: np.ndarray
+    seconds: float
+    iterations: int = 0
 
 
 @dataclass(frozen=True)

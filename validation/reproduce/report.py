@@ -31,7 +31,7 @@ from validation.reproduce.tables import table1, table2, table3
 from validation.reproduce.timeclaims import TIMES
 from validation.study.cases import PathStore
 from validation.study.document import Heading, Picture, Table, Text
-from validation.study.exactrod import EXACT_ROD
+from validation.study.scenes import EXACT_ROD
 from validation.study.statements import Facts, Part, percent, statement
 
 CLAIMS: tuple[Claim, ...] = (*MECHANICS, *TIMES)

@@ -51,8 +51,8 @@ HOW_FAR = (
     "independent and small, and where the authors' values are as likely to be at the ends of our ranges as "
     "within. *Not given*: the paper says nothing on the input; *with readings*: also inputs that the paper "
     "tells in words that leave room. Inputs that the paper's own result speaks against are in the tables "
-    "below alone. Values that end short of full load have no number and are in no estimate. *The models "
-    "apart*: largest difference of the two load curves with our defaults."
+    "below alone. Values that end short of full load have no number and are in no estimate. "
+    "*Deviation of the models*: largest difference of the two load curves with our defaults."
 )
 NOT_VARIED = (
     "The wire's shear factor (0.9; books have 6/7 to 0.9), which is no input of a scene.",
@@ -65,7 +65,7 @@ NOT_VARIED = (
 )
 ESTIMATES = (
     *("case", "model", "largest single, not given (%)", "largest single, with readings (%)"),
-    *("together, not given (%)", "together, with readings (%)", "the models apart (%)"),
+    *("together, not given (%)", "together, with readings (%)", "deviation of the models (%)"),
 )
 
 
@@ -148,7 +148,7 @@ def digest(data: pd.DataFrame) -> str:
     """A case for a reader at the terminal."""
     return (
         f"{data['case'].iloc[0]}: what the paper does not give moves the curves by {_total(data):.1f} % "
-        f"together; the models are {data[DEFAULT_DEVIATION].iloc[0]:.2f} % apart"
+        f"together; the models deviate by {data[DEFAULT_DEVIATION].iloc[0]:.2f} %"
     )
 
 

@@ -61,7 +61,7 @@ def draw(studies: Sequence[pd.DataFrame]) -> Figure:
         _panel(axes, studies[i], counts[index // columns])
         axes.set_title(f"({'abcd'[index]}) {cases[i].title}")
     bars = [Patch(**LOOKS[model], label=LABELS[model]) for model in MODELS]
-    band = Patch(**BAND, label="the models apart, our defaults")
+    band = Patch(**BAND, label="deviation of the models, our defaults")
     end = Line2D([], [], linestyle="none", **END, label="a value ends short of full load (table)")
     figure.legend(handles=[*bars, band, end], loc="outside lower center", ncols=2, columnspacing=1.6)
     return figure

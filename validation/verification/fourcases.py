@@ -1,4 +1,4 @@
-"""What each refinement of the helix law is worth on the paper's four cases, for the error budget."""
+"""What each refinement of the helix law is worth on the paper's four cases."""
 
 from __future__ import annotations
 
@@ -15,9 +15,9 @@ import wirefe
 from coilspring import EquilibriumPath, Scene
 from equivbeam import Refinements
 from validation.study.cases import CASES, turned
-from validation.study.exactrod import EXACT_ROD
 from validation.study.metrics import compare_paths
 from validation.study.partialsolve import partial_path
+from validation.study.scenes import EXACT_ROD
 
 COLUMNS = ("table", "row", "case", "value")
 TABLES = ("refinements", "law", "reference with", "outside", "rod")

@@ -97,8 +97,8 @@ def errors(path: EquilibriumPath, wire: EquilibriumPath) -> dict[str, float]:
     for place, name in enumerate(COMPONENTS):
         if sizes[place] > NEGLIGIBLE * sizes.max():
             found[name] = 100.0 * float(np.abs(mine - theirs)[:, place].max() / peaks[place])
-    apart, size = (np.linalg.norm(values[:, :2], axis=1).max() for values in (mine - theirs, theirs))
-    return found | {"vector": 100.0 * float(apart / size)}
+    largest, size = (np.linalg.norm(values[:, :2], axis=1).max() for values in (mine - theirs, theirs))
+    return found | {"vector": 100.0 * float(largest / size)}
 
 
 def read_csv(path: Path = CSV) -> pd.DataFrame:

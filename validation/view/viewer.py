@@ -45,7 +45,7 @@ def main(what: str, folder: Path) -> None:
 
 
 def draw(plotter: pyvista.Plotter, frames: Frames, step: int) -> None:
-    """Put a step in the place of the one shown."""
+    """Replace the step in the picture."""
     import pyvista
 
     points, touched = frames.points[step], frames.touched

@@ -21,13 +21,12 @@ from coilspring import EquilibriumPath, InputError, Scene
 from coilspring.errors import require_names
 from validation.peers.installed import opensees
 from validation.study.cases import PAPER_MESH, solve_beam, solve_wire
-from validation.study.exactrod import EXACT_ROD
 from validation.study.machine import versions
 from validation.study.metrics import COMPONENTS, Comparison, compare_curves, compare_paths, peaks
 from validation.study.output import prepare, write_files
 from validation.study.partialsolve import partial_path
 from validation.study.provenance import write_provenance
-from validation.study.scenes import study_scenes
+from validation.study.scenes import EXACT_ROD, study_scenes
 from validation.study.timing import announced, interleaved, median_of, quartiles
 from validation.study.warmup import make_ready
 from validation.workprecision import page, results
