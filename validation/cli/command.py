@@ -166,35 +166,22 @@ def compare(arguments: argparse.Namespace) -> int:
     return _verdict(*paths.values())
 
 
-def study(arguments: argparse.Namespace) -> int:
-    """Judge the models, by one of the commands that run for minutes."""
+def long_command(arguments: argparse.Namespace) -> int:
+    """Run a study, or hand a scene to another program or to the eye."""
     with progress_shown() as progress:
-        lines, failure = studies.COMMANDS[arguments.command](arguments, _folder(arguments), progress)
+        lines, failure = LONG[arguments.command](arguments, _folder(arguments), progress)
     say(*lines)
     return _fail(REGRESSED, failure) if failure else COMPLETED
 
 
-def people(arguments: argparse.Namespace) -> int:
-    """Hand a scene to another program, or to the eye."""
-    with progress_shown() as progress:
-        lines = external.COMMANDS[arguments.command](arguments, _folder(arguments), progress)
-    say(*lines)
-    return COMPLETED
-
-
+LONG = {**studies.COMMANDS, **external.COMMANDS}
 COMMANDS = {
     "new": new,
     "check": check,
     "reproduce": reproduce,
     "solve": solve,
     "compare": compare,
-    "workprecision": study,
-    "sensitivity": study,
-    "stability": study,
-    "regress": study,
-    "export": people,
-    "referee": people,
-    "view": people,
+    **dict.fromkeys(LONG, long_command),
 }
 
 
