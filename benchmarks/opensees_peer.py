@@ -20,7 +20,7 @@ import wirefe
 from coilspring import Scene, load_scene
 from validation.peers.installed import MISSING, opensees
 from validation.study.output import write_facts
-from validation.study.partialsolve import as_far
+from validation.study.partialsolve import partial_path
 
 SCENES = ("spring-a", "spring-a-no-contact", "spring-b-no-contact")
 REPORT = Path(__file__).parents[1] / "reports" / "referee" / "opensees.md"
@@ -49,7 +49,7 @@ def wire_solver(scene: Scene) -> Solver:
     """Solve the scene with `wirefe` in a given number of steps."""
 
     def solve(steps: int) -> Solution:
-        path = as_far(wirefe.solve, scene, steps=steps)
+        path = partial_path(wirefe.solve, scene, steps=steps)
         tip = path.tips[-1] if path.outcome == "completed" else None
         return Solution(tip, path.solve_seconds, path.total_iterations)
 

@@ -16,7 +16,7 @@ from validation.reproduce.facts import facts
 from validation.reproduce.phases import SOFTER, phase_table, turned_by
 from validation.study import cases, timing
 from validation.study.document import Bullets, Picture, Table, Text
-from validation.study.exactrod import EXACT_ROD
+from validation.study.scenes import EXACT_ROD
 from validation.study.statements import Statement, rendered, within
 from validation.view import shapes
 

@@ -11,7 +11,7 @@ import wirefe
 from coilspring import Contact, Material, load_scene, spring_a, spring_b
 from validation.study import keys, store
 from validation.study.cases import PathStore
-from validation.study.partialsolve import as_far
+from validation.study.partialsolve import partial_path
 from validation.study.store import Store
 from validation.study.storedruns import _array, packed, run_key, unpacked
 
@@ -217,7 +217,7 @@ RUNS = {
 @pytest.mark.parametrize("name", RUNS)
 def test_a_path_comes_back_as_it_was_solved(name):
     model, scene, options = RUNS[name]
-    path = as_far({"equivbeam": equivbeam.solve, "wirefe": wirefe.solve}[model], scene, **options)
+    path = partial_path({"equivbeam": equivbeam.solve, "wirefe": wirefe.solve}[model], scene, **options)
     back = unpacked(packed(path), model, scene, options)
     assert (path.outcome == "completed") == ("limit" not in name)
     assert (path.options.get("pairs_found", 0) > 0) == ("found" in name)
@@ -255,7 +255,7 @@ def test_a_run_is_solved_once_complete_or_not(tmp_path, damaged):
         found = (
             paths.beam(scene),
             paths.wire(scene, elements_per_turn=8),
-            paths.wire_as_far(replace(FREE, load=scene.load), elements_per_turn=8),
+            paths.partial_wire(replace(FREE, load=scene.load), elements_per_turn=8),
         )
         return [path.outcome for path in found], sum(line.startswith("solve ") for line in lines)
 

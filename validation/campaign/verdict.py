@@ -10,7 +10,7 @@ import wirefe
 from coilspring import EquilibriumPath, Scene
 from coilspring.solving import HELD, LOST
 from validation.campaign.scenes import Case, scaled_load
-from validation.study.partialsolve import as_far
+from validation.study.partialsolve import partial_path
 
 RIGHT, CONFIRMED, THROUGH, ENDED, DEVIATES = "completed", "critical", "interpenetration", "ended", "deviation"
 REFUSED, UNEXPLAINED = "refused", "unexplained"
@@ -59,7 +59,7 @@ class Verdict:
 
 def reached(case: Case, scene: Scene | None = None, **options: object) -> EquilibriumPath:
     """Path of the case, complete or not; in another scene or with other options where given."""
-    return as_far(SOLVERS[case.model], scene or case.scene, **(dict(case.options) | options))
+    return partial_path(SOLVERS[case.model], scene or case.scene, **(dict(case.options) | options))
 
 
 def ended(path: EquilibriumPath) -> bool:

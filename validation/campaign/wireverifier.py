@@ -16,7 +16,7 @@ from validation.campaign.slipping import highest_load, sliding_pairs
 from validation.campaign.verdict import Verdict, under
 from validation.campaign.wire import WireForces, friction_of
 from validation.campaign.wiresoft import least_stiffness, vanishing
-from validation.study.partialsolve import as_far
+from validation.study.partialsolve import partial_path
 
 BALANCE = 1e-5  # of the load at the worst node; the wire stretches up to 1e6 times less than the spring
 # difference from the fine run over the largest displacement; with friction it depends on the substeps
@@ -148,7 +148,9 @@ def fold(positions: Sequence[np.ndarray], times: Sequence[float]) -> float | Non
 
 def _verify_turn(verdict: Verdict, case: Case, critical: float) -> None:
     """The traced path must be stable up to the critical time and not beyond."""
-    traced = as_far(wirefe.trace, under(case.scene, 1.05 * critical), points=POINTS, **dict(case.options))
+    traced = partial_path(
+        wirefe.trace, under(case.scene, 1.05 * critical), points=POINTS, **dict(case.options)
+    )
     times = 1.05 * critical * traced.times
     assert traced.negative_pivots is not None
     unstable = np.flatnonzero(traced.negative_pivots)

@@ -51,7 +51,7 @@ class _Version(argparse.Action):
 
 
 def command_line() -> argparse.ArgumentParser:
-    """Parser of the whole command line; an option that was not given stays unset."""
+    """Parser of the whole command line; an option that was not given is None, or False."""
     parser = _Parser(
         prog="coilcheck",
         description="Cross-validation of two models of helical compression springs whose coils touch.",
@@ -78,7 +78,8 @@ def command_line() -> argparse.ArgumentParser:
 
 def given(arguments: argparse.Namespace, names: Sequence[str]) -> dict:
     """The options among `names` that were given, by name."""
-    return {name: getattr(arguments, name) for name in names if hasattr(arguments, name)}
+    found = {name: getattr(arguments, name) for name in names}
+    return {name: value for name, value in found.items() if value is not None and value is not False}
 
 
 def scene_of(arguments: argparse.Namespace) -> Scene:
@@ -216,7 +217,6 @@ def _command(
         description=f"{purpose[0].upper()}{purpose[1:]}.",
         epilog=f"example: {example}",
         allow_abbrev=False,
-        argument_default=argparse.SUPPRESS,
     )
     if writes:
         where = "where to write; default coilcheck-out/COMMAND[-SCENE]"

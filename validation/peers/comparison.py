@@ -13,7 +13,7 @@ from validation.peers import calculix
 from validation.peers.installed import MISSING, opensees
 from validation.peers.layout import Curve
 from validation.study.metrics import COMPONENTS, NEGLIGIBLE
-from validation.study.partialsolve import as_far
+from validation.study.partialsolve import partial_path
 
 FREE = "frictionless in both codes, since springs without memory cannot tell when a pair has closed"
 
@@ -103,7 +103,7 @@ def compare(scene: Scene, peer: str) -> PeerComparison:
         scene, remark = replace(scene, contact=replace(contact, sliding="free")), FREE
     curve = PEERS[peer](scene)
     wirefe.solve(scene.with_steps(1).without_contact())  # makes the kernels ready
-    return PeerComparison(scene, as_far(wirefe.solve, scene), curve, remark)
+    return PeerComparison(scene, partial_path(wirefe.solve, scene), curve, remark)
 
 
 def _opensees(scene: Scene) -> Curve:

@@ -95,10 +95,10 @@ def gather(store: PathStore, times: pd.DataFrame) -> Evidence:
     return Evidence(
         cases={item.name: _case(store, item) for item in CASES},
         times=times,
-        frictionless=store.wire_as_far(frictionless(scene)),
+        frictionless=store.partial_wire(frictionless(scene)),
         sticking=compare_paths(store.beam(scene, sliding="scene"), store.wire(scene)),
         stepped={n: float(store.wire(scene, steps=n).tips[-1, 1]) for n in STEPS},
-        overloaded=store.beam_as_far(overloaded(scene)),
+        overloaded=store.partial_beam(overloaded(scene)),
         phases=over_phases(store),
     )
 

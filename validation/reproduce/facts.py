@@ -120,7 +120,7 @@ def _limits(evidence: Evidence) -> dict[str, object]:
         "limit.last": float(path.times[-1]),
         "limit.uy": float(path.tips[-1, 1]),
         "limit.closed": int(path.active_contacts[-1]),
-        "limit.apart": float(abs(path.tips[-1, 1] - held.tips[len(path.times) - 1, 1])),
+        "limit.difference": float(abs(path.tips[-1, 1] - held.tips[len(path.times) - 1, 1])),
         "limit.beam": evidence.overload if evidence.overloaded.critical_time is not None else None,
         "limit.beam_outcome": evidence.overloaded.outcome.replace("_", " "),
         "sticking.shape": evidence.sticking.shape_max,

@@ -56,7 +56,7 @@ def span(values: Sequence[float], digits: int) -> str:
 def matching(f: Facts) -> str:
     error = {name: percent(value) for name, value in curves(f).items()}
     meshes = [100.0 * f[f"{name}.mesh"] for name in CASE_NAMES]
-    verb = "matches" if match.judge(f).verdict == AGREES else "does not match"
+    verb = "matches" if match.assess(f).verdict == AGREES else "does not match"
     return (
         f"**The equivalent beam {verb} the wire model where the helix starts in the working plane.** "
         f"Curves are apart by at most {error['spring-a']} (Spring A) and {error['spring-b']} (Spring B) "
@@ -70,7 +70,7 @@ def matching(f: Facts) -> str:
 
 @statement("findings.softer")
 def softer(f: Facts) -> str:
-    verdicts = {softer_bare.judge(f).verdict, softer_contact.judge(f).verdict}
+    verdicts = {softer_bare.assess(f).verdict, softer_contact.assess(f).verdict}
     head = (
         "Which model is softer cannot be decided."
         if verdicts == {UNDECIDED}
@@ -102,7 +102,7 @@ def faster(f: Facts) -> str:
     )
     cheap = (
         'so "very expensive" is not the method\'s.'
-        if cost.judge(f).verdict != AGREES
+        if cost.assess(f).verdict != AGREES
         else 'so FE is "very expensive", as the paper says.'
     )
     return (
@@ -213,7 +213,7 @@ def phase(f: Facts) -> str:
     moved = max(abs(f[value]) for value in values)
     angles = (90, 270)
     helix = max(f[FOUR.format("law", f"helix law, start phase {angle} degrees", BARE_A)] for angle in angles)
-    apart = dict(zip(f["phases.bare.degrees"], f["phases.bare.apart"], strict=True))
+    apart = dict(zip(f["phases.bare.degrees"], f["phases.bare.difference"], strict=True))
     paper = max(apart[angle] for angle in apart if angle % 180 == 90)
     know = "can" if helix < 100.0 * paper else "does not"
     return (

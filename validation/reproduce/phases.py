@@ -41,7 +41,7 @@ def turned_by(store: PathStore, scene: Scene, degrees: int, pairs: object) -> di
     curves over the wire model's peak. Nothing of these where a path ends early, as ``outcome`` says.
     """
     scene = turned(scene, degrees) if degrees else scene
-    beam, wire = store.beam_as_far(scene), store.wire_as_far(scene, pairs_per_turn=pairs)
+    beam, wire = store.partial_beam(scene), store.partial_wire(scene, pairs_per_turn=pairs)
     row: dict[str, object] = {"pairs_per_turn": pairs, "degrees": degrees, "outcome": "completed"}
     for path in (wire, beam):
         if path.outcome != "completed":
@@ -76,7 +76,7 @@ def phase_facts(found: pd.DataFrame) -> dict[str, object]:
     facts: dict[str, object] = {}
     for kind, rows in found[found["outcome"] == "completed"].groupby("contact", sort=False):
         facts[f"phases.{kind}.degrees"] = tuple(rows["degrees"].tolist())
-        facts[f"phases.{kind}.apart"] = tuple(rows["difference"].tolist())
+        facts[f"phases.{kind}.difference"] = tuple(rows["difference"].tolist())
         facts[f"phases.{kind}.softer"] = tuple(rows[[*SOFTER]].min(axis=1).astype(int).tolist())
         facts |= {f"phases.{kind}.{name}": tuple(rows[name].tolist()) for name in COMPONENTS}
     return facts

@@ -61,7 +61,7 @@ def changes(case: Case, progress: Callable[[str], None]) -> pd.DataFrame:
 def _solved(store: PathStore, model: str, variant: Variant) -> TipCurve:
     if variant.rise:
         return raised(variant.scene, model, variant.rise)
-    solve = store.beam_as_far if model == BEAM else store.wire_as_far
+    solve = store.partial_beam if model == BEAM else store.partial_wire
     return TipCurve.of(solve(variant.scene, **variant.options))
 
 

@@ -19,7 +19,7 @@ from equivbeam.problem import beam_problem
 from equivbeam.rendering import BeamShape
 from equivbeam.solve import KERNELS as BEAM_KERNELS
 from validation.study.cases import PAPER_MESH
-from validation.study.partialsolve import as_far
+from validation.study.partialsolve import partial_path
 from wirefe.shape import WireShape
 from wirefe.solve import KERNELS as WIRE_KERNELS
 from wirefe.solve import scene_problem
@@ -73,7 +73,7 @@ def raised(scene: Scene, model: str, height: float) -> TipCurve:
 
 def followed(scene: Scene, model: str, moment: float) -> TipCurve:
     """Tip curve of the reference point, the force there accompanied by a dead moment, N mm, at time 1."""
-    return TipCurve.of(as_far({"equivbeam": _beam, "wirefe": _wire}[model], scene, moment=moment))
+    return TipCurve.of(partial_path({"equivbeam": _beam, "wirefe": _wire}[model], scene, moment=moment))
 
 
 def _beam(scene: Scene, moment: float) -> EquilibriumPath:

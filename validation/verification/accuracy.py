@@ -33,11 +33,11 @@ def checks() -> list[Check]:
     return [*rodcases.checks(), *momentcase.checks(), *springcases.checks()]
 
 
-def write_page(path: str | Path) -> bool:
-    """Solve all checks and write the page; whether all passed."""
+def write_page(path: Path, record: Path) -> bool:
+    """Solve all checks, write the page, and the facts into the folder `record`; whether all passed."""
     found = checks()
     table = Table(HEADER, tuple(check.row for check in found))
-    write_text(Path(path), to_markdown((Text(HEAD), table, *curvature.blocks())))
+    write_text(path, to_markdown((Text(HEAD), table, *curvature.blocks())))
     fewest = [check.error for check in found if check.name.startswith("G13, ") and FEWEST in check.data]
     failed = sum(not check.passed for check in found)
     numbers = {
@@ -46,9 +46,9 @@ def write_page(path: str | Path) -> bool:
         "curved": max(fewest),
         "curvature": curvature.too_soft(),
     }
-    write_facts(numbers, RECORD)
+    write_facts(numbers, record)
     return all(check.passed for check in found)
 
 
 if __name__ == "__main__":
-    sys.exit(0 if write_page(PAGE) else 1)
+    sys.exit(0 if write_page(PAGE, RECORD) else 1)

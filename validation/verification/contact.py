@@ -182,14 +182,14 @@ def facts(
     return found | {"search.along": limit["circ"]}
 
 
-def write_page(path: str | Path) -> None:
-    """Solve all and write the page."""
+def write_page(path: Path, record: Path) -> None:
+    """Solve all, write the page, and the facts into the folder `record`."""
     pairs = measured(PAIRS, REPEATS)
     exponents, friction, search = map(measured, (EXPONENTS, FRICTION, SEARCH))
     limit = limit_point()
-    write_text(Path(path), page(pairs, exponents, friction, search, limit))
-    write_facts(facts(pairs, friction, search, limit), RECORD)
+    write_text(path, page(pairs, exponents, friction, search, limit))
+    write_facts(facts(pairs, friction, search, limit), record)
 
 
 if __name__ == "__main__":
-    write_page(PAGE)
+    write_page(PAGE, RECORD)

@@ -12,7 +12,7 @@ from scipy.spatial import cKDTree
 
 import wirefe
 from coilspring import Contact, EquilibriumPath, Scene, spring_a, spring_b
-from validation.study.partialsolve import as_far
+from validation.study.partialsolve import partial_path
 from wirefe.model import ContactArrays
 from wirefe.shape import sphere_centres
 
@@ -46,7 +46,7 @@ class Run:
     def solved(self) -> EquilibriumPath:
         """Its path, as far as it goes."""
         mesh = {"element": "curved", "elements_per_turn": self.pairs} if self.curved else {}
-        return as_far(wirefe.solve, self.scene, steps=self.steps, pairs_per_turn=self.pairs, **mesh)
+        return partial_path(wirefe.solve, self.scene, steps=self.steps, pairs_per_turn=self.pairs, **mesh)
 
 
 def measured(runs: Iterable[Run], repeats: int = 1) -> pd.DataFrame:

@@ -15,9 +15,9 @@ import wirefe
 from coilspring import EquilibriumPath, Scene
 from equivbeam import Refinements
 from validation.study.cases import CASES, turned
-from validation.study.exactrod import EXACT_ROD
 from validation.study.metrics import compare_paths
-from validation.study.partialsolve import as_far
+from validation.study.partialsolve import partial_path
+from validation.study.scenes import EXACT_ROD
 
 COLUMNS = ("table", "row", "case", "value")
 TABLES = ("refinements", "law", "reference with", "outside", "rod")
@@ -78,12 +78,12 @@ def error(path: EquilibriumPath, reference: EquilibriumPath) -> float:
 def law_error(reference: EquilibriumPath, refinements: Refinements | None = None) -> float:
     """Error of the helix law with some of its refinements, by default all, per cent."""
     options = {"law": "helix", "sliding": "scene", "refinements": refinements or Refinements()}
-    return error(as_far(equivbeam.solve, reference.scene, **options), reference)
+    return error(partial_path(equivbeam.solve, reference.scene, **options), reference)
 
 
 def case_numbers(scene: Scene) -> Iterator[tuple[str, str, float]]:
     """Table, row and value of all numbers of a case; not a number where a case has none."""
-    reference = as_far(wirefe.solve, scene, **CONVERGED)
+    reference = partial_path(wirefe.solve, scene, **CONVERGED)
     on = NOTHING
     yield "refinements", "Haringx, the paper's law", law_error(reference, on)
     for stage in STAGES:
@@ -96,10 +96,10 @@ def case_numbers(scene: Scene) -> Iterator[tuple[str, str, float]]:
     for degrees in (45, 90, 270):
         yield "law", f"helix law, start phase {degrees} degrees", phase_error(scene, degrees)
     pairs = reference.options["pairs_per_turn"]
-    coarse = as_far(wirefe.solve, scene, element="curved", elements_per_turn=8, pairs_per_turn=pairs)
+    coarse = partial_path(wirefe.solve, scene, element="curved", elements_per_turn=8, pairs_per_turn=pairs)
     yield "reference with", "8 elements a turn", error(coarse, reference)
     if scene.contact.enabled:
-        more = as_far(wirefe.solve, scene, **CONVERGED, pairs_per_turn=2 * pairs)  # type: ignore[operator]
+        more = partial_path(wirefe.solve, scene, **CONVERGED, pairs_per_turn=2 * pairs)  # type: ignore[operator]
         yield "reference with", "twice the pairs a turn", error(more, reference)
     if scene.contact.enabled and scene.contact.sliding == "none":
         yield "outside", "normal forces", outside_share(reference)

@@ -15,7 +15,7 @@ import wirefe
 from coilspring import EquilibriumPath, Scene
 from coilspring.sizing import middle_diameter
 from validation.study.metrics import answered
-from validation.study.partialsolve import as_far
+from validation.study.partialsolve import partial_path
 from validation.verification.randomscenes import Drawn, population
 
 CSV = Path("reports/errorbudget/randomsprings.csv")
@@ -54,7 +54,7 @@ def row(drawn: Drawn) -> dict[str, Any]:
         "reference": errors(other, wire)["vector"],
     }
     for law in LAWS:
-        path = as_far(equivbeam.solve, scene, law=law)
+        path = partial_path(equivbeam.solve, scene, law=law)
         found[law] = path.outcome
         found |= {f"{law}_{name}": value for name, value in errors(path, wire).items()}
     return found
@@ -66,7 +66,7 @@ def reference(scene: Scene, elements: int | None = None, pairs: int = PAIRS) -> 
     options = {"element": "curved", "elements_per_turn": elements}
     if scene.contact.enabled:
         options["pairs_per_turn"] = pairs
-    return as_far(wirefe.solve, scene, **options)
+    return partial_path(wirefe.solve, scene, **options)
 
 
 def closed(wire: EquilibriumPath) -> int:

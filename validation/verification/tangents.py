@@ -10,8 +10,8 @@ import pandas as pd
 import equivbeam
 from coilspring import EquilibriumPath, Scene, load_scene
 from validation.study.document import Block, Heading, Table, Text, to_markdown
-from validation.study.output import write_text
-from validation.study.partialsolve import as_far
+from validation.study.output import write_facts, write_text
+from validation.study.partialsolve import partial_path
 from validation.study.timing import interleaved
 
 PAGE, RECORD = Path("docs/tangents.md"), Path("reports/tangents")
@@ -34,7 +34,7 @@ are factorisations, rejected attempts included; times are medians of rounds in w
 the ratio is formed within each round."""
 
 
-def by_case() -> list[Block]:
+def by_case() -> tuple[Heading, Table]:
     """Iterations and time of 50 steps; times are medians of rounds in which the tangents take turns."""
     rows = []
     for case in CASES:
@@ -48,7 +48,7 @@ def by_case() -> list[Block]:
             time = 1e3 * times[tangent].median()
             rows.append((case, tangent, *counts, f"{time:.2f}", f"{ratios[tangent]:.1f}"))
     header = ("case", "tangent", "iterations", "a step, most", "CPU, ms", "over exact")
-    return [Heading(2, "Fifty steps"), Table(header, tuple(rows))]
+    return Heading(2, "Fifty steps"), Table(header, tuple(rows))
 
 
 def _seconds(scene: Scene, tangent: str) -> float:
@@ -74,7 +74,7 @@ def by_steps() -> list[Block]:
 
 def follow(scene: Scene, tangent: str, steps: int) -> EquilibriumPath:
     """Path of the equivalent beam with a tangent, as far as it goes."""
-    return as_far(equivbeam.solve, scene, tangent=tangent, steps=steps)
+    return partial_path(equivbeam.solve, scene, tangent=tangent, steps=steps)
 
 
 def result(path: EquilibriumPath) -> str:
@@ -86,4 +86,6 @@ def result(path: EquilibriumPath) -> str:
 
 
 if __name__ == "__main__":
-    write_text(PAGE, to_markdown((Text(HEAD), *by_case(), *by_steps())))
+    heading, fifty = by_case()
+    write_text(PAGE, to_markdown((Text(HEAD), heading, fifty, *by_steps())))
+    write_facts({f"{case}.{tangent}": int(count) for case, tangent, count, *_ in fifty.rows}, RECORD)

@@ -14,7 +14,7 @@ import pandas as pd
 from coilspring import EquilibriumPath, Scene
 from validation.study.cases import solve_beam, solve_wire
 from validation.study.metrics import compare_paths
-from validation.study.partialsolve import as_far
+from validation.study.partialsolve import partial_path
 from validation.study.timing import announced, interleaved, quartiles
 from validation.workprecision.results import row
 from validation.workprecision.settings import PAIRS, PAPER_ELEMENTS, PAPER_LAW, STEPS, Setting
@@ -31,7 +31,7 @@ def penalty_rows(scene: Scene, rounds: int, progress: Callable[[str], None]) -> 
     """Errors and times of both models; all penalties of both run in turn, round after round."""
 
     def solved(setting: Setting, penalty: float) -> EquilibriumPath:
-        return as_far(SOLVES[setting], scene, penalty=penalty)
+        return partial_path(SOLVES[setting], scene, penalty=penalty)
 
     progress(f"{scene.name}: hard contact")
     hard = {setting: solved(setting, HARD) for setting in SOLVES}

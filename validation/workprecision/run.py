@@ -21,13 +21,12 @@ from coilspring import EquilibriumPath, InputError, Scene
 from coilspring.errors import require_names
 from validation.peers.installed import opensees
 from validation.study.cases import PAPER_MESH, solve_beam, solve_wire
-from validation.study.exactrod import EXACT_ROD
 from validation.study.machine import versions
 from validation.study.metrics import COMPONENTS, Comparison, compare_curves, compare_paths, peaks
 from validation.study.output import prepare, write_files
-from validation.study.partialsolve import as_far
+from validation.study.partialsolve import partial_path
 from validation.study.provenance import write_provenance
-from validation.study.scenes import study_scenes
+from validation.study.scenes import EXACT_ROD, study_scenes
 from validation.study.timing import announced, interleaved, median_of, quartiles
 from validation.study.warmup import make_ready
 from validation.workprecision import page, results
@@ -113,7 +112,7 @@ def study(scene: Scene, extent: Extent, progress: Progress) -> pd.DataFrame:
 
 def reached(scene: Scene, setting: Setting) -> EquilibriumPath:
     """Path of one setting, complete or as far as it was reached."""
-    return as_far(solve_wire if setting.mesh else solve_beam, scene, **setting.options)
+    return partial_path(solve_wire if setting.mesh else solve_beam, scene, **setting.options)
 
 
 def _seconds(scene: Scene, setting: Setting, known: EquilibriumPath) -> float:
@@ -163,7 +162,7 @@ def _peer_rows(
         progress(f"{scene.name}: {setting.label}")
         runs, ratios = [], []
         for _ in range(extent.peer_rounds):
-            beside = as_far(solve_wire, scene, **PAPER_MESH).solve_seconds
+            beside = partial_path(solve_wire, scene, **PAPER_MESH).solve_seconds
             runs.append(peer.run(scene, steps, peer.tolerance(scene), elements_per_turn=mesh))
             ratios.append(runs[-1].seconds / beside)
         run = runs[-1]
