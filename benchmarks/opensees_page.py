@@ -52,6 +52,12 @@ class Duel:
         """Largest relative difference of the tips."""
         return distance(self.tips[1], self.tips[0])
 
+    @property
+    def ratio(self) -> float:
+        """OpenSees' time over wirefe's, median of the rounds."""
+        wire, peer = self.seconds.T
+        return float(np.median(peer / wire))
+
     def row(self) -> tuple[str, ...]:
         """Row of the table of times."""
         wire, peer = self.seconds.T
@@ -83,6 +89,13 @@ def distance(tip: np.ndarray, reference: np.ndarray) -> float:
 def spread(values: np.ndarray, form: str) -> str:
     """Median (min-max)."""
     return f"{np.median(values):{form}} ({values.min():{form}}-{values.max():{form}})"
+
+
+def facts(duels: Sequence[Duel]) -> dict[str, float]:
+    """Median ratios of the times, and the difference of the tips in equal steps, per cent."""
+    found = {f"opensees.{duel.scene}.{duel.kind}": duel.ratio for duel in duels}
+    equal = [duel for duel in duels if duel.kind == "equal"]
+    return found | {f"opensees.{duel.scene}.difference": 100.0 * duel.difference for duel in equal}
 
 
 def page(duels: Sequence[Duel], repeats: int, tolerance: float) -> str:

@@ -14,12 +14,13 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from opensees_page import AGREEMENT, LADDER, STEPS, Duel, distance, page
+from opensees_page import AGREEMENT, LADDER, STEPS, Duel, distance, facts, page
 
 import wirefe
 from coilspring import Scene, load_scene
 from validation.peers.installed import MISSING, opensees
-from validation.study.partialsolve import as_far
+from validation.study.output import write_facts
+from validation.study.partialsolve import partial_path
 
 SCENES = ("spring-a", "spring-a-no-contact", "spring-b-no-contact")
 REPORT = Path(__file__).parents[1] / "reports" / "referee" / "opensees.md"
@@ -48,7 +49,7 @@ def wire_solver(scene: Scene) -> Solver:
     """Solve the scene with `wirefe` in a given number of steps."""
 
     def solve(steps: int) -> Solution:
-        path = as_far(wirefe.solve, scene, steps=steps)
+        path = partial_path(wirefe.solve, scene, steps=steps)
         tip = path.tips[-1] if path.outcome == "completed" else None
         return Solution(tip, path.solve_seconds, path.total_iterations)
 
@@ -159,6 +160,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     print(text, flush=True)
     options.out.parent.mkdir(parents=True, exist_ok=True)
     options.out.write_text(text, encoding="utf-8")
+    write_facts(facts(duels), options.out.parent)
     return int(any(duel.difference > AGREEMENT for duel in duels))
 
 

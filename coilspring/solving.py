@@ -349,7 +349,8 @@ def _verdict(track: Track, work: float) -> tuple[str, str, float | None]:
     """Outcome, message and critical time."""
     if track.outcome == COMPLETED:
         return "completed", "the load path was followed to time 1", None
-    where = f"between time {track.time:.6f} and {track.time + track.bracket:.6f}"
+    begin, end = f"{track.time:.6f}", f"{track.time + track.bracket:.6f}"
+    where = f"between time {begin} and {end}" if begin != end else f"at time {begin}"
     if track.outcome == OVERLAP:
         return "interpenetration", f"{THROUGH} {where}", None
     if track.outcome == CRITICAL:

@@ -27,7 +27,7 @@ CHECKS = (
 
 
 def test_page(tmp_path):
-    assert write_page(tmp_path / "page.md")
+    assert write_page(tmp_path / "page.md", tmp_path)
     page, _, curvature = (tmp_path / "page.md").read_text(encoding="utf-8").partition("\n## ")
     rows = [row for row in page.splitlines() if row.startswith("| ")]
     assert {len(row.split(" | ")) for row in rows} == {10}

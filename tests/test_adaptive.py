@@ -10,7 +10,7 @@ import pytest
 
 import wirefe
 from coilspring import load_scene
-from validation.study.partialsolve import as_far
+from validation.study.partialsolve import partial_path
 
 CASES = ("spring-a", "spring-a-no-contact", "spring-b-no-contact")
 SMALL = {"element": "curved", "elements_per_turn": 8}
@@ -18,7 +18,7 @@ FULL = {"element": "straight", "elements_per_turn": 40}
 
 
 def followed(scene, steps, mesh):
-    return as_far(wirefe.solve, scene, steps=steps, **mesh)
+    return partial_path(wirefe.solve, scene, steps=steps, **mesh)
 
 
 def sliding(name, kind, friction=None):
@@ -80,7 +80,7 @@ def confirmed(penalty, steps, mesh):
     assert {path.outcome for path in paths} == {"limit_point"}
     critical = np.array([path.critical_time for path in paths])
     assert np.ptp(critical) < 1e-7  # measured: 3e-8 at 1e7, less below
-    traced = as_far(wirefe.trace, scene, points=400 if penalty == 1e7 else 120, **mesh)
+    traced = partial_path(wirefe.trace, scene, points=400 if penalty == 1e7 else 120, **mesh)
     stable = traced.negative_pivots == 0
     beyond = np.flatnonzero(~stable)
     # with the hardest contact the arcs get so short that the last points come near the limit, not past it

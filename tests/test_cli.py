@@ -103,7 +103,7 @@ def test_options_reach_the_model(tmp_path):
 def test_a_path_that_ends_early_is_written_as_far_as_it_goes(steps, tmp_path, capsys):
     arguments = ["solve", "spring-b", "--model", "equivbeam", "--penalty", "400", "--steps", str(steps)]
     assert main([*arguments, "--out", str(tmp_path)]) == 3
-    assert "limit point between time 0.98" in sentence(capsys)
+    assert "limit point at time 0.98" in sentence(capsys)
     rows = read_rows(tmp_path / "path.csv")
     assert [row["time"] for row in rows] == [i / steps for i in range(1, steps) if i / steps < 0.98376]
     found = read_json(tmp_path / "summary.json")
@@ -219,7 +219,7 @@ def test_a_driven_spring_shows_its_force(tmp_path, capsys):
 
 def test_compare_of_a_path_that_ends_early_compares_the_common_part(tmp_path, capsys):
     assert main(["compare", free_spring_b(tmp_path), "--steps", "10", "--out", str(tmp_path)]) == 3
-    assert sentence(capsys).startswith("wirefe: limit point between time 0.6")
+    assert sentence(capsys).startswith("wirefe: limit point at time 0.6")
     found = read_json(tmp_path / "compare.json")
     assert found["outcomes"] == {"equivbeam": "completed", "wirefe": "limit_point"}
     assert (found["steps"], found["last_time"]) == (6, 0.6)

@@ -29,9 +29,9 @@ from equivbeam.laws.helix import HIGH, LOW, U0, axial, helix_response
 from equivbeam.laws.helixrows import helix_rows
 from equivbeam.model import build_model
 from equivbeam.options import BeamOptions
-from validation.study.exactrod import EXACT_ROD
 from validation.study.metrics import compare_paths
-from validation.study.partialsolve import as_far
+from validation.study.partialsolve import partial_path
+from validation.study.scenes import EXACT_ROD
 
 ALL = Refinements()
 NONE = Refinements(**dict.fromkeys(vars(ALL), False))
@@ -292,7 +292,7 @@ def test_buckling_load_changes_with_the_law():
         found.append(caught.value.critical_time)
     assert found[1] == pytest.approx(found[0], rel=0.03)
     assert found[1] != pytest.approx(found[0], rel=1e-4)
-    bowed = as_far(equivbeam.solve, scene, law="helix")
+    bowed = partial_path(equivbeam.solve, scene, law="helix")
     assert bowed.outcome != "bifurcation"
 
 

@@ -28,7 +28,7 @@ CONE = Scene("cone", Spring(1.5, (20.0, 8.0), 6.0, 24.0), Load(displacement=(-12
 CURVED = {"element": "curved", "elements_per_turn": 8}
 
 
-def as_far(model, scene, **options):
+def partial_path(model, scene, **options):
     try:
         return model.solve(scene, **options)
     except EquilibriumNotFound as found:
@@ -52,7 +52,7 @@ def dense_overlap(path, step, per_turn=80):
     ids=["a", "b", "b without", "cone"],
 )
 def test_overlap_is_that_of_a_dense_search(scene):
-    path = as_far(wirefe, scene, steps=5, **CURVED)
+    path = partial_path(wirefe, scene, steps=5, **CURVED)
     d = scene.spring.wire_diameter
     dense = np.array([dense_overlap(path, step) for step in range(len(path.times))])
     found = path.shape.overlaps(path.states)
@@ -83,7 +83,7 @@ def test_wires_that_pass_between_spheres_end_the_path(scene, steps):
     """By spheres alone, overlaps of 0.98 and 0.58 diameters completed; steps decide nothing."""
     ends = []
     for count in steps:
-        path = as_far(wirefe, scene, steps=count, **CURVED)
+        path = partial_path(wirefe, scene, steps=count, **CURVED)
         assert path.outcome == "interpenetration"
         assert "pass through each other" in path.message
         assert path.critical_time is None
@@ -128,7 +128,7 @@ def test_scenes_without_contact_are_followed_and_told():
 def test_soft_pairs_that_give_way_are_not_blamed_on_the_wire():
     """What the pairs themselves penetrate is the penalty's, and a caution of its own."""
     soft = replace(PRESSED_B, load=Load(displacement=(-12.0,)), contact=Contact(stiffness=30.0))
-    path = as_far(wirefe, soft, steps=5, **CURVED)
+    path = partial_path(wirefe, soft, steps=5, **CURVED)
     assert path.max_penetration[-1] > 0.1
     assert path.outcome == "completed"
 

@@ -10,10 +10,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+import wirefe
 from coilspring import InputError, load_scene, spring_a, spring_b
 from validation.cli import main
-from validation.peers import calculix
-from validation.peers.layout import layout
+from validation.peers import calculix, page
+from validation.peers.comparison import PeerComparison
+from validation.peers.layout import Curve, layout
 from wirefe.mesh import mesh_wire, place_spheres
 
 ROOT = Path(__file__).parents[1]
@@ -151,3 +153,36 @@ def test_calculix_agrees_as_far_as_its_solids_are_beams(tmp_path):
 def test_a_stage_is_refused():
     with pytest.raises(InputError, match=r"load\.force must be given for calculix"):
         calculix.deck(load_scene(ROOT / "examples" / "stages.toml"))
+
+
+def compared(steps, reached, factor=1.0):
+    """Spring B by the wire model, and a peer that answers the same times a factor, as far as it goes."""
+    wire = wirefe.solve(spring_b(), steps=steps)
+    curve = Curve("opensees", wire.times[:reached], factor * wire.tips[:reached], 2.0)
+    return PeerComparison(spring_b().with_steps(steps), wire, curve)
+
+
+def test_the_difference_is_of_the_peak_as_far_as_both_go():
+    assert compared(4, 4, 1.001).difference == pytest.approx(1e-3)
+    assert compared(4, 2, 1.001).difference == pytest.approx(1e-3)
+    nothing = compared(4, 0)
+    assert np.isnan(nothing.difference)
+    assert nothing.lines()[-1] == "no step in common"
+    assert "opensees: no step reached" in nothing.lines()[1]
+
+
+def test_curves_stand_side_by_side():
+    rows = compared(4, 2).csv().splitlines()
+    assert rows[0] == "time,ux_wirefe,uy_wirefe,rotz_wirefe,ux_opensees,uy_opensees,rotz_opensees"
+    assert len(rows) == 5
+    assert rows[2].startswith("0.5,")
+    assert rows[3].endswith(",,,")  # a step that the peer has not reached
+
+
+def test_the_page_has_both_codes_at_the_last_common_step():
+    text = page.page("opensees", {"spring-b": compared(4, 2, 1.001)})
+    first, second = (line for line in text.splitlines() if "| wirefe |" in line or "| opensees |" in line)
+    cells = [cell.strip() for cell in first.strip("|").split("|")]
+    assert cells[:5] == ["spring-b", "4", "2", "0.5", "wirefe"]
+    assert "| 0.1000 | 2 |" in second
+    assert "steps, opensees" in text

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
+import pandas as pd
 import pytest
 
 from test_statements import NAMES, NUMBER
@@ -12,15 +13,14 @@ from validation.reproduce import methods, report
 from validation.reproduce.claims import DIFFERS, VERDICTS
 from validation.reproduce.evidence import Evidence, frictionless, gather
 from validation.reproduce.facts import facts
-from validation.reproduce.phases import phase_table, turned_by
+from validation.reproduce.phases import SOFTER, phase_table, turned_by
 from validation.study import cases, timing
-from validation.study.document import Bullets, Picture, Table, Text, to_html, to_markdown
-from validation.study.exactrod import EXACT_ROD
+from validation.study.document import Bullets, Picture, Table, Text
+from validation.study.scenes import EXACT_ROD
 from validation.study.statements import Statement, rendered, within
 from validation.view import shapes
 
 STORE = cases.PathStore(lambda line: None)
-PNG = b"\x89PNG\r\n\x1a\n"
 
 
 @pytest.fixture(scope="module")
@@ -28,19 +28,24 @@ def evidence() -> Evidence:
     return gather(STORE, measured())
 
 
-def measured() -> timing.Measurement:
+def measured() -> pd.DataFrame:
     """Times that nobody measured: the paper's, as if they were ours."""
-    rows = [
-        timing.Timing(case, *(spread(value) for value in ratios), (1, 2, 3), 5)
-        for case in cases.CASES
-        for ratios in [(case.paper_wire / case.paper_beam, case.paper_wire, case.paper_beam, case.paper_beam)]
-    ]
-    names = ("date", "processor", "cores", "system", "versions")
-    return timing.Measurement(tuple(rows), dict.fromkeys(names, "none"))
-
-
-def spread(value: float) -> timing.Spread:
-    return timing.Spread(value, value, value)
+    rows = []
+    for case in cases.CASES:
+        seconds = {"wire_seconds": case.paper_wire, "beam_seconds": case.paper_beam}
+        seconds |= {"beam_paper_tangent_seconds": case.paper_beam, "ratio": case.paper_wire / case.paper_beam}
+        spreads = {
+            key: n for name, value in seconds.items() for key, n in timing.quartiles(name, [value]).items()
+        }
+        rows.append({"case": case.name, "reduction_percent": 1.0, "paper_reduction_percent": 1.0, **spreads})
+        rows[-1] |= dict.fromkeys(("wire_iterations", "beam_iterations", "beam_paper_tangent_iterations"), 1)
+        rows[-1] |= {
+            "rounds": 5,
+            "paper_wire_seconds": case.paper_wire,
+            "paper_beam_seconds": case.paper_beam,
+        }
+        rows[-1] |= dict.fromkeys(("measured", "processor", "cores", "system", "versions"), "none")
+    return pd.DataFrame(rows)
 
 
 def page(evidence: Evidence) -> tuple[list, tuple]:
@@ -85,24 +90,24 @@ def test_the_headline_follows_the_curves(evidence):
 def test_a_path_that_ends_is_not_compared():
     """Frictionless Spring B, whose wire model ends at a limit point."""
     row = turned_by(STORE, frictionless(cases.case("spring-b").scene), 0, 4)
-    assert row.outcome.startswith("limit point at t = 0.65")
-    assert row.farther == row.softer == ()
+    assert row.keys() == {"pairs_per_turn", "degrees", "outcome"}
+    assert row["outcome"].startswith("limit point at t = 0.65")
 
 
 def test_a_phase_that_is_not_completed_is_told_and_not_counted(evidence):
-    broken = replace(evidence.phases["many"][1], outcome="limit point at t = 0.500", farther=(), softer=())
-    many = (evidence.phases["many"][0], broken, *evidence.phases["many"][2:])
-    found = replace(evidence, phases={**evidence.phases, "many": many})
-    assert facts(found)["phases.many.degrees"] == (0, *range(60, 360, 30))
-    assert "limit point at t = 0.500" in phase_table(found.phases).rows[1]
+    broken = evidence.phases.copy()
+    place = broken.index[(broken["contact"] == "many") & (broken["degrees"] == 30)][0]
+    broken.loc[place, "outcome"] = "limit point at t = 0.500"
+    assert facts(replace(evidence, phases=broken))["phases.many.degrees"] == (0, *range(60, 360, 30))
+    assert "limit point at t = 0.500" in phase_table(broken).rows[1]
 
 
 def test_the_sign_changes_with_the_phase(evidence):
     """Spring A without contact: the beam is softer all along at 30 degrees, as the paper says."""
-    bare = {row.degrees: row for row in evidence.phases["bare"]}
-    assert bare[30].softer == (50, 50, 50)
-    assert bare[90].farther[1] == pytest.approx(0.019, abs=1e-3)
-    assert bare[270].farther[1] == pytest.approx(-0.017, abs=1e-3)
+    bare = evidence.phases[evidence.phases["contact"] == "bare"].set_index("degrees")
+    assert bare.loc[30, list(SOFTER)].tolist() == [50, 50, 50]
+    assert bare.loc[90, "uy"] == pytest.approx(0.019, abs=1e-3)
+    assert bare.loc[270, "uy"] == pytest.approx(-0.017, abs=1e-3)
 
 
 def test_mesh_error_estimate_meets_the_exact_rod(evidence):
@@ -131,19 +136,16 @@ def test_bands_cover_their_share_of_the_wire():
     assert len(pieces) == 2 * shapes.BANDS_PER_TURN
     share = sum(len(piece) - 1 for piece in pieces) / (len(points) - 1)
     assert share == pytest.approx(shapes.BAND_SHARE)
+    both = pieces + shapes.spaces(points)
+    assert sum(len(piece) - 1 for piece in both) == len(points) - 1  # both models together, once each
+
+
+def test_the_frame_of_a_picture_holds_the_wires():
+    points = np.array([[-10.0, 0.0, 0.0], [10.0, 0.0, 0.0], [0.0, 30.0, 0.0]])
+    centre, half = shapes.picture_frame(points, 1.5)
+    seen = (points - centre) @ shapes.view()[:2].T
+    assert np.abs(seen).max() == pytest.approx(half - 1.5)
 
 
 def test_spread_is_median_and_quartiles():
-    assert timing.Spread.of([4.0, 1.0, 2.0, 3.0, 5.0]) == timing.Spread(3.0, 2.0, 4.0)
-
-
-def test_document(tmp_path):
-    (tmp_path / "a.png").write_bytes(PNG)
-    blocks = (Text("**bold** & `code`"), Table(("x|y",), (("<1>",),)), Picture("a.png", "Figure 1. Caption."))
-    page = to_html([(blocks, tmp_path)], "title")
-    assert "<strong>bold</strong> &amp; <code>code</code>" in page
-    assert "&lt;1&gt;" in page
-    assert "data:image/png;base64,iVBORw0KGgo=" in page
-    text = to_markdown(blocks)
-    assert "| x\\|y |" in text
-    assert "![Figure 1](a.png)" in text
+    assert timing.quartiles("s", [4.0, 1.0, 2.0, 3.0, 5.0]) == {"s": 3.0, "s_q1": 2.0, "s_q3": 4.0}

@@ -12,11 +12,11 @@ import pytest
 
 from coilspring import CATALOGUE, InputError
 from test_statements import VERDICTS
-from validation.reproduce import ARTEFACTS, artifacts, reproduction
+from validation.reproduce import ARTEFACTS, artifacts, reproduction, times
 from validation.reproduce.claims import MECHANICS
 from validation.reproduce.records import REPRODUCTION
 from validation.reproduce.report import CLAIMS
-from validation.study import cases, timing
+from validation.study import cases
 from validation.study.machine import machine
 from validation.view import render3d
 
@@ -55,17 +55,17 @@ def solves(lines):
 def everything(tmp_path_factory):
     """A whole run without pictures, timed in the least number of rounds."""
     out = tmp_path_factory.mktemp("whole")
-    budget, timing.BUDGET = timing.BUDGET, 0.0
+    budget, times.BUDGET = times.BUDGET, 0.0
     try:
         reproduction.reproduce(out, render=False)
     finally:
-        timing.BUDGET = budget
+        times.BUDGET = budget
     return out
 
 
 def test_items_are_those_of_the_contract():
     assert ARTEFACTS == NAMES
-    assert {*artifacts.PIECES, *artifacts.SPRINGS} == {*NAMES, "report"}
+    assert {*artifacts.MAKERS, *artifacts.SPRINGS} == {*NAMES, "report"}
 
 
 def test_tables_1_and_2_solve_nothing_and_equal_the_paper(tmp_path, solved):
@@ -112,9 +112,9 @@ def test_figure_data(tmp_path):
 def test_table_3_without_rendering_imports_no_drawing(tmp_path, own_store):
     code = (
         "import sys, pathlib\n"
-        "from validation.study import timing\n"
+        "from validation.reproduce import times\n"
         "from validation.reproduce.reproduction import reproduce\n"
-        "timing.BUDGET, timing.LEAST_ROUNDS = 0.0, 1\n"
+        "times.BUDGET, times.LEAST_ROUNDS = 0.0, 1\n"
         "lines = []\n"
         f"reproduce(pathlib.Path({str(tmp_path)!r}), ('table3',), False, lines.append)\n"
         "drawing = {'matplotlib', 'pyvista', 'vtk', 'vtkmodules'} & set(sys.modules)\n"
@@ -207,8 +207,8 @@ def test_unknown_item_is_refused_before_anything_is_written(tmp_path):
 
 
 def test_springs_to_be_turned_are_linked_where_they_are_there(everything, monkeypatch):
-    linked = []
-    monkeypatch.setattr(reproduction, "bound", lambda page, out, scene: linked.append(scene) or {})
+    linked, html = [], (everything / "report.html").read_bytes()
+    monkeypatch.setattr(reproduction, "assemble", lambda page, out, scene: linked.append(scene) or html)
     for there in (False, True):
         monkeypatch.setattr(reproduction, "is_made", lambda folder, mark, there=there: there)
         reproduction.reproduce(everything, render=False)
@@ -274,8 +274,8 @@ def test_times_are_measured_again_on_request_and_on_another_machine(everything, 
         said = reproduction.reproduce(tmp_path, ("table3",), False, lines.append, **options)
         return sum(line.startswith("timing") for line in lines), len(said)
 
-    monkeypatch.setattr(timing, "BUDGET", 0.0)
-    monkeypatch.setattr(timing, "LEAST_ROUNDS", 1)
+    monkeypatch.setattr(times, "BUDGET", 0.0)
+    monkeypatch.setattr(times, "LEAST_ROUNDS", 1)
     whole = read(everything / "table3.csv")
     assert rounds() == (0, 1)
     assert read(tmp_path / "table3.csv") == whole
@@ -288,13 +288,6 @@ def test_times_are_measured_again_on_request_and_on_another_machine(everything, 
     ratio, iterations = (whole[0].index(name) for name in ("ratio", "wire_iterations"))
     assert [row[iterations] for row in again] == [row[iterations] for row in whole]
     assert [row[ratio] for row in again[1:]] != [row[ratio] for row in whole[1:]]
-
-
-def test_a_measurement_comes_back_from_json_as_it_was():
-    spread = timing.Spread(0.1 + 0.2, 1.0 / 3.0, 1e-300)
-    row = timing.Timing(cases.CASES[0], spread, spread, spread, spread, (171, 102, 539), 8)
-    measured = timing.Measurement((row,), {"date": "2020-02-02", "processor": "µ"})
-    assert timing.Measurement.from_json(measured.to_json()) == measured
 
 
 def test_two_runs_at_once_into_one_folder(tmp_path, own_store):
@@ -356,4 +349,6 @@ def test_the_facts_of_a_run_are_kept(everything):
             assert known[name] == (
                 pytest.approx(value, rel=1e-4) if isinstance(value, int | float) else known[name]
             )
-    assert read(everything / "phases.csv")[1:][1][2] == "50 / 50 / 50"
+    rows = read(everything / "phases.csv")
+    bare = dict(zip(rows[0], rows[2], strict=True))
+    assert (bare["degrees"], bare["outcome"], float(bare["uy_softer"])) == ("30", "completed", 50.0)

@@ -10,7 +10,7 @@ import wirefe
 from coilspring import Contact, Load, spring_a, spring_b
 from coilspring.packing import pack
 from coilspring.pairlaw import MEMORY
-from validation.study.partialsolve import as_far
+from validation.study.partialsolve import partial_path
 from wirefe import kernels, model
 from wirefe.mesh import strays
 from wirestates import centres
@@ -135,7 +135,7 @@ def test_a_path_goes_on_with_the_pairs_that_are_found(scene, penalty, pairs_per_
 
 def solved(scene, penalty, pairs_per_turn):
     options = {"element": "curved", "elements_per_turn": pairs_per_turn, "pairs_per_turn": pairs_per_turn}
-    return as_far(wirefe.solve, scene, steps=10, penalty=penalty, **options)
+    return partial_path(wirefe.solve, scene, steps=10, penalty=penalty, **options)
 
 
 def test_the_last_state_is_searched_too():

@@ -6,6 +6,7 @@ import xml.etree.ElementTree as ElementTree
 from dataclasses import replace
 
 import numpy as np
+import pandas as pd
 import pytest
 
 import equivbeam
@@ -18,9 +19,20 @@ from equivbeam.laws.haringx import KAX, KFL, KSH
 from equivbeam.shape import BeamShape
 from equivbeam.solve import KERNELS as BEAM_KERNELS
 from validation.cli import main
-from validation.sensitivity.data import NO_INPUT
+from validation.sensitivity.changes import (
+    CHANGES,
+    COLUMNS,
+    CURVE,
+    DEVIATION,
+    NO_INPUT,
+    farther,
+    input_rows,
+    sizes,
+    together,
+    worst,
+)
+from validation.sensitivity.changes import change as difference
 from validation.sensitivity.inputs import BEAM, INPUTS, LIKE, MODELS, NOT_GIVEN, READING, WIRE
-from validation.sensitivity.results import Change, Study, farther
 from validation.sensitivity.run import sensitivity
 from validation.sensitivity.topheight import TipCurve, raised
 from validation.study.cases import PAPER_MESH, case, solve_beam, solve_wire
@@ -42,12 +54,11 @@ def named(name):
     return next(item for item in INPUTS if item.name == name)
 
 
-def change(scene, model, name, variant=None):
-    """Change by the first value of an input, or by another scene."""
+def change(scene, model, name):
+    """Change by the first value of an input."""
     solve = solve_beam if model == BEAM else solve_wire
     first = named(name).variants(scene, model)[0]
-    curves = [TipCurve.of(solve(each)) for each in (scene, variant or first.scene)]
-    return Change(named(name), model, first.value, *curves)
+    return difference(*(TipCurve.of(solve(each)) for each in (scene, first.scene)))
 
 
 def test_deflection_without_contact_goes_with_one_over_the_modulus():
@@ -55,10 +66,10 @@ def test_deflection_without_contact_goes_with_one_over_the_modulus():
     exact = 100.0 * (206.0 / 196.0 - 1.0)
     scene = spring_b().without_contact()
     by_beam = change(scene, BEAM, "E")
-    np.testing.assert_allclose(by_beam.at_full, [np.nan, exact, np.nan], rtol=1e-9)
-    np.testing.assert_allclose(by_beam.largest, exact, rtol=1e-9)
+    np.testing.assert_allclose([by_beam[name] for name in CHANGES], [np.nan, exact, np.nan], rtol=1e-9)
+    np.testing.assert_allclose(by_beam[CURVE], exact, rtol=1e-9)
     small = replace(scene, load=replace(scene.load, force=(0.0, -1e-3), steps=1))
-    assert change(small, WIRE, "E").largest == pytest.approx(exact, rel=1e-4)
+    assert change(small, WIRE, "E")[CURVE] == pytest.approx(exact, rel=1e-4)
 
 
 @pytest.mark.parametrize("factor", [0.96, 1.05])
@@ -66,9 +77,9 @@ def test_the_size_is_the_metric_of_the_comparison_and_its_sign_is_farther(factor
     scene = spring_a().with_steps(10)
     other = replace(scene, material=replace(scene.material, E=206e3 * factor))
     paths = solve_beam(other), solve_beam(scene)
-    found = Change(named("E"), BEAM, "", TipCurve.of(paths[1]), TipCurve.of(paths[0]))
-    assert abs(found.largest) == pytest.approx(100.0 * compare_paths(*paths).curve_max, rel=1e-12)
-    assert np.sign(found.largest) == np.sign(1.0 - factor)
+    found = difference(TipCurve.of(paths[1]), TipCurve.of(paths[0]))[CURVE]
+    assert abs(found) == pytest.approx(100.0 * compare_paths(*paths).curve_max, rel=1e-12)
+    assert np.sign(found) == np.sign(1.0 - factor)
 
 
 def test_held_components_are_not_numbers_and_signs_follow_the_motion():
@@ -89,7 +100,7 @@ def test_small_changes_are_those_of_the_derivatives():
         "penalty": scene.with_penalty(1e4 * (1.0 + share)),
     }
     for name, rates in expected.items():
-        found = change(scene, BEAM, name, others[name]).by_load[-1]
+        found = farther(solve_beam(others[name]).tips, solve_beam(scene).tips)[-1]
         np.testing.assert_allclose(found, 100.0 * share * rates / path.tips[-1], rtol=2e-3)
 
 
@@ -104,7 +115,7 @@ def by_shifted_mesh(scene, height):
     data = wire.rod_model(rod, mesh.arm, place_spheres(scene, mesh, 40, 4))
     start, pairs = wire.rest_state(rod, mesh.arm), len(data.contact.pairs)
     memory = np.zeros((pairs, MEMORY))
-    problem = Problem(data, wire.load_vector(rod), start, memory, wire.matrix_size(data), lean=True)
+    problem = Problem(data, wire.load_vector(rod), start, memory, wire.matrix_size(data), modified=True)
     return scene_path(scene, WIRE, {}, _followed(scene, problem, WIRE_KERNELS), WireShape(scene, data, mesh))
 
 
@@ -164,25 +175,30 @@ def test_the_other_exponent_has_hertz_stiffness():
 def test_estimates_take_each_input_once_and_leave_out_what_has_no_number():
     base = TipCurve(np.ones(1), np.array([[0.0, -1.0, 0.0]]), "completed", None)
 
-    def by(name, percent, outcome="completed"):
-        curve = TipCurve(np.ones(1), np.array([[0.0, -1.0 - 0.01 * percent, 0.0]]), outcome, None)
-        return Change(named(name), BEAM, f"{percent}", base, curve)
+    def by(percent, outcome="completed"):
+        return base, TipCurve(np.ones(1), np.array([[0.0, -1.0 - 0.01 * percent, 0.0]]), outcome, None)
 
-    changes = (
-        by("E", 3.0),
-        by("E", -2.0),
-        by("nu", 4.0),
-        by("rigid_turns", -12.0),
-        by("E", 50.0, "limit_point"),
-    )
-    study = Study(case(BARE), {BEAM: base, WIRE: base}, changes)
-    assert study.together(BEAM, (NOT_GIVEN,)) == pytest.approx(5.0)
-    assert study.together(BEAM, (NOT_GIVEN, READING)) == pytest.approx(13.0)
-    assert study.together(WIRE, (NOT_GIVEN, READING)) == 0.0
-    assert study.worst(BEAM, (NOT_GIVEN,)).largest == pytest.approx(4.0)
-    assert [item.name for item in study.ranked()] == ["rigid_turns", "nu", "E"]
-    assert study.apart_with(changes[2]) == pytest.approx(4.0)
-    assert study.apart_with(changes[4]) is None
+    found = {
+        "E": {"3": by(3.0), "-2": by(-2.0), "50": by(50.0, "limit_point")},
+        "nu": {"4": by(4.0)},
+        "rigid_turns": {"-12": by(-12.0)},
+    }
+    rows = [
+        row
+        for name, changed in found.items()
+        for row in input_rows(
+            named(name), {(BEAM, value): pair for value, pair in changed.items()}, {BEAM: base, WIRE: base}
+        )
+    ]
+    data = pd.DataFrame(rows, columns=COLUMNS)
+    assert together(data, BEAM, (NOT_GIVEN,)) == pytest.approx(5.0)
+    assert together(data, BEAM, (NOT_GIVEN, READING)) == pytest.approx(13.0)
+    assert together(data, WIRE, (NOT_GIVEN, READING)) == 0.0
+    assert worst(data, BEAM, (NOT_GIVEN,))[CURVE] == pytest.approx(4.0)
+    assert list(sizes(data).index) == ["rigid_turns", "nu", "E"]
+    deviation = data.set_index("value")[DEVIATION]
+    assert deviation["4"] == pytest.approx(4.0)
+    assert np.isnan(deviation["50"])
 
 
 @pytest.fixture(scope="module")

@@ -8,7 +8,7 @@ from collections.abc import Mapping
 import pytest
 
 from validation.reproduce import findings, methods, report
-from validation.reproduce.claims import AGREES, DIFFERS, NOT_COMPARED, UNDECIDED, Claim, Judgement
+from validation.reproduce.claims import AGREES, DIFFERS, NOT_COMPARED, UNDECIDED, Assessment, Claim
 from validation.reproduce.records import ROOT, Records
 from validation.study.statements import Statement
 
@@ -93,7 +93,7 @@ def judged(claim):
     """A judgement as one text."""
 
     def words(facts):
-        found = claim.judge(facts)
+        found = claim.assess(facts)
         return f"{found.ours} | {found.verdict} | {found.why}"
 
     return words
@@ -189,21 +189,21 @@ def test_every_claim_is_judged_here():
 @pytest.mark.parametrize("name", VERDICTS)
 def test_verdicts_follow_from_the_evidence(name):
     verdict, _, turned, other = VERDICTS[name]
-    assert by_id(name).judge(FACTS).verdict == verdict
-    assert by_id(name).judge(Changed(FACTS, **turned)).verdict == other
+    assert by_id(name).assess(FACTS).verdict == verdict
+    assert by_id(name).assess(Changed(FACTS, **turned)).verdict == other
 
 
 @pytest.mark.parametrize("name", SECONDS)
 def test_seconds_of_other_programs_are_not_compared(name):
-    assert by_id(name).judge(FACTS).verdict == NOT_COMPARED
+    assert by_id(name).assess(FACTS).verdict == NOT_COMPARED
 
 
 def test_one_sign_over_the_phases_decides():
     """With the sign of one phase alone changed, nothing is decided."""
     one = SIGNS | {"phases.bare.uy": (*FAR[1:], -0.01), "phases.bare.softer": (*(50,) * 11, 0)}
-    assert by_id("softer-bare").judge(Changed(FACTS, **one)).verdict == UNDECIDED
-    assert by_id("softer-contact").judge(Changed(FACTS, **SIGNS)).verdict == AGREES
-    assert by_id("softer-bare").judge(Changed(FACTS, **STIFFER)).verdict == DIFFERS
+    assert by_id("softer-bare").assess(Changed(FACTS, **one)).verdict == UNDECIDED
+    assert by_id("softer-contact").assess(Changed(FACTS, **SIGNS)).verdict == AGREES
+    assert by_id("softer-bare").assess(Changed(FACTS, **STIFFER)).verdict == DIFFERS
 
 
 def test_the_headline_is_a_verdict():
@@ -219,14 +219,14 @@ def test_the_headline_is_a_verdict():
 
 
 # id: evidence that would turn its words, and what it would say then
-APART = "sensitivity > Spring A > spheres out of the plane by | wire model | 30° > models apart (%)"
-OUTSIDE = "error-budget > What these numbers say > {} % of the normal forces of Spring B"
-HELD = "error-budget > The paper's four cases > without `held` > Spring B w/o contacts"
+APART = findings.INPUT.format("spring-a", "wirefe", "sphere_place", "30°", "models_apart_percent")
+OUTSIDE = findings.FOUR.format("outside", "normal forces", "Spring B")
+HELD = findings.FOUR.format("law", "without `held`", "Spring B w/o contacts")
 SLOW = {f"{name}.time.ratio": 0.5 for name in report.CASE_NAMES}
 WORDS = [
     ("verdict", SLOW, "it takes 2 to 2 of the time"),
     ("verdict.limit-beam", {"limit.beam": 0.9}, "A modulus about 11 % higher than assumed"),
-    ("phases", {"phases.many.apart": (0.5,) * 12}, "with 20 their places matter too"),
+    ("phases", {"phases.many.difference": (0.5,) * 12}, "with 20 their places matter too"),
     ("sliding.free", {"limit.outcome": "not converged", "limit.time": None}, "no critical point"),
     ("assumed.margin", {"limit.beam": 3.0}, "does not rest on the material"),
     ("findings.time", SLOW, "0.50 to 0.50 times as fast as the wire model"),
@@ -247,15 +247,17 @@ def test_words_follow_from_the_evidence(name, turned, said):
 
 def test_a_verdict_is_one_of_four():
     with pytest.raises(ValueError, match="maybe"):
-        Judgement("1", "maybe", "")
+        Assessment("1", "maybe", "")
 
 
 @pytest.mark.parametrize(
     "key",
     [
-        "tangents > Fifty steps > spring-a > iterations",
-        "tangents > Nothing > a > b",
-        "contact > Friction > {} apples",
+        "errorbudget/fourcases > table=law > value",
+        "errorbudget/fourcases > table=law | row=nothing > value",
+        "tangents: spring-c.exact",
+        "nothing: at all",
+        "spring-a.colour",
     ],
 )
 def test_a_record_that_is_not_one_is_refused(key):

@@ -13,7 +13,7 @@ from coilspring import Contact, InputError, Material, load_path, load_scene, spr
 from validation.study import keys, store
 from validation.study.cases import PathStore
 from validation.study.keys import run_key
-from validation.study.partialsolve import as_far
+from validation.study.partialsolve import partial_path
 from validation.study.store import Store
 
 FILES = {"a.csv": b"1,2\n", "b.bin": bytes(range(256))}
@@ -218,7 +218,7 @@ RUNS = {
 @pytest.mark.parametrize("name", RUNS)
 def test_a_path_comes_back_as_it_was_solved(name, tmp_path):
     model, scene, options = RUNS[name]
-    path = as_far({"equivbeam": equivbeam.solve, "wirefe": wirefe.solve}[model], scene, **options)
+    path = partial_path({"equivbeam": equivbeam.solve, "wirefe": wirefe.solve}[model], scene, **options)
     path.save(tmp_path / "path.npz")
     back = load_path(tmp_path / "path.npz")
     assert (path.outcome == "completed") == ("limit" not in name)
@@ -264,7 +264,7 @@ def test_what_is_no_saved_path_is_refused_in_one_sentence(tmp_path):
 
 
 def test_a_traced_path_comes_back(tmp_path):
-    path = as_far(wirefe.trace, load_scene("spring-a-no-contact"), elements_per_turn=8, points=3)
+    path = partial_path(wirefe.trace, load_scene("spring-a-no-contact"), elements_per_turn=8, points=3)
     path.save(tmp_path / "path.npz")
     back = load_path(tmp_path / "path.npz")
     np.testing.assert_array_equal(back.tips, path.tips)
@@ -293,7 +293,7 @@ def test_a_run_is_solved_once_complete_or_not(tmp_path, damaged):
         found = (
             paths.beam(scene),
             paths.wire(scene, elements_per_turn=8),
-            paths.wire_as_far(replace(FREE, load=scene.load), elements_per_turn=8),
+            paths.partial_wire(replace(FREE, load=scene.load), elements_per_turn=8),
         )
         return [path.outcome for path in found], sum(line.startswith("solve ") for line in lines)
 

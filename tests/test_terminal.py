@@ -3,8 +3,11 @@
 import os
 import subprocess
 import sys
+from dataclasses import replace
 
-from validation.cli.terminal import progress_shown
+import equivbeam
+from coilspring import spring_a
+from validation.cli.terminal import digest, progress_shown
 
 
 def test_progress_is_shown_on_a_terminal_only(monkeypatch, capsys):
@@ -44,3 +47,10 @@ def test_a_closed_standard_output_is_exit_4(tmp_path):
     assert done.returncode == 4
     assert done.stderr == b"coilcheck: cannot write to standard output: Broken pipe\n"
     assert (tmp_path / "summary.json").exists()
+
+
+def test_one_iteration_is_singular():
+    scene = spring_a()
+    for steps, words in ((1, " 1 iteration,"), (2, "iterations,")):
+        path = replace(equivbeam.solve(scene, steps=steps), total_iterations=steps)
+        assert words in digest(path)[-1]

@@ -22,8 +22,8 @@ from coilspring import (
 from coilspring.packing import pack
 from coilspring.pairlaw import MEMORY
 from coilspring.scene.wire import round_section
-from validation.study.exactrod import EXACT_ROD
-from validation.study.partialsolve import as_far
+from validation.study.partialsolve import partial_path
+from validation.study.scenes import EXACT_ROD
 from wirefe import kernels, model
 from wirefe.beam import beams, deformations
 from wirefe.elements import _flexibility, curved_elements
@@ -79,7 +79,7 @@ def test_frictionless_spring_b_has_a_limit_point():
     scene = replace(spring_b(), contact=Contact(sliding="free"))
     times = []
     for steps in (1, 10, 50, 200):
-        path = as_far(wirefe.solve, scene, steps=steps)
+        path = partial_path(wirefe.solve, scene, steps=steps)
         assert path.outcome == "limit_point"
         assert (path.times < path.critical_time).all()
         assert len(path.times) == int(path.critical_time * steps + 1e-9)
@@ -91,7 +91,7 @@ def test_frictionless_spring_b_has_a_limit_point():
 def test_frictionless_spring_b_past_its_limit_point():
     """Arc length finds the limit load that the follower names, and equilibria beyond it: coils slide off."""
     scene = replace(spring_b(), contact=Contact(sliding="free"))
-    followed = as_far(wirefe.solve, scene, steps=10)
+    followed = partial_path(wirefe.solve, scene, steps=10)
     path = wirefe.trace(scene, points=120)
     turn = np.argmax(np.diff(path.times) < 0.0)  # first point from which time falls
     assert path.times[turn] == pytest.approx(followed.critical_time, rel=1e-3)

@@ -9,11 +9,9 @@ from inspect import signature
 from types import ModuleType, SimpleNamespace
 
 import numpy as np
+import pandas as pd
 import pytest
 
-import validation.workprecision.page as workreport
-import validation.workprecision.peer as workpeer
-import validation.workprecision.points as workdata
 import validation.workprecision.run as work
 import validation.workprecision.settings as worksettings
 import wirefe
@@ -23,7 +21,9 @@ from validation.cli import main
 from validation.cli.arguments import CAMPAIGN_RANGES, STUDY_SCENES, command_line
 from validation.peers.installed import opensees
 from validation.study.cases import PAPER_MESH
+from validation.study.provenance import write_provenance
 from validation.study.scenes import study_scenes
+from validation.workprecision import page, results
 from validation.workprecision.settings import EXTENTS, NORMAL, STEPS, TITLES, Extent, settings
 
 SMALL = Extent((20, 40, 80), (4, 8), 32, (1, 10), (), 3)
@@ -36,8 +36,8 @@ def study():
 
 
 def at(study, series, mesh=0, steps=STEPS):
-    wanted = (series, mesh, steps)
-    return next(p for p in study.points if (p.setting.series, p.setting.mesh, p.setting.steps) == wanted)
+    runs = study[(study["role"] == "run") & (study["series"] == series) & (study["steps"] == steps)]
+    return runs[runs["elements_per_turn"] == mesh].iloc[0]
 
 
 @pytest.mark.parametrize("extent", EXTENTS.values(), ids=EXTENTS)
@@ -72,30 +72,28 @@ def test_scenes_have_names_and_titles():
     assert all(scene.name == name and scene.load.steps == STEPS for name, scene in study_scenes().items())
 
 
-def point(time, error, steps=STEPS, competes=True):
-    ratio, setting = SimpleNamespace(median=time), SimpleNamespace(steps=steps)
-    return SimpleNamespace(ratio=ratio, error=error, competes=competes, setting=setting)
+def front(*points):
+    """Times on the front of (time, error)."""
+    rows = pd.DataFrame(points, columns=["ratio_to_paper_mesh", "error"])
+    return rows["ratio_to_paper_mesh"][results.front(rows, rows["error"])].tolist()
 
 
 def test_the_front_keeps_what_nothing_faster_matches():
-    points = [point(4.0, 1e-4), point(1.0, 1e-2), point(2.0, 9.5e-3), point(3.0, 1e-3), point(5.0, 2e-4)]
-    points += [point(0.5, 1e-9, competes=False)]
-    found = workdata.front(points, lambda each: each.error)
-    assert [each.ratio.median for each in found] == [1.0, 3.0, 4.0]
+    assert front((4.0, 1e-4), (1.0, 1e-2), (2.0, 9.5e-3), (3.0, 1e-3), (5.0, 2e-4)) == [1.0, 3.0, 4.0]
 
 
 def test_of_equal_times_the_smaller_error_counts_then_the_order():
-    points = [point(1.0, 1e-2), point(1.01, 1e-3), point(0.99, 1e-2), point(1.02, 1e-3)]
-    assert workdata.front(points, lambda each: each.error) == (points[1],)
+    assert front((1.0, 1e-2), (1.01, 1e-3), (0.99, 1e-2), (1.02, 1e-3)) == [1.01]
 
 
-def test_errors_below_the_references_own_are_one():
-    points = [point(1.0, 1e-5), point(2.0, 1e-9)]
-    assert len(workdata.front(points, lambda each: max(each.error, 1e-5))) == 1
+def test_errors_below_the_references_own_are_one(study):
+    own = study["reference_curve_error"].iloc[0]
+    same = study.assign(curve_max=study["curve_max"].where(study["role"] != "run", 0.1 * own))
+    assert results.ranked(same)["on_curve_front"].sum() == 1
 
 
 def test_straight_elements_are_of_second_order(study):
-    errors = [at(study, "straight", mesh).error.curve_max for mesh in SMALL.straight]
+    errors = [at(study, "straight", mesh).curve_max for mesh in SMALL.straight]
     assert np.log2(np.divide(errors[:-1], errors[1:])) == pytest.approx([2.0, 2.0], abs=0.15)
     # measured 0.136 %, as the exact rod has it
     assert errors[1] == pytest.approx(1.36e-3, rel=0.05)
@@ -103,35 +101,52 @@ def test_straight_elements_are_of_second_order(study):
 
 def test_the_reference_is_the_exact_rod_within_its_own_error(study):
     # measured 5.5e-7 at 32 a turn against 1.4e-6
-    assert study.reference.exact < study.reference.curve < 3e-6
+    exact = study.loc[study["role"] == "exact rod", "curve_max"].item()
+    assert exact < study["reference_curve_error"].iloc[0] < 3e-6
 
 
 def test_four_curved_elements_are_better_and_faster_than_the_papers_mesh(study):
     curved, paper = at(study, "curved", 4), at(study, "straight", 40)
     # measured 1.6e-5 in a ninth of the time
-    assert curved.error.curve_max < 1e-4
-    assert curved.ratio.median < 0.4
-    assert paper.ratio.median == pytest.approx(1.0)
+    assert curved.curve_max < 1e-4
+    assert curved.ratio_to_paper_mesh < 0.4
+    assert paper.ratio_to_paper_mesh == pytest.approx(1.0)
 
 
 def test_the_equivalent_beam_is_the_fastest_on_the_front(study):
-    front = study.curve_front
-    assert front[0].setting.model == "equivbeam"
-    assert front[-1].setting.series == "curved"
-    assert all(each.setting.steps >= STEPS for each in front)
-    assert any(each.setting.steps < STEPS for each in study.shape_front)
+    front = study[study["on_curve_front"] == 1].sort_values("seconds")
+    assert front["model"].iloc[0] == "equivbeam"
+    assert front["series"].iloc[-1] == "curved"
+    assert (front["steps"] >= STEPS).all()
+    assert (study.loc[study["on_shape_front"] == 1, "steps"] < STEPS).any()
 
 
 def test_a_run_that_ends_early_is_on_no_front(study):
-    ended = tuple(replace(each, outcome="limit_point") for each in study.points)
-    assert replace(study, points=ended).curve_front == ()
+    assert results.ranked(study.assign(outcome="limit_point"))["on_curve_front"].sum() == 0
+
+
+def test_the_page_is_a_view_of_what_is_recorded(study, tmp_path):
+    """It is written anew of the files alone; a number that is changed there changes there."""
+    (tmp_path / results.FILE).write_bytes(results.to_csv(study))
+    with pytest.raises(InputError, match="measure first"):
+        page.write(tmp_path)
+    write_provenance("a command", tmp_path, openseespy=None)
+    page.write(tmp_path)
+    text = (tmp_path / "workprecision.md").read_text(encoding="utf-8")
+    changed = study["curve_max"].where(study["series"] != "helix", 0.0123)
+    (tmp_path / results.FILE).write_bytes(results.to_csv(study.assign(curve_max=changed)))
+    assert main(["workprecision", "--page", "--out", str(tmp_path)]) == 0
+    other = (tmp_path / "workprecision.md").read_text(encoding="utf-8")
+    assert "| helix | 1.2 |" in other
+    assert "| helix | 1.2 |" not in text
+    assert (tmp_path / "workprecision-curve.png").is_file()
 
 
 @pytest.fixture
 def small(monkeypatch):
     """The command with a small extent, without OpenSees."""
     monkeypatch.setitem(worksettings.EXTENTS, "quick", replace(SMALL, straight=(40,), rounds=1))
-    monkeypatch.setattr(workpeer, "opensees", lambda: None)
+    monkeypatch.setattr(work, "opensees", lambda: None)
 
 
 def table(folder):
@@ -150,19 +165,21 @@ def straight(scene, steps, tolerance, elements_per_turn):
 def test_opensees_is_listed_and_drawn_beside_the_wire_model(small, tmp_path, monkeypatch):
     """Its answers made by the wire model, so that its errors must be those; a lost path is listed, too."""
     peer = SimpleNamespace(run=straight, tolerance=lambda scene: 1e-9)
-    monkeypatch.setattr(workpeer, "opensees", lambda: peer)
+    monkeypatch.setattr(work, "opensees", lambda: peer)
     extent = replace(worksettings.EXTENTS["quick"], peers=((40, STEPS), (40, 10)), peer_rounds=2)
     monkeypatch.setitem(worksettings.EXTENTS, "quick", extent)
-    monkeypatch.setattr(workreport, "versions", lambda name: {name: "3.7"})
+    monkeypatch.setattr(work, "versions", lambda name: {name: "3.7"})
     name = "spring-b-no-contact"
     assert main(["workprecision", "--quick", "--only", name, "--out", str(tmp_path)]) == 0
     rows = table(tmp_path)
     whole, lost = (row for row in rows if row["model"] == "opensees")
-    wire = next(row for row in rows if (row["series"], row["steps"]) == ("straight", "50"))
+    wire = next(
+        row for row in rows if (row["role"], row["series"], row["steps"]) == ("run", "straight", "50")
+    )
     keys = ("elements_per_turn", "pairs_per_turn", "curve_max", "curve_rms", "last_time", "outcome")
     assert [whole[key] for key in keys] == [wire[key] for key in keys]
     assert float(whole["ratio_to_paper_mesh"]) > 10.0
-    assert (whole["iterations"], whole["shape_max_mm"], whole["on_curve_front"]) == ("9", "nan", "0")
+    assert (float(whole["iterations"]), whole["shape_max_mm"], whole["on_curve_front"]) == (9.0, "", "0")
     assert (lost["outcome"], lost["last_time"]) == ("not_converged", "0.5")
     report = (tmp_path / "workprecision.md").read_text(encoding="utf-8")
     section = report.partition("## OpenSees")[2].partition("##")[0]
@@ -178,8 +195,8 @@ def test_opensees_has_the_error_of_its_mesh():
     scene = study_scenes()["spring-b-no-contact"]
     extent = replace(SMALL, straight=(40,), steps=(), rounds=1, peers=((40, STEPS), (20, STEPS)))
     study = work.study(scene, extent, lambda line: None)
-    fine, coarse = (point.error.curve_max for point in study.peers)
-    assert fine == pytest.approx(at(study, "straight", 40).error.curve_max, rel=0.01)
+    fine, coarse = study.loc[study["role"] == "opensees", "curve_max"]
+    assert fine == pytest.approx(at(study, "straight", 40).curve_max, rel=0.01)
     assert coarse / fine == pytest.approx(4.0, rel=0.1)
 
 
@@ -189,7 +206,7 @@ def test_the_command_writes_tables_and_figures(small, tmp_path, capsys):
     files = ("provenance.json", "workprecision.csv", "workprecision.md")
     figures = [f"workprecision-{kind}.{end}" for kind in ("curve", "shape") for end in ("png", "svg")]
     assert sorted(file.name for file in tmp_path.iterdir()) == sorted((*files, *figures))
-    rows = table(tmp_path)
+    rows = [row for row in table(tmp_path) if row["role"] == "run"]
     assert len(rows) == len(settings(study_scenes()["spring-b-no-contact"], EXTENTS["quick"]))
     assert {row["outcome"] for row in rows} == {"completed"}
     assert sum(int(row["on_curve_front"]) for row in rows) >= 2
@@ -215,7 +232,7 @@ def test_an_interrupted_study_keeps_the_finished_scenes(small, tmp_path, monkeyp
     assert main(["workprecision", "--quick", "--only", names, "--out", str(tmp_path)]) == 130
     assert capsys.readouterr().err == "coilcheck: interrupted\n"
     lines = (tmp_path / "workprecision.csv").read_text().splitlines()[1:]
-    assert {line.split(",")[0] for line in lines} == {"spring-a-no-contact"}
+    assert {line.split(",")[1] for line in lines} == {"spring-a-no-contact"}
     assert ".png" not in (tmp_path / "workprecision.md").read_text()
 
 

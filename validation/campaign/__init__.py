@@ -1,1 +1,1 @@
-"""Stability campaign: sampled scenes, judged by code that shares nothing with the solvers."""
+"""Stability campaign: sampled scenes, verified by code that shares nothing with the solvers."""

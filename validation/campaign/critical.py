@@ -1,4 +1,4 @@
-"""Critical points bracketed by the judge's own Hessian: a stable and an unstable equilibrium side by side."""
+"""Critical points bracketed by the verifier's own Hessian: a stable and an unstable state side by side."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from scipy.linalg import solve_triangular
 
 from validation.campaign.energy import BeamEnergy
 
-CLOSE = 1e-9  # of the way from rest: the last correction
+CLOSE = 1e-9  # of the displacement from rest: the last correction
 LOOSE = 1e-7  # where rounding keeps the corrections from becoming smaller
 MOST_CORRECTIONS = 25
 MOST_TRIALS = 40
@@ -34,8 +34,8 @@ class Bracket:
     unstable: float
     least: tuple[float, float]
 
-    def distance(self, time: float) -> float:
-        """Distance of `time` from the farther end, over `time`."""
+    def offset(self, time: float) -> float:
+        """Offset of `time` from the farther end, over `time`."""
         return max(abs(self.stable - time), abs(self.unstable - time)) / time
 
 
@@ -49,15 +49,15 @@ def bracket(energy: BeamEnergy, state: np.ndarray, time: float, critical: float)
     if start.least <= 0.0:
         return None
     found = _along_mode(energy, start, critical)
-    if found is not None and found.distance(critical) <= ENOUGH:
+    if found is not None and found.offset(critical) <= ENOUGH:
         return found
     return _by_load(energy, start, critical) or found
 
 
 @dataclass(frozen=True)
 class _Start:
-    """A stable equilibrium, its softest mode, the linear form that measures the way along it, and what time
-    does to the spring."""
+    """A stable equilibrium, its softest mode, the linear form that measures distances along it, and what
+    time does to the spring."""
 
     state: np.ndarray
     time: float
@@ -77,39 +77,39 @@ class _Start:
 
 
 def _along_mode(energy: BeamEnergy, start: _Start, critical: float) -> Bracket | None:
-    """Narrow the sign change of the least eigenvalue over the way along the softest mode."""
+    """Narrow the sign change of the least eigenvalue over the distance along the softest mode."""
     work = float(start.mode @ start.rate)
     if work <= 0.0:
         return None
-    way = 3.0 * (critical - start.time) * work / start.least  # a parabola has its top at 2
+    distance = 3.0 * (critical - start.time) * work / start.least  # a parabola has its top at 2
     low, high = (0.0, start.state, start.time, start.least), None
     for _ in range(MOST_TRIALS):
-        solved = _corrected(energy, low[1], low[2], start, way)
+        solved = _corrected(energy, low[1], low[2], start, distance)
         if solved is None:
-            way = 0.5 * (low[0] + way)
+            distance = 0.5 * (low[0] + distance)
             continue
-        point = (way, *solved, energy.least(solved[0]))
+        point = (distance, *solved, energy.least(solved[0]))
         if point[3] > 0.0:
             low = point
         else:
             high = point
         if high is None:
-            way *= 2.0
+            distance *= 2.0
             continue
         if abs(high[2] - critical) <= TIGHT * critical:
             break
         share = low[3] / (low[3] - high[3])
-        way = low[0] + min(max(share, 0.1), 0.9) * (high[0] - low[0])
+        distance = low[0] + min(max(share, 0.1), 0.9) * (high[0] - low[0])
     return None if high is None else Bracket(low[2], high[2], (low[3], high[3]))
 
 
 def _corrected(
-    energy: BeamEnergy, state: np.ndarray, time: float, start: _Start, way: float
+    energy: BeamEnergy, state: np.ndarray, time: float, start: _Start, distance: float
 ) -> tuple[np.ndarray, float] | None:
-    """Equilibrium at the given way along the mode, in state and load."""
+    """Equilibrium at the given distance along the mode, in state and load."""
 
     def short(q: np.ndarray) -> float:
-        return float(way - start.form @ (q - start.state)[energy.free])
+        return float(distance - start.form @ (q - start.state)[energy.free])
 
     return _settled(energy, state, time, short, start.form)
 

@@ -1,4 +1,4 @@
-"""Potential energy of the equivalent beam in plain numpy, for judging: shares nothing with the solver.
+"""Potential energy of the equivalent beam in plain numpy, for the verifier: shares nothing with the solver.
 
 Written from docs/theory.md, section 2. Forces are the hand-written gradient of the energy, the Hessian their
 derivative by complex steps, which is exact to rounding. A state holds x, y, theta of all nodes, flat.
@@ -32,13 +32,13 @@ class BeamEnergy:
     rest : (3 nodes,) state at rest.
     law : (l, v, dtheta) of all half coils -> energy, N, T, M of each.
     d, stiffness, exponent : of the contact.
-    free : indices of the free freedoms.
+    free : indices of the free degrees of freedom.
     force : (free,) load at time 1.
     size : length that turns rotations into displacements, mm.
     carriers : (2, pairs) nodes that carry the circles of each pair.
     offsets : (2, pairs, 2) from the nodes to the circles' centres at rest.
-    way : UY of the top that is prescribed at time 1, mm; 0 under a force. `force` then is what this motion
-        does to the free freedoms of the spring at rest, linearly, and measures residuals alone.
+    displacement : UY of the top that is prescribed at time 1, mm; 0 under a force. `force` then is what this
+        motion does to the spring at rest, linearly, and measures residuals alone.
     """
 
     rest: np.ndarray
@@ -51,7 +51,7 @@ class BeamEnergy:
     size: float
     carriers: np.ndarray
     offsets: np.ndarray
-    way: float = 0.0
+    displacement: float = 0.0
 
     @property
     def top(self) -> int:
@@ -59,25 +59,25 @@ class BeamEnergy:
         return self.rest.size - 2
 
     def residual(self, state: np.ndarray, time: float, closed: np.ndarray | None = None) -> np.ndarray:
-        """Forces out of balance on the free freedoms."""
-        return self.gradient(state, closed) - (0.0 if self.way else time * self.force)
+        """Forces out of balance on the free degrees of freedom."""
+        return self.gradient(state, closed) - (0.0 if self.displacement else time * self.force)
 
     def rate(self, state: np.ndarray, closed: np.ndarray | None = None) -> np.ndarray:
-        """What time does to the free freedoms: less the derivative of the residual."""
-        if not self.way:
+        """What time does to the free degrees of freedom: less the derivative of the residual."""
+        if not self.displacement:
             return self.force
-        return -self.way * self._stiffness(state, closed)[self.free, self.top]
+        return -self.displacement * self._stiffness(state, closed)[self.free, self.top]
 
     def placed(self, state: np.ndarray, time: float) -> np.ndarray:
         """The state with the top where it is prescribed."""
-        if self.way:
-            state[self.top] = self.rest[self.top] + time * self.way
+        if self.displacement:
+            state[self.top] = self.rest[self.top] + time * self.displacement
         return state
 
-    def driven(self, way: float) -> BeamEnergy:
+    def driven(self, displacement: float) -> BeamEnergy:
         """The same spring with UY of its top prescribed."""
         free = self.free[self.free != self.top]
-        made = replace(self, free=free, force=np.zeros(free.size), way=way)
+        made = replace(self, free=free, force=np.zeros(free.size), displacement=displacement)
         return replace(made, force=made.rate(self.rest, made._open))
 
     def energy(self, state: np.ndarray) -> float:
@@ -88,11 +88,11 @@ class BeamEnergy:
         return float(strain + (self.stiffness * depth ** (self.exponent + 1.0)).sum() / (self.exponent + 1.0))
 
     def gradient(self, state: np.ndarray, closed: np.ndarray | None = None) -> np.ndarray:
-        """Internal forces on the free freedoms; see `closed` for the pairs that count as closed."""
+        """Internal forces on the free degrees of freedom; `closed`: the pairs that count as closed."""
         return self.forces(state, closed)[self.free]
 
     def forces(self, state: np.ndarray, closed: np.ndarray | None = None) -> np.ndarray:
-        """Internal forces on all freedoms."""
+        """Internal forces on all degrees of freedom."""
         total = np.zeros(self.rest.size)
         np.add.at(total, self._element_places, self._element_forces(state[self._element_places]))
         places, forces = self._pair_part(state, closed)
@@ -104,7 +104,7 @@ class BeamEnergy:
         total = np.zeros(states.shape)
         every = np.arange(self._pair_places.shape[1])
         for places in (self._element_places, self._pair_places):
-            x = states[:, places].swapaxes(0, 1)  # (freedom, state, item)
+            x = states[:, places].swapaxes(0, 1)  # (coordinate, state, item)
             if places is self._element_places:
                 forces = self._element_forces(x)
             else:
@@ -114,12 +114,12 @@ class BeamEnergy:
         return total[:, self.free]
 
     def hessian(self, state: np.ndarray, closed: np.ndarray | None = None) -> np.ndarray:
-        """Second derivatives in the free freedoms, dense."""
+        """Second derivatives in the free degrees of freedom, dense."""
         dense = self._stiffness(state, closed)[np.ix_(self.free, self.free)]
         return 0.5 * (dense + dense.T)
 
     def _stiffness(self, state: np.ndarray, closed: np.ndarray | None) -> np.ndarray:
-        """Second derivatives in all freedoms."""
+        """Second derivatives in all degrees of freedom."""
         total = np.zeros((self.rest.size, self.rest.size))
         _add_blocks(total, self._element_places, _jacobian(self._element_forces, state[self._element_places]))
         places, forces = self._pair_part(state, closed)
@@ -164,7 +164,7 @@ class BeamEnergy:
         return np.linalg.norm(left, axis=0) / np.linalg.norm(whole)
 
     def moved(self, step: np.ndarray) -> float:
-        """A step over the way that the load at time 1 moves the spring at rest, both in its energy norm."""
+        """A step over what the load at time 1 moves the spring at rest, both in its energy norm."""
         whole = solve_triangular(self.rest_factor, self.force, lower=True)
         return float(np.linalg.norm(self.rest_factor.T @ step) / np.linalg.norm(whole))
 
@@ -260,7 +260,7 @@ def _pairs(scene: Scene, count: int) -> tuple[np.ndarray, np.ndarray]:
 
 
 def measures(x: np.ndarray) -> tuple[np.ndarray, ...]:
-    """(B1): l, v, dtheta, and cosine and sine of the mean rotation, from the 6 freedoms of each half coil."""
+    """(B1): l, v, dtheta, cosine and sine of the mean rotation, from the 6 coordinates of each half coil."""
     mean = 0.5 * (x[2] + x[5])
     c, s = np.cos(mean), np.sin(mean)
     ax, ay = x[3] - x[0], x[4] - x[1]
@@ -268,9 +268,9 @@ def measures(x: np.ndarray) -> tuple[np.ndarray, ...]:
 
 
 def _jacobian(forces: Callable[[np.ndarray], np.ndarray], x: np.ndarray) -> np.ndarray:
-    """Derivatives (freedoms, freedoms, items) of the forces by complex steps."""
+    """Derivatives (coordinates, coordinates, items) of the forces by complex steps."""
     count = np.arange(len(x))
-    moved = np.repeat(x[:, None].astype(complex), len(x), axis=1)  # (freedom, step, item)
+    moved = np.repeat(x[:, None].astype(complex), len(x), axis=1)  # (coordinate, step, item)
     moved[count, count] += 1j * TINY
     return forces(moved).imag / TINY
 

@@ -6,7 +6,7 @@ import math
 from dataclasses import replace
 
 from coilspring import EquilibriumPath, Scene
-from validation.campaign.runs import UNCHANGED, apart, force_grain, grain, remembered
+from validation.campaign.runs import UNCHANGED, deviation, force_grain, grain, remembered
 from validation.campaign.scenes import EVERY, Case, in_units
 from validation.campaign.verdict import CRITICAL, Verdict, ended, reached
 
@@ -40,8 +40,8 @@ def changed(case: Case, kind: str) -> tuple[Scene, tuple[float, ...]]:
         taller = 1.0 if case.corner == "touching" else more
         spring = replace(scene.spring, active_height=scene.spring.active_height * taller)
         material = replace(scene.material, E=scene.material.E * less)
-        ways = tuple(way * more for way in scene.load.displacement)
-        load = replace(scene.load, force=(x * more, y), displacement=ways)
+        displacement = tuple(more * value for value in scene.load.displacement)
+        load = replace(scene.load, force=(x * more, y), displacement=displacement)
         return replace(scene, spring=spring, material=material, load=load), same
     length, force = _units(case, kind)
     return in_units(scene, length, force), (1.0 / length, 1.0 / length, 1.0)
@@ -55,8 +55,8 @@ def _units(case: Case, kind: str) -> tuple[float, float]:
     return (1e3, 1e6) if case.corner == "tiny" else (1e-3, 1e-6)
 
 
-def judge_invariance(verdict: Verdict, case: Case, path: EquilibriumPath, loose: float = 0.0) -> str:
-    """Judge the case's turn of the invariances and return its kind; `loose` is what friction may change."""
+def verify_invariance(verdict: Verdict, case: Case, path: EquilibriumPath, loose: float = 0.0) -> str:
+    """Verify the case's turn of the invariances and return its kind; `loose` is what friction may change."""
     kind = KINDS[(case.number + case.number // EVERY) % len(KINDS)]  # so that corners take all in turn
     scene, back = changed(case, kind)
     other = reached(case, scene)
@@ -85,8 +85,8 @@ def _compare(
     most = {"mirror": ROUNDING / least, "binary": ROUNDING / least, "perturbed": ANSWER}.get(kind, SOLVER)
     if kind == "perturbed" and least <= SOFT:
         return
-    _, shown = apart(path, other, back)
-    verdict.ask("invariance", shown, max(most, loose, grain(path)), f"{kind} changes the answer")
+    _, largest = deviation(path, other, back)
+    verdict.ask("invariance", largest, max(most, loose, grain(path)), f"{kind} changes the answer")
     if path.critical_time is not None and other.critical_time is not None:
         shift = abs(path.critical_time - other.critical_time) / path.critical_time
         most = max(CRITICAL_SHIFT, loose, force_grain(path))

@@ -1,6 +1,6 @@
-"""The laws of a half coil in plain numpy, for judging: energy and forces, real or complex.
+"""The laws of a half coil in plain numpy, for the verifier: energy and forces, real or complex.
 
-Haringx: (B2), (B3). Helix: (B5)-(B13), solved in another way than the solver does: the sine u is found by a
+Haringx: (B2), (B3). Helix: (B5)-(B13), not solved as the solver does: the sine u is found by a
 bracketed search on the length, and one Newton step in the complex plane carries the derivative along.
 """
 
@@ -87,11 +87,11 @@ def helix_law(scene: Scene) -> Callable:
     phases, plane = half_coils(scene), -scene.spring.start_phase
     helices = helices_of(scene, phases)
     low, high, ends = reach(helices)
-    own, l0 = _own_way(helices, ends, *_ends(scene, helices, phases, plane)), helices.u0 * helices.s
+    own, l0 = _own_offsets(helices, ends, *_ends(scene, helices, phases, plane)), helices.u0 * helices.s
     soft = np.divide(*helices.rate(helices.u0))
-    _, way, _, tilt = own(l0)
+    _, offset, _, tilt = own(l0)
     csh, _, cfl, _ = _flexibilities(helices, helices.u0**2)
-    less = np.minimum(soft * way**2, 0.5 * csh), np.minimum(soft * tilt**2, 0.5 * cfl)
+    less = np.minimum(soft * offset**2, 0.5 * csh), np.minimum(soft * tilt**2, 0.5 * cfl)
 
     def law(l, v, turn):  # noqa: E741
         E, N = _axial(helices, low, high, ends, l)
@@ -124,7 +124,7 @@ def _ends(scene: Scene, helices: Helices, phases: np.ndarray, plane: float) -> t
     return m, np.diff(np.cos(phases - plane)), -0.5 * share * (sine[1:] + sine[:-1])
 
 
-def _own_way(helices: Helices, ends: Pair, m: np.ndarray, swell: np.ndarray, tip: np.ndarray) -> Callable:
+def _own_offsets(helices: Helices, ends: Pair, m: np.ndarray, swell: np.ndarray, tip: np.ndarray) -> Callable:
     """v0 and dtheta0, each with its derivative in the length."""
 
     def own(l):  # noqa: E741

@@ -1,8 +1,8 @@
-"""Whether coils pass through each other, told by code that shares nothing with the solver.
+"""Whether coils pass through each other, by code that shares nothing with the solver.
 
 The wire is a cubic curve through the nodes along its tangents there, and straight or helical pieces of the
-rigid ends; points of it, a quarter of a wire diameter apart, are held against all others by a k-d tree. The
-circles of the equivalent beam are held against all others, and in their order.
+rigid ends; points of it, a quarter of a wire diameter apart, are compared with all others by a k-d tree. The
+circles of the equivalent beam are compared with all others, and in their order.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ def excess(path: EquilibriumPath, states: np.ndarray) -> np.ndarray:
     return (np.array([find(path, state) for state in states]) - deepest) / path.scene.spring.wire_diameter
 
 
-def judge_apart(verdict: Verdict, path: EquilibriumPath) -> None:
+def verify_overlap(verdict: Verdict, path: EquilibriumPath) -> None:
     """No row of a path, printed as an answer, may hold wires that have passed through each other; and where
     a path ends for that, they must be about to do so."""
     if not path.scene.contact.enabled:
@@ -72,8 +72,8 @@ def _wire_overlap(path: EquilibriumPath, state: np.ndarray) -> float:
     first, second = np.minimum(first, second), np.maximum(first, second)
     rigid = (second <= 1e-9) | (first >= nodes[-1] - 1e-9)
     pairs = pairs[(second - first >= math.pi - 1e-9) & ~rigid]
-    apart = np.linalg.norm(points[pairs[:, 0]] - points[pairs[:, 1]], axis=1)
-    return d - float(apart.min(initial=d))
+    distance = np.linalg.norm(points[pairs[:, 0]] - points[pairs[:, 1]], axis=1)
+    return d - float(distance.min(initial=d))
 
 
 def _moved(row: np.ndarray, arms: np.ndarray) -> np.ndarray:
@@ -126,8 +126,8 @@ def _beam_overlap(path: EquilibriumPath, state: np.ndarray) -> float:
     keep = node[first] != node[second]
     first, second = first[keep], second[keep]
     gap = centre[:, second] - centre[:, first]
-    apart = np.hypot(*gap)
+    distance = np.hypot(*gap)
     turn = 0.5 * (theta[first] + theta[second])
     passed = (second - first == 2) & (gap[1] * np.cos(turn) - gap[0] * np.sin(turn) < 0.0)
     beside = np.abs(gap[0] * np.cos(turn) + gap[1] * np.sin(turn))
-    return d - float(np.where(passed, beside, apart).min())
+    return d - float(np.where(passed, beside, distance).min())

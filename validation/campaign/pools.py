@@ -1,4 +1,4 @@
-"""Where a campaign's cases are judged: processes of this machine, or the workers of a Dask cluster."""
+"""Where a campaign's cases are verified: processes of this machine, or the workers of a Dask cluster."""
 
 from __future__ import annotations
 

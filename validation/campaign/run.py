@@ -12,15 +12,15 @@ from pathlib import Path
 from time import process_time
 
 from coilspring import InputError
-from validation.campaign.invariance import judge_invariance
+from validation.campaign.invariance import verify_invariance
 from validation.campaign.page import write_page
 from validation.campaign.pools import cluster, processes
 from validation.campaign.scenes import case_id, make_case
-from validation.campaign.table import Row, Table, version
+from validation.campaign.table import Row, Table, row_of, row_text, version
 from validation.campaign.verdict import (
-    APART,
     CONFIRMED,
     CRITICAL,
+    DEVIATES,
     ENDED,
     REFUSED,
     RIGHT,
@@ -29,8 +29,8 @@ from validation.campaign.verdict import (
     Verdict,
     reached,
 )
-from validation.campaign.verifier import judge_beam
-from validation.campaign.wireverifier import BRANCH, judge_wire
+from validation.campaign.verifier import verify
+from validation.campaign.wireverifier import BRANCH
 from validation.study.output import prepare
 from validation.study.provenance import write_provenance
 
@@ -50,9 +50,9 @@ def campaign(
     case: str | None = None,
     progress: Progress | None = None,
 ) -> int:
-    """Judge the first `beams` and `wires` scenes of a seed, and write what became of them.
+    """Verify the first `beams` and `wires` scenes of a seed, and write what became of them.
 
-    ``stability.csv`` takes a row for each case as it is judged; a campaign that was interrupted goes on
+    ``stability.csv`` takes a row for each case as it is verified; a campaign that was interrupted goes on
     from there. ``stability.md`` and its pictures are written at the end.
 
     Parameters
@@ -62,8 +62,8 @@ def campaign(
     seed : of the sequence that the scenes are drawn from.
     workers : processes; by default one for each processor core. 0: in this process.
     scheduler : address of a Dask scheduler, whose workers take the place of the processes.
-    case : id of the one case to judge again; its row is printed and nothing is written.
-    progress : called with the number of cases judged so far and the number of all.
+    case : id of the one case to verify again; its row is printed and nothing is written.
+    progress : called with the number of cases verified so far and the number of all.
 
     Returns
     -------
@@ -77,8 +77,8 @@ def campaign(
     if scheduler is not None and workers is not None:
         raise InputError(f"workers are the cluster's where a scheduler is given, got workers {workers}")
     if case is not None:
-        row = judged(case, seed)
-        print(row.text())
+        row = verified(case, seed)
+        print(row_text(row))
         return int(row["class"] == UNEXPLAINED)
     prepare(out)
     table = Table(out / "stability.csv", seed, version())
@@ -93,36 +93,29 @@ def campaign(
     chosen = table.sort(wanted)
     write_page(chosen, out, seed)
     write_provenance(f"coilcheck stability --beams {beams} --wires {wires} --seed {seed}", out)
-    return int(any(row["class"] == UNEXPLAINED for row in chosen))
+    return int((chosen["class"] == UNEXPLAINED).any())
 
 
-def judged(name: str, seed: int) -> Row:
-    """Solve and judge one case."""
+def verified(name: str, seed: int) -> Row:
+    """Solve and verify one case."""
     began = process_time()
-    case = make_case(name, seed)
-    verdict, outcome, kind, time = Verdict(), "refused", "", 0.0
-    message, tip = "", ()
+    case, path, verdict, known = make_case(name, seed), None, Verdict(), {"outcome": "refused"}
     try:
         path = reached(case)
-        outcome, message = path.outcome, path.message
-        reach = float(path.times[-1]) if len(path.times) else 0.0
-        time = path.critical_time or reach
-        tip = (*path.tips[-1], path.active_contacts[-1]) if len(path.times) else ()
-        verdict = judge_beam(case, path) if case.model == "equivbeam" else judge_wire(case, path)
+        verdict = verify(case, path)
         sliding = case.scene.contact.sliding
         loose = BRANCH[sliding] if case.model == "wirefe" and sliding != "free" else 0.0
-        kind = judge_invariance(verdict, case, path, loose)
+        known = {"kind": verify_invariance(verdict, case, path, loose)}
     except InputError as error:
-        message = str(error)
-        if outcome != "refused":
-            verdict.complain(f"refused while judged: {error}")
+        known = {"message": str(error)}
+        if path is not None:
+            verdict.complain(f"refused while verified: {error}")
     except Exception as error:  # a crash is an outcome, the worst one; the campaign goes on
         last = traceback.extract_tb(error.__traceback__)[-1]
         verdict.complain(f"crash: {error!r} in {Path(last.filename).name}:{last.lineno}")
-    seconds = process_time() - began
-    return Row.of(
-        case, seed, _class(outcome, verdict), outcome, message, time, tip, kind, verdict, seconds
-    )  # fmt: skip
+    known["outcome"] = path.outcome if path else "refused"
+    known |= {"class": _class(known["outcome"], verdict), "seconds": f"{process_time() - began:.3f}"}
+    return row_of(case, path, verdict, seed=seed, **known)
 
 
 def _class(outcome: str, verdict: Verdict) -> str:
@@ -132,26 +125,26 @@ def _class(outcome: str, verdict: Verdict) -> str:
         return REFUSED
     if outcome not in ("completed", THROUGH, *CRITICAL):
         return ENDED
-    if verdict.apart:
-        return APART
+    if verdict.deviations:
+        return DEVIATES
     if outcome == THROUGH:
         return THROUGH
     return CONFIRMED if outcome in CRITICAL else RIGHT
 
 
-def _judged_all(names: list[str], seed: int) -> list[Row]:
-    return [judged(name, seed) for name in names]
+def _verified_all(names: list[str], seed: int) -> list[Row]:
+    return [verified(name, seed) for name in names]
 
 
 def _results(names: list[str], seed: int, workers: int, scheduler: str | None) -> Iterator[list[Row]]:
     """Rows of the cases, in chunks as they come."""
     chunks = _chunks(names)
     if workers == 0 and scheduler is None:
-        yield from (_judged_all(chunk, seed) for chunk in chunks)
+        yield from (_verified_all(chunk, seed) for chunk in chunks)
         return
     if not names:
         return
-    task = partial(_judged_all, seed=seed)
+    task = partial(_verified_all, seed=seed)
     with processes(workers) if scheduler is None else cluster(scheduler) as (pool, size):
         waiting: set[Future] = {pool.submit(task, chunk) for chunk in islice(chunks, QUEUED * size)}
         while waiting:
@@ -170,9 +163,6 @@ def _same_version(rows: list[Row]) -> list[Row]:
 
 
 def _chunks(names: list[str]) -> Iterator[list[str]]:
-    rest = list(names)
-    while rest:
-        size = CHUNK[rest[0][0]]
-        chunk = [name for name in rest[:size] if name[0] == rest[0][0]]
-        rest = rest[len(chunk) :]
-        yield chunk
+    for letter, size in CHUNK.items():
+        mine = [name for name in names if name[0] == letter]
+        yield from (mine[i : i + size] for i in range(0, len(mine), size))

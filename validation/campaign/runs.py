@@ -17,10 +17,12 @@ ROUNDING = 4.0 * 2.0**-52  # of the spring's height: positions are no finer
 LOAD = 1e-4  # within which a critical point is bracketed
 UNCHANGED = (1.0, 1.0, 1.0)
 HALVINGS = 9  # of a share of the load, to where nothing has touched
+ROWS = 3  # states of a path that are verified
+PLACE = 1e-10  # of the prescribed displacement: the top is there to what rounding sums up to
 STEPPED = 1e-3  # of its time, by which a run goes beyond a critical point that it stepped over
 
 
-def apart(
+def deviation(
     path: EquilibriumPath, other: EquilibriumPath, back: Sequence[float] = UNCHANGED
 ) -> tuple[float, float]:
     """Difference of the tips over the largest displacement: at the last common time, and the largest.
@@ -73,7 +75,7 @@ def remembered(
         early = [reached(case, under(run.scene, share)) for run in (path, other)]
         if not any(_touched(run) for run in early):
             same = all(run.outcome == "completed" for run in early)
-            return same and apart(early[0], early[1], back)[1] <= BRANCH
+            return same and deviation(early[0], early[1], back)[1] <= BRANCH
     return False
 
 
@@ -83,7 +85,7 @@ def _touched(path: EquilibriumPath) -> bool:
     return bool((path.memories[:, :, ON] > 0.0).any() or path.active_contacts.any())
 
 
-def judge_branch(
+def verify_branch(
     verdict: Verdict,
     path: EquilibriumPath,
     other: EquilibriumPath,
@@ -94,9 +96,9 @@ def judge_branch(
     the end time, and for states before the last."""
     most, most_shift, most_between = bounds
     most = max(most, SOLVER / max(verdict.numbers.get("least", 1.0), 1e-12) ** 0.5, grain(path))
-    last, largest = apart(path, other)
+    last, largest = deviation(path, other)
     verdict.ask("branch", last, most, f"off the branch of the {name}")
-    verdict.ask("branch", largest, max(most, most_between), f"off the branch of the {name} on the way")
+    verdict.ask("branch", largest, max(most, most_between), f"off the branch of the {name} before the end")
     if other.outcome == "not_converged":
         verdict.complain(f"{path.outcome}, but the {name} ends as {other.outcome}: {other.message}")
     elif _kind(path) != _kind(other):
@@ -107,11 +109,11 @@ def judge_branch(
 
 
 def _kind(path: EquilibriumPath) -> str:
-    """Outcome of a path; which kind of critical point it is may be told apart by rounding alone."""
+    """Outcome of a path; which kind of critical point it is may depend on rounding alone."""
     return CONFIRMED if path.outcome in CRITICAL else path.outcome
 
 
-def judge_passed(
+def verify_passed(
     verdict: Verdict, path: EquilibriumPath, other: EquilibriumPath, name: str, most: float
 ) -> None:
     """Neither run may go on beyond a critical point at which the other ends."""
@@ -130,7 +132,7 @@ def _reach(path: EquilibriumPath) -> float:
     return max([0.0, *path.times[-1:], *(path.end_bracket or ())[:1]])
 
 
-def judge_steps(
+def verify_steps(
     verdict: Verdict,
     case: Case,
     path: EquilibriumPath,
@@ -145,9 +147,42 @@ def judge_steps(
             continue
         known = {key: verdict.numbers[key] for key in ("least",) if key in verdict.numbers}
         other, compared = reached(case, steps=steps), Verdict(numbers=known)
-        judge_passed(compared, path, other, name, most_shift)
+        verify_passed(compared, path, other, name, most_shift)
         if ended(path) or ended(other):
-            compared.ask("branch", apart(path, other)[1], most, f"off the branch of the {name}")
+            compared.ask("branch", deviation(path, other)[1], most, f"off the branch of the {name}")
         else:
-            judge_branch(compared, path, other, name, (most, most_shift, most_between))
+            verify_branch(compared, path, other, name, (most, most_shift, most_between))
         verdict.take(compared, bool(compared.differences) and remembered(case, path, other))
+
+
+def verified_rows(path: EquilibriumPath) -> set[int]:
+    """States of a path that are verified, the last among them."""
+    count = len(path.times)
+    return {count - 1 - (count * k) // ROWS for k in range(ROWS)} & set(range(count))
+
+
+def verify_place(verdict: Verdict, path: EquilibriumPath, row: int, y: float) -> None:
+    """The top's y must be where it is prescribed."""
+    scene, time = path.scene, float(path.times[row])
+    (displacement,) = scene.load.displacement
+    share = abs(y - scene.spring.active_height - time * displacement) / abs(displacement)
+    verdict.ask("place", share, PLACE, f"top elsewhere at time {time:.6g}")
+
+
+def sharp_critical(verdict: Verdict, path: EquilibriumPath) -> tuple[float, float] | None:
+    """Critical time and the width of its bracket, which must be small; None where the path has none."""
+    if path.critical_time is None or path.critical_bracket is None:
+        verdict.complain(f"{path.outcome} without a critical time")
+        return None
+    share = path.critical_bracket / path.critical_time
+    verdict.ask("bracket", share, LOAD, "critical time is not that sharp")
+    return path.critical_time, path.critical_bracket
+
+
+def just_before(verdict: Verdict, case: Case, critical: float, time: float) -> EquilibriumPath | None:
+    """The case under the part of its load that acts at `time`; None where that is not reached."""
+    path = reached(case, under(case.scene, time))
+    if path.outcome != "completed":
+        verdict.complain(f"just before the critical time {critical:.6g}: {path.outcome}")
+        return None
+    return path

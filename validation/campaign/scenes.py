@@ -29,8 +29,8 @@ DIGITS = {"b": 6, "w": 5}
 MOST_ELEMENTS = 200  # of a wire
 DRIVEN = 0.2  # of the scenes
 GOLDEN = 0.5 * (math.sqrt(5.0) - 1.0)  # whose multiples tell which: a sequence as even as Sobol's
-OF_SIZE = 0.8  # of the way to solid for a size of 1: 4 to 104 %, solid corners 80 to 120 %
-SHORTEST = 0.05  # of the height: least height left, and way to solid of coils that touch at rest
+OF_SIZE = 0.8  # of the distance to solid for a size of 1: 4 to 104 %, solid corners 80 to 120 %
+SHORTEST = 0.05  # of the height: least height left, and distance to solid of coils that touch at rest
 LEAST_ANGLE = 0.05  # a mostly axial load leans at least by this, rad: exact symmetry is a corner of its own
 
 
@@ -43,7 +43,7 @@ class Case:
     id, corner : corner is one of `CORNERS`, or "" for an ordinary scene.
     scene, options : what `equivbeam.solve` or `wirefe.solve` are given.
     size : load over the one that makes the spring solid, or bends it over its height; of a prescribed
-        displacement its share of the way to solid.
+        displacement its share of the distance to solid.
     number : place in the sequence.
     """
 
@@ -93,11 +93,11 @@ def is_driven(letter: str, number: int, seed: int) -> bool:
 
 
 def pressed(scene: Scene, share: float) -> Scene:
-    """The scene with a share of the way to solid prescribed in place of its force."""
+    """The scene with a share of the distance to solid prescribed in place of its force."""
     height = scene.spring.active_height
     travel = max(height - solid_height(scene.spring), SHORTEST * height)
-    way = min(share * travel, (1.0 - SHORTEST) * height)
-    return replace(scene, load=Load(steps=scene.load.steps, displacement=(-way,)))
+    shortening = min(share * travel, (1.0 - SHORTEST) * height)
+    return replace(scene, load=Load(steps=scene.load.steps, displacement=(-shortening,)))
 
 
 @lru_cache(maxsize=4)
@@ -246,8 +246,8 @@ def _scaled(scene: Scene, corner: str) -> Scene:
 def scaled_load(load: Load, force: float, length: float) -> Load:
     """The load with its force, or the displacement it prescribes, times a factor."""
     x, y = load.force
-    ways = tuple(way * length for way in load.displacement)
-    return replace(load, force=(x * force, y * force), displacement=ways)
+    displacement = tuple(length * value for value in load.displacement)
+    return replace(load, force=(x * force, y * force), displacement=displacement)
 
 
 def in_units(scene: Scene, length: float, force: float) -> Scene:

@@ -1,8 +1,8 @@
-"""Where a wire's coils slide off each other under Coulomb friction, for judging: plain numpy, no bounds held.
+"""Where a wire's coils slide off each other under Coulomb friction, for the verifier.
 
 The unknowns are the wire's nodes, the normal forces of the pairs that touch and the load: Coulomb's law
-takes those normal forces, and its tangent is unsymmetric. The way along the path is prescribed in place of
-the load, which may so pass through its highest value, a limit point.
+takes those normal forces, and its tangent is unsymmetric. The distance along the path is prescribed in
+place of the load, which may so pass through its highest value, a limit point.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from coilspring import EquilibriumPath
-from validation.campaign.moves import NUDGE, moved, nudged, width
+from validation.campaign.poses import NUDGE, moved, nudged, width
 from validation.campaign.wire import WireForces, friction_of
 
 SLIDES = 1e-3  # of its bound: a pair nearer to it slides on
@@ -32,7 +32,7 @@ class Slipping:
     forces : of the wire.
     mu : coefficient of friction.
     pairs : (pairs, 2) spheres.
-    way : (pairs, 3) from the lower to the upper centre.
+    gap : (pairs, 3) from the lower to the upper centre.
     force : (pairs, 3) tangential force on the lower sphere.
     slides : (pairs,) of those that must slide, whatever they are pulled by; else the law decides.
     """
@@ -40,7 +40,7 @@ class Slipping:
     forces: WireForces
     mu: float
     pairs: np.ndarray
-    way: np.ndarray
+    gap: np.ndarray
     force: np.ndarray
     slides: np.ndarray
 
@@ -54,7 +54,7 @@ class Slipping:
         n = w / np.linalg.norm(w, axis=1, keepdims=True)
         turned = _across(self.force, n)
         turned *= _ratio(np.linalg.norm(self.force, axis=1), np.linalg.norm(turned, axis=1))[:, None]
-        return turned + self.forces.penalty * _across(w - self.way, n)
+        return turned + self.forces.penalty * _across(w - self.gap, n)
 
     def law(self, w: np.ndarray, press: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Tangential forces (pairs, 3) by Coulomb's law with the normal forces `press`, and their
@@ -89,7 +89,7 @@ class Slipping:
         force = tangential - press[:, None] * n
         slope = slope - (press / h)[:, None, None] * (np.eye(3) - n[:, :, None] * n[:, None, :])
         J = np.zeros((size + len(press), size + len(press)))
-        for node in np.unique(self.forces.carrier[self.pairs]):
+        for node in np.unique(self.forces.attached[self.pairs]):
             for i in range(6):
                 ends = [nudged(rows, node, i, step, d) for step in (NUDGE, -NUDGE)]
                 change = (self.vectors(ends[0]) - self.vectors(ends[1])) / width(i, d)
@@ -100,7 +100,7 @@ class Slipping:
             one = np.arange(len(press))[:, None] == m
             J[:size, size + m] = self.spread(rows, np.where(one, rise - n, 0.0))
             J[size + m, size + m] = self.depth(press)[m] / (self.forces.exponent * press[m])
-        J[:, :size] *= ~self.forces.held.ravel()
+        J[:, :size] *= ~self.forces.fixed.ravel()
         return J
 
     def spread(self, rows: np.ndarray, force: np.ndarray) -> np.ndarray:
@@ -110,7 +110,7 @@ class Slipping:
         for (low, high), one in zip(self.pairs, force, strict=True):
             self.forces.add_force(total, rows, low, -one)
             self.forces.add_force(total, rows, high, one)
-        return np.where(self.forces.held, 0.0, total).ravel()
+        return np.where(self.forces.fixed, 0.0, total).ravel()
 
     def depth(self, press: np.ndarray) -> np.ndarray:
         """Penetrations (pairs,) that go with normal forces."""
@@ -119,13 +119,13 @@ class Slipping:
 
     def of(self, chosen: np.ndarray) -> Slipping:
         """Some of the pairs."""
-        mine = {name: getattr(self, name)[chosen] for name in ("pairs", "way", "force", "slides")}
+        mine = {name: getattr(self, name)[chosen] for name in ("pairs", "gap", "force", "slides")}
         return replace(self, **mine)
 
     def after(self, rows: np.ndarray, press: np.ndarray) -> Slipping:
         """The pairs as they are at a state that was found."""
         w = self.vectors(rows)
-        return replace(self, way=w, force=self.law(w, press)[0], slides=np.zeros(len(w), dtype=bool))
+        return replace(self, gap=w, force=self.law(w, press)[0], slides=np.zeros(len(w), dtype=bool))
 
 
 def highest_load(forces: WireForces, path: EquilibriumPath, time: float, critical: float) -> float | None:
@@ -138,10 +138,10 @@ def highest_load(forces: WireForces, path: EquilibriumPath, time: float, critica
     load[-6:-4] = forces.load
     tangent = wire_tangent(forces, rows, count) + pairs.contact_tangent(rows, press)
     rate = np.linalg.solve(tangent, np.append(load, np.zeros(count)))
-    # moves alone measure the way: spins are of another unit
+    # moves alone measure the distance: spins are of another unit
     control = (rate[:size].reshape(-1, 6) * [1.0, 1.0, 1.0, 0.0, 0.0, 0.0]).ravel()
     control /= control @ rate[:size]
-    step, times, ways = (critical - time) / TO_LIMIT, [time], [0.0]
+    step, times, distances = (critical - time) / TO_LIMIT, [time], [0.0]
     move, pairs = np.append(step * rate, step), replace(pairs, slides=np.zeros(count, dtype=bool))
     while len(times) <= MOST_STEPS:
         found = _settled(pairs, rows, press, times[-1], move, control, load)
@@ -151,16 +151,16 @@ def highest_load(forces: WireForces, path: EquilibriumPath, time: float, critica
                 return None
             continue
         closed = found[1] > 0.0
-        if not closed.all():  # what opens on the way is left out from the step's beginning on
+        if not closed.all():  # what opens is left out from the step's beginning on
             pairs, press = pairs.of(closed), press[closed]
             move = np.delete(move, size + np.flatnonzero(~closed))
             continue
         rows, press, move = found
         pairs = pairs.after(rows, press)
         times.append(times[-1] + move[-1])
-        ways.append(ways[-1] + float(control @ move[:size]))
+        distances.append(distances[-1] + float(control @ move[:size]))
         if len(times) > 3 and times[-1] < times[-2]:
-            return _peak(ways[-3:], times[-3:])
+            return _peak(distances[-3:], times[-3:])
     return None
 
 
@@ -179,7 +179,7 @@ def _touching(forces: WireForces, path: EquilibriumPath) -> tuple[Slipping, np.n
     w = pairs.vectors(path.states[-1].reshape(-1, 7))
     press = forces.penalty * (forces.d - np.linalg.norm(w, axis=1)) ** forces.exponent
     slides = np.linalg.norm(force[hit], axis=1) > (1.0 - SLIDES) * pairs.mu * press
-    return replace(pairs, way=w, slides=slides), press
+    return replace(pairs, gap=w, slides=slides), press
 
 
 def _settled(
@@ -191,14 +191,14 @@ def _settled(
     control: np.ndarray,
     load: np.ndarray,
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray] | None:
-    """Equilibrium from the guess of a step, as far along the way: nodes, normal forces (below zero where a
+    """Equilibrium from the guess of a step, as far along the path: nodes, normal forces (below zero where a
     pair would have to be pulled), and the step made."""
     size, count = len(load), len(load) + len(press)
     most, move = float(np.abs(move[:size]).max()), move.copy()
     rows, press, time = moved(rows, move[:size]), press + move[size:count], time + move[count]
     matrix = np.zeros((count + 1, count + 1))
     matrix[:size, count], matrix[count, :size] = -load, control
-    wire, free = wire_tangent(pairs.forces, rows, len(press)), ~pairs.forces.held.ravel()
+    wire, free = wire_tangent(pairs.forces, rows, len(press)), ~pairs.forces.fixed.ravel()
     for _ in range(MOST_CORRECTIONS):
         left = pairs.contact(rows, press)
         left[:size] = free * (left[:size] + pairs.forces.element_forces(rows).ravel() - time * load)
@@ -226,16 +226,16 @@ def wire_tangent(forces: WireForces, rows: np.ndarray, pairs: int) -> np.ndarray
             for node in some:
                 near = slice(max(node - 1, 0), node + 2)
                 J[near, :, node, i] = change[near]
-    held, size = forces.held.ravel(), 6 * nodes
+    held, size = forces.fixed.ravel(), 6 * nodes
     J = J.reshape(size, size)
     J[held], J[:, held] = 0.0, 0.0
     J[held, held] = 1.0
     return np.pad(J, (0, pairs))
 
 
-def _peak(ways: list[float], times: list[float]) -> float:
-    """Top of the parabola through three times on the way, the middle one the highest."""
-    curve = np.polynomial.Polynomial.fit(ways, times, 2)
+def _peak(distances: list[float], times: list[float]) -> float:
+    """Top of the parabola through three times on the path, the middle one the highest."""
+    curve = np.polynomial.Polynomial.fit(distances, times, 2)
     return float(curve(curve.deriv().roots()[0]))
 
 

@@ -1,13 +1,18 @@
-"""The campaign's table: rows appended to a file as they come, and found again after an interruption."""
+"""The campaign's table: rows of texts, appended to a file and found again after an interruption."""
 
 from __future__ import annotations
 
-import csv
 import io
 import os
+from collections.abc import Iterable
 from functools import lru_cache
 from pathlib import Path
+from typing import Any
 
+import numpy as np
+import pandas as pd
+
+from coilspring import EquilibriumPath
 from validation.campaign.scenes import Case
 from validation.campaign.verdict import Verdict
 from validation.study.keys import digest, source_files
@@ -17,74 +22,56 @@ NUMBERS = (
     "residual", "least", "branch", "bracket", "critical_shift", "passed", "confirmed", "friction",
     "invariance", "overlap", "place", "reaction", "stepped",
 )  # fmt: skip
+TIP = ("ux", "uy", "rotz", "contacts")
 FORCE, DISPLACEMENT = "force", "displacement"
 COLUMNS = (
     "id", "seed", "version", "class", "outcome", "reason", "corner", "variant", "steps", "penalty",
-    "exponent", "sliding", "index", "coils", "slenderness", "taper", "by", "load", "held", "time", "ux", "uy",
-    "rotz", "contacts", "kind", *NUMBERS, "message", "seconds",
+    "exponent", "sliding", "index", "coils", "slenderness", "taper", "by", "load", "held", "time", *TIP,
+    "kind", *NUMBERS, "message", "seconds",
 )  # fmt: skip
+Row = dict[str, str]
 
 
-class Row(dict[str, str]):
-    """One case, all columns as texts."""
+def row_of(case: Case, path: EquilibriumPath | None, verdict: Verdict, **known: Any) -> Row:
+    """Row of a verified case; `known` are further columns, among them the outcome where there is no path."""
+    scene, contact, spring, options = case.scene, case.scene.contact, case.scene.spring, case.options
+    bottom, top = spring.mean_diameter
+    values: dict[str, Any] = {
+        "id": case.id,
+        "version": version(),
+        "reason": "; ".join(verdict.complaints + verdict.deviations),
+        "corner": case.corner,
+        "variant": options.get("law") or f"{options['element']} {options['elements_per_turn']}",
+        "steps": scene.load.steps,
+        "penalty": contact.stiffness if contact.enabled else 0.0,
+        "exponent": contact.exponent,
+        "sliding": contact.sliding if case.model == "wirefe" else "",
+        "index": bottom / spring.wire_diameter,
+        "coils": spring.active_coils,
+        "slenderness": 2.0 * spring.active_height / (bottom + top),
+        "taper": top / bottom,
+        "by": DISPLACEMENT if scene.load.displacement else FORCE,
+        "load": case.size,
+        "held": " ".join(scene.supports.top_held),
+        "time": 0.0,
+    }
+    if path is not None:
+        reached = len(path.times) > 0
+        values |= {"outcome": path.outcome, "message": path.message}
+        values["time"] = path.critical_time or (path.times[-1] if reached else 0.0)
+        if reached:
+            values |= zip(TIP, (*path.tips[-1], float(path.active_contacts[-1])), strict=True)
+    values |= verdict.numbers | known
+    return {name: _text(values.get(name, "")) for name in COLUMNS}
 
-    @classmethod
-    def of(
-        cls,
-        case: Case,
-        seed: int,
-        verdict_class: str,
-        outcome: str,
-        message: str,
-        time: float,
-        tip: tuple[float, ...],
-        kind: str,
-        verdict: Verdict,
-        seconds: float,
-    ) -> Row:
-        """Row of a judged case."""
-        scene, contact, spring = case.scene, case.scene.contact, case.scene.spring
-        bottom, top = spring.mean_diameter
-        options = case.options
-        variant = options.get("law") or f"{options['element']} {options['elements_per_turn']}"
-        values = {
-            "id": case.id,
-            "seed": seed,
-            "version": version(),
-            "class": verdict_class,
-            "outcome": outcome,
-            "reason": "; ".join(verdict.complaints + verdict.apart),
-            "corner": case.corner,
-            "variant": variant,
-            "steps": scene.load.steps,
-            "penalty": _short(contact.stiffness if contact.enabled else 0.0),
-            "exponent": _short(contact.exponent),
-            "sliding": contact.sliding if case.model == "wirefe" else "",
-            "index": _short(bottom / spring.wire_diameter),
-            "coils": _short(spring.active_coils),
-            "slenderness": _short(2.0 * spring.active_height / (bottom + top)),
-            "taper": _short(top / bottom),
-            "by": DISPLACEMENT if scene.load.displacement else FORCE,
-            "load": _short(case.size),
-            "held": " ".join(scene.supports.top_held),
-            "time": _short(time),
-            "kind": kind,
-            **dict(zip(("ux", "uy", "rotz", "contacts"), map(_short, tip), strict=False)),
-            "message": message,
-            "seconds": f"{seconds:.3f}",
-        }
-        values |= {name: _short(verdict.numbers[name]) for name in NUMBERS if name in verdict.numbers}
-        return cls({name: str(values.get(name, "")).replace("\n", " ") for name in COLUMNS})
 
-    def text(self) -> str:
-        """All that is known of the case, a line for each column."""
-        return "\n".join(f"{name:15} {value}" for name, value in self.items() if value)
+def _text(value: Any) -> str:
+    return f"{value:.6g}" if isinstance(value, float | np.floating) else str(value).replace("\n", " ")
 
-    def line(self) -> str:
-        """The row as it stands in the file."""
-        stream = io.StringIO()
-        csv.DictWriter(stream, COLUMNS, lineterminator="\n").writerow(self)
-        return stream.getvalue()
+
+def row_text(row: Row) -> str:
+    """All that is known of a case, a line for each column."""
+    return "\n".join(f"{name:15} {value}" for name, value in row.items() if value)
 
 
 class Table:
@@ -92,10 +79,11 @@ class Table:
 
     def __init__(self, target: Path, seed: int, version: str) -> None:
         self.target = target
-        kept = [row for row in read_rows(target) if (row["seed"], row["version"]) == (str(seed), version)]
-        self.rows = {row["id"]: row for row in kept}
+        data = read_rows(target)
+        kept = data[(data["seed"] == str(seed)) & (data["version"] == version)]
+        self.rows: dict[str, Row] = {row["id"]: row for row in kept.to_dict("records")}
         # what belongs to another seed or version, and a last line that was cut, are left out
-        self._write(list(self.rows.values()))
+        write_text(target, _csv(self.rows.values()))
 
     def __contains__(self, name: str) -> bool:
         return name in self.rows
@@ -103,31 +91,34 @@ class Table:
     def append(self, rows: list[Row]) -> None:
         """Add rows at the end of the file; they are on disk when this returns."""
         with writing(self.target), self.target.open("a", encoding="utf-8", newline="") as stream:
-            stream.write("".join(row.line() for row in rows))
+            stream.write(_csv(rows, header=False))
             stream.flush()
             os.fsync(stream.fileno())
         self.rows |= {row["id"]: row for row in rows}
 
-    def sort(self, wanted: list[str]) -> list[Row]:
+    def sort(self, wanted: list[str]) -> pd.DataFrame:
         """Write the file in the order of the ids, and return the rows of those wanted."""
-        self._write([self.rows[name] for name in sorted(self.rows)])
-        return [self.rows[name] for name in wanted]
-
-    def _write(self, rows: list[Row]) -> None:
-        write_text(self.target, ",".join(COLUMNS) + "\n" + "".join(row.line() for row in rows))
+        write_text(self.target, _csv(self.rows[name] for name in sorted(self.rows)))
+        return pd.DataFrame([self.rows[name] for name in wanted], columns=list(COLUMNS))
 
 
-def read_rows(target: Path) -> list[Row]:
-    """Whole rows of a file; none where there is no such file or its columns are others."""
+def _csv(rows: Iterable[Row], header: bool = True) -> str:
+    return pd.DataFrame(list(rows), columns=list(COLUMNS)).to_csv(
+        index=False, header=header, lineterminator="\n"
+    )
+
+
+def read_rows(target: Path) -> pd.DataFrame:
+    """Whole rows of a file, texts; none where there is no such file or its columns are others."""
+    none = pd.DataFrame(columns=list(COLUMNS), dtype=str)
     if not target.exists():
-        return []
+        return none
     with writing(target):
         text = target.read_text(encoding="utf-8")
     whole = text[: text.rfind("\n") + 1]
-    reader = csv.DictReader(io.StringIO(whole))
-    if tuple(reader.fieldnames or ()) != COLUMNS:
-        return []
-    return [Row(row) for row in reader if None not in row and None not in row.values()]
+    if whole.partition("\n")[0] != ",".join(COLUMNS):
+        return none
+    return pd.read_csv(io.StringIO(whole), dtype=str, keep_default_na=False).dropna()
 
 
 @lru_cache(maxsize=1)
@@ -135,8 +126,4 @@ def version() -> str:
     """Digest of the sources of the models and of the campaign: a row is good for these alone."""
     packages = ("coilspring", "equivbeam", "wirefe", "validation.campaign")
     files = [file for name in packages for file in source_files(name)]
-    return digest(file for file in files if file.name != "page.py")[:12]  # which only shows what was found
-
-
-def _short(value: float) -> str:
-    return f"{value:.6g}"
+    return digest(file for file in files if file.name not in ("page.py", "figure.py"))[:12]  # mere views

@@ -10,11 +10,11 @@ import wirefe
 from coilspring import EquilibriumPath, Scene
 from coilspring.solving import HELD, LOST
 from validation.campaign.scenes import Case, scaled_load
-from validation.study.partialsolve import as_far
+from validation.study.partialsolve import partial_path
 
-RIGHT, CONFIRMED, THROUGH, ENDED, APART = "completed", "critical", "interpenetration", "ended", "apart"
+RIGHT, CONFIRMED, THROUGH, ENDED, DEVIATES = "completed", "critical", "interpenetration", "ended", "deviation"
 REFUSED, UNEXPLAINED = "refused", "unexplained"
-CLASSES = (RIGHT, CONFIRMED, THROUGH, ENDED, APART, REFUSED, UNEXPLAINED)
+CLASSES = (RIGHT, CONFIRMED, THROUGH, ENDED, DEVIATES, REFUSED, UNEXPLAINED)
 CRITICAL = ("limit_point", "bifurcation")
 SOLVERS: dict[str, Callable[..., EquilibriumPath]] = {"equivbeam": equivbeam.solve, "wirefe": wirefe.solve}
 MANY = 200  # steps of the fine run, nearly
@@ -24,14 +24,14 @@ MANY = 200  # steps of the fine run, nearly
 class Verdict:
     """Findings of one case; the first complaint is the reason.
 
-    `differences` are those complaints that two histories of contact would explain; `apart` are such as have
-    been explained so: pairs remember where they were when a substep ended.
+    `differences` are those complaints that two histories of contact would explain; `deviations` have been
+    explained so: pairs remember where they were when a substep ended.
     """
 
     complaints: list[str] = field(default_factory=list)
     differences: list[str] = field(default_factory=list)
     numbers: dict[str, float] = field(default_factory=dict)
-    apart: list[str] = field(default_factory=list)
+    deviations: list[str] = field(default_factory=list)
 
     def ask(self, name: str, value: float, most: float, what: str) -> None:
         """Keep the largest value of a name; it differs where it is above the bound or no number."""
@@ -42,7 +42,7 @@ class Verdict:
     def take(self, other: Verdict, remembered: bool) -> None:
         """Take over a comparison with another run; `remembered`: what differs is what pairs remember."""
         excused = other.differences if remembered else []
-        self.apart += excused
+        self.deviations += excused
         self.complaints += [what for what in other.complaints if what not in excused]
         for name, value in () if excused else other.numbers.items():
             self.numbers[name] = max(value, self.numbers.get(name, value))
@@ -59,7 +59,7 @@ class Verdict:
 
 def reached(case: Case, scene: Scene | None = None, **options: object) -> EquilibriumPath:
     """Path of the case, complete or not; in another scene or with other options where given."""
-    return as_far(SOLVERS[case.model], scene or case.scene, **(dict(case.options) | options))
+    return partial_path(SOLVERS[case.model], scene or case.scene, **(dict(case.options) | options))
 
 
 def ended(path: EquilibriumPath) -> bool:

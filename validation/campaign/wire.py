@@ -1,4 +1,4 @@
-"""Forces in the wire model's states in plain numpy, for judging: shares nothing with the solver.
+"""Forces in the wire model's states in plain numpy, for the verifier: shares nothing with the solver.
 
 Written from docs/theory.md, section 3, with quaternions (scalar first) and complex steps of the energy.
 """
@@ -27,10 +27,10 @@ class WireForces:
     frames : (4, 2, elements) quaternions of the end triads at rest.
     arm : (3,) from the top reference point to the wire's last point, at rest.
     stiffness, strain0 : (6, 6, elements) and (6, elements).
-    carrier, offset : (spheres,) and (spheres, 3).
+    attached, offset : (spheres,) and (spheres, 3).
     near : spheres so near along the wire do not touch.
     d, penalty, exponent : of the contact.
-    held : (freedoms,) of the nodes, where nothing must balance.
+    fixed : (degrees of freedom,) of the nodes, where nothing must balance.
     load : (2,) at time 1; 0 where a displacement is prescribed.
     """
 
@@ -39,13 +39,13 @@ class WireForces:
     arm: np.ndarray
     stiffness: np.ndarray
     strain0: np.ndarray
-    carrier: np.ndarray
+    attached: np.ndarray
     offset: np.ndarray
     near: int
     d: float
     penalty: float
     exponent: float
-    held: np.ndarray
+    fixed: np.ndarray
     load: np.ndarray
 
     def residual(
@@ -60,7 +60,7 @@ class WireForces:
             self.add_force(total, rows, low, -force)
             self.add_force(total, rows, high, force)
         total[-1, :2] -= load
-        return np.where(self.held, 0.0, total)
+        return np.where(self.fixed, 0.0, total)
 
     def contact_forces(self, rows: np.ndarray) -> np.ndarray:
         """Gradient (nodes, 6) of the energy of the pairs that touch."""
@@ -94,8 +94,8 @@ class WireForces:
 
     def centres(self, rows: np.ndarray) -> np.ndarray:
         """Centres (spheres, 3) of the contact spheres."""
-        carried = rows[self.carrier]
-        return carried[:, :3] + rotated(carried[:, 3:].T, self.offset.T).T
+        moving = rows[self.attached]
+        return moving[:, :3] + rotated(moving[:, 3:].T, self.offset.T).T
 
     def touching(self, rows: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Pairs of spheres that touch, and the gradient of their energy at the lower one."""
@@ -105,13 +105,13 @@ class WireForces:
         low, high = np.triu_indices(len(centres), self.near + 1)
         g = centres[high] - centres[low]
         h = np.sqrt((g**2).sum(axis=1))
-        hit = (h < self.d) & (self.carrier[low] != self.carrier[high])
+        hit = (h < self.d) & (self.attached[low] != self.attached[high])
         size = self.penalty * (self.d - h[hit]) ** self.exponent / h[hit]
         return np.stack((low[hit], high[hit]), axis=1), size[:, None] * g[hit]
 
     def add_force(self, total: np.ndarray, rows: np.ndarray, sphere: int, force: np.ndarray) -> None:
         """Add the gradient `force` at a sphere to that of the nodes."""
-        node = self.carrier[sphere]
+        node = self.attached[sphere]
         arm = rotated(rows[node, 3:], self.offset[sphere])
         total[node, :3] += force
         total[node, 3:] += np.cross(arm, force)
@@ -126,12 +126,12 @@ def wire_forces(scene: Scene, element: str, elements_per_turn: int, pairs_per_tu
     frames = end_frames(spring, phases, points, element == "curved")
     poses = ((points[:-1].T, frames[:, 0]), (points[1:].T, frames[:, 1]))
     reference = np.array([0.0, spring.active_height, 0.0])
-    carrier, offset = spheres(spring, points, reference, elements_per_turn, pairs_per_turn)
-    held = np.zeros((count + 1, 6), dtype=bool)
-    held[0] = True
-    held[-1, 2:5] = True
+    attached, offset = spheres(spring, points, reference, elements_per_turn, pairs_per_turn)
+    fixed = np.zeros((count + 1, 6), dtype=bool)
+    fixed[0] = True
+    fixed[-1, 2:5] = True
     for name in scene.supports.top_held:
-        held[-1, {"ux": 0, "rotz": 5}[name]] = True
+        fixed[-1, {"ux": 0, "rotz": 5}[name]] = True
     contact = scene.contact
     rest = np.zeros((count + 1, 7))
     rest[:, :3], rest[:, 3] = points, 1.0
@@ -142,13 +142,13 @@ def wire_forces(scene: Scene, element: str, elements_per_turn: int, pairs_per_tu
         arm=points[-1] - reference,
         stiffness=(curved if element == "curved" else straight)(scene, phases, points, poses),
         strain0=strain(*poses),
-        carrier=carrier,
+        attached=attached,
         offset=offset,
         near=pairs_per_turn // 2,
         d=spring.wire_diameter,
         penalty=contact.stiffness * PAIRS_A_TURN / pairs_per_turn if contact.enabled else 0.0,
         exponent=contact.exponent,
-        held=held,
+        fixed=fixed,
         load=np.array(scene.load.force),
     )
 

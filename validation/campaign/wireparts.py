@@ -1,4 +1,4 @@
-"""Geometry and stiffness of the wire's elements and places of its spheres, for judging, in plain numpy."""
+"""The wire's elements and spheres for the verifier, in plain numpy."""
 
 from __future__ import annotations
 
@@ -68,9 +68,9 @@ def spheres(
     low = math.ceil(-spring.end_turns * pairs_per_turn - 1e-9)
     high = math.floor((spring.active_coils + spring.end_turns) * pairs_per_turn + 1e-9)
     index = np.arange(low, high + 1)
-    carrier = np.clip(index * (elements_per_turn // pairs_per_turn), 0, last)
+    attached = np.clip(index * (elements_per_turn // pairs_per_turn), 0, last)
     homes = np.concatenate((points[:-1], reference[None]))
-    return carrier, helix(spring, index * turn / pairs_per_turn) - homes[carrier]
+    return attached, helix(spring, index * turn / pairs_per_turn) - homes[attached]
 
 
 def _rigidities(scene: Scene) -> tuple[float, float, float, float]:

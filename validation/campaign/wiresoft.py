@@ -1,4 +1,4 @@
-"""Least stiffness of a frictionless wire whose top is held along the axis, for judging."""
+"""Least stiffness of a frictionless wire whose top is held along the axis, for the verifier."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 from scipy.linalg import eigh
 
-from validation.campaign.moves import NUDGE, nudged, width
+from validation.campaign.poses import NUDGE, nudged, width
 from validation.campaign.slipping import wire_tangent
 from validation.campaign.wire import WireForces
 
@@ -16,7 +16,7 @@ NONE = (np.zeros((0, 2), int), np.zeros((0, 3)))
 
 def least_stiffness(forces: WireForces, rows: np.ndarray) -> float:
     """Least eigenvalue of the tangent in a state, in units of that at rest; positive where stable."""
-    free = ~forces.held
+    free = ~forces.fixed
     free[-1, 1] = False
     free = free.ravel()
     rest = _tangent(forces, forces.rest)
@@ -27,7 +27,7 @@ def least_stiffness(forces: WireForces, rows: np.ndarray) -> float:
 def _tangent(forces: WireForces, rows: np.ndarray) -> np.ndarray:
     """Symmetric derivative of all forces in moves and spins of the nodes: in balance it is symmetric."""
     J, d = wire_tangent(forces, rows, 0), forces.d
-    for node in np.unique(forces.carrier[forces.touching(rows)[0]]):
+    for node in np.unique(forces.attached[forces.touching(rows)[0]]):
         for i in range(6):
             ends = [forces.contact_forces(nudged(rows, node, i, h, d)) for h in (NUDGE, -NUDGE)]
             J[:, 6 * node + i] += ((ends[0] - ends[1]) / width(i, d)).ravel()
@@ -38,7 +38,7 @@ def vanishing(times: Sequence[float], least: Sequence[float]) -> float | None:
     """Time at which a stiffness vanishes that falls over the three times given, the latest first.
 
     Next to a bifurcation it falls as the time left, next to a fold as its root: the power which a straight
-    line through the first and last fits best in the middle is taken; None where it falls in no such way.
+    line through the first and last fits best in the middle is taken; None where it falls otherwise.
     """
     found = []
     for power in (1.0, 2.0):

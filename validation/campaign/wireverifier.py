@@ -1,4 +1,4 @@
-"""Judge of the wire model's paths: forces in balance, friction within its bound, branch, critical points."""
+"""The verifier of the wire model's paths: forces in balance, friction within its bound, critical points."""
 
 from __future__ import annotations
 
@@ -10,22 +10,19 @@ from scipy.optimize import brentq
 
 import wirefe
 from coilspring import EquilibriumPath
-from validation.campaign.overlap import judge_apart
-from validation.campaign.runs import LOAD, SOLVER, judge_steps, largest_load
+from validation.campaign.runs import LOAD, SOLVER, just_before, largest_load, sharp_critical, verify_place
 from validation.campaign.scenes import Case
 from validation.campaign.slipping import highest_load, sliding_pairs
-from validation.campaign.verdict import CRITICAL, THROUGH, Verdict, ended, under
-from validation.campaign.verifier import judge_place, just_before, sharp_critical
-from validation.campaign.wire import WireForces, friction_of, wire_forces
+from validation.campaign.verdict import Verdict, under
+from validation.campaign.wire import WireForces, friction_of
 from validation.campaign.wiresoft import least_stiffness, vanishing
-from validation.study.partialsolve import as_far
+from validation.study.partialsolve import partial_path
 
 BALANCE = 1e-5  # of the load at the worst node; the wire stretches up to 1e6 times less than the spring
 # difference from the fine run over the largest displacement; with friction it depends on the substeps
 BRANCH = {"free": 1e-6, "none": 2e-2, "coulomb": 2e-2}
 BETWEEN = 1e-4  # where a column passes its buckling load all but neutral, before the last common state
 CRITICAL_SHIFT = {"free": LOAD, "none": 2e-2, "coulomb": 2e-2}
-ROWS = 3
 BEFORE = (1e-6, 4e-6, 1.6e-5)  # shares of the load by which states lie before their critical point
 BEFORE_SLIDING = 5e-3  # the same with coils that slide: limit points of other substeps lie within this share
 BEFORE_SOFT = (2e-3, 8e-3, 1.8e-2)  # the same for the least stiffness: nearer it is rounding
@@ -35,24 +32,7 @@ POINTS = 300  # of an arc-length run
 TURN = 5e-3  # of the load: how near the critical time a traced path has points
 
 
-def judge_wire(case: Case, path: EquilibriumPath) -> Verdict:
-    """Judge a path of the wire model, complete or not."""
-    verdict, sliding = Verdict(), case.scene.contact.sliding
-    if path.outcome not in ("completed", THROUGH, *CRITICAL) and not ended(path):
-        verdict.complain(f"{path.outcome}: {path.message}")
-        return verdict
-    forces = wire_forces(case.scene, **dict(case.options))  # type: ignore[arg-type]
-    count = len(path.times)
-    for row in sorted({count - 1 - (count * k) // ROWS for k in range(ROWS)} & set(range(count))):
-        judge_row(verdict, forces, path, row)
-    judge_apart(verdict, path)
-    judge_steps(verdict, case, path, BRANCH[sliding], CRITICAL_SHIFT[sliding], BETWEEN)
-    if path.outcome in CRITICAL:
-        _judge_critical(verdict, forces, case, path)
-    return verdict
-
-
-def judge_row(verdict: Verdict, forces: WireForces, path: EquilibriumPath, row: int) -> None:
+def verify_row(verdict: Verdict, forces: WireForces, path: EquilibriumPath, row: int) -> None:
     """Forces and moments of one state must balance at every node, friction stay within its bound."""
     time = float(path.times[row])
     friction = friction_of(path, row)
@@ -60,7 +40,7 @@ def judge_row(verdict: Verdict, forces: WireForces, path: EquilibriumPath, row: 
     # in a mode as stiff as a held pair, what solvers leave in the energy norm is this share of the load
     held = contact.stiffness * float(np.hypot(*path.tips[row, :2])) / largest_load(path, row)
     most = BALANCE if contact.sliding == "free" else max(BALANCE, SOLVER * math.sqrt(held))
-    judge_balance(verdict, forces, path, row, most)
+    verify_balance(verdict, forces, path, row, most)
     if contact.sliding == "coulomb" and len(friction[0]):
         normal = contact.coefficient * path.contact_forces[row]
         excess = np.linalg.norm(friction[1], axis=1) - normal
@@ -68,7 +48,7 @@ def judge_row(verdict: Verdict, forces: WireForces, path: EquilibriumPath, row: 
         verdict.ask("friction", share, 1e-4, f"friction beyond its bound at time {time:.6g}")
 
 
-def judge_balance(
+def verify_balance(
     verdict: Verdict, forces: WireForces, path: EquilibriumPath, row: int = -1, most: float = BALANCE
 ) -> None:
     """One state's balance under the load, or with the reaction that the path reports."""
@@ -77,10 +57,10 @@ def judge_balance(
     share = float(np.abs(left).max()) / largest_load(path, row)
     verdict.ask("residual", share, most, f"forces out of balance at time {path.times[row]:.6g}")
     if path.scene.load.displacement:
-        judge_place(verdict, path, row, float(path.states[row][-6]))
+        verify_place(verdict, path, row, float(path.states[row][-6]))
 
 
-def _judge_critical(verdict: Verdict, forces: WireForces, case: Case, path: EquilibriumPath) -> None:
+def verify_wire_critical(verdict: Verdict, forces: WireForces, case: Case, path: EquilibriumPath) -> None:
     """Balanced states just before the critical time must tend to a fold there, or arc length must turn."""
     sharp = sharp_critical(verdict, path)
     if sharp is None:
@@ -88,27 +68,27 @@ def _judge_critical(verdict: Verdict, forces: WireForces, case: Case, path: Equi
     critical, _ = sharp
     driven = bool(case.scene.load.displacement)
     if case.scene.contact.sliding == "coulomb" and path.outcome == "limit_point" and not driven:
-        _judge_slipping(verdict, forces, case, critical)
+        _verify_slipping(verdict, forces, case, critical)
     if case.scene.contact.sliding != "free":
-        return  # judged by the fine run: where friction follows the path, arc length is another one
+        return  # verified by the fine run: where friction follows the path, arc length is another one
     positions = []
     for share in BEFORE:
         time = critical * (1.0 - share)
         before = just_before(verdict, case, critical, time)
         if before is None:
             return
-        judge_balance(verdict, forces, before)
+        verify_balance(verdict, forces, before)
         positions.append(before.states[-1].reshape(-1, 7)[:, :3].ravel())
     found = fold(positions, [critical * (1.0 - share) for share in BEFORE])
     if found is None and driven:
-        _judge_softening(verdict, forces, case, critical)
+        _verify_softening(verdict, forces, case, critical)
     elif found is None:
-        _judge_turn(verdict, case, critical)
+        _verify_turn(verdict, case, critical)
     else:
         verdict.ask("confirmed", abs(found / critical - 1.0), LOAD, "states tend to a fold elsewhere")
 
 
-def _judge_softening(verdict: Verdict, forces: WireForces, case: Case, critical: float) -> None:
+def _verify_softening(verdict: Verdict, forces: WireForces, case: Case, critical: float) -> None:
     """The least stiffness of the constrained wire must tend to zero at the critical time: arc length would
     need a load."""
     times, least = [critical * (1.0 - share) for share in BEFORE_SOFT], []
@@ -129,14 +109,14 @@ def _judge_softening(verdict: Verdict, forces: WireForces, case: Case, critical:
     verdict.ask("confirmed", abs(found / critical - 1.0), SOFTENED, "the least stiffness vanishes elsewhere")
 
 
-def _judge_slipping(verdict: Verdict, forces: WireForces, case: Case, critical: float) -> None:
+def _verify_slipping(verdict: Verdict, forces: WireForces, case: Case, critical: float) -> None:
     """Where coils slide on each other before a limit point, Coulomb's law must reach its highest load
     there."""
     time = critical * (1.0 - BEFORE_SLIDING)
     before = just_before(verdict, case, critical, time)
     if before is None:
         return
-    judge_balance(verdict, forces, before)
+    verify_balance(verdict, forces, before)
     if not sliding_pairs(forces, before).any():
         return
     highest = highest_load(forces, before, time, critical)
@@ -152,13 +132,13 @@ def fold(positions: Sequence[np.ndarray], times: Sequence[float]) -> float | Non
     Before a fold at T the state moves along one mode as the root of T - t.
     """
     last, first = positions[0] - positions[1], positions[1] - positions[2]
-    ways = float(np.linalg.norm(last)), float(np.linalg.norm(first))
-    if last @ first < STRAIGHT * ways[0] * ways[1]:
+    moves = float(np.linalg.norm(last)), float(np.linalg.norm(first))
+    if last @ first < STRAIGHT * moves[0] * moves[1]:
         return None
 
     def excess(T: float) -> float:
         a, b, c = (math.sqrt(T - time) for time in times)
-        return (b - a) / (c - b) - ways[0] / ways[1]
+        return (b - a) / (c - b) - moves[0] / moves[1]
 
     low, high = times[0], times[0] + (times[0] - times[2])
     if excess(low) * excess(high) > 0.0:
@@ -166,9 +146,11 @@ def fold(positions: Sequence[np.ndarray], times: Sequence[float]) -> float | Non
     return float(brentq(excess, low, high))
 
 
-def _judge_turn(verdict: Verdict, case: Case, critical: float) -> None:
+def _verify_turn(verdict: Verdict, case: Case, critical: float) -> None:
     """The traced path must be stable up to the critical time and not beyond."""
-    traced = as_far(wirefe.trace, under(case.scene, 1.05 * critical), points=POINTS, **dict(case.options))
+    traced = partial_path(
+        wirefe.trace, under(case.scene, 1.05 * critical), points=POINTS, **dict(case.options)
+    )
     times = 1.05 * critical * traced.times
     assert traced.negative_pivots is not None
     unstable = np.flatnonzero(traced.negative_pivots)

@@ -51,7 +51,7 @@ class _Version(argparse.Action):
 
 
 def command_line() -> argparse.ArgumentParser:
-    """Parser of the whole command line; an option that was not given stays unset."""
+    """Parser of the whole command line; an option that was not given is None, or False."""
     parser = _Parser(
         prog="coilcheck",
         description="Cross-validation of two models of helical compression springs whose coils touch.",
@@ -78,7 +78,8 @@ def command_line() -> argparse.ArgumentParser:
 
 def given(arguments: argparse.Namespace, names: Sequence[str]) -> dict:
     """The options among `names` that were given, by name."""
-    return {name: getattr(arguments, name) for name in names if hasattr(arguments, name)}
+    found = {name: getattr(arguments, name) for name in names}
+    return {name: value for name, value in found.items() if value is not None and value is not False}
 
 
 def scene_of(arguments: argparse.Namespace) -> Scene:
@@ -151,6 +152,8 @@ def _add_workprecision(commands: argparse._SubParsersAction) -> None:
     size = command.add_mutually_exclusive_group()
     size.add_argument("--quick", action="store_true", help="few meshes, few rounds: about a minute")
     size.add_argument("--full", action="store_true", help="meshes up to 320 elements a turn")
+    what = "page and figures of the numbers recorded in the folder, measure nothing"
+    size.add_argument("--page", action="store_true", help=what)
 
 
 def _add_sensitivity(commands: argparse._SubParsersAction) -> None:
@@ -214,7 +217,6 @@ def _command(
         description=f"{purpose[0].upper()}{purpose[1:]}.",
         epilog=f"example: {example}",
         allow_abbrev=False,
-        argument_default=argparse.SUPPRESS,
     )
     if writes:
         where = "where to write; default coilcheck-out/COMMAND[-SCENE]"

@@ -19,7 +19,7 @@ from validation.cli.arguments import (
     given,
     scene_of,
 )
-from validation.cli.terminal import apart, digest, notes, progress_shown, say
+from validation.cli.terminal import deviation, digest, notes, progress_shown, say
 from validation.study.metrics import compare_paths
 from validation.study.output import (
     OutputError,
@@ -35,7 +35,7 @@ from validation.study.output import (
     write_files,
     writing,
 )
-from validation.study.partialsolve import as_far
+from validation.study.partialsolve import partial_path
 from validation.study.scenewarnings import warnings
 
 COMPLETED, REGRESSED, BAD_INPUT, NOT_COMPLETED, NOT_WRITTEN, INTERRUPTED = 0, 1, 2, 3, 4, 130
@@ -74,7 +74,7 @@ def check(arguments: argparse.Namespace) -> int:
 
     lines, warnings = report(scene)
     lines += [f"warning: {warning}" for warning in warnings]
-    if hasattr(arguments, "draw") or hasattr(arguments, "out"):
+    if arguments.draw or arguments.out:
         folder = _folder(arguments)
         prepare(folder)
         from validation.view.drawing import draw
@@ -94,11 +94,11 @@ def reproduce(arguments: argparse.Namespace) -> int:
         with writing(folder):
             remarks = run(
                 folder,
-                getattr(arguments, "only", None),
-                not hasattr(arguments, "no_render"),
+                arguments.only,
+                not arguments.no_render,
                 progress,
-                hasattr(arguments, "time"),
-                hasattr(arguments, "interactive"),
+                arguments.time,
+                arguments.interactive,
             )
     say(*remarks, f"written to {folder}")
     return COMPLETED
@@ -114,12 +114,12 @@ def solve(arguments: argparse.Namespace) -> int:
     scene = scene_of(arguments)
     folder = _folder(arguments)
     with claimed(folder):
-        with progress_shown(hasattr(arguments, "quiet")) as progress:
+        with progress_shown(arguments.quiet) as progress:
             path = _run(scene, model, arguments, progress)
         files = path_files(path)
-        if hasattr(arguments, "vtu") and len(path.times):
+        if arguments.vtu and len(path.times):
             files |= vtu_file(path)
-        if hasattr(arguments, "vtu_series") and len(path.times):
+        if arguments.vtu_series and len(path.times):
             prepare(folder / "wire")
             files |= series_files(path)
         write_files(files, folder)
@@ -136,7 +136,7 @@ def compare(arguments: argparse.Namespace) -> int:
     with ExitStack() as claims:
         for each in (folder, *(folder / model for model in MODEL_OPTIONS)):
             claims.enter_context(claimed(each))
-        with progress_shown(hasattr(arguments, "quiet")) as progress:
+        with progress_shown(arguments.quiet) as progress:
             paths = {model: _run(scene, model, arguments, progress) for model in MODEL_OPTIONS}
         comparison = compare_paths(paths["equivbeam"], paths["wirefe"])
         found = {
@@ -148,7 +148,7 @@ def compare(arguments: argparse.Namespace) -> int:
             "notes": [f"{model}: {note}" for model, path in paths.items() for note in notes(path)],
         }
         files = {"compare.json": json_bytes(found)}
-        if hasattr(arguments, "draw"):
+        if arguments.draw:
             from validation.view.overlay import overlay
 
             files["compare.png"] = overlay(*paths.values())
@@ -160,49 +160,36 @@ def compare(arguments: argparse.Namespace) -> int:
             remove_stale({}, folder / model)
     _warn(scene, arguments)
     lines = [line for path in paths.values() for line in digest(path)]
-    lines += apart(comparison, bool(scene.load.displacement))
+    lines += deviation(comparison, bool(scene.load.displacement))
     _conclude(arguments, found, [*lines, f"written to {folder}"])
     return _verdict(*paths.values())
 
 
-def study(arguments: argparse.Namespace) -> int:
-    """Judge the models, by one of the commands that run for minutes."""
+def long_command(arguments: argparse.Namespace) -> int:
+    """Run a study, or hand a scene to another program or to the eye."""
     with progress_shown() as progress:
-        lines, failure = studies.COMMANDS[arguments.command](arguments, _folder(arguments), progress)
+        lines, failure = LONG[arguments.command](arguments, _folder(arguments), progress)
     say(*lines)
     return _fail(REGRESSED, failure) if failure else COMPLETED
 
 
-def people(arguments: argparse.Namespace) -> int:
-    """Hand a scene to another program, or to the eye."""
-    with progress_shown() as progress:
-        lines = external.COMMANDS[arguments.command](arguments, _folder(arguments), progress)
-    say(*lines)
-    return COMPLETED
-
-
+LONG = {**studies.COMMANDS, **external.COMMANDS}
 COMMANDS = {
     "new": new,
     "check": check,
     "reproduce": reproduce,
     "solve": solve,
     "compare": compare,
-    "workprecision": study,
-    "sensitivity": study,
-    "stability": study,
-    "regress": study,
-    "export": people,
-    "referee": people,
-    "view": people,
+    **dict.fromkeys(LONG, long_command),
 }
 
 
 def _folder(arguments: argparse.Namespace) -> Path:
     """Where to write; of a scene, by its catalogue name or its file's name."""
-    if hasattr(arguments, "out"):
+    if getattr(arguments, "out", None):
         return arguments.out
     name = arguments.command
-    if hasattr(arguments, "scene"):
+    if getattr(arguments, "scene", None):
         scene = arguments.scene
         name += f"-{scene if scene in CATALOGUE else Path(scene).stem}"
     return Path("coilcheck-out", name)
@@ -216,7 +203,7 @@ def _run(
     solver = _solver(model)
     progress(f"solving with {model}")
     try:
-        return as_far(solver, scene, **given(arguments, MODEL_OPTIONS[model]))
+        return partial_path(solver, scene, **given(arguments, MODEL_OPTIONS[model]))
     except InputError as error:
         raise _in_file(arguments.scene, error) from None
 
@@ -241,7 +228,7 @@ def _in_file(scene: str, error: InputError) -> InputError:
 
 def _warn(scene: Scene, arguments: argparse.Namespace) -> None:
     """Say on stderr what makes the scene doubtful, unless asked to be quiet or for JSON, which holds it."""
-    if hasattr(arguments, "quiet") or hasattr(arguments, "json"):
+    if arguments.quiet or arguments.json:
         return
     for warning in warnings(scene):
         print(f"coilcheck: warning: {warning}", file=sys.stderr)
@@ -257,7 +244,7 @@ def _verdict(*paths: EquilibriumPath) -> int:
 
 def _conclude(arguments: argparse.Namespace, found: dict, lines: list[str]) -> None:
     """Print a result as asked for: for a reader, as JSON, or not at all."""
-    if hasattr(arguments, "json"):
+    if arguments.json:
         say(json_text(found))
-    elif not hasattr(arguments, "quiet"):
+    elif not arguments.quiet:
         say(*lines)

@@ -3,17 +3,15 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Callable
 from pathlib import Path
 
 from coilspring import Scene, load_scene
 from validation.cli.arguments import scene_of
+from validation.cli.studies import Answer, Progress
 from validation.study.output import claimed, json_bytes, prepare, write_files, write_text
 
-Progress = Callable[[str], None]
 
-
-def export(arguments: argparse.Namespace, folder: Path, progress: Progress) -> list[str]:
+def export(arguments: argparse.Namespace, folder: Path, progress: Progress) -> Answer:
     """Write the input deck of a scene for another program."""
     from validation.peers import calculix
 
@@ -24,29 +22,29 @@ def export(arguments: argparse.Namespace, folder: Path, progress: Progress) -> l
     said = [f"written to {folder / calculix.FILE}; run it there by: ccx {calculix.JOB}"]
     if scene.contact.enabled and scene.contact.sliding == "none":
         said.append("its contact is frictionless: a spring element cannot hold a pair where it closed")
-    return said
+    return said, ""
 
 
-def referee(arguments: argparse.Namespace, folder: Path, progress: Progress) -> list[str]:
+def referee(arguments: argparse.Namespace, folder: Path, progress: Progress) -> Answer:
     """Run a peer on a scene beside the wire model."""
     scene, peer = scene_of(arguments), arguments.peer
     with claimed(folder):
         progress(f"solving with wirefe and {peer}")
-        from validation.peers.comparison import bout
+        from validation.peers.comparison import compare
 
-        found = bout(scene, peer)
+        found = compare(scene, peer)
         values = {"scene": scene.name, "peer": peer, "remark": found.remark, "steps": found.rows}
         seconds = {"wirefe": found.wire.solve_seconds, peer: found.peer.seconds}
         summary = {**values, "curve_max": found.difference, "seconds": seconds}
         write_files({f"{peer}.json": json_bytes(summary), f"{peer}.csv": found.csv().encode()}, folder)
-    return [*found.lines(), f"written to {folder}"]
+    return [*found.lines(), f"written to {folder}"], ""
 
 
-def view(arguments: argparse.Namespace, folder: Path, progress: Progress) -> list[str]:
+def view(arguments: argparse.Namespace, folder: Path, progress: Progress) -> Answer:
     """Show the wire as it deforms, in a window or as a movie."""
     from validation.view import animation, frames
 
-    movie = getattr(arguments, "movie", None)
+    movie = arguments.movie
     run = Path(arguments.scene)
     progress("loading the wire")
     source = frames.of_run(run) if run.is_dir() else load_scene(arguments.scene)
@@ -58,10 +56,10 @@ def view(arguments: argparse.Namespace, folder: Path, progress: Progress) -> lis
     found = frames.of_scene(source) if isinstance(source, Scene) else source
     if movie is None:
         animation.show(found)
-        return []
+        return [], ""
     progress(f"drawing {len(found.times)} pictures")
     remark = animation.film(found, movie)
-    return [*([remark] if remark else []), f"written to {movie}"]
+    return [*([remark] if remark else []), f"written to {movie}"], ""
 
 
 COMMANDS = {"export": export, "referee": referee, "view": view}

@@ -1,4 +1,4 @@
-"""Commands that judge the models: each gives the lines to be said, and in one sentence what is wrong."""
+"""Commands that study the models: each gives the lines to be said, and in one sentence what is wrong."""
 
 from __future__ import annotations
 
@@ -18,13 +18,16 @@ LOADING = "loading both models"
 
 def workprecision(arguments: argparse.Namespace, folder: Path, progress: Progress) -> Answer:
     """Measure run time against error of both models."""
-    extent = next((name for name in ("quick", "full") if hasattr(arguments, name)), "normal")
+    extent = next((name for name in ("quick", "full") if getattr(arguments, name)), "normal")
     progress(LOADING)
     from validation.workprecision import page, run
 
     with claimed(folder), writing(folder):
-        studies = run.workprecision(folder, getattr(arguments, "only", None), extent, progress)
-    return [*map(page.digest, studies), f"written to {folder}"], ""
+        if arguments.page:
+            rows = page.write(folder, drawn=True)
+        else:
+            rows = run.workprecision(folder, arguments.only, extent, progress)
+    return [*page.digest(rows), f"written to {folder}"], ""
 
 
 def sensitivity(arguments: argparse.Namespace, folder: Path, progress: Progress) -> Answer:
@@ -33,7 +36,7 @@ def sensitivity(arguments: argparse.Namespace, folder: Path, progress: Progress)
     from validation.sensitivity import page, run
 
     with claimed(folder), writing(folder):
-        studies = run.sensitivity(folder, getattr(arguments, "only", None), progress)
+        studies = run.sensitivity(folder, arguments.only, progress)
     return [*map(page.digest, studies), f"written to {folder}"], ""
 
 
@@ -42,7 +45,7 @@ def regress(arguments: argparse.Namespace, folder: Path, progress: Progress) -> 
     progress(LOADING)
     from validation.regress import run
 
-    accept, times = hasattr(arguments, "accept"), hasattr(arguments, "time")
+    accept, times = arguments.accept, arguments.time
     with writing(folder):
         finding = run.regress(folder, arguments.baseline, accept, times, progress)
     verdict = run.verdict(finding)

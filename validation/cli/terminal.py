@@ -44,8 +44,9 @@ def digest(path: EquilibriumPath) -> list[str]:
             f"  tip at time {path.times[-1]:g}: ux {ux:.6g} mm, uy {uy:.6g} mm, rotz {rotz:.6g} rad{force}"
         )
     lines += [f"  {note}" for note in notes(path)]
+    count = f"{path.total_iterations} iteration{'' if path.total_iterations == 1 else 's'}"
     lines.append(
-        f"  {path.total_iterations} iterations, {path.solve_seconds:.2g} s CPU "
+        f"  {count}, {path.solve_seconds:.2g} s CPU "
         f"(and {path.compile_seconds:.2g} s to make the kernels ready)"
     )
     return lines
@@ -66,7 +67,7 @@ def notes(path: EquilibriumPath) -> list[str]:
     return said
 
 
-def apart(found: Comparison, driven: bool) -> list[str]:
+def deviation(found: Comparison, driven: bool) -> list[str]:
     """How far two paths lie apart, for a reader at the terminal; `driven`: UY is prescribed."""
     if found.steps == 0:
         return ["no step was reached by both models: nothing to compare"]

@@ -16,8 +16,7 @@ from pathlib import Path
 import numpy as np
 
 from coilspring import InputError, Scene
-from validation.peers.curve import Curve
-from validation.peers.layout import Layout, layout, refuse
+from validation.peers.layout import Curve, Layout, layout, refuse
 
 NODES_PER_TURN = 40  # 20 elements of three nodes
 STIFF = 1e4  # modulus of the stiff beams over the wire's
@@ -85,9 +84,9 @@ def _ends(scene: Scene, wire: Layout) -> list[str]:
     """
     count = len(wire.points)
     top, pointer = count + 1, count + 2
-    spheres = [(count + 3 + i, point, wire.carriers[i]) for i, point in enumerate(wire.spheres)]
-    lower = [(number, point) for number, point, carrier in spheres if carrier < 0]
-    upper = [(number, point) for number, point, carrier in spheres if carrier >= count]
+    spheres = [(count + 3 + i, point, wire.attached[i]) for i, point in enumerate(wire.spheres)]
+    lower = [(number, point) for number, point, node in spheres if node < 0]
+    upper = [(number, point) for number, point, node in spheres if node >= count]
     above = wire.reference + np.array([0.0, POINTER * scene.spring.wire_diameter, 0.0])
     ends = [(count, wire.points[-1]), (pointer, above), *upper]
     new = [(top, wire.reference), (pointer, above), *lower, *upper]
@@ -127,8 +126,7 @@ def _springs(scene: Scene, wire: Layout) -> list[str]:
     """One SPRINGA a pair: no force until the centres are a diameter apart, then the penalty."""
     count, d, stiffness = len(wire.points), scene.spring.wire_diameter, scene.contact.stiffness
     number = {
-        i: int(carrier) + 1 if 0 <= carrier < count else count + 3 + i
-        for i, carrier in enumerate(wire.carriers)
+        i: int(node) + 1 if 0 <= node < count else count + 3 + i for i, node in enumerate(wire.attached)
     }
     lines = []
     for tag, pair in enumerate(wire.pairs, count):
@@ -147,7 +145,7 @@ def _springs(scene: Scene, wire: Layout) -> list[str]:
 
 def _step(scene: Scene, wire: Layout) -> list[str]:
     top, step = len(wire.points) + 1, 1.0 / scene.load.steps
-    forces = [f"{top}, {way}, {force:.12g}" for way, force in enumerate(scene.load.force, 1) if force]
+    forces = [f"{top}, {axis}, {force:.12g}" for axis, force in enumerate(scene.load.force, 1) if force]
     return [
         "*TIME POINTS, NAME=ROWS",
         *(f"{row / scene.load.steps:.12g}," for row in range(1, scene.load.steps + 1)),
@@ -179,10 +177,10 @@ def run(scene: Scene) -> Curve:
         before = os.times()
         subprocess.run([program, JOB], cwd=folder, capture_output=True, check=False)
         after = os.times()
-        seconds = sum(after[2:4]) - sum(before[2:4])  # of child processes
+        seconds = sum(after[2:4]) - sum(before[2:4])  # of subprocesses
         printed = file.with_suffix(".dat")
-        shown = printed.read_text(encoding="ascii") if printed.exists() else ""
-    return Curve("calculix", *read(shown, POINTER * scene.spring.wire_diameter), seconds)
+        text = printed.read_text(encoding="ascii") if printed.exists() else ""
+    return Curve("calculix", *read(text, POINTER * scene.spring.wire_diameter), seconds)
 
 
 def read(text: str, length: float) -> tuple[np.ndarray, np.ndarray]:

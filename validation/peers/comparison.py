@@ -10,16 +10,16 @@ import numpy as np
 import wirefe
 from coilspring import EquilibriumPath, InputError, Scene
 from validation.peers import calculix
-from validation.peers.curve import Curve
 from validation.peers.installed import MISSING, opensees
+from validation.peers.layout import Curve
 from validation.study.metrics import COMPONENTS, NEGLIGIBLE
-from validation.study.partialsolve import as_far
+from validation.study.partialsolve import partial_path
 
 FREE = "frictionless in both codes, since springs without memory cannot tell when a pair has closed"
 
 
 @dataclass(frozen=True)
-class Bout:
+class PeerComparison:
     """One scene in both codes.
 
     Attributes
@@ -54,25 +54,26 @@ class Bout:
         """Both curves, one row a step that either has reached."""
         import pandas as pd
 
-        columns = {
-            f"{name}_{code}": pd.Series(tips[:, way])
-            for code, tips in (("wirefe", self.wire.tips), (self.peer.code, self.peer.tips))
-            for way, name in enumerate(COMPONENTS)
-        }
-        table = pd.DataFrame(columns)
-        table.insert(0, "time", np.arange(1, len(table) + 1) / self.scene.load.steps)
-        return table.to_csv(index=False, lineterminator="\n", float_format="%.9g")
+        both = ((self.wire.tips, "wirefe"), (self.peer.tips, self.peer.code))
+        curves = [
+            pd.DataFrame(tips, columns=[f"{name}_{code}" for name in COMPONENTS]) for tips, code in both
+        ]
+        data = pd.concat(curves, axis=1)
+        data.insert(0, "time", np.arange(1, len(data) + 1) / self.scene.load.steps)
+        return data.to_csv(index=False, lineterminator="\n", float_format="%.9g")
 
     def lines(self) -> list[str]:
         """For a reader at the terminal."""
-        shown = [
-            _line("wirefe", self.wire.times, self.wire.tips, self.wire.solve_seconds),
-            _line(self.peer.code, self.peer.times, self.peer.tips, self.peer.seconds),
+        wire, peer = self.wire, self.peer
+        share = 100.0 * self.difference
+        return [
+            *([self.remark] if self.remark else []),
+            _line("wirefe", wire.times, wire.tips, wire.solve_seconds),
+            _line(peer.code, peer.times, peer.tips, peer.seconds),
+            f"difference over {self.rows} common steps: {share:.2g} % of the curve's peak"
+            if self.rows
+            else "no step in common",
         ]
-        apart = (
-            f"difference over {self.rows} common steps: {100.0 * self.difference:.2g} % of the curve's peak"
-        )
-        return [*([self.remark] if self.remark else []), *shown, apart if self.rows else "no step in common"]
 
 
 def _line(code: str, times: np.ndarray, tips: np.ndarray, seconds: float) -> str:
@@ -85,7 +86,7 @@ def _line(code: str, times: np.ndarray, tips: np.ndarray, seconds: float) -> str
     )
 
 
-def bout(scene: Scene, peer: str) -> Bout:
+def compare(scene: Scene, peer: str) -> PeerComparison:
     """Solve a scene with the wire model and with a peer, on 40 points a turn.
 
     Parameters
@@ -102,15 +103,14 @@ def bout(scene: Scene, peer: str) -> Bout:
         scene, remark = replace(scene, contact=replace(contact, sliding="free")), FREE
     curve = PEERS[peer](scene)
     wirefe.solve(scene.with_steps(1).without_contact())  # makes the kernels ready
-    return Bout(scene, as_far(wirefe.solve, scene), curve, remark)
+    return PeerComparison(scene, partial_path(wirefe.solve, scene), curve, remark)
 
 
 def _opensees(scene: Scene) -> Curve:
     module = opensees()
     if module is None:
         raise InputError(MISSING)
-    found = module.run(scene, scene.load.steps, module.tolerance(scene))
-    return Curve("opensees", found.times, found.tips, found.seconds)
+    return module.run(scene, scene.load.steps, module.tolerance(scene))
 
 
 PEERS: dict[str, Callable[[Scene], Curve]] = {"opensees": _opensees, "calculix": calculix.run}

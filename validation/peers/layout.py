@@ -1,4 +1,4 @@
-"""Where the points, spheres and pairs of a scene's wire lie, for codes that build it anew."""
+"""What a peer is given, the points, spheres and pairs of a scene's wire, and what it answers."""
 
 from __future__ import annotations
 
@@ -13,6 +13,26 @@ PAIRS_PER_TURN = 4
 
 
 @dataclass(frozen=True)
+class Curve:
+    """Load curve of one code, as far as it was reached.
+
+    Attributes
+    ----------
+    code : name of the code.
+    times : (steps,) of the load.
+    tips : (steps, 3) UX, UY, ROTZ of the top reference point, mm, rad.
+    seconds : CPU time of the solution.
+    iterations : Newton iterations of all steps, where they are known.
+    """
+
+    code: str
+    times: np.ndarray
+    tips: np.ndarray
+    seconds: float
+    iterations: int = 0
+
+
+@dataclass(frozen=True)
 class Layout:
     """The wire of a scene as points, and what touches.
 
@@ -21,14 +41,14 @@ class Layout:
     points : (nodes, 3) on the active wire, from the clamped bottom to the rigid top, mm.
     reference : (3,) top reference point, mm.
     spheres : (spheres, 3) centres, mm.
-    carriers : (spheres,) node that carries each: -1 the clamped bottom, `len(points)` the rigid top.
+    attached : (spheres,) node that carries each: -1 the clamped bottom, `len(points)` the rigid top.
     pairs : (pairs, 2) of spheres a turn apart, without those of one rigid end.
     """
 
     points: np.ndarray
     reference: np.ndarray
     spheres: np.ndarray
-    carriers: np.ndarray
+    attached: np.ndarray
     pairs: np.ndarray
 
     def rest(self, pair: np.ndarray) -> float:
@@ -54,14 +74,14 @@ def layout(scene: Scene, nodes_per_turn: int) -> Layout:
     first, end = (phase / (2.0 * math.pi) * PAIRS_PER_TURN for phase in spring.phase_range)
     index = np.arange(math.ceil(first - 1e-9), math.floor(end + 1e-9) + 1)
     nodes = index * (nodes_per_turn // PAIRS_PER_TURN)
-    carriers = np.where(nodes > last, last + 1, np.maximum(nodes, -1))
+    attached = np.where(nodes > last, last + 1, np.maximum(nodes, -1))
     pairs = np.stack((np.arange(len(index) - PAIRS_PER_TURN), np.arange(PAIRS_PER_TURN, len(index))), axis=1)
     low, high = np.clip(nodes, 0, last)[pairs].T  # node 0 and the last one move with their ends
     return Layout(
         points=spring.points(np.linspace(0.0, spring.phase_end, last + 1)),
         reference=np.array([0.0, spring.active_height, 0.0]),
         spheres=spring.points(2.0 * math.pi / PAIRS_PER_TURN * index),
-        carriers=carriers,
+        attached=attached,
         pairs=pairs[low != high] if scene.contact.enabled else pairs[:0],
     )
 

@@ -16,17 +16,20 @@ The choices that OpenSees leaves open:
 
 from __future__ import annotations
 
+import atexit
 import math
+import os
+import sys
 import time
-from dataclasses import dataclass
+from collections.abc import Iterator
+from contextlib import contextmanager
 
 import numpy as np
 from openseespy import opensees as ops
 
 from coilspring import Scene
 from coilspring.scene.wire import SHEAR_FACTOR
-from validation.peers.layout import layout, refuse
-from validation.peers.quiet import quiet
+from validation.peers.layout import Curve, layout, refuse
 
 ELEMENTS_PER_TURN = 40
 TOLERANCE = 1e-10  # of the energy test, over a bound of the load's work
@@ -37,28 +40,32 @@ NEVER_YIELDS = -1e12  # yield stress of the gap material, in compression
 WIRE, STEEP, SECTION, RULE, TANGENTIAL = 1, 2, 1, 1, 1_000_000  # tags
 
 
-@dataclass(frozen=True)
-class Run:
-    """An OpenSees analysis, as far as it converged.
+@contextmanager
+def quiet() -> Iterator[None]:
+    """Send what OpenSees prints, from C++ and past Python, nowhere."""
+    sys.stdout.flush()
+    sys.stderr.flush()
+    kept = os.dup(1), os.dup(2)
+    try:
+        silence()
+        yield
+    finally:
+        sys.stdout.flush()
+        sys.stderr.flush()
+        for copy, stream in zip(kept, (1, 2), strict=True):
+            os.dup2(copy, stream)
+            os.close(copy)
 
-    Attributes
-    ----------
-    steps : that were asked for.
-    tips : (steps,) rows UX, UY, ROTZ of the top reference point, mm, rad; fewer than asked for where a
-        step did not converge.
-    seconds : CPU time of the analysis, without the building of the model.
-    iterations : Newton iterations of all steps.
-    """
 
-    steps: int
-    tips: np.ndarray
-    seconds: float
-    iterations: int
+def silence() -> None:
+    """Send standard output and error nowhere."""
+    nowhere = os.open(os.devnull, os.O_WRONLY)
+    os.dup2(nowhere, 1)
+    os.dup2(nowhere, 2)
+    os.close(nowhere)
 
-    @property
-    def times(self) -> np.ndarray:
-        """Of the load, as far as it was reached."""
-        return np.arange(1, len(self.tips) + 1) / self.steps
+
+atexit.register(silence)  # OpenSees says good-bye when the interpreter ends
 
 
 class _Builder:
@@ -96,10 +103,10 @@ class _Builder:
             return
         for pair in self.pairs:
             low, high = (np.add(ops.nodeCoord(node), ops.nodeDisp(node)[:3]) for node in pair)
-            apart = high - low
-            closed = float(np.linalg.norm(apart)) < self.scene.spring.wire_diameter
+            gap = high - low
+            closed = float(np.linalg.norm(gap)) < self.scene.spring.wire_diameter
             if closed and pair not in self.held:
-                self.held[pair] = self._tangential(pair, apart)
+                self.held[pair] = self._tangential(pair, gap)
             elif not closed and pair in self.held:
                 ops.remove("element", self.held.pop(pair))
 
@@ -149,11 +156,11 @@ class _Builder:
 
     def _sphere(self, index: int) -> int:
         """Node at the centre of a sphere: of the wire, or of a rigid end."""
-        carrier = int(self.wire.carriers[index])
-        if 0 <= carrier <= self.last:
-            return carrier
+        attached = int(self.wire.attached[index])
+        if 0 <= attached <= self.last:
+            return attached
         node = self._node(self.wire.spheres[index])
-        if carrier < 0:
+        if attached < 0:
             ops.fix(node, *[1] * 6)
         else:
             self._stiff_beam(node)
@@ -187,7 +194,7 @@ def run(
     tolerance: float,
     halvings: int = HALVINGS,
     elements_per_turn: int = ELEMENTS_PER_TURN,
-) -> Run:
+) -> Curve:
     """Build the scene's model and load it in equal steps.
 
     Parameters
@@ -218,7 +225,8 @@ def run(
             tips.append([ops.nodeDisp(builder.top, freedom) for freedom in (1, 2, 6)])
         seconds = time.process_time() - began
         ops.wipe()
-    return Run(steps, np.array(tips).reshape(-1, 3), seconds, iterations)
+    times = np.arange(1, len(tips) + 1) / steps
+    return Curve("opensees", times, np.array(tips).reshape(-1, 3), seconds, iterations)
 
 
 def _advance(builder: _Builder, step: float, halvings: int) -> int | None:

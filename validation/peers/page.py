@@ -9,7 +9,7 @@ import sys
 from pathlib import Path
 
 from coilspring import CATALOGUE
-from validation.peers.comparison import Bout, bout
+from validation.peers.comparison import PeerComparison, compare
 from validation.study.document import Heading, Table, Text, to_markdown
 from validation.study.machine import machine, versions
 from validation.study.output import write_text
@@ -44,11 +44,11 @@ HEADER = (
 )
 
 
-def page(code: str, bouts: dict[str, Bout]) -> str:
+def page(code: str, comparisons: dict[str, PeerComparison]) -> str:
     """Markdown page of a peer's results."""
     host = machine()
     peer = f", openseespy {versions('openseespy')['openseespy']}" if code == "opensees" else ""
-    rows = tuple(row for name, found in bouts.items() for row in _rows(name, found))
+    rows = tuple(row for name, found in comparisons.items() for row in _rows(name, found))
     blocks = (
         Heading(1, f"wirefe against {code}"),
         Text(
@@ -62,26 +62,26 @@ def page(code: str, bouts: dict[str, Bout]) -> str:
     return to_markdown(blocks)
 
 
-def _rows(name: str, found: Bout) -> tuple[tuple[str, ...], tuple[str, ...]]:
+def _rows(name: str, found: PeerComparison) -> tuple[tuple[str, ...], tuple[str, ...]]:
     wire, peer, last = found.wire, found.peer, found.rows - 1
     both = (str(len(wire.times)), str(len(peer.times)), f"{wire.times[last]:g}")
     mine = (f"{x:.4f}" for x in wire.tips[last])
     theirs = (f"{x + 0.0:.4f}" for x in peer.tips[last])
-    apart = f"{100.0 * found.difference:.4f}"
+    difference = f"{100.0 * found.difference:.4f}"
     return (
         (name, *both, "wirefe", *mine, "", f"{wire.solve_seconds:.3g}"),
-        ("", "", "", "", peer.code, *theirs, apart, f"{peer.seconds:.3g}"),
+        ("", "", "", "", peer.code, *theirs, difference, f"{peer.seconds:.3g}"),
     )
 
 
 def main(code: str) -> None:
     """Solve the four scenes and write their page and curves."""
-    bouts = {}
+    comparisons = {}
     for name, scene in CATALOGUE.items():
-        bouts[name] = bout(scene(), code)
-        print(name, *bouts[name].lines(), sep="\n", flush=True)
-        write_text(FOLDER / f"referee-{code}-{name}.csv", bouts[name].csv())
-    write_text(FOLDER / f"referee-{code}.md", page(code, bouts))
+        comparisons[name] = compare(scene(), code)
+        print(name, *comparisons[name].lines(), sep="\n", flush=True)
+        write_text(FOLDER / f"referee-{code}-{name}.csv", comparisons[name].csv())
+    write_text(FOLDER / f"referee-{code}.md", page(code, comparisons))
 
 
 if __name__ == "__main__":

@@ -14,7 +14,7 @@ from coilspring import CATALOGUE, EquilibriumPath, InputError, Scene
 from validation.study.cases import solve_beam, solve_wire
 from validation.study.machine import machine, versions
 from validation.study.output import write_text
-from validation.study.partialsolve import as_far
+from validation.study.partialsolve import partial_path
 from validation.study.scenes import study_scenes
 
 MODELS = ("equivbeam", "wirefe")
@@ -44,7 +44,9 @@ class Run:
 
     def solve(self) -> EquilibriumPath:
         """The path, complete or as far as it was reached."""
-        return as_far(solve_beam if self.model == "equivbeam" else solve_wire, self.scene, **self.options)
+        return partial_path(
+            solve_beam if self.model == "equivbeam" else solve_wire, self.scene, **self.options
+        )
 
 
 def runs() -> tuple[Run, ...]:

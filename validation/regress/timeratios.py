@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable, Mapping
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -13,43 +14,38 @@ from validation.regress.baselines import made
 from validation.regress.comparison import Move
 from validation.study.cases import CASES, PAPER_MESH, solve_beam, solve_wire
 from validation.study.output import write_json
+from validation.study.timing import announced, interleaved, median_of
 
 FILE = "times.json"
 ROUNDS, REPEATS = 5, 5
 ALLOWED = 1.5  # factor by which a ratio may change
-CURVED = {"element": "curved", "elements_per_turn": 8}
+RUNS: dict[str, Callable[[Scene], float]] = {
+    "straight": lambda scene: solve_wire(scene, **PAPER_MESH).solve_seconds,
+    "curved": lambda scene: solve_wire(scene, element="curved", elements_per_turn=8).solve_seconds,
+    "haringx": lambda scene: _beam(scene, "haringx"),
+    "helix": lambda scene: _beam(scene, "helix"),
+}
+RATIOS = {
+    "wirefe straight 40 / equivbeam haringx": ("straight", "haringx"),
+    "wirefe straight 40 / wirefe curved 8": ("straight", "curved"),
+    "equivbeam helix / equivbeam haringx": ("helix", "haringx"),
+}
 
 
 def measure(progress: Callable[[str], None]) -> dict[str, float]:
     """Medians of ratios that are formed within each round, by name."""
     found: dict[str, float] = {}
     for case in CASES:
-        progress(f"timing: {case.name}")
-        scene = case.scene
-        rounds = np.array(
-            [
-                [
-                    solve_wire(scene, **PAPER_MESH).solve_seconds,
-                    solve_wire(scene, **CURVED).solve_seconds,
-                    _beam_seconds(scene, law="haringx"),
-                    _beam_seconds(scene, law="helix", sliding="scene"),
-                ]
-                for _ in range(ROUNDS)
-            ]
-        )
-        straight, curved, haringx, helix = rounds.T
-        for name, ratio in (
-            ("wirefe straight 40 / equivbeam haringx", straight / haringx),
-            ("wirefe straight 40 / wirefe curved 8", straight / curved),
-            ("equivbeam helix / equivbeam haringx", helix / haringx),
-        ):
-            found[f"{case.name}, {name}"] = float(np.median(ratio))
+        runs = {name: partial(run, case.scene) for name, run in RUNS.items()}
+        seconds = interleaved(runs, announced(ROUNDS, progress, f"timing: {case.name}"))
+        for name, (one, other) in RATIOS.items():
+            found[f"{case.name}, {name}"] = float(np.median(seconds[one] / seconds[other]))
     return found
 
 
-def _beam_seconds(scene: Scene, **options: str) -> float:
+def _beam(scene: Scene, law: str) -> float:
     """CPU seconds of the equivalent beam, which takes about a millisecond: the median of several."""
-    return float(np.median([solve_beam(scene, **options).solve_seconds for _ in range(REPEATS)]))
+    return median_of(REPEATS, lambda: solve_beam(scene, law=law).solve_seconds)
 
 
 def write(ratios: Mapping[str, float], folder: Path) -> None:

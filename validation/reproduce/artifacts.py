@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 from collections.abc import Callable
 from contextlib import ExitStack
 from dataclasses import dataclass, field
@@ -10,17 +11,18 @@ from pathlib import Path
 from types import ModuleType
 from typing import TYPE_CHECKING
 
-from validation.reproduce import curves, evidence, facts, phases, report, tables
+from validation.reproduce import curves, evidence, facts, report, tables, times
 from validation.reproduce.assembly import PAGE
-from validation.study.cases import PathStore, case
-from validation.study.document import Table, to_csv, to_markdown
-from validation.study.output import json_bytes, write_files
+from validation.study import document, frames
+from validation.study.cases import PathStore
+from validation.study.document import Table, to_markdown
+from validation.study.output import FACTS, json_bytes, write_files
 from validation.study.provenance import FILE, provenance
 from validation.study.statements import rendered
-from validation.study.timing import Measurement, measure
 from validation.view import htmlscene, render3d, shapes
 
 if TYPE_CHECKING:
+    import pandas as pd
     from matplotlib.figure import Figure
 
     from validation.view.render3d import Rendering
@@ -31,16 +33,16 @@ Files = dict[str, bytes]  # by name
 
 @dataclass
 class Maker:
-    """Makes pieces, writes their files and keeps them in the store.
+    """Makes artifacts, writes their files and keeps them in the store.
 
     Attributes
     ----------
     out : folder of the results.
-    paths : of both models; their store keeps the pieces, too.
+    paths : of both models; their store keeps the artifacts, too.
     render : whether pictures are made.
     cleanup : ends the rendering processes, whatever happens.
-    measured : times of Table 3, for the pieces that show them.
-    renderings : by piece, its key, its other files, and panels and running process of its figure in space.
+    times : CSV file of Table 3, for the artifacts that show it.
+    renderings : by artifact, its key, its other files, and panels and running process of its figure in space.
     notes : what did not go as planned, one sentence each.
     """
 
@@ -48,26 +50,22 @@ class Maker:
     paths: PathStore
     render: bool
     cleanup: ExitStack
-    measured: Measurement | None = None
+    times: bytes = b""
     renderings: dict[str, tuple[str, Files, tuple[Shapes, ...], Rendering]] = field(default_factory=dict)
     notes: list[str] = field(default_factory=list)
 
-    def measure(self) -> str:
-        """Measure the times of Table 3; as JSON."""
-        return measure(self.paths).to_json()
+    def measure(self) -> bytes:
+        """Measure the times of Table 3; its CSV file."""
+        return frames.to_csv(times.measure(self.paths))
 
-    def make(self, name: str, key: str, times: str = "") -> Files:
-        """Make a piece; it is kept under its key when all of it is there.
+    def make(self, name: str, key: str) -> Files:
+        """Make an artifact; it is kept under its key when all of it is there.
 
         Figures in space are written later, by `finish`.
-
-        `times` are those of Table 3 as JSON, for the pieces that show them.
         """
-        if times:
-            self.measured = Measurement.from_json(times)
         if name in SPRINGS:
             return self._springs(name, key)
-        files = PIECES[name](self)
+        files = MAKERS[name](self)
         if not self.notes:  # which are of this machine today
             self.paths.store.put(key, files)
         return files
@@ -130,27 +128,20 @@ class Maker:
 
 def _csv(name: str, table: Table) -> Files:
     """A table as a CSV file."""
-    return {f"{name}.csv": to_csv(table).encode()}
+    return {f"{name}.csv": document.to_csv(table).encode()}
 
 
-def _table3(maker: Maker) -> Files:
-    assert maker.measured is not None
-    return _csv("table3", tables.table3_data(maker.measured))
+def _curves(
+    name: str, data: Callable[[PathStore], pd.DataFrame], figure: str, digits: int = 9
+) -> Callable[[Maker], Files]:
+    """Curves: their data, and the figure that shows them."""
 
+    def make(maker: Maker) -> Files:
+        found = data(maker.paths)
+        picture = maker.picture(name, lambda: getattr(_figures(), figure)(found))
+        return {f"{name}.csv": frames.to_csv(found, digits)} | picture
 
-def _fig5(maker: Maker) -> Files:
-    data = _csv("fig5", curves.tip_curves(maker.paths))
-    return data | maker.picture("fig5", lambda: _figures().tip_figure(maker.paths))
-
-
-def _fig7(maker: Maker) -> Files:
-    data = _csv("fig7", curves.load_deflection(maker.paths))
-    return data | maker.picture("fig7", lambda: _figures().load_figure(maker.paths))
-
-
-def _fig8(maker: Maker) -> Files:
-    data = _csv("fig8", curves.iteration_counts(maker.paths))
-    return data | maker.picture("fig8", lambda: _figures().iteration_figure(maker.paths))
+    return make
 
 
 def _figures() -> ModuleType:
@@ -174,35 +165,29 @@ def _plane_figure(panels: tuple[Shapes, ...]) -> Figure:
 
 def _report(maker: Maker) -> Files:
     """The reproduction's page; all pictures are there when it is made."""
-
-    assert maker.measured is not None
-    scene = case("spring-b").scene
-    found = evidence.gather(maker.paths, maker.measured)
+    found = evidence.gather(maker.paths, frames.read_csv(io.BytesIO(maker.times)))
     known = facts.facts(found)
-    held = maker.paths.wire(scene)
+    held = found.cases["spring-b"].wire
     picture = maker.picture("sliding", lambda: _figures().sliding_figure(held, found.frictionless))
     maker.finish()
     parts = report.compose(found, known, maker.paths, maker.render, maker.notes)
-    made = {
+    return {
+        **picture,
+        **_csv("claims", report.claim_table(known)),
+        "phases.csv": frames.to_csv(found.phases),
         PAGE: to_markdown(rendered(parts, known)).encode(),
         FILE: provenance("coilcheck reproduce"),
-        facts.FILE: json_bytes(known),
+        FACTS: json_bytes(known),
     }
-    return (
-        picture
-        | _csv("claims", report.claim_table(known))
-        | _csv("phases", phases.phase_table(found.phases))
-        | made
-    )
 
 
 SPRINGS = {"fig4": ("spring-a-no-contact", "spring-a"), "fig6": ("spring-b-no-contact", "spring-b")}
-PIECES: dict[str, Callable[[Maker], Files]] = {
+MAKERS: dict[str, Callable[[Maker], Files]] = {
     "table1": lambda maker: _csv("table1", tables.table1()),
     "table2": lambda maker: _csv("table2", tables.table2()),
-    "table3": _table3,
-    "fig5": _fig5,
-    "fig7": _fig7,
-    "fig8": _fig8,
+    "table3": lambda maker: {"table3.csv": maker.times},
+    "fig5": _curves("fig5", curves.tip_curves, "tip_figure"),
+    "fig7": _curves("fig7", curves.load_deflection, "load_figure"),
+    "fig8": _curves("fig8", curves.iteration_counts, "iteration_figure"),
     "report": _report,
 }

@@ -1,4 +1,4 @@
-"""The one report: the reproduction's page, bound with those of the other studies as they are found.
+"""The report in one HTML file: the reproduction's page and those of the other studies as they are found.
 
 Nothing is computed here. A study is a folder with a page in Markdown, its pictures and its provenance; it
 stands beside the report's folder, or else among the results that come with the sources.
@@ -6,18 +6,17 @@ stands beside the report's folder, or else among the results that come with the 
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
+import re
+from dataclasses import dataclass
 from pathlib import Path
 
-from validation.study.document import Block, Heading, Text, from_markdown, to_html, to_markdown
+from validation.study.document import Block, Heading, Text, to_markdown
+from validation.study.html import to_html
 from validation.study.provenance import provenance_table
-from validation.workprecision import EQUAL_ERROR
 
 PAGE = "report.md"
 STORED = Path(__file__).parents[2] / "reports"  # of a checkout
-FIGURES = "Figures"
-BESIDE = "Table 3. Solution time"  # heading that the times at equal error follow
+FIGURES = "## Figures\n"
 
 
 @dataclass(frozen=True)
@@ -43,27 +42,20 @@ STUDIES = (
 )
 
 
-def bound(page: str, out: Path, scene: str | None = None) -> dict[str, bytes]:
-    """``report.md`` and ``report.html`` from the reproduction's page and the studies found.
+def assemble(page: str, out: Path, scene: str | None = None) -> bytes:
+    """``report.html`` of the reproduction's page and the studies found.
 
     Parameters
     ----------
     page : the reproduction, Markdown.
     out : folder of its pictures, and of the report.
-    scene : file there with the springs to be turned in a browser, which the HTML page links.
+    scene : file there with the springs to be turned in a browser, which the page links.
     """
-    blocks = from_markdown(page)
-    title = blocks[0].text if isinstance(blocks[0], Heading) else ""
     found = {study: folder for study in STUDIES if (folder := _folder(study, out)) is not None}
-    for study, folder in found.items():
-        blocks = _with_equal_error(blocks, _blocks(study, folder))
-    sections = [(_with_scene(blocks, scene), out)]
-    for study in STUDIES:
-        folder = found.get(study, out)
-        sections.append((_section(study, folder) if study in found else _missing(study), folder))
+    sections = [(_with_scene(page, scene), out)]
+    sections += [(_section(study, found.get(study)), found.get(study, out)) for study in STUDIES]
     sections.append((_provenance(found, out), out))
-    html = to_html(sections, title)
-    return {PAGE: to_markdown(blocks).encode(), "report.html": html.encode()}
+    return to_html(sections, page.partition("\n")[0].lstrip("# ")).encode()
 
 
 def _folder(study: Study, out: Path) -> Path | None:
@@ -71,51 +63,27 @@ def _folder(study: Study, out: Path) -> Path | None:
     return next((place for place in places if (place / f"{study.name}.md").is_file()), None)
 
 
-def _blocks(study: Study, folder: Path) -> list[Block]:
-    return from_markdown((folder / f"{study.name}.md").read_text(encoding="utf-8"))
-
-
-def _section(study: Study, folder: Path) -> list[Block]:
+def _section(study: Study, folder: Path | None) -> str:
     """The study's page one level down, under the section's title."""
-    lowered = [
-        replace(block, level=block.level + 1) if isinstance(block, Heading) else block
-        for block in _blocks(study, folder)[1:]
-    ]
-    return [Heading(2, study.title), *lowered]
+    if folder is None:
+        words = f"Not among the results found here: `coilcheck {study.name}` tells {study.tells}."
+    else:
+        page = (folder / f"{study.name}.md").read_text(encoding="utf-8")
+        words = re.sub("^#", "##", page.partition("\n")[2], flags=re.MULTILINE)
+    return f"## {study.title}\n\n{words}"
 
 
-def _missing(study: Study) -> list[Block]:
-    words = f"Not among the results found here: `coilcheck {study.name}` tells {study.tells}."
-    return [Heading(2, study.title), Text(words)]
-
-
-def _with_equal_error(blocks: Sequence[Block], study: Sequence[Block]) -> list[Block]:
-    """The times at equal error, where `study` has them, behind those of Table 3."""
-    if Heading(2, EQUAL_ERROR) not in study or Heading(3, BESIDE) not in blocks:
-        return list(blocks)
-    begin = study.index(Heading(2, EQUAL_ERROR)) + 1
-    part = study[begin : _next_heading(study, begin)]
-    place = _next_heading(blocks, blocks.index(Heading(3, BESIDE)) + 1)
-    return [*blocks[:place], Heading(3, EQUAL_ERROR), *part, *blocks[place:]]
-
-
-def _with_scene(blocks: Sequence[Block], scene: str | None) -> list[Block]:
+def _with_scene(page: str, scene: str | None) -> str:
     """The figures with a link to the springs that can be turned."""
-    if scene is None or Heading(2, FIGURES) not in blocks:
-        return list(blocks)
-    place = blocks.index(Heading(2, FIGURES)) + 1
+    if scene is None:
+        return page
     words = f"The springs of Figures 4 and 6 [can be turned in space]({scene}), a file beside this one."
-    return [*blocks[:place], Text(words), *blocks[place:]]
+    return page.replace(FIGURES, f"{FIGURES}\n{words}\n", 1)
 
 
-def _next_heading(blocks: Sequence[Block], begin: int) -> int:
-    later = range(begin, len(blocks))
-    return next((i for i in later if isinstance(blocks[i], Heading)), len(blocks))
-
-
-def _provenance(found: dict[Study, Path], out: Path) -> list[Block]:
+def _provenance(found: dict[Study, Path], out: Path) -> str:
     folders = [("Reproduction", out), *((study.title, folder) for study, folder in found.items())]
-    return [
+    blocks: list[Block] = [
         Heading(2, "Provenance"),
         Text(
             "What made the results above. The digests are of the sources' names and contents, the first "
@@ -124,3 +92,4 @@ def _provenance(found: dict[Study, Path], out: Path) -> list[Block]:
         ),
         provenance_table(folders),
     ]
+    return to_markdown(blocks)

@@ -25,7 +25,7 @@ def material_table(store: PathStore) -> Table:
     rows = []
     for item in CASES:
         base = store.beam(item.scene)
-        paths = [store.beam_as_far(replace(item.scene, material=material)) for _, material in materials]
+        paths = [store.partial_beam(replace(item.scene, material=material)) for _, material in materials]
         rows.append((item.title, *(_change(path, base) for path in paths)))
     return Table(("change of UX / UY at full load (%)", *(label for label, _ in materials)), tuple(rows))
 
@@ -36,7 +36,7 @@ def penalty_table(store: PathStore) -> Table:
     for name in ("spring-a", "spring-b"):
         scene = case(name).scene
         stiffness = scene.contact.stiffness
-        for model, solve in (("beam", store.beam_as_far), ("wire model", store.wire_as_far)):
+        for model, solve in (("beam", store.partial_beam), ("wire model", store.partial_wire)):
             base = solve(scene)
             for factor in (PENALTY_FACTORS[0], 1.0, PENALTY_FACTORS[1]):
                 path = solve(scene.with_penalty(factor * stiffness))

@@ -1,4 +1,4 @@
-"""Every sentence of the paper that claims a result, judged by our numbers: the mechanics.
+"""Every sentence of the paper that claims a result, assessed by our numbers: the mechanics.
 
 Sentences on time and iterations are in `validation.reproduce.timeclaims`.
 """
@@ -17,7 +17,7 @@ VERDICTS = (AGREES, DIFFERS, UNDECIDED, NOT_COMPARED)
 
 
 @dataclass(frozen=True)
-class Judgement:
+class Assessment:
     """What we find on one sentence.
 
     Attributes
@@ -38,25 +38,25 @@ class Judgement:
 
 @dataclass(frozen=True)
 class Claim:
-    """One sentence of the paper, and how the facts judge it.
+    """One sentence of the paper, and how the facts assess it.
 
     Attributes
     ----------
     id : its name.
     source : where the paper says it.
     statement : what it says, in our words.
-    judge : our judgement by the facts.
+    assess : our assessment by the facts.
     """
 
     id: str
     source: str
     statement: str
-    judge: Callable[[Facts], Judgement]
+    assess: Callable[[Facts], Assessment]
 
 
-def claim(id: str, source: str, statement: str) -> Callable[[Callable[[Facts], Judgement]], Claim]:
-    """Make a function of the facts the judgement on a sentence of the paper."""
-    return lambda judge: Claim(id, source, statement, judge)
+def claim(id: str, source: str, statement: str) -> Callable[[Callable[[Facts], Assessment]], Claim]:
+    """Make a function of the facts the assessment of a sentence of the paper."""
+    return lambda assess: Claim(id, source, statement, assess)
 
 
 @claim(
@@ -64,11 +64,11 @@ def claim(id: str, source: str, statement: str) -> Callable[[Callable[[Facts], J
     "abstract, section 4, conclusions",
     "The proposed model matches static FE, although its half-coil law is simple.",
 )
-def match(f: Facts) -> Judgement:
+def match(f: Facts) -> Assessment:
     worst, limit = curves(f), f["threshold.match"]
     listed = ", ".join(f"{f[f'{name}.title']} {percent(value)}" for name, value in worst.items())
     over = {kind: phase_range(f, kind) for kind in ("few", "many", "bare")}
-    return Judgement(
+    return Assessment(
         f"largest difference of the tip curves: {listed} of the peak",
         AGREES if max(worst.values()) < limit else DIFFERS,
         f"Against our wire model on the paper's mesh. Counted as a match below {percent(limit, 0)}, which is "
@@ -89,14 +89,14 @@ CASE_NAMES = ("spring-a", "spring-a-no-contact", "spring-b", "spring-b-no-contac
 
 def phase_range(f: Facts, kind: str) -> str:
     """Least and largest difference of the tip curves over the start phases."""
-    apart = f[f"phases.{kind}.apart"]
+    apart = f[f"phases.{kind}.difference"]
     return f"{100.0 * min(apart):.2f} to {percent(max(apart))}"
 
 
-def superimposed(f: Facts, name: str, more: str = "") -> Judgement:
+def superimposed(f: Facts, name: str, more: str = "") -> Assessment:
     """Whether shapes can be told apart."""
     apart, diameter, limit = f[f"{name}.shape"], f["wire.diameter"], f["threshold.superimposed"]
-    return Judgement(
+    return Assessment(
         f"contact circles at most {apart:.3f} mm apart ({percent(apart / diameter, 1)} of the wire "
         f"diameter), tip curves {percent(f[f'{name}.curve'])}",
         AGREES if apart < limit * diameter else DIFFERS,
@@ -109,17 +109,17 @@ SHAPES = "{}: the deformed shapes of both models can hardly be told apart."
 
 
 @claim("shape-a-bare", "section 4, Figure 4 left", SHAPES.format("Spring A without contact"))
-def shape_a_bare(f: Facts) -> Judgement:
+def shape_a_bare(f: Facts) -> Assessment:
     return superimposed(f, "spring-a-no-contact")
 
 
 @claim("shape-a", "section 4, Figure 4 right", SHAPES.format("Spring A with contact"))
-def shape_a(f: Facts) -> Judgement:
+def shape_a(f: Facts) -> Assessment:
     return superimposed(f, "spring-a")
 
 
 @claim("shape-b", "section 4, Figure 6", SHAPES.format("Spring B with contact"))
-def shape_b(f: Facts) -> Judgement:
+def shape_b(f: Facts) -> Assessment:
     alike, apart = f["sticking.shape"], f["spring-b.shape"]
     part = "Part of this is" if alike < apart else "None of this is"
     more = (
@@ -134,21 +134,21 @@ def shape_b(f: Facts) -> Judgement:
     "section 4, Figure 5",
     "Contact changes Spring A's tip displacements, the vertical one above all.",
 )
-def vertical(f: Facts) -> Judgement:
+def vertical(f: Facts) -> Assessment:
     parts, most = [], True
     for label, model in (("wire model", "wire"), ("beam", "beam")):
         pairs = zip(f[f"spring-a.{model}"], f[f"spring-a-no-contact.{model}"], strict=True)
         ux, uy, rotz = change = [new / old - 1.0 for new, old in pairs]
         most = most and abs(uy) == max(map(abs, change))
         parts.append(f"{label}: UX {100 * ux:+.1f} %, UY {100 * uy:+.1f} %, ROTZ {100 * rotz:+.1f} %")
-    return Judgement(
+    return Assessment(
         "at full load, " + "; ".join(parts),
         AGREES if most else DIFFERS,
         "Change by contact, each model against itself without contact.",
     )
 
 
-def softer(f: Facts, kinds: Sequence[str]) -> Judgement:
+def softer(f: Facts, kinds: Sequence[str]) -> Assessment:
     """Whether the beam is always softer than the wire model, whose start phase is not given."""
     steps, parts, always, ever = f["setting.steps"], [], True, False
     for kind in kinds:
@@ -171,7 +171,7 @@ def softer(f: Facts, kinds: Sequence[str]) -> Judgement:
         UNDECIDED: "The paper does not give the start phase of the helix, and the sign changes with it.",
     }
     verdict = AGREES if always else UNDECIDED if ever else DIFFERS
-    return Judgement(
+    return Assessment(
         "at full load over the start phases, " + "; ".join(parts),
         verdict,
         f"{signs[verdict]} Against the wire model on the paper's mesh; the table over the phases is below.",
@@ -188,13 +188,13 @@ ALWAYS = "Spring A {}: the proposed model is always softer than FE."
 
 
 @claim("softer-bare", "section 4, Figure 5", ALWAYS.format("without contact"))
-def softer_bare(f: Facts) -> Judgement:
+def softer_bare(f: Facts) -> Assessment:
     return softer(f, ("bare",))
 
 
 @claim("softer-contact", "section 4, Figure 5", ALWAYS.format("with contact"))
-def softer_contact(f: Facts) -> Judgement:
-    return softer(f, [name for name, *_ in KINDS if name != "bare"])
+def softer_contact(f: Facts) -> Assessment:
+    return softer(f, [name for name in KINDS if name != "bare"])
 
 
 @claim(
@@ -202,11 +202,11 @@ def softer_contact(f: Facts) -> Judgement:
     "section 4, explanation of Table 3",
     "Without contact the bottom coils of Spring A run into each other; contact prevents it.",
 )
-def compenetration(f: Facts) -> Judgement:
+def compenetration(f: Facts) -> Assessment:
     diameter, bare, kept = f["wire.diameter"], f["overlap.without"], f["overlap.with"]
     lower = f["overlap.pair"] < f["threshold.low"] * f["overlap.pairs"]
     limit = f["threshold.overlap"] * diameter
-    return Judgement(
+    return Assessment(
         f"largest overlap {bare:.2f} mm ({percent(bare / diameter, 0)} of the wire diameter) without "
         f"contact, {1e3 * kept:.1f} µm with it",
         AGREES if lower and bare > limit and kept < f["threshold.overlap"] * limit else DIFFERS,
@@ -216,7 +216,7 @@ def compenetration(f: Facts) -> Judgement:
 
 
 @claim("sliding", "section 4", "FE of Spring B needs the no-sliding option to converge.")
-def sliding(f: Facts) -> Judgement:
+def sliding(f: Facts) -> Assessment:
     ended = f["limit.outcome"] != "completed"
     why = (
         "An inference, not a fact: our branch ends because spheres slide off each other, and no nearby "
@@ -226,7 +226,7 @@ def sliding(f: Facts) -> Judgement:
         if ended
         else "Our frictionless wire model does not need it: the paper's reason is not found."
     )
-    return Judgement(
+    return Assessment(
         f"frictionless wire model: {f['limit.outcome']}{_where(f)}; without sliding: completed",
         AGREES if ended else DIFFERS,
         why,
@@ -243,10 +243,10 @@ def _where(f: Facts) -> str:
     "section 4, text on Figure 8",
     "Spring B without contact is linear: only compression, no geometric effects.",
 )
-def linear(f: Facts) -> Judgement:
+def linear(f: Facts) -> Assessment:
     beam, wire = f["linear.beam"], f["linear.wire"]
     straight = beam < ROUNDING
-    return Judgement(
+    return Assessment(
         f"largest deviation of UY from proportionality: beam {100.0 * beam:.1g} %, wire model "
         f"{percent(wire)}",
         AGREES if straight else DIFFERS,
@@ -263,10 +263,10 @@ ROUNDING = 1e-6  # what is less is no deviation
     "section 4, explanation of Table 3",
     "Spring B without contact is unrealistic: it telescopes.",
 )
-def telescopes(f: Facts) -> Judgement:
+def telescopes(f: Facts) -> Assessment:
     lowest, bottom = f["telescope.lowest"], f["telescope.bottom"]
     through = min(f["telescope.wire"], f["telescope.beam"]) > 0 and lowest < bottom
-    return Judgement(
+    return Assessment(
         f"{f['telescope.wire']} (wire model) and {f['telescope.beam']} (beam) of "
         f"{f['telescope.crossings']} crossings of the plane lie lower than the one a turn before; lowest "
         f"wire centre at Y = {lowest:.1f} mm, the bottom coil at {bottom:.1f} mm",
@@ -282,12 +282,12 @@ def telescopes(f: Facts) -> Judgement:
     "section 4, explanation of Table 3",
     "Spring B without contact: the top coil ends under the bottom one.",
 )
-def under(f: Facts) -> Judgement:
+def under(f: Facts) -> Assessment:
     heights, E = (f["under.wire"], f["under.beam"]), f["material.E"]
     needed = E * min((f["under.height"] - height) / f["under.height"] for height in heights)
     below = max(heights) < 0.0
     stays = "passes below" if below else "stays above"
-    return Judgement(
+    return Assessment(
         f"top reference point ends at Y = {heights[0]:.1f} mm (wire model) and {heights[1]:.1f} mm (beam); "
         "the bottom one is the origin",
         AGREES if below else UNDECIDED,

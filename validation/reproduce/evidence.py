@@ -9,12 +9,12 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
+import pandas as pd
 
 from coilspring import EquilibriumPath, Scene
-from validation.reproduce.phases import Turned, over_phases
+from validation.reproduce.phases import over_phases
 from validation.study.cases import CASES, FINE_MESH, PAPER_MESH, Case, PathStore, case
-from validation.study.metrics import Comparison, compare_paths
-from validation.study.timing import Measurement, Timing
+from validation.study.metrics import Comparison, compare_paths, peaks
 
 # Richardson: an error that falls with the square of the element length is this multiple of the
 # difference to the finer mesh
@@ -56,8 +56,7 @@ class CaseEvidence:
     def converged_error(self) -> float:
         """Largest difference of the beam's tips from `converged_tips`, over their peak, worst component."""
         tips = self.converged_tips
-        moved = np.abs(tips).max(axis=0) > 0.0
-        return float((np.abs(self.beam.tips - tips)[:, moved] / np.abs(tips[:, moved]).max(axis=0)).max())
+        return float((np.abs(self.beam.tips - tips) / peaks(tips)).max())
 
 
 @dataclass(frozen=True)
@@ -66,23 +65,22 @@ class Evidence:
 
     Attributes
     ----------
-    cases, timings : by name of the scene.
-    machine : where and when the times were measured.
+    cases : by name of the scene.
+    times : solution times of the cases (`validation.reproduce.times`).
     frictionless : wire model of Spring B with sliding contact, as far as it goes.
     sticking : equivalent beam of Spring B without sliding, against the wire model.
     stepped : wire model of Spring B without sliding, UY at full load by number of substeps.
     overloaded : equivalent beam of Spring B under more than its full load, as far as it goes.
-    phases : both models of Spring A at other start phases, by contact.
+    phases : both models of Spring A at other start phases (`validation.reproduce.phases`).
     """
 
     cases: Mapping[str, CaseEvidence]
-    timings: Mapping[str, Timing]
-    machine: Mapping[str, str]
+    times: pd.DataFrame
     frictionless: EquilibriumPath
     sticking: Comparison
     stepped: Mapping[int, float]
     overloaded: EquilibriumPath
-    phases: Mapping[str, tuple[Turned, ...]]
+    phases: pd.DataFrame
 
     @property
     def overload(self) -> float:
@@ -91,17 +89,16 @@ class Evidence:
         return share * (self.overloaded.critical_time or 1.0)
 
 
-def gather(store: PathStore, measured: Measurement) -> Evidence:
+def gather(store: PathStore, times: pd.DataFrame) -> Evidence:
     """Collect the evidence; solves what `store` does not hold yet."""
     scene = case("spring-b").scene
     return Evidence(
         cases={item.name: _case(store, item) for item in CASES},
-        timings={item.case.name: item for item in measured.timings},
-        machine=measured.machine,
-        frictionless=store.wire_as_far(frictionless(scene)),
+        times=times,
+        frictionless=store.partial_wire(frictionless(scene)),
         sticking=compare_paths(store.beam(scene, sliding="scene"), store.wire(scene)),
         stepped={n: float(store.wire(scene, steps=n).tips[-1, 1]) for n in STEPS},
-        overloaded=store.beam_as_far(overloaded(scene)),
+        overloaded=store.partial_beam(overloaded(scene)),
         phases=over_phases(store),
     )
 

@@ -12,10 +12,8 @@ from coilspring.newton import DECREMENT
 from validation.reproduce.evidence import CaseEvidence, Evidence
 from validation.reproduce.phases import MANY_PAIRS, phase_facts
 from validation.study.cases import CASES, FINE_MESH, PAPER_MESH
-from validation.study.timing import Timing
 from validation.view.shapes import overlaps
 
-FILE = "facts.json"
 # what the paper's words are taken to mean
 THRESHOLDS = {
     "threshold.match": 0.05,  # of the peak: as much as 5 % in the modulus, which the paper does not give
@@ -31,6 +29,12 @@ THRESHOLDS = {
     "threshold.sixth": 6.0,  # "less than 1/6"
     "threshold.twentieth": (15.5, 25.0),  # "about 1/20"
 }
+# facts of the solution times by their columns
+TIMES = {
+    **{"wire": "wire_seconds", "beam": "beam_seconds", "beam_paper": "beam_paper_tangent_seconds"},
+    **{"ratio": "ratio", "ratio_low": "ratio_q1", "ratio_high": "ratio_q3"},
+}
+MACHINE = {"date": "measured", **{name: name for name in ("processor", "cores", "system", "versions")}}
 ENDS = 10  # substeps at the beginning and the end, whose iterations are compared
 
 
@@ -39,9 +43,9 @@ def facts(evidence: Evidence) -> dict[str, object]:
     found: dict[str, object] = {**THRESHOLDS, **_settings(evidence), **_paper(), **_contact(evidence)}
     for item in evidence.cases.values():
         found |= {f"{item.case.name}.{name}": value for name, value in _case(item).items()}
-    for timing in evidence.timings.values():
-        found |= {f"{timing.case.name}.{name}": value for name, value in _times(timing).items()}
-    found |= {f"machine.{name}": value for name, value in evidence.machine.items()}
+    for row in evidence.times.to_dict("records"):
+        found |= {f"{row['case']}.time.{name}": row[column] for name, column in TIMES.items()}
+        found |= {f"machine.{name}": str(row[column]) for name, column in MACHINE.items()}
     return (
         found | _limits(evidence) | _bare_b(evidence) | _iterations(evidence) | phase_facts(evidence.phases)
     )
@@ -67,7 +71,7 @@ def _settings(evidence: Evidence) -> dict[str, object]:
         "contact.exponent": scene.contact.exponent,
         "contact.beam": float(pair) / scene.contact.stiffness,
         "wire.diameter": scene.spring.wire_diameter,
-        "timing.rounds": min((item.rounds for item in evidence.timings.values()), default=0),
+        "timing.rounds": int(evidence.times["rounds"].min()),
     }
 
 
@@ -90,17 +94,6 @@ def _case(item: CaseEvidence) -> dict[str, object]:
         "beam": tuple(item.beam.tips[-1].tolist()),
         "iterations": item.beam.total_iterations,
         "paper_iterations": item.paper.total_iterations,
-    }
-
-
-def _times(item: Timing) -> dict[str, object]:
-    return {
-        "time.wire": item.wire.median,
-        "time.beam": item.beam.median,
-        "time.beam_paper": item.beam_paper.median,
-        "time.ratio": item.ratio.median,
-        "time.ratio_low": item.ratio.low,
-        "time.ratio_high": item.ratio.high,
     }
 
 
@@ -127,7 +120,7 @@ def _limits(evidence: Evidence) -> dict[str, object]:
         "limit.last": float(path.times[-1]),
         "limit.uy": float(path.tips[-1, 1]),
         "limit.closed": int(path.active_contacts[-1]),
-        "limit.apart": float(abs(path.tips[-1, 1] - held.tips[len(path.times) - 1, 1])),
+        "limit.difference": float(abs(path.tips[-1, 1] - held.tips[len(path.times) - 1, 1])),
         "limit.beam": evidence.overload if evidence.overloaded.critical_time is not None else None,
         "limit.beam_outcome": evidence.overloaded.outcome.replace("_", " "),
         "sticking.shape": evidence.sticking.shape_max,

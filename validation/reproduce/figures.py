@@ -1,49 +1,56 @@
-"""Figures 5, 7 and 8 of the paper, and one more on sliding."""
+"""Figures 5, 7 and 8 of the paper, and one more on sliding; the first three are views of their data."""
 
 from __future__ import annotations
 
 import numpy as np
+import pandas as pd
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from coilspring import EquilibriumPath
-from validation.study.cases import PathStore, case
-from validation.study.plots import TIPS, both
+from validation.reproduce.curves import CONTACT, TANGENTS, TIPS
+from validation.study.metrics import peaks
+from validation.study.plots import TIPS as LABELS
+from validation.study.plots import both
 from validation.study.style import (
     BEAM_LABEL,
     BEAM_LINE,
     BLUE,
     DOUBLE,
+    NAVY,
     RED,
     SINGLE,
-    STEEL,
     WIRE_LABEL,
     WIRE_LINE,
     Look,
 )
 
-CONTACT_LINE: Look = {"color": "black", "linewidth": 1.0}
-HELD_LINE: Look = {"color": RED, "linewidth": 2.4, "alpha": 0.7}  # both are of the wire model
-FREE_LINE: Look = {"color": "black", "linewidth": 1.0, "linestyle": (0, (4, 2))}
-EXACT_LINE: Look = {
-    "color": STEEL, "marker": "s", "markerfacecolor": "white", "linewidth": 0.8, "linestyle": "--",
-}  # fmt: skip
-NO_CONTACT_LINE: Look = {"color": "black", "linewidth": 1.1, "linestyle": (0, (1, 1.3))}
+DOTTED = (0, (1, 1.3))
+DIFFERENCES: dict[str, Look] = {
+    "contact": {"color": "black", "linewidth": 1.0},
+    "no_contact": {"color": "black", "linewidth": 1.1, "linestyle": DOTTED},
+}
+COUNTS: dict[str, Look] = {
+    "paper": {"color": BLUE, "marker": "o", "markersize": 2.4},
+    "exact": {"color": NAVY, "marker": "s", "markersize": 2.4, "markerfacecolor": "white"},
+}
+HELD_LINE: Look = {"color": RED, "linewidth": 2.4, "alpha": 0.5}  # both are of the wire model
+FREE_LINE: Look = {"color": RED, "linewidth": 1.0, "linestyle": (0, (4, 2))}
 
 
-def tip_figure(store: PathStore) -> Figure:
+def tip_figure(data: pd.DataFrame) -> Figure:
     """Figure 5: tip displacements of Spring A above, the models' differences below."""
     figure = Figure(figsize=(DOUBLE, 4.1), layout="constrained")
     plots = figure.subplots(2, 3, sharex=True, height_ratios=(2.0, 1.0))
-    for name, label, line in _contact_and_without("spring-a"):
-        beam, wire = store.beam(case(name).scene), store.wire(case(name).scene)
-        load = np.hypot(*beam.loads.T)
-        for index, (axes, below) in enumerate(plots.T):
-            both(axes, (load, beam.tips[:, index]), (load, wire.tips[:, index]))
-            axes.annotate(label, (load[-1], beam.tips[-1, index]), **_beside())
-            below.plot(load, _share(beam, wire, index), **line)
-    for index, (axes, below) in enumerate(plots.T):
-        axes.set(ylabel=TIPS[index], xlim=(0.0, 15.0), title=f"({'abc'[index]})")
+    load = data["load_N"].to_numpy()
+    for letter, tip, label, (axes, below) in zip("abc", TIPS, LABELS, plots.T, strict=True):
+        for tag in CONTACT:
+            beam, wire = _curves(data, tip, tag)
+            both(axes, (load, beam), (load, wire))
+            _name(axes, tag, load, beam, upper=(tag == "contact") == (beam[-1] < 0.0))
+            below.plot(load, _share(beam, wire), **DIFFERENCES[tag])
+        axes.set(ylabel=label, xlim=(0.0, load[-1]), title=f"({letter}) {label.split()[0]}")
         below.set(xlabel="load |F| (N)", ylabel="beam softer by (%)")
         below.axhline(0.0, color="black", linewidth=0.5)
     _one_range(plots[1])
@@ -51,41 +58,46 @@ def tip_figure(store: PathStore) -> Figure:
     return figure
 
 
-def load_figure(store: PathStore) -> Figure:
+def load_figure(data: pd.DataFrame) -> Figure:
     """Figure 7: load against deflection of Spring B, and the models' difference."""
     figure = Figure(figsize=(DOUBLE, 2.9), layout="constrained")
     left, right = figure.subplots(1, 2, width_ratios=(1.25, 1.0))
-    for name, label, line in _contact_and_without("spring-b"):
-        beam, wire = store.beam(case(name).scene), store.wire(case(name).scene)
-        load = np.abs(beam.loads[:, 1])
-        both(left, (-beam.tips[:, 1], load), (-wire.tips[:, 1], load))
-        side = {"xytext": (-6, 0), "ha": "right"} if label == "contact" else {"xytext": (5, -6), "ha": "left"}
-        left.annotate(label, (-wire.tips[-10, 1], load[-10]), **(_beside() | side))
-        right.plot(load, _share(beam, wire, 1), **line)
-    left.set(xlabel="deflection −UY (mm)", ylabel="load |Fy| (N)", xlim=(0, 29), ylim=(0, 205), title="(a)")
-    right.set(xlabel="load |Fy| (N)", ylabel="beam softer by (%)", xlim=(0, 205), title="(b)")
+    load = data["load_N"].to_numpy()
+    for tag in CONTACT:
+        beam, wire = _curves(data, "uy_mm", tag)
+        both(left, (-beam, load), (-wire, load))
+        _name(left, tag, -beam, load, upper=tag == "contact")
+        right.plot(load, _share(beam, wire), **DIFFERENCES[tag])
+    left.set(xlabel="deflection −UY (mm)", ylabel="load |Fy| (N)", title="(a) Load and deflection")
+    left.set(xlim=(0.0, -data.filter(like="uy_mm").to_numpy().min()), ylim=(0.0, load[-1]))
+    right.set(xlabel="load |Fy| (N)", ylabel="beam softer by (%)", title="(b) Difference of the models")
+    right.set(xlim=(0.0, load[-1]))
     right.axhline(0.0, color="black", linewidth=0.5)
     figure.legend(handles=_key(), loc="outside lower center", ncols=4, columnspacing=1.2)
     return figure
 
 
-def iteration_figure(store: PathStore) -> Figure:
+def iteration_figure(data: pd.DataFrame) -> Figure:
     """Figure 8: factorisations of the equivalent beam in every substep."""
     figure = Figure(figsize=(DOUBLE, 2.9), layout="constrained")
-    lines = (
-        ("", "paper", "contact, paper’s tangent", {"color": BLUE, "marker": "o", "linewidth": 1.0}),
-        ("", "exact", "contact, exact tangent", EXACT_LINE),
-        ("-no-contact", "paper", "no contact, paper’s tangent", NO_CONTACT_LINE),
-    )
     for axes, letter in zip(figure.subplots(1, 2), "ab", strict=True):
-        for ending, tangent, label, style in lines:
-            counts = store.beam(case(f"spring-{letter}{ending}").scene, tangent=tangent).iterations
-            axes.plot(
-                np.arange(1, counts.size + 1), counts, **style, markersize=2.4, label=label, clip_on=False
-            )
+        for end, words, dashes in (("", "contact", "-"), ("-no-contact", "no contact", DOTTED)):
+            for tangent in TANGENTS:
+                counts = data[f"spring-{letter}{end}_{tangent}_tangent"]
+                look = COUNTS[tangent] | ({} if dashes == "-" else {"marker": ""})
+                name = f"{words}, {tangent.replace('paper', 'paper’s')} tangent"
+                axes.plot(
+                    data["substep"],
+                    counts,
+                    linestyle=dashes,
+                    linewidth=1.0,
+                    **look,
+                    label=name,
+                    clip_on=False,
+                )
         title = f"({letter}) Spring {letter.upper()}"
-        axes.set(xlabel="substep", ylabel="iterations", xlim=(0, 51), ylim=(0, None), title=title)
-    figure.legend(*axes.get_legend_handles_labels(), loc="outside lower center", ncols=3)
+        axes.set(xlabel="substep", ylabel="iterations", xlim=(0, len(data)), ylim=(0, None), title=title)
+    figure.legend(*axes.get_legend_handles_labels(), loc="outside lower center", ncols=2)
     return figure
 
 
@@ -101,15 +113,29 @@ def sliding_figure(held: EquilibriumPath, free: EquilibriumPath) -> Figure:
     return figure
 
 
-def _contact_and_without(name: str) -> tuple[tuple[str, str, dict], ...]:
-    """Scene, label and line of the difference, with and without contact."""
-    return (name, "contact", CONTACT_LINE), (f"{name}-no-contact", "no contact", NO_CONTACT_LINE)
+def _curves(data: pd.DataFrame, tip: str, tag: str) -> tuple[np.ndarray, np.ndarray]:
+    """A tip displacement of the equivalent beam and of the wire model."""
+    return data[f"{tip}_{tag}_equivbeam"].to_numpy(), data[f"{tip}_{tag}_wirefe"].to_numpy()
 
 
-def _share(beam: EquilibriumPath, wire: EquilibriumPath, index: int) -> np.ndarray:
+def _share(beam: np.ndarray, wire: np.ndarray) -> np.ndarray:
     """Beam minus wire model in magnitude over the wire model's peak, %: positive where the beam is softer."""
-    mine, other = np.abs(beam.tips[:, index]), np.abs(wire.tips[:, index])
-    return 100.0 * (mine - other) / other.max()
+    return 100.0 * (np.abs(beam) - np.abs(wire)) / peaks(wire[:, None])
+
+
+def _name(axes: Axes, tag: str, x: np.ndarray, y: np.ndarray, upper: bool) -> None:
+    """A curve's name near its end, on its free side; `upper`: above the other curve."""
+    left = upper == (y[-1] > y[0])
+    place = (x[-8], y[-8]) if left else (x[-16], y[-16])
+    axes.annotate(
+        tag.replace("_", " "),
+        place,
+        textcoords="offset points",
+        fontsize=7.0,
+        xytext=(-5 if left else 4, 3 if upper else -3),
+        ha="right" if left else "left",
+        va="bottom" if upper else "top",
+    )
 
 
 def _one_range(plots: np.ndarray) -> None:
@@ -119,15 +145,10 @@ def _one_range(plots: np.ndarray) -> None:
         axes.set_ylim(limits[:, 0].min(), limits[:, 1].max())
 
 
-def _beside() -> dict[str, object]:
-    """Where and how a curve's name stands beside its end."""
-    return {"xytext": (3, 0), "textcoords": "offset points", "ha": "left", "va": "center", "fontsize": 7.0}
-
-
 def _key() -> list[Line2D]:
     return [
         Line2D([], [], **BEAM_LINE, label=BEAM_LABEL),
         Line2D([], [], **WIRE_LINE, label=WIRE_LABEL),
-        Line2D([], [], **CONTACT_LINE, label="difference with contact"),
-        Line2D([], [], **NO_CONTACT_LINE, label="difference without"),
+        Line2D([], [], **DIFFERENCES["contact"], label="difference with contact"),
+        Line2D([], [], **DIFFERENCES["no_contact"], label="difference without"),
     ]

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 import textwrap
 from collections.abc import Sequence
 from pathlib import Path
@@ -39,7 +38,8 @@ SENTENCES = f"[Report]({REPORT}#what-the-paper-says-sentence-by-sentence)"
 PHASES = f"[Report]({REPORT}#which-model-is-softer-by-start-phase)"
 SENSITIVITY = "../reports/sensitivity/sensitivity.md"
 BUDGET = "[Error budget](error-budget.md#the-papers-four-cases)"
-FOUR = "error-budget > The paper's four cases"
+FOUR = "errorbudget/fourcases > table={} | row={} | case={} > value"
+INPUT = "sensitivity/sensitivity > case={} | model={} | input={} | value={} > {}"
 TOUCHING_B, BARE_A, BARE_B = "Spring B", "Spring A w/o contacts", "Spring B w/o contacts"
 ALIKE = 0.01  # per cent: what is less is the same
 
@@ -56,7 +56,7 @@ def span(values: Sequence[float], digits: int) -> str:
 def matching(f: Facts) -> str:
     error = {name: percent(value) for name, value in curves(f).items()}
     meshes = [100.0 * f[f"{name}.mesh"] for name in CASE_NAMES]
-    verb = "matches" if match.judge(f).verdict == AGREES else "does not match"
+    verb = "matches" if match.assess(f).verdict == AGREES else "does not match"
     return (
         f"**The equivalent beam {verb} the wire model where the helix starts in the working plane.** "
         f"Curves are apart by at most {error['spring-a']} (Spring A) and {error['spring-b']} (Spring B) "
@@ -70,7 +70,7 @@ def matching(f: Facts) -> str:
 
 @statement("findings.softer")
 def softer(f: Facts) -> str:
-    verdicts = {softer_bare.judge(f).verdict, softer_contact.judge(f).verdict}
+    verdicts = {softer_bare.assess(f).verdict, softer_contact.assess(f).verdict}
     head = (
         "Which model is softer cannot be decided."
         if verdicts == {UNDECIDED}
@@ -102,7 +102,7 @@ def faster(f: Facts) -> str:
     )
     cheap = (
         'so "very expensive" is not the method\'s.'
-        if cost.judge(f).verdict != AGREES
+        if cost.assess(f).verdict != AGREES
         else 'so FE is "very expensive", as the paper says.'
     )
     return (
@@ -133,10 +133,7 @@ def sliding(f: Facts) -> str:
 
 @statement("findings.tangent")
 def tangent(f: Facts) -> str:
-    table = "tangents > Fifty steps > spring-a"
-    exact, paper, printed = (
-        f[f"{table} | {name} > iterations"] for name in ("exact", "paper", "paper-printed")
-    )
+    exact, paper, printed = (f[f"tangents: spring-a.{name}"] for name in ("exact", "paper", "paper-printed"))
     owner = (
         "belong to the paper's matrix, not to the spring" if paper > exact else "do not belong to the matrix"
     )
@@ -152,10 +149,12 @@ def tangent(f: Facts) -> str:
 
 @statement("findings.height")
 def height(f: Facts) -> str:
-    table = "sensitivity > Spring A"
-    moved = max(abs(f[f"{table} > height of the loaded point | {model} | +d > UY (%)"]) for model in MODELS)
-    inputs = ("Young's modulus | {} | 196 GPa", "Poisson's ratio | {} | 0.26")
-    material = max(abs(f[f"{table} > {name.format(model)} > UY (%)"]) for name in inputs for model in MODELS)
+    def change(name: str, value: str) -> float:
+        found = (f[INPUT.format("spring-a", model, name, value, "uy_change_percent")] for model in MODELS)
+        return max(map(abs, found))
+
+    moved = change("reference_height", "+d")
+    material = max(change("E", "196 GPa"), change("nu", "0.26"))
     than = "more" if moved > material else "less"
     return (
         f"**The height of the loaded point moves Spring A's UY by up to {moved:.0f} %,** {than} than the "
@@ -163,23 +162,27 @@ def height(f: Facts) -> str:
     )
 
 
-MODELS = ("beam", "wire model")
+MODELS = ("equivbeam", "wirefe")
 
 
 @statement("findings.spheres")
 def spheres(f: Facts) -> str:
-    near, far = (
-        f"sensitivity > Spring A > spheres out of the plane by | wire model | {angle}° > "
-        for angle in ("30", "45")
-    )
-    apart, farther = f[near + "models apart (%)"], f[far + "UX (%)"]
+    def at(angle: int, column: str) -> Any:
+        return f[INPUT.format("spring-a", "wirefe", "sphere_place", f"{angle}°", column)]
+
+    near, far = 30, 45
+    apart, outcome = at(near, "models_apart_percent"), at(far, "outcome")
     much = apart > 100.0 * f["threshold.match"]
     so = " The paper's two models agree, so its spheres cannot have stood far out." if much else ""
-    ends = f"its path ends as {farther}" if isinstance(farther, str) else f"{farther:.0f} % of UX"
+    ends = (
+        f"{abs(at(far, 'uy_change_percent')):.0f} % of it"
+        if outcome == "completed"
+        else f"its path ends: {outcome.replace('_', ' ')}"
+    )
     return (
-        f"**Where the spheres stand {'matters' if much else 'hardly matters'}:** {f[near + 'value']:.0f} "
-        f"degrees out of the plane, {abs(f[near + 'UY (%)']):.0f} % of UY in the wire model, and the two "
-        f"models are {apart:.0f} % apart; {f[far + 'value']:.0f} degrees out, {ends}.{so} "
+        f"**Where the spheres stand {'matters' if much else 'hardly matters'}:** {at(near, 'value')} out of "
+        f"the plane they move the wire model's UY by {abs(at(near, 'uy_change_percent')):.0f} %, and the "
+        f"two models are {apart:.0f} % apart; at {at(far, 'value')}, {ends}.{so} "
         f"[Sensitivity]({SENSITIVITY}#spring-a)"
     )
 
@@ -188,11 +191,11 @@ def spheres(f: Facts) -> str:
 def penalty(f: Facts) -> str:
     most = [
         max(
-            abs(f[f"sensitivity > {spring} > contact stiffness | {model} | {value} > curve (%)"])
+            abs(f[INPUT.format(spring, model, "penalty", value, "curve_change_percent")])
             for model in MODELS
             for value in ("K/10", "10 K")
         )
-        for spring in ("Spring A", "Spring B")
+        for spring in ("spring-a", "spring-b")
     ]
     how = "hardly matters" if max(most) < 100.0 * f["threshold.match"] else "matters"
     return (
@@ -203,11 +206,14 @@ def penalty(f: Facts) -> str:
 
 @statement("findings.phase")
 def phase(f: Facts) -> str:
-    table = "sensitivity > Spring A > start phase | wire model"
-    moved = max(abs(f[f"{table} | {value} > UY (%)"]) for value in ("60°", "270°"))
+    values = [
+        INPUT.format("spring-a", "wirefe", "start_phase", angle, "uy_change_percent")
+        for angle in ("60°", "270°")
+    ]
+    moved = max(abs(f[value]) for value in values)
     angles = (90, 270)
-    helix = max(f[f"{FOUR} > helix law, start phase {angle} degrees > {BARE_A}"] for angle in angles)
-    apart = dict(zip(f["phases.bare.degrees"], f["phases.bare.apart"], strict=True))
+    helix = max(f[FOUR.format("law", f"helix law, start phase {angle} degrees", BARE_A)] for angle in angles)
+    apart = dict(zip(f["phases.bare.degrees"], f["phases.bare.difference"], strict=True))
     paper = max(apart[angle] for angle in apart if angle % 180 == 90)
     know = "can" if helix < 100.0 * paper else "does not"
     return (
@@ -225,9 +231,7 @@ def phase(f: Facts) -> str:
 
 @statement("findings.limit")
 def limit(f: Facts) -> str:
-    along = f["contact > Search > moves along the wire: {} % of its way"]
-    row = "contact > Search > B | 0 | 10000 | 80 > "
-    pairs, outcome = f[row + "pairs a turn"], f[row + "outcome"]
+    along, pairs, outcome = (f[f"contact: search.{name}"] for name in ("along", "pairs", "outcome"))
     completes = outcome == "completed"
     owner = "belongs to the spheres" if completes else "does not go with more spheres"
     return (
@@ -239,10 +243,9 @@ def limit(f: Facts) -> str:
 
 @statement("findings.pairs")
 def pairs(f: Facts) -> str:
-    table = "contact > Sphere pairs a turn"
-    count = f[f"{table} > A | 4 > pairs a turn"]
-    overlap = [f[f"{table} > {name} | 4 > overlap of the wires"] for name in "AB"]
-    lost = [f[f"{table} > {name} | 4 > difference to 40"] for name in "AB"]
+    count = f["contact: pairs.count"]
+    overlap = [f[f"contact: pairs.{name}.overlap"] for name in "AB"]
+    lost = [f[f"contact: pairs.{name}.difference"] for name in "AB"]
     return (
         f"**With {count:.0f} pairs a turn {overlap[0]:.3f} mm (A) and {overlap[1]:.3f} mm (B) of overlap are "
         f"left** between the pairs; they cost {lost[0]:g} % and {lost[1]:g} % of the tips. "
@@ -252,8 +255,7 @@ def pairs(f: Facts) -> str:
 
 @statement("findings.no-sliding")
 def no_sliding(f: Facts) -> str:
-    couples = f["contact > Friction > and {} % with no sliding"]
-    free, held = (f[f"contact > Friction > A | {name} > UY"] for name in ("0", "no sliding"))
+    couples, free, held = (f[f"contact: friction.{name}"] for name in ("couples", "free", "held"))
     small = "no small matter" if abs(held / free - 1.0) > f["threshold.match"] else "a small matter"
     return (
         f'**"No sliding" is {small} on Spring A:** the couples that it leaves are '
@@ -268,13 +270,13 @@ def no_sliding(f: Facts) -> str:
 @statement("findings.helix")
 def helix(f: Facts) -> str:
     law, paper = (
-        [f[f"{FOUR} > {row} > {column}"] for column in (BARE_B, BARE_A)]
-        for row in ("helix law", "Haringx, the paper's law")
+        [f[FOUR.format(table, row, case)] for case in (BARE_B, BARE_A)]
+        for table, row in (("law", "helix law"), ("refinements", "Haringx, the paper's law"))
     )
-    less = [f[f"{FOUR} > without `{name}` > {BARE_B}"] for name in ("large", "held", "shear")]
+    less = [f[FOUR.format("law", f"without `{name}`", BARE_B)] for name in ("large", "held", "shear")]
     needs = "needs" if min(less) > 2.0 * law[0] else "does not need"
     mends = "mends" if max(a / b for a, b in zip(law, paper, strict=True)) < 0.5 else "does not mend"
-    soft = f["validation > What the wire's curvature changes > move too far by {} % under an axial load"]
+    soft = f["verification: curvature"]
     return (
         f"**A helix in large deformation {mends} the paper's law without contact, against rods:** "
         f"{paper[0]:.2f} to {law[0]:.2f} % (Spring B) and {paper[1]:.2f} to {law[1]:.2f} % (Spring A). "
@@ -287,8 +289,8 @@ def helix(f: Facts) -> str:
 
 @statement("findings.outside")
 def outside(f: Facts) -> str:
-    share = f["error-budget > What these numbers say > {} % of the normal forces of Spring B"]
-    touching, bare = (f[f"{FOUR} > helix law > {name}"] for name in (TOUCHING_B, BARE_B))
+    share = f[FOUR.format("outside", "normal forces", TOUCHING_B)]
+    touching, bare = (f[FOUR.format("law", "helix law", name)] for name in (TOUCHING_B, BARE_B))
     where = "beside" if share > 50.0 else "in"  # per cent
     root = ", where the first root of tan(phi) = phi lies" if share > 50.0 else ""
     return (
@@ -301,23 +303,23 @@ def outside(f: Facts) -> str:
 
 @statement("findings.random")
 def random(f: Facts) -> str:
-    def cells(law: str, contact: str, *columns: str) -> list[Any]:
-        row = f"error-budget > What the sample bounds > {law} | {contact}"
-        return [f[f"{row} > {column}"] for column in columns]
+    def values(law: str, contact: str, *names: str) -> list[float]:
+        return [f[f"errorbudget: {law}.{contact}.{name}"] for name in names]
 
-    open_, shut, share = "without contact", "more than 3 close", ("median", "95th percentile")
-    bare, closed = (cells("helix law", contact, *share) for contact in (open_, shut))
-    paper, paper_closed = (cells("paper's law", contact, *share) for contact in (open_, shut))
-    springs, bound = cells("helix law", open_, "springs", "its bound")
-    touching, bound_closed = cells("helix law", shut, "springs", "its bound")
+    share = ("median", "percentile")
+    bare, closed = (values("helix", contact, *share) for contact in ("open", "closed"))
+    paper, paper_closed = (values("haringx", contact, *share) for contact in ("open", "closed"))
+    springs, bound = values("helix", "open", "springs", "bound")
+    touching, bound_closed = values("helix", "closed", "springs", "bound")
     nearer = "The helix law is nearer" if bare < paper and closed < paper_closed else "Neither law is nearer"
     return (
         f"**{nearer} on random springs of any start phase,** guided, pinned or free, loaded along or across "
-        f"their axis. Without contact ({springs:.0f} springs) its tip is off by {bare[0]:g} % in the median, "
-        f"and one spring in twenty by more than {bare[1]:g} % (bound {bound:g} %); by the paper's law "
-        f"{paper[0]:g} and {paper[1]:g} %. Where more than three pairs close ({touching:.0f} springs): "
-        f"{closed[0]:g} and {closed[1]:g} % (bound {bound_closed:g} %), and {paper_closed[0]:g} and "
-        f"{paper_closed[1]:g} %. By kind of load: [Error budget](error-budget.md#random-springs)"
+        f"their axis. Without contact ({springs:.0f} springs) its tip is off by {bare[0]:.2g} % in the "
+        f"median, and one spring in twenty by more than {bare[1]:.2g} % (bound {bound:.2g} %); by the "
+        f"paper's law {paper[0]:.2g} and {paper[1]:.2g} %. Where more than three pairs close "
+        f"({touching:.0f} springs): "
+        f"{closed[0]:.2g} and {closed[1]:.2g} % (bound {bound_closed:.2g} %), and {paper_closed[0]:.2g} and "
+        f"{paper_closed[1]:.2g} %. By kind of load: [Error budget](error-budget.md#random-springs)"
     )
 
 
@@ -326,15 +328,10 @@ def random(f: Facts) -> str:
 
 @statement("findings.exact")
 def exact(f: Facts) -> str:
-    page = "validation > Accuracy of the wire model"
-    passed = [cell == "yes" for cell in f[f"{page} > * > passed"]]
-    curved = max(
-        f[f"{page} > G13, {name} | 4 curved elements a turn; UX, UY, ROTZ > error"]
-        for name in ("spring-a-no-contact", "spring-b-no-contact")
-    )
-    head = "meets" if all(passed) else "does not meet all"
+    count, failed, curved = (f[f"verification: {name}"] for name in ("checks", "failed", "curved"))
+    head = "meets" if not failed else "does not meet all"
     return (
-        f"**The wire model {head} exact and published solutions:** {sum(passed)} of {len(passed)} checks "
+        f"**The wire model {head} exact and published solutions:** {count - failed} of {count} checks "
         f"pass; the fewest curved elements a turn are within {curved:.1e} of the exact rod on both springs. "
         "[Validation](validation.md)"
     )
@@ -342,11 +339,10 @@ def exact(f: Facts) -> str:
 
 @statement("findings.opensees")
 def opensees(f: Facts) -> str:
-    page = "opensees > wirefe against OpenSees > "
     names = ("spring-a", "spring-a-no-contact", "spring-b-no-contact")
-    equal = [f[f"{page}{name} | equal > ratio"] for name in names]
-    chosen = [f[f"{page}{name} | {how} > ratio"] for name in names for how in ("fewest", "fastest")]
-    apart = max(f[f"{page}{name} | equal > tip difference, %"] for name in names)
+    equal = [f[f"referee: opensees.{name}.equal"] for name in names]
+    chosen = [f[f"referee: opensees.{name}.{how}"] for name in names for how in ("fewest", "fastest")]
+    apart = max(f[f"referee: opensees.{name}.difference"] for name in names)
     same = "the same tips" if apart < ALIKE else "other tips"
     return (
         f"**OpenSees finds {same}** ({apart:.4f} % at most in {f['setting.steps']} steps) in "
@@ -357,24 +353,28 @@ def opensees(f: Facts) -> str:
 
 @statement("findings.curved")
 def curved(f: Facts) -> str:
-    row = "workprecision > Pareto front of the load curve > Spring B | wire curved 4, 50 steps > "
-    count = re.findall(r"\d+", f[row + "setting"])[0]
-    error, part = f[row + "curve (%)"], f[row + "part of the paper's mesh"]
-    mesh = f["workprecision > What the paper's accuracy costs > Spring B > its error (%)"]
+    def run(element: str, elements: int, *columns: str) -> list[float]:
+        row = (
+            f"scene=spring-b | series={element} | elements_per_turn={elements} | pairs_per_turn=4 | steps=50"
+        )
+        return [f[f"workprecision/workprecision > {row} | role=run > {each}"] for each in columns]
+
+    columns = ("elements_per_turn", "curve_max", "ratio_to_paper_mesh")
+    (count, error, part), (paper, mesh) = run("curved", 4, *columns), run("straight", 40, *columns[:2])
     beat = "beat" if error < mesh and part < 1.0 else "do not beat"
     return (
-        f"**{count} curved elements a turn {beat} the paper's {f['setting.elements']} straight ones:** "
-        f"{error:.3f} % in place of {mesh:.1f} % (Spring B), in 1/{1.0 / part:.1f} of the time. "
+        f"**{count:.0f} curved elements a turn {beat} the paper's {paper:.0f} straight ones:** "
+        f"{100.0 * error:.3f} % in place of {100.0 * mesh:.1f} % (Spring B), in "
+        f"1/{1.0 / part:.1f} of the time. "
         "[Run time against error](../reports/workprecision/workprecision.md#what-the-papers-accuracy-costs)"
     )
 
 
 @statement("findings.stability")
 def stability(f: Facts) -> str:
-    table = "stability > What became of the scenes"
     beam, wire = (
-        {name: int(f[f"{table} > {model} > {name}"]) for name in outcomes}
-        for model, outcomes in (("equivalent beam", OUTCOMES[:4]), ("wire model", OUTCOMES))
+        {name: f[f"stability: {model}.{name}"] for name in names}
+        for model, names in (("beam", OUTCOMES[:4]), ("wire", OUTCOMES))
     )
     left = beam["unexplained"] + wire["unexplained"]
     return (
@@ -382,13 +382,13 @@ def stability(f: Facts) -> str:
         f"critical point** that code of its own confirms; of the wires {wire['completed']} and "
         f"{wire['critical']}. {beam['interpenetration']} and {wire['interpenetration']} end where coils pass "
         f"through each other, {left or 'none'} left unexplained. With friction {wire['ended']} end where "
-        f"the iteration does, not the spring, or where a pair that was held opens; {wire['apart']} "
+        f"the iteration does, not the spring, or where a pair that was held opens; {wire['deviation']} "
         "depend on their substeps. [Stability "
-        "campaign](../reports/stability/stability.md#what-became-of-the-scenes)"
+        "campaign](../reports/stability/stability.md#outcome-statistics)"
     )
 
 
-OUTCOMES = ("completed", "critical", "interpenetration", "unexplained", "ended", "apart")
+OUTCOMES = ("completed", "critical", "interpenetration", "unexplained", "ended", "deviation")
 
 SECTIONS: dict[str, tuple[Statement, ...]] = {
     "On the paper's claims": (matching, softer, faster, sliding, tangent),

@@ -34,9 +34,10 @@ def where_timed(f: Facts) -> str:
     )
 
 
-def timed() -> list[Part]:
+def timing_section() -> list[Part]:
     """How Table 3 was measured, where and when."""
-    return [how_timed, where_timed]
+    beside = "The models' errors differ: `coilcheck workprecision` compares their times at equal error."
+    return [how_timed, where_timed, Text(beside)]
 
 
 @statement("iterations.stop")
@@ -51,7 +52,7 @@ def stop_test(f: Facts) -> str:
     )
 
 
-def counted() -> list[Part]:
+def counting_section() -> list[Part]:
     """Stop test and counting rule of Figure 8."""
     return [
         Heading(2, "How iterations are counted (Figure 8)"),
@@ -94,15 +95,16 @@ def no_sliding(f: Facts) -> str:
     listed = ", ".join(f"{uy:.4f} mm ({n})" for uy, n in zip(values, f["sticking.steps"], strict=True))
     spread = (max(values) - min(values)) / abs(min(values))
     return (
-        f"Up to t = {f['limit.last']:.2f} UY differs by {f['limit.apart']:.3f} mm from the solution without "
-        "sliding. With the no-sliding option, defined as a tangential spring of the contact stiffness from "
-        "the first touch on, the path goes on to full load. That rule depends on the substeps in which pairs "
+        f"Up to t = {f['limit.last']:.2f} UY differs by {f['limit.difference']:.3f} mm from the solution "
+        "without sliding. With the no-sliding option, defined as a tangential spring of the contact "
+        "stiffness from the first touch on, the path goes on to full load. That rule depends on the substeps "
+        "in which pairs "
         f"close: UY at full load is {listed} for the number of substeps in brackets, a spread of "
         f"{spread:.1e}."
     )
 
 
-def slid(pictured: bool) -> list[Part]:
+def sliding_section(pictured: bool) -> list[Part]:
     """What becomes of the wire model of Spring B without the no-sliding option."""
     picture = Picture(
         "sliding.png", "Spring B, wire model: without sliding, and frictionless as far as it goes."
@@ -145,7 +147,7 @@ def stiffness(f: Facts) -> str:
     )
 
 
-def assumed(store: PathStore) -> list[Part]:
+def assumptions_section(store: PathStore) -> list[Part]:
     """What the paper leaves open, and how much it moves the results."""
     return [
         Heading(2, "What was assumed"),

@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
-
 import numpy as np
+import pandas as pd
 
 from coilspring import Scene
 from validation.study.cases import PAPER_MESH, PathStore, case, turned
@@ -15,90 +13,70 @@ from validation.study.partialsolve import ending
 
 DEGREES = tuple(range(0, 360, 30))
 MANY_PAIRS = 20  # sphere pairs a turn so close that their places hardly matter
-# the three contacts in which Spring A is turned: name, scene, sphere pairs a turn
-KINDS = (
-    ("bare", "spring-a-no-contact", PAPER_MESH["pairs_per_turn"]),
-    ("few", "spring-a", PAPER_MESH["pairs_per_turn"]),
-    ("many", "spring-a", MANY_PAIRS),
-)
+# the three contacts in which Spring A is turned: scene and sphere pairs a turn, by name
+KINDS = {
+    "bare": ("spring-a-no-contact", PAPER_MESH["pairs_per_turn"]),
+    "few": ("spring-a", PAPER_MESH["pairs_per_turn"]),
+    "many": ("spring-a", MANY_PAIRS),
+}
+SOFTER = tuple(f"{name}_softer" for name in COMPONENTS)
 
 
-@dataclass(frozen=True)
-class Turned:
-    """The beam against the wire model at one start phase.
-
-    Attributes
-    ----------
-    degrees : the start phase.
-    outcome : "completed", or how and when a path ended; then nothing is compared.
-    farther : by how much the beam moves farther at full load, in parts of the wire model's UX, UY, ROTZ.
-    softer : number of substeps in which it moves farther, for each of them.
-    apart : largest difference of the tip curves over the wire model's peak.
-    """
-
-    degrees: int
-    outcome: str
-    farther: tuple[float, ...] = ()
-    softer: tuple[int, ...] = ()
-    apart: float = float("nan")
-
-
-def over_phases(store: PathStore) -> dict[str, tuple[Turned, ...]]:
-    """Spring A at all start phases, by the names in `KINDS`."""
-    return {
-        name: tuple(turned_by(store, case(scene).scene, degrees, pairs) for degrees in DEGREES)
-        for name, scene, pairs in KINDS
-    }
-
-
-def turned_by(store: PathStore, scene: Scene, degrees: int, pairs: object) -> Turned:
-    """Both models of a scene at a start phase, the wire model with that many sphere pairs a turn."""
-    scene = turned(scene, degrees) if degrees else scene
-    beam, wire = store.beam_as_far(scene), store.wire_as_far(scene, pairs_per_turn=pairs)
-    for path in (wire, beam):
-        if path.outcome != "completed":
-            return Turned(degrees, ending(path.outcome, path.critical_time))
-    mine, theirs = np.abs(beam.tips), np.abs(wire.tips)
-    return Turned(
-        degrees,
-        "completed",
-        farther=tuple((mine[-1] / theirs[-1] - 1.0).tolist()),
-        softer=tuple(np.count_nonzero(mine > theirs, axis=0).tolist()),
-        apart=compare_paths(beam, wire).curve_max,
+def over_phases(store: PathStore) -> pd.DataFrame:
+    """Spring A at all start phases, a row for each of `KINDS` and `DEGREES` (`turned_by`)."""
+    return pd.DataFrame(
+        [
+            {"contact": name} | turned_by(store, case(scene).scene, degrees, pairs)
+            for name, (scene, pairs) in KINDS.items()
+            for degrees in DEGREES
+        ]
     )
 
 
-def phase_table(found: Mapping[str, tuple[Turned, ...]]) -> Table:
+def turned_by(store: PathStore, scene: Scene, degrees: int, pairs: object) -> dict[str, object]:
+    """The beam against the wire model at one start phase.
+
+    ``ux``, ``uy``, ``rotz``: by how much the beam moves farther at full load, in parts of the wire model's
+    tip; ``ux_softer`` and so on: number of substeps in which it does; ``difference``: the largest of the tip
+    curves over the wire model's peak. Nothing of these where a path ends early, as ``outcome`` says.
+    """
+    scene = turned(scene, degrees) if degrees else scene
+    beam, wire = store.partial_beam(scene), store.partial_wire(scene, pairs_per_turn=pairs)
+    row: dict[str, object] = {"pairs_per_turn": pairs, "degrees": degrees, "outcome": "completed"}
+    for path in (wire, beam):
+        if path.outcome != "completed":
+            return row | {"outcome": ending(path.outcome, path.critical_time)}
+    mine, theirs = np.abs(beam.tips), np.abs(wire.tips)
+    row |= dict(zip(COMPONENTS, (mine[-1] / theirs[-1] - 1.0).tolist(), strict=True))
+    row |= dict(zip(SOFTER, np.count_nonzero(mine > theirs, axis=0).tolist(), strict=True))
+    return row | {"difference": compare_paths(beam, wire).curve_max}
+
+
+def phase_table(found: pd.DataFrame) -> Table:
     """A row for each phase: difference at full load and substeps in which the beam is softer."""
-    titles = [_title(name, pairs) for name, _, pairs in KINDS]
-    columns = ("UX / UY / ROTZ (%)", "softer in substeps")
-    header = ("start phase (degrees)", *(f"{title}: {words}" for title in titles for words in columns))
-    rows = zip(*found.values(), strict=True)
-    return Table(header, tuple(_row(row) for row in rows))
+    columns: dict[str, list[str]] = {"start phase (degrees)": [str(degrees) for degrees in DEGREES]}
+    for name, rows in found.groupby("contact", sort=False):
+        pairs = rows["pairs_per_turn"].iloc[0]
+        title = "without contact" if name == "bare" else f"{pairs} pairs a turn"
+        cells = [_cells(row) for row in rows.to_dict("records")]
+        columns[f"{title}: UX / UY / ROTZ (%)"] = [farther for farther, _ in cells]
+        columns[f"{title}: softer in substeps"] = [softer for _, softer in cells]
+    return Table(tuple(columns), tuple(zip(*columns.values(), strict=True)))
 
 
-def _title(name: str, pairs: object) -> str:
-    return "without contact" if name == "bare" else f"{pairs} pairs a turn"
+def _cells(row: dict) -> tuple[str, str]:
+    if row["outcome"] != "completed":
+        return row["outcome"], ""
+    farther = " / ".join(f"{100.0 * row[name]:+.2f}" for name in COMPONENTS)
+    return farther, " / ".join(f"{row[name]:.0f}" for name in SOFTER)
 
 
-def _row(row: Sequence[Turned]) -> tuple[str, ...]:
-    cells = [f"{row[0].degrees}"]
-    for item in row:
-        cells += [
-            " / ".join(f"{100.0 * share:+.2f}" for share in item.farther) or item.outcome,
-            " / ".join(map(str, item.softer)),
-        ]
-    return tuple(cells)
-
-
-def phase_facts(found: Mapping[str, tuple[Turned, ...]]) -> dict[str, object]:
+def phase_facts(found: pd.DataFrame) -> dict[str, object]:
     """The same as facts: tuples over the phases that both models complete."""
     facts: dict[str, object] = {}
-    for name, rows in found.items():
-        done = [row for row in rows if row.farther]
-        facts[f"phases.{name}.degrees"] = tuple(row.degrees for row in done)
-        facts[f"phases.{name}.apart"] = tuple(row.apart for row in done)
-        facts[f"phases.{name}.softer"] = tuple(min(row.softer) for row in done)
-        for i, component in enumerate(COMPONENTS):
-            facts[f"phases.{name}.{component}"] = tuple(row.farther[i] for row in done)
+    for kind, rows in found[found["outcome"] == "completed"].groupby("contact", sort=False):
+        facts[f"phases.{kind}.degrees"] = tuple(rows["degrees"].tolist())
+        facts[f"phases.{kind}.difference"] = tuple(rows["difference"].tolist())
+        facts[f"phases.{kind}.softer"] = tuple(rows[[*SOFTER]].min(axis=1).astype(int).tolist())
+        facts |= {f"phases.{kind}.{name}": tuple(rows[name].tolist()) for name in COMPONENTS}
     return facts

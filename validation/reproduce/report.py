@@ -19,13 +19,19 @@ from validation.reproduce.claims import (
     softer_contact,
 )
 from validation.reproduce.evidence import CaseEvidence, Evidence
-from validation.reproduce.methods import assumed, counted, element_note, slid, timed
+from validation.reproduce.methods import (
+    assumptions_section,
+    counting_section,
+    element_note,
+    sliding_section,
+    timing_section,
+)
 from validation.reproduce.phases import phase_table
 from validation.reproduce.tables import table1, table2, table3
 from validation.reproduce.timeclaims import TIMES
 from validation.study.cases import PathStore
 from validation.study.document import Heading, Picture, Table, Text
-from validation.study.exactrod import EXACT_ROD
+from validation.study.scenes import EXACT_ROD
 from validation.study.statements import Facts, Part, percent, statement
 
 CLAIMS: tuple[Claim, ...] = (*MECHANICS, *TIMES)
@@ -38,8 +44,8 @@ _FARTHER = (
 )
 CAPTIONS = {
     "fig4": "Figure 4. Spring A at full load, (a) without and (b) with coil contact. The wire model is drawn "
-    "as bands around the beam's wire, a little thicker than it, so that both can be seen where they "
-    "coincide.",
+    "in pieces that alternate with the beam's, so that both can be seen where they coincide. The scale "
+    "holds in the plane of the picture.",
     "fig4-plane": f"Figure 4, {_FRAME}",
     "fig5": f"Figure 5. Spring A: tip displacements with and without contact, {_FARTHER}",
     "fig6": "Figure 6. Spring B at full load, (a) without contact and (b) with contact.",
@@ -86,11 +92,11 @@ def compose(
         table2(),
         element_note,
         Heading(3, "Table 3. Solution time"),
-        table3(tuple(evidence.timings.values())),
-        *timed(),
-        *counted(),
-        *slid(pictured),
-        *assumed(store),
+        table3(evidence.times),
+        *timing_section(),
+        *counting_section(),
+        *sliding_section(pictured),
+        *assumptions_section(store),
     ]
 
 
@@ -114,7 +120,7 @@ def _parts(ratios: Sequence[float]) -> str:
 
 
 def _matching(f: Facts) -> str:
-    if match.judge(f).verdict == AGREES:
+    if match.assess(f).verdict == AGREES:
         return "The proposed model matches the wire model where the helix starts in the working plane"
     far = [f[f"{name}.title"] for name, value in curves(f).items() if value >= f["threshold.match"]]
     return f"The proposed model does not match the wire model ({', '.join(far)})"
@@ -127,7 +133,7 @@ def _costing(f: Facts, least: float) -> str:
 
 
 def _count(f: Facts, claims: Sequence[Claim]) -> str:
-    counts = Counter(item.judge(f).verdict for item in claims)
+    counts = Counter(item.assess(f).verdict for item in claims)
     return ", ".join(f"{name} {counts[name]}" for name in VERDICTS if counts[name])
 
 
@@ -138,7 +144,7 @@ def mesh(f: Facts) -> str:
     which = (
         "Which of the two is softer cannot be decided: it depends on the start phase of the helix, which the "
         "paper does not give."
-        if UNDECIDED in (softer_bare.judge(f).verdict, softer_contact.judge(f).verdict)
+        if UNDECIDED in (softer_bare.assess(f).verdict, softer_contact.assess(f).verdict)
         else "Which of the two is softer is in the table over the start phases."
     )
     return (
@@ -213,7 +219,7 @@ def claim_table(f: Facts) -> Table:
     """One row for each claim."""
     rows = []
     for item in CLAIMS:
-        found = item.judge(f)
+        found = item.assess(f)
         rows.append((item.source, item.statement, found.ours, found.verdict, found.why))
     return Table(
         ("where", "the paper says, in our words", "our numbers", "verdict", "why; measured against what"),
@@ -230,7 +236,7 @@ def phases(f: Facts) -> str:
         if count == f["setting.steps"]
     ]
     where = f"at {', '.join(always)}" if always else "at no phase"
-    near = max(f["phases.many.apart"]) < f["threshold.match"]
+    near = max(f["phases.many.difference"]) < f["threshold.match"]
     matter = "their places hardly matter" if near else "their places matter too"
     return (
         "By how much the equivalent beam moves farther than the wire model at full load, and in how many of "
@@ -246,7 +252,7 @@ def phases(f: Facts) -> str:
 
 def _least(f: Facts) -> str:
     """The two phases at which the models are nearest."""
-    ranked = sorted(zip(f["phases.few.apart"], f["phases.few.degrees"], strict=True))
+    ranked = sorted(zip(f["phases.few.difference"], f["phases.few.degrees"], strict=True))
     return " and ".join(str(angle) for angle in sorted(angle for _, angle in ranked[:2]))
 
 

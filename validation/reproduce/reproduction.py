@@ -1,12 +1,12 @@
 """The paper's Tables 1-3 and Figures 4-8 by both models, and the report on them.
 
-A piece that was made before from the same sources, by the same versions, is taken from the store; models
+An artifact that was made before from the same sources, by the same versions, is taken from the store; models
 and drawing are loaded for the others alone.
 """
 
 from __future__ import annotations
 
-import json
+import csv
 import re
 from collections.abc import Callable
 from contextlib import ExitStack
@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING
 from coilspring import InputError
 from coilspring.errors import require_names
 from validation.reproduce import ARTEFACTS
-from validation.reproduce.assembly import PAGE, bound
+from validation.reproduce.assembly import PAGE, assemble
 from validation.study.keys import key, sources
 from validation.study.machine import machine, versions
 from validation.study.output import prepare, write_files, writing
@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from validation.reproduce.artifacts import Maker
 
 REPORT, TURNED = "report", "turned"
-TIMED = ("table3", REPORT)  # pieces that show solution times
+TIMED = ("table3", REPORT)  # artifacts that show solution times
 DRAWING = ("matplotlib", "pillow", "pyvista", "vtk")
 
 
@@ -46,7 +46,7 @@ def reproduce(
 
     Parameters
     ----------
-    out : folder, made where missing. Every piece is written when it is finished.
+    out : folder, made where missing. Every artifact is written when it is finished.
     only : names of `ARTEFACTS` that are wanted; None for all and the report.
     render : False makes no pictures: CSV files, and the report without figures.
     progress : called with one line on what is being done.
@@ -100,21 +100,24 @@ class _Run:
     progress: Callable[[str], None]
     time: bool
     cleanup: ExitStack
-    maker: Maker | None = None  # loaded with both models for the first piece that is missing
+    maker: Maker | None = None  # loaded with both models for the first artifact that is missing
     remarks: list[str] = field(default_factory=list)
 
     def provide(self, name: str) -> None:
-        """Write a piece: as it was made before, or made now; the report is bound with the other studies."""
-        piece = self._key(name)
-        files = self.store.get(piece)
+        """Write an artifact, as it was made before or made now; and the report with the other studies."""
+        mark = self._key(name)
+        files = self.store.get(mark)
         if files is None:
-            files = self._loaded().make(name, piece, self.times if name in TIMED else "")
+            maker = self._loaded()
+            maker.times = self.times if name in TIMED else b""
+            files = maker.make(name, mark)
         page = files.pop(PAGE, None)
         write_files(files, self.out)
         if page is not None:
             self.finish()
             scene = FILE if is_made(self.out, self._key(TURNED)) else None
-            write_files(bound(page.decode(), self.out, scene), self.out)
+            html = assemble(page.decode(), self.out, scene)
+            write_files({PAGE: page, "report.html": html}, self.out)
 
     def turn(self) -> None:
         """Write the springs as a scene, unless the one there was made from the same."""
@@ -130,34 +133,35 @@ class _Run:
 
     def _key(self, name: str) -> str:
         return key(
-            "piece",
+            "artifact",
             name=name,
             render=self.render,
-            times=self.times if name in TIMED else None,
+            times=self.times.decode() if name in TIMED else None,
             sources=sources(*MODELS, "validation"),
             versions=versions(*DRAWING),
         )
 
     @cached_property
-    def times(self) -> str:
-        """Times of Table 3 as JSON: stored ones of these sources and this processor, or measured now."""
+    def times(self) -> bytes:
+        """Table 3 as CSV: stored times of these sources and this processor, or measured now."""
         here = machine()
         name = key(
             "times",
-            sources=sources(*MODELS, "validation.study.timing", "validation.study.cases"),
+            sources=sources(
+                *MODELS, "validation.reproduce.times", "validation.study.timing", "validation.study.cases"
+            ),
             versions=versions(),
             machine=[here["processor"], here["cores"], here["system"]],
         )
         files = None if self.time else self.store.get(name)
         if files is None:
-            times = self._loaded().measure()
-            self.store.put(name, {"times.json": times.encode()})
-            return times
-        times = files["times.json"].decode()
-        there = json.loads(times)["machine"]
-        origin = f"measured on {there['date']} on {there['processor']}"
+            files = {"table3.csv": self._loaded().measure()}
+            self.store.put(name, files)
+            return files["table3.csv"]
+        row = next(csv.DictReader(files["table3.csv"].decode().splitlines()))
+        origin = f"measured on {row['measured']} on {row['processor']}"
         self.remarks.append(f"solution times: {origin}; --time measures them again")
-        return times
+        return files["table3.csv"]
 
     def _loaded(self) -> Maker:
         if self.maker is None:

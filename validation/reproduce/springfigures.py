@@ -20,17 +20,19 @@ from validation.study.style import (
     BLUE,
     DOUBLE,
     GREY,
-    LIT_RED,
+    RED,
     REST_CIRCLE,
     WIRE_CIRCLE,
     WIRE_LABEL,
 )
-from validation.view.shapes import BAND_SCALE, Shapes, bands, view
+from validation.view.render3d import PIXELS
+from validation.view.shapes import PARTS, Shapes, bands, picture_frame, spaces, view
 
 TALLEST = 4.4  # in, of the springs
 DETAIL = 1.0  # in, a side of an enlarged detail
 ZOOM = 4.0  # mm shown across it
 MARGIN = 0.6  # mm around the springs
+BAR = 5.0  # mm, length of the scale
 
 
 def space_figure(panels: tuple[Shapes, ...], rendered: list[Path] | str) -> Figure:
@@ -38,6 +40,7 @@ def space_figure(panels: tuple[Shapes, ...], rendered: list[Path] | str) -> Figu
     if isinstance(rendered, str):
         return _painted(panels)
     pictures = _cropped([imread(file) for file in rendered])
+    _, half = picture_frame(_points(panels), panels[0].diameter)
     tall, wide = pictures[0].shape[:2]
     height = min((0.5 * DOUBLE - 0.1) * tall / wide, TALLEST)
     figure = Figure(figsize=(DOUBLE, height + 0.6))
@@ -47,8 +50,26 @@ def space_figure(panels: tuple[Shapes, ...], rendered: list[Path] | str) -> Figu
         axes.imshow(picture, interpolation="antialiased", aspect="auto")
         axes.set_axis_off()
         axes.set_title(f"({'ab'[index]}) {panel.title}", loc="left")
+        _scale(figure, index, height / tall * PIXELS / (2.0 * half))
     figure.legend(handles=_space_key(), loc="lower center", ncols=3)
     return figure
+
+
+def _points(panels: tuple[Shapes, ...]) -> np.ndarray:
+    """All points of the panels' wires."""
+    return np.concatenate([getattr(panel, part) for panel in panels for part in PARTS])
+
+
+def _scale(figure: Figure, index: int, scale: float) -> None:
+    """Directions of the axes and a length in the plane of the picture, below a panel; `scale` in in/mm."""
+    axes = _inches(figure, 0.5 * DOUBLE * index + 0.05, 0.35, *2 * (2.0 * BAR * scale,))
+    axes.set(xlim=(-0.6 * BAR, 1.4 * BAR), ylim=(-0.6 * BAR, 1.4 * BAR))
+    axes.set_axis_off()
+    for name, (x, y) in zip("XYZ", 0.35 * BAR * view()[:2].T, strict=True):
+        axes.annotate("", (x, y), (0.0, 0.0), arrowprops={"arrowstyle": "->", "shrinkA": 0, "shrinkB": 0})
+        axes.text(1.4 * x, 1.4 * y, name, ha="center", va="center", fontsize=7.0)
+    axes.plot((-0.5 * BAR, 0.5 * BAR), (-0.5 * BAR,) * 2, color="black", linewidth=1.5)
+    axes.text(0.0, -0.47 * BAR, f"{BAR:g} mm", ha="center", va="bottom", fontsize=7.0)
 
 
 def _cropped(pictures: list[np.ndarray]) -> list[np.ndarray]:
@@ -62,7 +83,7 @@ def _cropped(pictures: list[np.ndarray]) -> list[np.ndarray]:
 def _space_key() -> list[Patch | Line2D]:
     return [
         Patch(color=BLUE, label=BEAM_LABEL),
-        Patch(color=LIT_RED, label=f"{WIRE_LABEL}, bands"),
+        Patch(color=RED, label=f"{WIRE_LABEL}, alternating"),
         Line2D([], [], color=GREY, linewidth=0.7, label="at rest"),
     ]
 
@@ -70,7 +91,7 @@ def _space_key() -> list[Patch | Line2D]:
 def _painted(panels: tuple[Shapes, ...]) -> Figure:
     """The same view, painted from back to front as short strokes as wide as the wire."""
     axes3 = view()
-    every = np.concatenate([p for s in panels for p in (s.rest, s.beam, s.wire)]) @ axes3.T
+    every = _points(panels) @ axes3.T
     low, high = every.min(axis=0) - panels[0].diameter, every.max(axis=0) + panels[0].diameter
     width, height = (high - low)[:2]
     scale = min((0.5 * DOUBLE - 0.1) / width, TALLEST / height)  # in/mm
@@ -83,29 +104,23 @@ def _painted(panels: tuple[Shapes, ...]) -> Figure:
         axes.set_title(f"({'ab'[index]}) {panel.title}", loc="left")
         axes.plot(*(panel.rest @ axes3.T)[:, :2].T, color=GREY, linewidth=0.5, zorder=0)
         axes.add_collection(_strokes(panel, axes3, 72.0 * scale * panel.diameter))
+        _scale(figure, index, scale)
     figure.legend(handles=_space_key(), loc="lower center", ncols=3)
     return figure
 
 
 def _strokes(panel: Shapes, axes3: np.ndarray, width: float) -> LineCollection:
-    """Both wires in pieces, the farther ones paler; `width` of the beam's in points."""
-    points, colours, widths = [], [], []
-    for line, colour, scale in (
-        (panel.beam, BLUE, 1.0),
-        *((b, LIT_RED, BAND_SCALE) for b in bands(panel.wire)),
-    ):
-        seen = line @ axes3.T
-        points.append(np.stack((seen[:-1], seen[1:]), axis=1))
-        colours.append(np.tile(to_rgb(colour), (len(seen) - 1, 1)))
-        widths.append(np.full(len(seen) - 1, scale * width))
-    pieces, tint, sizes = np.concatenate(points), np.concatenate(colours), np.concatenate(widths)
+    """Both wires in pieces, the farther ones paler; `width` in points."""
+    lines = [(piece, BLUE) for piece in spaces(panel.beam)] + [(piece, RED) for piece in bands(panel.wire)]
+    seen = [(line @ axes3.T, colour) for line, colour in lines]
+    pieces = np.concatenate([np.stack((line[:-1], line[1:]), axis=1) for line, _ in seen])
+    tint = np.concatenate([np.tile(to_rgb(colour), (len(line) - 1, 1)) for line, colour in seen])
     depth = pieces[..., 2].mean(axis=1)
-    # a band lies over the tube that it wraps
-    order = np.argsort(depth + (sizes > width) * 0.5 * panel.diameter)
+    order = np.argsort(depth)
     far = 0.45 * (depth.max() - depth) / np.ptp(depth)
     tint = tint + far[:, None] * (1.0 - tint)
     return LineCollection(
-        list(pieces[order][..., :2]), colors=tint[order], linewidths=sizes[order], capstyle="round"
+        list(pieces[order][..., :2]), colors=tint[order], linewidths=width, capstyle="round"
     )
 
 
@@ -155,7 +170,7 @@ def _detail(axes: Axes, detail: Axes, panel: Shapes, place: Shapes) -> None:
     detail.spines[:].set_visible(True)
     axes.add_patch(Rectangle((x, y), ZOOM, ZOOM, fill=False, edgecolor="black", linewidth=0.6))
     beam, wire = (_length(panel.overlaps(c).max()) for c in (panel.beam_circles, panel.wire_circles))
-    note = f"largest overlap of\nneighbouring coils\nbeam: {beam}\nwire model: {wire}"
+    note = f"largest overlap where\ncoils cross the plane\nbeam: {beam}\nwire model: {wire}"
     detail.text(0.0, 1.04, note, transform=detail.transAxes, ha="left", va="bottom", fontsize=7.0)
 
 

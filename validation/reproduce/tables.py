@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
 import numpy as np
+import pandas as pd
 
 from coilspring import Scene, spring_a, spring_b
 from coilspring.scene.wire import SHEAR_FACTOR
-from validation.study.cases import PAPER_MESH
+from validation.study.cases import PAPER_MESH, case
 from validation.study.document import Table
-from validation.study.timing import Measurement, Timing, spread
+from validation.study.frames import view
+from validation.study.timing import spread
 
 BESIDE = ("feature", "spring A", "spring B", "paper A", "paper B")
 NOT_GIVEN = ("not given", "not given")
@@ -89,51 +89,24 @@ def _mesh(scene: Scene) -> dict[str, str]:
     }
 
 
-def table3(timings: Sequence[Timing]) -> Table:
+def table3(times: pd.DataFrame) -> Table:
     """Solution times for reading: the ratio first, then its parts, medians with quartiles."""
-    header = (
-        "case",
-        "wire model / beam",
-        "reduction (%)",
-        "paper's reduction (%)",
-        "wire model (ms)",
-        "beam (ms)",
-        "beam, paper's tangent (ms)",
-        "iterations: wire model / beam / beam, paper's tangent",
-        "paper: FE / proposed model (s)",
+    counts = [f"{part}_iterations" for part in ("wire", "beam", "beam_paper_tangent")]
+    return view(
+        times,
+        {
+            "case": lambda row: case(row.case).title,
+            "wire model / beam": lambda row: spread(row, "ratio"),
+            "reduction (%)": lambda row: f"{row.reduction_percent:.1f}",
+            "paper's reduction (%)": lambda row: f"{row.paper_reduction_percent:g}",
+            "wire model (ms)": lambda row: spread(row, "wire_seconds", 1e3),
+            "beam (ms)": lambda row: spread(row, "beam_seconds", 1e3),
+            "beam, paper's tangent (ms)": lambda row: spread(row, "beam_paper_tangent_seconds", 1e3),
+            "iterations: wire model / beam / beam, paper's tangent": lambda row: " / ".join(
+                str(getattr(row, name)) for name in counts
+            ),
+            "paper: FE / proposed model (s)": lambda row: (
+                f"{row.paper_wire_seconds:g} / {row.paper_beam_seconds:g}"
+            ),
+        },
     )
-    return Table(header, tuple(_times(item) for item in timings))
-
-
-def _times(timing: Timing) -> tuple[str, ...]:
-    case = timing.case
-    return (
-        case.title,
-        spread(timing.ratio, 1.0),
-        f"{timing.reduction:.1f}",
-        f"{case.paper_reduction:g}",
-        spread(timing.wire, 1e3),
-        spread(timing.beam, 1e3),
-        spread(timing.beam_paper, 1e3),
-        " / ".join(str(count) for count in timing.iterations),
-        f"{case.paper_wire:g} / {case.paper_beam:g}",
-    )
-
-
-def table3_data(measured: Measurement) -> Table:
-    """The same for machines: one number a cell, seconds; q1 and q3 are the quartiles."""
-    spreads = ("ratio", "wire_seconds", "beam_seconds", "beam_paper_tangent_seconds")
-    header = ["case", "reduction_percent", "paper_reduction_percent"]
-    header += [f"{name}{part}" for name in spreads for part in ("", "_q1", "_q3")]
-    header += ["wire_iterations", "beam_iterations", "beam_paper_tangent_iterations", "rounds"]
-    header += ["paper_wire_seconds", "paper_beam_seconds", "measured", "processor"]
-    origin = (measured.machine["date"], measured.machine["processor"])
-    rows = []
-    for item in measured.timings:
-        case = item.case
-        numbers: list[float] = [item.reduction, case.paper_reduction]
-        for value in (item.ratio, item.wire, item.beam, item.beam_paper):
-            numbers += [value.median, value.low, value.high]
-        numbers += [*item.iterations, item.rounds, case.paper_wire, case.paper_beam]
-        rows.append((case.name, *(f"{number:.6g}" for number in numbers), *origin))
-    return Table(tuple(header), tuple(rows))

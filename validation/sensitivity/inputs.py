@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -52,7 +52,9 @@ class OpenInput:
     kind : of `KINDS`.
     default : what every other run of the project takes.
     paper, reason : what the paper says; why this range.
-    variants : its values for a scene and a model; none where the model has no such input there.
+    make : its values for a scene and a model.
+    contact : whether scenes without contact have no such input.
+    models : those that have it.
     """
 
     name: str
@@ -61,99 +63,86 @@ class OpenInput:
     default: str
     paper: str
     reason: str
-    variants: Callable[[Scene, str], tuple[Variant, ...]]
+    make: Callable[[Scene, str], Iterable[Variant]]
+    contact: bool = False
+    models: tuple[str, ...] = MODELS
+
+    def variants(self, scene: Scene, model: str) -> tuple[Variant, ...]:
+        """Its values for a scene and a model; none where the model has no such input there."""
+        absent = model not in self.models or (self.contact and not scene.contact.enabled)
+        return () if absent else tuple(self.make(scene, model))
 
 
-def _modulus(scene: Scene, model: str) -> tuple[Variant, ...]:
-    return tuple(
-        Variant(f"{E:g} GPa", replace(scene, material=replace(scene.material, E=1e3 * E)))
-        for E in (196.0, 210.0)
-    )
+def _modulus(scene: Scene, model: str) -> Iterator[Variant]:
+    for E in (196.0, 210.0):
+        yield Variant(f"{E:g} GPa", replace(scene, material=replace(scene.material, E=1e3 * E)))
 
 
-def _poisson(scene: Scene, model: str) -> tuple[Variant, ...]:
-    return tuple(
-        Variant(f"{nu:g}", replace(scene, material=replace(scene.material, nu=nu))) for nu in (0.26, 0.32)
-    )
+def _poisson(scene: Scene, model: str) -> Iterator[Variant]:
+    for nu in (0.26, 0.32):
+        yield Variant(f"{nu:g}", replace(scene, material=replace(scene.material, nu=nu)))
 
 
-def _penalty(scene: Scene, model: str) -> tuple[Variant, ...]:
-    if not scene.contact.enabled:
-        return ()
-    K = scene.contact.stiffness
-    return Variant("K/10", scene.with_penalty(0.1 * K)), Variant("10 K", scene.with_penalty(10.0 * K))
+def _penalty(scene: Scene, model: str) -> Iterator[Variant]:
+    for factor, value in ((0.1, "K/10"), (10.0, "10 K")):
+        yield Variant(value, scene.with_penalty(factor * scene.contact.stiffness))
 
 
-def _exponent(scene: Scene, model: str) -> tuple[Variant, ...]:
-    if not scene.contact.enabled:
-        return ()
+def _exponent(scene: Scene, model: str) -> Iterator[Variant]:
     stiffness = scene.contact.stiffness * LIKE ** (scene.contact.exponent - 1.5)
-    return (Variant("1.5", _with_contact(scene, exponent=1.5, stiffness=stiffness)),)
+    yield Variant("1.5", _with_contact(scene, exponent=1.5, stiffness=stiffness))
 
 
-def _friction(scene: Scene, model: str) -> tuple[Variant, ...]:
-    if model == BEAM or not scene.contact.enabled:
-        return ()
-    return tuple(
-        Variant(f"µ = {mu:g}", _with_contact(scene, sliding="coulomb", friction=mu)) for mu in (0.1, 0.3)
-    )
+def _friction(scene: Scene, model: str) -> Iterator[Variant]:
+    for mu in (0.1, 0.3):
+        yield Variant(f"µ = {mu:g}", _with_contact(scene, sliding="coulomb", friction=mu))
 
 
-def _phase(scene: Scene, model: str) -> tuple[Variant, ...]:
-    if model == BEAM:
-        return (Variant("180°", turned(scene, 180.0)),) if scene.contact.enabled else ()
-    pairs = {"pairs_per_turn": EVERYWHERE} if scene.contact.enabled else {}
-    return tuple(
-        Variant(f"{degrees}°", turned(scene, degrees), pairs, pairs) for degrees in range(30, 360, 30)
-    )
+def _phase(scene: Scene, model: str) -> Iterator[Variant]:
+    contact = scene.contact.enabled
+    pairs = {"pairs_per_turn": EVERYWHERE} if contact and model == WIRE else {}
+    for degrees in range(30, 360, 30) if model == WIRE else [180] * contact:
+        yield Variant(f"{degrees}°", turned(scene, degrees), pairs, pairs)
 
 
-def _spheres(scene: Scene, model: str) -> tuple[Variant, ...]:
-    if model == BEAM or not scene.contact.enabled:
-        return ()
-    return tuple(Variant(f"{degrees}°", turned(scene, degrees)) for degrees in (15, 30, 45))
+def _spheres(scene: Scene, model: str) -> Iterator[Variant]:
+    for degrees in (15, 30, 45):
+        yield Variant(f"{degrees}°", turned(scene, degrees))
 
 
-def _pairs(scene: Scene, model: str) -> tuple[Variant, ...]:
-    if model == BEAM or not scene.contact.enabled:
-        return ()
-    return tuple(Variant(f"{n}", scene, {"pairs_per_turn": n}) for n in (2, 8, EVERYWHERE))
+def _pairs(scene: Scene, model: str) -> Iterator[Variant]:
+    for n in (2, 8, EVERYWHERE):
+        yield Variant(f"{n}", scene, {"pairs_per_turn": n})
 
 
-def _height(scene: Scene, model: str) -> tuple[Variant, ...]:
-    d = scene.spring.wire_diameter
-    return Variant("+d/2", scene, rise=0.5 * d), Variant("+d", scene, rise=d)
+def _height(scene: Scene, model: str) -> Iterator[Variant]:
+    for share, value in ((0.5, "+d/2"), (1.0, "+d")):
+        yield Variant(value, scene, rise=share * scene.spring.wire_diameter)
 
 
-def _rigid(scene: Scene, model: str) -> tuple[Variant, ...]:
-    return tuple(_rigid_turns(scene, model, turns) for turns in (0.75, 1.25))
-
-
-def _rigid_turns(scene: Scene, model: str, turns: float) -> Variant:
+def _rigid(scene: Scene, model: str) -> Iterator[Variant]:
     """Another rigid part of each end; turns and height of the whole spring and the loaded point stay."""
     spring = scene.spring
-    less = spring.end_turns - turns
-    drop = less * spring.wire_diameter
-    # the beam's stations are half coils from the first active point, wherever that lies
-    phase = spring.start_phase - (2.0 * math.pi * less if model == WIRE else 0.0)
-    changed = replace(
-        spring,
-        end_turns=turns,
-        active_coils=spring.active_coils + 2.0 * less,
-        active_height=spring.active_height + 2.0 * drop,
-        start_phase=phase,
-    )
-    return Variant(f"{turns:g}", replace(scene, spring=changed), rise=-drop)
+    for turns in (0.75, 1.25):
+        less = spring.end_turns - turns
+        drop = less * spring.wire_diameter
+        changed = replace(
+            spring,
+            end_turns=turns,
+            active_coils=spring.active_coils + 2.0 * less,
+            active_height=spring.active_height + 2.0 * drop,
+            # the beam's stations are half coils from the first active point, wherever that lies
+            start_phase=spring.start_phase - (2.0 * math.pi * less if model == WIRE else 0.0),
+        )
+        yield Variant(f"{turns:g}", replace(scene, spring=changed), rise=-drop)
 
 
-def _touching_ends(scene: Scene, model: str) -> tuple[Variant, ...]:
-    if not scene.contact.enabled:
-        return ()
-    return (Variant("no", replace(scene, spring=replace(scene.spring, end_turns=0.0))),)
+def _touching_ends(scene: Scene, model: str) -> Iterator[Variant]:
+    yield Variant("no", replace(scene, spring=replace(scene.spring, end_turns=0.0)))
 
 
-def _element(scene: Scene, model: str) -> tuple[Variant, ...]:
-    return (Variant("curved", scene, {"element": "curved"}),) if model == WIRE else ()
+def _element(scene: Scene, model: str) -> Iterator[Variant]:
+    yield Variant("curved", scene, {"element": "curved"})
 
 
 def _with_contact(scene: Scene, **changes: Any) -> Scene:
@@ -186,7 +175,7 @@ INPUTS = (
         "end_contact", "contact of the end turns", NOT_GIVEN, "yes",
         "does not say whether the end turns carry contact elements or circles",
         "no: only active coils touch each other.",
-        _touching_ends,
+        _touching_ends, contact=True,
     ),
     OpenInput(
         "rigid_turns", "rigid turns at each end", READING, "1",
@@ -210,37 +199,37 @@ INPUTS = (
         "15° to 45°, which is farthest, by turning the helix and its spheres. The contact of a bent spring "
         "is in the plane, and its coils overlap where no sphere stands. The paper's FE and beam coincide, "
         "the beam being the softer: its spheres cannot have been far from the plane.",
-        _spheres,
+        _spheres, contact=True, models=(WIRE,),
     ),
     OpenInput(
         "pairs", "sphere pairs a turn", READING, "4",
         "'number contact elements per turn 4' (Table 2)",
         "2: a pair is two elements; 8: each of 4 places faces both neighbours; 20: wires that touch "
         "everywhere, which 4 stand for. The beam has 2 circles a turn by its definition.",
-        _pairs,
+        _pairs, contact=True, models=(WIRE,),
     ),
     OpenInput(
         "penalty", "contact stiffness", NOT_GIVEN, "K = 1e4 N/mm", "'appropriate stiffness'",
         "a decade to either side.",
-        _penalty,
+        _penalty, contact=True,
     ),
     OpenInput(
         "exponent", "contact exponent", NOT_GIVEN, "1", "'appropriate exponent'",
         "1.5, Hertz's for spheres, with the same force at 0.01 mm: within a tenth of Hertz's stiffness of "
         "two steel spheres of the wire's diameter.",
-        _exponent,
+        _exponent, contact=True,
     ),
     OpenInput(
         "friction", "friction of the coils", READING, "A: none; B: no sliding",
         "FE of Spring B with 'no sliding'; nothing on Spring A; the beam's law (12) has no friction",
         "0.1 and 0.3, oiled and dry steel; for B in the place of no sliding, should the option yield.",
-        _friction,
+        _friction, contact=True, models=(WIRE,),
     ),
     OpenInput(
         "element", "wire element", READING, "straight",
         "40 beam elements a turn (Table 2), their kind not given",
         "curved: elements with the exact linear flexibility of their piece of wire, as elements of higher "
         "order approach it. The beam's element is the paper's own.",
-        _element,
+        _element, models=(WIRE,),
     ),
 )  # fmt: skip

@@ -5,15 +5,27 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
-import numpy as np
+import pandas as pd
 
-from validation.sensitivity.inputs import BEAM, INPUTS, KINDS, MODELS, NOT_GIVEN, READING, WIRE, OpenInput
-from validation.sensitivity.results import Change, Study
+from validation.sensitivity.changes import (
+    BASE_TIPS,
+    CHANGES,
+    COMPLETED,
+    CURVE,
+    DEFAULT_DEVIATION,
+    DEVIATION,
+    sizes,
+    together,
+    values,
+    worst,
+)
+from validation.sensitivity.inputs import BEAM, INPUTS, KINDS, MODELS, NOT_GIVEN, READING, WIRE
+from validation.study.cases import case
 from validation.study.document import Block, Bullets, Heading, Picture, Table, Text, to_markdown
-from validation.study.metrics import COMPONENTS
 from validation.study.output import write_text
 from validation.study.partialsolve import ending
 
+TITLES = {item.name: item.title for item in INPUTS}
 SILENT, OPEN = (NOT_GIVEN,), (NOT_GIVEN, READING)
 NAMES = {BEAM: "beam", WIRE: "wire model"}
 INTRO = (
@@ -39,8 +51,8 @@ HOW_FAR = (
     "independent and small, and where the authors' values are as likely to be at the ends of our ranges as "
     "within. *Not given*: the paper says nothing on the input; *with readings*: also inputs that the paper "
     "tells in words that leave room. Inputs that the paper's own result speaks against are in the tables "
-    "below alone. Values that end short of full load have no number and are in no estimate. *The models "
-    "apart*: largest difference of the two load curves with our defaults."
+    "below alone. Values that end short of full load have no number and are in no estimate. "
+    "*Deviation of the models*: largest difference of the two load curves with our defaults."
 )
 NOT_VARIED = (
     "The wire's shear factor (0.9; books have 6/7 to 0.9), which is no input of a scene.",
@@ -51,123 +63,130 @@ NOT_VARIED = (
     "Steps, stop test and tangent: without friction an equilibrium does not depend on them.",
     "The friction of the beam's circles, the number of its pairs and its law, which the paper gives.",
 )
+ESTIMATES = (
+    *("case", "model", "largest single, not given (%)", "largest single, with readings (%)"),
+    *("together, not given (%)", "together, with readings (%)", "deviation of the models (%)"),
+)
 
 
-def write(studies: Sequence[Study], out: Path) -> None:
+def write(studies: Sequence[pd.DataFrame], out: Path) -> None:
     """Write ``sensitivity.md``."""
     write_text(out / "sensitivity.md", to_markdown(page(studies)))
 
 
-def page(studies: Sequence[Study]) -> list[Block]:
+def page(studies: Sequence[pd.DataFrame]) -> list[Block]:
     """The study for a reader."""
+    inputs = tuple((item.title, item.paper, item.kind, item.default, item.reason) for item in INPUTS)
     return [
         Heading(1, "What the paper leaves open"),
         Text(INTRO),
         Picture("sensitivity.png", CAPTION),
         Heading(2, "How far our curves could be from the authors'"),
         Text(HOW_FAR),
-        _estimates(studies),
-        Bullets(tuple(_findings(studies))),
+        Table(ESTIMATES, tuple(_estimate(data, model) for data in studies for model in MODELS)),
+        Bullets(tuple(sentence for data in studies for sentence in _findings(data))),
         Text(CLOSING),
         Heading(2, "What is open, in which range, and why"),
-        _inputs(),
+        Table(("input", "the paper", "kind", "our default", "range and why"), inputs),
         Text("; ".join(f"*{kind}*: {words}" for kind, words in KINDS.items()) + "."),
-        *(block for study in studies for block in _case(study)),
+        *(block for data in studies for block in _case(data)),
         Heading(2, "What was not varied"),
         Bullets(NOT_VARIED),
     ]
 
 
-def _estimates(studies: Sequence[Study]) -> Table:
-    header = (
-        *("case", "model", "largest single, not given (%)", "largest single, with readings (%)"),
-        *("together, not given (%)", "together, with readings (%)", "the models apart (%)"),
+def _title(data: pd.DataFrame) -> str:
+    return case(data["case"].iloc[0]).title
+
+
+def _change(row: pd.Series) -> str:
+    return f"{TITLES[row['input']]}: {row['value']}"
+
+
+def _ending(row: pd.Series) -> str:
+    return ending(row["outcome"], None if pd.isna(row["critical_time"]) else row["critical_time"])
+
+
+def _estimate(data: pd.DataFrame, model: str) -> tuple[str, ...]:
+    singles = (worst(data, model, kinds) for kinds in (SILENT, OPEN))
+    return (
+        *(_title(data), NAMES[model]),
+        *(f"{abs(row[CURVE]):.1f} ({_change(row)})" for row in singles),
+        *(_together(data, model, kinds) for kinds in (SILENT, OPEN)),
+        f"{data[DEFAULT_DEVIATION].iloc[0]:.2f}",
     )
-    rows = []
-    for study in studies:
-        for model in MODELS:
-            singles = (_single(study.worst(model, kinds)) for kinds in (SILENT, OPEN))
-            sums = (_together(study, model, kinds) for kinds in (SILENT, OPEN))
-            rows.append((study.case.title, NAMES[model], *singles, *sums, f"{study.apart:.2f}"))
-    return Table(header, tuple(rows))
 
 
-def _single(change: Change) -> str:
-    return f"{abs(change.largest):.1f} ({_what(change)})"
-
-
-def _what(change: Change) -> str:
-    return f"{change.input.title}: {change.value}"
-
-
-def _together(study: Study, model: str, kinds: Sequence[str]) -> str:
+def _together(data: pd.DataFrame, model: str, kinds: Sequence[str]) -> str:
     """Sum of squares; more where a value that ends short of full load is in it without a number."""
-    total = f"{study.together(model, kinds):.1f}"
-    short = [c for c in study.changes if c.model == model and c.input.kind in kinds and not c.completed]
-    return f"{total} or more" if short else total
+    total = f"{together(data, model, kinds):.1f}"
+    mine = values(data).query("model == @model and kind in @kinds")
+    return total if (mine["outcome"] == COMPLETED).all() else f"{total} or more"
 
 
-def _findings(studies: Sequence[Study]) -> Iterator[str]:
-    """What the tables say, case by case."""
-    for study in studies:
-        title, total = study.case.title, _total(study)
-        kept = {
-            apart: change
-            for change in study.changes
-            if change.input.kind in OPEN and (apart := study.apart_with(change)) is not None
-        }
-        most = max(kept)
-        yield (
-            f"{title}: what is not given moves the curves by {total:.0f} % together, "
-            f"{total / study.apart:.0f} times the {study.apart:.2f} % by which the two models differ. That "
-            f"difference is at most {most:.2f} % with any value of an input that is not given or can be read "
-            f"otherwise ({_what(kept[most])})."
-        )
-        for change in study.changes:
-            if not change.completed:
-                where = f"{title}, {NAMES[change.model]}, {_what(change)}"
-                yield f"{where}: **{_ending(change)}**, hence no number."
+def _findings(data: pd.DataFrame) -> Iterator[str]:
+    """What the tables say of a case."""
+    title, total, default = _title(data), _total(data), data[DEFAULT_DEVIATION].iloc[0]
+    most = data.loc[data.loc[data["kind"].isin(OPEN), DEVIATION].idxmax()]
+    yield (
+        f"{title}: what is not given moves the curves by {total:.0f} % together, "
+        f"{total / default:.0f} times the {default:.2f} % by which the two models differ. That "
+        f"difference is at most {most[DEVIATION]:.2f} % with any value of an input that is not given or can "
+        f"be read otherwise ({_change(most)})."
+    )
+    for _, row in values(data).iterrows():
+        if row["outcome"] != COMPLETED:
+            yield f"{title}, {NAMES[row['model']]}, {_change(row)}: **{_ending(row)}**, hence no number."
 
 
-def _total(study: Study) -> float:
+def _total(data: pd.DataFrame) -> float:
     """What all inputs that are not given move together, in the model that they move more, %."""
-    return max(study.together(model, SILENT) for model in MODELS)
+    return max(together(data, model, SILENT) for model in MODELS)
 
 
-def digest(study: Study) -> str:
+def digest(data: pd.DataFrame) -> str:
     """A case for a reader at the terminal."""
     return (
-        f"{study.case.name}: what the paper does not give moves the curves by {_total(study):.1f} % "
-        f"together; the models are {study.apart:.2f} % apart"
+        f"{data['case'].iloc[0]}: what the paper does not give moves the curves by {_total(data):.1f} % "
+        f"together; the models deviate by {data[DEFAULT_DEVIATION].iloc[0]:.2f} %"
     )
 
 
-def _ending(change: Change) -> str:
-    return ending(change.curve.outcome, change.curve.critical_time)
-
-
-def _inputs() -> Table:
-    header = ("input", "the paper", "kind", "our default", "range and why")
-    return Table(
-        header, tuple((item.title, item.paper, item.kind, item.default, item.reason) for item in INPUTS)
-    )
-
-
-def _case(study: Study) -> list[Block]:
+def _case(data: pd.DataFrame) -> list[Block]:
     """Heading and table of one case, largest inputs first."""
     header = (
-        *("input", "model", "value", "UX (%)", "UY (%)", "ROTZ (%)", "curve (%)", "at", "models apart (%)"),
+        "input",
+        "model",
+        "value",
+        "UX (%)",
+        "UY (%)",
+        "ROTZ (%)",
+        "curve (%)",
+        "at",
+        "models apart (%)",
     )
-    rows = [row for item in study.ranked() for model in MODELS for row in _rows(study, item, model)]
+    present = values(data).groupby(["input", "model"], sort=False)
+    rows = [
+        row
+        for name in sizes(data).index
+        for model in MODELS
+        if (name, model) in present.groups
+        for row in _rows(present.get_group((name, model)))
+    ]
     absent = [
         f"{item.title} ({' and '.join(NAMES[model] for model in lacking)})"
         for item in INPUTS
-        if (lacking := [model for model in MODELS if not study.of(item, model)])
+        if (lacking := [model for model in MODELS if (item.name, model) not in present.groups])
     ]
+    tips = data.groupby("model")[list(BASE_TIPS)].first()
+    where = (
+        f"{NAMES[model]} UX {ux:.3f} mm, UY {uy:.3f} mm, ROTZ {rotz:.4f} rad"
+        for model, (ux, uy, rotz) in ((model, tips.loc[model]) for model in MODELS)
+    )
     return [
-        Heading(2, study.case.title),
+        Heading(2, _title(data)),
         Text(
-            f"At full load with our defaults: {_tips(study, BEAM)}; {_tips(study, WIRE)}. Of more than two "
+            f"At full load with our defaults: {'; '.join(where)}. Of more than two "
             "values the table has those that reach farthest to either side; the CSV file has all."
         ),
         Table(header, tuple(rows)),
@@ -175,39 +194,21 @@ def _case(study: Study) -> list[Block]:
     ]
 
 
-def _rows(study: Study, item: OpenInput, model: str) -> Iterator[tuple[str, ...]]:
-    found = study.of(item, model)
-    done = [change for change in found if change.completed]
-    ends = [min(done, key=lambda c: c.largest), max(done, key=lambda c: c.largest)] if done else []
-    for change in found:
-        if not change.completed:
-            yield (
-                item.title,
-                NAMES[model],
-                change.value,
-                _ending(change),
-                *[""] * 5,
-            )
-        elif change in ends:
-            step, component = change.place
-            where = (
-                ""
-                if change.largest == 0.0
-                else f"{COMPONENTS[component].upper()}, t = {change.curve.times[step]:g}"
-            )
-            apart = study.apart_with(change)
-            yield (
-                item.title, NAMES[model], change.value, *map(_signed, change.at_full.tolist()),
-                _signed(change.largest), where, "" if apart is None else f"{apart:.2f}",
-            )  # fmt: skip
+def _rows(changes: pd.DataFrame) -> Iterator[tuple[str, ...]]:
+    """Of one input and model, the values that reach farthest to either side and those that end early."""
+    known = changes[CURVE].dropna()
+    ends = {known.idxmin(), known.idxmax()} if len(known) else set()
+    for index, row in changes.iterrows():
+        head = (TITLES[row["input"]], NAMES[row["model"]], row["value"])
+        if row["outcome"] != COMPLETED:
+            yield (*head, _ending(row), *[""] * 5)
+        elif index in ends:
+            place = f"{row['curve_component'].upper()}, t = {row['curve_time']:g}" if row[CURVE] else ""
+            deviation = "" if pd.isna(row[DEVIATION]) else f"{row[DEVIATION]:.2f}"
+            yield (*head, *(_signed(row[name]) for name in (*CHANGES, CURVE)), place, deviation)
 
 
 def _signed(percent: float) -> str:
-    if np.isnan(percent):
+    if pd.isna(percent):
         return "held"
     return f"{percent:+.2f}" if percent else "0"
-
-
-def _tips(study: Study, model: str) -> str:
-    ux, uy, rotz = study.bases[model].tips[-1].tolist()
-    return f"{NAMES[model]} UX {ux:.3f} mm, UY {uy:.3f} mm, ROTZ {rotz:.4f} rad"

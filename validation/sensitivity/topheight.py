@@ -18,7 +18,7 @@ from equivbeam import model as beam
 from equivbeam.shape import BeamShape
 from equivbeam.solve import KERNELS as BEAM_KERNELS
 from validation.study.cases import PAPER_MESH
-from validation.study.partialsolve import as_far
+from validation.study.partialsolve import partial_path
 from wirefe.shape import WireShape
 from wirefe.solve import KERNELS as WIRE_KERNELS
 from wirefe.solve import scene_problem
@@ -52,7 +52,7 @@ def raised(scene: Scene, model: str, height: float) -> TipCurve:
     """Tip curve of the point `height` mm above the top reference point, which carries the load.
 
     For a top that is held in rotation, or without friction: paths followed under several moments are combined
-    at each load, which takes equilibria that do not depend on the way there.
+    at each load, which takes equilibria that do not depend on the path there.
     """
     if "rotz" in scene.supports.top_held:  # the end moves without turning, all its points alike
         return followed(scene, model, 0.0)
@@ -72,7 +72,7 @@ def raised(scene: Scene, model: str, height: float) -> TipCurve:
 
 def followed(scene: Scene, model: str, moment: float) -> TipCurve:
     """Tip curve of the reference point, the force there accompanied by a dead moment, N mm, at time 1."""
-    return TipCurve.of(as_far({"equivbeam": _beam, "wirefe": _wire}[model], scene, moment=moment))
+    return TipCurve.of(partial_path({"equivbeam": _beam, "wirefe": _wire}[model], scene, moment=moment))
 
 
 def _beam(scene: Scene, moment: float) -> EquilibriumPath:

@@ -12,7 +12,7 @@ import equivbeam
 import wirefe
 from coilspring import CATALOGUE, EquilibriumNotFound, EquilibriumPath, Scene, load_path
 from validation.study.keys import run_key
-from validation.study.partialsolve import as_far
+from validation.study.partialsolve import partial_path
 from validation.study.store import Store
 from validation.study.warmup import make_ready
 
@@ -88,17 +88,17 @@ class PathStore:
 
     def beam(self, scene: Scene, **options: object) -> EquilibriumPath:
         """Path of the equivalent beam; raises `EquilibriumNotFound` unless completed."""
-        return _completed(self.beam_as_far(scene, **options))
+        return _completed(self.partial_beam(scene, **options))
 
     def wire(self, scene: Scene, **options: object) -> EquilibriumPath:
         """Path of the wire model; raises `EquilibriumNotFound` unless completed."""
-        return _completed(self.wire_as_far(scene, **options))
+        return _completed(self.partial_wire(scene, **options))
 
-    def beam_as_far(self, scene: Scene, **options: object) -> EquilibriumPath:
+    def partial_beam(self, scene: Scene, **options: object) -> EquilibriumPath:
         """Path of the equivalent beam as far as it was reached; its outcome says why it ended."""
         return self._reached("equivbeam", solve_beam, scene, PAPER_BEAM | options)
 
-    def wire_as_far(self, scene: Scene, **options: object) -> EquilibriumPath:
+    def partial_wire(self, scene: Scene, **options: object) -> EquilibriumPath:
         """Path of the wire model as far as it was reached; its outcome says why it ended."""
         return self._reached("wirefe", solve_wire, scene, PAPER_MESH | options)
 
@@ -126,7 +126,7 @@ class PathStore:
     ) -> EquilibriumPath:
         self.make_ready()
         self.announce(f"{solve.__name__.replace('_', ' ')}: {scene.name}")
-        path = as_far(solve, scene, **options)
+        path = partial_path(solve, scene, **options)
         stream = BytesIO()
         path.save(stream)
         self.store.put(key, {PATH: stream.getvalue()})

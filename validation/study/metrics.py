@@ -72,7 +72,12 @@ def compare_curves(
     nan = float("nan")
     if common.size == 0:
         return Comparison(nan, nan, nan, nan, {}, {}, 0, 0.0)
-    errors = _curve_errors(responses, answered(reference), mine, theirs)
+    curves, wanted = (
+        np.column_stack([part[name] for name in COMPONENTS]) for part in (responses, answered(reference))
+    )
+    moved = peaks(wanted)
+    relative = (curves[mine] - wanted[theirs]) / moved
+    errors = {name: relative[:, i] for i, name in enumerate(COMPONENTS) if np.isfinite(moved[i])}
     largest = {name: float(np.abs(error).max()) for name, error in errors.items()}
     rms = {name: float(np.sqrt(np.mean(error**2))) for name, error in errors.items()}
     return Comparison(
@@ -95,10 +100,7 @@ def answered(path: EquilibriumPath) -> dict[str, np.ndarray]:
     return answers
 
 
-def _curve_errors(
-    path: Mapping[str, np.ndarray], reference: Mapping[str, np.ndarray], mine: np.ndarray, theirs: np.ndarray
-) -> dict[str, np.ndarray]:
-    """Relative difference of every component that the reference moves, at common rows."""
-    peaks = {name: np.abs(values).max() for name, values in reference.items()}
-    moved = [name for name, peak in peaks.items() if peak > NEGLIGIBLE * max(peaks.values())]
-    return {name: (path[name][mine] - reference[name][theirs]) / peaks[name] for name in moved}
+def peaks(curves: np.ndarray) -> np.ndarray:
+    """Peaks of curves (steps, components), which differences are divided by; infinite where one is held."""
+    largest = np.abs(curves).max(axis=0)
+    return np.where(largest > NEGLIGIBLE * largest.max(), largest, np.inf)

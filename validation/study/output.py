@@ -17,6 +17,8 @@ from coilspring.path import EquilibriumPath
 from validation.study.machine import versions
 from validation.study.scenewarnings import warnings
 
+FACTS = "facts.json"  # of a study: the numbers by name that findings are computed from
+
 
 class OutputError(RuntimeError):
     """Something could not be written; one sentence."""
@@ -107,6 +109,12 @@ def _whole(target: Path) -> Iterator[Path]:
 def write_json(target: Path, value: object) -> None:
     """Write strict JSON; what is not a finite number becomes null."""
     write_bytes(target, json_bytes(value))
+
+
+def write_facts(facts: Mapping[str, object], folder: Path) -> None:
+    """Keep the numbers of a study that findings are computed from, by name."""
+    folder.mkdir(parents=True, exist_ok=True)
+    write_json(folder / FACTS, facts)
 
 
 def json_bytes(value: object) -> bytes:

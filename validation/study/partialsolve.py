@@ -7,7 +7,7 @@ from collections.abc import Callable
 from coilspring import EquilibriumNotFound, EquilibriumPath, Scene
 
 
-def as_far(solve: Callable[..., EquilibriumPath], scene: Scene, **options: object) -> EquilibriumPath:
+def partial_path(solve: Callable[..., EquilibriumPath], scene: Scene, **options: object) -> EquilibriumPath:
     """Path of `scene` by a model's `solve`, complete or not; its outcome says why it ended."""
     try:
         return solve(scene, **options)

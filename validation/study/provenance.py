@@ -15,15 +15,21 @@ MODELS = ("coilspring", "equivbeam", "wirefe")
 DIGITS = 12  # of a digest, as shown
 
 
-def provenance(command: str) -> bytes:
-    """What makes results now, as JSON; `command` makes them again."""
-    made = {"command": command, **machine(), "models": models(), "study": sources("validation")[:DIGITS]}
+def provenance(command: str, **more: object) -> bytes:
+    """What makes results now, as JSON; `command` makes them again; `more` is kept with it."""
+    made = {
+        "command": command,
+        **machine(),
+        "models": models(),
+        "study": sources("validation")[:DIGITS],
+        **more,
+    }
     return (json.dumps(made, indent=2) + "\n").encode()
 
 
-def write_provenance(command: str, out: Path) -> None:
+def write_provenance(command: str, out: Path, **more: object) -> None:
     """Write ``provenance.json`` beside a study's results."""
-    write_bytes(out / FILE, provenance(command))
+    write_bytes(out / FILE, provenance(command, **more))
 
 
 def models() -> str:

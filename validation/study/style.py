@@ -7,10 +7,9 @@ from typing import Any
 Look = dict[str, Any]  # keywords of a line or a patch
 
 SINGLE, DOUBLE = 3.35, 6.69  # column widths, in: 85 and 170 mm
-BLUE, RED, GREY = "#2457a6", "#e8562a", "#8c8c8c"  # as the paper: proposed model blue, FE red
-STEEL = "#4d87bd"  # a second line of the equivalent beam
-PALE_BLUE, DARK_RED = "#8db3e2", "#c43c12"  # of lines that coincide: BLUE and RED would be one grey
-LIT_RED = "#f0774a"  # of surfaces, whose shades would else be as dark as the blue in grey
+# one colour a model in every figure, as in the paper, also apart in grey: the beam blue, the wire model red
+BLUE, RED, GREY = "#4a8bc9", "#a8320e", "#8c8c8c"
+NAVY, LIGHT_RED = "#173a63", "#e07b52"  # second lines of the beam and of the wire model
 
 RC: dict[Any, Any] = {
     "figure.dpi": 300,
@@ -33,11 +32,11 @@ RC: dict[Any, Any] = {
     "axes.axisbelow": True,
 }
 # Both models mostly coincide: the beam is a wide pale line, the wire model a thin dashed one on top.
-BEAM_LINE: Look = {"color": PALE_BLUE, "linewidth": 2.6, "solid_capstyle": "butt"}
-WIRE_LINE: Look = {"color": DARK_RED, "linewidth": 1.1, "linestyle": (0, (4, 2))}
+BEAM_LINE: Look = {"color": BLUE, "linewidth": 2.6, "solid_capstyle": "butt"}
+WIRE_LINE: Look = {"color": RED, "linewidth": 1.1, "linestyle": (0, (4, 2))}
 BEAM_LABEL, WIRE_LABEL = "equivalent beam (proposed model)", "wire model (FE)"
 
 
 REST_CIRCLE: Look = {"facecolor": "none", "edgecolor": "#b5b5b5", "linewidth": 0.5}
-BEAM_CIRCLE: Look = {"facecolor": "#2457a633", "edgecolor": PALE_BLUE, "linewidth": 1.8}
-WIRE_CIRCLE: Look = {"facecolor": "none", "edgecolor": DARK_RED, "linewidth": 0.9, "linestyle": (0, (3, 2))}
+BEAM_CIRCLE: Look = {"facecolor": f"{BLUE}33", "edgecolor": BLUE, "linewidth": 1.8}
+WIRE_CIRCLE: Look = {"facecolor": "none", "edgecolor": RED, "linewidth": 0.9, "linestyle": (0, (3, 2))}

@@ -7,7 +7,7 @@ from functools import cache
 import equivbeam
 from coilspring import spring_b
 from coilspring.warming import background
-from validation.study.partialsolve import as_far
+from validation.study.partialsolve import partial_path
 
 WIRE = (
     "from wirefe.solve import KERNELS; "
@@ -19,4 +19,4 @@ WIRE = (
 def make_ready() -> None:
     """Compile the wire model's kernels in a child while this process compiles what else there is; once."""
     with background(WIRE):
-        as_far(equivbeam.solve, spring_b(), steps=1)  # an edited law may have no path
+        partial_path(equivbeam.solve, spring_b(), steps=1)  # an edited law may have no path

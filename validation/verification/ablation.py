@@ -12,7 +12,8 @@ from pathlib import Path
 import pandas as pd
 
 from validation.study.document import Block, Bullets, Heading, Table, Text, to_markdown
-from validation.study.output import write_text
+from validation.study.frames import write_csv
+from validation.study.output import write_facts, write_text
 from validation.study.provenance import write_provenance
 from validation.verification import randomfigure, randompage, randomsprings
 from validation.verification.fourcases import STAGES, measured
@@ -186,11 +187,12 @@ def main(arguments: Sequence[str] | None = None) -> None:
     )
     if not parser.parse_args(arguments).page:
         FOUR.parent.mkdir(parents=True, exist_ok=True)
-        write_text(FOUR, measured().to_csv(index=False, float_format="%.6g", lineterminator="\n"))
-        randomsprings.write_csv(randomsprings.study())
+        write_csv(measured(), FOUR)
+        write_csv(randomsprings.study(), randomsprings.CSV, digits=4)
         write_provenance("python -m validation.verification.ablation", FOUR.parent)
     springs = randomsprings.read_csv()
     randomfigure.write(springs)
+    write_facts(randompage.facts(springs), FOUR.parent)
     write_text(PAGE, page(pd.read_csv(FOUR), springs))
 
 

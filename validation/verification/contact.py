@@ -2,56 +2,43 @@
 
 from __future__ import annotations
 
-import sys
-from dataclasses import replace
+from collections.abc import Mapping
 from pathlib import Path
+from typing import Any
 
-import numpy as np
+import pandas as pd
 
-import wirefe
-from coilspring import EquilibriumPath, spring_a
-from validation.study.document import Table, to_markdown
-from validation.study.output import write_text
-from validation.study.partialsolve import as_far
+from coilspring import spring_a
+from validation.study.document import to_markdown
+from validation.study.frames import frame_table
+from validation.study.output import write_facts, write_text
 from validation.verification import contacttext as words
-from validation.verification.contactmeasures import (
-    CATALOGUE,
-    HELD,
-    NONE,
-    SPRINGS,
-    centres,
-    couple,
-    difference,
-    dissipated,
-    overlap,
-    seconds,
-    solved,
-    unlisted,
-    with_friction,
-)
+from validation.verification.contactruns import HELD, NONE, TIPS, Run, difference, limit_point, measured
 
-PAGE = Path("docs/contact.md")
-PAIRS = (4, 8, 20, 40)
-EXPONENTS = (1.0, 1.5, 2.0)
+PAGE, RECORD = Path("docs/contact.md"), Path("reports/contact")
+CATALOGUE = {"A": 0.0, "B": NONE}  # coefficients of the catalogue's springs
 TOLERANCE = 1e-8  # of the follower's equilibria
-LIKE = 0.01  # mm: penetration at which all exponents give one force
-COEFFICIENTS = (0.0, 0.05, 0.1, 0.3, 1.0, NONE)
+LIKE, FORCE = 0.01, 100.0  # mm, N: penetration at which all exponents give one force
+SLIDES = 1e-9  # N mm: less work is none
+REPEATS = 3  # timed runs, of which the least counts
 STEPS = (10, 50, 200)
-# runs of the search: spring, coefficient, K, pairs a turn
-SEARCHED = (
-    ("A", 0.0, 1e2, 40), ("A", 0.0, 3e1, 40), ("B", NONE, 1e2, 20), ("B", NONE, 1e2, 40),
-    ("B", 0.0, 1e4, 4), ("B", 0.0, 1e4, 40), ("B", 0.0, 1e4, 80),
-)  # fmt: skip
-
-
-def table(head: tuple[str, ...], rows: list[tuple[str, ...]]) -> str:
-    """A table and an empty line, Markdown."""
-    return to_markdown((Table(head, tuple(rows)),)) + "\n"
-
-
-def tips(path: EquilibriumPath) -> list[str]:
-    """UX, UY, ROTZ at the last step."""
-    return [f"{value:.4f}" if abs(value) > HELD else "0" for value in path.tips[-1]]
+PAIRS = [Run(name, mu, pairs) for name, mu in CATALOGUE.items() for pairs in (4, 8, 20, 40)]
+EXPONENTS = [
+    Run(name, mu, k=k, K=FORCE * LIKE**-k) for name, mu in CATALOGUE.items() for k in (1.0, 1.5, 2.0)
+]
+FRICTION = [
+    Run(name, mu, steps=steps)
+    for name in CATALOGUE
+    for mu in (0.0, 0.05, 0.1, 0.3, 1.0, NONE)
+    for steps in STEPS
+]
+SEARCH = [
+    Run(name, mu, pairs, K=K, steps=10, curved=True)
+    for name, mu, K, pairs in (
+        ("A", 0.0, 1e2, 40), ("A", 0.0, 3e1, 40), ("B", NONE, 1e2, 20), ("B", NONE, 1e2, 40),
+        ("B", 0.0, 1e4, 4), ("B", 0.0, 1e4, 40), ("B", 0.0, 1e4, 80),
+    )
+]  # fmt: skip
 
 
 def percent(share: float) -> str:
@@ -59,164 +46,150 @@ def percent(share: float) -> str:
     return f"{100.0 * share:.2g} %" if share > TOLERANCE else "0"
 
 
-def coefficient_name(coefficient: float) -> str:
-    """How the tables name a coefficient."""
-    return "no sliding" if coefficient == NONE else f"{coefficient:g}"
+def _tip(value: float) -> str:
+    return f"{value:.4f}" if abs(value) > HELD else "0"
 
 
-def pairs_section() -> str:
-    """What the number of pairs a turn moves and costs."""
-    rows, first = [], {}
-    for name in SPRINGS:
-        first[name] = seconds(name, PAIRS[0])
-        for pairs in PAIRS:
-            path = solved(name, CATALOGUE[name], pairs=pairs)
-            finest = solved(name, CATALOGUE[name], pairs=PAIRS[-1])
-            spent = first[name] if pairs == PAIRS[0] else seconds(name, pairs)
-            rows.append((
-                name, str(pairs), *tips(path), percent(difference(path, finest)), f"{overlap(path):.4f}",
-                f"{path.max_penetration[-1]:.4f}", f"{path.contact_forces[-1].max():.2f}",
-                f"{spent / first[name]:.1f}",
-            ))  # fmt: skip
-    head = (
-        "spring", "pairs a turn", "UX", "UY", "ROTZ", "difference to 40", "overlap of the wires",
-        "largest penetration of a pair", "largest force of a pair", "time over that of 4",
-    )  # fmt: skip
-    return words.PAIRS_TEXT + table(head, rows) + pairs_words()
+def _coefficient(mu: float) -> str:
+    return "no sliding" if mu == NONE else f"{mu:g}"
 
 
-def pairs_words() -> str:
-    """What the table of pairs says."""
-    costs = []
-    for name in SPRINGS:
-        few, many = (solved(name, CATALOGUE[name], pairs=pairs) for pairs in (PAIRS[0], PAIRS[-1]))
-        tip = percent(difference(few, many))
-        costs.append(
-            f"{name} {overlap(few):.3f} mm of overlap ({overlap(many):.3f} with 40), {tip} of the tips"
+def _table(data: pd.DataFrame, columns: Mapping[str, tuple[str, Any]]) -> str:
+    """Columns of the data as a table and an empty line; for each its title and format."""
+    formats = dict.fromkeys(TIPS, _tip) | dict(columns.values())
+    chosen = data.reindex(columns=list(columns)).set_axis([title for title, _ in columns.values()], axis=1)
+    return to_markdown((frame_table(chosen, formats),)) + "\n"
+
+
+def _titled(*names: str, **columns: tuple[str, Any]) -> dict[str, tuple[str, Any]]:
+    return {name: (name, _tip if name in TIPS else "{}") for name in names} | columns
+
+
+def pairs_section(data: pd.DataFrame, slip: float) -> str:
+    """What the number of pairs a turn moves and costs; `slip` is Spring A's largest at the least mu, mm."""
+    springs = [group for _, group in data.groupby("spring", sort=False)]
+    data = pd.concat(
+        group.assign(
+            difference=difference(group, group.iloc[-1]), time=group["seconds"] / group["seconds"].iloc[0]
         )
-    slip = float(solved("A", COEFFICIENTS[1]).friction.slip[-1].max())
+        for group in springs
+    )
+    columns = {
+        "spring": ("spring", "{}"), "pairs": ("pairs a turn", "{}"), **_titled(*TIPS),
+        "difference": ("difference to 40", percent), "overlap": ("overlap of the wires", "{:.4f}"),
+        "penetration": ("largest penetration of a pair", "{:.4f}"),
+        "force": ("largest force of a pair", "{:.2f}"), "time": ("time over that of 4", "{:.1f}"),
+    }  # fmt: skip
+    few, many = data[data["pairs"] == 4], data[data["pairs"] == 40].set_index("spring")
+    costs = (
+        f"{row['spring']} {row['overlap']:.3f} mm of overlap ({many['overlap'][row['spring']]:.3f} with 40), "
+        f"{percent(row['difference'])} of the tips"
+        for _, row in few.iterrows()
+    )
+    still = data.loc[(data["spring"] == "A") & (data["pairs"] == 20), "difference"].item()
     sink = slip**2 / (2.0 * spring_a().spring.wire_diameter)
-    still = percent(difference(*(solved("A", CATALOGUE["A"], pairs=pairs) for pairs in PAIRS[-2:])))
-    return words.PAIRS_WORDS.format(
-        costs=";\n".join(costs), still=still, slip=slip, sink=sink, mu=COEFFICIENTS[1]
+    said = words.PAIRS_WORDS.format(
+        costs=";\n".join(costs), still=percent(still), slip=slip, sink=sink, mu=0.05
     )
+    return words.PAIRS_TEXT + _table(data, columns) + said
 
 
-def exponent_section() -> str:
+def exponent_section(data: pd.DataFrame) -> str:
     """What the exponent of the penalty moves."""
-    rows = []
-    for name in SPRINGS:
-        base = solved(name, CATALOGUE[name])
-        for k in EXPONENTS:
-            scene = with_friction(name, CATALOGUE[name])
-            stiffness = scene.contact.stiffness * LIKE ** (1.0 - k)
-            path = as_far(
-                wirefe.solve, replace(scene, contact=replace(scene.contact, exponent=k, stiffness=stiffness))
-            )
-            rows.append((
-                name, f"{k:g}", f"{stiffness:g}", *tips(path), percent(difference(path, base)),
-                f"{path.max_penetration[-1]:.4f}", f"{path.contact_forces[-1].max():.2f}",
-                str(path.total_iterations),
-            ))  # fmt: skip
-    head = (
-        "spring", "k", "K, N/mm^k", "UX", "UY", "ROTZ", "difference to k = 1", "largest penetration",
-        "largest force of a pair", "factorisations",
-    )  # fmt: skip
-    return words.EXPONENT_TEXT.format(force=1e4 * LIKE, like=LIKE) + table(head, rows)
+    springs = [group for _, group in data.groupby("spring", sort=False)]
+    data = pd.concat(group.assign(difference=difference(group, group.iloc[0])) for group in springs)
+    columns = {
+        "spring": ("spring", "{}"), "k": ("k", "{:g}"), "K": ("K, N/mm^k", "{:g}"), **_titled(*TIPS),
+        "difference": ("difference to k = 1", percent), "penetration": ("largest penetration", "{:.4f}"),
+        "force": ("largest force of a pair", "{:.2f}"), "factorisations": ("factorisations", "{}"),
+    }  # fmt: skip
+    return words.EXPONENT_TEXT.format(force=FORCE, like=LIKE) + _table(data, columns)
 
 
-def friction_section() -> str:
+def friction_section(data: pd.DataFrame) -> str:
     """What friction moves, and what of it depends on the substeps."""
-    rows = [friction_row(name, mu) for name in SPRINGS for mu in COEFFICIENTS]
-    head = (
-        "spring", "mu", "UX", "UY", "ROTZ", "work of friction, N mm", "largest slip", "couple left, N mm",
-        "change of the tips", "change of the work",
-    )  # fmt: skip
+    rows = pd.DataFrame([friction_row(runs) for _, runs in data.groupby(["spring", "mu"], sort=False)])
+    columns = {
+        "spring": ("spring", "{}"), "mu": ("mu", _coefficient), **_titled(*TIPS),
+        "work": ("work of friction, N mm", lambda work: f"{work:.3g}" if work > SLIDES else "0"),
+        "largest slip": ("largest slip", "{:.4f}"), "couple": ("couple left, N mm", "{:.2f}"),
+        "change": ("change of the tips", percent), "work change": ("change of the work", percent),
+    }  # fmt: skip
+    columns["UX"] = ("UX", lambda value: value if isinstance(value, str) else _tip(value))
     text = words.FRICTION_TEXT.format(most=STEPS[-1], fewer=" and ".join(map(str, STEPS[:-1])))
-    return text + table(head, rows) + friction_words()
-
-
-def friction_words() -> str:
-    """What the table of friction says of the couples."""
-    paths = {mu: solved("A", mu, STEPS[-1]) for mu in (0.1, 0.3, NONE)}
-    last = paths[NONE]
-    (x, y), (fx, fy) = last.top[-1, :2], last.loads[-1]
-    moment = abs(float(x * fy - y * fx))
-    small, middle, none = (percent(couple(path) / moment) for path in paths.values())
-    return words.FRICTION_WORDS.format(moment=moment, small=small, middle=middle, none=none)
-
-
-def friction_row(name: str, coefficient: float) -> tuple[str, ...]:
-    """A row of the table of friction."""
-    paths = [solved(name, coefficient, steps) for steps in STEPS]
-    last = paths[-1]
-    label = (name, coefficient_name(coefficient))
-    if last.outcome != "completed":
-        end = f"{last.outcome.replace('_', ' ')} at t = {last.critical_time:.4f}"
-        return (*label, end, *[""] * 7)
-    works = [dissipated(path) for path in paths]
-    change = max(difference(path, last) for path in paths)
-    slides = works[-1] > 1e-9
-    work_change = max(abs(work / works[-1] - 1.0) for work in works) if slides else 0.0
-    return (
-        *label, *tips(last), f"{works[-1]:.3g}" if slides else "0", f"{last.friction.slip.max():.4f}",
-        f"{couple(last):.2f}", percent(change), percent(work_change) if slides else "",
+    last = data[(data["spring"] == "A") & (data["steps"] == STEPS[-1])].set_index("mu")
+    moment = last["moment"][NONE]
+    small, middle, none = (percent(last["couple"][mu] / moment) for mu in (0.1, 0.3, NONE))
+    return text + _table(rows, columns) + words.FRICTION_WORDS.format(
+        moment=moment, small=small, middle=middle, none=none
     )  # fmt: skip
 
 
-def search_section() -> str:
-    """What the search for further pairs finds."""
-    listed = sum(
-        int(str(solved(name, CATALOGUE[name], pairs=pairs).options["pairs_found"]))
-        for name in SPRINGS
-        for pairs in PAIRS
-    )
-    rows = [searched(*case) for case in SEARCHED]
-    head = (
-        "spring", "mu", "K", "pairs a turn", "pairs found", "outcome", "UX", "UY", "largest penetration",
-        "unlisted",
+def friction_row(runs: pd.DataFrame) -> dict[str, Any]:
+    """A row of the table of friction from runs in several numbers of steps, the most last."""
+    last = runs.iloc[-1]
+    head = last[["spring", "mu"]].to_dict()
+    if last["outcome"] != "completed":
+        return head | {"UX": f"{last['outcome']} at t = {last['critical time']:.4f}"}
+    row = last[["spring", "mu", *TIPS, "work", "largest slip", "couple"]].to_dict()
+    row["change"] = difference(runs, last).max()
+    if last["work"] > SLIDES:
+        row["work change"] = (runs["work"] / last["work"] - 1.0).abs().max()
+    return row
+
+
+def search_section(data: pd.DataFrame, listed: int, limit: Mapping[str, Any]) -> str:
+    """What the search for further pairs finds; `listed` by the runs of the first table."""
+    time = data["critical time"].map(lambda at: "" if pd.isna(at) else f" at t = {at:.4f}")
+    columns = {
+        "spring": ("spring", "{}"), "mu": ("mu", _coefficient), "K": ("K", "{:g}"),
+        "pairs": ("pairs a turn", "{}"), **_titled("pairs found", "outcome", "UX", "UY"),
+        "penetration": ("largest penetration", "{:.3f}"), "unlisted": ("unlisted", "{}"),
+    }  # fmt: skip
+    table = _table(data.assign(outcome=data["outcome"] + time), columns)
+    return words.SEARCH_TEXT + table + words.SEARCH_WORDS.format(listed=listed, **limit)
+
+
+def page(
+    pairs: pd.DataFrame,
+    exponents: pd.DataFrame,
+    friction: pd.DataFrame,
+    search: pd.DataFrame,
+    limit: Mapping[str, Any],
+) -> str:
+    """The page, a view of the runs."""
+    slip = friction.query("spring == 'A' and mu == 0.05 and steps == 50")["last slip"].item()
+    sections = (
+        pairs_section(pairs, slip), exponent_section(exponents), friction_section(friction), words.SOLVER,
+        search_section(search, int(pairs["pairs found"].sum()), limit),
     )  # fmt: skip
-    return words.SEARCH_TEXT + table(head, rows) + search_words(listed)
+    return (words.HEAD + "".join(sections)).replace("\n\n\n", "\n\n")
 
 
-def search_words(listed: int) -> str:
-    """What the table of the search says, and where frictionless Spring B goes at its limit point."""
-    path = wirefe.trace(with_friction("B", 0.0), points=160, element="curved", elements_per_turn=8)
-    limit = int(np.argmax(np.diff(path.times) < 0.0))
-    contact, before = centres(path, limit - 3)
-    _, after = centres(path, limit + 1)
-    lower, upper = contact.pairs.T
-    moved = (after[upper] - after[lower]) - (before[upper] - before[lower])
-    most = int(np.argmax(np.linalg.norm(moved, axis=1) * (path.gaps[limit + 1] < 0.0)))
-    along = np.cross([0.0, 1.0, 0.0], after[lower[most]])
-    share = abs(moved[most] @ along) / np.linalg.norm(along) / np.linalg.norm(moved[most])
-    return words.SEARCH_WORDS.format(
-        listed=listed, traced=path.options["pairs_found"], limit=path.times[limit],
-        first=lower[most], second=upper[most], circ=100.0 * share,
-    )  # fmt: skip
+def facts(
+    pairs: pd.DataFrame, friction: pd.DataFrame, search: pd.DataFrame, limit: Mapping[str, Any]
+) -> dict[str, object]:
+    """What findings are computed from: mm, and shares in per cent."""
+    found: dict[str, object] = {"pairs.count": int(pairs["pairs"].iloc[0])}
+    for name, group in pairs.groupby("spring", sort=False):
+        found[f"pairs.{name}.overlap"] = group["overlap"].iloc[0]
+        found[f"pairs.{name}.difference"] = 100.0 * difference(group, group.iloc[-1]).iloc[0]
+    last = friction[(friction["spring"] == "A") & (friction["steps"] == STEPS[-1])].set_index("mu")
+    found["friction.couples"] = 100.0 * last["couple"][NONE] / last["moment"][NONE]
+    found |= {"friction.free": last["UY"][0.0], "friction.held": last["UY"][NONE]}
+    most = search.iloc[-1]
+    found |= {"search.pairs": int(most["pairs"]), "search.outcome": most["outcome"]}
+    return found | {"search.along": limit["circ"]}
 
 
-def searched(name: str, coefficient: float, stiffness: float, pairs: int) -> tuple[str, ...]:
-    """A row of the table of the search."""
-    path = as_far(
-        wirefe.solve, with_friction(name, coefficient), steps=10, penalty=stiffness, element="curved",
-        elements_per_turn=pairs, pairs_per_turn=pairs,
-    )  # fmt: skip
-    outcome = path.outcome.replace("_", " ")
-    if path.critical_time is not None:
-        outcome += f" at t = {path.critical_time:.4f}"
-    return (
-        name, coefficient_name(coefficient), f"{stiffness:g}", str(pairs), str(path.options["pairs_found"]),
-        outcome, *tips(path)[:2], f"{path.max_penetration[-1]:.3f}", str(unlisted(path)),
-    )  # fmt: skip
-
-
-def write_page(path: str | Path) -> None:
-    """Solve all and write the page."""
-    sections = (pairs_section(), exponent_section(), friction_section(), words.SOLVER, search_section())
-    write_text(Path(path), (words.HEAD + "".join(sections)).replace("\n\n\n", "\n\n"))
+def write_page(path: Path, record: Path) -> None:
+    """Solve all, write the page, and the facts into the folder `record`."""
+    pairs = measured(PAIRS, REPEATS)
+    exponents, friction, search = map(measured, (EXPONENTS, FRICTION, SEARCH))
+    limit = limit_point()
+    write_text(path, page(pairs, exponents, friction, search, limit))
+    write_facts(facts(pairs, friction, search, limit), record)
 
 
 if __name__ == "__main__":
-    write_page(PAGE)
-    sys.exit(0)
+    write_page(PAGE, RECORD)

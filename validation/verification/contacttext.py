@@ -96,7 +96,7 @@ its limit point (160 points, 4 pairs a turn): its spheres slide off each other a
 A pair that was found is as stiff as any other: wires are stiffer where diagonal neighbours overlap too.
 
 At the limit point of frictionless Spring B (t = {limit:.4f}, arc length, 4 pairs a turn) the closed pair
-that moves most, spheres {first} and {second}, moves along the wire: {circ:.0f} % of its way. Spheres
+that moves most, spheres {first} and {second}, moves along the wire: {circ:.0f} % of its distance. Spheres
 pressed on each other are unstable in that direction, smooth wires are not. The limit point belongs to the
 spheres: where they stand so close that diagonal neighbours touch first, the spring completes.
 """

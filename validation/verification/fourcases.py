@@ -1,9 +1,9 @@
-"""What each refinement of the helix law is worth on the paper's four cases, for the error budget."""
+"""What each refinement of the helix law is worth on the paper's four cases."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -12,14 +12,16 @@ import pandas as pd
 
 import equivbeam
 import wirefe
-from coilspring import EquilibriumPath
+from coilspring import EquilibriumPath, Scene
 from equivbeam import Refinements
-from validation.study.cases import CASES
-from validation.study.exactrod import EXACT_ROD
+from validation.study.cases import CASES, turned
 from validation.study.metrics import compare_paths
-from validation.study.partialsolve import as_far
+from validation.study.partialsolve import partial_path
+from validation.study.scenes import EXACT_ROD
 
 COLUMNS = ("table", "row", "case", "value")
+TABLES = ("refinements", "law", "reference with", "outside", "rod")
+LOADS = ("100 N", "200 N")
 CONVERGED: dict[str, Any] = {"element": "curved", "elements_per_turn": 16}
 NOTHING = Refinements(**dict.fromkeys(vars(Refinements()), False))
 
@@ -68,82 +70,54 @@ STAGES = (
 )
 
 
-@dataclass(frozen=True)
-class Reference:
-    """A wire path that the law is judged by, and the column's title."""
-
-    title: str
-    path: EquilibriumPath
+def error(path: EquilibriumPath, reference: EquilibriumPath) -> float:
+    """Largest error of the load curve, per cent of the reference's peak."""
+    return 100.0 * compare_paths(path, reference).curve_max
 
 
-def references() -> list[Reference]:
-    """The four cases by the converged wire model."""
-    return [Reference(case.title, as_far(wirefe.solve, case.scene, **CONVERGED)) for case in CASES]
+def law_error(reference: EquilibriumPath, refinements: Refinements | None = None) -> float:
+    """Error of the helix law with some of its refinements, by default all, per cent."""
+    options = {"law": "helix", "sliding": "scene", "refinements": refinements or Refinements()}
+    return error(partial_path(equivbeam.solve, reference.scene, **options), reference)
 
 
-def error(reference: Reference, **options: Any) -> float:
-    """Largest error of the load curve of the helix law, per cent of the reference's peak."""
-    chosen = {"law": "helix", "sliding": "scene"} | options
-    path = as_far(equivbeam.solve, reference.path.scene, **chosen)
-    return 100.0 * compare_paths(path, reference.path).curve_max
-
-
-def ladder(found: Sequence[Reference]) -> list[tuple[str, list[float]]]:
-    """Errors with one refinement after the other."""
-    rows = [("Haringx, the paper's law", [error(item, refinements=NOTHING) for item in found])]
+def case_numbers(scene: Scene) -> Iterator[tuple[str, str, float]]:
+    """Table, row and value of all numbers of a case; not a number where a case has none."""
+    reference = partial_path(wirefe.solve, scene, **CONVERGED)
     on = NOTHING
+    yield "refinements", "Haringx, the paper's law", law_error(reference, on)
     for stage in STAGES:
         on = replace(on, **{stage.switch: True})
-        rows.append((f"+ {stage.name}", [error(item, refinements=on) for item in found]))
-    return rows
-
-
-def without_one(found: Sequence[Reference]) -> list[tuple[str, list[float]]]:
-    """Errors of the whole law with one refinement left out."""
-    whole = Refinements()
-    rows = [("helix law", [error(item) for item in found])]
+        yield "refinements", f"+ {stage.name}", law_error(reference, on)
+    yield "law", "helix law", law_error(reference)
     for stage in STAGES:
-        less = replace(whole, **{stage.switch: False})
-        rows.append((f"without `{stage.switch}`", [error(item, refinements=less) for item in found]))
-    return rows
+        less = replace(Refinements(), **{stage.switch: False})
+        yield "law", f"without `{stage.switch}`", law_error(reference, less)
+    for degrees in (45, 90, 270):
+        yield "law", f"helix law, start phase {degrees} degrees", phase_error(scene, degrees)
+    pairs = reference.options["pairs_per_turn"]
+    coarse = partial_path(wirefe.solve, scene, element="curved", elements_per_turn=8, pairs_per_turn=pairs)
+    yield "reference with", "8 elements a turn", error(coarse, reference)
+    if scene.contact.enabled:
+        more = partial_path(wirefe.solve, scene, **CONVERGED, pairs_per_turn=2 * pairs)  # type: ignore[operator]
+        yield "reference with", "twice the pairs a turn", error(more, reference)
+    if scene.contact.enabled and scene.contact.sliding == "none":
+        yield "outside", "normal forces", outside_share(reference)
 
 
-def reference_errors(found: Sequence[Reference]) -> list[tuple[str, list[float]]]:
-    """What the mesh and the number of pairs change in the references themselves, per cent."""
-    mesh, pairs = [], []
-    for item in found:
-        scene, options = item.path.scene, dict[str, Any](item.path.options)
-        count = options["pairs_per_turn"]
-        coarse = as_far(wirefe.solve, scene, element="curved", elements_per_turn=8, pairs_per_turn=count)
-        mesh.append(100.0 * compare_paths(coarse, item.path).curve_max)
-        other = as_far(wirefe.solve, scene, **CONVERGED, pairs_per_turn=2 * count)
-        pairs.append(100.0 * compare_paths(other, item.path).curve_max if scene.contact.enabled else math.nan)
-    return [("8 elements a turn", mesh), ("twice the pairs a turn", pairs)]
-
-
-def phase_errors(found: Sequence[Reference]) -> list[tuple[str, list[float]]]:
-    """Errors of the law at other start phases, the wire model's the same, without contact.
+def phase_error(scene: Scene, degrees: float) -> float:
+    """Error of the law at another start phase, the wire model's the same, per cent.
 
     With contact each phase has its spheres elsewhere: other phases are other contact models.
     """
-    rows = []
-    for degrees in (45, 90, 270):
-        phase = math.radians(degrees)
-        rows.append((f"helix law, start phase {degrees} degrees", [_turned(item, phase) for item in found]))
-    return rows
-
-
-def _turned(reference: Reference, phase: float) -> float:
-    """Error at another start phase, per cent; nothing with contact."""
-    scene = reference.path.scene
-    scene = replace(scene, spring=replace(scene.spring, start_phase=phase))
     if scene.contact.enabled:
         return math.nan
+    scene = turned(scene, degrees)
     wire = wirefe.solve(scene, **CONVERGED)
-    return 100.0 * compare_paths(equivbeam.solve(scene, law="helix"), wire).curve_max
+    return error(equivbeam.solve(scene, law="helix"), wire)
 
 
-def rod_tips() -> list[tuple[str, str, str, float]]:
+def rod_numbers() -> Iterator[tuple[str, str, str, float]]:
     """UY of Spring B without contact, mm, and of the exact rod."""
     scene = CASES[3].scene.with_steps(2)
     options: dict[str, dict[str, Any]] = {
@@ -154,16 +128,12 @@ def rod_tips() -> list[tuple[str, str, str, float]]:
     exact = EXACT_ROD["spring-b-no-contact"]
     tips = {"exact rod": np.array([exact[time][1] for time in (0.5, 1.0)])}
     tips |= {name: equivbeam.solve(scene, **chosen).tips[:, 1] for name, chosen in options.items()}
-    return [
-        ("rod", name, load, float(uy))
-        for name, values in tips.items()
-        for load, uy in zip(("100 N", "200 N"), values, strict=True)
-    ]
+    for name, values in tips.items():
+        yield from (("rod", name, load, float(uy)) for load, uy in zip(LOADS, values, strict=True))
 
 
-def outside_share(reference: Reference) -> float:
+def outside_share(path: EquilibriumPath) -> float:
     """Share of a wire path's last normal forces in pairs outside the working plane, per cent."""
-    path = reference.path
     pairs: np.ndarray = path.shape.data.contact.pairs  # type: ignore[attr-defined]
     # spheres stand at phases k pi / 2 from the bottom end on, which is a crossing of the plane
     odd = pairs[:, 0] % 2 == 1
@@ -173,20 +143,10 @@ def outside_share(reference: Reference) -> float:
 
 def measured() -> pd.DataFrame:
     """All numbers of the four cases, a row each: its table, row and case."""
-    found = references()
-    titles = [item.title for item in found]
-    tables = {
-        "refinements": ladder(found),
-        "law": [*without_one(found), *phase_errors(found)],
-        "reference with": reference_errors(found),
-    }
     numbers = [
-        (table, name, title, value)
-        for table, rows in tables.items()
-        for name, values in rows
-        for title, value in zip(titles, values, strict=True)
-        if not math.isnan(value)
+        (table, row, case.title, value) for case in CASES for table, row, value in case_numbers(case.scene)
     ]
-    spring_b = next(item for item in found if item.title == "Spring B")
-    numbers.append(("outside", "normal forces", spring_b.title, outside_share(spring_b)))
-    return pd.DataFrame([*numbers, *rod_tips()], columns=list(COLUMNS))
+    data = pd.DataFrame([*numbers, *rod_numbers()], columns=list(COLUMNS))
+    place = data.groupby(["table", "row"], sort=False).ngroup()
+    tables = data["table"].map(TABLES.index)
+    return data.iloc[np.lexsort((place, tables))].dropna(ignore_index=True)

@@ -1,4 +1,4 @@
-"""G8 of the accuracy ladder: a straight rod coiled to a helix by a moment that turns with its end.
+"""G8 of the verification cases: a straight rod coiled to a helix by a moment that turns with its end.
 
 Such a moment has no potential, so that the path follower, which follows minima of an energy, is not for it.
 Here the wire model's kernels are driven by plain Newton with the exact, unsymmetric tangent.

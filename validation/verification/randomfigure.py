@@ -14,14 +14,14 @@ from matplotlib.lines import Line2D
 
 from validation.study.output import write_bytes
 from validation.study.plots import png
-from validation.study.style import BLUE, DOUBLE, GREY, RC, RED
+from validation.study.style import BLUE, DOUBLE, GREY, NAVY, RC
 from validation.verification.randompage import CLASSES, FEW, classified
 from validation.verification.randomscenes import KINDS
 
 FILE = Path("reports/errorbudget/randomsprings.png")
 LOOKS: dict[str, dict[str, Any]] = {
-    "helix": {"color": BLUE, "marker": "D", "label": "helix law"},
-    "haringx": {"color": RED, "marker": "o", "label": "paper's law"},
+    "helix": {"color": NAVY, "marker": "D", "label": "helix law"},
+    "haringx": {"color": BLUE, "marker": "o", "label": "paper's law"},
 }
 PANELS = (("(a) no pair closes", CLASSES[:2]), ("(b) pairs close", CLASSES[2:]))
 BESIDE, SPREAD = 0.19, 0.11  # of a law from the middle of its row, and of single springs around it

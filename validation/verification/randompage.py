@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any
 
 import numpy as np
 import pandas as pd
 from scipy.stats import binom
 
 from validation.study.document import Block, Bullets, Heading, Picture, Table, Text
+from validation.study.frames import frame_table
 from validation.verification.randomscenes import KINDS, SIDE, TEXT
 from validation.verification.randomsprings import COMPONENTS, LAWS, NEGLIGIBLE, PAIRS
 
@@ -92,12 +92,26 @@ def percentile_bound(errors: pd.Series) -> float:
 
 
 def _vectors(rows: pd.DataFrame, law: str) -> Table:
-    name = f"{law}_vector"
-    lines = []
-    for kind in (*(each.name for each in KINDS), "all"):
-        here = rows if kind == "all" else rows[rows["kind"] == kind]
-        lines.append((kind, *(cell(here.loc[here["closing"] == closing, name]) for closing in CLASSES)))
-    return Table((NAMES[law], *CLASSES), tuple(lines))
+    both = pd.concat((rows, rows.assign(kind="all")))
+    cells = both.groupby(["kind", "closing"])[f"{law}_vector"].agg(cell).unstack(fill_value="")
+    cells = cells.reindex(index=[*(kind.name for kind in KINDS), "all"], columns=CLASSES, fill_value="")
+    return frame_table(cells.rename_axis(NAMES[law]).reset_index())
+
+
+def facts(data: pd.DataFrame) -> dict[str, float]:
+    """Of the errors of the tip vector of each law, without contact and where many pairs close."""
+    rows = classified(data)
+    found: dict[str, float] = {}
+    for law in LAWS:
+        for name, closing in (("open", CLASSES[0]), ("closed", CLASSES[-1])):
+            errors = rows.loc[rows["closing"] == closing, f"{law}_vector"]
+            found |= {
+                f"{law}.{name}.springs": int(errors.count()),
+                f"{law}.{name}.median": errors.median(),
+                f"{law}.{name}.percentile": errors.quantile(0.95),
+                f"{law}.{name}.bound": percentile_bound(errors),
+            }
+    return found
 
 
 def _bounds(rows: pd.DataFrame) -> Table:
@@ -106,63 +120,38 @@ def _bounds(rows: pd.DataFrame) -> Table:
         for closing in CLASSES:
             here = rows[rows["closing"] == closing]
             errors, seeds = here[f"{law}_vector"], here.groupby("seed")[f"{law}_vector"]
-            spans = [seeds.quantile(q) for q in (0.5, 0.95)]
-            lines.append(
-                (
-                    *(NAMES[law], closing, str(errors.count()), number(errors.median())),
-                    *(number(errors.quantile(0.95)), number(percentile_bound(errors)), number(errors.max())),
-                    *(f"{number(span.min())} to {number(span.max())}" for span in spans),
-                )
-            )
+            high, largest = errors.quantile(0.95), errors.max()
+            numbers = map(number, (errors.median(), high, percentile_bound(errors), largest))
+            spans = (seeds.quantile(q) for q in (0.5, 0.95))
+            ranges = (f"{number(span.min())} to {number(span.max())}" for span in spans)
+            lines.append((NAMES[law], closing, str(errors.count()), *numbers, *ranges))
     header = ("law", "contact", "springs", "median", "95th percentile", "its bound", "largest")
     return Table((*header, "median, seeds", "95th percentile, seeds"), tuple(lines))
 
 
 def _components(rows: pd.DataFrame) -> Table:
-    names = [(law, component) for law in LAWS for component in COMPONENTS]
-    lines = []
-    for kind in KINDS:
-        for closing in CLASSES:
-            here = rows[(rows["kind"] == kind.name) & (rows["closing"] == closing)]
-            if len(here):
-                lines.append((kind.name, closing, *(cell(here[f"{law}_{name}"]) for law, name in names)))
-    header = (f"{law}, {'force' if name == 'force' else name.upper()}" for law, name in names)
-    return Table(("kind", "contact", *header), tuple(lines))
+    names = {f"{law}_{name}": f"{law}, {name.upper()}" for law in LAWS for name in COMPONENTS}
+    cells = rows.groupby(["kind", "closing"])[list(names)].agg(cell)
+    every = pd.MultiIndex.from_product(([kind.name for kind in KINDS], CLASSES))
+    cells = cells.reindex(every).dropna(how="all").rename_axis(["kind", "contact"])
+    return frame_table(cells.rename(columns=names).reset_index())
 
 
 def _ends(rows: pd.DataFrame) -> Table:
     models = ["wire", *LAWS]
     early = rows[(rows[models] != "completed").any(axis=1)]
-    counts = (
-        early.groupby([*models, "closing"])
-        .size()
-        .unstack(fill_value=0)
-        .reindex(columns=CLASSES, fill_value=0)
-    )
-    lines = (
-        (*map(str, key), *map(str, values))
-        for key, values in zip(counts.index, counts.to_numpy(), strict=True)
-    )
-    return Table(("wire model", *(NAMES[law] for law in LAWS), *CLASSES), tuple(lines))
+    counts = early.groupby([*models, "closing"]).size().unstack(fill_value=0)
+    counts = counts.reindex(columns=CLASSES, fill_value=0).reset_index()
+    return frame_table(counts.rename(columns=NAMES | {"wire": "wire model"}))
 
 
 def _worst(rows: pd.DataFrame) -> Table:
-    shown = ("seed", "number", "kind", "shape", "index", "coils", "slenderness", "phase", "closed", "wire")
-    values = (*shown, "reference", "helix_steps", "helix_vector", "haringx_vector")
-    worst = rows.nlargest(WORST, "helix_vector")[list(values)]
-    titles = {
-        "slenderness": "L/D",
-        "reference": "half the pairs",
-        "helix_steps": "steps",
-        "helix_vector": "helix",
-    }
-    header = tuple({**titles, "haringx_vector": "haringx"}.get(name, name) for name in values)
-    lines = (tuple(_shown(value) for value in line) for line in worst.itertuples(index=False))
-    return Table(header, tuple(lines))
-
-
-def _shown(value: Any) -> str:
-    return number(value) if isinstance(value, float) else str(value)
+    drawn = ("seed", "number", "kind", "shape", "index", "coils", "slenderness", "phase", "closed", "wire")
+    titles = dict(zip(drawn, drawn, strict=True)) | {"slenderness": "L/D", "reference": "half the pairs"}
+    titles |= {"helix_steps": "steps", "helix_vector": "helix", "haringx_vector": "haringx"}
+    worst = rows.nlargest(WORST, "helix_vector")[list(titles)]
+    formats = {titles[name]: number for name in worst.select_dtypes("float")}
+    return frame_table(worst.rename(columns=titles), formats)
 
 
 def _pair(errors: pd.Series) -> str:
@@ -188,11 +177,11 @@ def _population(rows: pd.DataFrame) -> str:
 def _by_class(law: str) -> Callable[[pd.DataFrame], str]:
     def sentence(rows: pd.DataFrame) -> str:
         found = [rows.loc[rows["closing"] == closing, f"{law}_vector"] for closing in CLASSES]
-        shown = [_both(errors) for errors in found]
+        words = [_both(errors) for errors in found]
         return (
-            f"Over all these kinds of load the {NAMES[law]}'s tip is off by {shown[0]} without contact "
-            f"(median and 95th percentile), {shown[1]} where no pair closes, {shown[2]} where up to three "
-            f"close and {shown[3]} where more do."
+            f"Over all these kinds of load the {NAMES[law]}'s tip is off by {words[0]} without contact "
+            f"(median and 95th percentile), {words[1]} where no pair closes, {words[2]} where up to three "
+            f"close and {words[3]} where more do."
         )
 
     return sentence

@@ -1,4 +1,4 @@
-"""The random springs on which the laws are judged: kinds of load and support, shapes, size of the load."""
+"""The random springs on which the laws are compared: kinds of load and support, shapes, size of the load."""
 
 from __future__ import annotations
 
@@ -64,7 +64,7 @@ TEXT = (
     "waists, and cylinders whose pitch falls along the wire. *Lateral* is a side force with up to as much "
     f"along the axis; *combined* an axial force with {100 * SIDE:g} % of it sideways. {100 * CONTACT:g} % of "
     f"the scenes have contact, frictionless; {100 * DEEP:g} % of those are loaded until coils close by a "
-    f"closed form, up to {100 * LAST:g} % of the way to the last closing or, with a side force, up to "
+    f"closed form, up to {100 * LAST:g} % of the range to the last closing or, with a side force, up to "
     f"{SEVERAL:g} times the first; all others up to the first. No spring is shortened by more than "
     f"{BUCKLING:g} of its buckling shortening after EN 13906-1, driven beyond {100 * SOLID:g} % of its "
     f"travel, or swayed by more than {SWAY:g} of its height (linearly). Beyond these bounds the numbers "
@@ -101,12 +101,12 @@ def _scene(rng: np.random.Generator, kind: Kind, name: str) -> tuple[str, Scene]
         blank = Load((0.0, -1.0), STEPS)
         supports, law = Supports(kind.held), Contact(enabled=contact)
         scene = Scene(name, _spring(rng, shape), blank, supports=supports, contact=law)
-        way = np.array((kind.side * rng.choice((-1.0, 1.0)), -rng.uniform(*kind.axial)))
-        first, several, most = _bounds(scene, way)
+        direction = np.array((kind.side * rng.choice((-1.0, 1.0)), -rng.uniform(*kind.axial)))
+        first, several, most = _bounds(scene, direction)
         wanted = rng.uniform(ABOVE * first, several) if deep else rng.uniform(*BELOW) * first
         if wanted <= most or not deep:
             break
-    return shape, replace(scene, load=_load(scene, kind, min(wanted, most) * way))
+    return shape, replace(scene, load=_load(scene, kind, min(wanted, most) * direction))
 
 
 def _spring(rng: np.random.Generator, shape: str) -> Spring:
@@ -128,21 +128,21 @@ def _spring(rng: np.random.Generator, shape: str) -> Spring:
     return Spring(1.0, ends, halves / 2, pitch * halves / 2, start_phase=phase)
 
 
-def _bounds(scene: Scene, way: np.ndarray) -> tuple[float, float, float]:
+def _bounds(scene: Scene, direction: np.ndarray) -> tuple[float, float, float]:
     """Multiples of a load at which a first coil closes, several have, and the most that is put on."""
     coils = along(scene)
     first, last = float(coils.closing.min()), float(coils.closing.max())
-    most = _buckling_force(scene) / -way[1] if way[1] else math.inf
-    if way[0] == 0.0:
+    most = _buckling_force(scene) / -direction[1] if direction[1] else math.inf
+    if direction[0] == 0.0:
         return first, first + LAST * (last - first), most
     probe = PROBE * first
-    load = Load((float(probe * way[0]), float(probe * way[1])), 2)
+    load = Load((float(probe * direction[0]), float(probe * direction[1])), 2)
     path = equivbeam.solve(replace(scene, load=load, contact=Contact()))
     half, whole = path.gaps
     rest, rate = 2.0 * half - whole, half - whole
     closing = rate > 1e-9 * rest
     sway = SWAY * scene.spring.active_height * probe / abs(float(path.tips[-1, 0]))
-    solid = last / -way[1] if way[1] else math.inf
+    solid = last / -direction[1] if direction[1] else math.inf
     first = min(0.5 * probe * float((rest[closing] / rate[closing]).min()), solid)
     return first, min(SEVERAL * first, solid), min(most, sway)
 
@@ -154,8 +154,8 @@ def _buckling_force(scene: Scene) -> float:
         return math.inf
     forces = np.unique([0.0, *coils.closing])
     rate = sizes(scene).rate
-    ways = [shortened(coils, rate, force) for force in forces]
-    return float(np.interp(BUCKLING * shortening, ways, forces, right=math.inf))
+    shortenings = [shortened(coils, rate, force) for force in forces]
+    return float(np.interp(BUCKLING * shortening, shortenings, forces, right=math.inf))
 
 
 def _load(scene: Scene, kind: Kind, force: np.ndarray) -> Load:
@@ -163,5 +163,5 @@ def _load(scene: Scene, kind: Kind, force: np.ndarray) -> Load:
     if not kind.displacement:
         return Load((float(force[0]), float(force[1])), STEPS)
     coils, spring = along(scene), sizes(scene)
-    way = min(shortened(coils, spring.rate, -float(force[1])), SOLID * spring.travel)
-    return Load(steps=STEPS, displacement=(-way,))
+    most = min(shortened(coils, spring.rate, -float(force[1])), SOLID * spring.travel)
+    return Load(steps=STEPS, displacement=(-most,))

@@ -15,8 +15,7 @@ import wirefe
 from coilspring import EquilibriumPath, Scene
 from coilspring.scene.sizing import middle_diameter
 from validation.study.metrics import answered
-from validation.study.output import write_text
-from validation.study.partialsolve import as_far
+from validation.study.partialsolve import partial_path
 from validation.verification.randomscenes import Drawn, population
 
 CSV = Path("reports/errorbudget/randomsprings.csv")
@@ -27,7 +26,6 @@ ELEMENTS = {True: 16, False: 8}  # curved, a turn, with contact and without
 PAIRS = 16  # a turn, in contact
 PAPER_PAIRS = 4  # a turn: how closed pairs are counted
 NEGLIGIBLE = 1e-3  # of the largest component; ROTZ times the mean coil radius
-DIGITS = "%.4g"
 
 
 def study(seeds: Iterable[int] = SEEDS, each: int = EACH) -> pd.DataFrame:
@@ -56,7 +54,7 @@ def row(drawn: Drawn) -> dict[str, Any]:
         "reference": errors(other, wire)["vector"],
     }
     for law in LAWS:
-        path = as_far(equivbeam.solve, scene, law=law)
+        path = partial_path(equivbeam.solve, scene, law=law)
         found[law] = path.outcome
         found |= {f"{law}_{name}": value for name, value in errors(path, wire).items()}
     return found
@@ -68,7 +66,7 @@ def reference(scene: Scene, elements: int | None = None, pairs: int = PAIRS) -> 
     options = {"element": "curved", "elements_per_turn": elements}
     if scene.contact.enabled:
         options["pairs_per_turn"] = pairs
-    return as_far(wirefe.solve, scene, **options)
+    return partial_path(wirefe.solve, scene, **options)
 
 
 def closed(wire: EquilibriumPath) -> int:
@@ -99,14 +97,8 @@ def errors(path: EquilibriumPath, wire: EquilibriumPath) -> dict[str, float]:
     for place, name in enumerate(COMPONENTS):
         if sizes[place] > NEGLIGIBLE * sizes.max():
             found[name] = 100.0 * float(np.abs(mine - theirs)[:, place].max() / peaks[place])
-    apart, size = (np.linalg.norm(values[:, :2], axis=1).max() for values in (mine - theirs, theirs))
-    return found | {"vector": 100.0 * float(apart / size)}
-
-
-def write_csv(data: pd.DataFrame, path: Path = CSV) -> None:
-    """Write the rows, numbers to 4 digits."""
-    path.parent.mkdir(parents=True, exist_ok=True)
-    write_text(path, data.to_csv(index=False, float_format=DIGITS, lineterminator="\n"))
+    largest, size = (np.linalg.norm(values[:, :2], axis=1).max() for values in (mine - theirs, theirs))
+    return found | {"vector": 100.0 * float(largest / size)}
 
 
 def read_csv(path: Path = CSV) -> pd.DataFrame:

@@ -1,4 +1,4 @@
-"""Checks of the wire model on rods that are not springs, for the accuracy ladder."""
+"""Verification cases of the wire model on rods that are not springs."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Checks of the wire model on springs, for the accuracy ladder."""
+"""Verification cases of the wire model on springs."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from scipy.sparse.linalg import spsolve
 import wirefe
 from coilspring import Material, Spring, load_scene, spring_a, spring_b
 from coilspring.scene.wire import Section, round_section
-from validation.study.exactrod import EXACT_ROD
+from validation.study.scenes import EXACT_ROD
 from validation.verification.case import Check, observed_order
 from wirefe.modes import linear_stiffness, natural_frequencies
 

@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
-import sys
+from functools import partial
 from pathlib import Path
-from statistics import median
+
+import pandas as pd
 
 import equivbeam
 from coilspring import EquilibriumPath, Scene, load_scene
 from validation.study.document import Block, Heading, Table, Text, to_markdown
-from validation.study.output import write_text
-from validation.study.partialsolve import as_far
+from validation.study.output import write_facts, write_text
+from validation.study.partialsolve import partial_path
+from validation.study.timing import interleaved
 
-PAGE = Path("docs/tangents.md")
+PAGE, RECORD = Path("docs/tangents.md"), Path("reports/tangents")
 CASES = ("spring-a", "spring-a-no-contact", "spring-b", "spring-b-no-contact")
 TANGENTS = ("exact", "paper", "paper-printed")
 STEPS = (1, 5, 50, 200)
@@ -32,20 +34,25 @@ are factorisations, rejected attempts included; times are medians of rounds in w
 the ratio is formed within each round."""
 
 
-def by_case() -> list[Block]:
+def by_case() -> tuple[Heading, Table]:
     """Iterations and time of 50 steps; times are medians of rounds in which the tangents take turns."""
     rows = []
     for case in CASES:
         scene = load_scene(case)
-        paths = [[follow(scene, tangent, 50) for tangent in TANGENTS] for _ in range(ROUNDS + 1)][1:]
-        for i, tangent in enumerate(TANGENTS):
-            path = paths[0][i]
-            ratio = median(row[i].solve_seconds / row[0].solve_seconds for row in paths)
-            time = 1e3 * median(row[i].solve_seconds for row in paths)
+        paths = {tangent: follow(scene, tangent, 50) for tangent in TANGENTS}
+        runs = {name: partial(_seconds, scene, name) for name in TANGENTS}
+        times = pd.DataFrame(interleaved(runs, range(ROUNDS)))
+        ratios = times.div(times["exact"], axis=0).median()
+        for tangent, path in paths.items():
             counts = str(path.total_iterations), str(path.iterations.max())
-            rows.append((case, tangent, *counts, f"{time:.2f}", f"{ratio:.1f}"))
+            time = 1e3 * times[tangent].median()
+            rows.append((case, tangent, *counts, f"{time:.2f}", f"{ratios[tangent]:.1f}"))
     header = ("case", "tangent", "iterations", "a step, most", "CPU, ms", "over exact")
-    return [Heading(2, "Fifty steps"), Table(header, tuple(rows))]
+    return Heading(2, "Fifty steps"), Table(header, tuple(rows))
+
+
+def _seconds(scene: Scene, tangent: str) -> float:
+    return follow(scene, tangent, 50).solve_seconds
 
 
 def by_steps() -> list[Block]:
@@ -55,7 +62,7 @@ def by_steps() -> list[Block]:
         for penalty in PENALTIES:
             for steps in STEPS:
                 scene = load_scene(case).with_penalty(penalty)
-                cells = [told(follow(scene, tangent, steps)) for tangent in TANGENTS]
+                cells = [result(follow(scene, tangent, steps)) for tangent in TANGENTS]
                 rows.append((case, f"{penalty:.0e}", str(steps), *cells))
     words = (
         "Iterations to full load, or in bold what happened instead and when. What helps the paper's "
@@ -67,10 +74,10 @@ def by_steps() -> list[Block]:
 
 def follow(scene: Scene, tangent: str, steps: int) -> EquilibriumPath:
     """Path of the equivalent beam with a tangent, as far as it goes."""
-    return as_far(equivbeam.solve, scene, tangent=tangent, steps=steps)
+    return partial_path(equivbeam.solve, scene, tangent=tangent, steps=steps)
 
 
-def told(path: EquilibriumPath) -> str:
+def result(path: EquilibriumPath) -> str:
     """Iterations of a completed path, or its outcome."""
     if path.outcome == "completed":
         return str(path.total_iterations)
@@ -79,5 +86,6 @@ def told(path: EquilibriumPath) -> str:
 
 
 if __name__ == "__main__":
-    write_text(PAGE, to_markdown((Text(HEAD), *by_case(), *by_steps())))
-    sys.exit(0)
+    heading, fifty = by_case()
+    write_text(PAGE, to_markdown((Text(HEAD), heading, fifty, *by_steps())))
+    write_facts({f"{case}.{tangent}": int(count) for case, tangent, count, *_ in fifty.rows}, RECORD)

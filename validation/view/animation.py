@@ -1,4 +1,4 @@
-"""The deforming wire in a window or as a GIF, drawn by a child process: VTK can end the one it runs in."""
+"""The deforming wire in a window or as a GIF, drawn by a subprocess: VTK can end the one it runs in."""
 
 from __future__ import annotations
 
@@ -48,7 +48,7 @@ def show(frames: Frames) -> None:
     InputError : the window could not be opened.
     """
     with tempfile.TemporaryDirectory(prefix="coilcheck-") as name:
-        status = _child(frames, Path(name), "window", None)
+        status = _subprocess(frames, Path(name), "window", None)
     if status:
         raise InputError(f"no window could be opened ({status}): --movie FILE.gif draws without one")
 
@@ -59,7 +59,7 @@ def film(frames: Frames, movie: Path) -> str:
     frames = Frames(frames.diameter, frames.times[chosen], frames.points[chosen], frames.forces[chosen])
     with tempfile.TemporaryDirectory(prefix="coilcheck-") as name:
         folder = Path(name)
-        status = _child(frames, folder, "pictures", LONGEST[0] + LONGEST[1] * len(frames.times))
+        status = _subprocess(frames, folder, "pictures", LONGEST[0] + LONGEST[1] * len(frames.times))
         files = [folder / f"{i:04d}.png" for i in range(len(frames.times))]
         if not status and not all(file.is_file() for file in files):
             status = "it wrote no pictures"
@@ -83,8 +83,8 @@ def _picture(file: Path) -> Image.Image:
     return colours.quantize(128, Image.Quantize.MAXCOVERAGE, dither=Image.Dither.NONE)
 
 
-def _child(frames: Frames, folder: Path, what: str, timeout: float | None) -> str:
-    """Draw in a child process; in a few words why it failed, empty where it did not."""
+def _subprocess(frames: Frames, folder: Path, what: str, timeout: float | None) -> str:
+    """Draw in a subprocess; in a few words why it failed, empty where it did not."""
     np.savez(folder / "frames.npz", **asdict(frames))
     return process.run((*COMMAND, what, str(folder)), timeout)
 

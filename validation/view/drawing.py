@@ -38,8 +38,8 @@ def draw(scene: Scene, target: Path) -> None:
 def _side(axes: Axes, spring: Spring) -> None:
     """The wire from the side, nearer parts darker, and its sections in the working plane."""
     d, (first, last) = spring.wire_diameter, spring.phase_range
-    way = (last - first) * float(spring.radius(np.linspace(first, last, 200)).max())
-    count = min(math.ceil(way / d * DISCS), MOST_DISCS)
+    length = (last - first) * float(spring.radius(np.linspace(first, last, 200)).max())
+    count = min(math.ceil(length / d * DISCS), MOST_DISCS)
     x, y, z = spring.points(np.linspace(first, last, count)).T
     order = np.argsort(z)
     discs(axes, np.stack((x, y), axis=1)[order], d, array=z[order], cmap=WIRE, linewidths=0.0)

@@ -10,7 +10,7 @@ from xml.etree import ElementTree
 import numpy as np
 
 from coilspring import InputError, Scene
-from validation.study.partialsolve import as_far
+from validation.study.partialsolve import partial_path
 
 HINT = "make it with coilcheck solve SCENE --model wirefe --vtu-series"
 
@@ -43,7 +43,7 @@ def of_scene(scene: Scene) -> Frames:
     import wirefe
     from wirefe.export import section_results
 
-    path = as_far(wirefe.solve, scene)
+    path = partial_path(wirefe.solve, scene)
     if len(path.times) == 0:
         raise InputError(f"{scene.name} has no step to show: {path.message}")
     found = [section_results(path, step) for step in range(len(path.times))]

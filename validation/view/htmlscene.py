@@ -10,11 +10,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from validation.study.style import BLUE, GREY, LIT_RED
+from validation.study.style import BLUE, GREY, RED
 from validation.view import process
 from validation.view.htmlfile import FILE, signature
-from validation.view.render3d import PARTS, add_spring
-from validation.view.shapes import Shapes
+from validation.view.render3d import add_spring
+from validation.view.shapes import PARTS, Shapes
 
 if TYPE_CHECKING:
     import pyvista
@@ -25,7 +25,7 @@ TIMEOUT = 120.0  # s; it takes a few
 GAP, LETTER = 6.0, 1.6  # mm between springs; height of the words
 EYE = (0.12, 0.3, 1.4)  # from where it is seen at first, over the width of what is seen
 SIDES = 16  # of a tube; the file grows with it
-KEY = (("equivalent beam", BLUE), ("wire model, in bands", LIT_RED), ("at rest", GREY))
+KEY = (("equivalent beam", BLUE), ("wire model, alternating", RED), ("at rest", GREY))
 
 
 def page(panels: Sequence[Shapes], mark: str) -> bytes | str:
@@ -52,7 +52,7 @@ def page(panels: Sequence[Shapes], mark: str) -> bytes | str:
 
 
 def main(folder: Path) -> None:
-    """Export the panels stored in `folder`; what the child process runs."""
+    """Export the panels stored in `folder`; what the subprocess runs."""
     import pyvista
 
     # a viewer that is not used, but would be downloaded

@@ -1,4 +1,4 @@
-"""Drawing in a process of its own: VTK can end the one it runs in, and graphics drivers can hang."""
+"""Drawing in a subprocess: VTK can end the one it runs in, and graphics drivers can hang."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 
-class Child:
+class Subprocess:
     """A command whose output is dropped; as a context it is ended where it still runs."""
 
     def __init__(self, command: Sequence[str]) -> None:
@@ -37,7 +37,7 @@ class Child:
             return f"it took longer than {timeout:g} s"
         return f"it ended with status {status}" if status else ""
 
-    def __enter__(self) -> Child:
+    def __enter__(self) -> Subprocess:
         return self
 
     def __exit__(self, *error: object) -> None:
@@ -54,5 +54,5 @@ def run(command: Sequence[str], timeout: float | None) -> str:
     command : whose output is dropped.
     timeout : s; None waits for ever.
     """
-    with Child(command) as child:
-        return child.failure(timeout)
+    with Subprocess(command) as process:
+        return process.failure(timeout)

@@ -1,6 +1,6 @@
-"""3D pictures of deformed springs by pyvista, off screen and in a process of its own.
+"""3D pictures of deformed springs by pyvista, off screen and in a subprocess.
 
-A child that fails or takes too long costs these pictures, not the run.
+A subprocess that fails or takes too long costs these pictures, not the run.
 """
 
 from __future__ import annotations
@@ -12,9 +12,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from validation.study.style import BLUE, GREY, LIT_RED
-from validation.view.process import Child
-from validation.view.shapes import BAND_SCALE, Shapes, bands, view
+from validation.study.style import BLUE, GREY, RED
+from validation.view.process import Subprocess
+from validation.view.shapes import PARTS, Shapes, bands, picture_frame, spaces, view
 
 if TYPE_CHECKING:
     import pyvista
@@ -24,11 +24,10 @@ TIMEOUT = 60.0  # s; a picture takes about one
 PIXELS = 1300  # a side
 SIDES = 40  # of a tube; where two nearly coincide, fewer make their intersection ragged
 LINE = 0.08  # radius of the wire at rest over its own
-PARTS = ("rest", "beam", "wire")
 
 
 class Rendering:
-    """A child process that renders panels; as a context it cleans up after itself."""
+    """A subprocess that renders panels; as a context it cleans up after itself."""
 
     def __init__(self, panels: tuple[Shapes, ...]) -> None:
         self._folder = tempfile.TemporaryDirectory(prefix="coilcheck-")
@@ -36,11 +35,11 @@ class Rendering:
         self._files = [folder / f"panel{i}.png" for i in range(len(panels))]
         arrays = {f"{part}{i}": getattr(panel, part) for i, panel in enumerate(panels) for part in PARTS}
         np.savez(folder / "panels.npz", diameter=panels[0].diameter, count=len(panels), **arrays)
-        self._child = Child([*COMMAND, str(folder / "panels.npz")])
+        self._process = Subprocess([*COMMAND, str(folder / "panels.npz")])
 
     def result(self) -> list[Path] | str:
         """One PNG for each panel, waited for; or in a few words why there are none."""
-        failure = self._child.failure(TIMEOUT)
+        failure = self._process.failure(TIMEOUT)
         if failure:
             return failure
         return self._files if all(file.is_file() for file in self._files) else "it wrote no picture"
@@ -49,12 +48,12 @@ class Rendering:
         return self
 
     def __exit__(self, *error: object) -> None:
-        self._child.__exit__(*error)
+        self._process.__exit__(*error)
         self._folder.cleanup()
 
 
 def main(source: Path) -> None:
-    """Draw the panels stored in `source` beside it; what the child process runs."""
+    """Draw the panels stored in `source` beside it; what the subprocess runs."""
     with np.load(source) as stored:
         data = dict(stored)
     count, diameter = int(data["count"]), float(data["diameter"])
@@ -72,7 +71,8 @@ def _draw(
 
     plotter = pyvista.Plotter(off_screen=True, window_size=[PIXELS, PIXELS], lighting="light kit")
     plotter.set_background("white")
-    add_spring(plotter, rest, beam, wire, diameter)
+    behind = 2.0 * np.ptp(every, axis=0).max() * view()[2]  # which a parallel projection does not show
+    add_spring(plotter, rest - behind, beam, wire, diameter)
     aim(plotter, every, diameter)
     plotter.enable_anti_aliasing("ssaa")
     plotter.screenshot(file)
@@ -87,12 +87,12 @@ def add_spring(
     diameter: float,
     sides: int = SIDES,
 ) -> None:
-    """The beam's tube in bands of the wire model's, and a line where the wire was at rest."""
+    """Pieces of the beam's tube and of the wire model's in turn, and a line where the wire was at rest."""
     radius = 0.5 * diameter
     shine: dict[str, Any] = {"smooth_shading": True, "specular": 0.2, "ambient": 0.35, "diffuse": 0.75}
     plotter.add_mesh(tubes([rest], LINE * radius, 6), color=GREY, lighting=False)
-    plotter.add_mesh(tubes([beam], radius, sides), color=BLUE, **shine)
-    plotter.add_mesh(tubes(bands(wire), BAND_SCALE * radius, sides), color=LIT_RED, **shine)
+    plotter.add_mesh(tubes(spaces(beam), radius, sides), color=BLUE, **shine)
+    plotter.add_mesh(tubes(bands(wire), radius, sides), color=RED, **shine)
 
 
 def tubes(pieces: list[np.ndarray], radius: float, sides: int) -> pyvista.PolyData:
@@ -109,16 +109,11 @@ def tubes(pieces: list[np.ndarray], radius: float, sides: int) -> pyvista.PolyDa
 
 def aim(plotter: pyvista.Plotter, every: np.ndarray, diameter: float) -> None:
     """Parallel projection whose frame just holds all points."""
-    axes = view()
-    seen = every @ axes.T
-    low, high = seen.min(axis=0) - diameter, seen.max(axis=0) + diameter
-    centre = 0.5 * (low + high) @ axes
     camera = plotter.camera
-    camera.focal_point = centre
-    camera.position = centre + 200.0 * axes[2]
+    camera.focal_point, camera.parallel_scale = picture_frame(every, diameter)
+    camera.position = camera.focal_point + 200.0 * view()[2]
     camera.up = (0.0, 1.0, 0.0)
     camera.parallel_projection = True
-    camera.parallel_scale = 0.5 * (high - low)[:2].max()
     plotter.renderer.reset_camera_clipping_range()
 
 

@@ -12,12 +12,11 @@ from validation.study.document import Table
 
 POINTS_PER_TURN = 80  # of the pictures
 DATA_STRIDE = 4  # of those points, in the CSV files
+PARTS = ("rest", "beam", "wire")  # of a picture in space
 VIEW = (0.35, 0.28, 1.0)  # from where the springs are looked at in space
-# In space the wire model is drawn as bands around the beam's tube, like dashes over a line, and a
-# little thicker, so that coinciding surfaces do not fight for the same pixels.
-BAND_SCALE = 1.08
+# In space pieces of both models alternate: coinciding surfaces would fight for the same pixels.
 BANDS_PER_TURN = 4
-BAND_SHARE = 0.4  # of the wire's length under a band
+BAND_SHARE = 0.4  # of the wire's length that the wire model takes
 
 
 @dataclass(frozen=True)
@@ -89,12 +88,34 @@ def view() -> np.ndarray:
     return np.array([right, np.cross(toward, right), toward])
 
 
+def picture_frame(points: np.ndarray, diameter: float) -> tuple[np.ndarray, float]:
+    """Centre and half the side, mm, of a square picture that just holds wires through the points."""
+    axes = view()
+    seen = points @ axes.T
+    low, high = seen.min(axis=0) - diameter, seen.max(axis=0) + diameter
+    return 0.5 * (low + high) @ axes, 0.5 * float((high - low)[:2].max())
+
+
 def bands(points: np.ndarray) -> list[np.ndarray]:
     """Pieces of a wire with spaces between them."""
+    return [points[start : stop + 1] for start, stop in _bands(len(points))]
+
+
+def spaces(points: np.ndarray) -> list[np.ndarray]:
+    """The pieces that `bands` leaves out."""
+    ends = [0, *(place for band in _bands(len(points)) for place in band), len(points) - 1]
+    return [
+        points[start : stop + 1] for start, stop in zip(ends[::2], ends[1::2], strict=True) if stop > start
+    ]
+
+
+def _bands(count: int) -> list[tuple[int, int]]:
+    """First and last points of the bands of a wire of so many points."""
     period = POINTS_PER_TURN // BANDS_PER_TURN
-    length = round(BAND_SHARE * period) + 1
-    first = (period - length) // 2
-    return [points[start : start + length] for start in range(first, len(points) - length, period)]
+    length = round(BAND_SHARE * period)
+    return [
+        (start, start + length) for start in range((period - length - 1) // 2, count - length - 1, period)
+    ]
 
 
 def centreline_table(panels: tuple[Shapes, ...]) -> Table:

@@ -1,16 +1,17 @@
-"""Draws the deforming wire by pyvista; the child process of `validation.view.animation`."""
+"""Draws the deforming wire by pyvista; the subprocess of `validation.view.animation`."""
 
 from __future__ import annotations
 
 import sys
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from validation.study.style import GREY
 from validation.view.frames import Frames
 from validation.view.render3d import aim, tubes
+from validation.view.shapes import picture_frame, view
 
 if TYPE_CHECKING:
     import pyvista
@@ -31,6 +32,7 @@ def main(what: str, folder: Path) -> None:
     plotter = pyvista.Plotter(off_screen=not window, window_size=PIXELS, lighting="light kit")
     plotter.set_background("white")
     draw(plotter, frames, len(frames.times) - 1)
+    _scale(plotter, frames)
     aim(plotter, frames.points.reshape(-1, 3), 2.0 * frames.diameter)
     if window:
         plotter.camera.zoom(ROOM)
@@ -45,7 +47,7 @@ def main(what: str, folder: Path) -> None:
 
 
 def draw(plotter: pyvista.Plotter, frames: Frames, step: int) -> None:
-    """Put a step in the place of the one shown."""
+    """Replace the step in the picture."""
     import pyvista
 
     points, touched = frames.points[step], frames.touched
@@ -65,6 +67,27 @@ def draw(plotter: pyvista.Plotter, frames: Frames, step: int) -> None:
             scalar_bar_args={"color": "black", "fmt": "%.3g", "vertical": True, "position_x": 0.9},
         )
     plotter.add_text(f"time {frames.times[step]:.3g}", name="time", color="black", font_size=11)
+
+
+def _scale(plotter: pyvista.Plotter, frames: Frames) -> None:
+    """Directions of the axes, and a round length in the plane of the picture."""
+    import pyvista
+
+    centre, half = picture_frame(frames.points.reshape(-1, 3), 2.0 * frames.diameter)
+    length = 10.0 ** np.floor(np.log10(0.4 * half))
+    length *= next(factor for factor in (5.0, 2.0, 1.0) if factor * length <= 0.4 * half)
+    right, up, _ = view()
+    start = centre - 1.25 * half * right - 0.9 * half * up
+    end = start + length * right
+    plotter.add_mesh(pyvista.Line(start, end), color="black", line_width=3, reset_camera=False)
+    look: dict[str, Any] = {
+        "shape": None,
+        "show_points": False,
+        "text_color": "black",
+        "always_visible": True,
+    }
+    plotter.add_point_labels([0.5 * (start + end)], [f"{length:g} mm"], font_size=16, **look)
+    plotter.add_axes(color="black", viewport=(0.0, 0.1, 0.2, 0.34))
 
 
 def _slider(plotter: pyvista.Plotter, frames: Frames) -> None:

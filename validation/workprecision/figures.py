@@ -1,34 +1,32 @@
-"""Figures of the work-precision study: error against CPU time, one panel a scene."""
+"""Figures of the work-precision study: error against CPU time, and the cost of the penalty."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from pathlib import Path
 from typing import Any
 
 import matplotlib
 import numpy as np
+import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
-from validation.study.output import write_files
+from coilspring import Contact
 from validation.study.plots import drawn
-from validation.study.style import BLUE, DOUBLE, GREY, RC, RED, STEEL
-from validation.workprecision.penaltyfigure import draw_penalties
-from validation.workprecision.penaltysweep import Sweep
-from validation.workprecision.points import Point, Study
+from validation.study.style import BLUE, DOUBLE, GREY, LIGHT_RED, NAVY, RC, RED, Look
+from validation.workprecision.results import by_scene, competes, of_paper
 from validation.workprecision.settings import PEER, SERIES, STEPS, TITLES
 
 COLUMNS = 3
-BROWN, SKY, INK, LIGHT = "#5b1a08", "#8fc1ee", "#222222", "#c9c9c9"
-# the wire model warm and angular, the equivalent beam blue and round; all four differ in grey
-LOOKS: dict[str, dict[str, Any]] = {
-    "straight": {"color": RED, "marker": "s", "linestyle": (0, (4, 2))},
-    "curved": {"color": BROWN, "marker": "^", "linestyle": "-"},
+INK, LIGHT = "#222222", "#c9c9c9"
+# the wire model red and angular, the equivalent beam blue and round; all four differ in grey
+LOOKS: dict[str, Look] = {
+    "straight": {"color": LIGHT_RED, "marker": "s", "linestyle": (0, (4, 2))},
+    "curved": {"color": RED, "marker": "^", "linestyle": "-"},
     "haringx": {"color": BLUE, "marker": "o", "linestyle": "none"},
-    "helix": {"color": SKY, "marker": "D", "linestyle": "none"},
+    "helix": {"color": NAVY, "marker": "D", "linestyle": "none"},
     PEER: {"color": GREY, "marker": "P", "linestyle": "none"},
 }
 NAMES = {
@@ -38,129 +36,154 @@ NAMES = {
     "helix": "equivalent beam, law helix",
     PEER: "OpenSees, straight elements",
 }
-FILLED, OPEN, RING = 4.2, 3.0, 9.0  # sizes of symbols, points
-FRONT: dict[str, Any] = {"color": LIGHT, "linewidth": 3.2, "solid_joinstyle": "round", "zorder": 1.5}
-FLOOR: dict[str, Any] = {
+LABELS = {"curve": "error of the load curve (%)", "shape": "error of the shape (mm)"}
+FILLED, OPEN, RING = 3.8, 2.8, 8.0  # sizes of symbols, points
+FRONT: Look = {"color": LIGHT, "linewidth": 3.2, "solid_joinstyle": "round", "zorder": 1.5}
+FLOOR: Look = {
     "facecolor": "#efefef",
     "edgecolor": "#a8a8a8",
     "hatch": "////",
     "linewidth": 0.0,
     "zorder": 0.5,
 }
+DASHES = ("-", (0, (4, 2)))  # of the first scene and the second
+CROSS: Look = {"marker": "x", "color": "black", "linestyle": "none", "markersize": 6.0}
 
 
-def write(studies: Sequence[Study], sweeps: Sequence[Sweep], out: Path) -> None:
-    """Write ``workprecision-curve``, ``-shape`` and, of sweeps, ``-penalty`` as SVG and PNG."""
-    looks: Any = RC
-    with matplotlib.rc_context(looks):
-        for kind in ("curve", "shape"):
-            write_files(drawn(draw(studies, kind), f"workprecision-{kind}"), out)
-        if sweeps:
-            write_files(drawn(draw_penalties(sweeps), "workprecision-penalty"), out)
+def files(rows: pd.DataFrame) -> dict[str, bytes]:
+    """``workprecision-curve``, ``-shape`` and, where penalties were varied, ``-penalty`` as SVG and PNG."""
+    with matplotlib.rc_context(RC):
+        figures = {kind: draw(rows, kind) for kind in LABELS}
+        if (rows["role"] == "penalty").any():
+            figures["penalty"] = draw_penalties(rows[rows["role"] == "penalty"])
+        return {
+            name: data
+            for kind, each in figures.items()
+            for name, data in drawn(each, f"workprecision-{kind}").items()
+        }
 
 
-def draw(studies: Sequence[Study], kind: str) -> Figure:
+def draw(rows: pd.DataFrame, kind: str) -> Figure:
     """One panel a scene, all on the same axes; `kind` is "curve" or "shape"."""
-    columns = min(COLUMNS, len(studies))
-    rows = -(-len(studies) // columns)
-    figure = Figure(figsize=(DOUBLE, 0.85 + 2.0 * rows), layout="constrained")
-    grid = figure.subplots(rows, columns, sharex=True, sharey=True, squeeze=False)
-    for letter, axes, study in zip("abcdefgh", grid.flat, studies, strict=False):
-        _panel(axes, study, kind)
-        axes.set_title(f"({letter}) {TITLES[study.scene.name]}")
-    for axes in grid.flat[len(studies) :]:
+    scenes = by_scene(_scaled(rows, kind))
+    columns = min(COLUMNS, len(scenes))
+    lines = -(-len(scenes) // columns)
+    figure = Figure(figsize=(DOUBLE, 0.85 + 2.2 * lines), layout="constrained")
+    grid = figure.subplots(lines, columns, sharex=True, sharey=True, squeeze=False)
+    shown = [part[part["shown"]] for _, part in scenes]
+    for letter, axes, (scene, part), able in zip("abcdefgh", grid.flat, scenes, shown, strict=False):
+        _panel(axes, part, able, kind)
+        axes.set_title(f"({letter}) {TITLES[scene]}")
+    for axes in grid.flat[len(scenes) :]:
         axes.set_visible(False)
-    _scale(grid, studies, kind)
-    peers = kind == "curve" and any(study.peers for study in studies)
+    _label_axes(grid, pd.concat(shown), kind)
+    peers = any((part["role"] == "opensees").any() for part in shown)
     figure.legend(handles=_key(peers), loc="outside lower center", ncols=3, columnspacing=1.4)
     return figure
 
 
-def _panel(axes: Axes, study: Study, kind: str) -> None:
-    able = _shown(study, kind)
-    for series in (*SERIES, PEER):
-        _series(axes, [point for point in able if point.setting.series == series], kind)
-    best = study.curve_front if kind == "curve" else study.shape_front
-    axes.plot(*_places(best, kind), drawstyle="steps-post", **FRONT)
-    axes.axhspan(1e-30, _floor(study, kind), **FLOOR)
-    for point in able:
-        if point.setting.is_paper_mesh or point.setting.is_paper_model:
-            axes.plot(*_places([point], kind), **_ring(point.setting.is_paper_mesh))
+def _scaled(rows: pd.DataFrame, kind: str) -> pd.DataFrame:
+    """Rows with times in ms, errors and the reference's own in % or mm, and which of them are shown.
+
+    Of load curves those alone that give the whole curve: with fewer steps the error is that of fewer points.
+    """
+    roles = ("run", "opensees") if kind == "curve" else ("run",)  # OpenSees has no shape
+    part = rows[rows["role"].isin(roles) & ((kind == "shape") | (rows["steps"] >= STEPS))]
+    error, floor = (
+        ("curve_max", "reference_curve_error")
+        if kind == "curve"
+        else ("shape_max_mm", "reference_shape_error_mm")
+    )
+    scale = 100.0 if kind == "curve" else 1.0
+    return part.assign(
+        ms=1e3 * part["seconds"], error=scale * part[error], floor=scale * part[floor], shown=competes(part)
+    )
 
 
-def _shown(study: Study, kind: str) -> list[Point]:
-    """What solves the scene to the end; OpenSees has no shape."""
-    every = (*study.points, *study.peers) if kind == "curve" else study.points
-    return [point for point in every if point.competes]
-
-
-def _series(axes: Axes, points: Sequence[Point], kind: str) -> None:
+def _panel(axes: Axes, part: pd.DataFrame, able: pd.DataFrame, kind: str) -> None:
     """Filled symbols at the scene's steps, which a line joins where they are meshes; small open ones else."""
-    usual = sorted((p for p in points if p.setting.steps == STEPS), key=lambda p: p.setting.mesh)
-    others = [point for point in points if point.setting.steps != STEPS]
-    for chosen, filled in ((others, False), (usual, True)):
-        if chosen:
-            axes.plot(*_places(chosen, kind), **_look(chosen[0].setting.series, filled))
+    for series in (*SERIES, PEER):
+        mine = able[able["series"] == series]
+        usual = mine[mine["steps"] == STEPS].sort_values("elements_per_turn")
+        for chosen, filled in ((mine[mine["steps"] != STEPS], False), (usual, True)):
+            if len(chosen):
+                axes.plot(chosen["ms"], chosen["error"], **_look(series, filled))
+    best = part[part[f"on_{kind}_front"] == 1].sort_values("ms")
+    axes.plot(best["ms"], best["error"], drawstyle="steps-post", **FRONT)
+    axes.axhspan(1e-30, part["floor"].iloc[0], **FLOOR)
+    for paper, mesh in zip(of_paper(part), (True, False), strict=True):
+        axes.plot(paper.ms, paper.error, **_ring(mesh))
 
 
-def _look(series: str, filled: bool) -> dict[str, Any]:
-    look = LOOKS.get(series, {"color": INK, "marker": "v", "linestyle": "none"})
-    face = look["color"] if filled else "white"
-    style: dict[str, Any] = {"linewidth": 0.9, "zorder": 3.0 if filled else 2.5}
-    edge = INK if filled else (look["color"] if series != "helix" else STEEL)
-    plain: dict[str, Any] = {} if filled else {"linestyle": "none"}
-    size = FILLED if filled else OPEN
-    symbol = {"markerfacecolor": face, "markeredgecolor": edge, "markersize": size}
-    return look | style | symbol | {"markeredgewidth": 0.5 if filled else 0.8} | plain
+def _look(series: str, filled: bool) -> Look:
+    """Symbols have a white rim, so that those that lie on one another stay apart."""
+    look = LOOKS[series]
+    if filled:
+        return look | {
+            "linewidth": 0.9,
+            "zorder": 3.0,
+            "markersize": FILLED,
+            "markeredgecolor": "white",
+            "markeredgewidth": 0.4,
+        }
+    symbol = {"markerfacecolor": "white", "markeredgecolor": look["color"], "markeredgewidth": 0.7}
+    return look | symbol | {"linestyle": "none", "zorder": 2.5, "markersize": OPEN}
 
 
-def _ring(mesh: bool) -> dict[str, Any]:
-    return {
+def _ring(mesh: bool) -> Look:
+    symbol = {
         "marker": "s" if mesh else "o",
         "markersize": RING,
         "markerfacecolor": "none",
-        "markeredgecolor": INK,
-        "markeredgewidth": 0.9,
         "linestyle": "none",
-        "zorder": 4.0,
     }
+    return symbol | {"markeredgecolor": INK, "markeredgewidth": 0.7, "zorder": 2.0}
 
 
-def _places(points: Sequence[Point], kind: str) -> tuple[np.ndarray, np.ndarray]:
-    """Milliseconds and errors (%, or mm)."""
-    times = np.array([1e3 * point.seconds.median for point in points])
-    return times, np.array([_error(point, kind) for point in points])
-
-
-def _error(point: Point, kind: str) -> float:
-    return 100.0 * point.error.curve_max if kind == "curve" else point.error.shape_max
-
-
-def _floor(study: Study, kind: str) -> float:
-    return 100.0 * study.reference.curve if kind == "curve" else study.reference.shape
-
-
-def _scale(grid: np.ndarray, studies: Sequence[Study], kind: str) -> None:
+def _label_axes(grid: np.ndarray, shown: pd.DataFrame, kind: str) -> None:
     """Logarithmic axes that hold all points and a strip of every floor, and their labels."""
-    errors = np.array([_error(point, kind) for study in studies for point in _shown(study, kind)])
-    low = min(_floor(study, kind) for study in studies)
-    label = "error of the load curve (%)" if kind == "curve" else "error of the shape (mm)"
+    low = min(shown["floor"].min(), shown["error"].min())
     for axes in grid.flat:
-        axes.set(xscale="log", yscale="log", ylim=(0.4 * min(low, errors.min()), 2.5 * errors.max()))
+        axes.set(xscale="log", yscale="log", ylim=(0.4 * low, 2.5 * shown["error"].max()))
         axes.tick_params(labelbottom=True)
         axes.xaxis.set_major_formatter("{x:g}")
     for axes in grid[-1]:
         axes.set_xlabel("CPU time (ms)")
     for axes in grid[:, 0]:
-        axes.set_ylabel(label)
+        axes.set_ylabel(LABELS[kind])
 
 
-def _key(peers: bool) -> list[Line2D | Patch]:
+def _key(peers: bool) -> Sequence[Line2D | Patch]:
     series = (*SERIES, PEER) if peers else SERIES
-    usual = [Line2D([], [], **_look(name, True), label=NAMES.get(name, name)) for name in series]
+    usual = [Line2D([], [], **_look(name, True), label=NAMES[name]) for name in series]
     other = Line2D([], [], **_look("curved", False), label=f"open: other than {STEPS} steps")
     front = Line2D([], [], **FRONT, label="Pareto front")
-    rings = [Line2D([], [], **_ring(True), label="paper’s mesh"), Line2D([], [], **_ring(False))]
-    rings[1].set_label("paper’s model")
-    floor = Patch(**FLOOR, label="reference’s own error")
-    return [*usual, other, front, *rings, floor]
+    rings = [
+        Line2D([], [], **_ring(mesh), label=f"paper’s {'mesh' if mesh else 'model'}")
+        for mesh in (True, False)
+    ]
+    return [*usual, other, front, *rings, Patch(**FLOOR, label="reference’s own error")]
+
+
+def draw_penalties(rows: pd.DataFrame) -> Figure:
+    """Error over the penalty on the left, CPU time on the right."""
+    figure = Figure(figsize=(DOUBLE, 2.9), layout="constrained")
+    error, time = figure.subplots(1, 2)
+    for (scene, part), dashes in zip(by_scene(rows), DASHES, strict=False):
+        for model, colour, marker in (("equivbeam", BLUE, "o"), ("wirefe", RED, "s")):
+            mine = part[part["model"] == model]
+            look: dict[str, Any] = {"color": colour, "marker": marker, "linestyle": dashes, "markersize": 4.0}
+            look["markerfacecolor"] = colour if dashes == "-" else "white"
+            look["label"] = f"{TITLES[scene]}, {'equivalent beam' if model == 'equivbeam' else 'wire model'}"
+            ended = mine[mine["outcome"] != "completed"]
+            for axes, column, scale in ((error, "curve_max", 100.0), (time, "seconds", 1e3)):
+                axes.plot(mine["penalty"], scale * mine[column], **look)
+                axes.plot(ended["penalty"], scale * ended[column], **CROSS)
+    error.set(ylabel=LABELS["curve"], title="(a) Error")
+    time.set(ylabel="CPU time (ms)", title="(b) Time")
+    for axes in (error, time):
+        axes.set(xscale="log", yscale="log", xlabel="penalty K (N/mm)")
+        axes.axvline(Contact().stiffness, color=GREY, linewidth=0.8, zorder=0.5)
+        axes.yaxis.set_major_formatter("{x:g}")
+    figure.legend(*error.get_legend_handles_labels(), loc="outside lower center", ncols=2)
+    return figure

@@ -1,22 +1,23 @@
-"""The page of the work-precision study, and its files."""
+"""The page of the work-precision study and its figures: views of its recorded result."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import json
+from collections.abc import Mapping
 from pathlib import Path
 
+import pandas as pd
+
+from coilspring import InputError
+from validation.study import provenance
 from validation.study.document import Block, Heading, Picture, Text, to_markdown
-from validation.study.machine import machine, versions
-from validation.study.output import write_text
-from validation.workprecision import EQUAL_ERROR, equalerror, penaltysweep, tables
-from validation.workprecision.csvfile import data
-from validation.workprecision.penaltysweep import Sweep
-from validation.workprecision.points import Study
-from validation.workprecision.settings import PAIRS, STEPS, Extent
+from validation.study.output import write_files, write_text
+from validation.workprecision import results, tables
+from validation.workprecision.settings import PAIRS, STEPS
 
 CAPTIONS = {
     "curve": "Error of the load curve against CPU time. Filled symbols: the scenes' 50 steps; small open "
-    "ones: other numbers of steps, whose error is that at their own points. The slower filled circles are "
+    "ones: more steps. The slower filled circles are "
     "haringx with the paper's tangent. Grey line: Pareto front of the runs of 50 steps and more.",
     "shape": "Error of the shape at full load against CPU time. Filled symbols: the scenes' 50 steps; "
     "small open ones: other numbers of steps. Grey line: Pareto front of all runs.",
@@ -25,48 +26,13 @@ CAPTIONS = {
 }
 
 
-def write(
-    studies: Sequence[Study], sweeps: Sequence[Sweep], extent: Extent, out: Path, *, drawn: bool
-) -> None:
-    """Write both tables; `drawn` tells whether the figures are there to be shown."""
-    write_text(out / "workprecision.csv", data(studies, sweeps))
-    write_text(out / "workprecision.md", markdown(studies, sweeps, extent, drawn))
-
-
-def markdown(studies: Sequence[Study], sweeps: Sequence[Sweep], extent: Extent, drawn: bool) -> str:
-    """The study for a reader."""
-    blocks: list[Block] = [
-        Heading(1, "Run time against error"),
-        *_method(extent),
-        Heading(2, EQUAL_ERROR),
-        Text(equalerror.WORDS),
-        equalerror.equal_error_table(studies),
-        Heading(2, "What the paper's accuracy costs"),
-        tables.paper_table(studies),
-        Text(_PAPER),
-        Heading(2, "The reference's own error"),
-        tables.reference_table(studies),
-        Text(_REFERENCE),
-        *(_pictures() if drawn else []),
-        Heading(2, "Pareto front of the load curve"),
-        tables.front_table(studies, lambda study: study.curve_front),
-        Heading(2, "Pareto front of the shape at full load"),
-        tables.front_table(studies, lambda study: study.shape_front),
-    ]
-    blocks += [Heading(2, "OpenSees"), *_peer(studies, extent)]
-    if sweeps:
-        picture = [Picture("workprecision-penalty.png", CAPTIONS["penalty"])] if drawn else []
-        blocks += [
-            Heading(2, "Penalty"),
-            Text(penaltysweep.WORDS),
-            *picture,
-            penaltysweep.penalty_table(sweeps),
-        ]
-    if any(tables.differing_pairs(study) for study in studies):
-        blocks += [Heading(2, "Pairs a turn"), Text(_PAIRS), tables.pairs_table(studies)]
-    return to_markdown(blocks)
-
-
+_EQUAL = (
+    "The paper compares times at unequal errors: its 'reduction' is that of its model against one FE mesh. "
+    "Here each law of the half coil, in the scenes' 50 steps and the helix law with their rule of sliding, "
+    "stands against the fastest run of the wire model that gives the whole curve with at most the law's "
+    "error. 4 elements a turn are the fewest the wire model takes, so its error can be far below the law's. "
+    "*Reduction*: time that the beam saves; ratios are formed of medians over the paper's mesh."
+)
 _PAPER = (
     "The paper's mesh: straight elements, 40 a turn. The paper's model: the equivalent beam with the law "
     "haringx, here with the exact tangent. Fastest: among the runs of the whole curve whose error is at most "
@@ -81,33 +47,78 @@ _PAIRS = (
     f"The number of sphere pairs is part of the contact model: the scenes have {PAIRS} a turn, as the paper. "
     "Others change the answer by this much, which no mesh can tell, and are on neither front."
 )
-
-
+_PENALTY = (
+    "Each model against itself with hard contact: a penalty of 1e8 N/mm, which differs from one of 1e7 by "
+    "the reference's own error. Error and time as above; the error is that of the part of the path that was "
+    "reached. Penalty: of a sphere pair at 4 pairs a turn."
+)
 _NO_PEER = (
     "Not in these figures: OpenSees was not installed where they were measured "
     "(`pip install -e '.[peers]'` adds it)."
 )
 
 
-def _peer(studies: Sequence[Study], extent: Extent) -> list[Block]:
-    if not any(study.peers for study in studies):
-        return [Text(_NO_PEER)]
-    version = versions("openseespy")["openseespy"]
-    words = (
-        f"The wire model of straight elements in another code, openseespy {version}: same nodes, section, "
-        "supports, sphere pairs and penalty, so that its error is that of the mesh, too. Its time is that of "
-        f"the analysis without the building of the model; timed rounds beside the paper's mesh: "
-        f"{extent.peer_rounds}. It has no shape here and is on no front."
-    )
-    return [Text(words), tables.peer_table(studies)]
+def write(out: Path, drawn: bool = False) -> pd.DataFrame:
+    """Write page and, where wanted, figures of the result recorded in a folder; the result.
+
+    Raises
+    ------
+    InputError : where none is recorded.
+    """
+    if not (out / results.FILE).is_file() or not (out / provenance.FILE).is_file():
+        raise InputError(f"no {results.FILE} with {provenance.FILE} in {out}: measure first")
+    rows = results.read(out)
+    made = json.loads((out / provenance.FILE).read_text(encoding="utf-8"))
+    if drawn:
+        from validation.workprecision import figures
+
+        write_files(figures.files(rows), out)
+    write_text(out / "workprecision.md", markdown(rows, made, drawn))
+    return rows
 
 
-def _method(extent: Extent) -> list[Block]:
-    here = machine()
+def markdown(rows: pd.DataFrame, made: Mapping[str, str], drawn: bool) -> str:
+    """The study for a reader; `made`: where and when it was measured."""
+    blocks: list[Block] = [
+        Heading(1, "Run time against error"),
+        *_method(rows),
+        Text(f"Measured {made['date']} on {made['processor']}; {made['versions']}."),
+        Heading(2, "Time at equal error"),
+        Text(_EQUAL),
+        tables.equal_error_table(rows),
+        Heading(2, "What the paper's accuracy costs"),
+        tables.paper_table(rows),
+        Text(_PAPER),
+        Heading(2, "The reference's own error"),
+        tables.reference_table(rows),
+        Text(_REFERENCE),
+        *(_picture(kind) for kind in ("curve", "shape") if drawn),
+        Heading(2, "Pareto front of the load curve"),
+        tables.front_table(rows, "curve"),
+        Heading(2, "Pareto front of the shape at full load"),
+        tables.front_table(rows, "shape"),
+        Heading(2, "OpenSees"),
+        *_peer(rows, made),
+    ]
+    if (rows["role"] == "penalty").any():
+        picture = [_picture("penalty")] if drawn else []
+        blocks += [Heading(2, "Penalty"), Text(_PENALTY), *picture, tables.penalty_table(rows)]
+    if len(tables.differing_pairs(rows)):
+        blocks += [Heading(2, "Pairs a turn"), Text(_PAIRS), tables.pairs_table(rows)]
+    return to_markdown(blocks)
+
+
+def _picture(kind: str) -> Picture:
+    return Picture(f"workprecision-{kind}.png", CAPTIONS[kind])
+
+
+def _method(rows: pd.DataFrame) -> list[Block]:
+    halved = rows[rows["role"] == "half mesh"].iloc[0]
+    rounds = rows.loc[rows["role"] == "run", "rounds"].iloc[0]
     return [
         Text(
-            f"Reference: curved wire elements, {extent.reference} a turn, {extent.finest} steps; its own "
-            "error is the change to half its mesh plus the change to half its steps, and is the floor of the "
+            f"Reference: curved wire elements, {2 * halved.elements_per_turn} a turn, {halved.steps} steps. "
+            "Its own error is the change to half its mesh plus that to half its steps: the floor of the "
             "figures. Curve error: largest difference at the same load over the reference's peak, worst "
             "component, at the points that a run has. Shape error: largest distance of the centres of the "
             "contact circles at full load. Only equilibria count: a run that does not reach full load is on "
@@ -115,27 +126,38 @@ def _method(extent: Extent) -> list[Block]:
             "its mesh."
         ),
         Text(
-            f"Time: CPU time of the solve alone, one thread, kernels warm; medians of {extent.rounds} "
+            f"Time: CPU time of the solve alone, one thread, kernels warm; medians of {rounds:.0f} "
             "interleaved rounds with quartiles. Ratios to the paper's FE mesh are formed within each round; "
             "times are these ratios times the median time of the paper's mesh. "
             f"Front of the load curve: runs of at least {STEPS} steps, which give all of the curve; of the "
             "shape: any number of steps. A slower run is on a front where its error is at least a tenth "
             "smaller; times within a tenth of each other are taken as one."
         ),
-        Text(f"Measured {here['date']} on {here['processor']}; {here['versions']}."),
     ]
 
 
-def digest(study: Study) -> str:
-    """A scene for a reader at the terminal."""
-    mesh = next(point for point in study.points if point.setting.is_paper_mesh)
-    best = tables.as_accurate(study, mesh)
-    front = ", ".join(point.setting.label.removesuffix(f", {STEPS} steps") for point in study.curve_front)
-    return (
-        f"{study.scene.name}: as accurate as the paper's mesh in 1/{1.0 / best.ratio.median:.3g} of its time "
-        f"by {best.setting.label}; front of the load curve: {front}"
+def _peer(rows: pd.DataFrame, made: Mapping[str, str]) -> list[Block]:
+    peers = rows[rows["role"] == "opensees"]
+    if peers.empty:
+        return [Text(_NO_PEER)]
+    words = (
+        f"The wire model of straight elements in another code, openseespy {made['openseespy']}: same nodes, "
+        "section, supports, sphere pairs and penalty, so that its error is that of the mesh, too. Its time "
+        "is that of the analysis without the building of the model; timed rounds beside the paper's mesh: "
+        f"{peers['rounds'].iloc[0]:.0f}. It has no shape here and is on no front."
     )
+    return [Text(words), tables.peer_table(rows)]
 
 
-def _pictures() -> list[Block]:
-    return [Picture(f"workprecision-{name}.png", CAPTIONS[name]) for name in ("curve", "shape")]
+def digest(rows: pd.DataFrame) -> list[str]:
+    """A line on each scene for a reader at the terminal."""
+    lines = []
+    for scene, part in results.by_scene(rows):
+        best = results.fastest(part, results.of_paper(part)[0].curve_max)
+        front = part[part["on_curve_front"] == 1].sort_values("seconds").itertuples()
+        labels = [results.setting_of(row).label.removesuffix(f", {STEPS} steps") for row in front]
+        lines.append(
+            f"{scene}: as accurate as the paper's mesh in 1/{1.0 / best.ratio_to_paper_mesh:.3g} of its time "
+            f"by {results.setting_of(best).label}; front of the load curve: {', '.join(labels)}"
+        )
+    return lines

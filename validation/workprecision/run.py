@@ -4,44 +4,46 @@ The error of a path is its distance from a reference (`validation.study.metrics`
 `Extent.reference` elements a turn in `Extent.finest` steps. The reference's own error is told by half
 its mesh and by half its steps; where there is no contact, the exact rod bears it out.
 
-The time is the CPU time of the solve alone, one thread, kernels warm. All settings of a scene run in
-turn, round after round, so that a disturbance of the machine falls on all; ratios are formed within a
-round.
+The time is the CPU time of the solve alone, one thread, kernels warm. All settings of a scene take turns
+(`validation.study.timing`); ratios to the paper's FE mesh are formed within a round.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from functools import partial
 from pathlib import Path
 
 import numpy as np
+import pandas as pd
 
 from coilspring import EquilibriumPath, InputError, Scene
 from coilspring.errors import require_names
-from validation.study.cases import solve_beam, solve_wire
-from validation.study.metrics import compare_paths
-from validation.study.output import prepare
-from validation.study.partialsolve import as_far
+from validation.peers.installed import opensees
+from validation.study.cases import PAPER_MESH, solve_beam, solve_wire
+from validation.study.machine import versions
+from validation.study.metrics import COMPONENTS, Comparison, compare_curves, compare_paths, peaks
+from validation.study.output import prepare, write_files
+from validation.study.partialsolve import partial_path
 from validation.study.provenance import write_provenance
-from validation.study.scenes import study_scenes
-from validation.study.timing import Spread
+from validation.study.scenes import EXACT_ROD, study_scenes
+from validation.study.timing import announced, interleaved, median_of, quartiles
 from validation.study.warmup import make_ready
-from validation.workprecision import figures, page, penaltysweep
-from validation.workprecision.peer import peer_points
-from validation.workprecision.penaltysweep import Sweep
-from validation.workprecision.points import Point, Study
-from validation.workprecision.reference import reference
-from validation.workprecision.settings import EXTENTS, Extent, Setting, settings
+from validation.workprecision import page, results
+from validation.workprecision.penaltysweep import SCENES, penalty_rows
+from validation.workprecision.results import ranked, row
+from validation.workprecision.settings import EXTENTS, PAIRS, PEER, Extent, Setting, settings
 
 SHORT, MOST_REPEATS = 0.02, 5  # s; a shorter solve is repeated within a round
+Progress = Callable[[str], None]
 
 
 def workprecision(
     out: Path,
     only: Sequence[str] | None = None,
     extent: str = "normal",
-    progress: Callable[[str], None] = lambda line: None,
-) -> tuple[Study, ...]:
+    progress: Progress = lambda line: None,
+) -> pd.DataFrame:
     """Measure all scenes and write ``workprecision.csv``, ``.md`` and the figures to `out`.
 
     Parameters
@@ -51,29 +53,33 @@ def workprecision(
     extent : "quick", "normal" or "full".
     progress : called with one line on what is being done.
 
+    Returns
+    -------
+    pandas.DataFrame
+        The result (`validation.workprecision.results`).
+
     Raises
     ------
     InputError : an unknown name or extent.
     """
     if extent not in EXTENTS:
         raise InputError(f"extent must be one of {', '.join(EXTENTS)}, got {extent!r}")
-    scenes = _chosen(only)
+    require_names("only", only or (), study_scenes())
     out = Path(out)
     prepare(out)
     progress("making the kernels ready")
     make_ready()
-    studies: tuple[Study, ...] = ()
-    sweeps: tuple[Sweep, ...] = ()
-    for scene in scenes:
-        studies += (study(scene, EXTENTS[extent], progress),)
-        if scene.name in penaltysweep.SCENES:
-            sweeps += (penaltysweep.sweep(scene, EXTENTS[extent].rounds, progress),)
-        page.write(studies, sweeps, EXTENTS[extent], out, drawn=False)
+    found: list[pd.DataFrame] = []
+    for name, scene in study_scenes().items():
+        if only is None or name in only:
+            found.append(study(scene, EXTENTS[extent], progress))
+            if name in SCENES:
+                found.append(penalty_rows(scene, EXTENTS[extent].rounds, progress))
+            write_files({results.FILE: results.to_csv(pd.concat(found, ignore_index=True))}, out)
+            write_provenance(_command(only, extent), out, openseespy=versions("openseespy")["openseespy"])
+            page.write(out)
     progress("drawing")
-    figures.write(studies, sweeps, out)
-    page.write(studies, sweeps, EXTENTS[extent], out, drawn=True)
-    write_provenance(_command(only, extent), out)
-    return studies
+    return page.write(out, drawn=True)
 
 
 def _command(only: Sequence[str] | None, extent: str) -> str:
@@ -81,49 +87,90 @@ def _command(only: Sequence[str] | None, extent: str) -> str:
     return " ".join(["coilcheck workprecision", *size, *([f"--only {','.join(only)}"] if only else [])])
 
 
-def _chosen(only: Sequence[str] | None) -> list[Scene]:
-    scenes = study_scenes()
-    require_names("only", only or (), scenes)
-    return [scene for name, scene in scenes.items() if only is None or name in only]
-
-
-def study(scene: Scene, extent: Extent, progress: Callable[[str], None]) -> Study:
+def study(scene: Scene, extent: Extent, progress: Progress) -> pd.DataFrame:
     """Errors and times of all settings on one scene."""
     progress(f"{scene.name}: reference")
-    best = reference(scene, extent)
-    runs = settings(scene, extent)
-    paths = []
-    for setting in runs:
+    reference, rows = _reference(scene, extent)
+    paths = {}
+    for setting in settings(scene, extent):
         progress(f"{scene.name}: {setting.label}")
-        paths.append(reached(scene, setting))
-    rounds = []
-    for number in range(extent.rounds):
-        progress(f"{scene.name}: timing, round {number + 1} of {extent.rounds}")
-        rounds.append([_seconds(scene, *run) for run in zip(runs, paths, strict=True)])
-    seconds = np.array(rounds).T
-    paper = seconds[[setting.is_paper_mesh for setting in runs]][0]
-    ratios = seconds / paper
-    points = (
-        Point(
-            setting=setting,
-            outcome=path.outcome,
-            error=compare_paths(path, best.path),
-            ratio=Spread.of(ratio),
-            seconds=Spread.of(ratio * np.median(paper)),
-            iterations=path.total_iterations,
+        paths[setting] = reached(scene, setting)
+    runs = {setting: partial(_seconds, scene, setting, path) for setting, path in paths.items()}
+    seconds = interleaved(runs, announced(extent.rounds, progress, f"{scene.name}: timing"))
+    paper = next(seconds[setting] for setting in runs if setting.is_paper_mesh)
+    for setting, path in paths.items():
+        times = _times(seconds[setting] / paper, float(np.median(paper)))
+        if setting.is_paper_mesh:
+            times |= quartiles("seconds", paper)
+        error = compare_paths(path, reference)
+        rows.append(
+            row("run", scene, setting, error, outcome=path.outcome, iterations=path.total_iterations, **times)
         )
-        for setting, path, ratio in zip(runs, paths, ratios, strict=True)
-    )
-    peers = peer_points(scene, extent, best, float(np.median(paper)), progress)
-    return Study(scene, best, tuple(points), Spread.of(paper), peers)
+    rows += _peer_rows(scene, extent, reference, float(np.median(paper)), progress)
+    return ranked(pd.DataFrame(rows))
 
 
 def reached(scene: Scene, setting: Setting) -> EquilibriumPath:
     """Path of one setting, complete or as far as it was reached."""
-    return as_far(solve_wire if setting.mesh else solve_beam, scene, **setting.options)
+    return partial_path(solve_wire if setting.mesh else solve_beam, scene, **setting.options)
 
 
 def _seconds(scene: Scene, setting: Setting, known: EquilibriumPath) -> float:
     """CPU seconds of one more solve; the median of several where it is short."""
     repeats = int(np.clip(SHORT / max(known.solve_seconds, 1e-6), 1, MOST_REPEATS))
-    return float(np.median([reached(scene, setting).solve_seconds for _ in range(repeats)]))
+    return median_of(repeats, lambda: reached(scene, setting).solve_seconds)
+
+
+def _times(ratios: np.ndarray, paper: float) -> dict[str, float]:
+    """CPU seconds, of ratios to the paper's mesh formed within each round, and the number of rounds."""
+    found = {"ratio_to_paper_mesh": float(np.median(ratios)), "rounds": len(ratios)}
+    return quartiles("seconds", ratios * paper) | found
+
+
+def _reference(scene: Scene, extent: Extent) -> tuple[EquilibriumPath, list[dict[str, object]]]:
+    """The finest path, and rows of its own error."""
+    finest = Setting("curved", extent.finest, extent.reference, PAIRS)
+    path = solve_wire(scene, **finest.options)
+    rows = []
+    for role, setting in (
+        ("half mesh", Setting("curved", extent.finest, extent.reference // 2, PAIRS)),
+        ("half steps", Setting("curved", extent.finest // 2, extent.reference, PAIRS)),
+    ):
+        rows.append(row(role, scene, setting, compare_paths(solve_wire(scene, **setting.options), path)))
+    exact = EXACT_ROD.get(scene.name)
+    if exact is not None:
+        places = [int(np.flatnonzero(np.isclose(path.times, time))[0]) for time in exact]
+        tips = np.array(list(exact.values()))
+        far, nan = float((np.abs(path.tips[places] - tips) / peaks(tips)).max()), float("nan")
+        rows.append(row("exact rod", scene, finest, Comparison(far, nan, nan, nan, {}, {}, len(exact), 1.0)))
+    return path, rows
+
+
+def _peer_rows(
+    scene: Scene, extent: Extent, reference: EquilibriumPath, paper: float, progress: Progress
+) -> list[dict[str, object]]:
+    """All settings of OpenSees, the wire model's straight mesh and penalty; none where it is not installed.
+
+    `paper` : CPU seconds of the paper's FE mesh, by which its times are told.
+    """
+    peer = opensees()
+    if peer is None:
+        return []
+    rows = []
+    for mesh, steps in extent.peers:
+        setting = Setting(PEER, steps, mesh, PAIRS)
+        progress(f"{scene.name}: {setting.label}")
+        runs, ratios = [], []
+        for _ in range(extent.peer_rounds):
+            beside = partial_path(solve_wire, scene, **PAPER_MESH).solve_seconds
+            runs.append(peer.run(scene, steps, peer.tolerance(scene), elements_per_turn=mesh))
+            ratios.append(runs[-1].seconds / beside)
+        run = runs[-1]
+        tips = dict(zip(COMPONENTS, run.tips.T, strict=True))
+        error = compare_curves(run.times, tips, reference)
+        outcome = "completed" if len(run.tips) == steps else "not_converged"
+        times = _times(np.array(ratios), paper)
+        rows.append(
+            row("opensees", scene, setting, error, outcome=outcome, iterations=run.iterations, **times)
+        )
+    return rows

@@ -1,0 +1,66 @@
+"""The numbers behind the page on the helix law's refinements, with errors in place of solves."""
+
+import math
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from coilspring import spring_a, spring_b
+from equivbeam import Refinements
+from validation.verification import fourcases
+from validation.verification.ablation import FOUR, Cases, four_cases
+
+
+@pytest.fixture
+def counted(monkeypatch):
+    """An error is the number of refinements that are switched on."""
+
+    def count(reference, refinements=None):
+        return float(sum(vars(refinements or Refinements()).values()))
+
+    monkeypatch.setattr(fourcases, "law_error", count)
+    monkeypatch.setattr(fourcases, "phase_error", lambda scene, degrees: math.nan)
+
+
+def test_refinements_come_one_after_the_other_and_go_alone(counted):
+    numbers = list(fourcases.case_numbers(spring_a().with_steps(2)))
+    whole = len(fourcases.STAGES)
+    added = [value for table, _, value in numbers if table == "refinements"]
+    assert added == list(range(whole + 1))
+    less = [value for table, row, value in numbers if table == "law" and row.startswith("without")]
+    assert less == [whole - 1] * whole
+    found = {row: value for table, row, value in numbers if table == "reference with"}
+    assert 0.0 < found["8 elements a turn"] < found["twice the pairs a turn"] < 1.0
+    assert not [row for table, row, _ in numbers if table == "outside"]  # Spring A's coils slide
+
+
+def test_every_refinement_has_a_switch():
+    assert {stage.switch for stage in fourcases.STAGES} == set(vars(Refinements()))
+
+
+def test_pairs_outside_the_plane(counted):
+    numbers = list(fourcases.case_numbers(spring_b().with_steps(2)))
+    share = next(value for table, _, value in numbers if table == "outside")
+    assert 0.0 < share < 100.0
+
+
+def test_numbers_stand_by_table_and_row(counted, monkeypatch):
+    """Cases beside each other, as the page has them; what a case has not is left out."""
+    monkeypatch.setattr(fourcases, "CASES", fourcases.CASES[1::2])
+    monkeypatch.setattr(fourcases, "rod_numbers", lambda: [("rod", "exact rod", "100 N", -6.0)])
+    data = fourcases.measured()
+    assert list(data["table"].unique()) == ["refinements", "law", "reference with", "rod"]
+    assert data.groupby(["table", "row"], sort=False).size().tolist()[:-1] == [2] * (len(data) // 2)
+    assert not data["row"].str.contains("phase").any()
+
+
+def test_the_page_has_every_number_of_its_tables():
+    data = pd.read_csv(FOUR)
+    law = next(block for block in four_cases(data) if getattr(block, "header", ("",))[0] == "law")
+    rows = {row[0]: row[1:] for row in law.rows}
+    cases = Cases(data)
+    printed = [float(cell) for cell in rows["helix law"]]
+    np.testing.assert_allclose(printed, [cases.law(case) for case in cases.titles], atol=5.1e-4)
+    phases = rows["helix law, start phase 45 degrees"]
+    assert [cell == "" for cell in phases] == ["w/o" not in case for case in cases.titles]

@@ -1,0 +1,124 @@
+"""The page on the wire model's contact: what is measured of a run, and the page as a view of the runs."""
+
+from dataclasses import asdict
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from validation.verification import contact
+from validation.verification.contactruns import NONE, Run, difference, dissipated, measured, to_pieces
+
+FAKE = {
+    **{
+        "UX": -20.0,
+        "UY": -8.0,
+        "ROTZ": 1.0,
+        "outcome": "completed",
+        "critical time": np.nan,
+        "overlap": 0.03,
+    },
+    **{"penetration": 0.001, "force": 14.0, "factorisations": 69, "pairs found": 0, "unlisted": 0},
+    **{"work": 0.0, "largest slip": 0.0, "last slip": 0.0, "couple": 0.0, "moment": 250.0, "seconds": 1.0},
+}
+
+
+def fake(runs, **changes):
+    """Rows of runs that all have one answer; `changes` are functions of the run."""
+    rows = [
+        asdict(run) | FAKE | {name.replace("_", " "): change(run) for name, change in changes.items()}
+        for run in runs
+    ]
+    return pd.DataFrame(rows)
+
+
+def table(text, head):
+    """Cells of the first table whose header begins so."""
+    lines = text[text.index(f"| {head}") :].split("\n\n")[0].splitlines()
+    cells = [[cell.strip() for cell in line.strip("|").split("|")] for line in lines]
+    return pd.DataFrame(cells[2:], columns=cells[0])
+
+
+def test_a_run_is_measured():
+    data = measured([Run("B", NONE, steps=2), Run("A", 0.1, steps=2)])
+    assert list(data["outcome"]) == ["completed"] * 2
+    assert data["UY"][0] == pytest.approx(-15.374, abs=1e-2)
+    assert data["work"][0] == 0.0 < data["work"][1]
+    assert 0.03 < data["overlap"][0] < 0.06
+    assert data["penetration"][0] < 0.01
+    assert (data["unlisted"] == 0).all()
+    assert data["force"][0] == pytest.approx(1e4 * data["penetration"][0], rel=1e-9)
+
+
+def test_differences_are_of_the_components_that_move():
+    tips = pd.DataFrame({"UX": [0.0, 1e-12], "UY": [2.0, 2.2], "ROTZ": [0.1, 0.1]})
+    np.testing.assert_allclose(difference(tips, tips.iloc[0]), [0.0, 0.1], atol=1e-12)
+
+
+def test_distance_to_a_piece_of_wire():
+    points = np.array([[0.0, 1.0, 0.0], [3.0, 4.0, 0.0]])
+    first, second = np.zeros((2, 3)), np.array([[1.0, 0.0, 0.0], [0.0, 0.0, 0.0]])
+    second[1] = [0.0, 1.0, 0.0]
+    np.testing.assert_allclose(to_pieces(points, first, second), [1.0, np.hypot(3.0, 3.0)])
+
+
+def test_work_of_pairs_that_have_opened_counts():
+    class Friction:
+        work = np.array([[1.0, 0.5], [3.0, 0.2], [0.0, 0.4]])  # a pair that opens begins anew
+
+    path = type("Path", (), {"friction": Friction})
+    assert dissipated(path) == pytest.approx(3.0 + 0.5 + 0.2 + 0.2)
+
+
+def test_the_pairs_are_compared_with_the_finest():
+    data = fake(contact.PAIRS, UY=lambda run: -8.0 - 0.08 / run.pairs, seconds=lambda run: 0.1 * run.pairs)
+    text = contact.pairs_section(data, slip=0.3)
+    rows = table(text, "spring | pairs a turn").set_index(["spring", "pairs a turn"])
+    assert rows.loc[("A", "40"), "difference to 40"] == "0"
+    assert rows.loc[("A", "4"), "difference to 40"] == "0.22 %"
+    assert rows.loc[("B", "20"), "time over that of 4"] == "5.0"
+    assert "A 0.030 mm of overlap (0.030 with 40), 0.22 % of the tips" in text
+    assert "0.030 mm for the largest slip of Spring A with mu = 0.05, 0.30 mm" in text
+
+
+def test_friction_that_ends_early_has_no_number():
+    data = fake(
+        contact.FRICTION,
+        work=lambda run: 0.0 if run.mu in (0.0, NONE) else 1.0 + 1.0 / run.steps,
+        couple=lambda run: {0.1: 25.0, 0.3: 50.0, NONE: 125.0}.get(run.mu, 0.0),
+        outcome=lambda run: "limit point" if (run.spring, run.mu) == ("B", 0.0) else "completed",
+        critical_time=lambda run: 0.65,
+    )
+    text = contact.friction_section(data)
+    rows = table(text, "spring | mu").set_index(["spring", "mu"])
+    assert rows.loc[("B", "0"), "UX"] == "limit point at t = 0.6500"
+    assert rows.loc[("B", "0"), "change of the tips"] == ""
+    assert rows.loc[("A", "0.1"), "change of the work"] == "9.5 %"
+    assert rows.loc[("A", "no sliding"), "work of friction, N mm"] == "0"
+    assert "a moment of 250 N mm" in text
+    assert "10 % of it with mu = 0.1, 20 % with 0.3 and 50 % with no sliding" in text
+
+
+def test_the_page_follows_the_runs():
+    limit = {"traced": 7, "limit": 0.6473, "first": 3, "second": 7, "circ": 96.0}
+    groups = [fake(runs) for runs in (contact.PAIRS, contact.EXPONENTS, contact.FRICTION, contact.SEARCH)]
+    text = contact.page(*groups, limit)
+    assert "found 0 pairs. Arc length finds 7" in text
+    assert "(t = 0.6473, arc length" in text
+    groups[0].loc[0, "pairs found"] = 5
+    assert "found 5 pairs" in contact.page(*groups, limit)
+    assert list(table(text, "spring | k")["K, N/mm^k"].unique()) == ["10000", "100000", "1e+06"]
+    assert len(table(text, "spring | mu | K")) == len(contact.SEARCH)
+
+
+def test_facts_are_those_of_the_rows():
+    """What findings read: the fewest pairs, the last steps of friction, the last search."""
+    pairs, search = (
+        fake(runs, UY=lambda run: -8.0 - 0.08 / run.pairs) for runs in (contact.PAIRS, contact.SEARCH)
+    )
+    friction = fake(contact.FRICTION, couple=lambda run: 125.0 if run.mu == NONE else 0.0)
+    found = contact.facts(pairs, friction, search, {"circ": 96.0})
+    assert found["pairs.count"] == 4
+    assert found["pairs.A.difference"] == pytest.approx(0.22, abs=0.01)
+    assert (found["friction.couples"], found["search.along"]) == (50.0, 96.0)
+    assert (found["search.pairs"], found["search.outcome"]) == (80, "completed")

@@ -1,0 +1,86 @@
+"""The verifier of the equivalent beam's paths: residual, stability and critical points."""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.linalg import solve_triangular
+
+from coilspring import EquilibriumPath, Scene
+from validation.campaign.critical import bracket
+from validation.campaign.energy import BeamEnergy, beam_energy
+from validation.campaign.runs import (
+    LOAD,
+    force_grain,
+    just_before,
+    largest_load,
+    sharp_critical,
+    verified_rows,
+    verify_place,
+)
+from validation.campaign.scenes import Case
+from validation.campaign.verdict import Verdict
+
+RESIDUAL = 1e-6  # distance to the equilibrium over that from rest, both in the energy norm
+REACTION = 1e-6  # of the reaction, by the verifier's own forces in the same state
+BEFORE = 4e-5  # share of the load by which a state lies before its critical point
+
+
+def energy_of(scene: Scene, path: EquilibriumPath) -> BeamEnergy:
+    """Energy of the beam by the law with which a path was found."""
+    energy = beam_energy(scene, str(path.options["law"]))
+    return energy.driven(*scene.load.displacement) if scene.load.displacement else energy
+
+
+def verify_states(verdict: Verdict, energy: BeamEnergy, path: EquilibriumPath) -> None:
+    """Residual and stability of the last state, of some before, and of the one with the largest residual."""
+    if not len(path.times):
+        return
+    residuals = energy.gradients(path.states) - (
+        0.0 if energy.displacement else path.times[:, None] * energy.force
+    )
+    worst = int(np.argmax(energy.share(residuals.T) / path.times))
+    for row in sorted({worst} | verified_rows(path)):
+        verify_state(verdict, energy, path.states[row], float(path.times[row]))
+        if energy.displacement:
+            verify_reaction(verdict, energy, path, row)
+
+
+def verify_reaction(verdict: Verdict, energy: BeamEnergy, path: EquilibriumPath, row: int) -> None:
+    """The top must be where it is prescribed, and be held there by the force that the path reports."""
+    state, time, reported = path.states[row], float(path.times[row]), float(path.loads[row, 1])
+    verify_place(verdict, path, row, float(state[energy.top]))
+    share = abs(float(energy.forces(state)[energy.top]) - reported) / largest_load(path, row)
+    verdict.ask("reaction", share, max(REACTION, force_grain(path)), f"another reaction at time {time:.6g}")
+
+
+def verify_state(verdict: Verdict, energy: BeamEnergy, state: np.ndarray, time: float) -> None:
+    """One state must be a stable equilibrium at its time."""
+    H = energy.hessian(state)
+    residual = energy.residual(state, time)
+    least = float(np.linalg.eigvalsh(energy.relative(H))[0])
+    if not least > 0.0:
+        verdict.complain(f"unstable at time {time:.6g}: least eigenvalue {least:.2e} of that at rest")
+    distance = float(np.sqrt(abs(residual @ np.linalg.solve(H, residual))))
+    whole = float(np.linalg.norm(solve_triangular(energy.rest_factor, energy.force, lower=True))) * time
+    verdict.ask("residual", distance / whole, RESIDUAL, f"no equilibrium at time {time:.6g}")
+    verdict.numbers["least"] = min(least, verdict.numbers.get("least", least))
+
+
+def verify_critical(verdict: Verdict, energy: BeamEnergy, case: Case, path: EquilibriumPath) -> None:
+    """The critical point must lie where the verifier's Hessian changes sign, and the path must end there."""
+    sharp = sharp_critical(verdict, path)
+    if sharp is None:
+        return
+    critical, width = sharp
+    if len(path.times) and path.times[-1] > critical + width:
+        verdict.complain(f"continued to time {path.times[-1]:.6g} past the critical {critical:.6g}")
+    time = critical * (1.0 - BEFORE)
+    before = just_before(verdict, case, critical, time)
+    if before is None:
+        return
+    verify_state(verdict, energy, before.states[-1], time)
+    found = bracket(energy, before.states[-1], time, critical)
+    if found is None:
+        verdict.complain(f"no eigenvalue changes sign near the critical time {critical:.6g}")
+        return
+    verdict.ask("confirmed", found.offset(critical), LOAD, "eigenvalue changes sign elsewhere")

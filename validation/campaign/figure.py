@@ -1,0 +1,107 @@
+"""Figure of a campaign: outcomes over the numerics and over the physics."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import matplotlib
+import numpy as np
+import pandas as pd
+from matplotlib.axes import Axes
+from matplotlib.collections import QuadMesh
+from matplotlib.figure import Figure
+
+from validation.campaign.scenes import MODELS
+from validation.campaign.verdict import CONFIRMED, UNEXPLAINED
+from validation.study.style import DOUBLE, RC, RED
+
+TITLES = {"b": "equivalent beam", "w": "wire model"}
+MAPS = (("penalty", "steps"), ("slenderness", "load"))
+LABELS = {
+    "penalty": "penalty K (N/mm$^k$)",
+    "steps": "requested steps",
+    "slenderness": "height over mean diameter",
+    "load": "relative load",
+}
+LOGARITHMIC = ("penalty", "steps", "slenderness")
+EDGES = {
+    "penalty": np.geomspace(1e2, 1e10, 9),
+    "steps": np.array([1, 3, 8, 22, 63, 201]),
+    "slenderness": np.geomspace(0.2, 7.0, 8),
+    "load": np.linspace(0.0, 1.6, 9),
+}
+TICKS = {"slenderness": (0.2, 0.5, 1, 2, 5), "steps": (1, 3, 10, 30, 100)}
+OTHER_UNITS = ("tiny", "huge")  # whose penalties say nothing beside the others'
+FEWEST = 3  # scenes of a cell that is coloured
+DARK, SMALL, NO_DATA = 25.0, 5.5, "#dcdcdc"  # %: numbers on darker cells are white; pt; cells without data
+
+
+def outcome_figure(data: pd.DataFrame) -> Figure:
+    """Share of scenes that end at a critical point, over the numerics and over the physics."""
+    letters = [letter for letter in MODELS if data["id"].str.startswith(letter).any()] or ["b"]
+    looks: Any = RC
+    with matplotlib.rc_context(looks):
+        figure = Figure(figsize=(DOUBLE, 0.5 + 2.5 * len(letters)), layout="constrained")
+        plots = figure.subplots(len(letters), 2, squeeze=False)
+        for i, letter in enumerate(letters):
+            for j, names in enumerate(MAPS):
+                mine = data[data["id"].str.startswith(letter)]
+                if "penalty" in names:
+                    mine = mine[~mine["corner"].isin(OTHER_UNITS)]
+                mesh = _map(plots[i, j], mine, names)
+                plots[i, j].set_title(f"({'abcd'[2 * i + j]}) {TITLES[letter]}")
+        bar = figure.colorbar(mesh, ax=plots, shrink=0.7, aspect=30)
+        bar.set_label("share of scenes that end at\na confirmed critical point (%)")
+        bar.outline.set_linewidth(0.5)
+        handles, labels = plots[0, 0].get_legend_handles_labels()
+        figure.legend(handles, labels, loc="outside lower center", ncols=2)
+    return figure
+
+
+def _map(axes: Axes, data: pd.DataFrame, names: tuple[str, str]) -> QuadMesh:
+    """One map: cells with their share in per cent, crosses for the unexplained."""
+    places = data[list(names)].astype(float)
+    data, places = data[places[names[0]] > 0.0], places[places[names[0]] > 0.0]
+    x, y = places.to_numpy().T
+    edges = [EDGES[name] for name in names]
+    count, _, _ = np.histogram2d(x, y, bins=edges)
+    critical = (data["class"] == CONFIRMED).to_numpy(dtype=float)
+    share, _, _ = np.histogram2d(x, y, bins=edges, weights=critical)
+    cells = np.ma.masked_where(count < FEWEST, 100.0 * share / np.maximum(count, 1.0)).T
+    axes.set_facecolor(NO_DATA)
+    mesh = axes.pcolormesh(
+        *edges, cells, cmap="Blues", vmin=0.0, vmax=50.0, edgecolors="white", linewidth=0.4
+    )
+    for name, letter in zip(names, "xy", strict=True):
+        axes.set(**{f"{letter}label": LABELS[name]})
+        axes.set(**{f"{letter}scale": "log"} if name in LOGARITHMIC else {})
+    centres = [_middle(edge, name in LOGARITHMIC) for edge, name in zip(edges, names, strict=True)]
+    for row, column in zip(*np.nonzero(~np.ma.getmaskarray(cells)), strict=True):
+        value = cells[row, column]
+        axes.text(
+            centres[0][column], centres[1][row], f"{value:.0f}", ha="center", va="center", fontsize=SMALL,
+            color="white" if value > DARK else "black",
+        )  # fmt: skip
+    inside = (x >= edges[0][0]) & (x <= edges[0][-1]) & (y >= edges[1][0]) & (y <= edges[1][-1])
+    odd = inside & (data["class"] == UNEXPLAINED).to_numpy()
+    look: Any = {
+        "color": RED,
+        "markersize": 5,
+        "markeredgewidth": 1.2,
+        "clip_on": False,
+        "in_layout": False,
+    }
+    axes.plot(x[odd], y[odd], "x", **look, label="unexplained")
+    axes.plot([], [], "s", color=NO_DATA, label=f"fewer than {FEWEST} scenes")
+    for axis, name in zip((axes.xaxis, axes.yaxis), names, strict=True):
+        if name in TICKS:
+            axis.set_ticks(TICKS[name], [f"{tick:g}" for tick in TICKS[name]])
+            axis.set_ticks([], minor=True)
+    axes.set(xlim=edges[0][[0, -1]], ylim=edges[1][[0, -1]])
+    axes.grid(False)
+    return mesh
+
+
+def _middle(edges: np.ndarray, logarithmic: bool) -> np.ndarray:
+    """Middles of cells, as drawn."""
+    return np.sqrt(edges[1:] * edges[:-1]) if logarithmic else 0.5 * (edges[1:] + edges[:-1])

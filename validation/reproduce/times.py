@@ -1,0 +1,86 @@
+"""Solution time of both models on the same scenes (the paper's Table 3), as one DataFrame.
+
+Both models run in one process, alternately, round after round; the first round is discarded.
+The time is the CPU time of the solve alone. CPU time counts every thread, so that none is hidden.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import pandas as pd
+
+from validation.study.cases import CASES, Case, PathStore, solve_beam, solve_wire
+from validation.study.machine import machine
+from validation.study.timing import interleaved, median_of, quartiles, within
+
+BUDGET = 3.5  # s of wall time for all rounds together
+LEAST_ROUNDS, MOST_ROUNDS = 5, 25
+REPEATS = (
+    5  # solves of the equivalent beam, which takes about a millisecond, on each side of the wire model's
+)
+
+
+def measure(store: PathStore) -> pd.DataFrame:
+    """Time the four cases for about `BUDGET`; iterations are those of the paths in `store`.
+
+    Returns
+    -------
+    pandas.DataFrame
+        A row for each case. ``ratio``: time of the wire model over that of the equivalent beam, formed within
+        each round. ``reduction_percent``: time that the beam saves. ``_q1`` and ``_q3``: quartiles.
+    """
+    store.make_ready()
+    counts = {item: _iterations(store, item) for item in CASES}
+    runs = {(item, place): run for item in CASES for place, run in enumerate(_turns(item))}
+    for run in runs.values():
+        run()
+    seconds = interleaved(runs, within(BUDGET, LEAST_ROUNDS, MOST_ROUNDS, store.announce))
+    here = machine()
+    rows = []
+    for item in CASES:
+        before, paper, wire, after = (seconds[item, place] for place in range(4))
+        beam = 0.5 * (before + after)
+        ratio = quartiles("ratio", wire / beam)
+        rows.append(
+            {
+                "case": item.name,
+                "reduction_percent": 100.0 * (1.0 - 1.0 / ratio["ratio"]),
+                "paper_reduction_percent": item.paper_reduction,
+                **ratio,
+                **quartiles("wire_seconds", wire),
+                **quartiles("beam_seconds", beam),
+                **quartiles("beam_paper_tangent_seconds", paper),
+                **counts[item],
+                "rounds": len(wire),
+                "paper_wire_seconds": item.paper_wire,
+                "paper_beam_seconds": item.paper_beam,
+                "measured": here["date"],
+                **{name: here[name] for name in ("processor", "cores", "system", "versions")},
+            }
+        )
+    return pd.DataFrame(rows)
+
+
+def _iterations(store: PathStore, case: Case) -> dict[str, int]:
+    scene = case.scene
+    return {
+        "wire_iterations": store.wire(scene).total_iterations,
+        "beam_iterations": store.beam(scene).total_iterations,
+        "beam_paper_tangent_iterations": store.beam(scene, tangent="paper").total_iterations,
+    }
+
+
+def _turns(case: Case) -> tuple[Callable[[], float], ...]:
+    """Runs of a round: short ones on both sides of the long one, so that a drift of the clock cancels."""
+    scene = case.scene
+
+    def beam(tangent: str = "exact") -> float:
+        return solve_beam(scene, tangent=tangent).solve_seconds
+
+    return (
+        lambda: median_of(REPEATS, beam),
+        lambda: median_of(2, lambda: beam("paper")),
+        lambda: solve_wire(scene).solve_seconds,
+        lambda: median_of(REPEATS, beam),
+    )

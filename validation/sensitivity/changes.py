@@ -1,0 +1,140 @@
+"""Changes of the load curves by one input at a time, a DataFrame for each case.
+
+A change is positive where the top moves farther than with our default, in per cent of the default's peak,
+as `validation.study.metrics` has it. The size of an input is the largest of its changes at any load.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from validation.sensitivity.inputs import BEAM, INPUTS, MODELS, WIRE, OpenInput, Variant
+from validation.sensitivity.topheight import TipCurve, raised
+from validation.study.cases import Case, PathStore
+from validation.study.frames import formatted
+from validation.study.metrics import COMPONENTS, NEGLIGIBLE
+from validation.study.output import write_text
+
+NO_INPUT, COMPLETED = "not an input", "completed"
+ROUNDING = 1e-6  # %: a smaller change counts as none
+BASE_TIPS, TIPS = ("base_ux_mm", "base_uy_mm", "base_rotz_rad"), ("ux_mm", "uy_mm", "rotz_rad")
+CHANGES = tuple(f"{name}_change_percent" for name in COMPONENTS)
+CURVE, DEVIATION = "curve_change_percent", "models_apart_percent"
+DEFAULT_DEVIATION = "default_deviation_percent"  # of the models, the same in all rows of a case
+COLUMNS = (
+    *("case", "model", "input", "kind", "default", "value", "outcome", "critical_time", *BASE_TIPS, *TIPS),
+    *(*CHANGES, CURVE, "curve_component", "curve_time", DEVIATION),
+)
+FORMATS = {
+    "critical_time": "{:.6f}",
+    "curve_time": "{:g}",
+    **dict.fromkeys((*BASE_TIPS, *TIPS), "{:.9g}"),
+    **dict.fromkeys((*CHANGES, CURVE, DEVIATION), "{:.6g}"),
+}
+Curves = Mapping[tuple[str, str], tuple[TipCurve, TipCurve]]  # base and changed by model and value
+
+
+def changes(case: Case, progress: Callable[[str], None]) -> pd.DataFrame:
+    """A row for every value of every input in both models, also where a model has no such input."""
+    store = PathStore(lambda line: None)
+    defaults = {model: _solved(store, model, Variant("", case.scene)) for model in MODELS}
+    rows: list[dict[str, Any]] = []
+    for item in INPUTS:
+        progress(f"{case.title}: {item.title}")
+        curves = {}
+        for model in MODELS:
+            for variant in item.variants(case.scene, model):
+                base = _solved(store, model, Variant("", case.scene, variant.base_options))
+                curves[model, variant.value] = base, _solved(store, model, variant)
+        rows += input_rows(item, curves, defaults)
+    data = pd.DataFrame(rows, columns=COLUMNS[1:])
+    data.insert(0, "case", case.name)
+    return data.assign(**{DEFAULT_DEVIATION: largest_deviation(defaults[BEAM], defaults[WIRE])})
+
+
+def _solved(store: PathStore, model: str, variant: Variant) -> TipCurve:
+    if variant.rise:
+        return raised(variant.scene, model, variant.rise)
+    solve = store.partial_beam if model == BEAM else store.partial_wire
+    return TipCurve.of(solve(variant.scene, **variant.options))
+
+
+def input_rows(item: OpenInput, curves: Curves, defaults: Mapping[str, TipCurve]) -> Iterator[dict[str, Any]]:
+    """Rows of one input."""
+    for model in MODELS:
+        head = {"model": model, "input": item.name, "kind": item.kind, "default": item.default}
+        found = {value: pair for (which, value), pair in curves.items() if which == model}
+        if not found:
+            yield head | {"outcome": NO_INPUT}
+        for value, (base, curve) in found.items():
+            row = head | {"value": value} | change(base, curve)
+            same = {**defaults, **{each: pair[1] for (each, other), pair in curves.items() if other == value}}
+            if all(each.outcome == COMPLETED for each in same.values()):
+                row[DEVIATION] = largest_deviation(same[BEAM], same[WIRE])
+            yield row
+
+
+def change(base: TipCurve, curve: TipCurve) -> dict[str, Any]:
+    """What changes from one curve to the other; a curve short of full load has no number."""
+    row = {"outcome": curve.outcome, "critical_time": curve.critical_time}
+    row |= zip(BASE_TIPS, base.tips[-1], strict=True)
+    if curve.outcome != COMPLETED:
+        return row
+    by_load = farther(curve.tips, base.tips)
+    step, component = np.unravel_index(np.nanargmax(np.abs(by_load)), by_load.shape)
+    by_load = np.where(np.abs(by_load) < ROUNDING, 0.0, by_load)
+    row |= zip(TIPS, curve.tips[-1], strict=True)
+    row |= zip(CHANGES, by_load[-1], strict=True)
+    row[CURVE] = float(by_load[step, component])
+    if row[CURVE]:  # nothing has no place
+        row |= {"curve_component": COMPONENTS[component], "curve_time": curve.times[step]}
+    return row
+
+
+def farther(tips: np.ndarray, base: np.ndarray) -> np.ndarray:
+    """How much farther the top moves than in the base, % of the base's peak, (steps, 3)."""
+    steps = min(len(tips), len(base))
+    peaks = np.abs(base).max(axis=0)
+    held = peaks <= NEGLIGIBLE * peaks.max()
+    direction = np.sign(base[np.abs(base).argmax(axis=0), range(len(COMPONENTS))])
+    return 100.0 * direction * (tips[:steps] - base[:steps]) / np.where(held, np.nan, peaks)
+
+
+def largest_deviation(curve: TipCurve, base: TipCurve) -> float:
+    """Largest difference as far as both curves go, %."""
+    return float(np.nanmax(np.abs(farther(curve.tips, base.tips))))
+
+
+def values(data: pd.DataFrame) -> pd.DataFrame:
+    """The rows with a value: the model has the input."""
+    return data[data["outcome"] != NO_INPUT]
+
+
+def sizes(data: pd.DataFrame) -> pd.DataFrame:
+    """Largest change by each input (rows) in each model (columns), %; the largest inputs first."""
+    size = data[CURVE].abs().groupby([data["input"], data["model"]]).max().unstack()
+    size = size.reindex(index=values(data)["input"].unique(), columns=MODELS).fillna(0.0)
+    return size.loc[size.max(axis=1).sort_values(ascending=False, kind="stable").index]
+
+
+def together(data: pd.DataFrame, model: str, kinds: Collection[str]) -> float:
+    """Root of the sum of squares of the sizes of all inputs of some kinds, %."""
+    return math.hypot(*sizes(data[data["kind"].isin(kinds)])[model])
+
+
+def worst(data: pd.DataFrame, model: str, kinds: Collection[str]) -> pd.Series:
+    """The row of the largest change of a model by inputs of some kinds."""
+    able = data[(data["model"] == model) & data["kind"].isin(kinds)]
+    return able.loc[able[CURVE].abs().idxmax()]
+
+
+def write_csv(studies: Sequence[pd.DataFrame], out: Path) -> None:
+    """Write ``sensitivity.csv``."""
+    texts = formatted(pd.concat(studies, ignore_index=True)[list(COLUMNS)], FORMATS)
+    write_text(out / "sensitivity.csv", texts.to_csv(index=False, lineterminator="\n"))

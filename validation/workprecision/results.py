@@ -1,0 +1,119 @@
+"""The result of the work-precision study: one DataFrame, a row for each setting on each scene.
+
+Rows differ in ``role``: "run", and what stands beside the runs: "opensees"; "penalty", against the same model
+with hard contact; "half mesh" and "half steps" of the reference, and "exact rod", its error against the exact
+solution where there is one. Errors are those of the part of the path that was reached.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from coilspring import Scene
+from validation.study import frames
+from validation.study.metrics import Comparison
+from validation.workprecision.settings import PAIRS, STEPS, Setting
+
+TIE = 1.1  # times nearer to each other than about this factor are one
+GAIN = 0.9  # a slower setting is on the front where its error is below this part of the faster ones'
+FILE = "workprecision.csv"
+WORDS, COUNTS = ["tangent", "sliding"], ["elements_per_turn", "pairs_per_turn"]
+ERRORS = {"curve_max": "", "curve_rms": "", "shape_max": "_mm", "shape_rms": "_mm"}  # and their units
+
+
+def row(role: str, scene: Scene, setting: Setting, error: Comparison, **more: object) -> dict[str, object]:
+    """A row; `more` holds its times (`validation.study.timing.quartiles`), iterations and outcome."""
+    return {
+        "role": role,
+        "scene": scene.name,
+        "model": setting.model,
+        "series": setting.series,
+        "elements_per_turn": setting.mesh,
+        "pairs_per_turn": setting.pairs,
+        "tangent": setting.tangent,
+        "sliding": setting.sliding,
+        "steps": setting.steps,
+        "penalty": scene.contact.stiffness if scene.contact.enabled else np.nan,
+        "outcome": "completed",
+        "last_time": error.last_time,
+        **{name + unit: getattr(error, name) for name, unit in ERRORS.items()},
+        **more,
+    }
+
+
+def ranked(rows: pd.DataFrame) -> pd.DataFrame:
+    """The rows of a scene with the reference's own error, and which of them are on a front."""
+    own = rows[rows["role"].isin(("half mesh", "half steps"))]
+    floors = {
+        "reference_curve_error": own["curve_max"].sum(),
+        "reference_shape_error_mm": own["shape_max_mm"].sum(),
+    }
+    able = rows[(rows["role"] == "run") & competes(rows)]
+    curve, shape = floors.values()
+    whole = able[able["steps"] >= STEPS]  # which give all of the load curve
+    return rows.assign(
+        **floors,
+        on_curve_front=rows.index.isin(front(whole, whole["curve_max"].clip(lower=curve))).astype(int),
+        on_shape_front=rows.index.isin(front(able, able["shape_max_mm"].clip(lower=shape))).astype(int),
+    )
+
+
+def competes(rows: pd.DataFrame) -> pd.Series:
+    """Whether rows solve the scene to the end with the scene's contact model."""
+    return (rows["outcome"] == "completed") & rows["pairs_per_turn"].isin((0, PAIRS))
+
+
+def front(rows: pd.DataFrame, error: pd.Series) -> list[int]:
+    """Index of the Pareto front: no row that is faster, or as fast, has an error as small within `GAIN`."""
+    times = (np.log(rows["ratio_to_paper_mesh"]) / np.log(TIE)).round()
+    found: list[int] = []
+    for place in (
+        pd.DataFrame({"time": times, "error": error}).sort_values(["time", "error"], kind="stable").index
+    ):
+        if not found or error[place] < GAIN * error[found[-1]]:
+            found.append(place)
+    return found
+
+
+def setting_of(row: Any) -> Setting:
+    """The setting of a row."""
+    return Setting(row.series, row.steps, row.elements_per_turn, row.pairs_per_turn, row.tangent, row.sliding)
+
+
+def of_paper(rows: pd.DataFrame) -> tuple[Any, Any]:
+    """The rows of a scene that are the paper's FE mesh and the paper's equivalent beam."""
+    runs = list(rows[rows["role"] == "run"].itertuples())
+    mesh = next(each for each in runs if setting_of(each).is_paper_mesh)
+    return mesh, next(each for each in runs if setting_of(each).is_paper_model)
+
+
+def fastest(rows: pd.DataFrame, error: float) -> Any:
+    """The fastest run of the whole load curve with at most this error or the reference's own; or None."""
+    most = max(error, rows["reference_curve_error"].iloc[0])
+    able = rows[
+        (rows["role"] == "run") & competes(rows) & (rows["steps"] >= STEPS) & (rows["curve_max"] <= most)
+    ]
+    return next(able.sort_values("ratio_to_paper_mesh", kind="stable").itertuples(), None)
+
+
+def to_csv(rows: pd.DataFrame) -> bytes:
+    """The CSV file, where what a model does not have is an empty cell."""
+    counts = {name: rows[name].replace(0, pd.NA).astype("Int64") for name in COUNTS}
+    return frames.to_csv(rows.assign(**counts))
+
+
+def read(folder: Path) -> pd.DataFrame:
+    """What `to_csv` wrote."""
+    rows = frames.read_csv(folder / FILE)
+    whole = {name: rows[name].fillna(0).astype(int) for name in COUNTS}
+    return rows.assign(**whole, **{name: rows[name].fillna("") for name in WORDS})
+
+
+def by_scene(rows: pd.DataFrame) -> Sequence[tuple[str, pd.DataFrame]]:
+    """The rows of each scene, in their order."""
+    return [(str(name), part) for name, part in rows.groupby("scene", sort=False)]
