@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from coilspring.compiled import copy_table, inlined
+from coilspring.compiled import copy_table, part
 from coilspring.linesearch import subtract
 from coilspring.pairlaw import BOUND, ON, RISE, WAY
 from coilspring.system import assembled, moved, solution
@@ -21,7 +21,7 @@ NEARBY = 1e-5  # wire diameters of the way: bounds of hard contact are far from 
 MOST_RISE = 1.0
 
 
-@inlined
+@part
 def rise_of_bounds(system, task, work):
     """Rise of the bounds, 1/mm, at the trial state, an equilibrium found with `work.held`.
 
@@ -48,7 +48,7 @@ def rise_of_bounds(system, task, work):
     return min(max(_rise(near, far), -most), most)
 
 
-@inlined
+@part
 def _rise(near, far):
     """From the memories renewed on both sides of the state, of which the second slid farther."""
     work, whole = 0.0, 0.0

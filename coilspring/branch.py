@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from coilspring.compiled import inlined
+from coilspring.compiled import part
 from coilspring.system import moved, put_prescribed
 
 # A converged state continues the branch when it lies near the straight prediction: within this share
@@ -18,13 +18,13 @@ JUMP = 0.25  # of the distance, by which it may differ from that which the tange
 PAIR_TURN = 0.02  # wire diameters, between a pair's motion and that which the tangents tell
 
 
-@inlined
+@part
 def motion(system, a, b, least):
     """See `coilspring.kernelset`: bound on all motion, pair motion, share of it before the first touch."""
     return system.motion(system.reals, system.ints, a, b, least)
 
 
-@inlined
+@part
 def curvature(tangent, old, last, step):
     """1 where a step follows the path's curvature, 0 where the tangent turned too much in the last one."""
     bend, size = 0.0, 0.0
@@ -34,10 +34,10 @@ def curvature(tangent, old, last, step):
     return 1.0 if (0.5 * step / last) ** 2 * bend <= TURN**2 * size else 0.0
 
 
-@inlined
+@part
 def predict(system, task, work, path, bend, target):
-    """Extrapolate the path to a time: along its tangent, and with ``bend = 1`` on the parabola that also meets
-    the state before; with 0 on the straight line."""
+    """Extrapolate the path to a time: along its tangent, and with ``bend = 1`` on the parabola that also
+    meets the state before; with 0 on the straight line."""
     step, last = target - path.time, path.last_step
     second = bend * (step / last) ** 2
     system.retract(
@@ -47,7 +47,7 @@ def predict(system, task, work, path, bend, target):
     put_prescribed(system, task.start, target, work.predicted)
 
 
-@inlined
+@part
 def continues(system, task, work, troubled, judged):
     """Whether the trial state continues the branch; the share by which the path turned, less where the
     turn is small at all; a bound on how far any point moved."""
@@ -63,7 +63,7 @@ def continues(system, task, work, troubled, judged):
     return least <= 1.0 or (share <= TURN and not troubled), min(share, TURN * least), distance
 
 
-@inlined
+@part
 def jumped(system, task, work, distance, step):
     """Whether near pairs moved neither as predicted nor as the tangents at both ends tell, or all did not as
     these tell: the path may have passed a limit point between the two. `distance` is that of `continues`;
@@ -73,9 +73,10 @@ def jumped(system, task, work, distance, step):
     _, pair, _ = motion(system, work.predicted, work.trial, least)
     if pair <= PAIR_TURN and distance * JUMP <= SMALL * task.diameter:
         return False
-    for i in range(work.step.size):
-        work.step[i] = 0.5 * (work.tangent[i] + work.ahead[i])
-    moved(system, work.state, work.step, step, work.predicted)
+    mean, tangent, ahead = work.step, work.tangent, work.ahead
+    for i in range(mean.size):
+        mean[i] = 0.5 * (tangent[i] + ahead[i])
+    moved(system, work.state, mean, step, work.predicted)
     turn, other, _ = motion(system, work.predicted, work.trial, least)
     # a fold's tangent points along the jump from it, and may be as long; behind it the tangent is short
     return min(pair, other) > PAIR_TURN or turn > max(JUMP * distance, SMALL * task.diameter)

@@ -28,7 +28,14 @@ def signed(function: Callable, *arguments: Any) -> Any:
     What is returned takes no others, and does not look at their types: that of a record takes longer to
     tell than a small spring to solve. It lets other threads run: it calls nothing of Python's.
     """
-    return _stored(function, KERNEL | {"nogil": True}).compile(arguments)
+    return _stored(function, PART | {"nogil": True}).compile(arguments)
+
+
+def typed(function: Callable, signature: Any) -> Any:
+    """A kernel compiled for one signature, to be handed to another one as a first-class function."""
+    dispatcher = _stored(function, KERNEL)
+    dispatcher.compile(signature.args)
+    return dispatcher
 
 
 def _stored(function: Callable, options: dict[str, Any]) -> Any:
@@ -50,10 +57,7 @@ def _part(options: dict[str, Any]) -> Callable[[Callable], Any]:
 # quarter of the time of compiling. Called from Python it is plain Python.
 part = _part(PART)
 
-# The same, put where it is called: bundles of arrays are long lists of arguments.
-inlined = _part(PART | {"forceinline": True})
-
-# The same as `part` for plain arithmetic: sums may be reordered and multiplied on the fly.
+# The same for plain arithmetic: sums may be reordered and multiplied on the fly.
 arithmetic = _part(ARITHMETIC)
 
 

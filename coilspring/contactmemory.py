@@ -39,10 +39,10 @@ def relax(held, memory, left, factor):
 @part
 def released(held, memory):
     """Whether a pair that was held has opened: what held it is gone at once."""
-    any_pair = False
-    for m in range(memory.shape[0]):
-        any_pair |= held[m, ON] > 0.0 and memory[m, ON] == 0.0
-    return any_pair
+    for m in range(memory.shape[0]):  # noqa: SIM110
+        if held[m, ON] > 0.0 and memory[m, ON] == 0.0:
+            return True
+    return False
 
 
 @part
@@ -58,19 +58,19 @@ def remembers(memory):
 @part
 def rubs(memory):
     """Whether a pair is held by friction that is bounded."""
-    any_pair = False
-    for m in range(memory.shape[0]):
-        any_pair |= memory[m, ON] > 0.0 and memory[m, BOUND] < np.inf
-    return any_pair
+    for m in range(memory.shape[0]):  # noqa: SIM110
+        if memory[m, ON] > 0.0 and memory[m, BOUND] < np.inf:
+            return True
+    return False
 
 
 @part
 def slides(memory):
     """Whether a pair slides in the substep at hand."""
-    any_pair = False
-    for m in range(memory.shape[0]):
-        any_pair |= memory[m, ON] > 0.0 and memory[m, WAY] > 0.0
-    return any_pair
+    for m in range(memory.shape[0]):  # noqa: SIM110
+        if memory[m, ON] > 0.0 and memory[m, WAY] > 0.0:
+            return True
+    return False
 
 
 @part

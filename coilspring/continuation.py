@@ -21,7 +21,7 @@ from numba import types
 from coilspring.branch import PAIR_MOTION, motion
 from coilspring.compiled import copied, copied_table, copy, part, signed, zeros
 from coilspring.linesearch import dot
-from coilspring.system import System, assembled, factored, kernel_types, moved, solution, system_types
+from coilspring.system import assembled, factored, moved, solution, system_of, system_types
 
 FIRST_ARC = 0.02  # of the arc that the tangent at rest would take to full load
 LEAST_ARC = 1e-7
@@ -109,19 +109,12 @@ def direction(v, negative, scale, along, pitch, new):
     return sign / size, sign * (dot(v, along) / scale**2 + pitch) / size
 
 
-def trace(
-    reals, ints, prescribed, reaction, load, points, start, memory, size, assemble, factor, solve, retract,
-    work, carry, motion_, commit, renew, overlap, stop,
-):  # fmt: skip
+def trace(reals, ints, prescribed, kernels, load, points, start, memory, size, stop):
     """Trace at most `points` points of the path from rest, or to time 1.
 
-    Compiled code takes functions singly; they are bundled here, see `coilspring.system.System`. `size` is the
-    length of the matrix, `stop` as in `coilspring.stepping.follow`.
+    `size` is the length of the matrix, `stop` as in `coilspring.stepping.follow`.
     """
-    system = System(
-        reals, ints, prescribed, reaction, assemble, factor, solve, retract, work, carry, motion_, commit,
-        renew, overlap,
-    )  # fmt: skip
+    system = system_of(reals, ints, prescribed, kernels)
     times, states = np.empty(points), np.empty((points, start.size))
     iterations, negatives = np.zeros(points, np.int64), np.zeros(points, np.int64)
     v, along, new, g, w = (
@@ -178,4 +171,4 @@ def compiled_trace() -> Callable:
     """`trace`, compiled; read from the cache where stored (see `coilspring.stepping.compiled_follow`)."""
     vector, table = types.float64[::1], types.float64[:, ::1]
     data = (*system_types(), vector, types.int64, vector, table, types.int64)
-    return signed(trace, *data, *kernel_types(), types.int64[::1])
+    return signed(trace, *data, types.int64[::1])

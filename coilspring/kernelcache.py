@@ -25,6 +25,7 @@ import numba
 import numpy as np
 from numba.core import config
 from numba.core.caching import CompileResultCacheImpl, FunctionCache
+from numba.experimental.structref import StructRefProxy
 
 OPTIONS = "__compiled__"  # attribute of a function: how it is compiled
 FLAGS = ("OPT", "BOUNDSCHECK", "DEBUGINFO_DEFAULT", "LOOP_VECTORIZE", "SLP_VECTORIZE", "ENABLE_AVX")
@@ -192,6 +193,8 @@ def _described(value: Any, seen: set[int]) -> Iterator[str]:
         yield f"set {sorted(map(repr, value))}"  # the order of a set changes with the process
     elif isinstance(value, type) and issubclass(value, tuple) and hasattr(value, "_fields"):
         yield f"record {value.__qualname__} {value._fields}"  # type: ignore[attr-defined]
+    elif isinstance(value, type) and issubclass(value, StructRefProxy):
+        yield f"struct {value.__qualname__}"
     elif isinstance(value, PLAIN) or (isinstance(value, type) and _foreign(value.__module__)):
         yield repr(value)
     else:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from coilspring.compiled import inlined
+from coilspring.compiled import part
 from coilspring.system import assembled, moved
 
 ARMIJO = 1e-4  # usual sufficient-decrease constant (Nocedal & Wright, section 3.1)
@@ -15,7 +15,7 @@ FLAT = 0.5  # of the slope at the start: near enough to the least potential alon
 MOST_FLAT = 20  # attempts for that
 
 
-@inlined
+@part
 def dot(a, b):
     """Scalar product; a plain loop compiles ten times faster than the library call."""
     total = 0.0
@@ -24,14 +24,14 @@ def dot(a, b):
     return total
 
 
-@inlined
+@part
 def subtract(b, a):
     """a -= b."""
     for i in range(a.size):
         a[i] -= b[i]
 
 
-@inlined
+@part
 def residual(system, target, state, g, H):
     """Energy and pairs evaluated at `state`; fills the residual `g` under the load and the matrix `H`."""
     energy, near = assembled(system, target.anchor, target.gap, target.memory, state, g, H)
@@ -39,13 +39,13 @@ def residual(system, target, state, g, H):
     return energy, near
 
 
-@inlined
+@part
 def falls(energy, gain, slope, length, rounding):
     """Whether the potential changed by `gain` has fallen enough, to the rounding of the energy."""
     return gain <= ARMIJO * length * slope + rounding + ENERGY_NOISE * abs(energy)
 
 
-@inlined
+@part
 def shorter(low, high, farther, before, behind, beyond, gain, slope, cut):
     """Length between `low` and `high`: where the potential's slope, linear between its values there, is
     zero; where it still falls at `high`, the minimum of the parabola through the potential's `gain`.
@@ -68,10 +68,10 @@ def shorter(low, high, farther, before, behind, beyond, gain, slope, cut):
     return low + min(max(share, cut), 0.5 if low == 0.0 and behind <= 0.0 else 1.0) * (high - low)
 
 
-@inlined
+@part
 def line_search(system, target, work, state, it, gain):
-    """Shorten the step until the potential has fallen enough; `work.scratch`, `work.g` and the matrix belong to
-    the result.
+    """Shorten the step until the potential has fallen enough; `work.scratch`, `work.g` and the matrix belong
+    to the result.
 
     The whole step changes the potential by `gain`, too little of a fall. Where contact is near, the length is
     that of the least potential, roughly: there the pairs that the step closes do touch, so that the next step
@@ -89,7 +89,7 @@ def line_search(system, target, work, state, it, gain):
         it.pairs += near
         gain = value - it.energy - system.work(system.reals, system.ints, target.load, state, work.scratch)
         tilt = dot(work.g, work.step)
-        if falls(abs(it.energy) + abs(value), gain, it.slope, length, target.rounding):
+        if falls(abs(it.energy) + abs(value), gain, it.slope, length, it.rounding):
             if near == 0 or abs(tilt) <= FLAT * abs(it.slope) or i >= MOST_FLAT:
                 it.energy, it.near = value, near
                 return length

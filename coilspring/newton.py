@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import math
-from typing import Any, NamedTuple
+from functools import cache
+from typing import Any
 
 import numpy as np
 
-from coilspring.compiled import copy, inlined
+from coilspring.compiled import copy, part, typed
 from coilspring.linesearch import dot, falls, line_search, residual
-from coilspring.system import assembled, factored, moved, solution, stale_solution
+from coilspring.system import assembled, equilibrium_signature, factored, moved, solution, stale_solution
 
 CONVERGED, LINEAR, SADDLE, FAILED = 0, 1, 2, 3  # to LINEAR: an equilibrium was found
 AGAIN, GO_ON = -1, -2  # within an iteration: begin the next one; go on with this one
@@ -38,22 +39,6 @@ TRUST = 1e-2  # share of the decrement that a good Newton step from a predicted 
 HISTORY = 64  # Newton decrements kept as evidence
 
 
-class Target(NamedTuple):
-    """Of which equilibrium is asked."""
-
-    anchor: Any  # the last accepted state,
-    gap: Any  # and the least gap of its pairs
-    memory: Any  # contact history
-    load: Any
-    reference: Any  # work with which decrements are compared
-    predicted: Any  # energy of the predicted motion
-    rounding: Any  # absolute noise of the energy
-    limit: Any  # largest number of iterations
-    modified: Any  # see `coilspring.system.Task`
-    least_pivot: Any  # at rest
-
-
-@inlined
 def equilibrium(system, target, work, state, it):
     """Newton's method with energy line search from `state`, which is moved to the equilibrium.
 
@@ -65,7 +50,6 @@ def equilibrium(system, target, work, state, it):
     it.pairs, it.count, it.trouble, it.looks = 0, 0, NONE, 0
     it.doubtful, it.current = False, not (target.modified and it.reuse)
     it.least_pivot, it.decrement, it.last, it.damping = np.inf, 0.0, np.inf, FIRST_SHIFT
-    it.tolerance = max(DECREMENT * target.reference, target.rounding)  # less cannot be asked for
     look_at(system, target, work, state, it, it.current or not target.modified)
     for i in range(target.limit):
         status = reuse_factor(system, target, work, state, it, i) if it.reuse else GO_ON
@@ -78,22 +62,30 @@ def equilibrium(system, target, work, state, it):
     return FAILED
 
 
-@inlined
+@cache
+def compiled_equilibrium() -> Any:
+    """`equilibrium`, compiled by itself: so two processor cores share the work."""
+    return typed(equilibrium, equilibrium_signature())
+
+
+@part
 def look_at(system, target, work, state, it, with_matrix):
     """Energy and residual at a state, and its matrix if asked for."""
     H = work.H if with_matrix else work.H[:0]
     it.energy, it.near = residual(system, target, state, work.g, H)
+    it.rounding = max(target.rounding, target.grain * abs(system.reaction[0]))
+    it.tolerance = max(DECREMENT * target.reference, it.rounding)  # less cannot be asked for
     it.pairs += it.near
 
 
-@inlined
+@part
 def advance(system, work, state):
     """Move `state` by the whole step."""
     moved(system, state, work.step, 1.0, work.scratch)
     copy(work.scratch, state)
 
 
-@inlined
+@part
 def reuse_factor(system, target, work, state, it, i):
     """Try the factor of a state nearby: where it closes the residual, nothing is factored.
 
@@ -129,7 +121,7 @@ def reuse_factor(system, target, work, state, it, i):
     return stable_itself(system, target, work, state, it)
 
 
-@inlined
+@part
 def stable_itself(system, target, work, state, it):
     """Where the matrix is nearly singular the pivots must be those of the equilibrium itself."""
     _, near = assembled(system, target.anchor, target.gap, target.memory, state, work.g, work.H)
@@ -141,7 +133,7 @@ def stable_itself(system, target, work, state, it):
     return CONVERGED
 
 
-@inlined
+@part
 def factor_at(system, work, state, it):
     """Factor the matrix of `state`; returns the number of negative pivots."""
     copy(work.H, work.F)
@@ -151,7 +143,7 @@ def factor_at(system, work, state, it):
     return negative
 
 
-@inlined
+@part
 def worthwhile(left, it, modified):
     """Whether a step with a kept factor is taken; its decrement is `left`.
 
@@ -168,7 +160,7 @@ def worthwhile(left, it, modified):
     )
 
 
-@inlined
+@part
 def newton_direction(system, target, work, state, it, first):
     """Factor the matrix, damped where it is indefinite, and find the step.
 
@@ -187,15 +179,16 @@ def newton_direction(system, target, work, state, it, first):
         make_positive(system, work, it)
         solution(system, work.F, work.g, -1.0, work.step)
         it.slope = dot(work.g, work.step)
+    decrements = work.decrements
     for j in range(HISTORY - 1):
-        work.decrements[j] = work.decrements[j + 1]
-    work.decrements[HISTORY - 1] = -it.slope / target.reference
+        decrements[j] = decrements[j + 1]
+    decrements[HISTORY - 1] = -it.slope / target.reference
     if not np.isfinite(it.slope) or it.slope > 0.0:
         return FAILED
     return GO_ON
 
 
-@inlined
+@part
 def plain_step(system, target, work, state, it):
     """A predicted state may be indefinite near a stable equilibrium: whether plain Newton finds it."""
     moved(system, state, work.step, 1.0, work.scratch)
@@ -209,21 +202,22 @@ def plain_step(system, target, work, state, it):
     return False
 
 
-@inlined
+@part
 def make_positive(system, work, it):
     """Factor H + shift * rest, with the first shift from the damping on that makes it positive."""
+    F, H, rest = work.F, work.H, work.rest
     it.shift = it.damping
     while it.shift < MOST_SHIFT:
-        for i in range(work.F.size):
-            work.F[i] = work.H[i] + it.shift * work.rest[i]
-        negative, _ = factored(system, work.F)
+        for i in range(F.size):
+            F[i] = H[i] + it.shift * rest[i]
+        negative, _ = factored(system, F)
         it.count += 1
         if negative == 0:
             break
         it.shift *= 4.0
 
 
-@inlined
+@part
 def move(system, target, work, state, it):
     """Stop within the tolerance; else take the step, shortened until the potential falls."""
     if -it.slope <= it.tolerance:
@@ -241,7 +235,7 @@ def move(system, target, work, state, it):
     look_at(system, target, work, work.scratch, it, it.current or not target.modified)
     gain = it.energy - energy - system.work(system.reals, system.ints, target.load, state, work.scratch)
     length = 1.0
-    if not falls(abs(energy) + abs(it.energy), gain, it.slope, 1.0, target.rounding):
+    if not falls(abs(energy) + abs(it.energy), gain, it.slope, 1.0, it.rounding):
         it.energy = energy
         length = line_search(system, target, work, state, it, gain)
         it.current = False

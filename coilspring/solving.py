@@ -174,7 +174,7 @@ def follow_problem(
 ) -> Run:
     """Follow a problem through the increasing `times`; `length` is the one with which moves are compared."""
     began = time.perf_counter()
-    follow = ready(kernels)
+    follow, bundle = ready(kernels)
     compiled = time.perf_counter() - began
     began = time.process_time()
     dead = np.zeros_like(problem.load) if problem.dead is None else problem.dead
@@ -182,8 +182,8 @@ def follow_problem(
     walk = Walk(problem, times)
     while True:
         interruptible(
-            follow, *pack(problem.data), problem.prescribed, np.zeros(1), task, walk.work, walk.path,
-            walk.substep, walk.newton, walk.watch, *kernels,
+            follow, *pack(problem.data), problem.prescribed, bundle, task, walk.work, walk.path,
+            walk.substep, walk.newton, walk.watch,
         )  # fmt: skip
         if walk.path[0]["outcome"] != STRAY or problem.extended is None:
             break

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from coilspring.compiled import inlined
+from coilspring.compiled import part
 from coilspring.kernelset import Kernels
 from coilspring.linesearch import dot
 from coilspring.system import DIAGONAL, DOF, FREE, PLACE, STIFFNESS, assembled, factored, moved, solution
@@ -21,7 +21,7 @@ WAY = 1e-6  # of the span of the state's numbers, with which a difference is tak
 SAMPLES = 16  # of a linear stretch at which its stability is verified
 
 
-@inlined
+@part
 def unstable_time(system, work, begin, end, gap):
     """First time of a linear stretch at which the matrix has a negative pivot.
 
@@ -46,18 +46,19 @@ def unstable_time(system, work, begin, end, gap):
     return low, count
 
 
-@inlined
-def least_stiffness(system, work):
+@part
+def least_stiffness(system, work, last):
     """Stiffness of the softest mode by inverse iteration with the last factor, from `work.mode`, which is
     improved.
 
-    From state to state the mode changes little, so that a few steps are enough. A share of all other modes is
+    From state to state the mode changes little, so that a few steps are enough: one, where the stiffness is
+    still about the `last` one. A share of all other modes is
     put in before, or one that has become the softest would be missed where symmetry hides it.
     """
     mode, new = work.mode, work.step
     for i in range(mode.size):
         mode[i] += OTHERS * (1.0 + i / mode.size) / math.sqrt(mode.size)
-    value, last = 0.0, np.inf
+    value = 0.0
     for _ in range(FEW_ITERATIONS):
         solution(system, work.F, mode, 1.0, new)
         square = dot(new, new)
@@ -71,7 +72,7 @@ def least_stiffness(system, work):
     return value
 
 
-@inlined
+@part
 def predicted_zero(time, value, before, value_before):
     """Time at which a stiffness that falls is zero on the straight line through two values; else infinite."""
     if value >= value_before:

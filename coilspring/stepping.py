@@ -16,9 +16,9 @@ from numba import types
 
 from coilspring.boundrise import rise_of_bounds
 from coilspring.branch import TURN, continues, curvature, jumped, motion, predict
-from coilspring.compiled import copy, copy_table, inlined, signed
+from coilspring.compiled import copy, copy_table, part, signed
 from coilspring.contactmemory import let_rise, relax, released, remembers, rubs, slides
-from coilspring.newton import CONVERGED, FAILED, INDEFINITE, LINEAR, NONE, Target, equilibrium
+from coilspring.newton import CONVERGED, FAILED, INDEFINITE, LINEAR, NONE
 from coilspring.pairvectors import OVERLAP_ALLOWED, TOUCH
 from coilspring.stability import LEAST_STEP, least_stiffness, predicted_zero, unstable_time
 from coilspring.system import (
@@ -29,15 +29,17 @@ from coilspring.system import (
     SOFTEST,
     SUBSTEP,
     WATCH,
-    System,
+    Target,
+    TaskRef,
+    WorkRef,
     assembled,
     factored,
-    kernel_types,
     moved,
     put_prescribed,
     record_type,
     solution,
     stale_solution,
+    system_of,
     system_types,
     task_type,
     workspace_type,
@@ -59,32 +61,25 @@ APPROACH = 0.5
 LOOK = 0.05  # of the time 0..1: so often at least the softest mode is looked at,
 SOONER = 0.25  # and after this share of the time to its predicted zero
 WEAK = 0.1  # of the least stiffness at rest: below, it is looked at wherever the matrix is factored,
-PROBE = 1e-3  # and after so short a step where a pair has closed, since that turns its slope
+PROBE = 1e-3  # and after so short a step where a pair has closed
 NEUTRAL = 1e-6  # of the least stiffness at rest: what is left of it counts as none, rounding is not far below
 BOUND_CHANGE = 1e-6  # of the bounds of tangential forces, over the largest, where they count as found
 MOST_ROUNDS = 30
 MOST_TRIES = 20_000  # equilibria besides those at requested times; far more than a path needs
 
 
-def follow(
-    reals, ints, prescribed, reaction, task, work, path_, substep_, newton_, watch,
-    assemble, factor, solve, retract, dead_work, carry, motion, commit, renew, overlap, stop,
-):  # fmt: skip
+def follow(reals, ints, prescribed, kernels, task, work, path_, substep_, newton_, watch, stop):
     """Follow the equilibrium through the requested times, from the start or from where `path_` stands.
-
-    Compiled code takes functions singly, and records as vectors of one; they are bundled here.
 
     Parameters
     ----------
-    reals, ints, prescribed, reaction, and the kernels from `assemble` to `overlap` : see `System`.
+    reals, ints, prescribed, kernels : see `coilspring.system.System`.
     task, work : `Task` and `Workspace`.
     path_, substep_, newton_, watch : records, see `coilspring.system`.
     stop : one integer; another thread sets it to end the path at the next substep.
     """
-    system = System(
-        reals, ints, prescribed, reaction, assemble, factor, solve, retract, dead_work, carry, motion, commit,
-        renew, overlap,
-    )  # fmt: skip
+    system = system_of(reals, ints, prescribed, kernels)
+    task, work = TaskRef(*task), WorkRef(*work)
     path, substep, it = path_[0], substep_[0], newton_[0]
     if path.tries == 0:
         begin(system, task, work, path, watch)
@@ -95,7 +90,7 @@ def follow(
         if path.outcome != COMPLETED:
             break
         predict_trial(system, task, work, path, substep)
-        find_equilibrium(system, task, work, path, substep, it)
+        find_equilibrium(system, kernels.equilibrium, task, work, path, substep, it)
         if not keeps_branch(system, task, work, path, substep, watch):
             shorten(path, substep)
         elif verify_linear_stretch(system, work, path, substep) and knows_pairs(system, work, path, substep):
@@ -104,7 +99,7 @@ def follow(
     conclude(system, task, work, path)
 
 
-@inlined
+@part
 def begin(system, task, work, path, watch):
     """State, tangent and least stiffness at the start, and the first substep."""
     copy(task.start, work.state)
@@ -119,18 +114,18 @@ def begin(system, task, work, path, watch):
     factor_start(system, task, work, path)
     set_scales(system, task, work, path)
     softest, room = watch[SOFTEST], watch[ROOM]
-    softest.value = least_stiffness(system, work)
+    softest.value = least_stiffness(system, work, np.inf)
     softest.time, softest.zero = 0.0, np.inf
     path.rest_stiffness = softest.value
     if path.gap <= TOUCH * task.diameter:
         # what touches at rest is no part of the tangent, nor of the stiffness
-        path.next_step, path.closed = min(path.next_step, PROBE), True
+        path.fresh = 2
     room.value, room.time, room.zero = np.inf, 0.0, np.inf
     if work.memory.shape[0] > 0:
         room.value = free_room(system, task, work.state)
 
 
-@inlined
+@part
 def factor_start(system, task, work, path):
     """Matrix at the start, its factor, and the tangent."""
     _, pairs = assembled(system, work.state, path.gap, work.memory, work.state, work.g, work.rest)
@@ -145,7 +140,7 @@ def factor_start(system, task, work, path):
     solution(system, work.F, task.load, 1.0, work.tangent)
 
 
-@inlined
+@part
 def resume(system, task, work, path):
     """Go on from the last accepted state with pairs that are new: the matrix has other places."""
     assembled(system, task.start, np.inf, work.memory, task.start, work.g, work.rest)
@@ -153,34 +148,35 @@ def resume(system, task, work, path):
     path.reuse, path.outcome = False, COMPLETED
 
 
-@inlined
+@part
 def set_scales(system, task, work, path):
     """Work of the whole load along the tangent at rest, and what rounding makes of the potential: the
     rounding of positions times a force."""
+    start, load, dead, tangent = task.start, task.load, task.dead, work.tangent
     span = 0.0
-    for i in range(task.start.size):
-        span = max(span, abs(task.start[i]))
-    path.rounding = 2.0 * EPSILON * span
-    path.reference, path.force, path.dead = 0.0, 0.0, 0.0
-    for i in range(task.load.size):
-        path.force += abs(task.load[i])
-        path.dead += abs(task.dead[i])
-        if system.prescribed.size == 0:
-            path.reference += task.load[i] * work.tangent[i]
-        elif task.load[i] != 0.0:
+    for i in range(start.size):
+        span = max(span, abs(start[i]))
+    change = system.prescribed[CHANGE] if system.prescribed.size > 0 else 0.0
+    reference, force, standing = 0.0, 0.0, 0.0
+    for i in range(load.size):
+        force += abs(load[i])
+        standing += abs(dead[i])
+        if change == 0.0:
+            reference += load[i] * tangent[i]
+        elif load[i] != 0.0:
             # the load that fixes the top less the tangent's last digits, in which the reaction is
-            path.reference += task.load[i] * (system.prescribed[CHANGE] - work.tangent[i])
-    if system.prescribed.size > 0:
-        path.force = abs(path.reference / system.prescribed[CHANGE])
+            reference += load[i] * (change - tangent[i])
+    path.reference, path.rounding, path.dead = reference, 2.0 * EPSILON * span, standing
+    path.force = force if change == 0.0 else abs(reference / change)
 
 
-@inlined
+@part
 def free_room(system, task, state):
     """How much nearer wires may come before they overlap by more than is allowed."""
     return OVERLAP_ALLOWED * task.diameter - system.overlap(system.reals, system.ints, state)[1]
 
 
-@inlined
+@part
 def plan(task, path, substep, watch):
     """Time of the next state: no farther than half way to where stiffness or room are predicted to end."""
     softest, room = watch[SOFTEST], watch[ROOM]
@@ -192,12 +188,11 @@ def plan(task, path, substep, watch):
     to_critical = APPROACH * (softest.zero - path.time)
     to_overlap = max(APPROACH * (room.zero - path.time), OVERLAP_TIME)
     substep.weak = softest.value < WEAK * path.rest_stiffness
-    probed = substep.weak and path.closed
-    substep.near_critical = probed or to_critical < wanted
+    substep.near_critical = path.fresh > 0 or to_critical < wanted
     if softest.value <= NEUTRAL * path.rest_stiffness or to_critical < LEAST_STEP:
         path.outcome, path.bracket = CRITICAL, 2.0 * max(softest.zero - path.time, LEAST_STEP)
         return
-    substep.size = min(wanted, to_critical, to_overlap, PROBE if probed else np.inf)
+    substep.size = min(wanted, to_critical, to_overlap, PROBE if path.fresh > 0 else np.inf)
     substep.near_overlap = substep.size == to_overlap
     path.bracket = 2.0 * substep.size
     left = task.times[path.row] - path.time
@@ -206,9 +201,9 @@ def plan(task, path, substep, watch):
     substep.size = substep.target - path.time
 
 
-@inlined
+@part
 def predict_trial(system, task, work, path, substep):
-    """Predict the state, and shorten the substep to where a pair is about to close: its stiffness is not in
+    """Predict the state; shorten the substep to where a pair is about to close, whose stiffness is not in
     the tangent."""
     substep.shortened = False
     if not task.predictor:
@@ -224,19 +219,20 @@ def predict_trial(system, task, work, path, substep):
         predict(system, task, work, path, bend, substep.target)
 
 
-@inlined
-def find_equilibrium(system, task, work, path, substep, it):
+@part
+def find_equilibrium(system, equilibrium, task, work, path, substep, it):
     """Equilibria for given bounds of the tangential forces, until the bounds are those of the normal forces."""
     # where friction has just begun it holds next to nothing: the prediction slides where the state sticks
     copy(work.state if path.lost and rubs(work.memory) else work.predicted, work.trial)
-    for i in range(task.load.size):
-        growing = 0.0 if system.prescribed.size > 0 else substep.target * task.load[i]
-        work.load[i] = task.dead[i] + growing
+    load, growing, dead = work.load, task.load, task.dead
+    time = 0.0 if system.prescribed.size > 0 else substep.target
+    for i in range(load.size):
+        load[i] = dead[i] + time * growing[i]
     put_prescribed(system, task.start, substep.target, work.trial)
     target = Target(
         work.state, path.gap, work.memory, work.load, path.reference * substep.target**2,
         path.reference * substep.size**2, path.rounding * (path.dead + path.force * substep.target),
-        task.limit, task.modified, path.least_pivot,
+        path.rounding, task.limit, task.modified, path.least_pivot,
     )  # fmt: skip
     system.renew(system.reals, system.ints, work.state, work.memory)
     substep.rounds, substep.iterations, substep.trouble = 0, 0, NONE
@@ -266,7 +262,7 @@ def find_equilibrium(system, task, work, path, substep, it):
     path.lost = substep.status > LINEAR
 
 
-@inlined
+@part
 def keeps_branch(system, task, work, path, substep, watch):
     """Whether the trial state continues the branch; sets the outcome where wires overlap just ahead."""
     if path.lost:
@@ -292,7 +288,7 @@ def keeps_branch(system, task, work, path, substep, watch):
     return not jumped(system, task, work, substep.distance, substep.size)
 
 
-@inlined
+@part
 def hides_instability(system, work, path):
     """Whether the first pair closes, and the open spring has become unstable before: contact may hide it."""
     closes = system.commit(system.reals, system.ints, work.trial, work.memory) <= 0.0
@@ -305,7 +301,7 @@ def hides_instability(system, work, path):
     return negative > 0
 
 
-@inlined
+@part
 def slides_stably(system, task, work, path):
     """Stability where pairs slide, and how their bounds rise with the slips."""
     path.slid = True
@@ -319,7 +315,7 @@ def slides_stably(system, task, work, path):
     return negative == 0
 
 
-@inlined
+@part
 def shorten(path, substep):
     """Take the substep again, half as long; one that is too short ends the path."""
     if path.outcome != COMPLETED:
@@ -337,7 +333,7 @@ def shorten(path, substep):
         path.outcome = OPENED  # what a pair had held is gone at once: there is no branch to judge by
 
 
-@inlined
+@part
 def verify_linear_stretch(system, work, path, substep):
     """Note where a linear stretch begins; verify its stability once, where it ends."""
     if substep.status == LINEAR:
@@ -354,9 +350,9 @@ def verify_linear_stretch(system, work, path, substep):
     return stable
 
 
-@inlined
+@part
 def stable_until(system, work, path, end, gap):
-    """Whether the linear stretch is stable up to the time `end`; else the path goes back to where it is not."""
+    """Whether the linear stretch is stable up to the time `end`; else the path goes back to where it is."""
     critical, count = unstable_time(system, work, path.linear_from, end, gap)
     path.checks += count
     if critical == np.inf:
@@ -366,10 +362,16 @@ def stable_until(system, work, path, end, gap):
     return False
 
 
-@inlined
+@part
 def watch_stiffness(system, work, path, substep, softest):
-    """Look at the softest mode where little is left of its stiffness, and now and then; predict its zero."""
-    near = substep.near_critical or (substep.weak and substep.shortened)
+    """Look at the softest mode where little is left of its stiffness, and now and then; predict its zero.
+
+    A pair that closes turns the slope of the stiffness, and steeply where a displacement is prescribed: it is
+    looked at there, and after a short step.
+    """
+    closing = substep.shortened and (substep.weak or system.prescribed.size > 0)
+    near = substep.near_critical or closing
+    path.fresh = 1 if closing else max(path.fresh - 1, 0)
     if substep.iterations == 0 and near:
         assembled(system, work.trial, 0.0, work.held, work.trial, work.g, work.F)
         copy(work.trial, work.home)
@@ -378,7 +380,7 @@ def watch_stiffness(system, work, path, substep, softest):
     due = softest.time + min(LOOK, SOONER * (softest.zero - softest.time))
     if not (near or (substep.iterations > 0 and (substep.weak or substep.target >= due))):
         return
-    value, least = least_stiffness(system, work), NEUTRAL * path.rest_stiffness
+    value, least = least_stiffness(system, work, softest.value), NEUTRAL * path.rest_stiffness
     if value > least or value < softest.value:
         softest.zero = predicted_zero(substep.target, value, softest.time, softest.value)
     if value > least and APPROACH * (softest.zero - substep.target) < LEAST_STEP:
@@ -386,7 +388,7 @@ def watch_stiffness(system, work, path, substep, softest):
     softest.value, softest.time = value, substep.target
 
 
-@inlined
+@part
 def knows_pairs(system, work, path, substep):
     """Update the contact history; whether all pairs that touch are in the model.
 
@@ -401,13 +403,13 @@ def knows_pairs(system, work, path, substep):
     return False
 
 
-@inlined
+@part
 def accept(work, path, substep, room):
     """Make the trial state the last accepted one."""
     copy(work.tangent, work.old)
     if substep.status == CONVERGED:
         copy(work.ahead, work.tangent)
-    path.reuse, path.closed, path.last_step = True, substep.shortened, substep.size
+    path.reuse, path.last_step = True, substep.size
     if substep.moved == 0.0:
         room.zero = predicted_zero(substep.target, substep.room, room.time, room.value)
         room.time = substep.target
@@ -430,7 +432,7 @@ def accept(work, path, substep, room):
         path.row += 1
 
 
-@inlined
+@part
 def conclude(system, task, work, path):
     """Verify the last linear stretch; rows beyond a critical point found in it are none of the path's."""
     if path.linear:
@@ -441,11 +443,6 @@ def conclude(system, task, work, path):
 
 @lru_cache(maxsize=1)
 def compiled_follow() -> Callable:
-    """`follow`, compiled; read from the cache where stored.
-
-    The kernels enter as typed first-class functions: a jitted function passed as an ordinary
-    argument would be compiled anew in every process.
-    """
+    """`follow`, compiled; read from the cache where stored."""
     records = (record_type(dtype) for dtype in (PATH, SUBSTEP, NEWTON, WATCH))
-    bundles = (*system_types(), task_type(), workspace_type(), *records)
-    return signed(follow, *bundles, *kernel_types(), types.int64[::1])
+    return signed(follow, *system_types(), task_type(), workspace_type(), *records, types.int64[::1])

@@ -1,17 +1,19 @@
-"""What the compiled solver works with: a model and its constraint, the task, vectors, and where a path stands.
+"""What the compiled solver works with: model and constraint, the task, vectors, where a path stands.
 
 Compiled functions take these few bundles. What changes in place are arrays, and records of numbers.
 """
 
 from __future__ import annotations
 
+from functools import cache
 from typing import Any, NamedTuple
 
 import numpy as np
 from numba import from_dtype, types
+from numba.experimental import structref
 
-from coilspring.compiled import inlined
-from coilspring.kernelset import SIGNATURES
+from coilspring.compiled import part, signed, zeros
+from coilspring.kernelset import SIGNATURES, Kernels
 
 # Entries of what is prescribed: its place in the state, in the gradient, on the diagonal of the matrix, the
 # stiffness that fixes it there, and its change by time 1.
@@ -53,6 +55,22 @@ class Task(NamedTuple):
     modified: (
         bool  # modified Newton: a factor is kept for further steps, the matrix left out where not factored
     )
+
+
+class Target(NamedTuple):
+    """Of which equilibrium is asked."""
+
+    anchor: Any  # the last accepted state,
+    gap: Any  # and the least gap of its pairs
+    memory: Any  # contact history
+    load: Any
+    reference: Any  # work with which decrements are compared
+    predicted: Any  # energy of the predicted motion
+    rounding: Any  # noise of the potential,
+    grain: Any  # and for each newton of the force on what is prescribed, mm
+    limit: Any  # largest number of iterations
+    modified: Any  # see `coilspring.system.Task`
+    least_pivot: Any  # at rest
 
 
 class Workspace(NamedTuple):
@@ -109,7 +127,7 @@ PATH = np.dtype(
         ("linear_from", "f8"),  # time at which the linear stretch at hand began
         ("linear", "?"),
         ("reuse", "?"),  # the last factor is tried first
-        ("closed", "?"),  # the last step led to where a pair closes
+        ("fresh", "i8"),  # short steps still to take, since a pair has closed
         ("lost", "?"),  # the last attempt found no equilibrium
         ("slid", "?"),  # a pair slid
         ("rise", "f8"),  # of the bounds of friction, see `coilspring.boundrise`
@@ -150,6 +168,7 @@ NEWTON = np.dtype(
         ("pairs", "i8"),
         ("count", "i8"),  # factorisations
         ("trouble", "i8"),
+        ("rounding", "f8"),  # noise of the potential
         ("tolerance", "f8"),  # of the decrement
         ("slope", "f8"),  # of the potential along the step
         ("shift", "f8"),  # with which an indefinite matrix was made positive
@@ -170,10 +189,79 @@ WATCH = np.dtype([("value", "f8"), ("time", "f8"), ("zero", "f8")], align=True)
 SOFTEST, ROOM = 0, 1  # rows: the least stiffness; how much nearer wires may come
 
 
+# In compiled code bundles are held by one pointer each: a tuple of arrays is handed on as a hundred numbers,
+# which takes long to compile. The bundle of kernels is made once, since Python takes long to hand them over.
+@structref.register
+class _Fields(types.StructRef):
+    """Type of a bundle by its fields."""
+
+
+@structref.register
+class _KernelFields(types.StructRef):
+    """Type of the bundle of kernels."""
+
+
+class SystemRef(structref.StructRefProxy):
+    """`System` in compiled code."""
+
+
+class TaskRef(structref.StructRefProxy):
+    """`Task` in compiled code."""
+
+
+class WorkRef(structref.StructRefProxy):
+    """`Workspace` in compiled code."""
+
+
+class KernelsRef(structref.StructRefProxy):
+    """`coilspring.kernelset.Kernels` in compiled code."""
+
+
+structref.define_attributes(_Fields)
+for _ref, _names in ((SystemRef, System), (TaskRef, Task), (WorkRef, Workspace)):
+    structref.define_constructor(_ref, _Fields, list(_names._fields))
+structref.define_proxy(KernelsRef, _KernelFields, [*Kernels._fields, "equilibrium"])
+
+
+def _bundle(assemble, factor, solve, retract, work, carry, motion, commit, renew, overlap, equilibrium):
+    return KernelsRef(
+        assemble, factor, solve, retract, work, carry, motion, commit, renew, overlap, equilibrium
+    )
+
+
+@cache
+def bundled(kernels: Kernels, equilibrium: Any) -> Any:
+    """A model's kernels and `coilspring.newton.equilibrium` as the follower takes them."""
+    return compiled_bundle()(*kernels, equilibrium)
+
+
+@cache
+def compiled_bundle() -> Any:
+    """`_bundle`, compiled; read from the cache where stored."""
+    return signed(_bundle, *_kernel_types(), types.FunctionType(equilibrium_signature()))
+
+
+def _kernel_types() -> tuple[Any, ...]:
+    return tuple(types.FunctionType(signature) for signature in SIGNATURES)
+
+
+def equilibrium_signature() -> Any:
+    """numba's signature of `coilspring.newton.equilibrium`."""
+    vector, table, real = types.float64[::1], types.float64[:, ::1], types.float64
+    data = (vector, types.int64[::1], vector, vector)
+    system = _Fields(tuple(zip(System._fields, (*data, *_kernel_types()), strict=True)))
+    work = _Fields(tuple(zip(Workspace._fields, workspace_type().types, strict=True)))
+    fields = (vector, real, table, vector, *(real,) * 4, types.int64, types.boolean, real)
+    target = types.NamedTuple(fields, Target)
+    return types.int64(system, target, work, vector, from_dtype(NEWTON))
+
+
 def system_types() -> tuple[Any, ...]:
-    """Types of what `System` is made of, but for the kernels."""
+    """Types of what `system_of` takes."""
     vector = types.float64[::1]
-    return vector, types.int64[::1], vector, vector
+    functions = (*_kernel_types(), types.FunctionType(equilibrium_signature()))
+    names = (*Kernels._fields, "equilibrium")
+    return vector, types.int64[::1], vector, _KernelFields(tuple(zip(names, functions, strict=True)))
 
 
 def task_type() -> Any:
@@ -196,12 +284,16 @@ def record_type(dtype: np.dtype) -> Any:
     return types.Array(from_dtype(dtype), 1, "C")
 
 
-def kernel_types() -> tuple[Any, ...]:
-    """Types of the kernels, as first-class functions."""
-    return tuple(types.FunctionType(signature) for signature in SIGNATURES)
+@part
+def system_of(reals, ints, prescribed, kernels):
+    """`System` in compiled code."""
+    return SystemRef(
+        reals, ints, prescribed, zeros(1), kernels.assemble, kernels.factor, kernels.solve, kernels.retract,
+        kernels.work, kernels.carry, kernels.motion, kernels.commit, kernels.renew, kernels.overlap,
+    )  # fmt: skip
 
 
-@inlined
+@part
 def assembled(system, anchor, gap, memory, state, g, H):
     """Energy and pairs evaluated; fills the gradient, and the matrix unless it is empty.
 
@@ -219,13 +311,13 @@ def assembled(system, anchor, gap, memory, state, g, H):
     return energy, pairs
 
 
-@inlined
+@part
 def factored(system, F):
     """LDL^T of `F` in place; negative pivots, and the least one."""
     return system.factor(system.reals, system.ints, F)
 
 
-@inlined
+@part
 def solve(system, F, b):
     """b = F^-1 b; what is prescribed stays as it is, unless b holds what moves it."""
     top = system.prescribed
@@ -237,7 +329,7 @@ def solve(system, F, b):
         b[fixed] = 0.0
 
 
-@inlined
+@part
 def solution(system, F, b, sign, out):
     """out = sign F^-1 b."""
     for i in range(b.size):
@@ -245,7 +337,7 @@ def solution(system, F, b, sign, out):
     solve(system, F, out)
 
 
-@inlined
+@part
 def stale_solution(system, work, state, b, sign, out):
     """out = sign F^-1 b at `state`, with the factor of the state `work.home`, turned along."""
     for i in range(b.size):
@@ -255,13 +347,13 @@ def stale_solution(system, work, state, b, sign, out):
     system.carry(system.reals, system.ints, work.home, state, out)
 
 
-@inlined
+@part
 def moved(system, state, step, factor, out):
     """The state moved by ``factor * step``."""
     system.retract(system.reals, system.ints, state, step, factor, state, 0.0, out)
 
 
-@inlined
+@part
 def put_prescribed(system, start, time, state):
     """Put what is prescribed to where it is at a time."""
     top = system.prescribed

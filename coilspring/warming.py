@@ -10,17 +10,20 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from functools import cache
 from importlib import import_module
+from typing import Any
 
 from coilspring.kernelset import SIGNATURES, Kernels
+from coilspring.newton import compiled_equilibrium
 from coilspring.stepping import compiled_follow
+from coilspring.system import bundled, compiled_bundle
 
-# About half the work; a child has the others and the follower.
+# About half the work, Newton's method included; a child has the others and the follower.
 PARENTS = ("assemble", "retract", "work", "carry", "motion", "commit", "renew")
 
 
 @cache
-def ready(kernels: Kernels) -> Callable:
-    """The compiled path follower, with a model's kernels compiled or read from the cache.
+def ready(kernels: Kernels) -> tuple[Callable, Any]:
+    """The compiled path follower and the bundle of kernels that it takes, compiled or read from the cache.
 
     The first time half of it is compiled in a child, which leaves it in the on-disk cache. A child
     that fails costs time only, since this process then compiles by itself.
@@ -29,8 +32,9 @@ def ready(kernels: Kernels) -> Callable:
         places = [_place(getattr(kernels, name)) for name in kernels._fields if name not in PARENTS]
         with background(f"from coilspring.warming import compile_others; compile_others({places})"):
             compile_kernels(kernels, PARENTS)
+            compile_newton()
     compile_kernels(kernels)
-    return compiled_follow()
+    return compiled_follow(), bundled(kernels, compile_newton())
 
 
 def _roomy(function: Callable) -> Callable:
@@ -49,6 +53,14 @@ def compile_kernels(kernels: Kernels, names: tuple[str, ...] = Kernels._fields) 
     with _no_collection():
         for name in names:
             getattr(kernels, name).compile(getattr(SIGNATURES, name).args)
+
+
+@_roomy
+def compile_newton() -> Any:
+    """Newton's method, and what puts it together with kernels, compiled or read from the cache."""
+    with _no_collection():
+        compiled_bundle()
+        return compiled_equilibrium()
 
 
 @_roomy

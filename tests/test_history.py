@@ -8,11 +8,13 @@ import pytest
 import equivbeam
 import wirefe
 from coilspring import Contact, EquilibriumNotFound, InputError, Load, Supports, spring_a, spring_b
-from coilspring.driving import Drive
 from coilspring.history import given_loads
 from coilspring.packing import pack
-from coilspring.pairlaw import MEMORY
+from coilspring.system import System, assembled, factored, moved, put_prescribed, solution
+from equivbeam.problem import beam_problem
+from equivbeam.solve import KERNELS as BEAM_KERNELS
 from validation.study.metrics import compare_paths
+from wirefe.solve import KERNELS as WIRE_KERNELS
 from wirefe.solve import scene_problem
 
 CURVED = {"element": "curved", "elements_per_turn": 8}
@@ -134,49 +136,38 @@ def test_a_prescribed_displacement_comes_back(solve, options):
 
 
 @pytest.mark.parametrize("model", ["equivbeam", "wirefe"])
-def test_what_acts_on_the_top_is_the_derivative_of_its_potential(model):
-    """At a state away from rest, driven and not: only the top's freedoms differ."""
+def test_what_is_prescribed_has_no_gradient_and_is_stiff(model):
+    """At rest and away from it: only the top's y differs, its reaction is kept, and a solution leaves it."""
     scene = spring_a()
     if model == "equivbeam":
         data = equivbeam.model.build_model(scene)
-        rest, top = equivbeam.model.rest_state(data), equivbeam.model.top_place(data)
-        size, free = equivbeam.model.matrix_size(data), rest.size - 3
-        plain, driven = equivbeam.kernels.assemble, equivbeam.driven.assemble
-        memory = np.zeros((len(data.pairs), MEMORY))
-        retract = equivbeam.kernels.retract
+        problem, kernels = beam_problem(data, equivbeam.model.load_vector(data, scene)), BEAM_KERNELS
     else:
-        problem, _, _ = scene_problem(scene, "straight", 8, 4)
-        data, rest, top, memory = problem.data, problem.start, problem.top, problem.memory
-        size, free = problem.matrix_size, problem.load.size
-        plain, driven = wirefe.kernels.assemble, wirefe.driven.assemble
-        retract = wirefe.kernels.retract
-    place = np.array([*top.state, *top.freedom, top.diagonal])
-    force = np.array([3.0, -7.0])
-
-    def both(step, fixed=0.0):
-        drive = Drive(place, np.array([0.0, 28.6]), force, np.array([fixed]))
-        packed = pack((data, drive))
-        move, state = np.zeros(free), np.empty_like(rest)
-        move[list(top.freedom)] = step
-        retract(*pack(data), rest, move, 1.0, rest, 0.0, state)
-        found = []
-        for kernel in (plain, driven):
-            g, H = np.empty(free), np.empty(size)
-            energy, _ = kernel(*packed, rest, 0.0, memory, state, g, H)
-            found.append((energy, g, H))
-        return tuple(after - before for before, after in zip(*found, strict=True)), found[1][1]
-
-    x, y = -0.7, -1.3
-    (energy, g, H), _ = both((x, y))
-    assert energy == pytest.approx(-3.0 * x + 7.0 * y, rel=1e-10)
-    expected = np.zeros(free)
-    expected[list(top.freedom)] = -3.0, 7.0
-    np.testing.assert_allclose(g, expected, atol=1e-9)
-    np.testing.assert_allclose(H, 0.0, atol=1e-6)
-    (_, _, H), g = both((x, y), fixed=11.0)  # prescribed: no equilibrium is asked along y, and it is stiff
-    assert g[top.freedom[1]] == 0.0
-    assert np.flatnonzero(np.abs(H) > 1e-6).tolist() == [top.diagonal]
-    assert H[top.diagonal] == pytest.approx(11.0, rel=1e-9)
+        problem, kernels = scene_problem(scene, "straight", 8, 4)[0], WIRE_KERNELS
+    top, n = problem.top, problem.load.size
+    prescribed = np.array([top.state[1], top.freedom[1], top.diagonal, 1e6, -2.0])
+    free, held = (
+        System(*pack(problem.data), what, np.zeros(1), *kernels) for what in (np.zeros(0), prescribed)
+    )
+    step, state = 0.01 * np.random.default_rng(3).normal(size=n), np.empty_like(problem.start)
+    moved(free, problem.start, step, 1.0, state)
+    found = []
+    for system in (free, held):
+        g, H = np.empty(n), np.empty(problem.matrix_size)
+        assembled(system, problem.start, 0.0, problem.memory, state, g, H)
+        found.append((g, H))
+    (g, H), (g_held, H_held) = found
+    assert held.reaction[0] == g[top.freedom[1]] != 0.0
+    assert np.flatnonzero(g != g_held).tolist() == [top.freedom[1]]
+    assert g_held[top.freedom[1]] == 0.0
+    assert np.flatnonzero(H_held != H).tolist() == [top.diagonal]
+    assert H_held[top.diagonal] - H[top.diagonal] == pytest.approx(1e6, rel=1e-6)
+    factored(held, H_held)
+    out = np.empty(n)
+    solution(held, H_held, g_held, -1.0, out)
+    assert out[top.freedom[1]] == 0.0 != out[top.freedom[0]]
+    put_prescribed(held, problem.start, 0.25, state)
+    assert state[top.state[1]] == problem.start[top.state[1]] - 0.5
 
 
 def test_reactions_are_compared_where_the_way_is_prescribed():

@@ -1,4 +1,4 @@
-"""The laws on random springs: who is drawn, what is measured; page and README say what is recorded."""
+"""The laws on random springs: who is drawn, what is measured; the page says what is recorded."""
 
 from __future__ import annotations
 
@@ -160,16 +160,6 @@ def test_verdicts_on_the_four_cases_turn(four):
     assert "more than twice" in ablation.SENTENCES["pairs of spring A"](having(9.0, row=ablation.PAPER))
     exact = four.query("row == 'exact rod' and case == '200 N'")["value"].item()
     assert "farther" not in ablation.SENTENCES["taper"](having(exact, row="helix law", case="200 N"))
-
-
-def test_readme_quotes_the_page(recorded, four):
-    """Accuracies in the README are sentences of the page, with their population."""
-    text = " ".join((ROOT / "README.md").read_text(encoding="utf-8").split())
-    rows = randompage.classified(recorded)
-    for name in ("population", "guided", "helix", "haringx"):
-        assert randompage.SENTENCES[name](rows) in text
-    error = max(ablation.Cases(four).law(case) for case in (ablation.A, ablation.A4))
-    assert f"Spring A: {error:.2f} % of the wire model's load curve" in text
 
 
 @pytest.mark.slow

@@ -9,11 +9,14 @@ import sys
 from collections import Counter
 from pathlib import Path
 
+import numpy as np
+import pandas as pd
 import pytest
 
 import coilspring
 import equivbeam
 import wirefe
+from coilspring.scenefile import scene_from_text
 from validation.cli import main
 from validation.cli.command import COMMANDS
 from validation.study.metrics import compare_paths
@@ -39,7 +42,7 @@ def test_every_block_is_of_a_kind_that_is_tried():
     """Code in another language, or in none, would be run by nobody."""
     for page in PAGES:
         kinds = re.findall(r"^```(\w*)$", page.read_text(encoding="utf-8"), re.MULTILINE)
-        assert set(kinds[::2]) <= {"python", "bash", "toml"}, page.name
+        assert set(kinds[::2]) <= {"python", "bash", "toml", "text"}, page.name
 
 
 @pages_with("python")
@@ -47,12 +50,21 @@ def test_python_blocks(page, capsys):
     for _, code in blocks(page.read_text(encoding="utf-8"), "python"):
         exec(compile(code, page.name, "exec"), {"__name__": "__main__"})
     if page.name == "README.md":
-        assert "-19.8" in capsys.readouterr().out
+        assert "-19.904" in capsys.readouterr().out
+
+
+@pages_with("toml")
+def test_scene_files(page):
+    for _, code in blocks(page.read_text(encoding="utf-8"), "toml"):
+        scene_from_text(code)
 
 
 @pages_with("bash")
 def test_commands(page, tmp_path, monkeypatch, capsys):
-    """In the page's order, in one folder; the file that a page shows takes the place of an edited one."""
+    """In the page's order, in one folder; the file that a page shows takes the place of an edited one.
+
+    A block of text is what the last command printed.
+    """
     monkeypatch.chdir(tmp_path)
     text = page.read_text(encoding="utf-8")
     for mark, code in blocks(text, "bash"):
@@ -63,6 +75,57 @@ def test_commands(page, tmp_path, monkeypatch, capsys):
             run_line(line, capsys)
             for _, scene in blocks(text, "toml") if "new" in line else ():
                 Path("my.toml").write_text(scene, encoding="utf-8")
+    for _, shown in blocks(text, "text"):
+        assert without_seconds(shown) == without_seconds(capsys.readouterr().out)
+
+
+def without_seconds(text):
+    return re.sub(r"[\d.e-]+ s\b", "... s", text)
+
+
+MODELS = {  # of the README's table: the runs of a model, and the law's columns of the random springs
+    "wirefe --element curved --elements-per-turn 4": ("model == 'wirefe' and elements_per_turn == 4", None),
+    "wirefe": ("series == 'straight' and elements_per_turn == 40", None),
+    "equivbeam --law helix": ("series == 'helix' and sliding == scene_sliding", "helix_vector"),
+    "equivbeam": ("series == 'haringx' and sliding == 'ignore' and tangent == 'exact'", "haringx_vector"),
+}
+
+
+def test_the_table_of_models_says_what_is_recorded():
+    runs = pd.read_csv(ROOT / "reports/workprecision/workprecision.csv")
+    runs = runs.query("steps == 50 and reference == 'finest wire'")
+    runs = runs.assign(scene_sliding=np.where(runs["scene"] == "spring-b", "scene", "ignore"))
+    springs = pd.read_csv(ROOT / "reports/errorbudget/randomsprings.csv")
+    classes = [springs[~springs["contact"]], springs[springs["contact"] & (springs["closed"] > 3)]]
+    for model, (chosen, law) in MODELS.items():
+        found = runs.query(chosen)
+        assert len(found) == 6, model
+        cells = [span(100 * found["curve_max"]), "", span(1000 * found["seconds"])]
+        if law:
+            cells[1] = "; ".join(f"{c[law].median():.2g} and {c[law].quantile(0.95):.2g}" for c in classes)
+        row = f"| `{model}` | {' | '.join(cells)} |".replace("|  |", "| |")
+        assert row in README, f"the README's table lacks {row}"
+    counts = " ".join(README.split())
+    assert "{} springs without contact and {} on which more than three".format(*map(len, classes)) in counts
+
+
+def span(values):
+    return f"{values.min():.2g} to {values.max():.2g}"
+
+
+def test_links_of_the_readme():
+    for link in re.findall(r"\]\((?!http)([^)#]+)", README):
+        assert (ROOT / link).exists(), link
+
+
+FILES = r"`((?:coilspring|equivbeam|wirefe|validation|tests|examples)/[\w/]+\.(?:py|toml))"
+
+
+def test_files_that_pages_name():
+    """Pages name files of the repository by their path."""
+    for page in PAGES:
+        for name in re.findall(FILES, page.read_text(encoding="utf-8")):
+            assert (ROOT / name).exists(), f"{page.name} names {name}"
 
 
 def test_every_command_is_in_the_table():

@@ -132,7 +132,7 @@ def test_one_more_iteration_a_step_is_caught(before, solve, monkeypatch):
 
     def slower(*given, **options):
         run = sound(*given, **options)
-        return replace(run, track=run.track._replace(iterations=run.track.iterations + 1))
+        return replace(run, track=replace(run.track, iterations=run.track.iterations + 1))
 
     monkeypatch.setattr(solve, "follow_load", slower)
     chosen = LAWS if solve is BEAM_SOLVE else CURVED

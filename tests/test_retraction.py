@@ -1,5 +1,7 @@
 """Motion of the wire along a step: deformations follow it linearly, the shape follows from them."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
@@ -8,9 +10,10 @@ import wirefe
 from coilspring import Material, load_scene
 from coilspring.branch import predict
 from coilspring.packing import pack
+from coilspring.system import System
 from coilspring.wire import round_section
 from wirefe import kernels, model
-from wirefe.solve import scene_problem
+from wirefe.solve import KERNELS, scene_problem
 
 LENGTH, COUNT = 100.0, 20
 
@@ -97,8 +100,10 @@ def test_the_prediction_meets_the_state_before():
     tangent = wave(problem, free, 1.0, seed=2)
     before = moved(problem.data, problem.start, wave(problem, free, 0.5))
     out = np.empty_like(before)
-    arrays = pack(problem.data)
-    predict(*arrays, before, problem.start, tangent, 0.2, -0.2, 1.0, out, kernels.retract)
+    system = System(*pack(problem.data), problem.prescribed, np.zeros(1), *KERNELS)
+    work = SimpleNamespace(state=problem.start, before=before, tangent=tangent, predicted=out)
+    path = SimpleNamespace(time=0.5, last_step=0.2)
+    predict(system, None, work, path, 1.0, 0.3)
     np.testing.assert_allclose(out, before, atol=1e-10)
 
 

@@ -117,10 +117,13 @@ def test_tracing_finds_pairs_past_the_limit_point():
     [(spring_a(), 30.0, 40), (spring_b(), 100.0, 40), (spring_b(), 30.0, 20), (FREE_B, 300.0, 40)],
     ids=["A", "B", "B until its limit point", "B frictionless"],
 )
-def test_solving_starts_anew_with_what_was_found(scene, penalty, pairs_per_turn):
-    """Wires so soft that diagonal neighbours overlap; no stored state holds an overlap unknown to it."""
+def test_a_path_goes_on_with_the_pairs_that_are_found(scene, penalty, pairs_per_turn):
+    """Wires so soft that diagonal neighbours overlap; no stored state holds an overlap unknown to it, and
+    nothing is solved twice."""
     path = solved(scene, penalty, pairs_per_turn)
     assert path.options["pairs_found"] > 10
+    if path.outcome == "completed":
+        assert path.total_iterations == path.iterations.sum()
     contact = path.shape.data.contact
     assert len(contact.pairs) == len({tuple(pair) for pair in contact.pairs})
     assert (contact.pairs[:, 0] + contact.near < contact.pairs[:, 1]).all()
@@ -143,13 +146,10 @@ def test_the_last_state_is_searched_too():
 
 
 def test_no_pair_is_added_where_coils_touch_one_turn_apart():
-    """And the factorisations of what was started anew are counted."""
     for scene in (spring_a(), spring_b()):
         path = wirefe.solve(scene, steps=5, element="curved", elements_per_turn=8)
         assert path.options["pairs_found"] == 0
         assert path.total_iterations >= path.iterations.sum()
-    again = solved(spring_a(), 30.0, 40)
-    assert again.total_iterations > again.iterations.sum()
 
 
 def test_touching_wires_of_a_short_spring_are_no_strays():

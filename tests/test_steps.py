@@ -57,7 +57,7 @@ FREE = Scene("free top", Spring(2.0, (12.7, 12.7), 11.5, 35.19, start_phase=3.53
     [
         (wirefe.solve, SLENDER, {"element": "curved", "elements_per_turn": 16}, "bifurcation", 0.32919),
         (wirefe.solve, LONG, {"element": "curved", "elements_per_turn": 8}, "bifurcation", 0.90047),
-        (equivbeam.solve, LONG, {"law": "helix"}, "bifurcation", 0.83911),
+        (equivbeam.solve, LONG, {"law": "helix"}, "bifurcation", 0.83880),
         (wirefe.solve, FREE, {"element": "curved", "elements_per_turn": 8}, "completed", None),
     ],
     ids=["slender", "long", "long, helix", "free top"],

@@ -11,11 +11,13 @@ from coilspring.continuation import Trace, compiled_trace
 from coilspring.errors import EquilibriumNotFound, InputError, require_integer
 from coilspring.interrupt import interruptible
 from coilspring.kernelset import Kernels
+from coilspring.newton import compiled_equilibrium
 from coilspring.packing import pack
 from coilspring.pairvectors import OVERLAP_ALLOWED
 from coilspring.path import EquilibriumPath
 from coilspring.scene import Scene, require_scene
 from coilspring.solving import THROUGH, Problem
+from coilspring.system import bundled
 from coilspring.warming import compile_kernels
 from wirefe.rod import Rod
 from wirefe.rodpath import RodPath
@@ -122,10 +124,11 @@ def trace_rod(rod: Rod, *, points: int = 200) -> RodPath:
 def _run(problem: Problem, kernels: Kernels, points: int) -> tuple[Trace, float]:
     follow = compiled_trace()
     compile_kernels(kernels)
+    bundle = bundled(kernels, compiled_equilibrium())
     began = time.process_time()
     found = interruptible(
-        follow, *pack(problem.data), problem.prescribed, np.zeros(1), problem.load, points, problem.start,
-        problem.memory, problem.matrix_size, *kernels,
+        follow, *pack(problem.data), problem.prescribed, bundle, problem.load, points, problem.start,
+        problem.memory, problem.matrix_size,
     )  # fmt: skip
     return Trace(*found), time.process_time() - began
 
