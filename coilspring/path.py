@@ -42,7 +42,7 @@ class Shape(Protocol):
 
     @property
     def pair_law(self) -> Any:
-        """What holds the pairs (pairs, 2) and their law; see `coilspring.pairreader`."""
+        """What holds the pairs (pairs, 2) and their law; see `coilspring.contact.results`."""
 
     def tips(self, states: np.ndarray) -> np.ndarray:
         """UX, UY, ROTZ of the top reference point, shape (states, 3); mm, rad (not wrapped)."""

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from coilspring.compiled import arithmetic, kernel, part
+from coilspring.compiling.compiled import arithmetic, kernel, part
 
 BAND = 8  # half bandwidth: a pair couples the nodes i and i + 2, three degrees of freedom each
 WIDTH = BAND + 1

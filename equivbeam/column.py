@@ -10,10 +10,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from coilspring.compiling.packing import pack
 from coilspring.errors import InputError, require_choice, require_integer
-from coilspring.packing import pack
 from coilspring.scene import Load, Scene, require_scene
-from coilspring.solving import Problem, Run, follow_problem
+from coilspring.solver.solve import Problem, Run, follow_problem
 from equivbeam import band, kernels
 from equivbeam.laws import LAWS
 from equivbeam.laws.haringx import KAX, KFL, KSH, L0

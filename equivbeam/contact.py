@@ -1,13 +1,13 @@
 """Contact between the circles in which the wire meets the working plane, (10)-(13).
 
-The law of a pair is `coilspring.pairlaw`.
+The law of a pair is `coilspring.contact.law`.
 """
 
 from __future__ import annotations
 
 import math
 
-from coilspring.compiled import part
+from coilspring.compiling.compiled import part
 
 
 @part

@@ -14,7 +14,7 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-from coilspring.compiled import part
+from coilspring.compiling.compiled import part
 
 
 class Response(NamedTuple):

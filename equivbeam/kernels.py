@@ -6,9 +6,9 @@ import math
 
 import numpy as np
 
-from coilspring.compiled import clear, copy, kernel, part
-from coilspring.pairlaw import ON, pair_potential
-from coilspring.pairvectors import approach, remember, renew_bounds
+from coilspring.compiling.compiled import clear, copy, kernel, part
+from coilspring.contact.kinematics import approach, remember, renew_bounds
+from coilspring.contact.law import ON, pair_potential
 from equivbeam.band import ROW, fix
 from equivbeam.contact import circle_centre, circle_overlap, pair_forces
 from equivbeam.element import gradient, hessian, measures_at, paper_matrix
@@ -104,7 +104,7 @@ def _add_pairs(model, memory, state, g, H, ge, Ke):
 
 @kernel
 def assemble(reals, ints, anchor, clearance, memory, state, g, flat):
-    """Strain and contact energy, gradient and matrix; see `coilspring.kernelset` for the contract."""
+    """Strain and contact energy, gradient and matrix; see `coilspring.solver.interface` for the contract."""
     model = view(reals, ints)
     H = flat.reshape((flat.size // ROW, ROW))
     clear(g)
@@ -138,7 +138,7 @@ def assemble(reals, ints, anchor, clearance, memory, state, g, flat):
 
 @kernel
 def retract(reals, ints, state, step, factor, before, second, out):
-    """See `coilspring.kernelset`: positions and rotations simply add."""
+    """See `coilspring.solver.interface`: positions and rotations simply add."""
     copy(state, out)
     for i in range(step.size):
         out[3 + i] += factor * step[i] + second * (before[3 + i] - state[3 + i])
@@ -155,12 +155,12 @@ def work(reals, ints, load, a, b):
 
 @kernel
 def carry(reals, ints, a, b, v):
-    """See `coilspring.kernelset`: half coils are as stiff in all directions, nearly."""
+    """See `coilspring.solver.interface`: half coils are as stiff in all directions, nearly."""
 
 
 @kernel
 def motion(reals, ints, a, b, least):
-    """See `coilspring.kernelset`: bound on all motion, pair motion, share until the first touch."""
+    """See `coilspring.solver.interface`: bound on all motion, pair motion, share until the first touch."""
     model = view(reals, ints)
     bound = _bound(model.reach, a, b)
     if model.pairs.shape[0] == 0 or bound <= least:
@@ -171,7 +171,7 @@ def motion(reals, ints, a, b, least):
 
 @kernel
 def commit(reals, ints, state, memory):
-    """See `coilspring.pairvectors.remember`."""
+    """See `coilspring.contact.kinematics.remember`."""
     model = view(reals, ints)
     if model.pairs.shape[0] == 0:
         return np.inf
@@ -180,7 +180,7 @@ def commit(reals, ints, state, memory):
 
 @kernel
 def renew(reals, ints, state, memory):
-    """See `coilspring.pairvectors.renew_bounds`."""
+    """See `coilspring.contact.kinematics.renew_bounds`."""
     model = view(reals, ints)
     if model.mu == 0.0:
         return 0.0
@@ -189,6 +189,6 @@ def renew(reals, ints, state, memory):
 
 @kernel
 def overlap(reals, ints, state):
-    """See `coilspring.kernelset`: of all circles, and beyond the deepest pair."""
+    """See `coilspring.solver.interface`: of all circles, and beyond the deepest pair."""
     model = view(reals, ints)
     return circle_overlap(_centres(model, state), model.attached, state, model.d)

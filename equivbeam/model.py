@@ -7,13 +7,13 @@ from typing import NamedTuple
 
 import numpy as np
 
-from coilspring.compiled import part
-from coilspring.driving import Top
+from coilspring.compiling.compiled import part
+from coilspring.compiling.packing import heads, table, vector
+from coilspring.contact.law import MEMORY
 from coilspring.errors import InputError
-from coilspring.packing import heads, table, vector
-from coilspring.pairlaw import MEMORY
 from coilspring.scene import Scene
-from coilspring.solving import Problem
+from coilspring.solver.solve import Problem
+from coilspring.solver.stages import Top
 from equivbeam.band import ROW
 from equivbeam.laws import LAWS, law_rows
 from equivbeam.laws.haringx import L0

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from coilspring.compiling.packing import pack
+from coilspring.contact.law import MEMORY
 from coilspring.errors import InputError, shown
-from coilspring.packing import pack
-from coilspring.pairlaw import MEMORY
 from coilspring.path import EquilibriumPath
 from coilspring.scene import Scene
 from equivbeam import band, kernels

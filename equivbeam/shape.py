@@ -7,10 +7,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from coilspring.driving import reactions
-from coilspring.packing import pack
-from coilspring.pairreader import PairReader
+from coilspring.compiling.packing import pack
+from coilspring.contact.results import PairReader
 from coilspring.scene import Scene
+from coilspring.solver.stages import reactions
 from equivbeam import kernels
 from equivbeam.model import BeamModel, rest_state
 

@@ -6,10 +6,10 @@ from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any
 
-from coilspring.kernelset import Kernels
 from coilspring.path import EquilibriumPath
 from coilspring.scene import Scene, require_scene
-from coilspring.solving import MOST_ITERATIONS, follow_load, scene_path
+from coilspring.solver.interface import Kernels
+from coilspring.solver.solve import MOST_ITERATIONS, follow_load, scene_path
 from equivbeam import band, kernels, model
 from equivbeam.laws.helixrows import Refinements
 from equivbeam.limits import caution

@@ -8,8 +8,8 @@ import pytest
 import equivbeam
 import wirefe
 from coilspring import Contact, Spring, Supports, spring_a, spring_b
-from coilspring.packing import pack
-from coilspring.stability import Body, softest
+from coilspring.compiling.packing import pack
+from coilspring.solver.stability import Body, softest
 from equivbeam.model import beam_problem, build_model, load_vector
 from equivbeam.solve import KERNELS as BEAM_KERNELS
 from wirefe.solve import KERNELS as WIRE_KERNELS

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from coilspring.pairlaw import MEMORY, pair_potential
+from coilspring.contact.law import MEMORY, pair_potential
 from equivbeam.contact import circle_centre, pair_forces
 
 D, KC = 1.5, 2.0e4

@@ -7,11 +7,11 @@ import pytest
 
 import equivbeam
 from coilspring import Contact, EquilibriumNotFound, spring_a
-from coilspring.friction import SLACK, coulomb
-from coilspring.packing import pack
-from coilspring.pairlaw import BOUND, ON, RISE
-from coilspring.solving import HELD, LOST
-from coilspring.stability import Body
+from coilspring.compiling.packing import pack
+from coilspring.contact.law import BOUND, ON, RISE
+from coilspring.solver.coulomb import SLACK, coulomb
+from coilspring.solver.solve import HELD, LOST
+from coilspring.solver.stability import Body
 from equivbeam.model import matrix_size
 from equivbeam.solve import KERNELS
 from validation.campaign.scenes import make_case

@@ -19,8 +19,8 @@ from coilspring import (
     spring_a,
     spring_b,
 )
-from coilspring.packing import pack
-from coilspring.pairlaw import MEMORY
+from coilspring.compiling.packing import pack
+from coilspring.contact.law import MEMORY
 from equivbeam import band, kernels, model
 from equivbeam.laws import LAWS
 from equivbeam.options import BeamOptions

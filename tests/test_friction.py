@@ -9,8 +9,8 @@ import pytest
 import equivbeam
 import wirefe
 from coilspring import Contact, InputError, load_scene
-from coilspring.packing import pack
-from coilspring.pairlaw import SLID
+from coilspring.compiling.packing import pack
+from coilspring.contact.law import SLID
 from coilspring.scene.toml import scene_from_text
 from wirefe import kernels, model
 from wirestates import add, centres, elements

@@ -8,9 +8,9 @@ import pytest
 import equivbeam
 import wirefe
 from coilspring import Contact, EquilibriumNotFound, InputError, Load, Supports, spring_a, spring_b
-from coilspring.packing import pack
+from coilspring.compiling.packing import pack
 from coilspring.scene.load import given_loads
-from coilspring.system import System, assembled, factored, moved, put_prescribed, solution
+from coilspring.solver.system import System, assembled, factored, moved, put_prescribed, solution
 from equivbeam.model import beam_problem
 from equivbeam.solve import KERNELS as BEAM_KERNELS
 from validation.study.metrics import compare_paths

@@ -11,9 +11,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from coilspring import kernelcache, pairvectors
-from coilspring.compiled import kernel, part
-from coilspring.kernelcache import content_digest
+from coilspring.compiling import kernelcache
+from coilspring.compiling.compiled import kernel, part
+from coilspring.compiling.kernelcache import content_digest
+from coilspring.contact import kinematics as pairvectors
 from equivbeam import kernels as beam
 from equivbeam.laws import haringx
 from wirefe import kernels as wire
@@ -147,7 +148,7 @@ def test_entries_that_nobody_uses_go(tmp_path, monkeypatch):
 
 
 def test_where_no_home_can_be_written_kernels_are_kept_elsewhere(tmp_path):
-    code = "from coilspring.kernelcache import folder; print(folder())"
+    code = "from coilspring.compiling.kernelcache import folder; print(folder())"
     environment = os.environ | {
         "XDG_CACHE_HOME": "/proc/none",
         "TMPDIR": str(tmp_path),

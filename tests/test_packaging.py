@@ -40,7 +40,7 @@ def test_second_process_hits_the_cache(tmp_path):
     """Both models; a follower that misses would be compiled anew by every process."""
     code = (
         "import coilspring, equivbeam, wirefe\n"
-        "from coilspring import stepping\n"
+        "from coilspring.solver import follower as stepping\n"
         "scene = coilspring.spring_b()\n"
         "equivbeam.solve(scene, steps=2), wirefe.solve(scene, steps=2, elements_per_turn=8)\n"
         "from equivbeam.kernels import assemble as a\n"

@@ -7,8 +7,8 @@ import pytest
 
 import wirefe
 from coilspring import Contact, EquilibriumNotFound, InputError, Load, Scene, Spring, Supports, load_scene
-from coilspring.packing import pack
-from coilspring.pairlaw import MEMORY
+from coilspring.compiling.packing import pack
+from coilspring.contact.law import MEMORY
 from coilspring.scene.sizing import axial_rate
 from wirefe import kernels, seated
 from wirefe.export import section_results

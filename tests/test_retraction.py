@@ -8,10 +8,10 @@ from scipy.spatial.transform import Rotation
 
 import wirefe
 from coilspring import Material, load_scene
-from coilspring.branch import predict
-from coilspring.packing import pack
+from coilspring.compiling.packing import pack
 from coilspring.scene.wire import round_section
-from coilspring.system import System
+from coilspring.solver.branch import predict
+from coilspring.solver.system import System
 from wirefe import kernels, model
 from wirefe.solve import KERNELS, scene_problem
 

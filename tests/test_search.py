@@ -8,8 +8,8 @@ from scipy.spatial import cKDTree
 
 import wirefe
 from coilspring import Contact, Load, spring_a, spring_b
-from coilspring.packing import pack
-from coilspring.pairlaw import MEMORY
+from coilspring.compiling.packing import pack
+from coilspring.contact.law import MEMORY
 from validation.study.partialsolve import partial_path
 from wirefe import kernels, model
 from wirefe.mesh import strays

@@ -11,8 +11,8 @@ from scipy.sparse.linalg import spsolve
 import equivbeam
 import wirefe
 from coilspring import CoilSection, Contact, InputError, Load, Material, Scene, Spring, Supports, load_scene
-from coilspring.packing import pack
-from coilspring.pairlaw import MEMORY
+from coilspring.compiling.packing import pack
+from coilspring.contact.law import MEMORY
 from coilspring.scene.wire import round_section
 from equivbeam import kernels, model
 from equivbeam.options import BeamOptions

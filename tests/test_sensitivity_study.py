@@ -11,9 +11,9 @@ import pytest
 
 import equivbeam
 from coilspring import InputError, spring_a, spring_b
-from coilspring.pairlaw import MEMORY
+from coilspring.contact.law import MEMORY
 from coilspring.scene.wire import round_section
-from coilspring.solving import Problem, follow_problem, output_times, scene_path
+from coilspring.solver.solve import Problem, follow_problem, output_times, scene_path
 from equivbeam import model as beam
 from equivbeam.laws.haringx import KAX, KFL, KSH
 from equivbeam.shape import BeamShape

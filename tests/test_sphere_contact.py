@@ -4,8 +4,10 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from coilspring import pairlaw, pairvectors
-from coilspring.pairlaw import (
+from coilspring.contact import kinematics as pairvectors
+from coilspring.contact import law as pairlaw
+from coilspring.contact.kinematics import renew_bounds
+from coilspring.contact.law import (
     BOUND,
     MEMORY,
     N0,
@@ -18,8 +20,7 @@ from coilspring.pairlaw import (
     pair_potential,
     renewed,
 )
-from coilspring.pairreader import PairReader
-from coilspring.pairvectors import renew_bounds
+from coilspring.contact.results import PairReader
 from wirefe.contact import pair_matrix
 
 D, K = 1.5, 1.0e4

@@ -19,8 +19,8 @@ from coilspring import (
     spring_a,
     spring_b,
 )
-from coilspring.packing import pack
-from coilspring.pairlaw import MEMORY
+from coilspring.compiling.packing import pack
+from coilspring.contact.law import MEMORY
 from coilspring.scene.wire import round_section
 from validation.study.partialsolve import partial_path
 from validation.study.scenes import EXACT_ROD

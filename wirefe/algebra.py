@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from coilspring.compiled import arithmetic
+from coilspring.compiling.compiled import arithmetic
 
 
 @arithmetic

@@ -22,7 +22,7 @@ import math
 
 import numpy as np
 
-from coilspring.compiled import arithmetic, kernel
+from coilspring.compiling.compiled import arithmetic, kernel
 from wirefe.algebra import (
     added,
     applied,

@@ -12,7 +12,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from coilspring.compiled import clear, part, zeros
+from coilspring.compiling.compiled import clear, part, zeros
 
 N6 = 6
 

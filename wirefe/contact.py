@@ -1,8 +1,8 @@
-"""A contact pair of spheres in the freedoms of the nodes that carry them; its law is `coilspring.pairlaw`."""
+"""A contact pair of spheres in the degrees of freedom of their nodes; its law is `coilspring.contact.law`."""
 
 from __future__ import annotations
 
-from coilspring.compiled import arithmetic
+from coilspring.compiling.compiled import arithmetic
 from wirefe.algebra import added, block, cross, diagonal, dot, outer, product, put, scaled, skew
 from wirefe.poses import three
 

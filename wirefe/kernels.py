@@ -6,9 +6,9 @@ import math
 
 import numpy as np
 
-from coilspring.compiled import arithmetic, clear, kernel, part
-from coilspring.pairlaw import ON, pair_potential
-from coilspring.pairvectors import OVERLAP_ALLOWED, approach, remember, renew_bounds
+from coilspring.compiling.compiled import arithmetic, clear, kernel, part
+from coilspring.contact.kinematics import OVERLAP_ALLOWED, approach, remember, renew_bounds
+from coilspring.contact.law import ON, pair_potential
 from wirefe.algebra import dot, plus
 from wirefe.beam import beams
 from wirefe.chain import eliminate, substitute
@@ -130,7 +130,7 @@ def _hold(held, H):
 
 @kernel
 def assemble(reals, ints, anchor, clearance, memory, state, g, flat):
-    """Strain and contact energy, gradient and matrix; see `coilspring.kernelset` for the contract."""
+    """Strain and contact energy, gradient and matrix; see `coilspring.solver.interface` for the contract."""
     contact = view_contact(reals, ints)
     H = flat.reshape((flat.size // 36, 6, 6))
     clear(g)
@@ -167,7 +167,7 @@ def solve(reals, ints, flat, b):
 
 @kernel
 def retract(reals, ints, state, step, factor, before, second, out):
-    """See `coilspring.kernelset`; the deformations of the wire are what moves (`wirefe.retraction`)."""
+    """See `coilspring.solver.interface`; what moves are the wire's deformations (`wirefe.retraction`)."""
     way = Way(before, step, factor, second)
     chain = view_elements(reals, ints)
     place(chain.triads, chain.arm, state, way, out)
@@ -193,7 +193,7 @@ def work(reals, ints, load, a, b):
 
 @kernel
 def carry(reals, ints, a, b, v):
-    """See `coilspring.kernelset`: forces and moments, or motions and spins, turned with their nodes."""
+    """See the interface: forces and moments, or motions and spins, turned with their nodes."""
     held = view_held(ints)
     p = v.size - 6
     top = three(v, p)
@@ -224,7 +224,7 @@ def _bound(reach, a, b):
 
 @kernel
 def motion(reals, ints, a, b, least):
-    """See `coilspring.kernelset`: bound on all motion, pair motion, share of the way to the first touch."""
+    """See the interface: bound on all motion, pair motion, share of it before the first touch."""
     contact = view_contact(reals, ints)
     way = _bound(contact.reach, a, b)
     if contact.pairs.shape[0] == 0 or way <= least:
@@ -264,7 +264,7 @@ def _stray(contact, state):
 
 @kernel
 def commit(reals, ints, state, memory):
-    """See `coilspring.pairvectors.remember`; minus infinity says that spheres touch which are no pair."""
+    """See `coilspring.contact.kinematics`; minus infinity says that spheres touch which are no pair."""
     contact = view_contact(reals, ints)
     # spheres that are no pair are looked at once they may have come near
     near = contact.pairs.shape[0] > 0 and 2.0 * _bound(contact.reach, contact.home, state) >= contact.apart
@@ -275,7 +275,7 @@ def commit(reals, ints, state, memory):
 
 @kernel
 def renew(reals, ints, state, memory):
-    """See `coilspring.pairvectors.renew_bounds`."""
+    """See `coilspring.contact.kinematics.renew_bounds`."""
     contact = view_contact(reals, ints)
     if contact.mu == 0.0:
         return 0.0
@@ -284,7 +284,7 @@ def renew(reals, ints, state, memory):
 
 @kernel
 def overlap(reals, ints, state):
-    """See `coilspring.kernelset`: of the whole wire, and beyond the deepest pair of spheres."""
+    """See `coilspring.solver.interface`: of the whole wire, and beyond the deepest pair of spheres."""
     contact = view_contact(reals, ints)
     whole = wire_overlap(view_stations(reals, ints), state)
     if whole <= OVERLAP_ALLOWED * contact.d:

@@ -10,12 +10,12 @@ from typing import NamedTuple
 
 import numpy as np
 
-from coilspring.compiled import part
-from coilspring.driving import Top
+from coilspring.compiling.compiled import part
+from coilspring.compiling.packing import heads, stack, table, vector
 from coilspring.errors import InputError
-from coilspring.packing import heads, stack, table, vector
 from coilspring.scene import SEATS, Scene
 from coilspring.scene.wire import round_section
+from coilspring.solver.stages import Top
 from wirefe.beam import deformations
 from wirefe.chain import ChainPlan, plan_chain
 from wirefe.mesh import Spheres, WireMesh, mesh_wire, no_spheres, place_spheres, refuse_kinks

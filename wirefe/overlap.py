@@ -12,7 +12,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from coilspring.compiled import arithmetic, part
+from coilspring.compiling.compiled import arithmetic, part
 from coilspring.scene.spring import Spring
 from wirefe.algebra import dot, mixed, plus
 from wirefe.mesh import WireMesh

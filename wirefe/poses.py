@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from coilspring.compiled import arithmetic
+from coilspring.compiling.compiled import arithmetic
 from wirefe.algebra import plus
 from wirefe.quaternions import conjugate, half_way, times, turned
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from coilspring.compiled import arithmetic
+from coilspring.compiling.compiled import arithmetic
 
 
 @arithmetic

@@ -18,7 +18,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from coilspring.compiled import arithmetic, clear, zeros
+from coilspring.compiling.compiled import arithmetic, clear, zeros
 from wirefe.algebra import cross, plus
 from wirefe.poses import ROW, four, pose, three
 from wirefe.quaternions import (

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from coilspring.compiled import arithmetic
+from coilspring.compiling.compiled import arithmetic
 
 # a / sin a = 1 + sum c_k q^(k+1) with a = theta/2, q = theta^2: c(q) = (a / sin a - 1) / q
 _SERIES = (

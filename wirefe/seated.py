@@ -13,8 +13,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from coilspring.compiled import kernel, part
-from coilspring.packing import heads, vector
+from coilspring.compiling.compiled import kernel, part
+from coilspring.compiling.packing import heads, vector
 from wirefe import kernels
 from wirefe.algebra import put
 from wirefe.contact import lever

@@ -8,12 +8,12 @@ from typing import Any
 
 import numpy as np
 
+from coilspring.contact.law import MEMORY
 from coilspring.errors import EquilibriumNotFound, InputError, require_choice, require_integer, shown
-from coilspring.kernelset import Kernels
-from coilspring.pairlaw import MEMORY
 from coilspring.path import EquilibriumPath
 from coilspring.scene import Scene, require_scene
-from coilspring.solving import Problem, follow_load, follow_problem, scene_path
+from coilspring.solver.interface import Kernels
+from coilspring.solver.solve import Problem, follow_load, follow_problem, scene_path
 from wirefe import kernels, model, seated
 from wirefe.elements import ELEMENTS
 from wirefe.mesh import WireMesh, strays

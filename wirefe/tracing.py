@@ -7,18 +7,18 @@ from dataclasses import replace
 
 import numpy as np
 
-from coilspring.continuation import Trace, compiled_trace
+from coilspring.compiling.packing import pack
+from coilspring.contact.kinematics import OVERLAP_ALLOWED
 from coilspring.errors import EquilibriumNotFound, InputError, require_integer
-from coilspring.interrupt import interruptible
-from coilspring.kernelset import Kernels
-from coilspring.newton import compiled_equilibrium
-from coilspring.packing import pack
-from coilspring.pairvectors import OVERLAP_ALLOWED
 from coilspring.path import EquilibriumPath
 from coilspring.scene import Scene, require_scene
-from coilspring.solving import THROUGH, Problem
-from coilspring.system import bundled
-from coilspring.warming import compile_kernels
+from coilspring.solver.arclength import Trace, compiled_trace
+from coilspring.solver.interface import Kernels
+from coilspring.solver.interrupt import interruptible
+from coilspring.solver.newton import compiled_equilibrium
+from coilspring.solver.solve import THROUGH, Problem
+from coilspring.solver.startup import compile_kernels
+from coilspring.solver.system import bundled
 from wirefe.rod import Rod
 from wirefe.rodpath import RodPath
 from wirefe.shape import WireShape

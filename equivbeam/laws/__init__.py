@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from coilspring.compiled import part
+from coilspring.compiling.compiled import part
 from coilspring.scene.material import Material
 from coilspring.scene.spring import Spring
 from equivbeam.laws.haringx import KAX, KFL, KSH, haringx_response, haringx_rows

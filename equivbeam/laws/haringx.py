@@ -9,7 +9,7 @@ import math
 
 import numpy as np
 
-from coilspring.compiled import part
+from coilspring.compiling.compiled import part
 from coilspring.scene.material import Material
 from coilspring.scene.spring import Spring
 from equivbeam.element import Response

@@ -36,7 +36,7 @@ from __future__ import annotations
 
 import math
 
-from coilspring.compiled import kernel, part
+from coilspring.compiling.compiled import kernel, part
 from equivbeam.element import Response
 
 # columns of the table of parameters; B0.. and H0.. are the polynomials of (B10) and (B11) in x, G1.. the

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from coilspring import EquilibriumPath
-from coilspring.pairlaw import ON
+from coilspring.contact.law import ON
 from validation.campaign.scenes import Case
 from validation.campaign.verdict import CONFIRMED, CRITICAL, Verdict, ended, fine_steps, reached, under
 

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field, replace
 import equivbeam
 import wirefe
 from coilspring import EquilibriumPath, Scene
-from coilspring.solving import HELD, LOST
+from coilspring.solver.solve import HELD, LOST
 from validation.campaign.scenes import Case, scaled_load
 from validation.study.partialsolve import partial_path
 

@@ -8,7 +8,7 @@ from __future__ import annotations
 import numpy as np
 
 from coilspring import EquilibriumPath, Material
-from coilspring.newton import DECREMENT
+from coilspring.solver.newton import DECREMENT
 from validation.reproduce.evidence import CaseEvidence, Evidence
 from validation.reproduce.phases import MANY_PAIRS, phase_facts
 from validation.study.cases import CASES, FINE_MESH, PAPER_MESH

@@ -6,12 +6,12 @@ from functools import cache
 
 import equivbeam
 from coilspring import spring_b
-from coilspring.warming import background
+from coilspring.solver.startup import background
 from validation.study.partialsolve import partial_path
 
 WIRE = (
     "from wirefe.solve import KERNELS; "
-    "from coilspring.warming import compile_kernels; compile_kernels(KERNELS)"
+    "from coilspring.solver.startup import compile_kernels; compile_kernels(KERNELS)"
 )
 
 

@@ -11,9 +11,9 @@ from collections.abc import Iterator
 import numpy as np
 
 import wirefe
-from coilspring.packing import pack
+from coilspring.compiling.packing import pack
 from coilspring.scene.wire import Section
-from coilspring.solving import Problem
+from coilspring.solver.solve import Problem
 from validation.verification.case import Check
 from wirefe import kernels
 from wirefe.shape import turned

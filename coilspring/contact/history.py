@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from coilspring.compiled import part
-from coilspring.pairlaw import BOUND, ON, RISE, WAY
+from coilspring.compiling.compiled import part
+from coilspring.contact.law import BOUND, ON, RISE, WAY
 
 LEAST_CHANGE = 0.1  # share of the change of a bound that is made
 

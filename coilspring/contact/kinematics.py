@@ -6,8 +6,8 @@ import math
 
 import numpy as np
 
-from coilspring.compiled import part
-from coilspring.pairlaw import ON, hold, normal_law, renewed
+from coilspring.compiling.compiled import part
+from coilspring.contact.law import ON, hold, normal_law, renewed
 
 SLIGHT = 1e-7  # wire diameters of penetration: its force is the least that friction bounds are compared with
 TOUCH = 0.003  # wire diameters by which a pair may penetrate where a prediction closes it

@@ -9,28 +9,37 @@ from typing import Any
 
 import numpy as np
 
-from coilspring.contactmemory import rubs
-from coilspring.driving import Top, stages
+from coilspring.compiling.packing import pack
+from coilspring.contact.history import rubs
+from coilspring.contact.kinematics import OVERLAP_ALLOWED
 from coilspring.errors import EquilibriumNotFound
-from coilspring.friction import goes_on, time_left
-from coilspring.interrupt import interruptible
-from coilspring.kernelset import Kernels
-from coilspring.newton import HISTORY
-from coilspring.packing import pack
-from coilspring.pairvectors import OVERLAP_ALLOWED
 from coilspring.path import EquilibriumPath, Shape
 from coilspring.scene import Scene
-from coilspring.stability import Body, softest
-from coilspring.stepping import COMPLETED, CRITICAL, EXHAUSTED, MOST_TRIES, OPENED, OVERLAP, STRAY, STUCK
-from coilspring.system import FREE, NEWTON, PATH, SUBSTEP, WATCH, Task, Workspace
-from coilspring.warming import ready
+from coilspring.solver.coulomb import goes_on, time_left
+from coilspring.solver.follower import (
+    COMPLETED,
+    CRITICAL,
+    EXHAUSTED,
+    MOST_TRIES,
+    OPENED,
+    OVERLAP,
+    STRAY,
+    STUCK,
+)
+from coilspring.solver.interface import Kernels
+from coilspring.solver.interrupt import interruptible
+from coilspring.solver.newton import HISTORY
+from coilspring.solver.stability import Body, softest
+from coilspring.solver.stages import Top, stages
+from coilspring.solver.startup import ready
+from coilspring.solver.system import FREE, NEWTON, PATH, SUBSTEP, WATCH, Task, Workspace
 
 MOST_ITERATIONS = 25  # of a substep with the exact tangent, which needs 2 or 3 far from contact changes
 # Null modes of a bifurcation do no work with the load; rounding leaves far less than this share.
 NO_WORK = 1e-6
 SOFT = 0.01  # stiffness of the softest mode over that at rest, below which the tangent counts as singular
 LEFT = 1e-5  # of the time 0..1: so near to where a path ends, a limit point of Coulomb's law is its end
-SLIDING = -1  # outcome beside those of `coilspring.stepping`: see `coilspring.friction`
+SLIDING = -1  # outcome beside those of `coilspring.solver.follower`: see `coilspring.solver.coulomb`
 HELD = "Coulomb's law goes on, but by renewed bounds of friction no stable equilibrium was found"
 LOST = "a pair that was held opened, and without what it held no equilibrium was found nearby"
 THROUGH = (
@@ -57,10 +66,10 @@ class Problem:
     start : state at rest.
     memory : (pairs, m) contact memory at rest.
     matrix_size : length of the model's matrix in its own storage.
-    modified : the matrix is costly: see `coilspring.system.Task`.
+    modified : the matrix is costly: see `coilspring.solver.system.Task`.
     top : where the top reference point is in the state; for loads of several stages.
     dead : (n,) load that acts from the beginning, or None.
-    prescribed : see `coilspring.system`.
+    prescribed : see `coilspring.solver.system`.
     extended : gives the problem with the pairs that touch in a state besides its own, which come last.
     """
 

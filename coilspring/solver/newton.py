@@ -8,9 +8,16 @@ from typing import Any
 
 import numpy as np
 
-from coilspring.compiled import copy, part, typed
-from coilspring.linesearch import dot, falls, line_search, residual
-from coilspring.system import assembled, equilibrium_signature, factored, moved, solution, stale_solution
+from coilspring.compiling.compiled import copy, part, typed
+from coilspring.solver.linesearch import dot, falls, line_search, residual
+from coilspring.solver.system import (
+    assembled,
+    equilibrium_signature,
+    factored,
+    moved,
+    solution,
+    stale_solution,
+)
 
 CONVERGED, LINEAR, SADDLE, FAILED = 0, 1, 2, 3  # to LINEAR: an equilibrium was found
 AGAIN, GO_ON = -1, -2  # within an iteration: begin the next one; go on with this one
@@ -43,7 +50,7 @@ def equilibrium(system, target, work, state, it):
     """Newton's method with energy line search from `state`, which is moved to the equilibrium.
 
     Where ``it.reuse`` is set and the last factor alone closes the residual, the response is linear and
-    nothing is factored. `it` is the record of the iteration, see `coilspring.system.NEWTON`.
+    nothing is factored. `it` is the record of the iteration, see `coilspring.solver.system.NEWTON`.
 
     Returns one of CONVERGED, LINEAR, SADDLE and FAILED.
     """

@@ -12,10 +12,10 @@ from functools import cache
 from importlib import import_module
 from typing import Any
 
-from coilspring.kernelset import SIGNATURES, Kernels
-from coilspring.newton import compiled_equilibrium
-from coilspring.stepping import compiled_follow
-from coilspring.system import bundled, compiled_bundle
+from coilspring.solver.follower import compiled_follow
+from coilspring.solver.interface import SIGNATURES, Kernels
+from coilspring.solver.newton import compiled_equilibrium
+from coilspring.solver.system import bundled, compiled_bundle
 
 # About half the work, Newton's method included; a child has the others and the follower.
 PARENTS = ("assemble", "retract", "work", "carry", "motion", "commit", "renew")
@@ -30,7 +30,7 @@ def ready(kernels: Kernels) -> tuple[Callable, Any]:
     """
     if not kernels.assemble._cache.stored:
         places = [_place(getattr(kernels, name)) for name in kernels._fields if name not in PARENTS]
-        with background(f"from coilspring.warming import compile_others; compile_others({places})"):
+        with background(f"from coilspring.solver.startup import compile_others; compile_others({places})"):
             compile_kernels(kernels, PARENTS)
             compile_newton()
     compile_kernels(kernels)

@@ -10,10 +10,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from coilspring.compiled import copy_table, part
-from coilspring.linesearch import subtract
-from coilspring.pairlaw import BOUND, ON, RISE, WAY
-from coilspring.system import assembled, moved, solution
+from coilspring.compiling.compiled import copy_table, part
+from coilspring.contact.law import BOUND, ON, RISE, WAY
+from coilspring.solver.linesearch import subtract
+from coilspring.solver.system import assembled, moved, solution
 
 LESS = 1e-4  # share by which friction is taken back
 NEARBY = 1e-5  # wire diameters of the way: bounds of hard contact are far from straight lines over it

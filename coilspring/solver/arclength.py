@@ -18,10 +18,10 @@ from typing import Any, NamedTuple
 import numpy as np
 from numba import types
 
-from coilspring.branch import PAIR_MOTION, motion
-from coilspring.compiled import copied, copied_table, copy, part, signed, zeros
-from coilspring.linesearch import dot
-from coilspring.system import assembled, factored, moved, solution, system_of, system_types
+from coilspring.compiling.compiled import copied, copied_table, copy, part, signed, zeros
+from coilspring.solver.branch import PAIR_MOTION, motion
+from coilspring.solver.linesearch import dot
+from coilspring.solver.system import assembled, factored, moved, solution, system_of, system_types
 
 FIRST_ARC = 0.02  # of the arc that the tangent at rest would take to full load
 LEAST_ARC = 1e-7
@@ -112,7 +112,7 @@ def direction(v, negative, scale, along, pitch, new):
 def trace(reals, ints, prescribed, kernels, load, points, start, memory, size, stop):
     """Trace at most `points` points of the path from rest, or to time 1.
 
-    `size` is the length of the matrix, `stop` as in `coilspring.stepping.follow`.
+    `size` is the length of the matrix, `stop` as in `coilspring.solver.follower.follow`.
     """
     system = system_of(reals, ints, prescribed, kernels)
     times, states = np.empty(points), np.empty((points, start.size))
@@ -168,7 +168,7 @@ def trace(reals, ints, prescribed, kernels, load, points, start, memory, size, s
 
 @lru_cache(maxsize=1)
 def compiled_trace() -> Callable:
-    """`trace`, compiled; read from the cache where stored (see `coilspring.stepping.compiled_follow`)."""
+    """`trace`, compiled; read from the cache where stored."""
     vector, table = types.float64[::1], types.float64[:, ::1]
     data = (*system_types(), vector, types.int64, vector, table, types.int64)
     return signed(trace, *data, types.int64[::1])

@@ -12,8 +12,8 @@ import numpy as np
 from numba import from_dtype, types
 from numba.experimental import structref
 
-from coilspring.compiled import part, signed, zeros
-from coilspring.kernelset import SIGNATURES, Kernels
+from coilspring.compiling.compiled import part, signed, zeros
+from coilspring.solver.interface import SIGNATURES, Kernels
 
 # Entries of what is prescribed: its place in the state, in the gradient, on the diagonal of the matrix, the
 # stiffness that fixes it there, and its change by time 1.
@@ -22,7 +22,7 @@ FREE = np.zeros(0)  # nothing is prescribed
 
 
 class System(NamedTuple):
-    """A model with its kernels (see `coilspring.kernelset`), and the degree of freedom that is prescribed."""
+    """A model with its kernels, see `coilspring.solver.interface`, and the prescribed degree of freedom."""
 
     reals: Any
     ints: Any
@@ -69,7 +69,7 @@ class Target(NamedTuple):
     rounding: Any  # noise of the potential,
     grain: Any  # and for each newton of the force on what is prescribed, mm
     limit: Any  # largest number of iterations
-    modified: Any  # see `coilspring.system.Task`
+    modified: Any  # see `coilspring.solver.system.Task`
     least_pivot: Any  # at rest
 
 
@@ -130,7 +130,7 @@ PATH = np.dtype(
         ("fresh", "i8"),  # short steps still to take, since a pair has closed
         ("lost", "?"),  # the last attempt found no equilibrium
         ("slid", "?"),  # a pair slid
-        ("rise", "f8"),  # of the bounds of friction, see `coilspring.boundrise`
+        ("rise", "f8"),  # of the bounds of friction, see `coilspring.solver.frictiontangent`
         ("rest_stiffness", "f8"),  # least stiffness at the start
         ("moved", "f8"),  # bound on all motion since the overlap was measured
     ],
@@ -214,7 +214,7 @@ class WorkRef(structref.StructRefProxy):
 
 
 class KernelsRef(structref.StructRefProxy):
-    """`coilspring.kernelset.Kernels` in compiled code."""
+    """`coilspring.solver.interface.Kernels` in compiled code."""
 
 
 structref.define_attributes(_Fields)
@@ -231,7 +231,7 @@ def _bundle(assemble, factor, solve, retract, work, carry, motion, commit, renew
 
 @cache
 def bundled(kernels: Kernels, equilibrium: Any) -> Any:
-    """A model's kernels and `coilspring.newton.equilibrium` as the follower takes them."""
+    """A model's kernels and `coilspring.solver.newton.equilibrium` as the follower takes them."""
     return compiled_bundle()(*kernels, equilibrium)
 
 
@@ -246,7 +246,7 @@ def _kernel_types() -> tuple[Any, ...]:
 
 
 def equilibrium_signature() -> Any:
-    """numba's signature of `coilspring.newton.equilibrium`."""
+    """numba's signature of `coilspring.solver.newton.equilibrium`."""
     vector, table, real = types.float64[::1], types.float64[:, ::1], types.float64
     data = (vector, types.int64[::1], vector, vector)
     system = _Fields(tuple(zip(System._fields, (*data, *_kernel_types()), strict=True)))
@@ -297,8 +297,8 @@ def system_of(reals, ints, prescribed, kernels):
 def assembled(system, anchor, gap, memory, state, g, H):
     """Energy and pairs evaluated; fills the gradient, and the matrix unless it is empty.
 
-    `anchor` and `gap`: see `coilspring.kernelset`. What is prescribed has no gradient, and is fixed by its
-    stiffness.
+    `anchor` and `gap`: see `coilspring.solver.interface`. What is prescribed has no gradient, and is fixed by
+    its stiffness.
     """
     energy, pairs = system.assemble(system.reals, system.ints, anchor, gap, memory, state, g, H)
     top = system.prescribed

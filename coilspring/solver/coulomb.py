@@ -10,8 +10,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from coilspring.pairlaw import BOUND, ON, RISE
-from coilspring.stability import Body
+from coilspring.contact.law import BOUND, ON, RISE
+from coilspring.solver.stability import Body
 
 NUDGE = 1e-6  # of a bound, with which differences are taken
 MOVE = 1e-5  # wire diameters or rad, the same

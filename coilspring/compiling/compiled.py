@@ -9,7 +9,7 @@ import numpy as np
 from numba import njit
 from numba.extending import register_jitable
 
-from coilspring.kernelcache import OPTIONS, KernelCache
+from coilspring.compiling.kernelcache import OPTIONS, KernelCache
 
 # Division by zero gives inf or nan ("numpy"): checking for it would cost a branch at each division.
 KERNEL = {"error_model": "numpy"}

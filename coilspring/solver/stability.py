@@ -7,10 +7,20 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from coilspring.compiled import part
-from coilspring.kernelset import Kernels
-from coilspring.linesearch import dot
-from coilspring.system import DIAGONAL, DOF, FREE, PLACE, STIFFNESS, assembled, factored, moved, solution
+from coilspring.compiling.compiled import part
+from coilspring.solver.interface import Kernels
+from coilspring.solver.linesearch import dot
+from coilspring.solver.system import (
+    DIAGONAL,
+    DOF,
+    FREE,
+    PLACE,
+    STIFFNESS,
+    assembled,
+    factored,
+    moved,
+    solution,
+)
 
 INVERSE_ITERATIONS = 30
 FEW_ITERATIONS = 8
@@ -88,7 +98,7 @@ class Body:
     data: tuple[np.ndarray, np.ndarray]
     freedoms: int
     matrix_size: int
-    prescribed: np.ndarray = field(default_factory=lambda: FREE)  # see `coilspring.system`
+    prescribed: np.ndarray = field(default_factory=lambda: FREE)  # see `coilspring.solver.system`
 
     def _bare(self, state: np.ndarray, memory: np.ndarray, clearance: float, H: np.ndarray) -> np.ndarray:
         g = np.empty(self.freedoms)

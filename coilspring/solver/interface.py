@@ -1,8 +1,7 @@
 """The compiled functions that a model hands to the path followers, and their types.
 
-A model is described by its data (two flat arrays, see `coilspring.packing`) and ten kernels, which
-`coilspring.newton` and the followers take as typed first-class functions, so that they are compiled once
-for all models:
+A model is described by its data (two flat arrays, see `coilspring.compiling.packing`) and ten kernels, which
+the solver takes as typed first-class functions, so that it is compiled once for all models:
 
 ``assemble(reals, ints, anchor, clearance, memory, state, g, H) -> (energy, pairs evaluated)``
     Strain and contact energy, its gradient `g` and its matrix `H` (model's own storage, flat; left

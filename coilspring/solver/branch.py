@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from coilspring.compiled import part
-from coilspring.system import moved, put_prescribed
+from coilspring.compiling.compiled import part
+from coilspring.solver.system import moved, put_prescribed
 
 # A converged state continues the branch when it lies near the straight prediction: within this share
 # of the distance it came (a fold or a jump turns the path by more), or within a small distance at all
@@ -20,7 +20,7 @@ PAIR_TURN = 0.02  # wire diameters, between a pair's motion and that which the t
 
 @part
 def motion(system, a, b, least):
-    """See `coilspring.kernelset`: bound on all motion, pair motion, share of it before the first touch."""
+    """Bound on all motion, pair motion, share of it before the first touch."""
     return system.motion(system.reals, system.ints, a, b, least)
 
 

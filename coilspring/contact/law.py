@@ -9,7 +9,7 @@ the force turns with the pair, and its size is that of return mapping (Simo & Hu
 Inelasticity, chapter 2): ``K l`` up to a bound. Within a substep the bound is a line over what slides in it,
 ``b (1 + r s)``, so that the pair keeps a potential; the path follower renews b until the line meets the bound
 ``mu F`` of the normal force at the slip that is found. The rise r is no part of the law then, but of the
-matrix (`coilspring.boundrise`). What slid is taken off l when the substep is accepted.
+matrix (`coilspring.solver.frictiontangent`). What slid is taken off l when the substep is accepted.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ import math
 
 import numpy as np
 
-from coilspring.compiled import clear, clear_table, part
+from coilspring.compiling.compiled import clear, clear_table, part
 from coilspring.path import Friction
 
 # A pair's row of the contact memory: whether it is held, g0 (3), n0 (3), the bound of its tangential

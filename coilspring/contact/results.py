@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from coilspring.pairlaw import normal_forces, pair_friction
+from coilspring.contact.law import normal_forces, pair_friction
 from coilspring.path import Friction
 
 

@@ -16,11 +16,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from coilspring.packing import pack
+from coilspring.compiling.packing import pack
 from coilspring.scene import Scene
 from coilspring.scene.load import stage_ends
 from coilspring.scene.sizing import axial_rate
-from coilspring.system import FREE
+from coilspring.solver.system import FREE
 
 FIXED = 1e12  # axial rates of the spring
 
@@ -38,7 +38,7 @@ class Stage(NamedTuple):
 
     dead: np.ndarray  # (2,) load from its beginning
     growing: np.ndarray  # (2,)
-    prescribed: np.ndarray  # see `coilspring.system`; empty where loads are forces
+    prescribed: np.ndarray  # see `coilspring.solver.system`; empty where loads are forces
 
 
 def stages(scene: Scene, top: Top) -> Iterator[Stage]:

@@ -14,14 +14,14 @@ from functools import lru_cache
 import numpy as np
 from numba import types
 
-from coilspring.boundrise import rise_of_bounds
-from coilspring.branch import TURN, continues, curvature, jumped, motion, predict
-from coilspring.compiled import copy, copy_table, part, signed
-from coilspring.contactmemory import let_rise, relax, released, remembers, rubs, slides
-from coilspring.newton import CONVERGED, FAILED, INDEFINITE, LINEAR, NONE
-from coilspring.pairvectors import OVERLAP_ALLOWED, TOUCH
-from coilspring.stability import LEAST_STEP, least_stiffness, predicted_zero, unstable_time
-from coilspring.system import (
+from coilspring.compiling.compiled import copy, copy_table, part, signed
+from coilspring.contact.history import let_rise, relax, released, remembers, rubs, slides
+from coilspring.contact.kinematics import OVERLAP_ALLOWED, TOUCH
+from coilspring.solver.branch import TURN, continues, curvature, jumped, motion, predict
+from coilspring.solver.frictiontangent import rise_of_bounds
+from coilspring.solver.newton import CONVERGED, FAILED, INDEFINITE, LINEAR, NONE
+from coilspring.solver.stability import LEAST_STEP, least_stiffness, predicted_zero, unstable_time
+from coilspring.solver.system import (
     CHANGE,
     NEWTON,
     PATH,
@@ -73,9 +73,9 @@ def follow(reals, ints, prescribed, kernels, task, work, path_, substep_, newton
 
     Parameters
     ----------
-    reals, ints, prescribed, kernels : see `coilspring.system.System`.
+    reals, ints, prescribed, kernels : see `coilspring.solver.system.System`.
     task, work : `Task` and `Workspace`.
-    path_, substep_, newton_, watch : records, see `coilspring.system`.
+    path_, substep_, newton_, watch : records, see `coilspring.solver.system`.
     stop : one integer; another thread sets it to end the path at the next substep.
     """
     system = system_of(reals, ints, prescribed, kernels)

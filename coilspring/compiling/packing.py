@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from coilspring.compiled import part
+from coilspring.compiling.compiled import part
 
 HEAD = 4  # offset and three extents
 
