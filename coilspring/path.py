@@ -53,14 +53,14 @@ class Shape(Protocol):
     def pair_gaps(self, states: np.ndarray) -> np.ndarray:
         """Gap h - d of every pair, negative where it penetrates, shape (states, pairs), mm."""
 
-    def reactions(self, states: np.ndarray, memories: np.ndarray) -> np.ndarray:
-        """Force that holds the top along Y in states found with contact memories, shape (states,), N."""
+    def reactions(self, states: np.ndarray, histories: np.ndarray) -> np.ndarray:
+        """Force that holds the top along Y in states found with contact histories, shape (states,), N."""
 
     def overlaps(self, states: np.ndarray) -> np.ndarray:
         """By how much the wire runs into itself, or the circles that stand for it, shape (states,), mm."""
 
-    def pair_friction(self, states: np.ndarray, memories: np.ndarray) -> Friction:
-        """What sliding and its hindrance do to every pair, by the contact memories of the states."""
+    def pair_friction(self, states: np.ndarray, histories: np.ndarray) -> Friction:
+        """What sliding and its hindrance do to every pair, by the contact histories of the states."""
 
     def centreline(self, state: np.ndarray, phases: np.ndarray) -> np.ndarray:
         """Deformed wire at the phases given, shape (phases, 3), mm."""
@@ -78,7 +78,7 @@ class EquilibriumPath:
     iterations : (steps,) factorisations since the previous row, rejected attempts included.
     outcome : one of `OUTCOMES`.
     message : one sentence.
-    memories : (steps, pairs, m) what contact remembered of each pair when the state was found; None for
+    histories : (steps, pairs, m) what contact remembered of each pair when the state was found; None for
         traced paths.
     critical_time : middle of the time bracket of a critical point, or None.
     critical_bracket : length of that bracket, or None.
@@ -103,7 +103,7 @@ class EquilibriumPath:
     outcome: str
     message: str
     shape: Shape
-    memories: np.ndarray | None = None
+    histories: np.ndarray | None = None
     critical_time: float | None = None
     critical_bracket: float | None = None
     end_bracket: tuple[float, float] | None = None
@@ -149,8 +149,8 @@ class EquilibriumPath:
         """Load at the top reference point, shape (steps, 2), N; the reaction to a prescribed displacement."""
         if not self.scene.load.displacement:
             return given_loads(self.scene.load, self.times)
-        assert self.memories is not None  # paths traced by arc length are under forces
-        axial = self.shape.reactions(self.states, self.memories)
+        assert self.histories is not None  # paths traced by arc length are under forces
+        axial = self.shape.reactions(self.states, self.histories)
         return np.stack((np.zeros_like(axial), axial), axis=1)
 
     @cached_property
@@ -179,11 +179,11 @@ class EquilibriumPath:
 
         Raises
         ------
-        InputError : the path was traced by arc length, which keeps no contact memory.
+        InputError : the path was traced by arc length, which keeps no contact history.
         """
-        if self.memories is None:
+        if self.histories is None:
             raise InputError("friction needs a followed path, got one traced by arc length")
-        return self.shape.pair_friction(self.states, self.memories)
+        return self.shape.pair_friction(self.states, self.histories)
 
     @property
     def active_contacts(self) -> np.ndarray:

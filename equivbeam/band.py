@@ -39,7 +39,7 @@ def eliminate(F, width):
 
 @part
 def fix(g, H, p):
-    """Fix the degree of freedom `p`: no force; in the matrix, unless it is empty, a unit row and column."""
+    """Fix the degrees of freedom `p`: no force; in the matrix, unless it is empty, a unit row and column."""
     g[p] = 0.0
     if H.shape[0] == 0:
         return
@@ -61,7 +61,7 @@ def factor(reals, ints, flat):
 
 @arithmetic
 def _substitute(F, b):
-    """Solve in place; what the next rows still lack or need is kept in registers, not in memory."""
+    """Solve in place; what the next rows still lack or need is kept in registers, not in history."""
     n = b.size
     x0 = x1 = x2 = x3 = x4 = x5 = x6 = x7 = 0.0
     for k in range(n):

@@ -90,7 +90,7 @@ def lateral_stiffness(
         raise InputError(f"shortening must be below that of buckling, got {shortening!r}")
     reals, ints = pack(problem.data)
     g, H, state = np.empty_like(problem.load), np.empty(problem.matrix_size), run.track.states[-1]
-    kernels.assemble(reals, ints, state, 0.0, problem.memory, state, g, H)
+    kernels.assemble(reals, ints, state, 0.0, problem.history, state, g, H)
     band.factor(reals, ints, H)
     response = np.zeros_like(problem.load)
     response[-3] = 1.0

@@ -7,7 +7,7 @@ import math
 import numpy as np
 
 from coilspring.compiling.compiled import clear, copy, kernel, part
-from coilspring.contact.kinematics import approach, remember, renew_bounds
+from coilspring.contact.kinematics import approach, friction_bounds, remember
 from coilspring.contact.law import ON, pair_potential
 from equivbeam.band import ROW, fix
 from equivbeam.contact import circle_centre, circle_overlap, pair_forces
@@ -73,7 +73,7 @@ def _bound(reach, a, b):
 
 
 @part
-def _add_pairs(model, memory, state, g, H, ge, Ke):
+def _add_pairs(model, history, state, g, H, ge, Ke):
     """Contact energy; adds its gradient and Hessian. Only pairs that touch are scattered."""
     energy = 0.0
     w, e, f = np.empty(3), np.empty(3), np.empty(3)
@@ -83,10 +83,10 @@ def _add_pairs(model, memory, state, g, H, ge, Ke):
         A, B = pairs[m, 0], pairs[m, 1]
         w[0], w[1], w[2] = c[B, 0] - c[A, 0], c[B, 1] - c[A, 1], 0.0
         h2 = w[0] * w[0] + w[1] * w[1]
-        if h2 >= model.d * model.d and memory[m, ON] == 0.0:
+        if h2 >= model.d * model.d and history[m, ON] == 0.0:
             continue
         a, b = attached[A], attached[B]
-        energy += pair_potential(w, math.sqrt(h2), model.d, model.kc, model.k, memory[m], e, f, Hg)
+        energy += pair_potential(w, math.sqrt(h2), model.d, model.kc, model.k, history[m], e, f, Hg)
         p, q = 3 * a, 3 * b
         pair_forces(
             f,
@@ -103,7 +103,7 @@ def _add_pairs(model, memory, state, g, H, ge, Ke):
 
 
 @kernel
-def assemble(reals, ints, anchor, clearance, memory, state, g, flat):
+def assemble(reals, ints, accepted, least_gap, history, state, g, flat):
     """Strain and contact energy, gradient and matrix; see `coilspring.solver.interface` for the contract."""
     model = view(reals, ints)
     H = flat.reshape((flat.size // ROW, ROW))
@@ -125,10 +125,10 @@ def assemble(reals, ints, anchor, clearance, memory, state, g, flat):
             paper_matrix(c, s, rows[e, KAX], rows[e, KSH], rows[e, KFL], rows[e, L0], factor, Ke)
         _add_nodes(g, H, ge, Ke, e, e + 1)
     count = model.pairs.shape[0]
-    if count > 0 and clearance > 0.0 and 2.0 * _bound(model.reach, anchor, state) < clearance:
+    if count > 0 and least_gap > 0.0 and 2.0 * _bound(model.reach, accepted, state) < least_gap:
         count = 0
     if count > 0:
-        energy += _add_pairs(model, memory, state, g, H, ge, Ke)
+        energy += _add_pairs(model, history, state, g, H, ge, Ke)
     n = g.size
     for i in range(3):
         if model.fixed[i] > 0.0:
@@ -154,12 +154,12 @@ def work(reals, ints, load, a, b):
 
 
 @kernel
-def carry(reals, ints, a, b, v):
+def rotate(reals, ints, a, b, v):
     """See `coilspring.solver.interface`: half coils are as stiff in all directions, nearly."""
 
 
 @kernel
-def motion(reals, ints, a, b, least):
+def displacement_bound(reals, ints, a, b, least):
     """See `coilspring.solver.interface`: bound on all motion, pair motion, share until the first touch."""
     model = view(reals, ints)
     bound = _bound(model.reach, a, b)
@@ -170,21 +170,21 @@ def motion(reals, ints, a, b, least):
 
 
 @kernel
-def commit(reals, ints, state, memory):
+def update_history(reals, ints, state, history):
     """See `coilspring.contact.kinematics.remember`."""
     model = view(reals, ints)
     if model.pairs.shape[0] == 0:
         return np.inf
-    return remember(_vectors(model, state), memory, model.mu, model.kc, model.d)
+    return remember(_vectors(model, state), history, model.mu, model.kc, model.d)
 
 
 @kernel
-def renew(reals, ints, state, memory):
-    """See `coilspring.contact.kinematics.renew_bounds`."""
+def update_bounds(reals, ints, state, history):
+    """See `coilspring.contact.kinematics.friction_bounds`."""
     model = view(reals, ints)
     if model.mu == 0.0:
         return 0.0
-    return renew_bounds(_vectors(model, state), memory, model.mu, model.kc, model.k, model.d)
+    return friction_bounds(_vectors(model, state), history, model.mu, model.kc, model.k, model.d)
 
 
 @kernel

@@ -56,10 +56,10 @@ class BeamShape(PairReader):
         first, second = self.data.pairs.T
         return np.pad(centres[:, second] - centres[:, first], ((0, 0), (0, 0), (0, 1)))
 
-    def reactions(self, states: np.ndarray, memories: np.ndarray) -> np.ndarray:
+    def reactions(self, states: np.ndarray, histories: np.ndarray) -> np.ndarray:
         """Force that holds the top along Y, shape (states,), N."""
         size = states.shape[1] - 3
-        return reactions(kernels.assemble, self.data, size, size - 2, states, memories)
+        return reactions(kernels.assemble, self.data, size, size - 2, states, histories)
 
     def overlaps(self, states: np.ndarray) -> np.ndarray:
         """By how much circles overlap, shape (states,), mm; see `equivbeam.contact.circle_overlap`."""

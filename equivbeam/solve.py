@@ -25,10 +25,10 @@ KERNELS = Kernels(
     solve=band.solve,
     retract=kernels.retract,
     work=kernels.work,
-    carry=kernels.carry,
-    motion=kernels.motion,
-    commit=kernels.commit,
-    renew=kernels.renew,
+    rotate=kernels.rotate,
+    displacement_bound=kernels.displacement_bound,
+    update_history=kernels.update_history,
+    update_bounds=kernels.update_bounds,
     overlap=kernels.overlap,
 )
 

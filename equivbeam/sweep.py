@@ -52,7 +52,7 @@ def sweep(
     """Solve many scenes with the equivalent beam; yields an `Outcome` for each, in their order.
 
     Springs that fail do not stop the others. Scenes are drawn as they are needed, results are handed
-    out as they come: a sweep needs little memory however long it is.
+    out as they come: a sweep needs little history however long it is.
 
     Parameters
     ----------

@@ -27,7 +27,7 @@ def check_derivatives():
     """Compare a gradient and a Hessian with central differences, relative to their largest entry.
 
     The returned function takes ``energy(step) -> (value, gradient, Hessian)`` at small steps from
-    the state and the number of freedoms. Steps are extrapolated once (h and h/2).
+    the state and the number of dofs. Steps are extrapolated once (h and h/2).
     """
 
     def check(energy, size, h=2e-4, tolerance=1e-6):

@@ -28,7 +28,7 @@ def kernels_of(model, scene):
 @pytest.mark.parametrize("held", [("ux", "rotz"), ()])
 @pytest.mark.parametrize("model", MODELS)
 def test_the_softest_mode_at_rest_is_as_stiff_as_at_rest(model, held):
-    """A stiff short spring: the unit rows of held freedoms would be softer than any of its modes."""
+    """A stiff short spring: the unit rows of held dofs would be softer than any of its modes."""
     scene = replace(
         spring_b(),
         spring=Spring(10.0, 40.0, 3.0, 45.0),
@@ -37,7 +37,7 @@ def test_the_softest_mode_at_rest_is_as_stiff_as_at_rest(model, held):
     )
     kernels, problem = kernels_of(model, scene)
     body = Body(kernels, pack(problem.data), problem.load.size, problem.matrix_size)
-    share, _ = softest(body, problem.start, problem.memory, problem.start)
+    share, _ = softest(body, problem.start, problem.history, problem.start)
     assert share == pytest.approx(1.0, rel=1e-5)
 
 
@@ -50,10 +50,10 @@ def test_pairs_are_looked_at_where_anything_moved_enough(model):
     kernels, problem = kernels_of(model, spring_a())
     data, d = pack(problem.data), path.scene.spring.wire_diameter
     first, last = path.states
-    way, pair, free = kernels.motion(*data, first, last, 0.0)
-    assert kernels.motion(*data, first, last, np.inf) == (way, 0.0, 1.0)
-    assert kernels.motion(*data, first, last, way) == (way, 0.0, 1.0)
-    assert kernels.motion(*data, first, first, -1.0) == (0.0, 0.0, 1.0)
+    way, pair, free = kernels.displacement_bound(*data, first, last, 0.0)
+    assert kernels.displacement_bound(*data, first, last, np.inf) == (way, 0.0, 1.0)
+    assert kernels.displacement_bound(*data, first, last, way) == (way, 0.0, 1.0)
+    assert kernels.displacement_bound(*data, first, first, -1.0) == (0.0, 0.0, 1.0)
     assert 0.0 < pair * d <= 2.0 * way
     assert 0.0 < free < 1.0
     closing = (path.gaps[0] >= 0.0) & (path.gaps[1] < -0.003 * d)

@@ -3,22 +3,22 @@
 import numpy as np
 import pytest
 
-from coilspring.contact.law import MEMORY, pair_potential
+from coilspring.contact.law import HISTORY, pair_potential
 from equivbeam.contact import circle_centre, pair_forces
 
 D, KC = 1.5, 2.0e4
 OFFSETS = np.array([[5.0, 0.0], [4.6, -0.75]])
-FREE = np.zeros(MEMORY)
+FREE = np.zeros(HISTORY)
 G0 = np.array([0.05, 1.40, 0.0])
 STUCK = np.array([1.0, *G0, *G0 / np.linalg.norm(G0), np.inf, *np.zeros(4)])
 SLIDING = np.array([*STUCK[:7], 300.0, *np.zeros(4)])
 
 
-def pair(q, k=1.0, memory=FREE, distance=D):
+def pair(q, k=1.0, history=FREE, distance=D):
     xa, ya = circle_centre(*q[:3], *OFFSETS[0])
     xb, yb = circle_centre(*q[3:], *OFFSETS[1])
     w, f, H = np.array([xb - xa, yb - ya, 0.0]), np.empty(3), np.empty((3, 3))
-    energy = pair_potential(w, np.linalg.norm(w), distance, KC, k, memory, np.empty(3), f, H)
+    energy = pair_potential(w, np.linalg.norm(w), distance, KC, k, history, np.empty(3), f, H)
     g, K = np.empty(6), np.empty((6, 6))
     pair_forces(f, H, xa - q[0], ya - q[1], xb - q[3], yb - q[4], g, K)
     return energy, g, K
@@ -57,9 +57,9 @@ def test_moment_is_r_cross_f_as_in_the_papers_arms():
 
 
 @pytest.mark.parametrize("k", [1.0, 1.5, 2.0])
-@pytest.mark.parametrize("memory", [FREE, STUCK, SLIDING], ids=["frictionless", "no-sliding", "friction"])
-def test_derivatives_closed(check_derivatives, k, memory):
-    check_derivatives(lambda step: pair(state(-0.03) + step, k, memory), 6, h=1e-4)
+@pytest.mark.parametrize("history", [FREE, STUCK, SLIDING], ids=["frictionless", "no-sliding", "friction"])
+def test_derivatives_closed(check_derivatives, k, history):
+    check_derivatives(lambda step: pair(state(-0.03) + step, k, history), 6, h=1e-4)
 
 
 @pytest.mark.parametrize("gap", [1e-3, -1e-3])
@@ -87,7 +87,7 @@ def test_pair_sums_to_zero_force_and_moment():
 def test_no_sliding_leaves_the_couple_of_its_definition():
     """The tangential force acts at the centres, |g| apart: forces cancel, the couple g x f_t stays."""
     q = state(-0.03)
-    _, g, _ = pair(q, memory=STUCK)
+    _, g, _ = pair(q, history=STUCK)
     _, normal, _ = pair(q)
     np.testing.assert_allclose(g[:2] + g[3:5], 0.0, atol=1e-9)
     tangential = g[3:5] - normal[3:5]

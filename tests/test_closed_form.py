@@ -8,7 +8,7 @@ from coilspring import Material, spring_b
 
 
 def rodriguez(load):
-    """Deflection of Spring B by Rodriguez, Paredes & Sartor 2006 (quoted from memory).
+    """Deflection of Spring B by Rodriguez, Paredes & Sartor 2006 (quoted from history).
 
     Conical spring of constant pitch, coils closing from the large end; direct shear and pitch are
     neglected. Valid between the closing loads of the first and of the last coil, 68.7 and 549.6 N.

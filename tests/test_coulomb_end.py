@@ -31,16 +31,16 @@ def test_determinant_of_coulombs_tangent():
     path = equivbeam.solve(scene, steps=40, sliding="scene")
     data, n = pack(path.shape.data), path.states.shape[1] - 3
     size = matrix_size(path.shape.data)
-    state, memory = path.states[-1], path.memories[-3].copy()  # slid since then
-    memory[:, RISE] = 0.0
-    KERNELS.renew(*data, state, memory)
-    slack = np.where(memory[:, ON] > 0.0, SLACK * memory[:, BOUND], 0.0)
+    state, history = path.states[-1], path.histories[-3].copy()  # slid since then
+    history[:, RISE] = 0.0
+    KERNELS.update_bounds(*data, state, history)
+    slack = np.where(history[:, ON] > 0.0, SLACK * history[:, BOUND], 0.0)
 
     def force(step, *, held):
-        moved, bounds, g = state.copy(), memory.copy(), np.empty(n)
+        moved, bounds, g = state.copy(), history.copy(), np.empty(n)
         moved[3:] += step
         if not held:
-            KERNELS.renew(*data, moved, bounds)
+            KERNELS.update_bounds(*data, moved, bounds)
         bounds[:, BOUND] -= slack
         KERNELS.assemble(*data, moved, 0.0, bounds, moved, g, np.empty(0))
         return g
@@ -55,7 +55,7 @@ def test_determinant_of_coulombs_tangent():
     (A, free), (H, _) = tangent(False), tangent(True)
     (sign, log), (sign_held, log_held) = np.linalg.slogdet(A), np.linalg.slogdet(H)
     body, load = Body(KERNELS, data, n, size), np.where(free, 1.0, 0.0)
-    ratio, rate = coulomb(body, state, memory, load, path.scene.spring.wire_diameter)
+    ratio, rate = coulomb(body, state, history, load, path.scene.spring.wire_diameter)
     assert ratio == pytest.approx(sign * sign_held * np.exp(log - log_held), rel=1e-4)
     assert abs(ratio - 1.0) > 1e-3  # sliding pairs there are
     np.testing.assert_allclose(

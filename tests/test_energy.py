@@ -54,7 +54,7 @@ def test_work_is_stored(name):
 def test_whole_body_is_in_equilibrium(name):
     """Reactions of both rigid ends, from the end elements and from pairs that touch an end.
 
-    All six components between the ends; at the top the loaded freedoms carry the load.
+    All six components between the ends; at the top the loaded dofs carry the load.
     """
     path = wirefe.solve(SCENES[name], steps=10)
     data, rows = path.shape.data.contact, path.states[-1].reshape(-1, ROW)

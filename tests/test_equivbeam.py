@@ -20,7 +20,7 @@ from coilspring import (
     spring_b,
 )
 from coilspring.compiling.packing import pack
-from coilspring.contact.law import MEMORY
+from coilspring.contact.law import HISTORY
 from equivbeam import band, kernels, model
 from equivbeam.laws import LAWS
 from equivbeam.options import BeamOptions
@@ -50,10 +50,10 @@ def test_whole_model_derivatives(check_derivatives, seed, time, stick):
     rng = np.random.default_rng(seed)
     load = time * model.load_vector(data, spring_b())
     state = path.states[0 if time == 0.5 else 1]
-    memory = np.zeros((len(data.pairs), MEMORY))
+    history = np.zeros((len(data.pairs), HISTORY))
     if stick:
-        kernels.commit(reals, ints, state, memory)
-        assert memory[:, 0].any()
+        kernels.update_history(reals, ints, state, history)
+        assert history[:, 0].any()
     state = state.copy()
     state[3:] += 1e-3 * rng.normal(size=state.size - 3) * np.tile(1 - data.fixed, (state.size - 3) // 3)
     n = state.size - 3
@@ -65,7 +65,7 @@ def test_whole_model_derivatives(check_derivatives, seed, time, stick):
         free = np.ones(n)
         free[-3:] = 1.0 - data.fixed
         moved[3:] = state[3:] + step * free
-        value, _ = kernels.assemble(reals, ints, state, 0.0, memory, moved, g, H)
+        value, _ = kernels.assemble(reals, ints, state, 0.0, history, moved, g, H)
         rows = H.reshape(n, band.ROW)
         full = np.zeros((n, n))
         for i in range(n):

@@ -47,7 +47,7 @@ def assert_coulombs_law(path, mu, slid):
     """
     force = np.linalg.norm(path.friction.force, axis=-1)
     bound = mu * path.contact_forces
-    way = path.friction.slip - path.memories[..., slid]
+    way = path.friction.slip - path.histories[..., slid]
     near = 2e-6 * bound.max()  # bounds are renewed until they change by 1e-6 of the largest
     assert (force <= bound + near).all()
     # a pair that closed in the last substep bears no tangential force yet
@@ -73,8 +73,8 @@ def test_stored_states_are_equilibria_with_the_forces_of_the_law(name, mu):
     path = solved(name, mu, 50)
     reals, ints = pack(path.shape.data)
     g, H = np.empty(6 * path.states.shape[1] // model.ROW), np.empty(model.matrix_size(path.shape.data))
-    for state, memory, load in zip(path.states, path.memories, path.loads, strict=True):
-        kernels.assemble(reals, ints, state, 0.0, memory, state, g, H)
+    for state, history, load in zip(path.states, path.histories, path.loads, strict=True):
+        kernels.assemble(reals, ints, state, 0.0, history, state, g, H)
         out_of_balance = g.reshape(-1, 6)[:, :3]
         out_of_balance[-1, :2] -= load * free(path)
         assert np.abs(out_of_balance).max() <= 1e-6 * np.linalg.norm(load)

@@ -145,7 +145,7 @@ def test_what_is_prescribed_has_no_gradient_and_is_stiff(model):
     else:
         problem, kernels = scene_problem(scene, "straight", 8, 4)[0], WIRE_KERNELS
     top, n = problem.top, problem.load.size
-    prescribed = np.array([top.state[1], top.freedom[1], top.diagonal, 1e6, -2.0])
+    prescribed = np.array([top.state[1], top.dof[1], top.diagonal, 1e6, -2.0])
     free, held = (
         System(*pack(problem.data), what, np.zeros(1), *kernels) for what in (np.zeros(0), prescribed)
     )
@@ -154,18 +154,18 @@ def test_what_is_prescribed_has_no_gradient_and_is_stiff(model):
     found = []
     for system in (free, held):
         g, H = np.empty(n), np.empty(problem.matrix_size)
-        assembled(system, problem.start, 0.0, problem.memory, state, g, H)
+        assembled(system, problem.start, 0.0, problem.history, state, g, H)
         found.append((g, H))
     (g, H), (g_held, H_held) = found
-    assert held.reaction[0] == g[top.freedom[1]] != 0.0
-    assert np.flatnonzero(g != g_held).tolist() == [top.freedom[1]]
-    assert g_held[top.freedom[1]] == 0.0
+    assert held.reaction[0] == g[top.dof[1]] != 0.0
+    assert np.flatnonzero(g != g_held).tolist() == [top.dof[1]]
+    assert g_held[top.dof[1]] == 0.0
     assert np.flatnonzero(H_held != H).tolist() == [top.diagonal]
     assert H_held[top.diagonal] - H[top.diagonal] == pytest.approx(1e6, rel=1e-6)
     factored(held, H_held)
     out = np.empty(n)
     solution(held, H_held, g_held, -1.0, out)
-    assert out[top.freedom[1]] == 0.0 != out[top.freedom[0]]
+    assert out[top.dof[1]] == 0.0 != out[top.dof[0]]
     put_prescribed(held, problem.start, 0.25, state)
     assert state[top.state[1]] == problem.start[top.state[1]] - 0.5
 

@@ -93,7 +93,7 @@ def test_an_edited_law_is_the_one_that_runs(checkout):
 
 
 def test_the_digest_knows_all_that_a_kernel_reads(monkeypatch):
-    kernels = (beam.assemble, beam.motion, wire.assemble, wire.motion)
+    kernels = (beam.assemble, beam.displacement_bound, wire.assemble, wire.displacement_bound)
     before = [content_digest(each) for each in kernels]
     assert len(set(before)) == len(kernels)
     assert [content_digest(each) for each in kernels] == before

@@ -8,7 +8,7 @@ import pytest
 import wirefe
 from coilspring import Contact, EquilibriumNotFound, InputError, Load, Scene, Spring, Supports, load_scene
 from coilspring.compiling.packing import pack
-from coilspring.contact.law import MEMORY
+from coilspring.contact.law import HISTORY
 from coilspring.scene.sizing import axial_rate
 from wirefe import kernels, seated
 from wirefe.export import section_results
@@ -35,7 +35,7 @@ def test_gradient_and_matrix_are_derivatives_of_the_energy(held, check_derivativ
     scene = scene_of(held=held)
     data, mesh, rod = build_model(scene, 8, 4)
     arrays, rest = pack(data), rest_state(rod, mesh.arm)
-    memory = np.zeros((len(data.contact.pairs), MEMORY))
+    history = np.zeros((len(data.contact.pairs), HISTORY))
     free = (~rod.held).ravel().astype(float)
     n, state = free.size, np.empty_like(rest)
     shift = 1e-3 * free * np.random.default_rng(5).normal(size=n)
@@ -44,7 +44,7 @@ def test_gradient_and_matrix_are_derivatives_of_the_energy(held, check_derivativ
     def energy(step):
         at, g, H = np.empty_like(state), np.empty(n), np.empty(matrix_size(data))
         kernels.retract(*arrays, state, step * free, 1.0, state, 0.0, at)
-        value, _ = seated.assemble(*arrays, state, 0.0, memory, at, g, H)
+        value, _ = seated.assemble(*arrays, state, 0.0, history, at, g, H)
         return value, g, dense(data, H, n) * np.outer(free, free)
 
     pressed = WireShape(scene, data, mesh).plate_forces(state[None])
@@ -123,7 +123,7 @@ def test_coils_that_settle_on_the_end_turns_make_it_stiffer():
 
 
 def test_a_spring_turned_over_does_the_same():
-    """Its top plate, which is held in the model by its own freedoms, becomes the fixed bottom one."""
+    """Its top plate, which is held in the model by its own dofs, becomes the fixed bottom one."""
     cone = Spring(1.5, (12.0, 8.0), 5.0, 22.5, start_phase=0.3)
     # turned by half a turn about X: y -> H - y, z -> -z, and the wire begins at its other end
     over = Spring(1.5, (8.0, 12.0), 5.0, 22.5, start_phase=-0.3 - 2.0 * np.pi * 5.0)

@@ -93,7 +93,7 @@ MODELS = {  # of the README's table: the runs of a model, and the law's columns 
 
 def test_the_table_of_models_says_what_is_recorded():
     runs = pd.read_csv(ROOT / "reports/workprecision/workprecision.csv")
-    runs = runs.query("steps == 50 and reference == 'finest wire'")
+    runs = runs.query("steps == 50 and role == 'run'")
     runs = runs.assign(scene_sliding=np.where(runs["scene"] == "spring-b", "scene", "ignore"))
     springs = pd.read_csv(ROOT / "reports/errorbudget/randomsprings.csv")
     classes = [springs[~springs["contact"]], springs[springs["contact"] & (springs["closed"] > 3)]]

@@ -21,7 +21,7 @@ LENGTH, COUNT = 100.0, 20
 def spring(element, count):
     problem, _, _ = scene_problem(load_scene("spring-a"), element, count, 4)
     free = np.ones(problem.load.size)
-    free[problem.data.held.freedom] = 0.0
+    free[problem.data.held.dof] = 0.0
     return problem, free
 
 
@@ -42,7 +42,7 @@ def moved(data, state, step, factor=1.0):
 
 
 def wave(problem, free, size, seed=0):
-    """A smooth step that leaves both ends' held freedoms alone."""
+    """A smooth step that leaves both ends' held dofs alone."""
     along = np.linspace(0.0, 1.0, free.size // 6)[:, None]
     shift = np.random.default_rng(seed).random(6)
     return (size * np.sin(3.0 * along + shift) * along * [5, 5, 5, 0.3, 0.3, 0.3]).ravel() * free
@@ -112,10 +112,10 @@ def test_a_step_turned_along_and_back():
     state = moved(problem.data, problem.start, wave(problem, free, 1.0))
     step = wave(problem, free, 1.0, seed=3)
     arrays, there = pack(problem.data), step.copy()
-    kernels.carry(*arrays, problem.start, state, there)
+    kernels.rotate(*arrays, problem.start, state, there)
     turn = Rotation.from_quat(state.reshape(-1, 7)[1:-1, 3:], scalar_first=True)
     for half in (slice(0, 3), slice(3, 6)):
         old, new = (v.reshape(-1, 6)[1:-1, half] for v in (step, there))
         np.testing.assert_allclose(new, turn.apply(old), atol=1e-14)
-    kernels.carry(*arrays, state, problem.start, there)
+    kernels.rotate(*arrays, state, problem.start, there)
     np.testing.assert_allclose(there, step, atol=1e-12)

@@ -181,7 +181,7 @@ def test_scene_and_rod_are_one_model():
 @pytest.mark.parametrize(
     ("change", "words"),
     [
-        (lambda rod: rod.holding(0, "up"), "freedoms must be one of ux"),
+        (lambda rod: rod.holding(0, "up"), "dofs must be one of ux"),
         (lambda rod: wirefe.solve_rod(rod.holding(0)), "loads must not all be zero"),
         (lambda rod: wirefe.straight_rod(np.zeros((3, 3)), Section(1, 1, 1, 1)), "points must differ"),
         (lambda rod: wirefe.straight_rod(np.zeros((1, 3)), Section(1, 1, 1, 1)), "points must be finite"),

@@ -9,10 +9,10 @@ from scipy.spatial import cKDTree
 import wirefe
 from coilspring import Contact, Load, spring_a, spring_b
 from coilspring.compiling.packing import pack
-from coilspring.contact.law import MEMORY
+from coilspring.contact.law import HISTORY
 from validation.study.partialsolve import partial_path
 from wirefe import kernels, model
-from wirefe.mesh import strays
+from wirefe.mesh import near_pairs
 from wirestates import centres
 
 FREE_B = replace(spring_b(), contact=Contact())
@@ -35,8 +35,8 @@ def built(scene, pairs_per_turn=4, elements_per_turn=8):
 
 
 def committed(data, state):
-    memory = np.zeros((len(data.contact.pairs), MEMORY))
-    return kernels.commit(*pack(data), state, memory)
+    history = np.zeros((len(data.contact.pairs), HISTORY))
+    return kernels.update_history(*pack(data), state, history)
 
 
 def thrown(state, seed, size):
@@ -60,7 +60,7 @@ def test_commit_finds_what_another_search_finds(pairs_per_turn):
 def test_strays_are_those_of_another_search():
     data, rest = built(spring_a(), 8)
     contact, state = data.contact, thrown(rest, 1, 0.6)
-    pairs, distance = strays(centres(contact, state), contact.attached, contact.pairs, contact.near, 4.5)
+    pairs, distance = near_pairs(centres(contact, state), contact.attached, contact.pairs, contact.near, 4.5)
     assert sorted(map(tuple, pairs.tolist())) == sorted(unlisted(contact, state, reach=3.0))
     assert len(pairs) > 20
     way = centres(contact, state)[pairs]

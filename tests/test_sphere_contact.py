@@ -6,10 +6,10 @@ from scipy.spatial.transform import Rotation
 
 from coilspring.contact import kinematics as pairvectors
 from coilspring.contact import law as pairlaw
-from coilspring.contact.kinematics import renew_bounds
+from coilspring.contact.kinematics import friction_bounds
 from coilspring.contact.law import (
     BOUND,
-    MEMORY,
+    HISTORY,
     N0,
     ON,
     RISE,
@@ -24,17 +24,17 @@ from coilspring.contact.results import PairReader
 from wirefe.contact import pair_matrix
 
 D, K = 1.5, 1.0e4
-FREE = np.zeros(MEMORY)
+FREE = np.zeros(HISTORY)
 ARMS = np.array([[0.3, -0.2, 0.7], [5.0, 0.4, -0.8]])  # of spheres on rigid ends
 
 
-def pair(d, gap, k=1.0, memory=FREE):
+def pair(d, gap, k=1.0, history=FREE):
     """Pair with the nodes moved by d = (x, spin, x, spin) from a state with the given gap."""
     arms = [Rotation.from_rotvec(d[3:6]).apply(ARMS[0]), Rotation.from_rotvec(d[9:]).apply(ARMS[1])]
     direction = np.array([0.2, 0.9, -0.1]) / np.linalg.norm([0.2, 0.9, -0.1])
     w = (D + gap) * direction + d[6:9] + arms[1] - ARMS[1] - d[:3] - arms[0] + ARMS[0]
     f, H = np.empty(3), np.empty((3, 3))
-    energy = pair_potential(w, np.linalg.norm(w), D, K, k, memory, np.empty(3), f, H)
+    energy = pair_potential(w, np.linalg.norm(w), D, K, k, history, np.empty(3), f, H)
     g, full = np.empty(12), np.empty((12, 12))
     pair_matrix(f, H, *arms, g, full)
     return energy, g, full
@@ -87,18 +87,18 @@ def test_an_edited_law_is_that_of_kernels_of_readers_and_of_friction(monkeypatch
     assert H[1, 1] == pytest.approx(2.0 * K)
     np.testing.assert_allclose(f, [0.0, -1500.0, 0.0])
     np.testing.assert_allclose(Reader().pair_forces(None), [[1500.0, 0.0]])
-    memory = np.array([stuck(bound=1.0)])
-    memory[0, N0 : N0 + 3] = 0.0, 1.0, 0.0
-    renew_bounds(g[None], memory, 0.3, K, 1.0, D)
-    assert memory[0, BOUND] == pytest.approx(0.3 * 1500.0 * (D - 0.1) / D)
+    history = np.array([stuck(bound=1.0)])
+    history[0, N0 : N0 + 3] = 0.0, 1.0, 0.0
+    friction_bounds(g[None], history, 0.3, K, 1.0, D)
+    assert history[0, BOUND] == pytest.approx(0.3 * 1500.0 * (D - 0.1) / D)
 
 
 def test_sliding_potential_by_hand():
     """0.1 mm of slip along x holds back with 1000 N; what goes along n0 is not slip."""
     f, H = np.empty(3), np.empty((3, 3))
-    memory = np.array([1.0, 0.0, 1.45, 0.0, 0.0, 1.0, 0.0, np.inf, 0.0, 0.0, 0.0, 0.0])
+    history = np.array([1.0, 0.0, 1.45, 0.0, 0.0, 1.0, 0.0, np.inf, 0.0, 0.0, 0.0, 0.0])
     energy = pair_potential(
-        np.array([0.1, 1.6, 0.0]), np.hypot(0.1, 1.6), D, K, 1.0, memory, np.empty(3), f, H
+        np.array([0.1, 1.6, 0.0]), np.hypot(0.1, 1.6), D, K, 1.0, history, np.empty(3), f, H
     )
     assert energy == pytest.approx(0.5 * K * 0.1**2)
     np.testing.assert_allclose(f, [1000.0, 0.0, 0.0], atol=1e-9)
@@ -107,12 +107,12 @@ def test_sliding_potential_by_hand():
 
 @pytest.mark.parametrize("k", [1.0, 1.5, 2.0])
 @pytest.mark.parametrize(
-    "memory",
+    "history",
     [FREE, stuck(), stuck(300.0), stuck(1e4), stuck(300.0, 0.5)],
     ids=["frictionless", "no-sliding", "friction", "sticking", "rising"],
 )
-def test_derivatives_closed(check_derivatives, k, memory):
-    check_derivatives(lambda d: pair(d, -0.05, k, memory), 12, h=1e-4)
+def test_derivatives_closed(check_derivatives, k, history):
+    check_derivatives(lambda d: pair(d, -0.05, k, history), 12, h=1e-4)
 
 
 def test_derivatives_just_closed(check_derivatives):
@@ -127,23 +127,23 @@ def test_open_pair_does_nothing():
 
 
 @pytest.mark.parametrize(
-    "memory", [FREE, stuck(), stuck(300.0)], ids=["frictionless", "no-sliding", "friction"]
+    "history", [FREE, stuck(), stuck(300.0)], ids=["frictionless", "no-sliding", "friction"]
 )
-def test_pair_sums_to_zero_force_and_moment(memory):
+def test_pair_sums_to_zero_force_and_moment(history):
     """Moments about node A; without sliding the tangential force acts along g only up to the slip."""
-    _, g, _ = pair(np.zeros(12), -0.05, memory=memory)
+    _, g, _ = pair(np.zeros(12), -0.05, history=history)
     np.testing.assert_allclose(g[:3] + g[6:9], 0.0, atol=1e-9)
     w = (D - 0.05) * np.array([0.2, 0.9, -0.1]) / np.linalg.norm([0.2, 0.9, -0.1])
     centre_to_centre = w
     moment = g[3:6] - np.cross(ARMS[0], g[:3]) + g[9:] - np.cross(ARMS[1], g[6:9])
     np.testing.assert_allclose(moment, 0.0, atol=1e-9)  # each node's moment is its arm x its force
-    if not memory.any():
+    if not history.any():
         np.testing.assert_allclose(np.cross(centre_to_centre, g[6:9]), 0.0, atol=1e-9)
 
 
 def sliding(bound=300.0, rise=0.0):
     """Row of a pair that had its direction along y."""
-    row = np.zeros(MEMORY)
+    row = np.zeros(HISTORY)
     row[[ON, N0 + 1, BOUND, RISE]] = 1.0, 1.0, bound, rise
     return row
 

@@ -268,7 +268,7 @@ def test_a_traced_path_comes_back(tmp_path):
     path.save(tmp_path / "path.npz")
     back = load_path(tmp_path / "path.npz")
     np.testing.assert_array_equal(back.tips, path.tips)
-    assert (back.memories, back.options) == (None, path.options)
+    assert (back.histories, back.options) == (None, path.options)
 
 
 def test_a_path_says_what_it_is():

@@ -20,7 +20,7 @@ from coilspring import (
     spring_b,
 )
 from coilspring.compiling.packing import pack
-from coilspring.contact.law import MEMORY
+from coilspring.contact.law import HISTORY
 from coilspring.scene.wire import round_section
 from validation.study.partialsolve import partial_path
 from validation.study.scenes import EXACT_ROD
@@ -115,12 +115,12 @@ def test_spread_of_no_sliding_over_the_steps(stiffness):
 
 
 def shaken(scene, seed, **options):
-    """Model, an equilibrium state moved a little, its memory, and the function that moves it."""
+    """Model, an equilibrium state moved a little, its history, and the function that moves it."""
     path = wirefe.solve(scene, steps=2, **options)
     data, _, rod = model.build_model(path.scene, options.get("elements_per_turn", 40), 4)
     reals, ints = pack(data)
-    memory = np.zeros((len(data.contact.pairs), MEMORY))
-    kernels.commit(reals, ints, path.states[-1], memory)
+    history = np.zeros((len(data.contact.pairs), HISTORY))
+    kernels.update_history(reals, ints, path.states[-1], history)
 
     def moved(state, step):
         out = np.empty_like(state)
@@ -129,7 +129,7 @@ def shaken(scene, seed, **options):
 
     free = np.where(rod.held, 0.0, 1.0).ravel()
     step = 1e-3 * np.random.default_rng(seed).normal(size=free.size) * free
-    return data, reals, ints, memory, path.states[-1], moved(path.states[-1], step), moved, free
+    return data, reals, ints, history, path.states[-1], moved(path.states[-1], step), moved, free
 
 
 @pytest.mark.parametrize("sliding", ["free", "none"])
@@ -141,13 +141,13 @@ def test_whole_model_derivatives(check_derivatives, sliding):
         supports=Supports(("ux", "rotz")),
         contact=Contact(sliding=sliding),
     )
-    data, reals, ints, memory, anchor, state, moved, free = shaken(scene, 3, elements_per_turn=8)
+    data, reals, ints, history, accepted, state, moved, free = shaken(scene, 3, elements_per_turn=8)
     n = free.size
-    assert (memory[:, 0] > 0).any() == (sliding == "none")
+    assert (history[:, 0] > 0).any() == (sliding == "none")
 
     def energy(step):
         g, H = np.empty(n), np.empty(model.matrix_size(data))
-        value, _ = kernels.assemble(reals, ints, anchor, 0.0, memory, moved(state, step * free), g, H)
+        value, _ = kernels.assemble(reals, ints, accepted, 0.0, history, moved(state, step * free), g, H)
         return value, g, dense(data, H, n) * np.outer(free, free)
 
     value, g, _ = energy(np.zeros(n))
@@ -167,7 +167,7 @@ def test_whole_wire_moved_rigidly_strains_nothing():
         row[:3] = R.apply(row[:3]) + shift
         row[3:] = times(exponential(spin), row[3:].copy())
     g, H = np.empty(6 * len(rows)), np.empty(model.matrix_size(data))
-    value, _ = kernels.assemble(reals, ints, rows.ravel(), 0.0, np.zeros((0, MEMORY)), rows.ravel(), g, H)
+    value, _ = kernels.assemble(reals, ints, rows.ravel(), 0.0, np.zeros((0, HISTORY)), rows.ravel(), g, H)
     # stiffness times rounding of the positions
     assert value < 1e-15
     np.testing.assert_allclose(g, 0.0, atol=1e-6)
@@ -192,7 +192,7 @@ def test_clamp_carries_the_load_and_its_moment():
             about += np.cross(lower, push)
     load, top = np.array([-9.0, -4.0, 0.0]), rows[-1, :3]
     np.testing.assert_allclose((force + load)[:2], 0.0, atol=1e-8)
-    # the top end may also press its held freedoms: moments about X and Y, force along Z
+    # the top end may also press its held dofs: moments about X and Y, force along Z
     assert (about + np.cross(top, load))[2] == pytest.approx(0.0, abs=1e-7)
 
 

@@ -18,7 +18,7 @@ N6 = 6
 
 
 class ChainPlan(NamedTuple):
-    """Elimination plan; a coupling's block has the freedoms of the node eliminated first as rows."""
+    """Elimination plan; a coupling's block has the dofs of the node eliminated first as rows."""
 
     order: np.ndarray  # (nodes,) node eliminated at each step; its diagonal block has its number
     start: np.ndarray  # (nodes + 1,) first entry of each step in `block` and `column`

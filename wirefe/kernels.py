@@ -7,7 +7,7 @@ import math
 import numpy as np
 
 from coilspring.compiling.compiled import arithmetic, clear, kernel, part
-from coilspring.contact.kinematics import OVERLAP_ALLOWED, approach, remember, renew_bounds
+from coilspring.contact.kinematics import OVERLAP_ALLOWED, approach, friction_bounds, remember
 from coilspring.contact.law import ON, pair_potential
 from wirefe.algebra import dot, plus
 from wirefe.beam import beams
@@ -17,7 +17,7 @@ from wirefe.model import view_contact, view_elements, view_held, view_plan, view
 from wirefe.overlap import wire_overlap
 from wirefe.poses import ROW, four, three
 from wirefe.quaternions import turned
-from wirefe.retraction import Way, close, place, spin_between, turn_along
+from wirefe.retraction import Move, close, place, spin_between, turn_along
 
 
 @part
@@ -89,7 +89,7 @@ def _scatter(chain, state, ge, Ke, g, H):
 
 
 @arithmetic
-def _add_pairs(contact, memory, state, g, H):
+def _add_pairs(contact, history, state, g, H):
     """Contact energy; adds its gradient and Hessian. Only pairs that touch are scattered."""
     energy = 0.0
     w, e, f, Hg = np.empty(3), np.empty(3), np.empty(3), np.empty((3, 3))
@@ -97,10 +97,10 @@ def _add_pairs(contact, memory, state, g, H):
     for m in range(contact.pairs.shape[0]):
         between, ra, rb = _between(contact, state, m)
         h2 = dot(between, between)
-        if h2 >= contact.d * contact.d and memory[m, ON] == 0.0:
+        if h2 >= contact.d * contact.d and history[m, ON] == 0.0:
             continue
         w[0], w[1], w[2] = between
-        energy += pair_potential(w, math.sqrt(h2), contact.d, contact.kc, contact.k, memory[m], e, f, Hg)
+        energy += pair_potential(w, math.sqrt(h2), contact.d, contact.kc, contact.k, history[m], e, f, Hg)
         pair_matrix(f, Hg, ra, rb, ge, Ke)
         a, b = contact.attached[contact.pairs[m, 0]], contact.attached[contact.pairs[m, 1]]
         _add_gradient(g, a, b, ge)
@@ -112,7 +112,7 @@ def _add_pairs(contact, memory, state, g, H):
 
 @part
 def _hold(held, H):
-    """Take the held freedoms out: rows and columns of the unit matrix."""
+    """Take the held dofs out: rows and columns of the unit matrix."""
     for m in range(held.block.size):
         B = H[held.block[m]]
         i = held.place[m]
@@ -121,15 +121,15 @@ def _hold(held, H):
                 B[i, j] = 0.0
             else:
                 B[j, i] = 0.0
-    for m in range(held.freedom.size):
-        n, i = held.freedom[m] // 6, held.freedom[m] % 6
+    for m in range(held.dof.size):
+        n, i = held.dof[m] // 6, held.dof[m] % 6
         for j in range(6):
             H[n, i, j] = H[n, j, i] = 0.0
         H[n, i, i] = 1.0
 
 
 @kernel
-def assemble(reals, ints, anchor, clearance, memory, state, g, flat):
+def assemble(reals, ints, accepted, least_gap, history, state, g, flat):
     """Strain and contact energy, gradient and matrix; see `coilspring.solver.interface` for the contract."""
     contact = view_contact(reals, ints)
     H = flat.reshape((flat.size // 36, 6, 6))
@@ -141,13 +141,13 @@ def assemble(reals, ints, anchor, clearance, memory, state, g, flat):
     energy = beams(state, chain.arm, chain.triads, chain.strain0, chain.stiffness, ge, Ke)
     _scatter(chain, state, ge, Ke, g, H)
     count = contact.pairs.shape[0]
-    if count > 0 and clearance > 0.0 and 2.0 * _bound(contact.reach, anchor, state) < clearance:
+    if count > 0 and least_gap > 0.0 and 2.0 * _bound(contact.reach, accepted, state) < least_gap:
         count = 0
     if count > 0:
-        energy += _add_pairs(contact, memory, state, g, H)
+        energy += _add_pairs(contact, history, state, g, H)
     held = view_held(ints)
-    for m in range(held.freedom.size):
-        g[held.freedom[m]] = 0.0
+    for m in range(held.dof.size):
+        g[held.dof[m]] = 0.0
     if len(H) > 0:
         _hold(held, H)
     return energy, count
@@ -168,10 +168,10 @@ def solve(reals, ints, flat, b):
 @kernel
 def retract(reals, ints, state, step, factor, before, second, out):
     """See `coilspring.solver.interface`; what moves are the wire's deformations (`wirefe.retraction`)."""
-    way = Way(before, step, factor, second)
+    move = Move(before, step, factor, second)
     chain = view_elements(reals, ints)
-    place(chain.triads, chain.arm, state, way, out)
-    close(view_held(ints).placed, chain.arm, state, way, out)
+    place(chain.triads, chain.arm, state, move, out)
+    close(view_held(ints).placed, chain.arm, state, move, out)
 
 
 @kernel
@@ -192,16 +192,16 @@ def work(reals, ints, load, a, b):
 
 
 @kernel
-def carry(reals, ints, a, b, v):
+def rotate(reals, ints, a, b, v):
     """See the interface: forces and moments, or motions and spins, turned with their nodes."""
     held = view_held(ints)
     p = v.size - 6
     top = three(v, p)
     turn_along(a, b, v)
-    if held.placed.size > held.freedom.size:
+    if held.placed.size > held.dof.size:
         v[p], v[p + 1], v[p + 2] = top  # what fixes the top does not turn with it
-    for m in range(held.freedom.size):
-        v[held.freedom[m]] = 0.0
+    for m in range(held.dof.size):
+        v[held.dof[m]] = 0.0
 
 
 @part
@@ -210,27 +210,27 @@ def _bound(reach, a, b):
     most = 0.0
     last = a.size - ROW
     for s in range(0, a.size, ROW):
-        way = math.sqrt((a[s] - b[s]) ** 2 + (a[s + 1] - b[s + 1]) ** 2 + (a[s + 2] - b[s + 2]) ** 2)
+        distance = math.sqrt((a[s] - b[s]) ** 2 + (a[s + 1] - b[s + 1]) ** 2 + (a[s + 2] - b[s + 2]) ** 2)
         if s == last:
             same, other = 0.0, 0.0
             for i in range(3, 7):
                 same += (a[s + i] - b[s + i]) ** 2
                 other += (a[s + i] + b[s + i]) ** 2
             # |R r - R' r| <= 2 sin(angle/2) |r| <= 2 |q - q'| |r|
-            way += 2.0 * math.sqrt(min(same, other)) * reach
-        most = max(most, way)
+            distance += 2.0 * math.sqrt(min(same, other)) * reach
+        most = max(most, distance)
     return most
 
 
 @kernel
-def motion(reals, ints, a, b, least):
+def displacement_bound(reals, ints, a, b, least):
     """See the interface: bound on all motion, pair motion, share of it before the first touch."""
     contact = view_contact(reals, ints)
-    way = _bound(contact.reach, a, b)
-    if contact.pairs.shape[0] == 0 or way <= least:
-        return way, 0.0, 1.0
+    distance = _bound(contact.reach, a, b)
+    if contact.pairs.shape[0] == 0 or distance <= least:
+        return distance, 0.0, 1.0
     most, free = approach(_vectors(contact, a), _vectors(contact, b), contact.d)
-    return way, most / contact.d, free
+    return distance, most / contact.d, free
 
 
 @part
@@ -242,7 +242,7 @@ def _is_pair(pairs, A, B):
 
 
 @arithmetic
-def _stray(contact, state):
+def _touch_unlisted(contact, state):
     """Whether spheres touch that are no pair."""
     count = contact.attached.size
     centres = np.empty((count, 3))
@@ -263,23 +263,23 @@ def _stray(contact, state):
 
 
 @kernel
-def commit(reals, ints, state, memory):
+def update_history(reals, ints, state, history):
     """See `coilspring.contact.kinematics`; minus infinity says that spheres touch which are no pair."""
     contact = view_contact(reals, ints)
     # spheres that are no pair are looked at once they may have come near
-    near = contact.pairs.shape[0] > 0 and 2.0 * _bound(contact.reach, contact.home, state) >= contact.apart
-    if near and _stray(contact, state):
+    near = contact.pairs.shape[0] > 0 and 2.0 * _bound(contact.reach, contact.rest, state) >= contact.apart
+    if near and _touch_unlisted(contact, state):
         return -np.inf
-    return remember(_vectors(contact, state), memory, contact.mu, contact.kc, contact.d)
+    return remember(_vectors(contact, state), history, contact.mu, contact.kc, contact.d)
 
 
 @kernel
-def renew(reals, ints, state, memory):
-    """See `coilspring.contact.kinematics.renew_bounds`."""
+def update_bounds(reals, ints, state, history):
+    """See `coilspring.contact.kinematics.friction_bounds`."""
     contact = view_contact(reals, ints)
     if contact.mu == 0.0:
         return 0.0
-    return renew_bounds(_vectors(contact, state), memory, contact.mu, contact.kc, contact.k, contact.d)
+    return friction_bounds(_vectors(contact, state), history, contact.mu, contact.kc, contact.k, contact.d)
 
 
 @kernel

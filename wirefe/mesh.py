@@ -126,7 +126,7 @@ def place_spheres(
     if found is not None:
         pairs = np.concatenate((pairs, found))
     near = pairs_per_turn // 2
-    _, gaps = strays(spring.points(phases), attached, pairs, near, np.inf)
+    _, gaps = near_pairs(spring.points(phases), attached, pairs, near, np.inf)
     return Spheres(
         attached=attached,
         arm=spring.points(phases) - rest[attached],
@@ -140,7 +140,7 @@ def place_spheres(
     )
 
 
-def strays(
+def near_pairs(
     centres: np.ndarray, attached: np.ndarray, pairs: np.ndarray, near: int, reach: float
 ) -> tuple[np.ndarray, np.ndarray]:
     """Spheres that are no pair, with centres nearer than `reach`: (n, 2), and their distances (n,).

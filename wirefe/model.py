@@ -37,13 +37,13 @@ class ElementArrays(NamedTuple):
 
 
 class HeldArrays(NamedTuple):
-    """Held freedoms, numbered 6 node + freedom, and their rows and columns in the couplings' blocks."""
+    """Held dofs, numbered 6 node + dof, and their rows and columns in the couplings' blocks."""
 
-    freedom: np.ndarray
+    dof: np.ndarray
     block: np.ndarray
     place: np.ndarray  # row or column in the block
     row: np.ndarray  # 1 where it is a row
-    placed: np.ndarray  # freedoms that are held, and those that move as prescribed
+    placed: np.ndarray  # dofs that are held, and those that move as prescribed
 
 
 class ContactArrays(NamedTuple):
@@ -60,7 +60,7 @@ class ContactArrays(NamedTuple):
     block: np.ndarray  # (pairs,) block of each pair's coupling
     flip: np.ndarray
     near: int  # spheres so near each other along the wire do not touch
-    home: np.ndarray  # state at rest, flat
+    rest: np.ndarray  # state at rest, flat
     apart: float  # least gap at rest of spheres that are no pair
 
 
@@ -148,7 +148,7 @@ def rod_model(
             block=block[count:touching],
             flip=flip[count:touching],
             near=spheres.near,
-            home=rest_state(rod, arm),
+            rest=rest_state(rod, arm),
             apart=spheres.apart,
         ),
         plan,
@@ -159,9 +159,9 @@ def rod_model(
 def _held_arrays(held: np.ndarray, couplings: np.ndarray, block: np.ndarray, flip: np.ndarray) -> HeldArrays:
     rows = np.where(flip, couplings[:, 0], couplings[:, 1])
     cuts = [
-        (block[c], freedom % 6, rows[c] == freedom // 6)
-        for freedom in held
-        for c in np.flatnonzero((couplings == freedom // 6).any(axis=1))
+        (block[c], dof % 6, rows[c] == dof // 6)
+        for dof in held
+        for c in np.flatnonzero((couplings == dof // 6).any(axis=1))
     ]
     table = np.array(cuts, dtype=np.int64).reshape(-1, 3)
     return HeldArrays(held, table[:, 0], table[:, 1], table[:, 2], held)
@@ -181,7 +181,7 @@ def rest_state(rod: Rod, arm: np.ndarray) -> np.ndarray:
 
 
 def load_vector(rod: Rod) -> np.ndarray:
-    """Load at time 1, flat; held freedoms carry none."""
+    """Load at time 1, flat; held dofs carry none."""
     return np.where(rod.held, 0.0, rod.loads).ravel()
 
 
@@ -208,7 +208,7 @@ def view_elements(reals, ints):
 
 @part
 def view_held(ints):
-    """The held freedoms in the packed arrays."""
+    """The held dofs in the packed arrays."""
     head = heads(ints)
     return HeldArrays(
         vector(ints, head[HELD]), vector(ints, head[HELD + 1]), vector(ints, head[HELD + 2]),

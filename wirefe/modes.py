@@ -25,7 +25,7 @@ def natural_frequencies(rod: Rod, density: float, diameter: float, count: int) -
     rod : a round wire, held against every rigid motion; its loads play no part.
     density : t/mm^3 (steel: 7.9e-9), which goes with mm, N, MPa.
     diameter : of the wire, mm.
-    count : how many, fewer than the free freedoms.
+    count : how many, fewer than the free dofs.
 
     Returns
     -------
@@ -49,15 +49,15 @@ def natural_frequencies(rod: Rod, density: float, diameter: float, count: int) -
 
 
 def linear_stiffness(rod: Rod) -> csr_array:
-    """Stiffness matrix at rest, freedoms 6 node + (ux, uy, uz, rotx, roty, rotz), held ones included."""
+    """Stiffness matrix at rest, dofs 6 node + (ux, uy, uz, rotx, roty, rotz), held ones included."""
     from scipy.sparse import coo_array
 
     count = len(rod.stiffness)
     state, strain0 = _at_rest(rod)
     g, H = np.empty((count, 12)), np.empty((count, 12, 12))
     beams(state, np.zeros(3), rod.triads, strain0, rod.stiffness, g, H)
-    freedoms = 6 * np.arange(count)[:, None] + np.arange(12)
-    rows, columns = np.broadcast_arrays(freedoms[:, :, None], freedoms[:, None, :])
+    dofs = 6 * np.arange(count)[:, None] + np.arange(12)
+    rows, columns = np.broadcast_arrays(dofs[:, :, None], dofs[:, None, :])
     return coo_array((H.ravel(), (rows.ravel(), columns.ravel())), shape=(rod.held.size,) * 2).tocsr()
 
 
@@ -103,12 +103,12 @@ def _tangents(rod: Rod) -> np.ndarray:
 
 
 def _refuse_loose(rod: Rod) -> None:
-    """Refuse a rod that can move without strain: a rigid motion that is zero in all held freedoms."""
+    """Refuse a rod that can move without strain: a rigid motion that is zero in all held dofs."""
     middle = rod.points.mean(axis=0)
-    way = (rod.points - middle) / max(np.ptp(rod.points, axis=0).max(), 1e-300)
-    motions = np.zeros((len(way), 6, 6))
+    offset = (rod.points - middle) / max(np.ptp(rod.points, axis=0).max(), 1e-300)
+    motions = np.zeros((len(offset), 6, 6))
     motions[:] = np.eye(6)
     for axis in range(3):
-        motions[:, :3, 3 + axis] = np.cross(np.eye(3)[axis], way)
+        motions[:, :3, 3 + axis] = np.cross(np.eye(3)[axis], offset)
     if np.linalg.matrix_rank(motions[rod.held]) < 6:
         raise InputError("rod must be held against every rigid motion, got one that can move freely")

@@ -24,7 +24,7 @@ class PlateArrays(NamedTuple):
     level: np.ndarray  # (low,) height of each where it touches, mm
     high: np.ndarray  # nodes of the upper end
     depth: np.ndarray  # (high,) c of each, mm
-    free: np.ndarray  # (6,) 1 for free freedoms of the top end, 0 for held ones
+    free: np.ndarray  # (6,) 1 for free dofs of the top end, 0 for held ones
     stiffness: float  # of a node on a plate, N/mm
     block: np.ndarray  # (high,) block of each node's coupling with the top end
     flip: np.ndarray
@@ -59,8 +59,8 @@ def join_top(rod: Rod) -> Rod:
     """The rod with its tip joined to a last node at the same point, the top end: held along its plate and
     against turning on it, free to lift and to tilt."""
     stiffness = np.zeros((1, 6, 6))
-    for freedom in (0, 2, 4):  # x, z, and the turn about y
-        stiffness[0, freedom, freedom] = JOINT * rod.stiffness[-1, freedom // 3 * 3, freedom // 3 * 3]
+    for dof in (0, 2, 4):  # x, z, and the turn about y
+        stiffness[0, dof, dof] = JOINT * rod.stiffness[-1, dof // 3 * 3, dof // 3 * 3]
     upright = np.broadcast_to([1.0, 0.0, 0.0, 0.0], (1, 2, 4))
     return Rod(
         points=np.concatenate((rod.points, rod.points[-1:])),

@@ -33,7 +33,7 @@ from wirefe.quaternions import (
 )
 
 
-class Way(NamedTuple):
+class Move(NamedTuple):
     """How far along a step, and along what the path since an earlier state differs from it.
 
     With the rate v of a deformation along the step, and b that deformation at the state `before` less the
@@ -71,18 +71,18 @@ def turn_along(a, b, v):
 
 
 @arithmetic
-def _literal(state, way, n):
+def _literal(state, move, n):
     """Position and rotation of node n, moved by the step itself."""
-    spin = three(way.step, 6 * n + 3)
-    v = (way.first * spin[0], way.first * spin[1], way.first * spin[2])
+    spin = three(move.step, 6 * n + 3)
+    v = (move.first * spin[0], move.first * spin[1], move.first * spin[2])
     q = four(state, ROW * n + 3)
-    if way.second != 0.0:
-        v = plus(v, way.second, spin_between(state, way.before, n))
+    if move.second != 0.0:
+        v = plus(v, move.second, spin_between(state, move.before, n))
     t = times(exponential(v), q)
     x = three(state, ROW * n)
-    if way.second != 0.0:
-        x = plus(x, way.second, plus(three(way.before, ROW * n), -1.0, x))
-    return plus(x, way.first, three(way.step, 6 * n)), unit(t[0], t[1], t[2], t[3])
+    if move.second != 0.0:
+        x = plus(x, move.second, plus(three(move.before, ROW * n), -1.0, x))
+    return plus(x, move.first, three(move.step, 6 * n)), unit(t[0], t[1], t[2], t[3])
 
 
 @arithmetic
@@ -108,29 +108,29 @@ def _rates(step, e, back, h, u, r):
 
 
 @arithmetic
-def place(triads, arm, state, way, out):
+def place(triads, arm, state, move, out):
     """Place all nodes in `out`, as if none were held but the first.
 
     `triads` (n, 2, 4) are the elements' end frames at rest; the last point of the wire stands off from the
     last node by `arm` at rest.
     """
     count = len(triads)
-    x, q = _literal(state, way, 0)
+    x, q = _literal(state, move, 0)
     _put(out, 0, x, q)
     for e in range(count):
         first, second = four(triads[e, 0], 0), four(triads[e, 1], 0)
         stand = (arm[0], arm[1], arm[2]) if e == count - 1 else (0.0, 0.0, 0.0)
         back, h, u, r = _deformation(state, e, triads[e], stand)
-        du, w = _rates(way.step, e, back, h, u, r)
-        turn = (way.first * w[0], way.first * w[1], way.first * w[2])
-        chord = plus(u, way.first, du)
-        if way.second != 0.0:
-            _, hb, ub, _ = _deformation(way.before, e, triads[e], stand)
+        du, w = _rates(move.step, e, back, h, u, r)
+        turn = (move.first * w[0], move.first * w[1], move.first * w[2])
+        chord = plus(u, move.first, du)
+        if move.second != 0.0:
+            _, hb, ub, _ = _deformation(move.before, e, triads[e], stand)
             half = times(conjugate(h), hb)
             other = times(hb, conjugate(h))
             b = times(half, other)  # exp(theta) = h exp(b) h at the earlier state
-            turn = plus(turn, 2.0 * way.second / b[0], (b[1], b[2], b[3]))
-            chord = plus(chord, way.second, plus(ub, -1.0, u))
+            turn = plus(turn, 2.0 * move.second / b[0], (b[1], b[2], b[3]))
+            chord = plus(chord, move.second, plus(ub, -1.0, u))
         # the new frames, on the end of the element before; its length kept, or rounding would grow
         p1 = times(q, first)
         t = times(times(h, (1.0, 0.5 * turn[0], 0.5 * turn[1], 0.5 * turn[2])), h)
@@ -142,13 +142,13 @@ def place(triads, arm, state, way, out):
 
 
 @arithmetic
-def _close(held, arm, state, way, begin, end, out):
-    """Bring the held freedoms (6,) of a node to where the step leaves them, and bend the wire since `begin`.
+def _close(held, arm, state, move, begin, end, out):
+    """Bring the held dofs (6,) of a node to where the step leaves them, and bend the wire since `begin`.
 
     A node with a held rotation is turned by the step itself, about the axes that are free.
     """
     count = end - begin
-    target, turn = _literal(state, way, end)
+    target, turn = _literal(state, move, end)
     if held[3] + held[4] + held[5] > 0.0:
         v = rotation_vector(times(turn, conjugate(four(out, ROW * end + 3))))
         new = old = three(out, ROW * begin)
@@ -170,17 +170,17 @@ def _close(held, arm, state, way, begin, end, out):
 
 
 @arithmetic
-def close(freedoms, arm, state, way, out):
-    """Bring `freedoms`, numbered 6 node + freedom in rising order, to where the step leaves them."""
+def close(dofs, arm, state, move, out):
+    """Bring `dofs`, numbered 6 node + dof in rising order, to where the step leaves them."""
     held = zeros(6)
-    begin, last = 0, way.step.size // 6 - 1
+    begin, last = 0, move.step.size // 6 - 1
     none = zeros(3)
-    for m in range(freedoms.size):
-        n = freedoms[m] // 6
-        held[freedoms[m] % 6] = 1.0
-        if m + 1 < freedoms.size and freedoms[m + 1] // 6 == n:
+    for m in range(dofs.size):
+        n = dofs[m] // 6
+        held[dofs[m] % 6] = 1.0
+        if m + 1 < dofs.size and dofs[m + 1] // 6 == n:
             continue
         if n > 0:
-            _close(held, arm if n == last else none, state, way, begin, n, out)
+            _close(held, arm if n == last else none, state, move, begin, n, out)
         clear(held)
         begin = n

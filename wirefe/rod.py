@@ -1,4 +1,4 @@
-"""Any wire: a chain of beam elements with held freedoms and dead loads."""
+"""Any wire: a chain of beam elements with held dofs and dead loads."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ class Rod:
     points : (nodes, 3) at rest.
     triads : (nodes - 1, 2, 4) end frames of the elements, unit quaternions.
     stiffness : (nodes - 1, 6, 6) of the elements in (v, theta), see `wirefe.beam`.
-    held : (nodes, 6) freedoms that are held.
+    held : (nodes, 6) dofs that are held.
     loads : (nodes, 6) dead forces and moments at time 1. Moments keep their direction in space; in
         space (not in a plane) such a load has no potential: equilibria are right, statements on
         stability rest on the symmetric part of the tangent.
@@ -47,16 +47,16 @@ class Rod:
     held: np.ndarray
     loads: np.ndarray
 
-    def holding(self, node: int, *freedoms: str) -> Rod:
-        """With freedoms of a node held; all six where none is named.
+    def holding(self, node: int, *dofs: str) -> Rod:
+        """With dofs of a node held; all six where none is named.
 
         Raises
         ------
         InputError : a name that is not one of ux, uy, uz, rotx, roty, rotz.
         """
         held = self.held.copy()
-        for name in freedoms or FREEDOMS:
-            held[node, FREEDOMS.index(require_choice("freedoms", name, FREEDOMS))] = True
+        for name in dofs or FREEDOMS:
+            held[node, FREEDOMS.index(require_choice("dofs", name, FREEDOMS))] = True
         return replace(self, held=held)
 
     def in_plane(self) -> Rod:

@@ -1,7 +1,7 @@
 """The model's energy with the plates on which its end turns rest: nodes against a rigid plane at each end.
 
 The bottom plate is fixed, the top one moves and turns with the top end. With the normal n of a plate, its
-reference point X and the way w = X - x from a node, the gap is ``g = n . w - c``, where c makes it zero at
+reference point X and the vector w = X - x from a node, the gap is ``g = n . w - c``, where c makes it zero at
 rest for nodes of the end turns, whose undersides are ground flat. The potential is 1/2 k g^2 where g <= 0:
 plates push and do not pull, and the wire slides on them. With n = exp(phi) n along the exponential map
 
@@ -97,20 +97,20 @@ def _add_hessian(plates, m, top, k, force, n, a, b, C, H):
         for j in range(3):
             H[top, 3 + i, 3 + j] += force * C[i, j] * free[3 + i] * free[3 + j]
         j, l = (i + 1) % 3, (i + 2) % 3  # noqa: E741
-        for way, sign, nl in ((j, -1.0, n[l]), (l, 1.0, n[j])):  # phi_i (n_j d_l - n_l d_j)
+        for axis, sign, nl in ((j, -1.0, n[l]), (l, 1.0, n[j])):  # phi_i (n_j d_l - n_l d_j)
             value = sign * nl * force * free[3 + i]
-            H[top, 3 + i, way] += value * free[way]
-            H[top, way, 3 + i] += value * free[way]
+            H[top, 3 + i, axis] += value * free[axis]
+            H[top, axis, 3 + i] += value * free[axis]
             if flip:
-                B[way, 3 + i] -= value
+                B[axis, 3 + i] -= value
             else:
-                B[3 + i, way] -= value
+                B[3 + i, axis] -= value
 
 
 @kernel
-def assemble(reals, ints, anchor, clearance, memory, state, g, H):
+def assemble(reals, ints, accepted, least_gap, history, state, g, H):
     """`wirefe.kernels.assemble`, and the plates."""
-    energy, pairs = kernels.assemble(reals, ints, anchor, clearance, memory, state, g, H)
+    energy, pairs = kernels.assemble(reals, ints, accepted, least_gap, history, state, g, H)
     plates = _view(reals, ints)
     blocks = H.reshape((H.size // 36, 6, 6))
     energy += _press_low(plates, state, g, blocks) + _press_high(plates, state, g, blocks)
@@ -118,6 +118,6 @@ def assemble(reals, ints, anchor, clearance, memory, state, g, H):
 
 
 @kernel
-def commit(reals, ints, state, memory):
-    """`wirefe.kernels.commit`; contact with the plates may change at any time."""
-    return min(kernels.commit(reals, ints, state, memory), 0.0)
+def update_history(reals, ints, state, history):
+    """`wirefe.kernels.update_history`; contact with the plates may change at any time."""
+    return min(kernels.update_history(reals, ints, state, history), 0.0)

@@ -60,10 +60,10 @@ class WireShape(PairReader):
         first, second = self.data.contact.pairs.T
         return centres[:, second] - centres[:, first]
 
-    def reactions(self, states: np.ndarray, memories: np.ndarray) -> np.ndarray:
+    def reactions(self, states: np.ndarray, histories: np.ndarray) -> np.ndarray:
         """Force that holds the top along Y, shape (states,), N."""
         size, part = 6 * (states.shape[1] // ROW), seated if len(self.data.plates.low) else kernels
-        return reactions(part.assemble, self.data, size, size - 5, states, memories)
+        return reactions(part.assemble, self.data, size, size - 5, states, histories)
 
     def overlaps(self, states: np.ndarray) -> np.ndarray:
         """By how much the wire runs into itself, shape (states,), mm; below 0 where free."""

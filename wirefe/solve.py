@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from coilspring.contact.law import MEMORY
+from coilspring.contact.law import HISTORY
 from coilspring.errors import EquilibriumNotFound, InputError, require_choice, require_integer, shown
 from coilspring.path import EquilibriumPath
 from coilspring.scene import Scene, require_scene
@@ -16,7 +16,7 @@ from coilspring.solver.interface import Kernels
 from coilspring.solver.solve import Problem, follow_load, follow_problem, scene_path
 from wirefe import kernels, model, seated
 from wirefe.elements import ELEMENTS
-from wirefe.mesh import WireMesh, strays
+from wirefe.mesh import WireMesh, near_pairs
 from wirefe.rod import Rod
 from wirefe.rodpath import RodPath
 from wirefe.shape import WireShape, sphere_centres
@@ -24,7 +24,7 @@ from wirefe.shape import WireShape, sphere_centres
 # Moves of a rod without contact are compared with this part of its length, as with a wire's diameter.
 LENGTHS_OF_A_WIRE = 50.0
 # Spheres nearer than this many wire diameters become pairs together with those that touch.
-STRAY_REACH = 1.5
+PAIR_REACH = 1.5
 NO_PAIRS = np.zeros((0, 2), dtype=np.int64)
 
 KERNELS = Kernels(
@@ -33,13 +33,13 @@ KERNELS = Kernels(
     solve=kernels.solve,
     retract=kernels.retract,
     work=kernels.work,
-    carry=kernels.carry,
-    motion=kernels.motion,
-    commit=kernels.commit,
-    renew=kernels.renew,
+    rotate=kernels.rotate,
+    displacement_bound=kernels.displacement_bound,
+    update_history=kernels.update_history,
+    update_bounds=kernels.update_bounds,
     overlap=kernels.overlap,
 )
-SEATED = KERNELS._replace(assemble=seated.assemble, commit=seated.commit)
+SEATED = KERNELS._replace(assemble=seated.assemble, update_history=seated.update_history)
 
 
 def solve(
@@ -82,7 +82,7 @@ def solve(
     problem, mesh, options = scene_problem(scene, element, elements_per_turn, pairs_per_turn)
     run = follow_load(scene, problem, scene_kernels(scene))
     data = run.problem.data
-    options["pairs_found"] = len(data.contact.pairs) - len(problem.memory)
+    options["pairs_found"] = len(data.contact.pairs) - len(problem.history)
     return scene_path(scene, "wirefe", options, run, WireShape(scene, data, mesh))
 
 
@@ -127,7 +127,7 @@ def solve_rod(rod: Rod, *, steps: int = 10) -> RodPath:
         outcome=run.outcome,
         message=run.message,
         critical_time=run.critical_time,
-        residual_history=tuple(track.history[track.history > 0.0]),
+        residual_history=tuple(track.decrements[track.decrements > 0.0]),
         solve_seconds=run.solve_seconds,
     )
     if path.outcome != "completed":
@@ -143,7 +143,7 @@ def scene_kernels(scene: Scene) -> Kernels:
 def new_pairs(contact: model.ContactArrays, state: np.ndarray) -> np.ndarray:
     """Pairs of spheres that are near in `state` and not in the model yet, shape (pairs, 2)."""
     centres = sphere_centres(contact, state)
-    found, _ = strays(centres, contact.attached, contact.pairs, contact.near, STRAY_REACH * contact.d)
+    found, _ = near_pairs(centres, contact.attached, contact.pairs, contact.near, PAIR_REACH * contact.d)
     return found
 
 
@@ -186,7 +186,7 @@ def _problem(data: model.WireModel, rod: Rod, arm: np.ndarray) -> Problem:
         data=data,
         load=model.load_vector(rod),
         start=model.rest_state(rod, arm),
-        memory=np.zeros((len(data.contact.pairs), MEMORY)),
+        history=np.zeros((len(data.contact.pairs), HISTORY)),
         matrix_size=model.matrix_size(data),
         modified=True,
         top=model.top_place(rod),

@@ -62,7 +62,7 @@ def trace(
     while True:
         problem, mesh, options = scene_problem(scene, element, elements_per_turn, pairs_per_turn, pairs)
         found, seconds = _run(problem, scene_kernels(scene), points)
-        if not found.stray:
+        if not found.new_pair:
             break
         spent += int(found.iterations.sum())
         pairs = np.concatenate((pairs, new_pairs(problem.data.contact, found.states[-1])))
@@ -128,7 +128,7 @@ def _run(problem: Problem, kernels: Kernels, points: int) -> tuple[Trace, float]
     began = time.process_time()
     found = interruptible(
         follow, *pack(problem.data), problem.prescribed, bundle, problem.load, points, problem.start,
-        problem.memory, problem.matrix_size,
+        problem.history, problem.matrix_size,
     )  # fmt: skip
     return Trace(*found), time.process_time() - began
 

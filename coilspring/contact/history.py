@@ -5,22 +5,22 @@ from __future__ import annotations
 import numpy as np
 
 from coilspring.compiling.compiled import part
-from coilspring.contact.law import BOUND, ON, RISE, WAY
+from coilspring.contact.law import BOUND, ON, RISE, SLIP
 
 LEAST_CHANGE = 0.1  # share of the change of a bound that is made
 
 
 @part
-def relax(held, memory, left, factor):
+def relax(held, history, left, factor):
     """Aitken's relaxation of the bounds, whose fixed point may repel.
 
-    Those that the state at hand was found with are in `held`, those it asks for in `memory`, what was left
+    Those that the state at hand was found with are in `held`, those it asks for in `history`, what was left
     of the round before in `left`. Returns the factor with which the change is made; before there is a round,
     it is 0.
     """
     along, square = 0.0, 0.0
-    for m in range(memory.shape[0]):
-        change = memory[m, BOUND] - held[m, BOUND] if memory[m, BOUND] != held[m, BOUND] else 0.0
+    for m in range(history.shape[0]):
+        change = history[m, BOUND] - held[m, BOUND] if history[m, BOUND] != held[m, BOUND] else 0.0
         along += left[m] * (change - left[m])
         square += (change - left[m]) * (change - left[m])
         left[m] = change
@@ -30,51 +30,51 @@ def relax(held, memory, left, factor):
         factor = min(max(factor, LEAST_CHANGE), 1.0)
     else:
         factor = 1.0
-    for m in range(memory.shape[0]):
+    for m in range(history.shape[0]):
         if left[m] != 0.0:
-            memory[m, BOUND] = held[m, BOUND] + factor * left[m]
+            history[m, BOUND] = held[m, BOUND] + factor * left[m]
     return factor
 
 
 @part
-def released(held, memory):
+def released(held, history):
     """Whether a pair that was held has opened: what held it is gone at once."""
-    for m in range(memory.shape[0]):  # noqa: SIM110
-        if held[m, ON] > 0.0 and memory[m, ON] == 0.0:
+    for m in range(history.shape[0]):  # noqa: SIM110
+        if held[m, ON] > 0.0 and history[m, ON] == 0.0:
             return True
     return False
 
 
 @part
-def remembers(memory):
+def has_history(history):
     """Whether contact remembers anything of any pair."""
-    for m in range(memory.shape[0]):
-        for i in range(memory.shape[1]):
-            if memory[m, i] != 0.0:
+    for m in range(history.shape[0]):
+        for i in range(history.shape[1]):
+            if history[m, i] != 0.0:
                 return True
     return False
 
 
 @part
-def rubs(memory):
+def has_friction(history):
     """Whether a pair is held by friction that is bounded."""
-    for m in range(memory.shape[0]):  # noqa: SIM110
-        if memory[m, ON] > 0.0 and memory[m, BOUND] < np.inf:
+    for m in range(history.shape[0]):  # noqa: SIM110
+        if history[m, ON] > 0.0 and history[m, BOUND] < np.inf:
             return True
     return False
 
 
 @part
-def slides(memory):
+def slides(history):
     """Whether a pair slides in the substep at hand."""
-    for m in range(memory.shape[0]):  # noqa: SIM110
-        if memory[m, ON] > 0.0 and memory[m, WAY] > 0.0:
+    for m in range(history.shape[0]):  # noqa: SIM110
+        if history[m, ON] > 0.0 and history[m, SLIP] > 0.0:
             return True
     return False
 
 
 @part
-def let_rise(memory, rise):
+def set_rise(history, rise):
     """Let the bounds of the pairs that are held rise so with their slips."""
-    for m in range(memory.shape[0]):
-        memory[m, RISE] = rise if memory[m, ON] > 0.0 else 0.0
+    for m in range(history.shape[0]):
+        history[m, RISE] = rise if history[m, ON] > 0.0 else 0.0

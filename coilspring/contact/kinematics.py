@@ -22,31 +22,31 @@ def _distance(vectors, m):
 
 @part
 def approach(before, after, d):
-    """Largest motion of a pair that comes near, and the share of the way to where the first one touches.
+    """Largest motion of a pair that comes near, and the share of it to where the first one touches.
 
-    A pair counts if it comes near anywhere on the way: wires must not pass through each other.
+    A pair counts if it comes near anywhere between: wires must not pass through each other.
     """
     most, free, inner = 0.0, 1.0, ((1.0 - TOUCH) * d) ** 2
     for m in range(before.shape[0]):
         v0, v1, v2 = before[m, 0], before[m, 1], before[m, 2]
         w0, w1, w2 = after[m, 0], after[m, 1], after[m, 2]
         x0, x1, x2 = w0 - v0, w1 - v1, w2 - v2
-        start, way = v0 * v0 + v1 * v1 + v2 * v2, x0 * x0 + x1 * x1 + x2 * x2
+        start, square = v0 * v0 + v1 * v1 + v2 * v2, x0 * x0 + x1 * x1 + x2 * x2
         along = -(v0 * x0 + v1 * x1 + v2 * x2)
         if start >= d * d and w0 * w0 + w1 * w1 + w2 * w2 < inner:
             # first share with |v + share x|^2 = inner
-            free = min(free, (along - math.sqrt(max(along**2 - way * (start - inner), 0.0))) / way)
-        if way <= most * most:
+            free = min(free, (along - math.sqrt(max(along**2 - square * (start - inner), 0.0))) / square)
+        if square <= most * most:
             continue
-        share = min(max(along / way, 0.0), 1.0)
-        if start + share * (share * way - 2.0 * along) < (NEAR * d) ** 2:
-            most = math.sqrt(way)
+        share = min(max(along / square, 0.0), 1.0)
+        if start + share * (share * square - 2.0 * along) < (NEAR * d) ** 2:
+            most = math.sqrt(square)
     return most, free
 
 
 @part
-def remember(vectors, memory, mu, K, d):
-    """Update the contact memory with an accepted state; returns the least gap of all pairs.
+def remember(vectors, history, mu, K, d):
+    """Update the contact history with an accepted state; returns the least gap of all pairs.
 
     A pair that touches is remembered where there is friction, one that has opened is forgotten.
     """
@@ -57,23 +57,23 @@ def remember(vectors, memory, mu, K, d):
         if mu == 0.0:
             continue
         if h < d:
-            hold(vectors[m], h, d, K, memory[m], e)
+            hold(vectors[m], h, d, K, history[m], e)
         else:
-            memory[m, ON] = 0.0
+            history[m, ON] = 0.0
     return least
 
 
 @part
-def renew_bounds(vectors, memory, mu, K, k, d):
+def friction_bounds(vectors, history, mu, K, k, d):
     """Renew the bounds of the tangential forces; returns the largest change over the largest bound."""
     change, most, e = 0.0, mu * normal_law(SLIGHT * d, K, k)[1], np.empty(3)
     for m in range(vectors.shape[0]):
-        if memory[m, ON] == 0.0:
+        if history[m, ON] == 0.0:
             continue
         h, bound = _distance(vectors, m), mu
         if bound < np.inf:
             # at the arm d instead of h, on which arcs are measured
             bound *= normal_law(max(d - h, 0.0), K, k)[1] * h / d
             most = max(most, bound)
-        change = max(change, renewed(vectors[m], h, d, bound, K, memory[m], e))
+        change = max(change, renewed(vectors[m], h, d, bound, K, history[m], e))
     return change / most if change > 0.0 else 0.0

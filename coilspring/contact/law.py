@@ -4,8 +4,8 @@ With the centres of a pair, g = cB - cA and h = |g|, the potential is ``K max(0,
 Where sliding is off, a closed pair also has ``1/2 K |e|^2`` with ``e = (I - n0 n0^T)(g - g0)``, g0 and n0
 being the vector and its direction at the end of the substep in which the pair closed.
 
-With Coulomb friction the way of one sphere over the other is the arc ``l = d acos(n0 . n)``, n = g/h, so that
-the force turns with the pair, and its size is that of return mapping (Simo & Hughes 1998, Computational
+With Coulomb friction the slip of one sphere over the other is the arc ``l = d acos(n0 . n)``, n = g/h, so
+that the force turns with the pair, and its size is that of return mapping (Simo & Hughes 1998, Computational
 Inelasticity, chapter 2): ``K l`` up to a bound. Within a substep the bound is a line over what slides in it,
 ``b (1 + r s)``, so that the pair keeps a potential; the path follower renews b until the line meets the bound
 ``mu F`` of the normal force at the slip that is found. The rise r is no part of the law then, but of the
@@ -21,11 +21,11 @@ import numpy as np
 from coilspring.compiling.compiled import clear, clear_table, part
 from coilspring.path import Friction
 
-# A pair's row of the contact memory: whether it is held, g0 (3), n0 (3), the bound of its tangential
+# A pair's row of the contact history: whether it is held, g0 (3), n0 (3), the bound of its tangential
 # force before it slides in the substep at hand, the length it has slid, the work that friction has
 # taken; the rise r, and what it slides in this substep, negative where it sticks.
-ON, G0, N0, BOUND, SLID, WORK, RISE, WAY = 0, 1, 4, 7, 8, 9, 10, 11
-MEMORY = 12
+ON, G0, N0, BOUND, SLID, WORK, RISE, SLIP = 0, 1, 4, 7, 8, 9, 10, 11
+HISTORY = 12
 # Share of a bound that is left when it falls with the slip: less is out of reach, since the rise is at least
 # -1/d and a pair moves by no more than half of d in a substep.
 LEAST_LEFT = 0.5
@@ -68,7 +68,7 @@ def arc(g, h, row, t):
 
 @part
 def hold(g, h, d, K, row, t):
-    """Update a pair's memory where it touches at the end of a substep.
+    """Update a pair's history where it touches at the end of a substep.
 
     A new pair is remembered as it is. One that slid keeps the stretch that its bound allows.
     """
@@ -80,12 +80,12 @@ def hold(g, h, d, K, row, t):
         return
     if row[BOUND] == math.inf:
         return
-    way = (K * d * arc(g, h, row, t) - row[BOUND]) / (K + row[BOUND] * row[RISE])
-    if way <= 0.0:
+    slip = (K * d * arc(g, h, row, t) - row[BOUND]) / (K + row[BOUND] * row[RISE])
+    if slip <= 0.0:
         return
-    row[BOUND] *= 1.0 + row[RISE] * way
-    row[SLID] += way
-    row[WORK] += row[BOUND] * way
+    row[BOUND] *= 1.0 + row[RISE] * slip
+    row[SLID] += slip
+    row[WORK] += row[BOUND] * slip
     left = row[BOUND] / (K * d)
     for i in range(3):
         row[N0 + i] = math.cos(left) * g[i] / h - math.sin(left) * t[i]
@@ -95,8 +95,8 @@ def hold(g, h, d, K, row, t):
 def renewed(g, h, d, bound, K, row, t):
     """Set the bound of a held pair so that it is `bound` at the pair's present slip; returns its change."""
     if bound < math.inf:
-        row[WAY] = d * arc(g, h, row, t) - bound / K
-        bound /= max(1.0 + row[RISE] * max(row[WAY], 0.0), LEAST_LEFT)
+        row[SLIP] = d * arc(g, h, row, t) - bound / K
+        bound /= max(1.0 + row[RISE] * max(row[SLIP], 0.0), LEAST_LEFT)
     change = abs(bound - row[BOUND]) if bound != row[BOUND] else 0.0
     row[BOUND] = bound
     return change
@@ -122,10 +122,10 @@ def _add_friction(g, h, d, K, row, t, f, H):
     across = K * d  # force over the tangent of the angle
     if force > row[BOUND]:
         rise = row[BOUND] * row[RISE]
-        way = (force - row[BOUND]) / (K + rise)
-        force = row[BOUND] + rise * way
+        slip = (force - row[BOUND]) / (K + rise)
+        force = row[BOUND] + rise * slip
         slope = K * rise / (K + rise)
-        energy = 0.5 * force**2 / K + (row[BOUND] + 0.5 * rise * way) * way
+        energy = 0.5 * force**2 / K + (row[BOUND] + 0.5 * rise * slip) * slip
         across = force / math.tan(angle)
     elif angle > 0.0:
         across *= angle / math.tan(angle)
@@ -145,7 +145,7 @@ def _add_friction(g, h, d, K, row, t, f, H):
 def pair_potential(g, h, d, K, k, row, e, f, H):
     """Energy of a pair as a function of g; fills its gradient f (3,) and Hessian H (3, 3).
 
-    `row` is the pair's row of the contact memory; `e` is scratch (3,).
+    `row` is the pair's row of the contact history; `e` is scratch (3,).
     """
     energy = 0.0
     clear(f)
@@ -176,12 +176,12 @@ def normal_forces(penetrations: np.ndarray, K: float, k: float) -> np.ndarray:
     return forces
 
 
-def pair_friction(vectors: np.ndarray, memories: np.ndarray, d: float, K: float) -> Friction:
-    """Tangential forces, slips and frictional work of pairs, from their g (..., pairs, 3) and memories."""
-    held = memories[..., ON] > 0.0
-    bounded = np.isfinite(memories[..., BOUND])
-    normal = memories[..., N0 : N0 + 3]
-    g = vectors - memories[..., G0 : G0 + 3]
+def pair_friction(vectors: np.ndarray, histories: np.ndarray, d: float, K: float) -> Friction:
+    """Tangential forces, slips and frictional work of pairs, from their g (..., pairs, 3) and histories."""
+    held = histories[..., ON] > 0.0
+    bounded = np.isfinite(histories[..., BOUND])
+    normal = histories[..., N0 : N0 + 3]
+    g = vectors - histories[..., G0 : G0 + 3]
     stuck = g - (g * normal).sum(axis=-1, keepdims=True) * normal
     h = np.linalg.norm(vectors, axis=-1)
     n = vectors / h[..., None]
@@ -189,14 +189,14 @@ def pair_friction(vectors: np.ndarray, memories: np.ndarray, d: float, K: float)
     square = (chord**2).sum(axis=-1)
     length = 2.0 * d * np.arcsin(np.minimum(0.5 * np.sqrt(square), 1.0))
     along = chord - 0.5 * square[..., None] * n
-    bound = np.where(held & bounded, memories[..., BOUND], 0.0)
-    rise = bound * memories[..., RISE]
-    way = np.maximum(K * length - bound, 0.0) / (K + rise) * (held & bounded)
-    force = np.minimum(K * length, bound + rise * way)
+    bound = np.where(held & bounded, histories[..., BOUND], 0.0)
+    rise = bound * histories[..., RISE]
+    slip = np.maximum(K * length - bound, 0.0) / (K + rise) * (held & bounded)
+    force = np.minimum(K * length, bound + rise * slip)
     size = np.sqrt(square * (1.0 - 0.25 * square))
     share = np.divide(force * d / h, size, out=np.zeros_like(force), where=size > 0.0)
     return Friction(
         force=np.where(bounded[..., None], share[..., None] * along, K * stuck) * held[..., None],
-        slip=memories[..., SLID] * held + way,
-        work=memories[..., WORK] * held + force * way,
+        slip=histories[..., SLID] * held + slip,
+        work=histories[..., WORK] * held + force * slip,
     )

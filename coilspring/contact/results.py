@@ -31,6 +31,6 @@ class PairReader(ABC):
         """Normal force of every pair, shape (states, pairs), N."""
         return normal_forces(-self.pair_gaps(states), self.pair_law.kc, self.pair_law.k)
 
-    def pair_friction(self, states: np.ndarray, memories: np.ndarray) -> Friction:
+    def pair_friction(self, states: np.ndarray, histories: np.ndarray) -> Friction:
         """Tangential forces (states, pairs, 3), N, slips, mm, and frictional work, N mm, of every pair."""
-        return pair_friction(self.pair_vectors(states), memories, self.pair_law.d, self.pair_law.kc)
+        return pair_friction(self.pair_vectors(states), histories, self.pair_law.d, self.pair_law.kc)

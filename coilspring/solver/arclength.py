@@ -19,7 +19,7 @@ import numpy as np
 from numba import types
 
 from coilspring.compiling.compiled import copied, copied_table, copy, part, signed, zeros
-from coilspring.solver.branch import PAIR_MOTION, motion
+from coilspring.solver.branch import PAIR_MOTION, displacement_bound
 from coilspring.solver.linesearch import dot
 from coilspring.solver.system import assembled, factored, moved, solution, system_of, system_types
 
@@ -37,8 +37,8 @@ class Arc(NamedTuple):
     """The last point of a path, its direction, and vectors to work with."""
 
     state: Any
-    gap: Any  # least gap of its pairs
-    memory: Any
+    least_gap: Any  # least gap of its pairs
+    history: Any
     load: Any
     along: Any  # direction: its part in the state
     pitch: Any  # and in time
@@ -58,7 +58,7 @@ class Trace(NamedTuple):
     iterations: np.ndarray  # (points,) factorisations of each point, rejected attempts included
     negative: np.ndarray  # (points,) negative pivots: 0 where the equilibrium is stable
     finished: bool  # False where the arc shrank to nothing
-    stray: bool  # True where it ended at its last state because a pair touches that is not in the model
+    new_pair: bool  # True where it ended at its last state because a pair touches that is not in the model
     pairs: int  # contact pairs evaluated
 
 
@@ -72,7 +72,7 @@ def correct(system, arc, state, time):
     g, v, w = arc.g, arc.v, arc.w
     pairs, negative = 0, 0
     for count in range(1, MOST_CORRECTIONS + 1):
-        _, near = assembled(system, arc.state, arc.gap, arc.memory, state, g, arc.H)
+        _, near = assembled(system, arc.state, arc.least_gap, arc.history, state, g, arc.H)
         pairs += near
         for i in range(g.size):
             g[i] -= time * arc.load[i]
@@ -109,7 +109,7 @@ def direction(v, negative, scale, along, pitch, new):
     return sign / size, sign * (dot(v, along) / scale**2 + pitch) / size
 
 
-def trace(reals, ints, prescribed, kernels, load, points, start, memory, size, stop):
+def trace(reals, ints, prescribed, kernels, load, points, start, history, size, stop):
     """Trace at most `points` points of the path from rest, or to time 1.
 
     `size` is the length of the matrix, `stop` as in `coilspring.solver.follower.follow`.
@@ -124,30 +124,30 @@ def trace(reals, ints, prescribed, kernels, load, points, start, memory, size, s
         zeros(load.size),
         zeros(load.size),
     )
-    state, trial, scratch, memory, H = (
+    state, trial, scratch, history, H = (
         copied(start),
         copied(start),
         copied(start),
-        copied_table(memory),
+        copied_table(history),
         zeros(size),
     )
-    gap = system.commit(reals, ints, state, memory)
-    _, pairs = assembled(system, state, gap, memory, state, g, H)
+    least_gap = system.update_history(reals, ints, state, history)
+    _, pairs = assembled(system, state, least_gap, history, state, g, H)
     factored(system, H)
     solution(system, H, load, 1.0, v)
     scale = np.sqrt(dot(v, v))
     pitch, _ = direction(v, 0, scale, along, 1.0, new)
     copy(new, along)
     time, length, row, spent = 0.0, FIRST_ARC, 0, 1
-    while row < points and time < 1.0 and length >= LEAST_ARC and gap > -np.inf and stop[0] == 0:
-        arc = Arc(state, gap, memory, load, along, pitch, scale, g, H, v, w, scratch)
+    while row < points and time < 1.0 and length >= LEAST_ARC and least_gap > -np.inf and stop[0] == 0:
+        arc = Arc(state, least_gap, history, load, along, pitch, scale, g, H, v, w, scratch)
         moved(system, state, along, length, trial)
         good, reached, count, negative, near = correct(system, arc, trial, time + length * pitch)
         spent += count
         pairs += near
         if good:
             share, cosine = direction(v, negative, scale, along, pitch, new)
-            _, pair, _ = motion(system, state, trial, 0.0)
+            _, pair, _ = displacement_bound(system, state, trial, 0.0)
             good = (cosine >= TURN_COSINE or length <= KINK_ARC) and pair <= PAIR_MOTION
         if not good:
             length *= 0.5
@@ -155,15 +155,15 @@ def trace(reals, ints, prescribed, kernels, load, points, start, memory, size, s
         copy(trial, state)
         copy(new, along)
         time, pitch = reached, share
-        gap = system.commit(reals, ints, state, memory)
+        least_gap = system.update_history(reals, ints, state, history)
         times[row], iterations[row], negatives[row] = time, spent, negative
         copy(state, states[row])
         row, spent = row + 1, 0
         if count <= FEW_CORRECTIONS:
             length = min(1.5 * length, MOST_ARC)
     # `Trace`; making one in compiled code would call back into the interpreter
-    finished, stray = length >= LEAST_ARC, gap == -np.inf
-    return times[:row], states[:row], iterations[:row], negatives[:row], finished, stray, pairs
+    finished, new_pair = length >= LEAST_ARC, least_gap == -np.inf
+    return times[:row], states[:row], iterations[:row], negatives[:row], finished, new_pair, pairs
 
 
 @lru_cache(maxsize=1)

@@ -19,9 +19,9 @@ PAIR_TURN = 0.02  # wire diameters, between a pair's motion and that which the t
 
 
 @part
-def motion(system, a, b, least):
+def displacement_bound(system, a, b, least):
     """Bound on all motion, pair motion, share of it before the first touch."""
-    return system.motion(system.reals, system.ints, a, b, least)
+    return system.displacement_bound(system.reals, system.ints, a, b, least)
 
 
 @part
@@ -52,12 +52,12 @@ def continues(system, task, work, troubled, judged):
     """Whether the trial state continues the branch; the share by which the path turned, less where the
     turn is small at all; a bound on how far any point moved."""
     # no pair moves by more than its two ends do
-    distance, pair, _ = motion(system, work.state, work.trial, 0.5 * PAIR_MOTION * task.diameter)
+    distance, pair, _ = displacement_bound(system, work.state, work.trial, 0.5 * PAIR_MOTION * task.diameter)
     if pair > PAIR_MOTION:
         return False, 1.0, distance
     if not judged:
         return True, 0.0, distance
-    turn, _, _ = motion(system, work.predicted, work.trial, np.inf)
+    turn, _, _ = displacement_bound(system, work.predicted, work.trial, np.inf)
     share = turn / distance if distance > 0.0 else 0.0
     least = turn / (SMALL * task.diameter)
     return least <= 1.0 or (share <= TURN and not troubled), min(share, TURN * least), distance
@@ -70,13 +70,13 @@ def jumped(system, task, work, distance, step):
     `work.predicted` and `work.step` are overwritten.
     """
     least = 0.5 * PAIR_TURN * task.diameter
-    _, pair, _ = motion(system, work.predicted, work.trial, least)
+    _, pair, _ = displacement_bound(system, work.predicted, work.trial, least)
     if pair <= PAIR_TURN and distance * JUMP <= SMALL * task.diameter:
         return False
     mean, tangent, ahead = work.step, work.tangent, work.ahead
     for i in range(mean.size):
         mean[i] = 0.5 * (tangent[i] + ahead[i])
     moved(system, work.state, mean, step, work.predicted)
-    turn, other, _ = motion(system, work.predicted, work.trial, least)
+    turn, other, _ = displacement_bound(system, work.predicted, work.trial, least)
     # a fold's tangent points along the jump from it, and may be as long; behind it the tangent is short
     return min(pair, other) > PAIR_TURN or turn > max(JUMP * distance, SMALL * task.diameter)

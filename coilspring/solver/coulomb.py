@@ -16,13 +16,13 @@ from coilspring.solver.stability import Body
 NUDGE = 1e-6  # of a bound, with which differences are taken
 MOVE = 1e-5  # wire diameters or rad, the same
 SLACK = 1e-3  # of a bound: pairs nearer to it slide on
-SLIDES = 1e-9  # least force in a freedom per unit of a bound
+SLIDES = 1e-9  # least force in a dof per unit of a bound
 SMALL = 0.1  # determinant near a limit point
 FALLS = (1e-6, 3e-5)  # wire diameters of the way between which the determinant's fall is measured
 AHEAD = (1e-7, 1e-6, 1e-5, 1e-4)  # of the time 0..1: there its sign is looked at
 
 
-def time_left(body: Body, state: np.ndarray, memory: np.ndarray, load: np.ndarray, diameter: float) -> float:
+def time_left(body: Body, state: np.ndarray, history: np.ndarray, load: np.ndarray, diameter: float) -> float:
     """Time from `state`, where a path ended, to the limit point ahead under Coulomb's law; infinite where
     none shows.
 
@@ -30,58 +30,59 @@ def time_left(body: Body, state: np.ndarray, memory: np.ndarray, load: np.ndarra
     the root of the time that is left: so left is half the time in which the determinant would vanish at
     the rate at hand.
     """
-    here, rate = coulomb(body, state, memory, load, diameter)
+    here, rate = coulomb(body, state, history, load, diameter)
     if -SMALL < here <= 0.0:
         return 0.0
     if not here > 0.0:
         return np.inf
     small = MOVE * diameter / float(np.abs(rate).max())
-    speed = body.way(state, body.moved(state, rate, small)) / (small * diameter)
+    speed = body.distance(state, body.moved(state, rate, small)) / (small * diameter)
     first, last = (
-        coulomb(body, body.moved(state, rate, way / speed), memory, load, diameter)[0] for way in FALLS
+        coulomb(body, body.moved(state, rate, distance / speed), history, load, diameter)[0]
+        for distance in FALLS
     )
     if not last < first < SMALL:
         return np.inf
     return 0.5 * (FALLS[1] - FALLS[0]) / speed * first / (first - last)
 
 
-def goes_on(body: Body, state: np.ndarray, memory: np.ndarray, load: np.ndarray, diameter: float) -> bool:
+def goes_on(body: Body, state: np.ndarray, history: np.ndarray, load: np.ndarray, diameter: float) -> bool:
     """Whether the determinant of Coulomb's tangent keeps its sign just ahead of `state`, where a path ended.
 
     Then no critical point shows there: it is the iteration on renewed bounds that ends.
     """
-    _, rate = coulomb(body, state, memory, load, diameter)
+    _, rate = coulomb(body, state, history, load, diameter)
     states = (body.moved(state, rate, time) for time in AHEAD)
-    return all(coulomb(body, there, memory, load, diameter)[0] > 0.0 for there in states)
+    return all(coulomb(body, there, history, load, diameter)[0] > 0.0 for there in states)
 
 
 def coulomb(
-    body: Body, state: np.ndarray, memory: np.ndarray, load: np.ndarray, diameter: float
+    body: Body, state: np.ndarray, history: np.ndarray, load: np.ndarray, diameter: float
 ) -> tuple[float, np.ndarray]:
     """Determinant of Coulomb's tangent over the size of that of H, and the tangent's solution for `load`.
 
     Pairs at their bounds slide on.
     """
-    memory = memory.copy()
-    memory[:, RISE] = 0.0
-    body.kernels.renew(*body.data, state, memory)
-    held = np.flatnonzero((memory[:, ON] > 0.0) & (memory[:, BOUND] > 0.0))
-    memory[held, BOUND] *= 1.0 - SLACK
+    history = history.copy()
+    history[:, RISE] = 0.0
+    body.kernels.update_bounds(*body.data, state, history)
+    held = np.flatnonzero((history[:, ON] > 0.0) & (history[:, BOUND] > 0.0))
+    history[held, BOUND] *= 1.0 - SLACK
 
     def bounds(step: np.ndarray) -> np.ndarray:
         size = MOVE * diameter / max(float(np.abs(step).max()), 1e-300)
-        ends = memory.copy(), memory.copy()
+        ends = history.copy(), history.copy()
         for end, factor in zip(ends, (size, -size), strict=True):
-            body.kernels.renew(*body.data, body.moved(state, step, factor), end)
+            body.kernels.update_bounds(*body.data, body.moved(state, step, factor), end)
         return (ends[0] - ends[1])[:, BOUND] / (2.0 * size)
 
-    H, negative = body.factored(state, memory)
-    rate, here = body.solved(H, load), body.gradient(state, memory)
+    H, negative = body.factored(state, history)
+    rate, here = body.solved(H, load), body.gradient(state, history)
     pairs, columns = [], []
     for m in held:
-        lower = memory.copy()
+        lower = history.copy()
         lower[m, BOUND] *= 1.0 - NUDGE
-        force = (here - body.gradient(state, lower)) / (memory[m, BOUND] - lower[m, BOUND])
+        force = (here - body.gradient(state, lower)) / (history[m, BOUND] - lower[m, BOUND])
         if np.abs(force).max() > SLIDES:
             pairs.append(m)
             columns.append(body.solved(H, force))

@@ -15,9 +15,9 @@ import numpy as np
 from numba import types
 
 from coilspring.compiling.compiled import copy, copy_table, part, signed
-from coilspring.contact.history import let_rise, relax, released, remembers, rubs, slides
+from coilspring.contact.history import has_friction, has_history, relax, released, set_rise, slides
 from coilspring.contact.kinematics import OVERLAP_ALLOWED, TOUCH
-from coilspring.solver.branch import TURN, continues, curvature, jumped, motion, predict
+from coilspring.solver.branch import TURN, continues, curvature, displacement_bound, jumped, predict
 from coilspring.solver.frictiontangent import rise_of_bounds
 from coilspring.solver.newton import CONVERGED, FAILED, INDEFINITE, LINEAR, NONE
 from coilspring.solver.stability import LEAST_STEP, least_stiffness, predicted_zero, unstable_time
@@ -45,7 +45,7 @@ from coilspring.solver.system import (
     workspace_type,
 )
 
-COMPLETED, CRITICAL, STUCK, STRAY, OPENED, OVERLAP, EXHAUSTED = 0, 1, 2, 3, 4, 5, 6
+COMPLETED, CRITICAL, STUCK, NEW_PAIR, OPENED, OVERLAP, EXHAUSTED = 0, 1, 2, 3, 4, 5, 6
 
 FIRST_STEP = 0.1  # largest first substep: the tangent at rest knows nothing of the contact to come
 SETTLING = 1e-6  # of the time 0..1, in which what was held by a pair that opened finds its place
@@ -83,7 +83,7 @@ def follow(reals, ints, prescribed, kernels, task, work, path_, substep_, newton
     path, substep, it = path_[0], substep_[0], newton_[0]
     if path.tries == 0:
         begin(system, task, work, path, watch)
-    elif path.outcome == STRAY:
+    elif path.outcome == NEW_PAIR:
         resume(system, task, work, path)
     while path.row < task.times.size and path.outcome == COMPLETED and stop[0] == 0:
         plan(task, path, substep, watch)
@@ -109,29 +109,29 @@ def begin(system, task, work, path, watch):
     path.last_step, work.old[0] = 1.0, np.inf  # no state before, no turn known
     path.next_step = min(task.times[0], FIRST_STEP)
     path.settling, path.linear_from = np.inf, 0.0
-    path.gap = system.commit(system.reals, system.ints, work.state, work.memory)
-    path.outcome = STRAY if path.gap == -np.inf else COMPLETED
+    path.least_gap = system.update_history(system.reals, system.ints, work.state, work.history)
+    path.outcome = NEW_PAIR if path.least_gap == -np.inf else COMPLETED
     factor_start(system, task, work, path)
     set_scales(system, task, work, path)
     softest, room = watch[SOFTEST], watch[ROOM]
     softest.value = least_stiffness(system, work, np.inf)
     softest.time, softest.zero = 0.0, np.inf
     path.rest_stiffness = softest.value
-    if path.gap <= TOUCH * task.diameter:
+    if path.least_gap <= TOUCH * task.diameter:
         # what touches at rest is no part of the tangent, nor of the stiffness
         path.fresh = 2
     room.value, room.time, room.zero = np.inf, 0.0, np.inf
-    if work.memory.shape[0] > 0:
+    if work.history.shape[0] > 0:
         room.value = free_room(system, task, work.state)
 
 
 @part
 def factor_start(system, task, work, path):
     """Matrix at the start, its factor, and the tangent."""
-    _, pairs = assembled(system, work.state, path.gap, work.memory, work.state, work.g, work.rest)
+    _, pairs = assembled(system, work.state, path.least_gap, work.history, work.state, work.g, work.rest)
     path.pairs += pairs
     copy(work.rest, work.F)
-    copy(work.state, work.home)
+    copy(work.state, work.factored_at)
     negative, path.least_pivot = factored(system, work.F)
     path.spent += 1
     path.reuse = True
@@ -143,8 +143,8 @@ def factor_start(system, task, work, path):
 @part
 def resume(system, task, work, path):
     """Go on from the last accepted state with pairs that are new: the matrix has other places."""
-    assembled(system, task.start, np.inf, work.memory, task.start, work.g, work.rest)
-    path.gap = system.commit(system.reals, system.ints, work.state, work.memory)
+    assembled(system, task.start, np.inf, work.history, task.start, work.g, work.rest)
+    path.least_gap = system.update_history(system.reals, system.ints, work.state, work.history)
     path.reuse, path.outcome = False, COMPLETED
 
 
@@ -211,7 +211,7 @@ def predict_trial(system, task, work, path, substep):
         return
     bend = curvature(work.tangent, work.old, path.last_step, substep.size)
     predict(system, task, work, path, bend, substep.target)
-    _, _, free = motion(system, work.state, work.predicted, 0.5 * path.gap)
+    _, _, free = displacement_bound(system, work.state, work.predicted, 0.5 * path.least_gap)
     if free < 1.0:
         substep.shortened, substep.landing = True, False
         substep.size *= max(free, LEAST_FREE)
@@ -223,18 +223,18 @@ def predict_trial(system, task, work, path, substep):
 def find_equilibrium(system, equilibrium, task, work, path, substep, it):
     """Equilibria for given bounds of the tangential forces, until these are those of the normal forces."""
     # where friction has just begun it holds next to nothing: the prediction slides where the state sticks
-    copy(work.state if path.lost and rubs(work.memory) else work.predicted, work.trial)
+    copy(work.state if path.lost and has_friction(work.history) else work.predicted, work.trial)
     load, growing, dead = work.load, task.load, task.dead
     time = 0.0 if system.prescribed.size > 0 else substep.target
     for i in range(load.size):
         load[i] = dead[i] + time * growing[i]
     put_prescribed(system, task.start, substep.target, work.trial)
     target = Target(
-        work.state, path.gap, work.memory, work.load, path.reference * substep.target**2,
+        work.state, path.least_gap, work.history, work.load, path.reference * substep.target**2,
         path.reference * substep.size**2, path.rounding * (path.dead + path.force * substep.target),
         path.rounding, task.limit, task.modified, path.least_pivot,
     )  # fmt: skip
-    system.renew(system.reals, system.ints, work.state, work.memory)
+    system.update_bounds(system.reals, system.ints, work.state, work.history)
     substep.rounds, substep.iterations, substep.trouble = 0, 0, NONE
     share = 0.0
     while True:
@@ -247,15 +247,15 @@ def find_equilibrium(system, equilibrium, task, work, path, substep, it):
         if substep.status == LINEAR and substep.rounds > 0:
             substep.status = CONVERGED
         substep.rounds += 1
-        copy_table(work.memory, work.held)  # with the bounds that this state was found with
+        copy_table(work.history, work.trial_history)  # with the bounds that this state was found with
         if substep.status > LINEAR:
             break
-        if system.renew(system.reals, system.ints, work.trial, work.memory) <= BOUND_CHANGE:
+        if system.update_bounds(system.reals, system.ints, work.trial, work.history) <= BOUND_CHANGE:
             break
         if substep.rounds == MOST_ROUNDS:
             substep.status = FAILED
             break
-        share = relax(work.held, work.memory, work.change, share)
+        share = relax(work.trial_history, work.history, work.change, share)
         path.reuse = True
         path.tries += 1
     put_prescribed(system, task.start, substep.target, work.trial)
@@ -278,12 +278,12 @@ def keeps_branch(system, task, work, path, substep, watch):
             path.outcome = OVERLAP
     if not good or substep.status == LINEAR:
         return good
-    if path.gap > 0.0 and hides_instability(system, work, path):
+    if path.least_gap > 0.0 and hides_instability(system, work, path):
         return False
-    if slides(work.memory) and not slides_stably(system, task, work, path):
+    if slides(work.history) and not slides_stably(system, task, work, path):
         return False
     stale_solution(system, work, work.trial, task.load, 1.0, work.ahead)
-    if not task.predictor or remembers(work.memory):
+    if not task.predictor or has_history(work.history):
         return True
     return not jumped(system, task, work, substep.distance, substep.size)
 
@@ -291,11 +291,11 @@ def keeps_branch(system, task, work, path, substep, watch):
 @part
 def hides_instability(system, work, path):
     """Whether the first pair closes, and the open spring has become unstable before: contact may hide it."""
-    closes = system.commit(system.reals, system.ints, work.trial, work.memory) <= 0.0
-    copy_table(work.held, work.memory)
+    closes = system.update_history(system.reals, system.ints, work.trial, work.history) <= 0.0
+    copy_table(work.trial_history, work.history)
     if not closes:
         return False
-    assembled(system, work.state, np.inf, work.memory, work.trial, work.g, work.H)
+    assembled(system, work.state, np.inf, work.history, work.trial, work.g, work.H)
     negative, _ = factored(system, work.H)
     path.checks += 1
     return negative > 0
@@ -306,8 +306,8 @@ def slides_stably(system, task, work, path):
     """Stability where pairs slide, and how their bounds rise with the slips."""
     path.slid = True
     # the matrix at the state itself
-    assembled(system, work.state, path.gap, work.held, work.trial, work.g, work.F)
-    copy(work.trial, work.home)
+    assembled(system, work.state, path.least_gap, work.trial_history, work.trial, work.g, work.F)
+    copy(work.trial, work.factored_at)
     negative, _ = factored(system, work.F)
     path.spent += 1
     if negative == 0:
@@ -344,16 +344,16 @@ def verify_linear_stretch(system, work, path, substep):
     if not path.linear:
         return True
     # up to where the first pair closes, if none is closed: there the substep landed
-    wide = path.gap > 0.0
+    wide = path.least_gap > 0.0
     stable = stable_until(system, work, path, substep.target if wide else path.time, np.inf if wide else 0.0)
     path.linear = False
     return stable
 
 
 @part
-def stable_until(system, work, path, end, gap):
+def stable_until(system, work, path, end, least_gap):
     """Whether the linear stretch is stable up to the time `end`; else the path goes back to where it is."""
-    critical, count = unstable_time(system, work, path.linear_from, end, gap)
+    critical, count = unstable_time(system, work, path.linear_from, end, least_gap)
     path.checks += count
     if critical == np.inf:
         return True
@@ -373,8 +373,8 @@ def watch_stiffness(system, work, path, substep, softest):
     near = substep.near_critical or closing
     path.fresh = 1 if closing else max(path.fresh - 1, 0)
     if substep.iterations == 0 and near:
-        assembled(system, work.trial, 0.0, work.held, work.trial, work.g, work.F)
-        copy(work.trial, work.home)
+        assembled(system, work.trial, 0.0, work.trial_history, work.trial, work.g, work.F)
+        copy(work.trial, work.factored_at)
         factored(system, work.F)
         path.spent += 1
     due = softest.time + min(LOOK, SOONER * (softest.zero - softest.time))
@@ -394,12 +394,12 @@ def knows_pairs(system, work, path, substep):
 
     Else the path stays where it was, to find the state again with the pair that was missing.
     """
-    copy_table(work.held, work.memory)
-    substep.gap = system.commit(system.reals, system.ints, work.trial, work.memory)
-    if substep.gap > -np.inf:
+    copy_table(work.trial_history, work.history)
+    substep.least_gap = system.update_history(system.reals, system.ints, work.trial, work.history)
+    if substep.least_gap > -np.inf:
         return True
-    copy_table(work.held, work.memory)
-    path.outcome = STRAY
+    copy_table(work.trial_history, work.history)
+    path.outcome = NEW_PAIR
     return False
 
 
@@ -416,17 +416,17 @@ def accept(work, path, substep, room):
     room.value, path.moved = substep.room, substep.moved
     copy(work.state, work.before)
     copy(work.trial, work.state)
-    path.time, path.gap = substep.target, substep.gap
+    path.time, path.least_gap = substep.target, substep.least_gap
     if path.slid:
-        let_rise(work.memory, path.rise)
-    path.settling = SETTLING if released(work.held, work.memory) else np.inf
+        set_rise(work.history, path.rise)
+    path.settling = SETTLING if released(work.trial_history, work.history) else np.inf
     if substep.iterations < EASY_COUNT + substep.rounds:  # a round with renewed bounds takes one more
         # the turn grows with the square of the step
         growth = min(2.0, math.sqrt(SAFE * TURN / substep.share)) if substep.share > 0.0 else 2.0
         path.next_step = max(path.next_step, substep.size * growth)
     if substep.landing:
         copy(work.state, work.states[path.row])
-        copy_table(work.held, work.memories[path.row])
+        copy_table(work.trial_history, work.histories[path.row])
         work.iterations[path.row] = path.spent
         path.spent = 0
         path.row += 1

@@ -1,7 +1,7 @@
 """How the bounds of friction rise with the slips: what the matrix knows of Coulomb's law.
 
 Where less friction lets the pairs slide on, the normal forces and so the bounds change. One number for all
-pairs, as a share of their bounds per slip, does the same work on that way. Towards a limit point that way is
+pairs, as a share of their bounds per slip, does the same work on that motion. Towards a limit point it is
 the softest mode, and the symmetric matrix loses its stability about where Coulomb's own tangent does (with
 one pair that slides, just there); elsewhere the rise only speeds up the renewal of the bounds.
 """
@@ -11,52 +11,52 @@ from __future__ import annotations
 import numpy as np
 
 from coilspring.compiling.compiled import copy_table, part
-from coilspring.contact.law import BOUND, ON, RISE, WAY
+from coilspring.contact.law import BOUND, ON, RISE, SLIP
 from coilspring.solver.linesearch import subtract
 from coilspring.solver.system import assembled, moved, solution
 
 LESS = 1e-4  # share by which friction is taken back
-NEARBY = 1e-5  # wire diameters of the way: bounds of hard contact are far from straight lines over it
+NEARBY = 1e-5  # wire diameters of slip: bounds of hard contact are far from straight lines over it
 # Share of the bounds, up or down, over a slip of a wire diameter; more is seen only where slips are stiff.
 MOST_RISE = 1.0
 
 
 @part
 def rise_of_bounds(system, task, work):
-    """Rise of the bounds, 1/mm, at the trial state, an equilibrium found with `work.held`.
+    """Rise of the bounds, 1/mm, at the trial state, an equilibrium found with `work.trial_history`.
 
     `work.F` is the factor of its matrix, and `work.g` its gradient without a load; `work.step`,
     `work.predicted` and the tables `low` and `high` are overwritten.
     """
     state, step, there, near, far = work.trial, work.step, work.predicted, work.low, work.high
-    copy_table(work.held, far)
+    copy_table(work.trial_history, far)
     for m in range(far.shape[0]):
         far[m, BOUND] *= 1.0 - LESS
     assembled(system, state, 0.0, far, state, step, work.F[:0])
     subtract(step, work.g)
     solution(system, work.F, work.g, 1.0, step)
     moved(system, state, step, 1.0, there)
-    distance, _, _ = system.motion(system.reals, system.ints, state, there, np.inf)
+    distance, _, _ = system.displacement_bound(system.reals, system.ints, state, there, np.inf)
     small = NEARBY * task.diameter / distance if distance > 0.0 else 0.0
-    copy_table(work.held, far)
-    copy_table(work.held, near)
+    copy_table(work.trial_history, far)
+    copy_table(work.trial_history, near)
     moved(system, state, step, small, there)
-    system.renew(system.reals, system.ints, there, far)
+    system.update_bounds(system.reals, system.ints, there, far)
     moved(system, state, step, -small, there)
-    system.renew(system.reals, system.ints, there, near)
+    system.update_bounds(system.reals, system.ints, there, near)
     most = MOST_RISE / task.diameter
     return min(max(_rise(near, far), -most), most)
 
 
 @part
 def _rise(near, far):
-    """From the memories renewed on both sides of the state, of which the second slid farther."""
+    """From the histories renewed on both sides of the state, of which the second slid farther."""
     work, whole = 0.0, 0.0
     for m in range(near.shape[0]):
-        if near[m, ON] > 0.0 and far[m, WAY] > abs(near[m, WAY]):
-            way = far[m, WAY] - near[m, WAY]
-            first = near[m, BOUND] * (1.0 + near[m, RISE] * max(near[m, WAY], 0.0))
-            last = far[m, BOUND] * (1.0 + far[m, RISE] * max(far[m, WAY], 0.0))
-            work += (last - first) * way
-            whole += 0.5 * (first + last) * way * way
+        if near[m, ON] > 0.0 and far[m, SLIP] > abs(near[m, SLIP]):
+            slip = far[m, SLIP] - near[m, SLIP]
+            first = near[m, BOUND] * (1.0 + near[m, RISE] * max(near[m, SLIP], 0.0))
+            last = far[m, BOUND] * (1.0 + far[m, RISE] * max(far[m, SLIP], 0.0))
+            work += (last - first) * slip
+            whole += 0.5 * (first + last) * slip * slip
     return work / whole if whole > 0.0 else 0.0

@@ -3,31 +3,31 @@
 A model is described by its data (two flat arrays, see `coilspring.compiling.packing`) and ten kernels, which
 the solver takes as typed first-class functions, so that it is compiled once for all models:
 
-``assemble(reals, ints, anchor, clearance, memory, state, g, H) -> (energy, pairs evaluated)``
+``assemble(reals, ints, accepted, least_gap, history, state, g, H) -> (energy, pairs evaluated)``
     Strain and contact energy, its gradient `g` and its matrix `H` (model's own storage, flat; left
-    out where it is empty) at `state`. `anchor` is the last accepted state, `clearance`
+    out where it is empty) at `state`. `accepted` is the last accepted state, `least_gap`
     the least gap of its contact pairs: while nothing has moved by half of it, no pair can touch.
-    `memory` holds what contact remembers.
+    `history` holds what contact remembers.
 ``factor(reals, ints, F) -> (negative pivots, least pivot)``
     LDL^T of `F` in place. By Sylvester's law the negative pivots count the negative eigenvalues.
 ``solve(reals, ints, F, b)``
     Back substitution in place.
 ``retract(reals, ints, state, step, factor, before, second, out)``
-    The state moved by ``factor * step`` (rotations by the exponential map), and by `second` times the way
+    The state moved by ``factor * step`` (rotations by the exponential map), and by `second` times that
     to the state `before`, which for a Newton step is 0.
 ``work(reals, ints, load, a, b)``
     Work of a dead load from state `a` to state `b`.
-``carry(reals, ints, a, b, v)``
+``rotate(reals, ints, a, b, v)``
     Turn the parts of a step or a residual `v` in place with the nodes on which they act, from state `a`
     to `b`: seen so, a factor stays good while the body turns.
-``motion(reals, ints, a, b, least) -> (distance, pair motion, free share)``
+``displacement_bound(reals, ints, a, b, least) -> (distance, pair motion, free share)``
     Bound on how far any point moved from state `a` to `b`. Where it is more than `least`: the largest change
-    of the vector between the centres of a pair that comes near on the way, in wire diameters; the share of
-    the way after which the first pair that is open in `a` has closed. Else 0 and 1.
-``commit(reals, ints, state, memory) -> least gap``
-    Update the contact memory with an accepted state. Minus infinity: a pair touches that is not in
+    of the vector between the centres of a pair that comes near in between, in wire diameters; the share of
+    the motion after which the first pair that is open in `a` has closed. Else 0 and 1.
+``update_history(reals, ints, state, history) -> least gap``
+    Update the contact history with an accepted state. Minus infinity: a pair touches that is not in
     the model.
-``renew(reals, ints, state, memory) -> change``
+``update_bounds(reals, ints, state, history) -> change``
     Set the bounds of the tangential forces, which are lines over the slips in `assemble`, to those of the
     normal forces at `state`; returns their largest change over the largest bound, 0 without friction.
 ``overlap(reals, ints, state) -> (overlap, excess)``
@@ -51,10 +51,10 @@ class Kernels(NamedTuple):
     solve: Any
     retract: Any
     work: Any
-    carry: Any
-    motion: Any
-    commit: Any
-    renew: Any
+    rotate: Any
+    displacement_bound: Any
+    update_history: Any
+    update_bounds: Any
     overlap: Any
 
 
@@ -68,10 +68,10 @@ def _signatures() -> Kernels:
         solve=types.void(*data, vector, vector),
         retract=types.void(*data, vector, vector, real, vector, real, vector),
         work=real(*data, vector, vector, vector),
-        carry=types.void(*data, vector, vector, vector),
-        motion=types.UniTuple(real, 3)(*data, vector, vector, real),
-        commit=real(*data, vector, table),
-        renew=real(*data, vector, table),
+        rotate=types.void(*data, vector, vector, vector),
+        displacement_bound=types.UniTuple(real, 3)(*data, vector, vector, real),
+        update_history=real(*data, vector, table),
+        update_bounds=real(*data, vector, table),
         overlap=types.UniTuple(real, 2)(*data, vector),
     )
 

@@ -34,7 +34,7 @@ def subtract(b, a):
 @part
 def residual(system, target, state, g, H):
     """Energy and pairs evaluated at `state`; fills the residual `g` under the load and the matrix `H`."""
-    energy, near = assembled(system, target.anchor, target.gap, target.memory, state, g, H)
+    energy, near = assembled(system, target.accepted, target.least_gap, target.history, state, g, H)
     subtract(target.load, g)
     return energy, near
 

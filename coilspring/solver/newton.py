@@ -43,7 +43,7 @@ FIRST_SHIFT = 0.1  # in units of the matrix at rest
 CUT = 0.5  # a damped step that the line search cuts below this asks for more damping
 MOST_SHIFT = 1e8
 TRUST = 1e-2  # share of the decrement that a good Newton step from a predicted state leaves at most
-HISTORY = 64  # Newton decrements kept as evidence
+DECREMENTS = 64  # Newton decrements kept as evidence
 
 
 def equilibrium(system, target, work, state, it):
@@ -131,7 +131,7 @@ def reuse_factor(system, target, work, state, it, i):
 @part
 def stable_itself(system, target, work, state, it):
     """Where the matrix is nearly singular the pivots must be those of the equilibrium itself."""
-    _, near = assembled(system, target.anchor, target.gap, target.memory, state, work.g, work.H)
+    _, near = assembled(system, target.accepted, target.least_gap, target.history, state, work.g, work.H)
     it.pairs += near
     negative = factor_at(system, work, state, it)
     if negative > 0:
@@ -144,7 +144,7 @@ def stable_itself(system, target, work, state, it):
 def factor_at(system, work, state, it):
     """Factor the matrix of `state`; returns the number of negative pivots."""
     copy(work.H, work.F)
-    copy(state, work.home)
+    copy(state, work.factored_at)
     negative, it.least_pivot = factored(system, work.F)
     it.count += 1
     return negative
@@ -187,9 +187,9 @@ def newton_direction(system, target, work, state, it, first):
         solution(system, work.F, work.g, -1.0, work.step)
         it.slope = dot(work.g, work.step)
     decrements = work.decrements
-    for j in range(HISTORY - 1):
+    for j in range(DECREMENTS - 1):
         decrements[j] = decrements[j + 1]
-    decrements[HISTORY - 1] = -it.slope / target.reference
+    decrements[DECREMENTS - 1] = -it.slope / target.reference
     if not np.isfinite(it.slope) or it.slope > 0.0:
         return FAILED
     return GO_ON

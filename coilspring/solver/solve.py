@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from coilspring.compiling.packing import pack
-from coilspring.contact.history import rubs
+from coilspring.contact.history import has_friction
 from coilspring.contact.kinematics import OVERLAP_ALLOWED
 from coilspring.errors import EquilibriumNotFound
 from coilspring.path import EquilibriumPath, Shape
@@ -21,14 +21,14 @@ from coilspring.solver.follower import (
     CRITICAL,
     EXHAUSTED,
     MOST_TRIES,
+    NEW_PAIR,
     OPENED,
     OVERLAP,
-    STRAY,
     STUCK,
 )
 from coilspring.solver.interface import Kernels
 from coilspring.solver.interrupt import interruptible
-from coilspring.solver.newton import HISTORY
+from coilspring.solver.newton import DECREMENTS
 from coilspring.solver.stability import Body, softest
 from coilspring.solver.stages import Top, stages
 from coilspring.solver.startup import ready
@@ -64,7 +64,7 @@ class Problem:
     data : the model's arrays (NamedTuple).
     load : (n,) load vector at time 1 in the model's free degrees of freedom.
     start : state at rest.
-    memory : (pairs, m) contact memory at rest.
+    history : (pairs, m) contact history at rest.
     matrix_size : length of the model's matrix in its own storage.
     modified : the matrix is costly: see `coilspring.solver.system.Task`.
     top : where the top reference point is in the state; for loads of several stages.
@@ -76,7 +76,7 @@ class Problem:
     data: Any
     load: np.ndarray
     start: np.ndarray
-    memory: np.ndarray
+    history: np.ndarray
     matrix_size: int
     modified: bool = False
     top: Top | None = None
@@ -90,7 +90,7 @@ class Track:
     """What was followed, as the solver left it."""
 
     states: np.ndarray  # (reached, state size), at the requested times
-    memories: np.ndarray  # (reached, pairs, m) contact memory with which they were found
+    histories: np.ndarray  # (reached, pairs, m) contact history with which they were found
     iterations: np.ndarray  # (reached,), factorisations since the previous row
     rest: int  # factorisations spent after the last row
     outcome: int
@@ -99,8 +99,8 @@ class Track:
     checks: int  # factorisations that only verified the stability of a linear stretch
     pairs: int  # contact pairs evaluated
     last: np.ndarray  # last accepted state
-    memory: np.ndarray  # contact memory with which a step from there was tried
-    history: np.ndarray  # last Newton decrements over the reference work
+    history: np.ndarray  # contact history with which a step from there was tried
+    decrements: np.ndarray  # last Newton decrements over the reference work
 
 
 @dataclass(frozen=True)
@@ -130,12 +130,12 @@ class Walk:
         n, rows = problem.load.size, len(times)
         state, vector, matrix = problem.start.size, n, problem.matrix_size
         sizes = dict.fromkeys(("g", "step", "load", "mode", "tangent", "old", "ahead"), vector)
-        sizes |= dict.fromkeys(("H", "F", "rest"), matrix) | {"decrements": HISTORY}
+        sizes |= dict.fromkeys(("H", "F", "rest"), matrix) | {"decrements": DECREMENTS}
         arrays = {name: np.zeros(sizes.get(name, state)) for name in Workspace._fields}
-        arrays |= {name: problem.memory.copy() for name in ("memory", "held", "low", "high")}
-        arrays |= {"change": np.zeros(len(problem.memory)), "states": np.empty((rows, state))}
+        arrays |= {name: problem.history.copy() for name in ("history", "trial_history", "low", "high")}
+        arrays |= {"change": np.zeros(len(problem.history)), "states": np.empty((rows, state))}
         arrays |= {
-            "memories": np.zeros((rows, *problem.memory.shape)),
+            "histories": np.zeros((rows, *problem.history.shape)),
             "iterations": np.zeros(rows, np.int64),
         }
         self.work = Workspace(**arrays)
@@ -144,11 +144,11 @@ class Walk:
 
     def extend(self, problem: Problem) -> None:
         """Make room for the pairs that a problem has beyond those so far, and for its matrix."""
-        more = len(problem.memory) - len(self.work.memory)
-        tables = ("memory", "held", "low", "high")
+        more = len(problem.history) - len(self.work.history)
+        tables = ("history", "trial_history", "low", "high")
         padded = {name: np.pad(getattr(self.work, name), ((0, more), (0, 0))) for name in tables}
-        padded["memories"] = np.pad(self.work.memories, ((0, 0), (0, more), (0, 0)))
-        padded["change"] = np.zeros(len(problem.memory))
+        padded["histories"] = np.pad(self.work.histories, ((0, 0), (0, more), (0, 0)))
+        padded["change"] = np.zeros(len(problem.history))
         padded |= {name: np.zeros(problem.matrix_size) for name in ("H", "F", "rest")}
         self.work = self.work._replace(**padded)
 
@@ -158,7 +158,7 @@ class Walk:
         row = int(path["row"])
         return Track(
             states=work.states[:row],
-            memories=work.memories[:row],
+            histories=work.histories[:row],
             iterations=work.iterations[:row],
             rest=int(path["spent"]),
             outcome=int(path["outcome"]),
@@ -167,8 +167,8 @@ class Walk:
             checks=int(path["checks"]),
             pairs=int(path["pairs"]),
             last=work.state,
-            memory=work.memory,
-            history=work.decrements,
+            history=work.history,
+            decrements=work.decrements,
         )
 
 
@@ -194,16 +194,16 @@ def follow_problem(
             follow, *pack(problem.data), problem.prescribed, bundle, task, walk.work, walk.path,
             walk.substep, walk.newton, walk.watch,
         )  # fmt: skip
-        if walk.path[0]["outcome"] != STRAY or problem.extended is None:
+        if walk.path[0]["outcome"] != NEW_PAIR or problem.extended is None:
             break
         more = problem.extended(walk.work.trial)
-        new = len(more.memory) - len(problem.memory)
+        new = len(more.history) - len(problem.history)
         if new == 0:
             walk.path[0]["outcome"] = STUCK
             break
-        memory = np.pad(problem.memory, ((0, new), (0, 0)))
+        history = np.pad(problem.history, ((0, new), (0, 0)))
         problem = replace(
-            problem, data=more.data, memory=memory, matrix_size=more.matrix_size, extended=more.extended
+            problem, data=more.data, history=history, matrix_size=more.matrix_size, extended=more.extended
         )
         walk.extend(problem)
     track, mode, work = _judged(walk.track(), problem, kernels, length)
@@ -220,8 +220,8 @@ def _judged(
     if track.outcome not in (CRITICAL, STUCK, OPENED):
         return track, np.zeros_like(load), 0.0
     body = Body(kernels, pack(problem.data), load.size, problem.matrix_size, prescribed)
-    share, mode = softest(body, track.last, track.memory, problem.start)
-    end, friction = (body, track.last, track.memory, load, length), rubs(track.memory)
+    share, mode = softest(body, track.last, track.history, problem.start)
+    end, friction = (body, track.last, track.history, load, length), has_friction(track.history)
     left = time_left(*end) if friction and track.outcome != OPENED else np.inf
     if left <= LEFT:
         track = replace(track, outcome=CRITICAL, bracket=max(track.bracket, 2.0 * left))
@@ -229,7 +229,7 @@ def _judged(
         track = replace(track, outcome=SLIDING)
     elif track.outcome == STUCK and abs(share) < SOFT:
         track = replace(track, outcome=CRITICAL)
-    pull = body.pull(track.last, track.memory) if prescribed.size else load
+    pull = body.pull(track.last, track.history) if prescribed.size else load
     norm = float(np.linalg.norm(pull) * np.linalg.norm(mode))
     return track, mode, abs(float(pull @ mode)) / norm if norm > 0.0 else 0.0
 
@@ -261,7 +261,7 @@ def follow_load(
         track, problem = runs[-1].track, runs[-1].problem
         if track.outcome != COMPLETED:
             break
-        problem = replace(problem, start=track.states[-1], memory=track.memories[-1].copy())
+        problem = replace(problem, start=track.states[-1], history=track.histories[-1].copy())
     return _joined(runs, scene.load.rows // scene.load.steps)
 
 
@@ -269,19 +269,19 @@ def _on_top(problem: Problem, force: np.ndarray) -> np.ndarray:
     """Load vector of a force on the top."""
     assert problem.top is not None
     load = np.zeros_like(problem.load)
-    load[list(problem.top.freedom)] = force
+    load[list(problem.top.dof)] = force
     return load
 
 
 def _joined(runs: list[Run], count: int) -> Run:
     """Run through the first of `count` stages, each of which took the times 0..1."""
     tracks = [run.track for run in runs]
-    last, pairs = tracks[-1], tracks[-1].memory.shape[0]
-    padded = [np.pad(t.memories, ((0, 0), (0, pairs - t.memories.shape[1]), (0, 0))) for t in tracks]
+    last, pairs = tracks[-1], tracks[-1].history.shape[0]
+    padded = [np.pad(t.histories, ((0, 0), (0, pairs - t.histories.shape[1]), (0, 0))) for t in tracks]
     track = replace(
         last,
         states=np.concatenate([track.states for track in tracks]),
-        memories=np.concatenate(padded),
+        histories=np.concatenate(padded),
         iterations=np.concatenate([track.iterations for track in tracks]),
         time=(len(runs) - 1 + last.time) / count,
         bracket=last.bracket / count,
@@ -320,7 +320,7 @@ def scene_path(
         options=dict(options),
         times=output_times(scene)[: len(track.states)],
         states=track.states,
-        memories=track.memories,
+        histories=track.histories,
         iterations=track.iterations,
         outcome=run.outcome,
         message=run.message + _caution(scene, shape, track.states),
@@ -332,7 +332,7 @@ def scene_path(
         total_iterations=run.spent,
         stability_checks=track.checks,
         pair_evaluations=track.pairs,
-        residual_history=tuple(track.history[track.history > 0.0]),
+        residual_history=tuple(track.decrements[track.decrements > 0.0]),
         solve_seconds=run.solve_seconds,
         compile_seconds=run.compile_seconds,
     )

@@ -27,16 +27,16 @@ FEW_ITERATIONS = 8
 OTHERS = 0.05  # share of all modes that is put into the softest one before it is looked for anew
 SETTLED = 0.05  # relative change of the least stiffness by a step of inverse iteration, that ends it
 LEAST_STEP = 1e-9  # of the time 0..1: below it, what cannot be passed is called a critical point
-WAY = 1e-6  # of the span of the state's numbers, with which a difference is taken
+DIFFERENCE = 1e-6  # of the span of the state's numbers, with which a difference is taken
 SAMPLES = 16  # of a linear stretch at which its stability is verified
 
 
 @part
-def unstable_time(system, work, begin, end, gap):
+def unstable_time(system, work, begin, end, least_gap):
     """First time of a linear stretch at which the matrix has a negative pivot.
 
     Along the stretch the state is `work.origin` moved by ``(time - begin) * work.tangent``; it is sampled at
-    `SAMPLES` times and bisected. `gap` is that of the origin: 0 where pairs touch, infinite where none
+    `SAMPLES` times and bisected. `least_gap` is that of the origin: 0 where pairs touch, infinite where none
     does before the end. Returns the time before the sign change (infinite where every
     sample is stable) and the number of factorisations.
     """
@@ -45,7 +45,7 @@ def unstable_time(system, work, begin, end, gap):
     while high - low > LEAST_STEP:
         time = 0.5 * (low + high) if high < np.inf else min(low + (end - begin) / SAMPLES, end)
         moved(system, work.origin, work.tangent, time - begin, work.scratch)
-        assembled(system, work.scratch, gap, work.memory, work.scratch, work.g, work.H)
+        assembled(system, work.scratch, least_gap, work.history, work.scratch, work.g, work.H)
         count += 1
         if factored(system, work.H)[0] > 0:
             high = time
@@ -96,13 +96,13 @@ class Body:
 
     kernels: Kernels
     data: tuple[np.ndarray, np.ndarray]
-    freedoms: int
+    dofs: int
     matrix_size: int
     prescribed: np.ndarray = field(default_factory=lambda: FREE)  # see `coilspring.solver.system`
 
-    def _bare(self, state: np.ndarray, memory: np.ndarray, clearance: float, H: np.ndarray) -> np.ndarray:
-        g = np.empty(self.freedoms)
-        self.kernels.assemble(*self.data, state, clearance, memory, state, g, H)
+    def _bare(self, state: np.ndarray, history: np.ndarray, least_gap: float, H: np.ndarray) -> np.ndarray:
+        g = np.empty(self.dofs)
+        self.kernels.assemble(*self.data, state, least_gap, history, state, g, H)
         return g
 
     def moved(self, state: np.ndarray, step: np.ndarray, factor: float = 1.0) -> np.ndarray:
@@ -111,30 +111,30 @@ class Body:
         self.kernels.retract(*self.data, state, step, factor, state, 0.0, out)
         return out
 
-    def way(self, a: np.ndarray, b: np.ndarray) -> float:
+    def distance(self, a: np.ndarray, b: np.ndarray) -> float:
         """Bound on how far any point moves from state `a` to `b`, mm."""
-        return float(self.kernels.motion(*self.data, a, b, np.inf)[0])
+        return float(self.kernels.displacement_bound(*self.data, a, b, np.inf)[0])
 
-    def gradient(self, state: np.ndarray, memory: np.ndarray, clearance: float = 0.0) -> np.ndarray:
-        """Gradient of the energy; with an infinite `clearance` contact is left out."""
-        g = self._bare(state, memory, clearance, np.empty(0))
+    def gradient(self, state: np.ndarray, history: np.ndarray, least_gap: float = 0.0) -> np.ndarray:
+        """Gradient of the energy; with an infinite `least_gap` contact is left out."""
+        g = self._bare(state, history, least_gap, np.empty(0))
         if self.prescribed.size:
             g[int(self.prescribed[DOF])] = 0.0
         return g
 
-    def pull(self, state: np.ndarray, memory: np.ndarray) -> np.ndarray:
+    def pull(self, state: np.ndarray, history: np.ndarray) -> np.ndarray:
         """What the prescribed number of the state, as it moves, pulls at the degrees of freedom."""
-        way, ends = WAY * float(np.ptp(state)), []
+        size, ends = DIFFERENCE * float(np.ptp(state)), []
         for sign in (1.0, -1.0):
             moved = state.copy()
-            moved[int(self.prescribed[PLACE])] += sign * way
-            ends.append(self.gradient(moved, memory))
-        return (ends[1] - ends[0]) / (2.0 * way)
+            moved[int(self.prescribed[PLACE])] += sign * size
+            ends.append(self.gradient(moved, history))
+        return (ends[1] - ends[0]) / (2.0 * size)
 
-    def factored(self, state: np.ndarray, memory: np.ndarray) -> tuple[np.ndarray, int]:
+    def factored(self, state: np.ndarray, history: np.ndarray) -> tuple[np.ndarray, int]:
         """Factor of the matrix at `state`, and its negative pivots."""
         H = np.empty(self.matrix_size)
-        self._bare(state, memory, 0.0, H)
+        self._bare(state, history, 0.0, H)
         if self.prescribed.size:
             H[int(self.prescribed[DIAGONAL])] += self.prescribed[STIFFNESS]
         negative, _ = self.kernels.factor(*self.data, H)
@@ -149,21 +149,23 @@ class Body:
         return out
 
 
-def softest(body: Body, state: np.ndarray, memory: np.ndarray, start: np.ndarray) -> tuple[float, np.ndarray]:
-    """Softest mode (freedoms,) of the matrix at `state`, by inverse iteration, and its stiffness over that of
+def softest(
+    body: Body, state: np.ndarray, history: np.ndarray, start: np.ndarray
+) -> tuple[float, np.ndarray]:
+    """Softest mode (dofs,) of the matrix at `state`, by inverse iteration, and its stiffness over that of
     the same motion at `start` (at rest, or where a stage of loads began), contact left out: a number without
     units, 0 at a critical point."""
 
     def stiffness(mode: np.ndarray) -> np.ndarray:
-        way = WAY * float(np.ptp(start)) / float(np.abs(mode).max())
+        size = DIFFERENCE * float(np.ptp(start)) / float(np.abs(mode).max())
         ahead, back = (
-            body.gradient(body.moved(start, step), memory, np.inf) for step in (way * mode, -way * mode)
+            body.gradient(body.moved(start, step), history, np.inf) for step in (size * mode, -size * mode)
         )
-        return (ahead - back) / (2.0 * way)
+        return (ahead - back) / (2.0 * size)
 
-    H, _ = body.factored(state, memory)
-    # nothing in held freedoms, and no symmetry that could hide the mode
-    mode = stiffness(1.0 + np.arange(body.freedoms) / body.freedoms)
+    H, _ = body.factored(state, history)
+    # nothing in held dofs, and no symmetry that could hide the mode
+    mode = stiffness(1.0 + np.arange(body.dofs) / body.dofs)
     value = 0.0
     for _ in range(INVERSE_ITERATIONS):
         new = body.solved(H, mode)

@@ -29,7 +29,7 @@ class Top(NamedTuple):
     """Where a model keeps x and y of the top reference point."""
 
     state: tuple[int, int]  # in the state
-    freedom: tuple[int, int]  # in the gradient
+    dof: tuple[int, int]  # in the gradient
     diagonal: int  # entry of y with itself in the matrix
 
 
@@ -47,7 +47,7 @@ def stages(scene: Scene, top: Top) -> Iterator[Stage]:
     for before, after in pairwise(stage_ends(scene.load)):
         if scene.load.displacement:
             fixed, change = FIXED * axial_rate(scene), (after - before)[1]
-            prescribed = np.array([top.state[1], top.freedom[1], top.diagonal, fixed, change])
+            prescribed = np.array([top.state[1], top.dof[1], top.diagonal, fixed, change])
             yield Stage(np.zeros(2), np.array([0.0, fixed * change]), prescribed)
         else:
             dead, growing = (np.where(held, 0.0, force) for force in (before, after - before))
@@ -55,9 +55,9 @@ def stages(scene: Scene, top: Top) -> Iterator[Stage]:
 
 
 def reactions(
-    assemble: Callable, data: tuple, size: int, freedom: int, states: np.ndarray, memories: np.ndarray
+    assemble: Callable, data: tuple, size: int, dof: int, states: np.ndarray, histories: np.ndarray
 ) -> np.ndarray:
-    """Internal force along a degree of freedom in states found with contact memories, shape (states,), N.
+    """Internal force along a degree of freedom in states found with contact histories, shape (states,), N.
 
     Parameters
     ----------
@@ -66,8 +66,8 @@ def reactions(
     size : number of its degrees of freedom.
     """
     packed, empty, out = pack(data), np.empty(0), np.empty(len(states))
-    for row, (state, memory) in enumerate(zip(states, memories, strict=True)):
+    for row, (state, history) in enumerate(zip(states, histories, strict=True)):
         g = np.empty(size)
-        assemble(*packed, state, 0.0, memory, state, g, empty)
-        out[row] = g[freedom]
+        assemble(*packed, state, 0.0, history, state, g, empty)
+        out[row] = g[dof]
     return out

@@ -33,10 +33,10 @@ class System(NamedTuple):
     solve: Any
     retract: Any
     work: Any
-    carry: Any
-    motion: Any
-    commit: Any
-    renew: Any
+    rotate: Any
+    displacement_bound: Any
+    update_history: Any
+    update_bounds: Any
     overlap: Any
 
 
@@ -60,9 +60,9 @@ class Task(NamedTuple):
 class Target(NamedTuple):
     """Of which equilibrium is asked."""
 
-    anchor: Any  # the last accepted state,
-    gap: Any  # and the least gap of its pairs
-    memory: Any  # contact history
+    accepted: Any  # the last accepted state,
+    least_gap: Any  # and the least gap of its pairs
+    history: Any  # contact history
     load: Any
     reference: Any  # work with which decrements are compared
     predicted: Any  # energy of the predicted motion
@@ -82,7 +82,7 @@ class Workspace(NamedTuple):
     before: np.ndarray  # the state accepted before the last one
     origin: np.ndarray  # where the linear stretch at hand began
     scratch: np.ndarray  # a state
-    home: np.ndarray  # the state whose matrix `F` factors
+    factored_at: np.ndarray  # the state whose matrix `F` factors
     tangent: np.ndarray  # d(state)/d(time) at the last accepted state
     old: np.ndarray  # the same at the state before
     ahead: np.ndarray  # the same at the trial state
@@ -93,14 +93,14 @@ class Workspace(NamedTuple):
     H: np.ndarray  # matrix
     F: np.ndarray  # its factor, the last one
     rest: np.ndarray  # matrix at the start
-    memory: np.ndarray  # contact history, (pairs, m): at the last accepted state, bounds of the trial
-    held: np.ndarray  # contact history with which the trial state was found
+    history: np.ndarray  # contact history, (pairs, m): at the last accepted state, bounds of the trial
+    trial_history: np.ndarray  # that with which the trial state was found
     low: np.ndarray  # two more tables, for differences
     high: np.ndarray
     change: np.ndarray  # (pairs,) last change of the bounds
     decrements: np.ndarray  # the last Newton decrements over the reference work
     states: np.ndarray  # (steps, state size), at the requested times
-    memories: np.ndarray  # (steps, pairs, m) contact history with which they were found
+    histories: np.ndarray  # (steps, pairs, m) contact history with which they were found
     iterations: np.ndarray  # (steps,) factorisations since the previous row
 
 
@@ -118,7 +118,7 @@ PATH = np.dtype(
         ("next_step", "f8"),
         ("last_step", "f8"),
         ("settling", "f8"),  # step in which what an opened pair had held finds its place; else infinite
-        ("gap", "f8"),  # least gap of the contact pairs
+        ("least_gap", "f8"),  # least gap of the contact pairs
         ("reference", "f8"),  # work of the whole load along the tangent at the start
         ("rounding", "f8"),  # of the potential, over a force
         ("force", "f8"),  # sum of the growing load
@@ -155,7 +155,7 @@ SUBSTEP = np.dtype(
         ("distance", "f8"),  # bound on all motion
         ("room", "f8"),  # see `ROOM`
         ("moved", "f8"),  # see `PATH`
-        ("gap", "f8"),  # least gap of the contact pairs
+        ("least_gap", "f8"),  # least gap of the contact pairs
     ],
     align=True,
 )
@@ -223,10 +223,14 @@ for _ref, _names in ((SystemRef, System), (TaskRef, Task), (WorkRef, Workspace))
 structref.define_proxy(KernelsRef, _KernelFields, [*Kernels._fields, "equilibrium"])
 
 
-def _bundle(assemble, factor, solve, retract, work, carry, motion, commit, renew, overlap, equilibrium):
+def _bundle(
+    assemble, factor, solve, retract, work, rotate, displacement_bound, update_history, update_bounds,
+    overlap, equilibrium,
+):  # fmt: skip
     return KernelsRef(
-        assemble, factor, solve, retract, work, carry, motion, commit, renew, overlap, equilibrium
-    )
+        assemble, factor, solve, retract, work, rotate, displacement_bound, update_history, update_bounds,
+        overlap, equilibrium,
+    )  # fmt: skip
 
 
 @cache
@@ -274,8 +278,8 @@ def task_type() -> Any:
 def workspace_type() -> Any:
     """numba's type of `Workspace`."""
     vector, table = types.float64[::1], types.float64[:, ::1]
-    stacked = {"memories": types.float64[:, :, ::1], "iterations": types.int64[::1]}
-    tables = dict.fromkeys(("memory", "held", "low", "high", "states"), table)
+    stacked = {"histories": types.float64[:, :, ::1], "iterations": types.int64[::1]}
+    tables = dict.fromkeys(("history", "trial_history", "low", "high", "states"), table)
     return types.NamedTuple([(stacked | tables).get(name, vector) for name in Workspace._fields], Workspace)
 
 
@@ -289,18 +293,19 @@ def system_of(reals, ints, prescribed, kernels):
     """`System` in compiled code."""
     return SystemRef(
         reals, ints, prescribed, zeros(1), kernels.assemble, kernels.factor, kernels.solve, kernels.retract,
-        kernels.work, kernels.carry, kernels.motion, kernels.commit, kernels.renew, kernels.overlap,
+        kernels.work, kernels.rotate, kernels.displacement_bound, kernels.update_history,
+        kernels.update_bounds, kernels.overlap,
     )  # fmt: skip
 
 
 @part
-def assembled(system, anchor, gap, memory, state, g, H):
+def assembled(system, accepted, least_gap, history, state, g, H):
     """Energy and pairs evaluated; fills the gradient, and the matrix unless it is empty.
 
-    `anchor` and `gap`: see `coilspring.solver.interface`. What is prescribed has no gradient, and is fixed by
-    its stiffness.
+    `accepted` and `least_gap`: see `coilspring.solver.interface`. What is prescribed has no gradient, and is
+    fixed by its stiffness.
     """
-    energy, pairs = system.assemble(system.reals, system.ints, anchor, gap, memory, state, g, H)
+    energy, pairs = system.assemble(system.reals, system.ints, accepted, least_gap, history, state, g, H)
     top = system.prescribed
     if top.size > 0:
         dof = int(top[DOF])
@@ -339,12 +344,12 @@ def solution(system, F, b, sign, out):
 
 @part
 def stale_solution(system, work, state, b, sign, out):
-    """out = sign F^-1 b at `state`, with the factor of the state `work.home`, turned along."""
+    """out = sign F^-1 b at `state`, with the factor of the state `work.factored_at`, turned along."""
     for i in range(b.size):
         out[i] = sign * b[i]
-    system.carry(system.reals, system.ints, state, work.home, out)
+    system.rotate(system.reals, system.ints, state, work.factored_at, out)
     solve(system, work.F, out)
-    system.carry(system.reals, system.ints, work.home, state, out)
+    system.rotate(system.reals, system.ints, work.factored_at, state, out)
 
 
 @part

@@ -81,8 +81,8 @@ def remembered(
 
 def _touched(path: EquilibriumPath) -> bool:
     """Whether a pair is remembered or touches at a stored time."""
-    assert path.memories is not None
-    return bool((path.memories[:, :, ON] > 0.0).any() or path.active_contacts.any())
+    assert path.histories is not None
+    return bool((path.histories[:, :, ON] > 0.0).any() or path.active_contacts.any())
 
 
 def verify_branch(

@@ -66,7 +66,7 @@ def newton(problem: Problem, start: np.ndarray, moment: np.ndarray) -> np.ndarra
     columns = np.zeros((3, size))
     columns[:, -3:] = np.eye(3)
     for _ in range(MOST_ITERATIONS):
-        kernels.assemble(reals, ints, state, 0.0, problem.memory, state, g, H)
+        kernels.assemble(reals, ints, state, 0.0, problem.history, state, g, H)
         inner, outer = g[-3:].copy(), turned(state[-4:], moment)
         g[-3:] -= outer
         kernels.factor(reals, ints, H)
