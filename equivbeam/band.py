@@ -9,6 +9,7 @@ from __future__ import annotations
 import numpy as np
 
 from coilspring.compiling.compiled import arithmetic, kernel, part
+from coilspring.solver.interface import FIXED
 
 BAND = 8  # half bandwidth: a pair couples the nodes i and i + 2, three degrees of freedom each
 WIDTH = BAND + 1
@@ -39,7 +40,7 @@ def eliminate(F, width):
 
 @part
 def fix(g, H, p):
-    """Fix the degrees of freedom `p`: no force; in the matrix, unless it is empty, a unit row and column."""
+    """Fix the degree of freedom `p`: no force; in the matrix, unless it is empty, nothing but FIXED."""
     g[p] = 0.0
     if H.shape[0] == 0:
         return
@@ -47,7 +48,7 @@ def fix(g, H, p):
         H[p, m] = 0.0
         if 0 < m <= p:
             H[p - m, m] = 0.0
-    H[p, 0] = 1.0
+    H[p, 0] = FIXED
 
 
 @kernel
@@ -61,7 +62,7 @@ def factor(reals, ints, flat):
 
 @arithmetic
 def _substitute(F, b):
-    """Solve in place; what the next rows still lack or need is kept in registers, not in history."""
+    """Solve in place; what the next rows still lack or need is kept in registers, not in memory."""
     n = b.size
     x0 = x1 = x2 = x3 = x4 = x5 = x6 = x7 = 0.0
     for k in range(n):

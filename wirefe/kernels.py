@@ -9,6 +9,7 @@ import numpy as np
 from coilspring.compiling.compiled import arithmetic, clear, kernel, part
 from coilspring.contact.kinematics import OVERLAP_ALLOWED, approach, friction_bounds, remember
 from coilspring.contact.law import ON, pair_potential
+from coilspring.solver.interface import FIXED
 from wirefe.algebra import dot, plus
 from wirefe.beam import beams
 from wirefe.chain import eliminate, substitute
@@ -112,7 +113,7 @@ def _add_pairs(contact, history, state, g, H):
 
 @part
 def _hold(held, H):
-    """Take the held dofs out: rows and columns of the unit matrix."""
+    """Take the held dofs out: nothing but FIXED in their rows and columns."""
     for m in range(held.block.size):
         B = H[held.block[m]]
         i = held.place[m]
@@ -125,7 +126,7 @@ def _hold(held, H):
         n, i = held.dof[m] // 6, held.dof[m] % 6
         for j in range(6):
             H[n, i, j] = H[n, j, i] = 0.0
-        H[n, i, i] = 1.0
+        H[n, i, i] = FIXED
 
 
 @kernel

@@ -192,13 +192,13 @@ def plan(task, path, substep, watch):
     if softest.value <= NEUTRAL * path.rest_stiffness or to_critical < LEAST_STEP:
         path.outcome, path.bracket = CRITICAL, 2.0 * max(softest.zero - path.time, LEAST_STEP)
         return
-    substep.size = min(wanted, to_critical, to_overlap, PROBE if path.fresh > 0 else np.inf)
-    substep.near_overlap = substep.size == to_overlap
-    path.bracket = 2.0 * substep.size
+    substep.duration = min(wanted, to_critical, to_overlap, PROBE if path.fresh > 0 else np.inf)
+    substep.near_overlap = substep.duration == to_overlap
+    path.bracket = 2.0 * substep.duration
     left = task.times[path.row] - path.time
-    substep.landing = left <= substep.size * (1.0 + 1e-9)
-    substep.target = task.times[path.row] if substep.landing else path.time + substep.size
-    substep.size = substep.target - path.time
+    substep.landing = left <= substep.duration * (1.0 + 1e-9)
+    substep.target = task.times[path.row] if substep.landing else path.time + substep.duration
+    substep.duration = substep.target - path.time
 
 
 @part
@@ -209,13 +209,13 @@ def predict_trial(system, task, work, path, substep):
     if not task.predictor:
         copy(work.state, work.predicted)
         return
-    bend = curvature(work.tangent, work.old, path.last_step, substep.size)
+    bend = curvature(work.tangent, work.old, path.last_step, substep.duration)
     predict(system, task, work, path, bend, substep.target)
     _, _, free = displacement_bound(system, work.state, work.predicted, 0.5 * path.least_gap)
     if free < 1.0:
         substep.shortened, substep.landing = True, False
-        substep.size *= max(free, LEAST_FREE)
-        substep.target = path.time + substep.size
+        substep.duration *= max(free, LEAST_FREE)
+        substep.target = path.time + substep.duration
         predict(system, task, work, path, bend, substep.target)
 
 
@@ -231,7 +231,7 @@ def find_equilibrium(system, equilibrium, task, work, path, substep, it):
     put_prescribed(system, task.start, substep.target, work.trial)
     target = Target(
         work.state, path.least_gap, work.history, work.load, path.reference * substep.target**2,
-        path.reference * substep.size**2, path.rounding * (path.dead + path.force * substep.target),
+        path.reference * substep.duration**2, path.rounding * (path.dead + path.force * substep.target),
         path.rounding, task.limit, task.modified, path.least_pivot,
     )  # fmt: skip
     system.update_bounds(system.reals, system.ints, work.state, work.history)
@@ -274,7 +274,7 @@ def keeps_branch(system, task, work, path, substep, watch):
     if good and (NEARER * substep.moved >= substep.room or substep.near_overlap):
         substep.room, substep.moved = free_room(system, task, work.trial), 0.0
         good = substep.room >= 0.0
-        if not good and substep.size < OVERLAP_TIME:
+        if not good and substep.duration < OVERLAP_TIME:
             path.outcome = OVERLAP
     if not good or substep.status == LINEAR:
         return good
@@ -285,7 +285,7 @@ def keeps_branch(system, task, work, path, substep, watch):
     stale_solution(system, work, work.trial, task.load, 1.0, work.ahead)
     if not task.predictor or has_history(work.history):
         return True
-    return not jumped(system, task, work, substep.distance, substep.size)
+    return not jumped(system, task, work, substep.distance, substep.duration)
 
 
 @part
@@ -322,10 +322,10 @@ def shorten(path, substep):
         return
     path.reuse = False
     if path.settling < np.inf:
-        path.settling = 0.5 * substep.size
+        path.settling = 0.5 * substep.duration
     else:
-        path.next_step = 0.5 * substep.size
-    if substep.size >= 2.0 * LEAST_STEP:
+        path.next_step = 0.5 * substep.duration
+    if substep.duration >= 2.0 * LEAST_STEP:
         return
     # negative pivots however short the step: the stiffness jumps there, as where a pair opens
     path.outcome = CRITICAL if substep.trouble == INDEFINITE else STUCK
@@ -369,17 +369,18 @@ def watch_stiffness(system, work, path, substep, softest):
     A pair that closes turns the slope of the stiffness, and steeply where a displacement is prescribed: it is
     looked at there, and after a short step.
     """
-    closing = substep.shortened and (substep.weak or system.prescribed.size > 0)
-    near = substep.near_critical or closing
+    first = substep.least_gap <= 0.0 < path.least_gap
+    closing = (substep.shortened or first) and (substep.weak or system.prescribed.size > 0)
     path.fresh = 1 if closing else max(path.fresh - 1, 0)
-    if substep.iterations == 0 and near:
+    due = softest.time + min(LOOK, SOONER * (softest.zero - softest.time))
+    wanted = first or closing or substep.near_critical
+    if not wanted and (substep.status == LINEAR or not (substep.weak or substep.target >= due)):
+        return
+    if substep.iterations == 0:
         assembled(system, work.trial, 0.0, work.trial_history, work.trial, work.g, work.F)
         copy(work.trial, work.factored_at)
         factored(system, work.F)
         path.spent += 1
-    due = softest.time + min(LOOK, SOONER * (softest.zero - softest.time))
-    if not (near or (substep.iterations > 0 and (substep.weak or substep.target >= due))):
-        return
     value, least = least_stiffness(system, work, softest.value), NEUTRAL * path.rest_stiffness
     if value > least or value < softest.value:
         softest.zero = predicted_zero(substep.target, value, softest.time, softest.value)
@@ -409,7 +410,7 @@ def accept(work, path, substep, room):
     copy(work.tangent, work.old)
     if substep.status == CONVERGED:
         copy(work.ahead, work.tangent)
-    path.reuse, path.last_step = True, substep.size
+    path.reuse, path.last_step = True, substep.duration
     if substep.moved == 0.0:
         room.zero = predicted_zero(substep.target, substep.room, room.time, room.value)
         room.time = substep.target
@@ -423,7 +424,7 @@ def accept(work, path, substep, room):
     if substep.iterations < EASY_COUNT + substep.rounds:  # a round with renewed bounds takes one more
         # the turn grows with the square of the step
         growth = min(2.0, math.sqrt(SAFE * TURN / substep.share)) if substep.share > 0.0 else 2.0
-        path.next_step = max(path.next_step, substep.size * growth)
+        path.next_step = max(path.next_step, substep.duration * growth)
     if substep.landing:
         copy(work.state, work.states[path.row])
         copy_table(work.trial_history, work.histories[path.row])

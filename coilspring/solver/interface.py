@@ -42,6 +42,10 @@ from typing import Any, NamedTuple
 
 from numba import types
 
+# Entry of a fixed degree of freedom on the diagonal of a matrix, N/mm or N mm. No mode has any part along it,
+# and no pivot is taken for it; with 1 the softest mode of a stiff spring was that of its fixed end.
+FIXED = 1e30
+
 
 class Kernels(NamedTuple):
     """A model's compiled functions, or their types."""

@@ -141,7 +141,7 @@ PATH = np.dtype(
 SUBSTEP = np.dtype(
     [
         ("target", "f8"),
-        ("size", "f8"),
+        ("duration", "f8"),
         ("landing", "?"),  # on a requested time
         ("shortened", "?"),  # to where a pair is about to close
         ("near_critical", "?"),  # it approaches the predicted zero of the least stiffness
