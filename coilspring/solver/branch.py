@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from coilspring.compiling.compiled import part
+from coilspring.solver.newton import INDEFINITE, NONE
 from coilspring.solver.system import moved, put_prescribed
 
 # A converged state continues the branch when it lies near the straight prediction: within this share
@@ -48,7 +49,7 @@ def predict(system, task, work, path, bend, target):
 
 
 @part
-def continues(system, task, work, troubled, judged):
+def continues(system, task, work, trouble, judged):
     """Whether the trial state continues the branch; the share by which the path turned, less where the
     turn is small at all; a bound on how far any point moved."""
     # no pair moves by more than its two ends do
@@ -60,7 +61,11 @@ def continues(system, task, work, troubled, judged):
     turn, _, _ = displacement_bound(system, work.predicted, work.trial, np.inf)
     share = turn / distance if distance > 0.0 else 0.0
     least = turn / (SMALL * task.diameter)
-    return least <= 1.0 or (share <= TURN and not troubled), min(share, TURN * least), distance
+    good = least <= 1.0 or (share <= TURN and trouble == NONE)
+    if trouble == INDEFINITE:
+        # a jump may end anywhere, also near the prediction
+        good = distance <= SMALL * task.diameter
+    return good, min(share, TURN * least), distance
 
 
 @part

@@ -62,6 +62,7 @@ LOOK = 0.05  # of the time 0..1: so often at least the softest mode is looked at
 SOONER = 0.25  # and after this share of the time to its predicted zero
 WEAK = 0.1  # of the least stiffness at rest: below, it is looked at wherever the matrix is factored,
 PROBE = 1e-3  # and after so short a step where a pair has closed
+JUMPS = 1e-3  # of the least stiffness at rest: where it is more and its predicted zero is at hand, it jumps
 NEUTRAL = 1e-6  # of the least stiffness at rest: what is left of it counts as none, rounding is not far below
 BOUND_CHANGE = 1e-6  # of the bounds of tangential forces, over the largest, where they count as found
 MOST_ROUNDS = 30
@@ -268,7 +269,7 @@ def keeps_branch(system, task, work, path, substep, watch):
     if path.lost:
         return False
     good, substep.share, substep.distance = continues(
-        system, task, work, substep.trouble > NONE, task.predictor and path.settling == np.inf
+        system, task, work, substep.trouble, task.predictor and path.settling == np.inf
     )
     substep.room, substep.moved = watch[ROOM].value, path.moved + substep.distance
     if good and (NEARER * substep.moved >= substep.room or substep.near_overlap):
@@ -381,10 +382,10 @@ def watch_stiffness(system, work, path, substep, softest):
         copy(work.trial, work.factored_at)
         factored(system, work.F)
         path.spent += 1
-    value, least = least_stiffness(system, work, softest.value), NEUTRAL * path.rest_stiffness
-    if value > least or value < softest.value:
+    value = least_stiffness(system, work, softest.value)
+    if value > NEUTRAL * path.rest_stiffness or value < softest.value:
         softest.zero = predicted_zero(substep.target, value, softest.time, softest.value)
-    if value > least and APPROACH * (softest.zero - substep.target) < LEAST_STEP:
+    if value > JUMPS * path.rest_stiffness and APPROACH * (softest.zero - substep.target) < LEAST_STEP:
         softest.zero = np.inf  # the stiffness jumps here, as where a pair opens
     softest.value, softest.time = value, substep.target
 
