@@ -9,7 +9,7 @@ import pytest
 
 import equivbeam
 import wirefe
-from coilspring import Contact, EquilibriumNotFound, Load, Scene, Spring, Supports, load_scene
+from coilspring import Contact, EquilibriumNotFound, Load, Material, Scene, Spring, Supports, load_scene
 from validation.campaign.scenes import case_id, is_driven, make_case, pressed
 from validation.campaign.verdict import SOLVERS
 
@@ -69,6 +69,20 @@ def test_springs_whose_outcome_was_decided_by_the_steps(solve, scene, options, o
     assert max(path.total_iterations for path in found) < 500  # 19 410 once
     if time is not None:
         assert found[0].critical_time == pytest.approx(time, abs=2e-5)
+
+
+@pytest.mark.parametrize(("force", "length"), [(1.0, 1.0), (1e-2, 1e-1), (1e2, 1e1)])
+def test_a_stiff_stack_buckles_whatever_the_steps_and_the_units(force, length):
+    """Its softest mode was that of its fixed end, with the stiffness 1 N/mm: steps decided the outcome."""
+    material = Material(206_000.0 * force / length**2)
+    coil = 31.3235843861888 * length
+    spring = Spring(4.379472290514131 * length, (coil, coil), 4.0, 4 * 4.379472290514131 * length, 1.0, np.pi)
+    contact = Contact(stiffness=2.2e7 * force / length**1.95, exponent=1.95)
+    load = Load(displacement=(-0.16459593958131838 * length,))
+    scene = Scene("stack", spring, load, material, Supports(("rotz",)), contact)
+    found = paths(equivbeam.solve, scene, (1, 3, 10, 50, 100, 200), law="helix")
+    same_answer(found)
+    assert found[0].outcome == "bifurcation"
 
 
 def test_the_kind_of_a_critical_point_does_not_depend_on_the_steps():
