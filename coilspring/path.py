@@ -78,8 +78,8 @@ class EquilibriumPath:
     iterations : (steps,) factorisations since the previous row, rejected attempts included.
     outcome : one of `OUTCOMES`.
     message : one sentence.
-    histories : (steps, pairs, m) what contact remembered of each pair when the state was found; None for
-        traced paths.
+    histories : (steps, pairs) records `coilspring.contact.law.PAIR_HISTORY` of what contact remembered of
+        each pair when the state was found; None for traced paths.
     critical_time : middle of the time bracket of a critical point, or None.
     critical_bracket : length of that bracket, or None.
     end_bracket : times between which a path ends that did not complete, or None.

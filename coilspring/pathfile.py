@@ -48,7 +48,7 @@ def read_fields(file: str | Path | BinaryIO) -> dict[str, Any]:
     try:
         stream = io.BytesIO(Path(file).read_bytes() if isinstance(file, str | Path) else file.read())
         with np.load(stream, allow_pickle=False) as entries:
-            arrays = {name: entries[name] for name in entries.files}
+            arrays = {name: _aligned(entries[name]) for name in entries.files}
         scene = scene_from_text(arrays.pop("scene").tobytes().decode())
         numbers = json.loads(arrays.pop("numbers").tobytes(), object_hook=_with_tuples)
         found = arrays.pop("pairs_found")
@@ -62,6 +62,13 @@ def read_fields(file: str | Path | BinaryIO) -> dict[str, Any]:
 
 def _bytes(text: str) -> np.ndarray:
     return np.frombuffer(text.encode(), dtype=np.uint8)
+
+
+def _aligned(array: np.ndarray) -> np.ndarray:
+    """An array as it was written: of records, the file does not tell that they are aligned."""
+    if array.dtype.names is None:
+        return array
+    return array.view(np.dtype([(name, array.dtype[name]) for name in array.dtype.names], align=True))
 
 
 def _with_tuples(table: dict[str, Any]) -> dict[str, Any]:

@@ -8,7 +8,7 @@ import numpy as np
 
 from coilspring.compiling.compiled import clear, copy, kernel, part
 from coilspring.contact.kinematics import approach, friction_bounds, remember
-from coilspring.contact.law import ON, pair_potential
+from coilspring.contact.law import pair_potential
 from equivbeam.band import ROW, fix
 from equivbeam.contact import circle_centre, circle_overlap, pair_forces
 from equivbeam.element import gradient, hessian, measures_at, paper_matrix
@@ -83,7 +83,7 @@ def _add_pairs(model, history, state, g, H, ge, Ke):
         A, B = pairs[m, 0], pairs[m, 1]
         w[0], w[1], w[2] = c[B, 0] - c[A, 0], c[B, 1] - c[A, 1], 0.0
         h2 = w[0] * w[0] + w[1] * w[1]
-        if h2 >= model.d * model.d and history[m, ON] == 0.0:
+        if h2 >= model.d * model.d and not history[m].closed:
             continue
         a, b = attached[A], attached[B]
         energy += pair_potential(w, math.sqrt(h2), model.d, model.kc, model.k, history[m], e, f, Hg)

@@ -9,7 +9,7 @@ import numpy as np
 
 from coilspring.compiling.compiled import part
 from coilspring.compiling.packing import heads, table, vector
-from coilspring.contact.law import HISTORY
+from coilspring.contact.law import PAIR_HISTORY
 from coilspring.errors import InputError
 from coilspring.scene import Scene
 from coilspring.solver.solve import Problem
@@ -126,7 +126,7 @@ def beam_problem(data: BeamModel, load: np.ndarray) -> Problem:
         data=data,
         load=load,
         start=rest_state(data),
-        history=np.zeros((len(data.pairs), HISTORY)),  # no pair has ever closed
+        history=np.zeros(len(data.pairs), PAIR_HISTORY),  # no pair has ever closed
         matrix_size=matrix_size(data),
         top=top_place(data),
     )

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from coilspring.compiling.packing import pack
-from coilspring.contact.law import HISTORY
+from coilspring.contact.law import PAIR_HISTORY
 from coilspring.errors import InputError, shown
 from coilspring.path import EquilibriumPath
 from coilspring.scene import Scene
@@ -87,7 +87,7 @@ def sensitivities(path: EquilibriumPath, parameters: Sequence[str]) -> Sensitivi
 def _factored(data: BeamModel, state: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """The packed model and its factored matrix at a state."""
     reals, ints = pack(data)
-    F, history = np.empty(matrix_size(data)), np.zeros((len(data.pairs), HISTORY))
+    F, history = np.empty(matrix_size(data)), np.zeros(len(data.pairs), PAIR_HISTORY)
     kernels.assemble(reals, ints, state, 0.0, history, state, np.empty(state.size - 3), F)
     band.factor(reals, ints, F)
     return reals, ints, F
@@ -110,7 +110,7 @@ def _residuals(path: EquilibriumPath, scene: Scene, options: Options) -> np.ndar
     """Gradients of the energy of another scene at the states of the path, shape (steps, n)."""
     data = build_model(scene, BeamOptions.of(options))
     reals, ints = pack(data)
-    history = np.zeros((len(data.pairs), HISTORY))
+    history = np.zeros(len(data.pairs), PAIR_HISTORY)
     g = np.empty((len(path.states), path.states.shape[1] - 3))
     for state, row in zip(path.states, g, strict=True):
         kernels.assemble(reals, ints, state, 0.0, history, state, row, np.empty(0))

@@ -3,15 +3,15 @@
 import numpy as np
 import pytest
 
-from coilspring.contact.law import HISTORY, pair_potential
+from coilspring.contact.law import pair_potential
 from equivbeam.contact import circle_centre, pair_forces
+from pairrecords import held, pair_records
 
 D, KC = 1.5, 2.0e4
 OFFSETS = np.array([[5.0, 0.0], [4.6, -0.75]])
-FREE = np.zeros(HISTORY)
+FREE = pair_records()[0]
 G0 = np.array([0.05, 1.40, 0.0])
-STUCK = np.array([1.0, *G0, *G0 / np.linalg.norm(G0), np.inf, *np.zeros(4)])
-SLIDING = np.array([*STUCK[:7], 300.0, *np.zeros(4)])
+STUCK, SLIDING = held(G0), held(G0, bound=300.0)
 
 
 def pair(q, k=1.0, history=FREE, distance=D):

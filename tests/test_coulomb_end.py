@@ -8,7 +8,6 @@ import pytest
 import equivbeam
 from coilspring import Contact, EquilibriumNotFound, spring_a
 from coilspring.compiling.packing import pack
-from coilspring.contact.law import BOUND, ON, RISE
 from coilspring.solver.coulomb import SLACK, coulomb
 from coilspring.solver.solve import HELD, LOST
 from coilspring.solver.stability import Body
@@ -32,16 +31,16 @@ def test_determinant_of_coulombs_tangent():
     data, n = pack(path.shape.data), path.states.shape[1] - 3
     size = matrix_size(path.shape.data)
     state, history = path.states[-1], path.histories[-3].copy()  # slid since then
-    history[:, RISE] = 0.0
+    history["rise"] = 0.0
     KERNELS.update_bounds(*data, state, history)
-    slack = np.where(history[:, ON] > 0.0, SLACK * history[:, BOUND], 0.0)
+    slack = np.where(history["closed"], SLACK * history["bound"], 0.0)
 
     def force(step, *, held):
         moved, bounds, g = state.copy(), history.copy(), np.empty(n)
         moved[3:] += step
         if not held:
             KERNELS.update_bounds(*data, moved, bounds)
-        bounds[:, BOUND] -= slack
+        bounds["bound"] -= slack
         KERNELS.assemble(*data, moved, 0.0, bounds, moved, g, np.empty(0))
         return g
 

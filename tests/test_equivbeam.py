@@ -20,7 +20,7 @@ from coilspring import (
     spring_b,
 )
 from coilspring.compiling.packing import pack
-from coilspring.contact.law import HISTORY
+from coilspring.contact.law import PAIR_HISTORY
 from equivbeam import band, kernels, model
 from equivbeam.laws import LAWS
 from equivbeam.options import BeamOptions
@@ -50,10 +50,10 @@ def test_whole_model_derivatives(check_derivatives, seed, time, stick):
     rng = np.random.default_rng(seed)
     load = time * model.load_vector(data, spring_b())
     state = path.states[0 if time == 0.5 else 1]
-    history = np.zeros((len(data.pairs), HISTORY))
+    history = np.zeros(len(data.pairs), PAIR_HISTORY)
     if stick:
         kernels.update_history(reals, ints, state, history)
-        assert history[:, 0].any()
+        assert history["closed"].any()
     state = state.copy()
     state[3:] += 1e-3 * rng.normal(size=state.size - 3) * np.tile(1 - data.fixed, (state.size - 3) // 3)
     n = state.size - 3

@@ -10,7 +10,6 @@ import equivbeam
 import wirefe
 from coilspring import Contact, InputError, load_scene
 from coilspring.compiling.packing import pack
-from coilspring.contact.law import SLID
 from coilspring.scene.toml import scene_from_text
 from wirefe import kernels, model
 from wirestates import add, centres, elements
@@ -40,14 +39,14 @@ def beam_solved(name, mu, steps=50):
     return equivbeam.solve(scene(name, mu), steps=steps, sliding="scene")
 
 
-def assert_coulombs_law(path, mu, slid):
+def assert_coulombs_law(path, mu):
     """Bounded by mu F; equal where the pair slipped in the last substep.
 
     Returns whether any stuck that did not close in the last step.
     """
     force = np.linalg.norm(path.friction.force, axis=-1)
     bound = mu * path.contact_forces
-    way = path.friction.slip - path.histories[..., slid]
+    way = path.friction.slip - path.histories["slid"]
     near = 2e-6 * bound.max()  # bounds are renewed until they change by 1e-6 of the largest
     assert (force <= bound + near).all()
     # a pair that closed in the last substep bears no tangential force yet
@@ -64,7 +63,7 @@ def assert_coulombs_law(path, mu, slid):
 )
 def test_coulombs_law_holds_at_every_stored_state(name, mu, sticks):
     """All pairs of A that touch slip all the time, up to 0.3."""
-    assert assert_coulombs_law(solved(name, mu, 50), mu, SLID) == sticks
+    assert assert_coulombs_law(solved(name, mu, 50), mu) == sticks
 
 
 @pytest.mark.parametrize(("name", "mu"), SLIPPING)
@@ -196,7 +195,7 @@ def test_spread_over_the_steps(mu, bound):
 @pytest.mark.parametrize("mu", [0.1, 0.3])
 def test_equivalent_beam_keeps_coulombs_law(mu):
     path = beam_solved("spring-a", mu)
-    assert_coulombs_law(path, mu, SLID)
+    assert_coulombs_law(path, mu)
     assert np.diff(path.friction.work, axis=0)[path.gaps[1:] < 0.0].min() >= -1e-15
 
 

@@ -8,7 +8,7 @@ import pytest
 import wirefe
 from coilspring import Contact, EquilibriumNotFound, InputError, Load, Scene, Spring, Supports, load_scene
 from coilspring.compiling.packing import pack
-from coilspring.contact.law import HISTORY
+from coilspring.contact.law import PAIR_HISTORY
 from coilspring.scene.sizing import axial_rate
 from wirefe import kernels, seated
 from wirefe.export import section_results
@@ -35,7 +35,7 @@ def test_gradient_and_matrix_are_derivatives_of_the_energy(held, check_derivativ
     scene = scene_of(held=held)
     data, mesh, rod = build_model(scene, 8, 4)
     arrays, rest = pack(data), rest_state(rod, mesh.arm)
-    history = np.zeros((len(data.contact.pairs), HISTORY))
+    history = np.zeros(len(data.contact.pairs), PAIR_HISTORY)
     free = (~rod.held).ravel().astype(float)
     n, state = free.size, np.empty_like(rest)
     shift = 1e-3 * free * np.random.default_rng(5).normal(size=n)

@@ -9,7 +9,7 @@ from scipy.spatial import cKDTree
 import wirefe
 from coilspring import Contact, Load, spring_a, spring_b
 from coilspring.compiling.packing import pack
-from coilspring.contact.law import HISTORY
+from coilspring.contact.law import PAIR_HISTORY
 from validation.study.partialsolve import partial_path
 from wirefe import kernels, model
 from wirefe.mesh import near_pairs
@@ -35,7 +35,7 @@ def built(scene, pairs_per_turn=4, elements_per_turn=8):
 
 
 def committed(data, state):
-    history = np.zeros((len(data.contact.pairs), HISTORY))
+    history = np.zeros(len(data.contact.pairs), PAIR_HISTORY)
     return kernels.update_history(*pack(data), state, history)
 
 

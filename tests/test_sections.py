@@ -12,7 +12,7 @@ import equivbeam
 import wirefe
 from coilspring import CoilSection, Contact, InputError, Load, Material, Scene, Spring, Supports, load_scene
 from coilspring.compiling.packing import pack
-from coilspring.contact.law import HISTORY
+from coilspring.contact.law import PAIR_HISTORY
 from coilspring.scene.wire import round_section
 from equivbeam import kernels, model
 from equivbeam.options import BeamOptions
@@ -181,7 +181,7 @@ def test_the_equivalent_beam_rests(law):
     state = model.rest_state(data)
     np.testing.assert_allclose(state[1::3], BARREL.spring.height(np.arange(14) * np.pi), atol=1e-13)
     g, H = np.empty(state.size - 3), np.empty(model.matrix_size(data))
-    kernels.assemble(*pack(data), state, 0.0, np.zeros((len(data.pairs), HISTORY)), state, g, H)
+    kernels.assemble(*pack(data), state, 0.0, np.zeros(len(data.pairs), PAIR_HISTORY), state, g, H)
     assert np.abs(g).max() < 1e-11
 
 

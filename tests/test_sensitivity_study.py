@@ -11,7 +11,7 @@ import pytest
 
 import equivbeam
 from coilspring import InputError, spring_a, spring_b
-from coilspring.contact.law import HISTORY
+from coilspring.contact.law import PAIR_HISTORY
 from coilspring.scene.wire import round_section
 from coilspring.solver.solve import Problem, follow_problem, output_times, scene_path
 from equivbeam import model as beam
@@ -114,7 +114,7 @@ def by_shifted_mesh(scene, height):
     rod = rod.holding(top, "uz", "rotx", "roty").loaded(top, force=(*scene.load.force, 0.0))
     data = wire.rod_model(rod, mesh.arm, place_spheres(scene, mesh, 40, 4))
     start, pairs = wire.rest_state(rod, mesh.arm), len(data.contact.pairs)
-    history = np.zeros((pairs, HISTORY))
+    history = np.zeros(pairs, PAIR_HISTORY)
     problem = Problem(data, wire.load_vector(rod), start, history, wire.matrix_size(data), modified=True)
     return scene_path(scene, WIRE, {}, _followed(scene, problem, WIRE_KERNELS), WireShape(scene, data, mesh))
 

@@ -7,24 +7,13 @@ from scipy.spatial.transform import Rotation
 from coilspring.contact import kinematics as pairvectors
 from coilspring.contact import law as pairlaw
 from coilspring.contact.kinematics import friction_bounds
-from coilspring.contact.law import (
-    BOUND,
-    HISTORY,
-    N0,
-    ON,
-    RISE,
-    WORK,
-    hold,
-    normal_law,
-    pair_friction,
-    pair_potential,
-    renewed,
-)
+from coilspring.contact.law import hold, normal_law, pair_friction, pair_potential, renewed
 from coilspring.contact.results import PairReader
+from pairrecords import held, pair_records
 from wirefe.contact import pair_matrix
 
 D, K = 1.5, 1.0e4
-FREE = np.zeros(HISTORY)
+FREE = pair_records()[0]
 ARMS = np.array([[0.3, -0.2, 0.7], [5.0, 0.4, -0.8]])  # of spheres on rigid ends
 
 
@@ -41,8 +30,7 @@ def pair(d, gap, k=1.0, history=FREE):
 
 
 def stuck(bound=np.inf, rise=0.0):
-    g0 = np.array([0.25, 1.42, -0.2])
-    return np.array([1.0, *g0, *g0 / np.linalg.norm(g0), bound, 0.0, 0.0, rise, 0.0])
+    return held(np.array([0.25, 1.42, -0.2]), bound, rise=rise)
 
 
 def test_force_by_hand():
@@ -87,16 +75,15 @@ def test_an_edited_law_is_that_of_kernels_of_readers_and_of_friction(monkeypatch
     assert H[1, 1] == pytest.approx(2.0 * K)
     np.testing.assert_allclose(f, [0.0, -1500.0, 0.0])
     np.testing.assert_allclose(Reader().pair_forces(None), [[1500.0, 0.0]])
-    history = np.array([stuck(bound=1.0)])
-    history[0, N0 : N0 + 3] = 0.0, 1.0, 0.0
+    history = pair_records(closed=True, normal=(0.0, 1.0, 0.0), bound=1.0)
     friction_bounds(g[None], history, 0.3, K, 1.0, D)
-    assert history[0, BOUND] == pytest.approx(0.3 * 1500.0 * (D - 0.1) / D)
+    assert history[0].bound == pytest.approx(0.3 * 1500.0 * (D - 0.1) / D)
 
 
 def test_sliding_potential_by_hand():
     """0.1 mm of slip along x holds back with 1000 N; what goes along n0 is not slip."""
     f, H = np.empty(3), np.empty((3, 3))
-    history = np.array([1.0, 0.0, 1.45, 0.0, 0.0, 1.0, 0.0, np.inf, 0.0, 0.0, 0.0, 0.0])
+    history = held(np.array([0.0, 1.45, 0.0]))
     energy = pair_potential(
         np.array([0.1, 1.6, 0.0]), np.hypot(0.1, 1.6), D, K, 1.0, history, np.empty(3), f, H
     )
@@ -137,15 +124,13 @@ def test_pair_sums_to_zero_force_and_moment(history):
     centre_to_centre = w
     moment = g[3:6] - np.cross(ARMS[0], g[:3]) + g[9:] - np.cross(ARMS[1], g[6:9])
     np.testing.assert_allclose(moment, 0.0, atol=1e-9)  # each node's moment is its arm x its force
-    if not history.any():
+    if not history.closed:
         np.testing.assert_allclose(np.cross(centre_to_centre, g[6:9]), 0.0, atol=1e-9)
 
 
 def sliding(bound=300.0, rise=0.0):
-    """Row of a pair that had its direction along y."""
-    row = np.zeros(HISTORY)
-    row[[ON, N0 + 1, BOUND, RISE]] = 1.0, 1.0, bound, rise
-    return row
+    """Record of a pair that had its direction along y."""
+    return held(np.array([0.0, D, 0.0]), bound, rise=rise)
 
 
 def tilted(angle, h):
@@ -166,8 +151,8 @@ def test_friction_by_hand():
     np.testing.assert_allclose(f, 300.0 * D / h * np.array([np.cos(angle), -np.sin(angle), 0.0]), atol=1e-9)
     assert H[2, 2] == pytest.approx(300.0 * D / h**2 / np.tan(angle))
     hold(g, h, D, K, row, e)
-    np.testing.assert_allclose(row[BOUND : WORK + 1], [300.0, 0.07, 21.0])
-    np.testing.assert_allclose(row[N0 : N0 + 3], tilted(angle - 0.03 / D, 1.0))
+    np.testing.assert_allclose([row.bound, row.slid, row.work], [300.0, 0.07, 21.0])
+    np.testing.assert_allclose(row.normal, tilted(angle - 0.03 / D, 1.0))
     np.testing.assert_allclose(pair_friction(g, row, D, K).force, f)
 
 
@@ -182,7 +167,7 @@ def test_rising_bound_by_hand():
     assert np.linalg.norm(f) == pytest.approx(force)
     assert pair_friction(g, row, D, K).slip == pytest.approx(slip)
     hold(g, D, D, K, row, e)
-    np.testing.assert_allclose(row[BOUND : WORK + 1], [force, slip, force * slip])
+    np.testing.assert_allclose([row.bound, row.slid, row.work], [force, slip, force * slip])
 
 
 @pytest.mark.parametrize("rise", [0.0, 0.1, -0.1])

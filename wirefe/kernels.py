@@ -8,7 +8,7 @@ import numpy as np
 
 from coilspring.compiling.compiled import arithmetic, clear, kernel, part
 from coilspring.contact.kinematics import OVERLAP_ALLOWED, approach, friction_bounds, remember
-from coilspring.contact.law import ON, pair_potential
+from coilspring.contact.law import pair_potential
 from coilspring.solver.interface import FIXED
 from wirefe.algebra import dot, plus
 from wirefe.beam import beams
@@ -98,7 +98,7 @@ def _add_pairs(contact, history, state, g, H):
     for m in range(contact.pairs.shape[0]):
         between, ra, rb = _between(contact, state, m)
         h2 = dot(between, between)
-        if h2 >= contact.d * contact.d and history[m, ON] == 0.0:
+        if h2 >= contact.d * contact.d and not history[m].closed:
             continue
         w[0], w[1], w[2] = between
         energy += pair_potential(w, math.sqrt(h2), contact.d, contact.kc, contact.k, history[m], e, f, Hg)

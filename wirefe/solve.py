@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from coilspring.contact.law import HISTORY
+from coilspring.contact.law import PAIR_HISTORY
 from coilspring.errors import EquilibriumNotFound, InputError, require_choice, require_integer, shown
 from coilspring.path import EquilibriumPath
 from coilspring.scene import Scene, require_scene
@@ -186,7 +186,7 @@ def _problem(data: model.WireModel, rod: Rod, arm: np.ndarray) -> Problem:
         data=data,
         load=model.load_vector(rod),
         start=model.rest_state(rod, arm),
-        history=np.zeros((len(data.contact.pairs), HISTORY)),
+        history=np.zeros(len(data.contact.pairs), PAIR_HISTORY),
         matrix_size=model.matrix_size(data),
         modified=True,
         top=model.top_place(rod),

@@ -128,7 +128,7 @@ def _run(problem: Problem, kernels: Kernels, points: int) -> tuple[Trace, float]
     began = time.process_time()
     found = interruptible(
         follow, *pack(problem.data), problem.prescribed, bundle, problem.load, points, problem.start,
-        problem.history, problem.matrix_size,
+        problem.history.copy(), problem.matrix_size,
     )  # fmt: skip
     return Trace(*found), time.process_time() - began
 

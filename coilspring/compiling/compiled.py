@@ -84,14 +84,6 @@ def copy(source, target):
 
 
 @part
-def copy_table(source, target):
-    """target[:] = source for tables."""
-    for i in range(source.shape[0]):
-        for j in range(source.shape[1]):
-            target[i, j] = source[i, j]
-
-
-@part
 def zeros(size):
     """Vector of zeros: one way to make a vector is compiled once, each of numpy's by itself."""
     out = np.empty(size)
@@ -104,12 +96,4 @@ def copied(source):
     """Copy of a vector."""
     out = zeros(source.size)
     copy(source, out)
-    return out
-
-
-@part
-def copied_table(source):
-    """Copy of a table."""
-    out = np.empty(source.shape)
-    copy_table(source, out)
     return out

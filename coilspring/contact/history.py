@@ -5,9 +5,15 @@ from __future__ import annotations
 import numpy as np
 
 from coilspring.compiling.compiled import part
-from coilspring.contact.law import BOUND, ON, RISE, SLIP
 
 LEAST_CHANGE = 0.1  # share of the change of a bound that is made
+
+
+@part
+def copy_history(source, target):
+    """target[:] = source for contact histories."""
+    for m in range(source.size):
+        target[m] = source[m]
 
 
 @part
@@ -20,7 +26,7 @@ def relax(held, history, left, factor):
     """
     along, square = 0.0, 0.0
     for m in range(history.shape[0]):
-        change = history[m, BOUND] - held[m, BOUND] if history[m, BOUND] != held[m, BOUND] else 0.0
+        change = history[m].bound - held[m].bound if history[m].bound != held[m].bound else 0.0
         along += left[m] * (change - left[m])
         square += (change - left[m]) * (change - left[m])
         left[m] = change
@@ -32,7 +38,7 @@ def relax(held, history, left, factor):
         factor = 1.0
     for m in range(history.shape[0]):
         if left[m] != 0.0:
-            history[m, BOUND] = held[m, BOUND] + factor * left[m]
+            history[m].bound = held[m].bound + factor * left[m]
     return factor
 
 
@@ -40,7 +46,7 @@ def relax(held, history, left, factor):
 def released(held, history):
     """Whether a pair that was held has opened: what held it is gone at once."""
     for m in range(history.shape[0]):  # noqa: SIM110
-        if held[m, ON] > 0.0 and history[m, ON] == 0.0:
+        if held[m].closed and not history[m].closed:
             return True
     return False
 
@@ -49,8 +55,8 @@ def released(held, history):
 def has_history(history):
     """Whether contact remembers anything of any pair."""
     for m in range(history.shape[0]):
-        for i in range(history.shape[1]):
-            if history[m, i] != 0.0:
+        for i in range(3):
+            if history[m].normal[i] != 0.0:  # stays when the pair opens
                 return True
     return False
 
@@ -59,7 +65,7 @@ def has_history(history):
 def has_friction(history):
     """Whether a pair is held by friction that is bounded."""
     for m in range(history.shape[0]):  # noqa: SIM110
-        if history[m, ON] > 0.0 and history[m, BOUND] < np.inf:
+        if history[m].closed and history[m].bound < np.inf:
             return True
     return False
 
@@ -68,7 +74,7 @@ def has_friction(history):
 def slides(history):
     """Whether a pair slides in the substep at hand."""
     for m in range(history.shape[0]):  # noqa: SIM110
-        if history[m, ON] > 0.0 and history[m, SLIP] > 0.0:
+        if history[m].closed and history[m].slip > 0.0:
             return True
     return False
 
@@ -77,4 +83,4 @@ def slides(history):
 def set_rise(history, rise):
     """Let the bounds of the pairs that are held rise so with their slips."""
     for m in range(history.shape[0]):
-        history[m, RISE] = rise if history[m, ON] > 0.0 else 0.0
+        history[m].rise = rise if history[m].closed else 0.0

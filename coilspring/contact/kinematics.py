@@ -7,7 +7,7 @@ import math
 import numpy as np
 
 from coilspring.compiling.compiled import part
-from coilspring.contact.law import ON, hold, normal_law, renewed
+from coilspring.contact.law import hold, normal_law, renewed
 
 SLIGHT = 1e-7  # wire diameters of penetration: its force is the least that friction bounds are compared with
 TOUCH = 0.003  # wire diameters by which a pair may penetrate where a prediction closes it
@@ -59,7 +59,7 @@ def remember(vectors, history, mu, K, d):
         if h < d:
             hold(vectors[m], h, d, K, history[m], e)
         else:
-            history[m, ON] = 0.0
+            history[m].closed = False
     return least
 
 
@@ -68,7 +68,7 @@ def friction_bounds(vectors, history, mu, K, k, d):
     """Renew the bounds of the tangential forces; returns the largest change over the largest bound."""
     change, most, e = 0.0, mu * normal_law(SLIGHT * d, K, k)[1], np.empty(3)
     for m in range(vectors.shape[0]):
-        if history[m, ON] == 0.0:
+        if not history[m].closed:
             continue
         h, bound = _distance(vectors, m), mu
         if bound < np.inf:

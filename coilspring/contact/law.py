@@ -21,11 +21,20 @@ import numpy as np
 from coilspring.compiling.compiled import clear, clear_table, part
 from coilspring.path import Friction
 
-# A pair's row of the contact history: whether it is held, g0 (3), n0 (3), the bound of its tangential
-# force before it slides in the substep at hand, the length it has slid, the work that friction has
-# taken; the rise r, and what it slides in this substep, negative where it sticks.
-ON, G0, N0, BOUND, SLID, WORK, RISE, SLIP = 0, 1, 4, 7, 8, 9, 10, 11
-HISTORY = 12
+# What contact remembers of a pair.
+PAIR_HISTORY = np.dtype(
+    [
+        ("closed", "?"),  # the pair is held
+        ("vector", "f8", 3),  # g0, mm
+        ("normal", "f8", 3),  # n0
+        ("bound", "f8"),  # of its tangential force before it slides in the substep at hand, N
+        ("slid", "f8"),  # length it has slid, mm
+        ("work", "f8"),  # that friction has taken, N mm
+        ("rise", "f8"),  # r, 1/mm
+        ("slip", "f8"),  # what it slides in this substep, negative where it sticks, mm
+    ],
+    align=True,
+)
 # Share of a bound that is left when it falls with the slip: less is out of reach, since the rise is at least
 # -1/d and a pair moves by no more than half of d in a substep.
 LEAST_LEFT = 0.5
@@ -46,9 +55,9 @@ def stretch(g, row, e):
     """Tangential vector e = (I - n0 n0^T)(g - g0) of a held pair; returns its length."""
     along, square = 0.0, 0.0
     for i in range(3):
-        along += row[N0 + i] * (g[i] - row[G0 + i])
+        along += row.normal[i] * (g[i] - row.vector[i])
     for i in range(3):
-        e[i] = g[i] - row[G0 + i] - along * row[N0 + i]
+        e[i] = g[i] - row.vector[i] - along * row.normal[i]
         square += e[i] * e[i]
     return math.sqrt(square)
 
@@ -58,7 +67,7 @@ def arc(g, h, row, t):
     """Angle from n0 to the direction of g; `t` is the unit vector along which it grows, or zero."""
     square = 0.0
     for i in range(3):
-        t[i] = g[i] / h - row[N0 + i]
+        t[i] = g[i] / h - row.normal[i]
         square += t[i] * t[i]
     sine = math.sqrt(max(square * (1.0 - 0.25 * square), 0.0))
     for i in range(3):
@@ -72,33 +81,34 @@ def hold(g, h, d, K, row, t):
 
     A new pair is remembered as it is. One that slid keeps the stretch that its bound allows.
     """
-    if row[ON] == 0.0:
+    if not row.closed:
         for i in range(3):
-            row[G0 + i] = g[i]
-            row[N0 + i] = g[i] / h
-        row[ON], row[BOUND], row[SLID], row[WORK], row[RISE] = 1.0, math.inf, 0.0, 0.0, 0.0
+            row.vector[i] = g[i]
+            row.normal[i] = g[i] / h
+        row.closed, row.bound = True, math.inf
+        row.slid, row.work, row.rise = 0.0, 0.0, 0.0
         return
-    if row[BOUND] == math.inf:
+    if row.bound == math.inf:
         return
-    slip = (K * d * arc(g, h, row, t) - row[BOUND]) / (K + row[BOUND] * row[RISE])
+    slip = (K * d * arc(g, h, row, t) - row.bound) / (K + row.bound * row.rise)
     if slip <= 0.0:
         return
-    row[BOUND] *= 1.0 + row[RISE] * slip
-    row[SLID] += slip
-    row[WORK] += row[BOUND] * slip
-    left = row[BOUND] / (K * d)
+    row.bound *= 1.0 + row.rise * slip
+    row.slid += slip
+    row.work += row.bound * slip
+    left = row.bound / (K * d)
     for i in range(3):
-        row[N0 + i] = math.cos(left) * g[i] / h - math.sin(left) * t[i]
+        row.normal[i] = math.cos(left) * g[i] / h - math.sin(left) * t[i]
 
 
 @part
 def renewed(g, h, d, bound, K, row, t):
     """Set the bound of a held pair so that it is `bound` at the pair's present slip; returns its change."""
     if bound < math.inf:
-        row[SLIP] = d * arc(g, h, row, t) - bound / K
-        bound /= max(1.0 + row[RISE] * max(row[SLIP], 0.0), LEAST_LEFT)
-    change = abs(bound - row[BOUND]) if bound != row[BOUND] else 0.0
-    row[BOUND] = bound
+        row.slip = d * arc(g, h, row, t) - bound / K
+        bound /= max(1.0 + row.rise * max(row.slip, 0.0), LEAST_LEFT)
+    change = abs(bound - row.bound) if bound != row.bound else 0.0
+    row.bound = bound
     return change
 
 
@@ -110,7 +120,7 @@ def _add_stuck(g, K, row, e, f, H):
         f[i] += K * e[i]
         H[i, i] += K
         for j in range(3):
-            H[i, j] -= K * row[N0 + i] * row[N0 + j]
+            H[i, j] -= K * row.normal[i] * row.normal[j]
     return 0.5 * K * length**2
 
 
@@ -120,12 +130,12 @@ def _add_friction(g, h, d, K, row, t, f, H):
     angle = arc(g, h, row, t)
     force, slope, energy = K * d * angle, K, 0.5 * K * (d * angle) ** 2
     across = K * d  # force over the tangent of the angle
-    if force > row[BOUND]:
-        rise = row[BOUND] * row[RISE]
-        slip = (force - row[BOUND]) / (K + rise)
-        force = row[BOUND] + rise * slip
+    if force > row.bound:
+        rise = row.bound * row.rise
+        slip = (force - row.bound) / (K + rise)
+        force = row.bound + rise * slip
         slope = K * rise / (K + rise)
-        energy = 0.5 * force**2 / K + (row[BOUND] + 0.5 * rise * slip) * slip
+        energy = 0.5 * force**2 / K + (row.bound + 0.5 * rise * slip) * slip
         across = force / math.tan(angle)
     elif angle > 0.0:
         across *= angle / math.tan(angle)
@@ -145,7 +155,7 @@ def _add_friction(g, h, d, K, row, t, f, H):
 def pair_potential(g, h, d, K, k, row, e, f, H):
     """Energy of a pair as a function of g; fills its gradient f (3,) and Hessian H (3, 3).
 
-    `row` is the pair's row of the contact history; `e` is scratch (3,).
+    `row` is the pair's record of the contact history; `e` is scratch (3,).
     """
     energy = 0.0
     clear(f)
@@ -159,8 +169,8 @@ def pair_potential(g, h, d, K, k, row, e, f, H):
             H[i, i] = -turn
             for j in range(3):
                 H[i, j] += (slope + turn) * ni * g[j] / h
-    if row[ON] > 0.0:
-        if row[BOUND] == math.inf:
+    if row.closed:
+        if row.bound == math.inf:
             energy += _add_stuck(g, K, row, e, f, H)
         else:
             energy += _add_friction(g, h, d, K, row, e, f, H)
@@ -178,10 +188,10 @@ def normal_forces(penetrations: np.ndarray, K: float, k: float) -> np.ndarray:
 
 def pair_friction(vectors: np.ndarray, histories: np.ndarray, d: float, K: float) -> Friction:
     """Tangential forces, slips and frictional work of pairs, from their g (..., pairs, 3) and histories."""
-    held = histories[..., ON] > 0.0
-    bounded = np.isfinite(histories[..., BOUND])
-    normal = histories[..., N0 : N0 + 3]
-    g = vectors - histories[..., G0 : G0 + 3]
+    held = histories["closed"]
+    bounded = np.isfinite(histories["bound"])
+    normal = histories["normal"]
+    g = vectors - histories["vector"]
     stuck = g - (g * normal).sum(axis=-1, keepdims=True) * normal
     h = np.linalg.norm(vectors, axis=-1)
     n = vectors / h[..., None]
@@ -189,14 +199,14 @@ def pair_friction(vectors: np.ndarray, histories: np.ndarray, d: float, K: float
     square = (chord**2).sum(axis=-1)
     length = 2.0 * d * np.arcsin(np.minimum(0.5 * np.sqrt(square), 1.0))
     along = chord - 0.5 * square[..., None] * n
-    bound = np.where(held & bounded, histories[..., BOUND], 0.0)
-    rise = bound * histories[..., RISE]
+    bound = np.where(held & bounded, histories["bound"], 0.0)
+    rise = bound * histories["rise"]
     slip = np.maximum(K * length - bound, 0.0) / (K + rise) * (held & bounded)
     force = np.minimum(K * length, bound + rise * slip)
     size = np.sqrt(square * (1.0 - 0.25 * square))
     share = np.divide(force * d / h, size, out=np.zeros_like(force), where=size > 0.0)
     return Friction(
         force=np.where(bounded[..., None], share[..., None] * along, K * stuck) * held[..., None],
-        slip=histories[..., SLID] * held + slip,
-        work=histories[..., WORK] * held + force * slip,
+        slip=histories["slid"] * held + slip,
+        work=histories["work"] * held + force * slip,
     )

@@ -18,8 +18,10 @@ from typing import Any, NamedTuple
 import numpy as np
 from numba import types
 
-from coilspring.compiling.compiled import copied, copied_table, copy, part, signed, zeros
+from coilspring.compiling.compiled import copied, copy, part, signed, zeros
+from coilspring.contact.law import PAIR_HISTORY
 from coilspring.solver.branch import PAIR_MOTION, displacement_bound
+from coilspring.solver.interface import record_type
 from coilspring.solver.linesearch import dot
 from coilspring.solver.system import assembled, factored, moved, solution, system_of, system_types
 
@@ -112,7 +114,8 @@ def direction(v, negative, scale, along, pitch, new):
 def trace(reals, ints, prescribed, kernels, load, points, start, history, size, stop):
     """Trace at most `points` points of the path from rest, or to time 1.
 
-    `size` is the length of the matrix, `stop` as in `coilspring.solver.follower.follow`.
+    `history` is overwritten. `size` is the length of the matrix, `stop` as in
+    `coilspring.solver.follower.follow`.
     """
     system = system_of(reals, ints, prescribed, kernels)
     times, states = np.empty(points), np.empty((points, start.size))
@@ -124,13 +127,7 @@ def trace(reals, ints, prescribed, kernels, load, points, start, history, size, 
         zeros(load.size),
         zeros(load.size),
     )
-    state, trial, scratch, history, H = (
-        copied(start),
-        copied(start),
-        copied(start),
-        copied_table(history),
-        zeros(size),
-    )
+    state, trial, scratch, H = copied(start), copied(start), copied(start), zeros(size)
     least_gap = system.update_history(reals, ints, state, history)
     _, pairs = assembled(system, state, least_gap, history, state, g, H)
     factored(system, H)
@@ -169,6 +166,6 @@ def trace(reals, ints, prescribed, kernels, load, points, start, history, size, 
 @lru_cache(maxsize=1)
 def compiled_trace() -> Callable:
     """`trace`, compiled; read from the cache where stored."""
-    vector, table = types.float64[::1], types.float64[:, ::1]
-    data = (*system_types(), vector, types.int64, vector, table, types.int64)
+    vector = types.float64[::1]
+    data = (*system_types(), vector, types.int64, vector, record_type(PAIR_HISTORY), types.int64)
     return signed(trace, *data, types.int64[::1])

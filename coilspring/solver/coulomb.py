@@ -10,7 +10,6 @@ from __future__ import annotations
 
 import numpy as np
 
-from coilspring.contact.law import BOUND, ON, RISE
 from coilspring.solver.stability import Body
 
 NUDGE = 1e-6  # of a bound, with which differences are taken
@@ -64,25 +63,25 @@ def coulomb(
     Pairs at their bounds slide on.
     """
     history = history.copy()
-    history[:, RISE] = 0.0
+    history["rise"] = 0.0
     body.kernels.update_bounds(*body.data, state, history)
-    held = np.flatnonzero((history[:, ON] > 0.0) & (history[:, BOUND] > 0.0))
-    history[held, BOUND] *= 1.0 - SLACK
+    held = np.flatnonzero(history["closed"] & (history["bound"] > 0.0))
+    history["bound"][held] *= 1.0 - SLACK
 
     def bounds(step: np.ndarray) -> np.ndarray:
         size = MOVE * diameter / max(float(np.abs(step).max()), 1e-300)
         ends = history.copy(), history.copy()
         for end, factor in zip(ends, (size, -size), strict=True):
             body.kernels.update_bounds(*body.data, body.moved(state, step, factor), end)
-        return (ends[0] - ends[1])[:, BOUND] / (2.0 * size)
+        return (ends[0]["bound"] - ends[1]["bound"]) / (2.0 * size)
 
     H, negative = body.factored(state, history)
     rate, here = body.solved(H, load), body.gradient(state, history)
     pairs, columns = [], []
     for m in held:
         lower = history.copy()
-        lower[m, BOUND] *= 1.0 - NUDGE
-        force = (here - body.gradient(state, lower)) / (history[m, BOUND] - lower[m, BOUND])
+        lower["bound"][m] *= 1.0 - NUDGE
+        force = (here - body.gradient(state, lower)) / (history["bound"][m] - lower["bound"][m])
         if np.abs(force).max() > SLIDES:
             pairs.append(m)
             columns.append(body.solved(H, force))

@@ -14,8 +14,16 @@ from functools import lru_cache
 import numpy as np
 from numba import types
 
-from coilspring.compiling.compiled import copy, copy_table, part, signed
-from coilspring.contact.history import has_friction, has_history, relax, released, set_rise, slides
+from coilspring.compiling.compiled import copy, part, signed
+from coilspring.contact.history import (
+    copy_history,
+    has_friction,
+    has_history,
+    relax,
+    released,
+    set_rise,
+    slides,
+)
 from coilspring.contact.kinematics import OVERLAP_ALLOWED, TOUCH
 from coilspring.solver.branch import TURN, continues, curvature, displacement_bound, jumped, predict
 from coilspring.solver.frictiontangent import rise_of_bounds
@@ -248,7 +256,7 @@ def find_equilibrium(system, equilibrium, task, work, path, substep, it):
         if substep.status == LINEAR and substep.rounds > 0:
             substep.status = CONVERGED
         substep.rounds += 1
-        copy_table(work.history, work.trial_history)  # with the bounds that this state was found with
+        copy_history(work.history, work.trial_history)  # with the bounds that this state was found with
         if substep.status > LINEAR:
             break
         if system.update_bounds(system.reals, system.ints, work.trial, work.history) <= BOUND_CHANGE:
@@ -293,7 +301,7 @@ def keeps_branch(system, task, work, path, substep, watch):
 def hides_instability(system, work, path):
     """Whether the first pair closes, and the open spring has become unstable before: contact may hide it."""
     closes = system.update_history(system.reals, system.ints, work.trial, work.history) <= 0.0
-    copy_table(work.trial_history, work.history)
+    copy_history(work.trial_history, work.history)
     if not closes:
         return False
     assembled(system, work.state, np.inf, work.history, work.trial, work.g, work.H)
@@ -396,11 +404,11 @@ def knows_pairs(system, work, path, substep):
 
     Else the path stays where it was, to find the state again with the pair that was missing.
     """
-    copy_table(work.trial_history, work.history)
+    copy_history(work.trial_history, work.history)
     substep.least_gap = system.update_history(system.reals, system.ints, work.trial, work.history)
     if substep.least_gap > -np.inf:
         return True
-    copy_table(work.trial_history, work.history)
+    copy_history(work.trial_history, work.history)
     path.outcome = NEW_PAIR
     return False
 
@@ -428,7 +436,7 @@ def accept(work, path, substep, room):
         path.next_step = max(path.next_step, substep.duration * growth)
     if substep.landing:
         copy(work.state, work.states[path.row])
-        copy_table(work.trial_history, work.histories[path.row])
+        copy_history(work.trial_history, work.histories[path.row])
         work.iterations[path.row] = path.spent
         path.spent = 0
         path.row += 1

@@ -10,8 +10,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from coilspring.compiling.compiled import copy_table, part
-from coilspring.contact.law import BOUND, ON, RISE, SLIP
+from coilspring.compiling.compiled import part
+from coilspring.contact.history import copy_history
 from coilspring.solver.linesearch import subtract
 from coilspring.solver.system import assembled, moved, solution
 
@@ -29,17 +29,17 @@ def rise_of_bounds(system, task, work):
     `work.predicted` and the tables `low` and `high` are overwritten.
     """
     state, step, there, near, far = work.trial, work.step, work.predicted, work.low, work.high
-    copy_table(work.trial_history, far)
+    copy_history(work.trial_history, far)
     for m in range(far.shape[0]):
-        far[m, BOUND] *= 1.0 - LESS
+        far[m].bound *= 1.0 - LESS
     assembled(system, state, 0.0, far, state, step, work.F[:0])
     subtract(step, work.g)
     solution(system, work.F, work.g, 1.0, step)
     moved(system, state, step, 1.0, there)
     distance, _, _ = system.displacement_bound(system.reals, system.ints, state, there, np.inf)
     small = NEARBY * task.diameter / distance if distance > 0.0 else 0.0
-    copy_table(work.trial_history, far)
-    copy_table(work.trial_history, near)
+    copy_history(work.trial_history, far)
+    copy_history(work.trial_history, near)
     moved(system, state, step, small, there)
     system.update_bounds(system.reals, system.ints, there, far)
     moved(system, state, step, -small, there)
@@ -53,10 +53,10 @@ def _rise(near, far):
     """From the histories renewed on both sides of the state, of which the second slid farther."""
     work, whole = 0.0, 0.0
     for m in range(near.shape[0]):
-        if near[m, ON] > 0.0 and far[m, SLIP] > abs(near[m, SLIP]):
-            slip = far[m, SLIP] - near[m, SLIP]
-            first = near[m, BOUND] * (1.0 + near[m, RISE] * max(near[m, SLIP], 0.0))
-            last = far[m, BOUND] * (1.0 + far[m, RISE] * max(far[m, SLIP], 0.0))
+        if near[m].closed and far[m].slip > abs(near[m].slip):
+            slip = far[m].slip - near[m].slip
+            first = near[m].bound * (1.0 + near[m].rise * max(near[m].slip, 0.0))
+            last = far[m].bound * (1.0 + far[m].rise * max(far[m].slip, 0.0))
             work += (last - first) * slip
             whole += 0.5 * (first + last) * slip * slip
     return work / whole if whole > 0.0 else 0.0

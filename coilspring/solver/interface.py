@@ -7,7 +7,7 @@ the solver takes as typed first-class functions, so that it is compiled once for
     Strain and contact energy, its gradient `g` and its matrix `H` (model's own storage, flat; left
     out where it is empty) at `state`. `accepted` is the last accepted state, `least_gap`
     the least gap of its contact pairs: while nothing has moved by half of it, no pair can touch.
-    `history` holds what contact remembers.
+    `history` holds what contact remembers: a `coilspring.contact.law.PAIR_HISTORY` of every pair.
 ``factor(reals, ints, F) -> (negative pivots, least pivot)``
     LDL^T of `F` in place. By Sylvester's law the negative pivots count the negative eigenvalues.
 ``solve(reals, ints, F, b)``
@@ -40,7 +40,10 @@ from __future__ import annotations
 
 from typing import Any, NamedTuple
 
-from numba import types
+import numpy as np
+from numba import from_dtype, types
+
+from coilspring.contact.law import PAIR_HISTORY
 
 # Entry of a fixed degree of freedom on the diagonal of a matrix, N/mm or N mm. No mode has any part along it,
 # and no pivot is taken for it; with 1 the softest mode of a stiff spring was that of its fixed end.
@@ -62,20 +65,25 @@ class Kernels(NamedTuple):
     overlap: Any
 
 
+def record_type(dtype: np.dtype, axes: int = 1) -> Any:
+    """numba's type of an array of records."""
+    return types.Array(from_dtype(dtype), axes, "C")
+
+
 def _signatures() -> Kernels:
-    vector, numbers, table = types.float64[::1], types.int64[::1], types.float64[:, ::1]
+    vector, numbers, history = types.float64[::1], types.int64[::1], record_type(PAIR_HISTORY)
     real, whole = types.float64, types.int64
     data = (vector, numbers)
     return Kernels(
-        assemble=types.Tuple((real, whole))(*data, vector, real, table, vector, vector, vector),
+        assemble=types.Tuple((real, whole))(*data, vector, real, history, vector, vector, vector),
         factor=types.Tuple((whole, real))(*data, vector),
         solve=types.void(*data, vector, vector),
         retract=types.void(*data, vector, vector, real, vector, real, vector),
         work=real(*data, vector, vector, vector),
         rotate=types.void(*data, vector, vector, vector),
         displacement_bound=types.UniTuple(real, 3)(*data, vector, vector, real),
-        update_history=real(*data, vector, table),
-        update_bounds=real(*data, vector, table),
+        update_history=real(*data, vector, history),
+        update_bounds=real(*data, vector, history),
         overlap=types.UniTuple(real, 2)(*data, vector),
     )
 

@@ -12,6 +12,7 @@ import numpy as np
 from coilspring.compiling.packing import pack
 from coilspring.contact.history import has_friction
 from coilspring.contact.kinematics import OVERLAP_ALLOWED
+from coilspring.contact.law import PAIR_HISTORY
 from coilspring.errors import EquilibriumNotFound
 from coilspring.path import EquilibriumPath, Shape
 from coilspring.scene import Scene
@@ -64,7 +65,7 @@ class Problem:
     data : the model's arrays (NamedTuple).
     load : (n,) load vector at time 1 in the model's free degrees of freedom.
     start : state at rest.
-    history : (pairs, m) contact history at rest.
+    history : (pairs,) contact history at rest.
     matrix_size : length of the model's matrix in its own storage.
     modified : the matrix is costly: see `coilspring.solver.system.Task`.
     top : where the top reference point is in the state; for loads of several stages.
@@ -90,7 +91,7 @@ class Track:
     """What was followed, as the solver left it."""
 
     states: np.ndarray  # (reached, state size), at the requested times
-    histories: np.ndarray  # (reached, pairs, m) contact history with which they were found
+    histories: np.ndarray  # (reached, pairs) contact history with which they were found
     iterations: np.ndarray  # (reached,), factorisations since the previous row
     rest: int  # factorisations spent after the last row
     outcome: int
@@ -135,7 +136,7 @@ class Walk:
         arrays |= {name: problem.history.copy() for name in ("history", "trial_history", "low", "high")}
         arrays |= {"change": np.zeros(len(problem.history)), "states": np.empty((rows, state))}
         arrays |= {
-            "histories": np.zeros((rows, *problem.history.shape)),
+            "histories": np.zeros((rows, len(problem.history)), PAIR_HISTORY),
             "iterations": np.zeros(rows, np.int64),
         }
         self.work = Workspace(**arrays)
@@ -146,8 +147,7 @@ class Walk:
         """Make room for the pairs that a problem has beyond those so far, and for its matrix."""
         more = len(problem.history) - len(self.work.history)
         tables = ("history", "trial_history", "low", "high")
-        padded = {name: np.pad(getattr(self.work, name), ((0, more), (0, 0))) for name in tables}
-        padded["histories"] = np.pad(self.work.histories, ((0, 0), (0, more), (0, 0)))
+        padded = {name: _with_pairs(getattr(self.work, name), more) for name in (*tables, "histories")}
         padded["change"] = np.zeros(len(problem.history))
         padded |= {name: np.zeros(problem.matrix_size) for name in ("H", "F", "rest")}
         self.work = self.work._replace(**padded)
@@ -201,7 +201,7 @@ def follow_problem(
         if new == 0:
             walk.path[0]["outcome"] = STUCK
             break
-        history = np.pad(problem.history, ((0, new), (0, 0)))
+        history = _with_pairs(problem.history, new)
         problem = replace(
             problem, data=more.data, history=history, matrix_size=more.matrix_size, extended=more.extended
         )
@@ -221,7 +221,8 @@ def _judged(
         return track, np.zeros_like(load), 0.0
     body = Body(kernels, pack(problem.data), load.size, problem.matrix_size, prescribed)
     share, mode = softest(body, track.last, track.history, problem.start)
-    end, friction = (body, track.last, track.history, load, length), has_friction(track.history)
+    end = (body, track.last, track.history, load, length)
+    friction = has_friction(track.history.view(np.recarray))
     left = time_left(*end) if friction and track.outcome != OPENED else np.inf
     if left <= LEFT:
         track = replace(track, outcome=CRITICAL, bracket=max(track.bracket, 2.0 * left))
@@ -273,11 +274,16 @@ def _on_top(problem: Problem, force: np.ndarray) -> np.ndarray:
     return load
 
 
+def _with_pairs(histories: np.ndarray, more: int) -> np.ndarray:
+    """Contact histories with further pairs, which have never closed."""
+    return np.concatenate((histories, np.zeros((*histories.shape[:-1], more), PAIR_HISTORY)), axis=-1)
+
+
 def _joined(runs: list[Run], count: int) -> Run:
     """Run through the first of `count` stages, each of which took the times 0..1."""
     tracks = [run.track for run in runs]
     last, pairs = tracks[-1], tracks[-1].history.shape[0]
-    padded = [np.pad(t.histories, ((0, 0), (0, pairs - t.histories.shape[1]), (0, 0))) for t in tracks]
+    padded = [_with_pairs(track.histories, pairs - track.histories.shape[1]) for track in tracks]
     track = replace(
         last,
         states=np.concatenate([track.states for track in tracks]),

@@ -13,7 +13,8 @@ from numba import from_dtype, types
 from numba.experimental import structref
 
 from coilspring.compiling.compiled import part, signed, zeros
-from coilspring.solver.interface import SIGNATURES, Kernels
+from coilspring.contact.law import PAIR_HISTORY
+from coilspring.solver.interface import SIGNATURES, Kernels, record_type
 
 # Entries of what is prescribed: its place in the state, in the gradient, on the diagonal of the matrix, the
 # stiffness that fixes it there, and its change by time 1.
@@ -93,14 +94,14 @@ class Workspace(NamedTuple):
     H: np.ndarray  # matrix
     F: np.ndarray  # its factor, the last one
     rest: np.ndarray  # matrix at the start
-    history: np.ndarray  # contact history, (pairs, m): at the last accepted state, bounds of the trial
+    history: np.ndarray  # (pairs,) contact history: at the last accepted state, bounds of the trial
     trial_history: np.ndarray  # that with which the trial state was found
     low: np.ndarray  # two more tables, for differences
     high: np.ndarray
     change: np.ndarray  # (pairs,) last change of the bounds
     decrements: np.ndarray  # the last Newton decrements over the reference work
     states: np.ndarray  # (steps, state size), at the requested times
-    histories: np.ndarray  # (steps, pairs, m) contact history with which they were found
+    histories: np.ndarray  # (steps, pairs) contact history with which they were found
     iterations: np.ndarray  # (steps,) factorisations since the previous row
 
 
@@ -251,11 +252,11 @@ def _kernel_types() -> tuple[Any, ...]:
 
 def equilibrium_signature() -> Any:
     """numba's signature of `coilspring.solver.newton.equilibrium`."""
-    vector, table, real = types.float64[::1], types.float64[:, ::1], types.float64
+    vector, history, real = types.float64[::1], record_type(PAIR_HISTORY), types.float64
     data = (vector, types.int64[::1], vector, vector)
     system = _Fields(tuple(zip(System._fields, (*data, *_kernel_types()), strict=True)))
     work = _Fields(tuple(zip(Workspace._fields, workspace_type().types, strict=True)))
-    fields = (vector, real, table, vector, *(real,) * 4, types.int64, types.boolean, real)
+    fields = (vector, real, history, vector, *(real,) * 4, types.int64, types.boolean, real)
     target = types.NamedTuple(fields, Target)
     return types.int64(system, target, work, vector, from_dtype(NEWTON))
 
@@ -278,14 +279,9 @@ def task_type() -> Any:
 def workspace_type() -> Any:
     """numba's type of `Workspace`."""
     vector, table = types.float64[::1], types.float64[:, ::1]
-    stacked = {"histories": types.float64[:, :, ::1], "iterations": types.int64[::1]}
-    tables = dict.fromkeys(("history", "trial_history", "low", "high", "states"), table)
-    return types.NamedTuple([(stacked | tables).get(name, vector) for name in Workspace._fields], Workspace)
-
-
-def record_type(dtype: np.dtype) -> Any:
-    """numba's type of a vector of records."""
-    return types.Array(from_dtype(dtype), 1, "C")
+    others = {"histories": record_type(PAIR_HISTORY, 2), "states": table, "iterations": types.int64[::1]}
+    others |= dict.fromkeys(("history", "trial_history", "low", "high"), record_type(PAIR_HISTORY))
+    return types.NamedTuple([others.get(name, vector) for name in Workspace._fields], Workspace)
 
 
 @part

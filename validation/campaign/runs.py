@@ -7,7 +7,6 @@ from collections.abc import Sequence
 import numpy as np
 
 from coilspring import EquilibriumPath
-from coilspring.contact.law import ON
 from validation.campaign.scenes import Case
 from validation.campaign.verdict import CONFIRMED, CRITICAL, Verdict, ended, fine_steps, reached, under
 
@@ -82,7 +81,7 @@ def remembered(
 def _touched(path: EquilibriumPath) -> bool:
     """Whether a pair is remembered or touches at a stored time."""
     assert path.histories is not None
-    return bool((path.histories[:, :, ON] > 0.0).any() or path.active_contacts.any())
+    return bool(path.histories["closed"].any() or path.active_contacts.any())
 
 
 def verify_branch(

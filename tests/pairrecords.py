@@ -1,0 +1,19 @@
+"""Records of the contact history for parts of kernels that are called as plain Python."""
+
+import numpy as np
+
+from coilspring.contact.law import PAIR_HISTORY
+
+
+def pair_records(count=1, **values):
+    """Equal records, with the values given and zeros; their fields are attributes, as in compiled code."""
+    records = np.zeros(count, PAIR_HISTORY)
+    for name, value in values.items():
+        records[name] = value
+    return records.view(np.recarray)
+
+
+def held(vector, bound=np.inf, **values):
+    """Record of a pair that closed with a vector between its centres."""
+    normal = vector / np.linalg.norm(vector)
+    return pair_records(closed=True, vector=vector, normal=normal, bound=bound, **values)[0]
