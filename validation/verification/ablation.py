@@ -30,7 +30,7 @@ HEAD = (
 )
 CASES_TEXT = (
     "Largest error of the load curve in per cent of the peak, worst component, 50 steps. Reference: wire "
-    "model, 16 curved elements and 4 sphere pairs a turn. Both models have the scene's rule of sliding."
+    "model, 16 curved elements and 4 sphere pairs per turn. Both models have the scene's rule of sliding."
 )
 
 
@@ -104,7 +104,7 @@ def _small(cases: Cases) -> str:
 
 def _pairs(cases: Cases) -> str:
     moved = abs(cases.value("refinements", PAPER, A4) - cases.law(A4))
-    pairs = cases.value("reference with", "twice the pairs a turn", A4)
+    pairs = cases.value("reference with", "twice the pairs per turn", A4)
     side = "less" if moved < pairs else "more"
     return (
         f"On Spring A in contact the refinements together move the error by {moved:.3f} %: {side} than "

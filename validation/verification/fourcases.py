@@ -97,10 +97,10 @@ def case_numbers(scene: Scene) -> Iterator[tuple[str, str, float]]:
         yield "law", f"helix law, start phase {degrees} degrees", phase_error(scene, degrees)
     pairs = reference.options["pairs_per_turn"]
     coarse = partial_path(wirefe.solve, scene, element="curved", elements_per_turn=8, pairs_per_turn=pairs)
-    yield "reference with", "8 elements a turn", error(coarse, reference)
+    yield "reference with", "8 elements per turn", error(coarse, reference)
     if scene.contact.enabled:
         more = partial_path(wirefe.solve, scene, **CONVERGED, pairs_per_turn=2 * pairs)  # type: ignore[operator]
-        yield "reference with", "twice the pairs a turn", error(more, reference)
+        yield "reference with", "twice the pairs per turn", error(more, reference)
     if scene.contact.enabled and scene.contact.sliding == "none":
         yield "outside", "normal forces", outside_share(reference)
 
