@@ -71,8 +71,8 @@ accepted substeps only.
 - Without friction, no negative pivot means a stable equilibrium.
 - With no sliding the pivots are those of the incremental energy at a frozen contact history.
 - With friction the slope of the bounds is that with which the normal forces answer to the sliding, on average
-  over the pairs ([theory.md](theory.md)). So paths go on to the limit points of Coulomb's law, where coils slip
-  off each other. Flutter, and instabilities of Coulomb's law in some directions only, are not excluded.
+  over the pairs ([theory.md](theory.md)). So paths go on to the limit points of Coulomb's law, where coils
+  slip off each other. Flutter, and instabilities of Coulomb's law in some directions only, are not excluded.
 - The answer depends on the sequence of loads, and on the substeps by as much as the table says.
 - `wirefe.trace` rejects friction: its arc is not a history of loads.
 """

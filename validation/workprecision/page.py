@@ -118,8 +118,8 @@ def _method(rows: pd.DataFrame) -> list[Block]:
     return [
         Text(
             f"Reference: curved wire elements, {2 * halved.elements_per_turn} per turn, {halved.steps} "
-            "steps. Its own error is the change to half its mesh plus that to half its steps: the floor of the "
-            "figures. Curve error: largest difference at the same load over the reference's peak, worst "
+            "steps. Its own error is the change to half its mesh plus that to half its steps: the floor of "
+            "the figures. Curve error: largest difference at the same load over the reference's peak, worst "
             "component, at the points that a run has. Shape error: largest distance of the centres of the "
             "contact circles at full load. Only equilibria count: a run that does not reach full load is on "
             "neither front. The equivalent beam's error is that of its model, the wire model's that of "
