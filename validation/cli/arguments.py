@@ -157,7 +157,7 @@ def _add_workprecision(commands: argparse._SubParsersAction) -> None:
 
 
 def _add_sensitivity(commands: argparse._SubParsersAction) -> None:
-    purpose = "how far what the paper leaves open moves the curves of both models"
+    purpose = "effect of what the paper leaves open on the curves of both models"
     command = _command(commands, "sensitivity", purpose, "coilcheck sensitivity --only spring-a,spring-b")
     _add_only(command, tuple(CATALOGUE))
 

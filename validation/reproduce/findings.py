@@ -29,7 +29,7 @@ HEAD = """\
 
 Written by `python -m validation.reproduce.findings` from recorded results: each finding with its numbers and
 the place where they are measured. Material, penalty and much else of the paper's springs had to be assumed
-([what that moves](../reports/sensitivity/sensitivity.md)); nothing here is compared with a measured spring.
+([effect of these](../reports/sensitivity/sensitivity.md)); nothing here is compared with a measured spring.
 Full load unless said otherwise; *curve* is the largest difference of the top's displacements over the
 reference's peak.
 """
@@ -382,7 +382,7 @@ def stability(f: Facts) -> str:
         f"critical point** that code of its own confirms; of the wires {wire['completed']} and "
         f"{wire['critical']}. {beam['interpenetration']} and {wire['interpenetration']} end where coils pass "
         f"through each other, {left or 'none'} left unexplained. With friction {wire['ended']} end where "
-        f"the iteration does, not the spring, or where a pair that was held opens; {wire['deviation']} "
+        f"the iteration does, not the spring, or where a sticking pair opens; {wire['deviation']} "
         "depend on their substeps. [Stability "
         "campaign](../reports/stability/stability.md#outcome-statistics)"
     )
