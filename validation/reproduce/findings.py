@@ -280,7 +280,7 @@ def helix(f: Facts) -> str:
     return (
         f"**A helix in large deformation {mends} the paper's law without contact, against rods:** "
         f"{paper[0]:.2f} to {law[0]:.2f} % (Spring B) and {paper[1]:.2f} to {law[1]:.2f} % (Spring A). "
-        f"Spring B {needs} large deformation, held winding and wire shear together: without one of them "
+        f"Spring B {needs} large deformation, fixed winding and wire shear together: without one of them "
         f"{less[0]:.2f}, {less[1]:.2f}, {less[2]:.2f} %. The wire's curvature is in neither model: as a "
         f"solid Spring A is stiffer, by {soft:g} % of its axial deflection. {BUDGET}, "
         "[Validation](validation.md#what-the-wires-curvature-changes)"

@@ -115,8 +115,8 @@ def _pairs(cases: Cases) -> str:
 def _ends(cases: Cases) -> str:
     errors = {k: cases.law(A, f"helix law, start phase {k} degrees") for k in (45, 90, 270)}
     return (
-        "What held ends do is how the start phase enters an in-plane model. At 90 and 270 degrees, where "
-        "the tilt of the axis lies in the working plane, the error on Spring A without contact is "
+        "The effect of fixed ends is how the start phase enters an in-plane model. At 90 and 270 degrees, "
+        "where the tilt of the axis lies in the working plane, the error on Spring A without contact is "
         f"{errors[90]:.3f} and {errors[270]:.3f} %; at 45 degrees, where both planes are coupled, "
         f"{errors[45]:.3f} %."
     )

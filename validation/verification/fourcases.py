@@ -42,7 +42,7 @@ STAGES = (
         "a half coil is a uniform helix in large deformation, its radius and angle follow the load; "
         "its ends turn freely about the axis",
     ),
-    Stage("held", "winding held", "the ends of a half coil do not turn about the axis"),
+    Stage("held", "winding fixed", "the ends of a half coil do not turn about the axis"),
     Stage("shear", "wire shear", "transverse shear of the wire"),
     Stage("stretch", "wire stretch", "axial stretch of the wire"),
     Stage(
@@ -63,8 +63,8 @@ STAGES = (
     ),
     Stage(
         "ends",
-        "what held ends do",
-        "the axis tilts and stands off where the wire is held, and turns in the half coils of a cone; it is "
+        "effect of fixed ends",
+        "the axis tilts and is offset where the wire is fixed, and turns in the half coils of a cone; it is "
         "how the start phase enters",
     ),
 )
