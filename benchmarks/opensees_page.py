@@ -28,7 +28,7 @@ with a tip within {agreement:g} % of its own in {steps} steps. "Fastest": those 
 the least time. wirefe divides a step where it must, so that its steps are output points; OpenSees takes its
 steps as they are.
 
-Same model: straight elements, 40 a turn, shear, rigid ends, 4 sphere pairs a turn with K = 1e4 N/mm.
+Same model: straight elements, 40 per turn, shear, rigid ends, 4 sphere pairs per turn with K = 1e4 N/mm.
 OpenSees: forceBeamColumn, Corotational, corotTruss with a gap material, Newton, SparseSYM, RCM; it stops
 where the energy increment is below {tolerance:g} of the work of the full load (wirefe: where its Newton
 decrement is below 1e-16 of a like work). Spring B with contact is left out: its "no sliding" needs the

@@ -1,7 +1,7 @@
 """CPU time of the wire model: the paper's mesh, growth with the mesh, and the curved element's error by time.
 
 Times are CPU seconds of the solution alone, single thread, warm, medians of interleaved repeats. The load
-curves are compared with the curved element at 32 a turn, whose own error is told by 16 a turn.
+curves are compared with the curved element at 32 per turn, whose own error is told by 16 per turn.
 """
 
 from __future__ import annotations
@@ -37,8 +37,8 @@ def shown(time: tuple[float, float, float]) -> str:
 
 
 def paper_mesh(repeats: int) -> None:
-    """The four cases, straight elements, 40 a turn, 50 steps."""
-    print("straight, 40 a turn, 50 steps")
+    """The four cases, straight elements, 40 per turn, 50 steps."""
+    print("straight, 40 per turn, 50 steps")
     solvers = [lambda name=name: wirefe.solve(load_scene(name)) for name in CASES]
     for name, time in zip(CASES, times(solvers, repeats), strict=True):
         print(f"  {name:22s}{shown(time)}")
@@ -51,7 +51,7 @@ def growth(repeats: int) -> None:
     solvers = [lambda mesh=mesh: wirefe.solve(scene, elements_per_turn=mesh) for mesh in MESHES]
     found = times(solvers, repeats)
     for mesh, time in zip(MESHES, found, strict=True):
-        print(f"  {mesh:4d} a turn        {shown(time)}")
+        print(f"  {mesh:4d} per turn        {shown(time)}")
     exponent = np.polyfit(np.log(MESHES), np.log([time[0] for time in found]), 1)[0]
     iterations = [solve().total_iterations for solve in solvers]
     print(f"  grows with exponent {exponent:.2f}; factorisations {iterations}")
@@ -59,7 +59,7 @@ def growth(repeats: int) -> None:
 
 def curved(repeats: int) -> None:
     """The curved element: time, error of the load curve, and observed order."""
-    print(f"curved, 50 steps, against {REFERENCE} a turn")
+    print(f"curved, 50 steps, against {REFERENCE} per turn")
     for name in CASES:
         scene = load_scene(name)
         solvers = [
@@ -70,7 +70,7 @@ def curved(repeats: int) -> None:
         errors = [compare_paths(solve(), reference).curve_max for solve in solvers]
         order = np.log2(errors[0] / errors[1])
         for mesh, error, time in zip(CURVED, errors, times(solvers, repeats), strict=True):
-            print(f"  {name:22s}{mesh:4d} a turn {shown(time)}  error {error:.1e}")
+            print(f"  {name:22s}{mesh:4d} per turn {shown(time)}  error {error:.1e}")
         print(f"  {'':22s} observed order {order:.1f}")
 
 

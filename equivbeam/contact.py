@@ -1,6 +1,6 @@
-"""Contact between the circles in which the wire meets the working plane, (10)-(13).
+"""Contact between the circles in which the wire meets the working plane, (10), (11), (13).
 
-The law of a pair is `coilspring.contact.law`.
+The force of a pair, (12), is `coilspring.contact.law.normal_law`; its moments follow (13).
 """
 
 from __future__ import annotations

@@ -10,7 +10,7 @@ from equivbeam.laws.helix import HIGH, LOW
 from equivbeam.shape import element_lengths
 
 # Share of the travel to solid up to which a force is trusted. Of 24 random guided cylinders the force at a
-# prescribed height is within 2.4 % of the wire model's (32 pairs a turn) up to 0.90; at 0.95 and few coils
+# prescribed height is within 2.4 % of the wire model's (32 pairs per turn) up to 0.90; at 0.95 and few coils
 # errors reach 32 %.
 TRUSTED = 0.90
 
@@ -50,6 +50,6 @@ def _solid(scene: Scene, height: float) -> str:
     if travel <= 0.0 or shortened <= TRUSTED * travel:
         return ""
     return (
-        f"; but it is {shortened / travel:.0%} of the way to solid, where coils close bit by bit and the "
+        f"; but it is {shortened / travel:.0%} of the travel to solid, where coils close bit by bit and the "
         f"beam's force may be far off: use wirefe with pairs_per_turn of 16 or more"
     )

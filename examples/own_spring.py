@@ -19,7 +19,7 @@ def main() -> Comparison:
     beam, wire = equivbeam.solve(scene), wirefe.solve(scene)
     found = compare_paths(beam, wire)
     print(f"UY at full load: beam {beam.tips[-1, 1]:.3f} mm, wire model {wire.tips[-1, 1]:.3f} mm")
-    print(f"load curves apart by {100 * found.curve_max:.2f} % at most")
+    print(f"largest difference of the load curves {100 * found.curve_max:.2f} %")
     return found
 
 

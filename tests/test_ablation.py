@@ -31,7 +31,7 @@ def test_refinements_come_one_after_the_other_and_go_alone(counted):
     less = [value for table, row, value in numbers if table == "law" and row.startswith("without")]
     assert less == [whole - 1] * whole
     found = {row: value for table, row, value in numbers if table == "reference with"}
-    assert 0.0 < found["8 elements a turn"] < found["twice the pairs a turn"] < 1.0
+    assert 0.0 < found["8 elements per turn"] < found["twice the pairs per turn"] < 1.0
     assert not [row for table, row, _ in numbers if table == "outside"]  # Spring A's coils slide
 
 

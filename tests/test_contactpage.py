@@ -73,7 +73,7 @@ def test_work_of_pairs_that_have_opened_counts():
 def test_the_pairs_are_compared_with_the_finest():
     data = fake(contact.PAIRS, UY=lambda run: -8.0 - 0.08 / run.pairs, seconds=lambda run: 0.1 * run.pairs)
     text = contact.pairs_section(data, slip=0.3)
-    rows = table(text, "spring | pairs a turn").set_index(["spring", "pairs a turn"])
+    rows = table(text, "spring | pairs per turn").set_index(["spring", "pairs per turn"])
     assert rows.loc[("A", "40"), "difference to 40"] == "0"
     assert rows.loc[("A", "4"), "difference to 40"] == "0.22 %"
     assert rows.loc[("B", "20"), "time over that of 4"] == "5.0"

@@ -273,7 +273,7 @@ def test_a_law_that_leaves_its_range_says_so():
     for law in LAWS:
         path = equivbeam.solve(VALVE, law=law)
         assert 0.3 < 1.0 - path.loads[-1, 1] / wire.loads[-1, 1] < 0.5
-        assert "but it is 98% of the way to solid" in path.message
+        assert "but it is 98% of the travel to solid" in path.message
         assert "use wirefe with pairs_per_turn of 16 or more" in path.message
         near = equivbeam.solve(replace(VALVE, load=Load(displacement=(-0.89 * 17.6,))), law=law)
         assert "solid" not in near.message

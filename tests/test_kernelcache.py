@@ -130,7 +130,7 @@ def test_what_cannot_be_told_is_refused():
     def reads():
         return secret
 
-    with pytest.raises(TypeError, match="whose content cannot be told"):
+    with pytest.raises(TypeError, match="whose content is unknown"):
         content_digest(reads)
 
 

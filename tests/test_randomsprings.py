@@ -76,7 +76,7 @@ def test_errors_of_a_prescribed_displacement_are_of_the_force():
 
 
 def test_closed_pairs_are_counted_as_the_papers():
-    """Spring A by 16 pairs a turn has as many closed quarter turns as closed pairs by 4."""
+    """Spring A by 16 pairs per turn has as many closed quarter turns as closed pairs by 4."""
     from coilspring import spring_a
 
     fine = randomsprings.reference(spring_a(), elements=16)

@@ -98,7 +98,7 @@ def test_elastica(load, u, w):
 def test_uniform_helix_under_a_wrench():
     """G9: Spring A's wire, 3 turns, clamped below; exact with shear and stretch (our own closed form).
 
-    Measured at 16 curved elements a turn: 1e-7 of the deflection.
+    Measured at 16 curved elements per turn: 1e-7 of the deflection.
     """
     rod = wirefe.curved_rod(
         spring_a().spring, np.linspace(0.0, 6 * np.pi, 49), round_section(1.5, Material())

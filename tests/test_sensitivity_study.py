@@ -232,7 +232,7 @@ def test_limit_points_are_named_and_have_no_number(folder):
     short = [row for row in rows_of(folder) if row["outcome"] not in ("completed", NO_INPUT)]
     assert [(row["case"], row["model"], row["value"], row["outcome"]) for row in short] == [
         (CONTACT, BEAM, "196 GPa", "limit_point"),
-        (CONTACT, WIRE, "2", "interpenetration"),  # of sphere pairs a turn: wires pass between them
+        (CONTACT, WIRE, "2", "interpenetration"),  # of sphere pairs per turn: wires pass between them
     ]
     assert float(short[0]["critical_time"]) == pytest.approx(1.028 * 196.0 / 206.0, abs=1e-3)
     page = (folder / "sensitivity.md").read_text(encoding="utf-8")

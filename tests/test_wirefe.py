@@ -32,7 +32,7 @@ from wirefe.quaternions import exponential, times
 from wirestates import dense
 
 EXACT = {name: tips[1.0] for name, tips in EXACT_ROD.items()}  # G13: UX, UY, ROTZ
-# Our own prototype, straight elements, 40 a turn; B's converged value is -15.40.
+# Our own prototype, straight elements, 40 per turn; B's converged value is -15.40.
 PROTOTYPE = {"spring-a": (-19.870, -8.162, 1.1260), "spring-b": (0.0, -15.367, 0.0)}
 
 
@@ -51,7 +51,7 @@ def test_exact_rod_at_the_papers_mesh(name, bound):
 
 @pytest.mark.parametrize("name", EXACT)
 def test_second_order(name):
-    """Error against the exact rod over 40, 80, 160 elements a turn."""
+    """Error against the exact rod over 40, 80, 160 elements per turn."""
     errors = [
         np.abs(wirefe.solve(load_scene(name), steps=5, elements_per_turn=n).tips[-1] - EXACT[name])[:2].max()
         for n in (40, 80, 160)
@@ -291,7 +291,7 @@ def test_coils_are_whole_elements():
 
 @pytest.mark.parametrize("name", EXACT)
 def test_curved_element_at_few_a_turn(name):
-    """Against the exact rod: measured 2e-5 (A) and 3.6e-4 (B) at 4 a turn, 7e-6 at most at 16."""
+    """Against the exact rod: measured 2e-5 (A) and 3.6e-4 (B) at 4 per turn, 7e-6 at most at 16."""
     exact = np.array(EXACT[name])
     moved = exact != 0.0
     for count, bound in ((4, 1e-3), (16, 1e-5)):
@@ -301,7 +301,7 @@ def test_curved_element_at_few_a_turn(name):
 
 @pytest.mark.parametrize("name", ["spring-a", "spring-b"])
 def test_curved_element_with_contact(name):
-    """4 a turn against 32 a turn, whole load curve: measured 3e-5."""
+    """4 per turn against 32 per turn, whole load curve: measured 3e-5."""
     coarse, fine = (
         wirefe.solve(load_scene(name), element="curved", elements_per_turn=n).tips for n in (4, 32)
     )
@@ -320,7 +320,7 @@ def test_curved_element_is_second_order():
 
 
 def test_straight_and_curved_elements_meet():
-    """Both converge to one answer with contact: straight extrapolated from 80 and 160 a turn."""
+    """Both converge to one answer with contact: straight extrapolated from 80 and 160 per turn."""
     straight = [wirefe.solve(spring_a(), steps=10, elements_per_turn=n).tips[-1] for n in (80, 160)]
     extrapolated = (4 * straight[1] - straight[0]) / 3
     curved = wirefe.solve(spring_a(), steps=10, element="curved", elements_per_turn=32).tips[-1]

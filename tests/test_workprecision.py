@@ -100,7 +100,7 @@ def test_straight_elements_are_of_second_order(study):
 
 
 def test_the_reference_is_the_exact_rod_within_its_own_error(study):
-    # measured 5.5e-7 at 32 a turn against 1.4e-6
+    # measured 5.5e-7 at 32 per turn against 1.4e-6
     exact = study.loc[study["role"] == "exact rod", "curve_max"].item()
     assert exact < study["reference_curve_error"].iloc[0] < 3e-6
 

@@ -17,7 +17,8 @@ def lever(f, r):
 def pair_matrix(f, Hg, ra, rb, g, K):
     """Gradient (12,) and Hessian (12, 12) of a pair in the dofs of its nodes; `ra`, `rb` as turned now.
 
-    `f` and `Hg` are those in the way from one sphere to the other: dxb - rb x phib - dxa + ra x phia.
+    `f` and `Hg` are those in the vector from one centre to the other, whose change is
+    dxb - rb x phib - dxa + ra x phia.
     """
     F, A = three(f, 0), block(Hg, 0, 0)
     g[0], g[1], g[2] = -F[0], -F[1], -F[2]

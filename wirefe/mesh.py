@@ -12,7 +12,7 @@ from coilspring.scene import Scene
 from coilspring.scene.spring import Spring
 
 TWO_PI = 2.0 * math.pi
-PAIRS_OF_PENALTY = 4  # the scene's stiffness is that of a pair at 4 pairs a turn
+PAIRS_OF_PENALTY = 4  # the scene's stiffness is that of a pair at 4 pairs per turn
 
 
 @dataclass(frozen=True)

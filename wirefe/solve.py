@@ -63,11 +63,11 @@ def solve(
         Contact stiffness K in the scene's convention, N/mm^exponent; by default the scene's.
     element : {"straight", "curved"}
         Two-node element between points of the helix: straight, as the paper's, or with the exact
-        linear flexibility of its curved piece of wire (0.1 % at 4 a turn).
+        linear flexibility of its curved piece of wire (0.1 % at 4 per turn).
     elements_per_turn : int
         Mesh; a multiple of `pairs_per_turn`.
     pairs_per_turn : int
-        Sphere pairs a turn; the stiffness of each is K * 4 / pairs_per_turn.
+        Sphere pairs per turn; the stiffness of each is K * 4 / pairs_per_turn.
 
     Returns
     -------

@@ -164,7 +164,7 @@ def content_digest(function: Callable) -> str:
 
     Raises
     ------
-    TypeError : a compiled function reads a global whose content cannot be told.
+    TypeError : a compiled function reads a global whose content is unknown.
     """
     found = hashlib.sha256()
     versions = (numba.__version__, llvmlite.__version__, np.__version__)
@@ -198,7 +198,7 @@ def _described(value: Any, seen: set[int]) -> Iterator[str]:
     elif isinstance(value, PLAIN) or (isinstance(value, type) and _foreign(value.__module__)):
         yield repr(value)
     else:
-        raise TypeError(f"a compiled function reads {value!r}, whose content cannot be told")
+        raise TypeError(f"a compiled function reads {value!r}, whose content is unknown")
 
 
 def _foreign(module: str) -> bool:

@@ -1,4 +1,4 @@
-"""What kernels do with the vectors between the centres of all pairs, (pairs, 3); the law is `pairlaw`."""
+"""What kernels do with the vectors between the centres of all pairs, (pairs, 3)."""
 
 from __future__ import annotations
 
@@ -48,7 +48,7 @@ def approach(before, after, d):
 def remember(vectors, history, mu, K, d):
     """Update the contact history with an accepted state; returns the least gap of all pairs.
 
-    A pair that touches is remembered where there is friction, one that has opened is forgotten.
+    With sticking contact or friction a pair that touches is stored; one that has opened loses its history.
     """
     least, e = np.inf, np.empty(3)
     for m in range(vectors.shape[0]):

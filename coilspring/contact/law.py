@@ -42,7 +42,7 @@ LEAST_LEFT = 0.5
 
 @part
 def normal_law(penetration, K, k):
-    """Energy, normal force and its derivative by the penetration (>= 0): F = K penetration^k.
+    """Energy, normal force and its derivative by the penetration (>= 0): F = K penetration^k, (12).
 
     The one place of the law: kernels compile it, and what reads forces off states calls it as plain Python.
     """

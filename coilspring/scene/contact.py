@@ -16,7 +16,7 @@ class Contact:
     Attributes
     ----------
     enabled : False lets coils pass through each other.
-    stiffness : K of each sphere pair at 4 pairs a turn, N/mm^exponent.
+    stiffness : K of each sphere pair at 4 pairs per turn, N/mm^exponent.
     exponent : of the penetration.
     sliding : "free", "none" (sticking contact), or "coulomb" (with friction).
     friction : coefficient, with "coulomb" alone.
@@ -26,7 +26,7 @@ class Contact:
     stiffness: float = field(
         default=1.0e4,
         metadata=key(
-            "penalty K of a pair at 4 pairs a turn, N/mm^exponent [1e4]",
+            "penalty K of a pair at 4 pairs per turn, N/mm^exponent [1e4]",
             number(1e-9, 1e12),
             aliases={r"k|penalty": ""},
         ),

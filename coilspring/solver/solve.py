@@ -41,8 +41,8 @@ NO_WORK = 1e-6
 SOFT = 0.01  # stiffness of the softest mode over that at rest, below which the tangent counts as singular
 LEFT = 1e-5  # of the time 0..1: so near to where a path ends, a limit point of Coulomb's law is its end
 SLIDING = -1  # outcome beside those of `coilspring.solver.follower`: see `coilspring.solver.coulomb`
-HELD = "Coulomb's law goes on, but by renewed bounds of friction no stable equilibrium was found"
-LOST = "a pair that was held opened, and without what it held no equilibrium was found nearby"
+HELD = "Coulomb's law has a solution beyond, but the iteration on friction bounds found no stable equilibrium"
+LOST = "a sticking pair opened, and without its tangential force no equilibrium was found nearby"
 THROUGH = (
     f"coils pass through each other: the wire overlaps by {OVERLAP_ALLOWED:g} wire diameters more than any "
     "contact pair"
@@ -51,7 +51,7 @@ WHY = {
     SLIDING: HELD,
     OPENED: LOST,
     STUCK: "no equilibrium that continues the branch was found",
-    EXHAUSTED: f"the path was given up after {MOST_TRIES} equilibria besides those asked for,",
+    EXHAUSTED: f"the path was stopped after {MOST_TRIES} equilibria besides those at requested times,",
 }
 VOID_PENETRATION = 0.1  # wire diameters of overlap, beyond which a penalty no longer stands for contact
 

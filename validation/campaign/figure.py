@@ -30,7 +30,11 @@ EDGES = {
     "slenderness": np.geomspace(0.2, 7.0, 8),
     "load": np.linspace(0.0, 1.6, 9),
 }
-TICKS = {"slenderness": (0.2, 0.5, 1, 2, 5), "steps": (1, 3, 10, 30, 100)}
+TICKS = {
+    "slenderness": (0.2, 0.5, 1, 2, 5),
+    "steps": (1, 3, 10, 30, 100),
+    "load": (0, 0.4, 0.8, 1.2, 1.6),
+}
 OTHER_UNITS = ("tiny", "huge")  # whose penalties say nothing beside the others'
 FEWEST = 3  # scenes of a cell that is coloured
 DARK, SMALL, NO_DATA = 25.0, 5.5, "#dcdcdc"  # %: numbers on darker cells are white; pt; cells without data
@@ -50,7 +54,7 @@ def outcome_figure(data: pd.DataFrame) -> Figure:
                     mine = mine[~mine["corner"].isin(OTHER_UNITS)]
                 mesh = _map(plots[i, j], mine, names)
                 plots[i, j].set_title(f"({'abcd'[2 * i + j]}) {TITLES[letter]}")
-        bar = figure.colorbar(mesh, ax=plots, shrink=0.7, aspect=30)
+        bar = figure.colorbar(mesh, ax=plots, shrink=0.7, aspect=30, extend="max")
         bar.set_label("share of scenes that end at\na confirmed critical point (%)")
         bar.outline.set_linewidth(0.5)
         handles, labels = plots[0, 0].get_legend_handles_labels()

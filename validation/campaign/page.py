@@ -30,11 +30,11 @@ MEANING = {
     CONFIRMED: "up to a limit point or bifurcation that the verifier finds at the same load or displacement",
     THROUGH: "up to where coils pass through each other: the wire, or the circles, overlap by 0.1 diameters "
     "more than the deepest pair; the verifier finds as much by points of its own",
-    ENDED: "friction, up to where Coulomb's law goes on but the iteration on renewed bounds does not, or to "
-    "where a pair that was held opens and what it held is lost; states before are verified",
+    ENDED: "friction, up to where Coulomb's law goes on but the iteration on updated bounds does not, or to "
+    "where a sticking pair opens and its tangential force is lost; states before are verified",
     DEVIATES: "friction or no sliding: balanced, but other substeps change the answer by more than 2 %, from "
-    "the first touch on; a pair remembers where it was when its substep ended",
-    REFUSED: "bad input, refused in one sentence",
+    "the first touch on; a pair keeps the vector of the end of its substep",
+    REFUSED: "bad input, rejected in one sentence",
     UNEXPLAINED: "everything else",
 }
 NUMBERS = {

@@ -151,28 +151,28 @@ def _add_workprecision(commands: argparse._SubParsersAction) -> None:
     _add_only(command, STUDY_SCENES)
     size = command.add_mutually_exclusive_group()
     size.add_argument("--quick", action="store_true", help="few meshes, few rounds: about a minute")
-    size.add_argument("--full", action="store_true", help="meshes up to 320 elements a turn")
+    size.add_argument("--full", action="store_true", help="meshes up to 320 elements per turn")
     what = "page and figures of the numbers recorded in the folder, measure nothing"
     size.add_argument("--page", action="store_true", help=what)
 
 
 def _add_sensitivity(commands: argparse._SubParsersAction) -> None:
-    purpose = "how far what the paper leaves open moves the curves of both models"
+    purpose = "effect of what the paper leaves open on the curves of both models"
     command = _command(commands, "sensitivity", purpose, "coilcheck sensitivity --only spring-a,spring-b")
     _add_only(command, tuple(CATALOGUE))
 
 
 def _add_stability(commands: argparse._SubParsersAction) -> None:
-    purpose = "sampled scenes by both models, each path judged; exit code 1 where an outcome is unexplained"
+    purpose = "sampled scenes by both models, each path verified; exit code 1 where an outcome is unexplained"
     command = _command(commands, "stability", purpose, "coilcheck stability --beams 2000 --wires 100")
-    scenes = command.add_argument_group("what is judged; a campaign that was interrupted goes on")
+    scenes = command.add_argument_group("what is verified; a campaign that was interrupted goes on")
     scenes.add_argument("--beams", type=_number, metavar="N", help="equivalent-beam scenes; default 20000")
     scenes.add_argument("--wires", type=_number, metavar="N", help="wire scenes; default 1000")
     scenes.add_argument("--seed", type=_number, metavar="N", help="of the sequence of scenes; default 1")
-    scenes.add_argument("--case", metavar="ID", help="judge one case again, and write nothing")
+    scenes.add_argument("--case", metavar="ID", help="verify one case again, and write nothing")
     how = "processes; default one for each core, 0 for none besides this one"
     command.add_argument("--workers", type=_number, metavar="N", help=how)
-    where = "address of a Dask scheduler, whose workers judge the scenes (extra: dask)"
+    where = "address of a Dask scheduler, whose workers verify the scenes (extra: dask)"
     command.add_argument("--scheduler", metavar="ADDRESS", help=where)
 
 
@@ -182,7 +182,7 @@ def _add_regress(commands: argparse._SubParsersAction) -> None:
     where = f"folder of the baselines; default {BASELINE.as_posix()}"
     command.add_argument("--baseline", type=Path, default=BASELINE, metavar="DIR", help=where)
     command.add_argument("--accept", action="store_true", help="write what is found as the new baselines")
-    what = "measure and judge the models' ratios of time too"
+    what = "measure and compare the models' ratios of time too"
     command.add_argument("--time", action="store_true", help=what)
 
 

@@ -15,7 +15,7 @@ from validation.peers.layout import Curve
 from validation.study.metrics import COMPONENTS, NEGLIGIBLE
 from validation.study.partialsolve import partial_path
 
-FREE = "frictionless in both codes, since springs without memory cannot tell when a pair has closed"
+FREE = "frictionless in both codes, since springs without a history do not know when a pair closed"
 
 
 @dataclass(frozen=True)

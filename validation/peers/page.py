@@ -17,17 +17,17 @@ from validation.study.output import write_text
 FOLDER = Path("reports", "referee")
 ABOUT = {
     "opensees": """\
-OpenSees has the wire model's mesh: forceBeamColumn with shear, Corotational, 40 a turn; corotTruss with a
+OpenSees has the wire model's mesh: forceBeamColumn with shear, Corotational, 40 per turn; corotTruss with a
 gap material between the sphere centres; stiff beams at the rigid top. "No sliding" (Spring B) is a
 zeroLength element with two springs K across the pair, put there by the step that closes the pair and taken
-away by the one that opens it: the wire model's law, but that either remembers the ends of its own substeps.\
+away by the one that opens it: the wire model's law, but each code stores the ends of its own substeps.\
 """,
     "calculix": """\
-CalculiX has B32R beams with a circular section, 20 of three nodes a turn; SPRINGA between the sphere
+CalculiX has B32R beams with a circular section, 20 of three nodes per turn; SPRINGA between the sphere
 centres with the penalty as a table; stiff beams at the rigid top. It expands each beam to a solid, C3D20R,
 whose cross section deforms as the displacements of one brick allow and whose circle is but a choice of
 integration points: so its bending and torsion are not those of a beam of the same section. The rows without
-contact, in which nothing else differs, have as much of it. Springs without memory cannot hold a pair where
+contact, in which nothing else differs, have as much of it. Springs without a history cannot hold a pair where
 it closed, so Spring B is frictionless here in both codes, up to its limit point.\
 """,
 }

@@ -38,7 +38,7 @@ class Study:
 STUDIES = (
     Study("workprecision", "Work and precision", "what a given accuracy costs with either model"),
     Study("stability", "Stability map", "whether sampled springs are solved, and where their paths end"),
-    Study("sensitivity", "Sensitivity", "how far what the paper leaves open moves the curves"),
+    Study("sensitivity", "Sensitivity", "the effect of what the paper leaves open on the curves"),
 )
 
 
@@ -66,7 +66,7 @@ def _folder(study: Study, out: Path) -> Path | None:
 def _section(study: Study, folder: Path | None) -> str:
     """The study's page one level down, under the section's title."""
     if folder is None:
-        words = f"Not among the results found here: `coilcheck {study.name}` tells {study.tells}."
+        words = f"Not among the results found here: `coilcheck {study.name}` shows {study.tells}."
     else:
         page = (folder / f"{study.name}.md").read_text(encoding="utf-8")
         words = re.sub("^#", "##", page.partition("\n")[2], flags=re.MULTILINE)

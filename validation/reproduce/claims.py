@@ -74,8 +74,8 @@ def match(f: Facts) -> Assessment:
         f"Against our wire model on the paper's mesh. Counted as a match below {percent(limit, 0)}, which is "
         f"what {percent(limit, 0)} in the unstated modulus would move. Spring A's numbers hold where the "
         f"helix starts in the working plane; over all start phases they are {over['bare']} without contact, "
-        f"{over['few']} with {f['setting.pairs']} sphere pairs a turn, which turn out of the plane with the "
-        f"helix, and {over['many']} with {f['setting.many_pairs']}.",
+        f"{over['few']} with {f['setting.pairs']} sphere pairs per turn, which turn out of the plane with "
+        f"the helix, and {over['many']} with {f['setting.many_pairs']}.",
     )
 
 
@@ -97,7 +97,7 @@ def superimposed(f: Facts, name: str, more: str = "") -> Assessment:
     """Whether shapes can be told apart."""
     apart, diameter, limit = f[f"{name}.shape"], f["wire.diameter"], f["threshold.superimposed"]
     return Assessment(
-        f"contact circles at most {apart:.3f} mm apart ({percent(apart / diameter, 1)} of the wire "
+        f"contact circles deviate by at most {apart:.3f} mm ({percent(apart / diameter, 1)} of the wire "
         f"diameter), tip curves {percent(f[f'{name}.curve'])}",
         AGREES if apart < limit * diameter else DIFFERS,
         "At full load, against the wire model on the paper's mesh; superimposed means below "
@@ -124,7 +124,7 @@ def shape_b(f: Facts) -> Assessment:
     part = "Part of this is" if alike < apart else "None of this is"
     more = (
         f" {part} the paper's own comparison: its FE does not slide, its beam is frictionless; a beam "
-        f"without sliding is at most {alike:.3f} mm apart."
+        f"with sticking contact deviates by at most {alike:.3f} mm."
     )
     return superimposed(f, "spring-b", more)
 
@@ -181,7 +181,7 @@ def softer(f: Facts, kinds: Sequence[str]) -> Assessment:
 def kind_title(f: Facts, kind: str) -> str:
     """A contact of the table over the phases, in words."""
     pairs = {"few": "setting.pairs", "many": "setting.many_pairs"}
-    return f"{f[pairs[kind]]} sphere pairs a turn" if kind in pairs else "no contact"
+    return f"{f[pairs[kind]]} sphere pairs per turn" if kind in pairs else "no contact"
 
 
 ALWAYS = "Spring A {}: the proposed model is always softer than FE."
@@ -268,8 +268,8 @@ def telescopes(f: Facts) -> Assessment:
     through = min(f["telescope.wire"], f["telescope.beam"]) > 0 and lowest < bottom
     return Assessment(
         f"{f['telescope.wire']} (wire model) and {f['telescope.beam']} (beam) of "
-        f"{f['telescope.crossings']} crossings of the plane lie lower than the one a turn before; lowest "
-        f"wire centre at Y = {lowest:.1f} mm, the bottom coil at {bottom:.1f} mm",
+        f"{f['telescope.crossings']} crossings of the plane lie lower than the one before on that side; "
+        f"lowest wire centre at Y = {lowest:.1f} mm, the bottom coil at {bottom:.1f} mm",
         AGREES if through else DIFFERS,
         "At full load: active coils hang below the bottom coil, which leaves them no room to pass."
         if through

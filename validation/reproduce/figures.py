@@ -51,8 +51,9 @@ def tip_figure(data: pd.DataFrame) -> Figure:
             _name(axes, tag, load, beam, upper=(tag == "contact") == (beam[-1] < 0.0))
             below.plot(load, _share(beam, wire), **DIFFERENCES[tag])
         axes.set(ylabel=label, xlim=(0.0, load[-1]), title=f"({letter}) {label.split()[0]}")
-        below.set(xlabel="load |F| (N)", ylabel="beam softer by (%)")
+        below.set(xlabel="load |F| (N)")
         below.axhline(0.0, color="black", linewidth=0.5)
+    plots[1, 0].set_ylabel("beam softer by (%)")
     _one_range(plots[1])
     figure.legend(handles=_key(), loc="outside lower center", ncols=4, columnspacing=1.2)
     return figure
@@ -105,7 +106,7 @@ def sliding_figure(held: EquilibriumPath, free: EquilibriumPath) -> Figure:
     """Wire model of Spring B without sliding, and frictionless as far as it goes."""
     figure = Figure(figsize=(SINGLE, 2.6), layout="constrained")
     axes = figure.subplots()
-    for path, style, label in ((held, HELD_LINE, "no sliding"), (free, FREE_LINE, "frictionless")):
+    for path, style, label in ((held, HELD_LINE, "sticking contact"), (free, FREE_LINE, "frictionless")):
         axes.plot(np.append(0.0, -path.tips[:, 1]), np.append(0.0, -path.loads[:, 1]), **style, label=label)
     axes.plot(-free.tips[-1, 1], abs(free.loads[-1, 1]), "kx", markersize=6, label="last equilibrium")
     axes.set(xlabel="deflection −UY (mm)", ylabel="load |Fy| (N)", xlim=(0, None), ylim=(0, None))

@@ -29,7 +29,7 @@ HEAD = """\
 
 Written by `python -m validation.reproduce.findings` from recorded results: each finding with its numbers and
 the place where they are measured. Material, penalty and much else of the paper's springs had to be assumed
-([what that moves](../reports/sensitivity/sensitivity.md)); nothing here is compared with a measured spring.
+([effect of these](../reports/sensitivity/sensitivity.md)); nothing here is compared with a measured spring.
 Full load unless said otherwise; *curve* is the largest difference of the top's displacements over the
 reference's peak.
 """
@@ -59,12 +59,12 @@ def matching(f: Facts) -> str:
     verb = "matches" if match.assess(f).verdict == AGREES else "does not match"
     return (
         f"**The equivalent beam {verb} the wire model where the helix starts in the working plane.** "
-        f"Curves are apart by at most {error['spring-a']} (Spring A) and {error['spring-b']} (Spring B) "
+        f"Curves deviate by at most {error['spring-a']} (Spring A) and {error['spring-b']} (Spring B) "
         f"with contact, {error['spring-a-no-contact']} and {error['spring-b-no-contact']} without; the FE "
         f"mesh itself errs by {span(meshes, 2)} %. Over all start phases, which the paper does not give, "
-        f"Spring A's are apart by {phase_range(f, 'bare')} without contact, {phase_range(f, 'few')} with "
-        f"{f['setting.pairs']} sphere pairs a turn and {phase_range(f, 'many')} with "
-        f"{f['setting.many_pairs']}. [Report]({REPORT}#how-far-apart-the-models-are)"
+        f"Spring A's deviate by {phase_range(f, 'bare')} without contact, {phase_range(f, 'few')} with "
+        f"{f['setting.pairs']} sphere pairs per turn and {phase_range(f, 'many')} with "
+        f"{f['setting.many_pairs']}. [Report]({REPORT}#deviation-of-the-models)"
     )
 
 
@@ -87,7 +87,7 @@ def softer(f: Facts) -> str:
     return (
         f"**{head}** The paper calls its beam always softer than FE, and does not give the start phase of "
         f"the helix. Over the phases the beam's UY is off by {min(bare):+.1f} to {max(bare):+.1f} % without "
-        f"contact, {min(many):+.1f} to {max(many):+.1f} % with {f['setting.many_pairs']} pairs a turn; "
+        f"contact, {min(many):+.1f} to {max(many):+.1f} % with {f['setting.many_pairs']} pairs per turn; "
         f"{whole}. {PHASES}"
     )
 
@@ -182,7 +182,7 @@ def spheres(f: Facts) -> str:
     return (
         f"**Where the spheres stand {'matters' if much else 'hardly matters'}:** {at(near, 'value')} out of "
         f"the plane they move the wire model's UY by {abs(at(near, 'uy_change_percent')):.0f} %, and the "
-        f"two models are {apart:.0f} % apart; at {at(far, 'value')}, {ends}.{so} "
+        f"two models deviate by {apart:.0f} %; at {at(far, 'value')}, {ends}.{so} "
         f"[Sensitivity]({SENSITIVITY}#spring-a)"
     )
 
@@ -236,7 +236,7 @@ def limit(f: Facts) -> str:
     owner = "belongs to the spheres" if completes else "does not go with more spheres"
     return (
         f"**The limit point of frictionless Spring B {owner}:** spheres pressed on each other slide off "
-        f"along the wire ({along:.0f} % of the motion), smooth wires need not; with {pairs:.0f} pairs a "
+        f"along the wire ({along:.0f} % of the motion), smooth wires need not; with {pairs:.0f} pairs per "
         f"turn the outcome is: {outcome}. [Contact](contact.md#search)"
     )
 
@@ -247,9 +247,9 @@ def pairs(f: Facts) -> str:
     overlap = [f[f"contact: pairs.{name}.overlap"] for name in "AB"]
     lost = [f[f"contact: pairs.{name}.difference"] for name in "AB"]
     return (
-        f"**With {count:.0f} pairs a turn {overlap[0]:.3f} mm (A) and {overlap[1]:.3f} mm (B) of overlap are "
-        f"left** between the pairs; they cost {lost[0]:g} % and {lost[1]:g} % of the tips. "
-        "[Contact](contact.md#sphere-pairs-a-turn)"
+        f"**With {count:.0f} pairs per turn {overlap[0]:.3f} mm (A) and {overlap[1]:.3f} mm (B) of overlap "
+        f"are left** between the pairs; they cost {lost[0]:g} % and {lost[1]:g} % of the tips. "
+        "[Contact](contact.md#sphere-pairs-per-turn)"
     )
 
 
@@ -280,7 +280,7 @@ def helix(f: Facts) -> str:
     return (
         f"**A helix in large deformation {mends} the paper's law without contact, against rods:** "
         f"{paper[0]:.2f} to {law[0]:.2f} % (Spring B) and {paper[1]:.2f} to {law[1]:.2f} % (Spring A). "
-        f"Spring B {needs} large deformation, held winding and wire shear together: without one of them "
+        f"Spring B {needs} large deformation, fixed winding and wire shear together: without one of them "
         f"{less[0]:.2f}, {less[1]:.2f}, {less[2]:.2f} %. The wire's curvature is in neither model: as a "
         f"solid Spring A is stiffer, by {soft:g} % of its axial deflection. {BUDGET}, "
         "[Validation](validation.md#what-the-wires-curvature-changes)"
@@ -332,8 +332,8 @@ def exact(f: Facts) -> str:
     head = "meets" if not failed else "does not meet all"
     return (
         f"**The wire model {head} exact and published solutions:** {count - failed} of {count} checks "
-        f"pass; the fewest curved elements a turn are within {curved:.1e} of the exact rod on both springs. "
-        "[Validation](validation.md)"
+        f"pass; the fewest curved elements per turn are within {curved:.1e} of the exact rod on both "
+        "springs. [Validation](validation.md)"
     )
 
 
@@ -363,7 +363,7 @@ def curved(f: Facts) -> str:
     (count, error, part), (paper, mesh) = run("curved", 4, *columns), run("straight", 40, *columns[:2])
     beat = "beat" if error < mesh and part < 1.0 else "do not beat"
     return (
-        f"**{count:.0f} curved elements a turn {beat} the paper's {paper:.0f} straight ones:** "
+        f"**{count:.0f} curved elements per turn {beat} the paper's {paper:.0f} straight ones:** "
         f"{100.0 * error:.3f} % in place of {100.0 * mesh:.1f} % (Spring B), in "
         f"1/{1.0 / part:.1f} of the time. "
         "[Run time against error](../reports/workprecision/workprecision.md#what-the-papers-accuracy-costs)"
@@ -382,7 +382,7 @@ def stability(f: Facts) -> str:
         f"critical point** that code of its own confirms; of the wires {wire['completed']} and "
         f"{wire['critical']}. {beam['interpenetration']} and {wire['interpenetration']} end where coils pass "
         f"through each other, {left or 'none'} left unexplained. With friction {wire['ended']} end where "
-        f"the iteration does, not the spring, or where a pair that was held opens; {wire['deviation']} "
+        f"the iteration does, not the spring, or where a sticking pair opens; {wire['deviation']} "
         "depend on their substeps. [Stability "
         "campaign](../reports/stability/stability.md#outcome-statistics)"
     )

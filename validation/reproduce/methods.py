@@ -107,7 +107,7 @@ def no_sliding(f: Facts) -> str:
 def sliding_section(pictured: bool) -> list[Part]:
     """What becomes of the wire model of Spring B without the no-sliding option."""
     picture = Picture(
-        "sliding.png", "Spring B, wire model: without sliding, and frictionless as far as it goes."
+        "sliding.png", "Spring B, wire model: with sticking contact, and frictionless up to its limit point."
     )
     heading = Heading(2, "Why the paper may have had to switch sliding off")
     return [heading, free_sliding, no_sliding, *([picture] if pictured else [])]
@@ -142,8 +142,9 @@ def margin(f: Facts) -> str:
 def stiffness(f: Facts) -> str:
     return (
         f"**Contact stiffness.** The paper gives none. K = {f['contact.stiffness']:g} N/mm for each of the "
-        f"{f['setting.pairs']} sphere pairs a turn, {f['contact.beam']:.2g} times that for each pair of the "
-        f"beam's circles; exponent {f['contact.exponent']:g}. Changes against the default of the same model:"
+        f"{f['setting.pairs']} sphere pairs per turn, {f['contact.beam']:.2g} times that for each pair of "
+        f"the beam's circles; exponent {f['contact.exponent']:g}. Changes against the default of the same "
+        "model:"
     )
 
 

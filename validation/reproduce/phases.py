@@ -12,8 +12,8 @@ from validation.study.metrics import COMPONENTS, compare_paths
 from validation.study.partialsolve import ending
 
 DEGREES = tuple(range(0, 360, 30))
-MANY_PAIRS = 20  # sphere pairs a turn so close that their places hardly matter
-# the three contacts in which Spring A is turned: scene and sphere pairs a turn, by name
+MANY_PAIRS = 20  # sphere pairs per turn so close that their places hardly matter
+# the three contacts in which Spring A is turned: scene and sphere pairs per turn, by name
 KINDS = {
     "bare": ("spring-a-no-contact", PAPER_MESH["pairs_per_turn"]),
     "few": ("spring-a", PAPER_MESH["pairs_per_turn"]),
@@ -57,7 +57,7 @@ def phase_table(found: pd.DataFrame) -> Table:
     columns: dict[str, list[str]] = {"start phase (degrees)": [str(degrees) for degrees in DEGREES]}
     for name, rows in found.groupby("contact", sort=False):
         pairs = rows["pairs_per_turn"].iloc[0]
-        title = "without contact" if name == "bare" else f"{pairs} pairs a turn"
+        title = "without contact" if name == "bare" else f"{pairs} pairs per turn"
         cells = [_cells(row) for row in rows.to_dict("records")]
         columns[f"{title}: UX / UY / ROTZ (%)"] = [farther for farther, _ in cells]
         columns[f"{title}: softer in substeps"] = [softer for _, softer in cells]

@@ -208,7 +208,7 @@ def compared(f: Facts) -> str:
         "The **equivalent beam** (the paper's proposed model): one element for each half coil on the "
         "spring's axis, equations (1)-(9), and contact circles, equations (10)-(13), in the working plane. "
         "The **wire model** (the paper's FE): geometrically exact shear-flexible beam elements along the "
-        f"wire, {f['setting.elements']} straight ones a turn, {f['setting.pairs']} sphere pairs a turn, "
+        f"wire, {f['setting.elements']} straight ones per turn, {f['setting.pairs']} sphere pairs per turn, "
         f"rigid closed end turns. Both follow the same dead load in {f['setting.steps']} equal substeps. "
         "Lengths in mm, forces in N, stresses in MPa, angles in rad; time goes in proportion to the load "
         "and ends at full load."
@@ -241,11 +241,11 @@ def phases(f: Facts) -> str:
     return (
         "By how much the equivalent beam moves farther than the wire model at full load, and in how many of "
         "the substeps, for UX, UY and ROTZ of Spring A. Without contact the beam is "
-        f"softer in all components and all substeps {where}. With {f['setting.pairs']} pairs a turn the "
+        f"softer in all components and all substeps {where}. With {f['setting.pairs']} pairs per turn the "
         "spheres turn with the helix, out of the plane in which the spring bends; with "
         f"{f['setting.many_pairs']} {matter}. The tip curves differ by "
         f"{phase_range(f, 'bare')} without contact, {phase_range(f, 'few')} with {f['setting.pairs']} "
-        f"pairs a turn and {phase_range(f, 'many')} with {f['setting.many_pairs']}; at {_least(f)} degrees "
+        f"pairs per turn and {phase_range(f, 'many')} with {f['setting.many_pairs']}; at {_least(f)} degrees "
         f"they come nearest with {f['setting.pairs']}."
     )
 
@@ -262,7 +262,7 @@ def errors(f: Facts) -> str:
         "Curve: difference of the tip displacements at the same load over the wire model's peak, worst "
         "component. Shape: distance between the centres of the contact circles at full load. The "
         f"mesh's own error is a Richardson estimate from {f['setting.elements']} and "
-        f"{f['setting.fine_elements']} elements a turn (same contact pairs), whose error falls "
+        f"{f['setting.fine_elements']} elements per turn (same contact pairs), whose error falls "
         "with the square of the element length. All at a start phase in the working plane."
     )
 
@@ -279,7 +279,7 @@ def _errors(evidence: Evidence) -> list[Part]:
     )
     exact = [row for item in evidence.cases.values() for row in _exact_rows(item)]
     return [
-        Heading(2, "How far apart the models are"),
+        Heading(2, "Deviation of the models"),
         errors,
         Table(header, rows),
         Text(

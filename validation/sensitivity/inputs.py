@@ -19,7 +19,7 @@ KINDS = {
     AGAINST: "the paper is silent, but its two models would not have agreed",
 }
 LIKE = 0.01  # mm: penetration at which both exponents give one force
-EVERYWHERE = 20  # sphere pairs a turn that touch wherever the wires do
+EVERYWHERE = 20  # sphere pairs per turn that touch wherever the wires do
 
 
 @dataclass(frozen=True)
@@ -189,23 +189,23 @@ INPUTS = (
     OpenInput(
         "start_phase", "start phase", NOT_GIVEN, "0°",
         "does not say at which angle to the working plane the active wire begins",
-        "all round in steps of 30°; with contact by 20 pairs a turn, against 20 pairs at 0°, so that the "
+        "all round in steps of 30°; with contact by 20 pairs per turn, against 20 pairs at 0°, so that the "
         "place of few spheres plays no part. The paper's law knows the side alone.",
         _phase,
     ),
     OpenInput(
         "sphere_place", "spheres out of the plane by", AGAINST, "0°",
-        "4 contact elements a turn (Table 2), at angles not given",
+        "4 contact elements per turn (Table 2), at angles not given",
         "15° to 45°, which is farthest, by turning the helix and its spheres. The contact of a bent spring "
         "is in the plane, and its coils overlap where no sphere stands. The paper's FE and beam coincide, "
         "the beam being the softer: its spheres cannot have been far from the plane.",
         _spheres, contact=True, models=(WIRE,),
     ),
     OpenInput(
-        "pairs", "sphere pairs a turn", READING, "4",
+        "pairs", "sphere pairs per turn", READING, "4",
         "'number contact elements per turn 4' (Table 2)",
         "2: a pair is two elements; 8: each of 4 places faces both neighbours; 20: wires that touch "
-        "everywhere, which 4 stand for. The beam has 2 circles a turn by its definition.",
+        "everywhere, which 4 stand for. The beam has 2 circles per turn by its definition.",
         _pairs, contact=True, models=(WIRE,),
     ),
     OpenInput(
@@ -227,7 +227,7 @@ INPUTS = (
     ),
     OpenInput(
         "element", "wire element", READING, "straight",
-        "40 beam elements a turn (Table 2), their kind not given",
+        "40 beam elements per turn (Table 2), their kind not given",
         "curved: elements with the exact linear flexibility of their piece of wire, as elements of higher "
         "order approach it. The beam's element is the paper's own.",
         _element, models=(WIRE,),

@@ -35,9 +35,9 @@ INTRO = (
     "of UX, UY or ROTZ at any load, in per cent of the component's peak with our default."
 )
 CLOSING = (
-    "So the paper's curves cannot be used to judge ours more finely than this: not for want of accuracy, but "
-    "of inputs. The difference of the two models can be judged much more finely, because most inputs move "
-    "both alike (last column of the tables below)."
+    "So the paper's curves cannot verify ours to less than this, since inputs are missing. The difference of "
+    "the two models can be verified much more finely, because most inputs change both alike (last column of "
+    "the tables below)."
 )
 CAPTION = (
     "Largest change of the load curve by each open input. Values of the inputs that reach farthest stand at "
@@ -49,8 +49,8 @@ HOW_FAR = (
     "Two estimates, neither of which is a bound. *Largest single*: the largest change by one input. "
     "*Together*: the root of the sum of squares of all inputs' largest changes, which holds where they are "
     "independent and small, and where the authors' values are as likely to be at the ends of our ranges as "
-    "within. *Not given*: the paper says nothing on the input; *with readings*: also inputs that the paper "
-    "tells in words that leave room. Inputs that the paper's own result speaks against are in the tables "
+    "within. *Not given*: the paper says nothing on the input; *with readings*: also inputs whose "
+    "description leaves room. Inputs that the paper's own result speaks against are in the tables "
     "below alone. Values that end short of full load have no number and are in no estimate. "
     "*Deviation of the models*: largest difference of the two load curves with our defaults."
 )
@@ -81,7 +81,7 @@ def page(studies: Sequence[pd.DataFrame]) -> list[Block]:
         Heading(1, "What the paper leaves open"),
         Text(INTRO),
         Picture("sensitivity.png", CAPTION),
-        Heading(2, "How far our curves could be from the authors'"),
+        Heading(2, "Possible distance of our curves from the authors'"),
         Text(HOW_FAR),
         Table(ESTIMATES, tuple(_estimate(data, model) for data in studies for model in MODELS)),
         Bullets(tuple(sentence for data in studies for sentence in _findings(data))),
@@ -163,7 +163,7 @@ def _case(data: pd.DataFrame) -> list[Block]:
         "ROTZ (%)",
         "curve (%)",
         "at",
-        "models apart (%)",
+        "deviation of the models (%)",
     )
     present = values(data).groupby(["input", "model"], sort=False)
     rows = [

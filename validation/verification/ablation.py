@@ -30,7 +30,7 @@ HEAD = (
 )
 CASES_TEXT = (
     "Largest error of the load curve in per cent of the peak, worst component, 50 steps. Reference: wire "
-    "model, 16 curved elements and 4 sphere pairs a turn. Both models have the scene's rule of sliding."
+    "model, 16 curved elements and 4 sphere pairs per turn. Both models have the scene's rule of sliding."
 )
 
 
@@ -104,7 +104,7 @@ def _small(cases: Cases) -> str:
 
 def _pairs(cases: Cases) -> str:
     moved = abs(cases.value("refinements", PAPER, A4) - cases.law(A4))
-    pairs = cases.value("reference with", "twice the pairs a turn", A4)
+    pairs = cases.value("reference with", "twice the pairs per turn", A4)
     side = "less" if moved < pairs else "more"
     return (
         f"On Spring A in contact the refinements together move the error by {moved:.3f} %: {side} than "
@@ -115,8 +115,8 @@ def _pairs(cases: Cases) -> str:
 def _ends(cases: Cases) -> str:
     errors = {k: cases.law(A, f"helix law, start phase {k} degrees") for k in (45, 90, 270)}
     return (
-        "What held ends do is how the start phase enters an in-plane model. At 90 and 270 degrees, where "
-        "the tilt of the axis lies in the working plane, the error on Spring A without contact is "
+        "The effect of fixed ends is how the start phase enters an in-plane model. At 90 and 270 degrees, "
+        "where the tilt of the axis lies in the working plane, the error on Spring A without contact is "
         f"{errors[90]:.3f} and {errors[270]:.3f} %; at 45 degrees, where both planes are coupled, "
         f"{errors[45]:.3f} %."
     )

@@ -11,7 +11,7 @@ from validation.verification import curvature, momentcase, rodcases, springcases
 from validation.verification.case import Check
 
 PAGE, RECORD = Path("docs/validation.md"), Path("reports/verification")
-FEWEST = "4 curved elements a turn; UX, UY, ROTZ"
+FEWEST = "4 curved elements per turn; UX, UY, ROTZ"
 HEAD = """# Accuracy of the wire model
 
 Written by `python -m validation.verification.accuracy`; every result is computed there. Code verification:

@@ -66,7 +66,7 @@ def _titled(*names: str, **columns: tuple[str, Any]) -> dict[str, tuple[str, Any
 
 
 def pairs_section(data: pd.DataFrame, slip: float) -> str:
-    """What the number of pairs a turn moves and costs; `slip` is Spring A's largest at the least mu, mm."""
+    """What the number of pairs per turn moves and costs; `slip` is Spring A's largest at the least mu, mm."""
     springs = [group for _, group in data.groupby("spring", sort=False)]
     data = pd.concat(
         group.assign(
@@ -75,7 +75,7 @@ def pairs_section(data: pd.DataFrame, slip: float) -> str:
         for group in springs
     )
     columns = {
-        "spring": ("spring", "{}"), "pairs": ("pairs a turn", "{}"), **_titled(*TIPS),
+        "spring": ("spring", "{}"), "pairs": ("pairs per turn", "{}"), **_titled(*TIPS),
         "difference": ("difference to 40", percent), "overlap": ("overlap of the wires", "{:.4f}"),
         "penetration": ("largest penetration of a pair", "{:.4f}"),
         "force": ("largest force of a pair", "{:.2f}"), "time": ("time over that of 4", "{:.1f}"),
@@ -143,7 +143,7 @@ def search_section(data: pd.DataFrame, listed: int, limit: Mapping[str, Any]) ->
     time = data["critical time"].map(lambda at: "" if pd.isna(at) else f" at t = {at:.4f}")
     columns = {
         "spring": ("spring", "{}"), "mu": ("mu", _coefficient), "K": ("K", "{:g}"),
-        "pairs": ("pairs a turn", "{}"), **_titled("pairs found", "outcome", "UX", "UY"),
+        "pairs": ("pairs per turn", "{}"), **_titled("pairs found", "outcome", "UX", "UY"),
         "penetration": ("largest penetration", "{:.3f}"), "unlisted": ("unlisted", "{}"),
     }  # fmt: skip
     table = _table(data.assign(outcome=data["outcome"] + time), columns)

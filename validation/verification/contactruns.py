@@ -33,7 +33,7 @@ class Run:
     k: float = 1.0
     K: float = 1e4
     steps: int = 50
-    curved: bool = False  # as many elements a turn as pairs; else 40 straight ones
+    curved: bool = False  # as many elements per turn as pairs; else 40 straight ones
 
     @property
     def scene(self) -> Scene:

@@ -42,7 +42,7 @@ STAGES = (
         "a half coil is a uniform helix in large deformation, its radius and angle follow the load; "
         "its ends turn freely about the axis",
     ),
-    Stage("held", "winding held", "the ends of a half coil do not turn about the axis"),
+    Stage("held", "winding fixed", "the ends of a half coil do not turn about the axis"),
     Stage("shear", "wire shear", "transverse shear of the wire"),
     Stage("stretch", "wire stretch", "axial stretch of the wire"),
     Stage(
@@ -63,8 +63,8 @@ STAGES = (
     ),
     Stage(
         "ends",
-        "what held ends do",
-        "the axis tilts and stands off where the wire is held, and turns in the half coils of a cone; it is "
+        "effect of fixed ends",
+        "the axis tilts and is offset where the wire is fixed, and turns in the half coils of a cone; it is "
         "how the start phase enters",
     ),
 )
@@ -97,10 +97,10 @@ def case_numbers(scene: Scene) -> Iterator[tuple[str, str, float]]:
         yield "law", f"helix law, start phase {degrees} degrees", phase_error(scene, degrees)
     pairs = reference.options["pairs_per_turn"]
     coarse = partial_path(wirefe.solve, scene, element="curved", elements_per_turn=8, pairs_per_turn=pairs)
-    yield "reference with", "8 elements a turn", error(coarse, reference)
+    yield "reference with", "8 elements per turn", error(coarse, reference)
     if scene.contact.enabled:
         more = partial_path(wirefe.solve, scene, **CONVERGED, pairs_per_turn=2 * pairs)  # type: ignore[operator]
-        yield "reference with", "twice the pairs a turn", error(more, reference)
+        yield "reference with", "twice the pairs per turn", error(more, reference)
     if scene.contact.enabled and scene.contact.sliding == "none":
         yield "outside", "normal forces", outside_share(reference)
 

@@ -20,8 +20,16 @@ from validation.verification.randomscenes import KINDS
 
 FILE = Path("reports/errorbudget/randomsprings.png")
 LOOKS: dict[str, dict[str, Any]] = {
-    "helix": {"color": NAVY, "marker": "D", "label": "helix law"},
-    "haringx": {"color": BLUE, "marker": "o", "label": "paper's law"},
+    "helix": {"color": NAVY, "marker": "D", "label": "helix law, median to 95th percentile"},
+    "haringx": {"color": BLUE, "marker": "o", "label": "paper's law, likewise"},
+}
+SPRING: dict[str, Any] = {
+    "color": GREY,
+    "marker": ".",
+    "linestyle": "none",
+    "markersize": 2.4,
+    "alpha": 0.6,
+    "markeredgewidth": 0,
 }
 PANELS = (("(a) no pair closes", CLASSES[:2]), ("(b) pairs close", CLASSES[2:]))
 BESIDE, SPREAD = 0.19, 0.11  # of a law from the middle of its row, and of single springs around it
@@ -44,7 +52,8 @@ def draw(rows: pd.DataFrame) -> Figure:
     plots[0].set_yticks(range(len(KINDS)), [kind.name for kind in KINDS])
     plots[0].invert_yaxis()
     handles = [Line2D([], [], linewidth=1.6, markersize=4.5, **look) for look in LOOKS.values()]
-    figure.legend(handles=handles, loc="outside lower center", ncols=2)
+    handles.append(Line2D([], [], **(SPRING | {"markersize": 5.0}), label="one spring"))
+    figure.legend(handles=handles, loc="outside lower center", ncols=3)
     return figure
 
 
@@ -56,7 +65,7 @@ def _panel(axes: Axes, rows: pd.DataFrame) -> None:
             if errors.empty:
                 continue
             jitter = place + side + rng.uniform(-SPREAD, SPREAD, len(errors))
-            axes.plot(errors, jitter, ".", color=GREY, markersize=2.4, alpha=0.6, markeredgewidth=0)
+            axes.plot(errors, jitter, **SPRING)
             high = errors.max() if len(errors) < FEW else errors.quantile(0.95)
             axes.plot([errors.median(), high], [place + side] * 2, color=look["color"], linewidth=1.6)
             axes.plot(errors.median(), place + side, linestyle="none", markersize=4.5, **look)

@@ -24,12 +24,12 @@ FEW = 20  # springs, below which the largest error stands in place of a percenti
 CONFIDENCE = 0.95
 WORST = 10
 MEASURED = (
-    "Both laws with their defaults against the wire model, 10 steps, as far as both go: 8 curved elements "
-    f"a turn, with contact 16 and {PAIRS} sphere pairs a turn. Errors are in per cent of the wire model's "
-    "peak: of the tip vector (UX, UY), or the axial force where UY is prescribed; and of each component "
-    f"over its own peak. A component whose peak is below {NEGLIGIBLE:g} of the largest, ROTZ taken times "
-    "the mean coil radius, is left out. Closed pairs are counted as the paper's 4 a turn: quarter turns of "
-    "the wire on which pairs are closed, the largest number at once."
+    "Both laws with their defaults against the wire model, 10 steps, up to where the first path ends: 8 "
+    f"curved elements per turn, with contact 16 and {PAIRS} sphere pairs per turn. Errors are in per cent of "
+    "the wire model's peak: of the tip vector (UX, UY), or the axial force where UY is prescribed; and of "
+    f"each component over its own peak. A component whose peak is below {NEGLIGIBLE:g} of the largest, ROTZ "
+    "taken times the mean coil radius, is left out. Closed pairs are counted as the paper's 4 per turn: "
+    "quarter turns of the wire on which pairs are closed, the largest number at once."
 )
 
 
@@ -249,7 +249,7 @@ def _reference(rows: pd.DataFrame) -> str:
     found = [rows.loc[rows["closing"] == CLASSES[k], "reference"] for k in (0, 2, 3)]
     words = [_both(errors) for errors in found]
     return (
-        f"The wire model is not exact either: half the pairs a turn move its tip by {words[1]} where up to "
+        f"The wire model is not exact either: half the pairs per turn move its tip by {words[1]} where up to "
         f"three close and {words[2]} where more do; without contact twice the elements move it by "
         f"{words[0]}."
     )
@@ -260,7 +260,8 @@ def _early(rows: pd.DataFrame) -> str:
     lost = int(rows["helix_vector"].isna().sum())
     return (
         f"Before full load end {counts[0]} paths of the wire model, {counts[1]} of the helix law and "
-        f"{counts[2]} of the paper's; they are compared as far as both go, {lost} springs not at all."
+        f"{counts[2]} of the paper's; they are compared up to where the first ends, {lost} springs not at "
+        "all."
     )
 
 

@@ -37,7 +37,7 @@ def row(drawn: Drawn) -> dict[str, Any]:
     """What a spring is, and both laws' errors on it, per cent.
 
     ``closed`` is the largest number of quarter turns on which pairs are closed at once; ``reference`` what
-    half the pairs a turn move the wire model by, without contact twice the elements.
+    half the pairs per turn move the wire model by, without contact twice the elements.
     """
     scene, spring = drawn.scene, drawn.scene.spring
     contact = scene.contact.enabled
@@ -72,7 +72,7 @@ def reference(scene: Scene, elements: int | None = None, pairs: int = PAIRS) -> 
 def closed(wire: EquilibriumPath) -> int:
     """Largest number of quarter turns on which pairs are closed at once.
 
-    A contact of the paper's pairs, 4 a turn, is one quarter turn, whatever the number of pairs.
+    A contact of the paper's pairs, 4 per turn, is one quarter turn, whatever the number of pairs.
     """
     pairs: np.ndarray = wire.shape.data.contact.pairs  # type: ignore[attr-defined]
     quarters = pairs[:, 0] * PAPER_PAIRS // PAIRS

@@ -48,7 +48,7 @@ def wrench() -> Check:
 
     errors = [np.abs(moved(n) - target).max() for n in (4, 8)]
     return Check(
-        "G9, uniform helix under a wrench", "Spring A's wire, 3 turns, 16 curved elements a turn",
+        "G9, uniform helix under a wrench", "Spring A's wire, 3 turns, 16 curved elements per turn",
         tuple(target.tolist()), "own (exact with shear and stretch)", 3e-7, tuple(moved(16).tolist()),
         "uniform strains only", observed_order(errors),
     )  # fmt: skip
@@ -62,7 +62,7 @@ def exact_rods() -> Iterator[Check]:
             for count, tolerance in meshes.items():
                 path = wirefe.solve(load_scene(name), steps=5, element=element, elements_per_turn=count)
                 found = Check(
-                    f"G13, {name}", f"{count} {element} elements a turn; UX, UY, ROTZ", tips[1.0],
+                    f"G13, {name}", f"{count} {element} elements per turn; UX, UY, ROTZ", tips[1.0],
                     "own (shooting)", tolerance, tuple(path.tips[-1].tolist()),
                     "contact; the assumed material",
                 )  # fmt: skip
@@ -129,7 +129,7 @@ def frequencies() -> Check:
     fine = found(320)
     order = observed_order([np.abs(found(n) - fine).max() for n in (40, 80)])
     return Check(
-        "natural frequencies", "clamped, 7.6 turns, 80 curved elements a turn; Hz",
+        "natural frequencies", "clamped, 7.6 turns, 80 curved elements per turn; Hz",
         (393.5, 396.1, 462.8, 525.5, 863.9), "literature from memory (after Pearson; Yildirim)", 2e-3,
         tuple(found(80).tolist()), "frequencies of a loaded spring, of coils that touch", order,
     )  # fmt: skip

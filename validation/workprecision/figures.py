@@ -46,7 +46,16 @@ FLOOR: Look = {
     "linewidth": 0.0,
     "zorder": 0.5,
 }
+USUAL: Look = {"color": GREY, "linewidth": 0.8, "zorder": 0.5}  # the penalty of the scenes
 DASHES = ("-", (0, (4, 2)))  # of the first scene and the second
+PAPER_TANGENT: Look = {
+    "color": BLUE,
+    "marker": "x",
+    "linestyle": "none",
+    "markersize": 4.0,
+    "markeredgewidth": 1.0,
+    "zorder": 3.0,
+}
 CROSS: Look = {"marker": "x", "color": "black", "linestyle": "none", "markersize": 6.0}
 
 
@@ -105,7 +114,9 @@ def _panel(axes: Axes, part: pd.DataFrame, able: pd.DataFrame, kind: str) -> Non
     for series in (*SERIES, PEER):
         mine = able[able["series"] == series]
         usual = mine[mine["steps"] == STEPS].sort_values("elements_per_turn")
-        for chosen, filled in ((mine[mine["steps"] != STEPS], False), (usual, True)):
+        paper = usual["tangent"] == "paper"
+        axes.plot(usual["ms"][paper], usual["error"][paper], **PAPER_TANGENT)
+        for chosen, filled in ((mine[mine["steps"] != STEPS], False), (usual[~paper], True)):
             if len(chosen):
                 axes.plot(chosen["ms"], chosen["error"], **_look(series, filled))
     best = part[part[f"on_{kind}_front"] == 1].sort_values("ms")
@@ -146,7 +157,6 @@ def _label_axes(grid: np.ndarray, shown: pd.DataFrame, kind: str) -> None:
     for axes in grid.flat:
         axes.set(xscale="log", yscale="log", ylim=(0.4 * low, 2.5 * shown["error"].max()))
         axes.tick_params(labelbottom=True)
-        axes.xaxis.set_major_formatter("{x:g}")
     for axes in grid[-1]:
         axes.set_xlabel("CPU time (ms)")
     for axes in grid[:, 0]:
@@ -157,12 +167,13 @@ def _key(peers: bool) -> Sequence[Line2D | Patch]:
     series = (*SERIES, PEER) if peers else SERIES
     usual = [Line2D([], [], **_look(name, True), label=NAMES[name]) for name in series]
     other = Line2D([], [], **_look("curved", False), label=f"open: other than {STEPS} steps")
+    tangent = Line2D([], [], **PAPER_TANGENT, label="law haringx, paper’s tangent")
     front = Line2D([], [], **FRONT, label="Pareto front")
     rings = [
         Line2D([], [], **_ring(mesh), label=f"paper’s {'mesh' if mesh else 'model'}")
         for mesh in (True, False)
     ]
-    return [*usual, other, front, *rings, Patch(**FLOOR, label="reference’s own error")]
+    return [*usual, tangent, other, front, *rings, Patch(**FLOOR, label="reference’s own error")]
 
 
 def draw_penalties(rows: pd.DataFrame) -> Figure:
@@ -183,7 +194,11 @@ def draw_penalties(rows: pd.DataFrame) -> Figure:
     time.set(ylabel="CPU time (ms)", title="(b) Time")
     for axes in (error, time):
         axes.set(xscale="log", yscale="log", xlabel="penalty K (N/mm)")
-        axes.axvline(Contact().stiffness, color=GREY, linewidth=0.8, zorder=0.5)
+        axes.axvline(Contact().stiffness, **USUAL)
         axes.yaxis.set_major_formatter("{x:g}")
-    figure.legend(*error.get_legend_handles_labels(), loc="outside lower center", ncols=2)
+    handles, _ = error.get_legend_handles_labels()
+    handles.append(Line2D([], [], **USUAL, label="K of the scenes"))
+    if (rows["outcome"] != "completed").any():
+        handles.append(Line2D([], [], **CROSS, label="path ends before full load"))
+    figure.legend(handles=handles, loc="outside lower center", ncols=3)
     return figure

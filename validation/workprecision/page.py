@@ -17,8 +17,8 @@ from validation.workprecision.settings import PAIRS, STEPS
 
 CAPTIONS = {
     "curve": "Error of the load curve against CPU time. Filled symbols: the scenes' 50 steps; small open "
-    "ones: more steps. The slower filled circles are "
-    "haringx with the paper's tangent. Grey line: Pareto front of the runs of 50 steps and more.",
+    "ones: more steps. Crosses: haringx with the "
+    "paper's tangent. Grey line: Pareto front of the runs of 50 steps and more.",
     "shape": "Error of the shape at full load against CPU time. Filled symbols: the scenes' 50 steps; "
     "small open ones: other numbers of steps. Grey line: Pareto front of all runs.",
     "penalty": "(a) Error of the load curve against hard contact of the same model, and (b) CPU time, over "
@@ -30,27 +30,27 @@ _EQUAL = (
     "The paper compares times at unequal errors: its 'reduction' is that of its model against one FE mesh. "
     "Here each law of the half coil, in the scenes' 50 steps and the helix law with their rule of sliding, "
     "stands against the fastest run of the wire model that gives the whole curve with at most the law's "
-    "error. 4 elements a turn are the fewest the wire model takes, so its error can be far below the law's. "
+    "error. 4 elements per turn are the fewest of the wire model, so its error can be far below the law's. "
     "*Reduction*: time that the beam saves; ratios are formed of medians over the paper's mesh."
 )
 _PAPER = (
-    "The paper's mesh: straight elements, 40 a turn. The paper's model: the equivalent beam with the law "
+    "The paper's mesh: straight elements, 40 per turn. The paper's model: the equivalent beam with the law "
     "haringx, here with the exact tangent. Fastest: among the runs of the whole curve whose error is at most "
     "that of the paper's mesh."
 )
 _REFERENCE = (
-    "Without sliding (Spring B) the answer remembers the accepted substeps, so that the steps decide the "
+    "With sticking contact (Spring B) the answer depends on the accepted substeps, so the steps decide the "
     "reference's error. The exact rod's numbers have six digits after the point, which is 4e-7 of Spring A's "
     "rotation."
 )
 _PAIRS = (
-    f"The number of sphere pairs is part of the contact model: the scenes have {PAIRS} a turn, as the paper. "
-    "Others change the answer by this much, which no mesh can tell, and are on neither front."
+    f"The number of sphere pairs is part of the contact model: the scenes have {PAIRS} per turn, as the "
+    "paper. Others change the answer by this much, whatever the mesh, and are on neither front."
 )
 _PENALTY = (
     "Each model against itself with hard contact: a penalty of 1e8 N/mm, which differs from one of 1e7 by "
     "the reference's own error. Error and time as above; the error is that of the part of the path that was "
-    "reached. Penalty: of a sphere pair at 4 pairs a turn."
+    "reached. Penalty: of a sphere pair at 4 pairs per turn."
 )
 _NO_PEER = (
     "Not in these figures: OpenSees was not installed where they were measured "
@@ -104,7 +104,7 @@ def markdown(rows: pd.DataFrame, made: Mapping[str, str], drawn: bool) -> str:
         picture = [_picture("penalty")] if drawn else []
         blocks += [Heading(2, "Penalty"), Text(_PENALTY), *picture, tables.penalty_table(rows)]
     if len(tables.differing_pairs(rows)):
-        blocks += [Heading(2, "Pairs a turn"), Text(_PAIRS), tables.pairs_table(rows)]
+        blocks += [Heading(2, "Pairs per turn"), Text(_PAIRS), tables.pairs_table(rows)]
     return to_markdown(blocks)
 
 
@@ -117,9 +117,9 @@ def _method(rows: pd.DataFrame) -> list[Block]:
     rounds = rows.loc[rows["role"] == "run", "rounds"].iloc[0]
     return [
         Text(
-            f"Reference: curved wire elements, {2 * halved.elements_per_turn} a turn, {halved.steps} steps. "
-            "Its own error is the change to half its mesh plus that to half its steps: the floor of the "
-            "figures. Curve error: largest difference at the same load over the reference's peak, worst "
+            f"Reference: curved wire elements, {2 * halved.elements_per_turn} per turn, {halved.steps} "
+            "steps. Its own error is the change to half its mesh plus that to half its steps: the floor of "
+            "the figures. Curve error: largest difference at the same load over the reference's peak, worst "
             "component, at the points that a run has. Shape error: largest distance of the centres of the "
             "contact circles at full load. Only equilibria count: a run that does not reach full load is on "
             "neither front. The equivalent beam's error is that of its model, the wire model's that of "

@@ -1,7 +1,7 @@
 """Run time against error of both models: what a given accuracy costs (``coilcheck workprecision``).
 
 The error of a path is its distance from a reference (`validation.study.metrics`): the curved wire mesh of
-`Extent.reference` elements a turn in `Extent.finest` steps. The reference's own error is told by half
+`Extent.reference` elements per turn in `Extent.finest` steps. The reference's own error is told by half
 its mesh and by half its steps; where there is no contact, the exact rod bears it out.
 
 The time is the CPU time of the solve alone, one thread, kernels warm. All settings of a scene take turns

@@ -23,8 +23,8 @@ class Setting:
     ----------
     series : element of the wire model, law of the equivalent beam, or `PEER`.
     steps : equal steps of time.
-    mesh : elements a turn; 0 for the equivalent beam, which has one length of element.
-    pairs : sphere pairs a turn; 0 for the equivalent beam.
+    mesh : elements per turn; 0 for the equivalent beam, which has one length of element.
+    pairs : sphere pairs per turn; 0 for the equivalent beam.
     tangent, sliding : of the equivalent beam; empty for the wire model.
     """
 
@@ -59,7 +59,7 @@ class Setting:
         parts = [f"wire {self.series} {self.mesh}" if self.mesh else f"beam {self.series}"]
         parts += ["paper’s tangent"] if self.tangent == "paper" else []
         parts += ["scene’s sliding"] if self.sliding == "scene" else []
-        parts += [f"{self.pairs} pairs a turn"] if self.mesh and self.pairs != PAIRS else []
+        parts += [f"{self.pairs} pairs per turn"] if self.mesh and self.pairs != PAIRS else []
         return ", ".join([*parts, f"{self.steps} step{'s' if self.steps != 1 else ''}"])
 
     @property
@@ -80,12 +80,12 @@ class Extent:
 
     Attributes
     ----------
-    straight, curved : elements a turn.
-    reference : curved elements a turn of the reference; half of it tells the reference's error.
+    straight, curved : elements per turn.
+    reference : curved elements per turn of the reference; half of it tells the reference's error.
     steps : other numbers of steps; divisors of `Extent.finest`.
-    pairs : other sphere pairs a turn.
+    pairs : other sphere pairs per turn.
     rounds : timed rounds.
-    peers : elements a turn and steps of OpenSees, which takes seconds where the others take a tenth.
+    peers : elements per turn and steps of OpenSees, which takes seconds where the others take a tenth.
     peer_rounds : timed rounds of OpenSees.
     """
 

@@ -122,7 +122,7 @@ def peer_table(rows: pd.DataFrame) -> Table:
         rows[rows["role"] == "opensees"],
         {
             **SCENE,
-            "elements a turn": lambda row: row.elements_per_turn,
+            "elements per turn": lambda row: row.elements_per_turn,
             "steps": lambda row: row.steps,
             "outcome": lambda row: row.outcome.replace("_", " "),
             "OpenSees (ms)": _time,
@@ -168,7 +168,7 @@ def differing_pairs(rows: pd.DataFrame) -> pd.DataFrame:
 
 def pairs_table(rows: pd.DataFrame) -> Table:
     """What the number of sphere pairs changes."""
-    pairs = {"pairs a turn": lambda row: row.pairs_per_turn, "outcome": lambda row: row.outcome}
+    pairs = {"pairs per turn": lambda row: row.pairs_per_turn, "outcome": lambda row: row.outcome}
     return view(differing_pairs(rows), SCENE | pairs | TIME | ERRORS)
 
 
