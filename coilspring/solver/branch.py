@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from coilspring.compiling.compiled import part
+from coilspring.contact.history import has_friction
 from coilspring.solver.newton import INDEFINITE, NONE
 from coilspring.solver.system import moved, put_prescribed
 
@@ -62,8 +63,8 @@ def continues(system, task, work, trouble, judged):
     share = turn / distance if distance > 0.0 else 0.0
     least = turn / (SMALL * task.diameter)
     good = least <= 1.0 or (share <= TURN and trouble == NONE)
-    if trouble == INDEFINITE:
-        # a jump may end anywhere, also near the prediction
+    if trouble == INDEFINITE and not has_friction(work.history):
+        # a jump may end anywhere, also near the prediction; with friction predictions slide where states stick
         good = distance <= SMALL * task.diameter
     return good, min(share, TURN * least), distance
 
