@@ -64,7 +64,7 @@ def continues(system, task, work, trouble, judged):
     least = turn / (SMALL * task.diameter)
     good = least <= 1.0 or (share <= TURN and trouble == NONE)
     if trouble == INDEFINITE and not has_friction(work.history):
-        # a jump may end anywhere, also near the prediction; with friction predictions slide where states stick
+        # a jump may end anywhere, also near the prediction; friction is predicted to slide where it sticks
         good = distance <= SMALL * task.diameter
     return good, min(share, TURN * least), distance
 
