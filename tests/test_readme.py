@@ -110,7 +110,8 @@ def test_the_table_of_models_says_what_is_recorded():
 
 
 def span(values):
-    return f"{values.min():.2g} to {values.max():.2g}"
+    """Least and largest, two digits."""
+    return " to ".join(f"{float(f'{end:.2g}'):g}" for end in (values.min(), values.max()))
 
 
 def test_links_of_the_readme():

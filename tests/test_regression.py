@@ -27,6 +27,7 @@ from validation.regress.baselines import MODELS, Run, find, read, runs
 from validation.regress.comparison import compare
 from validation.regress.run import regress
 from validation.study import warmup
+from validation.study.cases import CASES
 
 KEPT = Path(__file__).parents[1] / "reports" / "baseline"
 # the models' modules, which their own functions `solve` hide
@@ -377,3 +378,9 @@ def test_a_law_without_a_path_is_made_ready_too(monkeypatch):
     monkeypatch.setattr(warmup.equivbeam, "solve", short)
     monkeypatch.setattr(warmup, "background", lambda code: nullcontext())
     warmup.make_ready.__wrapped__()
+
+
+@pytest.mark.parametrize("name", timeratios.RUNS)
+def test_what_is_timed_reaches_full_load(name):
+    for case in CASES:
+        assert timeratios.RUNS[name](case.scene) > 0.0
