@@ -45,17 +45,13 @@ class Task(NamedTuple):
     """What is asked of the follower."""
 
     times: np.ndarray  # (steps,) requested times, increasing
-    load: (
-        np.ndarray
-    )  # (n,) load that grows with time; with a prescribed motion the one that gives the tangent
+    load: np.ndarray  # (n,) that grows with time; of a prescribed motion the one that gives the tangent
     dead: np.ndarray  # (n,) load that is there from the beginning
     start: np.ndarray  # state at time 0
     diameter: float  # wire diameter, mm: the length with which motions are compared
     limit: int  # largest number of iterations of a substep
     predictor: bool  # the matrix is the tangent: predict by it, and judge the branch by it
-    modified: (
-        bool  # modified Newton: a factor is kept for further steps, the matrix left out where not factored
-    )
+    modified: bool  # modified Newton: factors are kept longer, the matrix left out where not factored
 
 
 class Target(NamedTuple):
