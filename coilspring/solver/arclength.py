@@ -23,7 +23,8 @@ from coilspring.contact.law import PAIR_HISTORY
 from coilspring.solver.branch import PAIR_MOTION, displacement_bound
 from coilspring.solver.interface import record_type
 from coilspring.solver.linesearch import dot
-from coilspring.solver.system import assembled, factored, moved, solution, system_of, system_types
+from coilspring.solver.operations import assembled, factored, moved, solution
+from coilspring.solver.system import system_of, system_types
 
 FIRST_ARC = 0.02  # of the arc that the tangent at rest would take to full load
 LEAST_ARC = 1e-7

@@ -28,6 +28,7 @@ from coilspring.contact.kinematics import OVERLAP_ALLOWED, TOUCH
 from coilspring.solver.branch import TURN, continues, curvature, displacement_bound, jumped, predict
 from coilspring.solver.frictiontangent import rise_of_bounds
 from coilspring.solver.newton import CONVERGED, FAILED, INDEFINITE, LINEAR, NONE
+from coilspring.solver.operations import assembled, factored, moved, put_prescribed, solution, stale_solution
 from coilspring.solver.stability import LEAST_STEP, least_stiffness, predicted_zero, unstable_time
 from coilspring.solver.system import (
     CHANGE,
@@ -40,13 +41,7 @@ from coilspring.solver.system import (
     Target,
     TaskRef,
     WorkRef,
-    assembled,
-    factored,
-    moved,
-    put_prescribed,
     record_type,
-    solution,
-    stale_solution,
     system_of,
     system_types,
     task_type,

@@ -13,7 +13,7 @@ import numpy as np
 from coilspring.compiling.compiled import part
 from coilspring.contact.history import copy_history
 from coilspring.solver.linesearch import subtract
-from coilspring.solver.system import assembled, moved, solution
+from coilspring.solver.operations import assembled, moved, solution
 
 LESS = 1e-4  # share by which friction is taken back
 NEARBY = 1e-5  # wire diameters of slip: bounds of hard contact are far from straight lines over it

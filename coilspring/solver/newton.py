@@ -10,14 +10,8 @@ import numpy as np
 
 from coilspring.compiling.compiled import copy, part, typed
 from coilspring.solver.linesearch import dot, falls, line_search, residual
-from coilspring.solver.system import (
-    assembled,
-    equilibrium_signature,
-    factored,
-    moved,
-    solution,
-    stale_solution,
-)
+from coilspring.solver.operations import assembled, factored, moved, solution, stale_solution
+from coilspring.solver.system import equilibrium_signature
 
 CONVERGED, LINEAR, SADDLE, FAILED = 0, 1, 2, 3  # to LINEAR: an equilibrium was found
 AGAIN, GO_ON = -1, -2  # within an iteration: begin the next one; go on with this one

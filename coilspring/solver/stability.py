@@ -10,17 +10,8 @@ import numpy as np
 from coilspring.compiling.compiled import part
 from coilspring.solver.interface import Kernels
 from coilspring.solver.linesearch import dot
-from coilspring.solver.system import (
-    DIAGONAL,
-    DOF,
-    FREE,
-    PLACE,
-    STIFFNESS,
-    assembled,
-    factored,
-    moved,
-    solution,
-)
+from coilspring.solver.operations import assembled, factored, moved, solution
+from coilspring.solver.system import DIAGONAL, DOF, FREE, PLACE, STIFFNESS
 
 INVERSE_ITERATIONS = 30
 FEW_ITERATIONS = 8
