@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import numpy as np
-from scipy.linalg import solve_triangular
 
 from coilspring import EquilibriumPath, Scene
 from validation.campaign.critical import bracket
@@ -35,10 +34,8 @@ def verify_states(verdict: Verdict, energy: BeamEnergy, path: EquilibriumPath) -
     """Residual and stability of the last state, of some before, and of the one with the largest residual."""
     if not len(path.times):
         return
-    residuals = energy.gradients(path.states) - (
-        0.0 if energy.displacement else path.times[:, None] * energy.force
-    )
-    worst = int(np.argmax(energy.share(residuals.T) / path.times))
+    residuals = energy.reduced(energy.residual(path.states, path.times).T)
+    worst = int(np.argmax(np.linalg.norm(residuals, axis=0) / path.times))
     for row in sorted({worst} | verified_rows(path)):
         verify_state(verdict, energy, path.states[row], float(path.times[row]))
         if energy.displacement:
@@ -55,14 +52,14 @@ def verify_reaction(verdict: Verdict, energy: BeamEnergy, path: EquilibriumPath,
 
 def verify_state(verdict: Verdict, energy: BeamEnergy, state: np.ndarray, time: float) -> None:
     """One state must be a stable equilibrium at its time."""
-    H = energy.hessian(state)
-    residual = energy.residual(state, time)
-    least = float(np.linalg.eigvalsh(energy.relative(H))[0])
+    H, residual = energy.hessian(state), energy.residual(state, time)
+    least = energy.least(H)
     if not least > 0.0:
         verdict.complain(f"unstable at time {time:.6g}: least eigenvalue {least:.2e} of that at rest")
     distance = float(np.sqrt(abs(residual @ np.linalg.solve(H, residual))))
-    whole = float(np.linalg.norm(solve_triangular(energy.rest_factor, energy.force, lower=True))) * time
-    verdict.ask("residual", distance / whole, RESIDUAL, f"no equilibrium at time {time:.6g}")
+    verdict.ask(
+        "residual", distance / energy.load_norm / time, RESIDUAL, f"no equilibrium at time {time:.6g}"
+    )
     verdict.numbers["least"] = min(least, verdict.numbers.get("least", least))
 
 

@@ -15,7 +15,6 @@ from validation.campaign.scenes import Case
 from validation.campaign.slipping import highest_load, sliding_pairs
 from validation.campaign.verdict import Verdict, under
 from validation.campaign.wire import WireForces, friction_of
-from validation.campaign.wiresoft import least_stiffness, vanishing
 from validation.study.partialsolve import partial_path
 
 BALANCE = 1e-5  # of the load at the worst node; the wire stretches up to 1e6 times less than the spring
@@ -96,7 +95,7 @@ def _verify_softening(verdict: Verdict, forces: WireForces, case: Case, critical
         before = just_before(verdict, case, critical, time)
         if before is None:
             return
-        least.append(least_stiffness(forces, before.states[-1].reshape(-1, 7)))
+        least.append(forces.least_stiffness(before.states[-1].reshape(-1, 7)))
     if min(least) <= 0.0:
         verdict.complain(
             f"unstable before the critical time {critical:.6g}: least stiffness {min(least):.2e}"
@@ -144,6 +143,26 @@ def fold(positions: Sequence[np.ndarray], times: Sequence[float]) -> float | Non
     if excess(low) * excess(high) > 0.0:
         return None
     return float(brentq(excess, low, high))
+
+
+def vanishing(times: Sequence[float], least: Sequence[float]) -> float | None:
+    """Time at which a stiffness vanishes that falls over the three times given, the latest first.
+
+    Next to a bifurcation it falls as the time left, next to a fold as its root: the power which a straight
+    line through the first and last fits best in the middle is taken; None where it falls otherwise.
+    """
+    found = []
+    for power in (1.0, 2.0):
+        a, b, c = (value**power for value in least)
+        slope = (a - c) / (times[0] - times[2])
+        if slope >= 0.0:
+            continue
+        bend = abs(b - c - slope * (times[1] - times[2])) / abs(a - c)
+        roots = np.roots(np.polyfit(np.array(times) - times[0], [a, b, c], 2))
+        ahead = roots[(roots.imag == 0.0) & (roots.real >= 0.0)].real
+        if ahead.size:
+            found.append((bend, times[0] + float(ahead.min())))
+    return min(found)[1] if found else None
 
 
 def _verify_turn(verdict: Verdict, case: Case, critical: float) -> None:
