@@ -16,7 +16,7 @@ from validation.campaign.beamverifier import energy_of, verify_critical, verify_
 from validation.campaign.critical import bracket
 from validation.campaign.energy import beam_energy
 from validation.campaign.invariance import KINDS, verify_invariance
-from validation.campaign.runs import force_grain, grain, remembered, verify_branch, verify_steps
+from validation.campaign.runs import bounds_of, force_grain, grain, remembered, verify_branch, verify_steps
 from validation.campaign.scenes import Case, case_id, in_units, make_case, pressed
 from validation.campaign.table import COLUMNS, Table, read_rows, row_text
 from validation.campaign.verdict import CLASSES, THROUGH, UNEXPLAINED, Verdict, reached, under
@@ -141,7 +141,7 @@ def test_another_branch_is_caught():
     path = reached(case)
     fine = replace(path, shape=reached(beam("spring-a-no-contact")).shape, states=path.states * 1.0001)
     verdict = Verdict()
-    verify_branch(verdict, path, fine)
+    verify_branch(verdict, path, fine, "fine run", bounds_of(case))
     assert "off the branch" in verdict.complaints[0]
 
 

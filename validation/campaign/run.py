@@ -30,7 +30,6 @@ from validation.campaign.verdict import (
     reached,
 )
 from validation.campaign.verifier import verify
-from validation.campaign.wireverifier import BRANCH
 from validation.study.output import prepare
 from validation.study.provenance import write_provenance
 
@@ -103,9 +102,7 @@ def verified(name: str, seed: int) -> Row:
     try:
         path = reached(case)
         verdict = verify(case, path)
-        sliding = case.scene.contact.sliding
-        loose = BRANCH[sliding] if case.model == "wirefe" and sliding != "free" else 0.0
-        known = {"kind": verify_invariance(verdict, case, path, loose)}
+        known = {"kind": verify_invariance(verdict, case, path)}
     except InputError as error:
         known = {"message": str(error)}
         if path is not None:

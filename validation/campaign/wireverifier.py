@@ -18,10 +18,6 @@ from validation.campaign.wire import WireForces, friction_of
 from validation.study.partialsolve import partial_path
 
 BALANCE = 1e-5  # of the load at the worst node; the wire stretches up to 1e6 times less than the spring
-# difference from the fine run over the largest displacement; with friction it depends on the substeps
-BRANCH = {"free": 1e-6, "none": 2e-2, "coulomb": 2e-2}
-BETWEEN = 1e-4  # where a column passes its buckling load all but neutral, before the last common state
-CRITICAL_SHIFT = {"free": LOAD, "none": 2e-2, "coulomb": 2e-2}
 BEFORE = (1e-6, 4e-6, 1.6e-5)  # shares of the load by which states lie before their critical point
 BEFORE_SLIDING = 5e-3  # the same with coils that slide: limit points of other substeps lie within this share
 BEFORE_SOFT = (2e-3, 8e-3, 1.8e-2)  # the same for the least stiffness: nearer it is rounding
