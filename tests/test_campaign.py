@@ -11,7 +11,7 @@ import pytest
 
 import equivbeam
 from coilspring import Contact, InputError, Load, Scene, Spring, Supports, load_scene, spring_b
-from validation.campaign import page, pools, run, runs
+from validation.campaign import page, run, runs
 from validation.campaign.beamverifier import energy_of, verify_critical, verify_states
 from validation.campaign.critical import bracket
 from validation.campaign.energy import beam_energy
@@ -423,7 +423,7 @@ def test_workers_with_other_sources_are_refused(scheduler, tmp_path, monkeypatch
 
 def test_a_cluster_that_cannot_be_used_is_refused_in_one_sentence(tmp_path, monkeypatch, capsys):
     pytest.importorskip("distributed")
-    monkeypatch.setattr(pools, "PATIENCE", "0.2s")
+    monkeypatch.setattr(run, "PATIENCE", "0.2s")
     options = ["--beams", "1", "--wires", "0", "--scheduler", "tcp://127.0.0.1:9", "--out", str(tmp_path)]
     assert main(["stability", *options]) == 2
     error = capsys.readouterr().err

@@ -71,13 +71,10 @@ def verify_critical(verdict: Verdict, energy: BeamEnergy, case: Case, path: Equi
     critical, width = sharp
     if len(path.times) and path.times[-1] > critical + width:
         verdict.complain(f"continued to time {path.times[-1]:.6g} past the critical {critical:.6g}")
-    time = critical * (1.0 - BEFORE)
-    before = just_before(verdict, case, critical, time)
-    if before is None:
-        return
-    verify_state(verdict, energy, before.states[-1], time)
-    found = bracket(energy, before.states[-1], time, critical)
-    if found is None:
-        verdict.complain(f"no eigenvalue changes sign near the critical time {critical:.6g}")
-        return
-    verdict.ask("confirmed", found.offset(critical), LOAD, "eigenvalue changes sign elsewhere")
+    for time, before in just_before(verdict, case, critical, [BEFORE]):
+        verify_state(verdict, energy, before.states[-1], time)
+        found = bracket(energy, before.states[-1], time, critical)
+        if found is None:
+            verdict.complain(f"no eigenvalue changes sign near the critical time {critical:.6g}")
+        else:
+            verdict.ask("confirmed", found.offset(critical), LOAD, "eigenvalue changes sign elsewhere")

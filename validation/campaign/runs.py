@@ -196,10 +196,16 @@ def sharp_critical(verdict: Verdict, path: EquilibriumPath) -> tuple[float, floa
     return path.critical_time, path.critical_bracket
 
 
-def just_before(verdict: Verdict, case: Case, critical: float, time: float) -> EquilibriumPath | None:
-    """The case under the part of its load that acts at `time`; None where that is not reached."""
-    path = reached(case, under(case.scene, time))
-    if path.outcome != "completed":
-        verdict.complain(f"just before the critical time {critical:.6g}: {path.outcome}")
-        return None
-    return path
+def just_before(
+    verdict: Verdict, case: Case, critical: float, shares: Sequence[float]
+) -> list[tuple[float, EquilibriumPath]]:
+    """Times by shares before a critical one, and paths of the case up to there; none where one is not
+    reached."""
+    times = [critical * (1.0 - share) for share in shares]
+    paths = []
+    for time in times:
+        paths.append(reached(case, under(case.scene, time)))
+        if paths[-1].outcome != "completed":
+            verdict.complain(f"just before the critical time {critical:.6g}: {paths[-1].outcome}")
+            return []
+    return list(zip(times, paths, strict=True))
