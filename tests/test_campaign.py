@@ -12,11 +12,18 @@ import pytest
 import equivbeam
 from coilspring import Contact, InputError, Load, Scene, Spring, Supports, load_scene, spring_b
 from validation.campaign import page, run, runs
-from validation.campaign.beamverifier import energy_of, verify_critical, verify_states
+from validation.campaign.beamverifier import verify_critical, verify_states
 from validation.campaign.critical import bracket
 from validation.campaign.energy import beam_energy
 from validation.campaign.invariance import KINDS, verify_invariance
-from validation.campaign.runs import bounds_of, force_grain, grain, remembered, verify_branch, verify_steps
+from validation.campaign.runs import (
+    bounds_of,
+    explained_by_history,
+    force_grain,
+    grain,
+    verify_branch,
+    verify_steps,
+)
 from validation.campaign.scenes import Case, case_id, in_units, make_case, pressed
 from validation.campaign.table import COLUMNS, Table, read_rows, row_text
 from validation.campaign.verdict import CLASSES, THROUGH, UNEXPLAINED, Verdict, reached, under
@@ -230,7 +237,7 @@ def test_a_reaction_or_a_top_elsewhere_is_caught(case, kind):
         path = replace(path, scene=under(path.scene, 1.0 + 1e-9))
         case = replace(case, scene=path.scene)
     if case.model == "equivbeam":
-        verify_states(verdict, energy_of(case.scene, path), path)
+        verify_states(verdict, beam_energy(case.scene, str(path.options["law"])), path)
     else:
         verify_row(verdict, wire_forces(case.scene, **SMALL), path, -1)
     words = {"reaction": ("another reaction", "out of balance"), "place": ("top elsewhere",) * 2}
@@ -477,30 +484,30 @@ def test_no_answer_is_asked_to_be_finer_than_its_positions():
     assert force_grain(hard) == pytest.approx(4 * 2.0**-52 * 28.6 * 2e9 / 200.0)
 
 
-def test_what_pairs_remember_sets_runs_apart():
-    """Judged apart only with friction, and only where runs agree before anything touches."""
+def test_contact_histories_explain_deviations():
+    """Only with friction, and only where runs agree before anything touches."""
     row = run.verified("w00819", SEED)
     assert row["class"] == "deviation"
     assert row["reason"].startswith("off the branch of the fine run")
     case = make_case("w00819", SEED)
     path, fine = reached(case), reached(case, steps=40)
-    assert remembered(case, path, fine)
+    assert explained_by_history(case, path, fine)
     harder = replace(fine.scene, material=replace(fine.scene.material, E=1.01 * fine.scene.material.E))
-    assert not remembered(case, path, replace(fine, scene=harder))
+    assert not explained_by_history(case, path, replace(fine, scene=harder))
     free = replace(path.scene, contact=replace(path.scene.contact, sliding="free"))
-    assert not remembered(case, replace(path, scene=free), fine)
+    assert not explained_by_history(case, replace(path, scene=free), fine)
     early = reached(case, under(case.scene, 0.1))
-    assert not remembered(case, early, early)
+    assert not explained_by_history(case, early, early)
 
 
-def test_a_failure_is_not_excused_by_what_pairs_remember():
+def test_a_failure_is_not_excused_by_contact_histories():
     verdict, compared = Verdict(), Verdict()
     compared.ask("branch", 0.5, 0.02, "off the branch")
     compared.complain("the fine run ends as not_converged")
-    verdict.take(compared, remembered=True)
+    verdict.take(compared, by_history=True)
     assert verdict.complaints == ["the fine run ends as not_converged"]
     assert verdict.deviations == ["off the branch: 5.00e-01, above 2e-02"]
-    verdict.take(compared, remembered=False)
+    verdict.take(compared, by_history=False)
     assert len(verdict.complaints) == 3
 
 

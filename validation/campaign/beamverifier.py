@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from coilspring import EquilibriumPath, Scene
+from coilspring import EquilibriumPath
 from validation.campaign.critical import bracket
-from validation.campaign.energy import BeamEnergy, beam_energy
+from validation.campaign.energy import BeamEnergy
 from validation.campaign.runs import (
     LOAD,
     force_grain,
@@ -22,12 +22,6 @@ from validation.campaign.verdict import Verdict
 RESIDUAL = 1e-6  # distance to the equilibrium over that from rest, both in the energy norm
 REACTION = 1e-6  # of the reaction, by the verifier's own forces in the same state
 BEFORE = 4e-5  # share of the load by which a state lies before its critical point
-
-
-def energy_of(scene: Scene, path: EquilibriumPath) -> BeamEnergy:
-    """Energy of the beam by the law with which a path was found."""
-    energy = beam_energy(scene, str(path.options["law"]))
-    return energy.driven(*scene.load.displacement) if scene.load.displacement else energy
 
 
 def verify_states(verdict: Verdict, energy: BeamEnergy, path: EquilibriumPath) -> None:

@@ -15,7 +15,7 @@ MOST_CORRECTIONS = 25
 MOST_TRIALS = 40
 MOST_SETS = 6  # of closed pairs that are tried
 TIGHT = 5e-5  # of the load: where an unstable equilibrium is that near, the bracket is not narrowed further
-ENOUGH = 1e-4  # of the load: a bracket within it needs no other
+SHARP = 1e-4  # of the load: a bracket within it needs no other
 FAR = 20.0  # moves beyond this multiple of the tangent's belong to another branch
 
 
@@ -58,7 +58,7 @@ def bracket(energy: BeamEnergy, state: np.ndarray, time: float, critical: float)
     if start.least <= 0.0:
         return None
     found = _along_mode(energy, start, H, critical)
-    if found is not None and found.offset(critical) <= ENOUGH:
+    if found is not None and found.offset(critical) <= SHARP:
         return found
     return _by_load(energy, start, H, critical) or found
 

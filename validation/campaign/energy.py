@@ -33,7 +33,7 @@ class BeamEnergy:
     d, stiffness, exponent : of the contact.
     free : indices of the free degrees of freedom.
     force : (free,) load at time 1.
-    carriers : (2, pairs) nodes that carry the circles of each pair.
+    attached : (2, pairs) nodes to which the circles of each pair are attached.
     offsets : (2, pairs, 2) from the nodes to the circles' centres at rest.
     displacement : UY of the top that is prescribed at time 1, mm; 0 under a force. `force` then is what this
         motion does to the spring at rest, linearly, and measures residuals alone.
@@ -46,7 +46,7 @@ class BeamEnergy:
     exponent: float
     free: np.ndarray
     force: np.ndarray
-    carriers: np.ndarray
+    attached: np.ndarray
     offsets: np.ndarray
     displacement: float = 0.0
 
@@ -136,7 +136,7 @@ class BeamEnergy:
     @property
     def _open(self) -> np.ndarray:
         """All pairs open."""
-        return np.zeros(self.carriers.shape[1], dtype=bool)
+        return np.zeros(self.attached.shape[1], dtype=bool)
 
     def _parts(self, closed: np.ndarray | None) -> tuple[tuple[np.ndarray, Callable], ...]:
         """Half coils and pairs: places (6, items) of their coordinates, and their forces by these."""
@@ -149,7 +149,7 @@ class BeamEnergy:
 
     @cached_property
     def _pair_places(self) -> np.ndarray:
-        return np.concatenate(3 * self.carriers[:, None] + np.arange(3)[:, None])
+        return np.concatenate(3 * self.attached[:, None] + np.arange(3)[:, None])
 
     def _element_forces(self, x: np.ndarray) -> np.ndarray:
         """Forces (6, ...) of the half coils by (B1) and (7)-(9), from l, v, dtheta."""
@@ -177,23 +177,23 @@ class BeamEnergy:
 
 
 def beam_energy(scene: Scene, law: str) -> BeamEnergy:
-    """The scene's equivalent beam."""
+    """The scene's equivalent beam by a law."""
     spring, contact = scene.spring, scene.contact
     count = round(2 * spring.active_coils)
     rest = np.zeros((count + 1, 3))
     rest[:, 1] = np.linspace(0.0, spring.active_height, count + 1)
     node, offset = circles(spring)
-    # pairs one turn apart, those of one rigid end left out
+    # circles i and i + 2 are pairs, those of one rigid end left out
     low = np.flatnonzero(node[:-2] != node[2:]) if contact.enabled else np.zeros(0, int)
     pairs = np.stack((low, low + 2))
     held = [3 * count + {"ux": 0, "rotz": 2}[name] for name in scene.supports.top_held]
     free = np.setdiff1d(np.arange(3, 3 * count + 3), held)
     force = np.zeros(rest.size)
     force[-3:-1] = scene.load.force
-    return BeamEnergy(
+    energy = BeamEnergy(
         rest=rest.ravel(),
         law=LAWS[law](scene),
-        carriers=node[pairs],
+        attached=node[pairs],
         offsets=offset[pairs],
         d=spring.wire_diameter,
         stiffness=contact.stiffness * 4.0 / PAIRS_A_TURN,
@@ -201,6 +201,7 @@ def beam_energy(scene: Scene, law: str) -> BeamEnergy:
         free=free,
         force=force[free],
     )
+    return energy.driven(*scene.load.displacement) if scene.load.displacement else energy
 
 
 def circles(spring: Spring) -> tuple[np.ndarray, np.ndarray]:

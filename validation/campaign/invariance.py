@@ -6,7 +6,14 @@ import math
 from dataclasses import replace
 
 from coilspring import EquilibriumPath, Scene
-from validation.campaign.runs import UNCHANGED, deviation, force_grain, grain, remembered, substeps_change
+from validation.campaign.runs import (
+    UNCHANGED,
+    deviation,
+    explained_by_history,
+    force_grain,
+    grain,
+    substeps_change,
+)
 from validation.campaign.scenes import EVERY, Case, in_units
 from validation.campaign.verdict import CRITICAL, Verdict, ended, reached
 
@@ -73,5 +80,5 @@ def verify_invariance(verdict: Verdict, case: Case, path: EquilibriumPath) -> st
             shift = abs(path.critical_time - other.critical_time) / path.critical_time
             most = max(CRITICAL_SHIFT, loose, force_grain(path))
             compared.ask("critical_shift", shift, most, f"{kind} shifts the critical time")
-    verdict.take(compared, bool(compared.differences) and remembered(case, path, other, back))
+    verdict.take(compared, bool(compared.differences) and explained_by_history(case, path, other, back))
     return kind

@@ -90,13 +90,13 @@ def largest_load(path: EquilibriumPath, row: int) -> float:
     return float(np.hypot(*path.loads[: row % len(path.times) + 1].T).max())
 
 
-def remembered(
+def explained_by_history(
     case: Case, path: EquilibriumPath, other: EquilibriumPath, back: Sequence[float] = UNCHANGED
 ) -> bool:
-    """Whether two runs with friction part because of what their pairs remember: each has a history of its own
-    from its first touch on, since a pair remembers where it was when its substep ended.
+    """Whether two runs with friction part because of their contact histories: each has its own
+    from its first touch on, since a pair keeps where it was when its substep ended.
 
-    Then they agree under a share of the load at whose end neither remembers any.
+    Then they agree under a share of the load at whose end neither has any.
     """
     if path.scene.contact.sliding == "free" or not (_touched(path) or _touched(other)):
         return False
@@ -109,7 +109,7 @@ def remembered(
 
 
 def _touched(path: EquilibriumPath) -> bool:
-    """Whether a pair is remembered or touches at a stored time."""
+    """Whether a pair has a contact history or touches at a stored time."""
     assert path.histories is not None
     return bool(path.histories["closed"].any() or path.active_contacts.any())
 
@@ -169,7 +169,7 @@ def verify_steps(verdict: Verdict, case: Case, path: EquilibriumPath) -> None:
             compared.ask("branch", most, bounds.branch, f"off the branch of the {name}")
         else:
             verify_branch(compared, path, other, name, bounds)
-        verdict.take(compared, bool(compared.differences) and remembered(case, path, other))
+        verdict.take(compared, bool(compared.differences) and explained_by_history(case, path, other))
 
 
 def verified_rows(path: EquilibriumPath) -> set[int]:

@@ -204,7 +204,7 @@ def _angle(draw: Draw) -> float:
 def _force(spring: Spring, size: float, angle: float, held: tuple[str, ...]) -> tuple[float, float]:
     """Load that takes up `size` of the spring's free travel, or bends it that far, in the linear range.
 
-    Rigidities of a helical spring with G = E / 2.6: enough to scale loads.
+    Rigidities of a helical spring with G = E / 2.6, by which loads are scaled.
     """
     d, n, D = spring.wire_diameter, spring.active_coils, sum(spring.mean_diameter) / 2.0
     E, G, height = 206_000.0, 206_000.0 / 2.6, spring.active_height
@@ -215,8 +215,8 @@ def _force(spring: Spring, size: float, angle: float, held: tuple[str, ...]) -> 
     stiff = 12.0 if "rotz" in held else 3.0
     lateral = 1.0 / (height**3 / (stiff * bending * height / 2.0) / height + 1.0 / (rate * E / G))
     axial = size * rate * max(height - n * d, 0.1 * height)
-    across = size * lateral * 1.2 * height
-    return across * math.sin(angle), -axial * math.cos(angle)
+    sideways = size * lateral * 1.2 * height
+    return sideways * math.sin(angle), -axial * math.cos(angle)
 
 
 def scaled_load(load: Load, force: float, length: float) -> Load:

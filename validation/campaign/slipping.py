@@ -52,9 +52,9 @@ class Slipping:
     def pull(self, w: np.ndarray) -> np.ndarray:
         """Tangential forces (pairs, 3) on the lower spheres if nothing slid any more."""
         n = w / _sizes(w)
-        turned = _across(self.force, n)
+        turned = _tangential(self.force, n)
         turned *= _ratio(_sizes(self.force), _sizes(turned))
-        return turned + self.forces.penalty * _across(w - self.gap, n)
+        return turned + self.forces.penalty * _tangential(w - self.gap, n)
 
     def law(self, w: np.ndarray, press: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Tangential forces (pairs, 3) by Coulomb's law with the normal forces `press`, and their
@@ -65,8 +65,8 @@ class Slipping:
         size = _sizes(pull)
         t = _ratio(pull, size)
         slides = self.slides[:, None] | (size > bound)
-        across = np.eye(3) - t[:, :, None] * t[:, None, :]
-        turning = _ratio(bound, size)[..., None] * (across @ slope)
+        transverse = np.eye(3) - t[:, :, None] * t[:, None, :]
+        turning = _ratio(bound, size)[..., None] * (transverse @ slope)
         return (
             np.where(slides, bound * t, pull),
             np.where(slides[..., None], turning, slope),
@@ -214,7 +214,7 @@ def _sizes(v: np.ndarray) -> np.ndarray:
     return np.linalg.norm(v, axis=1, keepdims=True)
 
 
-def _across(v: np.ndarray, n: np.ndarray) -> np.ndarray:
+def _tangential(v: np.ndarray, n: np.ndarray) -> np.ndarray:
     return v - (v * n).sum(axis=1, keepdims=True) * n
 
 

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from coilspring import EquilibriumPath
-from validation.campaign.beamverifier import energy_of, verify_critical, verify_states
+from validation.campaign.beamverifier import verify_critical, verify_states
+from validation.campaign.energy import beam_energy
 from validation.campaign.overlap import verify_overlap
 from validation.campaign.runs import verified_rows, verify_steps
 from validation.campaign.scenes import Case
@@ -19,7 +20,7 @@ def verify(case: Case, path: EquilibriumPath) -> Verdict:
         verdict.complain(f"{path.outcome}: {path.message}")
         return verdict
     if beam:
-        energy = energy_of(case.scene, path)
+        energy = beam_energy(case.scene, str(path.options["law"]))
         verify_states(verdict, energy, path)
     else:
         forces = wire_forces(case.scene, **case.options)

@@ -89,9 +89,9 @@ def _flexibility(scene: Scene, phases: np.ndarray, points: np.ndarray) -> np.nda
     tangent = helix(scene.spring, at, 1)
     speed = np.linalg.norm(tangent, axis=-1, keepdims=True)
     along = (tangent / speed)[..., None] * (tangent / speed)[..., None, :]
-    across = np.eye(3) - along
+    transverse = np.eye(3) - along
     C, A = np.zeros((*at.shape, 6, 6)), np.tile(np.eye(6), (*at.shape, 1, 1))
-    C[..., :3, :3], C[..., 3:, 3:] = along / EA + across / GA, along / GJ + across / EI
+    C[..., :3, :3], C[..., 3:, 3:] = along / EA + transverse / GA, along / GJ + transverse / EI
     # columns: moments in the section of unit forces at the upper end
     arm = points[1:, None] - helix(scene.spring, at)
     A[..., 3:, :3] = np.cross(arm[..., None, :], np.eye(3)).swapaxes(-1, -2)

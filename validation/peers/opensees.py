@@ -222,7 +222,7 @@ def run(
             if spent is None:
                 break
             iterations += spent
-            tips.append([ops.nodeDisp(builder.top, freedom) for freedom in (1, 2, 6)])
+            tips.append([ops.nodeDisp(builder.top, dof) for dof in (1, 2, 6)])
         seconds = time.process_time() - began
         ops.wipe()
     times = np.arange(1, len(tips) + 1) / steps

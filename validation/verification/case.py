@@ -19,7 +19,7 @@ class Case:
     tolerance : of the largest component's error over the largest component of the target.
     solve : from a number of elements to the components of the result.
     mesh : number of elements.
-    meshes : each twice as fine as the one before, of which the order of convergence is told; none: no order.
+    meshes : each twice as fine as the one before, which tell the order of convergence; may be none.
     fine : mesh that stands in place of the target there.
     components : whose error tells the order.
     """

@@ -40,7 +40,7 @@ def spring_tip(elements: int, name: str, element: str) -> np.ndarray:
 
 
 def exact_rods() -> Iterator[Check]:
-    """G13, solved: the order is told from mesh to mesh."""
+    """G13, solved: the order is computed from mesh to mesh."""
     for name, tips in EXACT_ROD.items():
         for element, meshes in MESHES.items():
             coarse, error = 0, 0.0

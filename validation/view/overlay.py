@@ -30,7 +30,7 @@ from validation.study.style import (
 
 LABELS = dict(zip(COMPONENTS, TIPS, strict=True))
 DIFFERENCE: Look = {"color": "black", "linewidth": 1.0}
-HELD = 1e-9  # mm, rad: tips below are held freedoms' rounding
+HELD = 1e-9  # mm, rad: tips below are the rounding of fixed degrees of freedom
 
 
 def overlay(beam: EquilibriumPath, wire: EquilibriumPath) -> bytes:
