@@ -10,8 +10,6 @@ import pandas as pd
 
 from coilspring import spring_a
 from validation.study import template
-from validation.study.document import Table
-from validation.study.frames import Format, frame_table
 from validation.study.output import write_facts, write_text
 from validation.verification.contactruns import HELD, NONE, TIPS, Run, difference, limit_point, measured
 
@@ -46,60 +44,18 @@ def percent(share: float) -> str:
     return f"{100.0 * share:.2g} %" if share > TOLERANCE else "0"
 
 
-def _tip(value: float | str) -> str:
-    if isinstance(value, str):
-        return value
-    return f"{value:.4f}" if abs(value) > HELD else "0"
+def tip(run: Mapping[str, Any], components: int = 3) -> str:
+    """Cells of the first components of a run's tip."""
+    values = [run[name] for name in TIPS[:components]]
+    return " | ".join(f"{value:.4f}" if abs(value) > HELD else "0" for value in values)
 
 
-WORDS = template.template(Path(__file__).with_name("contact.md"), [percent])
-FORMATS: dict[str, Format] = {
-    **dict.fromkeys(TIPS, _tip),
-    "mu": lambda mu: "no sliding" if mu == NONE else f"{mu:g}",
-    "k": "{:g}",
-    "K": "{:g}",
-    "difference": percent,
-    "overlap": "{:.4f}",
-    "penetration": "{:.4f}",
-    "force": "{:.2f}",
-    "time": "{:.1f}",
-    "work": lambda work: f"{work:.3g}" if work > SLIDES else "0",
-    "largest slip": "{:.4f}",
-    "couple": "{:.2f}",
-    "change": percent,
-    "work change": percent,
-}
-COLUMNS = {  # of each table, and their titles
-    "pairs": {
-        "spring": "spring", "pairs": "pairs per turn", **dict(zip(TIPS, TIPS, strict=True)),
-        "difference": "difference to 40", "overlap": "overlap of the wires",
-        "penetration": "largest penetration of a pair", "force": "largest force of a pair",
-        "time": "time over that of 4",
-    },
-    "exponents": {
-        "spring": "spring", "k": "k", "K": "K, N/mm^k", **dict(zip(TIPS, TIPS, strict=True)),
-        "difference": "difference to k = 1", "penetration": "largest penetration",
-        "force": "largest force of a pair", "factorisations": "factorisations",
-    },
-    "friction": {
-        "spring": "spring", "mu": "mu", **dict(zip(TIPS, TIPS, strict=True)),
-        "work": "work of friction, N mm", "largest slip": "largest slip", "couple": "couple left, N mm",
-        "change": "change of the tips", "work change": "change of the work",
-    },
-    "search": {
-        "spring": "spring", "mu": "mu", "K": "K", "pairs": "pairs per turn", "pairs found": "pairs found",
-        "outcome": "outcome", "UX": "UX", "UY": "UY", "penetration": "largest penetration",
-        "unlisted": "unlisted",
-    },
-}  # fmt: skip
+def coefficient(mu: float) -> str:
+    """A coefficient of friction, or that nothing slides."""
+    return "no sliding" if mu == NONE else f"{mu:g}"
 
 
-def _table(data: pd.DataFrame, name: str, **formats: Format) -> Table:
-    titles = COLUMNS[name]
-    chosen = data.reindex(columns=list(titles)).rename(columns=titles)
-    return frame_table(
-        chosen, {titles[key]: form for key, form in (FORMATS | formats).items() if key in titles}
-    )
+WORDS = template.template(Path(__file__).with_name("contact.md"), [percent, tip, coefficient, pd.notna])
 
 
 def compared(data: pd.DataFrame, reference: int) -> pd.DataFrame:
@@ -114,13 +70,9 @@ def compared(data: pd.DataFrame, reference: int) -> pd.DataFrame:
 
 
 def friction_row(runs: pd.DataFrame) -> dict[str, Any]:
-    """A row of the table of friction from runs in several numbers of steps, the most last."""
+    """Of runs in several numbers of steps the last, in the most, and by what the others differ."""
     last = runs.iloc[-1]
-    head = last[["spring", "mu"]].to_dict()
-    if last["outcome"] != "completed":
-        return head | {"UX": f"{last['outcome']} at t = {last['critical time']:.4f}"}
-    row = last[["spring", "mu", *TIPS, "work", "largest slip", "couple"]].to_dict()
-    row["change"] = difference(runs, last).max()
+    row = last.to_dict() | {"change": difference(runs, last).max()}
     if last["work"] > SLIDES:
         row["work change"] = (runs["work"] / last["work"] - 1.0).abs().max()
     return row
@@ -137,18 +89,13 @@ def page(
     pairs = compared(pairs, -1)
     few, many = (pairs[pairs["pairs"] == count].set_index("spring") for count in (4, 40))
     costs = few.assign(many=many["overlap"])[["overlap", "many", "difference"]].reset_index()
-    rows = pd.DataFrame([friction_row(runs) for _, runs in friction.groupby(["spring", "mu"], sort=False)])
     last = friction[(friction["spring"] == "A") & (friction["steps"] == STEPS[-1])].set_index("mu")
-    time = search["critical time"].map(lambda at: "" if pd.isna(at) else f" at t = {at:.4f}")
-    ended = search.assign(outcome=search["outcome"] + time)
     return template.page(
         WORDS,
-        tables={
-            "pairs": _table(pairs, "pairs"),
-            "exponents": _table(compared(exponents, 0), "exponents"),
-            "friction": _table(rows, "friction"),
-            "search": _table(ended, "search", penetration="{:.3f}"),
-        },
+        pairs=pairs.to_dict("records"),
+        exponents=compared(exponents, 0).to_dict("records"),
+        friction=[friction_row(runs) for _, runs in friction.groupby(["spring", "mu"], sort=False)],
+        search=search.to_dict("records"),
         costs=costs.to_dict("records"),
         still=pairs.loc[(pairs["spring"] == "A") & (pairs["pairs"] == 20), "difference"].item(),
         slip=friction.query("spring == 'A' and mu == 0.05 and steps == 50")["last slip"].item(),
@@ -162,6 +109,7 @@ def page(
             "steps": STEPS,
             "limit": limit,
         },
+        least_work=SLIDES,
     )
 
 
