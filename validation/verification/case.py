@@ -48,7 +48,7 @@ class Case:
 
 @dataclass(frozen=True)
 class Check:
-    """What a case found: a row of the page."""
+    """What a case found."""
 
     case: Case
     result: tuple[float, ...]
@@ -65,28 +65,8 @@ class Check:
         """Whether the error is within the tolerance."""
         return self.error <= self.case.tolerance
 
-    @property
-    def row(self) -> dict[str, str]:
-        """The row of the page, by column."""
-        return {
-            "check": self.case.name,
-            "data": self.case.data,
-            "target": _numbers(self.case.target),
-            "source": self.case.source,
-            "tolerance": f"{self.case.tolerance:.1e}",
-            "result": _numbers(self.result),
-            "error": f"{self.error:.1e}",
-            "order": "" if self.order is None else f"{self.order:.2f}",
-            "passed": "yes" if self.passed else "**no**",
-            "what it cannot show": self.case.limits,
-        }
-
 
 def observed_order(errors: Iterable[float]) -> float:
     """Order from the errors of meshes that are each twice as fine, by the first and the last."""
     all_errors = list(errors)
     return float(np.log2(all_errors[0] / all_errors[-1]) / (len(all_errors) - 1))
-
-
-def _numbers(values: tuple[float, ...]) -> str:
-    return ", ".join(f"{value:.7g}" for value in values)

@@ -102,9 +102,8 @@ def measured(points: np.ndarray) -> tuple[float, float]:
     flat = points - np.outer(points @ axis, axis)
     # circle through three of them
     a, b = flat[1] - flat[0], flat[2] - flat[0]
-    normal = np.cross(a, b)
-    centre = np.cross((a @ a) * b - (b @ b) * a, normal) / (2 * normal @ normal)
-    return float(np.linalg.norm(centre)), height
+    doubled = np.linalg.norm(np.cross(a, b))
+    return float(np.linalg.norm(a) * np.linalg.norm(b) * np.linalg.norm(a - b) / (2.0 * doubled)), height
 
 
 CASES = tuple(
