@@ -252,7 +252,7 @@ def find_equilibrium(system, equilibrium, task, work, path, substep, it):
     forget_fresh(work.history)
     if path.held > 0.0:
         release(work.history, max(path.held - path.release, 0.0) / path.held)
-    update_pairs(system, work, work.state)
+    update_pairs(system, work, work.predicted)
     substep.rounds, substep.iterations, substep.trouble, substep.cut = 0, 0, NONE, HALF
     factor = 0.0
     while True:
