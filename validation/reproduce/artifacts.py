@@ -11,14 +11,13 @@ from pathlib import Path
 from types import ModuleType
 from typing import TYPE_CHECKING
 
-from validation.reproduce import curves, evidence, facts, report, tables, times
+from validation.reproduce import claims, curves, evidence, facts, report, tables, times
 from validation.reproduce.assembly import PAGE
 from validation.study import document, frames
 from validation.study.cases import PathStore
-from validation.study.document import Table, to_markdown
+from validation.study.document import Table
 from validation.study.output import FACTS, json_bytes, write_files
 from validation.study.provenance import FILE, provenance
-from validation.study.statements import rendered
 from validation.view import htmlscene, render3d, shapes
 
 if TYPE_CHECKING:
@@ -170,12 +169,12 @@ def _report(maker: Maker) -> Files:
     held = found.cases["spring-b"].wire
     picture = maker.picture("sliding", lambda: _figures().sliding_figure(held, found.frictionless))
     maker.finish()
-    parts = report.compose(found, known, maker.paths, maker.render, maker.notes)
+    page = report.compose(found, known, maker.paths, maker.render, maker.notes)
     return {
         **picture,
-        **_csv("claims", report.claim_table(known)),
+        **_csv("claims", claims.claim_table(known)),
         "phases.csv": frames.to_csv(found.phases),
-        PAGE: to_markdown(rendered(parts, known)).encode(),
+        PAGE: page.encode(),
         FILE: provenance("coilcheck reproduce"),
         FACTS: json_bytes(known),
     }
