@@ -1,10 +1,12 @@
-"""What the paper leaves open, in which range, and why: the inputs that the study varies."""
+"""What the paper leaves open, as inputs that the study varies; ``inputs.toml`` has their ranges and why."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Iterator, Mapping
+import tomllib
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from pathlib import Path
 from typing import Any
 
 from coilspring import Scene
@@ -65,7 +67,7 @@ class OpenInput:
     reason: str
     make: Callable[[Scene, str], Iterable[Variant]]
     contact: bool = False
-    models: tuple[str, ...] = MODELS
+    models: Sequence[str] = MODELS
 
     def variants(self, scene: Scene, model: str) -> tuple[Variant, ...]:
         """Its values for a scene and a model; none where the model has no such input there."""
@@ -149,87 +151,25 @@ def _with_contact(scene: Scene, **changes: Any) -> Scene:
     return replace(scene, contact=replace(scene.contact, **changes))
 
 
-INPUTS = (
-    OpenInput(
-        "E", "Young's modulus", NOT_GIVEN, "206 GPa", "names no material",
-        "196: cold-drawn carbon wire in American design tables (28.5e6 psi, from memory); 206: EN 10270-1; "
-        "210: steel in textbooks. The 200 GPa that FE programs offer for steel lie between. Stainless "
-        "spring wire (185 to 195) is left out.",
-        _modulus,
-    ),
-    OpenInput(
-        "nu", "Poisson's ratio", NOT_GIVEN, "0.3", "names no material",
-        "0.26: E 206 with G 81.5 GPa, the pair that goes with EN 10270-1; 0.32: E 210 with the G 79.3 of "
-        "American tables (11.5e6 psi).",
-        _poisson,
-    ),
-    OpenInput(
-        "reference_height", "height of the loaded point", NOT_GIVEN, "28.6 mm",
-        "loads a 'central node' of the rigid end turn and does not say where it lies",
-        "ours is the end of the active wire, the lowest place there is on the end turn; +d/2: its middle; "
-        "+d: its upper end. Load and displacements go with the point. The bottom point is fixed: its height "
-        "has no influence. A top that does not turn (Spring B) has none either.",
-        _height,
-    ),
-    OpenInput(
-        "end_contact", "contact of the end turns", NOT_GIVEN, "yes",
-        "does not say whether the end turns carry contact elements or circles",
-        "no: only active coils touch each other.",
-        _touching_ends, contact=True,
-    ),
-    OpenInput(
-        "rigid_turns", "rigid turns at each end", READING, "1",
-        "one full non-active turn, 'pseudo-rigid' through beams of 'higher stiffness', not given",
-        "0.75: as if those beams let a quarter turn take part, and the usual 1.5 lost coils of hot coiled "
-        "springs; 1.25: as much to the other side. Turns and height of the whole spring and the "
-        "loaded point stay. The active wire then begins 90° off the plane, of which the paper's law does not "
-        "know.",
-        _rigid,
-    ),
-    OpenInput(
-        "start_phase", "start phase", NOT_GIVEN, "0°",
-        "does not say at which angle to the working plane the active wire begins",
-        "all round in steps of 30°; with contact by 20 pairs per turn, against 20 pairs at 0°, so that the "
-        "place of few spheres plays no part. The paper's law knows the side alone.",
-        _phase,
-    ),
-    OpenInput(
-        "sphere_place", "spheres out of the plane by", AGAINST, "0°",
-        "4 contact elements per turn (Table 2), at angles not given",
-        "15° to 45°, which is farthest, by turning the helix and its spheres. The contact of a bent spring "
-        "is in the plane, and its coils overlap where no sphere stands. The paper's FE and beam coincide, "
-        "the beam being the softer: its spheres cannot have been far from the plane.",
-        _spheres, contact=True, models=(WIRE,),
-    ),
-    OpenInput(
-        "pairs", "sphere pairs per turn", READING, "4",
-        "'number contact elements per turn 4' (Table 2)",
-        "2: a pair is two elements; 8: each of 4 places faces both neighbours; 20: wires that touch "
-        "everywhere, which 4 stand for. The beam has 2 circles per turn by its definition.",
-        _pairs, contact=True, models=(WIRE,),
-    ),
-    OpenInput(
-        "penalty", "contact stiffness", NOT_GIVEN, "K = 1e4 N/mm", "'appropriate stiffness'",
-        "a decade to either side.",
-        _penalty, contact=True,
-    ),
-    OpenInput(
-        "exponent", "contact exponent", NOT_GIVEN, "1", "'appropriate exponent'",
-        "1.5, Hertz's for spheres, with the same force at 0.01 mm: within a tenth of Hertz's stiffness of "
-        "two steel spheres of the wire's diameter.",
-        _exponent, contact=True,
-    ),
-    OpenInput(
-        "friction", "friction of the coils", READING, "A: none; B: no sliding",
-        "FE of Spring B with 'no sliding'; nothing on Spring A; the beam's law (12) has no friction",
-        "0.1 and 0.3, oiled and dry steel; for B in the place of no sliding, should the option yield.",
-        _friction, contact=True, models=(WIRE,),
-    ),
-    OpenInput(
-        "element", "wire element", READING, "straight",
-        "40 beam elements per turn (Table 2), their kind not given",
-        "curved: elements with the exact linear flexibility of their piece of wire, as elements of higher "
-        "order approach it. The beam's element is the paper's own.",
-        _element, models=(WIRE,),
-    ),
-)  # fmt: skip
+MAKE = {
+    "E": _modulus,
+    "nu": _poisson,
+    "reference_height": _height,
+    "end_contact": _touching_ends,
+    "rigid_turns": _rigid,
+    "start_phase": _phase,
+    "sphere_place": _spheres,
+    "pairs": _pairs,
+    "penalty": _penalty,
+    "exponent": _exponent,
+    "friction": _friction,
+    "element": _element,
+}
+
+
+def _read(file: Path) -> tuple[OpenInput, ...]:
+    found = tomllib.loads(file.read_text(encoding="utf-8"))
+    return tuple(OpenInput(name, make=MAKE[name], **fields) for name, fields in found.items())
+
+
+INPUTS = _read(Path(__file__).with_name("inputs.toml"))
