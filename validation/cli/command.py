@@ -11,14 +11,8 @@ from pathlib import Path
 
 from coilspring import CATALOGUE, EquilibriumNotFound, EquilibriumPath, InputError, Scene, load_scene
 from coilspring.scene.toml import SECTIONS, scene_text
-from validation.cli import external, studies
-from validation.cli.arguments import (
-    FILE_OPTIONS,
-    MODEL_OPTIONS,
-    command_line,
-    given,
-    scene_of,
-)
+from validation.cli import studies
+from validation.cli.arguments import FILE_OPTIONS, MODEL_OPTIONS, command_line, given, scene_of
 from validation.cli.terminal import deviation, digest, notes, progress_shown, say
 from validation.study.metrics import compare_paths
 from validation.study.output import (
@@ -33,7 +27,6 @@ from validation.study.output import (
     summary,
     vtu_file,
     write_files,
-    writing,
 )
 from validation.study.partialsolve import partial_path
 from validation.study.scenewarnings import warnings
@@ -82,25 +75,6 @@ def check(arguments: argparse.Namespace) -> int:
         draw(scene, folder / "spring.png")
         lines.append(f"drawn in {folder / 'spring.png'}")
     say(*lines)
-    return COMPLETED
-
-
-def reproduce(arguments: argparse.Namespace) -> int:
-    """Make the paper's tables and figures."""
-    folder = _folder(arguments)
-    with claimed(folder), progress_shown() as progress:
-        from validation.reproduce.reproduction import reproduce as run
-
-        with writing(folder):
-            remarks = run(
-                folder,
-                arguments.only,
-                not arguments.no_render,
-                progress,
-                arguments.time,
-                arguments.interactive,
-            )
-    say(*remarks, f"written to {folder}")
     return COMPLETED
 
 
@@ -168,19 +142,14 @@ def compare(arguments: argparse.Namespace) -> int:
 def long_command(arguments: argparse.Namespace) -> int:
     """Run a study, or hand a scene to another program or to the eye."""
     with progress_shown() as progress:
-        lines, failure = LONG[arguments.command](arguments, _folder(arguments), progress)
+        lines, failure = studies.COMMANDS[arguments.command](arguments, _folder(arguments), progress)
     say(*lines)
     return _fail(REGRESSED, failure) if failure else COMPLETED
 
 
-LONG = {**studies.COMMANDS, **external.COMMANDS}
 COMMANDS = {
-    "new": new,
-    "check": check,
-    "reproduce": reproduce,
-    "solve": solve,
-    "compare": compare,
-    **dict.fromkeys(LONG, long_command),
+    **{"new": new, "check": check, "solve": solve, "compare": compare},
+    **dict.fromkeys(studies.COMMANDS, long_command),
 }
 
 
