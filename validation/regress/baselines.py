@@ -28,19 +28,13 @@ Quantities = dict[str, Any]
 
 @dataclass(frozen=True)
 class Run:
-    """One scene by one model with its options.
-
-    Attributes
-    ----------
-    name, model, scene, options : what is run.
-    sensitive : whether rounding decides where its critical point is found, and in how many iterations.
-    """
+    """One scene by one model with its options."""
 
     name: str
     model: str
     scene: Scene
     options: Mapping[str, object]
-    sensitive: bool = False
+    sensitive: bool = False  # whether rounding decides where its critical point is found
 
     def solve(self) -> EquilibriumPath:
         """The path, complete or as far as it was reached."""

@@ -18,18 +18,11 @@ from validation.study.warmup import make_ready
 
 @dataclass(frozen=True)
 class Finding:
-    """What a regression run found.
+    """What a regression run found."""
 
-    Attributes
-    ----------
-    moves : what moved; empty where nothing did, or where there was nothing to compare with.
-    compared : number of runs.
-    accepted : whether the baselines were written anew.
-    """
-
-    moves: tuple[Move, ...]
-    compared: int
-    accepted: bool
+    moves: tuple[Move, ...]  # what moved; empty where there was nothing to compare with, too
+    compared: int  # number of runs
+    accepted: bool  # whether the baselines were written anew
 
 
 def regress(

@@ -32,26 +32,16 @@ Files = dict[str, bytes]  # by name
 
 @dataclass
 class Maker:
-    """Makes artifacts, writes their files and keeps them in the store.
+    """Makes artifacts, writes their files and keeps them in the store."""
 
-    Attributes
-    ----------
-    out : folder of the results.
-    paths : of both models; their store keeps the artifacts, too.
-    render : whether pictures are made.
-    cleanup : ends the rendering processes, whatever happens.
-    times : CSV file of Table 3, for the artifacts that show it.
-    renderings : by artifact, its key, its other files, and panels and running process of its figure in space.
-    notes : what did not go as planned, one sentence each.
-    """
-
-    out: Path
-    paths: PathStore
-    render: bool
-    cleanup: ExitStack
-    times: bytes = b""
+    out: Path  # folder of the results
+    paths: PathStore  # of both models; their store keeps the artifacts, too
+    render: bool  # whether pictures are made
+    cleanup: ExitStack  # ends the rendering processes, whatever happens
+    times: bytes = b""  # CSV file of Table 3, for the artifacts that show it
+    # by artifact, its key, its other files, and panels and running process of its figure in space
     renderings: dict[str, tuple[str, Files, tuple[Shapes, ...], Rendering]] = field(default_factory=dict)
-    notes: list[str] = field(default_factory=list)
+    notes: list[str] = field(default_factory=list)  # what did not go as planned, one sentence each
 
     def measure(self) -> bytes:
         """Measure the times of Table 3; its CSV file."""
@@ -74,7 +64,8 @@ class Maker:
         for name, (key, files, panels, rendering) in self.renderings.items():
             self.paths.announce(f"rendering {name}")
             rendered = rendering.result()
-            picture = self.picture(name, partial(_space_figure, panels, rendered), lines=False)
+            figure = partial(_spring_figures().space_figure, panels, rendered)
+            picture = self.picture(name, figure, lines=False)
             write_files(picture, self.out)
             if isinstance(rendered, str):
                 note = f"{name} was drawn by matplotlib, since pyvista could not render here: {rendered}."
@@ -109,20 +100,15 @@ class Maker:
     def _springs(self, name: str, key: str) -> Files:
         """Deformed springs; the figure in space is rendered in a process of its own while work goes on."""
         panels = tuple(shapes.shapes(self.paths, scene) for scene in SPRINGS[name])
-        rendering = self._rendering(panels)
+        rendering = self.cleanup.enter_context(render3d.Rendering(panels)) if self.render else None
         files = _csv(name, shapes.centreline_table(panels))
         files |= _csv(f"{name}-plane", shapes.circle_table(panels))
-        files |= self.picture(f"{name}-plane", partial(_plane_figure, panels))
+        files |= self.picture(f"{name}-plane", lambda: _spring_figures().plane_figure(panels))
         if rendering is None:
             self.paths.store.put(key, files)
         else:
             self.renderings[name] = (key, files, panels, rendering)
         return files
-
-    def _rendering(self, panels: tuple[Shapes, ...]) -> Rendering | None:
-        if not self.render:
-            return None
-        return self.cleanup.enter_context(render3d.Rendering(panels))
 
 
 def _csv(name: str, table: Table) -> Files:
@@ -150,16 +136,10 @@ def _figures() -> ModuleType:
     return figures
 
 
-def _space_figure(panels: tuple[Shapes, ...], rendered: list[Path] | str) -> Figure:
-    from validation.reproduce.springfigures import space_figure
+def _spring_figures() -> ModuleType:
+    from validation.reproduce import springfigures
 
-    return space_figure(panels, rendered)
-
-
-def _plane_figure(panels: tuple[Shapes, ...]) -> Figure:
-    from validation.reproduce.springfigures import plane_figure
-
-    return plane_figure(panels)
+    return springfigures
 
 
 def _report(maker: Maker) -> Files:

@@ -28,24 +28,15 @@ STEPS = (10, 20, 50, 200)  # substeps over which the no-sliding rule's dependenc
 
 @dataclass(frozen=True)
 class CaseEvidence:
-    """One case.
-
-    Attributes
-    ----------
-    case : the case.
-    wire, fine : the wire model on the paper's mesh and on a finer one.
-    beam, paper : the equivalent beam with its exact tangent and with the paper's.
-    error : the beam against the wire model on the paper's mesh.
-    mesh_error : Richardson estimate of the error of the paper's mesh.
-    """
+    """One case."""
 
     case: Case
-    wire: EquilibriumPath
-    fine: EquilibriumPath
-    beam: EquilibriumPath
-    paper: EquilibriumPath
-    error: Comparison
-    mesh_error: Comparison
+    wire: EquilibriumPath  # the wire model on the paper's mesh
+    fine: EquilibriumPath  # the wire model on a finer one
+    beam: EquilibriumPath  # the equivalent beam with its exact tangent
+    paper: EquilibriumPath  # the equivalent beam with the paper's tangent
+    error: Comparison  # the beam against the wire model on the paper's mesh
+    mesh_error: Comparison  # Richardson estimate of the error of the paper's mesh
 
     @property
     def converged_tips(self) -> np.ndarray:
@@ -61,26 +52,15 @@ class CaseEvidence:
 
 @dataclass(frozen=True)
 class Evidence:
-    """Everything the report's sentences are computed from.
+    """Everything the report's sentences are computed from."""
 
-    Attributes
-    ----------
-    cases : by name of the scene.
-    times : solution times of the cases (`validation.reproduce.times`).
-    frictionless : wire model of Spring B with sliding contact, as far as it goes.
-    sticking : equivalent beam of Spring B without sliding, against the wire model.
-    stepped : wire model of Spring B without sliding, UY at full load by number of substeps.
-    overloaded : equivalent beam of Spring B under more than its full load, as far as it goes.
-    phases : both models of Spring A at other start phases (`validation.reproduce.phases`).
-    """
-
-    cases: Mapping[str, CaseEvidence]
-    times: pd.DataFrame
-    frictionless: EquilibriumPath
-    sticking: Comparison
-    stepped: Mapping[int, float]
-    overloaded: EquilibriumPath
-    phases: pd.DataFrame
+    cases: Mapping[str, CaseEvidence]  # by name of the scene
+    times: pd.DataFrame  # solution times of the cases (`validation.reproduce.times`)
+    frictionless: EquilibriumPath  # wire model of Spring B with sliding contact, as far as it goes
+    sticking: Comparison  # equivalent beam of Spring B without sliding, against the wire model
+    stepped: Mapping[int, float]  # wire model of Spring B without sliding, UY at full load by substeps
+    overloaded: EquilibriumPath  # equivalent beam of Spring B beyond its full load, as far as it goes
+    phases: pd.DataFrame  # both models of Spring A at other start phases (`validation.reproduce.phases`)
 
     @property
     def overload(self) -> float:

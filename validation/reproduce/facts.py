@@ -40,7 +40,9 @@ ENDS = 10  # substeps at the beginning and the end, whose iterations are compare
 
 def facts(evidence: Evidence) -> dict[str, object]:
     """All facts, of types that JSON has."""
-    found: dict[str, object] = {**THRESHOLDS, **_settings(evidence), **_paper(), **_contact(evidence)}
+    models = ("wire", "beam")  # the paper's Table 3, s
+    paper = {f"paper.{c.name}.{model}": getattr(c, f"paper_{model}") for c in CASES for model in models}
+    found: dict[str, object] = {**THRESHOLDS, **_settings(evidence), **paper, **_contact(evidence)}
     for item in evidence.cases.values():
         found |= {f"{item.case.name}.{name}": value for name, value in _case(item).items()}
     for row in evidence.times.to_dict("records"):
@@ -73,15 +75,6 @@ def _settings(evidence: Evidence) -> dict[str, object]:
         "wire.diameter": scene.spring.wire_diameter,
         "timing.rounds": int(evidence.times["rounds"].min()),
     }
-
-
-def _paper() -> dict[str, object]:
-    """The paper's Table 3, s."""
-    found: dict[str, object] = {}
-    for item in CASES:
-        found[f"paper.{item.name}.wire"] = item.paper_wire
-        found[f"paper.{item.name}.beam"] = item.paper_beam
-    return found
 
 
 def _case(item: CaseEvidence) -> dict[str, object]:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 import pandas as pd
 
@@ -12,80 +14,66 @@ from validation.study.document import Table
 from validation.study.frames import view
 from validation.study.timing import spread
 
-BESIDE = ("feature", "spring A", "spring B", "paper A", "paper B")
 NOT_GIVEN = ("not given", "not given")
+Rows = dict[str, tuple[str, tuple[str, str]]]  # by feature, ours of a scene and the paper's of A and B
 
 
 def table1() -> Table:
-    """Properties of the springs, read from the scenes, beside the paper's."""
-    a, b = _properties(spring_a()), _properties(spring_b())
-    paper = {
-        "wire diameter (mm)": ("1.5", "1.5"),
-        "mean bottom coil diameter (mm)": ("10", "12"),
-        "mean top coil diameter (mm)": ("10", "6"),
-        "number of active coils": ("14.5", "7.5"),
-        "number of non-active coils": ("2", "2"),
-        "pitch of non-active coils (mm)": ("1.5", "1.5"),
-        "active height of spring (mm)": ("28.6", "28.6"),
-        "total height of spring (mm)": ("31.6", "31.6"),
-        "Fx at time 1 (N)": ("-9", "0"),
-        "Fy at time 1 (N)": ("-4", "-200"),
-    }
-    return Table(BESIDE, tuple((name, a[name], b[name], *paper.get(name, NOT_GIVEN)) for name in a))
-
-
-def _properties(scene: Scene) -> dict[str, str]:
-    """What Table 1 lists, and what it leaves out."""
-    spring = scene.spring
-    first, last = spring.phase_range
-    low, end, high = spring.height(np.array([first, 0.0, last]))
-    bottom, top = (2.0 * spring.radius(np.array([0.0, spring.phase_end]))).tolist()
-    values = {
-        "wire diameter (mm)": spring.wire_diameter,
-        "mean bottom coil diameter (mm)": bottom,
-        "mean top coil diameter (mm)": top,
-        "number of active coils": spring.active_coils,
-        "number of non-active coils": 2.0 * spring.end_turns,
-        "pitch of non-active coils (mm)": (end - low) / spring.end_turns,
-        "active height of spring (mm)": spring.active_height,
-        "total height of spring (mm)": high - low,
-        "Fx at time 1 (N)": scene.load.force[0],
-        "Fy at time 1 (N)": scene.load.force[1],
-        "Young's modulus (MPa)": scene.material.E,
-        "Poisson's ratio": scene.material.nu,
-        "shear factor of the wire": SHEAR_FACTOR,
-    }
-    return {name: f"{value:.7g}" for name, value in values.items()}
+    """Properties of the springs, read from the scenes, beside the paper's; and what the paper leaves out."""
+    return _beside_paper(_properties)
 
 
 def table2() -> Table:
     """The wire model as it was run, beside the paper's FE model."""
-    a, b = _mesh(spring_a()), _mesh(spring_b())
-    paper = {
-        "element type": ("2D Beam", "2D Beam"),
-        "elements per turn": ("40", "40"),
-        "contact element": ("sphere to sphere", "sphere to sphere, no sliding"),
-        "contact elements per turn": ("4", "4"),
-        "bottom node, constrained": ("ALL", "ALL"),
-        "top node, constrained": ("UZ, ROTX, ROTY", "UZ, ROTX, ROTY, UX, ROTZ"),
+    return _beside_paper(_mesh)
+
+
+def _beside_paper(rows: Callable[[Scene], Rows]) -> Table:
+    a, b = rows(spring_a()), rows(spring_b())
+    header = ("feature", "spring A", "spring B", "paper A", "paper B")
+    return Table(header, tuple((name, ours, b[name][0], *paper) for name, (ours, paper) in a.items()))
+
+
+def _properties(scene: Scene) -> Rows:
+    spring, load, material = scene.spring, scene.load, scene.material
+    first, last = spring.phase_range
+    low, end, high = spring.height(np.array([first, 0.0, last]))
+    bottom, top = (2.0 * spring.radius(np.array([0.0, spring.phase_end]))).tolist()
+    rows = {
+        "wire diameter (mm)": (spring.wire_diameter, ("1.5", "1.5")),
+        "mean bottom coil diameter (mm)": (bottom, ("10", "12")),
+        "mean top coil diameter (mm)": (top, ("10", "6")),
+        "number of active coils": (spring.active_coils, ("14.5", "7.5")),
+        "number of non-active coils": (2.0 * spring.end_turns, ("2", "2")),
+        "pitch of non-active coils (mm)": ((end - low) / spring.end_turns, ("1.5", "1.5")),
+        "active height of spring (mm)": (spring.active_height, ("28.6", "28.6")),
+        "total height of spring (mm)": (high - low, ("31.6", "31.6")),
+        "Fx at time 1 (N)": (load.force[0], ("-9", "0")),
+        "Fy at time 1 (N)": (load.force[1], ("-4", "-200")),
+        "Young's modulus (MPa)": (material.E, NOT_GIVEN),
+        "Poisson's ratio": (material.nu, NOT_GIVEN),
+        "shear factor of the wire": (SHEAR_FACTOR, NOT_GIVEN),
     }
-    return Table(BESIDE, tuple((name, a[name], b[name], *paper.get(name, NOT_GIVEN)) for name in a))
+    return {name: (f"{value:.7g}", paper) for name, (value, paper) in rows.items()}
 
 
-def _mesh(scene: Scene) -> dict[str, str]:
+def _mesh(scene: Scene) -> Rows:
     contact = scene.contact
-    sliding = ", no sliding" if contact.sliding == "none" else ", frictionless"
+    sliding = "no sliding" if contact.sliding == "none" else "frictionless"
     held = ["UZ", "ROTX", "ROTY", *(name.upper() for name in scene.supports.top_held)]
+    element = f"3D beam, 2 nodes, {PAPER_MESH['element']}, shear-flexible"
+    spheres = ("sphere to sphere", "sphere to sphere, no sliding")
+    top = ("UZ, ROTX, ROTY", "UZ, ROTX, ROTY, UX, ROTZ")
     return {
-        "element type": f"3D beam, 2 nodes, {PAPER_MESH['element']}, shear-flexible",
-        "elements per turn": str(PAPER_MESH["elements_per_turn"]),
-        "contact element": f"sphere to sphere{sliding}",
-        "contact elements per turn": str(PAPER_MESH["pairs_per_turn"]),
-        "bottom node, constrained": "ALL",
-        "top node, constrained": ", ".join(held),
-        "contact stiffness of a pair (N/mm^exponent)": f"{contact.stiffness:g}",
-        "contact exponent": f"{contact.exponent:g}",
-        "substeps": str(scene.load.steps),
+        "element type": (element, ("2D Beam", "2D Beam")),
+        "elements per turn": (str(PAPER_MESH["elements_per_turn"]), ("40", "40")),
+        "contact element": (f"sphere to sphere, {sliding}", spheres),
+        "contact elements per turn": (str(PAPER_MESH["pairs_per_turn"]), ("4", "4")),
+        "bottom node, constrained": ("ALL", ("ALL", "ALL")),
+        "top node, constrained": (", ".join(held), top),
+        "contact stiffness of a pair (N/mm^exponent)": (f"{contact.stiffness:g}", NOT_GIVEN),
+        "contact exponent": (f"{contact.exponent:g}", NOT_GIVEN),
+        "substeps": (str(scene.load.steps), NOT_GIVEN),
     }
 
 

@@ -26,48 +26,28 @@ EVERYWHERE = 20  # sphere pairs per turn that touch wherever the wires do
 
 @dataclass(frozen=True)
 class Variant:
-    """One value of an open input.
+    """One value of an open input."""
 
-    Attributes
-    ----------
-    value : as tables and figure show it.
-    scene : the scene with that value.
-    options, base_options : of the wire model, for the variant and for the path it is compared with.
-    rise : height of the loaded point above the top reference point, mm.
-    """
-
-    value: str
-    scene: Scene
-    options: Mapping[str, Any] = field(default_factory=dict)
-    base_options: Mapping[str, Any] = field(default_factory=dict)
-    rise: float = 0.0
+    value: str  # as tables and figure show it
+    scene: Scene  # the scene with that value
+    options: Mapping[str, Any] = field(default_factory=dict)  # of the wire model
+    base_options: Mapping[str, Any] = field(default_factory=dict)  # of the path it is compared with
+    rise: float = 0.0  # height of the loaded point above the top reference point, mm
 
 
 @dataclass(frozen=True)
 class OpenInput:
-    """An input that the paper does not pin down.
+    """An input that the paper does not pin down."""
 
-    Attributes
-    ----------
-    name : in the CSV file.
-    title : for readers.
-    kind : of `KINDS`.
-    default : what every other run of the project takes.
-    paper, reason : what the paper says; why this range.
-    make : its values for a scene and a model.
-    contact : whether scenes without contact have no such input.
-    models : those that have it.
-    """
-
-    name: str
-    title: str
-    kind: str
-    default: str
-    paper: str
-    reason: str
-    make: Callable[[Scene, str], Iterable[Variant]]
-    contact: bool = False
-    models: Sequence[str] = MODELS
+    name: str  # in the CSV file
+    title: str  # for readers
+    kind: str  # of `KINDS`
+    default: str  # what every other run of the project takes
+    paper: str  # what the paper says
+    reason: str  # why this range
+    make: Callable[[Scene, str], Iterable[Variant]]  # its values for a scene and a model
+    contact: bool = False  # whether scenes without contact have no such input
+    models: Sequence[str] = MODELS  # those that have it
 
     def variants(self, scene: Scene, model: str) -> tuple[Variant, ...]:
         """Its values for a scene and a model; none where the model has no such input there."""

@@ -28,19 +28,12 @@ ROUNDS = 20  # of the fixed point; on Spring A each leaves less than a tenth of 
 
 @dataclass(frozen=True)
 class TipCurve:
-    """What of a path the study compares.
+    """What of a path the study compares."""
 
-    Attributes
-    ----------
-    times : (steps,) reached.
-    tips : (steps, 3) UX, UY (mm) and ROTZ (rad) of the point that is loaded.
-    outcome, critical_time : how and when the path ended, as `EquilibriumPath` has them.
-    """
-
-    times: np.ndarray
-    tips: np.ndarray
-    outcome: str
-    critical_time: float | None
+    times: np.ndarray  # (steps,) reached
+    tips: np.ndarray  # (steps, 3) UX, UY (mm) and ROTZ (rad) of the point that is loaded
+    outcome: str  # how the path ended, as `EquilibriumPath` has it
+    critical_time: float | None  # when it ended
 
     @classmethod
     def of(cls, path: EquilibriumPath) -> TipCurve:

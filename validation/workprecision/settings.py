@@ -17,23 +17,14 @@ PEER = "opensees"
 
 @dataclass(frozen=True)
 class Setting:
-    """One model with its numerics.
+    """One model with its numerics."""
 
-    Attributes
-    ----------
-    series : element of the wire model, law of the equivalent beam, or `PEER`.
-    steps : equal steps of time.
-    mesh : elements per turn; 0 for the equivalent beam, which has one length of element.
-    pairs : sphere pairs per turn; 0 for the equivalent beam.
-    tangent, sliding : of the equivalent beam; empty for the wire model.
-    """
-
-    series: str
-    steps: int
-    mesh: int = 0
-    pairs: int = 0
-    tangent: str = ""
-    sliding: str = ""
+    series: str  # element of the wire model, law of the equivalent beam, or `PEER`
+    steps: int  # equal steps of time
+    mesh: int = 0  # elements per turn; 0 for the equivalent beam, which has one length of element
+    pairs: int = 0  # sphere pairs per turn; 0 for the equivalent beam
+    tangent: str = ""  # of the equivalent beam; empty for the wire model
+    sliding: str = ""  # of the equivalent beam; empty for the wire model
 
     @property
     def model(self) -> str:
@@ -76,27 +67,16 @@ class Setting:
 
 @dataclass(frozen=True)
 class Extent:
-    """How much is run.
+    """How much is run."""
 
-    Attributes
-    ----------
-    straight, curved : elements per turn.
-    reference : curved elements per turn of the reference; half of it tells the reference's error.
-    steps : other numbers of steps; divisors of `Extent.finest`.
-    pairs : other sphere pairs per turn.
-    rounds : timed rounds.
-    peers : elements per turn and steps of OpenSees, which takes seconds where the others take a tenth.
-    peer_rounds : timed rounds of OpenSees.
-    """
-
-    straight: tuple[int, ...]
-    curved: tuple[int, ...]
-    reference: int
-    steps: tuple[int, ...]
-    pairs: tuple[int, ...]
-    rounds: int
-    peers: tuple[tuple[int, int], ...] = ()
-    peer_rounds: int = 1
+    straight: tuple[int, ...]  # elements per turn, straight ones
+    curved: tuple[int, ...]  # elements per turn, curved ones
+    reference: int  # curved elements per turn of the reference; half of it tells the reference's error
+    steps: tuple[int, ...]  # other numbers of steps; divisors of `Extent.finest`
+    pairs: tuple[int, ...]  # other sphere pairs per turn
+    rounds: int  # timed rounds
+    peers: tuple[tuple[int, int], ...] = ()  # elements per turn and steps of OpenSees, which is slow
+    peer_rounds: int = 1  # timed rounds of OpenSees
     finest = 200  # steps of the reference: every number of steps here divides it
 
 
