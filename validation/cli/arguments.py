@@ -91,7 +91,7 @@ def _add_reproduce(commands: argparse._SubParsersAction) -> None:
     command = _command(commands, "reproduce", purpose, "coilcheck reproduce --only table3,fig5")
     command.description = (
         f"{command.description}"
-        " Solved runs and finished pieces are kept for the next time: in $COILCHECK_STORE, by default the "
+        " Solved runs and finished artifacts are kept for the next time: in $COILCHECK_STORE, by default the "
         "folder coilcheck among the user's caches, 256 MiB at most."
     )
     _add_only(command, ARTEFACTS)

@@ -1,7 +1,7 @@
 """What moved between two sets of quantities, and by how much.
 
 Tolerances are those of repeated solves: equilibria are converged to rounding, so that what moves more
-was changed. Paths that do not slide remember the accepted substeps, which another processor may choose
+was changed. Paths with sticking contact depend on the accepted substeps, which another processor may choose
 differently. Counts are exact on the same kind of processor and within one a step elsewhere.
 """
 
@@ -14,13 +14,13 @@ from typing import Any
 
 from validation.regress.baselines import COUNTS, CURVES, FORCES, MODELS, Quantities
 
-TIP = 1e-7  # of the component's peak, or of the largest one's where it is held
+TIP = 1e-7  # of the component's peak, or of the largest one's where it is fixed
 FORCE = 1e-5  # of the value: a penalty turns rounding of positions into forces
 CRITICAL = 1e-7  # of time: brackets of critical points are about 1e-9
 SENSITIVE = 1e-4  # of time, where rounding decides where the critical point is found
 ELSEWHERE = 10.0  # times wider on another kind of processor
 PATH_DEPENDENT = 1e-4  # of tips, without sliding, on another kind of processor
-HELD = 1e-9  # of the largest peak; a component with a smaller one is held
+FIXED = 1e-9  # of the largest peak; a component with a smaller one is fixed
 ROUNDING = 1e-12  # mm or N; what is smaller is 0
 
 
@@ -109,7 +109,7 @@ def _curve(run: str, name: str, before: Quantities, now: Quantities, allowed: fl
     peak, largest = before["peaks"][name], max(before["peaks"].values())
     rows = zip(now["times"], before[name], now[name], strict=True)
     time, a, b = max(rows, key=lambda row: abs(row[2] - row[1]), default=(0.0, 0.0, 0.0))
-    scale = peak if peak > HELD * largest else largest
+    scale = peak if peak > FIXED * largest else largest
     yield from _value(run, f"{name} at time {time:g}", a, b, scale, "of the peak", allowed)
 
 

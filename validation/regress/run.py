@@ -11,9 +11,9 @@ from typing import Any
 from validation.regress import baselines, timeratios
 from validation.regress.baselines import MODELS, Run, find, made, read, runs
 from validation.regress.comparison import Move, compare
+from validation.study.cases import make_ready
 from validation.study.document import Block, Heading, Table, Text, to_markdown
 from validation.study.output import claimed, write_text
-from validation.study.warmup import make_ready
 
 
 @dataclass(frozen=True)
@@ -41,7 +41,7 @@ def regress(
         What was found before an interruption is there too.
     baseline : folder of the baselines.
     accept : write what was found as the new baselines, with the ratios of times.
-    times : measure and judge the ratios of times too.
+    times : measure and compare the ratios of times too.
     progress : called with one line on what is being done.
     chosen : runs; by default all of `baselines.runs`.
 

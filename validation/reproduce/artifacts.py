@@ -146,8 +146,8 @@ def _report(maker: Maker) -> Files:
     """The reproduction's page; all pictures are there when it is made."""
     found = evidence.gather(maker.paths, frames.read_csv(io.BytesIO(maker.times)))
     known = facts.facts(found)
-    held = found.cases["spring-b"].wire
-    picture = maker.picture("sliding", lambda: _figures().sliding_figure(held, found.frictionless))
+    sticking = found.cases["spring-b"].wire
+    picture = maker.picture("sliding", lambda: _figures().sliding_figure(sticking, found.frictionless))
     maker.finish()
     page = report.compose(found, known, maker.paths, maker.render, maker.notes)
     return {

@@ -35,7 +35,7 @@ COUNTS: dict[str, Look] = {
     "paper": {"color": BLUE, "marker": "o", "markersize": 2.4},
     "exact": {"color": NAVY, "marker": "s", "markersize": 2.4, "markerfacecolor": "white"},
 }
-HELD_LINE: Look = {"color": RED, "linewidth": 2.4, "alpha": 0.5}  # both are of the wire model
+STICKING_LINE: Look = {"color": RED, "linewidth": 2.4, "alpha": 0.5}  # both are of the wire model
 FREE_LINE: Look = {"color": RED, "linewidth": 1.0, "linestyle": (0, (4, 2))}
 
 
@@ -102,11 +102,14 @@ def iteration_figure(data: pd.DataFrame) -> Figure:
     return figure
 
 
-def sliding_figure(held: EquilibriumPath, free: EquilibriumPath) -> Figure:
+def sliding_figure(sticking: EquilibriumPath, free: EquilibriumPath) -> Figure:
     """Wire model of Spring B without sliding, and frictionless as far as it goes."""
     figure = Figure(figsize=(SINGLE, 2.6), layout="constrained")
     axes = figure.subplots()
-    for path, style, label in ((held, HELD_LINE, "sticking contact"), (free, FREE_LINE, "frictionless")):
+    for path, style, label in (
+        (sticking, STICKING_LINE, "sticking contact"),
+        (free, FREE_LINE, "frictionless"),
+    ):
         axes.plot(np.append(0.0, -path.tips[:, 1]), np.append(0.0, -path.loads[:, 1]), **style, label=label)
     axes.plot(-free.tips[-1, 1], abs(free.loads[-1, 1]), "kx", markersize=6, label="last equilibrium")
     axes.set(xlabel="deflection −UY (mm)", ylabel="load |Fy| (N)", xlim=(0, None), ylim=(0, None))

@@ -72,7 +72,7 @@ def _iterations(store: PathStore, case: Case) -> dict[str, int]:
 
 
 def _turns(case: Case) -> tuple[Callable[[], float], ...]:
-    """Runs of a round: short ones on both sides of the long one, so that a drift of the clock cancels."""
+    """Runs of a round: short ones on both sides of the long one, so that a change of the clock cancels."""
     scene = case.scene
 
     def beam(tangent: str = "exact") -> float:

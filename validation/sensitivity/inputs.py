@@ -55,51 +55,21 @@ class OpenInput:
         return () if absent else tuple(self.make(scene, model))
 
 
-def _modulus(scene: Scene, model: str) -> Iterator[Variant]:
-    for E in (196.0, 210.0):
-        yield Variant(f"{E:g} GPa", replace(scene, material=replace(scene.material, E=1e3 * E)))
+def _with(scene: Scene, part: str, **changes: Any) -> Scene:
+    """The scene with other values in one of its parts."""
+    return replace(scene, **{part: replace(getattr(scene, part), **changes)})
 
 
-def _poisson(scene: Scene, model: str) -> Iterator[Variant]:
-    for nu in (0.26, 0.32):
-        yield Variant(f"{nu:g}", replace(scene, material=replace(scene.material, nu=nu)))
-
-
-def _penalty(scene: Scene, model: str) -> Iterator[Variant]:
-    for factor, value in ((0.1, "K/10"), (10.0, "10 K")):
-        yield Variant(value, scene.with_penalty(factor * scene.contact.stiffness))
-
-
-def _exponent(scene: Scene, model: str) -> Iterator[Variant]:
+def _exponent(scene: Scene, model: str) -> list[Variant]:
     stiffness = scene.contact.stiffness * LIKE ** (scene.contact.exponent - 1.5)
-    yield Variant("1.5", _with_contact(scene, exponent=1.5, stiffness=stiffness))
+    return [Variant("1.5", _with(scene, "contact", exponent=1.5, stiffness=stiffness))]
 
 
-def _friction(scene: Scene, model: str) -> Iterator[Variant]:
-    for mu in (0.1, 0.3):
-        yield Variant(f"µ = {mu:g}", _with_contact(scene, sliding="coulomb", friction=mu))
-
-
-def _phase(scene: Scene, model: str) -> Iterator[Variant]:
+def _phase(scene: Scene, model: str) -> list[Variant]:
     contact = scene.contact.enabled
     pairs = {"pairs_per_turn": EVERYWHERE} if contact and model == WIRE else {}
-    for degrees in range(30, 360, 30) if model == WIRE else [180] * contact:
-        yield Variant(f"{degrees}°", turned(scene, degrees), pairs, pairs)
-
-
-def _spheres(scene: Scene, model: str) -> Iterator[Variant]:
-    for degrees in (15, 30, 45):
-        yield Variant(f"{degrees}°", turned(scene, degrees))
-
-
-def _pairs(scene: Scene, model: str) -> Iterator[Variant]:
-    for n in (2, 8, EVERYWHERE):
-        yield Variant(f"{n}", scene, {"pairs_per_turn": n})
-
-
-def _height(scene: Scene, model: str) -> Iterator[Variant]:
-    for share, value in ((0.5, "+d/2"), (1.0, "+d")):
-        yield Variant(value, scene, rise=share * scene.spring.wire_diameter)
+    angles = range(30, 360, 30) if model == WIRE else [180] * contact
+    return [Variant(f"{degrees}°", turned(scene, degrees), pairs, pairs) for degrees in angles]
 
 
 def _rigid(scene: Scene, model: str) -> Iterator[Variant]:
@@ -119,31 +89,29 @@ def _rigid(scene: Scene, model: str) -> Iterator[Variant]:
         yield Variant(f"{turns:g}", replace(scene, spring=changed), rise=-drop)
 
 
-def _touching_ends(scene: Scene, model: str) -> Iterator[Variant]:
-    yield Variant("no", replace(scene, spring=replace(scene.spring, end_turns=0.0)))
-
-
-def _element(scene: Scene, model: str) -> Iterator[Variant]:
-    yield Variant("curved", scene, {"element": "curved"})
-
-
-def _with_contact(scene: Scene, **changes: Any) -> Scene:
-    return replace(scene, contact=replace(scene.contact, **changes))
-
-
-MAKE = {
-    "E": _modulus,
-    "nu": _poisson,
-    "reference_height": _height,
-    "end_contact": _touching_ends,
+MAKE: dict[str, Callable[[Scene, str], Iterable[Variant]]] = {
+    "E": lambda scene, _: (
+        Variant(f"{E:g} GPa", _with(scene, "material", E=1e3 * E)) for E in (196.0, 210.0)
+    ),
+    "nu": lambda scene, _: (Variant(f"{nu:g}", _with(scene, "material", nu=nu)) for nu in (0.26, 0.32)),
+    "reference_height": lambda scene, _: (
+        Variant(value, scene, rise=share * scene.spring.wire_diameter)
+        for share, value in ((0.5, "+d/2"), (1.0, "+d"))
+    ),
+    "end_contact": lambda scene, _: [Variant("no", _with(scene, "spring", end_turns=0.0))],
     "rigid_turns": _rigid,
     "start_phase": _phase,
-    "sphere_place": _spheres,
-    "pairs": _pairs,
-    "penalty": _penalty,
+    "sphere_place": lambda scene, _: (Variant(f"{angle}°", turned(scene, angle)) for angle in (15, 30, 45)),
+    "pairs": lambda scene, _: (Variant(f"{n}", scene, {"pairs_per_turn": n}) for n in (2, 8, EVERYWHERE)),
+    "penalty": lambda scene, _: (
+        Variant(value, scene.with_penalty(factor * scene.contact.stiffness))
+        for factor, value in ((0.1, "K/10"), (10.0, "10 K"))
+    ),
     "exponent": _exponent,
-    "friction": _friction,
-    "element": _element,
+    "friction": lambda scene, _: (
+        Variant(f"µ = {mu:g}", _with(scene, "contact", sliding="coulomb", friction=mu)) for mu in (0.1, 0.3)
+    ),
+    "element": lambda scene, _: [Variant("curved", scene, {"element": "curved"})],
 }
 
 

@@ -44,7 +44,7 @@ class TipCurve:
 def raised(scene: Scene, model: str, height: float) -> TipCurve:
     """Tip curve of the point `height` mm above the top reference point, which carries the load.
 
-    For a top that is held in rotation, or without friction: paths followed under several moments are combined
+    For a top that is fixed in rotation, or without friction: paths followed under several moments are combined
     at each load, which takes equilibria that do not depend on the path there.
     """
     if "rotz" in scene.supports.top_held:  # the end moves without turning, all its points alike
@@ -83,7 +83,7 @@ def _wire(scene: Scene, moment: float) -> EquilibriumPath:
 
 
 def _with_moment(load: np.ndarray, moment: float) -> np.ndarray:
-    """The load vector, whose last freedom is the rotation of the top in both models."""
+    """The load vector, whose last degree of freedom is the rotation of the top in both models."""
     load = load.copy()
     load[-1] += moment
     return load

@@ -5,17 +5,22 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
+from functools import cache
 from io import BytesIO
 from typing import Any
 
 import equivbeam
 import wirefe
-from coilspring import CATALOGUE, EquilibriumNotFound, EquilibriumPath, Scene, load_path
+from coilspring import CATALOGUE, EquilibriumNotFound, EquilibriumPath, Scene, load_path, spring_b
+from coilspring.solver.startup import background
 from validation.study.keys import run_key
 from validation.study.partialsolve import partial_path
 from validation.study.store import Store
-from validation.study.warmup import make_ready
 
+WIRE_KERNELS = (
+    "from wirefe.solve import KERNELS; "
+    "from coilspring.solver.startup import compile_kernels; compile_kernels(KERNELS)"
+)
 PATH = "path.npz"  # of an entry of the store
 # the paper's proposed model, solved with the exact tangent
 PAPER_BEAM: dict[str, Any] = {"law": "haringx", "tangent": "exact", "sliding": "ignore"}
@@ -61,6 +66,13 @@ def solve_beam(scene: Scene, **options: Any) -> EquilibriumPath:
 def solve_wire(scene: Scene, **options: Any) -> EquilibriumPath:
     """Path of the wire model, solved anew; by default on the paper's mesh."""
     return wirefe.solve(scene, **(PAPER_MESH | options))
+
+
+@cache
+def make_ready() -> None:
+    """Compile the wire model's kernels in a subprocess while this process compiles the others; once."""
+    with background(WIRE_KERNELS):
+        partial_path(equivbeam.solve, spring_b(), steps=1)  # an edited law may have no path
 
 
 @dataclass

@@ -1,7 +1,7 @@
 """Run time against error of both models: what a given accuracy costs (``coilcheck workprecision``).
 
 The error of a path is its distance from a reference (`validation.study.metrics`): the curved wire mesh of
-`Extent.reference` elements per turn in `Extent.finest` steps. The reference's own error is told by half
+`Extent.reference` elements per turn in `Extent.finest` steps. The reference's own error is estimated from half
 its mesh and by half its steps; where there is no contact, the exact rod bears it out.
 
 The time is the CPU time of the solve alone, one thread, kernels warm. All settings of a scene take turns
@@ -20,7 +20,7 @@ import pandas as pd
 from coilspring import EquilibriumPath, InputError, Scene
 from coilspring.errors import require_names
 from validation.peers.installed import opensees
-from validation.study.cases import PAPER_MESH, solve_beam, solve_wire
+from validation.study.cases import PAPER_MESH, make_ready, solve_beam, solve_wire
 from validation.study.machine import versions
 from validation.study.metrics import COMPONENTS, Comparison, compare_curves, compare_paths, peaks
 from validation.study.output import prepare, write_files
@@ -28,7 +28,6 @@ from validation.study.partialsolve import partial_path
 from validation.study.provenance import write_provenance
 from validation.study.scenes import EXACT_ROD, study_scenes
 from validation.study.timing import announced, interleaved, median_of, quartiles
-from validation.study.warmup import make_ready
 from validation.workprecision import page, results
 from validation.workprecision.penaltysweep import SCENES, penalty_rows
 from validation.workprecision.results import ranked, row
@@ -151,7 +150,7 @@ def _peer_rows(
 ) -> list[dict[str, object]]:
     """All settings of OpenSees, the wire model's straight mesh and penalty; none where it is not installed.
 
-    `paper` : CPU seconds of the paper's FE mesh, by which its times are told.
+    `paper` : CPU seconds of the paper's FE mesh, by which its times are given.
     """
     peer = opensees()
     if peer is None:

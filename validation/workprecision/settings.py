@@ -126,11 +126,11 @@ def _wires(scene: Scene, extent: Extent) -> Iterable[Setting]:
 
 
 def _beams(scene: Scene, extent: Extent) -> Iterable[Setting]:
-    held = scene.contact.enabled and scene.contact.sliding != "free"
+    sticking = scene.contact.enabled and scene.contact.sliding != "free"
     for series in LAWS:
         for steps in (STEPS, *extent.steps):
             yield Setting(series, steps, tangent="exact", sliding="ignore")
-        if held:
+        if sticking:
             yield Setting(series, STEPS, tangent="exact", sliding="scene")
     yield Setting(PAPER_LAW, STEPS, tangent="paper", sliding="ignore")
 
