@@ -44,8 +44,8 @@ class TipCurve:
 def raised(scene: Scene, model: str, height: float) -> TipCurve:
     """Tip curve of the point `height` mm above the top reference point, which carries the load.
 
-    For a top that is fixed in rotation, or without friction: paths followed under several moments are combined
-    at each load, which takes equilibria that do not depend on the path there.
+    For a top that is fixed in rotation, or without friction: paths followed under several moments are
+    combined at each load, which takes equilibria that do not depend on the path there.
     """
     if "rotz" in scene.supports.top_held:  # the end moves without turning, all its points alike
         return followed(scene, model, 0.0)

@@ -1,8 +1,8 @@
 """Run time against error of both models: what a given accuracy costs (``coilcheck workprecision``).
 
 The error of a path is its distance from a reference (`validation.study.metrics`): the curved wire mesh of
-`Extent.reference` elements per turn in `Extent.finest` steps. The reference's own error is estimated from half
-its mesh and by half its steps; where there is no contact, the exact rod bears it out.
+`Extent.reference` elements per turn in `Extent.finest` steps. The reference's own error is estimated from
+half its mesh and half its steps; where there is no contact, the exact rod bears it out.
 
 The time is the CPU time of the solve alone, one thread, kernels warm. All settings of a scene take turns
 (`validation.study.timing`); ratios to the paper's FE mesh are formed within a round.
