@@ -14,20 +14,8 @@ from coilspring.scene.toml import SECTIONS, scene_text
 from validation.cli import studies
 from validation.cli.arguments import FILE_OPTIONS, MODEL_OPTIONS, command_line, given, scene_of
 from validation.cli.terminal import deviation, digest, notes, progress_shown, say
+from validation.study import output
 from validation.study.metrics import compare_paths
-from validation.study.output import (
-    OutputError,
-    claimed,
-    json_bytes,
-    json_text,
-    path_files,
-    prepare,
-    remove_stale,
-    series_files,
-    summary,
-    vtu_file,
-    write_files,
-)
 from validation.study.partialsolve import partial_path
 from validation.study.scenewarnings import warnings
 
@@ -43,7 +31,7 @@ def main(argv: Sequence[str] | None = None) -> int:
         return _fail(BAD_INPUT, str(error))
     except EquilibriumNotFound as error:
         return _fail(NOT_COMPLETED, error.message)
-    except OutputError as error:
+    except output.OutputError as error:
         return _fail(NOT_WRITTEN, str(error))
     except KeyboardInterrupt:
         return _fail(INTERRUPTED, "interrupted")
@@ -69,7 +57,7 @@ def check(arguments: argparse.Namespace) -> int:
     lines += [f"warning: {warning}" for warning in warnings]
     if arguments.draw or arguments.out:
         folder = _folder(arguments)
-        prepare(folder)
+        output.prepare(folder)
         from validation.view.drawing import draw
 
         draw(scene, folder / "spring.png")
@@ -87,19 +75,19 @@ def solve(arguments: argparse.Namespace) -> int:
             raise InputError(f"{flag} belongs to --model {other}, got --model {model}")
     scene = scene_of(arguments)
     folder = _folder(arguments)
-    with claimed(folder):
+    with output.claimed(folder):
         with progress_shown(arguments.quiet) as progress:
             path = _run(scene, model, arguments, progress)
-        files = path_files(path)
+        files = output.path_files(path)
         if arguments.vtu and len(path.times):
-            files |= vtu_file(path)
+            files |= output.vtu_file(path)
         if arguments.vtu_series and len(path.times):
-            prepare(folder / "wire")
-            files |= series_files(path)
-        write_files(files, folder)
-        remove_stale(files, folder)
+            output.prepare(folder / "wire")
+            files |= output.series_files(path)
+        output.write_files(files, folder)
+        output.remove_stale(files, folder)
     _warn(scene, arguments)
-    _conclude(arguments, summary(path), [*digest(path), f"written to {folder}"])
+    _conclude(arguments, output.summary(path), [*digest(path), f"written to {folder}"])
     return _verdict(path)
 
 
@@ -109,7 +97,7 @@ def compare(arguments: argparse.Namespace) -> int:
     folder = _folder(arguments)
     with ExitStack() as claims:
         for each in (folder, *(folder / model for model in MODEL_OPTIONS)):
-            claims.enter_context(claimed(each))
+            claims.enter_context(output.claimed(each))
         with progress_shown(arguments.quiet) as progress:
             paths = {model: _run(scene, model, arguments, progress) for model in MODEL_OPTIONS}
         comparison = compare_paths(paths["equivbeam"], paths["wirefe"])
@@ -121,17 +109,17 @@ def compare(arguments: argparse.Namespace) -> int:
             "outcomes": {model: path.outcome for model, path in paths.items()},
             "notes": [f"{model}: {note}" for model, path in paths.items() for note in notes(path)],
         }
-        files = {"compare.json": json_bytes(found)}
+        files = {"compare.json": output.json_bytes(found)}
         if arguments.draw:
             from validation.view.overlay import overlay
 
             files["compare.png"] = overlay(*paths.values())
         for model, path in paths.items():
-            files |= {f"{model}/{name}": data for name, data in path_files(path).items()}
-        write_files(files, folder)
-        remove_stale(files, folder)
+            files |= {f"{model}/{name}": data for name, data in output.path_files(path).items()}
+        output.write_files(files, folder)
+        output.remove_stale(files, folder)
         for model in paths:
-            remove_stale({}, folder / model)
+            output.remove_stale({}, folder / model)
     _warn(scene, arguments)
     lines = [line for path in paths.values() for line in digest(path)]
     lines += deviation(comparison, bool(scene.load.displacement))
@@ -214,6 +202,6 @@ def _verdict(*paths: EquilibriumPath) -> int:
 def _conclude(arguments: argparse.Namespace, found: dict, lines: list[str]) -> None:
     """Print a result as asked for: for a reader, as JSON, or not at all."""
     if arguments.json:
-        say(json_text(found))
+        say(output.json_text(found))
     elif not arguments.quiet:
         say(*lines)

@@ -13,18 +13,8 @@ from matplotlib.image import imread
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch, Rectangle
 
+from validation.study import style
 from validation.study.plots import discs
-from validation.study.style import (
-    BEAM_CIRCLE,
-    BEAM_LABEL,
-    BLUE,
-    DOUBLE,
-    GREY,
-    RED,
-    REST_CIRCLE,
-    WIRE_CIRCLE,
-    WIRE_LABEL,
-)
 from validation.view.render3d import PIXELS
 from validation.view.shapes import PARTS, Shapes, bands, picture_frame, spaces, view
 
@@ -42,11 +32,11 @@ def space_figure(panels: tuple[Shapes, ...], rendered: list[Path] | str) -> Figu
     pictures = _cropped([imread(file) for file in rendered])
     _, half = picture_frame(_points(panels), panels[0].diameter)
     tall, wide = pictures[0].shape[:2]
-    height = min((0.5 * DOUBLE - 0.1) * tall / wide, TALLEST)
-    figure = Figure(figsize=(DOUBLE, height + 0.6))
+    height = min((0.5 * style.DOUBLE - 0.1) * tall / wide, TALLEST)
+    figure = Figure(figsize=(style.DOUBLE, height + 0.6))
     for index, (panel, picture) in enumerate(zip(panels, pictures, strict=True)):
         width = height * wide / tall
-        axes = _inches(figure, (0.5 * index + 0.25) * DOUBLE - 0.5 * width, 0.35, width, height)
+        axes = _inches(figure, (0.5 * index + 0.25) * style.DOUBLE - 0.5 * width, 0.35, width, height)
         axes.imshow(picture, interpolation="antialiased", aspect="auto")
         axes.set_axis_off()
         axes.set_title(f"({'ab'[index]}) {panel.title}", loc="left")
@@ -62,7 +52,7 @@ def _points(panels: tuple[Shapes, ...]) -> np.ndarray:
 
 def _scale(figure: Figure, index: int, scale: float) -> None:
     """Directions of the axes and a length in the plane of the picture, below a panel; `scale` in in/mm."""
-    axes = _inches(figure, 0.5 * DOUBLE * index + 0.05, 0.35, *2 * (2.0 * BAR * scale,))
+    axes = _inches(figure, 0.5 * style.DOUBLE * index + 0.05, 0.35, *2 * (2.0 * BAR * scale,))
     axes.set(xlim=(-0.6 * BAR, 1.4 * BAR), ylim=(-0.6 * BAR, 1.4 * BAR))
     axes.set_axis_off()
     for name, (x, y) in zip("XYZ", 0.35 * BAR * view()[:2].T, strict=True):
@@ -82,9 +72,9 @@ def _cropped(pictures: list[np.ndarray]) -> list[np.ndarray]:
 
 def _space_key() -> list[Patch | Line2D]:
     return [
-        Patch(color=BLUE, label=BEAM_LABEL),
-        Patch(color=RED, label=f"{WIRE_LABEL}, alternating"),
-        Line2D([], [], color=GREY, linewidth=0.7, label="at rest"),
+        Patch(color=style.BLUE, label=style.BEAM_LABEL),
+        Patch(color=style.RED, label=f"{style.WIRE_LABEL}, alternating"),
+        Line2D([], [], color=style.GREY, linewidth=0.7, label="at rest"),
     ]
 
 
@@ -94,15 +84,15 @@ def _painted(panels: tuple[Shapes, ...]) -> Figure:
     every = _points(panels) @ axes3.T
     low, high = every.min(axis=0) - panels[0].diameter, every.max(axis=0) + panels[0].diameter
     width, height = (high - low)[:2]
-    scale = min((0.5 * DOUBLE - 0.1) / width, TALLEST / height)  # in/mm
-    figure = Figure(figsize=(DOUBLE, height * scale + 0.6))
+    scale = min((0.5 * style.DOUBLE - 0.1) / width, TALLEST / height)  # in/mm
+    figure = Figure(figsize=(style.DOUBLE, height * scale + 0.6))
     for index, panel in enumerate(panels):
-        left = (0.5 * index + 0.25) * DOUBLE - 0.5 * width * scale
+        left = (0.5 * index + 0.25) * style.DOUBLE - 0.5 * width * scale
         axes = _inches(figure, left, 0.35, width * scale, height * scale)
         axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]))
         axes.set_axis_off()
         axes.set_title(f"({'ab'[index]}) {panel.title}", loc="left")
-        axes.plot(*(panel.rest @ axes3.T)[:, :2].T, color=GREY, linewidth=0.5, zorder=0)
+        axes.plot(*(panel.rest @ axes3.T)[:, :2].T, color=style.GREY, linewidth=0.5, zorder=0)
         axes.add_collection(_strokes(panel, axes3, 72.0 * scale * panel.diameter))
         _scale(figure, index, scale)
     figure.legend(handles=_space_key(), loc="lower center", ncols=3)
@@ -111,7 +101,8 @@ def _painted(panels: tuple[Shapes, ...]) -> Figure:
 
 def _strokes(panel: Shapes, axes3: np.ndarray, width: float) -> LineCollection:
     """Both wires in pieces, the farther ones paler; `width` in points."""
-    lines = [(piece, BLUE) for piece in spaces(panel.beam)] + [(piece, RED) for piece in bands(panel.wire)]
+    lines = [(piece, style.BLUE) for piece in spaces(panel.beam)]
+    lines += [(piece, style.RED) for piece in bands(panel.wire)]
     seen = [(line @ axes3.T, colour) for line, colour in lines]
     pieces = np.concatenate([np.stack((line[:-1], line[1:]), axis=1) for line, _ in seen])
     tint = np.concatenate([np.tile(to_rgb(colour), (len(line) - 1, 1)) for line, colour in seen])
@@ -136,28 +127,30 @@ def plane_figure(panels: tuple[Shapes, ...]) -> Figure:
     margin = 0.5 * panels[0].diameter + MARGIN
     low, high = every.min(axis=0) - margin, every.max(axis=0) + margin
     width, height = high - low
-    scale = min((0.5 * DOUBLE - DETAIL - 0.65) / width, TALLEST / height)  # in/mm
-    figure = Figure(figsize=(DOUBLE, height * scale + 1.05))
+    scale = min((0.5 * style.DOUBLE - DETAIL - 0.65) / width, TALLEST / height)  # in/mm
+    figure = Figure(figsize=(style.DOUBLE, height * scale + 1.05))
     for index, panel in enumerate(panels):
-        left = 0.5 * DOUBLE * index + 0.45
+        left = 0.5 * style.DOUBLE * index + 0.45
         axes = _inches(figure, left, 0.75, width * scale, height * scale)
         _circles(axes, panel)
         axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), xlabel="X (mm)", ylabel="Y (mm)")
         axes.set_title(f"({'ab'[index]}) {panel.title}", loc="left")
         detail = _inches(figure, left + width * scale + 0.1, 0.75, DETAIL, DETAIL)
         _detail(axes, detail, panel, panels[0])
-    figure.legend(handles=_plane_key(), loc="lower center", ncols=3)
+    key = [
+        Patch(**style.BEAM_CIRCLE, label=style.BEAM_LABEL),
+        Patch(**style.WIRE_CIRCLE, label=style.WIRE_LABEL),
+        Patch(**style.REST_CIRCLE, label="at rest"),
+    ]
+    figure.legend(handles=key, loc="lower center", ncols=3)
     return figure
 
 
 def _circles(axes: Axes, panel: Shapes) -> None:
     """Circles of the wire's diameter around the three sets of centres."""
-    for centres, style in (
-        (panel.rest_circles, REST_CIRCLE),
-        (panel.beam_circles, BEAM_CIRCLE),
-        (panel.wire_circles, WIRE_CIRCLE),
-    ):
-        discs(axes, centres, panel.diameter, **style)
+    discs(axes, panel.rest_circles, panel.diameter, **style.REST_CIRCLE)
+    discs(axes, panel.beam_circles, panel.diameter, **style.BEAM_CIRCLE)
+    discs(axes, panel.wire_circles, panel.diameter, **style.WIRE_CIRCLE)
 
 
 def _detail(axes: Axes, detail: Axes, panel: Shapes, place: Shapes) -> None:
@@ -176,8 +169,3 @@ def _detail(axes: Axes, detail: Axes, panel: Shapes, place: Shapes) -> None:
 
 def _length(value: float) -> str:
     return f"{value:.2f} mm" if value >= 0.1 else f"{1e3 * value:.1f} µm"
-
-
-def _plane_key() -> list[Patch]:
-    styles = ((BEAM_CIRCLE, BEAM_LABEL), (WIRE_CIRCLE, WIRE_LABEL), (REST_CIRCLE, "at rest"))
-    return [Patch(**style, label=label) for style, label in styles]

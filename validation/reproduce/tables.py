@@ -9,6 +9,7 @@ import pandas as pd
 
 from coilspring import Scene, spring_a, spring_b
 from coilspring.scene.wire import SHEAR_FACTOR
+from validation.reproduce.times import ITERATIONS
 from validation.study.cases import PAPER_MESH, case
 from validation.study.document import Table
 from validation.study.frames import view
@@ -79,7 +80,6 @@ def _mesh(scene: Scene) -> Rows:
 
 def table3(times: pd.DataFrame) -> Table:
     """Solution times for reading: the ratio first, then its parts, medians with quartiles."""
-    counts = [f"{part}_iterations" for part in ("wire", "beam", "beam_paper_tangent")]
     return view(
         times,
         {
@@ -91,7 +91,7 @@ def table3(times: pd.DataFrame) -> Table:
             "beam (ms)": lambda row: spread(row, "beam_seconds", 1e3),
             "beam, paper's tangent (ms)": lambda row: spread(row, "beam_paper_tangent_seconds", 1e3),
             "iterations: wire model / beam / beam, paper's tangent": lambda row: " / ".join(
-                str(getattr(row, name)) for name in counts
+                str(getattr(row, name)) for name in ITERATIONS
             ),
             "paper: FE / proposed model (s)": lambda row: (
                 f"{row.paper_wire_seconds:g} / {row.paper_beam_seconds:g}"

@@ -8,18 +8,7 @@ from typing import Any
 
 import pandas as pd
 
-from validation.sensitivity.changes import (
-    BASE_TIPS,
-    CHANGES,
-    COMPLETED,
-    CURVE,
-    DEFAULT_DEVIATION,
-    DEVIATION,
-    sizes,
-    together,
-    values,
-    worst,
-)
+from validation.sensitivity import changes
 from validation.sensitivity.inputs import BEAM, INPUTS, KINDS, MODELS, NOT_GIVEN, READING, WIRE
 from validation.study.cases import case
 from validation.study.document import Table
@@ -59,13 +48,13 @@ def digest(data: pd.DataFrame) -> str:
     """A case for a reader at the terminal."""
     return (
         f"{data['case'].iloc[0]}: what the paper does not give moves the curves by {_total(data):.1f} % "
-        f"together; the models deviate by {data[DEFAULT_DEVIATION].iloc[0]:.2f} %"
+        f"together; the models deviate by {data[changes.DEFAULT_DEVIATION].iloc[0]:.2f} %"
     )
 
 
 def _total(data: pd.DataFrame) -> float:
     """What all inputs that are not given move together, in the model that they move more, %."""
-    return max(together(data, model, SILENT) for model in MODELS)
+    return max(changes.together(data, model, SILENT) for model in MODELS)
 
 
 def _change(row: pd.Series) -> str:
@@ -77,34 +66,34 @@ def _ending(row: pd.Series) -> str:
 
 
 def _estimate(data: pd.DataFrame, model: str) -> tuple[str, ...]:
-    singles = (worst(data, model, kinds) for kinds in (SILENT, OPEN))
+    singles = (changes.worst(data, model, kinds) for kinds in (SILENT, OPEN))
     return (
         *(case(data["case"].iloc[0]).title, NAMES[model]),
-        *(f"{abs(row[CURVE]):.1f} ({_change(row)})" for row in singles),
+        *(f"{abs(row[changes.CURVE]):.1f} ({_change(row)})" for row in singles),
         *(_together(data, model, kinds) for kinds in (SILENT, OPEN)),
-        f"{data[DEFAULT_DEVIATION].iloc[0]:.2f}",
+        f"{data[changes.DEFAULT_DEVIATION].iloc[0]:.2f}",
     )
 
 
 def _together(data: pd.DataFrame, model: str, kinds: Sequence[str]) -> str:
     """Sum of squares; more where a value that ends short of full load is in it without a number."""
-    total = f"{together(data, model, kinds):.1f}"
-    mine = values(data).query("model == @model and kind in @kinds")
-    return total if (mine["outcome"] == COMPLETED).all() else f"{total} or more"
+    total = f"{changes.together(data, model, kinds):.1f}"
+    mine = changes.values(data).query("model == @model and kind in @kinds")
+    return total if (mine["outcome"] == changes.COMPLETED).all() else f"{total} or more"
 
 
 def _case(data: pd.DataFrame) -> dict[str, Any]:
     """What the page says of a case."""
-    most = data.loc[data.loc[data["kind"].isin(OPEN), DEVIATION].idxmax()]
-    present = values(data)
-    ended = present[present["outcome"] != COMPLETED]
-    tips = data.groupby("model")[list(BASE_TIPS)].first()
+    most = data.loc[data.loc[data["kind"].isin(OPEN), changes.DEVIATION].idxmax()]
+    present = changes.values(data)
+    ended = present[present["outcome"] != changes.COMPLETED]
+    tips = data.groupby("model")[list(changes.BASE_TIPS)].first()
     where = (
         f"{NAMES[model]} UX {ux:.3f} mm, UY {uy:.3f} mm, ROTZ {rotz:.4f} rad"
         for model, (ux, uy, rotz) in ((model, tips.loc[model]) for model in MODELS)
     )
     groups = present.groupby(["input", "model"], sort=False)
-    pairs = [(name, model) for name in sizes(data).index for model in MODELS]
+    pairs = [(name, model) for name in changes.sizes(data).index for model in MODELS]
     lacking = {
         item.title: [NAMES[model] for model in MODELS if (item.name, model) not in groups.groups]
         for item in INPUTS
@@ -113,8 +102,8 @@ def _case(data: pd.DataFrame) -> dict[str, Any]:
     return {
         "title": case(data["case"].iloc[0]).title,
         "total": _total(data),
-        "deviation": data[DEFAULT_DEVIATION].iloc[0],
-        "most": most[DEVIATION],
+        "deviation": data[changes.DEFAULT_DEVIATION].iloc[0],
+        "most": most[changes.DEVIATION],
         "most_by": _change(most),
         "ended": [(f"{NAMES[row['model']]}, {_change(row)}", _ending(row)) for _, row in ended.iterrows()],
         "tips": "; ".join(where),
@@ -123,18 +112,25 @@ def _case(data: pd.DataFrame) -> dict[str, Any]:
     }
 
 
-def _rows(changes: pd.DataFrame) -> Iterator[tuple[str, ...]]:
+def _rows(group: pd.DataFrame) -> Iterator[tuple[str, ...]]:
     """Of one input and model, the values that reach farthest to either side and those that end early."""
-    known = changes[CURVE].dropna()
+    known = group[changes.CURVE].dropna()
     ends = {known.idxmin(), known.idxmax()} if len(known) else set()
-    for index, row in changes.iterrows():
+    for index, row in group.iterrows():
         head = (TITLES[row["input"]], NAMES[row["model"]], row["value"])
-        if row["outcome"] != COMPLETED:
+        if row["outcome"] != changes.COMPLETED:
             yield (*head, _ending(row), *[""] * 5)
         elif index in ends:
-            place = f"{row['curve_component'].upper()}, t = {row['curve_time']:g}" if row[CURVE] else ""
-            deviation = "" if pd.isna(row[DEVIATION]) else f"{row[DEVIATION]:.2f}"
-            yield (*head, *(_signed(row[name]) for name in (*CHANGES, CURVE)), place, deviation)
+            place = (
+                f"{row['curve_component'].upper()}, t = {row['curve_time']:g}" if row[changes.CURVE] else ""
+            )
+            deviation = "" if pd.isna(row[changes.DEVIATION]) else f"{row[changes.DEVIATION]:.2f}"
+            yield (
+                *head,
+                *(_signed(row[name]) for name in (*changes.CHANGES, changes.CURVE)),
+                place,
+                deviation,
+            )
 
 
 def _signed(percent: float) -> str:
