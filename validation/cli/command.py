@@ -86,9 +86,7 @@ def solve(arguments: argparse.Namespace) -> int:
             files |= output.series_files(path)
         output.write_files(files, folder)
         output.remove_stale(files, folder)
-    _warn(scene, arguments)
-    _conclude(arguments, output.summary(path), [*digest(path), f"written to {folder}"])
-    return _verdict(path)
+    return _concluded(arguments, output.summary(path), [*digest(path), f"written to {folder}"], path)
 
 
 def compare(arguments: argparse.Namespace) -> int:
@@ -120,11 +118,9 @@ def compare(arguments: argparse.Namespace) -> int:
         output.remove_stale(files, folder)
         for model in paths:
             output.remove_stale({}, folder / model)
-    _warn(scene, arguments)
     lines = [line for path in paths.values() for line in digest(path)]
     lines += deviation(comparison, bool(scene.load.displacement))
-    _conclude(arguments, found, [*lines, f"written to {folder}"])
-    return _verdict(*paths.values())
+    return _concluded(arguments, found, [*lines, f"written to {folder}"], *paths.values())
 
 
 def long_command(arguments: argparse.Namespace) -> int:
@@ -183,25 +179,18 @@ def _in_file(scene: str, error: InputError) -> InputError:
     return error
 
 
-def _warn(scene: Scene, arguments: argparse.Namespace) -> None:
-    """Say on stderr what makes the scene doubtful, unless asked to be quiet or for JSON, which holds it."""
-    if arguments.quiet or arguments.json:
-        return
-    for warning in warnings(scene):
-        print(f"coilcheck: warning: {warning}", file=sys.stderr)
+def _concluded(arguments: argparse.Namespace, found: dict, lines: list[str], *paths: EquilibriumPath) -> int:
+    """Print a result as asked for: for a reader, as JSON, or not at all; the exit code of solved scenes.
 
-
-def _verdict(*paths: EquilibriumPath) -> int:
-    """Exit code of solved scenes; what was not completed is said on stderr."""
+    What makes the scene doubtful is said on stderr unless JSON holds it; so is what was not completed.
+    """
+    if arguments.json:
+        say(output.json_text(found))
+    elif not arguments.quiet:
+        for warning in warnings(paths[0].scene):
+            print(f"coilcheck: warning: {warning}", file=sys.stderr)
+        say(*lines)
     missed = [f"{path.model}: {path.message}" for path in paths if path.outcome != "completed"]
     if missed:
         return _fail(NOT_COMPLETED, f"{'; '.join(missed)}; what was reached is written")
     return COMPLETED
-
-
-def _conclude(arguments: argparse.Namespace, found: dict, lines: list[str]) -> None:
-    """Print a result as asked for: for a reader, as JSON, or not at all."""
-    if arguments.json:
-        say(output.json_text(found))
-    elif not arguments.quiet:
-        say(*lines)
