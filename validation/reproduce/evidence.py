@@ -20,9 +20,8 @@ from validation.study.metrics import Comparison, compare_paths, peaks
 # difference to the finer mesh
 _REFINED = FINE_MESH["elements_per_turn"] / PAPER_MESH["elements_per_turn"]
 RICHARDSON = _REFINED**2 / (_REFINED**2 - 1.0)
-
+ERRORS = ("curve_max", "curve_rms", "shape_max", "shape_rms")  # of a comparison
 OVERLOAD = 1.2  # of the paper's load
-
 STEPS = (10, 20, 50, 200)  # substeps over which the no-sliding rule's dependence is measured
 
 
@@ -97,7 +96,7 @@ def overloaded(scene: Scene) -> Scene:
 def _case(store: PathStore, item: Case) -> CaseEvidence:
     scene = item.scene
     wire, fine = store.wire(scene), store.wire(scene, **FINE_MESH)
-    beam = store.beam(scene)
+    beam, mesh = store.beam(scene), compare_paths(wire, fine)
     return CaseEvidence(
         case=item,
         wire=wire,
@@ -105,10 +104,5 @@ def _case(store: PathStore, item: Case) -> CaseEvidence:
         beam=beam,
         paper=store.beam(scene, tangent="paper"),
         error=compare_paths(beam, wire),
-        mesh_error=_scaled(compare_paths(wire, fine), RICHARDSON),
+        mesh_error=replace(mesh, **{name: RICHARDSON * getattr(mesh, name) for name in ERRORS}),
     )
-
-
-def _scaled(comparison: Comparison, factor: float) -> Comparison:
-    names = ("curve_max", "curve_rms", "shape_max", "shape_rms")
-    return replace(comparison, **{name: factor * getattr(comparison, name) for name in names})
