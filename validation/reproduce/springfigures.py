@@ -27,27 +27,36 @@ BAR = 5.0  # mm, length of the scale
 
 def space_figure(panels: tuple[Shapes, ...], rendered: list[Path] | str) -> Figure:
     """Picture in space, composed of the rendered panels, or painted here where there are none."""
-    if isinstance(rendered, str):
-        return _painted(panels)
-    pictures = _cropped([imread(file) for file in rendered])
-    _, half = picture_frame(_points(panels), panels[0].diameter)
-    tall, wide = pictures[0].shape[:2]
-    height = min((0.5 * style.DOUBLE - 0.1) * tall / wide, TALLEST)
-    figure = Figure(figsize=(style.DOUBLE, height + 0.6))
-    for index, (panel, picture) in enumerate(zip(panels, pictures, strict=True)):
-        width = height * wide / tall
-        axes = _inches(figure, (0.5 * index + 0.25) * style.DOUBLE - 0.5 * width, 0.35, width, height)
-        axes.imshow(picture, interpolation="antialiased", aspect="auto")
+    painted = isinstance(rendered, str)
+    points = np.concatenate([getattr(panel, part) for panel in panels for part in PARTS])
+    if painted:
+        seen = points @ view().T
+        low, high = seen.min(axis=0) - panels[0].diameter, seen.max(axis=0) + panels[0].diameter
+        (width, height), unit = (high - low)[:2], 1.0  # mm
+    else:
+        pictures = _cropped([imread(file) for file in rendered])
+        height, width = pictures[0].shape[:2]
+        unit = PIXELS / (2.0 * picture_frame(points, panels[0].diameter)[1])  # pixels for a mm
+    scale = min((0.5 * style.DOUBLE - 0.1) / width, TALLEST / height)  # in for a mm or a pixel
+    figure = Figure(figsize=(style.DOUBLE, height * scale + 0.6))
+    for index, panel in enumerate(panels):
+        left = (0.5 * index + 0.25) * style.DOUBLE - 0.5 * width * scale
+        axes = _inches(figure, left, 0.35, width * scale, height * scale)
+        if painted:
+            _paint(axes, panel, 72.0 * scale * panel.diameter)
+            axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]))
+        else:
+            axes.imshow(pictures[index], interpolation="antialiased", aspect="auto")
         axes.set_axis_off()
         axes.set_title(f"({'ab'[index]}) {panel.title}", loc="left")
-        _scale(figure, index, height / tall * PIXELS / (2.0 * half))
-    figure.legend(handles=_space_key(), loc="lower center", ncols=3)
+        _scale(figure, index, scale * unit)
+    key = [
+        Patch(color=style.BLUE, label=style.BEAM_LABEL),
+        Patch(color=style.RED, label=f"{style.WIRE_LABEL}, alternating"),
+        Line2D([], [], color=style.GREY, linewidth=0.7, label="at rest"),
+    ]
+    figure.legend(handles=key, loc="lower center", ncols=3)
     return figure
-
-
-def _points(panels: tuple[Shapes, ...]) -> np.ndarray:
-    """All points of the panels' wires."""
-    return np.concatenate([getattr(panel, part) for panel in panels for part in PARTS])
 
 
 def _scale(figure: Figure, index: int, scale: float) -> None:
@@ -70,49 +79,19 @@ def _cropped(pictures: list[np.ndarray]) -> list[np.ndarray]:
     return [picture[window] for picture in pictures]
 
 
-def _space_key() -> list[Patch | Line2D]:
-    return [
-        Patch(color=style.BLUE, label=style.BEAM_LABEL),
-        Patch(color=style.RED, label=f"{style.WIRE_LABEL}, alternating"),
-        Line2D([], [], color=style.GREY, linewidth=0.7, label="at rest"),
-    ]
-
-
-def _painted(panels: tuple[Shapes, ...]) -> Figure:
-    """The same view, painted from back to front as short strokes as wide as the wire."""
-    axes3 = view()
-    every = _points(panels) @ axes3.T
-    low, high = every.min(axis=0) - panels[0].diameter, every.max(axis=0) + panels[0].diameter
-    width, height = (high - low)[:2]
-    scale = min((0.5 * style.DOUBLE - 0.1) / width, TALLEST / height)  # in/mm
-    figure = Figure(figsize=(style.DOUBLE, height * scale + 0.6))
-    for index, panel in enumerate(panels):
-        left = (0.5 * index + 0.25) * style.DOUBLE - 0.5 * width * scale
-        axes = _inches(figure, left, 0.35, width * scale, height * scale)
-        axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]))
-        axes.set_axis_off()
-        axes.set_title(f"({'ab'[index]}) {panel.title}", loc="left")
-        axes.plot(*(panel.rest @ axes3.T)[:, :2].T, color=style.GREY, linewidth=0.5, zorder=0)
-        axes.add_collection(_strokes(panel, axes3, 72.0 * scale * panel.diameter))
-        _scale(figure, index, scale)
-    figure.legend(handles=_space_key(), loc="lower center", ncols=3)
-    return figure
-
-
-def _strokes(panel: Shapes, axes3: np.ndarray, width: float) -> LineCollection:
-    """Both wires in pieces, the farther ones paler; `width` in points."""
-    lines = [(piece, style.BLUE) for piece in spaces(panel.beam)]
-    lines += [(piece, style.RED) for piece in bands(panel.wire)]
-    seen = [(line @ axes3.T, colour) for line, colour in lines]
-    pieces = np.concatenate([np.stack((line[:-1], line[1:]), axis=1) for line, _ in seen])
-    tint = np.concatenate([np.tile(to_rgb(colour), (len(line) - 1, 1)) for line, colour in seen])
-    depth = pieces[..., 2].mean(axis=1)
+def _paint(axes: Axes, panel: Shapes, width: float) -> None:
+    """The wires from back to front as short strokes, the farther ones paler; `width` in points."""
+    axes.plot(*(panel.rest @ view().T)[:, :2].T, color=style.GREY, linewidth=0.5, zorder=0)
+    lines = [(piece @ view().T, style.BLUE) for piece in spaces(panel.beam)]
+    lines += [(piece @ view().T, style.RED) for piece in bands(panel.wire)]
+    strokes = np.concatenate([np.stack((line[:-1], line[1:]), axis=1) for line, _ in lines])
+    tint = np.concatenate([np.tile(to_rgb(colour), (len(line) - 1, 1)) for line, colour in lines])
+    depth = strokes[..., 2].mean(axis=1)
     order = np.argsort(depth)
     far = 0.45 * (depth.max() - depth) / np.ptp(depth)
     tint = tint + far[:, None] * (1.0 - tint)
-    return LineCollection(
-        list(pieces[order][..., :2]), colors=tint[order], linewidths=width, capstyle="round"
-    )
+    flat = list(strokes[order][..., :2])
+    axes.add_collection(LineCollection(flat, colors=tint[order], linewidths=width, capstyle="round"))
 
 
 def _inches(figure: Figure, left: float, bottom: float, width: float, height: float) -> Axes:
