@@ -307,3 +307,9 @@ def test_a_run_is_solved_once_complete_or_not(tmp_path, damaged):
         file.write_bytes(file.read_bytes()[:-100])
         assert asked() == (ends, 1)
         assert asked() == (ends, 0)
+
+
+def test_templates_and_data_are_sources_too():
+    """What is stored is made anew where the words of a page are changed."""
+    names = {file.name for file in keys.source_files("validation")}
+    assert {"keys.py", "report.md", "inputs.toml"} <= names
