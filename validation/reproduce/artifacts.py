@@ -11,9 +11,11 @@ from pathlib import Path
 from types import ModuleType
 from typing import TYPE_CHECKING
 
+import pandas as pd
+
 from validation.reproduce import claims, curves, evidence, facts, report, tables, times
 from validation.reproduce.assembly import PAGE
-from validation.study import document, frames
+from validation.study import frames
 from validation.study.cases import PathStore
 from validation.study.document import Table
 from validation.study.output import FACTS, json_bytes, write_files
@@ -21,7 +23,6 @@ from validation.study.provenance import FILE, provenance
 from validation.view import htmlscene, render3d, shapes
 
 if TYPE_CHECKING:
-    import pandas as pd
     from matplotlib.figure import Figure
 
     from validation.view.render3d import Rendering
@@ -113,18 +114,16 @@ class Maker:
 
 def _csv(name: str, table: Table) -> Files:
     """A table as a CSV file."""
-    return {f"{name}.csv": document.to_csv(table).encode()}
+    return {f"{name}.csv": frames.to_csv(pd.DataFrame(table.rows, columns=list(table.header)))}
 
 
-def _curves(
-    name: str, data: Callable[[PathStore], pd.DataFrame], figure: str, digits: int = 9
-) -> Callable[[Maker], Files]:
+def _curves(name: str, data: Callable[[PathStore], pd.DataFrame], figure: str) -> Callable[[Maker], Files]:
     """Curves: their data, and the figure that shows them."""
 
     def make(maker: Maker) -> Files:
         found = data(maker.paths)
         picture = maker.picture(name, lambda: getattr(_figures(), figure)(found))
-        return {f"{name}.csv": frames.to_csv(found, digits)} | picture
+        return {f"{name}.csv": frames.to_csv(found, digits=9)} | picture
 
     return make
 

@@ -11,6 +11,7 @@ The time is the CPU time of the solve alone, one thread, kernels warm. All setti
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 
@@ -111,7 +112,7 @@ def study(scene: Scene, extent: Extent, progress: Progress) -> pd.DataFrame:
 
 def reached(scene: Scene, setting: Setting) -> EquilibriumPath:
     """Path of one setting, complete or as far as it was reached."""
-    return partial_path(solve_wire if setting.mesh else solve_beam, scene, **setting.options)
+    return partial_path(solve_wire if setting.elements_per_turn else solve_beam, scene, **setting.options)
 
 
 def _seconds(scene: Scene, setting: Setting, known: EquilibriumPath) -> float:
@@ -128,12 +129,12 @@ def _times(ratios: np.ndarray, paper: float) -> dict[str, float]:
 
 def _reference(scene: Scene, extent: Extent) -> tuple[EquilibriumPath, list[dict[str, object]]]:
     """The finest path, and rows of its own error."""
-    finest = Setting("curved", extent.finest, extent.reference, PAIRS)
+    finest = Setting("curved", extent.reference, PAIRS, steps=extent.finest)
     path = solve_wire(scene, **finest.options)
     rows = []
     for role, setting in (
-        ("half mesh", Setting("curved", extent.finest, extent.reference // 2, PAIRS)),
-        ("half steps", Setting("curved", extent.finest // 2, extent.reference, PAIRS)),
+        ("half mesh", replace(finest, elements_per_turn=extent.reference // 2)),
+        ("half steps", replace(finest, steps=extent.finest // 2)),
     ):
         rows.append(row(role, scene, setting, compare_paths(solve_wire(scene, **setting.options), path)))
     exact = EXACT_ROD.get(scene.name)
@@ -157,7 +158,7 @@ def _peer_rows(
         return []
     rows = []
     for mesh, steps in extent.peers:
-        setting = Setting(PEER, steps, mesh, PAIRS)
+        setting = Setting(PEER, mesh, PAIRS, steps=steps)
         progress(f"{scene.name}: {setting.label}")
         runs, ratios = [], []
         for _ in range(extent.peer_rounds):
