@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import re
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -15,6 +15,7 @@ from jinja2 import Template
 
 from validation.study.cases import CASES, case
 from validation.study.document import Table
+from validation.study.metrics import COMPONENTS
 from validation.study.template import Facts, percent, template, unwrapped
 
 AGREES, DIFFERS, UNDECIDED, NOT_COMPARED = VERDICTS = (
@@ -75,34 +76,29 @@ def phase_range(f: Facts, kind: str) -> str:
     return f"{100.0 * min(found):.2f} to {percent(max(found))}"
 
 
-def contact_change(f: Facts, model: str) -> dict[str, Any]:
-    """What contact changes of Spring A's tip, as text, and whether it changes UY most."""
-    pairs = zip(f[f"spring-a.{model}"], f[f"spring-a-no-contact.{model}"], strict=True)
-    ux, uy, rotz = change = [100.0 * (new / old - 1.0) for new, old in pairs]
-    text = f"UX {ux:+.1f} %, UY {uy:+.1f} %, ROTZ {rotz:+.1f} %"
-    return {"text": text, "vertical": abs(uy) == max(map(abs, change))}
+def contact_change(f: Facts, model: str) -> dict[str, float]:
+    """What contact changes of Spring A's tip, %."""
+    pairs = zip(COMPONENTS, f[f"spring-a.{model}"], f[f"spring-a-no-contact.{model}"], strict=True)
+    return {name: 100.0 * (new / old - 1.0) for name, new, old in pairs}
 
 
-def softness(f: Facts, kinds: Sequence[str]) -> dict[str, str]:
-    """By how much the beam is softer than the wire model over the start phases, and whether it always is."""
-    steps, parts, always, ever = f["setting.steps"], [], True, False
-    titles = {"few": "setting.pairs", "many": "setting.many_pairs"}
-    for kind in kinds:
-        farther = {name.upper(): f[f"phases.{kind}.{name}"] for name in ("ux", "uy", "rotz")}
-        listed = ", ".join(
-            f"{name} {100.0 * min(shares):+.2f} to {100.0 * max(shares):+.2f} %"
-            for name, shares in farther.items()
-        )
-        counts = f[f"phases.{kind}.softer"]
-        everywhere = sum(count == steps for count in counts)
-        title = f"{f[titles[kind]]} sphere pairs per turn" if kind in titles else "no contact"
-        parts.append(
-            f"{title}: beam moves farther by {listed}; in every component and all {steps} substeps at "
-            f"{everywhere} of {len(counts)} phases"
-        )
-        always = always and everywhere == len(counts)
-        ever = ever or any(min(row) > 0.0 for row in zip(*farther.values(), strict=True))
-    return {"text": "; ".join(parts), "verdict": AGREES if always else UNDECIDED if ever else DIFFERS}
+def most_changed(change: Mapping[str, float]) -> str:
+    """The component that changes most."""
+    return max(change, key=lambda name: abs(change[name]))
+
+
+def softer_phases(f: Facts, kind: str = "bare") -> list[int]:
+    """Start phases at which the beam is softer in all components and substeps, degrees."""
+    pairs = zip(f[f"phases.{kind}.degrees"], f[f"phases.{kind}.softer"], strict=True)
+    return [angle for angle, count in pairs if count == f["setting.steps"]]
+
+
+def softer_verdict(f: Facts, kinds: Sequence[str]) -> str:
+    """Whether the beam is always softer than the wire model, whatever the start phase."""
+    if all(len(softer_phases(f, kind)) == len(f[f"phases.{kind}.degrees"]) for kind in kinds):
+        return AGREES
+    tips = [zip(*(f[f"phases.{kind}.{name}"] for name in COMPONENTS), strict=True) for kind in kinds]
+    return UNDECIDED if any(min(tip) > 0.0 for phases in tips for tip in phases) else DIFFERS
 
 
 def with_contact(f: Facts, letter: str, name: str) -> float:
@@ -115,15 +111,9 @@ def of_paper(f: Facts, letter: str, model: str) -> float:
     return f[f"paper.spring-{letter}.{model}"] / f[f"paper.spring-{letter}-no-contact.{model}"]
 
 
-def softer_phases(f: Facts) -> list[int]:
-    """Start phases at which the beam is softer all along, without contact, degrees."""
-    pairs = zip(f["phases.bare.degrees"], f["phases.bare.softer"], strict=True)
-    return [angle for angle, count in pairs if count == f["setting.steps"]]
-
-
 FUNCTIONS = (
-    *(case, cases, contact_change, counted, curves, of_paper, phase_range, softer_phases, softness),
-    *(verdict, with_contact),
+    *(case, cases, contact_change, counted, curves, most_changed, of_paper, phase_range),
+    *(softer_phases, softer_verdict, verdict, with_contact),
 )
 
 
