@@ -87,15 +87,20 @@ def most_changed(change: Mapping[str, float]) -> str:
     return max(change, key=lambda name: abs(change[name]))
 
 
-def softer_phases(f: Facts, kind: str = "bare") -> list[int]:
-    """Start phases at which the beam is softer in all components and substeps, degrees."""
-    pairs = zip(f[f"phases.{kind}.degrees"], f[f"phases.{kind}.softer"], strict=True)
-    return [angle for angle, count in pairs if count == f["setting.steps"]]
+def everywhere(f: Facts, kind: str) -> list[bool]:
+    """Whether the beam is softer in all components and substeps, by start phase."""
+    return [count == f["setting.steps"] for count in f[f"phases.{kind}.softer"]]
+
+
+def softer_phases(f: Facts) -> list[int]:
+    """Start phases at which the beam is so without contact, degrees."""
+    pairs = zip(f["phases.bare.degrees"], everywhere(f, "bare"), strict=True)
+    return [angle for angle, softer in pairs if softer]
 
 
 def softer_verdict(f: Facts, kinds: Sequence[str]) -> str:
     """Whether the beam is always softer than the wire model, whatever the start phase."""
-    if all(len(softer_phases(f, kind)) == len(f[f"phases.{kind}.degrees"]) for kind in kinds):
+    if all(all(everywhere(f, kind)) for kind in kinds):
         return AGREES
     tips = [zip(*(f[f"phases.{kind}.{name}"] for name in COMPONENTS), strict=True) for kind in kinds]
     return UNDECIDED if any(min(tip) > 0.0 for phases in tips for tip in phases) else DIFFERS
@@ -112,7 +117,7 @@ def of_paper(f: Facts, letter: str, model: str) -> float:
 
 
 FUNCTIONS = (
-    *(case, cases, contact_change, counted, curves, most_changed, of_paper, phase_range),
+    *(case, cases, contact_change, counted, curves, everywhere, most_changed, of_paper, phase_range),
     *(softer_phases, softer_verdict, verdict, with_contact),
 )
 
