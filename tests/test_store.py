@@ -170,7 +170,7 @@ def test_sources_of_parts_of_a_package_count(tmp_path, monkeypatch):
     (package / "part").mkdir(parents=True)
     for file in (package / "__init__.py", package / "part" / "a.py", package / "b.py"):
         file.write_bytes(b"x = 1\n")
-    (package / "data.txt").write_bytes(b"")
+    (package / "data.npz").write_bytes(b"")
     monkeypatch.syspath_prepend(tmp_path)
     assert len(keys.source_files("somepackage")) == 3
     assert keys.source_files("somepackage.b") == [package / "b.py"]
