@@ -236,7 +236,8 @@ def _add_scene(command: argparse.ArgumentParser) -> None:
     """The scene and the options of both models, whose defaults are the models' own."""
     _add_common(command)
     beam = command.add_argument_group("options of equivbeam")
-    beam.add_argument("--law", choices=("haringx", "helix"), help="law of a half coil; default haringx")
+    what = "law of a half coil: haringx (default), helix or a Python file with one"
+    beam.add_argument("--law", metavar="haringx|helix|FILE.py", help=what)
     beam.add_argument("--tangent", choices=("exact", "paper", "paper-printed"), help="default exact")
     beam.add_argument("--sliding", choices=("ignore", "scene"), help="the scene's sliding; default ignore")
     wire = command.add_argument_group("options of wirefe")
