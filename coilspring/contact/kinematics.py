@@ -7,7 +7,7 @@ import math
 import numpy as np
 
 from coilspring.compiling.compiled import part
-from coilspring.contact.law import hold, normal_law, renewed
+from coilspring.contact.law import arc, hold, normal_law, renewed
 
 SLIGHT = 1e-7  # wire diameters of penetration: its force is the least that friction bounds are compared with
 TOUCH = 0.003  # wire diameters by which a pair may penetrate where a prediction closes it
@@ -75,5 +75,6 @@ def friction_bounds(vectors, history, mu, K, k, d):
             # at the arm d instead of h, on which arcs are measured
             bound *= normal_law(max(d - h, 0.0), K, k)[1] * h / d
             most = max(most, bound)
-        change = max(change, renewed(vectors[m], h, d, bound, K, history[m], e))
+        length = d * arc(vectors[m], h, history[m], e) if bound < np.inf else 0.0
+        change = max(change, renewed(length, bound, K, history[m]))
     return change / most if change > 0.0 else 0.0

@@ -32,6 +32,7 @@ PAIR_HISTORY = np.dtype(
         ("work", "f8"),  # that friction has taken, N mm
         ("rise", "f8"),  # r, 1/mm
         ("slip", "f8"),  # what it slides in this substep, negative where it sticks, mm
+        ("arms", "f8", 6),  # of wires: the material points that touched first, in their sections at rest, mm
     ],
     align=True,
 )
@@ -76,6 +77,40 @@ def arc(g, h, row, t):
 
 
 @part
+def tangential_law(length, K, row):
+    """Energy, force and its derivative of a held pair at a slip of the length given, from its reference."""
+    force, slope, energy = K * length, K, 0.5 * K * length**2
+    if force > row.bound:
+        rise = row.bound * row.rise
+        slip = (force - row.bound) / (K + rise)
+        force = row.bound + rise * slip
+        slope = K * rise / (K + rise)
+        energy = 0.5 * force**2 / K + (row.bound + 0.5 * rise * slip) * slip
+    return energy, force, slope
+
+
+@part
+def slid(length, K, row):
+    """Take what a held pair slid in a substep into its history; returns whether it did."""
+    if row.bound == math.inf:
+        return False
+    slip = (K * length - row.bound) / (K + row.bound * row.rise)
+    if slip <= 0.0:
+        return False
+    row.bound *= 1.0 + row.rise * slip
+    row.slid += slip
+    row.work += row.bound * slip
+    return True
+
+
+@part
+def start_history(row):
+    """A pair begins to be held, by as much as the normal force will bear."""
+    row.closed, row.bound = True, math.inf
+    row.slid, row.work, row.rise = 0.0, 0.0, 0.0
+
+
+@part
 def hold(g, h, d, K, row, t):
     """Update a pair's history where it touches at the end of a substep.
 
@@ -85,27 +120,18 @@ def hold(g, h, d, K, row, t):
         for i in range(3):
             row.vector[i] = g[i]
             row.normal[i] = g[i] / h
-        row.closed, row.bound = True, math.inf
-        row.slid, row.work, row.rise = 0.0, 0.0, 0.0
-        return
-    if row.bound == math.inf:
-        return
-    slip = (K * d * arc(g, h, row, t) - row.bound) / (K + row.bound * row.rise)
-    if slip <= 0.0:
-        return
-    row.bound *= 1.0 + row.rise * slip
-    row.slid += slip
-    row.work += row.bound * slip
-    left = row.bound / (K * d)
-    for i in range(3):
-        row.normal[i] = math.cos(left) * g[i] / h - math.sin(left) * t[i]
+        start_history(row)
+    elif slid(d * arc(g, h, row, t), K, row):
+        left = row.bound / (K * d)
+        for i in range(3):
+            row.normal[i] = math.cos(left) * g[i] / h - math.sin(left) * t[i]
 
 
 @part
-def renewed(g, h, d, bound, K, row, t):
-    """Set the bound of a held pair so that it is `bound` at the pair's present slip; returns its change."""
+def renewed(length, bound, K, row):
+    """Set the bound of a held pair so that it is `bound` at its present slip; returns its change."""
     if bound < math.inf:
-        row.slip = d * arc(g, h, row, t) - bound / K
+        row.slip = length - bound / K
         bound /= max(1.0 + row.rise * max(row.slip, 0.0), LEAST_LEFT)
     change = abs(bound - row.bound) if bound != row.bound else 0.0
     row.bound = bound
@@ -128,17 +154,9 @@ def _add_stuck(g, K, row, e, f, H):
 def _add_friction(g, h, d, K, row, t, f, H):
     """Energy of a pair with a bounded tangential force; adds its gradient and Hessian."""
     angle = arc(g, h, row, t)
-    force, slope, energy = K * d * angle, K, 0.5 * K * (d * angle) ** 2
-    across = K * d  # force over the tangent of the angle
-    if force > row.bound:
-        rise = row.bound * row.rise
-        slip = (force - row.bound) / (K + rise)
-        force = row.bound + rise * slip
-        slope = K * rise / (K + rise)
-        energy = 0.5 * force**2 / K + (row.bound + 0.5 * rise * slip) * slip
-        across = force / math.tan(angle)
-    elif angle > 0.0:
-        across *= angle / math.tan(angle)
+    energy, force, slope = tangential_law(d * angle, K, row)
+    # force over the tangent of the angle
+    across = force / math.tan(angle) if angle > 0.0 else K * d
     force, across, slope = force * d / h, across * d / h**2, slope * (d / h) ** 2
     for i in range(3):
         f[i] += force * t[i]

@@ -16,8 +16,8 @@ from coilspring.scene.wire import Section
 from coilspring.solver.solve import Problem
 from validation.verification.case import Check
 from wirefe import kernels
-from wirefe.shape import turned
 from wirefe.solve import rod_problem
+from wirefe.stations import turned_rows as turned
 
 RADIUS, HEIGHT, COILS = 10.0, 50.0, 2
 FIRST_STEP, LEAST_STEP = 1e-3, 1e-9
