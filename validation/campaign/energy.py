@@ -15,7 +15,9 @@ import numpy as np
 from scipy.linalg import solve_triangular
 
 from coilspring import Scene
+from equivbeam.laws import law_of
 from validation.campaign.laws import haringx_law, helix_law
+from validation.campaign.plainlaw import plain_law
 
 Law = Callable[[np.ndarray, np.ndarray, np.ndarray], tuple[np.ndarray, ...]]
 LAWS: dict[str, Callable[[Scene], Law]] = {"haringx": haringx_law, "helix": helix_law}
@@ -229,7 +231,7 @@ def beam_energy(scene: Scene, law: str) -> BeamEnergy:
     force[-3:-1] = scene.load.force
     return BeamEnergy(
         rest=rest.ravel(),
-        law=LAWS[law](scene),
+        law=LAWS[law](scene) if law in LAWS else plain_law(scene, law_of(law)),  # type: ignore[arg-type]
         carriers=carriers,
         offsets=offsets,
         d=spring.wire_diameter,

@@ -6,12 +6,14 @@ import os
 import traceback
 from collections.abc import Callable, Iterator
 from concurrent.futures import FIRST_COMPLETED, Future, wait
+from dataclasses import replace
 from functools import partial
 from itertools import islice
 from pathlib import Path
 from time import process_time
 
 from coilspring import InputError
+from equivbeam.laws.userlaw import UserLaw
 from validation.campaign.invariance import verify_invariance
 from validation.campaign.page import write_page
 from validation.campaign.pools import cluster, processes
@@ -96,10 +98,12 @@ def campaign(
     return int((chosen["class"] == UNEXPLAINED).any())
 
 
-def verified(name: str, seed: int) -> Row:
-    """Solve and verify one case."""
+def verified(name: str, seed: int, law: UserLaw | None = None) -> Row:
+    """Solve and verify one case; `law`: with a user's law in place of that drawn."""
     began = process_time()
     case, path, verdict, known = make_case(name, seed), None, Verdict(), {"outcome": "refused"}
+    if law is not None:
+        case = replace(case, options={"law": law})
     try:
         path = reached(case)
         verdict = verify(case, path)

@@ -16,6 +16,7 @@ MODEL_OPTIONS = {
     "wirefe": ("element", "elements_per_turn", "pairs_per_turn"),
 }
 FILE_OPTIONS = {"equivbeam": (), "wirefe": ("vtu", "vtu_series")}  # what a model can write besides the path
+LAWS = ("haringx", "helix")  # of a half coil; or a file
 COMMON_OPTIONS = ("steps", "penalty")
 CAMPAIGN_RANGES = {  # of the options of stability
     "beams": (0, 10_000_000),
@@ -237,7 +238,7 @@ def _add_scene(command: argparse.ArgumentParser) -> None:
     _add_common(command)
     beam = command.add_argument_group("options of equivbeam")
     what = "law of a half coil: haringx (default), helix or a Python file with one"
-    beam.add_argument("--law", metavar="haringx|helix|FILE.py", help=what)
+    beam.add_argument("--law", type=_law, metavar="|".join((*LAWS, "FILE.py")), help=what)
     beam.add_argument("--tangent", choices=("exact", "paper", "paper-printed"), help="default exact")
     beam.add_argument("--sliding", choices=("ignore", "scene"), help="the scene's sliding; default ignore")
     wire = command.add_argument_group("options of wirefe")
@@ -250,6 +251,13 @@ def _add_only(command: argparse.ArgumentParser, names: tuple[str, ...]) -> None:
     """What of all to make."""
     what = f"some of {','.join(names)}"
     command.add_argument("--only", type=_some_of(names), metavar="NAMES", help=what)
+
+
+def _law(text: str) -> str:
+    """The name of a law, or of a file that may hold one."""
+    if text not in LAWS and not text.endswith(".py"):
+        raise argparse.ArgumentTypeError(f"must be {', '.join(LAWS)} or a Python file, got {text!r}")
+    return text
 
 
 def _number(text: str) -> int | float | str:
