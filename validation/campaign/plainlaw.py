@@ -78,12 +78,15 @@ class PlainEnergy:
                 self._whole = False
         flat = x.reshape(3, -1, x.shape[-1])
         return np.array(
-            [[self._one(*flat[:, i, k], k) for k in range(flat.shape[2])] for i in range(flat.shape[1])]
+            [
+                [self._one(flat[:, i, k].tolist(), k) for k in range(flat.shape[2])]
+                for i in range(flat.shape[1])
+            ]
         ).reshape(x.shape[1:])
 
-    def _one(self, l: float, v: float, turn: float, k: int) -> float:  # noqa: E741
+    def _one(self, state: list[float], k: int) -> float:
         try:
-            return float(self.law.energy(float(l), float(v), float(turn), self.values[k]))
+            return float(self.law.energy(*state, self.values[k]))
         except (ValueError, ZeroDivisionError, OverflowError):
             return math.nan
 

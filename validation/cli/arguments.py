@@ -71,6 +71,7 @@ def command_line() -> argparse.ArgumentParser:
     _add_sensitivity(commands)
     _add_stability(commands)
     _add_regress(commands)
+    _add_study_law(commands)
     _add_export(commands)
     _add_referee(commands)
     _add_view(commands)
@@ -185,6 +186,14 @@ def _add_regress(commands: argparse._SubParsersAction) -> None:
     command.add_argument("--accept", action="store_true", help="write what is found as the new baselines")
     what = "measure and compare the models' ratios of time too"
     command.add_argument("--time", action="store_true", help=what)
+
+
+def _add_study_law(commands: argparse._SubParsersAction) -> None:
+    purpose = "errors, time, stability and limits of a law of a half coil that you wrote, on one page"
+    command = _command(commands, "study-law", purpose, "coilcheck study-law my_law.py --quick")
+    what = "Python files with parameters(coil), energy(l, v, dtheta, p); a page each"
+    command.add_argument("law", nargs="+", metavar="FILE.py", help=what)
+    command.add_argument("--quick", action="store_true", help="few springs and scenes: about a minute")
 
 
 def _add_export(commands: argparse._SubParsersAction) -> None:
