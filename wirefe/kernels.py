@@ -7,7 +7,8 @@ import math
 import numpy as np
 
 from coilspring.compiling.compiled import arithmetic, clear, kernel, part
-from coilspring.contact.kinematics import OVERLAP_ALLOWED, approach, friction_bounds, remember
+from coilspring.contact.kinematics import OVERLAP_ALLOWED, approach, remember
+from coilspring.contact.kinematics import update_pairs as update_spheres
 from coilspring.contact.law import pair_potential
 from coilspring.solver.interface import FIXED
 from wirefe.algebra import dot, plus
@@ -20,7 +21,7 @@ from wirefe.poses import ROW, four, three
 from wirefe.quaternions import turned
 from wirefe.retraction import Move, close, place, spin_between, turn_along
 from wirefe.stations import ARMS, POSITION, ROTATION, WIDTH, station
-from wirefe.wirecontact import across, add_wires, placed, remember_wires, wire_bounds
+from wirefe.wirecontact import across, add_wires, placed, remember_wires, update_wires
 
 
 @part
@@ -310,14 +311,15 @@ def update_history(reals, ints, state, history):
 
 
 @kernel
-def update_bounds(reals, ints, state, history):
-    """See `coilspring.contact.kinematics.friction_bounds`."""
+def update_pairs(reals, ints, accepted, state, history):
+    """See `coilspring.contact.kinematics.update_pairs`."""
     contact = view_contact(reals, ints)
     if contact.mu == 0.0:
         return 0.0
     if wires(contact):
-        return wire_bounds(contact, state, history)
-    return friction_bounds(_vectors(contact, state), history, contact.mu, contact.kc, contact.k, contact.d)
+        return update_wires(contact, accepted, state, history)
+    before, after = _vectors(contact, accepted), _vectors(contact, state)
+    return update_spheres(before, after, history, contact.mu, contact.kc, contact.k, contact.d)
 
 
 @kernel

@@ -7,7 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from coilspring.compiling.packing import pack
+from coilspring.contact.law import tangential_forces
 from coilspring.contact.results import PairReader
+from coilspring.path import Friction
 from coilspring.scene import Scene
 from coilspring.solver.stages import reactions
 from wirefe import kernels, seated
@@ -22,6 +24,7 @@ from wirefe.stations import (
     WIDTH,
     across_wires,
     carried,
+    fixed_to_sections,
     interpolated,
     rows,
 )
@@ -75,6 +78,29 @@ class WireShape(PairReader):
     def pair_vectors(self, states: np.ndarray) -> np.ndarray:
         """Vectors across the gaps of the pairs, shape (states, pairs, 3), mm."""
         return contact_vectors(self.data.contact, states)
+
+    def pair_friction(self, states: np.ndarray, histories: np.ndarray) -> Friction:
+        """See `coilspring.contact.results.PairReader`; of wires at the material points that touched first."""
+        contact = self.data.contact
+        if contact.parts.shape[1] < WIDTH:
+            return super().pair_friction(states, histories)
+        n = contact_vectors(contact, states)
+        n /= np.linalg.norm(n, axis=-1, keepdims=True)
+        first, second = (
+            contact_centres(contact, states)[:, side]
+            + fixed_to_sections(rows(states), contact.attached[side], contact.parts[side], arms)
+            for side, arms in zip(contact.pairs.T, np.split(histories["arms"], 2, axis=-1), strict=True)
+        )
+        slip = second - first
+        slip -= (slip * n).sum(axis=-1, keepdims=True) * n
+        length = np.linalg.norm(slip, axis=-1)
+        force, more = tangential_forces(length, histories, contact.kc)
+        share = np.divide(force, length, out=np.zeros_like(force), where=length > 0.0)
+        return Friction(
+            force=share[..., None] * slip,
+            slip=(histories["slid"] + more) * histories["closed"],
+            work=histories["work"] + 0.5 * (histories["held"] + force) * more,
+        )
 
     def reactions(self, states: np.ndarray, histories: np.ndarray) -> np.ndarray:
         """Force that holds the top along Y, shape (states,), N."""

@@ -38,7 +38,7 @@ KERNELS = Kernels(
     rotate=kernels.rotate,
     displacement_bound=kernels.displacement_bound,
     update_history=kernels.update_history,
-    update_bounds=kernels.update_bounds,
+    update_pairs=kernels.update_pairs,
     overlap=kernels.overlap,
 )
 SEATED = KERNELS._replace(assemble=seated.assemble, update_history=seated.update_history)

@@ -89,6 +89,15 @@ def interpolated(nodes: np.ndarray, node: np.ndarray, parts: np.ndarray, share: 
     return turn + own * low[..., :3] + part * high[..., :3]
 
 
+def fixed_to_sections(
+    nodes: np.ndarray, node: np.ndarray, parts: np.ndarray, vectors: np.ndarray
+) -> np.ndarray:
+    """Vectors (..., stations, 3) fixed to the sections of stations at rest, as turned now."""
+    share = parts[:, ROTATION, None]
+    high = nodes[..., np.minimum(node + 1, nodes.shape[-2] - 1), 3:]
+    return (1.0 - share) * turned_rows(nodes[..., node, 3:], vectors) + share * turned_rows(high, vectors)
+
+
 def across_wires(w: np.ndarray, tau: np.ndarray, clearance: np.ndarray) -> np.ndarray:
     """The part of vectors w (..., pairs, 3) across the sum tau of two tangents, longer by `clearance`."""
     along = (w * tau).sum(axis=-1) / (tau * tau).sum(axis=-1)

@@ -30,7 +30,15 @@ import numpy as np
 
 from coilspring.compiling.compiled import arithmetic, clear_table, part
 from coilspring.contact.kinematics import SLIGHT
-from coilspring.contact.law import normal_law, renewed, slid, start_history, tangential_law
+from coilspring.contact.law import (
+    first_touch,
+    goes_on,
+    normal_law,
+    renewed,
+    slid,
+    tangential_law,
+    touches_first,
+)
 from wirefe.algebra import added, cross, dot, plus
 from wirefe.contact import lever
 from wirefe.poses import ROW, four, three
@@ -134,43 +142,60 @@ def _tangential_slip(contact, points, state, m, row):
 @part
 def remember_wires(contact, state, history):
     """See `coilspring.contact.kinematics.remember`."""
-    least, points = np.inf, placed(contact, state)
+    least, points, nothing, there = np.inf, placed(contact, state), (0.0, 0.0, 0.0), np.empty(6)
     for m in range(history.shape[0]):
         row = history[m]
         h, n, _, _, _ = gap(contact, points, m)
-        least = min(least, h + contact.clearance[m] - contact.d)
-        if h + contact.clearance[m] >= contact.d:
-            row.closed = False
-        elif not row.closed:
-            touching_points(contact, points, state, m, (0.0, 0.0, 0.0), row.arms)
-            row.normal[0], row.normal[1], row.normal[2] = n
-            start_history(row)
-        else:
-            length, way = _tangential_slip(contact, points, state, m, row)
-            if slid(length, contact.kc, row):
-                left = row.bound / (contact.kc * length)
-                back = (left * way[0], left * way[1], left * way[2])
-                touching_points(contact, points, state, m, back, row.arms)
+        gap_left = h + contact.clearance[m] - contact.d
+        least = min(least, gap_left)
+        if not (row.closed or gap_left < 0.0):
+            continue
+        row.normal[0], row.normal[1], row.normal[2] = n
+        if row.fresh or not row.closed:
+            touching_points(contact, points, state, m, nothing, there)
+            share = row.share if row.fresh else 0.0
+            touches_first(row, 0.0)
+            for i in range(6):
+                row.arms[i] = share * row.arms[i] + (1.0 - share) * there[i]
+            row.fresh = False
+        length, way = _tangential_slip(contact, points, state, m, row)
+        if slid(length, contact.kc, row):
+            left = row.bound / (contact.kc * length)
+            touching_points(
+                contact, points, state, m, (left * way[0], left * way[1], left * way[2]), row.arms
+            )
+        if goes_on(row, contact.kc * length, gap_left < 0.0):
+            least = min(least, 0.0)
     return least
 
 
 @part
-def wire_bounds(contact, state, history):
-    """See `coilspring.contact.kinematics.friction_bounds`."""
-    points = placed(contact, state)
-    change, most = 0.0, contact.mu * normal_law(SLIGHT * contact.d, contact.kc, contact.k)[1]
+def update_wires(contact, accepted, state, history):
+    """See `coilspring.contact.kinematics.update_pairs`."""
+    points, before, nothing = placed(contact, state), placed(contact, accepted), (0.0, 0.0, 0.0)
+    least_bound = min(contact.mu, 1.0)
+    change, most = 0.0, least_bound * normal_law(SLIGHT * contact.d, contact.kc, contact.k)[1]
     for m in range(history.shape[0]):
         row = history[m]
-        if not row.closed:
+        h, _, _, _, _ = gap(contact, points, m)
+        d = contact.d - contact.clearance[m]
+        if row.opening or not (row.closed or h < d):
             continue
-        length, bound = 0.0, contact.mu
-        if bound < np.inf:
-            h, _, _, _, _ = gap(contact, points, m)
-            depth = max(contact.d - contact.clearance[m] - h, 0.0)
-            bound *= normal_law(depth, contact.kc, contact.k)[1]
-            most = max(most, bound)
-            length, _ = _tangential_slip(contact, points, state, m, row)
-        change = max(change, renewed(length, bound, contact.kc, row))
+        new = row.fresh or not row.closed
+        if row.fresh and h >= d:
+            row.closed = row.fresh = False
+            change = np.inf
+            continue
+        if new and not row.fresh:
+            touching_points(contact, before, accepted, m, nothing, row.arms)
+        length, _ = _tangential_slip(contact, points, state, m, row)
+        if new:
+            far, _, _, _, _ = gap(contact, before, m)
+            change = max(change, touches_first(row, first_touch(far, h, d)) * contact.kc * length)
+        normal = normal_law(max(d - h, 0.0), contact.kc, contact.k)[1]
+        most = max(most, least_bound * normal)
+        if contact.mu < np.inf:
+            change = max(change, renewed(length, contact.mu * normal, contact.kc, row))
     return change / most if change > 0.0 else 0.0
 
 

@@ -6,8 +6,17 @@ import math
 
 import numpy as np
 
-from coilspring.compiling.compiled import part
-from coilspring.contact.law import arc, hold, normal_law, renewed
+from coilspring.compiling.compiled import copy, part
+from coilspring.contact.law import (
+    arc,
+    first_touch,
+    goes_on,
+    normal_law,
+    renewed,
+    slid,
+    stretch,
+    touches_first,
+)
 
 SLIGHT = 1e-7  # wire diameters of penetration: its force is the least that friction bounds are compared with
 TOUCH = 0.003  # wire diameters by which a pair may penetrate where a prediction closes it
@@ -45,36 +54,77 @@ def approach(before, after, d):
 
 
 @part
+def _refer(row, vector):
+    """Make a pair's vector its reference."""
+    h = math.sqrt(vector[0] ** 2 + vector[1] ** 2 + vector[2] ** 2)
+    for i in range(3):
+        row.vector[i] = vector[i]
+        row.normal[i] = vector[i] / h
+
+
+@part
+def _located(row, vector):
+    """The reference of a pair that touched first in the substep: its vector there, between both ends."""
+    for i in range(3):
+        vector[i] = row.share * row.vector[i] + (1.0 - row.share) * vector[i]
+    _refer(row, vector)
+    row.fresh, row.share = False, 1.0
+
+
+@part
 def remember(vectors, history, mu, K, d):
     """Update the contact history with an accepted state; returns the least gap of all pairs.
 
-    With sticking contact or friction a pair that touches is stored; one that has opened loses its history.
+    With sticking contact or friction a pair that touches is held from where it touched first. One that slid
+    keeps the stretch that its bound allows. One that has opened releases what it holds.
     """
-    least, e = np.inf, np.empty(3)
+    least, e, there = np.inf, np.empty(3), np.empty(3)
     for m in range(vectors.shape[0]):
-        h = _distance(vectors, m)
+        h, row = _distance(vectors, m), history[m]
         least = min(least, h - d)
-        if mu == 0.0:
+        if mu == 0.0 or not (row.closed or h < d):
             continue
-        if h < d:
-            hold(vectors[m], h, d, K, history[m], e)
-        else:
-            history[m].closed = False
+        copy(vectors[m], there)
+        if not row.closed:
+            touches_first(row, 0.0)
+            _refer(row, there)
+        if row.fresh:
+            _located(row, there)
+        length = d * arc(vectors[m], h, row, e)
+        if slid(length, K, row):
+            left = row.bound / (K * d)
+            for i in range(3):
+                row.normal[i] = math.cos(left) * vectors[m, i] / h - math.sin(left) * e[i]
+        if goes_on(row, K * stretch(vectors[m], row, e), h < d):
+            least = min(least, 0.0)
     return least
 
 
 @part
-def friction_bounds(vectors, history, mu, K, k, d):
-    """Renew the bounds of the tangential forces; returns the largest change over the largest bound."""
-    change, most, e = 0.0, mu * normal_law(SLIGHT * d, K, k)[1], np.empty(3)
+def update_pairs(before, vectors, history, mu, K, k, d):
+    """Update the contact history with a trial state, from the vectors `before` in the accepted one: which
+    pairs touch since, and where they did first; and the bounds of the tangential forces. Returns the largest
+    change over the largest force.
+    """
+    change, most, e = 0.0, min(mu, 1.0) * normal_law(SLIGHT * d, K, k)[1], np.empty(3)
     for m in range(vectors.shape[0]):
-        if not history[m].closed:
+        h, row = _distance(vectors, m), history[m]
+        if row.opening or not (row.closed or h < d):
             continue
-        h, bound = _distance(vectors, m), mu
-        if bound < np.inf:
-            # at the arm d instead of h, on which arcs are measured
-            bound *= normal_law(max(d - h, 0.0), K, k)[1] * h / d
-            most = max(most, bound)
-        length = d * arc(vectors[m], h, history[m], e) if bound < np.inf else 0.0
-        change = max(change, renewed(length, bound, K, history[m]))
+        if h < d and (row.fresh or not row.closed):
+            if not row.fresh:
+                _refer(row, before[m])
+            share = touches_first(row, first_touch(_distance(before, m), h, d))
+            change = max(change, share * K * d * arc(vectors[m], h, row, e))
+        elif row.fresh:
+            row.closed = row.fresh = False
+            change = np.inf
+            continue
+        normal = normal_law(max(d - h, 0.0), K, k)[1]
+        most = max(most, min(mu, 1.0) * normal)
+        if mu == np.inf:
+            continue
+        # at the arm d instead of h, on which arcs are measured
+        length = d * arc(vectors[m], h, row, e)
+        change = max(change, renewed(length, mu * normal * h / d, K, row))
     return change / most if change > 0.0 else 0.0

@@ -29,9 +29,13 @@ PAIR_HISTORY = np.dtype(
         ("normal", "f8", 3),  # n0
         ("bound", "f8"),  # of its tangential force before it slides in the substep at hand, N
         ("slid", "f8"),  # length it has slid, mm
-        ("work", "f8"),  # that friction has taken, N mm
+        ("work", "f8"),  # that friction and releases have taken on the path, N mm
         ("rise", "f8"),  # r, 1/mm
         ("slip", "f8"),  # what it slides in this substep, negative where it sticks, mm
+        ("fresh", "?"),  # it touched first in the substep at hand,
+        ("share", "f8"),  # and is held, from where that began, by this share of K: the part that is left of it
+        ("opening", "?"),  # it touches no more: what it holds tangentially is being released
+        ("held", "f8"),  # bound of its tangential force in the last accepted state, N
         ("arms", "f8", 6),  # of wires: the material points that touched first, in their sections at rest, mm
     ],
     align=True,
@@ -39,6 +43,7 @@ PAIR_HISTORY = np.dtype(
 # Share of a bound that is left when it falls with the slip: less is out of reach, since the rise is at least
 # -1/d and a pair moves by no more than half of d in a substep.
 LEAST_LEFT = 0.5
+LEAST_SHARE = 1e-9  # of K, that holds a pair which has just touched
 
 
 @part
@@ -79,6 +84,7 @@ def arc(g, h, row, t):
 @part
 def tangential_law(length, K, row):
     """Energy, force and its derivative of a held pair at a slip of the length given, from its reference."""
+    K *= row.share
     force, slope, energy = K * length, K, 0.5 * K * length**2
     if force > row.bound:
         rise = row.bound * row.rise
@@ -99,39 +105,46 @@ def slid(length, K, row):
         return False
     row.bound *= 1.0 + row.rise * slip
     row.slid += slip
-    row.work += row.bound * slip
+    row.work += 0.5 * (row.held + row.bound) * slip
     return True
 
 
 @part
-def start_history(row):
-    """A pair begins to be held, by as much as the normal force will bear."""
-    row.closed, row.bound = True, math.inf
-    row.slid, row.work, row.rise = 0.0, 0.0, 0.0
+def first_touch(before, after, d):
+    """Share of the way from one distance to another after which a pair touches first: where h = d."""
+    return 0.0 if before <= d else (before - d) / (before - after)
 
 
 @part
-def hold(g, h, d, K, row, t):
-    """Update a pair's history where it touches at the end of a substep.
+def touches_first(row, share):
+    """A pair is held from after a share of the substep on; returns the change of the share that is left."""
+    before = row.share if row.fresh else 0.0
+    if not row.fresh:
+        row.closed, row.fresh, row.bound = True, True, math.inf
+        row.slid, row.rise, row.held = 0.0, 0.0, 0.0
+    row.share = max(1.0 - share, LEAST_SHARE)
+    return abs(row.share - before)
 
-    A new pair is remembered as it is. One that slid keeps the stretch that its bound allows.
-    """
-    if not row.closed:
-        for i in range(3):
-            row.vector[i] = g[i]
-            row.normal[i] = g[i] / h
-        start_history(row)
-    elif slid(d * arc(g, h, row, t), K, row):
-        left = row.bound / (K * d)
-        for i in range(3):
-            row.normal[i] = math.cos(left) * g[i] / h - math.sin(left) * t[i]
+
+@part
+def goes_on(row, force, touches):
+    """What a pair holds tangentially, of which `force` is the size, after an accepted state: where it touches
+    no more, it is released. Returns whether that is still to be done."""
+    if touches and not row.opening:
+        row.held = row.bound if row.bound < math.inf else 0.0
+        return False
+    if not row.opening and row.bound == math.inf:
+        row.opening, row.bound, row.slip = True, force, 0.0
+    row.held = row.bound if row.opening else 0.0
+    row.closed = row.opening = row.held > 0.0
+    return row.closed
 
 
 @part
 def renewed(length, bound, K, row):
     """Set the bound of a held pair so that it is `bound` at its present slip; returns its change."""
     if bound < math.inf:
-        row.slip = length - bound / K
+        row.slip = length - bound / (K * row.share)
         bound /= max(1.0 + row.rise * max(row.slip, 0.0), LEAST_LEFT)
     change = abs(bound - row.bound) if bound != row.bound else 0.0
     row.bound = bound
@@ -142,6 +155,7 @@ def renewed(length, bound, K, row):
 def _add_stuck(g, K, row, e, f, H):
     """Energy of a pair that cannot slide; adds its gradient and Hessian."""
     length = stretch(g, row, e)
+    K *= row.share
     for i in range(3):
         f[i] += K * e[i]
         H[i, i] += K
@@ -156,7 +170,7 @@ def _add_friction(g, h, d, K, row, t, f, H):
     angle = arc(g, h, row, t)
     energy, force, slope = tangential_law(d * angle, K, row)
     # force over the tangent of the angle
-    across = force / math.tan(angle) if angle > 0.0 else K * d
+    across = force / math.tan(angle) if angle > 0.0 else slope * d
     force, across, slope = force * d / h, across * d / h**2, slope * (d / h) ** 2
     for i in range(3):
         f[i] += force * t[i]
@@ -204,11 +218,20 @@ def normal_forces(penetrations: np.ndarray, K: float, k: float) -> np.ndarray:
     return forces
 
 
+def tangential_forces(length: np.ndarray, histories: np.ndarray, K: float) -> tuple[np.ndarray, np.ndarray]:
+    """Tangential forces of pairs, N, and what they slide in the substep at hand, mm, at lengths of slip."""
+    stiffness = K * np.where(histories["closed"], histories["share"], 0.0)
+    force = stiffness * length
+    slides = force > histories["bound"]
+    bound = np.where(slides, histories["bound"], 0.0)
+    rise = bound * histories["rise"]
+    slip = np.where(slides, (force - bound) / np.where(slides, stiffness + rise, 1.0), 0.0)
+    return np.where(slides, bound + rise * slip, force), slip
+
+
 def pair_friction(vectors: np.ndarray, histories: np.ndarray, d: float, K: float) -> Friction:
     """Tangential forces, slips and frictional work of pairs, from their g (..., pairs, 3) and histories."""
-    held = histories["closed"]
-    bounded = np.isfinite(histories["bound"])
-    normal = histories["normal"]
+    held, bounded, normal = histories["closed"], np.isfinite(histories["bound"]), histories["normal"]
     g = vectors - histories["vector"]
     stuck = g - (g * normal).sum(axis=-1, keepdims=True) * normal
     h = np.linalg.norm(vectors, axis=-1)
@@ -217,14 +240,12 @@ def pair_friction(vectors: np.ndarray, histories: np.ndarray, d: float, K: float
     square = (chord**2).sum(axis=-1)
     length = 2.0 * d * np.arcsin(np.minimum(0.5 * np.sqrt(square), 1.0))
     along = chord - 0.5 * square[..., None] * n
-    bound = np.where(held & bounded, histories["bound"], 0.0)
-    rise = bound * histories["rise"]
-    slip = np.maximum(K * length - bound, 0.0) / (K + rise) * (held & bounded)
-    force = np.minimum(K * length, bound + rise * slip)
+    force, slip = tangential_forces(length, histories, K)
     size = np.sqrt(square * (1.0 - 0.25 * square))
     share = np.divide(force * d / h, size, out=np.zeros_like(force), where=size > 0.0)
+    stiffness = (K * histories["share"] * held)[..., None]
     return Friction(
-        force=np.where(bounded[..., None], share[..., None] * along, K * stuck) * held[..., None],
-        slip=histories["slid"] * held + slip,
-        work=histories["work"] * held + force * slip,
+        force=np.where(bounded[..., None], share[..., None] * along, stiffness * stuck),
+        slip=(histories["slid"] + slip) * held,
+        work=histories["work"] + 0.5 * (histories["held"] + force) * slip,
     )

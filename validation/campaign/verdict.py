@@ -8,7 +8,7 @@ from dataclasses import dataclass, field, replace
 import equivbeam
 import wirefe
 from coilspring import EquilibriumPath, Scene
-from coilspring.solver.solve import HELD, LOST
+from coilspring.solver.solve import HELD
 from validation.campaign.scenes import Case, scaled_load
 from validation.study.partialsolve import partial_path
 
@@ -64,7 +64,7 @@ def reached(case: Case, scene: Scene | None = None, **options: object) -> Equili
 
 def ended(path: EquilibriumPath) -> bool:
     """Whether the path ends for what friction held: its bounds, or a pair that opened."""
-    return path.outcome == "not_converged" and path.message.startswith((HELD, LOST))
+    return path.outcome == "not_converged" and path.message.startswith(HELD)
 
 
 def fine_steps(case: Case) -> int:
