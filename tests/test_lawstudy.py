@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from concurrent.futures import Executor, Future
 from pathlib import Path
 
 import numpy as np
@@ -14,7 +15,7 @@ from equivbeam.laws.userlaw import spring_coils
 from validation.campaign.plainlaw import PlainEnergy, coils_of, plain_law
 from validation.campaign.run import verified
 from validation.cli import main
-from validation.lawstudy import checks, page, place, run, springs
+from validation.lawstudy import checks, jobs, page, place, run, springs
 from validation.study.cases import CASES
 from validation.study.scenes import study_scenes
 
@@ -31,9 +32,19 @@ def energy(l, v, dtheta, p):
 """
 
 
+class Serial(Executor):
+    """Does its work in this process."""
+
+    def submit(self, function, *arguments, **named):
+        done: Future = Future()
+        done.set_result(function(*arguments, **named))
+        return done
+
+
 @pytest.fixture
 def small(monkeypatch, tmp_path):
     """A study of few springs and scenes, with a store of its own."""
+    monkeypatch.setattr(jobs, "processes", lambda count: Serial())
     monkeypatch.setenv("COILCHECK_STORE", str(tmp_path / "store"))
     monkeypatch.setattr(run, "QUICK", (springs.Extent((0,), 1), 2))
     monkeypatch.setattr(run, "KINDS", run.KINDS[3:5])
@@ -94,7 +105,7 @@ def test_verifier_differentiates_the_plain_energy(tmp_path):
         index = np.tile(np.arange(len(coils)), 4)
         found = law.evaluated(law.rows(scene.spring, scene.material), index, x.reshape(3, -1).T)
         np.testing.assert_allclose(U.ravel(), found[:, 0], rtol=1e-13)
-        np.testing.assert_allclose(g.reshape(3, -1).T, found[:, 1:4], rtol=1e-9, atol=1e-9)
+        np.testing.assert_allclose(g.reshape(3, -1).T, found[:, 1:4], rtol=1e-9, atol=1e-9 if whole else 1e-7)
         second = found[:, (4, 5, 6, 5, 7, 9, 6, 9, 8)]
         np.testing.assert_allclose(H.reshape(9, -1).T, second, rtol=1e-6, atol=1e-5 * np.abs(second).max())
         _, N, _, _ = plain_law(scene, law)(*(x[:, :1] + 1e-30j * np.array([1.0, 0.0, 0.0])[:, None, None]))

@@ -232,9 +232,11 @@ def _broken_sentence(data: dict[str, pd.DataFrame]) -> str:
     if table["broken"].sum() == 0:
         return f"On no kind of load the tip is off by more than {BAD:g} %; {coil}."
     worst = table.loc[table["share"].idxmax()]
+    beside = {law: breakdown(data["springs"], law).loc[worst.name, "broken"] for law in BUILT_IN}
+    others = ", ".join(f"{law} {count:.0f}" for law, count in beside.items())
     return (
         f"What breaks first: {worst['kind']}, {worst['contact']}, where {worst['broken']:.0f} of "
-        f"{worst['springs']:.0f} springs are off by more than {BAD:g} % or end early; {coil}."
+        f"{worst['springs']:.0f} springs are off by more than {BAD:g} % or end early ({others}); {coil}."
     )
 
 

@@ -68,13 +68,13 @@ def frame(rows: list[dict[str, Any]]) -> pd.DataFrame:
     return classified(data.astype(dict.fromkeys(names, float)))
 
 
-def breakdown(data: pd.DataFrame) -> pd.DataFrame:
-    """For each kind and class: springs, and those of which the law is broken, by what.
+def breakdown(data: pd.DataFrame, law: str = LAW) -> pd.DataFrame:
+    """For each kind and class: springs, and those on which a law is broken, by what.
 
     Broken: the error of the tip vector is above `BAD`, or the law's path ends before the wire model's does.
     """
-    ends = (data[LAW] != "completed") & (data["wire"] == "completed")
-    off = data[f"{LAW}_vector"] > BAD
+    ends = (data[law] != "completed") & (data["wire"] == "completed")
+    off = data[f"{law}_vector"] > BAD
     known = data.assign(ends=ends, off=off, broken=ends | off)
     table = known.groupby(["kind", "closing"])[["ends", "off", "broken"]].sum()
     table["springs"] = known.groupby(["kind", "closing"]).size()
