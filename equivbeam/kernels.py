@@ -195,13 +195,13 @@ def update_history(reals, ints, state, history):
 
 
 @kernel
-def update_pairs(reals, ints, accepted, state, history):
+def update_pairs(reals, ints, accepted, predicted, state, history):
     """See `coilspring.contact.kinematics.update_pairs`."""
     model = view(reals, ints)
     if model.mu == 0.0:
         return 0.0
-    before, after = _vectors(model, accepted), _vectors(model, state)
-    return update_pairs_of(before, after, history, model.mu, model.kc, model.k, model.d)
+    before, ahead, after = _vectors(model, accepted), _vectors(model, predicted), _vectors(model, state)
+    return update_pairs_of(before, ahead, after, history, model.mu, model.kc, model.k, model.d)
 
 
 @kernel

@@ -311,15 +311,19 @@ def update_history(reals, ints, state, history):
 
 
 @kernel
-def update_pairs(reals, ints, accepted, state, history):
+def update_pairs(reals, ints, accepted, predicted, state, history):
     """See `coilspring.contact.kinematics.update_pairs`."""
     contact = view_contact(reals, ints)
     if contact.mu == 0.0:
         return 0.0
     if wires(contact):
-        return update_wires(contact, accepted, state, history)
-    before, after = _vectors(contact, accepted), _vectors(contact, state)
-    return update_spheres(before, after, history, contact.mu, contact.kc, contact.k, contact.d)
+        return update_wires(contact, accepted, predicted, state, history)
+    before, ahead, after = (
+        _vectors(contact, accepted),
+        _vectors(contact, predicted),
+        _vectors(contact, state),
+    )
+    return update_spheres(before, ahead, after, history, contact.mu, contact.kc, contact.k, contact.d)
 
 
 @kernel

@@ -34,6 +34,7 @@ from coilspring.contact.law import (
     first_touch,
     goes_on,
     normal_law,
+    opens_after,
     renewed,
     slid,
     tangential_law,
@@ -140,9 +141,36 @@ def _tangential_slip(contact, points, state, m, row):
 
 
 @part
+def _touch(contact, states, m, row):
+    """See `coilspring.contact.kinematics`; `states` are the accepted, the predicted and the trial one, with
+    their stations."""
+    there, d = np.empty((3, 6)), contact.d - contact.clearance[m]
+    v = np.empty((3, 3))
+    for i in range(3):
+        state, points = states[i]
+        h, n, _, _, _ = gap(contact, points, m)
+        v[i, 0], v[i, 1], v[i, 2] = h * n[0], h * n[1], h * n[2]
+        touching_points(contact, points, state, m, (0.0, 0.0, 0.0), there[i])
+    predicted = v[1, 0] ** 2 + v[1, 1] ** 2 + v[1, 2] ** 2 < d * d
+    far = 1 if predicted else 2
+    at, other = first_touch(v[0], v[far], d), first_touch(v[0], v[2], d)
+    doubt, apart = np.zeros(3), 0.0
+    for i in range(6):
+        way = there[2, i] - there[0, i]
+        row.arms[i] = there[0, i] + at * (there[far, i] - there[0, i])
+        left = there[0, i] + other * way - row.arms[i] if predicted else (1.0 - at) * way
+        doubt[i % 3] += left if i < 3 else -left
+    for i in range(3):
+        apart += doubt[i] * doubt[i]
+        row.normal[i] = v[2, i]
+    touches_first(row, at, math.sqrt(apart), d)
+
+
+@part
 def remember_wires(contact, state, history):
     """See `coilspring.contact.kinematics.remember`."""
-    least, points, nothing, there = np.inf, placed(contact, state), (0.0, 0.0, 0.0), np.empty(6)
+    least, points = np.inf, placed(contact, state)
+    here = (state, points)
     for m in range(history.shape[0]):
         row = history[m]
         h, n, _, _, _ = gap(contact, points, m)
@@ -150,14 +178,10 @@ def remember_wires(contact, state, history):
         least = min(least, gap_left)
         if not (row.closed or gap_left < 0.0):
             continue
+        if not row.closed:
+            _touch(contact, (here, here, here), m, row)
+        row.fresh = False
         row.normal[0], row.normal[1], row.normal[2] = n
-        if row.fresh or not row.closed:
-            touching_points(contact, points, state, m, nothing, there)
-            share = row.share if row.fresh else 0.0
-            touches_first(row, 0.0)
-            for i in range(6):
-                row.arms[i] = share * row.arms[i] + (1.0 - share) * there[i]
-            row.fresh = False
         length, way = _tangential_slip(contact, points, state, m, row)
         if slid(length, contact.kc, row):
             left = row.bound / (contact.kc * length)
@@ -170,9 +194,10 @@ def remember_wires(contact, state, history):
 
 
 @part
-def update_wires(contact, accepted, state, history):
+def update_wires(contact, accepted, predicted, state, history):
     """See `coilspring.contact.kinematics.update_pairs`."""
-    points, before, nothing = placed(contact, state), placed(contact, accepted), (0.0, 0.0, 0.0)
+    points, before = placed(contact, state), placed(contact, accepted)
+    states = ((accepted, before), (predicted, placed(contact, predicted)), (state, points))
     least_bound = min(contact.mu, 1.0)
     change, most = 0.0, least_bound * normal_law(SLIGHT * contact.d, contact.kc, contact.k)[1]
     for m in range(history.shape[0]):
@@ -181,20 +206,18 @@ def update_wires(contact, accepted, state, history):
         d = contact.d - contact.clearance[m]
         if row.opening or not (row.closed or h < d):
             continue
-        new = row.fresh or not row.closed
-        if row.fresh and h >= d:
-            row.closed = row.fresh = False
-            change = np.inf
-            continue
-        if new and not row.fresh:
-            touching_points(contact, before, accepted, m, nothing, row.arms)
+        new = not row.closed
+        if new:
+            _touch(contact, states, m, row)
         length, _ = _tangential_slip(contact, points, state, m, row)
         if new:
-            far, _, _, _, _ = gap(contact, before, m)
-            change = max(change, touches_first(row, first_touch(far, h, d)) * contact.kc * length)
+            change = max(change, contact.kc * length)
         normal = normal_law(max(d - h, 0.0), contact.kc, contact.k)[1]
         most = max(most, least_bound * normal)
-        if contact.mu < np.inf:
+        if contact.mu == np.inf:
+            far, _, _, _, _ = gap(contact, before, m)
+            opens_after(row, far, h, d)
+        else:
             change = max(change, renewed(length, contact.mu * normal, contact.kc, row))
     return change / most if change > 0.0 else 0.0
 

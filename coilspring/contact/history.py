@@ -62,6 +62,16 @@ def opening(history):
 
 
 @part
+def located(history):
+    """Share of the substep that ends where the first pair touches or opens, 1 where it does near enough."""
+    share = 1.0
+    for m in range(history.shape[0]):
+        if history[m].closed and (history[m].fresh or history[m].bound == np.inf):
+            share = min(share, history[m].cut)
+    return share
+
+
+@part
 def drop_opening(history):
     """Let go at once of what opening pairs hold."""
     for m in range(history.shape[0]):

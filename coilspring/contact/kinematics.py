@@ -6,12 +6,13 @@ import math
 
 import numpy as np
 
-from coilspring.compiling.compiled import copy, part
+from coilspring.compiling.compiled import part
 from coilspring.contact.law import (
     arc,
     first_touch,
     goes_on,
     normal_law,
+    opens_after,
     renewed,
     slid,
     stretch,
@@ -54,21 +55,22 @@ def approach(before, after, d):
 
 
 @part
-def _refer(row, vector):
-    """Make a pair's vector its reference."""
-    h = math.sqrt(vector[0] ** 2 + vector[1] ** 2 + vector[2] ** 2)
+def _touch(row, before, ahead, after, d):
+    """Hold a pair from where it touches first: on the predicted way where that touches, else on the straight
+    one; what the two differ by, or the rest of the way, is in doubt."""
+    e, doubt = np.empty(3), 0.0
+    predicted = ahead[0] ** 2 + ahead[1] ** 2 + ahead[2] ** 2 < d * d
+    at, other = first_touch(before, ahead if predicted else after, d), first_touch(before, after, d)
     for i in range(3):
-        row.vector[i] = vector[i]
-        row.normal[i] = vector[i] / h
-
-
-@part
-def _located(row, vector):
-    """The reference of a pair that touched first in the substep: its vector there, between both ends."""
+        way = after[i] - before[i]
+        e[i] = before[i] + at * ((ahead[i] if predicted else after[i]) - before[i])
+        left = before[i] + other * way - e[i] if predicted else (1.0 - at) * way
+        doubt += left * left
+    h = math.sqrt(e[0] ** 2 + e[1] ** 2 + e[2] ** 2)
     for i in range(3):
-        vector[i] = row.share * row.vector[i] + (1.0 - row.share) * vector[i]
-    _refer(row, vector)
-    row.fresh, row.share = False, 1.0
+        row.vector[i] = e[i]
+        row.normal[i] = e[i] / h
+    touches_first(row, at, math.sqrt(doubt), d)
 
 
 @part
@@ -78,18 +80,15 @@ def remember(vectors, history, mu, K, d):
     With sticking contact or friction a pair that touches is held from where it touched first. One that slid
     keeps the stretch that its bound allows. One that has opened releases what it holds.
     """
-    least, e, there = np.inf, np.empty(3), np.empty(3)
+    least, e = np.inf, np.empty(3)
     for m in range(vectors.shape[0]):
         h, row = _distance(vectors, m), history[m]
         least = min(least, h - d)
         if mu == 0.0 or not (row.closed or h < d):
             continue
-        copy(vectors[m], there)
         if not row.closed:
-            touches_first(row, 0.0)
-            _refer(row, there)
-        if row.fresh:
-            _located(row, there)
+            _touch(row, vectors[m], vectors[m], vectors[m], d)
+        row.fresh = False
         length = d * arc(vectors[m], h, row, e)
         if slid(length, K, row):
             left = row.bound / (K * d)
@@ -101,28 +100,23 @@ def remember(vectors, history, mu, K, d):
 
 
 @part
-def update_pairs(before, vectors, history, mu, K, k, d):
-    """Update the contact history with a trial state, from the vectors `before` in the accepted one: which
-    pairs touch since, and where they did first; and the bounds of the tangential forces. Returns the largest
-    change over the largest force.
+def update_pairs(before, ahead, vectors, history, mu, K, k, d):
+    """Update the contact history with a trial state, from the pairs' vectors in the accepted, the predicted
+    and the trial state: which pairs touch since, and where they did first; and the bounds of the tangential
+    forces. Returns the largest change over the largest force.
     """
     change, most, e = 0.0, min(mu, 1.0) * normal_law(SLIGHT * d, K, k)[1], np.empty(3)
     for m in range(vectors.shape[0]):
         h, row = _distance(vectors, m), history[m]
         if row.opening or not (row.closed or h < d):
             continue
-        if h < d and (row.fresh or not row.closed):
-            if not row.fresh:
-                _refer(row, before[m])
-            share = touches_first(row, first_touch(_distance(before, m), h, d))
-            change = max(change, share * K * d * arc(vectors[m], h, row, e))
-        elif row.fresh:
-            row.closed = row.fresh = False
-            change = np.inf
-            continue
+        if not row.closed:
+            _touch(row, before[m], ahead[m], vectors[m], d)
+            change = max(change, K * stretch(vectors[m], row, e))
         normal = normal_law(max(d - h, 0.0), K, k)[1]
         most = max(most, min(mu, 1.0) * normal)
         if mu == np.inf:
+            opens_after(row, _distance(before, m), h, d)
             continue
         # at the arm d instead of h, on which arcs are measured
         length = d * arc(vectors[m], h, row, e)

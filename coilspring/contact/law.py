@@ -32,9 +32,9 @@ PAIR_HISTORY = np.dtype(
         ("work", "f8"),  # that friction and releases have taken on the path, N mm
         ("rise", "f8"),  # r, 1/mm
         ("slip", "f8"),  # what it slides in this substep, negative where it sticks, mm
-        ("fresh", "?"),  # it touched first in the substep at hand,
-        ("share", "f8"),  # and is held, from where that began, by this share of K: the part that is left of it
+        ("fresh", "?"),  # it touched first in the substep at hand
         ("opening", "?"),  # it touches no more: what it holds tangentially is being released
+        ("cut", "f8"),  # share of the substep that ends where it touches or opens, 1 where that is near enough
         ("held", "f8"),  # bound of its tangential force in the last accepted state, N
         ("arms", "f8", 6),  # of wires: the material points that touched first, in their sections at rest, mm
     ],
@@ -43,7 +43,8 @@ PAIR_HISTORY = np.dtype(
 # Share of a bound that is left when it falls with the slip: less is out of reach, since the rise is at least
 # -1/d and a pair moves by no more than half of d in a substep.
 LEAST_LEFT = 0.5
-LEAST_SHARE = 1e-9  # of K, that holds a pair which has just touched
+OPEN = 1e-4  # wire diameters of gap at most where a pair that sticks is said to open
+LOCATED = 3e-4  # wire diameters, by which two ways to find where a pair touches first may differ at most
 
 
 @part
@@ -84,7 +85,6 @@ def arc(g, h, row, t):
 @part
 def tangential_law(length, K, row):
     """Energy, force and its derivative of a held pair at a slip of the length given, from its reference."""
-    K *= row.share
     force, slope, energy = K * length, K, 0.5 * K * length**2
     if force > row.bound:
         rise = row.bound * row.rise
@@ -111,19 +111,34 @@ def slid(length, K, row):
 
 @part
 def first_touch(before, after, d):
-    """Share of the way from one distance to another after which a pair touches first: where h = d."""
-    return 0.0 if before <= d else (before - d) / (before - after)
+    """Share of the way from one vector of a pair to another after which it touches first: where h = d."""
+    start, along, square = 0.0, 0.0, 0.0
+    for i in range(3):
+        change = after[i] - before[i]
+        start += before[i] ** 2
+        along -= before[i] * change
+        square += change**2
+    outside = start - d * d
+    return outside / (along + math.sqrt(max(along**2 - square * outside, 0.0))) if outside > 0.0 else 0.0
 
 
 @part
-def touches_first(row, share):
-    """A pair is held from after a share of the substep on; returns the change of the share that is left."""
-    before = row.share if row.fresh else 0.0
-    if not row.fresh:
-        row.closed, row.fresh, row.bound = True, True, math.inf
-        row.slid, row.rise, row.held = 0.0, 0.0, 0.0
-    row.share = max(1.0 - share, LEAST_SHARE)
-    return abs(row.share - before)
+def touches_first(row, at, doubt, d):
+    """A pair is held from after the share `at` of the substep on, where it touches first, but for a `doubt`."""
+    row.closed, row.fresh, row.bound = True, True, math.inf
+    row.slid, row.rise, row.held = 0.0, 0.0, 0.0
+    row.cut = 1.0 if doubt <= LOCATED * d else at + 0.5 * (1.0 - at) * LOCATED * d / doubt
+
+
+@part
+def opens_after(row, before, after, d):
+    """Set the share of the substep after which a sticking pair is just open."""
+    if row.fresh:
+        row.cut = row.cut if after <= (1.0 + OPEN) * d else 0.5
+    elif after <= (1.0 + OPEN) * d:
+        row.cut = 1.0
+    else:
+        row.cut = ((1.0 + 0.5 * OPEN) * d - before) / (after - before)
 
 
 @part
@@ -144,7 +159,7 @@ def goes_on(row, force, touches):
 def renewed(length, bound, K, row):
     """Set the bound of a held pair so that it is `bound` at its present slip; returns its change."""
     if bound < math.inf:
-        row.slip = length - bound / (K * row.share)
+        row.slip = length - bound / (K)
         bound /= max(1.0 + row.rise * max(row.slip, 0.0), LEAST_LEFT)
     change = abs(bound - row.bound) if bound != row.bound else 0.0
     row.bound = bound
@@ -155,7 +170,6 @@ def renewed(length, bound, K, row):
 def _add_stuck(g, K, row, e, f, H):
     """Energy of a pair that cannot slide; adds its gradient and Hessian."""
     length = stretch(g, row, e)
-    K *= row.share
     for i in range(3):
         f[i] += K * e[i]
         H[i, i] += K
@@ -220,7 +234,7 @@ def normal_forces(penetrations: np.ndarray, K: float, k: float) -> np.ndarray:
 
 def tangential_forces(length: np.ndarray, histories: np.ndarray, K: float) -> tuple[np.ndarray, np.ndarray]:
     """Tangential forces of pairs, N, and what they slide in the substep at hand, mm, at lengths of slip."""
-    stiffness = K * np.where(histories["closed"], histories["share"], 0.0)
+    stiffness = K * histories["closed"]
     force = stiffness * length
     slides = force > histories["bound"]
     bound = np.where(slides, histories["bound"], 0.0)
@@ -243,7 +257,7 @@ def pair_friction(vectors: np.ndarray, histories: np.ndarray, d: float, K: float
     force, slip = tangential_forces(length, histories, K)
     size = np.sqrt(square * (1.0 - 0.25 * square))
     share = np.divide(force * d / h, size, out=np.zeros_like(force), where=size > 0.0)
-    stiffness = (K * histories["share"] * held)[..., None]
+    stiffness = (K * held)[..., None]
     return Friction(
         force=np.where(bounded[..., None], share[..., None] * along, stiffness * stuck),
         slip=(histories["slid"] + slip) * held,

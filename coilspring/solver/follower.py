@@ -20,6 +20,7 @@ from coilspring.contact.history import (
     forget_fresh,
     has_friction,
     has_history,
+    located,
     relax,
     opening,
     release,
@@ -56,6 +57,7 @@ FIRST_STEP = 0.1  # largest first substep: the tangent at rest knows nothing of 
 LEAST_RELEASE = 1e-3  # share of what a pair held: where so little finds no place nearby, the path jumps
 LEAST_FREE = 0.05  # share of a substep that is taken at least, however soon a pair closes
 SAFE = 0.8  # share of the turn allowed that the next substep aims at
+HALF = 0.5  # of a substep that failed, is tried next
 EASY_COUNT = 3
 EPSILON = 2.0**-52
 NEARER = 3.0  # times the bound on all motion: so much nearer may two wires come, also between nodes
@@ -194,6 +196,7 @@ def plan(task, path, substep, watch):
         # at the same load, some of what opening pairs held is released
         substep.target, substep.duration, substep.landing = path.time, 0.0, False
         substep.near_critical = substep.near_overlap = False
+        path.bracket = 2.0 * LEAST_STEP
         return
     wanted = path.next_step
     to_critical = APPROACH * (softest.zero - path.time)
@@ -248,9 +251,9 @@ def find_equilibrium(system, equilibrium, task, work, path, substep, it):
     forget_fresh(work.history)
     if path.held > 0.0:
         release(work.history, max(path.held - path.release, 0.0) / path.held)
-    system.update_pairs(system.reals, system.ints, work.state, work.state, work.history)
-    substep.rounds, substep.iterations, substep.trouble = 0, 0, NONE
-    share = 0.0
+    update_pairs(system, work, work.state)
+    substep.rounds, substep.iterations, substep.trouble, substep.cut = 0, 0, NONE, HALF
+    factor = 0.0
     while True:
         it.reuse = path.reuse
         substep.status = equilibrium(system, target, work, work.trial, it)
@@ -264,13 +267,17 @@ def find_equilibrium(system, equilibrium, task, work, path, substep, it):
         copy_history(work.history, work.trial_history)  # with the bounds that this state was found with
         if substep.status > LINEAR:
             break
-        change = system.update_pairs(system.reals, system.ints, work.state, work.trial, work.history)
+        change = update_pairs(system, work, work.trial)
+        share = located(work.history)
+        if share < 1.0 and substep.duration >= 2.0 * LEAST_STEP:
+            substep.cut = max(share, LEAST_FREE)
+            break
         if change <= BOUND_CHANGE:
             break
         if substep.rounds == MOST_ROUNDS:
             substep.status = FAILED
             break
-        share = relax(work.trial_history, work.history, work.change, share)
+        factor = relax(work.trial_history, work.history, work.change, factor)
         path.reuse = True
         path.tries += 1
     put_prescribed(system, task.start, substep.target, work.trial)
@@ -278,9 +285,16 @@ def find_equilibrium(system, equilibrium, task, work, path, substep, it):
 
 
 @part
+def update_pairs(system, work, state):
+    """Make the contact history that of a state of the substep; returns the change."""
+    predicted = work.predicted
+    return system.update_pairs(system.reals, system.ints, work.state, predicted, state, work.history)
+
+
+@part
 def keeps_branch(system, task, work, path, substep, watch):
     """Whether the trial state continues the branch; sets the outcome where wires overlap just ahead."""
-    if path.lost:
+    if path.lost or substep.cut != HALF:
         return False
     good, substep.share, substep.distance = continues(
         system, task, work, substep.trouble, task.predictor or path.held > 0.0
@@ -341,7 +355,7 @@ def shorten(path, substep):
         if path.release < LEAST_RELEASE:
             path.outcome, path.bracket = JUMP, 2.0 * LEAST_STEP
         return
-    path.next_step = 0.5 * substep.duration
+    path.next_step = substep.cut * substep.duration
     if substep.duration < 2.0 * LEAST_STEP:
         # negative pivots however short the step: the stiffness jumps there, as where a pair opens
         path.outcome = CRITICAL if substep.trouble == INDEFINITE else STUCK

@@ -27,9 +27,9 @@ the solver takes as typed first-class functions, so that it is compiled once for
 ``update_history(reals, ints, state, history) -> least gap``
     Update the contact history with an accepted state. Minus infinity: a pair touches that is not in
     the model.
-``update_pairs(reals, ints, accepted, state, history) -> change``
-    Make the contact history that of a trial state: which pairs touch since the accepted state, and where they
-    did first; bounds of the tangential forces, which are lines over the slips in `assemble`, as the normal
+``update_pairs(reals, ints, accepted, predicted, state, history) -> change``
+    Make the contact history that of a trial state: which pairs touch since the accepted state, and where
+    they did first (on the way to the predicted one); bounds of the tangential forces, which are lines over the slips in `assemble`, as the normal
     forces have them. Returns the largest change over the largest force, 0 without friction.
 ``overlap(reals, ints, state) -> (overlap, excess)``
     By how much the wire, or the circles that stand for it, run into themselves, mm: all of it against all of
@@ -84,7 +84,7 @@ def _signatures() -> Kernels:
         rotate=types.void(*data, vector, vector, vector),
         displacement_bound=types.UniTuple(real, 3)(*data, vector, vector, real),
         update_history=real(*data, vector, history),
-        update_pairs=real(*data, vector, vector, history),
+        update_pairs=real(*data, vector, vector, vector, history),
         overlap=types.UniTuple(real, 2)(*data, vector),
     )
 

@@ -150,6 +150,7 @@ SUBSTEP = np.dtype(
         ("iterations", "i8"),  # factorisations
         ("rounds", "i8"),  # of renewed bounds
         ("trouble", "i8"),
+        ("cut", "f8"),  # share of it that is tried next where it failed
         ("share", "f8"),  # by which the path turned
         ("distance", "f8"),  # bound on all motion
         ("room", "f8"),  # see `ROOM`

@@ -25,7 +25,7 @@ class Verdict:
     """Findings of one case; the first complaint is the reason.
 
     `differences` are those complaints that two histories of contact would explain; `deviations` have been
-    explained so: pairs remember where they were when a substep ended.
+    explained so: pairs keep where they were when a substep ended.
     """
 
     complaints: list[str] = field(default_factory=list)
@@ -39,9 +39,9 @@ class Verdict:
         if not value <= most:
             self.differ(f"{what}: {value:.2e}, above {most:.0e}")
 
-    def take(self, other: Verdict, remembered: bool) -> None:
-        """Take over a comparison with another run; `remembered`: what differs is what pairs remember."""
-        excused = other.differences if remembered else []
+    def take(self, other: Verdict, by_history: bool) -> None:
+        """Take over a comparison with another run; `by_history`: contact histories explain what differs."""
+        excused = other.differences if by_history else []
         self.deviations += excused
         self.complaints += [what for what in other.complaints if what not in excused]
         for name, value in () if excused else other.numbers.items():

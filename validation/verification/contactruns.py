@@ -19,7 +19,7 @@ from wirefe.shape import contact_centres
 NONE = np.inf  # no sliding
 SPRINGS: dict[str, Callable[[], Scene]] = {"A": spring_a, "B": spring_b}
 TIPS = ("UX", "UY", "ROTZ")
-HELD = 1e-9  # tips below are held degrees of freedom's rounding
+HELD = 1e-9  # tips below are the rounding of fixed degrees of freedom
 OPENED = 1e-12  # N mm: less work than before means that a pair has opened since
 
 
