@@ -15,7 +15,7 @@ import numpy as np
 from scipy.linalg import solve_triangular
 
 from coilspring import Scene, Spring
-from equivbeam.laws import law_of
+from equivbeam.laws.userlaw import KNOWN
 from validation.campaign.laws import Law, haringx_law, helix_law
 from validation.campaign.plainlaw import plain_law
 
@@ -194,7 +194,7 @@ def beam_energy(scene: Scene, law: str) -> BeamEnergy:
     force[-3:-1] = scene.load.force
     energy = BeamEnergy(
         rest=rest.ravel(),
-        law=LAWS[law](scene) if law in LAWS else plain_law(scene, law_of(law)),  # type: ignore[arg-type]
+        law=LAWS[law](scene) if law in LAWS else plain_law(scene, KNOWN[law]),
         attached=node[pairs],
         offsets=offset[pairs],
         d=spring.wire_diameter,

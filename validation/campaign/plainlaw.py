@@ -6,12 +6,11 @@ The solver takes derivatives that are carried along by compiled code; this takes
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
-
 import numpy as np
 
 from coilspring import Scene
 from equivbeam.laws.userlaw import HalfCoil, UserLaw
+from validation.campaign.laws import Law
 
 STEP = 3e-3  # of the length at rest, or rad: truncation and rounding are both below 1e-11 of the stiffness
 FIRST = {1: 45.0 / 60.0, 2: -9.0 / 60.0, 3: 1.0 / 60.0}  # central differences of order 6
@@ -39,20 +38,19 @@ def coils_of(scene: Scene) -> list[HalfCoil]:
     return coils
 
 
-def plain_law(scene: Scene, law: UserLaw) -> Callable:
-    """(l, v, dtheta) of all half coils -> energy, N, T, M of each; of complex steps their derivatives too."""
+def plain_law(scene: Scene, law: UserLaw) -> Law:
+    """(l, v, dtheta) of all half coils -> N, T, M of each; of complex steps their derivatives too."""
     coils = coils_of(scene)
     energy = PlainEnergy(law, coils)
 
     def found(l, v, turn):  # noqa: E741
         x = np.stack((l, v, turn))
         if not np.iscomplexobj(x):
-            U, g, _ = energy.derivatives(x, second=False)
-            return U, *g
+            return tuple(energy.derivatives(x, second=False)[1])
         real = x.real
         alike = x.ndim == 3 and bool((real == real[:, :1]).all())  # steps around one state
-        U, g, H = energy.derivatives(real[:, :1] if alike else real, second=True)
-        return U + 0j, *(g + 1j * np.einsum("ij...,j...->i...", H, x.imag))
+        _, g, H = energy.derivatives(real[:, :1] if alike else real, second=True)
+        return tuple(g + 1j * np.einsum("ij...,j...->i...", H, x.imag))
 
     return found
 
