@@ -6,6 +6,7 @@ The solver takes derivatives that are carried along by compiled code; this takes
 from __future__ import annotations
 
 import math
+
 import numpy as np
 
 from coilspring import Scene
