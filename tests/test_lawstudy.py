@@ -16,6 +16,7 @@ from validation.campaign.plainlaw import PlainEnergy, coils_of, plain_law
 from validation.campaign.run import verified
 from validation.cli import main
 from validation.lawstudy import checks, jobs, page, place, run, springs
+from validation.study import template
 from validation.study.cases import CASES
 from validation.study.scenes import study_scenes
 
@@ -154,7 +155,7 @@ def row(kind: str, closed: int, law: float, outcome: str = "completed") -> dict:
 def test_verdict_follows_the_rows(error, words):
     kinds = ["free top, lateral"] * 6 + ["guided, axial force"] * 6
     data = springs.frame([row(kind, 0, error) for kind in kinds])
-    assert words in page._gain_sentence({"springs": data})
+    assert words in template.statement(page.PAGE, "gain", {"springs": data})
 
 
 def test_what_breaks_first():
@@ -163,6 +164,6 @@ def test_what_breaks_first():
     holds = pd.DataFrame(
         {"spring": ["a"], "direction": ["bent"], "share": [1.0], "unit": ["rad"], "what": ["holds"]}
     )
-    sentence = page._broken_sentence({"springs": springs.frame(rows), "half coil": holds})
+    sentence = template.statement(page.PAGE, "breaks", {"springs": springs.frame(rows), "half coil": holds})
     assert "guided, axial force, without contact, where 3 of 8 springs" in sentence
     assert "no half coil" in sentence
