@@ -190,8 +190,8 @@ def test_example_scripts(check):
 
 
 def test_every_example_script_is_run():
-    scripts = {file.stem for file in (ROOT / "examples").glob("*.py")}
-    assert scripts == {"own_spring", "many_springs", "past_a_limit_point"}
+    scripts = {file.stem for file in (ROOT / "examples").glob("*.py") if not file.stem.startswith("law_")}
+    assert scripts == {"own_spring", "many_springs", "past_a_limit_point"}  # laws: see test_userlaw.py
 
 
 def test_the_site_builds_without_warnings(tmp_path):
