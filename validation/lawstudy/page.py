@@ -24,6 +24,7 @@ from validation.verification.randomsprings import COMPONENTS
 
 LAWS = (*BUILT_IN, LAW)
 FEWEST = 5  # springs of a kind, below which it is not named
+NEARER = 0.99  # times another law's error: what is nearer to it counts as equal
 GREEN = "#2e8b57"
 LOOKS: dict[str, dict[str, Any]] = {
     "haringx": {"color": BLUE, "marker": "o", "label": "haringx"},
@@ -55,7 +56,7 @@ def gain(springs: pd.DataFrame) -> float:
 
 def nearer(springs: pd.DataFrame, law: str) -> str:
     """On how many springs the law is nearer than another, per cent."""
-    return f"{100.0 * (springs[f'{LAW}_vector'] < springs[f'{law}_vector']).mean():.0f}"
+    return f"{100.0 * (springs[f'{LAW}_vector'] < NEARER * springs[f'{law}_vector']).mean():.0f}"
 
 
 def weakest(springs: pd.DataFrame) -> dict[str, Any]:
