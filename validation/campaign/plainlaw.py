@@ -6,6 +6,7 @@ The solver takes derivatives that are carried along by compiled code; this takes
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 
 import numpy as np
 
@@ -13,7 +14,9 @@ from coilspring import Scene
 from equivbeam.laws.userlaw import HalfCoil, UserLaw
 from validation.campaign.laws import Law
 
-STEP = 3e-3  # of the length at rest, or rad: truncation and rounding are both below 1e-11 of the stiffness
+# Steps of the length at rest, or rad, for first and second derivatives: small, so that hardly a state lies so
+# near a branch of the law, and in numbers of 80 bits where the machine has them, for the rounding.
+STEP, WIDE_STEP = 1e-6, 1e-4
 FIRST = {1: 45.0 / 60.0, 2: -9.0 / 60.0, 3: 1.0 / 60.0}  # central differences of order 6
 SECOND = {0: -490.0 / 180.0, 1: 270.0 / 180.0, 2: -27.0 / 180.0, 3: 2.0 / 180.0}
 MIXED = {1: 4.0 / 3.0, 2: -1.0 / 12.0}  # of order 4, along the diagonals
@@ -72,45 +75,29 @@ class PlainEnergy:
             try:
                 with np.errstate(all="ignore"):
                     p = tuple(np.array(self.values).T)
-                    return np.broadcast_to(self.law.energy(*x, p), x.shape[1:]).astype(float)
+                    return np.array(np.broadcast_to(self.law.energy(*x, p), x.shape[1:]), dtype=np.longdouble)
             except (TypeError, ValueError):  # it branches, or calls functions of numbers
                 self._whole = False
         flat = x.reshape(3, -1, x.shape[-1])
-        return np.array(
-            [
-                [self._one(flat[:, i, k].tolist(), k) for k in range(flat.shape[2])]
-                for i in range(flat.shape[1])
-            ]
-        ).reshape(x.shape[1:])
+        each = [[self._one(flat[:, i, k], k) for k in range(flat.shape[2])] for i in range(flat.shape[1])]
+        return np.array(each, dtype=np.longdouble).reshape(x.shape[1:])
 
-    def _one(self, state: list[float], k: int) -> float:
+    def _one(self, state: np.ndarray, k: int) -> float:
         try:
-            return float(self.law.energy(*state, self.values[k]))
+            return self.law.energy(*state, self.values[k])
         except (ValueError, ZeroDivisionError, OverflowError):
             return math.nan
 
     def derivatives(self, x: np.ndarray, second: bool) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Energy, gradient and, where asked for, Hessian."""
-        h = STEP * self.size.reshape(3, *(1,) * (x.ndim - 2), -1)
+        x = x.astype(np.longdouble)
         axes = np.eye(3, dtype=int)
-        moves = [k * axis for axis in axes for k in (*FIRST, *(-k for k in FIRST))]
-        if second:
-            moves += [
-                k * (axes[i] + side * axes[j]) * sign
-                for i, j in PAIRS for k in MIXED for side in (1, -1) for sign in (1, -1)
-            ]  # fmt: skip
-        steps = np.array([np.zeros(3, int), *moves])
-        shifts = steps.reshape(-1, 3, *(1,) * (x.ndim - 1)) * h
-        values = self(np.moveaxis(x[None] + shifts, 0, 1))
-        at = {tuple(step.tolist()): value for step, value in zip(steps, values, strict=True)}
-        U = values[0]
-
-        def both(step: np.ndarray, sign: float) -> np.ndarray:
-            return at[tuple(step.tolist())] + sign * at[tuple((-step).tolist())]
-
+        U, both, h = self._moved(x, STEP, [k * axis for axis in axes for k in FIRST])
         g = np.stack([sum(c * both(k * axis, -1.0) for k, c in FIRST.items()) for axis in axes]) / h
         H = np.zeros((3, 3, *U.shape))
         if second:
+            corners = [k * (axes[i] + side * axes[j]) for i, j in PAIRS for k in MIXED for side in (1, -1)]
+            _, both, h = self._moved(x, WIDE_STEP, [*(k * axis for axis in axes for k in FIRST), *corners])
             for i in range(3):
                 H[i, i] = (SECOND[0] * U + sum(SECOND[k] * both(k * axes[i], 1.0) for k in FIRST)) / h[i] ** 2
             for i, j in PAIRS:
@@ -119,4 +106,19 @@ class PlainEnergy:
                     for k, c in MIXED.items()
                 )
                 H[i, j] = H[j, i] = sum(mixed) / (h[i] * h[j])
-        return U, g, H
+        return U.astype(float), g.astype(float), H
+
+    def _moved(
+        self, x: np.ndarray, step: float, moves: list[np.ndarray]
+    ) -> tuple[np.ndarray, Callable, np.ndarray]:
+        """Energy at x, sum or difference of those to both sides by a move, and the size of a step."""
+        h = step * self.size.reshape(3, *(1,) * (x.ndim - 2), -1)
+        steps = np.array([np.zeros(3, int), *moves, *(-move for move in moves)])
+        shifts = steps.reshape(-1, 3, *(1,) * (x.ndim - 1)) * h
+        values = self(np.moveaxis(x[None] + shifts, 0, 1))
+        at = {tuple(step.tolist()): value for step, value in zip(steps, values, strict=True)}
+
+        def both(move: np.ndarray, sign: float) -> np.ndarray:
+            return at[tuple(move.tolist())] + sign * at[tuple((-move).tolist())]
+
+        return values[0], both, h
