@@ -26,7 +26,7 @@ from validation.regress import timeratios
 from validation.regress.baselines import MODELS, Run, find, read, runs
 from validation.regress.comparison import compare
 from validation.regress.run import regress
-from validation.study import warmup
+from validation.study import cases
 from validation.study.cases import CASES
 
 KEPT = Path(__file__).parents[1] / "reports" / "baseline"
@@ -116,12 +116,12 @@ def off(section, part):
     ("module", "chosen", "field"),
     [
         (equivbeam.model, [run for run in LAWS if run.name.startswith("spring-b, ")], "kc"),
-        (wirefe.mesh, [run for run in CURVED if run.name.startswith("spring-b, ")], "stiffness"),
+        (wirefe.model, [run for run in CURVED if run.name.startswith("spring-b, ")], "kc"),
     ],
     ids=MODELS,
 )
 def test_a_contact_stiffness_is_caught(before, module, chosen, field, monkeypatch):
-    name = "BeamModel" if module is equivbeam.model else "Spheres"
+    name = "BeamModel" if module is equivbeam.model else "ContactArrays"
     sound = getattr(module, name)
     monkeypatch.setattr(module, name, lambda **given: sound(**given | {field: FAULT * given[field]}))
     assert "max_penetration" in kinds(moved(before, chosen))
@@ -375,9 +375,9 @@ def test_a_law_without_a_path_is_made_ready_too(monkeypatch):
     short = partial(solve, penalty=600.0)  # a limit point before full load
     with pytest.raises(EquilibriumNotFound):
         short(CATALOGUE["spring-b"](), steps=1)
-    monkeypatch.setattr(warmup.equivbeam, "solve", short)
-    monkeypatch.setattr(warmup, "background", lambda code: nullcontext())
-    warmup.make_ready.__wrapped__()
+    monkeypatch.setattr(cases.equivbeam, "solve", short)
+    monkeypatch.setattr(cases, "background", lambda code: nullcontext())
+    cases.make_ready.__wrapped__()
 
 
 @pytest.mark.parametrize("name", timeratios.RUNS)
