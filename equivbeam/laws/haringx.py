@@ -46,4 +46,4 @@ def haringx_response(rows, i, l, v, dth):  # noqa: E741
     kax, ksh, kfl = rows[i, KAX], rows[i, KSH], rows[i, KFL]
     x = l - rows[i, L0]
     N, T, M = kax * x, ksh * v, kfl * dth
-    return Response(0.5 * (N * x + T * v + M * dth), N, T, M, kax, 0.0, 0.0, ksh, kfl)
+    return Response(0.5 * (N * x + T * v + M * dth), N, T, M, kax, 0.0, 0.0, ksh, kfl, 0.0)

@@ -83,6 +83,19 @@ def stability(arguments: argparse.Namespace, folder: Path, progress: Progress) -
     return lines, "not every outcome is explained" if code else ""
 
 
+def study_law(arguments: argparse.Namespace, folder: Path, progress: Progress) -> Answer:
+    """Study a law of a half coil that a user wrote."""
+    progress(LOADING)
+    from validation.lawstudy.run import study_law as run
+
+    lines: list[str] = []
+    with claimed(folder), writing(folder):
+        for law in arguments.law:
+            out = folder / Path(law).stem if len(arguments.law) > 1 else folder
+            lines += [*run(law, out, progress, quick=arguments.quick), f"written to {out}"]
+    return lines, ""
+
+
 def export(arguments: argparse.Namespace, folder: Path, progress: Progress) -> Answer:
     """Write the input deck of a scene for another program."""
     from validation.peers import calculix
@@ -136,5 +149,12 @@ def view(arguments: argparse.Namespace, folder: Path, progress: Progress) -> Ans
 
 COMMANDS = {
     **{"reproduce": reproduce, "workprecision": workprecision, "sensitivity": sensitivity},
-    **{"regress": regress, "stability": stability, "export": export, "referee": referee, "view": view},
+    **{
+        "regress": regress,
+        "stability": stability,
+        "study-law": study_law,
+        "export": export,
+        "referee": referee,
+        "view": view,
+    },
 }
