@@ -1,0 +1,86 @@
+"""The coiled wire by three-dimensional elasticity: section, fit, both models."""
+
+import math
+
+import numpy as np
+import pytest
+from skfem import MeshTri
+
+from coilspring import Material
+from coilspring.scene.solidwire import flexibility, inner_stress_factor
+from validation.solid.section import disk, solve, transport
+from validation.solid.table import helix, inner_stress
+from validation.verification.curvature import EXACT_RING
+
+STEEL = Material()
+UNIT = Material(1.0, 0.3)
+
+
+def along_axis(index):
+    """Wrench in a ring of wire under an axial unit force."""
+    return np.array([0.0, 0.0, 1.0, index / 2.0, 0.0, 0.0])
+
+
+def ring_deflection(index, F):
+    """Axial deflection per turn over 8 F D^3 / (G d^4)."""
+    wrench = along_axis(index)
+    return math.pi * index * (wrench @ F @ wrench) * UNIT.G / (8.0 * index**3)
+
+
+@pytest.mark.parametrize(("index", "exact"), EXACT_RING.items())
+def test_ring_sector(index, exact):
+    """Deflection of a ring against another method's numbers."""
+    found = solve(disk(2), *helix(index, 0.0), UNIT.nu).flexibility
+    fit = flexibility(np.array([2.0 / index]), np.zeros(1), 1.0, UNIT)[0]
+    for F in (found, fit):
+        assert ring_deflection(index, F) == pytest.approx(exact, rel=1.2e-4)
+
+
+def test_straight_wire_is_saint_venants():
+    """Round: stretch, torsion, bending, and shear as Renton (1991) has it; a square's torsion."""
+    E, G, nu, area, inertia = 1.0, UNIT.G, UNIT.nu, math.pi / 4.0, math.pi / 64.0
+    shear = 6.0 * (1.0 + nu) ** 2 / (7.0 + 14.0 * nu + 8.0 * nu**2)
+    exact = [E * area, shear * G * area, shear * G * area, 2.0 * G * inertia, E * inertia, E * inertia]
+    found = solve(disk(), 0.0, 0.0, nu).flexibility
+    np.testing.assert_allclose(found, np.diag(1.0 / np.array(exact)), rtol=1e-5, atol=1e-9)
+    sides = np.linspace(-0.5, 0.5, 13)
+    square = solve(MeshTri.init_tensor(sides, sides), 0.0, 0.0, nu).flexibility
+    assert 1.0 / square[3, 3] == pytest.approx(0.140577 * G, rel=1e-4)
+
+
+def test_energy_is_that_of_the_mean_motion():
+    """Two ways to one flexibility, under wrenches that are the same all along a helix."""
+    bend = helix(4.0, 12.0)
+    found = solve(disk(2), *bend, 0.3)
+    t, b = np.array([bend[1], bend[0]]) / math.hypot(*bend)
+    axial = np.array([[t, 0.0, b, 2.0 * b, 0.0, -2.0 * t], [0.0, 0.0, 0.0, t, 0.0, b]])
+    np.testing.assert_allclose(axial @ transport(*bend), 0.0, atol=1e-15)
+    energy, measured = (axial @ F @ axial.T for F in (found.flexibility, found.rod_flexibility))
+    np.testing.assert_allclose(measured, energy, rtol=1e-9)
+    assert np.linalg.eigvalsh(found.flexibility).min() > 0.0
+
+
+POINTS = [(3, 20, 0.3), (12, -9, 0.05)]
+MORE = [(C, a, nu) for nu in (0.05, 0.3, 0.48) for C, a in [(2.4, 3), (4, 12), (20 / 3, 5.2), (5, 40)]]
+
+
+@pytest.mark.parametrize(
+    ("index", "angle", "nu"), [*POINTS, *(pytest.param(*case, marks=pytest.mark.slow) for case in MORE)]
+)
+def test_fit_is_the_section(index, angle, nu):
+    """Entries over the diagonal's, between the points of the fit; -9: a left-handed helix."""
+    bend = helix(index, angle)
+    exact = solve(disk(), *bend, nu).flexibility
+    fit = flexibility(np.array([bend[0]]), np.array([bend[1]]), 1.0, Material(1.0, nu))[0]
+    root = np.sqrt(np.diag(exact))
+    assert np.abs((fit - exact) / np.outer(root, root)).max() < (1e-4 if index >= 3.0 else 3e-4)
+
+
+@pytest.mark.parametrize(("index", "nu"), [(2.4, 0.3), (4.0, 0.3), (8.0, 0.1)])
+def test_stress_at_the_inside(index, nu):
+    """The fit against the section; at nu = 0.3 against Goehner's series."""
+    section = inner_stress(solve(disk(), 2.0 / index, 0.0, nu))
+    assert inner_stress_factor(index, nu) == pytest.approx(section, rel=2e-4)
+    if nu == 0.3 and index >= 4.0:
+        series = 1.0 + 1.25 / index + 0.875 / index**2 + 1.0 / index**3
+        assert inner_stress_factor(index, nu) == pytest.approx(series, rel=1e-3)
