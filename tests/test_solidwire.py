@@ -1,16 +1,22 @@
 """The coiled wire by three-dimensional elasticity: section, fit, both models."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
+from scipy.sparse.linalg import spsolve
 from skfem import MeshTri
 
-from coilspring import Material
-from coilspring.scene.solidwire import flexibility, inner_stress_factor
+import equivbeam
+import wirefe
+from coilspring import InputError, Material, load_scene, scene_text, spring_a
+from coilspring.scene.solidwire import coil_section, flexibility, half_ring, inner_stress_factor
 from validation.solid.section import disk, solve, transport
 from validation.solid.table import helix, inner_stress
 from validation.verification.curvature import EXACT_RING
+from validation.verification.rodcases import Arc
+from wirefe.modes import linear_stiffness
 
 STEEL = Material()
 UNIT = Material(1.0, 0.3)
@@ -84,3 +90,71 @@ def test_stress_at_the_inside(index, nu):
     if nu == 0.3 and index >= 4.0:
         series = 1.0 + 1.25 / index + 0.875 / index**2 + 1.0 / index**3
         assert inner_stress_factor(index, nu) == pytest.approx(series, rel=1e-3)
+
+
+def ring_of_wire(index, elements):
+    """Axial deflection of a turn of curved elements, closed in a plane, over the textbook's."""
+    F = flexibility(np.array([2.0 / index]), np.zeros(1), 1.0, UNIT)
+    angles, radius = np.linspace(0.0, 2.0 * math.pi, elements + 1), index / 2.0
+    arc = Arc(radius, (1.0, 0.0, 0.0), (0.0, 1.0, 0.0))
+    rod = wirefe.curved_rod(arc, angles, lambda at: np.repeat(F, len(at), axis=0)).holding(0)
+    wrench = np.zeros(6 * elements)
+    wrench[-6:] = 0.0, 0.0, 1.0, *np.cross([-radius, 0.0, 0.0], [0.0, 0.0, 1.0])  # force on the axis
+    moved = wrench @ spsolve(linear_stiffness(rod)[6:, 6:].tocsc(), wrench)
+    return moved * UNIT.G / (8.0 * index**3)
+
+
+@pytest.mark.parametrize("index", [3.0, 4.0, 20.0 / 3.0, 15.0])
+def test_ring_of_the_models(index):
+    """Curved elements, and half coils of the paper's law, meet the ring in three dimensions."""
+    assert ring_of_wire(index, 8) == pytest.approx(EXACT_RING[index], rel=1.2e-4)
+    spring = replace(spring_a().spring, wire_diameter=1.0, mean_diameter=index, wire_rigidity="solid")
+    section = coil_section(spring, UNIT, np.array([2.0 / index]))
+    turn = 2.0 / half_ring(section, np.array([index / 2.0]))[0, 0]
+    assert turn * UNIT.G / (8.0 * index**3) == pytest.approx(EXACT_RING[index], rel=1.2e-4)
+
+
+def solid(scene, **changes):
+    return replace(scene, spring=replace(scene.spring, wire_rigidity="solid", **changes))
+
+
+def shift(solve, scene, **options):
+    """Change of the tip by the solid wire, relative."""
+    beam, coiled = (solve(each, steps=2, **options).tips[-1] for each in (scene, solid(scene)))
+    moved = np.abs(beam) > 1e-6
+    return (coiled / np.where(moved, beam, 1.0) - 1.0)[moved]
+
+
+@pytest.mark.parametrize("name", ["spring-a-no-contact", "spring-b-no-contact"])
+def test_both_models_obey(name):
+    """Straight and curved elements and the helix law change alike, on a cone too."""
+    scene = load_scene(name)
+    curved = shift(wirefe.solve, scene, element="curved", elements_per_turn=8)
+    assert np.all(curved < -1e-3)
+    np.testing.assert_allclose(shift(wirefe.solve, scene), curved, atol=3e-5)
+    np.testing.assert_allclose(shift(equivbeam.solve, scene, law="helix"), curved, atol=4e-4)
+    assert np.all(shift(equivbeam.solve, scene) < -1e-3)
+
+
+def test_hand_and_mesh():
+    """The mirror image moves alike; straight elements tend to the curved ones."""
+    scene = solid(load_scene("spring-a-no-contact")).with_steps(1)
+    fine = wirefe.solve(scene, element="curved", elements_per_turn=16).tips
+    mirrored = wirefe.solve(solid(scene, hand="right"), element="curved", elements_per_turn=16).tips
+    np.testing.assert_allclose(mirrored, fine, rtol=1e-9)
+    errors = [np.abs(wirefe.solve(scene, elements_per_turn=n).tips / fine - 1.0).max() for n in (40, 160)]
+    assert math.log(errors[0] / errors[1], 4.0) == pytest.approx(2.0, abs=0.1)
+
+
+def test_plates_and_files(tmp_path):
+    """End turns on plates are solid too; the key of files; what the fit does not cover."""
+    scene = load_scene("spring-a-no-contact")
+    supports = replace(scene.supports, seat="plate", top_held=("ux", "rotz"))
+    pressed = replace(scene, supports=supports, load=replace(scene.load, force=(0.0, -4.0), steps=1))
+    assert -0.02 < shift(wirefe.solve, pressed)[0] < -0.005
+    (tmp_path / "a.toml").write_text(scene_text(solid(scene)))
+    assert load_scene(tmp_path / "a.toml") == solid(scene)
+    with pytest.raises(InputError, match=r"material.nu must be in \[0, 0.5\] with spring.wire_rigidity"):
+        replace(solid(scene), material=Material(206000.0, -0.2))
+    with pytest.raises(InputError, match="wire_rigidity must be beam or solid"):
+        replace(scene.spring, wire_rigidity="steel")

@@ -79,16 +79,12 @@ def coil_section(spring: Spring, material: Material, curvature: np.ndarray) -> S
     return Section(EA=1.0 / stretch, GA=1.0 / shear, GJ=1.0 / twist, EI=1.0 / bend)
 
 
-def ring_rates(section: Section, curvature: np.ndarray) -> np.ndarray:
-    """Axial, shearing and bending stiffness of half a ring of wire, (n, 3): N/mm, N/mm, N mm.
-
-    Shear is under a lateral force through the centre.
-    """
-    R = 1.0 / curvature
-    axial = R**2 / section.GJ + 1.0 / section.GA
-    shear = 0.5 * (R**2 / section.EI + 1.0 / section.EA + 1.0 / section.GA)
+def half_ring(section: Section, radius: np.ndarray) -> np.ndarray:
+    """Axial, shearing and bending stiffness of half a ring of wire, (n, 3): N/mm, N/mm, N mm."""
+    axial = radius**2 / section.GJ + 1.0 / section.GA
+    shear = 0.5 * (radius**2 / section.EI + 1.0 / section.EA + 1.0 / section.GA)
     bending = 0.5 * (1.0 / section.GJ + 1.0 / section.EI)
-    return 1.0 / (math.pi * R[..., None] * np.stack((axial, shear, bending), axis=-1))
+    return 1.0 / (math.pi * radius[:, None] * np.stack((axial, shear, bending), axis=-1))
 
 
 def inner_stress_factor(index: float, nu: float) -> float:
