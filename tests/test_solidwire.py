@@ -156,5 +156,5 @@ def test_plates_and_files(tmp_path):
     assert load_scene(tmp_path / "a.toml") == solid(scene)
     with pytest.raises(InputError, match=r"material.nu must be in \[0, 0.5\] with spring.wire_rigidity"):
         replace(solid(scene), material=Material(206000.0, -0.2))
-    with pytest.raises(InputError, match="wire_rigidity must be beam or solid"):
+    with pytest.raises(InputError, match="wire_rigidity must be one of beam, solid"):
         replace(scene.spring, wire_rigidity="steel")
