@@ -52,9 +52,16 @@ def flexibility(
 
 
 def wire_flexibility(spring: Spring, material: Material) -> Callable[[np.ndarray], np.ndarray]:
-    """Flexibility of a spring's wire at phases, (n, 6, 6), each as in a helix of that radius and pitch."""
+    """Flexibility of a spring's wire at phases, (n, 6, 6), as `Spring.wire_rigidity` says.
+
+    Each is that in a helix of the radius and the pitch there.
+    """
+    wire = round_section(spring.wire_diameter, material)
+    straight = np.diag([1.0 / x for x in (wire.EA, wire.GA, wire.GA, wire.GJ, wire.EI, wire.EI)])
 
     def at(phases: np.ndarray) -> np.ndarray:
+        if spring.wire_rigidity == "beam":
+            return np.broadcast_to(straight, (len(phases), 6, 6))
         radius, rise = spring.radius(phases), spring.rise(phases)
         square = radius**2 + rise**2
         turn = rise / square * (1.0 if spring.hand == "right" else -1.0)
@@ -88,7 +95,9 @@ def half_ring(section: Section, radius: np.ndarray) -> np.ndarray:
 
 
 def inner_stress_factor(index: float, nu: float) -> float:
-    """Shear stress at the inside of a closely coiled spring over 8 F D / (pi d^3)."""
+    """Shear stress at the inside of a closely coiled spring over 8 F D / (pi d^3); nan beyond `FITTED`."""
+    if not FITTED[0] <= nu <= FITTED[1]:
+        return math.nan
     curvature = 2.0 / index
     powers = curvature ** np.arange(1, len(STRESS) + 1)
     return 1.0 + float(powers @ STRESS @ nu ** np.arange(STRESS.shape[-1])) / (1.0 + nu)

@@ -10,7 +10,6 @@ from scipy.sparse.linalg import spsolve
 import wirefe
 from coilspring import Material, Spring
 from coilspring.scene.solidwire import wire_flexibility
-from coilspring.scene.wire import round_section
 from wirefe.modes import linear_stiffness
 
 PER_TURN = 16  # curved elements; their linear flexibility is exact
@@ -23,9 +22,7 @@ def rod_flexibility(spring: Spring, material: Material, coils: float) -> np.ndar
     """
     end = 2.0 * np.pi * coils
     phases = np.linspace(0.0, end, round(PER_TURN * coils) + 1)
-    solid = spring.wire_rigidity == "solid"
-    wire = wire_flexibility(spring, material) if solid else round_section(spring.wire_diameter, material)
-    rod = wirefe.curved_rod(spring, phases, wire).holding(0)
+    rod = wirefe.curved_rod(spring, phases, wire_flexibility(spring, material)).holding(0)
     x, _, z = rod.points[-1]
     wrenches = np.zeros((rod.held.size - 6, 6))
     wrenches[-6:] = np.eye(6)

@@ -57,7 +57,8 @@ def section_grid(fineness: Fineness) -> tuple[np.ndarray, np.ndarray]:
     u, v = np.meshgrid(np.linspace(-edge, edge, m), np.linspace(-edge, edge, m), indexing="ij")
     turns = [np.array([[c, s], [-s, c]]) for c, s in ((1, 0), (0, 1), (-1, 0), (0, -1))]
     blocks = [np.stack((u, v), axis=-1), *(np.swapaxes(side, 0, 1) @ turn for turn in turns)]
-    points, quads = [], []
+    points: list[list[float]] = []
+    quads = []
     for block in blocks:
         number = len(points) + np.arange(block[..., 0].size).reshape(block.shape[:2])
         points += block.reshape(-1, 2).tolist()

@@ -45,6 +45,8 @@ def _lines(scene: Scene, found: Sizes) -> Iterator[str]:
     yield f"  gap           {gap}, between neighbouring active coils"
     yield f"  helix angle   {math.degrees(found.helix_angle):.3g} degrees at most"
     yield f"  rate          {found.rate:.4g} N/mm (G d^4 / 8 D^3 n of EN 13906-1, summed over the coils)"
+    beam, coiled = found.wire_rates
+    yield f"  {'':<13} {beam:.4g} N/mm by a wire of beams, by 3D elasticity {_known(coiled, '.4g', ' N/mm')}"
     first, last = found.closing
     yield f"  closing       first coil at about {first:.3g} N, last at {last:.3g} N, by the same formula"
     yield f"  axial load    {_axial(found)}"
@@ -52,6 +54,12 @@ def _lines(scene: Scene, found: Sizes) -> Iterator[str]:
         f"  stress        {found.stress:.3g} MPa (8 F D / pi d^3 with Bergstraesser's factor "
         f"{found.stress_factor:.3f} of EN 13906-1)"
     )
+    wahl, elastic = found.inner_factors
+    yield f"  {'':<13} factor by Wahl {wahl:.3f}, at the inside by 3D elasticity {_known(elastic, '.3f')}"
+
+
+def _known(value: float, form: str, unit: str = "") -> str:
+    return "unknown (Poisson's ratio below 0)" if math.isnan(value) else f"{value:{form}}{unit}"
 
 
 def _axial(found: Sizes) -> str:
