@@ -12,11 +12,12 @@ from validation.study.cases import turned
 
 BEAM, WIRE = "equivbeam", "wirefe"
 MODELS = (BEAM, WIRE)
-NOT_GIVEN, READING, AGAINST = "not given", "reading", "against its result"
+NOT_GIVEN, READING, AGAINST, BEAMS = "not given", "reading", "against its result", "left out by beams"
 KINDS = {
     NOT_GIVEN: "the paper says nothing",
     READING: "the paper says something that can be read or made in another way",
     AGAINST: "the paper is silent, but its two models would not have agreed",
+    BEAMS: "the paper's two models, and ours unless asked, take the wire for a straight rod",
 }
 LIKE = 0.01  # mm: penetration at which both exponents give one force
 EVERYWHERE = 20  # sphere pairs per turn that touch wherever the wires do
@@ -145,6 +146,10 @@ def _element(scene: Scene, model: str) -> Iterator[Variant]:
     yield Variant("curved", scene, {"element": "curved"})
 
 
+def _solid(scene: Scene, model: str) -> Iterator[Variant]:
+    yield Variant("solid", replace(scene, spring=replace(scene.spring, wire_rigidity="solid")))
+
+
 def _with_contact(scene: Scene, **changes: Any) -> Scene:
     return replace(scene, contact=replace(scene.contact, **changes))
 
@@ -231,5 +236,11 @@ INPUTS = (
         "curved: elements with the exact linear flexibility of their piece of wire, as elements of higher "
         "order approach it. The beam's element is the paper's own.",
         _element, models=(WIRE,),
+    ),
+    OpenInput(
+        "wire_rigidity", "wire as a solid body", BEAMS, "beam",
+        "FE of beams; stiffnesses of a half coil after Haringx",
+        "solid: the coiled wire by three-dimensional elasticity.",
+        _solid,
     ),
 )  # fmt: skip
