@@ -51,7 +51,8 @@ HOW_FAR = (
     "independent and small, and where the authors' values are as likely to be at the ends of our ranges as "
     "within. *Not given*: the paper says nothing on the input; *with readings*: also inputs whose "
     "description leaves room. Inputs that the paper's own result speaks against, and the wire as a solid "
-    "body, are in the tables below alone. Values that end short of full load have no number and are in no estimate. "
+    "body, are in the tables below alone. Values that end short of full load have no number and are in no "
+    "estimate. "
     "*Deviation of the models*: largest difference of the two load curves with our defaults."
 )
 NOT_VARIED = (

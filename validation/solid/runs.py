@@ -12,7 +12,8 @@ from validation.solid.comparison import COILS, deflections, flexibilities
 from validation.study.frames import write_csv
 
 FOLDER = Path("reports/solid")
-INDICES, ANGLES = (4.0, 5.0, 20.0 / 3.0, 10.0), (5.0, 12.0)
+CASES = [(index, angle, COILS) for index in (4.0, 5.0, 20.0 / 3.0, 10.0) for angle in (5.0, 12.0)]
+CASES.append((4.0, 5.0, 2.0 * COILS))  # what the ends do falls with the number of coils
 SCENES = ("spring-b-no-contact", "spring-a-no-contact")
 
 
@@ -20,13 +21,12 @@ def main() -> None:
     """Run and write flexibility.csv and deflection.csv."""
     FOLDER.mkdir(parents=True, exist_ok=True)
     coils: list[pd.DataFrame] = []
-    for index in INDICES:
-        for angle in ANGLES:
-            found = flexibilities(coil(index, angle, COILS), Material())
-            found.insert(0, "index", index)
-            found.insert(1, "angle", angle)
-            coils.append(found)
-            print(found.to_string(), flush=True)
+    for index, angle, count in CASES:
+        found = flexibilities(coil(index, angle, count), Material(), count)
+        found.insert(0, "index", index)
+        found.insert(1, "angle", angle)
+        coils.append(found)
+        print(found.to_string(), flush=True)
     write_csv(pd.concat(coils), FOLDER / "flexibility.csv")
     moved: list[pd.DataFrame] = []
     for name in SCENES:
