@@ -1,6 +1,7 @@
 """The coiled wire by three-dimensional elasticity: section, fit, both models."""
 
 import math
+import shutil
 from dataclasses import replace
 
 import numpy as np
@@ -11,7 +12,12 @@ from skfem import MeshTri
 import equivbeam
 import wirefe
 from coilspring import InputError, Material, load_scene, scene_text, spring_a
+from coilspring.scene.sizing import wire_rate
 from coilspring.scene.solidwire import coil_section, flexibility, half_ring, inner_stress_factor
+from validation.cli import main
+from validation.solid.coils import both, coil
+from validation.solid.hexahedra import COARSE, deflection, mesh_coils, section_grid
+from validation.solid.hexahedra import flexibility as solids_flexibility
 from validation.solid.section import disk, solve, transport
 from validation.solid.table import helix, inner_stress
 from validation.verification.curvature import EXACT_RING
@@ -158,3 +164,65 @@ def test_plates_and_files(tmp_path):
         replace(solid(scene), material=Material(206000.0, -0.2))
     with pytest.raises(InputError, match="wire_rigidity must be one of beam, solid"):
         replace(scene.spring, wire_rigidity="steel")
+
+
+def test_rates_of_check(capsys):
+    """The rod's rate is that of the helix; the solid's is above it as the ring has it."""
+    beam, coiled = (wire_rate(spring_a(), kind) for kind in ("beam", "solid"))
+    assert beam == pytest.approx(3.412482, rel=1e-6)
+    assert coiled / beam == pytest.approx(1.01686, abs=2e-4)
+    assert main(["check", "spring-a"]) == 0
+    said = capsys.readouterr().out
+    assert "3.412 N/mm by a wire of beams, by 3D elasticity 3.47 N/mm" in said
+    assert "Wahl 1.225, at the inside by 3D elasticity 1.210" in said
+
+
+def test_hexahedra_are_the_wire():
+    """Area of the section, its ends, and the number of nodes that elements share."""
+    at, quads = section_grid(COARSE)
+    x, y = np.moveaxis(at[quads[:, [0, 4, 1, 5, 2, 6, 3, 7]]], -1, 0)
+    areas = 0.5 * (x * np.roll(y, -1, axis=1) - y * np.roll(x, -1, axis=1)).sum(axis=1)
+    assert areas.min() > 0.0
+    assert areas.sum() == pytest.approx(math.pi / 4.0, rel=0.03)  # sixteen corners in place of a circle
+    assert len(np.unique(np.round(at, 9), axis=0)) == len(at) == 45
+    spring = coil(5.0, 8.0, 2.0)
+    mesh = mesh_coils(spring, 1.0, COARSE)
+    for end, phase in ((mesh.bottom, 0.0), (mesh.top, 2.0 * math.pi)):
+        np.testing.assert_allclose(mesh.nodes[end].mean(axis=0), spring.points([phase])[0], atol=1e-9)
+    np.testing.assert_allclose(mesh.reference, [0.0, spring.pitch, 0.0])
+    p = mesh.nodes[mesh.elements]
+    assert np.linalg.det(p[:, [1, 3, 4]] - p[:, :1]).min() > 0.0
+    assert np.linalg.norm(p[:, 16] - 0.5 * (p[:, 0] + p[:, 4]), axis=1).max() < 0.05
+
+
+needs_calculix = pytest.mark.skipif(shutil.which("ccx") is None, reason="ccx is not installed")
+
+
+@needs_calculix
+def test_solids_of_calculix():
+    """A coil of a coarse mesh: axial and lateral flexibility near the solid wire, not near the rod."""
+    steel = Material()
+    found, _ = solids_flexibility(mesh_coils(coil(4.0, 8.0, 1.0), 1.0, COARSE), steel.E, steel.nu)
+    rods = both(coil(4.0, 8.0, 1.0), steel, 1.0)
+    off = {kind: np.diag(F) / np.diag(found) - 1.0 for kind, F in rods.items()}
+    assert np.abs(off["solid"]).max() < 8e-3
+    assert off["beam"][1] > 0.03
+
+
+@needs_calculix
+@pytest.mark.slow
+def test_large_deflection_of_solids():
+    """Spring B without contact."""
+    scene = load_scene("spring-b-no-contact")
+    found, _ = deflection(scene, COARSE)
+    path = wirefe.solve(solid(scene).with_steps(2), element="curved", elements_per_turn=8)
+    assert path.tips[-1, 1] == pytest.approx(found[1], rel=4e-3)
+
+
+def test_peers_are_beams(tmp_path, capsys):
+    """The other codes' beams are not the solid wire; --solid is calculix's alone."""
+    (tmp_path / "a.toml").write_text(scene_text(solid(spring_a())))
+    assert main(["export", str(tmp_path / "a.toml"), "--to", "calculix", "--out", str(tmp_path / "x")]) == 2
+    assert 'spring.wire_rigidity must be "beam" for calculix' in capsys.readouterr().err
+    assert main(["referee", "spring-a", "--with", "opensees", "--solid", "--out", str(tmp_path / "y")]) == 2
+    assert "--solid goes with calculix alone" in capsys.readouterr().err

@@ -291,8 +291,8 @@ def helix(f: Facts) -> str:
         f"{paper[0]:.2f} to {law[0]:.2f} % (Spring B) and {paper[1]:.2f} to {law[1]:.2f} % (Spring A). "
         f"Spring B {needs} large deformation, fixed winding and wire shear together: without one of them "
         f"{less[0]:.2f}, {less[1]:.2f}, {less[2]:.2f} %. Against the wire as a solid body it is nearer than "
-        f"the paper's law {truth}: {solid[0]:.2f} and {solid[1]:.2f} % with the solid wire, {rods[0]:.2f} and "
-        f"{rods[1]:.2f} % with beams; the paper's law {old[0]:.2f} and {old[1]:.2f} %. {BUDGET}, {BODY}"
+        f"the paper's law {truth}: {solid[0]:.2f} and {solid[1]:.2f} % with the solid wire, {rods[0]:.2f} "
+        f"and {rods[1]:.2f} % with beams; the paper's law {old[0]:.2f} and {old[1]:.2f} %. {BUDGET}, {BODY}"
     )
 
 
@@ -338,15 +338,17 @@ def random(f: Facts) -> str:
 @statement("findings.solid")
 def solid_body(f: Facts) -> str:
     axial, others, beam, coarse = (f[f"solid: {name}"] for name in ("axial", "others", "beam.axial", "mesh"))
-    rate, rod = f["solid: rate.solid"], f["solid: rate.beam"]
+    rate, rod, coils, index = (
+        f[f"solid: {name}"] for name in ("rate.solid", "rate.beam", "coils", "indices")
+    )
     stiffer = "stiffer" if rate > rod else "not stiffer"
-    nearer = "nearer to the solid's" if abs(rate) < abs(rate - rod) else "farther from the solid's"
+    nearer = "nearer to it" if abs(rate) < abs(rate - rod) else "farther from it"
     return (
         f"**A coiled wire is {stiffer} than a straight rod with shear,** which our models' wire is unless "
-        f"asked otherwise: the axial rate of Spring A by {rate - rod:.1f} %. The textbook's rate, {rate:.2f} % "
-        f"below the solid's, is {nearer} than the rod's. With the solid wire the wire model is within "
-        f"{axial:.2f} % (axial) and {others:.2f} % (other directions) of solid elements on 3 coils of index 4 "
-        f"to 10, whose coarse mesh is off by {coarse:.2f} %; the rod by up to {beam:.1f} %. {BODY}"
+        f"asked otherwise: axially, Spring A's by {rate - rod:.1f} %. The textbook's rate is {nearer} "
+        f"({-rate:+.2f} %). With the solid wire the wire model is within {axial:.2f} % (axial) and "
+        f"{others:.2f} % (other directions) of solid elements on {coils:g} coils of index {span(index, 0)}, "
+        f"whose coarse mesh is off by {coarse:.2f} %; with beams it is off by up to {beam:.1f} %. {BODY}"
     )
 
 
@@ -355,8 +357,8 @@ def exact(f: Facts) -> str:
     count, failed, curved = (f[f"verification: {name}"] for name in ("checks", "failed", "curved"))
     head = "meets" if not failed else "does not meet all"
     return (
-        f"**The wire model {head} exact and published solutions of rods:** {count - failed} of {count} checks "
-        f"pass; the fewest curved elements per turn are within {curved:.1e} of the exact rod on both "
+        f"**The wire model {head} exact and published solutions of rods:** {count - failed} of {count} "
+        f"checks pass; the fewest curved elements per turn are within {curved:.1e} of the exact rod on both "
         "springs. [Validation](validation.md)"
     )
 

@@ -130,6 +130,7 @@ def numbers(coils: pd.DataFrame, moved: pd.DataFrame, stands: pd.DataFrame) -> d
         "beam.axial": coils.loc[axial, "beam"].abs().max(),
         "beam.others": coils.loc[~axial, "beam"].abs().max(),
         "mesh": coils["mesh"].abs().max(),
+        "coils": coils["coils"].iloc[0],
         "index": long["index"].iloc[0],
         "long": long["coils"].iloc[0],
         "others.long": long.loc[long["direction"] != "Fy", "solid"].abs().max(),
@@ -142,7 +143,8 @@ def numbers(coils: pd.DataFrame, moved: pd.DataFrame, stands: pd.DataFrame) -> d
         facts[f"large.{row.scene}.{row.model}.{row.wire}"] = row.off
     for row in stands.itertuples():
         facts[f"standing.{row.scene}.{row.model}.{row.wire}"] = row.off
-    return {name: float(value) for name, value in facts.items()}
+    numbers = {name: float(value) for name, value in facts.items()}
+    return numbers | {"indices": sorted(map(float, coils["index"].unique()))}
 
 
 @statement("solid.coils")
