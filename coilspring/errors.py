@@ -21,7 +21,8 @@ class EquilibriumNotFound(RuntimeError):
         The part that was reached; ``path.residual_history`` holds the Newton decrements of the
         last attempts.
     outcome : str
-        ``limit_point``, ``bifurcation``, ``interpenetration``, ``not_converged`` or ``unsupported``.
+        ``limit_point``, ``bifurcation``, ``jump``, ``interpenetration``, ``not_converged`` or
+        ``unsupported``.
     message : str
         One sentence.
     critical_time : float or None

@@ -18,7 +18,9 @@ from coilspring.scene.load import given_loads
 if TYPE_CHECKING:
     import pandas as pd
 
-OUTCOMES = ("completed", "limit_point", "bifurcation", "interpenetration", "not_converged", "unsupported")
+OUTCOMES = (
+    "completed", "limit_point", "bifurcation", "jump", "interpenetration", "not_converged", "unsupported",
+)  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -29,7 +31,7 @@ class Friction:
     ----------
     force : (states, pairs, 3) tangential force on the lower body of each pair, N.
     slip : (states, pairs) length that each pair has slid since it closed, mm.
-    work : (states, pairs) work that friction has taken from each pair since it closed, N mm.
+    work : (states, pairs) work that friction, and the release of what opening pairs held, have taken, N mm.
     """
 
     force: np.ndarray

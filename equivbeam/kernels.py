@@ -7,7 +7,8 @@ import math
 import numpy as np
 
 from coilspring.compiling.compiled import clear, copy, kernel, part
-from coilspring.contact.kinematics import approach, friction_bounds, remember
+from coilspring.contact.kinematics import approach, remember
+from coilspring.contact.kinematics import update_pairs as update_pairs_of
 from coilspring.contact.law import pair_potential
 from equivbeam.band import ROW, fix
 from equivbeam.contact import circle_centre, circle_overlap, pair_forces
@@ -179,12 +180,13 @@ def update_history(reals, ints, state, history):
 
 
 @kernel
-def update_bounds(reals, ints, state, history):
-    """See `coilspring.contact.kinematics.friction_bounds`."""
+def update_pairs(reals, ints, accepted, predicted, state, history):
+    """See `coilspring.contact.kinematics.update_pairs`."""
     model = view(reals, ints)
     if model.mu == 0.0:
         return 0.0
-    return friction_bounds(_vectors(model, state), history, model.mu, model.kc, model.k, model.d)
+    before, ahead, after = _vectors(model, accepted), _vectors(model, predicted), _vectors(model, state)
+    return update_pairs_of(before, ahead, after, history, model.mu, model.kc, model.k, model.d)
 
 
 @kernel

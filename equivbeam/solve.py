@@ -28,7 +28,7 @@ KERNELS = Kernels(
     rotate=kernels.rotate,
     displacement_bound=kernels.displacement_bound,
     update_history=kernels.update_history,
-    update_bounds=kernels.update_bounds,
+    update_pairs=kernels.update_pairs,
     overlap=kernels.overlap,
 )
 

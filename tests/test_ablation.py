@@ -9,7 +9,7 @@ import pytest
 from coilspring import spring_a, spring_b
 from equivbeam import Refinements
 from validation.verification import fourcases
-from validation.verification.ablation import FOUR, Cases, four_cases
+from validation.verification.ablation import FOUR, Cases, tables
 
 
 @pytest.fixture
@@ -36,7 +36,7 @@ def test_refinements_come_one_after_the_other_and_go_alone(counted):
 
 
 def test_every_refinement_has_a_switch():
-    assert {stage.switch for stage in fourcases.STAGES} == set(vars(Refinements()))
+    assert set(fourcases.STAGES) == set(vars(Refinements()))
 
 
 def test_pairs_outside_the_plane(counted):
@@ -57,8 +57,7 @@ def test_numbers_stand_by_table_and_row(counted, monkeypatch):
 
 def test_the_page_has_every_number_of_its_tables():
     data = pd.read_csv(FOUR)
-    law = next(block for block in four_cases(data) if getattr(block, "header", ("",))[0] == "law")
-    rows = {row[0]: row[1:] for row in law.rows}
+    rows = {row[0]: row[1:] for row in tables(data)["law"].rows}
     cases = Cases(data)
     printed = [float(cell) for cell in rows["helix law"]]
     np.testing.assert_allclose(printed, [cases.law(case) for case in cases.titles], atol=5.1e-4)

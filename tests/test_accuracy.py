@@ -1,12 +1,14 @@
 """The accuracy ladder: all checks pass, and the page says what they found."""
 
+from dataclasses import replace
+
 import pytest
 
 from coilspring import Material, spring_a
-from validation.verification.accuracy import write_page
-from validation.verification.case import Check, observed_order
-from validation.verification.curvature import EXACT_RING, SPRING_A, formula, rod
-from validation.verification.springcases import rate
+from validation.study import template
+from validation.verification.accuracy import EXACT_RING, SPRING_A, WORDS, goehner, rod, write_page
+from validation.verification.case import Case, observed_order
+from validation.verification.springcases import rates
 
 CHECKS = (
     "G1,",
@@ -42,19 +44,30 @@ def test_page(tmp_path):
 def test_a_rod_with_shear_is_softer_than_a_solid_wire():
     """By 0.743 over the index squared and more; Goehner's term is nearly exact."""
     for index, exact in EXACT_RING.items():
-        assert formula(index) == pytest.approx(exact, rel=2e-3)
+        assert goehner(index) == pytest.approx(exact, rel=2e-3)
         assert 0.74 < (rod(index) / exact - 1.0) * index**2 < 0.79
     spring, G = spring_a().spring, Material().G
     formula_rate = G * spring.wire_diameter**4 / (8.0 * 10.0**3 * spring.active_coils)
     # the wire model's own rate; the pitch is the rest
-    assert formula_rate / rate().result[0] == pytest.approx(rod(SPRING_A), rel=2e-3)
+    assert formula_rate / rates(16)[0] == pytest.approx(rod(SPRING_A), rel=2e-3)
 
 
 def test_a_check_that_fails_says_so():
-    check = Check("a", "b", (2.0, 0.0), "own", 1e-3, (2.0, 0.004), "c")
-    assert check.error == 2e-3
-    assert not check.passed
-    assert "**no**" in check.row
+    case = Case("a", "b", (2.0, 0.0), "own", 1e-3, "c", lambda count: (2.0, 0.004 * count), mesh=1)
+    assert case.checked().error == 2e-3
+    assert not case.checked().passed
+    words = {"shear_factor": 0.9, "rings": EXACT_RING, "spring_a": SPRING_A}
+    assert "| 2, 0.004 | 2.0e-03 |  | **no** | c |" in template.page(WORDS, checks=[case.checked()], **words)
+
+
+def test_a_case_tells_its_order():
+    def solve(count):
+        return 2.0 + 1.0 / count**2, 1.0 / count
+
+    case = Case("a", "b", (2.0, 0.0), "own", 1.0, "c", solve, mesh=64, meshes=(4, 8, 16))
+    assert case.checked().order == pytest.approx(1.0)
+    assert replace(case, components=1).checked().order == pytest.approx(2.0)
+    assert replace(case, fine=1 << 20, components=1).checked().order == pytest.approx(2.0)
 
 
 def test_observed_order():

@@ -11,19 +11,25 @@ import pytest
 
 import equivbeam
 from coilspring import Contact, InputError, Load, Scene, Spring, Supports, load_scene, spring_b
-from validation.campaign import page, pools, run, runs
-from validation.campaign.beamverifier import energy_of, verify_critical, verify_states
+from validation.campaign import page, run, runs
+from validation.campaign.beamverifier import verify_critical, verify_states
 from validation.campaign.critical import bracket
 from validation.campaign.energy import beam_energy
 from validation.campaign.invariance import KINDS, verify_invariance
-from validation.campaign.runs import force_grain, grain, remembered, verify_branch, verify_steps
+from validation.campaign.runs import (
+    bounds_of,
+    explained_by_history,
+    force_grain,
+    grain,
+    verify_branch,
+    verify_steps,
+)
 from validation.campaign.scenes import Case, case_id, in_units, make_case, pressed
 from validation.campaign.table import COLUMNS, Table, read_rows, row_text
 from validation.campaign.verdict import CLASSES, THROUGH, UNEXPLAINED, Verdict, reached, under
 from validation.campaign.verifier import verify
 from validation.campaign.wire import wire_forces
-from validation.campaign.wiresoft import vanishing
-from validation.campaign.wireverifier import fold, verify_balance, verify_row
+from validation.campaign.wireverifier import fold, vanishing, verify_balance, verify_row
 from validation.cli import main
 
 SEED = 1
@@ -63,19 +69,22 @@ def test_campaign(tmp_path):
 
 
 @pytest.mark.parametrize("law", LAWS)
-def test_forces_of_the_verifier_are_the_gradient_of_its_energy(law):
+def test_forces_of_the_verifier_are_a_gradient(law):
+    """So their derivative is symmetric; and it is that of differences."""
     energy = beam_energy(load_scene("spring-b"), law)
     rng = np.random.default_rng(3)
     state, step = energy.rest.copy(), np.zeros_like(energy.rest)
+    state[1::3] *= 0.4
     state[energy.free] += 0.05 * rng.standard_normal(energy.free.size)
     step[energy.free] = rng.standard_normal(energy.free.size)
+    assert energy.closed(state).any()
+    J = energy.tangent(state)
+    assert np.allclose(J, J.T, rtol=1e-7, atol=1e-9 * np.abs(J).max())
     h = 1e-5
-    slope = (energy.energy(state + h * step) - energy.energy(state - h * step)) / (2 * h)
-    assert slope == pytest.approx(energy.gradient(state) @ step[energy.free], rel=1e-6)
-    row = (energy.gradient(state + h * step) - energy.gradient(state - h * step)) / (2 * h)
-    H = energy.hessian(state)
-    assert np.allclose(row, H @ step[energy.free], rtol=1e-6, atol=1e-6 * np.abs(row).max())
-    assert np.allclose(energy.gradients(state[None])[0], energy.gradient(state), rtol=1e-12)
+    row = (energy.forces(state + h * step) - energy.forces(state - h * step)) / (2 * h)
+    assert np.allclose(row, J @ step, rtol=1e-6, atol=1e-6 * np.abs(row).max())
+    many = energy.residual(np.stack((energy.rest, state)), np.array([0.0, 0.5]))
+    assert np.allclose(many[1], energy.residual(state, 0.5), rtol=1e-12, atol=1e-9)
 
 
 def test_wire_at_rest_is_in_balance():
@@ -139,7 +148,7 @@ def test_another_branch_is_caught():
     path = reached(case)
     fine = replace(path, shape=reached(beam("spring-a-no-contact")).shape, states=path.states * 1.0001)
     verdict = Verdict()
-    verify_branch(verdict, path, fine)
+    verify_branch(verdict, path, fine, "fine run", bounds_of(case))
     assert "off the branch" in verdict.complaints[0]
 
 
@@ -228,7 +237,7 @@ def test_a_reaction_or_a_top_elsewhere_is_caught(case, kind):
         path = replace(path, scene=under(path.scene, 1.0 + 1e-9))
         case = replace(case, scene=path.scene)
     if case.model == "equivbeam":
-        verify_states(verdict, energy_of(case.scene, path), path)
+        verify_states(verdict, beam_energy(case.scene, str(path.options["law"])), path)
     else:
         verify_row(verdict, wire_forces(case.scene, **SMALL), path, -1)
     words = {"reaction": ("another reaction", "out of balance"), "place": ("top elsewhere",) * 2}
@@ -421,7 +430,7 @@ def test_workers_with_other_sources_are_refused(scheduler, tmp_path, monkeypatch
 
 def test_a_cluster_that_cannot_be_used_is_refused_in_one_sentence(tmp_path, monkeypatch, capsys):
     pytest.importorskip("distributed")
-    monkeypatch.setattr(pools, "PATIENCE", "0.2s")
+    monkeypatch.setattr(run, "PATIENCE", "0.2s")
     options = ["--beams", "1", "--wires", "0", "--scheduler", "tcp://127.0.0.1:9", "--out", str(tmp_path)]
     assert main(["stability", *options]) == 2
     error = capsys.readouterr().err
@@ -475,30 +484,30 @@ def test_no_answer_is_asked_to_be_finer_than_its_positions():
     assert force_grain(hard) == pytest.approx(4 * 2.0**-52 * 28.6 * 2e9 / 200.0)
 
 
-def test_what_pairs_remember_sets_runs_apart():
-    """Judged apart only with friction, and only where runs agree before anything touches."""
+def test_contact_histories_explain_deviations():
+    """Only with friction, and only where runs agree before anything touches."""
     row = run.verified("w00819", SEED)
     assert row["class"] == "deviation"
     assert row["reason"].startswith("off the branch of the fine run")
     case = make_case("w00819", SEED)
     path, fine = reached(case), reached(case, steps=40)
-    assert remembered(case, path, fine)
+    assert explained_by_history(case, path, fine)
     harder = replace(fine.scene, material=replace(fine.scene.material, E=1.01 * fine.scene.material.E))
-    assert not remembered(case, path, replace(fine, scene=harder))
+    assert not explained_by_history(case, path, replace(fine, scene=harder))
     free = replace(path.scene, contact=replace(path.scene.contact, sliding="free"))
-    assert not remembered(case, replace(path, scene=free), fine)
+    assert not explained_by_history(case, replace(path, scene=free), fine)
     early = reached(case, under(case.scene, 0.1))
-    assert not remembered(case, early, early)
+    assert not explained_by_history(case, early, early)
 
 
-def test_a_failure_is_not_excused_by_what_pairs_remember():
+def test_a_failure_is_not_excused_by_contact_histories():
     verdict, compared = Verdict(), Verdict()
     compared.ask("branch", 0.5, 0.02, "off the branch")
     compared.complain("the fine run ends as not_converged")
-    verdict.take(compared, remembered=True)
+    verdict.take(compared, by_history=True)
     assert verdict.complaints == ["the fine run ends as not_converged"]
     assert verdict.deviations == ["off the branch: 5.00e-01, above 2e-02"]
-    verdict.take(compared, remembered=False)
+    verdict.take(compared, by_history=False)
     assert len(verdict.complaints) == 3
 
 

@@ -70,14 +70,24 @@ def test_work_of_pairs_that_have_opened_counts():
     assert dissipated(path) == pytest.approx(3.0 + 0.5 + 0.2 + 0.2)
 
 
+LIMIT = {"traced": 7, "limit": 0.6473, "first": 3, "second": 7, "circ": 96.0}
+
+
+def page(**groups):
+    """The page of runs that all have one answer but for the groups given."""
+    runs = {"pairs": contact.PAIRS, "exponents": contact.EXPONENTS, "friction": contact.FRICTION}
+    runs["search"] = contact.SEARCH
+    return contact.page(**{name: fake(group) for name, group in runs.items()} | groups, limit=LIMIT)
+
+
 def test_the_pairs_are_compared_with_the_finest():
     data = fake(contact.PAIRS, UY=lambda run: -8.0 - 0.08 / run.pairs, seconds=lambda run: 0.1 * run.pairs)
-    text = contact.pairs_section(data, slip=0.3)
+    text = page(pairs=data, friction=fake(contact.FRICTION, last_slip=lambda run: 0.3))
     rows = table(text, "spring | pairs per turn").set_index(["spring", "pairs per turn"])
     assert rows.loc[("A", "40"), "difference to 40"] == "0"
     assert rows.loc[("A", "4"), "difference to 40"] == "0.22 %"
     assert rows.loc[("B", "20"), "time over that of 4"] == "5.0"
-    assert "A 0.030 mm of overlap (0.030 with 40), 0.22 % of the tips" in text
+    assert "A 0.030 mm of overlap (0.030 with 40), 0.22 % of the tips; B 0.030 mm" in text
     assert "0.030 mm for the largest slip of Spring A with mu = 0.05, 0.30 mm" in text
 
 
@@ -89,7 +99,7 @@ def test_friction_that_ends_early_has_no_number():
         outcome=lambda run: "limit point" if (run.spring, run.mu) == ("B", 0.0) else "completed",
         critical_time=lambda run: 0.65,
     )
-    text = contact.friction_section(data)
+    text = page(friction=data)
     rows = table(text, "spring | mu").set_index(["spring", "mu"])
     assert rows.loc[("B", "0"), "UX"] == "limit point at t = 0.6500"
     assert rows.loc[("B", "0"), "change of the tips"] == ""
@@ -100,13 +110,12 @@ def test_friction_that_ends_early_has_no_number():
 
 
 def test_the_page_follows_the_runs():
-    limit = {"traced": 7, "limit": 0.6473, "first": 3, "second": 7, "circ": 96.0}
-    groups = [fake(runs) for runs in (contact.PAIRS, contact.EXPONENTS, contact.FRICTION, contact.SEARCH)]
-    text = contact.page(*groups, limit)
+    text = page()
     assert "found 0 pairs. Arc length finds 7" in text
     assert "(t = 0.6473, arc length" in text
-    groups[0].loc[0, "pairs found"] = 5
-    assert "found 5 pairs" in contact.page(*groups, limit)
+    pairs = fake(contact.PAIRS)
+    pairs.loc[0, "pairs found"] = 5
+    assert "found 5 pairs" in page(pairs=pairs)
     assert list(table(text, "spring | k")["K, N/mm^k"].unique()) == ["10000", "100000", "1e+06"]
     assert len(table(text, "spring | mu | K")) == len(contact.SEARCH)
 

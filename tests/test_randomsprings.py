@@ -12,6 +12,7 @@ import pytest
 
 import wirefe
 from coilspring import Spring
+from validation.study.template import statement
 from validation.verification import ablation, randompage, randomsprings
 from validation.verification.randomscenes import BUCKLING, KINDS, SIDE, SOLID, population
 
@@ -135,20 +136,21 @@ def assert_other_numbers(before: str, after: str) -> None:
     assert all(old != new for old, new in pairs if "." in old), pairs
 
 
-@pytest.mark.parametrize("name", randompage.SENTENCES)
+@pytest.mark.parametrize("name", randompage.WORDS.blocks)
 def test_sentences_on_random_springs_follow_the_rows(name, recorded):
     both = (
-        randompage.SENTENCES[name](randompage.classified(rows)) for rows in (recorded, perturbed(recorded))
+        statement(randompage.WORDS, name, randompage.classified(rows))
+        for rows in (recorded, perturbed(recorded))
     )
     assert_other_numbers(*both)
 
 
-@pytest.mark.parametrize("name", ablation.SENTENCES)
+@pytest.mark.parametrize("name", ablation.WORDS.blocks)
 def test_sentences_on_the_four_cases_follow_the_numbers(name, four):
-    sentence = ablation.SENTENCES[name]
     rng = np.random.default_rng(0)
     other = four.assign(value=four["value"] * rng.uniform(1.5, 4.0, len(four)))
-    assert_other_numbers(sentence(ablation.Cases(four)), sentence(ablation.Cases(other)))
+    both = (statement(ablation.WORDS, name, ablation.Cases(data)) for data in (four, other))
+    assert_other_numbers(*both)
 
 
 def test_verdicts_on_the_four_cases_turn(four):
@@ -157,9 +159,11 @@ def test_verdicts_on_the_four_cases_turn(four):
         assert chosen.any()
         return ablation.Cases(four.assign(value=four["value"].where(~chosen, value)))
 
-    assert "more than twice" in ablation.SENTENCES["pairs of spring A"](having(9.0, row=ablation.PAPER))
+    changed = having(9.0, row="Haringx, the paper's law")
+    assert "more than twice" in statement(ablation.WORDS, "pairs", changed)
     exact = four.query("row == 'exact rod' and case == '200 N'")["value"].item()
-    assert "farther" not in ablation.SENTENCES["taper"](having(exact, row="helix law", case="200 N"))
+    changed = having(exact, row="helix law", case="200 N")
+    assert "farther" not in statement(ablation.WORDS, "taper", changed)
 
 
 @pytest.mark.slow

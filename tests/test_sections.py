@@ -18,7 +18,7 @@ from equivbeam import kernels, model
 from equivbeam.options import BeamOptions
 from wirefe.elements import curved_elements
 from wirefe.modes import linear_stiffness
-from wirefe.shape import turned
+from wirefe.stations import turned_rows as turned
 
 BARREL = load_scene(Path(__file__).parents[1] / "examples" / "barrel.toml")
 PLAIN = Spring(1.5, 10.0, 6.5, 19.5)

@@ -38,7 +38,8 @@ from validation.sensitivity.topheight import TipCurve, raised
 from validation.study.cases import PAPER_MESH, case, solve_beam, solve_wire
 from validation.study.metrics import compare_paths
 from wirefe import model as wire
-from wirefe.mesh import mesh_wire, place_spheres
+from wirefe.contactpoints import contact_points
+from wirefe.mesh import mesh_wire
 from wirefe.rod import straight_rod
 from wirefe.shape import WireShape
 from wirefe.solve import KERNELS as WIRE_KERNELS
@@ -112,7 +113,7 @@ def by_shifted_mesh(scene, height):
     top = len(mesh.points) - 1
     rod = straight_rod(mesh.points, round_section(scene.spring.wire_diameter, scene.material)).holding(0)
     rod = rod.holding(top, "uz", "rotx", "roty").loaded(top, force=(*scene.load.force, 0.0))
-    data = wire.rod_model(rod, mesh.arm, place_spheres(scene, mesh, 40, 4))
+    data = wire.rod_model(rod, mesh.arm, contact_points(scene, mesh, 40, 4))
     start, pairs = wire.rest_state(rod, mesh.arm), len(data.contact.pairs)
     history = np.zeros(pairs, PAIR_HISTORY)
     problem = Problem(data, wire.load_vector(rod), start, history, wire.matrix_size(data), modified=True)

@@ -20,7 +20,7 @@ from validation.solid.hexahedra import COARSE, deflection, mesh_coils, section_g
 from validation.solid.hexahedra import flexibility as solids_flexibility
 from validation.solid.section import disk, solve, transport
 from validation.solid.table import helix, inner_stress
-from validation.verification.curvature import EXACT_RING
+from validation.verification.accuracy import EXACT_RING
 from validation.verification.rodcases import Arc
 from wirefe.modes import linear_stiffness
 

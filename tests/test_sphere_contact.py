@@ -7,7 +7,7 @@ from scipy.spatial.transform import Rotation
 from coilspring.contact import kinematics as pairvectors
 from coilspring.contact import law as pairlaw
 from coilspring.contact.kinematics import friction_bounds
-from coilspring.contact.law import hold, normal_law, pair_friction, pair_potential, renewed
+from coilspring.contact.law import arc, hold, normal_law, pair_friction, pair_potential, renewed
 from coilspring.contact.results import PairReader
 from pairrecords import held, pair_records
 from wirefe.contact import pair_matrix
@@ -174,7 +174,7 @@ def test_rising_bound_by_hand():
 def test_renewed_bound_is_met_at_the_slip_found(rise):
     """However the bound rises: the force at this very state is then the bound asked for."""
     row, g, e, f = sliding(rise=rise), tilted(0.1 / D, D), np.empty(3), np.empty(3)
-    assert renewed(g, D, D, 250.0, K, row, e) > 0.0
+    assert renewed(D * arc(g, D, row, e), 250.0, K, row) > 0.0
     pair_potential(g, D, D, K, 1.0, row, e, f, np.empty((3, 3)))
     assert np.linalg.norm(f) == pytest.approx(250.0)
-    assert renewed(g, D, D, 250.0, K, row, e) == pytest.approx(0.0, abs=1e-10)
+    assert renewed(D * arc(g, D, row, e), 250.0, K, row) == pytest.approx(0.0, abs=1e-10)

@@ -185,7 +185,7 @@ def test_clamp_carries_the_load_and_its_moment():
     # pairs whose lower sphere stands on the ground bring the rest
     for m, (A, B) in enumerate(data.contact.pairs):
         if data.contact.attached[A] == 0 and path.contact_forces[-1, m] > 0:
-            lower = rows[0, :3] + data.contact.offset[A]
+            lower = rows[0, :3] + data.contact.parts[A]
             upper = rows[data.contact.attached[B], :3]
             push = path.contact_forces[-1, m] * (upper - lower) / np.linalg.norm(upper - lower)
             force += push

@@ -4,7 +4,7 @@ import numpy as np
 
 from wirefe.beam import beams
 from wirefe.poses import ROW
-from wirefe.shape import turned
+from wirefe.stations import turned_rows as turned
 
 
 def elements(path, step):
@@ -19,7 +19,7 @@ def elements(path, step):
 def centres(contact, state):
     """Centres of the spheres in a state, from the rigid motion of the nodes that carry them."""
     rows = state.reshape(-1, ROW)[contact.attached]
-    return rows[:, :3] + turned(rows[:, 3:], contact.offset)
+    return rows[:, :3] + turned(rows[:, 3:], contact.parts)
 
 
 def add(total, force, point, moment=0.0):

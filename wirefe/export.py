@@ -10,8 +10,11 @@ import numpy as np
 from coilspring.errors import InputError
 from coilspring.path import EquilibriumPath
 from wirefe.beam import deformations
+from wirefe.model import ContactArrays
 from wirefe.poses import ROW
-from wirefe.shape import WireShape, sphere_centres, turned
+from wirefe.shape import WireShape, contact_vectors
+from wirefe.stations import ARMS, POSITION, SLOPES, WIDTH
+from wirefe.stations import turned_rows as turned
 
 POINT_DATA = ("displacement", "rotation", "contact_force", "pair_force")  # of a VTU file
 
@@ -86,7 +89,7 @@ def section_results(path: EquilibriumPath, step: int) -> SectionResults:
         points=points[nodes],
         displacement=(points - shape.mesh.points)[nodes],
         rotation=Rotation.from_quat(np.roll(turns, -1, axis=1)).as_rotvec()[nodes],
-        contact_force=_contact_force(shape, rows, path.contact_forces[step])[nodes],
+        contact_force=_contact_force(shape, path.states[step][None], path.contact_forces[step])[nodes],
         pair_force=_pair_force(shape, len(rows), path.contact_forces[step])[nodes],
         force=wrench[:wire, :3],
         moment=wrench[:wire, 3:],
@@ -118,26 +121,36 @@ def _pairs(nodes: np.ndarray) -> np.ndarray:
     return np.stack((nodes[:-1], nodes[1:]), axis=1)
 
 
-def _contact_force(shape: WireShape, rows: np.ndarray, normal: np.ndarray) -> np.ndarray:
-    """Sum of the pairs' normal forces on the nodes that carry their spheres, shape (nodes, 3)."""
+def _contact_force(shape: WireShape, states: np.ndarray, normal: np.ndarray) -> np.ndarray:
+    """Sum of the pairs' normal forces on the nodes that move their contact points, shape (nodes, 3)."""
     data = shape.data.contact
-    centres = sphere_centres(data, rows.ravel())
-    total = np.zeros((len(rows), 3))
-    closed = data.pairs[normal > 0.0]
-    first, second = closed.T
-    apart = centres[second] - centres[first]
-    push = apart * (normal[normal > 0.0] / np.linalg.norm(apart, axis=1))[:, None]
-    np.add.at(total, data.attached[first], -push)
-    np.add.at(total, data.attached[second], push)
+    total = np.zeros((states.shape[1] // ROW, 3))
+    closed = normal > 0.0
+    push = contact_vectors(data, states)[0, closed]
+    push *= (normal[closed] / np.linalg.norm(push, axis=1))[:, None]
+    for side, sign in zip(data.pairs[closed].T, (-1.0, 1.0), strict=True):
+        share = _second_share(data)[side, None]
+        np.add.at(total, data.attached[side], sign * (1.0 - share) * push)
+        shared = share[:, 0] > 0.0
+        np.add.at(total, data.attached[side[shared]] + 1, (sign * share * push)[shared])
     return total
 
 
 def _pair_force(shape: WireShape, count: int, normal: np.ndarray) -> np.ndarray:
-    """Largest normal force of the pairs at each of `count` nodes; those on rigid end turns are at none."""
+    """Largest normal force of the pairs at each of `count` nodes, of stations at the nearer one; those on
+    rigid end turns are at none."""
     data = shape.data.contact
-    largest = np.zeros(count)
-    there = np.all(data.offset == 0.0, axis=1)
+    largest, share = np.zeros(count), _second_share(data)
+    there = np.all(data.parts[:, :3] == 0.0, axis=1)
+    if data.parts.shape[1] == WIDTH:
+        there = (share > 0.0) | np.all(data.parts[:, ARMS:SLOPES] == 0.0, axis=1)
+    node = data.attached + (share > 0.5)
     for side in data.pairs.T:
         shown = there[side]
-        np.maximum.at(largest, data.attached[side[shown]], normal[shown])
+        np.maximum.at(largest, node[side[shown]], normal[shown])
     return largest
+
+
+def _second_share(data: ContactArrays) -> np.ndarray:
+    """Share of the second node in the motion of each contact point."""
+    return data.parts[:, POSITION] if data.parts.shape[1] == WIDTH else np.zeros(len(data.parts))

@@ -7,7 +7,8 @@ import math
 import numpy as np
 
 from coilspring.compiling.compiled import arithmetic, clear, kernel, part
-from coilspring.contact.kinematics import OVERLAP_ALLOWED, approach, friction_bounds, remember
+from coilspring.contact.kinematics import OVERLAP_ALLOWED, approach, remember
+from coilspring.contact.kinematics import update_pairs as update_spheres
 from coilspring.contact.law import pair_potential
 from coilspring.solver.interface import FIXED
 from wirefe.algebra import dot, plus
@@ -19,6 +20,8 @@ from wirefe.overlap import wire_overlap
 from wirefe.poses import ROW, four, three
 from wirefe.quaternions import turned
 from wirefe.retraction import Move, close, place, spin_between, turn_along
+from wirefe.stations import ARMS, POSITION, ROTATION, WIDTH, station
+from wirefe.wirecontact import across, add_wires, placed, remember_wires, update_wires
 
 
 @part
@@ -54,7 +57,7 @@ def _add_block(H, block, flip, K):
 def centre(contact, state, sphere):
     """Centre of a sphere, and its arm from its node as turned now."""
     i = ROW * contact.attached[sphere]
-    r = turned(four(state, i + 3), three(contact.offset[sphere], 0))
+    r = turned(four(state, i + 3), three(contact.parts[sphere], 0))
     return plus(three(state, i), 1.0, r), r
 
 
@@ -66,10 +69,21 @@ def _between(contact, state, m):
     return plus(b, -1.0, a), ra, rb
 
 
+@part
+def wires(contact):
+    """Whether the contact is that of wires, not of spheres."""
+    return contact.parts.shape[1] == WIDTH
+
+
 @arithmetic
 def _vectors(contact, state):
-    """Vectors between the centres of all pairs, shape (pairs, 3)."""
+    """Vectors between the centres of spheres, or across the gaps of wires, of all pairs, shape (pairs, 3)."""
     w = np.empty((contact.pairs.shape[0], 3))
+    if wires(contact):
+        points = placed(contact, state)
+        for m in range(contact.pairs.shape[0]):
+            w[m, 0], w[m, 1], w[m, 2] = across(contact, points, m)
+        return w
     for m in range(contact.pairs.shape[0]):
         between, _, _ = _between(contact, state, m)
         w[m, 0], w[m, 1], w[m, 2] = between
@@ -90,8 +104,8 @@ def _scatter(chain, state, ge, Ke, g, H):
 
 
 @arithmetic
-def _add_pairs(contact, history, state, g, H):
-    """Contact energy; adds its gradient and Hessian. Only pairs that touch are scattered."""
+def _add_spheres(contact, history, state, g, H):
+    """Contact energy of spheres; adds its gradient and Hessian. Only pairs that touch are scattered."""
     energy = 0.0
     w, e, f, Hg = np.empty(3), np.empty(3), np.empty(3), np.empty((3, 3))
     ge, Ke = np.empty(12), np.empty((12, 12))
@@ -142,10 +156,13 @@ def assemble(reals, ints, accepted, least_gap, history, state, g, flat):
     energy = beams(state, chain.arm, chain.triads, chain.strain0, chain.stiffness, ge, Ke)
     _scatter(chain, state, ge, Ke, g, H)
     count = contact.pairs.shape[0]
-    if count > 0 and least_gap > 0.0 and 2.0 * _bound(contact.reach, accepted, state) < least_gap:
+    if count > 0 and least_gap > 0.0 and 2.0 * _bound(contact, accepted, state) < least_gap:
         count = 0
     if count > 0:
-        energy += _add_pairs(contact, history, state, g, H)
+        if wires(contact):
+            energy += add_wires(contact, history, state, g, H)
+        else:
+            energy += _add_spheres(contact, history, state, g, H)
     held = view_held(ints)
     for m in range(held.dof.size):
         g[held.dof[m]] = 0.0
@@ -206,19 +223,20 @@ def rotate(reals, ints, a, b, v):
 
 
 @part
-def _bound(reach, a, b):
-    """Bound on how far any point of the wire's nodes or any sphere moved between two states."""
+def _bound(contact, a, b):
+    """Bound on how far any point of the wire's nodes or any contact point moved between two states."""
     most = 0.0
     last = a.size - ROW
     for s in range(0, a.size, ROW):
         distance = math.sqrt((a[s] - b[s]) ** 2 + (a[s + 1] - b[s + 1]) ** 2 + (a[s + 2] - b[s + 2]) ** 2)
-        if s == last:
+        arm = contact.reach if s == last else contact.span
+        if arm > 0.0:
             same, other = 0.0, 0.0
             for i in range(3, 7):
                 same += (a[s + i] - b[s + i]) ** 2
                 other += (a[s + i] + b[s + i]) ** 2
             # |R r - R' r| <= 2 sin(angle/2) |r| <= 2 |q - q'| |r|
-            distance += 2.0 * math.sqrt(min(same, other)) * reach
+            distance += 2.0 * math.sqrt(min(same, other)) * arm
         most = max(most, distance)
     return most
 
@@ -227,7 +245,7 @@ def _bound(reach, a, b):
 def displacement_bound(reals, ints, a, b, least):
     """See the interface: bound on all motion, pair motion, share of it before the first touch."""
     contact = view_contact(reals, ints)
-    distance = _bound(contact.reach, a, b)
+    distance = _bound(contact, a, b)
     if contact.pairs.shape[0] == 0 or distance <= least:
         return distance, 0.0, 1.0
     most, free = approach(_vectors(contact, a), _vectors(contact, b), contact.d)
@@ -235,30 +253,46 @@ def displacement_bound(reals, ints, a, b, least):
 
 
 @part
-def _is_pair(pairs, A, B):
-    for m in range(pairs.shape[0]):  # noqa: SIM110
-        if pairs[m, 0] == A and pairs[m, 1] == B:
+def _is_pair(contact, A, B):
+    """Whether two contact points are a pair; of stations, whether the first has one on the second's coil."""
+    near = contact.near if wires(contact) else 0
+    for m in range(contact.pairs.shape[0]):
+        if contact.pairs[m, 0] == A and abs(contact.pairs[m, 1] - B) <= near:
             return True
     return False
 
 
+@part
+def _one_body(contact, A, B):
+    """Whether two contact points move with one node."""
+    if contact.attached[A] != contact.attached[B]:
+        return False
+    return not wires(contact) or contact.parts[A, ROTATION] == contact.parts[B, ROTATION] == 0.0
+
+
+@arithmetic
+def _contact_point(contact, state, k):
+    """Where a sphere or a station is."""
+    if wires(contact):
+        return station(contact.parts[k], state, contact.attached[k], POSITION, ARMS)
+    x, _ = centre(contact, state, k)
+    return x
+
+
 @arithmetic
 def _touch_unlisted(contact, state):
-    """Whether spheres touch that are no pair."""
+    """Whether contact points touch that are no pair."""
     count = contact.attached.size
     centres = np.empty((count, 3))
     for A in range(count):
-        c, _ = centre(contact, state, A)
-        centres[A, 0], centres[A, 1], centres[A, 2] = c
+        centres[A, 0], centres[A, 1], centres[A, 2] = _contact_point(contact, state, A)
     for A in range(count):
         for B in range(A + contact.near + 1, count):
             y = centres[B, 1] - centres[A, 1]
             if abs(y) >= contact.d:
                 continue
             square = (centres[B, 0] - centres[A, 0]) ** 2 + y * y + (centres[B, 2] - centres[A, 2]) ** 2
-            if square >= contact.d**2 or contact.attached[A] == contact.attached[B]:
-                continue
-            if not _is_pair(contact.pairs, A, B):
+            if square < contact.d**2 and not _one_body(contact, A, B) and not _is_pair(contact, A, B):
                 return True
     return False
 
@@ -268,19 +302,28 @@ def update_history(reals, ints, state, history):
     """See `coilspring.contact.kinematics`; minus infinity says that spheres touch which are no pair."""
     contact = view_contact(reals, ints)
     # spheres that are no pair are looked at once they may have come near
-    near = contact.pairs.shape[0] > 0 and 2.0 * _bound(contact.reach, contact.rest, state) >= contact.apart
+    near = contact.pairs.shape[0] > 0 and 2.0 * _bound(contact, contact.rest, state) >= contact.apart
     if near and _touch_unlisted(contact, state):
         return -np.inf
+    if wires(contact) and contact.mu > 0.0:
+        return remember_wires(contact, state, history)
     return remember(_vectors(contact, state), history, contact.mu, contact.kc, contact.d)
 
 
 @kernel
-def update_bounds(reals, ints, state, history):
-    """See `coilspring.contact.kinematics.friction_bounds`."""
+def update_pairs(reals, ints, accepted, predicted, state, history):
+    """See `coilspring.contact.kinematics.update_pairs`."""
     contact = view_contact(reals, ints)
     if contact.mu == 0.0:
         return 0.0
-    return friction_bounds(_vectors(contact, state), history, contact.mu, contact.kc, contact.k, contact.d)
+    if wires(contact):
+        return update_wires(contact, accepted, predicted, state, history)
+    before, ahead, after = (
+        _vectors(contact, accepted),
+        _vectors(contact, predicted),
+        _vectors(contact, state),
+    )
+    return update_spheres(before, ahead, after, history, contact.mu, contact.kc, contact.k, contact.d)
 
 
 @kernel
@@ -291,7 +334,8 @@ def overlap(reals, ints, state):
     if whole <= OVERLAP_ALLOWED * contact.d:
         return whole, whole
     nearest = contact.d
-    for m in range(contact.pairs.shape[0]):
-        between, _, _ = _between(contact, state, m)
+    vectors = _vectors(contact, state)
+    for m in range(vectors.shape[0]):
+        between = three(vectors[m], 0)
         nearest = min(nearest, math.sqrt(dot(between, between)))
     return whole, whole - (contact.d - nearest)

@@ -19,11 +19,14 @@ from coilspring.scene.wire import round_section
 from coilspring.solver.stages import Top
 from wirefe.beam import deformations
 from wirefe.chain import ChainPlan, plan_chain
-from wirefe.mesh import Spheres, WireMesh, mesh_wire, no_spheres, place_spheres, refuse_kinks
+from wirefe.contactpoints import ContactPoints, contact_points, no_contact
+from wirefe.mesh import WireMesh, mesh_wire, refuse_kinks
 from wirefe.overlap import NO_STATIONS, Stations, place_stations
 from wirefe.plates import NO_PLATES, PlateArrays, join_top, place_plates
 from wirefe.poses import ROW, at_rest
 from wirefe.rod import Rod, curved_rod, straight_rod, straight_solid_rod
+from wirefe.stations import ROTATION, WIDTH
+from wirefe.wirecontact import COUPLINGS
 
 
 class ElementArrays(NamedTuple):
@@ -48,21 +51,23 @@ class HeldArrays(NamedTuple):
 
 
 class ContactArrays(NamedTuple):
-    """Spheres, the pairs that may touch, and their law."""
+    """Spheres, or stations along the wire, the pairs that may touch, and their law."""
 
-    attached: np.ndarray  # (spheres,) node to which each sphere is attached
-    offset: np.ndarray  # (spheres, 3) from its node at rest
+    attached: np.ndarray  # (points,) node to which each is attached; of stations the lower one
+    parts: np.ndarray  # (points, 3) arm of a sphere at rest, or (points, 15): see `wirefe.stations`
     pairs: np.ndarray  # (pairs, 2)
-    reach: float  # largest offset
+    clearance: np.ndarray  # (pairs,) of wires that run into each other at rest, by that: they touch there
+    reach: float  # largest arm about the top end
+    span: float  # the same about other nodes, 0 where spheres stand on them
     d: float
     kc: float
     k: float
     mu: float  # coefficient of friction; infinite where closed pairs do not slide
-    block: np.ndarray  # (pairs,) block of each pair's coupling
+    block: np.ndarray  # (pairs,) block of each pair's coupling; of stations (6 pairs,), see `COUPLINGS`
     flip: np.ndarray
-    near: int  # spheres so near each other along the wire do not touch
+    near: int  # points so near each other along the wire do not touch
     rest: np.ndarray  # state at rest, flat
-    apart: float  # least gap at rest of spheres that are no pair
+    apart: float  # least gap at rest of points that are no pair
 
 
 class WireModel(NamedTuple):
@@ -77,7 +82,7 @@ class WireModel(NamedTuple):
 
 
 # numbers of each part's first field in the packed arrays
-HELD, CONTACT, PLAN, PLATES, STATIONS = 6, 11, 24, 30, 38
+HELD, CONTACT, PLAN, PLATES, STATIONS = 6, 11, 26, 32, 40
 
 
 def build_model(
@@ -89,7 +94,7 @@ def build_model(
 ) -> tuple[WireModel, WireMesh, Rod]:
     """Arrays of the wire model of `scene`, its mesh and its wire as a rod.
 
-    `found` are pairs of spheres that touch besides those one turn apart.
+    `found` are pairs of contact points that touch besides those one turn apart.
     """
     seat = scene.supports.require_supported("wirefe", SEATS)
     mesh = mesh_wire(scene.spring, elements_per_turn, seat == "plate")
@@ -97,12 +102,12 @@ def build_model(
     top = len(mesh.points) - 1
     rod = rod.holding(top, "uz", "rotx", "roty", *scene.supports.top_held)
     rod = rod.loaded(top, force=(*scene.load.force, 0.0))
-    spheres = place_spheres(scene, mesh, elements_per_turn, pairs_per_turn, found)
+    contact = contact_points(scene, mesh, elements_per_turn, pairs_per_turn, found)
     plates = NO_PLATES
     if seat == "plate":
         plates = place_plates(scene.spring, mesh, scene.contact.stiffness, ~rod.held[top])
     stations = place_stations(scene.spring, mesh)
-    data = rod_model(rod, mesh.arm, spheres, plates)._replace(stations=stations)
+    data = rod_model(rod, mesh.arm, contact, plates)._replace(stations=stations)
     if scene.load.displacement:
         placed = np.union1d(data.held.placed, [6 * top + 1])
         data = data._replace(held=data.held._replace(placed=placed))
@@ -132,38 +137,55 @@ def _wire(scene: Scene, mesh: WireMesh, element: str) -> Rod:
 
 
 def rod_model(
-    rod: Rod, arm: np.ndarray, spheres: Spheres | None = None, plates: PlateArrays = NO_PLATES
+    rod: Rod, arm: np.ndarray, contact: ContactPoints | None = None, plates: PlateArrays = NO_PLATES
 ) -> WireModel:
-    """Arrays of a rod whose last point stands off from its last node by `arm`, with contact spheres."""
-    spheres = no_spheres() if spheres is None else spheres
+    """Arrays of a rod whose last point stands off from its last node by `arm`, with contact points."""
+    points = no_contact() if contact is None else contact
     count = len(rod.stiffness)
-    touching = count + len(spheres.pairs)  # number of the first coupling with the top plate
     chain = np.stack((np.arange(count), np.arange(1, count + 1)), axis=1)
+    touching = _pair_couplings(points)
     resting = np.stack((plates.high, np.full_like(plates.high, count)), axis=1)
-    couplings = np.concatenate((chain, spheres.attached[spheres.pairs], resting))
+    couplings = np.concatenate((chain, touching, resting))
+    coupled = couplings[:, 0] != couplings[:, 1]
     last = np.union1d(couplings[count:], [count])
-    plan, block, flip = plan_chain(count + 1, couplings, last)
+    block, flip = np.zeros(len(couplings), dtype=np.int64), np.zeros(len(couplings), dtype=bool)
+    plan, block[coupled], flip[coupled] = plan_chain(count + 1, couplings[coupled], last)
+    high = count + len(touching)  # number of the first coupling with the top plate
+    inner, outer = points.span(count)
     return WireModel(
         ElementArrays(rod.stiffness, _strain_at_rest(rod), rod.triads, arm, block[:count], flip[:count]),
-        _held_arrays(np.flatnonzero(rod.held), couplings, block, flip),
+        _held_arrays(np.flatnonzero(rod.held), couplings[coupled], block[coupled], flip[coupled]),
         ContactArrays(
-            attached=spheres.attached,
-            offset=spheres.arm,
-            pairs=np.ascontiguousarray(spheres.pairs),
-            reach=float(np.linalg.norm(spheres.arm, axis=1).max(initial=0.0)),
-            d=spheres.diameter,
-            kc=spheres.stiffness,
-            k=spheres.exponent,
-            mu=spheres.friction,
-            block=block[count:touching],
-            flip=flip[count:touching],
-            near=spheres.near,
+            attached=points.attached,
+            parts=points.parts,
+            pairs=np.ascontiguousarray(points.pairs),
+            clearance=points.clearance,
+            reach=outer,
+            span=inner,
+            d=points.diameter,
+            kc=points.stiffness,
+            k=points.exponent,
+            mu=points.friction,
+            block=block[count:high],
+            flip=flip[count:high],
+            near=points.near,
             rest=rest_state(rod, arm),
-            apart=spheres.apart,
+            apart=points.apart,
         ),
         plan,
-        plates._replace(block=block[touching:], flip=flip[touching:]),
+        plates._replace(block=block[high:], flip=flip[high:]),
     )
+
+
+def _pair_couplings(points: ContactPoints) -> np.ndarray:
+    """Couplings of the pairs' nodes: one of two spheres, six of two stations, some perhaps of one node with
+    itself."""
+    nodes = points.attached[points.pairs]
+    if points.parts.shape[1] < WIDTH:
+        return nodes
+    second = nodes + (points.parts[points.pairs, ROTATION] > 0.0)
+    four = np.stack((nodes[:, 0], second[:, 0], nodes[:, 1], second[:, 1]), axis=1)
+    return four[:, COUPLINGS].reshape(-1, 2)
 
 
 def _held_arrays(held: np.ndarray, couplings: np.ndarray, block: np.ndarray, flip: np.ndarray) -> HeldArrays:
@@ -231,10 +253,10 @@ def view_contact(reals, ints):
     """The contact pairs in the packed arrays."""
     head = heads(ints)[CONTACT:PLAN]
     return ContactArrays(
-        vector(ints, head[0]), table(reals, head[1]), table(ints, head[2]), reals[head[3, 0]],
-        reals[head[4, 0]], reals[head[5, 0]], reals[head[6, 0]], reals[head[7, 0]],
-        vector(ints, head[8]), vector(ints, head[9]), ints[head[10, 0]], vector(reals, head[11]),
-        reals[head[12, 0]],
+        vector(ints, head[0]), table(reals, head[1]), table(ints, head[2]), vector(reals, head[3]),
+        reals[head[4, 0]], reals[head[5, 0]], reals[head[6, 0]], reals[head[7, 0]], reals[head[8, 0]],
+        reals[head[9, 0]], vector(ints, head[10]), vector(ints, head[11]), ints[head[12, 0]],
+        vector(reals, head[13]), reals[head[14, 0]],
     )  # fmt: skip
 
 

@@ -18,6 +18,7 @@ from wirefe.algebra import dot, mixed, plus
 from wirefe.mesh import WireMesh
 from wirefe.poses import ROW, four, three
 from wirefe.quaternions import turned
+from wirefe.stations import ARMS, POSITION, SLOPES, carried
 
 # A chord lies 0.6 % of the wire's diameter per unit of the coil index beside the wire.
 PER_TURN, HALF = 20, 10
@@ -45,39 +46,16 @@ class Stations(NamedTuple):
 NO_STATIONS = Stations(np.zeros(0, dtype=np.int64), np.zeros(0), np.zeros((0, 6)), 1.0, 0, 0, 1.0)
 
 
-def carried(spring: Spring, mesh: WireMesh, phases: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Node at or below the wire at some phases, share of the next node, and arms (phases, 6) of both.
-
-    With x, R of a node, X its place at rest and T(P) = x + R (P - X), the wire between the points A and B
-    of two nodes a and b is the cubic along the turned tangents of the wire at rest: at the share s
-
-        (1 - s) Ta(P) + s Tb(P) - s (1 - s)^2 (Tb(A) - Ta(A)) + s^2 (1 - s) (Tb(B) - Ta(B)),
-
-    a sum of both positions and of an arm turned with each. End turns that are rigid move with their node.
-    """
-    rest = spring.points(phases)
-    homes = np.concatenate((mesh.points[:-1], mesh.reference[None]))
-    upper = np.clip(np.searchsorted(mesh.phases, phases), 1, len(homes) - 1)
-    step = mesh.phases[1] - mesh.phases[0]
-    s = np.clip((phases - mesh.phases[upper - 1]) / step, 0.0, 1.0)[:, None]
-    low, high = s * (1.0 - s) ** 2, s**2 * (1.0 - s)
-    A, B, a, b = mesh.points[upper - 1], mesh.points[upper], homes[upper - 1], homes[upper]
-    arms = (
-        (1.0 - s) * (rest - a) + low * (A - a) - high * (B - a),
-        s * (rest - b) - low * (A - b) + high * (B - b),
-    )
-    return upper - 1, (s - low + high)[:, 0], np.concatenate(arms, axis=1)
-
-
 def place_stations(spring: Spring, mesh: WireMesh) -> Stations:
     """Stations along the whole wire of a mesh."""
     first, last = (phase / (2.0 * math.pi) * PER_TURN for phase in spring.phase_range)
     phases = np.arange(math.ceil(first - SAME), math.floor(last + SAME) + 1) * 2.0 * math.pi / PER_TURN
-    node, share, arms = carried(spring, mesh, phases)
+    node, parts = carried(spring, mesh, phases)
+    share = parts[:, POSITION]
     return Stations(
         node=node,
         share=share,
-        arms=arms,
+        arms=np.ascontiguousarray(parts[:, ARMS:SLOPES]),
         stride=STRETCH * float(np.linalg.norm(np.diff(spring.points(phases), axis=0), axis=1).max()),
         low=int(np.count_nonzero(node + share < SAME)) - 1,
         high=int(np.count_nonzero(node + share < len(mesh.points) - 1 - SAME)),

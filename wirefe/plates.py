@@ -11,7 +11,8 @@ from typing import NamedTuple
 import numpy as np
 
 from coilspring.scene.spring import Spring
-from wirefe.mesh import PAIRS_OF_PENALTY, TWO_PI, WireMesh
+from wirefe.contactpoints import PAIRS_OF_PENALTY
+from wirefe.mesh import TWO_PI, WireMesh
 from wirefe.rod import Rod
 
 JOINT = 100.0  # stiffness of the hold at the top, over that of the wire's last element

@@ -7,27 +7,51 @@ from dataclasses import dataclass
 import numpy as np
 
 from coilspring.compiling.packing import pack
+from coilspring.contact.law import tangential_forces
 from coilspring.contact.results import PairReader
+from coilspring.path import Friction
 from coilspring.scene import Scene
 from coilspring.solver.stages import reactions
 from wirefe import kernels, seated
 from wirefe.mesh import WireMesh
 from wirefe.model import ContactArrays, WireModel
-from wirefe.overlap import carried
 from wirefe.poses import ROW
+from wirefe.stations import (
+    ARMS,
+    POSITION,
+    SLOPES,
+    TANGENT,
+    WIDTH,
+    across_wires,
+    carried,
+    fixed_to_sections,
+    interpolated,
+    rows,
+)
+from wirefe.stations import (
+    turned_rows as turned,
+)
 
 
-def turned(q: np.ndarray, v: np.ndarray) -> np.ndarray:
-    """Vectors v (..., 3) turned by the unit quaternions q (..., 4)."""
-    t = 2.0 * np.cross(q[..., 1:], v)
-    return v + q[..., :1] * t + np.cross(q[..., 1:], t)
+def contact_vectors(contact: ContactArrays, states: np.ndarray) -> np.ndarray:
+    """Vectors across the gaps of all pairs, of the length h, shape (states, pairs, 3), mm."""
+    first, second = contact.pairs.T
+    nodes = rows(states)
+    centres = contact_centres(contact, states)
+    w = centres[:, second] - centres[:, first]
+    if contact.parts.shape[1] < WIDTH:
+        return w
+    t = interpolated(nodes, contact.attached, contact.parts, TANGENT, SLOPES)
+    return across_wires(w, t[:, first] + t[:, second], contact.clearance)
 
 
-def sphere_centres(contact: ContactArrays, states: np.ndarray) -> np.ndarray:
-    """Centres of all spheres, shape (..., spheres, 3), in states (..., n), mm."""
-    nodes = states.reshape(*states.shape[:-1], states.shape[-1] // ROW, ROW)
-    carried = nodes[..., contact.attached, :]
-    return carried[..., :3] + turned(carried[..., 3:], contact.offset)
+def contact_centres(contact: ContactArrays, states: np.ndarray) -> np.ndarray:
+    """Contact points, shape (states, points, 3), in states (states, n), mm."""
+    nodes = rows(states)
+    if contact.parts.shape[1] == WIDTH:
+        return interpolated(nodes, contact.attached, contact.parts, POSITION, ARMS)
+    own = nodes[:, contact.attached]
+    return own[..., :3] + turned(own[..., 3:], contact.parts)
 
 
 @dataclass(frozen=True)
@@ -38,12 +62,9 @@ class WireShape(PairReader):
     data: WireModel
     mesh: WireMesh
 
-    def _nodes(self, states: np.ndarray) -> np.ndarray:
-        return states.reshape(len(states), states.shape[1] // ROW, ROW)
-
     def tips(self, states: np.ndarray) -> np.ndarray:
         """UX, UY, ROTZ of the top reference point, shape (states, 3); mm, rad."""
-        top = self._nodes(states)[:, -1]
+        top = rows(states)[:, -1]
         moved = top[:, :3] - self.mesh.reference
         # the top turns about Z alone; from state to state by less than half a turn
         angle = np.unwrap(np.concatenate(([0.0], 2.0 * np.arctan2(top[:, 6], top[:, 3]))))[1:]
@@ -55,10 +76,31 @@ class WireShape(PairReader):
         return self.data.contact
 
     def pair_vectors(self, states: np.ndarray) -> np.ndarray:
-        """Vectors between the centres of the pairs, shape (states, pairs, 3), mm."""
-        centres = sphere_centres(self.data.contact, states)
-        first, second = self.data.contact.pairs.T
-        return centres[:, second] - centres[:, first]
+        """Vectors across the gaps of the pairs, shape (states, pairs, 3), mm."""
+        return contact_vectors(self.data.contact, states)
+
+    def pair_friction(self, states: np.ndarray, histories: np.ndarray) -> Friction:
+        """See `coilspring.contact.results.PairReader`; of wires at the material points that touched first."""
+        contact = self.data.contact
+        if contact.parts.shape[1] < WIDTH:
+            return super().pair_friction(states, histories)
+        n = contact_vectors(contact, states)
+        n /= np.linalg.norm(n, axis=-1, keepdims=True)
+        first, second = (
+            contact_centres(contact, states)[:, side]
+            + fixed_to_sections(rows(states), contact.attached[side], contact.parts[side], arms)
+            for side, arms in zip(contact.pairs.T, np.split(histories["arms"], 2, axis=-1), strict=True)
+        )
+        slip = second - first
+        slip -= (slip * n).sum(axis=-1, keepdims=True) * n
+        length = np.linalg.norm(slip, axis=-1)
+        force, more = tangential_forces(length, histories, contact.kc)
+        share = np.divide(force, length, out=np.zeros_like(force), where=length > 0.0)
+        return Friction(
+            force=share[..., None] * slip,
+            slip=(histories["slid"] + more) * histories["closed"],
+            work=histories["work"] + 0.5 * (histories["held"] + force) * more,
+        )
 
     def reactions(self, states: np.ndarray, histories: np.ndarray) -> np.ndarray:
         """Force that holds the top along Y, shape (states,), N."""
@@ -73,7 +115,7 @@ class WireShape(PairReader):
     def plate_forces(self, states: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Normal forces of the bottom and of the top plate on the nodes `plates.low` and `plates.high` of the
         model, shapes (states, nodes), N; without nodes where end turns are rigid."""
-        plates, nodes = self.data.plates, self._nodes(states)
+        plates, nodes = self.data.plates, rows(states)
         low = nodes[:, plates.low, 1] - plates.level
         normal = turned(nodes[:, -1, 3:], np.array([0.0, 1.0, 0.0]))[:, None]
         apart = nodes[:, -1:, :3] - nodes[:, plates.high, :3]
@@ -81,11 +123,6 @@ class WireShape(PairReader):
         return plates.stiffness * np.maximum(-low, 0.0), plates.stiffness * np.maximum(-high, 0.0)
 
     def centreline(self, state: np.ndarray, phases: np.ndarray) -> np.ndarray:
-        """Wire at the phases given, shape (phases, 3), mm.
-
-        See `wirefe.overlap.carried`.
-        """
-        node, share, arms = carried(self.scene.spring, self.mesh, phases)
-        low, high = (state.reshape(-1, ROW)[n] for n in (node, node + 1))
-        turn = turned(low[:, 3:], arms[:, :3]) + turned(high[:, 3:], arms[:, 3:])
-        return turn + (1.0 - share[:, None]) * low[:, :3] + share[:, None] * high[:, :3]
+        """Wire at the phases given, shape (phases, 3), mm."""
+        node, parts = carried(self.scene.spring, self.mesh, phases)
+        return interpolated(state.reshape(-1, ROW), node, parts, POSITION, ARMS)

@@ -15,11 +15,13 @@ from coilspring.scene import Scene, require_scene
 from coilspring.solver.interface import Kernels
 from coilspring.solver.solve import Problem, follow_load, follow_problem, scene_path
 from wirefe import kernels, model, seated
+from wirefe.contactpoints import PER_TURN, near_pairs, near_wires
 from wirefe.elements import ELEMENTS
-from wirefe.mesh import WireMesh, near_pairs
+from wirefe.mesh import WireMesh
 from wirefe.rod import Rod
 from wirefe.rodpath import RodPath
-from wirefe.shape import WireShape, sphere_centres
+from wirefe.shape import WireShape, contact_centres
+from wirefe.stations import ROTATION, WIDTH
 
 # Moves of a rod without contact are compared with this part of its length, as with a wire's diameter.
 LENGTHS_OF_A_WIRE = 50.0
@@ -36,7 +38,7 @@ KERNELS = Kernels(
     rotate=kernels.rotate,
     displacement_bound=kernels.displacement_bound,
     update_history=kernels.update_history,
-    update_bounds=kernels.update_bounds,
+    update_pairs=kernels.update_pairs,
     overlap=kernels.overlap,
 )
 SEATED = KERNELS._replace(assemble=seated.assemble, update_history=seated.update_history)
@@ -49,7 +51,7 @@ def solve(
     penalty: float | None = None,
     element: str = "straight",
     elements_per_turn: int = 40,
-    pairs_per_turn: int = 4,
+    pairs_per_turn: int | None = None,
 ) -> EquilibriumPath:
     """Follow the load path of `scene` with the 3D beam-FE model of the coiled wire.
 
@@ -65,9 +67,10 @@ def solve(
         Two-node element between points of the helix: straight, as the paper's, or with the exact
         linear flexibility of its curved piece of wire (0.1 % at 4 per turn).
     elements_per_turn : int
-        Mesh; a multiple of `pairs_per_turn`.
-    pairs_per_turn : int
-        Sphere pairs per turn; the stiffness of each is K * 4 / pairs_per_turn.
+        Mesh.
+    pairs_per_turn : int, optional
+        Contact points per turn, the stiffness of each K * 4 / pairs_per_turn: 4 spheres, of which
+        `elements_per_turn` is a multiple, or 32 stations of wires.
 
     Returns
     -------
@@ -141,9 +144,13 @@ def scene_kernels(scene: Scene) -> Kernels:
 
 
 def new_pairs(contact: model.ContactArrays, state: np.ndarray) -> np.ndarray:
-    """Pairs of spheres that are near in `state` and not in the model yet, shape (pairs, 2)."""
-    centres = sphere_centres(contact, state)
-    found, _ = near_pairs(centres, contact.attached, contact.pairs, contact.near, PAIR_REACH * contact.d)
+    """Pairs of contact points that are near in `state` and not in the model yet, shape (pairs, 2)."""
+    centres, body = contact_centres(contact, state[None])[0], contact.attached.astype(float)
+    find = near_pairs
+    if contact.parts.shape[1] == WIDTH:
+        find = near_wires
+        body[contact.parts[:, ROTATION] > 0.0] += 0.5
+    found, _ = find(centres, body, contact.pairs, contact.near, PAIR_REACH * contact.d)
     return found
 
 
@@ -151,12 +158,14 @@ def scene_problem(
     scene: Scene,
     element: str,
     elements_per_turn: int,
-    pairs_per_turn: int,
+    pairs_per_turn: int | None,
     found: np.ndarray = NO_PAIRS,
 ) -> tuple[Problem, WireMesh, dict[str, object]]:
     """Problem, mesh and options of a scene's wire model; `found` are pairs of spheres not one turn apart."""
     require_choice("element", element, ELEMENTS)
     require_integer("elements_per_turn", elements_per_turn, 4, 2000)
+    if pairs_per_turn is None:
+        pairs_per_turn = PER_TURN[scene.contact.geometry]
     data, mesh, rod = model.build_model(scene, elements_per_turn, pairs_per_turn, element, found)
     options: dict[str, object] = {
         "element": element,

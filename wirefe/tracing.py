@@ -32,7 +32,7 @@ def trace(
     penalty: float | None = None,
     element: str = "straight",
     elements_per_turn: int = 40,
-    pairs_per_turn: int = 4,
+    pairs_per_turn: int | None = None,
 ) -> EquilibriumPath:
     """Trace the equilibrium path of `scene` through its limit points.
 

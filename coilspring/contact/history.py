@@ -26,7 +26,9 @@ def relax(held, history, left, factor):
     """
     along, square = 0.0, 0.0
     for m in range(history.shape[0]):
-        change = history[m].bound - held[m].bound if history[m].bound != held[m].bound else 0.0
+        change = 0.0
+        if held[m].closed and history[m].bound != held[m].bound:
+            change = history[m].bound - held[m].bound
         along += left[m] * (change - left[m])
         square += (change - left[m]) * (change - left[m])
         left[m] = change
@@ -43,12 +45,46 @@ def relax(held, history, left, factor):
 
 
 @part
-def released(held, history):
-    """Whether a pair that was held has opened: what held it is gone at once."""
+def forget_fresh(history):
+    """Take back what an attempt made of pairs that were open."""
+    for m in range(history.shape[0]):
+        if history[m].fresh:
+            history[m].closed = history[m].fresh = False
+
+
+@part
+def opening(history):
+    """Whether a pair that has opened still holds something tangentially."""
     for m in range(history.shape[0]):  # noqa: SIM110
-        if held[m].closed and not history[m].closed:
+        if history[m].opening:
             return True
     return False
+
+
+@part
+def located(history):
+    """Share of the substep that ends where the first pair touches or opens, 1 where it does near enough."""
+    share = 1.0
+    for m in range(history.shape[0]):
+        if history[m].closed and (history[m].fresh or history[m].bound == np.inf):
+            share = min(share, history[m].cut)
+    return share
+
+
+@part
+def drop_opening(history):
+    """Let go at once of what opening pairs hold."""
+    for m in range(history.shape[0]):
+        if history[m].opening:
+            history[m].closed = history[m].opening = False
+
+
+@part
+def release(history, share):
+    """Leave a share of what opening pairs held in the last accepted state."""
+    for m in range(history.shape[0]):
+        if history[m].opening:
+            history[m].bound = share * history[m].held
 
 
 @part
@@ -83,4 +119,4 @@ def slides(history):
 def set_rise(history, rise):
     """Let the bounds of the pairs that are held rise so with their slips."""
     for m in range(history.shape[0]):
-        history[m].rise = rise if history[m].closed else 0.0
+        history[m].rise = rise if history[m].closed and not history[m].opening else 0.0

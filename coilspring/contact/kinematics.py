@@ -7,7 +7,17 @@ import math
 import numpy as np
 
 from coilspring.compiling.compiled import part
-from coilspring.contact.law import hold, normal_law, renewed
+from coilspring.contact.law import (
+    arc,
+    first_touch,
+    goes_on,
+    normal_law,
+    opens_after,
+    renewed,
+    slid,
+    stretch,
+    touches_first,
+)
 
 SLIGHT = 1e-7  # wire diameters of penetration: its force is the least that friction bounds are compared with
 TOUCH = 0.003  # wire diameters by which a pair may penetrate where a prediction closes it
@@ -45,35 +55,70 @@ def approach(before, after, d):
 
 
 @part
+def _touch(row, before, ahead, after, d):
+    """Hold a pair from where it touches first: on the predicted way where that touches, else on the straight
+    one; what the two differ by, or the rest of the way, is in doubt."""
+    e, doubt = np.empty(3), 0.0
+    predicted = ahead[0] ** 2 + ahead[1] ** 2 + ahead[2] ** 2 < d * d
+    at, other = first_touch(before, ahead if predicted else after, d), first_touch(before, after, d)
+    for i in range(3):
+        way = after[i] - before[i]
+        e[i] = before[i] + at * ((ahead[i] if predicted else after[i]) - before[i])
+        left = before[i] + other * way - e[i] if predicted else (1.0 - at) * way
+        doubt += left * left
+    h = math.sqrt(e[0] ** 2 + e[1] ** 2 + e[2] ** 2)
+    for i in range(3):
+        row.vector[i] = e[i]
+        row.normal[i] = e[i] / h
+    touches_first(row, at, math.sqrt(doubt), d)
+
+
+@part
 def remember(vectors, history, mu, K, d):
     """Update the contact history with an accepted state; returns the least gap of all pairs.
 
-    With sticking contact or friction a pair that touches is stored; one that has opened loses its history.
+    With sticking contact or friction a pair that touches is held from where it touched first. One that slid
+    keeps the stretch that its bound allows. One that has opened releases what it holds.
     """
     least, e = np.inf, np.empty(3)
     for m in range(vectors.shape[0]):
-        h = _distance(vectors, m)
+        h, row = _distance(vectors, m), history[m]
         least = min(least, h - d)
-        if mu == 0.0:
+        if mu == 0.0 or not (row.closed or h < d):
             continue
-        if h < d:
-            hold(vectors[m], h, d, K, history[m], e)
-        else:
-            history[m].closed = False
+        if not row.closed:
+            _touch(row, vectors[m], vectors[m], vectors[m], d)
+        row.fresh = False
+        length = d * arc(vectors[m], h, row, e)
+        if slid(length, K, row):
+            left = row.bound / (K * d)
+            for i in range(3):
+                row.normal[i] = math.cos(left) * vectors[m, i] / h - math.sin(left) * e[i]
+        if goes_on(row, K * stretch(vectors[m], row, e), h < d):
+            least = min(least, 0.0)
     return least
 
 
 @part
-def friction_bounds(vectors, history, mu, K, k, d):
-    """Renew the bounds of the tangential forces; returns the largest change over the largest bound."""
-    change, most, e = 0.0, mu * normal_law(SLIGHT * d, K, k)[1], np.empty(3)
+def update_pairs(before, ahead, vectors, history, mu, K, k, d):
+    """Update the contact history with a trial state, from the pairs' vectors in the accepted, the predicted
+    and the trial state: which pairs touch since, and where they did first; and the bounds of the tangential
+    forces. Returns the largest change over the largest force.
+    """
+    change, most, e = 0.0, min(mu, 1.0) * normal_law(SLIGHT * d, K, k)[1], np.empty(3)
     for m in range(vectors.shape[0]):
-        if not history[m].closed:
+        h, row = _distance(vectors, m), history[m]
+        if row.opening or not (row.closed or h < d):
             continue
-        h, bound = _distance(vectors, m), mu
-        if bound < np.inf:
-            # at the arm d instead of h, on which arcs are measured
-            bound *= normal_law(max(d - h, 0.0), K, k)[1] * h / d
-            most = max(most, bound)
-        change = max(change, renewed(vectors[m], h, d, bound, K, history[m], e))
+        if not row.closed:
+            _touch(row, before[m], ahead[m], vectors[m], d)
+            change = max(change, K * stretch(vectors[m], row, e))
+        normal = normal_law(max(d - h, 0.0), K, k)[1]
+        most = max(most, min(mu, 1.0) * normal)
+        if mu == np.inf:
+            opens_after(row, _distance(before, m), h, d)
+            continue
+        # at the arm d instead of h, on which arcs are measured
+        length = d * arc(vectors[m], h, row, e)
+        change = max(change, renewed(length, mu * normal * h / d, K, row))
     return change / most if change > 0.0 else 0.0

@@ -29,15 +29,22 @@ PAIR_HISTORY = np.dtype(
         ("normal", "f8", 3),  # n0
         ("bound", "f8"),  # of its tangential force before it slides in the substep at hand, N
         ("slid", "f8"),  # length it has slid, mm
-        ("work", "f8"),  # that friction has taken, N mm
+        ("work", "f8"),  # that friction and releases have taken on the path, N mm
         ("rise", "f8"),  # r, 1/mm
         ("slip", "f8"),  # what it slides in this substep, negative where it sticks, mm
+        ("fresh", "?"),  # it touched first in the substep at hand
+        ("opening", "?"),  # it touches no more: what it holds tangentially is being released
+        ("cut", "f8"),  # share of the substep that ends where it touches or opens, 1 where that is near enough
+        ("held", "f8"),  # bound of its tangential force in the last accepted state, N
+        ("arms", "f8", 6),  # of wires: the material points that touched first, in their sections at rest, mm
     ],
     align=True,
 )
 # Share of a bound that is left when it falls with the slip: less is out of reach, since the rise is at least
 # -1/d and a pair moves by no more than half of d in a substep.
 LEAST_LEFT = 0.5
+OPEN = 1e-4  # wire diameters of gap at most where a pair that sticks is said to open
+LOCATED = 3e-4  # wire diameters, by which two ways to find where a pair touches first may differ at most
 
 
 @part
@@ -76,36 +83,83 @@ def arc(g, h, row, t):
 
 
 @part
-def hold(g, h, d, K, row, t):
-    """Update a pair's history where it touches at the end of a substep.
-
-    A new pair is remembered as it is. One that slid keeps the stretch that its bound allows.
-    """
-    if not row.closed:
-        for i in range(3):
-            row.vector[i] = g[i]
-            row.normal[i] = g[i] / h
-        row.closed, row.bound = True, math.inf
-        row.slid, row.work, row.rise = 0.0, 0.0, 0.0
-        return
-    if row.bound == math.inf:
-        return
-    slip = (K * d * arc(g, h, row, t) - row.bound) / (K + row.bound * row.rise)
-    if slip <= 0.0:
-        return
-    row.bound *= 1.0 + row.rise * slip
-    row.slid += slip
-    row.work += row.bound * slip
-    left = row.bound / (K * d)
-    for i in range(3):
-        row.normal[i] = math.cos(left) * g[i] / h - math.sin(left) * t[i]
+def tangential_law(length, K, row):
+    """Energy, force and its derivative of a held pair at a slip of the length given, from its reference."""
+    force, slope, energy = K * length, K, 0.5 * K * length**2
+    if force > row.bound:
+        rise = row.bound * row.rise
+        slip = (force - row.bound) / (K + rise)
+        force = row.bound + rise * slip
+        slope = K * rise / (K + rise)
+        energy = 0.5 * force**2 / K + (row.bound + 0.5 * rise * slip) * slip
+    return energy, force, slope
 
 
 @part
-def renewed(g, h, d, bound, K, row, t):
-    """Set the bound of a held pair so that it is `bound` at the pair's present slip; returns its change."""
+def slid(length, K, row):
+    """Take what a held pair slid in a substep into its history; returns whether it did."""
+    if row.bound == math.inf:
+        return False
+    slip = (K * length - row.bound) / (K + row.bound * row.rise)
+    if slip <= 0.0:
+        return False
+    row.bound *= 1.0 + row.rise * slip
+    row.slid += slip
+    row.work += 0.5 * (row.held + row.bound) * slip
+    return True
+
+
+@part
+def first_touch(before, after, d):
+    """Share of the way from one vector of a pair to another after which it touches first: where h = d."""
+    start, along, square = 0.0, 0.0, 0.0
+    for i in range(3):
+        change = after[i] - before[i]
+        start += before[i] ** 2
+        along -= before[i] * change
+        square += change**2
+    outside = start - d * d
+    return outside / (along + math.sqrt(max(along**2 - square * outside, 0.0))) if outside > 0.0 else 0.0
+
+
+@part
+def touches_first(row, at, doubt, d):
+    """A pair is held from after the share `at` of the substep on, where it touches first, but for a `doubt`."""
+    row.closed, row.fresh, row.bound = True, True, math.inf
+    row.slid, row.rise, row.held = 0.0, 0.0, 0.0
+    row.cut = 1.0 if doubt <= LOCATED * d else at + 0.5 * (1.0 - at) * LOCATED * d / doubt
+
+
+@part
+def opens_after(row, before, after, d):
+    """Set the share of the substep after which a sticking pair is just open."""
+    if row.fresh:
+        row.cut = row.cut if after <= (1.0 + OPEN) * d else 0.5
+    elif after <= (1.0 + OPEN) * d:
+        row.cut = 1.0
+    else:
+        row.cut = ((1.0 + 0.5 * OPEN) * d - before) / (after - before)
+
+
+@part
+def goes_on(row, force, touches):
+    """What a pair holds tangentially, of which `force` is the size, after an accepted state: where it touches
+    no more, it is released. Returns whether that is still to be done."""
+    if touches and not row.opening:
+        row.held = row.bound if row.bound < math.inf else 0.0
+        return False
+    if not row.opening and row.bound == math.inf:
+        row.opening, row.bound, row.slip = True, force, 0.0
+    row.held = row.bound if row.opening else 0.0
+    row.closed = row.opening = row.held > 0.0
+    return row.closed
+
+
+@part
+def renewed(length, bound, K, row):
+    """Set the bound of a held pair so that it is `bound` at its present slip; returns its change."""
     if bound < math.inf:
-        row.slip = d * arc(g, h, row, t) - bound / K
+        row.slip = length - bound / (K)
         bound /= max(1.0 + row.rise * max(row.slip, 0.0), LEAST_LEFT)
     change = abs(bound - row.bound) if bound != row.bound else 0.0
     row.bound = bound
@@ -128,17 +182,9 @@ def _add_stuck(g, K, row, e, f, H):
 def _add_friction(g, h, d, K, row, t, f, H):
     """Energy of a pair with a bounded tangential force; adds its gradient and Hessian."""
     angle = arc(g, h, row, t)
-    force, slope, energy = K * d * angle, K, 0.5 * K * (d * angle) ** 2
-    across = K * d  # force over the tangent of the angle
-    if force > row.bound:
-        rise = row.bound * row.rise
-        slip = (force - row.bound) / (K + rise)
-        force = row.bound + rise * slip
-        slope = K * rise / (K + rise)
-        energy = 0.5 * force**2 / K + (row.bound + 0.5 * rise * slip) * slip
-        across = force / math.tan(angle)
-    elif angle > 0.0:
-        across *= angle / math.tan(angle)
+    energy, force, slope = tangential_law(d * angle, K, row)
+    # force over the tangent of the angle
+    across = force / math.tan(angle) if angle > 0.0 else slope * d
     force, across, slope = force * d / h, across * d / h**2, slope * (d / h) ** 2
     for i in range(3):
         f[i] += force * t[i]
@@ -186,11 +232,20 @@ def normal_forces(penetrations: np.ndarray, K: float, k: float) -> np.ndarray:
     return forces
 
 
+def tangential_forces(length: np.ndarray, histories: np.ndarray, K: float) -> tuple[np.ndarray, np.ndarray]:
+    """Tangential forces of pairs, N, and what they slide in the substep at hand, mm, at lengths of slip."""
+    stiffness = K * histories["closed"]
+    force = stiffness * length
+    slides = force > histories["bound"]
+    bound = np.where(slides, histories["bound"], 0.0)
+    rise = bound * histories["rise"]
+    slip = np.where(slides, (force - bound) / np.where(slides, stiffness + rise, 1.0), 0.0)
+    return np.where(slides, bound + rise * slip, force), slip
+
+
 def pair_friction(vectors: np.ndarray, histories: np.ndarray, d: float, K: float) -> Friction:
     """Tangential forces, slips and frictional work of pairs, from their g (..., pairs, 3) and histories."""
-    held = histories["closed"]
-    bounded = np.isfinite(histories["bound"])
-    normal = histories["normal"]
+    held, bounded, normal = histories["closed"], np.isfinite(histories["bound"]), histories["normal"]
     g = vectors - histories["vector"]
     stuck = g - (g * normal).sum(axis=-1, keepdims=True) * normal
     h = np.linalg.norm(vectors, axis=-1)
@@ -199,14 +254,12 @@ def pair_friction(vectors: np.ndarray, histories: np.ndarray, d: float, K: float
     square = (chord**2).sum(axis=-1)
     length = 2.0 * d * np.arcsin(np.minimum(0.5 * np.sqrt(square), 1.0))
     along = chord - 0.5 * square[..., None] * n
-    bound = np.where(held & bounded, histories["bound"], 0.0)
-    rise = bound * histories["rise"]
-    slip = np.maximum(K * length - bound, 0.0) / (K + rise) * (held & bounded)
-    force = np.minimum(K * length, bound + rise * slip)
+    force, slip = tangential_forces(length, histories, K)
     size = np.sqrt(square * (1.0 - 0.25 * square))
     share = np.divide(force * d / h, size, out=np.zeros_like(force), where=size > 0.0)
+    stiffness = (K * held)[..., None]
     return Friction(
-        force=np.where(bounded[..., None], share[..., None] * along, K * stuck) * held[..., None],
-        slip=histories["slid"] * held + slip,
-        work=histories["work"] * held + force * slip,
+        force=np.where(bounded[..., None], share[..., None] * along, stiffness * stuck),
+        slip=(histories["slid"] + slip) * held,
+        work=histories["work"] + 0.5 * (histories["held"] + force) * slip,
     )

@@ -20,6 +20,8 @@ class Contact:
     exponent : of the penetration.
     sliding : "free", "none" (sticking contact), or "coulomb" (with friction).
     friction : coefficient, with "coulomb" alone.
+    geometry : of the wire model's contact: "spheres" on the wire, or the "wires" themselves, whose gap is
+        taken across both; the equivalent beam has circles either way.
     """
 
     enabled: bool = field(default=True, metadata=key("false: coils pass through each other [true]", switch))
@@ -37,6 +39,10 @@ class Contact:
         metadata=key(
             '"free", "none", or "coulomb" with friction = ... [free]', choice("free", "none", "coulomb")
         ),
+    )
+    geometry: str = field(
+        default="spheres",
+        metadata=key('of the wire model: "spheres" or "wires" [spheres]', choice("spheres", "wires")),
     )
     friction: float | None = field(
         default=None, metadata=key("coefficient", absent="", aliases={r"mu|friction_coefficient": ""})

@@ -64,7 +64,7 @@ def coulomb(
     """
     history = history.copy()
     history["rise"] = 0.0
-    body.kernels.update_bounds(*body.data, state, history)
+    body.kernels.update_pairs(*body.data, state, state, state, history)
     held = np.flatnonzero(history["closed"] & (history["bound"] > 0.0))
     history["bound"][held] *= 1.0 - SLACK
 
@@ -72,7 +72,8 @@ def coulomb(
         size = MOVE * diameter / max(float(np.abs(step).max()), 1e-300)
         ends = history.copy(), history.copy()
         for end, factor in zip(ends, (size, -size), strict=True):
-            body.kernels.update_bounds(*body.data, body.moved(state, step, factor), end)
+            there = body.moved(state, step, factor)
+            body.kernels.update_pairs(*body.data, there, there, there, end)
         return (ends[0]["bound"] - ends[1]["bound"]) / (2.0 * size)
 
     H, negative = body.factored(state, history)

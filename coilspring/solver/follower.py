@@ -17,10 +17,13 @@ from numba import types
 from coilspring.compiling.compiled import copy, part, signed
 from coilspring.contact.history import (
     copy_history,
+    forget_fresh,
     has_friction,
     has_history,
+    located,
     relax,
-    released,
+    opening,
+    release,
     set_rise,
     slides,
 )
@@ -48,12 +51,13 @@ from coilspring.solver.system import (
     workspace_type,
 )
 
-COMPLETED, CRITICAL, STUCK, NEW_PAIR, OPENED, OVERLAP, EXHAUSTED = 0, 1, 2, 3, 4, 5, 6
+COMPLETED, CRITICAL, STUCK, NEW_PAIR, JUMP, OVERLAP, EXHAUSTED = 0, 1, 2, 3, 4, 5, 6
 
 FIRST_STEP = 0.1  # largest first substep: the tangent at rest knows nothing of the contact to come
-SETTLING = 1e-6  # of the time 0..1, in which what was held by a pair that opened finds its place
+LEAST_RELEASE = 1e-3  # share of what a pair held: where so little finds no place nearby, the path jumps
 LEAST_FREE = 0.05  # share of a substep that is taken at least, however soon a pair closes
 SAFE = 0.8  # share of the turn allowed that the next substep aims at
+HALF = 0.5  # of a substep that failed, is tried next
 EASY_COUNT = 3
 EPSILON = 2.0**-52
 NEARER = 3.0  # times the bound on all motion: so much nearer may two wires come, also between nodes
@@ -112,7 +116,7 @@ def begin(system, task, work, path, watch):
     copy(task.start, work.origin)
     path.last_step, work.old[0] = 1.0, np.inf  # no state before, no turn known
     path.next_step = min(task.times[0], FIRST_STEP)
-    path.settling, path.linear_from = np.inf, 0.0
+    path.held, path.release, path.linear_from = 0.0, 1.0, 0.0
     path.least_gap = system.update_history(system.reals, system.ints, work.state, work.history)
     path.outcome = NEW_PAIR if path.least_gap == -np.inf else COMPLETED
     factor_start(system, task, work, path)
@@ -188,7 +192,13 @@ def plan(task, path, substep, watch):
     if path.tries > MOST_TRIES + path.row:
         path.outcome = EXHAUSTED
         return
-    wanted = min(path.next_step, path.settling)
+    if path.held > 0.0:
+        # at the same load, some of what opening pairs held is released
+        substep.target, substep.duration, substep.landing = path.time, 0.0, False
+        substep.near_critical = substep.near_overlap = False
+        path.bracket = 2.0 * LEAST_STEP
+        return
+    wanted = path.next_step
     to_critical = APPROACH * (softest.zero - path.time)
     to_overlap = max(APPROACH * (room.zero - path.time), OVERLAP_TIME)
     substep.weak = softest.value < WEAK * path.rest_stiffness
@@ -238,9 +248,12 @@ def find_equilibrium(system, equilibrium, task, work, path, substep, it):
         path.reference * substep.duration**2, path.rounding * (path.dead + path.force * substep.target),
         path.rounding, task.limit, task.modified, path.least_pivot,
     )  # fmt: skip
-    system.update_bounds(system.reals, system.ints, work.state, work.history)
-    substep.rounds, substep.iterations, substep.trouble = 0, 0, NONE
-    share = 0.0
+    forget_fresh(work.history)
+    if path.held > 0.0:
+        release(work.history, max(path.held - path.release, 0.0) / path.held)
+    update_pairs(system, work, work.state)
+    substep.rounds, substep.iterations, substep.trouble, substep.cut = 0, 0, NONE, HALF
+    factor = 0.0
     while True:
         it.reuse = path.reuse
         substep.status = equilibrium(system, target, work, work.trial, it)
@@ -248,18 +261,23 @@ def find_equilibrium(system, equilibrium, task, work, path, substep, it):
         substep.trouble = max(substep.trouble, it.trouble)
         path.spent += it.count
         path.pairs += it.pairs
-        if substep.status == LINEAR and substep.rounds > 0:
+        if substep.status == LINEAR and (substep.rounds > 0 or path.held > 0.0):
             substep.status = CONVERGED
         substep.rounds += 1
         copy_history(work.history, work.trial_history)  # with the bounds that this state was found with
         if substep.status > LINEAR:
             break
-        if system.update_bounds(system.reals, system.ints, work.trial, work.history) <= BOUND_CHANGE:
+        change = update_pairs(system, work, work.trial)
+        share = located(work.history)
+        if share < 1.0 and substep.duration >= 2.0 * LEAST_STEP:
+            substep.cut = max(share, LEAST_FREE)
+            break
+        if change <= BOUND_CHANGE:
             break
         if substep.rounds == MOST_ROUNDS:
             substep.status = FAILED
             break
-        share = relax(work.trial_history, work.history, work.change, share)
+        factor = relax(work.trial_history, work.history, work.change, factor)
         path.reuse = True
         path.tries += 1
     put_prescribed(system, task.start, substep.target, work.trial)
@@ -267,12 +285,19 @@ def find_equilibrium(system, equilibrium, task, work, path, substep, it):
 
 
 @part
+def update_pairs(system, work, state):
+    """Make the contact history that of a state of the substep; returns the change."""
+    predicted = work.predicted
+    return system.update_pairs(system.reals, system.ints, work.state, predicted, state, work.history)
+
+
+@part
 def keeps_branch(system, task, work, path, substep, watch):
     """Whether the trial state continues the branch; sets the outcome where wires overlap just ahead."""
-    if path.lost:
+    if path.lost or substep.cut != HALF:
         return False
     good, substep.share, substep.distance = continues(
-        system, task, work, substep.trouble, task.predictor and path.settling == np.inf
+        system, task, work, substep.trouble, task.predictor or path.held > 0.0
     )
     substep.room, substep.moved = watch[ROOM].value, path.moved + substep.distance
     if good and (NEARER * substep.moved >= substep.room or substep.near_overlap):
@@ -325,16 +350,15 @@ def shorten(path, substep):
     if path.outcome != COMPLETED:
         return
     path.reuse = False
-    if path.settling < np.inf:
-        path.settling = 0.5 * substep.duration
-    else:
-        path.next_step = 0.5 * substep.duration
-    if substep.duration >= 2.0 * LEAST_STEP:
+    if path.held > 0.0:
+        path.release *= 0.5
+        if path.release < LEAST_RELEASE:
+            path.outcome, path.bracket = JUMP, 2.0 * LEAST_STEP
         return
-    # negative pivots however short the step: the stiffness jumps there, as where a pair opens
-    path.outcome = CRITICAL if substep.trouble == INDEFINITE else STUCK
-    if path.settling < np.inf:
-        path.outcome = OPENED  # what a pair had held is gone at once: there is no branch to judge by
+    path.next_step = substep.cut * substep.duration
+    if substep.duration < 2.0 * LEAST_STEP:
+        # negative pivots however short the step: the stiffness jumps there, as where a pair opens
+        path.outcome = CRITICAL if substep.trouble == INDEFINITE else STUCK
 
 
 @part
@@ -373,6 +397,9 @@ def watch_stiffness(system, work, path, substep, softest):
     A pair that closes turns the slope of the stiffness, and steeply where a displacement is prescribed: it is
     looked at there, and after a short step.
     """
+    if path.held > 0.0:
+        path.fresh = 1
+        return
     first = substep.least_gap <= 0.0 < path.least_gap
     closing = (substep.shortened or first) and (substep.weak or system.prescribed.size > 0)
     path.fresh = 1 if closing else max(path.fresh - 1, 0)
@@ -411,30 +438,50 @@ def knows_pairs(system, work, path, substep):
 @part
 def accept(work, path, substep, room):
     """Make the trial state the last accepted one."""
-    copy(work.tangent, work.old)
-    if substep.status == CONVERGED:
-        copy(work.ahead, work.tangent)
-    path.reuse, path.last_step = True, substep.duration
+    if path.held > 0.0:
+        accept_release(work, path)
+    else:
+        accept_step(work, path, substep)
     if substep.moved == 0.0:
-        room.zero = predicted_zero(substep.target, substep.room, room.time, room.value)
-        room.time = substep.target
+        room.zero = predicted_zero(path.time, substep.room, room.time, room.value)
+        room.time = path.time
     room.value, path.moved = substep.room, substep.moved
     copy(work.state, work.before)
     copy(work.trial, work.state)
-    path.time, path.least_gap = substep.target, substep.least_gap
+    path.least_gap = substep.least_gap
     if path.slid:
         set_rise(work.history, path.rise)
-    path.settling = SETTLING if released(work.trial_history, work.history) else np.inf
+    if path.held == 0.0 and opening(work.history):
+        path.held, path.release = 1.0, 1.0
+    if path.due and path.held == 0.0:
+        copy(work.state, work.states[path.row])
+        copy_history(work.trial_history, work.histories[path.row])
+        work.iterations[path.row] = path.spent
+        path.spent, path.due = 0, False
+        path.row += 1
+
+
+@part
+def accept_step(work, path, substep):
+    """Go on in time, with a step as long as the path's curvature lets the next one be."""
+    copy(work.tangent, work.old)
+    if substep.status == CONVERGED:
+        copy(work.ahead, work.tangent)
+    path.reuse, path.last_step, path.time = True, substep.duration, substep.target
+    path.due = substep.landing
     if substep.iterations < EASY_COUNT + substep.rounds:  # a round with renewed bounds takes one more
         # the turn grows with the square of the step
         growth = min(2.0, math.sqrt(SAFE * TURN / substep.share)) if substep.share > 0.0 else 2.0
         path.next_step = max(path.next_step, substep.duration * growth)
-    if substep.landing:
-        copy(work.state, work.states[path.row])
-        copy_history(work.trial_history, work.histories[path.row])
-        work.iterations[path.row] = path.spent
-        path.spent = 0
-        path.row += 1
+
+
+@part
+def accept_release(work, path):
+    """What opening pairs held is released, or some of it: the tangent is another one now."""
+    copy(work.ahead, work.tangent)
+    path.held = max(path.held - path.release, 0.0)
+    path.release = min(2.0 * path.release, 1.0)
+    path.reuse, path.last_step, work.old[0] = True, 1.0, np.inf  # no turn known
 
 
 @part

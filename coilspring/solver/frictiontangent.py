@@ -41,9 +41,9 @@ def rise_of_bounds(system, task, work):
     copy_history(work.trial_history, far)
     copy_history(work.trial_history, near)
     moved(system, state, step, small, there)
-    system.update_bounds(system.reals, system.ints, there, far)
+    system.update_pairs(system.reals, system.ints, there, there, there, far)
     moved(system, state, step, -small, there)
-    system.update_bounds(system.reals, system.ints, there, near)
+    system.update_pairs(system.reals, system.ints, there, there, there, near)
     most = MOST_RISE / task.diameter
     return min(max(_rise(near, far), -most), most)
 

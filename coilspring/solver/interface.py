@@ -27,9 +27,10 @@ the solver takes as typed first-class functions, so that it is compiled once for
 ``update_history(reals, ints, state, history) -> least gap``
     Update the contact history with an accepted state. Minus infinity: a pair touches that is not in
     the model.
-``update_bounds(reals, ints, state, history) -> change``
-    Set the bounds of the tangential forces, which are lines over the slips in `assemble`, to those of the
-    normal forces at `state`; returns their largest change over the largest bound, 0 without friction.
+``update_pairs(reals, ints, accepted, predicted, state, history) -> change``
+    Make the contact history that of a trial state: which pairs touch since the accepted state, and where
+    they did first (on the way to the predicted one); bounds of the tangential forces, which are lines over the slips in `assemble`, as the normal
+    forces have them. Returns the largest change over the largest force, 0 without friction.
 ``overlap(reals, ints, state) -> (overlap, excess)``
     By how much the wire, or the circles that stand for it, run into themselves, mm: all of it against all of
     it. And by how much that is more than the deepest contact pair, told where it is more than the follower
@@ -61,7 +62,7 @@ class Kernels(NamedTuple):
     rotate: Any
     displacement_bound: Any
     update_history: Any
-    update_bounds: Any
+    update_pairs: Any
     overlap: Any
 
 
@@ -83,7 +84,7 @@ def _signatures() -> Kernels:
         rotate=types.void(*data, vector, vector, vector),
         displacement_bound=types.UniTuple(real, 3)(*data, vector, vector, real),
         update_history=real(*data, vector, history),
-        update_bounds=real(*data, vector, history),
+        update_pairs=real(*data, vector, vector, vector, history),
         overlap=types.UniTuple(real, 2)(*data, vector),
     )
 

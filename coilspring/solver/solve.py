@@ -23,7 +23,7 @@ from coilspring.solver.follower import (
     EXHAUSTED,
     MOST_TRIES,
     NEW_PAIR,
-    OPENED,
+    JUMP,
     OVERLAP,
     STUCK,
 )
@@ -42,14 +42,13 @@ SOFT = 0.01  # stiffness of the softest mode over that at rest, below which the 
 LEFT = 1e-5  # of the time 0..1: so near to where a path ends, a limit point of Coulomb's law is its end
 SLIDING = -1  # outcome beside those of `coilspring.solver.follower`: see `coilspring.solver.coulomb`
 HELD = "Coulomb's law has a solution beyond, but the iteration on friction bounds found no stable equilibrium"
-LOST = "a sticking pair opened, and without its tangential force no equilibrium was found nearby"
+JUMPS = "a sticking pair opens, and the path jumps: as its tangential force is released, no equilibrium is near"
 THROUGH = (
     f"coils pass through each other: the wire overlaps by {OVERLAP_ALLOWED:g} wire diameters more than any "
     "contact pair"
 )
 WHY = {
     SLIDING: HELD,
-    OPENED: LOST,
     STUCK: "no equilibrium that continues the branch was found",
     EXHAUSTED: f"the path was stopped after {MOST_TRIES} equilibria besides those at requested times,",
 }
@@ -217,13 +216,13 @@ def _judged(
     """The track, with a critical point told from a path that got stuck, the softest mode at its end, and the
     share of the load that does work with it."""
     load, prescribed = problem.load, problem.prescribed
-    if track.outcome not in (CRITICAL, STUCK, OPENED):
+    if track.outcome not in (CRITICAL, STUCK):
         return track, np.zeros_like(load), 0.0
     body = Body(kernels, pack(problem.data), load.size, problem.matrix_size, prescribed)
     share, mode = softest(body, track.last, track.history, problem.start)
     end = (body, track.last, track.history, load, length)
     friction = has_friction(track.history.view(np.recarray))
-    left = time_left(*end) if friction and track.outcome != OPENED else np.inf
+    left = time_left(*end) if friction else np.inf
     if left <= LEFT:
         track = replace(track, outcome=CRITICAL, bracket=max(track.bracket, 2.0 * left))
     elif friction and goes_on(*end):
@@ -368,6 +367,8 @@ def _verdict(track: Track, work: float) -> tuple[str, str, float | None]:
     where = f"between time {begin} and {end}" if begin != end else f"at time {begin}"
     if track.outcome == OVERLAP:
         return "interpenetration", f"{THROUGH} {where}", None
+    if track.outcome == JUMP:
+        return "jump", f"{JUMPS} {where}", track.time
     if track.outcome == CRITICAL:
         critical = track.time + 0.5 * track.bracket
         if work > NO_WORK:

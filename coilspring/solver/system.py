@@ -37,7 +37,7 @@ class System(NamedTuple):
     rotate: Any
     displacement_bound: Any
     update_history: Any
-    update_bounds: Any
+    update_pairs: Any
     overlap: Any
 
 
@@ -114,7 +114,9 @@ PATH = np.dtype(
         ("tries", "i8"),  # equilibria looked for
         ("next_step", "f8"),
         ("last_step", "f8"),
-        ("settling", "f8"),  # step in which what an opened pair had held finds its place; else infinite
+        ("held", "f8"),  # share of what opening pairs held that is still to be released, else 0
+        ("release", "f8"),  # share of it that is released next
+        ("due", "?"),  # the last accepted state is at a requested time, and not written yet
         ("least_gap", "f8"),  # least gap of the contact pairs
         ("reference", "f8"),  # work of the whole load along the tangent at the start
         ("rounding", "f8"),  # of the potential, over a force
@@ -148,6 +150,7 @@ SUBSTEP = np.dtype(
         ("iterations", "i8"),  # factorisations
         ("rounds", "i8"),  # of renewed bounds
         ("trouble", "i8"),
+        ("cut", "f8"),  # share of it that is tried next where it failed
         ("share", "f8"),  # by which the path turned
         ("distance", "f8"),  # bound on all motion
         ("room", "f8"),  # see `ROOM`
@@ -221,11 +224,11 @@ structref.define_proxy(KernelsRef, _KernelFields, [*Kernels._fields, "equilibriu
 
 
 def _bundle(
-    assemble, factor, solve, retract, work, rotate, displacement_bound, update_history, update_bounds,
+    assemble, factor, solve, retract, work, rotate, displacement_bound, update_history, update_pairs,
     overlap, equilibrium,
 ):  # fmt: skip
     return KernelsRef(
-        assemble, factor, solve, retract, work, rotate, displacement_bound, update_history, update_bounds,
+        assemble, factor, solve, retract, work, rotate, displacement_bound, update_history, update_pairs,
         overlap, equilibrium,
     )  # fmt: skip
 
@@ -286,5 +289,5 @@ def system_of(reals, ints, prescribed, kernels):
     return SystemRef(
         reals, ints, prescribed, zeros(1), kernels.assemble, kernels.factor, kernels.solve, kernels.retract,
         kernels.work, kernels.rotate, kernels.displacement_bound, kernels.update_history,
-        kernels.update_bounds, kernels.overlap,
+        kernels.update_pairs, kernels.overlap,
     )  # fmt: skip

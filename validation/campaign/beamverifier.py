@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 import numpy as np
-from scipy.linalg import solve_triangular
 
-from coilspring import EquilibriumPath, Scene
+from coilspring import EquilibriumPath
 from validation.campaign.critical import bracket
-from validation.campaign.energy import BeamEnergy, beam_energy
+from validation.campaign.energy import BeamEnergy
 from validation.campaign.runs import (
     LOAD,
     force_grain,
@@ -25,20 +24,12 @@ REACTION = 1e-6  # of the reaction, by the verifier's own forces in the same sta
 BEFORE = 4e-5  # share of the load by which a state lies before its critical point
 
 
-def energy_of(scene: Scene, path: EquilibriumPath) -> BeamEnergy:
-    """Energy of the beam by the law with which a path was found."""
-    energy = beam_energy(scene, str(path.options["law"]))
-    return energy.driven(*scene.load.displacement) if scene.load.displacement else energy
-
-
 def verify_states(verdict: Verdict, energy: BeamEnergy, path: EquilibriumPath) -> None:
     """Residual and stability of the last state, of some before, and of the one with the largest residual."""
     if not len(path.times):
         return
-    residuals = energy.gradients(path.states) - (
-        0.0 if energy.displacement else path.times[:, None] * energy.force
-    )
-    worst = int(np.argmax(energy.share(residuals.T) / path.times))
+    residuals = energy.reduced(energy.residual(path.states, path.times).T)
+    worst = int(np.argmax(np.linalg.norm(residuals, axis=0) / path.times))
     for row in sorted({worst} | verified_rows(path)):
         verify_state(verdict, energy, path.states[row], float(path.times[row]))
         if energy.displacement:
@@ -55,14 +46,14 @@ def verify_reaction(verdict: Verdict, energy: BeamEnergy, path: EquilibriumPath,
 
 def verify_state(verdict: Verdict, energy: BeamEnergy, state: np.ndarray, time: float) -> None:
     """One state must be a stable equilibrium at its time."""
-    H = energy.hessian(state)
-    residual = energy.residual(state, time)
-    least = float(np.linalg.eigvalsh(energy.relative(H))[0])
+    H, residual = energy.hessian(state), energy.residual(state, time)
+    least = energy.least(H)
     if not least > 0.0:
         verdict.complain(f"unstable at time {time:.6g}: least eigenvalue {least:.2e} of that at rest")
     distance = float(np.sqrt(abs(residual @ np.linalg.solve(H, residual))))
-    whole = float(np.linalg.norm(solve_triangular(energy.rest_factor, energy.force, lower=True))) * time
-    verdict.ask("residual", distance / whole, RESIDUAL, f"no equilibrium at time {time:.6g}")
+    verdict.ask(
+        "residual", distance / energy.load_norm / time, RESIDUAL, f"no equilibrium at time {time:.6g}"
+    )
     verdict.numbers["least"] = min(least, verdict.numbers.get("least", least))
 
 
@@ -74,13 +65,10 @@ def verify_critical(verdict: Verdict, energy: BeamEnergy, case: Case, path: Equi
     critical, width = sharp
     if len(path.times) and path.times[-1] > critical + width:
         verdict.complain(f"continued to time {path.times[-1]:.6g} past the critical {critical:.6g}")
-    time = critical * (1.0 - BEFORE)
-    before = just_before(verdict, case, critical, time)
-    if before is None:
-        return
-    verify_state(verdict, energy, before.states[-1], time)
-    found = bracket(energy, before.states[-1], time, critical)
-    if found is None:
-        verdict.complain(f"no eigenvalue changes sign near the critical time {critical:.6g}")
-        return
-    verdict.ask("confirmed", found.offset(critical), LOAD, "eigenvalue changes sign elsewhere")
+    for time, before in just_before(verdict, case, critical, [BEFORE]):
+        verify_state(verdict, energy, before.states[-1], time)
+        found = bracket(energy, before.states[-1], time, critical)
+        if found is None:
+            verdict.complain(f"no eigenvalue changes sign near the critical time {critical:.6g}")
+        else:
+            verdict.ask("confirmed", found.offset(critical), LOAD, "eigenvalue changes sign elsewhere")

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, NamedTuple
 
 import matplotlib
 import numpy as np
@@ -17,23 +17,28 @@ from validation.study.style import DOUBLE, RC, RED
 
 TITLES = {"b": "equivalent beam", "w": "wire model"}
 MAPS = (("penalty", "steps"), ("slenderness", "load"))
-LABELS = {
-    "penalty": "penalty K (N/mm$^k$)",
-    "steps": "requested steps",
-    "slenderness": "height over mean diameter",
-    "load": "relative load",
-}
-LOGARITHMIC = ("penalty", "steps", "slenderness")
-EDGES = {
-    "penalty": np.geomspace(1e2, 1e10, 9),
-    "steps": np.array([1, 3, 8, 22, 63, 201]),
-    "slenderness": np.geomspace(0.2, 7.0, 8),
-    "load": np.linspace(0.0, 1.6, 9),
-}
-TICKS = {
-    "slenderness": (0.2, 0.5, 1, 2, 5),
-    "steps": (1, 3, 10, 30, 100),
-    "load": (0, 0.4, 0.8, 1.2, 1.6),
+
+
+class Scale(NamedTuple):
+    """How a quantity is drawn: cells between edges."""
+
+    label: str
+    edges: np.ndarray
+    ticks: tuple[float, ...]
+    logarithmic: bool = True
+
+    @property
+    def middles(self) -> np.ndarray:
+        """Middles of the cells, as drawn."""
+        low, high = self.edges[:-1], self.edges[1:]
+        return np.sqrt(low * high) if self.logarithmic else 0.5 * (low + high)
+
+
+SCALES = {
+    "penalty": Scale("penalty K (N/mm$^k$)", np.geomspace(1e2, 1e10, 9), ()),
+    "steps": Scale("requested steps", np.array([1, 3, 8, 22, 63, 201]), (1, 3, 10, 30, 100)),
+    "slenderness": Scale("height over mean diameter", np.geomspace(0.2, 7.0, 8), (0.2, 0.5, 1, 2, 5)),
+    "load": Scale("relative load", np.linspace(0.0, 1.6, 9), (0, 0.4, 0.8, 1.2, 1.6), False),
 }
 OTHER_UNITS = ("tiny", "huge")  # whose penalties say nothing beside the others'
 FEWEST = 3  # scenes of a cell that is coloured
@@ -64,10 +69,10 @@ def outcome_figure(data: pd.DataFrame) -> Figure:
 
 def _map(axes: Axes, data: pd.DataFrame, names: tuple[str, str]) -> QuadMesh:
     """One map: cells with their share in per cent, crosses for the unexplained."""
-    places = data[list(names)].astype(float)
-    data, places = data[places[names[0]] > 0.0], places[places[names[0]] > 0.0]
-    x, y = places.to_numpy().T
-    edges = [EDGES[name] for name in names]
+    places, scales = data[list(names)].astype(float), [SCALES[name] for name in names]
+    there = places[names[0]] > 0.0
+    data, (x, y) = data[there], places[there].to_numpy().T
+    edges = [scale.edges for scale in scales]
     count, _, _ = np.histogram2d(x, y, bins=edges)
     critical = (data["class"] == CONFIRMED).to_numpy(dtype=float)
     share, _, _ = np.histogram2d(x, y, bins=edges, weights=critical)
@@ -76,36 +81,20 @@ def _map(axes: Axes, data: pd.DataFrame, names: tuple[str, str]) -> QuadMesh:
     mesh = axes.pcolormesh(
         *edges, cells, cmap="Blues", vmin=0.0, vmax=50.0, edgecolors="white", linewidth=0.4
     )
-    for name, letter in zip(names, "xy", strict=True):
-        axes.set(**{f"{letter}label": LABELS[name]})
-        axes.set(**{f"{letter}scale": "log"} if name in LOGARITHMIC else {})
-    centres = [_middle(edge, name in LOGARITHMIC) for edge, name in zip(edges, names, strict=True)]
+    for axis, scale, letter in zip((axes.xaxis, axes.yaxis), scales, "xy", strict=True):
+        axes.set(**{f"{letter}label": scale.label, f"{letter}lim": scale.edges[[0, -1]]})
+        axes.set(**{f"{letter}scale": "log"} if scale.logarithmic else {})
+        if scale.ticks:
+            axis.set_ticks(scale.ticks, [f"{tick:g}" for tick in scale.ticks])
+            axis.set_ticks([], minor=True)
     for row, column in zip(*np.nonzero(~np.ma.getmaskarray(cells)), strict=True):
-        value = cells[row, column]
-        axes.text(
-            centres[0][column], centres[1][row], f"{value:.0f}", ha="center", va="center", fontsize=SMALL,
-            color="white" if value > DARK else "black",
-        )  # fmt: skip
+        value, place = cells[row, column], (scales[0].middles[column], scales[1].middles[row])
+        colour = "white" if value > DARK else "black"
+        axes.text(*place, f"{value:.0f}", ha="center", va="center", fontsize=SMALL, color=colour)
     inside = (x >= edges[0][0]) & (x <= edges[0][-1]) & (y >= edges[1][0]) & (y <= edges[1][-1])
     odd = inside & (data["class"] == UNEXPLAINED).to_numpy()
-    look: Any = {
-        "color": RED,
-        "markersize": 5,
-        "markeredgewidth": 1.2,
-        "clip_on": False,
-        "in_layout": False,
-    }
+    look: Any = {"color": RED, "markersize": 5, "markeredgewidth": 1.2, "clip_on": False, "in_layout": False}
     axes.plot(x[odd], y[odd], "x", **look, label="unexplained")
     axes.plot([], [], "s", color=NO_DATA, label=f"fewer than {FEWEST} scenes")
-    for axis, name in zip((axes.xaxis, axes.yaxis), names, strict=True):
-        if name in TICKS:
-            axis.set_ticks(TICKS[name], [f"{tick:g}" for tick in TICKS[name]])
-            axis.set_ticks([], minor=True)
-    axes.set(xlim=edges[0][[0, -1]], ylim=edges[1][[0, -1]])
     axes.grid(False)
     return mesh
-
-
-def _middle(edges: np.ndarray, logarithmic: bool) -> np.ndarray:
-    """Middles of cells, as drawn."""
-    return np.sqrt(edges[1:] * edges[:-1]) if logarithmic else 0.5 * (edges[1:] + edges[:-1])

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable, Iterable, Iterator
 
 import numpy as np
 
@@ -60,16 +61,27 @@ def _cross(a: np.ndarray, b: np.ndarray) -> np.ndarray:
     return np.stack((a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]))
 
 
-def width(i: int, d: float) -> float:
-    """Width of a central difference in a degree of freedom of a node."""
-    return 2.0 * NUDGE * (d if i < 3 else 1.0)
+def carried(rows: np.ndarray, arms: np.ndarray) -> np.ndarray:
+    """Points (..., 3) that move with nodes (..., 7), from their arms at rest."""
+    return rows[..., :3] + np.moveaxis(
+        rotated(np.moveaxis(rows[..., 3:], -1, 0), np.moveaxis(arms, -1, 0)), 0, -1
+    )
 
 
-def nudged(rows: np.ndarray, nodes: np.ndarray | int, i: int, h: float, d: float) -> np.ndarray:
-    """Rows with some nodes moved in, or turned about, one direction."""
-    move = np.zeros((len(rows), 6))
-    move[nodes, i] = h * (d if i < 3 else 1.0)
-    return moved(rows, move.ravel())
+def differences(
+    function: Callable[[np.ndarray], np.ndarray],
+    rows: np.ndarray,
+    d: float,
+    groups: Iterable[np.ndarray | int],
+) -> Iterator[tuple[np.ndarray | int, int, np.ndarray]]:
+    """Central differences of a function of the rows: of each group, all nodes moved in, or turned about, each
+    direction at once."""
+    for nodes in groups:
+        for i in range(6):
+            move = np.zeros((len(rows), 6))
+            size = NUDGE * (d if i < 3 else 1.0)
+            move[nodes, i] = size
+            yield nodes, i, (function(moved(rows, move)) - function(moved(rows, -move))) / (2.0 * size)
 
 
 def moved(rows: np.ndarray, move: np.ndarray) -> np.ndarray:

@@ -5,16 +5,16 @@ from __future__ import annotations
 import os
 import traceback
 from collections.abc import Callable, Iterator
-from concurrent.futures import FIRST_COMPLETED, Future, wait
+from concurrent.futures import Executor, as_completed
+from contextlib import contextmanager
 from functools import partial
-from itertools import islice
 from pathlib import Path
 from time import process_time
 
 from coilspring import InputError
+from coilspring.workers import processes
 from validation.campaign.invariance import verify_invariance
 from validation.campaign.page import write_page
-from validation.campaign.pools import cluster, processes
 from validation.campaign.scenes import case_id, make_case
 from validation.campaign.table import Row, Table, row_of, row_text, version
 from validation.campaign.verdict import (
@@ -30,12 +30,11 @@ from validation.campaign.verdict import (
     reached,
 )
 from validation.campaign.verifier import verify
-from validation.campaign.wireverifier import BRANCH
 from validation.study.output import prepare
 from validation.study.provenance import write_provenance
 
 CHUNK = {"b": 8, "w": 1}  # cases handed to a worker at a time
-QUEUED = 2  # chunks a worker has waiting
+PATIENCE = "10s"  # for a scheduler to answer
 Progress = Callable[[int, int], None]
 
 
@@ -103,9 +102,7 @@ def verified(name: str, seed: int) -> Row:
     try:
         path = reached(case)
         verdict = verify(case, path)
-        sliding = case.scene.contact.sliding
-        loose = BRANCH[sliding] if case.model == "wirefe" and sliding != "free" else 0.0
-        known = {"kind": verify_invariance(verdict, case, path, loose)}
+        known = {"kind": verify_invariance(verdict, case, path)}
     except InputError as error:
         known = {"message": str(error)}
         if path is not None:
@@ -132,37 +129,55 @@ def _class(outcome: str, verdict: Verdict) -> str:
     return CONFIRMED if outcome in CRITICAL else RIGHT
 
 
+def _results(names: list[str], seed: int, workers: int, scheduler: str | None) -> Iterator[list[Row]]:
+    """Rows of the cases, in chunks as they come."""
+    chunks = [
+        part[i : i + size]
+        for letter, size in CHUNK.items()
+        for part in [[name for name in names if name[0] == letter]]
+        for i in range(0, len(part), size)
+    ]
+    task = partial(_verified_all, seed=seed)
+    if not names or (workers == 0 and scheduler is None):
+        yield from map(task, chunks)
+        return
+    with processes(workers) if scheduler is None else cluster(scheduler) as pool:
+        for future in as_completed([pool.submit(task, chunk) for chunk in chunks]):
+            rows = future.result()
+            for row in rows:
+                if row["version"] != version():
+                    raise InputError(f"workers must have the sources {version()}, got {row['version']}")
+            yield rows
+
+
 def _verified_all(names: list[str], seed: int) -> list[Row]:
     return [verified(name, seed) for name in names]
 
 
-def _results(names: list[str], seed: int, workers: int, scheduler: str | None) -> Iterator[list[Row]]:
-    """Rows of the cases, in chunks as they come."""
-    chunks = _chunks(names)
-    if workers == 0 and scheduler is None:
-        yield from (_verified_all(chunk, seed) for chunk in chunks)
-        return
-    if not names:
-        return
-    task = partial(_verified_all, seed=seed)
-    with processes(workers) if scheduler is None else cluster(scheduler) as (pool, size):
-        waiting: set[Future] = {pool.submit(task, chunk) for chunk in islice(chunks, QUEUED * size)}
-        while waiting:
-            ready, waiting = wait(waiting, return_when=FIRST_COMPLETED)
-            waiting |= {pool.submit(task, chunk) for chunk in islice(chunks, len(ready))}
-            for future in ready:
-                yield _same_version(future.result())
+@contextmanager
+def cluster(scheduler: str) -> Iterator[Executor]:
+    """Workers of the Dask cluster at an address.
 
-
-def _same_version(rows: list[Row]) -> list[Row]:
-    """Rows of a worker that has the sources of this process."""
-    for row in rows:
-        if row["version"] != version():
-            raise InputError(f"workers must have the sources {version()}, got {row['version']}")
-    return rows
-
-
-def _chunks(names: list[str]) -> Iterator[list[str]]:
-    for letter, size in CHUNK.items():
-        mine = [name for name in names if name[0] == letter]
-        yield from (mine[i : i + size] for i in range(0, len(mine), size))
+    Raises
+    ------
+    InputError : Dask is not installed, nothing answers at the address, or the cluster has no workers.
+    """
+    try:
+        from distributed import Client
+    except ModuleNotFoundError:
+        raise InputError(
+            f"scheduler {scheduler!r} needs the package distributed: pip install 'coilcheck[dask]'"
+        ) from None
+    try:
+        client = Client(scheduler, timeout=PATIENCE, set_as_default=False)
+    except (OSError, ValueError) as error:
+        words = f"scheduler must be the address of a Dask scheduler, as tcp://HOST:8786, got {scheduler!r}"
+        raise InputError(f"{words}: {error or type(error).__name__}") from None
+    with client:
+        if not client.nthreads():
+            raise InputError(f"scheduler {scheduler!r} has no workers")
+        pool = client.get_executor(pure=False)
+        try:
+            yield pool
+        finally:  # after an exception there are cases left, which are cancelled
+            pool.shutdown(wait=False)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import NamedTuple
 
 import numpy as np
 
@@ -13,12 +14,41 @@ from validation.campaign.verdict import CONFIRMED, CRITICAL, Verdict, ended, fin
 BRANCH = 1e-6  # difference from the fine run over the largest displacement,
 SOLVER = 1e-8  # or this over the root of the least stiffness: what solvers leave, in the energy norm
 ROUNDING = 4.0 * 2.0**-52  # of the spring's height: positions are no finer
+FRICTION = 2e-2  # the same, and of a critical time, with friction, which depends on the substeps
+BETWEEN = 1e-4  # where a column passes its buckling load all but neutral, before the last common state
 LOAD = 1e-4  # within which a critical point is bracketed
 UNCHANGED = (1.0, 1.0, 1.0)
 HALVINGS = 9  # of a share of the load, to where nothing has touched
 ROWS = 3  # states of a path that are verified
 PLACE = 1e-10  # of the prescribed displacement: the top is there to what rounding sums up to
 STEPPED = 1e-3  # of its time, by which a run goes beyond a critical point that it stepped over
+
+
+class Bounds(NamedTuple):
+    """What other steps may change.
+
+    Attributes
+    ----------
+    branch, between : tips at the last common state and before it, over the largest displacement.
+    critical : the critical time.
+    """
+
+    branch: float
+    critical: float
+    between: float
+
+
+def bounds_of(case: Case) -> Bounds:
+    """Bounds of a case: a path with friction depends on its substeps."""
+    if case.model == "equivbeam":
+        return Bounds(BRANCH, LOAD, 0.0)
+    loose = substeps_change(case)
+    return Bounds(loose or BRANCH, loose or LOAD, BETWEEN)
+
+
+def substeps_change(case: Case) -> float:
+    """Share of the answer that the substeps may change: some, where a wire has friction."""
+    return FRICTION if case.model == "wirefe" and case.scene.contact.sliding != "free" else 0.0
 
 
 def deviation(
@@ -60,13 +90,13 @@ def largest_load(path: EquilibriumPath, row: int) -> float:
     return float(np.hypot(*path.loads[: row % len(path.times) + 1].T).max())
 
 
-def remembered(
+def explained_by_history(
     case: Case, path: EquilibriumPath, other: EquilibriumPath, back: Sequence[float] = UNCHANGED
 ) -> bool:
-    """Whether two runs with friction part because of what their pairs remember: each has a history of its own
-    from its first touch on, since a pair remembers where it was when its substep ended.
+    """Whether two runs with friction part because of their contact histories: each has its own
+    from its first touch on, since a pair keeps where it was when its substep ended.
 
-    Then they agree under a share of the load at whose end neither remembers any.
+    Then they agree under a share of the load at whose end neither has any.
     """
     if path.scene.contact.sliding == "free" or not (_touched(path) or _touched(other)):
         return False
@@ -79,32 +109,26 @@ def remembered(
 
 
 def _touched(path: EquilibriumPath) -> bool:
-    """Whether a pair is remembered or touches at a stored time."""
+    """Whether a pair has a contact history or touches at a stored time."""
     assert path.histories is not None
     return bool(path.histories["closed"].any() or path.active_contacts.any())
 
 
 def verify_branch(
-    verdict: Verdict,
-    path: EquilibriumPath,
-    other: EquilibriumPath,
-    name: str = "fine run",
-    bounds: tuple[float, float, float] = (BRANCH, LOAD, 0.0),
+    verdict: Verdict, path: EquilibriumPath, other: EquilibriumPath, name: str, bounds: Bounds
 ) -> None:
-    """The path must be the other run's, and end as that does; the bounds are for the last common state, for
-    the end time, and for states before the last."""
-    most, most_shift, most_between = bounds
-    most = max(most, SOLVER / max(verdict.numbers.get("least", 1.0), 1e-12) ** 0.5, grain(path))
+    """The path must be the other run's, and end as that does."""
+    most = max(bounds.branch, SOLVER / max(verdict.numbers.get("least", 1.0), 1e-12) ** 0.5, grain(path))
     last, largest = deviation(path, other)
     verdict.ask("branch", last, most, f"off the branch of the {name}")
-    verdict.ask("branch", largest, max(most, most_between), f"off the branch of the {name} before the end")
+    verdict.ask("branch", largest, max(most, bounds.between), f"off the branch of the {name} before the end")
     if other.outcome == "not_converged":
         verdict.complain(f"{path.outcome}, but the {name} ends as {other.outcome}: {other.message}")
     elif _kind(path) != _kind(other):
         verdict.differ(f"{path.outcome}, but the {name} ends as {other.outcome}: {other.message}")
     elif path.end_bracket is not None and other.end_bracket is not None:
         shift = abs(sum(path.end_bracket) / sum(other.end_bracket) - 1.0)
-        verdict.ask("critical_shift", shift, most_shift, f"another critical time than the {name}'s")
+        verdict.ask("critical_shift", shift, bounds.critical, f"another critical time than the {name}'s")
 
 
 def _kind(path: EquilibriumPath) -> str:
@@ -131,27 +155,21 @@ def _reach(path: EquilibriumPath) -> float:
     return max([0.0, *path.times[-1:], *(path.end_bracket or ())[:1]])
 
 
-def verify_steps(
-    verdict: Verdict,
-    case: Case,
-    path: EquilibriumPath,
-    most: float = BRANCH,
-    most_shift: float = LOAD,
-    most_between: float = 0.0,
-) -> None:
+def verify_steps(verdict: Verdict, case: Case, path: EquilibriumPath) -> None:
     """The path must be that of one step and that of 200: one outcome, one critical time, the same tips."""
-    counts = {"run in one step": 1, "fine run": fine_steps(case)}
-    for name, steps in counts.items():
+    bounds = bounds_of(case)
+    for name, steps in (("run in one step", 1), ("fine run", fine_steps(case))):
         if steps == case.scene.load.steps:
             continue
         known = {key: verdict.numbers[key] for key in ("least",) if key in verdict.numbers}
         other, compared = reached(case, steps=steps), Verdict(numbers=known)
-        verify_passed(compared, path, other, name, most_shift)
+        verify_passed(compared, path, other, name, bounds.critical)
         if ended(path) or ended(other):
-            compared.ask("branch", deviation(path, other)[1], most, f"off the branch of the {name}")
+            most = deviation(path, other)[1]
+            compared.ask("branch", most, bounds.branch, f"off the branch of the {name}")
         else:
-            verify_branch(compared, path, other, name, (most, most_shift, most_between))
-        verdict.take(compared, bool(compared.differences) and remembered(case, path, other))
+            verify_branch(compared, path, other, name, bounds)
+        verdict.take(compared, bool(compared.differences) and explained_by_history(case, path, other))
 
 
 def verified_rows(path: EquilibriumPath) -> set[int]:
@@ -178,10 +196,16 @@ def sharp_critical(verdict: Verdict, path: EquilibriumPath) -> tuple[float, floa
     return path.critical_time, path.critical_bracket
 
 
-def just_before(verdict: Verdict, case: Case, critical: float, time: float) -> EquilibriumPath | None:
-    """The case under the part of its load that acts at `time`; None where that is not reached."""
-    path = reached(case, under(case.scene, time))
-    if path.outcome != "completed":
-        verdict.complain(f"just before the critical time {critical:.6g}: {path.outcome}")
-        return None
-    return path
+def just_before(
+    verdict: Verdict, case: Case, critical: float, shares: Sequence[float]
+) -> list[tuple[float, EquilibriumPath]]:
+    """Times by shares before a critical one, and paths of the case up to there; none where one is not
+    reached."""
+    times = [critical * (1.0 - share) for share in shares]
+    paths = []
+    for time in times:
+        paths.append(reached(case, under(case.scene, time)))
+        if paths[-1].outcome != "completed":
+            verdict.complain(f"just before the critical time {critical:.6g}: {paths[-1].outcome}")
+            return []
+    return list(zip(times, paths, strict=True))

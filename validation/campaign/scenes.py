@@ -31,7 +31,9 @@ DRIVEN = 0.2  # of the scenes
 GOLDEN = 0.5 * (math.sqrt(5.0) - 1.0)  # whose multiples tell which: a sequence as even as Sobol's
 OF_SIZE = 0.8  # of the distance to solid for a size of 1: 4 to 104 %, solid corners 80 to 120 %
 SHORTEST = 0.05  # of the height: least height left, and distance to solid of coils that touch at rest
-LEAST_ANGLE = 0.05  # a mostly axial load leans at least by this, rad: exact symmetry is a corner of its own
+LEAST_ANGLE = 0.05  # a mostly axial load is inclined at least by this, rad: exact symmetry is a corner
+UNITS = {"tiny": (1e-3, 1e-6), "huge": (1e3, 1e6)}  # factors of lengths and forces in these corners
+COUNTS = {"curved": (4, 8, 12, 16), "straight": (8, 12, 16, 20, 24, 32, 40)}  # elements a turn
 
 
 @dataclass(frozen=True)
@@ -52,7 +54,7 @@ class Case:
     scene: Scene
     size: float
     number: int
-    options: Mapping[str, object] = field(default_factory=dict)
+    options: Mapping[str, Any] = field(default_factory=dict)
 
     @property
     def model(self) -> str:
@@ -78,12 +80,21 @@ def make_case(name: str, seed: int) -> Case:
     number = int(digits)
     draw = Draw(_block(letter, seed, number // BLOCK)[number % BLOCK])
     corner = CORNERS[number // EVERY % len(CORNERS)] if number % EVERY == EVERY - 1 else ""
-    make = _beam_case if letter == "b" else _wire_case
-    case = make(case_id(letter, number), corner, number, draw)
-    if not is_driven(letter, number, seed):
-        return case
-    size = OF_SIZE * case.size
-    return replace(case, scene=pressed(case.scene, size), size=size)
+    name = case_id(letter, number)
+    spring = _spring(draw, corner, half_coils=draw.whole("coils", 4, 40 if letter == "b" else 20))
+    scene, size = _scene(name, draw, corner, spring)
+    if letter == "b":
+        options = {"law": draw.of("law", "haringx", "helix")}
+    else:
+        sliding = draw.of("sliding", "free", "none", "coulomb")
+        friction = draw.log("kind", 0.05, 0.5) if sliding == "coulomb" else None
+        scene = replace(scene, contact=replace(scene.contact, sliding=sliding, friction=friction))
+        options = _mesh(draw, spring.active_coils)
+    scene = in_units(scene, *UNITS.get(corner, (1.0, 1.0)))
+    if is_driven(letter, number, seed):
+        size *= OF_SIZE
+        scene = pressed(scene, size)
+    return Case(name, corner, scene, size, number, options)
 
 
 def is_driven(letter: str, number: int, seed: int) -> bool:
@@ -137,36 +148,18 @@ class Draw:
         return choices[self.whole(name, 0, len(choices) - 1)]
 
 
-def _beam_case(name: str, corner: str, number: int, draw: Draw) -> Case:
-    spring = _spring(draw, corner, half_coils=draw.whole("coils", 4, 40))
-    scene, size = _scene(name, draw, corner, spring)
-    law = draw.of("law", "haringx", "helix")
-    return Case(name, corner, _scaled(scene, corner), size, number, {"law": law})
-
-
-def _wire_case(name: str, corner: str, number: int, draw: Draw) -> Case:
-    spring = _spring(draw, corner, half_coils=draw.whole("coils", 4, 20))
-    scene, size = _scene(name, draw, corner, spring)
-    sliding = draw.of("sliding", "free", "none", "coulomb")
-    friction = draw.log("kind", 0.05, 0.5) if sliding == "coulomb" else None
-    contact = replace(scene.contact, sliding=sliding, friction=friction)
-    mesh = _mesh(draw, spring.active_coils)
-    return Case(name, corner, _scaled(replace(scene, contact=contact), corner), size, number, mesh)
-
-
 def _mesh(draw: Draw, coils: float) -> dict[str, object]:
     """Curved elements 4 to 16 a turn, or straight ones 8 to 40; long wires take the coarser ones."""
-    element = draw.of("law", "curved", "straight")
-    pairs = draw.of("pairs", 2, 4)
-    counts = (4, 8, 12, 16) if element == "curved" else (8, 12, 16, 20, 24, 32, 40)
-    fitting = [count for count in counts if count * coils <= MOST_ELEMENTS] or [counts[0]]
-    return {"element": element, "elements_per_turn": draw.of("mesh", *fitting), "pairs_per_turn": pairs}
+    element = draw.of("law", *COUNTS)
+    fitting = [count for count in COUNTS[element] if count * coils <= MOST_ELEMENTS] or COUNTS[element][:1]
+    count, pairs = draw.of("mesh", *fitting), draw.of("pairs", 2, 4)
+    return {"element": element, "elements_per_turn": count, "pairs_per_turn": pairs}
 
 
 def _spring(draw: Draw, corner: str, half_coils: int) -> Spring:
     """A cylinder or a cone whose coils do not overlap at rest."""
     d, coils = draw.log("d", 0.4, 5.0), 0.5 * half_coils
-    ends = {True: 0.0, False: float(draw.of("ends", 1.0, 1.0, 0.5, 1.5))}[draw.point["ends"] < 0.15]
+    ends = 0.0 if draw.point["ends"] < 0.15 else draw.of("ends", 1.0, 1.0, 0.5, 1.5)
     bottom = top = draw.even("index", 4.0, 15.0) * d
     if (draw.point["cone"] < 0.5 and corner != "buckling") or corner == "telescoping":
         top = min(max(draw.log("taper", 0.4, 2.5) * bottom, 4.0 * d), 15.0 * d)
@@ -174,43 +167,33 @@ def _spring(draw: Draw, corner: str, half_coils: int) -> Spring:
     if corner == "touching":
         pitch = d
     if corner == "buckling":
-        coils = max(coils, math.ceil(draw.even("taper", 3.0, 6.0) * bottom / pitch))
-        coils = min(coils, 40.0)
+        coils = min(max(coils, math.ceil(draw.even("taper", 3.0, 6.0) * bottom / pitch)), 40.0)
     if corner == "telescoping":
         # each coil clears the next: the half difference of diameters passes the wire's
-        bottom, top = 15.0 * d, 4.0 * d
-        coils = 0.5 * max(2, min(half_coils, 2 * int(5.4)))
+        bottom, top, coils = 15.0 * d, 4.0 * d, min(coils, 5.0)
     return Spring(d, (bottom, top), coils, coils * pitch, ends, math.pi * (draw.point["side"] < 0.5))
 
 
 def _scene(name: str, draw: Draw, corner: str, spring: Spring) -> tuple[Scene, float]:
-    held = HELD[draw.whole("held", 0, 4)]
-    size = draw.even("size", 0.05, 1.3)
-    if corner == "solid":
-        size = draw.even("size", 1.0, 1.5)
-    angle = _angle(draw, corner, held)
+    """A scene and the size of its load."""
+    held = draw.of("held", *HELD)
+    size = draw.even("size", 1.0, 1.5) if corner == "solid" else draw.even("size", 0.05, 1.3)
+    angle = 0.0 if "ux" in held or corner in ("buckling", "solid", "telescoping") else _angle(draw)
     if corner == "buckling":
         held = ()
-    penalty = draw.log("penalty", 1e8, 1e10) if corner == "hard" else draw.log("penalty", 1e2, 1e8)
-    exponent = 1.0 if draw.point["exponent"] < 0.4 else draw.even("exponent", 1.0, 2.0)
     contact = Contact(
         enabled=draw.point["contact"] < 0.85 or bool(corner),
-        stiffness=penalty,
-        exponent=exponent,
+        stiffness=draw.log("penalty", 1e8, 1e10) if corner == "hard" else draw.log("penalty", 1e2, 1e8),
+        exponent=1.0 if draw.point["exponent"] < 0.4 else draw.even("exponent", 1.0, 2.0),
     )
-    force = _force(spring, size, angle, held)
-    steps = round(draw.log("steps", 1, 200))
-    return Scene(name, spring, Load(force, steps), supports=Supports(held), contact=contact), size
+    load = Load(_force(spring, size, angle, held), round(draw.log("steps", 1, 200)))
+    return Scene(name, spring, load, supports=Supports(held), contact=contact), size
 
 
-def _angle(draw: Draw, corner: str, held: tuple[str, ...]) -> float:
+def _angle(draw: Draw) -> float:
     """Angle of the load from the axis downwards: a third nearly axial, a third lateral, the rest between."""
-    if corner in ("buckling", "solid", "telescoping"):
-        return 0.0
     third = draw.point["angle"] * 3.0
     sign = 1.0 if draw.point["side"] * 2.0 % 1.0 < 0.5 else -1.0
-    if "ux" in held:
-        return 0.0
     if third < 1.0:
         return sign * (LEAST_ANGLE + 0.1 * third)
     if third < 2.0:
@@ -221,7 +204,7 @@ def _angle(draw: Draw, corner: str, held: tuple[str, ...]) -> float:
 def _force(spring: Spring, size: float, angle: float, held: tuple[str, ...]) -> tuple[float, float]:
     """Load that takes up `size` of the spring's free travel, or bends it that far, in the linear range.
 
-    Rigidities of a helical spring with G = E / 2.6: enough to scale loads.
+    Rigidities of a helical spring with G = E / 2.6, by which loads are scaled.
     """
     d, n, D = spring.wire_diameter, spring.active_coils, sum(spring.mean_diameter) / 2.0
     E, G, height = 206_000.0, 206_000.0 / 2.6, spring.active_height
@@ -232,15 +215,8 @@ def _force(spring: Spring, size: float, angle: float, held: tuple[str, ...]) -> 
     stiff = 12.0 if "rotz" in held else 3.0
     lateral = 1.0 / (height**3 / (stiff * bending * height / 2.0) / height + 1.0 / (rate * E / G))
     axial = size * rate * max(height - n * d, 0.1 * height)
-    across = size * lateral * 1.2 * height
-    return across * math.sin(angle), -axial * math.cos(angle)
-
-
-def _scaled(scene: Scene, corner: str) -> Scene:
-    """The corners of tiny and huge units."""
-    if corner not in ("tiny", "huge"):
-        return scene
-    return in_units(scene, 1e-3, 1e-6) if corner == "tiny" else in_units(scene, 1e3, 1e6)
+    sideways = size * lateral * 1.2 * height
+    return sideways * math.sin(angle), -axial * math.cos(angle)
 
 
 def scaled_load(load: Load, force: float, length: float) -> Load:

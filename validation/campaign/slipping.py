@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from coilspring import EquilibriumPath
-from validation.campaign.poses import NUDGE, moved, nudged, width
+from validation.campaign.poses import NUDGE, differences, moved
 from validation.campaign.wire import WireForces, friction_of
 
 SLIDES = 1e-3  # of its bound: a pair nearer to it slides on
@@ -51,71 +51,66 @@ class Slipping:
 
     def pull(self, w: np.ndarray) -> np.ndarray:
         """Tangential forces (pairs, 3) on the lower spheres if nothing slid any more."""
-        n = w / np.linalg.norm(w, axis=1, keepdims=True)
-        turned = _across(self.force, n)
-        turned *= _ratio(np.linalg.norm(self.force, axis=1), np.linalg.norm(turned, axis=1))[:, None]
-        return turned + self.forces.penalty * _across(w - self.gap, n)
+        n = w / _sizes(w)
+        turned = _tangential(self.force, n)
+        turned *= _ratio(_sizes(self.force), _sizes(turned))
+        return turned + self.forces.penalty * _tangential(w - self.gap, n)
 
     def law(self, w: np.ndarray, press: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Tangential forces (pairs, 3) by Coulomb's law with the normal forces `press`, and their
         derivatives in `w` and `press`."""
-        pull, bound, moves = self.pull(w), self.mu * press, NUDGE * self.forces.d * np.eye(3)
-        slope = np.stack([self.pull(w + one) - self.pull(w - one) for one in moves], axis=2)
-        slope /= 2.0 * NUDGE * self.forces.d
-        size = np.linalg.norm(pull, axis=1)
-        t = pull * _ratio(np.ones_like(size), size)[:, None]
-        slides = self.slides | (size > bound)
-        across = np.eye(3) - t[:, :, None] * t[:, None, :]
-        turning = _ratio(bound, size)[:, None, None] * (across @ slope)
+        pull, bound, h = self.pull(w), self.mu * press[:, None], NUDGE * self.forces.d
+        slope = np.stack([self.pull(w + step) - self.pull(w - step) for step in h * np.eye(3)], axis=2)
+        slope /= 2.0 * h
+        size = _sizes(pull)
+        t = _ratio(pull, size)
+        slides = self.slides[:, None] | (size > bound)
+        transverse = np.eye(3) - t[:, :, None] * t[:, None, :]
+        turning = _ratio(bound, size)[..., None] * (transverse @ slope)
         return (
-            np.where(slides[:, None], bound[:, None] * t, pull),
-            np.where(slides[:, None, None], turning, slope),
-            np.where(slides[:, None], self.mu * t, 0.0),
+            np.where(slides, bound * t, pull),
+            np.where(slides[..., None], turning, slope),
+            np.where(slides, self.mu * t, 0.0),
         )
 
     def contact(self, rows: np.ndarray, press: np.ndarray) -> np.ndarray:
-        """Gradient (nodes, 6) of the pairs' forces, and after it what their gaps (pairs,) are too wide by."""
+        """Gradient (6 nodes,) of the pairs' forces, and after it what their gaps (pairs,) are too wide by."""
         w = self.vectors(rows)
-        h = np.linalg.norm(w, axis=1)
-        force = self.law(w, press)[0] - (press / h)[:, None] * w
-        return np.append(self.spread(rows, force), h - self.forces.d + self.depth(press))
+        h = _sizes(w)
+        gradient = self.spread(rows, press[:, None] * w / h - self.law(w, press)[0])
+        return np.append(gradient, h[:, 0] - self.forces.d + self.depth(press))
 
-    def contact_tangent(self, rows: np.ndarray, press: np.ndarray) -> np.ndarray:
+    def tangent(self, rows: np.ndarray, press: np.ndarray) -> np.ndarray:
         """Derivative of `contact` in the moves and spins of all nodes and in the normal forces."""
-        size, d, w = 6 * len(rows), self.forces.d, self.vectors(rows)
-        h = np.linalg.norm(w, axis=1)
-        n = w / h[:, None]
-        tangential, slope, rise = self.law(w, press)
-        force = tangential - press[:, None] * n
-        slope = slope - (press / h)[:, None, None] * (np.eye(3) - n[:, :, None] * n[:, None, :])
+        size, w = 6 * len(rows), self.vectors(rows)
+        h = _sizes(w)
+        n = w / h
+        force, slope, rise = self.law(w, press)
+        gradient = press[:, None] * n - force
+        slope = slope - (press[:, None] / h)[..., None] * (np.eye(3) - n[:, :, None] * n[:, None, :])
+
+        def held(at: np.ndarray) -> np.ndarray:
+            return np.append(self.spread(at, gradient), self.vectors(at))
+
         J = np.zeros((size + len(press), size + len(press)))
-        for node in np.unique(self.forces.attached[self.pairs]):
-            for i in range(6):
-                ends = [nudged(rows, node, i, step, d) for step in (NUDGE, -NUDGE)]
-                change = (self.vectors(ends[0]) - self.vectors(ends[1])) / width(i, d)
-                turned = (self.spread(ends[0], force) - self.spread(ends[1], force)) / width(i, d)
-                pull = np.einsum("mij,mj->mi", slope, change)
-                J[:, 6 * node + i] = np.append(turned + self.spread(rows, pull), (n * change).sum(axis=1))
-        for m in range(len(press)):
-            one = np.arange(len(press))[:, None] == m
-            J[:size, size + m] = self.spread(rows, np.where(one, rise - n, 0.0))
-            J[size + m, size + m] = self.depth(press)[m] / (self.forces.exponent * press[m])
+        touched = np.unique(self.forces.attached[self.pairs])
+        for node, i, change in differences(held, rows, self.forces.d, touched):
+            moves = change[size:].reshape(-1, 3)
+            pulled = self.spread(rows, -np.einsum("mij,mj->mi", slope, moves))
+            J[:, 6 * node + i] = np.append(change[:size] + pulled, (n * moves).sum(axis=1))
+        for m, one in enumerate(np.eye(len(press))):
+            J[:size, size + m] = self.spread(rows, one[:, None] * (n - rise))
+        J[size:, size:] = np.diag(self.depth(press) / (self.forces.exponent * press))
         J[:, :size] *= ~self.forces.fixed.ravel()
         return J
 
-    def spread(self, rows: np.ndarray, force: np.ndarray) -> np.ndarray:
-        """Gradient (6 nodes,) of forces (pairs, 3) on the lower spheres and their opposites on the upper
-        ones."""
-        total = np.zeros((len(rows), 6))
-        for (low, high), one in zip(self.pairs, force, strict=True):
-            self.forces.add_force(total, rows, low, -one)
-            self.forces.add_force(total, rows, high, one)
-        return np.where(self.forces.fixed, 0.0, total).ravel()
+    def spread(self, rows: np.ndarray, gradient: np.ndarray) -> np.ndarray:
+        """Gradient (6 nodes,) from that at the lower spheres, 0 where the wire is held."""
+        return np.where(self.forces.fixed, 0.0, self.forces.spread(rows, self.pairs, gradient)).ravel()
 
     def depth(self, press: np.ndarray) -> np.ndarray:
         """Penetrations (pairs,) that go with normal forces."""
-        size = (np.abs(press) / self.forces.penalty) ** (1.0 / self.forces.exponent)
-        return np.sign(press) * size
+        return np.sign(press) * (np.abs(press) / self.forces.penalty) ** (1.0 / self.forces.exponent)
 
     def of(self, chosen: np.ndarray) -> Slipping:
         """Some of the pairs."""
@@ -136,7 +131,7 @@ def highest_load(forces: WireForces, path: EquilibriumPath, time: float, critica
     size, count = 6 * len(rows), len(press)
     load = np.zeros(size)
     load[-6:-4] = forces.load
-    tangent = wire_tangent(forces, rows, count) + pairs.contact_tangent(rows, press)
+    tangent = np.pad(forces.element_tangent(rows), (0, count)) + pairs.tangent(rows, press)
     rate = np.linalg.solve(tangent, np.append(load, np.zeros(count)))
     # moves alone measure the distance: spins are of another unit
     control = (rate[:size].reshape(-1, 6) * [1.0, 1.0, 1.0, 0.0, 0.0, 0.0]).ravel()
@@ -159,8 +154,9 @@ def highest_load(forces: WireForces, path: EquilibriumPath, time: float, critica
         pairs = pairs.after(rows, press)
         times.append(times[-1] + move[-1])
         distances.append(distances[-1] + float(control @ move[:size]))
-        if len(times) > 3 and times[-1] < times[-2]:
-            return _peak(distances[-3:], times[-3:])
+        if len(times) > 3 and times[-1] < times[-2]:  # the top of a parabola through the last three
+            curve = np.polynomial.Polynomial.fit(distances[-3:], times[-3:], 2)
+            return float(curve(curve.deriv().roots()[0]))
     return None
 
 
@@ -193,16 +189,17 @@ def _settled(
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray] | None:
     """Equilibrium from the guess of a step, as far along the path: nodes, normal forces (below zero where a
     pair would have to be pulled), and the step made."""
-    size, count = len(load), len(load) + len(press)
+    forces, size, count = pairs.forces, len(load), len(load) + len(press)
     most, move = float(np.abs(move[:size]).max()), move.copy()
     rows, press, time = moved(rows, move[:size]), press + move[size:count], time + move[count]
     matrix = np.zeros((count + 1, count + 1))
     matrix[:size, count], matrix[count, :size] = -load, control
-    wire, free = wire_tangent(pairs.forces, rows, len(press)), ~pairs.forces.fixed.ravel()
+    wire = np.pad(forces.element_tangent(rows), (0, len(press)))
     for _ in range(MOST_CORRECTIONS):
         left = pairs.contact(rows, press)
-        left[:size] = free * (left[:size] + pairs.forces.element_forces(rows).ravel() - time * load)
-        matrix[:count, :count] = wire + pairs.contact_tangent(rows, press)
+        left[:size] += forces.element_forces(rows).ravel() - time * load
+        left[:size] *= ~forces.fixed.ravel()
+        matrix[:count, :count] = wire + pairs.tangent(rows, press)
         change = np.linalg.solve(matrix, np.append(-left, 0.0))
         if not np.isfinite(change).all() or np.abs(change[:size]).max() > most:
             return None
@@ -213,33 +210,11 @@ def _settled(
     return None
 
 
-def wire_tangent(forces: WireForces, rows: np.ndarray, pairs: int) -> np.ndarray:
-    """Derivative of the elements' forces, by central differences, with room for normal forces; 1 where
-    held."""
-    nodes, d = len(rows), forces.d
-    J: np.ndarray = np.zeros((nodes, 6, nodes, 6))
-    for first in range(3):  # an element joins two nodes: every third may be moved at once
-        some = np.arange(first, nodes, 3)
-        for i in range(6):
-            ends = [forces.element_forces(nudged(rows, some, i, h, d)) for h in (NUDGE, -NUDGE)]
-            change = (ends[0] - ends[1]) / width(i, d)
-            for node in some:
-                near = slice(max(node - 1, 0), node + 2)
-                J[near, :, node, i] = change[near]
-    held, size = forces.fixed.ravel(), 6 * nodes
-    J = J.reshape(size, size)
-    J[held], J[:, held] = 0.0, 0.0
-    J[held, held] = 1.0
-    return np.pad(J, (0, pairs))
+def _sizes(v: np.ndarray) -> np.ndarray:
+    return np.linalg.norm(v, axis=1, keepdims=True)
 
 
-def _peak(distances: list[float], times: list[float]) -> float:
-    """Top of the parabola through three times on the path, the middle one the highest."""
-    curve = np.polynomial.Polynomial.fit(distances, times, 2)
-    return float(curve(curve.deriv().roots()[0]))
-
-
-def _across(v: np.ndarray, n: np.ndarray) -> np.ndarray:
+def _tangential(v: np.ndarray, n: np.ndarray) -> np.ndarray:
     return v - (v * n).sum(axis=1, keepdims=True) * n
 
 

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field, replace
 import equivbeam
 import wirefe
 from coilspring import EquilibriumPath, Scene
-from coilspring.solver.solve import HELD, LOST
+from coilspring.solver.solve import HELD
 from validation.campaign.scenes import Case, scaled_load
 from validation.study.partialsolve import partial_path
 
@@ -25,7 +25,7 @@ class Verdict:
     """Findings of one case; the first complaint is the reason.
 
     `differences` are those complaints that two histories of contact would explain; `deviations` have been
-    explained so: pairs remember where they were when a substep ended.
+    explained so: pairs keep where they were when a substep ended.
     """
 
     complaints: list[str] = field(default_factory=list)
@@ -39,9 +39,9 @@ class Verdict:
         if not value <= most:
             self.differ(f"{what}: {value:.2e}, above {most:.0e}")
 
-    def take(self, other: Verdict, remembered: bool) -> None:
-        """Take over a comparison with another run; `remembered`: what differs is what pairs remember."""
-        excused = other.differences if remembered else []
+    def take(self, other: Verdict, by_history: bool) -> None:
+        """Take over a comparison with another run; `by_history`: contact histories explain what differs."""
+        excused = other.differences if by_history else []
         self.deviations += excused
         self.complaints += [what for what in other.complaints if what not in excused]
         for name, value in () if excused else other.numbers.items():
@@ -64,7 +64,7 @@ def reached(case: Case, scene: Scene | None = None, **options: object) -> Equili
 
 def ended(path: EquilibriumPath) -> bool:
     """Whether the path ends for what friction held: its bounds, or a pair that opened."""
-    return path.outcome == "not_converged" and path.message.startswith((HELD, LOST))
+    return path.outcome == "not_converged" and path.message.startswith(HELD)
 
 
 def fine_steps(case: Case) -> int:

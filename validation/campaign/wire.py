@@ -1,6 +1,7 @@
 """Forces in the wire model's states in plain numpy, for the verifier: shares nothing with the solver.
 
-Written from docs/theory.md, section 3, with quaternions (scalar first) and complex steps of the energy.
+Written from docs/theory.md, section 3, with quaternions (scalar first), complex steps of the energy, and
+central differences of the forces.
 """
 
 from __future__ import annotations
@@ -9,12 +10,14 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.linalg import eigh
 
 from coilspring import EquilibriumPath, Scene
-from validation.campaign.poses import TINY, product, rotated, strain
+from validation.campaign.poses import TINY, carried, differences, product, rotated, strain
 from validation.campaign.wireparts import curved, end_frames, helix, spheres, straight
 
 PAIRS_A_TURN = 4  # that the scene's stiffness belongs to
+Friction = tuple[np.ndarray, np.ndarray]  # pairs (pairs, 2) and forces (pairs, 3) on their lower spheres
 
 
 @dataclass(frozen=True)
@@ -30,7 +33,7 @@ class WireForces:
     attached, offset : (spheres,) and (spheres, 3).
     near : spheres so near along the wire do not touch.
     d, penalty, exponent : of the contact.
-    fixed : (degrees of freedom,) of the nodes, where nothing must balance.
+    fixed : (nodes, 6) degrees of freedom, where nothing must balance.
     load : (2,) at time 1; 0 where a displacement is prescribed.
     """
 
@@ -48,41 +51,25 @@ class WireForces:
     fixed: np.ndarray
     load: np.ndarray
 
-    def residual(
-        self, state: np.ndarray, load: np.ndarray, friction: tuple[np.ndarray, np.ndarray]
-    ) -> np.ndarray:
+    def residual(self, state: np.ndarray, load: np.ndarray, friction: Friction) -> np.ndarray:
         """Force and moment (nodes, 6) that are out of balance under a load, or the reaction to a prescribed
-        displacement; `friction` is pairs and their forces."""
-        rows = state.reshape(-1, 7)
-        total = self.element_forces(rows)
-        total += self.contact_forces(rows)
-        for (low, high), force in zip(*friction, strict=True):
-            self.add_force(total, rows, low, -force)
-            self.add_force(total, rows, high, force)
+        displacement."""
+        rows, (pairs, force) = state.reshape(-1, 7), friction
+        total = self.element_forces(rows) + self.contact_forces(rows) + self.spread(rows, pairs, -force)
         total[-1, :2] -= load
         return np.where(self.fixed, 0.0, total)
-
-    def contact_forces(self, rows: np.ndarray) -> np.ndarray:
-        """Gradient (nodes, 6) of the energy of the pairs that touch."""
-        total = np.zeros((len(rows), 6))
-        for (low, high), force in zip(*self.touching(rows), strict=True):
-            self.add_force(total, rows, low, force)
-            self.add_force(total, rows, high, -force)
-        return total
 
     def element_forces(self, rows: np.ndarray) -> np.ndarray:
         """Gradient (nodes, 6) of the strain energy in displacements and spins."""
         x, q = rows[:, :3].T.copy(), rows[:, 3:].T
         x[:, -1] += rotated(q[:, -1], self.arm)
         ends = np.stack((np.arange(x.shape[1] - 1), np.arange(1, x.shape[1])))
-        shift = np.zeros((12, 12, 1), dtype=complex)
-        shift[np.arange(12), np.arange(12)] = 1j * TINY
+        shift = 1j * TINY * np.eye(12)[..., None]
         poses = []
         for end in range(2):
             move, spin = np.split(shift[6 * end : 6 * end + 6], 2)
-            position = x[:, None, ends[end]] + move
             turned = product(np.concatenate((np.ones((1, 12, 1)), 0.5 * spin)), q[:, None, ends[end]])
-            poses.append((position, product(turned, self.frames[:, None, end])))
+            poses.append((x[:, None, ends[end]] + move, product(turned, self.frames[:, None, end])))
         e = strain(*poses) - self.strain0[:, None]
         energy = 0.5 * np.einsum("ike,ije,jke->ke", e, self.stiffness, e)
         parts = energy.imag.T / TINY
@@ -92,10 +79,9 @@ class WireForces:
         total[-1, 3:] += np.cross(rotated(q[:, -1], self.arm), total[-1, :3])
         return total
 
-    def centres(self, rows: np.ndarray) -> np.ndarray:
-        """Centres (spheres, 3) of the contact spheres."""
-        moving = rows[self.attached]
-        return moving[:, :3] + rotated(moving[:, 3:].T, self.offset.T).T
+    def contact_forces(self, rows: np.ndarray) -> np.ndarray:
+        """Gradient (nodes, 6) of the energy of the pairs that touch."""
+        return self.spread(rows, *self.touching(rows))
 
     def touching(self, rows: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Pairs of spheres that touch, and the gradient of their energy at the lower one."""
@@ -109,17 +95,53 @@ class WireForces:
         size = self.penalty * (self.d - h[hit]) ** self.exponent / h[hit]
         return np.stack((low[hit], high[hit]), axis=1), size[:, None] * g[hit]
 
-    def add_force(self, total: np.ndarray, rows: np.ndarray, sphere: int, force: np.ndarray) -> None:
-        """Add the gradient `force` at a sphere to that of the nodes."""
-        node = self.attached[sphere]
-        arm = rotated(rows[node, 3:], self.offset[sphere])
-        total[node, :3] += force
-        total[node, 3:] += np.cross(arm, force)
+    def centres(self, rows: np.ndarray) -> np.ndarray:
+        """Centres (spheres, 3) of the contact spheres."""
+        return carried(rows[self.attached], self.offset)
+
+    def spread(self, rows: np.ndarray, pairs: np.ndarray, gradient: np.ndarray) -> np.ndarray:
+        """Gradient (nodes, 6) from that at the lower spheres of pairs; at the upper ones it is opposite."""
+        total = np.zeros((len(rows), 6))
+        arms = self.centres(rows) - rows[self.attached, :3]
+        for sphere, part in zip(pairs.T, (gradient, -gradient), strict=True):
+            np.add.at(total, self.attached[sphere], np.hstack((part, np.cross(arms[sphere], part))))
+        return total
+
+    def element_tangent(self, rows: np.ndarray) -> np.ndarray:
+        """Derivative of the elements' forces in the moves and spins of all nodes; 1 where held."""
+        nodes, held = len(rows), self.fixed.ravel()
+        J: np.ndarray = np.zeros((nodes, 6, nodes, 6))
+        # an element joins two nodes: every third may be moved at once
+        thirds = [np.arange(first, nodes, 3) for first in range(3)]
+        for some, i, change in differences(self.element_forces, rows, self.d, thirds):
+            for node in np.atleast_1d(some):
+                near = slice(max(node - 1, 0), node + 2)
+                J[near, :, node, i] = change[near]
+        J = J.reshape(held.size, held.size)
+        J[held], J[:, held] = 0.0, 0.0
+        J[held, held] = 1.0
+        return J
+
+    def tangent(self, rows: np.ndarray) -> np.ndarray:
+        """Derivative of all forces without friction, made symmetric, which it is in balance."""
+        J = self.element_tangent(rows)
+        touched = np.unique(self.attached[self.touching(rows)[0]])
+        for node, i, change in differences(self.contact_forces, rows, self.d, touched):
+            J[:, 6 * node + i] += change.ravel()
+        return 0.5 * (J + J.T)
+
+    def least_stiffness(self, rows: np.ndarray) -> float:
+        """Least eigenvalue of the tangent with the top held along the axis, in units of that at rest."""
+        free = ~self.fixed
+        free[-1, 1] = False
+        some = np.ix_(free.ravel(), free.ravel())
+        now, rest = self.tangent(rows)[some], self.tangent(self.rest)[some]
+        return float(eigh(now, rest, subset_by_index=(0, 0), eigvals_only=True)[0])
 
 
 def wire_forces(scene: Scene, element: str, elements_per_turn: int, pairs_per_turn: int) -> WireForces:
     """The scene's wire on a mesh."""
-    spring = scene.spring
+    spring, contact = scene.spring, scene.contact
     count = round(spring.active_coils * elements_per_turn)
     phases = np.linspace(0.0, 2.0 * math.pi * spring.active_coils, count + 1)
     points = helix(spring, phases)
@@ -132,7 +154,6 @@ def wire_forces(scene: Scene, element: str, elements_per_turn: int, pairs_per_tu
     fixed[-1, 2:5] = True
     for name in scene.supports.top_held:
         fixed[-1, {"ux": 0, "rotz": 5}[name]] = True
-    contact = scene.contact
     rest = np.zeros((count + 1, 7))
     rest[:, :3], rest[:, 3] = points, 1.0
     rest[-1, :3] = reference
@@ -140,7 +161,7 @@ def wire_forces(scene: Scene, element: str, elements_per_turn: int, pairs_per_tu
         rest=rest,
         frames=frames,
         arm=points[-1] - reference,
-        stiffness=(curved if element == "curved" else straight)(scene, phases, points, poses),
+        stiffness=curved(scene, phases, points, poses) if element == "curved" else straight(scene, points),
         strain0=strain(*poses),
         attached=attached,
         offset=offset,
@@ -153,7 +174,7 @@ def wire_forces(scene: Scene, element: str, elements_per_turn: int, pairs_per_tu
     )
 
 
-def friction_of(path: EquilibriumPath, row: int) -> tuple[np.ndarray, np.ndarray]:
+def friction_of(path: EquilibriumPath, row: int) -> Friction:
     """Pairs and tangential forces on their lower spheres, as the path reports them."""
     pairs = path.shape.data.contact.pairs  # type: ignore[attr-defined]
     if path.scene.contact.sliding == "free" or not len(pairs):

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 
 import numpy as np
+from scipy.spatial.transform import Rotation
 
 from coilspring import Scene, Spring
 from validation.campaign.poses import TINY, product, strain
@@ -14,30 +15,31 @@ GAUSS = np.polynomial.legendre.leggauss(16)
 Poses = tuple[tuple[np.ndarray, np.ndarray], tuple[np.ndarray, np.ndarray]]
 
 
-def helix(spring: Spring, phases: np.ndarray) -> np.ndarray:
-    """Wire at the phases, end turns included, (phases, 3)."""
+def helix(spring: Spring, phases: np.ndarray, order: int = 0) -> np.ndarray:
+    """Wire at the phases, end turns included, or its derivative of some order in the phase, (..., 3)."""
     end = 2.0 * math.pi * spring.active_coils
     inner = np.clip(phases, 0.0, end)
     bottom, top = spring.mean_diameter
-    radius = 0.5 * (bottom + (top - bottom) * inner / end)
+    slope = 0.5 * (top - bottom) / end
     rise = inner / end * spring.active_height + (phases - inner) / (2.0 * math.pi) * spring.wire_diameter
-    angle, hand = phases + spring.start_phase, 1.0 if spring.hand == "left" else -1.0
-    return np.stack((radius * np.cos(angle), rise, hand * radius * np.sin(angle)), axis=-1)
+    if order:
+        rise = np.full(phases.shape, spring.active_height / end if order == 1 else 0.0)
+    spiral = 1j**order * (0.5 * bottom + slope * inner) + order * 1j ** (order - 1) * slope
+    point = spiral * np.exp(1j * (phases + spring.start_phase))
+    return np.stack((point.real, rise, (1.0 if spring.hand == "left" else -1.0) * point.imag), axis=-1)
 
 
 def end_frames(spring: Spring, phases: np.ndarray, points: np.ndarray, bent: bool) -> np.ndarray:
     """Quaternions (4, 2, elements) of the end triads: Frenet's, or one along the chord."""
     if not bent:
         chords = np.diff(points, axis=0)
-        normal = np.cross(chords, [0.0, 0.0, 1.0])
-        one = _quaternions(chords, normal)
+        one = _quaternions(chords, np.cross(chords, [0.0, 0.0, 1.0]))
         return np.stack((one, one), axis=1)
-    first, second = _derivatives(spring, phases)
-    all_frames = _quaternions(first, second)
+    all_frames = _quaternions(helix(spring, phases, 1), helix(spring, phases, 2))
     return np.stack((all_frames[:, :-1], all_frames[:, 1:]), axis=1)
 
 
-def straight(scene: Scene, phases: np.ndarray, points: np.ndarray, poses: Poses) -> np.ndarray:
+def straight(scene: Scene, points: np.ndarray) -> np.ndarray:
     """Stiffness (6, 6, elements) of straight pieces with residual bending flexibility."""
     EA, GA, GJ, EI = _rigidities(scene)
     length = np.linalg.norm(np.diff(points, axis=0), axis=1)
@@ -69,8 +71,8 @@ def spheres(
     high = math.floor((spring.active_coils + spring.end_turns) * pairs_per_turn + 1e-9)
     index = np.arange(low, high + 1)
     attached = np.clip(index * (elements_per_turn // pairs_per_turn), 0, last)
-    homes = np.concatenate((points[:-1], reference[None]))
-    return attached, helix(spring, index * turn / pairs_per_turn) - homes[attached]
+    origins = np.concatenate((points[:-1], reference[None]))
+    return attached, helix(spring, index * turn / pairs_per_turn) - origins[attached]
 
 
 def _rigidities(scene: Scene) -> tuple[float, float, float, float]:
@@ -79,51 +81,26 @@ def _rigidities(scene: Scene) -> tuple[float, float, float, float]:
     return E * area, SHEAR_FACTOR * G * area, 2.0 * G * second, E * second
 
 
-def _derivatives(spring: Spring, phases: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """First and second derivative of the active wire in the phase."""
-    end = 2.0 * math.pi * spring.active_coils
-    bottom, top = spring.mean_diameter
-    slope = 0.5 * (top - bottom) / end
-    radius = 0.5 * bottom + slope * phases
-    angle, hand = phases + spring.start_phase, 1.0 if spring.hand == "left" else -1.0
-    turn = (radius + 0j) * np.exp(1j * angle)
-    grow = slope * np.exp(1j * angle)
-    first, second = grow + 1j * turn, 2j * grow - turn
-    rise = np.full(phases.shape, spring.active_height / end)
-    return (
-        np.stack((first.real, rise, hand * first.imag), axis=-1),
-        np.stack((second.real, 0.0 * rise, hand * second.imag), axis=-1),
-    )
-
-
 def _flexibility(scene: Scene, phases: np.ndarray, points: np.ndarray) -> np.ndarray:
     """Flexibility (elements, 6, 6) of the upper end against the lower one, for force and moment there."""
     EA, GA, GJ, EI = _rigidities(scene)
     half = 0.5 * np.diff(phases)[:, None]
     at = phases[:-1, None] + half * (1.0 + GAUSS[0])
-    tangent, _ = _derivatives(scene.spring, at)
-    speed = np.linalg.norm(tangent, axis=-1)
-    tangent = tangent / speed[..., None]
-    along = tangent[..., :, None] * tangent[..., None, :]
-    across = np.eye(3) - along
+    tangent = helix(scene.spring, at, 1)
+    speed = np.linalg.norm(tangent, axis=-1, keepdims=True)
+    along = (tangent / speed)[..., None] * (tangent / speed)[..., None, :]
+    transverse = np.eye(3) - along
+    C, A = np.zeros((*at.shape, 6, 6)), np.tile(np.eye(6), (*at.shape, 1, 1))
+    C[..., :3, :3], C[..., 3:, 3:] = along / EA + transverse / GA, along / GJ + transverse / EI
+    # columns: moments in the section of unit forces at the upper end
     arm = points[1:, None] - helix(scene.spring, at)
-    # columns: moments of unit forces at the upper end
-    lever = np.cross(arm[..., None, :], np.eye(3)).swapaxes(-1, -2)
-    weight = (half * GAUSS[1] * speed)[..., None, None]
-    turning = along / GJ + across / EI
-    F = np.zeros((len(half), 6, 6))
-    moved = lever.swapaxes(-1, -2) @ turning
-    F[:, :3, :3] = (weight * (along / EA + across / GA + moved @ lever)).sum(axis=1)
-    F[:, :3, 3:] = (weight * moved).sum(axis=1)
-    F[:, 3:, :3] = F[:, :3, 3:].swapaxes(1, 2)
-    F[:, 3:, 3:] = (weight * turning).sum(axis=1)
-    return F
+    A[..., 3:, :3] = np.cross(arm[..., None, :], np.eye(3)).swapaxes(-1, -2)
+    weight = (half * GAUSS[1] * speed[..., 0])[..., None, None]
+    return (weight * (A.swapaxes(-1, -2) @ C @ A)).sum(axis=1)
 
 
 def _quaternions(first: np.ndarray, second: np.ndarray) -> np.ndarray:
     """Quaternions (4, n) of the triads along `first`, with `second` in their first plane."""
-    from scipy.spatial.transform import Rotation
-
     e1 = first / np.linalg.norm(first, axis=-1, keepdims=True)
     e3 = np.cross(e1, second)
     e3 /= np.linalg.norm(e3, axis=-1, keepdims=True)

@@ -15,14 +15,9 @@ from validation.campaign.scenes import Case
 from validation.campaign.slipping import highest_load, sliding_pairs
 from validation.campaign.verdict import Verdict, under
 from validation.campaign.wire import WireForces, friction_of
-from validation.campaign.wiresoft import least_stiffness, vanishing
 from validation.study.partialsolve import partial_path
 
 BALANCE = 1e-5  # of the load at the worst node; the wire stretches up to 1e6 times less than the spring
-# difference from the fine run over the largest displacement; with friction it depends on the substeps
-BRANCH = {"free": 1e-6, "none": 2e-2, "coulomb": 2e-2}
-BETWEEN = 1e-4  # where a column passes its buckling load all but neutral, before the last common state
-CRITICAL_SHIFT = {"free": LOAD, "none": 2e-2, "coulomb": 2e-2}
 BEFORE = (1e-6, 4e-6, 1.6e-5)  # shares of the load by which states lie before their critical point
 BEFORE_SLIDING = 5e-3  # the same with coils that slide: limit points of other substeps lie within this share
 BEFORE_SOFT = (2e-3, 8e-3, 1.8e-2)  # the same for the least stiffness: nearer it is rounding
@@ -61,69 +56,64 @@ def verify_balance(
 
 
 def verify_wire_critical(verdict: Verdict, forces: WireForces, case: Case, path: EquilibriumPath) -> None:
-    """Balanced states just before the critical time must tend to a fold there, or arc length must turn."""
-    sharp = sharp_critical(verdict, path)
+    """Balanced states just before the critical time must tend to a fold there, or arc length must turn.
+
+    Where friction follows the path, arc length is another one: what Coulomb's law alone tells is verified.
+    """
+    sharp, driven = sharp_critical(verdict, path), bool(case.scene.load.displacement)
     if sharp is None:
         return
-    critical, _ = sharp
-    driven = bool(case.scene.load.displacement)
-    if case.scene.contact.sliding == "coulomb" and path.outcome == "limit_point" and not driven:
+    critical, sliding = sharp[0], case.scene.contact.sliding
+    if sliding == "coulomb" and path.outcome == "limit_point" and not driven:
         _verify_slipping(verdict, forces, case, critical)
-    if case.scene.contact.sliding != "free":
-        return  # verified by the fine run: where friction follows the path, arc length is another one
-    positions = []
-    for share in BEFORE:
-        time = critical * (1.0 - share)
-        before = just_before(verdict, case, critical, time)
-        if before is None:
-            return
-        verify_balance(verdict, forces, before)
-        positions.append(before.states[-1].reshape(-1, 7)[:, :3].ravel())
-    found = fold(positions, [critical * (1.0 - share) for share in BEFORE])
-    if found is None and driven:
-        _verify_softening(verdict, forces, case, critical)
-    elif found is None:
-        _verify_turn(verdict, case, critical)
-    else:
+    if sliding != "free":
+        return
+    before = just_before(verdict, case, critical, BEFORE)
+    for _, near in before:
+        verify_balance(verdict, forces, near)
+    if not before:
+        return
+    positions = [near.states[-1].reshape(-1, 7)[:, :3].ravel() for _, near in before]
+    found = fold(positions, [time for time, _ in before])
+    if found is not None:
         verdict.ask("confirmed", abs(found / critical - 1.0), LOAD, "states tend to a fold elsewhere")
+    elif driven:
+        _verify_softening(verdict, forces, case, critical)
+    else:
+        _verify_turn(verdict, case, critical)
 
 
 def _verify_softening(verdict: Verdict, forces: WireForces, case: Case, critical: float) -> None:
     """The least stiffness of the constrained wire must tend to zero at the critical time: arc length would
     need a load."""
-    times, least = [critical * (1.0 - share) for share in BEFORE_SOFT], []
-    for time in times:
-        before = just_before(verdict, case, critical, time)
-        if before is None:
-            return
-        least.append(least_stiffness(forces, before.states[-1].reshape(-1, 7)))
+    before = just_before(verdict, case, critical, BEFORE_SOFT)
+    if not before:
+        return
+    least = [forces.least_stiffness(near.states[-1].reshape(-1, 7)) for _, near in before]
+    found = vanishing([time for time, _ in before], least)
     if min(least) <= 0.0:
-        verdict.complain(
-            f"unstable before the critical time {critical:.6g}: least stiffness {min(least):.2e}"
-        )
-        return
-    found = vanishing(times, least)
-    if found is None:
+        what = f"unstable before the critical time {critical:.6g}: least stiffness {min(least):.2e}"
+        verdict.complain(what)
+    elif found is None:
         verdict.complain(f"the least stiffness does not tend to zero near {critical:.6g}")
-        return
-    verdict.ask("confirmed", abs(found / critical - 1.0), SOFTENED, "the least stiffness vanishes elsewhere")
+    else:
+        share = abs(found / critical - 1.0)
+        verdict.ask("confirmed", share, SOFTENED, "the least stiffness vanishes elsewhere")
 
 
 def _verify_slipping(verdict: Verdict, forces: WireForces, case: Case, critical: float) -> None:
     """Where coils slide on each other before a limit point, Coulomb's law must reach its highest load
     there."""
-    time = critical * (1.0 - BEFORE_SLIDING)
-    before = just_before(verdict, case, critical, time)
-    if before is None:
-        return
-    verify_balance(verdict, forces, before)
-    if not sliding_pairs(forces, before).any():
-        return
-    highest = highest_load(forces, before, time, critical)
-    if highest is None:
-        verdict.complain(f"Coulomb's law reaches no highest load near {critical:.6g}")
-        return
-    verdict.ask("confirmed", abs(highest / critical - 1.0), BEFORE_SLIDING, "the load is highest elsewhere")
+    for time, before in just_before(verdict, case, critical, [BEFORE_SLIDING]):
+        verify_balance(verdict, forces, before)
+        if not sliding_pairs(forces, before).any():
+            return
+        highest = highest_load(forces, before, time, critical)
+        if highest is None:
+            verdict.complain(f"Coulomb's law reaches no highest load near {critical:.6g}")
+            return
+        share = abs(highest / critical - 1.0)
+        verdict.ask("confirmed", share, BEFORE_SLIDING, "the load is highest elsewhere")
 
 
 def fold(positions: Sequence[np.ndarray], times: Sequence[float]) -> float | None:
@@ -144,6 +134,26 @@ def fold(positions: Sequence[np.ndarray], times: Sequence[float]) -> float | Non
     if excess(low) * excess(high) > 0.0:
         return None
     return float(brentq(excess, low, high))
+
+
+def vanishing(times: Sequence[float], least: Sequence[float]) -> float | None:
+    """Time at which a stiffness vanishes that falls over the three times given, the latest first.
+
+    Next to a bifurcation it falls as the time left, next to a fold as its root: the power which a straight
+    line through the first and last fits best in the middle is taken; None where it falls otherwise.
+    """
+    found = []
+    for power in (1.0, 2.0):
+        a, b, c = (value**power for value in least)
+        slope = (a - c) / (times[0] - times[2])
+        if slope >= 0.0:
+            continue
+        bend = abs(b - c - slope * (times[1] - times[2])) / abs(a - c)
+        roots = np.roots(np.polyfit(np.array(times) - times[0], [a, b, c], 2))
+        ahead = roots[(roots.imag == 0.0) & (roots.real >= 0.0)].real
+        if ahead.size:
+            found.append((bend, times[0] + float(ahead.min())))
+    return min(found)[1] if found else None
 
 
 def _verify_turn(verdict: Verdict, case: Case, critical: float) -> None:

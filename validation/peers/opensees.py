@@ -80,17 +80,17 @@ class _Builder:
         self.elements = 0
         self.pairs: list[tuple[int, int]] = []  # nodes of the sphere centres
         self.held: dict[tuple[int, int], int] = {}  # the element that keeps a pair from sliding
-        area, inertia = (
-            math.pi * np.array((1.0 / 4.0, 1.0 / 64.0)) * scene.spring.wire_diameter ** np.array((2, 4))
-        )
-        self.area, self.inertia = float(area), float(inertia)
+        d = scene.spring.wire_diameter
+        self.area, self.inertia = math.pi * d**2 / 4.0, math.pi * d**4 / 64.0
 
     def build(self) -> None:
         """Build the whole model, the load included."""
         ops.wipe()
         ops.model("basic", "-ndm", 3, "-ndf", 6)
         self._wire()
-        self._supports()
+        held = self.scene.supports.top_held
+        ops.fix(0, *[1] * 6)
+        ops.fix(self.top, int("ux" in held), 0, 1, 1, 1, int("rotz" in held))
         self._stiff_beam(self.last)
         self._contact()
         ops.timeSeries("Linear", 1)
@@ -105,18 +105,13 @@ class _Builder:
             low, high = (np.add(ops.nodeCoord(node), ops.nodeDisp(node)[:3]) for node in pair)
             gap = high - low
             closed = float(np.linalg.norm(gap)) < self.scene.spring.wire_diameter
-            if closed and pair not in self.held:
-                self.held[pair] = self._tangential(pair, gap)
+            if closed and pair not in self.held:  # springs normal to the gap, free of force now
+                normal = np.cross(gap, np.eye(3)[np.argmin(np.abs(gap))])
+                springs = ("-mat", TANGENTIAL, TANGENTIAL, "-dir", 2, 3, "-orient", *gap, *normal)
+                self._element("zeroLength", *pair, *springs)
+                self.held[pair] = self.elements
             elif not closed and pair in self.held:
                 ops.remove("element", self.held.pop(pair))
-
-    def _tangential(self, pair: tuple[int, int], along: np.ndarray) -> int:
-        """Springs across `along` that are free of force now."""
-        across = np.cross(along, np.eye(3)[np.argmin(np.abs(along))])
-        self._element(
-            "zeroLength", *pair, "-mat", TANGENTIAL, TANGENTIAL, "-dir", 2, 3, "-orient", *along, *across
-        )
-        return self.elements
 
     def _node(self, point: np.ndarray) -> int:
         ops.node(self.nodes, *point.tolist())
@@ -140,11 +135,6 @@ class _Builder:
         ops.geomTransf("Corotational", STEEP, 0.0, 0.0, 1.0)  # ... but a stiff beam may
         for node in range(self.last):
             self._element("forceBeamColumn", node, node + 1, WIRE, RULE)
-
-    def _supports(self) -> None:
-        held = self.scene.supports.top_held
-        ops.fix(0, *[1] * 6)
-        ops.fix(self.top, int("ux" in held), 0, 1, 1, 1, int("rotz" in held))
 
     def _stiff_beam(self, node: int) -> None:
         """Tie a node to the top reference point."""
@@ -170,17 +160,14 @@ class _Builder:
         """A truss between the centres of each pair."""
         ops.uniaxialMaterial("Elastic", TANGENTIAL, self.scene.contact.stiffness)
         nodes = {int(index): self._sphere(index) for index in np.unique(self.wire.pairs)}
+        d, stiffness = self.scene.spring.wire_diameter, self.scene.contact.stiffness
         for pair in self.wire.pairs:
             lower, upper = (nodes[int(index)] for index in pair)
             self.pairs.append((lower, upper))
-            self._gap(lower, upper, self.wire.rest(pair))
-
-    def _gap(self, lower: int, upper: int, rest: float) -> None:
-        """Penalty between two sphere centres; strain is (h - rest) / rest, area 1."""
-        gap = self.scene.spring.wire_diameter / rest - 1.0
-        tag = self.elements + 1
-        ops.uniaxialMaterial("ElasticPPGap", tag, self.scene.contact.stiffness * rest, NEVER_YIELDS, gap)
-        self._element("corotTruss", lower, upper, 1.0, tag)
+            # strain is (h - rest) / rest, area 1
+            rest, tag = self.wire.rest(pair), self.elements + 1
+            ops.uniaxialMaterial("ElasticPPGap", tag, stiffness * rest, NEVER_YIELDS, d / rest - 1.0)
+            self._element("corotTruss", lower, upper, 1.0, tag)
 
 
 def tolerance(scene: Scene) -> float:
@@ -214,7 +201,13 @@ def run(
     tips: list[list[float]] = []
     with quiet():
         builder.build()
-        _prepare(tolerance)
+        ops.constraints("Plain")
+        ops.numberer("RCM")
+        ops.system("SparseSYM")
+        ops.test("EnergyIncr", tolerance, MOST_ITERATIONS, 0)
+        ops.algorithm("Newton")
+        ops.integrator("LoadControl", 1.0)
+        ops.analysis("Static")
         began = time.process_time()
         iterations = 0
         while len(tips) < steps:
@@ -222,7 +215,7 @@ def run(
             if spent is None:
                 break
             iterations += spent
-            tips.append([ops.nodeDisp(builder.top, freedom) for freedom in (1, 2, 6)])
+            tips.append([ops.nodeDisp(builder.top, dof) for dof in (1, 2, 6)])
         seconds = time.process_time() - began
         ops.wipe()
     times = np.arange(1, len(tips) + 1) / steps
@@ -238,16 +231,10 @@ def _advance(builder: _Builder, step: float, halvings: int) -> int | None:
         return spent
     if halvings == 0:
         return None
-    first = _advance(builder, 0.5 * step, halvings - 1)
-    second = None if first is None else _advance(builder, 0.5 * step, halvings - 1)
-    return None if first is None or second is None else MOST_ITERATIONS + first + second
-
-
-def _prepare(tolerance: float) -> None:
-    ops.constraints("Plain")
-    ops.numberer("RCM")
-    ops.system("SparseSYM")
-    ops.test("EnergyIncr", tolerance, MOST_ITERATIONS, 0)
-    ops.algorithm("Newton")
-    ops.integrator("LoadControl", 1.0)
-    ops.analysis("Static")
+    spent = MOST_ITERATIONS
+    for _ in range(2):
+        half = _advance(builder, 0.5 * step, halvings - 1)
+        if half is None:
+            return None
+        spent += half
+    return spent

@@ -32,10 +32,14 @@ class Bullets:
 
 @dataclass(frozen=True)
 class Table:
-    """A table of texts; also what the CSV files hold."""
+    """A table of texts; also what the CSV files hold. As a text it is Markdown."""
 
     header: tuple[str, ...]
     rows: tuple[tuple[str, ...], ...]
+
+    def __str__(self) -> str:
+        lines = (self.header, ("---",) * len(self.header), *self.rows)
+        return "\n".join("| " + " | ".join(cell.replace("|", "\\|") for cell in row) + " |" for row in lines)
 
 
 @dataclass(frozen=True)
@@ -71,8 +75,5 @@ def _markdown(block: Block) -> str:
             return "\n".join(f"- {item}" for item in items)
         case Picture(file, caption):
             return f"![{caption.split('.')[0]}]({file})\n\n*{caption}*"
-        case Table(header, rows):
-            lines = [header, tuple("---" for _ in header), *rows]
-            return "\n".join(
-                "| " + " | ".join(cell.replace("|", "\\|") for cell in row) + " |" for row in lines
-            )
+        case Table():
+            return str(block)

@@ -38,12 +38,14 @@ def sources(*names: str) -> str:
 
 
 def source_files(name: str) -> list[Path]:
-    """The file of a module, or all of a package."""
+    """The file of a module, or all of a package with its templates and data."""
     spec = find_spec(name)
     if spec is None or spec.origin is None:
         raise ModuleNotFoundError(f"no module named {name!r}", name=name)
     origin = Path(spec.origin)
-    return sorted(origin.parent.rglob("*.py")) if spec.submodule_search_locations else [origin]
+    if not spec.submodule_search_locations:
+        return [origin]
+    return sorted(file for kind in ("py", "md", "toml") for file in origin.parent.rglob(f"*.{kind}"))
 
 
 def digest(files: Iterable[Path]) -> str:

@@ -1,52 +1,72 @@
-"""One verification case of the wire model: a row of the page."""
+"""Verification cases of the wire model, described as data, and their one runner: a row of the page each."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 
 @dataclass(frozen=True)
-class Check:
-    """One row: what is solved, against what, how well it must agree, and how well it does."""
+class Case:
+    """One case: what is solved, against what, and how well it must agree.
+
+    Attributes
+    ----------
+    name, data, source, limits : as the page has them; limits are what the case cannot show.
+    target : what is exact.
+    tolerance : of the largest component's error over the largest component of the target.
+    solve : from a number of elements to the components of the result.
+    mesh : number of elements.
+    meshes : each twice as fine as the one before, which tell the order of convergence; may be none.
+    fine : mesh that stands in place of the target there.
+    components : whose error tells the order.
+    """
 
     name: str
     data: str
     target: tuple[float, ...]
     source: str
     tolerance: float
-    result: tuple[float, ...]
     limits: str
+    solve: Callable[[int], Sequence[float] | np.ndarray]
+    mesh: int
+    meshes: tuple[int, ...] = ()
+    fine: int = 0
+    components: int = 3
+
+    def checked(self) -> Check:
+        """The case, solved."""
+        order = None
+        if self.meshes:
+            exact = np.array(self.solve(self.fine) if self.fine else self.target)[: self.components]
+            found = [np.array(self.solve(count))[: self.components] for count in self.meshes]
+            order = observed_order([float(np.abs(one - exact).max()) for one in found])
+        return Check(self, tuple(map(float, self.solve(self.mesh))), order)
+
+
+@dataclass(frozen=True)
+class Check:
+    """What a case found."""
+
+    case: Case
+    result: tuple[float, ...]
     order: float | None = None
 
     @property
     def error(self) -> float:
         """Largest component's error over the largest component of the target."""
-        target, result = np.array(self.target), np.array(self.result)
+        target, result = np.array(self.case.target), np.array(self.result)
         return float(np.abs(result - target).max() / np.abs(target).max())
 
     @property
     def passed(self) -> bool:
         """Whether the error is within the tolerance."""
-        return self.error <= self.tolerance
-
-    @property
-    def row(self) -> tuple[str, ...]:
-        """The row of the page."""
-        return (
-            *(self.name, self.data, _numbers(self.target), self.source, f"{self.tolerance:.1e}"),
-            *(_numbers(self.result), f"{self.error:.1e}", "" if self.order is None else f"{self.order:.2f}"),
-            *("yes" if self.passed else "**no**", self.limits),
-        )
+        return self.error <= self.case.tolerance
 
 
 def observed_order(errors: Iterable[float]) -> float:
     """Order from the errors of meshes that are each twice as fine, by the first and the last."""
     all_errors = list(errors)
     return float(np.log2(all_errors[0] / all_errors[-1]) / (len(all_errors) - 1))
-
-
-def _numbers(values: tuple[float, ...]) -> str:
-    return ", ".join(f"{value:.7g}" for value in values)

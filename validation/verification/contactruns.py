@@ -14,12 +14,12 @@ import wirefe
 from coilspring import Contact, EquilibriumPath, Scene, spring_a, spring_b
 from validation.study.partialsolve import partial_path
 from wirefe.model import ContactArrays
-from wirefe.shape import sphere_centres
+from wirefe.shape import contact_centres
 
 NONE = np.inf  # no sliding
 SPRINGS: dict[str, Callable[[], Scene]] = {"A": spring_a, "B": spring_b}
 TIPS = ("UX", "UY", "ROTZ")
-HELD = 1e-9  # tips below are held degrees of freedom's rounding
+HELD = 1e-9  # tips below are the rounding of fixed degrees of freedom
 OPENED = 1e-12  # N mm: less work than before means that a pair has opened since
 
 
@@ -115,7 +115,7 @@ def to_pieces(points: np.ndarray, first: np.ndarray, second: np.ndarray) -> np.n
 def centres(path: EquilibriumPath, step: int) -> tuple[ContactArrays, np.ndarray]:
     """Contact arrays and the spheres' centres at a stored step."""
     contact = path.shape.data.contact  # type: ignore[attr-defined]
-    return contact, sphere_centres(contact, path.states[step])
+    return contact, contact_centres(contact, path.states[step][None])[0]
 
 
 def couple(path: EquilibriumPath) -> float:

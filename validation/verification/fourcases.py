@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -26,48 +26,18 @@ CONVERGED: dict[str, Any] = {"element": "curved", "elements_per_turn": 16}
 NOTHING = Refinements(**dict.fromkeys(vars(Refinements()), False))
 
 
-@dataclass(frozen=True)
-class Stage:
-    """One refinement: its switch, its name in the tables and what it is."""
-
-    switch: str
-    name: str
-    meaning: str
-
-
-STAGES = (
-    Stage(
-        "large",
-        "Love's axial law, free winding",
-        "a half coil is a uniform helix in large deformation, its radius and angle follow the load; "
-        "its ends turn freely about the axis",
-    ),
-    Stage("held", "winding fixed", "the ends of a half coil do not turn about the axis"),
-    Stage("shear", "wire shear", "transverse shear of the wire"),
-    Stage("stretch", "wire stretch", "axial stretch of the wire"),
-    Stage(
-        "taper",
-        "taper",
-        "radius of a half coil by its axial flexibility, the mean of r^3 over it",
-    ),
-    Stage(
-        "lateral",
-        "lateral by wire theory",
-        "lateral and bending flexibility of the wire averaged over a turn, at rest",
-    ),
-    Stage("spread", "bending spread", "bending acts along the half coil, not in its middle: l^2 Cfl / 12"),
-    Stage(
-        "current",
-        "at the current angle",
-        "lateral and bending flexibility follow the length of the half coil",
-    ),
-    Stage(
-        "ends",
-        "effect of fixed ends",
-        "the axis tilts and is offset where the wire is fixed, and turns in the half coils of a cone; it is "
-        "how the start phase enters",
-    ),
-)
+# switches of the refinements, in the order in which they are added, and their names in the tables
+STAGES = {
+    "large": "Love's axial law, free winding",
+    "held": "winding fixed",
+    "shear": "wire shear",
+    "stretch": "wire stretch",
+    "taper": "taper",
+    "lateral": "lateral by wire theory",
+    "spread": "bending spread",
+    "current": "at the current angle",
+    "ends": "effect of fixed ends",
+}
 
 
 def error(path: EquilibriumPath, reference: EquilibriumPath) -> float:
@@ -86,13 +56,13 @@ def case_numbers(scene: Scene) -> Iterator[tuple[str, str, float]]:
     reference = partial_path(wirefe.solve, scene, **CONVERGED)
     on = NOTHING
     yield "refinements", "Haringx, the paper's law", law_error(reference, on)
-    for stage in STAGES:
-        on = replace(on, **{stage.switch: True})
-        yield "refinements", f"+ {stage.name}", law_error(reference, on)
+    for switch, name in STAGES.items():
+        on = replace(on, **{switch: True})
+        yield "refinements", f"+ {name}", law_error(reference, on)
     yield "law", "helix law", law_error(reference)
-    for stage in STAGES:
-        less = replace(Refinements(), **{stage.switch: False})
-        yield "law", f"without `{stage.switch}`", law_error(reference, less)
+    for switch in STAGES:
+        less = replace(Refinements(), **{switch: False})
+        yield "law", f"without `{switch}`", law_error(reference, less)
     for degrees in (45, 90, 270):
         yield "law", f"helix law, start phase {degrees} degrees", phase_error(scene, degrees)
     pairs = reference.options["pairs_per_turn"]

@@ -6,7 +6,7 @@ Here the wire model's kernels are driven by plain Newton with the exact, unsymme
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from functools import partial
 
 import numpy as np
 
@@ -14,10 +14,10 @@ import wirefe
 from coilspring.compiling.packing import pack
 from coilspring.scene.wire import Section
 from coilspring.solver.solve import Problem
-from validation.verification.case import Check
+from validation.verification.case import Case
 from wirefe import kernels
-from wirefe.shape import turned
 from wirefe.solve import rod_problem
+from wirefe.stations import turned_rows as turned
 
 RADIUS, HEIGHT, COILS = 10.0, 50.0, 2
 FIRST_STEP, LEAST_STEP = 1e-3, 1e-9
@@ -86,16 +86,10 @@ def newton(problem: Problem, start: np.ndarray, moment: np.ndarray) -> np.ndarra
     return None
 
 
-def checks() -> Iterator[Check]:
-    """Radius and height of the helix, over the slenderness."""
-    for slenderness in (1e1, 1e2, 1e3, 1e4):
-        rod, moment = helix_rod(slenderness, 16)
-        nodes = coiled(rod_problem(rod), moment)
-        yield Check(
-            "G8, straight rod to helix", f"slenderness {slenderness:g}, 16 straight elements; radius, height",
-            (RADIUS, HEIGHT), "exact (Herrmann & Harsch 2025)", 1e-8, measured(nodes[:, :3]),
-            "end moment alone; plain Newton with the unsymmetric tangent, not the path follower",
-        )  # fmt: skip
+def coiled_to(elements: int, slenderness: float) -> tuple[float, float]:
+    """Radius and height of the helix."""
+    rod, moment = helix_rod(slenderness, elements)
+    return measured(coiled(rod_problem(rod), moment)[:, :3])
 
 
 def measured(points: np.ndarray) -> tuple[float, float]:
@@ -108,6 +102,16 @@ def measured(points: np.ndarray) -> tuple[float, float]:
     flat = points - np.outer(points @ axis, axis)
     # circle through three of them
     a, b = flat[1] - flat[0], flat[2] - flat[0]
-    normal = np.cross(a, b)
-    centre = np.cross((a @ a) * b - (b @ b) * a, normal) / (2 * normal @ normal)
-    return float(np.linalg.norm(centre)), height
+    doubled = np.linalg.norm(np.cross(a, b))
+    return float(np.linalg.norm(a) * np.linalg.norm(b) * np.linalg.norm(a - b) / (2.0 * doubled)), height
+
+
+CASES = tuple(
+    Case(
+        "G8, straight rod to helix", f"slenderness {slenderness:g}, 16 straight elements; radius, height",
+        (RADIUS, HEIGHT), "exact (Herrmann & Harsch 2025)", 1e-8,
+        "end moment alone; plain Newton with the unsymmetric tangent, not the path follower",
+        partial(coiled_to, slenderness=slenderness), mesh=16,
+    )
+    for slenderness in (1e1, 1e2, 1e3, 1e4)
+)  # fmt: skip

@@ -57,19 +57,6 @@ KINDS = (
     Kind("free top, combined", (), SIDE),
     Kind("guided top, combined", ("rotz",), SIDE),
 )
-TEXT = (
-    f"Wire of 1 mm, index {INDEX[0]:g} to {INDEX[1]:g}, {COILS[0]} to {COILS[1]} coils in halves, closed "
-    f"ends, pitch from {PITCH[0]:g} mm to 1 mm + {PITCH[1]:g} D, start phase uniform over the turn. In "
-    f"equal shares cylinders, cones (diameters {TAPER[0]:g} to {TAPER[1]:g} of each other), barrels or "
-    "waists, and cylinders whose pitch falls along the wire. *Lateral* is a side force with up to as much "
-    f"along the axis; *combined* an axial force with {100 * SIDE:g} % of it sideways. {100 * CONTACT:g} % of "
-    f"the scenes have contact, frictionless; {100 * DEEP:g} % of those are loaded until coils close by a "
-    f"closed form, up to {100 * LAST:g} % of the range to the last closing or, with a side force, up to "
-    f"{SEVERAL:g} times the first; all others up to the first. No spring is shortened by more than "
-    f"{BUCKLING:g} of its buckling shortening after EN 13906-1, driven beyond {100 * SOLID:g} % of its "
-    f"travel, or swayed by more than {SWAY:g} of its height (linearly). Beyond these bounds the numbers "
-    "below say nothing."
-)
 
 
 @dataclass(frozen=True)

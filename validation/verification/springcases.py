@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 from scipy.sparse.linalg import spsolve
@@ -12,7 +13,7 @@ import wirefe
 from coilspring import Material, Spring, load_scene, spring_a, spring_b
 from coilspring.scene.wire import Section, round_section
 from validation.study.scenes import EXACT_ROD
-from validation.verification.case import Check, observed_order
+from validation.verification.case import Case, Check
 from wirefe.modes import linear_stiffness, natural_frequencies
 
 ROUND = round_section(1.5, Material())
@@ -26,54 +27,46 @@ MESHES = {
 TARGET_DIGITS = 1e-6  # errors below say nothing of an order
 
 
-def checks() -> Iterator[Check]:
-    """G9, G13, Love's deflection, the rate, natural frequencies and Rodriguez, solved."""
-    yield wrench()
-    yield from exact_rods()
-    for height in (25.6, 21.75):
-        yield love(height)
-    yield rate()
-    yield frequencies()
-    yield rodriguez()
-
-
-def wrench() -> Check:
-    """G9."""
+def wrench(elements: int) -> np.ndarray:
+    """Tip of 3 turns of Spring A's wire under a wrench that leaves it a uniform helix."""
     force, moment = (0.0, -19.998380153, 0.254541242), (0.42943653, 1.27390492, 100.08607929)
-    target = np.array((-4.606e-5, -1.2155943661, -0.0813165661))
+    rod = wirefe.curved_rod(HELIX, np.linspace(0.0, 6 * np.pi, 3 * elements + 1), ROUND).holding(0)
+    return wirefe.solve_rod(rod.loaded(-1, force, moment), steps=2).displacements(-1)[-1]
 
-    def moved(count: int) -> np.ndarray:
-        rod = wirefe.curved_rod(HELIX, np.linspace(0.0, 6 * np.pi, 3 * count + 1), ROUND).holding(0)
-        return wirefe.solve_rod(rod.loaded(-1, force, moment), steps=2).displacements(-1)[-1]
 
-    errors = [np.abs(moved(n) - target).max() for n in (4, 8)]
-    return Check(
-        "G9, uniform helix under a wrench", "Spring A's wire, 3 turns, 16 curved elements per turn",
-        tuple(target.tolist()), "own (exact with shear and stretch)", 3e-7, tuple(moved(16).tolist()),
-        "uniform strains only", observed_order(errors),
-    )  # fmt: skip
+def spring_tip(elements: int, name: str, element: str) -> np.ndarray:
+    """Tip of a spring of the catalogue at full load."""
+    return wirefe.solve(load_scene(name), steps=5, element=element, elements_per_turn=elements).tips[-1]
 
 
 def exact_rods() -> Iterator[Check]:
-    """G13."""
+    """G13, solved: the order is computed from mesh to mesh."""
     for name, tips in EXACT_ROD.items():
         for element, meshes in MESHES.items():
             coarse, error = 0, 0.0
             for count, tolerance in meshes.items():
-                path = wirefe.solve(load_scene(name), steps=5, element=element, elements_per_turn=count)
-                found = Check(
+                found = Case(
                     f"G13, {name}", f"{count} {element} elements per turn; UX, UY, ROTZ", tips[1.0],
-                    "own (shooting)", tolerance, tuple(path.tips[-1].tolist()),
-                    "contact; the assumed material",
-                )  # fmt: skip
+                    "own (shooting)", tolerance, "contact; the assumed material",
+                    partial(spring_tip, name=name, element=element), mesh=count,
+                ).checked()  # fmt: skip
                 if coarse and found.error > TARGET_DIGITS:
                     found = replace(found, order=np.log(error / found.error) / np.log(count / coarse))
                 yield found
                 coarse, error = count, found.error
 
 
-def love(height: float) -> Check:
-    """Large axial deflection of an inextensible helix, ends held: height a turn under the exact wrench."""
+def love(elements: int, height: float) -> tuple[float]:
+    """Height of 14.5 turns of an inextensible helix, ends held, under the exact wrench for a height."""
+    force, wrench_moment, axis = love_wrench(height)
+    phases, section = np.linspace(0.0, 6.0 * np.pi, 3 * elements + 1), Section(1e9, 1e9, ROUND.GJ, ROUND.EI)
+    rod = wirefe.curved_rod(HELIX, phases, section).holding(0)
+    path = wirefe.solve_rod(rod.loaded(-1, tuple(force * axis), tuple(wrench_moment)), steps=2)
+    return (float((path.positions[-1, -1] - rod.points[0]) @ axis) * 14.5 / 3.0,)
+
+
+def love_wrench(height: float) -> tuple[float, np.ndarray, np.ndarray]:
+    """Force along the axis, moment of 3 turns and axis of the helix of a height, by Love."""
     sine0, sine = HELIX.pitch / TURN, height / 14.5 / TURN
     cosine0, cosine = np.sqrt(1.0 - sine0**2), np.sqrt(1.0 - sine**2)
     radius = 5.0 * cosine / cosine0
@@ -81,65 +74,71 @@ def love(height: float) -> Check:
     twist = ROUND.GJ * (tau - sine0 * cosine0 / 5.0)
     bend = ROUND.EI * (kappa - cosine0**2 / 5.0)
     force, couple = (twist * cosine - bend * sine) / radius, twist * sine + bend * cosine
-    rod = wirefe.curved_rod(
-        HELIX, np.linspace(0.0, 6.0 * np.pi, 49), Section(1e9, 1e9, ROUND.GJ, ROUND.EI)
-    ).holding(0)
     first, second = (vectors[0] for vectors in HELIX.derivatives(np.zeros(1)))
     t, b = first / np.linalg.norm(first), np.cross(first, second)
     b /= np.linalg.norm(b)
     axis = (tau * t - kappa * b) / np.hypot(tau, kappa)  # left-handed: negative torsion
     angle, arm = -np.hypot(tau, kappa) * 3.0 * TURN, -radius * np.cross(b, t)
     arm = arm * np.cos(angle) + np.cross(axis, arm) * np.sin(angle)
-    moment = -couple * axis - np.cross(arm, force * axis)
-    path = wirefe.solve_rod(rod.loaded(-1, tuple(force * axis), tuple(moment)), steps=2)
-    reached = (path.positions[-1, -1] - rod.points[0]) @ axis
-    return Check(
-        "Love/Thwaites, large axial deflection", f"Spring A's wire, ends held, F = {force:.6f} N; 3 turns of "
-        "16 curved elements; height of 14.5 turns", (height,), "exact (Love 1927), inextensible",
-        1e-6, (float(reached) * 14.5 / 3.0,), "uniform strains only",
-    )  # fmt: skip
+    return force, -couple * axis - np.cross(arm, force * axis), axis
 
 
-def rate() -> Check:
-    """Axial rates of the linear helix, free to twist and held."""
-    rod = wirefe.curved_rod(HELIX, np.linspace(0.0, HELIX.phase_end, 233), ROUND)
+def rates(elements: int) -> tuple[float, float]:
+    """Axial rates of the linear helix, free to twist and held, N/mm."""
+    phases = np.linspace(0.0, HELIX.phase_end, round(HELIX.active_coils * elements) + 1)
+    rod = wirefe.curved_rod(HELIX, phases, ROUND)
     up, arm = np.array([0.0, 1.0, 0.0]), np.array([0.0, HELIX.active_height, 0.0]) - rod.points[-1]
     wrenches = np.zeros((rod.held.size - 6, 2))
     wrenches[-6:, 0] = *up, *np.cross(arm, up)
     wrenches[-2, 1] = 1.0
     c = wrenches.T @ spsolve(linear_stiffness(rod)[6:, 6:].tocsc(), wrenches)
-    result = (1.0 / c[0, 0], 1.0 / (c[0, 0] - c[0, 1] ** 2 / c[1, 1]))
-    return Check(
-        "spring rate with pitch and shear", "Spring A's wire, free to twist and held; N/mm",
-        (3.411569, 3.412482), "rod theory (classical)", 1e-6, result,
-        "the curvature of the wire: see the end of this page",
-    )  # fmt: skip
+    return 1.0 / c[0, 0], 1.0 / (c[0, 0] - c[0, 1] ** 2 / c[1, 1])
 
 
-def frequencies() -> Check:
-    """Natural frequencies of a clamped spring."""
+def frequencies(elements: int) -> np.ndarray:
+    """Natural frequencies of a clamped spring, Hz."""
     height = 7.6 * 10.0 * np.pi * np.tan(np.radians(8.5744))
     spring = Spring(1.0, (10.0, 10.0), 7.6, height, end_turns=0.0)
+    phases = np.linspace(0.0, spring.phase_end, round(7.6 * elements) + 1)
+    rod = wirefe.curved_rod(spring, phases, round_section(1.0, Material(206000.0, 0.3)))
+    return natural_frequencies(rod.holding(0).holding(-1), 7.9e-9, 1.0, 5)
 
-    def found(count: int) -> np.ndarray:
-        phases = np.linspace(0.0, spring.phase_end, round(7.6 * count) + 1)
-        rod = wirefe.curved_rod(spring, phases, round_section(1.0, Material(206000.0, 0.3)))
-        return natural_frequencies(rod.holding(0).holding(-1), 7.9e-9, 1.0, 5)
 
-    fine = found(320)
-    order = observed_order([np.abs(found(n) - fine).max() for n in (40, 80)])
-    return Check(
+def shortening_of_b(elements: int) -> tuple[float]:
+    """Shortening of Spring B at 200 N, mm."""
+    path = wirefe.solve(spring_b(), element="curved", elements_per_turn=elements)
+    return (-float(path.tips[-1, 1]),)
+
+
+WRENCH = Case(
+    "G9, uniform helix under a wrench", "Spring A's wire, 3 turns, 16 curved elements per turn",
+    (-4.606e-5, -1.2155943661, -0.0813165661), "own (exact with shear and stretch)", 3e-7,
+    "uniform strains only", wrench, mesh=16, meshes=(4, 8),
+)  # fmt: skip
+OTHERS = (
+    *(
+        Case(
+            "Love/Thwaites, large axial deflection", "Spring A's wire, ends held, "
+            f"F = {love_wrench(height)[0]:.6f} N; 3 turns of 16 curved elements; height of 14.5 turns",
+            (height,), "exact (Love 1927), inextensible", 1e-6, "uniform strains only",
+            partial(love, height=height), mesh=16,
+        )
+        for height in (25.6, 21.75)
+    ),
+    Case(
+        "spring rate with pitch and shear", "Spring A's wire, free to twist and held; N/mm",
+        (3.411569, 3.412482), "rod theory (classical)", 1e-6,
+        "the curvature of the wire: see the end of this page", rates, mesh=16,
+    ),
+    Case(
         "natural frequencies", "clamped, 7.6 turns, 80 curved elements per turn; Hz",
         (393.5, 396.1, 462.8, 525.5, 863.9), "literature from memory (after Pearson; Yildirim)", 2e-3,
-        tuple(found(80).tolist()), "frequencies of a loaded spring, of coils that touch", order,
-    )  # fmt: skip
-
-
-def rodriguez() -> Check:
-    """Spring B at 200 N against the conical formula."""
-    path = wirefe.solve(spring_b(), element="curved", elements_per_turn=16)
-    return Check(
+        "frequencies of a loaded spring, of coils that touch", frequencies, mesh=80, meshes=(40, 80),
+        fine=320, components=5,
+    ),
+    Case(
         "Rodriguez-Paredes-Sartor, conical spring", "Spring B at 200 N, no sliding; mm", (15.245118,),
-        "closed form of 2006, from memory", 0.03, (-float(path.tips[-1, 1]),),
-        "the formula leaves out pitch, direct shear and discrete contact",
-    )  # fmt: skip
+        "closed form of 2006, from memory", 0.03,
+        "the formula leaves out pitch, direct shear and discrete contact", shortening_of_b, mesh=16,
+    ),
+)  # fmt: skip

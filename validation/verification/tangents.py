@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 from functools import partial
+from itertools import product
 from pathlib import Path
 
 import pandas as pd
 
 import equivbeam
 from coilspring import EquilibriumPath, Scene, load_scene
-from validation.study.document import Block, Heading, Table, Text, to_markdown
+from validation.study import template
+from validation.study.frames import frame_table
 from validation.study.output import write_facts, write_text
 from validation.study.partialsolve import partial_path
 from validation.study.timing import interleaved
@@ -20,56 +22,38 @@ TANGENTS = ("exact", "paper", "paper-printed")
 STEPS = (1, 5, 50, 200)
 PENALTIES = (1e3, 1e4, 1e5, 1e6, 1e7)
 ROUNDS = 5
-HEAD = """# Tangents of the equivalent beam
-
-Written by `python -m validation.verification.tangents`; every number is measured there.
-
-- *exact*: the Hessian of the energy, with a predictor along the path.
-- *paper*: the matrix of the paper's section 2.3 with Phi = 12 Kfl/(Ksh L^2), started from the last state.
-- *paper-printed*: the same with Phi = Kfl/(Ksh L^2), as printed.
-
-All three have the exact contact matrix, the same energy line search, substeps and stop test; they find the
-same equilibria. The paper's matrix converges linearly, and its pivots say nothing of stability. Iterations
-are factorisations, rejected attempts included; times are medians of rounds in which the tangents take turns,
-the ratio is formed within each round."""
+WORDS = template.template(Path(__file__).with_name("tangents.md"))
 
 
-def by_case() -> tuple[Heading, Table]:
+def by_case() -> pd.DataFrame:
     """Iterations and time of 50 steps; times are medians of rounds in which the tangents take turns."""
     rows = []
     for case in CASES:
         scene = load_scene(case)
-        paths = {tangent: follow(scene, tangent, 50) for tangent in TANGENTS}
         runs = {name: partial(_seconds, scene, name) for name in TANGENTS}
         times = pd.DataFrame(interleaved(runs, range(ROUNDS)))
         ratios = times.div(times["exact"], axis=0).median()
-        for tangent, path in paths.items():
-            counts = str(path.total_iterations), str(path.iterations.max())
-            time = 1e3 * times[tangent].median()
-            rows.append((case, tangent, *counts, f"{time:.2f}", f"{ratios[tangent]:.1f}"))
-    header = ("case", "tangent", "iterations", "a step, most", "CPU, ms", "over exact")
-    return Heading(2, "Fifty steps"), Table(header, tuple(rows))
+        for tangent in TANGENTS:
+            path = follow(scene, tangent, 50)
+            most = path.iterations.max()
+            numbers = {"iterations": path.total_iterations, "a step, most": most}
+            numbers |= {"CPU, ms": 1e3 * times[tangent].median(), "over exact": ratios[tangent]}
+            rows.append({"case": case, "tangent": tangent, **numbers})
+    return pd.DataFrame(rows)
 
 
 def _seconds(scene: Scene, tangent: str) -> float:
     return follow(scene, tangent, 50).solve_seconds
 
 
-def by_steps() -> list[Block]:
+def by_steps() -> pd.DataFrame:
     """Outcome and iterations over steps and penalties."""
     rows = []
-    for case in ("spring-a", "spring-b"):
-        for penalty in PENALTIES:
-            for steps in STEPS:
-                scene = load_scene(case).with_penalty(penalty)
-                cells = [result(follow(scene, tangent, steps)) for tangent in TANGENTS]
-                rows.append((case, f"{penalty:.0e}", str(steps), *cells))
-    words = (
-        "Iterations to full load, or in bold what happened instead and when. What helps the paper's "
-        "matrix over stiff contact is the line search and the substeps, which all three share."
-    )
-    header = ("case", "penalty, N/mm", "steps", *TANGENTS)
-    return [Heading(2, "Where each fails"), Text(words), Table(header, tuple(rows))]
+    for case, penalty, steps in product(("spring-a", "spring-b"), PENALTIES, STEPS):
+        scene = load_scene(case).with_penalty(penalty)
+        cells = {tangent: result(follow(scene, tangent, steps)) for tangent in TANGENTS}
+        rows.append({"case": case, "penalty, N/mm": f"{penalty:.0e}", "steps": steps, **cells})
+    return pd.DataFrame(rows)
 
 
 def follow(scene: Scene, tangent: str, steps: int) -> EquilibriumPath:
@@ -86,6 +70,7 @@ def result(path: EquilibriumPath) -> str:
 
 
 if __name__ == "__main__":
-    heading, fifty = by_case()
-    write_text(PAGE, to_markdown((Text(HEAD), heading, fifty, *by_steps())))
-    write_facts({f"{case}.{tangent}": int(count) for case, tangent, count, *_ in fifty.rows}, RECORD)
+    fifty = by_case()
+    table = frame_table(fifty, {"CPU, ms": "{:.2f}", "over exact": "{:.1f}"})
+    write_text(PAGE, template.page(WORDS, fifty=table, steps=frame_table(by_steps())))
+    write_facts({f"{row.case}.{row.tangent}": row.iterations for row in fifty.itertuples()}, RECORD)

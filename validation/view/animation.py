@@ -5,7 +5,6 @@ from __future__ import annotations
 import io
 import os
 import sys
-import tempfile
 from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -14,8 +13,8 @@ import numpy as np
 
 from coilspring import InputError
 from validation.study.output import write_bytes
-from validation.view import process
 from validation.view.frames import Frames
+from validation.view.process import Drawing
 
 if TYPE_CHECKING:
     from PIL import Image
@@ -47,8 +46,8 @@ def show(frames: Frames) -> None:
     ------
     InputError : the window could not be opened.
     """
-    with tempfile.TemporaryDirectory(prefix="coilcheck-") as name:
-        status = _subprocess(frames, Path(name), "window", None)
+    with Drawing(COMMAND, asdict(frames), "window") as drawing:
+        status = drawing.failure(None)
     if status:
         raise InputError(f"no window could be opened ({status}): --movie FILE.gif draws without one")
 
@@ -57,12 +56,9 @@ def film(frames: Frames, movie: Path) -> str:
     """Write a GIF; a sentence where matplotlib had to draw it, else nothing."""
     chosen = np.unique(np.linspace(0, len(frames.times) - 1, MOST_PICTURES).round().astype(int))
     frames = Frames(frames.diameter, frames.times[chosen], frames.points[chosen], frames.forces[chosen])
-    with tempfile.TemporaryDirectory(prefix="coilcheck-") as name:
-        folder = Path(name)
-        status = _subprocess(frames, folder, "pictures", LONGEST[0] + LONGEST[1] * len(frames.times))
-        files = [folder / f"{i:04d}.png" for i in range(len(frames.times))]
-        if not status and not all(file.is_file() for file in files):
-            status = "it wrote no pictures"
+    with Drawing(COMMAND, asdict(frames), "pictures") as drawing:
+        files = [drawing.folder / f"{i:04d}.png" for i in range(len(frames.times))]
+        status = drawing.failure(LONGEST[0] + LONGEST[1] * len(files), files, "it wrote no pictures")
         if status:
             _draw_flat(frames, files)
         pictures = [_picture(file) for file in files]
@@ -81,12 +77,6 @@ def _picture(file: Path) -> Image.Image:
 
     colours = Image.open(file).convert("RGB")
     return colours.quantize(128, Image.Quantize.MAXCOVERAGE, dither=Image.Dither.NONE)
-
-
-def _subprocess(frames: Frames, folder: Path, what: str, timeout: float | None) -> str:
-    """Draw in a subprocess; in a few words why it failed, empty where it did not."""
-    np.savez(folder / "frames.npz", **asdict(frames))
-    return process.run((*COMMAND, what, str(folder)), timeout)
 
 
 def _draw_flat(frames: Frames, files: list[Path]) -> None:

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
+from pathlib import Path
 
 from coilspring import InputError, Scene
 from coilspring.scene import SEATS
 from coilspring.scene.sizing import Sizes, sizes
 from equivbeam.model import build_model
 from validation.study.scenewarnings import warnings
+from validation.study.template import template
 from wirefe.mesh import mesh_wire
 
 STEEPEST = 7.5  # degrees; EN 13906-1:2013, to which its formulas apply
@@ -17,59 +19,21 @@ LEFT_OUT = "; what keeps its coils from sliding with --sliding scene alone"
 ELEMENTS_PER_TURN = 40  # of the wire model, where nothing is said
 
 
+WORDS = template(Path(__file__).with_name("check.txt"))
+
+
 def report(scene: Scene) -> tuple[list[str], list[str]]:
     """Lines that say what a scene is, and warnings."""
     found = sizes(scene)
-    models = [f"  {model:<13} {verdict}" for model, verdict in _models(scene)]
-    lines = [f"{scene.name}: a valid scene", *_lines(scene, found), *models]
-    return lines, [*warnings(scene), *_of_formulas(found)]
-
-
-def _lines(scene: Scene, found: Sizes) -> Iterator[str]:
-    spring = scene.spring
     low, high = found.index
-    index = f"{low:.3g}" if math.isclose(low, high) else f"{low:.3g} to {high:.3g}"
-    yield f"  wire          {spring.wire_diameter:g} mm, {found.wire_length:.4g} mm long; index D/d {index}"
-    kind = f"{spring.ends} ends" if spring.end_turns else "no end turns"
-    parts = f" in {len(spring.sections)} sections" if spring.sections else ""
-    yield (
-        f"  coils         {spring.active_coils:g} active{parts}, {found.total_coils:g} in all; "
-        f"{kind}, {spring.hand}-handed"
+    text = WORDS.render(
+        **{"scene": scene, "spring": scene.spring, "sizes": found, "solid": math.isinf(found.force)},
+        index=f"{low:.3g}" if math.isclose(low, high) else f"{low:.3g} to {high:.3g}",
+        angle=math.degrees(found.helix_angle),
+        unknown=math.isnan(found.wire_rates[1]),
     )
-    over = "over the ground ends" if scene.supports.seat == "plate" else "over the wire"
-    yield (
-        f"  length        free {found.free_length:.4g} mm, solid {found.solid_length:.4g} mm, {over}; "
-        f"active {spring.active_height:g} mm"
-    )
-    gap = "none below one coil" if found.least_gap is None else f"{found.least_gap:.3g} mm at least"
-    yield f"  gap           {gap}, between neighbouring active coils"
-    yield f"  helix angle   {math.degrees(found.helix_angle):.3g} degrees at most"
-    yield f"  rate          {found.rate:.4g} N/mm (G d^4 / 8 D^3 n of EN 13906-1, summed over the coils)"
-    beam, coiled = found.wire_rates
-    yield f"  {'':<13} {beam:.4g} N/mm by a wire of beams, by 3D elasticity {_known(coiled, '.4g', ' N/mm')}"
-    first, last = found.closing
-    yield f"  closing       first coil at about {first:.3g} N, last at {last:.3g} N, by the same formula"
-    yield f"  axial load    {_axial(found)}"
-    yield (
-        f"  stress        {found.stress:.3g} MPa (8 F D / pi d^3 with Bergstraesser's factor "
-        f"{found.stress_factor:.3f} of EN 13906-1)"
-    )
-    wahl, elastic = found.inner_factors
-    yield f"  {'':<13} factor by Wahl {wahl:.3f}, at the inside by 3D elasticity {_known(elastic, '.3f')}"
-
-
-def _known(value: float, form: str, unit: str = "") -> str:
-    return "unknown (Poisson's ratio below 0)" if math.isnan(value) else f"{value:{form}}{unit}"
-
-
-def _axial(found: Sizes) -> str:
-    """What the axial load does."""
-    if math.isinf(found.force):
-        return f"none shortens it by {found.shortening:.3g} mm: solid before"
-    return (
-        f"{found.force:.4g} N, which shortens it by {found.shortening:.3g} mm, "
-        f"by the same formula: coils that close give no more"
-    )
+    models = (f"  {model:<13} {verdict}" for model, verdict in _models(scene))
+    return [*text.splitlines(), *models], [*warnings(scene), *_of_formulas(found)]
 
 
 def _of_formulas(found: Sizes) -> Iterator[str]:

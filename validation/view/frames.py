@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
 from xml.etree import ElementTree
@@ -46,14 +47,9 @@ def of_scene(scene: Scene) -> Frames:
     path = partial_path(wirefe.solve, scene)
     if len(path.times) == 0:
         raise InputError(f"{scene.name} has no step to show: {path.message}")
-    found = [section_results(path, step) for step in range(len(path.times))]
-    return _frames(
-        scene.spring.wire_diameter,
-        list(path.times),
-        [each.points for each in found],
-        [each.displacement for each in found],
-        [each.pair_force for each in found],
-    )
+    found = (section_results(path, step) for step in range(len(path.times)))
+    steps = ((each.points, each.displacement, each.pair_force) for each in found)
+    return _frames(scene.spring.wire_diameter, path.times, steps)
 
 
 def of_run(folder: Path) -> Frames:
@@ -71,29 +67,19 @@ def of_run(folder: Path) -> Frames:
         sets = list(ElementTree.parse(folder / "wire.pvd").getroot().iter("DataSet"))
         meshes = [meshio.read(folder / each.attrib["file"], file_format="vtu") for each in sets]
         summary = json.loads((folder / "summary.json").read_text(encoding="utf-8"))
-        return _frames(
-            float(summary["wire_diameter"]),
-            [float(each.attrib["timestep"]) for each in sets],
-            [mesh.points for mesh in meshes],
-            [mesh.point_data["displacement"] for mesh in meshes],
-            [mesh.point_data["pair_force"] for mesh in meshes],
+        steps = (
+            (mesh.points, mesh.point_data["displacement"], mesh.point_data["pair_force"]) for mesh in meshes
         )
+        times = [float(each.attrib["timestep"]) for each in sets]
+        return _frames(float(summary["wire_diameter"]), times, steps)
     except (OSError, KeyError, ValueError, IndexError, ElementTree.ParseError, meshio.ReadError) as error:
         raise InputError(f"{folder} is not a whole run ({error}): {HINT}") from error
 
 
-def _frames(
-    diameter: float,
-    times: list[float],
-    points: list[np.ndarray],
-    displacements: list[np.ndarray],
-    forces: list[np.ndarray],
-) -> Frames:
-    """The steps behind a frame at rest."""
-    rest = points[0] - displacements[0]
+def _frames(diameter: float, times: Iterable[float], steps: Iterable[tuple[np.ndarray, ...]]) -> Frames:
+    """Points, displacements and forces of the steps, behind a frame at rest."""
+    points, displacements, forces = (np.stack(part) for part in zip(*steps, strict=True))
+    rest, none = points[:1] - displacements[:1], np.zeros((1, points.shape[1]))
     return Frames(
-        diameter=diameter,
-        times=np.array([0.0, *times]),
-        points=np.stack([rest, *points]),
-        forces=np.vstack((np.zeros(len(rest)), *forces)),
+        diameter, np.array([0.0, *times]), np.concatenate((rest, points)), np.concatenate((none, forces))
     )

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import sys
-import tempfile
 from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -11,10 +10,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from validation.study.style import BLUE, GREY, RED
-from validation.view import process
 from validation.view.htmlfile import FILE, signature
+from validation.view.process import Drawing, arrays
 from validation.view.render3d import add_spring
-from validation.view.shapes import PARTS, Shapes
+from validation.view.shapes import Shapes, panel_arrays, panel_parts
 
 if TYPE_CHECKING:
     import pyvista
@@ -36,17 +35,12 @@ def page(panels: Sequence[Shapes], mark: str) -> bytes | str:
     panels : springs, put side by side.
     mark : by which `interactive.is_made` knows the page again.
     """
-    arrays = {f"{part}{i}": getattr(panel, part) for i, panel in enumerate(panels) for part in PARTS}
-    titles = np.array([panel.spring for panel in panels])
-    with tempfile.TemporaryDirectory(prefix="coilcheck-") as name:
-        folder = Path(name)
-        np.savez(folder / "panels.npz", diameter=panels[0].diameter, titles=titles, **arrays)
-        trouble = process.run((*COMMAND, name), TIMEOUT)
-        if not trouble and not (folder / FILE).is_file():
-            trouble = "it wrote no file"
+    with Drawing(COMMAND, panel_arrays(panels)) as drawing:
+        file = drawing.folder / FILE
+        trouble = drawing.failure(TIMEOUT, [file])
         if trouble:
             return trouble
-        text = (folder / FILE).read_text(encoding="utf-8")
+        text = file.read_text(encoding="utf-8")
     head, _, rest = text.partition("<title>")  # of the viewer
     return f"{head}<title>{TITLE}{rest[rest.index('</title>') :]}\n".encode() + signature(mark)
 
@@ -57,11 +51,9 @@ def main(folder: Path) -> None:
 
     # a viewer that is not used, but would be downloaded
     sys.modules["trame.widgets.vtklocal"] = None  # type: ignore[assignment]
-    with np.load(folder / "panels.npz") as stored:
-        data = dict(stored)
     plotter = pyvista.Plotter(off_screen=True, window_size=[1200, 800])
     plotter.set_background("white")
-    low, high = _springs(plotter, data)
+    low, high = _springs(plotter, arrays(folder))
     for i, (words, colour) in enumerate(KEY):
         place = low[0] + (i + 0.5) / len(KEY) * (high[0] - low[0])
         _write(plotter, words, place, low[1] - 5.0 * LETTER, colour)
@@ -74,7 +66,7 @@ def main(folder: Path) -> None:
 
 def _springs(plotter: pyvista.Plotter, data: dict[str, np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
     """Springs side by side with their names below; corners of the box that holds them."""
-    springs = [[data[f"{part}{i}"] for part in PARTS] for i in range(len(data["titles"]))]
+    springs = panel_parts(data)
     lows, highs = (
         np.array([bound(np.concatenate(parts), axis=0) for parts in springs]) for bound in (np.min, np.max)
     )
@@ -82,9 +74,9 @@ def _springs(plotter: pyvista.Plotter, data: dict[str, np.ndarray]) -> tuple[np.
     lefts = np.cumsum(widths + GAP) - widths - GAP
     low = lows.min(axis=0)
     for title, parts, move in zip(data["titles"], springs, lefts - lows[:, 0], strict=True):
-        rest, beam, wire = (part + np.array((move, 0.0, 0.0)) for part in parts)
-        add_spring(plotter, rest, beam, wire, float(data["diameter"]), SIDES)
-        _write(plotter, str(title), rest[:, 0].mean(), low[1] - 2.0 * LETTER, "black")
+        moved = [part + np.array((move, 0.0, 0.0)) for part in parts]
+        add_spring(plotter, moved, float(data["diameter"]), SIDES)
+        _write(plotter, str(title), moved[0][:, 0].mean(), low[1] - 2.0 * LETTER, "black")
     low[0], high = 0.0, highs.max(axis=0)
     high[0] = lefts[-1] + widths[-1]
     return low, high

@@ -12,30 +12,18 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from coilspring import EquilibriumPath
+from validation.study import style
 from validation.study.metrics import COMPONENTS, answered
 from validation.study.plots import TIPS, both, discs, png
-from validation.study.style import (
-    BEAM_CIRCLE,
-    BEAM_LABEL,
-    BEAM_LINE,
-    DOUBLE,
-    GREY,
-    RC,
-    REST_CIRCLE,
-    WIRE_CIRCLE,
-    WIRE_LABEL,
-    WIRE_LINE,
-    Look,
-)
 
 LABELS = dict(zip(COMPONENTS, TIPS, strict=True))
-DIFFERENCE: Look = {"color": "black", "linewidth": 1.0}
-HELD = 1e-9  # mm, rad: tips below are held freedoms' rounding
+DIFFERENCE: style.Look = {"color": "black", "linewidth": 1.0}
+HELD = 1e-9  # mm, rad: tips below are the rounding of fixed degrees of freedom
 
 
 def overlay(beam: EquilibriumPath, wire: EquilibriumPath) -> bytes:
     """`picture` as a PNG."""
-    with matplotlib.rc_context(RC):
+    with matplotlib.rc_context(style.RC):
         return png(picture(beam, wire))
 
 
@@ -46,7 +34,7 @@ def picture(beam: EquilibriumPath, wire: EquilibriumPath) -> Figure:
     Else each component that moves, against the load; where UY is prescribed the axial force.
     """
     moved = [name for name in LABELS if any(_moves(path, name) for path in (beam, wire))]
-    figure = Figure(figsize=(DOUBLE, 4.4), layout="constrained")
+    figure = Figure(figsize=(style.DOUBLE, 4.4), layout="constrained")
     if moved == ["uy"]:
         plots = _panels(figure, ("curve", "difference"), (2.2, 1.0))
         _axial(plots["curve"], plots["difference"], beam, wire)
@@ -111,11 +99,11 @@ def _shape(axes: Axes, beam: EquilibriumPath, wire: EquilibriumPath) -> None:
     """The contact circles of both models, to scale."""
     spring = beam.scene.spring
     common, mine, theirs = np.intersect1d(beam.times, wire.times, return_indices=True)
-    groups = [(spring.points(spring.circle_phases())[:, :2], REST_CIRCLE)]
+    groups = [(spring.points(spring.circle_phases())[:, :2], style.REST_CIRCLE)]
     if common.size:
         groups += [
-            (beam.circle_centres(mine[-1]), BEAM_CIRCLE),
-            (wire.circle_centres(theirs[-1]), WIRE_CIRCLE),
+            (beam.circle_centres(mine[-1]), style.BEAM_CIRCLE),
+            (wire.circle_centres(theirs[-1]), style.WIRE_CIRCLE),
         ]
     for centres, look in groups:
         discs(axes, centres, spring.wire_diameter, **look)
@@ -129,7 +117,7 @@ def _shape(axes: Axes, beam: EquilibriumPath, wire: EquilibriumPath) -> None:
 
 def _key() -> list[Line2D]:
     return [
-        Line2D([], [], **BEAM_LINE, label=BEAM_LABEL),
-        Line2D([], [], **WIRE_LINE, label=WIRE_LABEL),
-        Line2D([], [], color=GREY, marker="o", linestyle="", markerfacecolor="none", label="at rest"),
+        Line2D([], [], **style.BEAM_LINE, label=style.BEAM_LABEL),
+        Line2D([], [], **style.WIRE_LINE, label=style.WIRE_LABEL),
+        Line2D([], [], color=style.GREY, marker="o", linestyle="", markerfacecolor="none", label="at rest"),
     ]

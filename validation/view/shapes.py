@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
-from coilspring import EquilibriumPath
 from validation.study.cases import PathStore, case
 from validation.study.document import Table
 
@@ -43,12 +43,12 @@ class Shapes:
     wire_circles: np.ndarray
 
     def overlaps(self, circles: np.ndarray) -> np.ndarray:
-        """Overlap of each circle with its neighbour one coil above, 0 where apart, mm."""
+        """Overlap of each circle with its neighbour one coil above, 0 where there is none, mm."""
         return overlaps(circles, self.diameter)
 
 
 def overlaps(circles: np.ndarray, diameter: float) -> np.ndarray:
-    """Overlap of each circle with its neighbour one coil above, 0 where apart, mm."""
+    """Overlap of each circle with its neighbour one coil above, 0 where there is none, mm."""
     distance = np.linalg.norm(circles[2:] - circles[:-2], axis=1)
     # closed coils lie at one diameter: what rounding leaves is no overlap
     return np.where(distance < diameter - 1e-9, diameter - distance, 0.0)
@@ -57,27 +57,21 @@ def overlaps(circles: np.ndarray, diameter: float) -> np.ndarray:
 def shapes(store: PathStore, name: str) -> Shapes:
     """Shapes of a catalogue scene at full load."""
     scene = case(name).scene
-    beam, wire = store.beam(scene), store.wire(scene)
-    spring = scene.spring
-    contact = "with contact" if scene.contact.enabled else "without contact"
+    beam, wire, spring = store.beam(scene), store.wire(scene), scene.spring
+    first, last = spring.phase_range
+    phases = np.linspace(first, last, round((last - first) / (2.0 * np.pi) * POINTS_PER_TURN) + 1)
     return Shapes(
         name=name,
-        title=contact,
+        title="with contact" if scene.contact.enabled else "without contact",
         spring=case(name).title,
         diameter=spring.wire_diameter,
-        rest=spring.points(_phases(beam)),
+        rest=spring.points(phases),
         beam=beam.centreline(-1, POINTS_PER_TURN),
         wire=wire.centreline(-1, POINTS_PER_TURN),
         rest_circles=spring.points(spring.circle_phases())[:, :2],
         beam_circles=beam.circle_centres(-1),
         wire_circles=wire.circle_centres(-1),
     )
-
-
-def _phases(path: EquilibriumPath) -> np.ndarray:
-    first, last = path.scene.spring.phase_range
-    count = round((last - first) / (2.0 * np.pi) * POINTS_PER_TURN) + 1
-    return np.linspace(first, last, count)
 
 
 def view() -> np.ndarray:
@@ -98,53 +92,54 @@ def picture_frame(points: np.ndarray, diameter: float) -> tuple[np.ndarray, floa
 
 def bands(points: np.ndarray) -> list[np.ndarray]:
     """Pieces of a wire with spaces between them."""
-    return [points[start : stop + 1] for start, stop in _bands(len(points))]
+    return [points[start : stop + 1] for start, stop in _ends(len(points))]
 
 
 def spaces(points: np.ndarray) -> list[np.ndarray]:
     """The pieces that `bands` leaves out."""
-    ends = [0, *(place for band in _bands(len(points)) for place in band), len(points) - 1]
-    return [
-        points[start : stop + 1] for start, stop in zip(ends[::2], ends[1::2], strict=True) if stop > start
-    ]
+    ends = np.array([0, *_ends(len(points)).ravel(), len(points) - 1]).reshape(-1, 2)
+    return [points[start : stop + 1] for start, stop in ends if stop > start]
 
 
-def _bands(count: int) -> list[tuple[int, int]]:
+def _ends(count: int) -> np.ndarray:
     """First and last points of the bands of a wire of so many points."""
     period = POINTS_PER_TURN // BANDS_PER_TURN
     length = round(BAND_SHARE * period)
-    return [
-        (start, start + length) for start in range((period - length - 1) // 2, count - length - 1, period)
-    ]
+    start = np.arange((period - length - 1) // 2, count - length - 1, period)
+    return np.stack((start, start + length), axis=1)
 
 
 def centreline_table(panels: tuple[Shapes, ...]) -> Table:
     """Centrelines of all panels, one row a point."""
-    rows = []
-    for panel in panels:
-        for model in ("rest", "beam", "wire"):
-            points = getattr(panel, model)[::DATA_STRIDE]
-            label = {"rest": "at rest", "beam": "equivbeam", "wire": "wirefe"}[model]
-            rows += [
-                (
-                    panel.name,
-                    label,
-                    f"{index * DATA_STRIDE / POINTS_PER_TURN:g}",
-                    *(f"{x:.5f}" for x in point),
-                )
-                for index, point in enumerate(points)
-            ]
-    return Table(("scene", "model", "turn", "x_mm", "y_mm", "z_mm"), tuple(rows))
+    header = ("scene", "model", "turn", "x_mm", "y_mm", "z_mm")
+    rows = [
+        (panel.name, label, f"{index * DATA_STRIDE / POINTS_PER_TURN:g}", *(f"{x:.5f}" for x in point))
+        for panel in panels
+        for label, points in (("at rest", panel.rest), ("equivbeam", panel.beam), ("wirefe", panel.wire))
+        for index, point in enumerate(points[::DATA_STRIDE])
+    ]
+    return Table(header, tuple(rows))
 
 
 def circle_table(panels: tuple[Shapes, ...]) -> Table:
     """Contact circles of all panels and their overlap with the neighbour one coil above."""
-    rows = []
-    for panel in panels:
-        for label, circles in (("equivbeam", panel.beam_circles), ("wirefe", panel.wire_circles)):
-            overlap = np.append(panel.overlaps(circles), (0.0, 0.0))
-            rows += [
-                (panel.name, label, str(index), f"{x:.6f}", f"{y:.6f}", f"{gap:.6f}")
-                for index, ((x, y), gap) in enumerate(zip(circles, overlap, strict=True))
-            ]
+    rows = [
+        (panel.name, label, str(index), *(f"{value:.6f}" for value in (*centre, overlap)))
+        for panel in panels
+        for label, circles in (("equivbeam", panel.beam_circles), ("wirefe", panel.wire_circles))
+        for index, (centre, overlap) in enumerate(
+            zip(circles, (*panel.overlaps(circles), 0.0, 0.0), strict=True)
+        )
+    ]
     return Table(("scene", "model", "circle", "x_mm", "y_mm", "overlap_mm"), tuple(rows))
+
+
+def panel_arrays(panels: Sequence[Shapes]) -> dict[str, object]:
+    """What a subprocess is given of panels to draw."""
+    parts = {f"{part}{i}": getattr(panel, part) for i, panel in enumerate(panels) for part in PARTS}
+    return {"diameter": panels[0].diameter, "titles": [panel.spring for panel in panels]} | parts
+
+
+def panel_parts(arrays: Mapping[str, np.ndarray]) -> list[list[np.ndarray]]:
+    """The `PARTS` of each panel from these arrays."""
+    return [[arrays[f"{part}{i}"] for part in PARTS] for i in range(len(arrays["titles"]))]

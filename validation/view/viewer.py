@@ -10,6 +10,7 @@ import numpy as np
 
 from validation.study.style import GREY
 from validation.view.frames import Frames
+from validation.view.process import arrays
 from validation.view.render3d import aim, tubes
 from validation.view.shapes import picture_frame, view
 
@@ -22,12 +23,11 @@ TITLE = "contact, N\n"  # clear of the largest number
 ROOM = 0.8  # of the window's height, which leaves the slider clear of the wire
 
 
-def main(what: str, folder: Path) -> None:
-    """Show ``frames.npz`` of `folder` in a window, or draw its frames as PNG files beside it."""
+def main(folder: Path, what: str) -> None:
+    """Show the frames in `folder` in a window, or draw them as PNG files beside it."""
     import pyvista
 
-    with np.load(folder / "frames.npz") as stored:
-        frames = Frames(float(stored["diameter"]), stored["times"], stored["points"], stored["forces"])
+    frames = Frames(**arrays(folder))  # type: ignore[arg-type]
     window = what == "window"
     plotter = pyvista.Plotter(off_screen=not window, window_size=PIXELS, lighting="light kit")
     plotter.set_background("white")
@@ -109,4 +109,4 @@ def _slider(plotter: pyvista.Plotter, frames: Frames) -> None:
 
 
 if __name__ == "__main__":
-    main(sys.argv[1], Path(sys.argv[2]))
+    main(Path(sys.argv[1]), sys.argv[2])

@@ -1,0 +1,159 @@
+"""Contact points of a scene: spheres at nodes or stations along the wire, and the pairs that may touch."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from coilspring.errors import InputError, require_integer
+from coilspring.scene import Scene
+from wirefe.mesh import TWO_PI, WireMesh
+from wirefe.poses import at_rest
+from wirefe.stations import (
+    ARMS,
+    ROTATION,
+    SLOPES,
+    TANGENT,
+    WIDTH,
+    across_wires,
+    carried,
+    interpolated,
+    on_one_node,
+)
+
+PAIRS_OF_PENALTY = 4  # the scene's stiffness is that of a pair at 4 pairs per turn
+PER_TURN = {"spheres": 4, "wires": 32}  # contact points, unless asked otherwise
+
+
+@dataclass(frozen=True)
+class ContactPoints:
+    """Points that stand for the wire in contact, the pairs that may touch, and their law."""
+
+    attached: np.ndarray  # (points,) node to which each is attached; of stations the lower one
+    parts: np.ndarray  # (points, 3) arm of a sphere at rest, or (points, 15): see `wirefe.stations`
+    pairs: np.ndarray  # (pairs, 2), from bottom to top
+    clearance: np.ndarray  # (pairs,) by how much wires run into each other at rest: they touch there
+    diameter: float
+    stiffness: float  # of a pair
+    exponent: float
+    near: int  # points so near each other along the wire do not touch: half a turn
+    apart: float  # least gap at rest of points that are no pair
+    friction: float  # coefficient: 0 without friction, infinite where closed pairs do not slide
+
+    def span(self, top: int) -> tuple[float, float]:
+        """Largest arms of points about nodes other than the last, `top`, and about that one, mm."""
+        arms = self.parts if self.parts.shape[1] < WIDTH else self.parts[:, ARMS:SLOPES].reshape(-1, 6)
+        first = np.linalg.norm(arms[:, :3], axis=1)
+        second = np.linalg.norm(arms[:, 3:], axis=1)
+        ends = self.attached == top
+        fixed = (self.attached == 0) & (second == 0.0)  # at the bottom end
+        inner = np.where(ends | fixed, 0.0, np.maximum(first, second)).max(initial=0.0)
+        return float(inner), float(np.where(ends, first, second).max(initial=0.0))
+
+
+def no_contact() -> ContactPoints:
+    """A wire that touches nothing."""
+    whole = np.zeros(0, dtype=np.int64)
+    return ContactPoints(
+        whole, np.zeros((0, 3)), whole.reshape(0, 2), np.zeros(0), 1.0, 1.0, 1.0, 0, math.inf, 0.0
+    )
+
+
+def contact_points(
+    scene: Scene,
+    mesh: WireMesh,
+    elements_per_turn: int,
+    pairs_per_turn: int,
+    found: np.ndarray | None = None,
+) -> ContactPoints:
+    """Contact points at `pairs_per_turn` phases a turn, end turns included, each paired one turn above.
+
+    The stiffness per length of wire is kept: K * 4 / pairs. Pairs inside one rigid end are left out;
+    the pairs `found` are added.
+    """
+    require_integer("pairs_per_turn", pairs_per_turn, 1, 1000)
+    spheres = scene.contact.geometry == "spheres"
+    if spheres and elements_per_turn % pairs_per_turn:
+        raise InputError(
+            f"elements_per_turn must be a multiple of pairs_per_turn = {pairs_per_turn}, "
+            f"got {elements_per_turn!r}"
+        )
+    spring = scene.spring
+    first, end = (phase / TWO_PI * pairs_per_turn for phase in spring.phase_range)
+    index = np.arange(math.ceil(first - 1e-9), math.floor(end + 1e-9) + 1)
+    phases = index * TWO_PI / pairs_per_turn
+    points = spring.points(phases)
+    if spheres:
+        start = round(mesh.phases[0] / TWO_PI * elements_per_turn)
+        attached = np.clip(index * (elements_per_turn // pairs_per_turn) - start, 0, len(mesh.phases) - 1)
+        parts = points - np.concatenate((mesh.points[:-1], mesh.reference[None]))[attached]
+    else:
+        attached, parts = on_one_node(*carried(spring, mesh, phases))
+    body = attached.astype(float)
+    if not spheres:
+        body[parts[:, ROTATION] > 0.0] += 0.5  # between two nodes
+    pairs = np.stack((np.arange(len(index) - pairs_per_turn), np.arange(pairs_per_turn, len(index))), axis=1)
+    pairs = pairs[body[pairs[:, 0]] != body[pairs[:, 1]]]
+    if found is not None:
+        pairs = np.concatenate((pairs, found))
+    near = pairs_per_turn // 2
+    _, gaps = (near_pairs if spheres else near_wires)(points, body, pairs, near, np.inf)
+    if not scene.contact.enabled:
+        pairs = pairs[:0]
+    overlap = np.zeros(len(pairs))
+    if not spheres:
+        nodes = at_rest(np.concatenate((mesh.points[:-1], mesh.reference[None])))
+        t = interpolated(nodes, attached, parts, TANGENT, SLOPES)
+        low, high = pairs.T
+        gap = across_wires(points[high] - points[low], t[low] + t[high], overlap)
+        overlap = spring.wire_diameter - np.linalg.norm(gap, axis=1)
+    return ContactPoints(
+        attached=attached,
+        parts=parts,
+        pairs=pairs,
+        clearance=np.maximum(overlap, 0.0),
+        diameter=spring.wire_diameter,
+        stiffness=scene.contact.stiffness * PAIRS_OF_PENALTY / pairs_per_turn,
+        exponent=float(scene.contact.exponent),
+        near=near,
+        apart=float(gaps.min(initial=np.inf)) - spring.wire_diameter,
+        friction=scene.contact.coefficient,
+    )
+
+
+def near_pairs(
+    centres: np.ndarray, body: np.ndarray, pairs: np.ndarray, near: int, reach: float
+) -> tuple[np.ndarray, np.ndarray]:
+    """Spheres that are no pair, with centres nearer than `reach`: (n, 2), and their distances (n,).
+
+    Spheres up to `near` apart along the wire, or of one rigid body, do not touch.
+    """
+    first, second = np.triu_indices(len(centres), near + 1)
+    distance = np.linalg.norm(centres[second] - centres[first], axis=1)
+    count = len(centres)
+    new = ~np.isin(first * count + second, pairs[:, 0] * count + pairs[:, 1])
+    keep = new & (distance < reach) & (body[first] != body[second])
+    return np.stack((first[keep], second[keep]), axis=1), distance[keep]
+
+
+def near_wires(
+    centres: np.ndarray, body: np.ndarray, pairs: np.ndarray, near: int, reach: float
+) -> tuple[np.ndarray, np.ndarray]:
+    """The same of stations: each with the nearest one of every coil farther than the next that it has no
+    pair with."""
+    found, distance = near_pairs(centres, body, pairs, 3 * near, reach)
+    listed = np.zeros((len(centres), len(centres) // (2 * near) + 2), dtype=bool)
+    listed[pairs[:, 0], _coils(pairs, near)] = True
+    coils = _coils(found, near)
+    free = ~listed[found[:, 0], coils]
+    found, distance, coils = found[free], distance[free], coils[free]
+    order = np.lexsort((distance, coils, found[:, 0]))
+    _, first = np.unique(np.stack((found[order, 0], coils[order])), axis=1, return_index=True)
+    return found[order[first]], distance[order[first]]
+
+
+def _coils(pairs: np.ndarray, near: int) -> np.ndarray:
+    """By how many coils pairs are apart."""
+    return (pairs[:, 1] - pairs[:, 0] + near) // (2 * near)

@@ -1,0 +1,130 @@
+"""Stations along the wire: points and tangents of it anywhere between the nodes, whatever the mesh.
+
+With x, R of a node, X its place at rest and T(P) = x + R (P - X), the wire between the points A and B of two
+nodes a and b is the cubic along the turned tangents of the wire at rest: at the share s between them
+
+    (1 - s) Ta(P) + s Tb(P) - s (1 - s)^2 (Tb(A) - Ta(A)) + s^2 (1 - s) (Tb(B) - Ta(B)),
+
+a sum of both positions and of an arm turned with each. So is its derivative along the wire, the tangent. A
+vector fixed to the wire's section at s turns with (1 - s) Ra + s Rb.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from coilspring.compiling.compiled import arithmetic
+from coilspring.scene.spring import Spring
+from wirefe.algebra import plus
+from wirefe.mesh import WireMesh
+from wirefe.poses import ROW, four, three
+from wirefe.quaternions import turned
+
+# What a station takes of its two nodes, by columns: the second node's share of the position, of the tangent,
+# of the section's rotation; then arms (3) of the position and of the tangent, of the first and second node.
+POSITION, TANGENT, ROTATION, ARMS, SLOPES, WIDTH = 0, 1, 2, 3, 9, 15
+NUDGE = 1e-5  # rad: half of the difference that is the wire's tangent at rest, where sections meet its mean
+
+
+def carried(spring: Spring, mesh: WireMesh, phases: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Node at or below the wire at some phases, and what the station there takes of it and of the next one,
+    shape (phases, 15). End turns that are rigid move with their node alone."""
+    rest = spring.points(phases)
+    homes = np.concatenate((mesh.points[:-1], mesh.reference[None]))
+    upper = np.clip(np.searchsorted(mesh.phases, phases), 1, len(homes) - 1)
+    step = mesh.phases[1] - mesh.phases[0]
+    whole = (phases - mesh.phases[upper - 1]) / step
+    s = np.clip(whole, 0.0, 1.0)[:, None]
+    low, high = s * (1.0 - s) ** 2, s**2 * (1.0 - s)
+    A, B, a, b = mesh.points[upper - 1], mesh.points[upper], homes[upper - 1], homes[upper]
+    tangent = (spring.points(phases + NUDGE) - spring.points(phases - NUDGE)) / (2.0 * NUDGE)
+    length = np.linalg.norm(tangent, axis=1, keepdims=True)
+    per_length = np.where((whole == s[:, 0])[:, None], 1.0 / (step * length), 0.0)
+    dlow, dhigh = (1.0 - s) * (1.0 - 3.0 * s) * per_length, s * (2.0 - 3.0 * s) * per_length
+    along = tangent / length
+    columns = (
+        s - low + high,
+        per_length - dlow + dhigh,
+        s,
+        (1.0 - s) * (rest - a) + low * (A - a) - high * (B - a),
+        s * (rest - b) - low * (A - b) + high * (B - b),
+        (1.0 - s) * along - per_length * (rest - a) + dlow * (A - a) - dhigh * (B - a),
+        s * along + per_length * (rest - b) - dlow * (A - b) + dhigh * (B - b),
+    )
+    return upper - 1, np.concatenate(columns, axis=1)
+
+
+def on_one_node(node: np.ndarray, parts: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """The same where stations at a node, or in a rigid end, take all of that one: no second node then."""
+    first, second = parts[:, ROTATION] == 0.0, parts[:, ROTATION] == 1.0
+    single = parts.copy()
+    single[first | second, : ROTATION + 1] = 0.0
+    for arm in (ARMS, SLOPES):
+        own, other = slice(arm, arm + 3), slice(arm + 3, arm + 6)
+        single[second, own] = parts[second, other]
+        single[first | second, other] = 0.0
+    return node + second, single
+
+
+def rows(states: np.ndarray) -> np.ndarray:
+    """States (n, size) as rows of their nodes, shape (n, nodes, 7)."""
+    return states.reshape(len(states), states.shape[1] // ROW, ROW)
+
+
+def turned_rows(q: np.ndarray, v: np.ndarray) -> np.ndarray:
+    """Vectors v (..., 3) turned by the unit quaternions q (..., 4)."""
+    t = 2.0 * np.cross(q[..., 1:], v)
+    return v + q[..., :1] * t + np.cross(q[..., 1:], t)
+
+
+def interpolated(nodes: np.ndarray, node: np.ndarray, parts: np.ndarray, share: int, arms: int) -> np.ndarray:
+    """Positions (`POSITION`, `ARMS`) or tangents (`TANGENT`, `SLOPES`) of stations, shape (..., stations, 3),
+    from rows (..., nodes, 7); see `wirefe.stations`."""
+    low = nodes[..., node, :]
+    high = nodes[..., np.minimum(node + 1, nodes.shape[-2] - 1), :]
+    turn = turned_rows(low[..., 3:], parts[:, arms : arms + 3])
+    turn += turned_rows(high[..., 3:], parts[:, arms + 3 : arms + 6])
+    part = parts[:, share, None]
+    own = (1.0 if share == POSITION else 0.0) - part
+    return turn + own * low[..., :3] + part * high[..., :3]
+
+
+def fixed_to_sections(
+    nodes: np.ndarray, node: np.ndarray, parts: np.ndarray, vectors: np.ndarray
+) -> np.ndarray:
+    """Vectors (..., stations, 3) fixed to the sections of stations at rest, as turned now."""
+    share = parts[:, ROTATION, None]
+    high = nodes[..., np.minimum(node + 1, nodes.shape[-2] - 1), 3:]
+    return (1.0 - share) * turned_rows(nodes[..., node, 3:], vectors) + share * turned_rows(high, vectors)
+
+
+def across_wires(w: np.ndarray, tau: np.ndarray, clearance: np.ndarray) -> np.ndarray:
+    """The part of vectors w (..., pairs, 3) across the sum tau of two tangents, longer by `clearance`."""
+    along = (w * tau).sum(axis=-1) / (tau * tau).sum(axis=-1)
+    across = w - along[..., None] * tau
+    h = np.linalg.norm(across, axis=-1)
+    return across * (1.0 + clearance / h)[..., None]
+
+
+@arithmetic
+def arms_of(parts, state, node, first):
+    """Two arms of a station as turned now, those from the column `first` on."""
+    i = ROW * node
+    a = turned(four(state, i + 3), three(parts, first))
+    if parts[ROTATION] == 0.0:
+        return a, (0.0, 0.0, 0.0)
+    return a, turned(four(state, i + ROW + 3), three(parts, first + 3))
+
+
+@arithmetic
+def station(parts, state, node, share, first):
+    """Position (`POSITION`, `ARMS`) or tangent (`TANGENT`, `SLOPES`) of a station."""
+    i = ROW * node
+    a, b = arms_of(parts, state, node, first)
+    x = plus(a, 1.0, b)
+    own = 1.0 if share == POSITION else 0.0
+    c = parts[share]
+    x = plus(x, own - c, three(state, i))
+    if c == 0.0:
+        return x
+    return plus(x, c, three(state, i + ROW))
