@@ -49,7 +49,7 @@ class Sizes:
         infinite beyond solid.
     stress : largest shear stress in the wire under that force, MPa; coils that have closed give no more.
     stress_factor : of the wire's curvature, in it.
-    inner_factors : the same there by Wahl and by three-dimensional elasticity, nan as above.
+    inner_factors : the same there by Wahl and by three-dimensional elasticity.
     buckling : shortening at which the straight spring buckles, mm; None where it does not.
     """
 
@@ -126,7 +126,7 @@ def sizes(scene: Scene) -> Sizes:
         shortening=shortening,
         stress=float(stress.max()),
         stress_factor=float(stress_factor(worst)),
-        inner_factors=(wahl_factor(worst), inner_stress_factor(worst, scene.material.nu)),
+        inner_factors=(wahl_factor(worst), inner_stress_factor(worst)),
         buckling=buckling_shortening(scene),
     )
 

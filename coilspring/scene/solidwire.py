@@ -91,13 +91,9 @@ def half_ring(section: Section, radius: np.ndarray) -> np.ndarray:
     axial = radius**2 / section.GJ + 1.0 / section.GA
     shear = 0.5 * (radius**2 / section.EI + 1.0 / section.EA + 1.0 / section.GA)
     bending = 0.5 * (1.0 / section.GJ + 1.0 / section.EI)
-    return 1.0 / (math.pi * radius[:, None] * np.stack((axial, shear, bending), axis=-1))
+    return 1.0 / (math.pi * radius[:, None] * np.stack(np.broadcast_arrays(axial, shear, bending), axis=-1))
 
 
-def inner_stress_factor(index: float, nu: float) -> float:
-    """Shear stress at the inside of a closely coiled spring over 8 F D / (pi d^3); nan beyond `FITTED`."""
-    if not FITTED[0] <= nu <= FITTED[1]:
-        return math.nan
-    curvature = 2.0 / index
-    powers = curvature ** np.arange(1, len(STRESS) + 1)
-    return 1.0 + float(powers @ STRESS @ nu ** np.arange(STRESS.shape[-1])) / (1.0 + nu)
+def inner_stress_factor(index: float) -> float:
+    """Shear stress at the inside of a closely coiled spring over 8 F D / (pi d^3), whatever nu is."""
+    return 1.0 + float((2.0 / index) ** np.arange(1, len(STRESS) + 1) @ STRESS)

@@ -21,44 +21,16 @@ from coilspring.scene.wire import round_section
 from validation.solid.comparison import COILS as COILS_RUN
 from validation.solid.comparison import DIRECTIONS, KINDS, MODELS, solved
 from validation.solid.runs import FOLDER
-from validation.study.document import Block, Heading, Table, Text, to_markdown
+from validation.study import template
 from validation.study.frames import Format, frame_table, read_csv, write_csv
 from validation.study.metrics import compare_paths
 from validation.study.output import write_facts, write_text
 from validation.study.partialsolve import ending, partial_path
-from validation.study.statements import Statement, rendered, statement
 
 INDICES = (3.0, 4.0, 5.0, 20.0 / 3.0, 8.0, 10.0, 15.0)
-AXIAL, OTHERS = 0.3, 0.5  # per cent: what the wire model with the solid wire must hold
 SIGNED, PERCENT = "{:+.2f}".format, "{:.2f}".format
-INTRO = (
-    "Written by `python -m validation.solid.page`; solids by `python -m validation.solid.runs`. Both models "
-    "take their wire for a straight rod with shear unless `[spring] wire_rigidity` is `solid`: then it has "
-    "the flexibility of the coiled wire by three-dimensional elasticity, from finite elements on its section "
-    "([theory](../../docs/theory.md#5-the-wire-as-a-solid-body)). Wire model: 16 curved elements per turn."
-)
-RATES = (
-    "Stiffness of a closely coiled spring's half coil over the paper's, by the section: what changes in the "
-    "equivalent beam, and the four stiffnesses of a rod that has them. nu = 0.3; the paper's axial "
-    "stiffness is the textbook's, G d^4/(8 D^3 n)."
-)
-STRESSES = "Shear stress at the inside of the coil over 8 F D/(pi d^3), by the section and by Wahl's formula."
-COILS = (
-    "Flexibility of coils, clamped at the bottom, the top section rigid with the reference point on the "
-    "axis, over that of fine solids (CalculiX, C3D20R), in per cent. *Mesh*: coarse solids, with elements of "
-    "twice the size in the section. *Whole*: the largest difference of an entry of the 6 x 6 matrix over the "
-    "root of its diagonal entries."
-)
-LARGE = (
-    "The catalogue's springs without contact at full load, in large deflection; *off*: the largest "
-    "difference of a component from the finer solids, in per cent of that component."
-)
 PAPER = "paper's law"
-STANDING = (
-    "Largest difference of the load curves from the wire model with the solid wire, in per cent of the "
-    "component's peak: without contact that model was checked against solids above; contact is by the "
-    "catalogue's 4 sphere pairs per turn in all. *Paper's mesh*: 40 straight elements per turn."
-)
+WORDS = template.template(Path(__file__).with_name("page.md"))
 
 
 def ring_table() -> pd.DataFrame:
@@ -89,11 +61,9 @@ def ring_table() -> pd.DataFrame:
 def stress_table() -> pd.DataFrame:
     """Stress factors."""
     found = pd.DataFrame({"index": INDICES})
-    for nu in (0.0, 0.3, 0.5):
-        found[f"nu = {nu:g}"] = [inner_stress_factor(index, nu) for index in INDICES]
-    found["Wahl"] = [wahl_factor(index) for index in INDICES]
-    found["Wahl off, nu = 0.3 (%)"] = 100.0 * (found["Wahl"] / found["nu = 0.3"] - 1.0)
-    return found
+    found["3D elasticity"] = found["index"].map(inner_stress_factor)
+    found["Wahl"] = found["index"].map(wahl_factor)
+    return found.assign(**{"Wahl off (%)": 100.0 * (found["Wahl"] / found["3D elasticity"] - 1.0)})
 
 
 def standing() -> pd.DataFrame:
@@ -147,95 +117,51 @@ def numbers(coils: pd.DataFrame, moved: pd.DataFrame, stands: pd.DataFrame) -> d
     return numbers | {"indices": sorted(map(float, coils["index"].unique()))}
 
 
-@statement("solid.coils")
-def coils_hold(f: Mapping[str, Any]) -> str:
-    holds = f["axial"] <= AXIAL and f["others"] <= OTHERS
-    less = "falls" if f["others.long"] < f["others"] else "does not fall"
-    return (
-        f"With the solid wire the wire model is {'' if holds else 'not '}within {AXIAL:g} % in the axial "
-        f"direction and {OTHERS:g} % in the others: at most {f['axial']:.3f} and {f['others']:.2f} %, "
-        f"{f['whole']:.2f} % in any entry. The coarse solids differ from the fine ones by up to "
-        f"{f['mesh']:.2f} %. Rods of beams are off by up to {f['beam.axial']:.1f} and "
-        f"{f['beam.others']:.1f} %. Clamped ends keep the section from warping, which no rod knows: what is "
-        f"left {less} with the number of coils, at index {f['index']:g} to {f['others.long']:.2f} % with "
-        f"{f['long']:g} coils."
-    )
+def coils_table(coils: pd.DataFrame) -> pd.DataFrame:
+    """Deviations from the fine solids, a row each kind of wire and the coarse solids."""
+    rows = []
+    for (count, index, angle), group in coils.groupby(["coils", "index", "angle"]):
+        for name in (*KINDS, "mesh"):
+            rows.append(
+                {
+                    "coils": f"{count:g}",
+                    "index": f"{index:.3g}",
+                    "pitch (degrees)": f"{angle:g}",
+                    "wire": name,
+                }
+                | dict(zip(DIRECTIONS, map(SIGNED, group[name]), strict=True))
+                | {"whole": PERCENT(group[f"{name}_whole"].iloc[0])}
+            )
+    return pd.DataFrame(rows)
 
 
-@statement("solid.rates")
-def rates(f: Mapping[str, Any]) -> str:
-    nearer = abs(f["rate.solid"]) < abs(f["rate.solid"] - f["rate.beam"])
-    return (
-        f"At Spring A's index the paper's axial stiffness changes by {f['rate.solid']:+.2f} %, the shearing "
-        f"by {f['lateral']:+.2f} %, the bending by {f['bending']:+.2f} %. A rod with shear changes the axial "
-        f"one by {f['rate.beam']:+.2f} %: {'away from' if nearer else 'towards'} the solid's, from which the "
-        f"textbook's formula is the {'nearer' if nearer else 'farther'} one."
+def standing_table(stands: pd.DataFrame) -> pd.DataFrame:
+    """A row each model and wire, a column each scene."""
+    cells = stands.assign(
+        cell=[
+            f"{row.off:.2f} {'' if pd.isna(row.ending) else row.ending}".strip()
+            for row in stands.itertuples()
+        ],
+        model=stands["model"] + ", " + stands["wire"],
     )
-
-
-@statement("solid.standing")
-def stands_words(f: Mapping[str, Any]) -> str:
-    bare = {
-        (spring, model, kind): f[f"standing.spring-{spring}-no-contact.{model}.{kind}"]
-        for spring in "ab"
-        for model in MODELS
-        for kind in KINDS
-    }
-    closer = [bare[spring, "helix law", "solid"] < bare[spring, PAPER, "beam"] for spring in "ab"]
-    so = "nearer to 3D elasticity than" if all(closer) else "not nearer to 3D elasticity in both than"
-    worse = [s.upper() for s in "ab" if bare[s, "helix law", "beam"] > bare[s, PAPER, "beam"]]
-    beams = (
-        f"with the wire of beams it is farther off than the paper's law on Spring {' and '.join(worse)}"
-        if worse
-        else "with the wire of beams it is, too"
-    )
-    return (
-        f"Without contact the helix law with the solid wire is {so} the paper's law: "
-        + "; ".join(
-            f"Spring {s.upper()} {bare[s, 'helix law', 'solid']:.2f} against {bare[s, PAPER, 'beam']:.2f} %"
-            for s in "ab"
-        )
-        + f"; {beams} ({bare['a', 'helix law', 'beam']:.2f} and {bare['b', 'helix law', 'beam']:.2f} %)."
-    )
+    wide = cells.pivot(index="model", columns="scene", values="cell").loc[cells["model"].unique()]
+    return wide.reset_index()[["model", *CATALOGUE]]
 
 
 def page(facts: Mapping[str, Any], coils: pd.DataFrame, moved: pd.DataFrame, stands: pd.DataFrame) -> str:
     """The page as Markdown."""
-    rows = []
-    for (count, index, angle), group in coils.groupby(["coils", "index", "angle"]):
-        for name in ("beam", "solid", "mesh"):
-            whole = group[f"{name}_whole"].iloc[0]
-            values = (*map(SIGNED, group[name]), PERCENT(whole))
-            rows.append((f"{count:g}", f"{index:.3g}", f"{angle:g}", name, *values))
-    head = ("coils", "index", "pitch (degrees)", "wire", *DIRECTIONS, "whole")
-    apart = stands.assign(off=[f"{r.off:.2f} {r.ending}".strip() for r in stands.itertuples()])
-    apart = apart.assign(model=apart["model"] + ", " + apart["wire"])
-    wide = apart.pivot(index="model", columns="scene", values="off").loc[apart["model"].unique()]
-    ring = ring_table()
-    fixed: dict[str, Format] = dict.fromkeys(("nu = 0", "nu = 0.3", "nu = 0.5", "Wahl"), "{:.4f}")
-    parts: tuple[Block | Statement, ...] = (
-        Heading(1, "The wire as a solid body"),
-        Text(INTRO),
-        Heading(2, "Where each model stands against 3D elasticity"),
-        Text(STANDING),
-        frame_table(wide.reset_index()[["model", *CATALOGUE]]),
-        stands_words,
-        Heading(2, "Coils against solids"),
-        Text(COILS),
-        Table(head, tuple(rows)),
-        coils_hold,
-        Heading(2, "Large deflection against solids"),
-        Text(LARGE),
-        frame_table(moved, dict.fromkeys(("ux", "uy", "rotz"), "{:.4f}") | {"off": PERCENT}),
-        Heading(2, "Stiffness of a half coil"),
-        Text(RATES),
-        frame_table(ring, {name: PERCENT if "share" in name else SIGNED for name in ring.columns[1:]}),
-        rates,
-        Heading(2, "Stress at the inside of the coil"),
-        Text(STRESSES),
-        frame_table(stress_table(), fixed | {"index": "{:.3g}", "Wahl off, nu = 0.3 (%)": SIGNED}),
+    ring, factors = ring_table(), stress_table()
+    fixed: dict[str, Format] = dict.fromkeys(factors.columns[1:-1], "{:.4f}")
+    return template.page(
+        WORDS,
+        f=facts,
+        paper=PAPER,
+        standing=frame_table(standing_table(stands)),
+        coils=frame_table(coils_table(coils)),
+        moved=frame_table(moved, dict.fromkeys(("ux", "uy", "rotz"), "{:.4f}") | {"off": PERCENT}),
+        ring=frame_table(ring, {name: PERCENT if "share" in name else SIGNED for name in ring.columns[1:]}),
+        stress=frame_table(factors, fixed | {"index": "{:.3g}", factors.columns[-1]: SIGNED}),
     )
-    return to_markdown(rendered(parts, facts))
 
 
 def main(folder: Path = FOLDER) -> None:

@@ -67,23 +67,20 @@ def fitted(at: np.ndarray, flexibilities: np.ndarray) -> np.ndarray:
     return table
 
 
-def fitted_stress(at: np.ndarray, factors: np.ndarray) -> np.ndarray:
-    """Coefficients of the stress factor, (`STRESS_TERMS`, `CUBIC`)."""
-    k, _, nu = at.T
-    powers = k[:, None] ** np.arange(1, STRESS_TERMS + 1)
-    terms = powers[:, :, None] * (nu[:, None] ** np.arange(CUBIC))[:, None, :]
-    matrix = terms.reshape(len(at), -1) / (1.0 + nu)[:, None]
-    return np.linalg.lstsq(matrix, factors - 1.0, rcond=None)[0].reshape(STRESS_TERMS, CUBIC)
+def fitted_stress(curvature: np.ndarray, factors: np.ndarray) -> np.ndarray:
+    """Coefficients of the stress factor, (`STRESS_TERMS`,)."""
+    terms = curvature[:, None] ** np.arange(1, STRESS_TERMS + 1)
+    return np.linalg.lstsq(terms, factors - 1.0, rcond=None)[0]
 
 
 def main() -> None:
     """Solve, fit and write."""
     points, solutions = zip(*samples(), strict=True)
     at = np.array(points)
-    flat = [n for n, point in enumerate(points) if point[1] == 0.0]
+    flat = [n for n, (_, torsion, nu) in enumerate(points) if torsion == 0.0 and nu == 0.3]
     tables = {
         "FLEXIBILITY": fitted(at, np.stack([found.flexibility for found in solutions])),
-        "STRESS": fitted_stress(at[flat], np.array([inner_stress(solutions[n]) for n in flat])),
+        "STRESS": fitted_stress(at[flat, 0], np.array([inner_stress(solutions[n]) for n in flat])),
     }
     body = "\n".join(f"{name} = np.array({_literal(table)})" for name, table in tables.items())
     TABLE.write_text(HEAD + body + "\n", encoding="utf-8")
