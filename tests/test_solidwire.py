@@ -1,8 +1,10 @@
 """The coiled wire by three-dimensional elasticity: section, fit, both models."""
 
+import json
 import math
 import shutil
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -15,11 +17,14 @@ from coilspring import InputError, Material, load_scene, scene_text, spring_a
 from coilspring.scene.sizing import wire_rate
 from coilspring.scene.solidwire import coil_section, flexibility, half_ring, inner_stress_factor
 from validation.cli import main
+from validation.solid import page
 from validation.solid.coils import both, coil
 from validation.solid.hexahedra import COARSE, deflection, mesh_coils, section_grid
 from validation.solid.hexahedra import flexibility as solids_flexibility
+from validation.solid.runs import FOLDER
 from validation.solid.section import disk, solve, transport
 from validation.solid.table import helix, inner_stress
+from validation.study import template
 from validation.verification.accuracy import EXACT_RING
 from validation.verification.rodcases import Arc
 from wirefe.modes import linear_stiffness
@@ -226,3 +231,20 @@ def test_peers_are_beams(tmp_path, capsys):
     assert 'spring.wire_rigidity must be "beam" for calculix' in capsys.readouterr().err
     assert main(["referee", "spring-a", "--with", "opensees", "--solid", "--out", str(tmp_path / "y")]) == 2
     assert "--solid goes with calculix alone" in capsys.readouterr().err
+
+
+def test_page_says_what_was_found():
+    """Verdicts of the page by its recorded facts, and by others."""
+    facts = json.loads(Path(FOLDER, "facts.json").read_text(encoding="utf-8"))
+    page_text = Path(FOLDER, "solid.md").read_text(encoding="utf-8")
+
+    def said(block, **changed):
+        return template.statement(page.WORDS, block, facts | changed)
+
+    for block in ("stands", "coils_hold", "rates"):
+        assert said(block) in page_text
+    assert "not within 0.3 %" in said("coils_hold", axial=0.31)
+    assert "does not fall" in said("coils_hold", **{"others.long": 1.0})
+    assert "is farther" in said("rates", **{"rate.beam": -0.1})
+    worse = {f"standing.spring-{each}-no-contact.helix law.solid": 9.0 for each in "ab"}
+    assert "is nearer on neither: Spring A 9.00 %" in said("stands", **worse)

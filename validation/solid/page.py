@@ -29,7 +29,6 @@ from validation.study.partialsolve import ending, partial_path
 
 INDICES = (3.0, 4.0, 5.0, 20.0 / 3.0, 8.0, 10.0, 15.0)
 SIGNED, PERCENT = "{:+.2f}".format, "{:.2f}".format
-PAPER = "paper's law"
 WORDS = template.template(Path(__file__).with_name("page.md"))
 
 
@@ -127,7 +126,7 @@ def coils_table(coils: pd.DataFrame) -> pd.DataFrame:
                     "coils": f"{count:g}",
                     "index": f"{index:.3g}",
                     "pitch (degrees)": f"{angle:g}",
-                    "wire": name,
+                    "wire": "coarse solids" if name == "mesh" else name,
                 }
                 | dict(zip(DIRECTIONS, map(SIGNED, group[name]), strict=True))
                 | {"whole": PERCENT(group[f"{name}_whole"].iloc[0])}
@@ -155,7 +154,6 @@ def page(facts: Mapping[str, Any], coils: pd.DataFrame, moved: pd.DataFrame, sta
     return template.page(
         WORDS,
         f=facts,
-        paper=PAPER,
         standing=frame_table(standing_table(stands)),
         coils=frame_table(coils_table(coils)),
         moved=frame_table(moved, dict.fromkeys(("ux", "uy", "rotz"), "{:.4f}") | {"off": PERCENT}),
