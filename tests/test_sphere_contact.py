@@ -6,8 +6,8 @@ from scipy.spatial.transform import Rotation
 
 from coilspring.contact import kinematics as pairvectors
 from coilspring.contact import law as pairlaw
-from coilspring.contact.kinematics import friction_bounds
-from coilspring.contact.law import arc, hold, normal_law, pair_friction, pair_potential, renewed
+from coilspring.contact.kinematics import remember, update_pairs
+from coilspring.contact.law import arc, normal_law, pair_friction, pair_potential, renewed
 from coilspring.contact.results import PairReader
 from pairrecords import held, pair_records
 from wirefe.contact import pair_matrix
@@ -76,7 +76,7 @@ def test_an_edited_law_is_that_of_kernels_of_readers_and_of_friction(monkeypatch
     np.testing.assert_allclose(f, [0.0, -1500.0, 0.0])
     np.testing.assert_allclose(Reader().pair_forces(None), [[1500.0, 0.0]])
     history = pair_records(closed=True, normal=(0.0, 1.0, 0.0), bound=1.0)
-    friction_bounds(g[None], history, 0.3, K, 1.0, D)
+    update_pairs(g[None], g[None], g[None], history, 0.3, K, 1.0, D)
     assert history[0].bound == pytest.approx(0.3 * 1500.0 * (D - 0.1) / D)
 
 
@@ -129,13 +129,20 @@ def test_pair_sums_to_zero_force_and_moment(history):
 
 
 def sliding(bound=300.0, rise=0.0):
-    """Record of a pair that had its direction along y."""
-    return held(np.array([0.0, D, 0.0]), bound, rise=rise)
+    """Record of a pair that had its direction along y, and its bound from the beginning."""
+    return held(np.array([0.0, D, 0.0]), bound, rise=rise, held=bound)
 
 
 def tilted(angle, h):
     """Vector between the centres, tilted by an angle from y to x."""
     return h * np.array([np.sin(angle), np.cos(angle), 0.0])
+
+
+def accepted(row, g, mu):
+    """The record after a state with the vector g was accepted."""
+    history = np.rec.array(np.array([row], dtype=row.dtype))
+    remember(g[None], history, mu, K, D)
+    return history[0]
 
 
 def test_friction_by_hand():
@@ -144,20 +151,21 @@ def test_friction_by_hand():
     The bound is one at the arm d, so that the force is larger by d/h, and it turns with the pair.
     """
     f, H, e = np.empty(3), np.empty((3, 3)), np.empty(3)
-    row, h, angle = sliding(), 1.6, 0.1 / D
+    row, h, angle = sliding(), 1.4, 0.1 / D
     g = tilted(angle, h)
     energy = pair_potential(g, h, D, K, 1.0, row, e, f, H)
-    assert energy == pytest.approx(0.5 * K * 0.03**2 + 300.0 * 0.07)
+    assert energy == pytest.approx(0.5 * K * 0.1**2 + 0.5 * K * 0.03**2 + 300.0 * 0.07)
+    f += 1000.0 * g / h  # less the normal force
     np.testing.assert_allclose(f, 300.0 * D / h * np.array([np.cos(angle), -np.sin(angle), 0.0]), atol=1e-9)
-    assert H[2, 2] == pytest.approx(300.0 * D / h**2 / np.tan(angle))
-    hold(g, h, D, K, row, e)
+    assert H[2, 2] == pytest.approx(300.0 * D / h**2 / np.tan(angle) - 1000.0 / h)
+    row = accepted(row, g, 0.3)
     np.testing.assert_allclose([row.bound, row.slid, row.work], [300.0, 0.07, 21.0])
     np.testing.assert_allclose(row.normal, tilted(angle - 0.03 / D, 1.0))
     np.testing.assert_allclose(pair_friction(g, row, D, K).force, f)
 
 
 def test_rising_bound_by_hand():
-    """300 N that rise by 10 % a mm: K (0.1 - s) = 300 (1 + 0.1 s)."""
+    """300 N that rise by 10 % a mm: K (0.1 - s) = 300 (1 + 0.1 s); the work is that of the mean bound."""
     f, H, e = np.empty(3), np.empty((3, 3)), np.empty(3)
     row, g = sliding(rise=0.1), tilted(0.1 / D, D)
     slip = (K * 0.1 - 300.0) / (K + 30.0)
@@ -166,8 +174,44 @@ def test_rising_bound_by_hand():
     assert energy == pytest.approx(0.5 * force**2 / K + 0.5 * (300.0 + force) * slip)
     assert np.linalg.norm(f) == pytest.approx(force)
     assert pair_friction(g, row, D, K).slip == pytest.approx(slip)
-    hold(g, D, D, K, row, e)
-    np.testing.assert_allclose([row.bound, row.slid, row.work], [force, slip, force * slip])
+    row = accepted(row, g * (1.0 - 1e-12), 0.3)
+    np.testing.assert_allclose([row.bound, row.slid, row.work], [force, slip, 0.5 * (300.0 + force) * slip])
+
+
+def vectors(*rows):
+    return [np.array([row]) for row in rows]
+
+
+def test_a_pair_is_held_from_where_it_touches_first_on_the_predicted_way():
+    """It comes down along y and moves along x: on the straight line to what was predicted."""
+    history = pair_records(1)
+    before, ahead, trial = vectors([0.0, 1.01 * D, 0.0], [0.2, 0.99 * D, 0.0], [0.2001, 0.991 * D, 0.0])
+    update_pairs(before, ahead, trial, history, np.inf, K, 1.0, D)
+    row = history[0]
+    assert row.closed and row.fresh
+    assert np.linalg.norm(row.vector) == pytest.approx(D)
+    share = row.vector[0] / 0.2
+    assert row.vector == pytest.approx(before[0] + share * (ahead[0] - before[0]))
+    assert share < row.cut < 1.0  # the straight way to the trial state touches elsewhere: it is in doubt
+    near = before[0] + 1e-3 * (trial[0] - before[0])
+    history = pair_records(1)
+    update_pairs(vectors(near)[0] * 0.98, ahead, trial, history, np.inf, K, 1.0, D)
+    assert history[0].vector == pytest.approx(near * 0.98)  # it touched there already
+
+
+def test_an_opening_pair_that_sticks_gives_back_what_it_held_as_dissipated():
+    """K e = 500 N are held at 0.05 mm of slip; released at once over 0.02 mm more, half of them work."""
+    row = held(np.array([0.0, D, 0.0]))
+    row = accepted(row, np.array([0.05, 1.001 * D, 0.0]), np.inf)
+    assert row.opening and row.closed
+    assert [row.bound, row.held] == pytest.approx([500.0, 500.0])
+    row.bound = 0.0
+    g = np.array([0.07, 1.001 * D, 0.0])
+    assert np.linalg.norm(pair_friction(g, row, D, K).force) == 0.0
+    row = accepted(row, g, np.inf)
+    assert not row.closed and not row.opening
+    length = D * np.arctan2(g[0], g[1])
+    assert row.work == pytest.approx(0.5 * 500.0 * length)
 
 
 @pytest.mark.parametrize("rise", [0.0, 0.1, -0.1])

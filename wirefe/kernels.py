@@ -248,7 +248,7 @@ def displacement_bound(reals, ints, a, b, least):
     distance = _bound(contact, a, b)
     if contact.pairs.shape[0] == 0 or distance <= least:
         return distance, 0.0, 1.0
-    most, free = approach(_vectors(contact, a), _vectors(contact, b), contact.d)
+    most, free = approach(_vectors(contact, a), _vectors(contact, b), contact.d, contact.mu)
     return distance, most / contact.d, free
 
 

@@ -23,6 +23,7 @@ from wirefe.quaternions import turned
 # What a station takes of its two nodes, by columns: the second node's share of the position, of the tangent,
 # of the section's rotation; then arms (3) of the position and of the tangent, of the first and second node.
 POSITION, TANGENT, ROTATION, ARMS, SLOPES, WIDTH = 0, 1, 2, 3, 9, 15
+SAME = 1e-9  # of an element: so near to a node a station is at it
 NUDGE = 1e-5  # rad: half of the difference that is the wire's tangent at rest, where sections meet its mean
 
 
@@ -34,6 +35,7 @@ def carried(spring: Spring, mesh: WireMesh, phases: np.ndarray) -> tuple[np.ndar
     upper = np.clip(np.searchsorted(mesh.phases, phases), 1, len(homes) - 1)
     step = mesh.phases[1] - mesh.phases[0]
     whole = (phases - mesh.phases[upper - 1]) / step
+    whole = np.where(np.abs(whole - np.rint(whole)) < SAME, np.rint(whole), whole)
     s = np.clip(whole, 0.0, 1.0)[:, None]
     low, high = s * (1.0 - s) ** 2, s**2 * (1.0 - s)
     A, B, a, b = mesh.points[upper - 1], mesh.points[upper], homes[upper - 1], homes[upper]

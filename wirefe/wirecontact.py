@@ -35,6 +35,7 @@ from coilspring.contact.law import (
     goes_on,
     normal_law,
     opens_after,
+    predicted_badly,
     renewed,
     slid,
     tangential_law,
@@ -197,7 +198,8 @@ def remember_wires(contact, state, history):
 def update_wires(contact, accepted, predicted, state, history):
     """See `coilspring.contact.kinematics.update_pairs`."""
     points, before = placed(contact, state), placed(contact, accepted)
-    states = ((accepted, before), (predicted, placed(contact, predicted)), (state, points))
+    ahead = placed(contact, predicted)
+    states = ((accepted, before), (predicted, ahead), (state, points))
     least_bound = min(contact.mu, 1.0)
     change, most = 0.0, least_bound * normal_law(SLIGHT * contact.d, contact.kc, contact.k)[1]
     for m in range(history.shape[0]):
@@ -209,9 +211,13 @@ def update_wires(contact, accepted, predicted, state, history):
         new = not row.closed
         if new:
             _touch(contact, states, m, row)
-        length, _ = _tangential_slip(contact, points, state, m, row)
+        length, way = _tangential_slip(contact, points, state, m, row)
         if new:
             change = max(change, contact.kc * length)
+        elif row.fresh and gap(contact, ahead, m)[0] < d:
+            _, told = _tangential_slip(contact, ahead, predicted, m, row)
+            apart = plus(way, -1.0, told)
+            predicted_badly(row, math.sqrt(dot(apart, apart)), d)
         normal = normal_law(max(d - h, 0.0), contact.kc, contact.k)[1]
         most = max(most, least_bound * normal)
         if contact.mu == np.inf:

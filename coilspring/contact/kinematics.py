@@ -13,6 +13,7 @@ from coilspring.contact.law import (
     goes_on,
     normal_law,
     opens_after,
+    predicted_badly,
     renewed,
     slid,
     stretch,
@@ -20,7 +21,8 @@ from coilspring.contact.law import (
 )
 
 SLIGHT = 1e-7  # wire diameters of penetration: its force is the least that friction bounds are compared with
-TOUCH = 0.003  # wire diameters by which a pair may penetrate where a prediction closes it
+TOUCH = 0.003  # wire diameters by which a pair may penetrate where a prediction closes it,
+HELD_TOUCH = 0.0003  # and by which one that is held from there
 OVERLAP_ALLOWED = 0.1  # wire diameters by which wires may overlap more than the deepest pair does
 NEAR = 1.5  # wire diameters between centres, within which a pair's motion in a substep is watched
 
@@ -31,12 +33,12 @@ def _distance(vectors, m):
 
 
 @part
-def approach(before, after, d):
+def approach(before, after, d, mu):
     """Largest motion of a pair that comes near, and the share of it to where the first one touches.
 
     A pair counts if it comes near anywhere between: wires must not pass through each other.
     """
-    most, free, inner = 0.0, 1.0, ((1.0 - TOUCH) * d) ** 2
+    most, free, inner = 0.0, 1.0, ((1.0 - (TOUCH if mu == 0.0 else HELD_TOUCH)) * d) ** 2
     for m in range(before.shape[0]):
         v0, v1, v2 = before[m, 0], before[m, 1], before[m, 2]
         w0, w1, w2 = after[m, 0], after[m, 1], after[m, 2]
@@ -71,6 +73,17 @@ def _touch(row, before, ahead, after, d):
         row.vector[i] = e[i]
         row.normal[i] = e[i] / h
     touches_first(row, at, math.sqrt(doubt), d)
+
+
+@part
+def _across(normal, a, b):
+    """Distance of two vectors across a direction."""
+    along, square = 0.0, 0.0
+    for i in range(3):
+        along += normal[i] * (b[i] - a[i])
+    for i in range(3):
+        square += (b[i] - a[i] - along * normal[i]) ** 2
+    return math.sqrt(square)
 
 
 @part
@@ -113,6 +126,8 @@ def update_pairs(before, ahead, vectors, history, mu, K, k, d):
         if not row.closed:
             _touch(row, before[m], ahead[m], vectors[m], d)
             change = max(change, K * stretch(vectors[m], row, e))
+        elif row.fresh and _distance(ahead, m) < d:
+            predicted_badly(row, _across(row.normal, ahead[m], vectors[m]), d)
         normal = normal_law(max(d - h, 0.0), K, k)[1]
         most = max(most, min(mu, 1.0) * normal)
         if mu == np.inf:

@@ -131,6 +131,13 @@ def touches_first(row, at, doubt, d):
 
 
 @part
+def predicted_badly(row, error, d):
+    """Ask for a shorter substep where a pair that touched first was predicted with such an error."""
+    if error > LOCATED * d:
+        row.cut = min(row.cut, 0.8 * math.sqrt(LOCATED * d / error))
+
+
+@part
 def opens_after(row, before, after, d):
     """Set the share of the substep after which a sticking pair is just open."""
     if row.fresh:

@@ -58,6 +58,7 @@ LEAST_RELEASE = 1e-3  # share of what a pair held: where so little finds no plac
 LEAST_FREE = 0.05  # share of a substep that is taken at least, however soon a pair closes
 SAFE = 0.8  # share of the turn allowed that the next substep aims at
 HALF = 0.5  # of a substep that failed, is tried next
+MOST_CUT = 0.9  # of one that is cut where a pair touches or opens, at most
 EASY_COUNT = 3
 EPSILON = 2.0**-52
 NEARER = 3.0  # times the bound on all motion: so much nearer may two wires come, also between nodes
@@ -251,7 +252,7 @@ def find_equilibrium(system, equilibrium, task, work, path, substep, it):
     forget_fresh(work.history)
     if path.held > 0.0:
         release(work.history, max(path.held - path.release, 0.0) / path.held)
-    update_pairs(system, work, work.state)
+    update_pairs(system, work, work.predicted)
     substep.rounds, substep.iterations, substep.trouble, substep.cut = 0, 0, NONE, HALF
     factor = 0.0
     while True:
@@ -270,7 +271,7 @@ def find_equilibrium(system, equilibrium, task, work, path, substep, it):
         change = update_pairs(system, work, work.trial)
         share = located(work.history)
         if share < 1.0 and substep.duration >= 2.0 * LEAST_STEP:
-            substep.cut = max(share, LEAST_FREE)
+            substep.cut = min(max(share, LEAST_FREE), MOST_CUT)
             break
         if change <= BOUND_CHANGE:
             break
