@@ -49,22 +49,24 @@ def flexibilities(spring: Spring, material: Material, coils: float = COILS) -> p
 def deflections(scene: Scene) -> pd.DataFrame:
     """UX, UY, ROTZ of a scene at full load without contact, a row for each model and mesh of solids.
 
-    `off` is the largest difference to the finer solids in a component, over the largest displacement, %.
+    `off` is the largest difference to the finer solids in a component, over that component, %.
     """
     scene = scene.without_contact()
     rows: list[tuple[str, str, np.ndarray]] = []
     for name, fineness in (("coarse", COARSE), ("middle", MIDDLE)):
         rows.append(("solids", name, deflection(scene, fineness)[0]))
+        if np.isnan(rows[-1][-1]).any():
+            break  # nor would the finer one
     for model in MODELS:
         for kind in KINDS:
             path = solved(scene, model, kind)
             rows.append((model, kind, path.tips[-1] if len(path.tips) else np.full(3, np.nan)))
-    tips = np.array([tip for *_, tip in rows])
+    tips, finest = np.array([tip for *_, tip in rows]), len(rows) - len(MODELS) * len(KINDS) - 1
     data = pd.DataFrame([row[:2] for row in rows], columns=["model", "wire"])
     data[["ux", "uy", "rotz"]] = tips
-    peak = np.abs(tips[1])
-    moved = peak > 1e-6 * peak.max()
-    data["off"] = 100.0 * (np.abs(tips - tips[1])[:, moved] / peak[moved]).max(axis=1)
+    peak = np.abs(tips[finest])
+    moved = ~(peak <= 1e-6 * peak.max())
+    data["off"] = 100.0 * (np.abs(tips - tips[finest])[:, moved] / peak[moved]).max(axis=1)
     return data
 
 

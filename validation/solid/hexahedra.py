@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from coilspring import InputError, Scene, Spring
+from coilspring import Scene, Spring
 from validation.peers.calculix import execute
 
 CORE = 0.55  # half diagonal of the square in the middle of the section, over the wire's radius
@@ -34,6 +34,7 @@ class Fineness:
 
 COARSE, MIDDLE, FINE = Fineness(2, 1, 0.8), Fineness(3, 1, 0.8), Fineness(4, 2, 0.6)
 FIRST = 0.1  # of the load: the first increment
+MOST_INCREMENTS = 40
 
 
 @dataclass(frozen=True)
@@ -151,9 +152,7 @@ def flexibility(mesh: SolidMesh, E: float, nu: float) -> tuple[np.ndarray, float
 def deflection(scene: Scene, fineness: Fineness) -> tuple[np.ndarray, float]:
     """UX, UY, ROTZ of a scene's top at full load in large deflection, no contact (3,), and CPU seconds.
 
-    Raises
-    ------
-    InputError : CalculiX does not reach full load, or is not installed.
+    nan where CalculiX does not reach full load in `MOST_INCREMENTS`: ends that turn take it many small ones.
     """
     mesh = mesh_coils(scene.spring, scene.spring.active_coils, fineness)
     reference = len(mesh.nodes) + 1
@@ -163,12 +162,19 @@ def deflection(scene: Scene, fineness: Fineness) -> tuple[np.ndarray, float]:
     steps = [
         "*BOUNDARY",
         *(f"{reference + node}, {dof}, {dof}" for node, dof in held),
-        *("*STEP, NLGEOM, INC=1000", "*STATIC", f"{FIRST}, 1., 1e-4, 0.25", "*CLOAD", *loads, *PRINT),
+        *(
+            f"*STEP, NLGEOM, INC={MOST_INCREMENTS}",
+            "*STATIC",
+            f"{FIRST}, 1., 1e-4, 0.25",
+            "*CLOAD",
+            *loads,
+            *PRINT,
+        ),
     ]
     text, seconds = execute(deck(mesh, scene.material.E, scene.material.nu, steps))
     times = [float(line.split()[-1]) for line in text.splitlines() if "time" in line]
     if not times or times[-1] < 1.0:
-        raise InputError(f"CalculiX must reach full load, got {max(times, default=0.0):g} of it")
+        return np.full(3, np.nan), seconds
     return read(text).reshape(-1, 6)[-1, [0, 1, 5]], seconds
 
 
