@@ -1,4 +1,4 @@
-"""Solids of CalculiX for `validation.solid.page`: ``python -m validation.solid.runs``, a quarter of an hour."""
+"""Solids of CalculiX for `validation.solid.page`: ``python -m validation.solid.runs``, 15 minutes."""
 
 from __future__ import annotations
 
