@@ -159,18 +159,9 @@ def deflection(scene: Scene, fineness: Fineness) -> tuple[np.ndarray, float]:
     dofs = {"ux": (0, 1), "uy": (0, 2), "rotz": (1, 3)}
     held = [(0, 3), (1, 1), (1, 2), *(dofs[name] for name in scene.supports.top_held)]
     loads = [f"{reference}, {axis}, {value:.12g}" for axis, value in enumerate(scene.load.force, 1) if value]
-    steps = [
-        "*BOUNDARY",
-        *(f"{reference + node}, {dof}, {dof}" for node, dof in held),
-        *(
-            f"*STEP, NLGEOM, INC={MOST_INCREMENTS}",
-            "*STATIC",
-            f"{FIRST}, 1., 1e-4, 0.25",
-            "*CLOAD",
-            *loads,
-            *PRINT,
-        ),
-    ]
+    boundary = [f"{reference + node}, {dof}, {dof}" for node, dof in held]
+    step = [f"*STEP, NLGEOM, INC={MOST_INCREMENTS}", "*STATIC", f"{FIRST}, 1., 1e-4, 0.25", "*CLOAD", *loads]
+    steps = ["*BOUNDARY", *boundary, *step, *PRINT]
     text, seconds = execute(deck(mesh, scene.material.E, scene.material.nu, steps))
     times = [float(line.split()[-1]) for line in text.splitlines() if "time" in line]
     if not times or times[-1] < 1.0:
