@@ -245,6 +245,6 @@ def test_page_says_what_was_found():
         assert said(block) in page_text
     assert "not within 0.3 %" in said("coils_hold", axial=0.31)
     assert "does not fall" in said("coils_hold", **{"others.long": 1.0})
-    assert "is farther" in said("rates", **{"rate.beam": -0.1})
+    assert "is farther" in said("rates", **{"rate.beam": 0.4})
     worse = {f"standing.spring-{each}-no-contact.helix law.solid": 9.0 for each in "ab"}
     assert "is nearer on neither: Spring A 9.00 %" in said("stands", **worse)
