@@ -143,6 +143,7 @@ def free_spring_b(folder):
     file.write_text(
         "[spring]\nwire_diameter = 1.5\nmean_diameter = [12, 6]\nactive_coils = 7.5\nactive_height = 28.6\n"
         '[load]\nforce = [0, -200]\n[supports]\ntop_held = ["ux", "rotz"]\n'
+        '[contact]\ngeometry = "spheres"\n'
     )
     return str(file)
 

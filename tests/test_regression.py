@@ -120,12 +120,12 @@ def off(section, part):
     ("module", "chosen", "field"),
     [
         (equivbeam.model, [run for run in LAWS if run.name.startswith("spring-b, ")], "kc"),
-        (wirefe.mesh, [run for run in CURVED if run.name.startswith("spring-b, ")], "stiffness"),
+        (wirefe.model, [run for run in CURVED if run.name.startswith("spring-b, ")], "kc"),
     ],
     ids=MODELS,
 )
 def test_a_contact_stiffness_is_caught(before, module, chosen, field, monkeypatch):
-    name = "BeamModel" if module is equivbeam.model else "Spheres"
+    name = "BeamModel" if module is equivbeam.model else "ContactArrays"
     sound = getattr(module, name)
     monkeypatch.setattr(module, name, lambda **given: sound(**given | {field: FAULT * given[field]}))
     assert "max_penetration" in kinds(moved(before, chosen))
