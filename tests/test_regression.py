@@ -101,10 +101,14 @@ def test_a_stiffness_of_the_papers_law_is_caught(before, column, monkeypatch):
 
 @pytest.mark.parametrize("part", ["GJ", "EI", "GA", "EA"])
 def test_a_stiffness_of_the_wire_is_caught(before, part, monkeypatch):
-    for module, chosen in ((wirefe.model, CURVED), (equivbeam.laws.helixrows, few("law=helix,"))):
-        sound = module.round_section
+    places = (
+        (wirefe.model, "round_section", CURVED),
+        (equivbeam.laws.helixrows, "coil_section", few("law=helix,")),
+    )
+    for module, name, chosen in places:
+        sound = getattr(module, name)
         with monkeypatch.context() as patch:
-            patch.setattr(module, "round_section", lambda *given, s=sound: off(s(*given), part))
+            patch.setattr(module, name, lambda *given, s=sound: off(s(*given), part))
             assert {"ux", "uy"} & kinds(moved(before, chosen))
 
 

@@ -173,6 +173,8 @@ def _add_programs(commands: argparse._SubParsersAction) -> None:
     purpose = "one scene by the wire model and by another finite-element code, which has to be installed"
     command = _command(commands, "referee", purpose, "coilcheck referee spring-a --with opensees")
     command.add_argument("--with", dest="peer", choices=PEERS, required=True, help="which code")
+    what = "rods beside hexahedra of calculix: 6 x 6 flexibility of 3 coils, full load without contact"
+    command.add_argument("--solid", action="store_true", help=what)
     _add_common(command)
 
     purpose = "the wire as it deforms, in a window with a slider over the steps or as a movie"
