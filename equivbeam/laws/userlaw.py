@@ -157,7 +157,7 @@ class UserLaw:
         """
         if spring.wire_rigidity != "beam":
             raise InputError(
-                f"spring.wire_rigidity must be beam with law {self.name}, which is told of E and G alone, got "
+                f"spring.wire_rigidity must be beam with law {self.name}, which knows E and G alone, got "
                 f"{spring.wire_rigidity!r}"
             )
         coils = spring_coils(spring, material)
