@@ -43,7 +43,7 @@ PAIR_HISTORY = np.dtype(
 # Share of a bound that is left when it falls with the slip: less is out of reach, since the rise is at least
 # -1/d and a pair moves by no more than half of d in a substep.
 LEAST_LEFT = 0.5
-OPEN = 1e-3  # wire diameters of gap at most where a pair that sticks is said to open
+OPEN = 3e-4  # wire diameters of gap at most where a pair that sticks is said to open
 LOCATED = 1e-4  # wire diameters, by which two ways to find where a pair touches first may differ at most
 
 
