@@ -109,7 +109,8 @@ def verify_branch(
     if _kind(path) != _kind(other):
         verdict.complain(f"{path.outcome}, but the {name} ends as {other.outcome}: {other.message}")
     elif path.end_bracket is not None and other.end_bracket is not None:
-        shift = abs(sum(path.end_bracket) / sum(other.end_bracket) - 1.0)
+        mine, theirs = sum(path.end_bracket), sum(other.end_bracket)
+        shift = abs(mine - theirs) / max(mine, theirs, LOAD)
         verdict.ask("critical_shift", shift, bounds.critical, f"another critical time than the {name}'s")
 
 
@@ -175,6 +176,9 @@ def sharp_critical(verdict: Verdict, path: EquilibriumPath) -> tuple[float, floa
     """Critical time and the width of its bracket, which must be small; None where the path has none."""
     if path.critical_time is None or path.critical_bracket is None:
         verdict.complain(f"{path.outcome} without a critical time")
+        return None
+    if not path.critical_time > 0.0:
+        verdict.complain(f"{path.outcome} at rest")
         return None
     share = path.critical_bracket / path.critical_time
     verdict.ask("bracket", share, LOAD, "critical time is not that sharp")

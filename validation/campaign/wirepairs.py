@@ -31,10 +31,6 @@ class Law:
     exponent: float
     mu: float
 
-    def press(self, depth: np.ndarray) -> np.ndarray:
-        """Normal forces (pairs,) at penetrations."""
-        return self.penalty * np.maximum(depth, 0.0) ** self.exponent
-
 
 @dataclass(frozen=True)
 class Pairs:
@@ -115,16 +111,21 @@ class Pairs:
     def gradient(self, rows: np.ndarray) -> np.ndarray:
         """Gradient (nodes, 6) of the pairs' energies; of what slides, Coulomb's force along its slip."""
         total = np.zeros((len(rows), 6))
-        np.add.at(total, self.nodes, self._parts(self.poses(rows)).reshape(SLOTS, 6, -1).swapaxes(1, 2))
+        dh, dS = self._slopes(rows[self.nodes])
+        press, _, ratio, _, _ = self._sizes(rows)
+        parts = ratio * dS - press * dh
+        np.add.at(total, self.nodes, parts.reshape(SLOTS, 6, -1).swapaxes(1, 2))
         return total
 
     def tangent(self, rows: np.ndarray) -> np.ndarray:
-        """Derivative (6 nodes, 6 nodes) of the gradient."""
+        """Derivative (6 nodes, 6 nodes) of the gradient, with the pairs that touch and slide as they do."""
         total = np.zeros((6 * len(rows),) * 2)
         if not len(self.index):
             return total
-        dofs = (6 * self.nodes[:, None] + np.arange(6)[:, None]).reshape(STEPS, -1)
         near = rows[self.nodes]  # (4, pairs, 7)
+        press, rise, ratio, by_gap, by_slip = self._sizes(rows)
+        dh, dS = self._slopes(near)
+        K = rise * dh[:, None] * dh + by_gap * dS[:, None] * dh + by_slip * dS[:, None] * dS
         for step in range(STEPS):
             slot, i = divmod(step, 6)
             size = NUDGE * (self.law.d if i < 3 else 1.0)
@@ -133,8 +134,11 @@ class Pairs:
                 move, there = np.zeros((near.shape[1], 6)), near.copy()
                 move[:, i] = sign * size
                 there[slot] = moved(there[slot], move)
-                sides.append(self._parts([(row[:, :3].T, row[:, 3:].T) for row in there]))
-            np.add.at(total, (dofs, dofs[step][None]), (sides[0] - sides[1]) / (2.0 * size))
+                sides.append(self._slopes(there))
+            d2h, d2S = (one - other for one, other in zip(*sides, strict=True))
+            K[:, step] += (ratio * d2S - press * d2h) / (2.0 * size)
+        dofs = (6 * self.nodes[:, None] + np.arange(6)[:, None]).reshape(STEPS, -1)
+        np.add.at(total, (dofs[:, None], dofs[None]), K)
         return total
 
     def forces(self, rows: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -142,19 +146,18 @@ class Pairs:
         poses = self.poses(rows)
         h, n, _ = self.gap(poses)
         slip = self.slip(poses)
-        length = np.sqrt((slip * slip).sum(axis=0))
-        size = self._ratio(h, length) * length
+        press, _, ratio, _, _ = self._sizes(rows)
         if not self.points.wires and np.isfinite(self.law.mu):
-            size = size * self.law.d / h
-        return self.law.press(self.law.d - h), (size * _along(slip, n)).T
+            # of the length of the arc, along it
+            slip = np.sqrt((slip * slip).sum(axis=0)) * _along(slip, n) * self.law.d / h
+        return press, (ratio * slip).T
 
     def renewed(self, rows: np.ndarray) -> Pairs:
         """The pairs with what has slid taken off their references: they are at their bounds."""
         poses = self.poses(rows)
-        h, n, _ = self.gap(poses)
-        slip = self.slip(poses)
+        n, slip = self.gap(poses)[1], self.slip(poses)
         length = np.sqrt((slip * slip).sum(axis=0))
-        left = np.where(self.slides, self._ratio(h, length) / self.law.penalty, 1.0)
+        left = np.where(self.slides, self._sizes(rows)[2] / self.law.penalty, 1.0)
         if self.points.wires:
             half = 0.5 * (1.0 - left) * slip
             one = self.one + self._at_rest(0, poses, half)
@@ -164,36 +167,48 @@ class Pairs:
         normal = np.where(self.slides, np.cos(angle) * n - np.sin(angle) * _along(slip, n), self.two.T)
         return replace(self, two=normal.T)
 
-    def _parts(self, poses: Poses) -> np.ndarray:
-        """Gradients (24, pairs) in the moves and spins of the pairs' nodes."""
+    def _slopes(self, near: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Derivatives (24, pairs) of the gaps and of the slips' squares over 2 in the moves and spins of the
+        pairs' nodes (4, pairs, 7)."""
         shift = 1j * TINY * np.eye(6)[..., None]
         spun = np.concatenate((np.ones((1, 6, 1)), 0.5 * shift[3:].reshape(3, 6, 1)))
         stepped: Poses = []
-        for slot, (x, q) in enumerate(poses):
+        for slot, row in enumerate(near):
             moves = np.zeros((3, STEPS, 1), complex)
             turns = np.zeros((4, STEPS, 1), complex)
             turns[0] = 1.0
             mine = slice(6 * slot, 6 * slot + 6)
             moves[:, mine], turns[:, mine] = shift[:3], spun
-            stepped.append((x[:, None] + moves, product(turns, q[:, None])))
+            stepped.append((row[:, :3].T[:, None] + moves, product(turns, row[:, 3:].T[:, None])))
         h = self.gap(stepped)[0]
-        total = -self.law.press(self.law.d - h.real[0]) * h.imag / TINY
+        slip = np.zeros(h.shape)
         if self.held.any():
-            slip = self.slip(stepped)
-            square = 0.5 * (slip * slip).sum(axis=0)
-            length = np.sqrt(2.0 * np.maximum(square.real[0], 0.0))
-            total += self._ratio(h.real[0], length) * square.imag / TINY
-        return total
+            vectors = self.slip(stepped)
+            slip = 0.5 * (vectors * vectors).sum(axis=0).imag / TINY
+        return h.imag / TINY, slip * self.held
 
-    def _ratio(self, h: np.ndarray, length: np.ndarray) -> np.ndarray:
-        """Tangential forces over the slips."""
-        stuck = self.law.penalty * self.share * self.held
+    def _sizes(self, rows: np.ndarray) -> tuple[np.ndarray, ...]:
+        """Of each pair: the normal force and its derivative by the penetration, the tangential force over the
+        slip and its derivatives by the gap and by half of the slip's square."""
+        poses = self.poses(rows)
+        h, vectors = self.gap(poses)[0], self.slip(poses)
+        depth, none = np.maximum(self.law.d - h, 0.0), np.zeros(len(h))
+        K, k = self.law.penalty, self.law.exponent
+        press = K * depth**k
+        rise = np.where(depth > 0.0, K * k * depth ** (k - 1.0), 0.0)
+        ratio = K * self.share * self.held
         if not self.slides.any():
-            return stuck
-        bound = self.law.mu * self.law.press(self.law.d - h)
-        if not self.points.wires:
-            bound = bound * h / self.law.d  # on the arm d instead of h
-        return np.where(self.slides, bound / np.where(length > 0.0, length, 1.0), stuck)
+            return press, rise, ratio, none, none
+        length = np.sqrt((vectors * vectors).sum(axis=0))
+        length = np.where(length > 0.0, length, 1.0)
+        arm = none + 1.0 if self.points.wires else h / self.law.d  # arcs are measured on the arm d
+        bound = self.law.mu * press * arm
+        change = self.law.mu * (-rise * arm + (0.0 if self.points.wires else press / self.law.d))
+        s = self.slides
+        return (
+            press, rise, np.where(s, bound / length, ratio), np.where(s, change / length, 0.0),
+            np.where(s, -bound / length**3, 0.0),
+        )  # fmt: skip
 
     def _point(self, side: int, poses: Poses) -> np.ndarray:
         return self._sum(side, poses, self.points.weight, self.points.arm)
@@ -236,7 +251,8 @@ def known_pairs(points: Points, law: Law, rest: np.ndarray, path: EquilibriumPat
     assert path.histories is not None
     index = path.shape.data.contact.pairs  # type: ignore[attr-defined]
     history = path.histories[row]
-    held = history["closed"] & (law.mu > 0.0)
+    released = history["opening"] & (history["bound"] == 0.0)
+    held = history["closed"] & ~released & (law.mu > 0.0)
     one, two = (history["arms"][:, :3], history["arms"][:, 3:]) if points.wires else (
         history["vector"], history["normal"],
     )  # fmt: skip

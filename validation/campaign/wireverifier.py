@@ -84,6 +84,7 @@ def verify_balance(
     left = forces.residual(state, path.loads[row], pairs)
     left[:, 3:] /= arm
     share = float(np.abs(left).max()) / largest_load(path, row)
+    most = max(most, force_grain(path))
     verdict.ask("residual", share, most, f"forces out of balance at time {path.times[row]:.6g}")
     contact = path.scene.contact
     if pairs is not None and (contact.geometry == "wires" or contact.sliding == "free"):
