@@ -5,6 +5,7 @@ import signal
 import subprocess
 import sys
 import time
+import tomllib
 from pathlib import Path
 
 import pytest
@@ -23,6 +24,17 @@ def run(code, **environment):
 def test_imports_are_light(package):
     heavy = "{'pyvista', 'vtk', 'matplotlib', 'skfem', 'pandas', 'meshio'}"
     assert run(f"import sys, {package}; print(sorted({heavy} & set(sys.modules)))").strip() == "[]"
+
+
+def test_templates_and_data_are_installed():
+    """What stands beside the modules and is read by them is package data."""
+    settings = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
+    patterns = settings["tool"]["setuptools"]["package-data"]["*"]
+    packages = [ROOT / name for name in ("coilspring", "equivbeam", "wirefe", "validation")]
+    files = [file for package in packages for file in package.rglob("*.*") if "__pycache__" not in file.parts]
+    data = [file for file in files if file.suffix != ".py" and file.is_file()]
+    assert len(data) > 6
+    assert not [file for file in data if not any(file.match(pattern) for pattern in patterns)]
 
 
 @pytest.mark.parametrize("command", ["lint-imports", "ruff check .", "ruff format --check .", "mypy"])

@@ -26,7 +26,7 @@ from validation.regress import timeratios
 from validation.regress.baselines import MODELS, Run, find, read, runs
 from validation.regress.comparison import compare
 from validation.regress.run import regress
-from validation.study import warmup
+from validation.study import cases
 from validation.study.cases import CASES
 
 KEPT = Path(__file__).parents[1] / "reports" / "baseline"
@@ -375,9 +375,9 @@ def test_a_law_without_a_path_is_made_ready_too(monkeypatch):
     short = partial(solve, penalty=600.0)  # a limit point before full load
     with pytest.raises(EquilibriumNotFound):
         short(CATALOGUE["spring-b"](), steps=1)
-    monkeypatch.setattr(warmup.equivbeam, "solve", short)
-    monkeypatch.setattr(warmup, "background", lambda code: nullcontext())
-    warmup.make_ready.__wrapped__()
+    monkeypatch.setattr(cases.equivbeam, "solve", short)
+    monkeypatch.setattr(cases, "background", lambda code: nullcontext())
+    cases.make_ready.__wrapped__()
 
 
 @pytest.mark.parametrize("name", timeratios.RUNS)

@@ -12,10 +12,8 @@ import pytest
 
 from coilspring import CATALOGUE, InputError
 from test_statements import VERDICTS
-from validation.reproduce import ARTEFACTS, artifacts, reproduction, times
-from validation.reproduce.claims import MECHANICS
+from validation.reproduce import ARTEFACTS, artifacts, claims, reproduction, times
 from validation.reproduce.records import REPRODUCTION
-from validation.reproduce.report import CLAIMS
 from validation.study import cases
 from validation.study.machine import machine
 from validation.view import render3d
@@ -324,19 +322,20 @@ def test_where_nothing_can_be_kept_the_run_goes_on(tmp_path, monkeypatch):
 def test_the_page_says_what_its_facts_say(everything):
     """Verdicts of a whole run are those expected; what rests on seconds is judged by those of the run."""
     rows = read(everything / "claims.csv")[1:]
-    assert [row[1] for row in rows] == [item.statement for item in CLAIMS]
+    known = json.loads((everything / "facts.json").read_text(encoding="utf-8"))
+    assert rows == [list(claims.assessed(name, known)) for name in claims.CLAIMS]
     assert all(all(row) for row in rows)
-    found = {item.id: row[3] for item, row in zip(CLAIMS, rows, strict=True)}
+    found = {name: row[3] for name, row in zip(claims.CLAIMS, rows, strict=True)}
     expected = {name: row[0] for name, row in VERDICTS.items() if name not in BY_SECONDS}
     assert {name: found[name] for name in expected} == expected
     page = (everything / "report.md").read_text(encoding="utf-8")
     for verdict in set(expected.values()):
-        mechanical = sum(found[item.id] == verdict for item in MECHANICS)
+        mechanical = sum(found[name] == verdict for name in claims.SOURCES["mechanics"][1])
         assert re.search(rf"on mechanics: [^;]*\b{verdict} {mechanical}\b", page)
 
 
 # rest on times of this machine now
-BY_SECONDS = {"cost", "competitive", "doubles-fe", "doubles-beam", "a-against-b"}
+BY_SECONDS = {"cost", "competitive", "doubles_fe", "doubles_beam", "a_against_b"}
 
 
 def test_the_facts_of_a_run_are_kept(everything):

@@ -188,7 +188,8 @@ def test_a_pair_is_held_from_where_it_touches_first_on_the_predicted_way():
     before, ahead, trial = vectors([0.0, 1.01 * D, 0.0], [0.2, 0.99 * D, 0.0], [0.2001, 0.991 * D, 0.0])
     update_pairs(before, ahead, trial, history, np.inf, K, 1.0, D)
     row = history[0]
-    assert row.closed and row.fresh
+    assert row.closed
+    assert row.fresh
     assert np.linalg.norm(row.vector) == pytest.approx(D)
     share = row.vector[0] / 0.2
     assert row.vector == pytest.approx(before[0] + share * (ahead[0] - before[0]))
@@ -203,13 +204,15 @@ def test_an_opening_pair_that_sticks_gives_back_what_it_held_as_dissipated():
     """K e = 500 N are held at 0.05 mm of slip; released at once over 0.02 mm more, half of them work."""
     row = held(np.array([0.0, D, 0.0]))
     row = accepted(row, np.array([0.05, 1.001 * D, 0.0]), np.inf)
-    assert row.opening and row.closed
+    assert row.opening
+    assert row.closed
     assert [row.bound, row.held] == pytest.approx([500.0, 500.0])
     row.bound = 0.0
     g = np.array([0.07, 1.001 * D, 0.0])
     assert np.linalg.norm(pair_friction(g, row, D, K).force) == 0.0
     row = accepted(row, g, np.inf)
-    assert not row.closed and not row.opening
+    assert not row.closed
+    assert not row.opening
     length = D * np.arctan2(g[0], g[1])
     assert row.work == pytest.approx(0.5 * 500.0 * length)
 

@@ -4,13 +4,17 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping
+from functools import partial
 
 import pytest
+from jinja2 import UndefinedError
 
-from validation.reproduce import findings, methods, report
-from validation.reproduce.claims import AGREES, DIFFERS, NOT_COMPARED, UNDECIDED, Assessment, Claim
+from validation.reproduce import claims
+from validation.reproduce.claims import AGREES, CASE_NAMES, CLAIMS, DIFFERS, NOT_COMPARED, UNDECIDED
+from validation.reproduce.findings import FINDINGS, findings
 from validation.reproduce.records import ROOT, Records
-from validation.study.statements import Statement
+from validation.reproduce.report import REPORT
+from validation.study.template import statement, template
 
 NUMBER = re.compile(r"(?<![\w.])[+-]?\d+(?:\.\d+)*(?:e[+-]?\d+)?(?!\w)")
 # numbers that name a place, not a result, and the 1 over another number
@@ -64,7 +68,7 @@ def texts(words, facts, key):
     for value in changes(facts[key], facts.get("setting.steps")):
         try:
             yield words(Changed(facts, **{key: value}))
-        except (TypeError, ValueError, ZeroDivisionError, IndexError, OverflowError):
+        except (TypeError, ValueError, ZeroDivisionError, IndexError, OverflowError, UndefinedError):
             continue  # no such evidence
 
 
@@ -89,30 +93,22 @@ def fixed_numbers(words, facts):
     return [number for i, number in enumerate(numbers) if i not in moved], idle, set(read.read) - idle
 
 
-def judged(claim):
-    """A judgement as one text."""
-
-    def words(facts):
-        found = claim.assess(facts)
-        return f"{found.ours} | {found.verdict} | {found.why}"
-
-    return words
+def judged(name):
+    """Our numbers on a claim, our verdict and why, as one text."""
+    return lambda facts: " | ".join(claims.assessed(name, facts)[2:])
 
 
 FACTS = Records()
-SENTENCES = {item.id: item.words for module in (report, methods, findings) for item in vars(module).values()
-             if isinstance(item, Statement)}  # fmt: skip
-CLAIMS = {item.id: judged(item) for item in report.CLAIMS}
-EVERYTHING = SENTENCES | CLAIMS
+SENTENCES = {
+    f"{page.name.removesuffix('.md')}.{name}": partial(statement, page, name)
+    for page in (REPORT, FINDINGS)
+    for name in page.blocks
+}
+EVERYTHING = SENTENCES | {name: judged(name) for name in CLAIMS}
 
 
-def test_ids_name_one_sentence_each():
-    named = [item for module in (report, methods, findings) for item in vars(module).values()]
-    assert len({id(item) for item in named if isinstance(item, Statement)}) == len(SENTENCES)
-    assert len(report.CLAIMS) == len(CLAIMS)
-    assert not set(CLAIMS) & set(SENTENCES)
-    listed = [item.id for items in findings.SECTIONS.values() for item in items]
-    assert sorted(listed) == sorted(name for name in SENTENCES if name.startswith("findings."))
+def test_each_claim_is_named_once():
+    assert len(CLAIMS) == len(set(CLAIMS)) == 27
 
 
 @pytest.mark.parametrize("name", EVERYTHING)
@@ -137,7 +133,7 @@ def test_a_constant_sentence_is_found():
 
 def test_findings_are_those_of_the_records():
     """Word for word; `python -m validation.reproduce.findings` writes the page anew."""
-    assert (ROOT / "docs/findings.md").read_text(encoding="utf-8") == findings.page(Records())
+    assert (ROOT / "docs/findings.md").read_text(encoding="utf-8") == findings(Records())
 
 
 # id: our verdict and why; evidence that would turn it, and what it would be then
@@ -147,12 +143,12 @@ SIGNS |= {f"phases.{kind}.softer": (50,) * 12 for kind in ("bare", "few", "many"
 STIFFER = {key: tuple(-abs(item) for item in value) for key, value in SIGNS.items()}
 VERDICTS = {
     "match": (AGREES, "all four curves within 5 %", {"spring-b.curve": 0.5}, DIFFERS),
-    "shape-a-bare": (AGREES, "0.02 mm", {"spring-a-no-contact.shape": 0.2}, DIFFERS),
-    "shape-a": (AGREES, "0.01 mm", {"spring-a.shape": 0.2}, DIFFERS),
-    "shape-b": (DIFFERS, "0.31 mm, a fifth of the wire", {"spring-b.shape": 0.1}, AGREES),
+    "shape_a_bare": (AGREES, "0.02 mm", {"spring-a-no-contact.shape": 0.2}, DIFFERS),
+    "shape_a": (AGREES, "0.01 mm", {"spring-a.shape": 0.2}, DIFFERS),
+    "shape_b": (DIFFERS, "0.31 mm, a fifth of the wire", {"spring-b.shape": 0.1}, AGREES),
     "vertical": (AGREES, "UY by 22 %, the others by 6 %", {"spring-a.wire": (-9.0, -10.0, 1.1)}, DIFFERS),
-    "softer-bare": (UNDECIDED, "UY changes sign over the start phases", SIGNS, AGREES),
-    "softer-contact": (UNDECIDED, "all three change sign over the start phases", STIFFER, DIFFERS),
+    "softer_bare": (UNDECIDED, "UY changes sign over the start phases", SIGNS, AGREES),
+    "softer_contact": (UNDECIDED, "all three change sign over the start phases", STIFFER, DIFFERS),
     "compenetration": (AGREES, "0.39 mm at the third pair from below", {"overlap.without": 0.1}, DIFFERS),
     "sliding": (AGREES, "a limit point at 0.65", {"limit.outcome": "completed", "limit.time": None}, DIFFERS),
     "linear": (AGREES, "to rounding", {"linear.beam": 1e-3}, DIFFERS),
@@ -162,73 +158,70 @@ VERDICTS = {
     "cost": (DIFFERS, "milliseconds are not expensive", {"spring-a.time.wire": 154.0}, AGREES),
     "competitive": (DIFFERS, "contact costs the beam more",
                     {"spring-a.time.ratio": 1e3, "spring-b.time.ratio": 1e3}, AGREES),
-    "contact-fe-a": (DIFFERS, "154 s are not little more than 81 s", {"paper.spring-a.wire": 82.0}, AGREES),
-    "contact-helps": (AGREES, "514 < 761", {"spring-a.paper_iterations": 800}, DIFFERS),
-    "doubles-fe": (AGREES, "2.0", {"spring-b.time.wire": 1.0}, DIFFERS),
-    "doubles-beam": (DIFFERS, "3.2", {"spring-b.time.beam": 0.00075}, AGREES),
-    "a-against-b": (DIFFERS, "1.2 and 1.3", {"spring-b.time.beam": 1e-4, "spring-b.time.beam_paper": 1e-4},
+    "contact_fe_a": (DIFFERS, "154 s are not little more than 81 s", {"paper.spring-a.wire": 82.0}, AGREES),
+    "contact_helps": (AGREES, "514 < 761", {"spring-a.paper_iterations": 800}, DIFFERS),
+    "doubles_fe": (AGREES, "2.0", {"spring-b.time.wire": 1.0}, DIFFERS),
+    "doubles_beam": (DIFFERS, "3.2", {"spring-b.time.beam": 0.00075}, AGREES),
+    "a_against_b": (DIFFERS, "1.2 and 1.3", {"spring-b.time.beam": 1e-4, "spring-b.time.beam_paper": 1e-4},
                     AGREES),
-    "one-iteration": (AGREES, "1", {"first.most": 2}, DIFFERS),
+    "one_iteration": (AGREES, "1", {"first.most": 2}, DIFFERS),
     "growing": (AGREES, "5 to 20", {"growth.paper.end": 6.0}, DIFFERS),
     "sixth": (AGREES, "1/6.4", {"paper.spring-a.beam": 30.0}, DIFFERS),
     "twentieth": (DIFFERS, "1/15 by its own table", {"paper.spring-b.beam": 6.0}, AGREES),
 }  # fmt: skip
-SECONDS = {
-    f"reduction-{name}" for name in ("spring-a", "spring-a-no-contact", "spring-b", "spring-b-no-contact")
-}
-
-
-def by_id(name) -> Claim:
-    return next(item for item in report.CLAIMS if item.id == name)
+SECONDS = {name for name in CLAIMS if name.startswith("reduction_")}
 
 
 def test_every_claim_is_judged_here():
-    assert {*VERDICTS, *SECONDS} == {item.id for item in report.CLAIMS}
+    assert {*VERDICTS, *SECONDS} == set(CLAIMS)
+    assert len(SECONDS) == 4
 
 
 @pytest.mark.parametrize("name", VERDICTS)
 def test_verdicts_follow_from_the_evidence(name):
     verdict, _, turned, other = VERDICTS[name]
-    assert by_id(name).assess(FACTS).verdict == verdict
-    assert by_id(name).assess(Changed(FACTS, **turned)).verdict == other
+    assert claims.verdict(name, FACTS) == verdict
+    assert claims.verdict(name, Changed(FACTS, **turned)) == other
 
 
 @pytest.mark.parametrize("name", SECONDS)
 def test_seconds_of_other_programs_are_not_compared(name):
-    assert by_id(name).assess(FACTS).verdict == NOT_COMPARED
+    assert claims.verdict(name, FACTS) == NOT_COMPARED
 
 
 def test_one_sign_over_the_phases_decides():
     """With the sign of one phase alone changed, nothing is decided."""
     one = SIGNS | {"phases.bare.uy": (*FAR[1:], -0.01), "phases.bare.softer": (*(50,) * 11, 0)}
-    assert by_id("softer-bare").assess(Changed(FACTS, **one)).verdict == UNDECIDED
-    assert by_id("softer-contact").assess(Changed(FACTS, **SIGNS)).verdict == AGREES
-    assert by_id("softer-bare").assess(Changed(FACTS, **STIFFER)).verdict == DIFFERS
+    assert claims.verdict("softer_bare", Changed(FACTS, **one)) == UNDECIDED
+    assert claims.verdict("softer_contact", Changed(FACTS, **SIGNS)) == AGREES
+    assert claims.verdict("softer_bare", Changed(FACTS, **STIFFER)) == DIFFERS
 
 
 def test_the_headline_is_a_verdict():
-    headline = SENTENCES["verdict"]
+    headline = SENTENCES["report.verdict"]
     assert headline(FACTS).startswith(
         "**The proposed model matches the wire model where the helix starts in the working plane, at a small "
         "part of its cost.**"
     )
-    apart = {f"{name}.curve": 0.5 for name in report.CASE_NAMES}
+    apart = {f"{name}.curve": 0.5 for name in CASE_NAMES}
     assert headline(Changed(FACTS, **apart)).startswith("**The proposed model does not match the wire model")
-    slow = {f"{name}.time.ratio": 0.5 for name in report.CASE_NAMES}
+    slow = {f"{name}.time.ratio": 0.5 for name in CASE_NAMES}
     assert "and is not cheaper.**" in headline(Changed(FACTS, **slow))
 
 
 # id: evidence that would turn its words, and what it would say then
-APART = findings.INPUT.format("spring-a", "wirefe", "sphere_place", "30°", "models_apart_percent")
-OUTSIDE = findings.FOUR.format("outside", "normal forces", "Spring B")
-HELD = findings.FOUR.format("law", "without `held`", "Spring B w/o contacts")
-SLOW = {f"{name}.time.ratio": 0.5 for name in report.CASE_NAMES}
+APART = "sensitivity/sensitivity > case=spring-a | model=wirefe | input=sphere_place | value=30° > "
+APART += "models_apart_percent"
+FOUR = "errorbudget/fourcases > table={} | row={} | case={} > value"
+OUTSIDE = FOUR.format("outside", "normal forces", "Spring B")
+HELD = FOUR.format("law", "without `held`", "Spring B w/o contacts")
+SLOW = {f"{name}.time.ratio": 0.5 for name in CASE_NAMES}
 WORDS = [
-    ("verdict", SLOW, "it takes 2 to 2 of the time"),
-    ("verdict.limit-beam", {"limit.beam": 0.9}, "A modulus about 11 % higher than assumed"),
-    ("phases", {"phases.many.difference": (0.5,) * 12}, "with 20 their places matter too"),
-    ("sliding.free", {"limit.outcome": "not converged", "limit.time": None}, "no critical point"),
-    ("assumed.margin", {"limit.beam": 3.0}, "does not rest on the material"),
+    ("report.verdict", SLOW, "it takes 2 to 2 of the time"),
+    ("report.limit_beam", {"limit.beam": 0.9}, "A modulus about 11 % higher than assumed"),
+    ("report.phases", {"phases.many.difference": (0.5,) * 12}, "with 20 their places matter too"),
+    ("report.free_sliding", {"limit.outcome": "not converged", "limit.time": None}, "no critical point"),
+    ("report.margin", {"limit.beam": 3.0}, "does not rest on the material"),
     ("findings.time", SLOW, "0.50 to 0.50 times as fast as the wire model"),
     ("findings.sliding", {"limit.beam": None, "limit.beam_outcome": "completed"}, "plausibly needed"),
     ("findings.sliding", {"limit.outcome": "completed", "limit.time": None}, "is not explained"),
@@ -245,9 +238,11 @@ def test_words_follow_from_the_evidence(name, turned, said):
     assert said in words(Changed(FACTS, **turned))
 
 
-def test_a_verdict_is_one_of_four():
+def test_a_verdict_is_one_of_four(tmp_path, monkeypatch):
+    (tmp_path / "claims.md").write_text("{% macro one(f) %}where\n\nwhat\n\n1\n\nmaybe\n\nwhy{% endmacro %}")
+    monkeypatch.setitem(claims.SOURCES, "mechanics", (template(tmp_path / "claims.md"), ["one"]))
     with pytest.raises(ValueError, match="maybe"):
-        Assessment("1", "maybe", "")
+        claims.assessed("one", FACTS)
 
 
 @pytest.mark.parametrize(

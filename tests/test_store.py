@@ -170,7 +170,7 @@ def test_sources_of_parts_of_a_package_count(tmp_path, monkeypatch):
     (package / "part").mkdir(parents=True)
     for file in (package / "__init__.py", package / "part" / "a.py", package / "b.py"):
         file.write_bytes(b"x = 1\n")
-    (package / "data.txt").write_bytes(b"")
+    (package / "data.npz").write_bytes(b"")
     monkeypatch.syspath_prepend(tmp_path)
     assert len(keys.source_files("somepackage")) == 3
     assert keys.source_files("somepackage.b") == [package / "b.py"]
@@ -307,3 +307,9 @@ def test_a_run_is_solved_once_complete_or_not(tmp_path, damaged):
         file.write_bytes(file.read_bytes()[:-100])
         assert asked() == (ends, 1)
         assert asked() == (ends, 0)
+
+
+def test_templates_and_data_are_sources_too():
+    """What is stored is made anew where the words of a page are changed."""
+    names = {file.name for file in keys.source_files("validation")}
+    assert {"keys.py", "report.md", "inputs.toml"} <= names

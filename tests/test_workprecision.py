@@ -49,8 +49,10 @@ def test_every_extent_has_the_paper_and_only_what_can_be_compared(extent):
         assert sum(setting.is_paper_model for setting in chosen) == 1
         assert {setting.series for setting in chosen} == {"straight", "curved", *LAWS}
         assert all(extent.finest % setting.steps == 0 for setting in chosen)
-        assert all(setting.mesh % setting.pairs == 0 for setting in chosen if setting.mesh)
-        assert max(setting.mesh for setting in chosen if setting.series == "curved") < extent.reference
+        meshes = [setting for setting in chosen if setting.elements_per_turn]
+        assert all(setting.elements_per_turn % setting.pairs_per_turn == 0 for setting in meshes)
+        curved = [setting.elements_per_turn for setting in meshes if setting.series == "curved"]
+        assert max(curved) < extent.reference
 
 
 def test_the_paper_is_marked_as_the_cases_have_it():
@@ -60,7 +62,7 @@ def test_the_paper_is_marked_as_the_cases_have_it():
 
 def test_other_pairs_and_sliding_are_run_where_there_is_contact():
     scenes = study_scenes()
-    pairs = {name: {s.pairs for s in settings(scene, NORMAL)} for name, scene in scenes.items()}
+    pairs = {name: {s.pairs_per_turn for s in settings(scene, NORMAL)} for name, scene in scenes.items()}
     assert (pairs["spring-a"], pairs[NAME]) == ({0, 2, 4, 8, 16}, {0, 4})
     slides = {name: {s.sliding for s in settings(scene, NORMAL)} for name, scene in scenes.items()}
     assert "scene" in slides["spring-b"]

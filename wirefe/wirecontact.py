@@ -237,7 +237,7 @@ def _put(row, c, r, direction):
 
 @arithmetic
 def _node_forms(L, slot, c, e, r, q, x, frame):
-    """Forms of a node that moves w by ``c dx + phi x r``, tau by ``e dx + phi x q``, xi by ``c dx + phi x x``.
+    """Forms of a node; it moves w by ``c dx + phi x r``, tau by ``e dx + phi x q``, xi by ``c dx + phi x x``.
 
     `frame` is n, b, u, sigma, |tau| and the number of forms.
     """

@@ -22,7 +22,7 @@ from coilspring.contact.law import (
 
 SLIGHT = 1e-7  # wire diameters of penetration: its force is the least that friction bounds are compared with
 TOUCH = 0.003  # wire diameters by which a pair may penetrate where a prediction closes it,
-HELD_TOUCH = 0.0003  # and by which one that is held from there
+HELD_TOUCH = 0.0001  # and by which one that is held from there
 OVERLAP_ALLOWED = 0.1  # wire diameters by which wires may overlap more than the deepest pair does
 NEAR = 1.5  # wire diameters between centres, within which a pair's motion in a substep is watched
 

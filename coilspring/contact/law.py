@@ -34,7 +34,7 @@ PAIR_HISTORY = np.dtype(
         ("slip", "f8"),  # what it slides in this substep, negative where it sticks, mm
         ("fresh", "?"),  # it touched first in the substep at hand
         ("opening", "?"),  # it touches no more: what it holds tangentially is being released
-        ("cut", "f8"),  # share of the substep that ends where it touches or opens, 1 where that is near enough
+        ("cut", "f8"),  # share of the substep to try instead: to where it touches or opens
         ("held", "f8"),  # bound of its tangential force in the last accepted state, N
         ("arms", "f8", 6),  # of wires: the material points that touched first, in their sections at rest, mm
     ],
@@ -44,7 +44,7 @@ PAIR_HISTORY = np.dtype(
 # -1/d and a pair moves by no more than half of d in a substep.
 LEAST_LEFT = 0.5
 OPEN = 1e-4  # wire diameters of gap at most where a pair that sticks is said to open
-LOCATED = 3e-4  # wire diameters, by which two ways to find where a pair touches first may differ at most
+LOCATED = 1e-4  # wire diameters, by which two ways to find where a pair touches first may differ at most
 
 
 @part
@@ -124,7 +124,7 @@ def first_touch(before, after, d):
 
 @part
 def touches_first(row, at, doubt, d):
-    """A pair is held from after the share `at` of the substep on, where it touches first, but for a `doubt`."""
+    """A pair is held from after the share `at` of a substep on: there it touches first, but for a `doubt`."""
     row.closed, row.fresh, row.bound = True, True, math.inf
     row.slid, row.rise, row.held = 0.0, 0.0, 0.0
     row.cut = 1.0 if doubt <= LOCATED * d else at + 0.5 * (1.0 - at) * LOCATED * d / doubt

@@ -19,8 +19,8 @@ import numpy as np
 from numba import types
 
 from coilspring.compiling.compiled import copied, copy, part, signed, zeros
-from coilspring.contact.law import PAIR_HISTORY
 from coilspring.contact.history import drop_opening
+from coilspring.contact.law import PAIR_HISTORY
 from coilspring.solver.branch import PAIR_MOTION, displacement_bound
 from coilspring.solver.interface import record_type
 from coilspring.solver.linesearch import dot

@@ -28,9 +28,10 @@ the solver takes as typed first-class functions, so that it is compiled once for
     Update the contact history with an accepted state. Minus infinity: a pair touches that is not in
     the model.
 ``update_pairs(reals, ints, accepted, predicted, state, history) -> change``
-    Make the contact history that of a trial state: which pairs touch since the accepted state, and where
-    they did first (on the way to the predicted one); bounds of the tangential forces, which are lines over the slips in `assemble`, as the normal
-    forces have them. Returns the largest change over the largest force, 0 without friction.
+    Make the contact history that of a trial state: which pairs touch since the accepted state, and where they
+    did first, on the way to the predicted one; bounds of the tangential forces, which are lines over the
+    slips in `assemble`, as the normal forces have them. Returns the largest change over the largest force, 0
+    without friction.
 ``overlap(reals, ints, state) -> (overlap, excess)``
     By how much the wire, or the circles that stand for it, run into themselves, mm: all of it against all of
     it. And by how much that is more than the deepest contact pair, told where it is more than the follower

@@ -21,9 +21,9 @@ from coilspring.solver.follower import (
     COMPLETED,
     CRITICAL,
     EXHAUSTED,
+    JUMP,
     MOST_TRIES,
     NEW_PAIR,
-    JUMP,
     OVERLAP,
     STUCK,
 )
@@ -42,7 +42,9 @@ SOFT = 0.01  # stiffness of the softest mode over that at rest, below which the 
 LEFT = 1e-5  # of the time 0..1: so near to where a path ends, a limit point of Coulomb's law is its end
 SLIDING = -1  # outcome beside those of `coilspring.solver.follower`: see `coilspring.solver.coulomb`
 HELD = "Coulomb's law has a solution beyond, but the iteration on friction bounds found no stable equilibrium"
-JUMPS = "a sticking pair opens, and the path jumps: as its tangential force is released, no equilibrium is near"
+JUMPS = (
+    "a sticking pair opens, and the path jumps: no equilibrium is near as its tangential force is released,"
+)
 THROUGH = (
     f"coils pass through each other: the wire overlaps by {OVERLAP_ALLOWED:g} wire diameters more than any "
     "contact pair"

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 from typing import NoReturn
 
@@ -27,8 +27,6 @@ STUDY_SCENES = (*CATALOGUE, "cylinder-lateral", "slender-axial")  # of workpreci
 PEERS = ("opensees", "calculix")  # of referee
 BASELINE = Path("reports", "baseline")
 SCENE_HELP = f"{', '.join(CATALOGUE)}, or a TOML file"
-
-
 EPILOG = """exit codes: 0 done; 1 something moved or is unexplained (regress, stability); 2 bad input;
 3 a path ended early, what was reached is written; 4 nothing could be written there; 130 interrupted
 
@@ -61,18 +59,8 @@ def command_line() -> argparse.ArgumentParser:
     )
     parser.add_argument("--version", action=_Version, nargs=0, help="print the version and exit")
     commands = parser.add_subparsers(metavar="COMMAND", dest="command", required=True)
-    _add_new(commands)
-    _add_check(commands)
-    _add_reproduce(commands)
-    _add_solve(commands)
-    _add_compare(commands)
-    _add_workprecision(commands)
-    _add_sensitivity(commands)
-    _add_stability(commands)
-    _add_regress(commands)
-    _add_export(commands)
-    _add_referee(commands)
-    _add_view(commands)
+    for add in (_add_scene_files, _add_reproduce, _add_solutions, _add_studies, _add_programs):
+        add(commands)
     return parser
 
 
@@ -87,17 +75,15 @@ def scene_of(arguments: argparse.Namespace) -> Scene:
     return load_scene(arguments.scene).overridden(**given(arguments, COMMON_OPTIONS))
 
 
-def _add_new(commands: argparse._SubParsersAction) -> None:
+def _add_scene_files(commands: argparse._SubParsersAction) -> None:
     purpose = "a commented scene file of a catalogue scene, to be changed, on standard output"
-    command = _command(commands, "new", purpose, "coilcheck new spring-b", writes=False)
-    command.add_argument("name", choices=tuple(CATALOGUE), metavar="NAME", help=", ".join(CATALOGUE))
+    new = _command(commands, "new", purpose, "coilcheck new spring-b", writes=False)
+    new.add_argument("name", choices=tuple(CATALOGUE), metavar="NAME", help=", ".join(CATALOGUE))
 
-
-def _add_check(commands: argparse._SubParsersAction) -> None:
     purpose = "what a scene describes: its numbers, warnings as of EN 13906-1, and which models represent it"
-    command = _command(commands, "check", purpose, "coilcheck check spring-b --draw")
-    command.add_argument("scene", metavar="SCENE", help=SCENE_HELP)
-    command.add_argument("--draw", action="store_true", help="write spring.png; implied by --out")
+    check = _command(commands, "check", purpose, "coilcheck check spring-b --draw")
+    check.add_argument("scene", metavar="SCENE", help=SCENE_HELP)
+    _add_flag(check, "--draw", "write spring.png; implied by --out")
 
 
 def _add_reproduce(commands: argparse._SubParsersAction) -> None:
@@ -105,64 +91,52 @@ def _add_reproduce(commands: argparse._SubParsersAction) -> None:
     command = _command(commands, "reproduce", purpose, "coilcheck reproduce --only table3,fig5")
     command.description = (
         f"{command.description}"
-        " Solved runs and finished pieces are kept for the next time: in $COILCHECK_STORE, by default the "
+        " Solved runs and finished artifacts are kept for the next time: in $COILCHECK_STORE, by default the "
         "folder coilcheck among the user's caches, 256 MiB at most."
     )
     _add_only(command, ARTEFACTS)
     drawn = command.add_mutually_exclusive_group()
-    drawn.add_argument("--no-render", action="store_true", help="tables and data only, no pictures")
+    _add_flag(drawn, "--no-render", "tables and data only, no pictures")
     what = "springs.html too: both models' springs, to be turned in a browser (extra: interactive)"
-    drawn.add_argument("--interactive", action="store_true", help=what)
-    what = "measure the solution times of Table 3 even where they are stored"
-    command.add_argument("--time", action="store_true", help=what)
+    _add_flag(drawn, "--interactive", what)
+    _add_flag(command, "--time", "measure the solution times of Table 3 even where they are stored")
 
 
-def _add_solve(commands: argparse._SubParsersAction) -> None:
+def _add_solutions(commands: argparse._SubParsersAction) -> None:
     purpose = "the load path of one scene by one model"
-    command = _command(commands, "solve", purpose, "coilcheck solve spring-b --model wirefe --steps 20")
-    command.add_argument("--model", choices=tuple(MODEL_OPTIONS), required=True, help="which model")
-    _add_scene(command)
+    solve = _command(commands, "solve", purpose, "coilcheck solve spring-b --model wirefe --steps 20")
+    solve.add_argument("--model", choices=tuple(MODEL_OPTIONS), required=True, help="which model")
+    _add_scene(solve)
     what = "write wire.vtu too (wirefe): the deformed wire at the last step reached, with section forces"
-    command.add_argument("--vtu", action="store_true", help=what)
+    _add_flag(solve, "--vtu", what)
     what = "write wire.pvd too (wirefe), a VTU file for every step, to be seen by coilcheck view or ParaView"
-    command.add_argument("--vtu-series", action="store_true", help=what)
-    _add_said(command, "summary.json")
+    _add_flag(solve, "--vtu-series", what)
 
-
-def _add_compare(commands: argparse._SubParsersAction) -> None:
     purpose = "one scene by both models: the equivalent beam against the wire model"
-    command = _command(commands, "compare", purpose, "coilcheck compare my-spring.toml --out results")
-    _add_scene(command)
-    command.add_argument("--draw", action="store_true", help="write compare.png: both load curves and shapes")
-    _add_said(command, "compare.json")
+    compare = _command(commands, "compare", purpose, "coilcheck compare my-spring.toml --out results")
+    _add_scene(compare)
+    _add_flag(compare, "--draw", "write compare.png: both load curves and shapes")
+
+    for command, file in ((solve, "summary.json"), (compare, "compare.json")):
+        said = command.add_mutually_exclusive_group()
+        _add_flag(said, "--json", f"print what {file} holds, and nothing else")
+        _add_flag(said, "--quiet", "print nothing but errors")
 
 
-def _add_said(command: argparse.ArgumentParser, file: str) -> None:
-    """What is printed."""
-    said = command.add_mutually_exclusive_group()
-    said.add_argument("--json", action="store_true", help=f"print what {file} holds, and nothing else")
-    said.add_argument("--quiet", action="store_true", help="print nothing but errors")
-
-
-def _add_workprecision(commands: argparse._SubParsersAction) -> None:
+def _add_studies(commands: argparse._SubParsersAction) -> None:
     purpose = "run time against error of both models, for every mesh, law and number of steps"
     example = "coilcheck workprecision --quick --only spring-a,spring-b"
     command = _command(commands, "workprecision", purpose, example)
     _add_only(command, STUDY_SCENES)
     size = command.add_mutually_exclusive_group()
-    size.add_argument("--quick", action="store_true", help="few meshes, few rounds: about a minute")
-    size.add_argument("--full", action="store_true", help="meshes up to 320 elements per turn")
-    what = "page and figures of the numbers recorded in the folder, measure nothing"
-    size.add_argument("--page", action="store_true", help=what)
+    _add_flag(size, "--quick", "few meshes, few rounds: about a minute")
+    _add_flag(size, "--full", "meshes up to 320 elements per turn")
+    _add_flag(size, "--page", "page and figures of the numbers recorded in the folder, measure nothing")
 
-
-def _add_sensitivity(commands: argparse._SubParsersAction) -> None:
     purpose = "effect of what the paper leaves open on the curves of both models"
     command = _command(commands, "sensitivity", purpose, "coilcheck sensitivity --only spring-a,spring-b")
     _add_only(command, tuple(CATALOGUE))
 
-
-def _add_stability(commands: argparse._SubParsersAction) -> None:
     purpose = "sampled scenes by both models, each path verified; exit code 1 where an outcome is unexplained"
     command = _command(commands, "stability", purpose, "coilcheck stability --beams 2000 --wires 100")
     scenes = command.add_argument_group("what is verified; a campaign that was interrupted goes on")
@@ -176,32 +150,25 @@ def _add_stability(commands: argparse._SubParsersAction) -> None:
     where = "address of a Dask scheduler, whose workers verify the scenes (extra: dask)"
     command.add_argument("--scheduler", metavar="ADDRESS", help=where)
 
-
-def _add_regress(commands: argparse._SubParsersAction) -> None:
     purpose = "what both models find now against stored baselines; exit code 1 where something moved"
     command = _command(commands, "regress", purpose, "coilcheck regress --baseline reports/baseline")
     where = f"folder of the baselines; default {BASELINE.as_posix()}"
     command.add_argument("--baseline", type=Path, default=BASELINE, metavar="DIR", help=where)
-    command.add_argument("--accept", action="store_true", help="write what is found as the new baselines")
-    what = "measure and compare the models' ratios of time too"
-    command.add_argument("--time", action="store_true", help=what)
+    _add_flag(command, "--accept", "write what is found as the new baselines")
+    _add_flag(command, "--time", "measure and compare the models' ratios of time too")
 
 
-def _add_export(commands: argparse._SubParsersAction) -> None:
+def _add_programs(commands: argparse._SubParsersAction) -> None:
     purpose = "the wire model of a scene as an input deck for another program"
     command = _command(commands, "export", purpose, "coilcheck export spring-a --to calculix --out deck")
     command.add_argument("--to", choices=("calculix",), required=True, help="which program")
     _add_common(command)
 
-
-def _add_referee(commands: argparse._SubParsersAction) -> None:
     purpose = "one scene by the wire model and by another finite-element code, which has to be installed"
     command = _command(commands, "referee", purpose, "coilcheck referee spring-a --with opensees")
     command.add_argument("--with", dest="peer", choices=PEERS, required=True, help="which code")
     _add_common(command)
 
-
-def _add_view(commands: argparse._SubParsersAction) -> None:
     purpose = "the wire as it deforms, in a window with a slider over the steps or as a movie"
     command = _command(commands, "view", purpose, "coilcheck view spring-a --movie a.gif", writes=False)
     where = f"{SCENE_HELP}, or the folder of a run with wire.pvd (solve --vtu-series)"
@@ -246,10 +213,21 @@ def _add_scene(command: argparse.ArgumentParser) -> None:
     wire.add_argument("--pairs-per-turn", type=_number, metavar="N", help="sphere pairs; default 4")
 
 
+def _add_flag(command: argparse._ActionsContainer, name: str, what: str) -> None:
+    command.add_argument(name, action="store_true", help=what)
+
+
 def _add_only(command: argparse.ArgumentParser, names: tuple[str, ...]) -> None:
-    """What of all to make."""
-    what = f"some of {','.join(names)}"
-    command.add_argument("--only", type=_some_of(names), metavar="NAMES", help=what)
+    """What of all to make, in the order of the names."""
+
+    def read(text: str) -> tuple[str, ...]:
+        asked = text.split(",")
+        for name in asked:
+            if name not in names:
+                raise argparse.ArgumentTypeError(f"must be names of {','.join(names)}, got {name!r}")
+        return tuple(name for name in names if name in asked)
+
+    command.add_argument("--only", type=read, metavar="NAMES", help=f"some of {','.join(names)}")
 
 
 def _number(text: str) -> int | float | str:
@@ -260,16 +238,3 @@ def _number(text: str) -> int | float | str:
         except ValueError:
             continue
     return text
-
-
-def _some_of(allowed: tuple[str, ...]) -> Callable[[str], tuple[str, ...]]:
-    """Reads names that are `allowed`, and gives them in that order."""
-
-    def read(text: str) -> tuple[str, ...]:
-        names = text.split(",")
-        for name in names:
-            if name not in allowed:
-                raise argparse.ArgumentTypeError(f"must be names of {','.join(allowed)}, got {name!r}")
-        return tuple(name for name in allowed if name in names)
-
-    return read

@@ -11,30 +11,11 @@ from pathlib import Path
 
 from coilspring import CATALOGUE, EquilibriumNotFound, EquilibriumPath, InputError, Scene, load_scene
 from coilspring.scene.toml import SECTIONS, scene_text
-from validation.cli import external, studies
-from validation.cli.arguments import (
-    FILE_OPTIONS,
-    MODEL_OPTIONS,
-    command_line,
-    given,
-    scene_of,
-)
+from validation.cli import studies
+from validation.cli.arguments import FILE_OPTIONS, MODEL_OPTIONS, command_line, given, scene_of
 from validation.cli.terminal import deviation, digest, notes, progress_shown, say
+from validation.study import output
 from validation.study.metrics import compare_paths
-from validation.study.output import (
-    OutputError,
-    claimed,
-    json_bytes,
-    json_text,
-    path_files,
-    prepare,
-    remove_stale,
-    series_files,
-    summary,
-    vtu_file,
-    write_files,
-    writing,
-)
 from validation.study.partialsolve import partial_path
 from validation.study.scenewarnings import warnings
 
@@ -50,7 +31,7 @@ def main(argv: Sequence[str] | None = None) -> int:
         return _fail(BAD_INPUT, str(error))
     except EquilibriumNotFound as error:
         return _fail(NOT_COMPLETED, error.message)
-    except OutputError as error:
+    except output.OutputError as error:
         return _fail(NOT_WRITTEN, str(error))
     except KeyboardInterrupt:
         return _fail(INTERRUPTED, "interrupted")
@@ -76,31 +57,12 @@ def check(arguments: argparse.Namespace) -> int:
     lines += [f"warning: {warning}" for warning in warnings]
     if arguments.draw or arguments.out:
         folder = _folder(arguments)
-        prepare(folder)
+        output.prepare(folder)
         from validation.view.drawing import draw
 
         draw(scene, folder / "spring.png")
         lines.append(f"drawn in {folder / 'spring.png'}")
     say(*lines)
-    return COMPLETED
-
-
-def reproduce(arguments: argparse.Namespace) -> int:
-    """Make the paper's tables and figures."""
-    folder = _folder(arguments)
-    with claimed(folder), progress_shown() as progress:
-        from validation.reproduce.reproduction import reproduce as run
-
-        with writing(folder):
-            remarks = run(
-                folder,
-                arguments.only,
-                not arguments.no_render,
-                progress,
-                arguments.time,
-                arguments.interactive,
-            )
-    say(*remarks, f"written to {folder}")
     return COMPLETED
 
 
@@ -113,20 +75,18 @@ def solve(arguments: argparse.Namespace) -> int:
             raise InputError(f"{flag} belongs to --model {other}, got --model {model}")
     scene = scene_of(arguments)
     folder = _folder(arguments)
-    with claimed(folder):
+    with output.claimed(folder):
         with progress_shown(arguments.quiet) as progress:
             path = _run(scene, model, arguments, progress)
-        files = path_files(path)
+        files = output.path_files(path)
         if arguments.vtu and len(path.times):
-            files |= vtu_file(path)
+            files |= output.vtu_file(path)
         if arguments.vtu_series and len(path.times):
-            prepare(folder / "wire")
-            files |= series_files(path)
-        write_files(files, folder)
-        remove_stale(files, folder)
-    _warn(scene, arguments)
-    _conclude(arguments, summary(path), [*digest(path), f"written to {folder}"])
-    return _verdict(path)
+            output.prepare(folder / "wire")
+            files |= output.series_files(path)
+        output.write_files(files, folder)
+        output.remove_stale(files, folder)
+    return _concluded(arguments, output.summary(path), [*digest(path), f"written to {folder}"], path)
 
 
 def compare(arguments: argparse.Namespace) -> int:
@@ -135,7 +95,7 @@ def compare(arguments: argparse.Namespace) -> int:
     folder = _folder(arguments)
     with ExitStack() as claims:
         for each in (folder, *(folder / model for model in MODEL_OPTIONS)):
-            claims.enter_context(claimed(each))
+            claims.enter_context(output.claimed(each))
         with progress_shown(arguments.quiet) as progress:
             paths = {model: _run(scene, model, arguments, progress) for model in MODEL_OPTIONS}
         comparison = compare_paths(paths["equivbeam"], paths["wirefe"])
@@ -147,40 +107,33 @@ def compare(arguments: argparse.Namespace) -> int:
             "outcomes": {model: path.outcome for model, path in paths.items()},
             "notes": [f"{model}: {note}" for model, path in paths.items() for note in notes(path)],
         }
-        files = {"compare.json": json_bytes(found)}
+        files = {"compare.json": output.json_bytes(found)}
         if arguments.draw:
             from validation.view.overlay import overlay
 
             files["compare.png"] = overlay(*paths.values())
         for model, path in paths.items():
-            files |= {f"{model}/{name}": data for name, data in path_files(path).items()}
-        write_files(files, folder)
-        remove_stale(files, folder)
+            files |= {f"{model}/{name}": data for name, data in output.path_files(path).items()}
+        output.write_files(files, folder)
+        output.remove_stale(files, folder)
         for model in paths:
-            remove_stale({}, folder / model)
-    _warn(scene, arguments)
+            output.remove_stale({}, folder / model)
     lines = [line for path in paths.values() for line in digest(path)]
     lines += deviation(comparison, bool(scene.load.displacement))
-    _conclude(arguments, found, [*lines, f"written to {folder}"])
-    return _verdict(*paths.values())
+    return _concluded(arguments, found, [*lines, f"written to {folder}"], *paths.values())
 
 
 def long_command(arguments: argparse.Namespace) -> int:
     """Run a study, or hand a scene to another program or to the eye."""
     with progress_shown() as progress:
-        lines, failure = LONG[arguments.command](arguments, _folder(arguments), progress)
+        lines, failure = studies.COMMANDS[arguments.command](arguments, _folder(arguments), progress)
     say(*lines)
     return _fail(REGRESSED, failure) if failure else COMPLETED
 
 
-LONG = {**studies.COMMANDS, **external.COMMANDS}
 COMMANDS = {
-    "new": new,
-    "check": check,
-    "reproduce": reproduce,
-    "solve": solve,
-    "compare": compare,
-    **dict.fromkeys(LONG, long_command),
+    **{"new": new, "check": check, "solve": solve, "compare": compare},
+    **dict.fromkeys(studies.COMMANDS, long_command),
 }
 
 
@@ -226,25 +179,18 @@ def _in_file(scene: str, error: InputError) -> InputError:
     return error
 
 
-def _warn(scene: Scene, arguments: argparse.Namespace) -> None:
-    """Say on stderr what makes the scene doubtful, unless asked to be quiet or for JSON, which holds it."""
-    if arguments.quiet or arguments.json:
-        return
-    for warning in warnings(scene):
-        print(f"coilcheck: warning: {warning}", file=sys.stderr)
+def _concluded(arguments: argparse.Namespace, found: dict, lines: list[str], *paths: EquilibriumPath) -> int:
+    """Print a result as asked for: for a reader, as JSON, or not at all; the exit code of solved scenes.
 
-
-def _verdict(*paths: EquilibriumPath) -> int:
-    """Exit code of solved scenes; what was not completed is said on stderr."""
+    What makes the scene doubtful is said on stderr unless JSON holds it; so is what was not completed.
+    """
+    if arguments.json:
+        say(output.json_text(found))
+    elif not arguments.quiet:
+        for warning in warnings(paths[0].scene):
+            print(f"coilcheck: warning: {warning}", file=sys.stderr)
+        say(*lines)
     missed = [f"{path.model}: {path.message}" for path in paths if path.outcome != "completed"]
     if missed:
         return _fail(NOT_COMPLETED, f"{'; '.join(missed)}; what was reached is written")
     return COMPLETED
-
-
-def _conclude(arguments: argparse.Namespace, found: dict, lines: list[str]) -> None:
-    """Print a result as asked for: for a reader, as JSON, or not at all."""
-    if arguments.json:
-        say(json_text(found))
-    elif not arguments.quiet:
-        say(*lines)

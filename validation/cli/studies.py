@@ -1,4 +1,7 @@
-"""Commands that study the models: each gives the lines to be said, and in one sentence what is wrong."""
+"""Commands that study the models, or hand a scene to other programs and to the eye.
+
+Each gives the lines to be said, and in one sentence what is wrong.
+"""
 
 from __future__ import annotations
 
@@ -7,13 +10,24 @@ from collections.abc import Callable
 from contextlib import nullcontext
 from pathlib import Path
 
+from coilspring import Scene, load_scene
 from coilspring.errors import InputError, require_integer
-from validation.cli.arguments import CAMPAIGN_RANGES, given
-from validation.study.output import claimed, writing
+from validation.cli.arguments import CAMPAIGN_RANGES, given, scene_of
+from validation.study.output import claimed, json_bytes, prepare, write_files, write_text, writing
 
 Progress = Callable[[str], None]
 Answer = tuple[list[str], str]
 LOADING = "loading both models"
+
+
+def reproduce(arguments: argparse.Namespace, folder: Path, progress: Progress) -> Answer:
+    """Make the paper's tables and figures."""
+    with claimed(folder), writing(folder):
+        from validation.reproduce.reproduction import reproduce as run
+
+        only, time, turned = arguments.only, arguments.time, arguments.interactive
+        remarks = run(folder, only, not arguments.no_render, progress, time, turned)
+    return [*remarks, f"written to {folder}"], ""
 
 
 def workprecision(arguments: argparse.Namespace, folder: Path, progress: Progress) -> Answer:
@@ -84,12 +98,62 @@ def _seeds(one: int | None, listed: str | None) -> tuple[int, ...]:
     parts = [part.strip() for part in listed.split(",")]
     if not all(part.isdecimal() for part in parts):
         raise InputError(f"seeds must be whole numbers with commas between, as 1,2,3, got {listed!r}")
-    return tuple(dict.fromkeys(require_integer("seeds", int(part), *CAMPAIGN_RANGES["seed"]) for part in parts))
+    limits = CAMPAIGN_RANGES["seed"]
+    return tuple(dict.fromkeys(require_integer("seeds", int(part), *limits) for part in parts))
+
+
+def export(arguments: argparse.Namespace, folder: Path, progress: Progress) -> Answer:
+    """Write the input deck of a scene for another program."""
+    from validation.peers import calculix
+
+    scene = scene_of(arguments)
+    text = calculix.deck(scene)
+    with claimed(folder):
+        write_text(folder / calculix.FILE, text)
+    said = [f"written to {folder / calculix.FILE}; run it there by: ccx {calculix.JOB}"]
+    if scene.contact.enabled and scene.contact.sliding == "none":
+        said.append("its contact is frictionless: a spring element cannot hold a pair where it closed")
+    return said, ""
+
+
+def referee(arguments: argparse.Namespace, folder: Path, progress: Progress) -> Answer:
+    """Run a peer on a scene beside the wire model."""
+    scene, peer = scene_of(arguments), arguments.peer
+    with claimed(folder):
+        progress(f"solving with wirefe and {peer}")
+        from validation.peers.comparison import compare
+
+        found = compare(scene, peer)
+        values = {"scene": scene.name, "peer": peer, "remark": found.remark, "steps": found.rows}
+        seconds = {"wirefe": found.wire.solve_seconds, peer: found.peer.seconds}
+        summary = {**values, "curve_max": found.difference, "seconds": seconds}
+        write_files({f"{peer}.json": json_bytes(summary), f"{peer}.csv": found.csv().encode()}, folder)
+    return [*found.lines(), f"written to {folder}"], ""
+
+
+def view(arguments: argparse.Namespace, folder: Path, progress: Progress) -> Answer:
+    """Show the wire as it deforms, in a window or as a movie."""
+    from validation.view import animation, frames
+
+    movie = arguments.movie
+    run = Path(arguments.scene)
+    progress("loading the wire")
+    source = frames.of_run(run) if run.is_dir() else load_scene(arguments.scene)
+    if movie is None:
+        animation.require_display()
+    else:
+        animation.require_gif(movie)
+        prepare(movie.parent)
+    found = frames.of_scene(source) if isinstance(source, Scene) else source
+    if movie is None:
+        animation.show(found)
+        return [], ""
+    progress(f"drawing {len(found.times)} pictures")
+    remark = animation.film(found, movie)
+    return [*([remark] if remark else []), f"written to {movie}"], ""
 
 
 COMMANDS = {
-    "workprecision": workprecision,
-    "sensitivity": sensitivity,
-    "regress": regress,
-    "stability": stability,
+    **{"reproduce": reproduce, "workprecision": workprecision, "sensitivity": sensitivity},
+    **{"regress": regress, "stability": stability, "export": export, "referee": referee, "view": view},
 }

@@ -67,11 +67,11 @@ def notes(path: EquilibriumPath) -> list[str]:
     return said
 
 
-def deviation(found: Comparison, driven: bool) -> list[str]:
-    """How far two paths lie apart, for a reader at the terminal; `driven`: UY is prescribed."""
+def deviation(found: Comparison, prescribed: bool) -> list[str]:
+    """Deviation of two paths for a reader at the terminal; `prescribed`: UY is."""
     if found.steps == 0:
         return ["no step was reached by both models: nothing to compare"]
-    names = {name: "force" if driven and name == "uy" else name for name in found.component_max}
+    names = {name: "force" if prescribed and name == "uy" else name for name in found.component_max}
     worst = max(names, key=found.component_max.__getitem__)
     return [
         f"difference over {found.steps} common steps: "

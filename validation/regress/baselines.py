@@ -28,19 +28,13 @@ Quantities = dict[str, Any]
 
 @dataclass(frozen=True)
 class Run:
-    """One scene by one model with its options.
-
-    Attributes
-    ----------
-    name, model, scene, options : what is run.
-    sensitive : whether rounding decides where its critical point is found, and in how many iterations.
-    """
+    """One scene by one model with its options."""
 
     name: str
     model: str
     scene: Scene
     options: Mapping[str, object]
-    sensitive: bool = False
+    sensitive: bool = False  # whether rounding decides where its critical point is found
 
     def solve(self) -> EquilibriumPath:
         """The path, complete or as far as it was reached."""
@@ -83,15 +77,15 @@ def _slender() -> Scene:
 
 
 def _run(model: str, scene: Scene, **options: object) -> Run:
-    told = ", ".join(f"{name}={value}" for name, value in options.items())
-    return Run(f"{scene.name}, {told}", model, scene, options)
+    listed = ", ".join(f"{name}={value}" for name, value in options.items())
+    return Run(f"{scene.name}, {listed}", model, scene, options)
 
 
 def quantities(path: EquilibriumPath, sensitive: bool = False) -> Quantities:
     """What is kept of a path; `sensitive` is that of its `Run`.
 
     ``contact_moment`` is the sum of force times number of the pair, which tells where coils touch;
-    ``remembers`` whether closed pairs do not slide, so that the answer depends on the substeps.
+    ``remembers`` whether closed pairs stick, so that the answer depends on the substeps.
     """
     reached = len(path.times)
     rows = sorted({max(round(share * reached) - 1, 0) for share in SHARES}) if reached else []
@@ -101,7 +95,7 @@ def quantities(path: EquilibriumPath, sensitive: bool = False) -> Quantities:
         "outcome": path.outcome,
         "steps_reached": reached,
         "critical_time": path.critical_time,
-        "remembers": _remembers(path),
+        "remembers": _path_dependent(path),
         "sensitive": sensitive,
         "times": [float(time) for time in path.times[rows]],
         **{name: [float(tip) for tip in path.tips[rows, i]] for i, name in enumerate(CURVES)},
@@ -115,7 +109,7 @@ def quantities(path: EquilibriumPath, sensitive: bool = False) -> Quantities:
     }
 
 
-def _remembers(path: EquilibriumPath) -> bool:
+def _path_dependent(path: EquilibriumPath) -> bool:
     contact = path.scene.contact
     obeyed = path.model == "wirefe" or path.options["sliding"] == "scene"
     return contact.enabled and obeyed and contact.sliding != "free"

@@ -4,32 +4,25 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from contextlib import ExitStack
-from dataclasses import dataclass
+from dataclasses import astuple, dataclass
 from pathlib import Path
 from typing import Any
 
 from validation.regress import baselines, timeratios
 from validation.regress.baselines import MODELS, Run, find, made, read, runs
 from validation.regress.comparison import Move, compare
-from validation.study.document import Block, Heading, Table, Text, to_markdown
+from validation.study.cases import make_ready
+from validation.study.document import Table
 from validation.study.output import claimed, write_text
-from validation.study.warmup import make_ready
 
 
 @dataclass(frozen=True)
 class Finding:
-    """What a regression run found.
+    """What a regression run found."""
 
-    Attributes
-    ----------
-    moves : what moved; empty where nothing did, or where there was nothing to compare with.
-    compared : number of runs.
-    accepted : whether the baselines were written anew.
-    """
-
-    moves: tuple[Move, ...]
-    compared: int
-    accepted: bool
+    moves: tuple[Move, ...]  # what moved; empty where there was nothing to compare with, too
+    compared: int  # number of runs
+    accepted: bool  # whether the baselines were written anew
 
 
 def regress(
@@ -48,7 +41,7 @@ def regress(
         What was found before an interruption is there too.
     baseline : folder of the baselines.
     accept : write what was found as the new baselines, with the ratios of times.
-    times : measure and judge the ratios of times too.
+    times : measure and compare the ratios of times too.
     progress : called with one line on what is being done.
     chosen : runs; by default all of `baselines.runs`.
 
@@ -73,7 +66,7 @@ def regress(
             baselines.write(found, baseline)
             timeratios.write(ratios, baseline)
         finding = Finding(moves, len(watched), accept)
-        write_text(out / "regress.md", to_markdown(_report(finding, kept)))
+        write_text(out / "regress.md", _report(finding, kept))
         return finding
 
 
@@ -91,15 +84,14 @@ def verdict(finding: Finding) -> str:
     return f"{finding.compared} runs: {found}{ending}"
 
 
-def _report(finding: Finding, kept: dict[str, dict[str, Any]] | None) -> list[Block]:
-    blocks: list[Block] = [Heading(1, "Regression"), Text(f"**{verdict(finding)}.**")]
+def _report(finding: Finding, kept: dict[str, dict[str, Any]] | None) -> str:
+    parts = ["# Regression", f"**{verdict(finding)}.**"]
     if kept:
         since = kept[MODELS[0]]["made"]
         here = made()
         origin = f"Baselines of {since['date']} on {since['processor']}"
-        blocks.append(Text(f"{origin}; compared {here['date']} on {here['processor']}."))
+        parts.append(f"{origin}; compared {here['date']} on {here['processor']}.")
     if finding.moves:
         header = ("run", "quantity", "was", "is", "by how much")
-        rows = [(move.run, move.quantity, move.before, move.now, move.measure) for move in finding.moves]
-        blocks.append(Table(header, tuple(rows)))
-    return blocks
+        parts.append(str(Table(header, tuple(map(astuple, finding.moves)))))
+    return "\n\n".join(parts) + "\n"

@@ -1,4 +1,4 @@
-"""Ratios of solution times between the models: kept beside the baselines, judged only on request."""
+"""Ratios of solution times between the models: kept beside the baselines, compared only on request."""
 
 from __future__ import annotations
 

@@ -11,18 +11,18 @@ from pathlib import Path
 from types import ModuleType
 from typing import TYPE_CHECKING
 
-from validation.reproduce import curves, evidence, facts, report, tables, times
+import pandas as pd
+
+from validation.reproduce import claims, curves, evidence, facts, report, tables, times
 from validation.reproduce.assembly import PAGE
-from validation.study import document, frames
+from validation.study import frames
 from validation.study.cases import PathStore
-from validation.study.document import Table, to_markdown
+from validation.study.document import Table
 from validation.study.output import FACTS, json_bytes, write_files
 from validation.study.provenance import FILE, provenance
-from validation.study.statements import rendered
 from validation.view import htmlscene, render3d, shapes
 
 if TYPE_CHECKING:
-    import pandas as pd
     from matplotlib.figure import Figure
 
     from validation.view.render3d import Rendering
@@ -33,26 +33,16 @@ Files = dict[str, bytes]  # by name
 
 @dataclass
 class Maker:
-    """Makes artifacts, writes their files and keeps them in the store.
+    """Makes artifacts, writes their files and keeps them in the store."""
 
-    Attributes
-    ----------
-    out : folder of the results.
-    paths : of both models; their store keeps the artifacts, too.
-    render : whether pictures are made.
-    cleanup : ends the rendering processes, whatever happens.
-    times : CSV file of Table 3, for the artifacts that show it.
-    renderings : by artifact, its key, its other files, and panels and running process of its figure in space.
-    notes : what did not go as planned, one sentence each.
-    """
-
-    out: Path
-    paths: PathStore
-    render: bool
-    cleanup: ExitStack
-    times: bytes = b""
+    out: Path  # folder of the results
+    paths: PathStore  # of both models; their store keeps the artifacts, too
+    render: bool  # whether pictures are made
+    cleanup: ExitStack  # ends the rendering processes, whatever happens
+    times: bytes = b""  # CSV file of Table 3, for the artifacts that show it
+    # by artifact, its key, its other files, and panels and running process of its figure in space
     renderings: dict[str, tuple[str, Files, tuple[Shapes, ...], Rendering]] = field(default_factory=dict)
-    notes: list[str] = field(default_factory=list)
+    notes: list[str] = field(default_factory=list)  # what did not go as planned, one sentence each
 
     def measure(self) -> bytes:
         """Measure the times of Table 3; its CSV file."""
@@ -75,7 +65,8 @@ class Maker:
         for name, (key, files, panels, rendering) in self.renderings.items():
             self.paths.announce(f"rendering {name}")
             rendered = rendering.result()
-            picture = self.picture(name, partial(_space_figure, panels, rendered), lines=False)
+            figure = partial(_spring_figures().space_figure, panels, rendered)
+            picture = self.picture(name, figure, lines=False)
             write_files(picture, self.out)
             if isinstance(rendered, str):
                 note = f"{name} was drawn by matplotlib, since pyvista could not render here: {rendered}."
@@ -110,36 +101,29 @@ class Maker:
     def _springs(self, name: str, key: str) -> Files:
         """Deformed springs; the figure in space is rendered in a process of its own while work goes on."""
         panels = tuple(shapes.shapes(self.paths, scene) for scene in SPRINGS[name])
-        rendering = self._rendering(panels)
+        rendering = self.cleanup.enter_context(render3d.Rendering(panels)) if self.render else None
         files = _csv(name, shapes.centreline_table(panels))
         files |= _csv(f"{name}-plane", shapes.circle_table(panels))
-        files |= self.picture(f"{name}-plane", partial(_plane_figure, panels))
+        files |= self.picture(f"{name}-plane", lambda: _spring_figures().plane_figure(panels))
         if rendering is None:
             self.paths.store.put(key, files)
         else:
             self.renderings[name] = (key, files, panels, rendering)
         return files
 
-    def _rendering(self, panels: tuple[Shapes, ...]) -> Rendering | None:
-        if not self.render:
-            return None
-        return self.cleanup.enter_context(render3d.Rendering(panels))
-
 
 def _csv(name: str, table: Table) -> Files:
     """A table as a CSV file."""
-    return {f"{name}.csv": document.to_csv(table).encode()}
+    return {f"{name}.csv": frames.to_csv(pd.DataFrame(table.rows, columns=list(table.header)))}
 
 
-def _curves(
-    name: str, data: Callable[[PathStore], pd.DataFrame], figure: str, digits: int = 9
-) -> Callable[[Maker], Files]:
+def _curves(name: str, data: Callable[[PathStore], pd.DataFrame], figure: str) -> Callable[[Maker], Files]:
     """Curves: their data, and the figure that shows them."""
 
     def make(maker: Maker) -> Files:
         found = data(maker.paths)
         picture = maker.picture(name, lambda: getattr(_figures(), figure)(found))
-        return {f"{name}.csv": frames.to_csv(found, digits)} | picture
+        return {f"{name}.csv": frames.to_csv(found, digits=9)} | picture
 
     return make
 
@@ -151,31 +135,25 @@ def _figures() -> ModuleType:
     return figures
 
 
-def _space_figure(panels: tuple[Shapes, ...], rendered: list[Path] | str) -> Figure:
-    from validation.reproduce.springfigures import space_figure
+def _spring_figures() -> ModuleType:
+    from validation.reproduce import springfigures
 
-    return space_figure(panels, rendered)
-
-
-def _plane_figure(panels: tuple[Shapes, ...]) -> Figure:
-    from validation.reproduce.springfigures import plane_figure
-
-    return plane_figure(panels)
+    return springfigures
 
 
 def _report(maker: Maker) -> Files:
     """The reproduction's page; all pictures are there when it is made."""
     found = evidence.gather(maker.paths, frames.read_csv(io.BytesIO(maker.times)))
     known = facts.facts(found)
-    held = found.cases["spring-b"].wire
-    picture = maker.picture("sliding", lambda: _figures().sliding_figure(held, found.frictionless))
+    sticking = found.cases["spring-b"].wire
+    picture = maker.picture("sliding", lambda: _figures().sliding_figure(sticking, found.frictionless))
     maker.finish()
-    parts = report.compose(found, known, maker.paths, maker.render, maker.notes)
+    page = report.compose(found, known, maker.paths, maker.render, maker.notes)
     return {
         **picture,
-        **_csv("claims", report.claim_table(known)),
+        **_csv("claims", claims.claim_table(known)),
         "phases.csv": frames.to_csv(found.phases),
-        PAGE: to_markdown(rendered(parts, known)).encode(),
+        PAGE: page.encode(),
         FILE: provenance("coilcheck reproduce"),
         FACTS: json_bytes(known),
     }

@@ -7,32 +7,30 @@ stands beside the report's folder, or else among the results that come with the 
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass
 from pathlib import Path
+from typing import NamedTuple
 
-from validation.study.document import Block, Heading, Text, to_markdown
 from validation.study.html import to_html
 from validation.study.provenance import provenance_table
 
 PAGE = "report.md"
 STORED = Path(__file__).parents[2] / "reports"  # of a checkout
 FIGURES = "## Figures\n"
+PROVENANCE = """## Provenance
+
+What made the results above. The digests are of the sources' names and contents, the first digits of SHA-256.
+The reproduction's solution times are kept with the machine: their own date stands below Table 3.
+
+{}
+"""
 
 
-@dataclass(frozen=True)
-class Study:
-    """A study besides the reproduction.
+class Study(NamedTuple):
+    """A study besides the reproduction."""
 
-    Attributes
-    ----------
-    name : of its command, its folder and its page.
-    title : of its section.
-    tells : what a reader finds there.
-    """
-
-    name: str
-    title: str
-    tells: str
+    name: str  # of its command, its folder and its page
+    title: str  # of its section
+    tells: str  # what a reader finds there
 
 
 STUDIES = (
@@ -54,7 +52,8 @@ def assemble(page: str, out: Path, scene: str | None = None) -> bytes:
     found = {study: folder for study in STUDIES if (folder := _folder(study, out)) is not None}
     sections = [(_with_scene(page, scene), out)]
     sections += [(_section(study, found.get(study)), found.get(study, out)) for study in STUDIES]
-    sections.append((_provenance(found, out), out))
+    folders = [("Reproduction", out), *((study.title, folder) for study, folder in found.items())]
+    sections.append((PROVENANCE.format(provenance_table(folders)), out))
     return to_html(sections, page.partition("\n")[0].lstrip("# ")).encode()
 
 
@@ -79,17 +78,3 @@ def _with_scene(page: str, scene: str | None) -> str:
         return page
     words = f"The springs of Figures 4 and 6 [can be turned in space]({scene}), a file beside this one."
     return page.replace(FIGURES, f"{FIGURES}\n{words}\n", 1)
-
-
-def _provenance(found: dict[Study, Path], out: Path) -> str:
-    folders = [("Reproduction", out), *((study.title, folder) for study, folder in found.items())]
-    blocks: list[Block] = [
-        Heading(2, "Provenance"),
-        Text(
-            "What made the results above. The digests are of the sources' names and contents, the first "
-            "digits of SHA-256. The reproduction's solution times are kept with the machine: their own date "
-            "stands below Table 3."
-        ),
-        provenance_table(folders),
-    ]
-    return to_markdown(blocks)

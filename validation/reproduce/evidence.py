@@ -20,32 +20,22 @@ from validation.study.metrics import Comparison, compare_paths, peaks
 # difference to the finer mesh
 _REFINED = FINE_MESH["elements_per_turn"] / PAPER_MESH["elements_per_turn"]
 RICHARDSON = _REFINED**2 / (_REFINED**2 - 1.0)
-
+ERRORS = ("curve_max", "curve_rms", "shape_max", "shape_rms")  # of a comparison
 OVERLOAD = 1.2  # of the paper's load
-
 STEPS = (10, 20, 50, 200)  # substeps over which the no-sliding rule's dependence is measured
 
 
 @dataclass(frozen=True)
 class CaseEvidence:
-    """One case.
-
-    Attributes
-    ----------
-    case : the case.
-    wire, fine : the wire model on the paper's mesh and on a finer one.
-    beam, paper : the equivalent beam with its exact tangent and with the paper's.
-    error : the beam against the wire model on the paper's mesh.
-    mesh_error : Richardson estimate of the error of the paper's mesh.
-    """
+    """One case."""
 
     case: Case
-    wire: EquilibriumPath
-    fine: EquilibriumPath
-    beam: EquilibriumPath
-    paper: EquilibriumPath
-    error: Comparison
-    mesh_error: Comparison
+    wire: EquilibriumPath  # the wire model on the paper's mesh
+    fine: EquilibriumPath  # the wire model on a finer one
+    beam: EquilibriumPath  # the equivalent beam with its exact tangent
+    paper: EquilibriumPath  # the equivalent beam with the paper's tangent
+    error: Comparison  # the beam against the wire model on the paper's mesh
+    mesh_error: Comparison  # Richardson estimate of the error of the paper's mesh
 
     @property
     def converged_tips(self) -> np.ndarray:
@@ -61,26 +51,15 @@ class CaseEvidence:
 
 @dataclass(frozen=True)
 class Evidence:
-    """Everything the report's sentences are computed from.
+    """Everything the report's sentences are computed from."""
 
-    Attributes
-    ----------
-    cases : by name of the scene.
-    times : solution times of the cases (`validation.reproduce.times`).
-    frictionless : wire model of Spring B with sliding contact, as far as it goes.
-    sticking : equivalent beam of Spring B without sliding, against the wire model.
-    stepped : wire model of Spring B without sliding, UY at full load by number of substeps.
-    overloaded : equivalent beam of Spring B under more than its full load, as far as it goes.
-    phases : both models of Spring A at other start phases (`validation.reproduce.phases`).
-    """
-
-    cases: Mapping[str, CaseEvidence]
-    times: pd.DataFrame
-    frictionless: EquilibriumPath
-    sticking: Comparison
-    stepped: Mapping[int, float]
-    overloaded: EquilibriumPath
-    phases: pd.DataFrame
+    cases: Mapping[str, CaseEvidence]  # by name of the scene
+    times: pd.DataFrame  # solution times of the cases (`validation.reproduce.times`)
+    frictionless: EquilibriumPath  # wire model of Spring B with sliding contact, as far as it goes
+    sticking: Comparison  # equivalent beam of Spring B without sliding, against the wire model
+    stepped: Mapping[int, float]  # wire model of Spring B without sliding, UY at full load by substeps
+    overloaded: EquilibriumPath  # equivalent beam of Spring B beyond its full load, as far as it goes
+    phases: pd.DataFrame  # both models of Spring A at other start phases (`validation.reproduce.phases`)
 
     @property
     def overload(self) -> float:
@@ -117,7 +96,7 @@ def overloaded(scene: Scene) -> Scene:
 def _case(store: PathStore, item: Case) -> CaseEvidence:
     scene = item.scene
     wire, fine = store.wire(scene), store.wire(scene, **FINE_MESH)
-    beam = store.beam(scene)
+    beam, mesh = store.beam(scene), compare_paths(wire, fine)
     return CaseEvidence(
         case=item,
         wire=wire,
@@ -125,10 +104,5 @@ def _case(store: PathStore, item: Case) -> CaseEvidence:
         beam=beam,
         paper=store.beam(scene, tangent="paper"),
         error=compare_paths(beam, wire),
-        mesh_error=_scaled(compare_paths(wire, fine), RICHARDSON),
+        mesh_error=replace(mesh, **{name: RICHARDSON * getattr(mesh, name) for name in ERRORS}),
     )
-
-
-def _scaled(comparison: Comparison, factor: float) -> Comparison:
-    names = ("curve_max", "curve_rms", "shape_max", "shape_rms")
-    return replace(comparison, **{name: factor * getattr(comparison, name) for name in names})

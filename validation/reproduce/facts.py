@@ -40,7 +40,9 @@ ENDS = 10  # substeps at the beginning and the end, whose iterations are compare
 
 def facts(evidence: Evidence) -> dict[str, object]:
     """All facts, of types that JSON has."""
-    found: dict[str, object] = {**THRESHOLDS, **_settings(evidence), **_paper(), **_contact(evidence)}
+    models = ("wire", "beam")  # the paper's Table 3, s
+    paper = {f"paper.{c.name}.{model}": getattr(c, f"paper_{model}") for c in CASES for model in models}
+    found: dict[str, object] = {**THRESHOLDS, **_settings(evidence), **paper, **_contact(evidence)}
     for item in evidence.cases.values():
         found |= {f"{item.case.name}.{name}": value for name, value in _case(item).items()}
     for row in evidence.times.to_dict("records"):
@@ -75,15 +77,6 @@ def _settings(evidence: Evidence) -> dict[str, object]:
     }
 
 
-def _paper() -> dict[str, object]:
-    """The paper's Table 3, s."""
-    found: dict[str, object] = {}
-    for item in CASES:
-        found[f"paper.{item.name}.wire"] = item.paper_wire
-        found[f"paper.{item.name}.beam"] = item.paper_beam
-    return found
-
-
 def _case(item: CaseEvidence) -> dict[str, object]:
     return {
         "title": item.case.title,
@@ -101,10 +94,10 @@ def _contact(evidence: Evidence) -> dict[str, object]:
     """What contact changes of Spring A."""
     with_contact, without = (evidence.cases[name] for name in ("spring-a", "spring-a-no-contact"))
     diameter = with_contact.case.scene.spring.wire_diameter
-    bare, kept = (overlaps(item.wire.circle_centres(-1), diameter) for item in (without, with_contact))
+    bare, touching = (overlaps(item.wire.circle_centres(-1), diameter) for item in (without, with_contact))
     return {
         "overlap.without": float(bare.max()),
-        "overlap.with": float(kept.max()),
+        "overlap.with": float(touching.max()),
         "overlap.pair": int(np.argmax(bare)),
         "overlap.pairs": int(bare.size),
     }
@@ -112,7 +105,7 @@ def _contact(evidence: Evidence) -> dict[str, object]:
 
 def _limits(evidence: Evidence) -> dict[str, object]:
     """Where Spring B's coils slide off each other."""
-    path, held = evidence.frictionless, evidence.cases["spring-b"].wire
+    path, sticking = evidence.frictionless, evidence.cases["spring-b"].wire
     return {
         "limit.outcome": path.outcome.replace("_", " "),
         "limit.time": path.critical_time,
@@ -120,7 +113,7 @@ def _limits(evidence: Evidence) -> dict[str, object]:
         "limit.last": float(path.times[-1]),
         "limit.uy": float(path.tips[-1, 1]),
         "limit.closed": int(path.active_contacts[-1]),
-        "limit.difference": float(abs(path.tips[-1, 1] - held.tips[len(path.times) - 1, 1])),
+        "limit.difference": float(abs(path.tips[-1, 1] - sticking.tips[len(path.times) - 1, 1])),
         "limit.beam": evidence.overload if evidence.overloaded.critical_time is not None else None,
         "limit.beam_outcome": evidence.overloaded.outcome.replace("_", " "),
         "sticking.shape": evidence.sticking.shape_max,

@@ -10,38 +10,27 @@ from matplotlib.lines import Line2D
 
 from coilspring import EquilibriumPath
 from validation.reproduce.curves import CONTACT, TANGENTS, TIPS
+from validation.study import style
 from validation.study.metrics import peaks
 from validation.study.plots import TIPS as LABELS
 from validation.study.plots import both
-from validation.study.style import (
-    BEAM_LABEL,
-    BEAM_LINE,
-    BLUE,
-    DOUBLE,
-    NAVY,
-    RED,
-    SINGLE,
-    WIRE_LABEL,
-    WIRE_LINE,
-    Look,
-)
 
 DOTTED = (0, (1, 1.3))
-DIFFERENCES: dict[str, Look] = {
+DIFFERENCES: dict[str, style.Look] = {
     "contact": {"color": "black", "linewidth": 1.0},
     "no_contact": {"color": "black", "linewidth": 1.1, "linestyle": DOTTED},
 }
-COUNTS: dict[str, Look] = {
-    "paper": {"color": BLUE, "marker": "o", "markersize": 2.4},
-    "exact": {"color": NAVY, "marker": "s", "markersize": 2.4, "markerfacecolor": "white"},
+COUNTS: dict[str, style.Look] = {
+    "paper": {"color": style.BLUE, "marker": "o", "markersize": 2.4},
+    "exact": {"color": style.NAVY, "marker": "s", "markersize": 2.4, "markerfacecolor": "white"},
 }
-HELD_LINE: Look = {"color": RED, "linewidth": 2.4, "alpha": 0.5}  # both are of the wire model
-FREE_LINE: Look = {"color": RED, "linewidth": 1.0, "linestyle": (0, (4, 2))}
+STICKING_LINE: style.Look = {"color": style.RED, "linewidth": 2.4, "alpha": 0.5}  # both are of the wire model
+FREE_LINE: style.Look = {"color": style.RED, "linewidth": 1.0, "linestyle": (0, (4, 2))}
 
 
 def tip_figure(data: pd.DataFrame) -> Figure:
     """Figure 5: tip displacements of Spring A above, the models' differences below."""
-    figure = Figure(figsize=(DOUBLE, 4.1), layout="constrained")
+    figure = Figure(figsize=(style.DOUBLE, 4.1), layout="constrained")
     plots = figure.subplots(2, 3, sharex=True, height_ratios=(2.0, 1.0))
     load = data["load_N"].to_numpy()
     for letter, tip, label, (axes, below) in zip("abc", TIPS, LABELS, plots.T, strict=True):
@@ -54,14 +43,16 @@ def tip_figure(data: pd.DataFrame) -> Figure:
         below.set(xlabel="load |F| (N)")
         below.axhline(0.0, color="black", linewidth=0.5)
     plots[1, 0].set_ylabel("beam softer by (%)")
-    _one_range(plots[1])
+    limits = np.array([axes.get_ylim() for axes in plots[1]])
+    for axes in plots[1]:
+        axes.set_ylim(limits[:, 0].min(), limits[:, 1].max())
     figure.legend(handles=_key(), loc="outside lower center", ncols=4, columnspacing=1.2)
     return figure
 
 
 def load_figure(data: pd.DataFrame) -> Figure:
     """Figure 7: load against deflection of Spring B, and the models' difference."""
-    figure = Figure(figsize=(DOUBLE, 2.9), layout="constrained")
+    figure = Figure(figsize=(style.DOUBLE, 2.9), layout="constrained")
     left, right = figure.subplots(1, 2, width_ratios=(1.25, 1.0))
     load = data["load_N"].to_numpy()
     for tag in CONTACT:
@@ -80,34 +71,28 @@ def load_figure(data: pd.DataFrame) -> Figure:
 
 def iteration_figure(data: pd.DataFrame) -> Figure:
     """Figure 8: factorisations of the equivalent beam in every substep."""
-    figure = Figure(figsize=(DOUBLE, 2.9), layout="constrained")
+    figure = Figure(figsize=(style.DOUBLE, 2.9), layout="constrained")
     for axes, letter in zip(figure.subplots(1, 2), "ab", strict=True):
         for end, words, dashes in (("", "contact", "-"), ("-no-contact", "no contact", DOTTED)):
             for tangent in TANGENTS:
                 counts = data[f"spring-{letter}{end}_{tangent}_tangent"]
                 look = COUNTS[tangent] | ({} if dashes == "-" else {"marker": ""})
                 name = f"{words}, {tangent.replace('paper', 'paper’s')} tangent"
-                axes.plot(
-                    data["substep"],
-                    counts,
-                    linestyle=dashes,
-                    linewidth=1.0,
-                    **look,
-                    label=name,
-                    clip_on=False,
-                )
+                look |= {"linestyle": dashes, "linewidth": 1.0, "clip_on": False}
+                axes.plot(data["substep"], counts, **look, label=name)
         title = f"({letter}) Spring {letter.upper()}"
         axes.set(xlabel="substep", ylabel="iterations", xlim=(0, len(data)), ylim=(0, None), title=title)
     figure.legend(*axes.get_legend_handles_labels(), loc="outside lower center", ncols=2)
     return figure
 
 
-def sliding_figure(held: EquilibriumPath, free: EquilibriumPath) -> Figure:
+def sliding_figure(sticking: EquilibriumPath, free: EquilibriumPath) -> Figure:
     """Wire model of Spring B without sliding, and frictionless as far as it goes."""
-    figure = Figure(figsize=(SINGLE, 2.6), layout="constrained")
+    figure = Figure(figsize=(style.SINGLE, 2.6), layout="constrained")
     axes = figure.subplots()
-    for path, style, label in ((held, HELD_LINE, "sticking contact"), (free, FREE_LINE, "frictionless")):
-        axes.plot(np.append(0.0, -path.tips[:, 1]), np.append(0.0, -path.loads[:, 1]), **style, label=label)
+    lines = ((sticking, STICKING_LINE, "sticking contact"), (free, FREE_LINE, "frictionless"))
+    for path, look, label in lines:
+        axes.plot(np.append(0.0, -path.tips[:, 1]), np.append(0.0, -path.loads[:, 1]), **look, label=label)
     axes.plot(-free.tips[-1, 1], abs(free.loads[-1, 1]), "kx", markersize=6, label="last equilibrium")
     axes.set(xlabel="deflection −UY (mm)", ylabel="load |Fy| (N)", xlim=(0, None), ylim=(0, None))
     axes.legend(loc="upper left")
@@ -139,17 +124,10 @@ def _name(axes: Axes, tag: str, x: np.ndarray, y: np.ndarray, upper: bool) -> No
     )
 
 
-def _one_range(plots: np.ndarray) -> None:
-    """The same vertical range for all."""
-    limits = np.array([axes.get_ylim() for axes in plots])
-    for axes in plots:
-        axes.set_ylim(limits[:, 0].min(), limits[:, 1].max())
-
-
 def _key() -> list[Line2D]:
     return [
-        Line2D([], [], **BEAM_LINE, label=BEAM_LABEL),
-        Line2D([], [], **WIRE_LINE, label=WIRE_LABEL),
+        Line2D([], [], **style.BEAM_LINE, label=style.BEAM_LABEL),
+        Line2D([], [], **style.WIRE_LINE, label=style.WIRE_LABEL),
         Line2D([], [], **DIFFERENCES["contact"], label="difference with contact"),
         Line2D([], [], **DIFFERENCES["no_contact"], label="difference without"),
     ]

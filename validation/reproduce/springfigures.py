@@ -13,18 +13,8 @@ from matplotlib.image import imread
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch, Rectangle
 
+from validation.study import style
 from validation.study.plots import discs
-from validation.study.style import (
-    BEAM_CIRCLE,
-    BEAM_LABEL,
-    BLUE,
-    DOUBLE,
-    GREY,
-    RED,
-    REST_CIRCLE,
-    WIRE_CIRCLE,
-    WIRE_LABEL,
-)
 from validation.view.render3d import PIXELS
 from validation.view.shapes import PARTS, Shapes, bands, picture_frame, spaces, view
 
@@ -37,32 +27,41 @@ BAR = 5.0  # mm, length of the scale
 
 def space_figure(panels: tuple[Shapes, ...], rendered: list[Path] | str) -> Figure:
     """Picture in space, composed of the rendered panels, or painted here where there are none."""
-    if isinstance(rendered, str):
-        return _painted(panels)
-    pictures = _cropped([imread(file) for file in rendered])
-    _, half = picture_frame(_points(panels), panels[0].diameter)
-    tall, wide = pictures[0].shape[:2]
-    height = min((0.5 * DOUBLE - 0.1) * tall / wide, TALLEST)
-    figure = Figure(figsize=(DOUBLE, height + 0.6))
-    for index, (panel, picture) in enumerate(zip(panels, pictures, strict=True)):
-        width = height * wide / tall
-        axes = _inches(figure, (0.5 * index + 0.25) * DOUBLE - 0.5 * width, 0.35, width, height)
-        axes.imshow(picture, interpolation="antialiased", aspect="auto")
+    painted = isinstance(rendered, str)
+    points = np.concatenate([getattr(panel, part) for panel in panels for part in PARTS])
+    if painted:
+        seen = points @ view().T
+        low, high = seen.min(axis=0) - panels[0].diameter, seen.max(axis=0) + panels[0].diameter
+        (width, height), unit = (high - low)[:2], 1.0  # mm
+    else:
+        pictures = _cropped([imread(file) for file in rendered])
+        height, width = pictures[0].shape[:2]
+        unit = PIXELS / (2.0 * picture_frame(points, panels[0].diameter)[1])  # pixels for a mm
+    scale = min((0.5 * style.DOUBLE - 0.1) / width, TALLEST / height)  # in for a mm or a pixel
+    figure = Figure(figsize=(style.DOUBLE, height * scale + 0.6))
+    for index, panel in enumerate(panels):
+        left = (0.5 * index + 0.25) * style.DOUBLE - 0.5 * width * scale
+        axes = _inches(figure, left, 0.35, width * scale, height * scale)
+        if painted:
+            _paint(axes, panel, 72.0 * scale * panel.diameter)
+            axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]))
+        else:
+            axes.imshow(pictures[index], interpolation="antialiased", aspect="auto")
         axes.set_axis_off()
         axes.set_title(f"({'ab'[index]}) {panel.title}", loc="left")
-        _scale(figure, index, height / tall * PIXELS / (2.0 * half))
-    figure.legend(handles=_space_key(), loc="lower center", ncols=3)
+        _scale(figure, index, scale * unit)
+    key = [
+        Patch(color=style.BLUE, label=style.BEAM_LABEL),
+        Patch(color=style.RED, label=f"{style.WIRE_LABEL}, alternating"),
+        Line2D([], [], color=style.GREY, linewidth=0.7, label="at rest"),
+    ]
+    figure.legend(handles=key, loc="lower center", ncols=3)
     return figure
-
-
-def _points(panels: tuple[Shapes, ...]) -> np.ndarray:
-    """All points of the panels' wires."""
-    return np.concatenate([getattr(panel, part) for panel in panels for part in PARTS])
 
 
 def _scale(figure: Figure, index: int, scale: float) -> None:
     """Directions of the axes and a length in the plane of the picture, below a panel; `scale` in in/mm."""
-    axes = _inches(figure, 0.5 * DOUBLE * index + 0.05, 0.35, *2 * (2.0 * BAR * scale,))
+    axes = _inches(figure, 0.5 * style.DOUBLE * index + 0.05, 0.35, *2 * (2.0 * BAR * scale,))
     axes.set(xlim=(-0.6 * BAR, 1.4 * BAR), ylim=(-0.6 * BAR, 1.4 * BAR))
     axes.set_axis_off()
     for name, (x, y) in zip("XYZ", 0.35 * BAR * view()[:2].T, strict=True):
@@ -80,48 +79,19 @@ def _cropped(pictures: list[np.ndarray]) -> list[np.ndarray]:
     return [picture[window] for picture in pictures]
 
 
-def _space_key() -> list[Patch | Line2D]:
-    return [
-        Patch(color=BLUE, label=BEAM_LABEL),
-        Patch(color=RED, label=f"{WIRE_LABEL}, alternating"),
-        Line2D([], [], color=GREY, linewidth=0.7, label="at rest"),
-    ]
-
-
-def _painted(panels: tuple[Shapes, ...]) -> Figure:
-    """The same view, painted from back to front as short strokes as wide as the wire."""
-    axes3 = view()
-    every = _points(panels) @ axes3.T
-    low, high = every.min(axis=0) - panels[0].diameter, every.max(axis=0) + panels[0].diameter
-    width, height = (high - low)[:2]
-    scale = min((0.5 * DOUBLE - 0.1) / width, TALLEST / height)  # in/mm
-    figure = Figure(figsize=(DOUBLE, height * scale + 0.6))
-    for index, panel in enumerate(panels):
-        left = (0.5 * index + 0.25) * DOUBLE - 0.5 * width * scale
-        axes = _inches(figure, left, 0.35, width * scale, height * scale)
-        axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]))
-        axes.set_axis_off()
-        axes.set_title(f"({'ab'[index]}) {panel.title}", loc="left")
-        axes.plot(*(panel.rest @ axes3.T)[:, :2].T, color=GREY, linewidth=0.5, zorder=0)
-        axes.add_collection(_strokes(panel, axes3, 72.0 * scale * panel.diameter))
-        _scale(figure, index, scale)
-    figure.legend(handles=_space_key(), loc="lower center", ncols=3)
-    return figure
-
-
-def _strokes(panel: Shapes, axes3: np.ndarray, width: float) -> LineCollection:
-    """Both wires in pieces, the farther ones paler; `width` in points."""
-    lines = [(piece, BLUE) for piece in spaces(panel.beam)] + [(piece, RED) for piece in bands(panel.wire)]
-    seen = [(line @ axes3.T, colour) for line, colour in lines]
-    pieces = np.concatenate([np.stack((line[:-1], line[1:]), axis=1) for line, _ in seen])
-    tint = np.concatenate([np.tile(to_rgb(colour), (len(line) - 1, 1)) for line, colour in seen])
-    depth = pieces[..., 2].mean(axis=1)
+def _paint(axes: Axes, panel: Shapes, width: float) -> None:
+    """The wires from back to front as short strokes, the farther ones paler; `width` in points."""
+    axes.plot(*(panel.rest @ view().T)[:, :2].T, color=style.GREY, linewidth=0.5, zorder=0)
+    lines = [(piece @ view().T, style.BLUE) for piece in spaces(panel.beam)]
+    lines += [(piece @ view().T, style.RED) for piece in bands(panel.wire)]
+    strokes = np.concatenate([np.stack((line[:-1], line[1:]), axis=1) for line, _ in lines])
+    tint = np.concatenate([np.tile(to_rgb(colour), (len(line) - 1, 1)) for line, colour in lines])
+    depth = strokes[..., 2].mean(axis=1)
     order = np.argsort(depth)
     far = 0.45 * (depth.max() - depth) / np.ptp(depth)
     tint = tint + far[:, None] * (1.0 - tint)
-    return LineCollection(
-        list(pieces[order][..., :2]), colors=tint[order], linewidths=width, capstyle="round"
-    )
+    flat = list(strokes[order][..., :2])
+    axes.add_collection(LineCollection(flat, colors=tint[order], linewidths=width, capstyle="round"))
 
 
 def _inches(figure: Figure, left: float, bottom: float, width: float, height: float) -> Axes:
@@ -136,28 +106,30 @@ def plane_figure(panels: tuple[Shapes, ...]) -> Figure:
     margin = 0.5 * panels[0].diameter + MARGIN
     low, high = every.min(axis=0) - margin, every.max(axis=0) + margin
     width, height = high - low
-    scale = min((0.5 * DOUBLE - DETAIL - 0.65) / width, TALLEST / height)  # in/mm
-    figure = Figure(figsize=(DOUBLE, height * scale + 1.05))
+    scale = min((0.5 * style.DOUBLE - DETAIL - 0.65) / width, TALLEST / height)  # in/mm
+    figure = Figure(figsize=(style.DOUBLE, height * scale + 1.05))
     for index, panel in enumerate(panels):
-        left = 0.5 * DOUBLE * index + 0.45
+        left = 0.5 * style.DOUBLE * index + 0.45
         axes = _inches(figure, left, 0.75, width * scale, height * scale)
         _circles(axes, panel)
         axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), xlabel="X (mm)", ylabel="Y (mm)")
         axes.set_title(f"({'ab'[index]}) {panel.title}", loc="left")
         detail = _inches(figure, left + width * scale + 0.1, 0.75, DETAIL, DETAIL)
         _detail(axes, detail, panel, panels[0])
-    figure.legend(handles=_plane_key(), loc="lower center", ncols=3)
+    key = [
+        Patch(**style.BEAM_CIRCLE, label=style.BEAM_LABEL),
+        Patch(**style.WIRE_CIRCLE, label=style.WIRE_LABEL),
+        Patch(**style.REST_CIRCLE, label="at rest"),
+    ]
+    figure.legend(handles=key, loc="lower center", ncols=3)
     return figure
 
 
 def _circles(axes: Axes, panel: Shapes) -> None:
     """Circles of the wire's diameter around the three sets of centres."""
-    for centres, style in (
-        (panel.rest_circles, REST_CIRCLE),
-        (panel.beam_circles, BEAM_CIRCLE),
-        (panel.wire_circles, WIRE_CIRCLE),
-    ):
-        discs(axes, centres, panel.diameter, **style)
+    discs(axes, panel.rest_circles, panel.diameter, **style.REST_CIRCLE)
+    discs(axes, panel.beam_circles, panel.diameter, **style.BEAM_CIRCLE)
+    discs(axes, panel.wire_circles, panel.diameter, **style.WIRE_CIRCLE)
 
 
 def _detail(axes: Axes, detail: Axes, panel: Shapes, place: Shapes) -> None:
@@ -176,8 +148,3 @@ def _detail(axes: Axes, detail: Axes, panel: Shapes, place: Shapes) -> None:
 
 def _length(value: float) -> str:
     return f"{value:.2f} mm" if value >= 0.1 else f"{1e3 * value:.1f} µm"
-
-
-def _plane_key() -> list[Patch]:
-    styles = ((BEAM_CIRCLE, BEAM_LABEL), (WIRE_CIRCLE, WIRE_LABEL), (REST_CIRCLE, "at rest"))
-    return [Patch(**style, label=label) for style, label in styles]

@@ -1,97 +1,92 @@
-"""Tables 1-3 of the paper, with its own numbers beside ours."""
+"""Tables of the report: Tables 1-3 of the paper beside its numbers, deviations, and what was assumed."""
 
 from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 import pandas as pd
 
-from coilspring import Scene, spring_a, spring_b
+from coilspring import EquilibriumPath, Material, Scene, spring_a, spring_b
 from coilspring.scene.wire import SHEAR_FACTOR
-from validation.study.cases import PAPER_MESH, case
+from validation.reproduce.evidence import CaseEvidence, Evidence
+from validation.reproduce.times import ITERATIONS
+from validation.study.cases import CASES, PAPER_MESH, PathStore, case
 from validation.study.document import Table
 from validation.study.frames import view
+from validation.study.partialsolve import ending
+from validation.study.scenes import EXACT_ROD
 from validation.study.timing import spread
 
-BESIDE = ("feature", "spring A", "spring B", "paper A", "paper B")
+MODULUS_CHANGES = (0.95, 1.05)
+POISSON_RATIOS = (0.28, 0.32)
+PENALTY_FACTORS = (0.1, 10.0)
 NOT_GIVEN = ("not given", "not given")
+Rows = dict[str, tuple[str, tuple[str, str]]]  # by feature, ours of a scene and the paper's of A and B
 
 
 def table1() -> Table:
-    """Properties of the springs, read from the scenes, beside the paper's."""
-    a, b = _properties(spring_a()), _properties(spring_b())
-    paper = {
-        "wire diameter (mm)": ("1.5", "1.5"),
-        "mean bottom coil diameter (mm)": ("10", "12"),
-        "mean top coil diameter (mm)": ("10", "6"),
-        "number of active coils": ("14.5", "7.5"),
-        "number of non-active coils": ("2", "2"),
-        "pitch of non-active coils (mm)": ("1.5", "1.5"),
-        "active height of spring (mm)": ("28.6", "28.6"),
-        "total height of spring (mm)": ("31.6", "31.6"),
-        "Fx at time 1 (N)": ("-9", "0"),
-        "Fy at time 1 (N)": ("-4", "-200"),
-    }
-    return Table(BESIDE, tuple((name, a[name], b[name], *paper.get(name, NOT_GIVEN)) for name in a))
-
-
-def _properties(scene: Scene) -> dict[str, str]:
-    """What Table 1 lists, and what it leaves out."""
-    spring = scene.spring
-    first, last = spring.phase_range
-    low, end, high = spring.height(np.array([first, 0.0, last]))
-    bottom, top = (2.0 * spring.radius(np.array([0.0, spring.phase_end]))).tolist()
-    values = {
-        "wire diameter (mm)": spring.wire_diameter,
-        "mean bottom coil diameter (mm)": bottom,
-        "mean top coil diameter (mm)": top,
-        "number of active coils": spring.active_coils,
-        "number of non-active coils": 2.0 * spring.end_turns,
-        "pitch of non-active coils (mm)": (end - low) / spring.end_turns,
-        "active height of spring (mm)": spring.active_height,
-        "total height of spring (mm)": high - low,
-        "Fx at time 1 (N)": scene.load.force[0],
-        "Fy at time 1 (N)": scene.load.force[1],
-        "Young's modulus (MPa)": scene.material.E,
-        "Poisson's ratio": scene.material.nu,
-        "shear factor of the wire": SHEAR_FACTOR,
-    }
-    return {name: f"{value:.7g}" for name, value in values.items()}
+    """Properties of the springs, read from the scenes, beside the paper's; and what the paper leaves out."""
+    return _beside_paper(_properties)
 
 
 def table2() -> Table:
     """The wire model as it was run, beside the paper's FE model."""
-    a, b = _mesh(spring_a()), _mesh(spring_b())
-    paper = {
-        "element type": ("2D Beam", "2D Beam"),
-        "elements per turn": ("40", "40"),
-        "contact element": ("sphere to sphere", "sphere to sphere, no sliding"),
-        "contact elements per turn": ("4", "4"),
-        "bottom node, constrained": ("ALL", "ALL"),
-        "top node, constrained": ("UZ, ROTX, ROTY", "UZ, ROTX, ROTY, UX, ROTZ"),
+    return _beside_paper(_mesh)
+
+
+def _beside_paper(rows: Callable[[Scene], Rows]) -> Table:
+    a, b = rows(spring_a()), rows(spring_b())
+    header = ("feature", "spring A", "spring B", "paper A", "paper B")
+    return Table(header, tuple((name, ours, b[name][0], *paper) for name, (ours, paper) in a.items()))
+
+
+def _properties(scene: Scene) -> Rows:
+    spring, load, material = scene.spring, scene.load, scene.material
+    first, last = spring.phase_range
+    low, end, high = spring.height(np.array([first, 0.0, last]))
+    bottom, top = (2.0 * spring.radius(np.array([0.0, spring.phase_end]))).tolist()
+    rows = {
+        "wire diameter (mm)": (spring.wire_diameter, ("1.5", "1.5")),
+        "mean bottom coil diameter (mm)": (bottom, ("10", "12")),
+        "mean top coil diameter (mm)": (top, ("10", "6")),
+        "number of active coils": (spring.active_coils, ("14.5", "7.5")),
+        "number of non-active coils": (2.0 * spring.end_turns, ("2", "2")),
+        "pitch of non-active coils (mm)": ((end - low) / spring.end_turns, ("1.5", "1.5")),
+        "active height of spring (mm)": (spring.active_height, ("28.6", "28.6")),
+        "total height of spring (mm)": (high - low, ("31.6", "31.6")),
+        "Fx at time 1 (N)": (load.force[0], ("-9", "0")),
+        "Fy at time 1 (N)": (load.force[1], ("-4", "-200")),
+        "Young's modulus (MPa)": (material.E, NOT_GIVEN),
+        "Poisson's ratio": (material.nu, NOT_GIVEN),
+        "shear factor of the wire": (SHEAR_FACTOR, NOT_GIVEN),
     }
-    return Table(BESIDE, tuple((name, a[name], b[name], *paper.get(name, NOT_GIVEN)) for name in a))
+    return {name: (f"{value:.7g}", paper) for name, (value, paper) in rows.items()}
 
 
-def _mesh(scene: Scene) -> dict[str, str]:
+def _mesh(scene: Scene) -> Rows:
     contact = scene.contact
-    sliding = ", no sliding" if contact.sliding == "none" else ", frictionless"
+    sliding = "no sliding" if contact.sliding == "none" else "frictionless"
     held = ["UZ", "ROTX", "ROTY", *(name.upper() for name in scene.supports.top_held)]
+    element = f"3D beam, 2 nodes, {PAPER_MESH['element']}, shear-flexible"
+    spheres = ("sphere to sphere", "sphere to sphere, no sliding")
+    top = ("UZ, ROTX, ROTY", "UZ, ROTX, ROTY, UX, ROTZ")
     return {
-        "element type": f"3D beam, 2 nodes, {PAPER_MESH['element']}, shear-flexible",
-        "elements per turn": str(PAPER_MESH["elements_per_turn"]),
-        "contact element": f"sphere to sphere{sliding}",
-        "contact elements per turn": str(PAPER_MESH["pairs_per_turn"]),
-        "bottom node, constrained": "ALL",
-        "top node, constrained": ", ".join(held),
-        "contact stiffness of a pair (N/mm^exponent)": f"{contact.stiffness:g}",
-        "contact exponent": f"{contact.exponent:g}",
-        "substeps": str(scene.load.steps),
+        "element type": (element, ("2D Beam", "2D Beam")),
+        "elements per turn": (str(PAPER_MESH["elements_per_turn"]), ("40", "40")),
+        "contact element": (f"sphere to sphere, {sliding}", spheres),
+        "contact elements per turn": (str(PAPER_MESH["pairs_per_turn"]), ("4", "4")),
+        "bottom node, constrained": ("ALL", ("ALL", "ALL")),
+        "top node, constrained": (", ".join(held), top),
+        "contact stiffness of a pair (N/mm^exponent)": (f"{contact.stiffness:g}", NOT_GIVEN),
+        "contact exponent": (f"{contact.exponent:g}", NOT_GIVEN),
+        "substeps": (str(scene.load.steps), NOT_GIVEN),
     }
 
 
 def table3(times: pd.DataFrame) -> Table:
     """Solution times for reading: the ratio first, then its parts, medians with quartiles."""
-    counts = [f"{part}_iterations" for part in ("wire", "beam", "beam_paper_tangent")]
     return view(
         times,
         {
@@ -103,10 +98,90 @@ def table3(times: pd.DataFrame) -> Table:
             "beam (ms)": lambda row: spread(row, "beam_seconds", 1e3),
             "beam, paper's tangent (ms)": lambda row: spread(row, "beam_paper_tangent_seconds", 1e3),
             "iterations: wire model / beam / beam, paper's tangent": lambda row: " / ".join(
-                str(getattr(row, name)) for name in counts
+                str(getattr(row, name)) for name in ITERATIONS
             ),
             "paper: FE / proposed model (s)": lambda row: (
                 f"{row.paper_wire_seconds:g} / {row.paper_beam_seconds:g}"
             ),
         },
     )
+
+
+def error_table(evidence: Evidence) -> Table:
+    """The models' differences and the mesh's own, a row for each case."""
+    rows = []
+    for item in evidence.cases.values():
+        cells = [item.case.title]
+        for error in (item.error, item.mesh_error):
+            cells.append(f"{100.0 * error.curve_max:.2f} / {100.0 * error.curve_rms:.2f}")
+            cells.append(f"{error.shape_max:.3f} / {error.shape_rms:.3f}")
+        rows.append((*cells, f"{100.0 * item.converged_error:.2f}"))
+    header = (
+        *("case", "beam against wire model: curve max / rms (%)", "shape max / rms (mm)"),
+        *("wire mesh's own error: curve max / rms (%)", "shape max / rms (mm)"),
+        "beam against mesh-converged wire model: curve max (%)",
+    )
+    return Table(header, tuple(rows))
+
+
+def exact_table(evidence: Evidence) -> Table:
+    """Both models' tips against the exact rod's, where there is one."""
+    header = ("case", "tip at full load", "exact rod", "wire model", "error (%)", "beam", "error (%)")
+    return Table(header, tuple(row for item in evidence.cases.values() for row in _exact_rows(item)))
+
+
+def _exact_rows(item: CaseEvidence) -> list[tuple[str, ...]]:
+    rows: list[tuple[str, ...]] = []
+    exact = EXACT_ROD.get(item.case.name, {}).get(1.0, ())
+    names = ("UX (mm)", "UY (mm)", "ROTZ (rad)")
+    for name, value, *tips in zip(names, exact, item.wire.tips[-1], item.beam.tips[-1], strict=False):
+        if value:
+            errors = [(f"{tip:.4f}", f"{100.0 * (tip / value - 1.0):+.2f}") for tip in tips]
+            rows.append((item.case.title, name, f"{value:.4f}", *errors[0], *errors[1]))
+    return rows
+
+
+def material_table(store: PathStore) -> Table:
+    """Tip displacements of the equivalent beam for other materials, against the default's."""
+    default = Material()
+    materials = [
+        (f"E {100.0 * (share - 1.0):+.0f} %", Material(default.E * share, default.nu))
+        for share in MODULUS_CHANGES
+    ]
+    materials += [(f"nu = {nu:g}", Material(default.E, nu)) for nu in POISSON_RATIOS]
+    rows = []
+    for item in CASES:
+        base = store.beam(item.scene)
+        paths = [store.partial_beam(replace(item.scene, material=material)) for _, material in materials]
+        rows.append((item.title, *(_change(path, base) for path in paths)))
+    return Table(("change of UX / UY at full load (%)", *(label for label, _ in materials)), tuple(rows))
+
+
+def penalty_table(store: PathStore) -> Table:
+    """Tips and penetration of both models for softer and harder contact."""
+    rows = []
+    for name in ("spring-a", "spring-b"):
+        scene = case(name).scene
+        stiffness = scene.contact.stiffness
+        for model, solve in (("beam", store.partial_beam), ("wire model", store.partial_wire)):
+            base = solve(scene)
+            for factor in (PENALTY_FACTORS[0], 1.0, PENALTY_FACTORS[1]):
+                path = solve(scene.with_penalty(factor * stiffness))
+                rows.append((case(name).title, model, f"{factor * stiffness:g}", *_penetration(path, base)))
+    header = ("case", "model", "K (N/mm)", "UY (mm)", "change of UX / UY (%)", "largest penetration (µm)")
+    return Table(header, tuple(rows))
+
+
+def _penetration(path: EquilibriumPath, base: EquilibriumPath) -> tuple[str, str, str]:
+    change = _change(path, base)
+    if path.outcome != "completed":
+        return "", change, ""
+    return f"{path.tips[-1, 1]:.3f}", change, f"{1e3 * path.max_penetration[-1]:.2g}"
+
+
+def _change(path: EquilibriumPath, base: EquilibriumPath) -> str:
+    """Change of UX and UY at full load in %, a held UX left out; or how and when the path ended."""
+    if path.outcome != "completed":
+        return ending(path.outcome, path.critical_time)
+    pairs = zip(path.tips[-1, :2], base.tips[-1, :2], strict=True)
+    return " / ".join(f"{100.0 * (new / old - 1.0):+.2f}" for new, old in pairs if old)

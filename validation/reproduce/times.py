@@ -16,9 +16,8 @@ from validation.study.timing import interleaved, median_of, quartiles, within
 
 BUDGET = 3.5  # s of wall time for all rounds together
 LEAST_ROUNDS, MOST_ROUNDS = 5, 25
-REPEATS = (
-    5  # solves of the equivalent beam, which takes about a millisecond, on each side of the wire model's
-)
+REPEATS = 5  # solves of the beam, which takes about a millisecond, on each side of the wire model's
+ITERATIONS = ("wire_iterations", "beam_iterations", "beam_paper_tangent_iterations")
 
 
 def measure(store: PathStore) -> pd.DataFrame:
@@ -31,7 +30,6 @@ def measure(store: PathStore) -> pd.DataFrame:
         each round. ``reduction_percent``: time that the beam saves. ``_q1`` and ``_q3``: quartiles.
     """
     store.make_ready()
-    counts = {item: _iterations(store, item) for item in CASES}
     runs = {(item, place): run for item in CASES for place, run in enumerate(_turns(item))}
     for run in runs.values():
         run()
@@ -42,6 +40,8 @@ def measure(store: PathStore) -> pd.DataFrame:
         before, paper, wire, after = (seconds[item, place] for place in range(4))
         beam = 0.5 * (before + after)
         ratio = quartiles("ratio", wire / beam)
+        paths = (store.wire(item.scene), store.beam(item.scene), store.beam(item.scene, tangent="paper"))
+        counts = zip(ITERATIONS, (path.total_iterations for path in paths), strict=True)
         rows.append(
             {
                 "case": item.name,
@@ -51,7 +51,7 @@ def measure(store: PathStore) -> pd.DataFrame:
                 **quartiles("wire_seconds", wire),
                 **quartiles("beam_seconds", beam),
                 **quartiles("beam_paper_tangent_seconds", paper),
-                **counts[item],
+                **dict(counts),
                 "rounds": len(wire),
                 "paper_wire_seconds": item.paper_wire,
                 "paper_beam_seconds": item.paper_beam,
@@ -62,17 +62,8 @@ def measure(store: PathStore) -> pd.DataFrame:
     return pd.DataFrame(rows)
 
 
-def _iterations(store: PathStore, case: Case) -> dict[str, int]:
-    scene = case.scene
-    return {
-        "wire_iterations": store.wire(scene).total_iterations,
-        "beam_iterations": store.beam(scene).total_iterations,
-        "beam_paper_tangent_iterations": store.beam(scene, tangent="paper").total_iterations,
-    }
-
-
 def _turns(case: Case) -> tuple[Callable[[], float], ...]:
-    """Runs of a round: short ones on both sides of the long one, so that a drift of the clock cancels."""
+    """Runs of a round: short ones on both sides of the long one, so that a change of the clock cancels."""
     scene = case.scene
 
     def beam(tangent: str = "exact") -> float:

@@ -101,9 +101,9 @@ def farther(tips: np.ndarray, base: np.ndarray) -> np.ndarray:
     """How much farther the top moves than in the base, % of the base's peak, (steps, 3)."""
     steps = min(len(tips), len(base))
     peaks = np.abs(base).max(axis=0)
-    held = peaks <= NEGLIGIBLE * peaks.max()
+    fixed = peaks <= NEGLIGIBLE * peaks.max()
     direction = np.sign(base[np.abs(base).argmax(axis=0), range(len(COMPONENTS))])
-    return 100.0 * direction * (tips[:steps] - base[:steps]) / np.where(held, np.nan, peaks)
+    return 100.0 * direction * (tips[:steps] - base[:steps]) / np.where(fixed, np.nan, peaks)
 
 
 def largest_deviation(curve: TipCurve, base: TipCurve) -> float:

@@ -15,16 +15,13 @@ from coilspring import CATALOGUE
 from coilspring.errors import require_names
 from validation.sensitivity import page, tornado
 from validation.sensitivity.changes import changes, write_csv
-from validation.study.cases import CASES
+from validation.study.cases import CASES, make_ready
 from validation.study.output import prepare
 from validation.study.provenance import write_provenance
-from validation.study.warmup import make_ready
 
 
 def sensitivity(
-    out: str | Path,
-    only: Sequence[str] | None = None,
-    progress: Callable[[str], None] = lambda line: None,
+    out: str | Path, only: Sequence[str] | None = None, progress: Callable[[str], None] = lambda line: None
 ) -> tuple[pd.DataFrame, ...]:
     """Vary what the paper leaves open; write ``sensitivity.csv``, ``.md`` and the figure to `out`.
 

@@ -28,19 +28,12 @@ ROUNDS = 20  # of the fixed point; on Spring A each leaves less than a tenth of 
 
 @dataclass(frozen=True)
 class TipCurve:
-    """What of a path the study compares.
+    """What of a path the study compares."""
 
-    Attributes
-    ----------
-    times : (steps,) reached.
-    tips : (steps, 3) UX, UY (mm) and ROTZ (rad) of the point that is loaded.
-    outcome, critical_time : how and when the path ended, as `EquilibriumPath` has them.
-    """
-
-    times: np.ndarray
-    tips: np.ndarray
-    outcome: str
-    critical_time: float | None
+    times: np.ndarray  # (steps,) reached
+    tips: np.ndarray  # (steps, 3) UX, UY (mm) and ROTZ (rad) of the point that is loaded
+    outcome: str  # how the path ended, as `EquilibriumPath` has it
+    critical_time: float | None  # when it ended
 
     @classmethod
     def of(cls, path: EquilibriumPath) -> TipCurve:
@@ -51,8 +44,8 @@ class TipCurve:
 def raised(scene: Scene, model: str, height: float) -> TipCurve:
     """Tip curve of the point `height` mm above the top reference point, which carries the load.
 
-    For a top that is held in rotation, or without friction: paths followed under several moments are combined
-    at each load, which takes equilibria that do not depend on the path there.
+    For a top that is fixed in rotation, or without friction: paths followed under several moments are
+    combined at each load, which takes equilibria that do not depend on the path there.
     """
     if "rotz" in scene.supports.top_held:  # the end moves without turning, all its points alike
         return followed(scene, model, 0.0)
@@ -90,7 +83,7 @@ def _wire(scene: Scene, moment: float) -> EquilibriumPath:
 
 
 def _with_moment(load: np.ndarray, moment: float) -> np.ndarray:
-    """The load vector, whose last freedom is the rotation of the top in both models."""
+    """The load vector, whose last degree of freedom is the rotation of the top in both models."""
     load = load.copy()
     load[-1] += moment
     return load

@@ -5,17 +5,22 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
+from functools import cache
 from io import BytesIO
 from typing import Any
 
 import equivbeam
 import wirefe
-from coilspring import CATALOGUE, EquilibriumNotFound, EquilibriumPath, Scene, load_path
+from coilspring import CATALOGUE, EquilibriumNotFound, EquilibriumPath, Scene, load_path, spring_b
+from coilspring.solver.startup import background
 from validation.study.keys import run_key
 from validation.study.partialsolve import partial_path
 from validation.study.store import Store
-from validation.study.warmup import make_ready
 
+WIRE_KERNELS = (
+    "from wirefe.solve import KERNELS; "
+    "from coilspring.solver.startup import compile_kernels; compile_kernels(KERNELS)"
+)
 PATH = "path.npz"  # of an entry of the store
 # the paper's proposed model, solved with the exact tangent
 PAPER_BEAM: dict[str, Any] = {"law": "haringx", "tangent": "exact", "sliding": "ignore"}
@@ -26,21 +31,13 @@ FINE_MESH = PAPER_MESH | {"elements_per_turn": 80}  # to estimate the error of t
 
 @dataclass(frozen=True)
 class Case:
-    """One row of the paper's Table 3.
+    """One row of the paper's Table 3."""
 
-    Attributes
-    ----------
-    name : scene of the catalogue.
-    title : as the paper calls it.
-    paper_wire, paper_beam : the paper's solution times of FE and of the proposed model, s.
-    paper_reduction : as the paper prints it, %.
-    """
-
-    name: str
-    title: str
-    paper_wire: float
-    paper_beam: float
-    paper_reduction: float
+    name: str  # scene of the catalogue
+    title: str  # as the paper calls it
+    paper_wire: float  # the paper's solution time of FE, s
+    paper_beam: float  # the paper's solution time of the proposed model, s
+    paper_reduction: float  # as the paper prints it, %
 
     @property
     def scene(self) -> Scene:
@@ -71,18 +68,19 @@ def solve_wire(scene: Scene, **options: Any) -> EquilibriumPath:
     return wirefe.solve(scene, **(PAPER_MESH | options))
 
 
+@cache
+def make_ready() -> None:
+    """Compile the wire model's kernels in a subprocess while this process compiles the others; once."""
+    with background(WIRE_KERNELS):
+        partial_path(equivbeam.solve, spring_b(), steps=1)  # an edited law may have no path
+
+
 @dataclass
 class PathStore:
-    """Paths of both models, solved when first asked for unless they are in the store.
+    """Paths of both models, solved when first asked for unless they are in the store."""
 
-    Attributes
-    ----------
-    announce : called with one line before each solve.
-    store : what was solved before; by default nothing is kept.
-    """
-
-    announce: Callable[[str], None]
-    store: Store = field(default_factory=lambda: Store(None))
+    announce: Callable[[str], None]  # called with one line before each solve
+    store: Store = field(default_factory=lambda: Store(None))  # of what was solved before
     _paths: dict[str, EquilibriumPath] = field(default_factory=dict)
     _ready: bool = False
 
@@ -116,21 +114,15 @@ class PathStore:
         if key not in self._paths:
             files = self.store.get(key)
             if files is None:
-                self._paths[key] = self._solved(key, solve, scene, options)
+                self.make_ready()
+                self.announce(f"{solve.__name__.replace('_', ' ')}: {scene.name}")
+                path, stream = partial_path(solve, scene, **options), BytesIO()
+                path.save(stream)
+                self.store.put(key, {PATH: stream.getvalue()})
             else:
-                self._paths[key] = load_path(BytesIO(files[PATH]))
+                path = load_path(BytesIO(files[PATH]))
+            self._paths[key] = path
         return self._paths[key]
-
-    def _solved(
-        self, key: str, solve: Callable[..., EquilibriumPath], scene: Scene, options: dict[str, object]
-    ) -> EquilibriumPath:
-        self.make_ready()
-        self.announce(f"{solve.__name__.replace('_', ' ')}: {scene.name}")
-        path = partial_path(solve, scene, **options)
-        stream = BytesIO()
-        path.save(stream)
-        self.store.put(key, {PATH: stream.getvalue()})
-        return path
 
 
 def _completed(path: EquilibriumPath) -> EquilibriumPath:

@@ -1,9 +1,7 @@
-"""A page as a list of blocks, written as Markdown; tables as CSV."""
+"""A page as a list of blocks, written as Markdown."""
 
 from __future__ import annotations
 
-import csv
-import io
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -51,13 +49,6 @@ class Picture:
 
 
 Block = Heading | Text | Bullets | Table | Picture
-
-
-def to_csv(table: Table) -> str:
-    """A table as CSV."""
-    text = io.StringIO()
-    csv.writer(text, lineterminator="\n").writerows((table.header, *table.rows))
-    return text.getvalue()
 
 
 def to_markdown(blocks: Sequence[Block]) -> str:

@@ -10,25 +10,7 @@ from pathlib import Path
 
 from markdown_it import MarkdownIt
 
-STYLE = """
-body { font: 16px/1.5 Georgia, 'Times New Roman', serif; color: #1a1a1a; max-width: 62rem;
-       margin: 2rem auto; padding: 0 1.2rem; }
-h1, h2, h3 { font-family: Helvetica, Arial, sans-serif; line-height: 1.25; }
-h2 { margin-top: 2.4rem; border-bottom: 1px solid #bbb; }
-div.table { overflow-x: auto; }
-table { border-collapse: collapse; font: 13.5px/1.4 Helvetica, Arial, sans-serif; margin: 0.8rem 0; }
-th, td { padding: 0.3rem 0.6rem; text-align: left; vertical-align: top; border-bottom: 1px solid #ddd; }
-th { border-bottom: 2px solid #444; }
-figure { margin: 1.2rem 0; }
-figure img, figure svg { height: auto; }
-nav { font: 14px/1.6 Helvetica, Arial, sans-serif; }
-nav a { margin-right: 1.2em; white-space: nowrap; }
-summary { font: 14px/1.6 Helvetica, Arial, sans-serif; cursor: pointer; }
-figcaption, p.note { font-size: 14px; color: #444; }
-code { font-size: 90%; }
-"""
-
-
+STYLE = Path(__file__).with_name("page.css")
 PIXELS = 2.0  # on the screen for a point in print: letters of figures as large as the text
 LONG = 30  # rows: a longer table is folded
 
@@ -43,7 +25,7 @@ def to_html(sections: Sequence[tuple[str, Path]], title: str) -> str:
     return (
         "<!DOCTYPE html>\n"
         f'<html lang="en"><head><meta charset="utf-8"><title>{html.escape(title)}</title>'
-        f"<style>{STYLE}</style></head>\n<body>\n{body}</body></html>\n"
+        f"<style>\n{STYLE.read_text(encoding='utf-8')}</style></head>\n<body>\n{body}</body></html>\n"
     )
 
 

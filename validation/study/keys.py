@@ -13,6 +13,8 @@ from pathlib import Path
 from coilspring import Scene
 from validation.study.machine import versions
 
+KINDS = ("py", "md", "toml", "inp", "txt", "css")  # of files: code, templates, data
+
 
 def key(kind: str, **parts: object) -> str:
     """Key of a result of some kind by its parts, which are of JSON's types."""
@@ -45,7 +47,7 @@ def source_files(name: str) -> list[Path]:
     origin = Path(spec.origin)
     if not spec.submodule_search_locations:
         return [origin]
-    return sorted(file for kind in ("py", "md", "toml") for file in origin.parent.rglob(f"*.{kind}"))
+    return sorted(file for kind in KINDS for file in origin.parent.rglob(f"*.{kind}"))
 
 
 def digest(files: Iterable[Path]) -> str:

@@ -1,4 +1,4 @@
-"""How far two equilibrium paths of one scene lie apart: load curves and shapes."""
+"""Deviation of two equilibrium paths of one scene: load curves and shapes."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ import numpy as np
 from coilspring.path import EquilibriumPath
 
 COMPONENTS = ("ux", "uy", "rotz")
-# A component whose reference peak is below this share of the largest one is held, or only rounding.
+# A component whose reference peak is below this share of the largest one is fixed, or only rounding.
 NEGLIGIBLE = 1e-9
 
 
@@ -44,15 +44,15 @@ def compare_paths(path: EquilibriumPath, reference: EquilibriumPath) -> Comparis
 
     Parameters
     ----------
-    path : the path that is judged.
+    path : the path that is compared.
     reference : the path whose peaks the curve errors are divided by.
     """
     times, mine, theirs = np.intersect1d(path.times, reference.times, return_indices=True)
     curve = compare_curves(path.times, answered(path), reference)
     if times.size == 0:
         return curve
-    apart = path.circle_centres(mine[-1]) - reference.circle_centres(theirs[-1])
-    distance = np.linalg.norm(apart, axis=1)
+    vectors = path.circle_centres(mine[-1]) - reference.circle_centres(theirs[-1])
+    distance = np.linalg.norm(vectors, axis=1)
     return replace(curve, shape_max=float(distance.max()), shape_rms=float(np.sqrt(np.mean(distance**2))))
 
 
@@ -101,6 +101,6 @@ def answered(path: EquilibriumPath) -> dict[str, np.ndarray]:
 
 
 def peaks(curves: np.ndarray) -> np.ndarray:
-    """Peaks of curves (steps, components), which differences are divided by; infinite where one is held."""
+    """Peaks of curves (steps, components), which differences are divided by; infinite where one is fixed."""
     largest = np.abs(curves).max(axis=0)
     return np.where(largest > NEGLIGIBLE * largest.max(), largest, np.inf)

@@ -17,6 +17,11 @@ from coilspring.path import EquilibriumPath
 from validation.study.machine import versions
 from validation.study.scenewarnings import warnings
 
+# attributes of a path that its summary has
+SUMMARY = (
+    *("critical_time", "critical_bracket", "end_bracket", "total_iterations", "stability_checks"),
+    *("pair_evaluations", "residual_history", "solve_seconds", "compile_seconds"),
+)
 FACTS = "facts.json"  # of a study: the numbers by name that findings are computed from
 
 
@@ -193,15 +198,7 @@ def summary(path: EquilibriumPath) -> dict[str, object]:
         "message": path.message,
         "warnings": warnings(path.scene),
         "last_time": path.times[-1] if len(path.times) else 0.0,
-        "critical_time": path.critical_time,
-        "critical_bracket": path.critical_bracket,
-        "end_bracket": path.end_bracket,
-        "total_iterations": path.total_iterations,
-        "stability_checks": path.stability_checks,
-        "pair_evaluations": path.pair_evaluations,
-        "residual_history": path.residual_history,
-        "solve_seconds": path.solve_seconds,
-        "compile_seconds": path.compile_seconds,
+        **{name: getattr(path, name) for name in SUMMARY},
         "options": {"steps": load.steps, "penalty": contact.stiffness, **path.options},
         "versions": versions(),
     }

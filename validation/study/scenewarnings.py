@@ -18,19 +18,15 @@ THINNEST = 0.05  # mm; wire is drawn to about 0.1 for springs
 
 def warnings(scene: Scene) -> list[str]:
     """Sentences on units, ranges of the standard, buckling, and coils that close or cannot."""
-    found = sizes(scene)
-    return [*_of_units(scene), *_of_ranges(scene, found), *_of_load(scene, found)]
+    return list(_warnings(scene, sizes(scene)))
 
 
-def _of_units(scene: Scene) -> Iterator[str]:
+def _warnings(scene: Scene, found: Sizes) -> Iterator[str]:
     E, d = scene.material.E, scene.spring.wire_diameter
     if E < SOFTEST:
         yield f"E is {E:g} MPa, which looks like GPa: 206 GPa are 206000 MPa"
     if d < THINNEST:
         yield f"the wire diameter is {d:g} mm, which looks like metres: lengths are in mm"
-
-
-def _of_ranges(scene: Scene, found: Sizes) -> Iterator[str]:
     low, high = found.index
     if low < INDEX[0] or high > INDEX[1]:
         yield f"index D/d is {low:.3g} to {high:.3g}, outside {INDEX[0]:g} to {INDEX[1]:g} (EN 13906-1)"
@@ -38,9 +34,6 @@ def _of_ranges(scene: Scene, found: Sizes) -> Iterator[str]:
         yield f"{scene.spring.active_coils:g} active coils, less than {LEAST_COILS:g} (EN 13906-1)"
     if found.least_gap is not None and found.least_gap < TOUCHING * scene.spring.wire_diameter:
         yield "coils touch at rest"
-
-
-def _of_load(scene: Scene, found: Sizes) -> Iterator[str]:
     if found.buckling is not None and found.shortening >= found.buckling:
         slender = scene.spring.active_height / middle_diameter(scene.spring)
         yield (

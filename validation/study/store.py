@@ -11,6 +11,7 @@ import os
 import zipfile
 from collections.abc import Mapping
 from contextlib import suppress
+from dataclasses import dataclass
 from pathlib import Path
 
 from validation.study.output import OutputError, write_bytes, writing
@@ -33,26 +34,23 @@ def default_folder() -> Path | None:
         return None
 
 
+@dataclass
 class Store:
-    """Entries of named files by key.
+    """Entries of named files by key."""
 
-    Attributes
-    ----------
-    folder : where they are, made when the first is put; None keeps nothing.
-    most : bytes of all entries together, beyond which the least recently used go.
-    trouble : why nothing more is kept, one sentence; empty while all is well.
-    """
+    folder: Path | None  # where they are, made when the first is put; None keeps nothing
+    most: int = MOST_BYTES  # of all entries together, beyond which the least recently used go
+    trouble: str = ""  # why nothing more is kept, one sentence; empty while all is well
 
-    def __init__(self, folder: Path | None, most: int = MOST_BYTES) -> None:
-        self.folder = folder
-        self.most = most
-        self.trouble = "" if folder else f"nothing is kept for the next time: no home folder, no ${VARIABLE}"
+    def __post_init__(self) -> None:
+        if self.folder is None:
+            self.trouble = f"nothing is kept for the next time: no home folder, no ${VARIABLE}"
 
     def get(self, key: str) -> dict[str, bytes] | None:
         """Files of an entry; None where there is no such entry, whole and readable."""
         if self.folder is None:
             return None
-        file = self._file(self.folder, key)
+        file = self.folder / (key + SUFFIX)
         try:
             data = file.read_bytes()
         except OSError:
@@ -71,13 +69,10 @@ class Store:
         try:
             with writing(self.folder):
                 self.folder.mkdir(parents=True, exist_ok=True)
-                write_bytes(self._file(self.folder, key), hashlib.sha256(payload).digest() + payload)
+                write_bytes(self.folder / (key + SUFFIX), hashlib.sha256(payload).digest() + payload)
                 self._trim(self.folder)
         except OutputError as error:
             self.trouble = f"nothing is kept for the next time: {error}"
-
-    def _file(self, folder: Path, key: str) -> Path:
-        return folder / (key + SUFFIX)
 
     def _trim(self, folder: Path) -> None:
         """Remove the least recently used, and what writers that were killed have left."""

@@ -30,7 +30,7 @@ def classified(data: pd.DataFrame) -> pd.DataFrame:
 
 
 def errors(rows: pd.DataFrame, column: str, *closing: int, kind: str = "") -> pd.Series:
-    """A column of the springs of some classes of contact, whose kind matches a pattern."""
+    """A column of the springs of some classes of contact, whose kind matches a pattern; by default all."""
     classes = [CLASSES[place] for place in closing]
     return rows.loc[rows["closing"].isin(classes) & rows["kind"].str.contains(kind), column]
 
@@ -78,15 +78,20 @@ def over_seeds(rows: pd.DataFrame, column: str, closing: int, share: float) -> s
     return f"{number(found.min())} to {number(found.max())}"
 
 
-FUNCTIONS = (errors, number, percent, both, in_words, percentile_bound, over_seeds)
-WORDS = template.template(Path(__file__).with_name("randomsprings.md"), FUNCTIONS)
-WORDS.globals.update(drawn=randomscenes, study=randomsprings, few=FEW, confidence=CONFIDENCE)
+WORDS = template.template(
+    Path(__file__).with_name("randomsprings.md"),
+    (errors, number, percent, cell, both, in_words, percentile_bound, over_seeds),
+)
+WORDS.globals.update(
+    **{"drawn": randomscenes, "study": randomsprings, "few": FEW, "confidence": CONFIDENCE},
+    **{"classes": CLASSES, "names": NAMES, "kinds": [kind.name for kind in KINDS]},
+)
 
 
 def page(data: pd.DataFrame) -> str:
     """The part of the page on random springs."""
     rows = classified(data)
-    return template.page(WORDS, f=rows, tables=tables(rows))
+    return template.page(WORDS, f=rows, ends=_ends(rows), worst=_worst(rows))
 
 
 def facts(data: pd.DataFrame) -> dict[str, float]:
@@ -105,48 +110,13 @@ def facts(data: pd.DataFrame) -> dict[str, float]:
     return found
 
 
-def tables(rows: pd.DataFrame) -> dict[str, Table]:
-    """Tables by name: tip vectors by law, bounds, components, early ends and the worst springs."""
-    kinds, titles = [kind.name for kind in KINDS], NAMES | {"wire": "wire model"}
-    every = pd.concat((rows, rows.assign(kind="all"))).groupby(["kind", "closing"])
-    vectors = {}
-    for law in LAWS:
-        cells = every[f"{law}_vector"].agg(cell).unstack(fill_value="")
-        cells = cells.reindex(index=[*kinds, "all"], columns=CLASSES, fill_value="")
-        vectors[law] = frame_table(cells.rename_axis(NAMES[law]).reset_index())
-
-    columns = {f"{law}_{name}": f"{law}, {name.upper()}" for law in LAWS for name in COMPONENTS}
-    components = rows.groupby(["kind", "closing"])[list(columns)].agg(cell)
-    components = components.reindex(pd.MultiIndex.from_product((kinds, CLASSES))).dropna(how="all")
-    components = components.rename_axis(["kind", "contact"]).rename(columns=columns).reset_index()
-
+def _ends(rows: pd.DataFrame) -> Table:
+    """How many springs have a path that ends early, by outcomes and contact."""
     models = ["wire", *LAWS]
     early = rows[(rows[models] != "completed").any(axis=1)]
-    ends = early.groupby([*models, "closing"]).size().unstack(fill_value=0)
-    ends = ends.reindex(columns=CLASSES, fill_value=0).reset_index().rename(columns=titles)
-    return vectors | {
-        "bounds": frame_table(pd.DataFrame(_bounds(rows, law, place) for law in LAWS for place in range(4))),
-        "components": frame_table(components),
-        "ends": frame_table(ends),
-        "worst": _worst(rows),
-    }
-
-
-def _bounds(rows: pd.DataFrame, law: str, closing: int) -> dict[str, str]:
-    """A row of the table of bounds."""
-    column = f"{law}_vector"
-    known = errors(rows, column, closing)
-    return {
-        "law": NAMES[law],
-        "contact": CLASSES[closing],
-        "springs": str(known.count()),
-        "median": number(known.median()),
-        "95th percentile": number(known.quantile(0.95)),
-        "its bound": number(percentile_bound(known)),
-        "largest": number(known.max()),
-        "median, seeds": over_seeds(rows, column, closing, 0.5),
-        "95th percentile, seeds": over_seeds(rows, column, closing, 0.95),
-    }
+    counts = early.groupby([*models, "closing"]).size().unstack(fill_value=0)
+    counts = counts.reindex(columns=CLASSES, fill_value=0).reset_index()
+    return frame_table(counts.rename(columns=NAMES | {"wire": "wire model"}))
 
 
 def _worst(rows: pd.DataFrame) -> Table:

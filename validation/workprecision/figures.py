@@ -30,32 +30,25 @@ LOOKS: dict[str, Look] = {
     PEER: {"color": GREY, "marker": "P", "linestyle": "none"},
 }
 NAMES = {
-    "straight": "wire model, straight elements",
-    "curved": "wire model, curved elements",
-    "haringx": "equivalent beam, law haringx",
-    "helix": "equivalent beam, law helix",
+    **{"straight": "wire model, straight elements", "curved": "wire model, curved elements"},
+    **{"haringx": "equivalent beam, law haringx", "helix": "equivalent beam, law helix"},
     PEER: "OpenSees, straight elements",
 }
 LABELS = {"curve": "error of the load curve (%)", "shape": "error of the shape (mm)"}
-FILLED, OPEN, RING = 3.8, 2.8, 8.0  # sizes of symbols, points
+# symbols have a white rim, so that those that lie on one another stay apart; open ones are smaller
+FILLED: Look = {"linewidth": 0.9, "zorder": 3.0, "markersize": 3.8, "markeredgecolor": "white"}
+FILLED |= {"markeredgewidth": 0.4}
+OPEN: Look = {"linestyle": "none", "zorder": 2.5, "markersize": 2.8, "markerfacecolor": "white"}
+OPEN |= {"markeredgewidth": 0.7}
+RING: Look = {"linestyle": "none", "zorder": 2.0, "markersize": 8.0, "markerfacecolor": "none"}
+RING |= {"markeredgecolor": INK, "markeredgewidth": 0.7}
 FRONT: Look = {"color": LIGHT, "linewidth": 3.2, "solid_joinstyle": "round", "zorder": 1.5}
-FLOOR: Look = {
-    "facecolor": "#efefef",
-    "edgecolor": "#a8a8a8",
-    "hatch": "////",
-    "linewidth": 0.0,
-    "zorder": 0.5,
-}
+FLOOR: Look = {"facecolor": "#efefef", "edgecolor": "#a8a8a8", "hatch": "////", "zorder": 0.5}
+FLOOR |= {"linewidth": 0.0}
 USUAL: Look = {"color": GREY, "linewidth": 0.8, "zorder": 0.5}  # the penalty of the scenes
 DASHES = ("-", (0, (4, 2)))  # of the first scene and the second
-PAPER_TANGENT: Look = {
-    "color": BLUE,
-    "marker": "x",
-    "linestyle": "none",
-    "markersize": 4.0,
-    "markeredgewidth": 1.0,
-    "zorder": 3.0,
-}
+PAPER_TANGENT: Look = {"color": BLUE, "marker": "x", "linestyle": "none", "markersize": 4.0, "zorder": 3.0}
+PAPER_TANGENT |= {"markeredgewidth": 1.0}
 CROSS: Look = {"marker": "x", "color": "black", "linestyle": "none", "markersize": 6.0}
 
 
@@ -127,28 +120,12 @@ def _panel(axes: Axes, part: pd.DataFrame, able: pd.DataFrame, kind: str) -> Non
 
 
 def _look(series: str, filled: bool) -> Look:
-    """Symbols have a white rim, so that those that lie on one another stay apart."""
     look = LOOKS[series]
-    if filled:
-        return look | {
-            "linewidth": 0.9,
-            "zorder": 3.0,
-            "markersize": FILLED,
-            "markeredgecolor": "white",
-            "markeredgewidth": 0.4,
-        }
-    symbol = {"markerfacecolor": "white", "markeredgecolor": look["color"], "markeredgewidth": 0.7}
-    return look | symbol | {"linestyle": "none", "zorder": 2.5, "markersize": OPEN}
+    return look | (FILLED if filled else OPEN | {"markeredgecolor": look["color"]})
 
 
 def _ring(mesh: bool) -> Look:
-    symbol = {
-        "marker": "s" if mesh else "o",
-        "markersize": RING,
-        "markerfacecolor": "none",
-        "linestyle": "none",
-    }
-    return symbol | {"markeredgecolor": INK, "markeredgewidth": 0.7, "zorder": 2.0}
+    return RING | {"marker": "s" if mesh else "o"}
 
 
 def _label_axes(grid: np.ndarray, shown: pd.DataFrame, kind: str) -> None:

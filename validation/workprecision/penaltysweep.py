@@ -17,13 +17,13 @@ from validation.study.metrics import compare_paths
 from validation.study.partialsolve import partial_path
 from validation.study.timing import announced, interleaved, quartiles
 from validation.workprecision.results import row
-from validation.workprecision.settings import PAIRS, PAPER_ELEMENTS, PAPER_LAW, STEPS, Setting
+from validation.workprecision.settings import PAIRS, PAPER_ELEMENTS, PAPER_LAW, Setting
 
 SCENES = ("spring-a", "spring-b")
 PENALTIES = (1e2, 1e3, 1e4, 1e5, 1e6)  # N/mm
 HARD, LESS_HARD = 1e8, 1e7  # N/mm
-MESH = Setting("straight", STEPS, PAPER_ELEMENTS, PAIRS)
-BEAM = Setting(PAPER_LAW, STEPS, tangent="exact", sliding="ignore")
+MESH = Setting("straight", PAPER_ELEMENTS, PAIRS)
+BEAM = Setting(PAPER_LAW, tangent="exact", sliding="ignore")
 SOLVES = {BEAM: solve_beam, MESH: solve_wire}
 
 

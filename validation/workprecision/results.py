@@ -8,6 +8,7 @@ solution where there is one. Errors are those of the part of the path that was r
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import asdict, fields
 from pathlib import Path
 from typing import Any
 
@@ -32,12 +33,7 @@ def row(role: str, scene: Scene, setting: Setting, error: Comparison, **more: ob
         "role": role,
         "scene": scene.name,
         "model": setting.model,
-        "series": setting.series,
-        "elements_per_turn": setting.mesh,
-        "pairs_per_turn": setting.pairs,
-        "tangent": setting.tangent,
-        "sliding": setting.sliding,
-        "steps": setting.steps,
+        **asdict(setting),
         "penalty": scene.contact.stiffness if scene.contact.enabled else np.nan,
         "outcome": "completed",
         "last_time": error.last_time,
@@ -82,7 +78,7 @@ def front(rows: pd.DataFrame, error: pd.Series) -> list[int]:
 
 def setting_of(row: Any) -> Setting:
     """The setting of a row."""
-    return Setting(row.series, row.steps, row.elements_per_turn, row.pairs_per_turn, row.tangent, row.sliding)
+    return Setting(**{each.name: getattr(row, each.name) for each in fields(Setting)})
 
 
 def of_paper(rows: pd.DataFrame) -> tuple[Any, Any]:

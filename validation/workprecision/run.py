@@ -1,8 +1,8 @@
 """Run time against error of both models: what a given accuracy costs (``coilcheck workprecision``).
 
 The error of a path is its distance from a reference (`validation.study.metrics`): the curved wire mesh of
-`Extent.reference` elements per turn in `Extent.finest` steps. The reference's own error is told by half
-its mesh and by half its steps; where there is no contact, the exact rod bears it out.
+`Extent.reference` elements per turn in `Extent.finest` steps. The reference's own error is estimated from
+half its mesh and half its steps; where there is no contact, the exact rod bears it out.
 
 The time is the CPU time of the solve alone, one thread, kernels warm. All settings of a scene take turns
 (`validation.study.timing`); ratios to the paper's FE mesh are formed within a round.
@@ -11,6 +11,7 @@ The time is the CPU time of the solve alone, one thread, kernels warm. All setti
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 
@@ -20,7 +21,7 @@ import pandas as pd
 from coilspring import EquilibriumPath, InputError, Scene
 from coilspring.errors import require_names
 from validation.peers.installed import opensees
-from validation.study.cases import PAPER_MESH, solve_beam, solve_wire
+from validation.study.cases import PAPER_MESH, make_ready, solve_beam, solve_wire
 from validation.study.machine import versions
 from validation.study.metrics import COMPONENTS, Comparison, compare_curves, compare_paths, peaks
 from validation.study.output import prepare, write_files
@@ -28,7 +29,6 @@ from validation.study.partialsolve import partial_path
 from validation.study.provenance import write_provenance
 from validation.study.scenes import EXACT_ROD, study_scenes
 from validation.study.timing import announced, interleaved, median_of, quartiles
-from validation.study.warmup import make_ready
 from validation.workprecision import page, results
 from validation.workprecision.penaltysweep import SCENES, penalty_rows
 from validation.workprecision.results import ranked, row
@@ -112,7 +112,7 @@ def study(scene: Scene, extent: Extent, progress: Progress) -> pd.DataFrame:
 
 def reached(scene: Scene, setting: Setting) -> EquilibriumPath:
     """Path of one setting, complete or as far as it was reached."""
-    return partial_path(solve_wire if setting.mesh else solve_beam, scene, **setting.options)
+    return partial_path(solve_wire if setting.elements_per_turn else solve_beam, scene, **setting.options)
 
 
 def _seconds(scene: Scene, setting: Setting, known: EquilibriumPath) -> float:
@@ -129,12 +129,12 @@ def _times(ratios: np.ndarray, paper: float) -> dict[str, float]:
 
 def _reference(scene: Scene, extent: Extent) -> tuple[EquilibriumPath, list[dict[str, object]]]:
     """The finest path, and rows of its own error."""
-    finest = Setting("curved", extent.finest, extent.reference, PAIRS)
+    finest = Setting("curved", extent.reference, PAIRS, steps=extent.finest)
     path = solve_wire(scene, **finest.options)
     rows = []
     for role, setting in (
-        ("half mesh", Setting("curved", extent.finest, extent.reference // 2, PAIRS)),
-        ("half steps", Setting("curved", extent.finest // 2, extent.reference, PAIRS)),
+        ("half mesh", replace(finest, elements_per_turn=extent.reference // 2)),
+        ("half steps", replace(finest, steps=extent.finest // 2)),
     ):
         rows.append(row(role, scene, setting, compare_paths(solve_wire(scene, **setting.options), path)))
     exact = EXACT_ROD.get(scene.name)
@@ -151,14 +151,14 @@ def _peer_rows(
 ) -> list[dict[str, object]]:
     """All settings of OpenSees, the wire model's straight mesh and penalty; none where it is not installed.
 
-    `paper` : CPU seconds of the paper's FE mesh, by which its times are told.
+    `paper` : CPU seconds of the paper's FE mesh, by which its times are given.
     """
     peer = opensees()
     if peer is None:
         return []
     rows = []
     for mesh, steps in extent.peers:
-        setting = Setting(PEER, steps, mesh, PAIRS)
+        setting = Setting(PEER, mesh, PAIRS, steps=steps)
         progress(f"{scene.name}: {setting.label}")
         runs, ratios = [], []
         for _ in range(extent.peer_rounds):

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass, replace
+from dataclasses import asdict, dataclass, replace
 
 from coilspring import Scene
 from equivbeam.laws import LAWS
@@ -17,86 +17,63 @@ PEER = "opensees"
 
 @dataclass(frozen=True)
 class Setting:
-    """One model with its numerics.
+    """One model with its numerics; columns of the result."""
 
-    Attributes
-    ----------
-    series : element of the wire model, law of the equivalent beam, or `PEER`.
-    steps : equal steps of time.
-    mesh : elements per turn; 0 for the equivalent beam, which has one length of element.
-    pairs : sphere pairs per turn; 0 for the equivalent beam.
-    tangent, sliding : of the equivalent beam; empty for the wire model.
-    """
-
-    series: str
-    steps: int
-    mesh: int = 0
-    pairs: int = 0
-    tangent: str = ""
-    sliding: str = ""
+    series: str  # element of the wire model, law of the equivalent beam, or `PEER`
+    elements_per_turn: int = 0  # 0 for the equivalent beam, which has one length of element
+    pairs_per_turn: int = 0  # sphere pairs; 0 for the equivalent beam
+    tangent: str = ""  # of the equivalent beam; empty for the wire model
+    sliding: str = ""  # of the equivalent beam; empty for the wire model
+    steps: int = STEPS  # equal steps of time
 
     @property
     def model(self) -> str:
         """The model's package, or `PEER`."""
         if self.series == PEER:
             return PEER
-        return "wirefe" if self.mesh else "equivbeam"
+        return "wirefe" if self.elements_per_turn else "equivbeam"
 
     @property
     def options(self) -> dict[str, object]:
         """Keyword arguments of the model's `solve`."""
-        if self.mesh:
-            mesh = {"elements_per_turn": self.mesh, "pairs_per_turn": self.pairs}
-            return {"element": self.series, "steps": self.steps, **mesh}
-        chosen = {"steps": self.steps, "tangent": self.tangent, "sliding": self.sliding}
-        return {"law": self.series, **chosen}
+        chosen = {name: value for name, value in asdict(self).items() if value and name != "series"}
+        return chosen | {"element" if self.elements_per_turn else "law": self.series}
 
     @property
     def label(self) -> str:
         """Name for a reader."""
         if self.series == PEER:
-            return f"OpenSees {self.mesh}, {self.steps} steps"
-        parts = [f"wire {self.series} {self.mesh}" if self.mesh else f"beam {self.series}"]
+            return f"OpenSees {self.elements_per_turn}, {self.steps} steps"
+        mesh, pairs = self.elements_per_turn, self.pairs_per_turn
+        parts = [f"wire {self.series} {mesh}" if mesh else f"beam {self.series}"]
         parts += ["paper’s tangent"] if self.tangent == "paper" else []
         parts += ["scene’s sliding"] if self.sliding == "scene" else []
-        parts += [f"{self.pairs} pairs per turn"] if self.mesh and self.pairs != PAIRS else []
+        parts += [f"{pairs} pairs per turn"] if mesh and pairs != PAIRS else []
         return ", ".join([*parts, f"{self.steps} step{'s' if self.steps != 1 else ''}"])
 
     @property
     def is_paper_mesh(self) -> bool:
         """Whether it is the paper's FE mesh with a scene's usual steps."""
-        return (self.series, self.mesh, self.pairs, self.steps) == ("straight", PAPER_ELEMENTS, PAIRS, STEPS)
+        return self == Setting("straight", PAPER_ELEMENTS, PAIRS)
 
     @property
     def is_paper_model(self) -> bool:
         """Whether it is the paper's equivalent beam, solved with the exact tangent."""
-        plain = self.tangent == "exact" and self.sliding == "ignore"
-        return self.series == PAPER_LAW and plain and self.steps == STEPS
+        return self == Setting(PAPER_LAW, tangent="exact", sliding="ignore")
 
 
 @dataclass(frozen=True)
 class Extent:
-    """How much is run.
+    """How much is run."""
 
-    Attributes
-    ----------
-    straight, curved : elements per turn.
-    reference : curved elements per turn of the reference; half of it tells the reference's error.
-    steps : other numbers of steps; divisors of `Extent.finest`.
-    pairs : other sphere pairs per turn.
-    rounds : timed rounds.
-    peers : elements per turn and steps of OpenSees, which takes seconds where the others take a tenth.
-    peer_rounds : timed rounds of OpenSees.
-    """
-
-    straight: tuple[int, ...]
-    curved: tuple[int, ...]
-    reference: int
-    steps: tuple[int, ...]
-    pairs: tuple[int, ...]
-    rounds: int
-    peers: tuple[tuple[int, int], ...] = ()
-    peer_rounds: int = 1
+    straight: tuple[int, ...]  # elements per turn, straight ones
+    curved: tuple[int, ...]  # elements per turn, curved ones
+    reference: int  # curved elements per turn of the reference; half of it tells the reference's error
+    steps: tuple[int, ...]  # other numbers of steps; divisors of `Extent.finest`
+    pairs: tuple[int, ...]  # other sphere pairs per turn
+    rounds: int  # timed rounds
+    peers: tuple[tuple[int, int], ...] = ()  # elements per turn and steps of OpenSees, which is slow
+    peer_rounds: int = 1  # timed rounds of OpenSees
     finest = 200  # steps of the reference: every number of steps here divides it
 
 
@@ -137,22 +114,22 @@ def settings(scene: Scene, extent: Extent) -> tuple[Setting, ...]:
 
 def _wires(scene: Scene, extent: Extent) -> Iterable[Setting]:
     meshes = [("straight", mesh) for mesh in extent.straight] + [("curved", mesh) for mesh in extent.curved]
-    yield from (Setting(element, STEPS, mesh, PAIRS) for element, mesh in meshes)
+    yield from (Setting(element, mesh, PAIRS) for element, mesh in meshes)
     for steps in extent.steps:
-        yield Setting("straight", steps, PAPER_ELEMENTS, PAIRS)
-        yield Setting("curved", steps, extent.curved[0], PAIRS)
+        yield Setting("straight", PAPER_ELEMENTS, PAIRS, steps=steps)
+        yield Setting("curved", extent.curved[0], PAIRS, steps=steps)
     if scene.contact.enabled:
-        yield from (Setting("curved", STEPS, max(16, pairs), pairs) for pairs in (PAIRS, *extent.pairs))
+        yield from (Setting("curved", max(16, pairs), pairs) for pairs in (PAIRS, *extent.pairs))
 
 
 def _beams(scene: Scene, extent: Extent) -> Iterable[Setting]:
-    held = scene.contact.enabled and scene.contact.sliding != "free"
+    sticking = scene.contact.enabled and scene.contact.sliding != "free"
     for series in LAWS:
         for steps in (STEPS, *extent.steps):
-            yield Setting(series, steps, tangent="exact", sliding="ignore")
-        if held:
-            yield Setting(series, STEPS, tangent="exact", sliding="scene")
-    yield Setting(PAPER_LAW, STEPS, tangent="paper", sliding="ignore")
+            yield Setting(series, steps=steps, tangent="exact", sliding="ignore")
+        if sticking:
+            yield Setting(series, tangent="exact", sliding="scene")
+    yield Setting(PAPER_LAW, tangent="paper", sliding="ignore")
 
 
 EXTENTS = {"quick": QUICK, "normal": NORMAL, "full": FULL}

@@ -12,25 +12,57 @@ import pandas as pd
 from equivbeam.laws import LAWS
 from validation.study.cases import CASES
 from validation.study.document import Table
-from validation.study.frames import view
+from validation.study.frames import frame_table, view
 from validation.study.timing import spread
 from validation.workprecision.results import by_scene, fastest, of_paper, setting_of
 from validation.workprecision.settings import PAIRS, PAPER_LAW, STEPS, TITLES
 
 PAPER_REDUCTION = {case.name: f"{case.paper_reduction:g}" for case in CASES}
-Rows = list[dict[str, str]]
+Columns = dict[str, Callable[[Any], object]]
+
+
+def tables(rows: pd.DataFrame) -> dict[str, Table]:
+    """All tables by name."""
+    return {
+        "equal_error": equal_error_table(rows),
+        "paper": paper_table(rows),
+        "reference": reference_table(rows),
+        "curve_front": front_table(rows, "curve"),
+        "shape_front": front_table(rows, "shape"),
+        "peers": peer_table(rows),
+        "penalty": penalty_table(rows),
+        "pairs": pairs_table(rows),
+    }
+
+
+def label(row: Any) -> str:
+    """Name of a run's setting, without the usual number of steps."""
+    return setting_of(row).label.removesuffix(f", {STEPS} steps")
+
+
+def _error(row: Any) -> str:
+    return f"{100.0 * row.curve_max:.2g}"
+
+
+def _time(row: Any) -> str:
+    return spread(row, "seconds", 1e3)
+
+
+SCENE: Columns = {"scene": lambda row: TITLES[row.scene]}
+TIME: Columns = {"time (ms)": _time}
+ERRORS: Columns = {"curve (%)": _error, "shape (mm)": lambda row: f"{row.shape_max_mm:.2g}"}
 
 
 def equal_error_table(rows: pd.DataFrame) -> Table:
     """Each law of the half coil against the fastest run of the wire model that is as good."""
-    lines: Rows = []
+    lines = []
     for scene, part in by_scene(rows):
         wires = part[part["model"] == "wirefe"]
         for law in LAWS:
             beam = _beam(part, law)
             if beam is not None:
                 lines.append(_equal_error(scene, law, beam, fastest(wires, beam.curve_max)))
-    return _table(lines)
+    return frame_table(pd.DataFrame(lines))
 
 
 def _beam(rows: pd.DataFrame, law: str) -> Any:
@@ -45,10 +77,10 @@ def _equal_error(scene: str, law: str, beam: Any, wire: Any) -> dict[str, str]:
     return {
         "scene": TITLES[scene],
         "law": law,
-        "its error (%)": _percent(beam),
+        "its error (%)": _error(beam),
         "its time (ms)": _time(beam),
-        "wire model, as good at least": "none" if wire is None else _label(wire),
-        "error (%)": "" if wire is None else _percent(wire),
+        "wire model, as good at least": "none" if wire is None else label(wire),
+        "error (%)": "" if wire is None else _error(wire),
         "time (ms)": "" if wire is None else _time(wire),
         "wire model / beam at equal error": "" if wire is None else f"{1.0 / share:.3g}",
         "reduction (%)": "" if wire is None else f"{100.0 * (1.0 - share):.1f}",
@@ -59,7 +91,7 @@ def _equal_error(scene: str, law: str, beam: Any, wire: Any) -> dict[str, str]:
 
 def paper_table(rows: pd.DataFrame) -> Table:
     """What is as accurate as the paper's FE mesh, and its time."""
-    lines: Rows = []
+    lines = []
     for scene, part in by_scene(rows):
         mesh, model = of_paper(part)
         best = fastest(part, mesh.curve_max)
@@ -67,20 +99,20 @@ def paper_table(rows: pd.DataFrame) -> Table:
             {
                 "scene": TITLES[scene],
                 "paper's mesh (ms)": _time(mesh),
-                "error (%)": _percent(mesh),
+                "error (%)": _error(mesh),
                 "paper's model (ms)": _time(model),
-                "its error (%)": _percent(model),
+                "its error (%)": _error(model),
                 "fastest as accurate as the paper's mesh": setting_of(best).label,
                 "its time (ms)": _time(best),
                 "part of the mesh's time": f"1/{1.0 / best.ratio_to_paper_mesh:.3g}",
             }
         )
-    return _table(lines)
+    return frame_table(pd.DataFrame(lines))
 
 
 def reference_table(rows: pd.DataFrame) -> Table:
     """How far the references are off themselves."""
-    lines: Rows = []
+    lines = []
     for scene, part in by_scene(rows):
         own = {each.role: each for each in part.itertuples()}
         mesh, steps, exact = own["half mesh"], own["half steps"], own.get("exact rod")
@@ -96,27 +128,27 @@ def reference_table(rows: pd.DataFrame) -> Table:
                 else "no exact solution",
             }
         )
-    return _table(lines)
+    return frame_table(pd.DataFrame(lines))
 
 
 def front_table(rows: pd.DataFrame, kind: str) -> Table:
     """The runs on a front, by scene and time; `kind` is "curve" or "shape"."""
     chosen = [part.sort_values("seconds") for _, part in by_scene(rows[rows[f"on_{kind}_front"] == 1])]
-    part = {"part of the paper's mesh": lambda row: f"{row.ratio_to_paper_mesh:.3g}"}
-    setting = {"setting": lambda row: setting_of(row).label}
+    part: Columns = {"part of the paper's mesh": lambda row: f"{row.ratio_to_paper_mesh:.3g}"}
+    setting: Columns = {"setting": lambda row: setting_of(row).label}
     return view(pd.concat(chosen), SCENE | setting | TIME | part | ERRORS)
 
 
 def peer_table(rows: pd.DataFrame) -> Table:
     """OpenSees beside the wire model with the same mesh and steps."""
-    wires = {
-        (each.scene, setting_of(each)): each
-        for each in rows[rows["role"] == "run"].itertuples()
-        if each.model == "wirefe"
-    }
+    runs = rows[(rows["role"] == "run") & (rows["model"] == "wirefe")]
+    wires = {(each.scene, setting_of(each)): each for each in runs.itertuples()}
 
     def wire(row: Any) -> Any:
         return wires[row.scene, replace(setting_of(row), series="straight")]
+
+    def ratio(row: Any) -> str:
+        return f"{row.ratio_to_paper_mesh / wire(row).ratio_to_paper_mesh:.3g}"
 
     return view(
         rows[rows["role"] == "opensees"],
@@ -127,9 +159,7 @@ def peer_table(rows: pd.DataFrame) -> Table:
             "outcome": lambda row: row.outcome.replace("_", " "),
             "OpenSees (ms)": _time,
             "wire model (ms)": lambda row: _time(wire(row)),
-            "OpenSees / wire model": lambda row: (
-                f"{row.ratio_to_paper_mesh / wire(row).ratio_to_paper_mesh:.3g}"
-            ),
+            "OpenSees / wire model": ratio,
             "OpenSees, curve (%)": lambda row: f"{100.0 * row.curve_max:.4f}",
             "wire model, curve (%)": lambda row: f"{100.0 * wire(row).curve_max:.4f}",
         },
@@ -138,62 +168,34 @@ def peer_table(rows: pd.DataFrame) -> Table:
 
 def penalty_table(rows: pd.DataFrame) -> Table:
     """A row for each scene, model and penalty."""
+
+    def outcome(row: Any) -> str:
+        end = "" if row.outcome == "completed" else f" after t = {row.last_time:.2f}"
+        return row.outcome.replace("_", " ") + end
+
     return view(
         rows[rows["role"] == "penalty"],
         {
             **SCENE,
-            "setting": _label,
+            "setting": label,
             "penalty (N/mm)": lambda row: f"{row.penalty:.0e}".replace("+0", ""),
-            "outcome": _ending,
+            "outcome": outcome,
             **TIME,
             "iterations": lambda row: f"{row.iterations:.0f}",
-            "curve (%)": _percent,
+            "curve (%)": _error,
             "reference's own error (%)": lambda row: f"{100.0 * row.reference_curve_error:.1g}",
         },
     )
 
 
-def differing_pairs(rows: pd.DataFrame) -> pd.DataFrame:
-    """Runs that differ in the number of pairs alone, on the scenes whose answer changes with it."""
+def pairs_table(rows: pd.DataFrame) -> Table:
+    """What the number of sphere pairs changes, on the scenes whose answer changes with it."""
     wires = rows[(rows["role"] == "run") & (rows["model"] == "wirefe")]
-    found = []
+    mesh, found = ["series", "elements_per_turn", "steps"], [wires.iloc[:0]]
     for _, part in by_scene(wires):
-        other = part[part["pairs_per_turn"] != PAIRS]
-        same = pd.MultiIndex.from_frame(part[["series", "elements_per_turn", "steps"]])
-        alike = part[same.isin(pd.MultiIndex.from_frame(other[["series", "elements_per_turn", "steps"]]))]
+        other = pd.MultiIndex.from_frame(part.loc[part["pairs_per_turn"] != PAIRS, mesh])
+        alike = part[pd.MultiIndex.from_frame(part[mesh]).isin(other)]
         if len(alike) and np.ptp(alike["curve_max"]) > part["reference_curve_error"].iloc[0]:
             found.append(alike.sort_values("pairs_per_turn", kind="stable"))
-    return pd.concat(found) if found else wires.iloc[:0]
-
-
-def pairs_table(rows: pd.DataFrame) -> Table:
-    """What the number of sphere pairs changes."""
-    pairs = {"pairs per turn": lambda row: row.pairs_per_turn, "outcome": lambda row: row.outcome}
-    return view(differing_pairs(rows), SCENE | pairs | TIME | ERRORS)
-
-
-def _table(rows: Rows) -> Table:
-    return Table(tuple(rows[0]), tuple(tuple(row.values()) for row in rows))
-
-
-def _label(row: Any) -> str:
-    return setting_of(row).label.removesuffix(f", {STEPS} steps")
-
-
-def _ending(row: Any) -> str:
-    ended = row.outcome != "completed"
-    return f"{row.outcome.replace('_', ' ')} after t = {row.last_time:.2f}" if ended else row.outcome
-
-
-def _percent(row: Any) -> str:
-    return f"{100.0 * row.curve_max:.2g}"
-
-
-def _time(row: Any) -> str:
-    return spread(row, "seconds", 1e3)
-
-
-Columns = dict[str, Callable[[Any], object]]
-SCENE: Columns = {"scene": lambda row: TITLES[row.scene]}
-TIME: Columns = {"time (ms)": _time}
-ERRORS: Columns = {"curve (%)": _percent, "shape (mm)": lambda row: f"{row.shape_max_mm:.2g}"}
+    pairs: Columns = {"pairs per turn": lambda row: row.pairs_per_turn, "outcome": lambda row: row.outcome}
+    return view(pd.concat(found), SCENE | pairs | TIME | ERRORS)
