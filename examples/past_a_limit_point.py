@@ -8,7 +8,7 @@ from coilspring import Contact, EquilibriumNotFound, EquilibriumPath, spring_b
 
 def main() -> tuple[float, EquilibriumPath]:
     """Print and return where the path turns, and the path traced past that."""
-    scene = replace(spring_b(), contact=Contact(sliding="free"))
+    scene = replace(spring_b(), contact=Contact(geometry="spheres"))
     mesh = {"element": "curved", "elements_per_turn": 8}
     try:
         wirefe.solve(scene, **mesh)

@@ -49,6 +49,7 @@ def solve(
     *,
     steps: int | None = None,
     penalty: float | None = None,
+    geometry: str | None = None,
     element: str = "straight",
     elements_per_turn: int = 40,
     pairs_per_turn: int | None = None,
@@ -63,6 +64,8 @@ def solve(
         Requested equal steps of time; by default the scene's.
     penalty : float, optional
         Contact stiffness K in the scene's convention, N/mm^exponent; by default the scene's.
+    geometry : {"wires", "spheres"}, optional
+        What stands for the wire in contact; by default the scene's.
     element : {"straight", "curved"}
         Two-node element between points of the helix: straight, as the paper's, or with the exact
         linear flexibility of its curved piece of wire (0.1 % at 4 per turn).
@@ -81,7 +84,7 @@ def solve(
     InputError : bad input, in one sentence.
     EquilibriumNotFound : the path ends before time 1; carries what was reached.
     """
-    scene = require_scene(scene).overridden(steps, penalty)
+    scene = require_scene(scene).overridden(steps, penalty, geometry)
     problem, mesh, options = scene_problem(scene, element, elements_per_turn, pairs_per_turn)
     run = follow_load(scene, problem, scene_kernels(scene))
     data = run.problem.data

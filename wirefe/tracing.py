@@ -30,6 +30,7 @@ def trace(
     *,
     points: int = 200,
     penalty: float | None = None,
+    geometry: str | None = None,
     element: str = "straight",
     elements_per_turn: int = 40,
     pairs_per_turn: int | None = None,
@@ -51,7 +52,7 @@ def trace(
     EquilibriumNotFound : the arc shrank to nothing before; carries what was reached.
     """
     require_integer("points", points, 1, 100_000)
-    scene = require_scene(scene).overridden(penalty=penalty)
+    scene = require_scene(scene).overridden(penalty=penalty, geometry=geometry)
     if scene.contact.enabled and scene.contact.sliding == "coulomb":
         raise InputError(
             "contact.sliding must be free or none for trace: friction depends on the path, got 'coulomb'"

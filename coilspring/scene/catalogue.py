@@ -12,11 +12,12 @@ from coilspring.scene.supports import Supports
 
 
 def spring_a() -> Scene:
-    """Spring A: a cylinder bent and compressed by its free top."""
+    """Spring A: a cylinder bent and compressed by its free top; contact of spheres, as in Table 2."""
     return Scene(
         name="spring-a",
         spring=Spring(wire_diameter=1.5, mean_diameter=(10.0, 10.0), active_coils=14.5, active_height=28.6),
         load=Load(force=(-9.0, -4.0)),
+        contact=Contact(geometry="spheres"),
     )
 
 
@@ -27,7 +28,7 @@ def spring_b() -> Scene:
         spring=Spring(wire_diameter=1.5, mean_diameter=(12.0, 6.0), active_coils=7.5, active_height=28.6),
         load=Load(force=(0.0, -200.0)),
         supports=Supports(top_held=("ux", "rotz")),
-        contact=Contact(sliding="none"),
+        contact=Contact(sliding="none", geometry="spheres"),
     )
 
 

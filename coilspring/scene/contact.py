@@ -16,12 +16,12 @@ class Contact:
     Attributes
     ----------
     enabled : False lets coils pass through each other.
-    stiffness : K of each sphere pair at 4 pairs per turn, N/mm^exponent.
+    stiffness : K of each pair at 4 pairs per turn, N/mm^exponent; more pairs share it.
     exponent : of the penetration.
     sliding : "free", "none" (sticking contact), or "coulomb" (with friction).
     friction : coefficient, with "coulomb" alone.
-    geometry : of the wire model's contact: "spheres" on the wire, or the "wires" themselves, whose gap is
-        taken across both; the equivalent beam has circles either way.
+    geometry : of the wire model's contact: the "wires" themselves, whose gap is taken across both, or
+        "spheres" on them, as the paper has it; the equivalent beam has circles either way.
     """
 
     enabled: bool = field(default=True, metadata=key("false: coils pass through each other [true]", switch))
@@ -41,8 +41,10 @@ class Contact:
         ),
     )
     geometry: str = field(
-        default="spheres",
-        metadata=key('of the wire model: "spheres" or "wires" [spheres]', choice("spheres", "wires")),
+        default="wires",
+        metadata=key(
+            'of the wire model: "wires" or "spheres" (the paper\'s) [wires]', choice("wires", "spheres")
+        ),
     )
     friction: float | None = field(
         default=None, metadata=key("coefficient", absent="", aliases={r"mu|friction_coefficient": ""})

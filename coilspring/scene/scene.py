@@ -78,10 +78,15 @@ class Scene:
         """The same scene with another contact stiffness K, N/mm^exponent."""
         return replace(self, contact=replace(self.contact, stiffness=stiffness))
 
-    def overridden(self, steps: int | None = None, penalty: float | None = None) -> Scene:
-        """The scene with the number of steps and the penalty a caller asked for."""
+    def overridden(
+        self, steps: int | None = None, penalty: float | None = None, geometry: str | None = None
+    ) -> Scene:
+        """The scene with the number of steps, the penalty and the contact geometry a caller asked for."""
         scene = self if steps is None else self.with_steps(steps)
-        return scene if penalty is None else scene.with_penalty(penalty)
+        scene = scene if penalty is None else scene.with_penalty(penalty)
+        return (
+            scene if geometry is None else replace(scene, contact=replace(scene.contact, geometry=geometry))
+        )
 
 
 def require_scene(value: object) -> Scene:

@@ -16,7 +16,7 @@ MODEL_OPTIONS = {
     "wirefe": ("element", "elements_per_turn", "pairs_per_turn"),
 }
 FILE_OPTIONS = {"equivbeam": (), "wirefe": ("vtu", "vtu_series")}  # what a model can write besides the path
-COMMON_OPTIONS = ("steps", "penalty")
+COMMON_OPTIONS = ("steps", "penalty", "geometry")
 CAMPAIGN_RANGES = {  # of the options of stability
     "beams": (0, 10_000_000),
     "wires": (0, 10_000_000),
@@ -198,6 +198,8 @@ def _add_common(command: argparse.ArgumentParser) -> None:
     both = command.add_argument_group("options of both models")
     both.add_argument("--steps", type=_number, metavar="N", help="equal steps of time; default the scene's")
     both.add_argument("--penalty", type=_number, metavar="X", help="contact stiffness; default the scene's")
+    what = "contact of the wire model; default the scene's (the catalogue's: spheres)"
+    both.add_argument("--geometry", choices=("wires", "spheres"), help=what)
 
 
 def _add_scene(command: argparse.ArgumentParser) -> None:

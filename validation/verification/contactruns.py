@@ -33,6 +33,7 @@ class Run:
     k: float = 1.0
     K: float = 1e4
     steps: int = 50
+    geometry: str = "spheres"
     curved: bool = False  # as many elements per turn as pairs; else 40 straight ones
 
     @property
@@ -40,7 +41,9 @@ class Run:
         """The scene that is solved."""
         sliding = {0.0: "free", NONE: "none"}.get(self.mu, "coulomb")
         friction = self.mu if sliding == "coulomb" else None
-        contact = Contact(stiffness=self.K, exponent=self.k, sliding=sliding, friction=friction)
+        contact = Contact(
+            stiffness=self.K, exponent=self.k, sliding=sliding, friction=friction, geometry=self.geometry
+        )
         return replace(SPRINGS[self.spring](), contact=contact)
 
     def solved(self) -> EquilibriumPath:
