@@ -101,11 +101,12 @@ def verified(name: str, seed: int) -> Row:
         last = traceback.extract_tb(error.__traceback__)[-1]
         verdict.complain(f"crash: {error!r} in {Path(last.filename).name}:{last.lineno}")
     known["outcome"] = path.outcome if path else REFUSED
-    known |= {"class": _class(known["outcome"], verdict), "seconds": f"{process_time() - began:.3f}"}
+    known |= {"class": class_of(known["outcome"], verdict), "seconds": f"{process_time() - began:.3f}"}
     return row_of(case, path, verdict, seed=seed, **known)
 
 
-def _class(outcome: str, verdict: Verdict) -> str:
+def class_of(outcome: str, verdict: Verdict) -> str:
+    """Class of a case: its outcome, unless something is wrong or a run stops by the iteration."""
     if verdict.complaints:
         return UNEXPLAINED
     return ITERATION if verdict.stops else outcome
