@@ -63,7 +63,9 @@ def verify_invariance(verdict: Verdict, case: Case, path: EquilibriumPath) -> st
     scene, back = changed(case, kind)
     other, least = reached(case, scene), verdict.numbers.get("least", 1.0)
     verdict.stop(kind, other)
-    if STUCK not in (path.outcome, other.outcome) and (path.outcome in CRITICAL) != (other.outcome in CRITICAL):
+    if STUCK not in (path.outcome, other.outcome) and (path.outcome in CRITICAL) != (
+        other.outcome in CRITICAL
+    ):
         verdict.complain(f"{kind}: {path.outcome}, but changed it ends as {other.outcome}")
     elif kind != "perturbed" or least > SOFT:
         bounds = {

@@ -91,9 +91,8 @@ def _rates(data: pd.DataFrame) -> Table:
     for name in CLASSES:
         row = {"class": name}
         for title, some in (groups | {"both": data}).items():
-            count = int((some["class"] == name).sum())
-            share = f"{100.0 * count / len(some):.2f} % (below {100.0 * upper_bound(count, len(some)):.2f} %)"
-            row[title] = share if len(some) else "-"
+            count, of = int((some["class"] == name).sum()), len(some)
+            row[title] = f"{count / of:.2%} (below {upper_bound(count, of):.2%})" if of else "-"
         rows.append(row)
     return frame_table(pd.DataFrame(rows))
 

@@ -14,7 +14,10 @@ from validation.campaign.verdict import CRITICAL, STUCK, Verdict, fine_steps, re
 BRANCH = 1e-6  # difference from the fine run over the largest displacement,
 SOLVER = 1e-8  # or this over the root of the least stiffness: what solvers leave, in the energy norm
 ROUNDING = 4.0 * 2.0**-52  # of the spring's height: positions are no finer
-FRICTION, FRICTION_TIME = 1e-3, 5e-3  # the same, and of a critical time, with friction, which follows the path
+FRICTION, FRICTION_TIME = (
+    1e-3,
+    5e-3,
+)  # the same, and of a critical time, with friction, which follows the path
 NEAR_CRITICAL = 0.01  # of its time: so near before a critical point paths with friction are not compared
 BETWEEN = 1e-4  # where a column passes its buckling load all but neutral, before the last common state
 LOAD = 1e-4  # within which a critical point is bracketed

@@ -8,44 +8,48 @@ import numpy as np
 
 from coilspring import EquilibriumPath
 from validation.campaign.poses import moved
-from validation.campaign.runs import just_before, sharp_critical
+from validation.campaign.runs import sharp_critical
 from validation.campaign.scenes import Case
-from validation.campaign.verdict import Verdict
+from validation.campaign.verdict import Verdict, reached, under
 from validation.campaign.wire import WireForces
 from validation.campaign.wirepairs import Pairs
 from validation.campaign.wireverifier import verify_balance
 
-BEFORE = 1e-6  # share of the load by which the state lies before the jump
+BEFORE = (1e-6, 1e-5, 1e-4, 1e-3)  # shares of the load by which a state may lie before the jump
 FIRST_STEP, LEAST_STEP = 1.0 / 16.0, 1e-4  # of what the opening pairs hold, released at a time
 MOST_CORRECTIONS = 15
 CLOSE = 1e-8  # wire diameters or rad: the last correction
 FAR = 0.5  # wire diameters or rad that a step may move: more is no neighbour
-OPEN = 1e-3  # wire diameters of penetration at most that are left of a pair just before it opens
+OPEN = 1e-6  # wire diameters of penetration at most that are left of an opening pair where the path ends
 
 
 def verify_jump(verdict: Verdict, forces: WireForces, case: Case, path: EquilibriumPath) -> None:
     """Just before, the pair must be held in balance; released, it must lead to no stable equilibrium."""
-    sharp = sharp_critical(verdict, path)
+    sharp, near = sharp_critical(verdict, path), None
     if sharp is None:
         return
-    critical = sharp[0]
-    for _, near in just_before(verdict, case, critical, [BEFORE]):
-        verify_balance(verdict, forces, near)
-        pairs, rows = forces.pairs(near, -1, forces.d), near.states[-1].reshape(-1, 7)
-        if pairs is None or not (opening := _opening(pairs, rows)).any():
-            verdict.complain(f"no sticking pair is about to open at the jump at {critical:.6g}")
-            return
-        if not forces.least_stiffness(rows, pairs) > 0.0:
-            verdict.complain(f"unstable before the jump at {critical:.6g}")
-        left = released(forces, pairs, opening, rows, near.loads[-1])
-        verdict.numbers["jump"] = left
+    assert path.last_state is not None
+    for share in BEFORE:  # other substeps may jump a little earlier
+        near = reached(case, under(case.scene, sharp[0] * (1.0 - share)))
+        if near.outcome == "completed":
+            break
+    else:
+        verdict.complain(f"no equilibrium just before the jump at {sharp[0]:.6g}")
+        return
+    verify_balance(verdict, forces, near)
+    pairs, rows = forces.pairs(near, -1, forces.d), near.states[-1].reshape(-1, 7)
+    if pairs is None:
+        verdict.complain("a jump without contact")
+        return
+    opening = pairs.held & (pairs.depth(path.last_state.reshape(-1, 7)) < OPEN * forces.d)
+    if not opening.any():
+        verdict.complain(f"no sticking pair opens at the jump at {sharp[0]:.6g}")
+    elif not forces.least_stiffness(rows, pairs) > 0.0:
+        verdict.complain(f"unstable before the jump at {sharp[0]:.6g}")
+    else:
+        left = verdict.numbers["jump"] = released(forces, pairs, opening, rows, near.loads[-1])
         if left == 0.0:
-            verdict.complain(f"a release leads from the jump at {critical:.6g} to an equilibrium nearby")
-
-
-def _opening(pairs: Pairs, rows: np.ndarray) -> np.ndarray:
-    """Which pairs are about to open: held ones that hardly touch any more."""
-    return pairs.held & (pairs.depth(rows) < OPEN * pairs.law.d)
+            verdict.complain(f"a release leads from the jump at {sharp[0]:.6g} to an equilibrium nearby")
 
 
 def released(

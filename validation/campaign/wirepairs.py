@@ -230,7 +230,9 @@ class Pairs:
         k, total = self.index[:, side], 0.0
         for slot in range(2):
             q = poses[2 * side + slot][1]
-            total = total + self.points.turn[k, slot] * rotated(q, vectors.reshape(3, *(1,) * (q.ndim - 2), -1))
+            total = total + self.points.turn[k, slot] * rotated(
+                q, vectors.reshape(3, *(1,) * (q.ndim - 2), -1)
+            )
         return np.asarray(total)
 
     def _at_rest(self, side: int, poses: Poses, vectors: np.ndarray) -> np.ndarray:

@@ -89,7 +89,9 @@ def verify_balance(
     contact = path.scene.contact
     if pairs is not None and (contact.geometry == "wires" or contact.sliding == "free"):
         # tangential forces of spheres act at their centres, and leave a couple
-        whole = float(np.abs(resultant(state.reshape(-1, 7), pairs.gradient(state.reshape(-1, 7)), arm)).max())
+        whole = float(
+            np.abs(resultant(state.reshape(-1, 7), pairs.gradient(state.reshape(-1, 7)), arm)).max()
+        )
         size = max(largest_load(path, row), float(np.abs(path.contact_forces[row]).max(initial=0.0)))
         verdict.ask("whole", whole / size, WHOLE, f"contact pulls the wire at time {path.times[row]:.6g}")
     if path.scene.load.displacement:
