@@ -75,7 +75,7 @@ def test_coils_that_slide_off_each_other_reach_a_limit_point(name, time):
 
 
 def vanishes(case, critical, change=1.0):
-    """Where the verifier's own unsymmetric tangent of Coulomb's law becomes singular, over the critical time."""
+    """Where the verifier's own tangent of Coulomb's law becomes singular, over the critical time."""
     contact = case.scene.contact
     other = replace(case.scene, contact=replace(contact, friction=change * contact.friction))
     forces, times, least = wire_forces(other, **case.options), [], []

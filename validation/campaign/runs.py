@@ -123,7 +123,7 @@ def _kind(path: EquilibriumPath) -> str:
 
 
 def common_end(path: EquilibriumPath, other: EquilibriumPath) -> float:
-    """Time up to which runs with friction must agree: near a critical point they are softer than any bound."""
+    """Time up to which runs with friction must agree: near a critical point they are too soft."""
     if not path_dependent(path.scene, path.model):
         return np.inf
     times = [run.critical_time for run in (path, other) if run.critical_time is not None]

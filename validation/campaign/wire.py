@@ -127,9 +127,10 @@ class WireForces:
         return 0.5 * (J + J.T)
 
     def least_stiffness(self, rows: np.ndarray, pairs: Pairs | None) -> float:
-        """Eigenvalue of the tangent that is next to zero, in units of that at rest, negative where the state is
-        unstable. Where coils slide the tangent is not symmetric: then it is unstable where the determinant is
-        negative."""
+        """Eigenvalue of the tangent next to zero, in units of that at rest; negative where unstable.
+
+        Where coils slide the tangent is not symmetric: it is unstable where the determinant is negative.
+        """
         J, rest = self.tangent(rows, pairs), self.at_rest
         if pairs is None or not pairs.slides.any():
             J = 0.5 * (J + J.T)

@@ -47,7 +47,10 @@ def verify_jump(verdict: Verdict, forces: WireForces, case: Case, path: Equilibr
     elif not forces.least_stiffness(rows, pairs) > 0.0:
         verdict.complain(f"unstable before the jump at {sharp[0]:.6g}")
     else:
-        left = verdict.numbers["jump"] = released(forces, pairs, opening, rows, near.loads[-1])
+        load = near.loads[-1] if case.scene.load.displacement else sharp[0] * np.array(case.scene.load.force)
+        held = _settled(forces, pairs, rows, load)
+        left = released(forces, pairs, opening, rows if held is None else held, load)
+        verdict.numbers["jump"] = left
         if left == 0.0:
             verdict.complain(f"a release leads from the jump at {sharp[0]:.6g} to an equilibrium nearby")
 
@@ -55,16 +58,18 @@ def verify_jump(verdict: Verdict, forces: WireForces, case: Case, path: Equilibr
 def released(
     forces: WireForces, pairs: Pairs, opening: np.ndarray, rows: np.ndarray, load: np.ndarray
 ) -> float:
-    """Share that is left of what opening pairs hold where releasing it loses the stable equilibrium, else 0.
+    """Share that is left of what opening pairs hold where releasing it loses the stable equilibrium, or leads
+    away from it by a wire diameter; else 0.
 
     Pairs that open on the way are released from there on.
     """
+    start = rows
     left, step, begins = 1.0, FIRST_STEP, np.where(opening, 1.0, np.inf)
     while left > 0.0:
         ahead = max(left - step, 0.0)
         share = np.where(np.isfinite(begins), ahead / np.where(np.isfinite(begins), begins, 1.0), 1.0)
         found = _settled(forces, replace(pairs, share=share), rows, load)
-        if found is None:
+        if found is None or np.abs(found - start)[:, :3].max() > forces.d:
             step *= 0.5
             if step < LEAST_STEP:
                 return left

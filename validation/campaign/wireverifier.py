@@ -105,8 +105,8 @@ def resultant(rows: np.ndarray, forces: np.ndarray, arm: float) -> np.ndarray:
 
 
 def verify_wire_critical(verdict: Verdict, forces: WireForces, case: Case, path: EquilibriumPath) -> None:
-    """Balanced states just before the critical time must tend to a fold there, or the least stiffness to zero,
-    or arc length must turn."""
+    """Balanced states just before the critical time must tend to a fold there, or the least stiffness must
+    vanish, or arc length turn."""
     sharp, driven = sharp_critical(verdict, path), bool(case.scene.load.displacement)
     if sharp is None:
         return
