@@ -7,17 +7,19 @@ column of Haringx (1948), on which the buckling formula of EN 13906-1 rests; the
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
 from coilspring.compiling.packing import pack
-from coilspring.errors import InputError, require_choice, require_integer
+from coilspring.errors import InputError, require_integer
 from coilspring.scene import Load, Scene, require_scene
 from coilspring.solver.solve import Problem, Run, follow_problem
 from equivbeam import band, kernels
-from equivbeam.laws import LAWS
+from equivbeam.laws import law_of
 from equivbeam.laws.haringx import KAX, KFL, KSH, L0
 from equivbeam.laws.helixrows import Refinements
+from equivbeam.laws.userlaw import UserLaw
 from equivbeam.model import BeamModel, beam_problem, build_model, load_vector
 from equivbeam.options import BeamOptions
 from equivbeam.solve import KERNELS
@@ -42,7 +44,7 @@ class Buckling:
 
 
 def buckling(
-    scene: Scene, *, law: str = "haringx", refine: int = 1, inclined: bool = True
+    scene: Scene, *, law: Any = "haringx", refine: int = 1, inclined: bool = True
 ) -> Buckling | None:
     """First loss of stability of a spring under axial compression.
 
@@ -52,7 +54,7 @@ def buckling(
         Spring, material and supports: the bottom is clamped, the top free but for ``top_held``.
         Its load and contact are ignored. A column pinned at both ends is twice one that is
         clamped and free.
-    law : {"haringx", "helix"}
+    law : as in `equivbeam.solve`; one that couples shear or rotation with length is no perfect column.
     refine : int
         Elements for each half coil, for verification with the paper's law; 1 is the model.
     inclined : bool
@@ -63,7 +65,7 @@ def buckling(
     Buckling, or None where the spring stays straight down to a tenth of its height.
     """
     shortening = FARTHEST * require_scene(scene).spring.active_height
-    problem, run = _compressed(scene, law, refine, inclined, shortening)
+    problem, run = _compressed(scene, law_of(law), refine, inclined, shortening)
     if run.critical_time is None:
         return None
     mode = np.concatenate((np.zeros(3), run.mode)).reshape(-1, 3)
@@ -75,7 +77,7 @@ def buckling(
 
 
 def lateral_stiffness(
-    scene: Scene, shortening: float, *, law: str = "haringx", refine: int = 1, inclined: bool = True
+    scene: Scene, shortening: float, *, law: Any = "haringx", refine: int = 1, inclined: bool = True
 ) -> float:
     """Lateral stiffness dFx/dUX of the top of an axially shortened spring, N/mm.
 
@@ -85,12 +87,14 @@ def lateral_stiffness(
     ------
     InputError : the spring has buckled before.
     """
+    law = law_of(law)
     problem, run = _compressed(scene, law, refine, inclined, shortening)
     if run.outcome != "completed":
         raise InputError(f"shortening must be below that of buckling, got {shortening!r}")
     reals, ints = pack(problem.data)
     g, H, state = np.empty_like(problem.load), np.empty(problem.matrix_size), run.track.states[-1]
-    kernels.assemble(reals, ints, state, 0.0, problem.history, state, g, H)
+    assemble = kernels.assemble_of(law, problem.data.rows)
+    assemble(reals, ints, state, 0.0, problem.history, state, g, H)
     band.factor(reals, ints, H)
     response = np.zeros_like(problem.load)
     response[-3] = 1.0
@@ -99,24 +103,24 @@ def lateral_stiffness(
 
 
 def _compressed(
-    scene: Scene, law: str, refine: int, inclined: bool, shortening: float
+    scene: Scene, law: str | UserLaw, refine: int, inclined: bool, shortening: float
 ) -> tuple[Problem, Run]:
     """The spring pressed by the force that would shorten it so, were it to go on as at rest."""
-    require_choice("law", law, tuple(LAWS))
     require_integer("refine", refine, 1, 10_000)
     if law != "haringx" and (refine > 1 or not inclined):
         raise InputError(
-            f"refine and inclined must be left alone with law {law}, got {refine!r}, {inclined!r}"
+            f"refine and inclined must be left alone with law {law!s}, got {refine!r}, {inclined!r}"
         )
     straight = replace(require_scene(scene).without_contact(), load=Load((0.0, -1.0)))
     # a perfect column: with fixed ends of the wire its axis would bend from the first force on
     refinements = Refinements(ends=False) if law == "helix" else None
     perfect = build_model(straight, BeamOptions(law, refinements=refinements))
     data = _refined(perfect, scene, refine, inclined)
-    at_rest = data if law == "haringx" else build_model(straight)
+    at_rest = build_model(straight) if law == "helix" else data
     force = shortening / float((1.0 / at_rest.rows[:, KAX]).sum())
     problem = beam_problem(data, force * load_vector(data, straight))
-    return problem, follow_problem(problem, KERNELS, np.ones(1), scene.spring.wire_diameter)
+    with_law = KERNELS._replace(assemble=kernels.assemble_of(law, data.rows))
+    return problem, follow_problem(problem, with_law, np.ones(1), scene.spring.wire_diameter)
 
 
 def _refined(data: BeamModel, scene: Scene, refine: int, inclined: bool) -> BeamModel:

@@ -18,7 +18,7 @@ from coilspring.compiling.compiled import part
 
 
 class Response(NamedTuple):
-    """Energy of a half coil and its derivatives; no law here couples v with dtheta."""
+    """Energy of a half coil and its derivatives; no built-in law couples v with dtheta."""
 
     U: float
     N: float  # dU/dl, axial force
@@ -29,6 +29,7 @@ class Response(NamedTuple):
     N_m: float  # the suffix m stands for dtheta
     T_v: float
     M_m: float
+    T_m: float
 
 
 @part
@@ -74,8 +75,8 @@ def hessian(r, c, s, l, v, K):  # noqa: E741
     kyb = Ny * lb + Ty * vb - N * s + T * c
     kbb = Nb * lb + Tb * vb - N * l - T * v
     _scatter(kxx, kxy, kyy, 0.5 * kxb, 0.5 * kyb, 0.25 * kbb + r.M_m, 0.25 * kbb - r.M_m, K)
-    if r.N_m != 0.0:
-        _scatter_relative(r.N_m * lx, r.N_m * ly, r.N_m * lb, K)
+    if r.N_m != 0.0 or r.T_m != 0.0:
+        _scatter_relative(r.N_m * lx + r.T_m * vx, r.N_m * ly + r.T_m * vy, r.N_m * lb + r.T_m * vb, K)
 
 
 @part

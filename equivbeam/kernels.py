@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from functools import cache
 
 import numpy as np
 
@@ -103,38 +104,52 @@ def _add_pairs(model, history, state, g, H, ge, Ke):
     return energy
 
 
-@kernel
-def assemble(reals, ints, accepted, least_gap, history, state, g, flat):
-    """Strain and contact energy, gradient and matrix; see `coilspring.solver.interface` for the contract."""
-    model = view(reals, ints)
-    H = flat.reshape((flat.size // ROW, ROW))
-    clear(g)
-    clear(flat)
-    ge = np.empty(6)
-    Ke = np.empty((6, 6))
-    energy = 0.0
-    law, rows = model.law, model.rows  # once: an array taken from the tuple costs as much as the law
-    for e in range(rows.shape[0]):
-        c, s, l, v, dth = measures_at(state, e)  # noqa: E741
-        r = response(law, rows, e, l, v, dth)
-        energy += r.U
-        gradient(r, c, s, l, v, ge)
-        if H.shape[0] > 0 and model.tangent == EXACT:
-            hessian(r, c, s, l, v, Ke)
-        elif H.shape[0] > 0:
-            factor = 12.0 if model.tangent == PAPER else 1.0
-            paper_matrix(c, s, rows[e, KAX], rows[e, KSH], rows[e, KFL], rows[e, L0], factor, Ke)
-        _add_nodes(g, H, ge, Ke, e, e + 1)
-    count = model.pairs.shape[0]
-    if count > 0 and least_gap > 0.0 and 2.0 * _bound(model.reach, accepted, state) < least_gap:
-        count = 0
-    if count > 0:
-        energy += _add_pairs(model, history, state, g, H, ge, Ke)
-    n = g.size
-    for i in range(3):
-        if model.fixed[i] > 0.0:
-            fix(g, H, n - 3 + i)
-    return energy, count
+@cache
+def assembled(response):
+    """The kernel `assemble` with a law, given by its response; see `equivbeam.laws.response`."""
+
+    def assemble(reals, ints, accepted, least_gap, history, state, g, flat):
+        """Strain and contact energy, gradient and matrix; see `coilspring.solver.interface`."""
+        model = view(reals, ints)
+        H = flat.reshape((flat.size // ROW, ROW))
+        clear(g)
+        clear(flat)
+        ge = np.empty(6)
+        Ke = np.empty((6, 6))
+        energy = 0.0
+        law, rows = model.law, model.rows  # once: an array taken from the tuple costs as much as the law
+        for e in range(rows.shape[0]):
+            c, s, l, v, dth = measures_at(state, e)  # noqa: E741
+            r = response(law, rows, e, l, v, dth)
+            energy += r.U
+            gradient(r, c, s, l, v, ge)
+            if H.shape[0] > 0 and model.tangent == EXACT:
+                hessian(r, c, s, l, v, Ke)
+            elif H.shape[0] > 0:
+                factor = 12.0 if model.tangent == PAPER else 1.0
+                paper_matrix(c, s, rows[e, KAX], rows[e, KSH], rows[e, KFL], rows[e, L0], factor, Ke)
+            _add_nodes(g, H, ge, Ke, e, e + 1)
+        count = model.pairs.shape[0]
+        if count > 0 and least_gap > 0.0 and 2.0 * _bound(model.reach, accepted, state) < least_gap:
+            count = 0
+        if count > 0:
+            energy += _add_pairs(model, history, state, g, H, ge, Ke)
+        n = g.size
+        for i in range(3):
+            if model.fixed[i] > 0.0:
+                fix(g, H, n - 3 + i)
+        return energy, count
+
+    assemble.__qualname__ = f"assemble_{response.__name__}"  # compiled code knows laws apart by it
+    return kernel(assemble)
+
+
+assemble = assembled(response)
+
+
+def assemble_of(law, rows):
+    """The kernel for a law by its name or for a `UserLaw`, whose parameters are `rows`."""
+    return assemble if isinstance(law, str) else assembled(law.response(rows.shape[1]))
 
 
 @kernel

@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from coilspring.scene import Scene
 from coilspring.scene.sizing import solid_height
+from coilspring.solver.solve import Run
 from equivbeam.laws.helix import HIGH, LOW
-from equivbeam.shape import element_lengths
+from equivbeam.laws.lawchecks import not_finite
+from equivbeam.laws.userlaw import UserLaw
+from equivbeam.shape import element_measures
 
 # Share of the travel to solid up to which a force is trusted. Of 24 random guided cylinders the force at a
 # prescribed height is within 2.4 % of the wire model's (32 pairs per turn) up to 0.90; at 0.95 and few coils
@@ -15,22 +20,30 @@ from equivbeam.shape import element_lengths
 TRUSTED = 0.90
 
 
-def caution(scene: Scene, law: str, rows: np.ndarray, states: np.ndarray) -> str:
+def caution(scene: Scene, law: str | UserLaw, rows: np.ndarray, states: np.ndarray) -> str:
     """What of the last state the law does not hold for, and what to use instead; or nothing.
 
     Parameters
     ----------
     law : option of the path.
-    rows : of the model, for the helix law.
+    rows : of the model.
     states : of the path, (steps, n).
     """
     if not len(states):
         return ""
-    lengths = element_lengths(states[-1:])[0]
+    lengths = element_measures(states[-1:])[0, :, 0]
     said = _straight(rows, lengths) if law == "helix" else ""
     if scene.contact.enabled:
         said += _solid(scene, float(lengths.sum()))
     return said
+
+
+def judged(law: str | UserLaw, rows: np.ndarray, run: Run) -> Run:
+    """The run; where it ended at a state beyond which a user's law is not defined, that is why it ended."""
+    if isinstance(law, str) or run.outcome == "completed":
+        return run
+    where = not_finite(law, rows, element_measures(run.track.last[None])[0])
+    return replace(run, outcome="not_converged", message=where, critical_time=None) if where else run
 
 
 def _straight(rows: np.ndarray, lengths: np.ndarray) -> str:

@@ -15,7 +15,7 @@ from coilspring.scene import Scene
 from coilspring.solver.solve import Problem
 from coilspring.solver.stages import Top
 from equivbeam.band import ROW
-from equivbeam.laws import LAWS, law_rows
+from equivbeam.laws import LAWS, USER, law_rows
 from equivbeam.laws.haringx import L0
 from equivbeam.options import ALL, TANGENTS, BeamOptions
 from equivbeam.stations import half_coil_count
@@ -64,7 +64,7 @@ def build_model(scene: Scene, options: BeamOptions | None = None) -> BeamModel:
     pairs = pairs[relative] if contact.enabled else pairs[:0]
     fixed = [name in scene.supports.top_held for name in ("ux", "uy", "rotz")]
     return BeamModel(
-        law=LAWS[chosen.law],
+        law=LAWS[chosen.law] if isinstance(chosen.law, str) else USER,
         rows=law_rows(chosen.law, spring, scene.material, chosen.refinements or ALL, chosen.factors),
         fixed=np.array(fixed, dtype=float),
         attached=attached,

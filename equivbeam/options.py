@@ -7,8 +7,9 @@ from dataclasses import asdict, dataclass, fields
 from typing import Any
 
 from coilspring.errors import InputError, require_choice, require_number, shown
-from equivbeam.laws import LAWS
+from equivbeam.laws import law_of
 from equivbeam.laws.helixrows import Refinements
+from equivbeam.laws.userlaw import UserLaw
 
 EXACT, PAPER, PRINTED = 0, 1, 2
 TANGENTS = {"exact": EXACT, "paper": PAPER, "paper-printed": PRINTED}
@@ -26,15 +27,15 @@ class BeamOptions:
     InputError : a value that is no choice, or what goes with one law alone, in one sentence.
     """
 
-    law: str = "haringx"
+    law: str | UserLaw = "haringx"
     tangent: str = "exact"
     sliding: str = "ignore"
     refinements: Refinements | None = None
     factors: tuple[float, float, float] = ONES
 
     def __post_init__(self) -> None:
-        law, tangent, factors, refinements = self.law, self.tangent, self.factors, self.refinements
-        require_choice("law", law, tuple(LAWS))
+        object.__setattr__(self, "law", law_of(self.law))
+        law, tangent, factors, refinements = str(self.law), self.tangent, self.factors, self.refinements
         require_choice("tangent", tangent, tuple(TANGENTS))
         require_choice("sliding", self.sliding, SLIDING)
         if not isinstance(factors, list | tuple) or len(factors) != 3:
@@ -60,7 +61,7 @@ class BeamOptions:
 
     def stored(self) -> dict[str, object]:
         """The options as a path keeps them: numbers, texts and tables; the last two where they are given."""
-        options: dict[str, object] = {"law": self.law, "tangent": self.tangent, "sliding": self.sliding}
+        options: dict[str, object] = {"law": str(self.law), "tangent": self.tangent, "sliding": self.sliding}
         if self.refinements is not None:
             options["refinements"] = asdict(self.refinements)
         if tuple(self.factors) != ONES:

@@ -13,7 +13,7 @@ from coilspring.errors import InputError, shown
 from coilspring.path import EquilibriumPath
 from coilspring.scene import Scene
 from equivbeam import band, kernels
-from equivbeam.model import BeamModel, build_model, matrix_size
+from equivbeam.model import build_model, matrix_size
 from equivbeam.options import BeamOptions
 from equivbeam.parameters import Options, rise, values, varied
 from equivbeam.shape import BeamShape
@@ -72,7 +72,7 @@ def sensitivities(path: EquilibriumPath, parameters: Sequence[str]) -> Sensitivi
         raise InputError("sensitivities needs a path under forces, got one of load.displacement")
     at = values(path.scene, path.options, names)
     tips = np.empty((len(path.times), len(names), 3))
-    factored = [_factored(shape.data, state) for state in path.states]
+    factored = [_factored(shape, state) for state in path.states]
     for i, name in enumerate(names):
         rates = _residual_rates(path, names[i : i + 1], at[i])
         lift = rise(path.scene, name)
@@ -84,11 +84,12 @@ def sensitivities(path: EquilibriumPath, parameters: Sequence[str]) -> Sensitivi
     return Sensitivity(names, at, tips)
 
 
-def _factored(data: BeamModel, state: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def _factored(shape: BeamShape, state: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """The packed model and its factored matrix at a state."""
+    data = shape.data
     reals, ints = pack(data)
     F, history = np.empty(matrix_size(data)), np.zeros(len(data.pairs), PAIR_HISTORY)
-    kernels.assemble(reals, ints, state, 0.0, history, state, np.empty(state.size - 3), F)
+    shape.assemble(reals, ints, state, 0.0, history, state, np.empty(state.size - 3), F)
     band.factor(reals, ints, F)
     return reals, ints, F
 
@@ -108,10 +109,12 @@ def _residual_rates(path: EquilibriumPath, name: tuple[str, ...], value: float) 
 
 def _residuals(path: EquilibriumPath, scene: Scene, options: Options) -> np.ndarray:
     """Gradients of the energy of another scene at the states of the path, shape (steps, n)."""
-    data = build_model(scene, BeamOptions.of(options))
+    chosen = BeamOptions.of(options)
+    data = build_model(scene, chosen)
+    assemble = kernels.assemble_of(chosen.law, data.rows)
     reals, ints = pack(data)
     history = np.zeros(len(data.pairs), PAIR_HISTORY)
     g = np.empty((len(path.states), path.states.shape[1] - 3))
     for state, row in zip(path.states, g, strict=True):
-        kernels.assemble(reals, ints, state, 0.0, history, state, row, np.empty(0))
+        assemble(reals, ints, state, 0.0, history, state, row, np.empty(0))
     return g

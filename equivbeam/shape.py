@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -15,12 +16,13 @@ from equivbeam import kernels
 from equivbeam.model import BeamModel, rest_state
 
 
-def element_lengths(states: np.ndarray) -> np.ndarray:
-    """Lengths l of all elements by (B1), shape (states, elements), mm; `states` are flat, three a node."""
+def element_measures(states: np.ndarray) -> np.ndarray:
+    """l, v and dtheta of all elements by (B1), (states, elements, 3); `states` are flat, three a node."""
     nodes = states.reshape(len(states), -1, 3)
     ax, ay = np.moveaxis(np.diff(nodes[..., :2], axis=1), -1, 0)
     mean = 0.5 * (nodes[:, 1:, 2] + nodes[:, :-1, 2])
-    return ay * np.cos(mean) - ax * np.sin(mean)
+    c, s = np.cos(mean), np.sin(mean)
+    return np.stack((ay * c - ax * s, ax * c + ay * s, np.diff(nodes[..., 2], axis=1)), axis=-1)
 
 
 @dataclass(frozen=True)
@@ -29,6 +31,7 @@ class BeamShape(PairReader):
 
     scene: Scene
     data: BeamModel
+    assemble: Callable = kernels.assemble
 
     def _nodes(self, states: np.ndarray) -> np.ndarray:
         """Positions and rotations, shape (states, nodes, 3)."""
@@ -59,7 +62,7 @@ class BeamShape(PairReader):
     def reactions(self, states: np.ndarray, histories: np.ndarray) -> np.ndarray:
         """Force that holds the top along Y, shape (states,), N."""
         size = states.shape[1] - 3
-        return reactions(kernels.assemble, self.data, size, size - 2, states, histories)
+        return reactions(self.assemble, self.data, size, size - 2, states, histories)
 
     def overlaps(self, states: np.ndarray) -> np.ndarray:
         """By how much circles overlap, shape (states,), mm; see `equivbeam.contact.circle_overlap`."""

@@ -4,15 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
+from functools import partial
 from typing import Any
 
+from coilspring.errors import InputError
 from coilspring.path import EquilibriumPath
 from coilspring.scene import Scene, require_scene
 from coilspring.solver.interface import Kernels
 from coilspring.solver.solve import MOST_ITERATIONS, follow_load, scene_path
 from equivbeam import band, kernels, model
 from equivbeam.laws.helixrows import Refinements
-from equivbeam.limits import caution
+from equivbeam.limits import caution, judged
 from equivbeam.options import ONES, BeamOptions
 from equivbeam.shape import BeamShape
 
@@ -38,7 +40,7 @@ def solve(
     *,
     steps: int | None = None,
     penalty: float | None = None,
-    law: str = "haringx",
+    law: Any = "haringx",
     tangent: str = "exact",
     sliding: str = "ignore",
     refinements: Refinements | None = None,
@@ -55,8 +57,9 @@ def solve(
         Requested equal steps of time; by default the scene's.
     penalty : float, optional
         Contact stiffness K in the scene's convention, N/mm^exponent; by default the scene's.
-    law : {"haringx", "helix"}
-        Law of a half coil: the paper's (1)-(9), or a helix in large deformation (`equivbeam.laws.helix`).
+    law : {"haringx", "helix"}, file, module or object
+        Law of a half coil: the paper's (1)-(9), a helix in large deformation (`equivbeam.laws.helix`), or one
+        of your own by its functions ``parameters`` and ``energy`` (`equivbeam.laws.userlaw`).
     tangent : {"exact", "paper", "paper-printed"}
         The Hessian of the energy with a tangent predictor, or the paper's matrix (Phi with the
         factor 12, or as printed) iterated from the last state, as the paper did; the paper's go
@@ -84,11 +87,26 @@ def solve(
     exact = tangent == "exact"
     limit = MOST_ITERATIONS if exact else MOST_PAPER_ITERATIONS
     problem = model.beam_problem(data, model.load_vector(data, scene))
-    run = follow_load(scene, problem, KERNELS, limit=limit, predictor=exact)
-    run = replace(run, message=run.message + caution(scene, law, data.rows, run.track.states))
-    return scene_path(scene, "equivbeam", options.stored(), run, BeamShape(scene, data))
+    with_law = KERNELS._replace(assemble=kernels.assemble_of(options.law, data.rows))
+    run = follow_load(scene, problem, with_law, limit=limit, predictor=exact)
+    run = judged(options.law, data.rows, run)
+    run = replace(run, message=run.message + caution(scene, options.law, data.rows, run.track.states))
+    return scene_path(scene, "equivbeam", options.stored(), run, BeamShape(scene, data, with_law.assemble))
 
 
 def path_shape(scene: Scene, options: Mapping[str, Any], found: object = ()) -> BeamShape:
-    """Reader of the states of a path that was solved with the options; no pairs are found on the way."""
-    return BeamShape(scene, model.build_model(scene, BeamOptions.of(options)))
+    """Reader of the states of a path that was solved with the options; no pairs are found on the way.
+
+    A law that this process does not know is not needed to read them, but for the forces that hold the top.
+    """
+    try:
+        chosen = BeamOptions.of(options)
+    except InputError as error:
+        data = model.build_model(scene, BeamOptions.of({**options, "law": "haringx"}))
+        return BeamShape(scene, data, partial(_refuse, error))
+    data = model.build_model(scene, chosen)
+    return BeamShape(scene, data, kernels.assemble_of(chosen.law, data.rows))
+
+
+def _refuse(error: InputError, *unused: object) -> None:
+    raise error

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Iterable, Iterator
+from contextlib import suppress
 from dataclasses import dataclass
 from functools import partial
 from itertools import islice
@@ -12,6 +13,7 @@ from typing import Any
 from coilspring.errors import EquilibriumNotFound, InputError, shown
 from coilspring.scene import Scene
 from coilspring.workers import processes
+from equivbeam.laws import law_of
 from equivbeam.solve import solve
 
 CHUNK = 64  # springs handed to a worker at a time
@@ -75,6 +77,8 @@ def sweep(
     """
     if isinstance(scenes, str | Scene) or not isinstance(scenes, Iterable):
         raise InputError(f"scenes must be an iterable of coilspring.Scene, got {shown(scenes)}")
+    with suppress(InputError):  # every scene is refused then
+        options = {**options, "law": law_of(options.get("law", "haringx"))}  # one content for all workers
     return _swept(iter(scenes), workers or os.cpu_count() or 1, progress, partial(_outcomes, options=options))
 
 

@@ -33,7 +33,7 @@ def test_the_softest_mode_at_rest_is_as_stiff_as_at_rest(model, held):
         spring_b(),
         spring=Spring(10.0, 40.0, 3.0, 45.0),
         supports=Supports(held),
-        contact=Contact(enabled=False),
+        contact=Contact(geometry="spheres", enabled=False),
     )
     kernels, problem = kernels_of(model, scene)
     body = Body(kernels, pack(problem.data), problem.load.size, problem.matrix_size)

@@ -21,7 +21,7 @@ import wirefe
 from coilspring import EquilibriumNotFound, Load, spring_a, spring_b
 from coilspring.scene.toml import scene_text
 from validation.cli import main
-from validation.cli.arguments import MODEL_OPTIONS, command_line
+from validation.cli.arguments import LAWS, MODEL_OPTIONS, command_line
 from validation.study.machine import versions
 from validation.study.output import OutputError, claimed, path_files, write_files, write_json, write_text
 from validation.view.overlay import picture
@@ -143,6 +143,7 @@ def free_spring_b(folder):
     file.write_text(
         "[spring]\nwire_diameter = 1.5\nmean_diameter = [12, 6]\nactive_coils = 7.5\nactive_height = 28.6\n"
         '[load]\nforce = [0, -200]\n[supports]\ntop_held = ["ux", "rotz"]\n'
+        '[contact]\ngeometry = "spheres"\n'
     )
     return str(file)
 
@@ -295,7 +296,8 @@ def test_bad_arguments_are_refused_in_one_sentence(arguments, parts, tmp_path, m
 
 def test_the_choices_offered_are_those_of_the_models():
     scene = coilspring.load_scene("spring-a-no-contact").with_steps(1)
-    solvers = dict.fromkeys(("law", "tangent", "sliding"), equivbeam.solve) | {"element": wirefe.solve}
+    solvers = dict.fromkeys(("tangent", "sliding"), equivbeam.solve) | {"element": wirefe.solve}
+    assert tuple(equivbeam.laws.LAWS) == LAWS
     for name, solve in solvers.items():
         for choice in choices("solve", name):
             assert solve(scene, **{name: choice}).outcome == "completed"

@@ -7,7 +7,7 @@ import pandas as pd
 import pytest
 
 from validation.verification import contact
-from validation.verification.contactruns import NONE, Run, difference, dissipated, measured, to_pieces
+from validation.verification.contactruns import NONE, Run, difference, measured, to_pieces
 
 FAKE = {
     **{
@@ -43,7 +43,7 @@ def test_a_run_is_measured():
     data = measured([Run("B", NONE, steps=2), Run("A", 0.1, steps=2)])
     assert list(data["outcome"]) == ["completed"] * 2
     assert data["UY"][0] == pytest.approx(-15.374, abs=1e-2)
-    assert data["work"][0] == 0.0 < data["work"][1]
+    assert data["work"][0] < 1e-3 * data["work"][1]
     assert 0.03 < data["overlap"][0] < 0.06
     assert data["penetration"][0] < 0.01
     assert (data["unlisted"] == 0).all()
@@ -62,22 +62,21 @@ def test_distance_to_a_piece_of_wire():
     np.testing.assert_allclose(to_pieces(points, first, second), [1.0, np.hypot(3.0, 3.0)])
 
 
-def test_work_of_pairs_that_have_opened_counts():
-    class Friction:
-        work = np.array([[1.0, 0.5], [3.0, 0.2], [0.0, 0.4]])  # a pair that opens begins anew
-
-    path = type("Path", (), {"friction": Friction})
-    assert dissipated(path) == pytest.approx(3.0 + 0.5 + 0.2 + 0.2)
-
-
 LIMIT = {"traced": 7, "limit": 0.6473, "first": 3, "second": 7, "circ": 96.0}
+
+
+def wires(**changes):
+    """Runs of spheres and wires that all have one answer, but for the changes."""
+    groups = {"friction": contact.GEOMETRY, "phases": contact.PHASES, "cycles": contact.CYCLES}
+    return {name: fake(runs, **({"work": lambda run: 0.1} | changes)) for name, runs in groups.items()}
 
 
 def page(**groups):
     """The page of runs that all have one answer but for the groups given."""
     runs = {"pairs": contact.PAIRS, "exponents": contact.EXPONENTS, "friction": contact.FRICTION}
     runs["search"] = contact.SEARCH
-    return contact.page(**{name: fake(group) for name, group in runs.items()} | groups, limit=LIMIT)
+    found = {name: fake(group) for name, group in runs.items()} | {"wires": wires()}
+    return contact.page(**found | groups, limit=LIMIT)
 
 
 def test_the_pairs_are_compared_with_the_finest():
@@ -126,8 +125,32 @@ def test_facts_are_those_of_the_rows():
         fake(runs, UY=lambda run: -8.0 - 0.08 / run.pairs) for runs in (contact.PAIRS, contact.SEARCH)
     )
     friction = fake(contact.FRICTION, couple=lambda run: 125.0 if run.mu == NONE else 0.0)
-    found = contact.facts(pairs, friction, search, {"circ": 96.0})
+    found = contact.facts(pairs, friction, search, wires(), {"circ": 96.0})
     assert found["pairs.count"] == 4
     assert found["pairs.A.difference"] == pytest.approx(0.22, abs=0.01)
     assert (found["friction.couples"], found["search.along"]) == (50.0, 96.0)
     assert (found["search.pairs"], found["search.outcome"]) == (80, "completed")
+
+
+def test_wires_are_what_spheres_are_compared_with():
+    """Spheres 1 % off in UY and with twice the work; those of frictionless B end early."""
+    ended = {
+        "outcome": lambda run: "limit point" if (run.geometry, run.mu) == ("spheres", 0.0) else "completed"
+    }
+    runs = wires(
+        UY=lambda run: -8.08 if run.geometry == "spheres" else -8.0,
+        work=lambda run: 0.2 if run.geometry == "spheres" else 0.1,
+        critical_time=lambda run: 0.65,
+        **ended,
+    )
+    text = page(wires=runs)
+    rows = table(text, "spring | mu | contact").set_index(["spring", "mu", "contact"])
+    assert rows.loc[("A", "0.1", "4 spheres"), "difference to 64 stations"] == "1 %"
+    assert rows.loc[("B", "0", "20 spheres"), "UX"] == "limit point at t = 0.6500"
+    assert table(text, "contact | work")["difference to 64 stations"].tolist()[0] == "+100.0 %"
+    found = contact.facts(
+        fake(contact.PAIRS), fake(contact.FRICTION), fake(contact.SEARCH), runs, {"circ": 1.0}
+    )
+    assert found["spheres.B.0.4.outcome"] == "limit point"
+    assert found["spheres.A.0.3.4.difference"] == pytest.approx(1.0)
+    assert (found["cycle.spheres.4"], found["cycle.wires.64"]) == (0.2, 0.1)

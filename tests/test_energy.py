@@ -14,7 +14,7 @@ from wirestates import add, centres, elements
 SCENES = {
     "A": spring_a(),
     "A without contact": load_scene("spring-a-no-contact"),
-    "B frictionless": replace(spring_b(), contact=Contact(), load=Load((0.0, -120.0))),
+    "B frictionless": replace(spring_b(), contact=Contact(geometry="spheres"), load=Load((0.0, -120.0))),
 }
 
 

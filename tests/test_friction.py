@@ -21,11 +21,11 @@ WIRE = {"element": "curved", "elements_per_turn": 8}
 
 def scene(name, mu):
     if mu == 0.0:
-        contact = Contact()
+        contact = Contact(geometry="spheres")
     elif mu == NONE:
-        contact = Contact(sliding="none")
+        contact = Contact(geometry="spheres", sliding="none")
     else:
-        contact = Contact(sliding="coulomb", friction=mu)
+        contact = Contact(geometry="spheres", sliding="coulomb", friction=mu)
     return replace(load_scene(name), contact=contact)
 
 
@@ -108,10 +108,10 @@ def defect(name, mu, steps):
 def test_work_is_stored_and_dissipated():
     """The defect falls with the square of the step. Friction takes 6e-3 of the work."""
     defects = np.array([defect("spring-a", 0.3, steps) for steps in (100, 200, 400, 800)])
-    assert np.abs(defects[-1]) <= 1e-7
+    assert np.abs(defects[-1]) <= 3e-7
     assert (defects[0] / defects[-1]) ** (1.0 / 3.0) == pytest.approx(4.0, abs=0.8)
     path = solved("spring-a", 0.3, 800)
-    assert path.friction.work[-1].sum() == pytest.approx(0.5278, abs=0.0005)
+    assert path.friction.work[-1].sum() == pytest.approx(0.5396, abs=0.0005)
 
 
 def test_work_is_stored_and_dissipated_where_pairs_open():
@@ -224,6 +224,7 @@ def test_friction_in_a_scene_file():
     [contact]
     sliding = "coulomb"
     friction = 0.3
+    geometry = "spheres"
     """
     assert scene_from_text(text, "spring-a") == scene("spring-a", 0.3)
 

@@ -230,7 +230,7 @@ def test_a_wire_straight_at_rest_is_refused():
 
 
 @pytest.mark.parametrize(("options", "words"), [
-    ({"law": "hooke"}, "law must be one of haringx, helix, got 'hooke'"),
+    ({"law": "hooke"}, "law must be one of haringx, helix, or a Python file, got 'hooke'"),
     ({"law": "helix", "tangent": "paper"}, "tangent must be exact with law helix, got 'paper'"),
     ({"refinements": ALL}, "refinements must be left out unless the law is helix"),
     ({"law": "helix", "refinements": {"held": True}}, "refinements must be equivbeam.Refinements"),

@@ -20,7 +20,7 @@ from wirefe.solve import scene_problem
 
 CURVED = {"element": "curved", "elements_per_turn": 8}
 MODELS = [(equivbeam.solve, {}), (wirefe.solve, CURVED)]
-FREE_B = replace(spring_b(), contact=Contact(sliding="free"))
+FREE_B = replace(spring_b(), contact=Contact(geometry="spheres", sliding="free"))
 BARE_A = spring_a().without_contact()
 TO_FULL = ((0.0, -50.0), (0.0, -100.0))
 
@@ -36,7 +36,9 @@ def pressed(scene, *ways, steps=10):
 @pytest.mark.parametrize(("solve", "options"), MODELS)
 @pytest.mark.parametrize("sliding", ["free", "none"])
 def test_two_halves_of_a_load_are_the_whole(solve, options, sliding):
-    scene = replace(spring_b(), contact=Contact(sliding=sliding), load=Load((0.0, -100.0), 20))
+    scene = replace(
+        spring_b(), contact=Contact(geometry="spheres", sliding=sliding), load=Load((0.0, -100.0), 20)
+    )
     whole, halves = solve(scene, **options), solve(staged(scene, *TO_FULL), **options)
     assert halves.active_contacts[-1] > 0
     np.testing.assert_array_equal(halves.times, whole.times)
@@ -74,7 +76,7 @@ def test_forces_on_what_is_held_do_nothing(solve, options):
 )
 def test_a_loop_takes_the_work_of_friction(solve, options):
     """Loaded and unloaded: what the load loses is what the pairs' friction has taken; 1.1 % found."""
-    scene = replace(spring_b(), contact=Contact(sliding="coulomb", friction=0.1))
+    scene = replace(spring_b(), contact=Contact(geometry="spheres", sliding="coulomb", friction=0.1))
     path = solve(staged(scene, (0.0, -120.0), (0.0, 0.0), steps=200), **options)
     lost = np.trapezoid(np.append(0.0, path.loads[:, 1]), np.append(0.0, path.tips[:, 1]))
     taken = np.maximum(np.diff(path.friction.work, axis=0, prepend=0.0), 0.0).sum()
@@ -85,7 +87,7 @@ def test_a_loop_takes_the_work_of_friction(solve, options):
 
 def test_a_path_that_ends_in_its_second_stage_says_when():
     """The limit point at 0.983755 of 200 N, between 100 and 250 N."""
-    soft = replace(FREE_B, contact=Contact(stiffness=400.0))
+    soft = replace(FREE_B, contact=Contact(geometry="spheres", stiffness=400.0))
     with pytest.raises(EquilibriumNotFound) as caught:
         equivbeam.solve(staged(soft, (0.0, -100.0), (0.0, -250.0), steps=50))
     expected = 0.5 + 0.5 * (0.983755 * 200.0 - 100.0) / 150.0

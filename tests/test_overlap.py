@@ -23,8 +23,11 @@ from validation.cli import main
 from wirefe.overlap import _between, _bulge
 
 GUIDED = Supports(("ux", "rotz"))
-PRESSED_B = Scene("b", spring_b().spring, Load(displacement=(-15.13,)), supports=GUIDED)
-CONE = Scene("cone", Spring(1.5, (20.0, 8.0), 6.0, 24.0), Load(displacement=(-12.0,)), supports=GUIDED)
+SPHERES = Contact(geometry="spheres")
+PRESSED_B = Scene("b", spring_b().spring, Load(displacement=(-15.13,)), supports=GUIDED, contact=SPHERES)
+CONE = Scene(
+    "cone", Spring(1.5, (20.0, 8.0), 6.0, 24.0), Load(displacement=(-12.0,)), supports=GUIDED, contact=SPHERES
+)
 CURVED = {"element": "curved", "elements_per_turn": 8}
 
 
@@ -106,6 +109,7 @@ def test_the_command_says_so(tmp_path, capsys):
     scene.write_text(
         "[spring]\nwire_diameter = 1.5\nmean_diameter = [12, 6]\nactive_coils = 7.5\nactive_height = 28.6\n"
         '[load]\ndisplacement = [-15.13]\nsteps = 10\n[supports]\ntop_held = ["ux", "rotz"]\n'
+        '[contact]\ngeometry = "spheres"\n'
     )
     assert load_scene(scene).load.displacement == (-15.13,)
     mesh = ["--element", "curved", "--elements-per-turn", "8"]
@@ -127,7 +131,9 @@ def test_scenes_without_contact_are_followed_and_told():
 
 def test_soft_pairs_that_give_way_are_not_blamed_on_the_wire():
     """What the pairs themselves penetrate is the penalty's, and a caution of its own."""
-    soft = replace(PRESSED_B, load=Load(displacement=(-12.0,)), contact=Contact(stiffness=30.0))
+    soft = replace(
+        PRESSED_B, load=Load(displacement=(-12.0,)), contact=Contact(geometry="spheres", stiffness=30.0)
+    )
     path = partial_path(wirefe, soft, steps=5, **CURVED)
     assert path.max_penetration[-1] > 0.1
     assert path.outcome == "completed"

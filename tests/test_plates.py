@@ -22,7 +22,8 @@ GUIDED = ("ux", "rotz")
 
 
 def scene_of(force=(0.0, -40.0), held=GUIDED, spring=SPRING, seat="plate", steps=10):
-    return Scene("seated", spring, Load(force, steps=steps), supports=Supports(held, seat=seat))
+    supports, spheres = Supports(held, seat=seat), Contact(geometry="spheres")
+    return Scene("seated", spring, Load(force, steps=steps), supports=supports, contact=spheres)
 
 
 def forces(path, step=-1):

@@ -101,10 +101,14 @@ def test_a_stiffness_of_the_papers_law_is_caught(before, column, monkeypatch):
 
 @pytest.mark.parametrize("part", ["GJ", "EI", "GA", "EA"])
 def test_a_stiffness_of_the_wire_is_caught(before, part, monkeypatch):
-    for module, chosen in ((wirefe.model, CURVED), (equivbeam.laws.helixrows, few("law=helix,"))):
-        sound = module.round_section
+    places = (
+        (wirefe.model, "round_section", CURVED),
+        (equivbeam.laws.helixrows, "coil_section", few("law=helix,")),
+    )
+    for module, name, chosen in places:
+        sound = getattr(module, name)
         with monkeypatch.context() as patch:
-            patch.setattr(module, "round_section", lambda *given, s=sound: off(s(*given), part))
+            patch.setattr(module, name, lambda *given, s=sound: off(s(*given), part))
             assert {"ux", "uy"} & kinds(moved(before, chosen))
 
 
@@ -116,12 +120,12 @@ def off(section, part):
     ("module", "chosen", "field"),
     [
         (equivbeam.model, [run for run in LAWS if run.name.startswith("spring-b, ")], "kc"),
-        (wirefe.mesh, [run for run in CURVED if run.name.startswith("spring-b, ")], "stiffness"),
+        (wirefe.model, [run for run in CURVED if run.name.startswith("spring-b, ")], "kc"),
     ],
     ids=MODELS,
 )
 def test_a_contact_stiffness_is_caught(before, module, chosen, field, monkeypatch):
-    name = "BeamModel" if module is equivbeam.model else "Spheres"
+    name = "BeamModel" if module is equivbeam.model else "ContactArrays"
     sound = getattr(module, name)
     monkeypatch.setattr(module, name, lambda **given: sound(**given | {field: FAULT * given[field]}))
     assert "max_penetration" in kinds(moved(before, chosen))

@@ -9,7 +9,7 @@ import pytest
 
 import equivbeam
 import wirefe
-from coilspring import CATALOGUE, CoilSection, InputError, Load, Material, Spring, load_scene
+from coilspring import CATALOGUE, CoilSection, Contact, InputError, Load, Material, Spring, load_scene
 from coilspring.scene.schema import required
 from coilspring.scene.toml import SECTIONS, scene_from_text
 from validation.cli import main
@@ -28,7 +28,13 @@ SPRING_B = {
     },
     "load": {"force": "[0.0, -200.0]", "steps": "50"},
     "supports": {"top_held": '["ux", "rotz"]'},
-    "contact": {"enabled": "true", "stiffness": "1.0e4", "exponent": "1.0", "sliding": '"none"'},
+    "contact": {
+        "enabled": "true",
+        "stiffness": "1.0e4",
+        "exponent": "1.0",
+        "sliding": '"none"',
+        "geometry": '"spheres"',
+    },
 }
 SPRING_A = {
     "name": '"spring-a"',
@@ -105,7 +111,9 @@ def test_defaults_may_be_left_out():
     text = scene_text(
         SPRING_A, without=("name", "material", "supports", "contact", "load.steps", "spring.end_turns")
     )
-    assert scene_from_text(text, "spring-a") == load_scene("spring-a")
+    wires = replace(load_scene("spring-a"), contact=Contact())
+    assert wires.contact.geometry == "wires"
+    assert scene_from_text(text, "spring-a") == wires
 
 
 def test_a_file_is_named_by_its_stem_unless_it_says_otherwise(tmp_path):

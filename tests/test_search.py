@@ -15,7 +15,7 @@ from wirefe import kernels, model
 from wirefe.contactpoints import near_pairs
 from wirestates import centres
 
-FREE_B = replace(spring_b(), contact=Contact())
+FREE_B = replace(spring_b(), contact=Contact(geometry="spheres"))
 
 
 def unlisted(contact, state, reach=1.0):

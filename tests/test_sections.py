@@ -37,7 +37,7 @@ def axial(spring, force, **contact):
         spring,
         Load((0.0, -force), steps=10),
         supports=Supports(top_held=("ux", "rotz")),
-        contact=Contact(**contact),
+        contact=Contact(geometry="spheres", **contact),
     )
 
 

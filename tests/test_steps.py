@@ -46,9 +46,15 @@ SLENDER = Scene(
     Spring(0.4, (4.0, 4.0), 12.0, 21.6),
     Load(displacement=(-6.72,)),
     supports=Supports(("rotz",)),
-    contact=Contact(enabled=False),
+    contact=Contact(geometry="spheres", enabled=False),
 )
-LONG = Scene("long", Spring(2.0, (16.0, 16.0), 20.0, 100.0), Load(displacement=(-45.0,)), supports=GUIDED)
+LONG = Scene(
+    "long",
+    Spring(2.0, (16.0, 16.0), 20.0, 100.0),
+    Load(displacement=(-45.0,)),
+    supports=GUIDED,
+    contact=Contact(geometry="spheres"),
+)
 FREE = Scene("free top", Spring(2.0, (12.7, 12.7), 11.5, 35.19, start_phase=3.53), Load(displacement=(-9.0,)))
 
 
@@ -77,7 +83,7 @@ def test_a_stiff_stack_buckles_whatever_the_steps_and_the_units(force, length):
     material = Material(206_000.0 * force / length**2)
     coil = 31.3235843861888 * length
     spring = Spring(4.379472290514131 * length, (coil, coil), 4.0, 4 * 4.379472290514131 * length, 1.0, np.pi)
-    contact = Contact(stiffness=2.2e7 * force / length**1.95, exponent=1.95)
+    contact = Contact(geometry="spheres", stiffness=2.2e7 * force / length**1.95, exponent=1.95)
     load = Load(displacement=(-0.16459593958131838 * length,))
     scene = Scene("stack", spring, load, material, Supports(("rotz",)), contact)
     found = paths(equivbeam.solve, scene, (1, 3, 10, 50, 100, 200), law="helix")
@@ -88,14 +94,26 @@ def test_a_stiff_stack_buckles_whatever_the_steps_and_the_units(force, length):
 def test_the_kind_of_a_critical_point_does_not_depend_on_the_steps():
     """The barrel of the examples, frictionless, under more than it bears."""
     barrel = load_scene("examples/barrel.toml")
-    same_answer(paths(wirefe.solve, replace(barrel, load=Load((0.0, -110.0)), contact=Contact()), STEPS))
+    same_answer(
+        paths(
+            wirefe.solve,
+            replace(barrel, load=Load((0.0, -110.0)), contact=Contact(geometry="spheres")),
+            STEPS,
+        )
+    )
 
 
 @pytest.mark.parametrize("way", [-6.0, -15.13])
 def test_a_prescribed_displacement_costs_what_the_force_costs(way):
     """Without contact; and the tip is where it was asked, to the last bit."""
     spring = load_scene("spring-b").spring
-    pressed = Scene("b", spring, Load(displacement=(way,)), supports=GUIDED, contact=Contact(enabled=False))
+    pressed = Scene(
+        "b",
+        spring,
+        Load(displacement=(way,)),
+        supports=GUIDED,
+        contact=Contact(geometry="spheres", enabled=False),
+    )
     options = {"element": "curved", "elements_per_turn": 8}
     path = wirefe.solve(pressed, steps=20, **options)
     assert path.tips[-1, 1] == way

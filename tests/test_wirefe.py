@@ -67,7 +67,7 @@ def test_axial_rate_is_that_of_rod_theory():
         Spring(1.5, 10.0, 14.5, 28.6),
         Load((0.0, -1e-3), steps=1),
         supports=Supports(("ux", "rotz")),
-        contact=Contact(enabled=False),
+        contact=Contact(geometry="spheres", enabled=False),
     )
     coarse, fine = (-1e-3 / wirefe.solve(scene, elements_per_turn=n).tips[-1, 1] for n in (40, 80))
     # extrapolated by the second order: 3.41431; the half coil by which the ends face each other is
@@ -76,7 +76,7 @@ def test_axial_rate_is_that_of_rod_theory():
 
 
 def test_frictionless_spring_b_has_a_limit_point():
-    scene = replace(spring_b(), contact=Contact(sliding="free"))
+    scene = replace(spring_b(), contact=Contact(geometry="spheres", sliding="free"))
     times = []
     for steps in (1, 10, 50, 200):
         path = partial_path(wirefe.solve, scene, steps=steps)
@@ -90,7 +90,7 @@ def test_frictionless_spring_b_has_a_limit_point():
 
 def test_frictionless_spring_b_past_its_limit_point():
     """Arc length finds the limit load that the follower names, and equilibria beyond it: coils slide off."""
-    scene = replace(spring_b(), contact=Contact(sliding="free"))
+    scene = replace(spring_b(), contact=Contact(geometry="spheres", sliding="free"))
     followed = partial_path(wirefe.solve, scene, steps=10)
     path = wirefe.trace(scene, points=120)
     turn = np.argmax(np.diff(path.times) < 0.0)  # first point from which time falls
@@ -139,7 +139,7 @@ def test_whole_model_derivatives(check_derivatives, sliding):
         Spring(1.5, (12.0, 9.0), 2.5, 6.0),
         Load((0.0, -100.0)),
         supports=Supports(("ux", "rotz")),
-        contact=Contact(sliding=sliding),
+        contact=Contact(geometry="spheres", sliding=sliding),
     )
     data, reals, ints, history, accepted, state, moved, free = shaken(scene, 3, elements_per_turn=8)
     n = free.size

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -14,6 +15,8 @@ from wirefe.rotations import quaternion_from_matrix
 if TYPE_CHECKING:
     from wirefe.rod import Curve
 
+# Of a wire whose flexibility varies: at parameters of its curve, (n, 6, 6) in Frenet's axes there.
+Flexibility = Callable[[np.ndarray], np.ndarray]
 ELEMENTS = ("straight", "curved")
 # Gauss points of the flexibility along an element: exact to rounding up to a quarter of a turn.
 QUADRATURE = 12
@@ -41,7 +44,31 @@ def straight_stiffness(section: Section, lengths: np.ndarray) -> np.ndarray:
     return K
 
 
-def curved_elements(curve: Curve, section: Section, phases: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def straight_solid_elements(
+    points: np.ndarray, flexibility: np.ndarray, inward: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """As `straight_elements`, of a wire that is not the same in all directions of its section.
+
+    Parameters
+    ----------
+    flexibility : (elements, 6, 6) per length, in Frenet's axes.
+    inward : (elements, 3) towards the centre of curvature.
+    """
+    chords = np.diff(points, axis=0)
+    lengths = np.linalg.norm(chords, axis=1)
+    t = chords / lengths[:, None]
+    b = np.cross(t, inward)
+    b /= np.linalg.norm(b, axis=1)[:, None]
+    triads = quaternion_from_matrix(np.stack((t, np.cross(b, t), b), axis=-1))
+    bent = flexibility.copy()
+    for shear, moment in ((1, 5), (2, 4)):
+        bent[:, shear, shear] += lengths**2 / 12.0 * flexibility[:, moment, moment]
+    return np.stack((triads, triads), axis=1), np.linalg.inv(lengths[:, None, None] * bent)
+
+
+def curved_elements(
+    curve: Curve, section: Section | Flexibility, phases: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
     """End triads and stiffness of elements that carry the exact linear flexibility of their piece of wire.
 
     The triads are Frenet's, in which a uniform helix is a constant strain: a spring that deforms
@@ -61,28 +88,36 @@ def curved_elements(curve: Curve, section: Section, phases: np.ndarray) -> tuple
     return triads, 0.5 * (K + np.swapaxes(K, 1, 2))
 
 
-def _flexibility(curve: Curve, section: Section, phases: np.ndarray) -> np.ndarray:
+def _flexibility(curve: Curve, section: Section | Flexibility, phases: np.ndarray) -> np.ndarray:
     """Motion (dx, spin) of each element's second end under a force and a moment there, the first held.
 
-    Shape (elements, 6, 6). At a section with tangent t the force n carries the moment m + r x n,
-    r being the way to the second end; strains follow from the round section's rigidities.
+    Shape (elements, 6, 6). At a section the force n carries the moment m + r x n, r being the vector to the
+    second end.
     """
     nodes, weights = np.polynomial.legendre.leggauss(QUADRATURE)
     half = 0.5 * np.diff(phases)[:, None]
     at = phases[:-1, None] + half * (1.0 + nodes)
     first, _ = curve.derivatives(at.ravel())
     speed = np.linalg.norm(first, axis=1)
-    t = (first / speed[:, None]).reshape(*at.shape, 3)
     along = (half * weights) * speed.reshape(at.shape)
     r = curve.points(phases[1:])[:, None] - curve.points(at.ravel()).reshape(*at.shape, 3)
-    tt = t[..., :, None] * t[..., None, :]
-    stretch = np.eye(3) / section.GA + (1.0 / section.EA - 1.0 / section.GA) * tt
-    bend = np.eye(3) / section.EI + (1.0 / section.GJ - 1.0 / section.EI) * tt
     R = _skew(r)
     F = np.empty((*at.shape, 6, 6))
-    F[..., :3, :3] = stretch - R @ bend @ R
-    F[..., :3, 3:] = -R @ bend
-    F[..., 3:, :3] = bend @ R
+    if isinstance(section, Section):
+        t = (first / speed[:, None]).reshape(*at.shape, 3)
+        tt = t[..., :, None] * t[..., None, :]
+        stretch = np.eye(3) / section.GA + (1.0 / section.EA - 1.0 / section.GA) * tt
+        bend = np.eye(3) / section.EI + (1.0 / section.GJ - 1.0 / section.EI) * tt
+        mutual = np.zeros((3, 3))
+    else:
+        axes = _frenet_frames(curve, at.ravel()).reshape(*at.shape, 3, 3)
+        back, local = np.swapaxes(axes, -1, -2), section(at.ravel()).reshape(F.shape)
+        stretch, mutual, bend = (
+            axes @ local[..., i : i + 3, j : j + 3] @ back for i, j in ((0, 0), (0, 3), (3, 3))
+        )
+    F[..., :3, 3:] = mutual - R @ bend
+    F[..., 3:, :3] = np.swapaxes(F[..., :3, 3:], -1, -2)
+    F[..., :3, :3] = stretch + mutual @ R - R @ F[..., 3:, :3]
     F[..., 3:, 3:] = bend
     return np.einsum("eq,eqij->eij", along, F)
 

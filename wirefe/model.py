@@ -14,6 +14,7 @@ from coilspring.compiling.compiled import part
 from coilspring.compiling.packing import heads, stack, table, vector
 from coilspring.errors import InputError
 from coilspring.scene import SEATS, Scene
+from coilspring.scene.solidwire import wire_flexibility
 from coilspring.scene.wire import round_section
 from coilspring.solver.stages import Top
 from wirefe.beam import deformations
@@ -23,7 +24,7 @@ from wirefe.mesh import WireMesh, mesh_wire, refuse_kinks
 from wirefe.overlap import NO_STATIONS, Stations, place_stations
 from wirefe.plates import NO_PLATES, PlateArrays, join_top, place_plates
 from wirefe.poses import ROW, at_rest
-from wirefe.rod import Rod, curved_rod, straight_rod
+from wirefe.rod import Rod, curved_rod, straight_rod, straight_solid_rod
 from wirefe.stations import ROTATION, WIDTH
 from wirefe.wirecontact import COUPLINGS
 
@@ -115,15 +116,24 @@ def build_model(
 
 def _wire(scene: Scene, mesh: WireMesh, element: str) -> Rod:
     """The elastic wire, held at the bottom."""
-    section = round_section(scene.spring.wire_diameter, scene.material)
-    if scene.supports.seat == "plate":
-        if element != "straight":
-            raise InputError(f"element must be straight with supports.seat = 'plate', got {element!r}")
-        return join_top(straight_rod(mesh.points[:-1], section)).holding(0, "ux", "uz", "roty")
-    if element == "straight":
-        return straight_rod(mesh.points, section).holding(0)
-    refuse_kinks(scene.spring, mesh)
-    return curved_rod(scene.spring, mesh.phases, section).holding(0)
+    spring, on_plates = scene.spring, scene.supports.seat == "plate"
+    solid = spring.wire_rigidity == "solid"
+    section = round_section(spring.wire_diameter, scene.material)
+    flexibility = wire_flexibility(spring, scene.material)
+    if on_plates and element != "straight":
+        raise InputError(f"element must be straight with supports.seat = 'plate', got {element!r}")
+    if element == "curved":
+        refuse_kinks(spring, mesh)
+        return curved_rod(spring, mesh.phases, flexibility if solid else section).holding(0)
+    last = len(mesh.points) - on_plates  # on plates the last node is the top end
+    points, phases = mesh.points[:last], mesh.phases[:last]
+    if solid:
+        middles = 0.5 * (phases[:-1] + phases[1:])
+        inward = -(spring.points(middles) * (1.0, 0.0, 1.0))
+        rod = straight_solid_rod(points, flexibility(middles), inward)
+    else:
+        rod = straight_rod(points, section)
+    return join_top(rod).holding(0, "ux", "uz", "roty") if on_plates else rod.holding(0)
 
 
 def rod_model(

@@ -9,7 +9,7 @@ import numpy as np
 
 from coilspring.errors import InputError, require_choice
 from coilspring.scene.wire import Section
-from wirefe.elements import curved_elements, straight_elements
+from wirefe.elements import Flexibility, curved_elements, straight_elements, straight_solid_elements
 
 FREEDOMS = ("ux", "uy", "uz", "rotx", "roty", "rotz")
 
@@ -83,8 +83,24 @@ def straight_rod(points: np.ndarray, section: Section) -> Rod:
     return _rod(points, *straight_elements(points, section))
 
 
-def curved_rod(curve: Curve, parameters: np.ndarray, section: Section) -> Rod:
-    """Elements with the exact linear flexibility of the curve's pieces between the parameters."""
+def straight_solid_rod(points: np.ndarray, flexibility: np.ndarray, inward: np.ndarray) -> Rod:
+    """Straight elements of a wire that is not the same in all directions of its section.
+
+    Parameters
+    ----------
+    flexibility : (elements, 6, 6) of the wire per length, in Frenet's axes.
+    inward : (elements, 3) towards the centre of curvature.
+    """
+    points = _checked(points)
+    return _rod(points, *straight_solid_elements(points, flexibility, inward))
+
+
+def curved_rod(curve: Curve, parameters: np.ndarray, section: Section | Flexibility) -> Rod:
+    """Elements with the exact linear flexibility of the curve's pieces between the parameters.
+
+    Instead of a section, a function of parameters gives the wire's flexibility per length there, (n, 6, 6)
+    in Frenet's axes.
+    """
     parameters = np.asarray(parameters, dtype=float)
     points = _checked(curve.points(parameters))
     return _rod(points, *curved_elements(curve, section, parameters))

@@ -9,6 +9,7 @@ from coilspring.scene.contact import Contact
 from coilspring.scene.load import Load
 from coilspring.scene.material import Material
 from coilspring.scene.schema import key
+from coilspring.scene.solidwire import FITTED
 from coilspring.scene.spring import Spring
 from coilspring.scene.supports import Supports
 
@@ -27,6 +28,12 @@ class Scene:
     def __post_init__(self) -> None:
         if not isinstance(self.name, str) or not self.name.strip():
             raise InputError(f"name must be a text that is not empty, got {shown(self.name)}")
+        low, high = FITTED
+        if self.spring.wire_rigidity == "solid" and not low <= self.material.nu <= high:
+            raise InputError(
+                f"material.nu must be in [{low:g}, {high:g}] with spring.wire_rigidity = 'solid', "
+                f"got {self.material.nu!r}"
+            )
         if self.supports.seat == "plate":
             self._check_plates()
         if self.load.displacement:

@@ -7,7 +7,7 @@ hold for coils of any diameter and pitch. Of contact they know that coils which 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -15,6 +15,7 @@ import numpy as np
 from coilspring.scene.load import Load
 from coilspring.scene.profile import TWO_PI, CoilSection, closest
 from coilspring.scene.scene import Scene
+from coilspring.scene.solidwire import FITTED, inner_stress_factor, wire_flexibility
 from coilspring.scene.spring import Spring
 from coilspring.scene.supports import HELD_CHOICES
 
@@ -39,13 +40,16 @@ class Sizes:
         off each tip; coils of different diameter nest where they are solid.
     least_gap : between neighbouring active coils, in the plane through the axis, mm; None below one coil.
     helix_angle : largest, rad.
-    rate : axial, while no coils touch, N/mm.
+    rate : axial, while no coils touch, by the textbook's formula, N/mm.
+    wire_rates : the same of a wire by beam theory and by three-dimensional elasticity, with its pitch and
+        ends that do not turn; nan where Poisson's ratio is outside what the latter is fitted to.
     closing : axial force at which the first and the last coil would close, N.
     force, shortening : largest axial one of the scene's load, positive in compression, N, and what it does to
         the spring, mm, coils that close taken out; of a prescribed displacement the force that goes with it,
         infinite beyond solid.
     stress : largest shear stress in the wire under that force, MPa; coils that have closed give no more.
     stress_factor : of the wire's curvature, in it.
+    inner_factors : the same there by Wahl and by three-dimensional elasticity.
     buckling : shortening at which the straight spring buckles, mm; None where it does not.
     """
 
@@ -57,11 +61,13 @@ class Sizes:
     least_gap: float | None
     helix_angle: float
     rate: float
+    wire_rates: tuple[float, float]
     closing: tuple[float, float]
     force: float
     shortening: float
     stress: float
     stress_factor: float
+    inner_factors: tuple[float, float]
     buckling: float | None
 
     @property
@@ -102,6 +108,7 @@ def sizes(scene: Scene) -> Sizes:
     # a coil that has closed carries no more than what closed it
     carried = np.minimum(abs(force), np.where(force > 0.0, coils.closing, np.inf))
     stress = stress_factor(index) * 8.0 * carried * coils.diameter / (math.pi * d**3)
+    worst = float(index[np.argmax(stress)])
     low, high = spring.height(np.array(spring.phase_range)).tolist()
     free = high - low + (0.0 if scene.supports.seat == "plate" else d)
     return Sizes(
@@ -113,11 +120,13 @@ def sizes(scene: Scene) -> Sizes:
         least_gap=least_gap(spring),
         helix_angle=float(np.arctan(coils.pitch / (math.pi * coils.diameter)).max()),
         rate=rate,
+        wire_rates=(wire_rate(scene, "beam"), wire_rate(scene, "solid")),
         closing=(float(coils.closing.min()), float(coils.closing.max())),
         force=force,
         shortening=shortening,
         stress=float(stress.max()),
-        stress_factor=float(stress_factor(index[np.argmax(stress)])),
+        stress_factor=float(stress_factor(worst)),
+        inner_factors=(wahl_factor(worst), inner_stress_factor(worst)),
         buckling=buckling_shortening(scene),
     )
 
@@ -131,6 +140,26 @@ def axial_rate(scene: Scene) -> float:
     """Axial rate while no coils touch, N/mm."""
     spring = scene.spring
     return scene.material.G * spring.wire_diameter**4 / 8.0 / sum(map(_cubes, spring.coils))
+
+
+def wire_rate(scene: Scene, wire_rigidity: str) -> float:
+    """Axial rate while no coils touch, of a wire on its helix whose ends do not turn about the axis, N/mm.
+
+    nan where "solid" is not fitted to the material.
+    """
+    spring, material = replace(scene.spring, wire_rigidity=wire_rigidity), scene.material
+    if wire_rigidity == "solid" and not FITTED[0] <= material.nu <= FITTED[1]:
+        return math.nan
+    phases, weights = _gauss(spring)
+    R, c = spring.radius(phases), spring.rise(phases)
+    slant = np.hypot(R, c)
+    t, b, none = c / slant, R / slant, np.zeros_like(R)
+    force = np.stack((t, none, b, R * b, none, -R * t), axis=-1)  # axial, through the axis
+    couple = np.stack((none, none, none, t, none, b), axis=-1)
+    wrenches = np.stack((force, couple), axis=-1)
+    F = wire_flexibility(replace(spring, hand="right"), material)(phases)  # either hand has this rate
+    C = np.einsum("n,nia,nij,njb->ab", weights * slant, wrenches, F, wrenches)
+    return float(1.0 / (C[0, 0] - C[0, 1] ** 2 / C[1, 1]))
 
 
 def _axial(load: Load, rate: float, coils: Along) -> tuple[float, float]:
@@ -160,6 +189,11 @@ def stress_factor(index: Any) -> Any:
     return (index + 0.5) / (index - 0.75)
 
 
+def wahl_factor(index: float) -> float:
+    """Wahl's factor of the same stress."""
+    return (4.0 * index - 1.0) / (4.0 * index - 4.0) + 0.615 / index
+
+
 def middle_diameter(spring: Spring) -> float:
     """Mean over the coils of their diameter, mm."""
     doubled = sum(sum(section.mean_diameter) * section.coils for section in spring.coils)
@@ -168,6 +202,15 @@ def middle_diameter(spring: Spring) -> float:
 
 def wire_length(spring: Spring) -> float:
     """Length of the wire, end turns included, mm."""
+    phases, weights = _gauss(spring)
+    first, _ = spring.derivatives(phases)
+    active = (weights * np.linalg.norm(first, axis=1)).sum()
+    turns = np.hypot(math.pi * np.array(spring.mean_diameter), spring.end_pitch)
+    return float(active + spring.end_turns * turns.sum())
+
+
+def _gauss(spring: Spring) -> tuple[np.ndarray, np.ndarray]:
+    """Phases of the active wire and their weights in an integral over the phase."""
     knots = spring.profile.knots
     edges = [
         np.linspace(low, high, math.ceil(section.coils), endpoint=False)
@@ -176,10 +219,7 @@ def wire_length(spring: Spring) -> float:
     at = np.concatenate([*edges, knots[-1:]])
     nodes, weights = np.polynomial.legendre.leggauss(QUADRATURE)
     half = 0.5 * np.diff(at)[:, None]
-    first, _ = spring.derivatives((at[:-1, None] + half * (1.0 + nodes)).ravel())
-    active = ((half * weights).ravel() * np.linalg.norm(first, axis=1)).sum()
-    turns = np.hypot(math.pi * np.array(spring.mean_diameter), spring.end_pitch)
-    return float(active + spring.end_turns * turns.sum())
+    return (at[:-1, None] + half * (1.0 + nodes)).ravel(), (half * weights).ravel()
 
 
 def least_gap(spring: Spring) -> float | None:

@@ -57,6 +57,8 @@ class Spring:
     hand : "left" is the helix as the project draws it, X = R cos, Z = R sin with Y rising; "right"
         is its mirror image in the X-Y plane.
     ends : "closed" end turns have the pitch d, "open" ones keep that of the coils next to them.
+    wire_rigidity : "beam" is that of a straight wire with shear, "solid" that of the coiled wire by
+        three-dimensional elasticity.
     sections : of the active part from bottom to top, as `Spring.of_sections` takes them; empty for coils
         of one pitch and linearly varying diameter.
     """
@@ -99,6 +101,14 @@ class Spring:
         default=0.0, metadata=key("angle from X to Z where the active wire begins [0.0]", number(-1e3, 1e3))
     )
     hand: str = field(default="left", metadata=key("left or right [left]", choice("left", "right")))
+    wire_rigidity: str = field(
+        default="beam",
+        kw_only=True,
+        metadata=key(
+            '"beam" of a straight wire, "solid" of the coiled one by 3D elasticity [beam]',
+            choice("beam", "solid"),
+        ),
+    )
     sections: tuple[CoilSection, ...] = field(
         default=(),
         metadata=key(
@@ -201,6 +211,12 @@ class Spring:
         low, high = self.end_pitch
         ends = (phi - active) * (np.where(phi < 0.0, low, high) / TWO_PI)
         return self.profile.height(active) + ends
+
+    def rise(self, phi: np.ndarray) -> np.ndarray:
+        """Axial advance of the wire per phase, mm: pitch over 2 pi; where two pitches meet, the upper one."""
+        low, high = self.end_pitch
+        active = self.profile.rates(np.clip(phi, 0.0, self.phase_end))[1]
+        return np.where(phi < 0.0, low / TWO_PI, np.where(phi > self.phase_end, high / TWO_PI, active))
 
     def points(self, phi: np.ndarray) -> np.ndarray:
         """Wire centreline at rest, shape (len(phi), 3), mm."""

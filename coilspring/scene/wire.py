@@ -5,19 +5,22 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
+import numpy as np
+
 from coilspring.scene.material import Material
 
 SHEAR_FACTOR = 0.9  # of a solid circular section (6/7..0.9 in the literature; the paper gives none)
+Stiffness = float | np.ndarray  # an array has one for each piece of a wire
 
 
 @dataclass(frozen=True)
 class Section:
     """Stiffnesses of a rod's cross section."""
 
-    EA: float  # axial, N
-    GA: float  # transverse shear, shear factor included, N
-    GJ: float  # torsion, N mm^2
-    EI: float  # bending, N mm^2
+    EA: Stiffness  # axial, N
+    GA: Stiffness  # transverse shear, shear factor included, N
+    GJ: Stiffness  # torsion, N mm^2
+    EI: Stiffness  # bending, N mm^2
 
 
 def round_section(diameter: float, material: Material) -> Section:

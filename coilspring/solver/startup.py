@@ -28,8 +28,9 @@ def ready(kernels: Kernels) -> tuple[Callable, Any]:
     The first time half of it is compiled in a child, which leaves it in the on-disk cache. A child
     that fails costs time only, since this process then compiles by itself.
     """
-    if not kernels.assemble._cache.stored:
-        places = [_place(getattr(kernels, name)) for name in kernels._fields if name not in PARENTS]
+    others = [getattr(kernels, name) for name in kernels._fields if name not in PARENTS]
+    if not all(other._cache.stored for other in others):
+        places = [_place(other) for other in others]
         with background(f"from coilspring.solver.startup import compile_others; compile_others({places})"):
             compile_kernels(kernels, PARENTS)
             compile_newton()

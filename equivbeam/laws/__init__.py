@@ -2,27 +2,54 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+from typing import Any
+
 import numpy as np
 
 from coilspring.compiling.compiled import part
+from coilspring.errors import InputError, shown
 from coilspring.scene.material import Material
 from coilspring.scene.spring import Spring
 from equivbeam.laws.haringx import KAX, KFL, KSH, haringx_response, haringx_rows
 from equivbeam.laws.helix import helix_response
 from equivbeam.laws.helixrows import Refinements, helix_rows
+from equivbeam.laws.userlaw import KNOWN, UserLaw, law_of_file, law_of_object
 
-HARINGX, HELIX = 0, 1
+HARINGX, HELIX, USER = 0, 1, 2
 LAWS = {"haringx": HARINGX, "helix": HELIX}
 
 
+def law_of(given: Any) -> str | UserLaw:
+    """The law that is meant: a name, a Python file, a module or an object, or what a path keeps of one.
+
+    Raises
+    ------
+    InputError : no law.
+    """
+    if isinstance(given, UserLaw) or (isinstance(given, str) and given in LAWS):
+        return given
+    if isinstance(given, str) and given in KNOWN:
+        return KNOWN[given]
+    if isinstance(given, Path) or (isinstance(given, str) and given.endswith(".py")):
+        return law_of_file(Path(given))
+    if not isinstance(given, str) and (hasattr(given, "energy") or hasattr(given, "parameters")):
+        return law_of_object(given)
+    if isinstance(given, str) and ".py@" in given:
+        raise InputError(f"law {given} must be loaded first, by a solve with the file that has this content")
+    raise InputError(f"law must be one of {', '.join(LAWS)}, or a Python file, got {shown(given)}")
+
+
 def law_rows(
-    law: str,
+    law: str | UserLaw,
     spring: Spring,
     material: Material,
     refinements: Refinements,
     factors: tuple[float, float, float] = (1.0, 1.0, 1.0),
 ) -> np.ndarray:
     """Parameters of every half coil as the law reads them, one row each; the length at rest in column L0."""
+    if isinstance(law, UserLaw):
+        return law.rows(spring, material)
     if law == "helix":
         return helix_rows(spring, material, refinements)
     rows = haringx_rows(spring, material)
@@ -32,5 +59,5 @@ def law_rows(
 
 @part
 def response(law, rows, i, l, v, dth):  # noqa: E741
-    """Response of the half coil `i`: energy and derivatives in its length, shear and relative rotation."""
+    """Response of the half coil `i` by a built-in law; a user's brings its own (`UserLaw.response`)."""
     return haringx_response(rows, i, l, v, dth) if law == HARINGX else helix_response(rows, i, l, v, dth)

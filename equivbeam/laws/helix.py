@@ -201,4 +201,4 @@ def helix_response(rows, i, l, v, dth):  # noqa: E741
     N -= 0.5 * (C1 * T * T + D1 * M * M) + T * v1 - M * m1
     N_l += (C1 * C1 * ksh - 0.5 * C2) * T * T + (D1 * D1 * kfl - 0.5 * D2) * M * M
     N_l += ksh * v1 * (v1 + 2.0 * C1 * T) - T * v2 + kfl * m1 * (m1 - 2.0 * D1 * M) + M * m2
-    return Response(E + 0.5 * (T * v + M * dth), N, T, M, N_l, N_v, N_m, ksh, kfl)
+    return Response(E + 0.5 * (T * v + M * dth), N, T, M, N_l, N_v, N_m, ksh, kfl, 0.0)

@@ -9,8 +9,8 @@ import numpy as np
 
 from coilspring.errors import InputError, shown
 from coilspring.scene.material import Material
+from coilspring.scene.solidwire import coil_section
 from coilspring.scene.spring import Spring
-from coilspring.scene.wire import round_section
 from equivbeam.laws.haringx import KAX, haringx_stiffness
 from equivbeam.laws.helix import (
     B0,
@@ -118,10 +118,10 @@ def _set_ends(rows: np.ndarray, spring: Spring, at: Stations) -> None:
 
 def _wound_rows(spring: Spring, material: Material, on: Refinements, at: Stations) -> np.ndarray:
     """Parameters of the half coils by wire theory; the range is not set."""
-    wire = round_section(spring.wire_diameter, material)
     radius = radii(spring, at, on.taper)
     c = at.lengths / math.pi
     slant = np.hypot(radius, c)  # L, wire length per radian
+    wire = coil_section(spring, material, radius / slant**2)
     _refuse_straight_wire(spring, float((radius / slant).min()))
     rows = np.zeros((radius.size, COLUMNS))
     rows[:, S], rows[:, PER_S], rows[:, L0] = math.pi * slant, 1.0 / (math.pi * slant), at.lengths

@@ -15,7 +15,9 @@ import numpy as np
 from scipy.linalg import solve_triangular
 
 from coilspring import Scene, Spring
+from equivbeam.laws.userlaw import KNOWN
 from validation.campaign.laws import Law, haringx_law, helix_law
+from validation.campaign.plainlaw import plain_law
 
 LAWS: dict[str, Callable[[Scene], Law]] = {"haringx": haringx_law, "helix": helix_law}
 TINY = 1e-30  # of a complex step
@@ -192,7 +194,7 @@ def beam_energy(scene: Scene, law: str) -> BeamEnergy:
     force[-3:-1] = scene.load.force
     energy = BeamEnergy(
         rest=rest.ravel(),
-        law=LAWS[law](scene),
+        law=LAWS[law](scene) if law in LAWS else plain_law(scene, KNOWN[law]),
         attached=node[pairs],
         offsets=offset[pairs],
         d=spring.wire_diameter,

@@ -7,11 +7,13 @@ import traceback
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import Executor, as_completed
 from contextlib import contextmanager
+from dataclasses import replace
 from pathlib import Path
 from time import process_time
 
 from coilspring import InputError
 from coilspring.workers import processes
+from equivbeam.laws.userlaw import UserLaw
 from validation.campaign.invariance import verify_invariance
 from validation.campaign.page import write_page
 from validation.campaign.scenes import case_id, make_case
@@ -85,10 +87,12 @@ def campaign(
     return int((chosen["class"] == UNEXPLAINED).any())
 
 
-def verified(name: str, seed: int) -> Row:
-    """Solve and verify one case."""
+def verified(name: str, seed: int, law: UserLaw | None = None) -> Row:
+    """Solve and verify one case; `law`: with a user's law in place of that drawn."""
     began = process_time()
     case, path, verdict, known = make_case(name, seed), None, Verdict(), {"outcome": REFUSED}
+    if law is not None:
+        case = replace(case, options={"law": law})
     try:
         path = reached(case)
         verdict = verify(case, path)

@@ -26,8 +26,8 @@ TIP = ("ux", "uy", "rotz", "contacts")
 FORCE, DISPLACEMENT = "force", "displacement"
 COLUMNS = (
     "id", "seed", "version", "class", "outcome", "reason", "corner", "variant", "steps", "penalty",
-    "exponent", "geometry", "pairs", "sliding", "index", "coils", "slenderness", "taper", "by", "load", "held",
-    "time", *TIP, "kind", *NUMBERS, "message", "seconds",
+    "exponent", "geometry", "pairs", "sliding", "index", "coils", "slenderness", "taper", "by", "load",
+    "held", "time", *TIP, "kind", *NUMBERS, "message", "seconds",
 )  # fmt: skip
 Row = dict[str, str]
 Key = tuple[int, str]  # seed and id

@@ -16,6 +16,7 @@ MODEL_OPTIONS = {
     "wirefe": ("element", "elements_per_turn", "pairs_per_turn"),
 }
 FILE_OPTIONS = {"equivbeam": (), "wirefe": ("vtu", "vtu_series")}  # what a model can write besides the path
+LAWS = ("haringx", "helix")  # of a half coil; or a file
 COMMON_OPTIONS = ("steps", "penalty", "geometry")
 CAMPAIGN_RANGES = {  # of the options of stability
     "beams": (0, 10_000_000),
@@ -157,6 +158,12 @@ def _add_studies(commands: argparse._SubParsersAction) -> None:
     _add_flag(command, "--accept", "write what is found as the new baselines")
     _add_flag(command, "--time", "measure and compare the models' ratios of time too")
 
+    purpose = "errors, time, stability and limits of a law of a half coil that you wrote, on one page"
+    command = _command(commands, "study-law", purpose, "coilcheck study-law my_law.py --quick")
+    what = "Python files with parameters(coil), energy(l, v, dtheta, p); a page each"
+    command.add_argument("law", nargs="+", metavar="FILE.py", help=what)
+    _add_flag(command, "--quick", "few springs and scenes: about a minute")
+
 
 def _add_programs(commands: argparse._SubParsersAction) -> None:
     purpose = "the wire model of a scene as an input deck for another program"
@@ -167,6 +174,8 @@ def _add_programs(commands: argparse._SubParsersAction) -> None:
     purpose = "one scene by the wire model and by another finite-element code, which has to be installed"
     command = _command(commands, "referee", purpose, "coilcheck referee spring-a --with opensees")
     command.add_argument("--with", dest="peer", choices=PEERS, required=True, help="which code")
+    what = "rods beside hexahedra of calculix: 6 x 6 flexibility of 3 coils, full load without contact"
+    command.add_argument("--solid", action="store_true", help=what)
     _add_common(command)
 
     purpose = "the wire as it deforms, in a window with a slider over the steps or as a movie"
@@ -206,7 +215,8 @@ def _add_scene(command: argparse.ArgumentParser) -> None:
     """The scene and the options of both models, whose defaults are the models' own."""
     _add_common(command)
     beam = command.add_argument_group("options of equivbeam")
-    beam.add_argument("--law", choices=("haringx", "helix"), help="law of a half coil; default haringx")
+    what = "law of a half coil: haringx (default), helix or a Python file with one"
+    beam.add_argument("--law", type=_law, metavar="|".join((*LAWS, "FILE.py")), help=what)
     beam.add_argument("--tangent", choices=("exact", "paper", "paper-printed"), help="default exact")
     beam.add_argument("--sliding", choices=("ignore", "scene"), help="the scene's sliding; default ignore")
     wire = command.add_argument_group("options of wirefe")
@@ -230,6 +240,13 @@ def _add_only(command: argparse.ArgumentParser, names: tuple[str, ...]) -> None:
         return tuple(name for name in names if name in asked)
 
     command.add_argument("--only", type=read, metavar="NAMES", help=f"some of {','.join(names)}")
+
+
+def _law(text: str) -> str:
+    """The name of a law, or of a file that may hold one."""
+    if text not in LAWS and not text.endswith(".py"):
+        raise argparse.ArgumentTypeError(f"must be {', '.join(LAWS)} or a Python file, got {text!r}")
+    return text
 
 
 def _number(text: str) -> int | float | str:

@@ -145,6 +145,8 @@ def _folder(arguments: argparse.Namespace) -> Path:
     if getattr(arguments, "scene", None):
         scene = arguments.scene
         name += f"-{scene if scene in CATALOGUE else Path(scene).stem}"
+    if arguments.command == "study-law":
+        name += f"-{Path(arguments.law[0]).stem}"
     return Path("coilcheck-out", name)
 
 

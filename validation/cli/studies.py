@@ -10,8 +10,8 @@ from collections.abc import Callable
 from contextlib import nullcontext
 from pathlib import Path
 
-from coilspring import Scene, load_scene
-from coilspring.errors import InputError, require_integer
+from coilspring import InputError, Scene, load_scene
+from coilspring.errors import require_integer
 from validation.cli.arguments import CAMPAIGN_RANGES, given, scene_of
 from validation.study.output import claimed, json_bytes, prepare, write_files, write_text, writing
 
@@ -102,6 +102,19 @@ def _seeds(one: int | None, listed: str | None) -> tuple[int, ...]:
     return tuple(dict.fromkeys(require_integer("seeds", int(part), *limits) for part in parts))
 
 
+def study_law(arguments: argparse.Namespace, folder: Path, progress: Progress) -> Answer:
+    """Study a law of a half coil that a user wrote."""
+    progress(LOADING)
+    from validation.lawstudy.run import study_law as run
+
+    lines: list[str] = []
+    with claimed(folder), writing(folder):
+        for law in arguments.law:
+            out = folder / Path(law).stem if len(arguments.law) > 1 else folder
+            lines += [*run(law, out, progress, quick=arguments.quick), f"written to {out}"]
+    return lines, ""
+
+
 def export(arguments: argparse.Namespace, folder: Path, progress: Progress) -> Answer:
     """Write the input deck of a scene for another program."""
     from validation.peers import calculix
@@ -119,6 +132,8 @@ def export(arguments: argparse.Namespace, folder: Path, progress: Progress) -> A
 def referee(arguments: argparse.Namespace, folder: Path, progress: Progress) -> Answer:
     """Run a peer on a scene beside the wire model."""
     scene, peer = scene_of(arguments), arguments.peer
+    if arguments.solid:
+        return _solids(scene, peer, folder, progress)
     with claimed(folder):
         progress(f"solving with wirefe and {peer}")
         from validation.peers.comparison import compare
@@ -129,6 +144,24 @@ def referee(arguments: argparse.Namespace, folder: Path, progress: Progress) -> 
         summary = {**values, "curve_max": found.difference, "seconds": seconds}
         write_files({f"{peer}.json": json_bytes(summary), f"{peer}.csv": found.csv().encode()}, folder)
     return [*found.lines(), f"written to {folder}"], ""
+
+
+def _solids(scene: Scene, peer: str, folder: Path, progress: Progress) -> Answer:
+    """Compare rods with solid elements of CalculiX."""
+    from validation.solid import comparison
+    from validation.study.frames import to_csv
+
+    if peer != "calculix":
+        raise InputError(f"--solid goes with calculix alone, got --with {peer}")
+    comparison.require_force(scene)
+    with claimed(folder):
+        progress("flexibility of a few coils by solids: about a minute")
+        coils = comparison.flexibilities(scene.spring, scene.material)
+        progress("full load by solids in large deflection: minutes")
+        moved = comparison.deflections(scene)
+        write_files({"flexibility.csv": to_csv(coils), "deflection.csv": to_csv(moved)}, folder)
+    left_out = ["contact is left out"] if scene.contact.enabled else []
+    return [*left_out, *comparison.lines(coils, moved), f"written to {folder}"], ""
 
 
 def view(arguments: argparse.Namespace, folder: Path, progress: Progress) -> Answer:
@@ -155,5 +188,12 @@ def view(arguments: argparse.Namespace, folder: Path, progress: Progress) -> Ans
 
 COMMANDS = {
     **{"reproduce": reproduce, "workprecision": workprecision, "sensitivity": sensitivity},
-    **{"regress": regress, "stability": stability, "export": export, "referee": referee, "view": view},
+    **{
+        "regress": regress,
+        "stability": stability,
+        "study-law": study_law,
+        "export": export,
+        "referee": referee,
+        "view": view,
+    },
 }

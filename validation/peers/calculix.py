@@ -86,20 +86,29 @@ def run(scene: Scene) -> Curve:
     ------
     InputError : ccx is missing, or what is not given to it.
     """
-    text = deck(scene)
+    text, seconds = execute(deck(scene))
+    return Curve("calculix", *read(text, POINTER * scene.spring.wire_diameter), seconds)
+
+
+def execute(deck: str) -> tuple[str, float]:
+    """What ``ccx`` prints into its .dat file for an input deck, and the CPU seconds it takes.
+
+    Raises
+    ------
+    InputError : ccx is missing.
+    """
     program = shutil.which("ccx")
     if program is None:
         raise InputError(INSTALL)
     with tempfile.TemporaryDirectory(prefix="coilcheck-") as folder:
         file = Path(folder, FILE)
-        file.write_text(text, encoding="ascii")
+        file.write_text(deck, encoding="ascii")
         before = os.times()
         subprocess.run([program, JOB], cwd=folder, capture_output=True, check=False)
         after = os.times()
-        seconds = sum(after[2:4]) - sum(before[2:4])  # of subprocesses
         printed = file.with_suffix(".dat")
         text = printed.read_text(encoding="ascii") if printed.exists() else ""
-    return Curve("calculix", *read(text, POINTER * scene.spring.wire_diameter), seconds)
+    return text, sum(after[2:4]) - sum(before[2:4])  # of subprocesses
 
 
 def read(text: str, length: float) -> tuple[np.ndarray, np.ndarray]:

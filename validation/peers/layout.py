@@ -89,6 +89,11 @@ def layout(scene: Scene, nodes_per_turn: int) -> Layout:
 def refuse(scene: Scene, peer: str) -> None:
     """Raise `InputError` for what the peers are not given."""
     scene.supports.require_supported(peer)
+    if scene.spring.wire_rigidity != "beam":
+        raise InputError(
+            f'spring.wire_rigidity must be "beam" for {peer}, whose wire is one of beams, got '
+            f"{scene.spring.wire_rigidity!r}"
+        )
     if scene.load.stages or scene.load.displacement:
         raise InputError(f"load.force must be given for {peer}, got load.stages or load.displacement")
     if scene.contact.enabled and scene.contact.exponent != 1.0:

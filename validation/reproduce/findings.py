@@ -55,6 +55,11 @@ def measured(f: Facts, element: str, elements: int, column: str) -> float:
     return f[f"workprecision/workprecision > scene=spring-b | {mesh} | role=run > {column}"]
 
 
+def solids(f: Facts, model: str, wire: str) -> list[float]:
+    """Difference of a model from the wire as a solid body, Spring A and B without contact, %."""
+    return [f[f"solid: standing.spring-{spring}-no-contact.{model}.{wire}"] for spring in "ab"]
+
+
 def paper_ratios(f: Facts) -> list[float]:
     """The paper's times of FE over those of its model."""
     return [f[f"paper.{name}.wire"] / f[f"paper.{name}.beam"] for name in CASE_NAMES]
@@ -66,7 +71,7 @@ def quarter_turn(f: Facts) -> float:
     return max(difference for angle, difference in pairs if angle % 180 == 90)
 
 
-RECORDED = (cell, largest, measured, paper_ratios, peers, quarter_turn, random_errors, varied)
+RECORDED = (cell, largest, measured, paper_ratios, peers, quarter_turn, random_errors, solids, varied)
 FINDINGS = template(Path(__file__).with_name("findings.md"), (*FUNCTIONS, *RECORDED))
 
 

@@ -19,6 +19,7 @@ KINDS = {
     NOT_GIVEN: "the paper says nothing",
     READING: "the paper says something that can be read or made in another way",
     AGAINST: "the paper is silent, but its two models would not have agreed",
+    "left out by beams": "the paper's two models, and ours unless asked, take the wire for a straight rod",
 }
 LIKE = 0.01  # mm: penetration at which both exponents give one force
 EVERYWHERE = 20  # sphere pairs per turn that touch wherever the wires do
@@ -112,6 +113,7 @@ MAKE: dict[str, Callable[[Scene, str], Iterable[Variant]]] = {
         Variant(f"µ = {mu:g}", _with(scene, "contact", sliding="coulomb", friction=mu)) for mu in (0.1, 0.3)
     ),
     "element": lambda scene, _: [Variant("curved", scene, {"element": "curved"})],
+    "wire_rigidity": lambda scene, _: [Variant("solid", _with(scene, "spring", wire_rigidity="solid"))],
 }
 
 

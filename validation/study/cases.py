@@ -13,6 +13,7 @@ import equivbeam
 import wirefe
 from coilspring import CATALOGUE, EquilibriumNotFound, EquilibriumPath, Scene, load_path, spring_b
 from coilspring.solver.startup import background
+from equivbeam.laws import law_of
 from validation.study.keys import run_key
 from validation.study.partialsolve import partial_path
 from validation.study.store import Store
@@ -94,7 +95,8 @@ class PathStore:
 
     def partial_beam(self, scene: Scene, **options: object) -> EquilibriumPath:
         """Path of the equivalent beam as far as it was reached; its outcome says why it ended."""
-        return self._reached("equivbeam", solve_beam, scene, PAPER_BEAM | options)
+        chosen = PAPER_BEAM | options
+        return self._reached("equivbeam", solve_beam, scene, chosen | {"law": law_of(chosen["law"])})
 
     def partial_wire(self, scene: Scene, **options: object) -> EquilibriumPath:
         """Path of the wire model as far as it was reached; its outcome says why it ended."""

@@ -17,8 +17,8 @@ KINDS = ("py", "md", "toml", "inp", "txt", "css")  # of files: code, templates, 
 
 
 def key(kind: str, **parts: object) -> str:
-    """Key of a result of some kind by its parts, which are of JSON's types."""
-    return hashlib.sha256(json.dumps([kind, parts], sort_keys=True).encode()).hexdigest()
+    """Key of a result of some kind by its parts, of JSON's types or laws, whose text is their content."""
+    return hashlib.sha256(json.dumps([kind, parts], sort_keys=True, default=str).encode()).hexdigest()
 
 
 def run_key(model: str, scene: Scene, options: Mapping[str, object]) -> str:
@@ -27,7 +27,7 @@ def run_key(model: str, scene: Scene, options: Mapping[str, object]) -> str:
     Parameters
     ----------
     model : "equivbeam" or "wirefe".
-    scene, options : what its `solve` is called with; options of JSON's types.
+    scene, options : what its `solve` is called with; options of JSON's types, or a `UserLaw`.
     """
     used = sources("coilspring", model)
     return key("run", model=model, scene=asdict(scene), options=options, sources=used, versions=versions())

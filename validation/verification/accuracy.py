@@ -6,6 +6,10 @@ import sys
 from collections.abc import Iterable
 from pathlib import Path
 
+import numpy as np
+
+from coilspring import Material
+from coilspring.scene.solidwire import flexibility
 from coilspring.scene.wire import SHEAR_FACTOR
 from validation.study import template
 from validation.study.output import write_facts, write_text
@@ -14,7 +18,7 @@ from validation.verification.case import Check
 
 PAGE, RECORD = Path("docs/validation.md"), Path("reports/verification")
 FEWEST = "4 curved elements per turn; UX, UY, ROTZ"
-# What the wire's curvature changes, which both models leave out: axial deflection of a closely coiled
+# What the wire's curvature changes, which a wire of beams leaves out: axial deflection of a closely coiled
 # spring over 8 F D^3 n/(G d^4), by index D/d: sector of a ring in three-dimensional elasticity by Ritz's
 # method, zero pitch. Our own numbers; Ancker and Goodier's series agrees to 1e-3.
 EXACT_RING = {
@@ -24,8 +28,16 @@ SPRING_A = 20.0 / 3.0  # its index
 
 
 def rod(index: float) -> float:
-    """The same deflection of a straight rod with shear, which both models' wire is."""
+    """The same deflection of a straight rod with shear, which both models' wire is unless it is solid."""
     return 1.0 + 0.5 / (SHEAR_FACTOR * index**2)
+
+
+def solid(index: float) -> float:
+    """The same of a wire with `wire_rigidity = "solid"`."""
+    material = Material(1.0, 0.3)
+    F = flexibility(np.array([2.0 / index]), np.zeros(1), 1.0, material)[0]
+    axial = np.array([0.0, 0.0, 1.0, 0.5 * index, 0.0, 0.0])
+    return float(np.pi * material.G / (8.0 * index**2) * (axial @ F @ axial))
 
 
 def goehner(index: float) -> float:
@@ -43,7 +55,7 @@ def numbers(values: Iterable[float]) -> str:
     return ", ".join(f"{value:.7g}" for value in values)
 
 
-WORDS = template.template(Path(__file__).with_name("accuracy.md"), [rod, goehner, too_soft, numbers])
+WORDS = template.template(Path(__file__).with_name("accuracy.md"), [rod, solid, goehner, too_soft, numbers])
 
 
 def checks() -> list[Check]:
@@ -61,8 +73,7 @@ def write_page(path: Path, record: Path) -> bool:
         check.error for check in found if check.case.name.startswith("G13, ") and FEWEST in check.case.data
     ]
     failed = sum(not check.passed for check in found)
-    facts = {"checks": len(found), "failed": failed, "curved": max(fewest), "curvature": too_soft()}
-    write_facts(facts, record)
+    write_facts({"checks": len(found), "failed": failed, "curved": max(fewest)}, record)
     return not failed
 
 

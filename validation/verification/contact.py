@@ -38,6 +38,20 @@ SEARCH = [
     )
 ]  # fmt: skip
 
+KINDS = (("spheres", 4), ("spheres", 20), ("wires", 16), ("wires", 32), ("wires", 64))
+GEOMETRY = [
+    Run(name, mu, pairs, geometry=geometry)
+    for name in CATALOGUE
+    for mu in (0.0, 0.1, 0.2, 0.3, NONE)
+    for geometry, pairs in KINDS
+]
+PHASES = [
+    Run("A", 0.0, pairs, geometry=geometry, degrees=degrees)
+    for degrees in (0.0, 11.25, 22.5, 45.0)
+    for geometry, pairs in (("spheres", 4), ("spheres", 20), ("wires", 32))
+]
+CYCLES = [Run("cycle", 0.1, pairs, geometry=geometry) for geometry, pairs in KINDS]
+
 
 def percent(share: float) -> str:
     """A share in percent, to two figures; 0 below a solver's tolerance."""
@@ -83,6 +97,7 @@ def page(
     exponents: pd.DataFrame,
     friction: pd.DataFrame,
     search: pd.DataFrame,
+    wires: Mapping[str, pd.DataFrame],
     limit: Mapping[str, Any],
 ) -> str:
     """The page, a view of the runs."""
@@ -96,6 +111,7 @@ def page(
         exponents=compared(exponents, 0).to_dict("records"),
         friction=[friction_row(runs) for _, runs in friction.groupby(["spring", "mu"], sort=False)],
         search=search.to_dict("records"),
+        wires=against_wires(wires),
         costs=costs.to_dict("records"),
         still=pairs.loc[(pairs["spring"] == "A") & (pairs["pairs"] == 20), "difference"].item(),
         slip=friction.query("spring == 'A' and mu == 0.05 and steps == 50")["last slip"].item(),
@@ -113,8 +129,27 @@ def page(
     )
 
 
+def against_wires(runs: Mapping[str, pd.DataFrame]) -> dict[str, list[dict[str, Any]]]:
+    """Rows of spheres and of wires, each with its difference from the 64 stations of the same case."""
+    friction = pd.concat(
+        group.assign(difference=difference(group, group.iloc[-1]))
+        for _, group in runs["friction"].groupby(["spring", "mu"], sort=False)
+    )
+    phases = pd.concat(
+        group.assign(difference=difference(group, group.iloc[-1]))
+        for _, group in runs["phases"].groupby("degrees", sort=False)
+    )
+    cycles = runs["cycles"].assign(difference=runs["cycles"]["work"] / runs["cycles"]["work"].iloc[-1] - 1.0)
+    tables = {"friction": friction, "phases": phases, "cycles": cycles}
+    return {name: table.to_dict("records") for name, table in tables.items()}
+
+
 def facts(
-    pairs: pd.DataFrame, friction: pd.DataFrame, search: pd.DataFrame, limit: Mapping[str, Any]
+    pairs: pd.DataFrame,
+    friction: pd.DataFrame,
+    search: pd.DataFrame,
+    wires: Mapping[str, pd.DataFrame],
+    limit: Mapping[str, Any],
 ) -> dict[str, object]:
     """What findings are computed from: mm, and shares in per cent."""
     found: dict[str, object] = {"pairs.count": int(pairs["pairs"].iloc[0])}
@@ -126,6 +161,16 @@ def facts(
     found |= {"friction.free": last["UY"][0.0], "friction.held": last["UY"][NONE]}
     most = search.iloc[-1]
     found |= {"search.pairs": int(most["pairs"]), "search.outcome": most["outcome"]}
+    rows = against_wires(wires)
+    for row in rows["friction"]:
+        key = f"{row['geometry']}.{row['spring']}.{row['mu']:g}.{row['pairs']}"
+        found |= {
+            f"{key}.outcome": row["outcome"],
+            f"{key}.time": row["critical time"],
+            f"{key}.UY": row["UY"],
+        }
+        found[f"{key}.difference"] = 100.0 * row["difference"]
+    found |= {f"cycle.{row['geometry']}.{row['pairs']}": row["work"] for row in rows["cycles"]}
     return found | {"search.along": limit["circ"]}
 
 
@@ -133,9 +178,10 @@ def write_page(path: Path, record: Path) -> None:
     """Solve all, write the page, and the facts into the folder `record`."""
     pairs = measured(PAIRS, REPEATS)
     exponents, friction, search = map(measured, (EXPONENTS, FRICTION, SEARCH))
+    wires = {"friction": measured(GEOMETRY), "phases": measured(PHASES), "cycles": measured(CYCLES)}
     limit = limit_point()
-    write_text(path, page(pairs, exponents, friction, search, limit))
-    write_facts(facts(pairs, friction, search, limit), record)
+    write_text(path, page(pairs, exponents, friction, search, wires, limit))
+    write_facts(facts(pairs, friction, search, wires, limit), record)
 
 
 if __name__ == "__main__":

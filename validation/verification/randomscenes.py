@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Container, Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -70,10 +70,10 @@ class Drawn:
     scene: Scene
 
 
-def population(seed: int, each: int) -> Iterator[Drawn]:
-    """Random scenes of one seed, `each` of every kind; one does not depend on how many are drawn."""
+def population(seed: int, each: int, names: Container[str] | None = None) -> Iterator[Drawn]:
+    """Random scenes of one seed, `each` of every kind, or of those named; none depends on which are drawn."""
     for place, kind in enumerate(KINDS):
-        for number in range(each):
+        for number in range(each if names is None or kind.name in names else 0):
             rng = np.random.default_rng((seed, place, number))
             shape, scene = _scene(rng, kind, f"{kind.name} {seed}/{number}")
             yield Drawn(seed, number, kind.name, shape, scene)

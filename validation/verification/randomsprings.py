@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import pandas as pd
@@ -79,7 +79,25 @@ def closed(wire: EquilibriumPath) -> int:
     return max((len(np.unique(quarters[gaps < 0.0])) for gaps in wire.gaps), default=0)
 
 
+class Curve(NamedTuple):
+    """What a scene's path answers to its load: see `validation.study.metrics.answered`."""
+
+    scene: Scene
+    times: np.ndarray
+    answers: Mapping[str, np.ndarray]
+
+    @classmethod
+    def of(cls, path: EquilibriumPath) -> Curve:
+        """The curve of a path."""
+        return cls(path.scene, path.times, answered(path))
+
+
 def errors(path: EquilibriumPath, wire: EquilibriumPath) -> dict[str, float]:
+    """Errors of a path; see `curve_errors`."""
+    return curve_errors(Curve.of(path), Curve.of(wire))
+
+
+def curve_errors(path: Curve, wire: Curve) -> dict[str, float]:
     """Largest errors as far as both paths go, over the wire model's peak there, per cent.
 
     ``vector`` is of the displacement (UX, UY), or of the axial force where UY is prescribed; the others of a
@@ -90,7 +108,7 @@ def errors(path: EquilibriumPath, wire: EquilibriumPath) -> dict[str, float]:
     if common == 0:
         return found
     mine, theirs = (
-        np.column_stack([answered(each)[name][:common] for name in COMPONENTS]) for each in (path, wire)
+        np.column_stack([each.answers[name][:common] for name in COMPONENTS]) for each in (path, wire)
     )
     peaks = np.abs(theirs).max(axis=0)
     sizes = peaks * (1.0, 1.0, 0.5 * middle_diameter(wire.scene.spring))

@@ -1,0 +1,152 @@
+"""What must hold of a user's law before a spring is solved with it, and where it ends a path.
+
+At rest the energy is finite and has a minimum. Around rest its first derivatives are continuous.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from coilspring.errors import InputError
+from equivbeam.laws.haringx import L0
+
+if TYPE_CHECKING:
+    from equivbeam.laws.userlaw import UserLaw
+
+FORCE = 1e-9  # at rest, over the largest stiffness times the length
+STIFFNESS = 1e-12  # least eigenvalue at rest over the largest
+GRID = 24  # intervals of a line along which kinks are searched
+RANGE = (0.5, 0.4, 0.4)  # to both sides of rest: of l and v over l0, and of dtheta, rad
+LINES = ((1, 0, 0), (0, 1, 0), (0, 0, 1), (1, 1, 1), (1, -1, 1))
+JUMP = 1e-4  # of a first derivative, over the largest stiffness at rest times the range
+HALVINGS = 30
+BEYOND = 1.02  # times the way from rest: where a path that ended would have gone on
+U, FIRST, SECOND = 0, slice(1, 4), (4, 5, 6, 5, 7, 9, 6, 9, 8)  # of a table: energy, gradient, Hessian
+
+
+def state_text(l: float, v: float, turn: float) -> str:  # noqa: E741
+    """A state of a half coil for messages."""
+    return f"(l = {l:.6g} mm, v = {v:.3g} mm, dtheta = {turn:.3g} rad)"
+
+
+def checked_rest(law: UserLaw, rows: np.ndarray) -> np.ndarray:
+    """Diagonal of the stiffness matrix at rest of every half coil, shape (half coils, 3).
+
+    Raises
+    ------
+    InputError : at rest the energy is not finite, has no minimum or no positive stiffness, or it has a kink.
+    """
+    rest = np.zeros((len(rows), 3))
+    rest[:, 0] = rows[:, L0]
+    found = law.evaluated(rows, np.arange(len(rows)), rest)
+    size = np.ones_like(rest)
+    size[:, :2] = rows[:, [L0]]  # lengths and shears over the length at rest
+    _require(law, rest, np.isfinite(found).all(axis=1), "is not finite, or its derivatives are not,")
+    stiffness = found[:, SECOND].reshape(-1, 3, 3) * size[:, :, None] * size[:, None, :]
+    eigenvalues = np.linalg.eigvalsh(stiffness)
+    scale = np.abs(eigenvalues).max(axis=1)
+    _refuse_kinks(law, rows, size, scale)
+    forces = np.abs(found[:, FIRST] * size).max(axis=1)
+    names = [", ".join(f"{x:.3g}" for x in row) for row in found[:, FIRST]]
+    _require(law, rest, forces <= FORCE * scale, "has no minimum", "its derivatives there are ({})", names)
+    values = [f"{x:.3g}" for x in (eigenvalues[:, 0] / np.where(scale > 0.0, scale, 1.0)).tolist()]
+    positive = eigenvalues[:, 0] > STIFFNESS * scale
+    why = "the least eigenvalue of its stiffness matrix is {} of the largest"
+    _require(law, rest, positive, "has a stiffness that is not positive", why, values)
+    return found[:, [4, 7, 8]]
+
+
+def _require(
+    law: UserLaw,
+    points: np.ndarray,
+    good: np.ndarray,
+    what: str,
+    why: str = "",
+    values: list[str] | None = None,
+) -> None:
+    """Refuse the first half coil that is not good."""
+    if good.all():
+        return
+    bad = int(np.argmin(good))
+    reason = f": {why.format(values[bad])}" if values else ""
+    raise InputError(
+        f"law {law.name}: energy of half coil {bad + 1} {what} at rest {state_text(*points[bad])}{reason}"
+    )
+
+
+def _refuse_kinks(law: UserLaw, rows: np.ndarray, size: np.ndarray, scale: np.ndarray) -> None:
+    """Refuse a jump of the energy or of its first derivatives on lines through the state at rest."""
+    different = np.unique(rows, axis=0, return_index=True)[1]  # most springs repeat one half coil
+    index = np.repeat(different, GRID)
+    rest = np.array([1.0, 0.0, 0.0]) * rows[index][:, [L0]]
+    for line in LINES:
+        points = np.linspace(-1.0, 1.0, GRID + 1)[:, None] * np.multiply(line, RANGE)
+        begin, end = (np.tile(each, (len(different), 1)) * size[index] for each in (points[:-1], points[1:]))
+        place = _jump(law, rows, index, rest + begin, rest + end, size[index], scale[index])
+        if place is not None:
+            coil, at = place
+            raise InputError(
+                f"law {law.name}: energy of half coil {coil + 1} has a kink at {state_text(*at)}"
+            )
+
+
+def _jump(
+    law: UserLaw,
+    rows: np.ndarray,
+    index: np.ndarray,
+    begin: np.ndarray,
+    end: np.ndarray,
+    size: np.ndarray,
+    scale: np.ndarray,
+) -> tuple[int, np.ndarray] | None:
+    """Half coil and state of a jump between two states, found by halving where the ends differ too much.
+
+    In a smooth law the difference of two gradients tends to that of the Hessian times the distance.
+    """
+    low, high = law.evaluated(rows, index, begin), law.evaluated(rows, index, end)
+    for _ in range(HALVINGS):
+        change = _unexplained(low, high, end - begin, size, scale)
+        open_ = np.flatnonzero(change > JUMP)
+        if not open_.size:
+            return None
+        index, begin, end, size, scale = (each[open_] for each in (index, begin, end, size, scale))
+        middle = 0.5 * (begin + end)
+        half = law.evaluated(rows, index, middle)
+        low, high = low[open_], high[open_]
+        first = _unexplained(low, half, middle - begin, size, scale)
+        second = _unexplained(half, high, end - middle, size, scale)
+        left = (first >= second)[:, None]
+        begin, end = np.where(left, begin, middle), np.where(left, middle, end)
+        low, high = np.where(left, low, half), np.where(left, half, high)
+    return int(index[0]), end[0]
+
+
+def _unexplained(
+    low: np.ndarray, high: np.ndarray, step: np.ndarray, size: np.ndarray, scale: np.ndarray
+) -> np.ndarray:
+    """What of the changes of energy and forces the derivatives do not explain, over the stiffness at rest.
+
+    Zero where a state has no finite energy: that ends a path, but is no kink.
+    """
+    with np.errstate(all="ignore"):
+        mean = 0.5 * (low + high)
+        second = mean[:, SECOND].reshape(-1, 3, 3)
+        forces = high[:, FIRST] - low[:, FIRST] - np.einsum("kij,kj->ki", second, step)
+        energy = high[:, U] - low[:, U] - np.einsum("ki,ki->k", mean[:, FIRST], step)
+        worst = np.maximum(np.abs(forces * size).max(axis=1), np.abs(energy)) / scale
+    return np.where(np.isfinite(worst), worst, 0.0)
+
+
+def not_finite(law: UserLaw, rows: np.ndarray, points: np.ndarray) -> str:
+    """Which half coil has no finite energy at points (half coils, 3) or a little farther from rest."""
+    rest = np.zeros_like(points)
+    rest[:, 0] = rows[:, L0]
+    for share in np.linspace(1.0, BEYOND, 9):
+        at = rest + share * (points - rest)
+        bad = ~np.isfinite(law.evaluated(rows, np.arange(len(rows)), at)).all(axis=1)
+        if bad.any():
+            coil = int(np.argmax(bad))
+            return f"law {law.name}: energy of half coil {coil + 1} is not finite at {state_text(*at[coil])}"
+    return ""

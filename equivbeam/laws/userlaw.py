@@ -1,0 +1,305 @@
+"""A law of a half coil that a user wrote: two functions, in a file, a module or an object.
+
+``parameters(coil) -> tuple`` gives the numbers of a half coil (`HalfCoil`), ``energy(l, v, dtheta, p)`` its
+strain energy. The program makes the derivatives (`equivbeam.laws.differentiation`), so that the law has the
+same compiled response as the built-in ones.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import inspect
+import linecache
+import math
+import numbers
+import traceback
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from functools import lru_cache
+from pathlib import Path
+from types import FunctionType
+from typing import Any
+
+import numpy as np
+from numba.core.errors import NumbaError
+
+from coilspring.compiling.compiled import kernel, part
+from coilspring.compiling.kernelcache import content_digest
+from coilspring.errors import InputError, shown
+from coilspring.scene.material import Material
+from coilspring.scene.spring import Spring
+from equivbeam.element import Response
+from equivbeam.laws.differentiation import differentiated
+from equivbeam.laws.haringx import KAX, KFL, KSH, L0
+from equivbeam.laws.jets import variables
+from equivbeam.laws.lawchecks import checked_rest, state_text
+from equivbeam.stations import half_coils
+
+FIRST = 4  # column of the first parameter: stiffnesses and length at rest come before
+DIGITS = 16  # of a digest, in the name of a law
+
+
+@dataclass(frozen=True)
+class HalfCoil:
+    """What a law is told of a half coil.
+
+    Attributes
+    ----------
+    mean_diameter : mean coil diameter D in the middle of the half coil, mm.
+    wire_diameter : d, mm.
+    length : axial length at rest, mm.
+    wire_length : length of its wire, of a helix of the mean diameter, mm.
+    helix_angle : angle of that helix, rad.
+    start_phase, end_phase : where it begins and ends, from the working plane about the axis, rad.
+    hand : "left" or "right".
+    E, G : moduli, MPa.
+    index : number of the half coil from the bottom, from 0.
+    """
+
+    mean_diameter: float
+    wire_diameter: float
+    length: float
+    wire_length: float
+    helix_angle: float
+    start_phase: float
+    end_phase: float
+    hand: str
+    E: float
+    G: float
+    index: int
+
+
+def spring_coils(spring: Spring, material: Material) -> list[HalfCoil]:
+    """The half coils of a spring, from the bottom."""
+    at = half_coils(spring)
+    diameters, phases = 2.0 * spring.radius(at.middles), at.phases - at.plane
+    return [
+        HalfCoil(
+            mean_diameter=D,
+            wire_diameter=spring.wire_diameter,
+            length=length,
+            wire_length=math.hypot(length, 0.5 * math.pi * D),
+            helix_angle=math.atan(2.0 * length / (math.pi * D)),
+            start_phase=begin,
+            end_phase=end,
+            hand=spring.hand,
+            E=material.E,
+            G=material.G,
+            index=index,
+        )
+        for index, (D, length, begin, end) in enumerate(
+            zip(
+                diameters.tolist(),
+                at.lengths.tolist(),
+                phases[:-1].tolist(),
+                phases[1:].tolist(),
+                strict=True,
+            )
+        )
+    ]
+
+
+@dataclass(frozen=True)
+class UserLaw:
+    """A law of a half coil by its two functions; equal laws have one content.
+
+    Attributes
+    ----------
+    name : of its file or object.
+    digest : of its content: the file, or the code of the functions and what they read.
+    source : path and text of the file it comes from, by which another process gets it; None for an object.
+    parameters, energy : the functions.
+    """
+
+    name: str
+    digest: str
+    source: tuple[str, str] | None = field(compare=False, repr=False)
+    parameters: Callable[[HalfCoil], tuple] = field(compare=False, repr=False)
+    energy: Callable = field(compare=False, repr=False)
+
+    def __str__(self) -> str:
+        """As paths and keys keep it: name and content."""
+        return f"{self.name}@{self.digest[:DIGITS]}"
+
+    def __reduce__(self) -> tuple:
+        if self.source is not None:
+            return law_of_text, self.source
+        return _law_of_functions, (self.name, self.parameters, self.energy)
+
+    def response(self, columns: int) -> Callable:
+        """Response of a half coil whose table of parameters has so many columns; a part of kernels."""
+        return _compiled(self, columns)[0]
+
+    def evaluated(self, rows: np.ndarray, index: np.ndarray, points: np.ndarray) -> np.ndarray:
+        """Energy and derivatives, as in `Response`, at points (l, v, dtheta) of the half coils `index`."""
+        out = np.empty((len(points), len(Response._fields)))
+        try:
+            _compiled(self, rows.shape[1])[1](
+                np.ascontiguousarray(rows),
+                np.asarray(index, dtype=np.int64),
+                np.ascontiguousarray(points),
+                out,
+            )
+        except NumbaError as error:
+            raise InputError(
+                f"law {self.name}: energy cannot be compiled: {_first_sentence(error)}"
+            ) from None
+        except TypeError as error:  # a global of unknown content
+            raise InputError(f"law {self.name}: {error}") from None
+        return out
+
+    def rows(self, spring: Spring, material: Material) -> np.ndarray:
+        """Table of parameters: stiffnesses and length at rest as in the paper's law, then the law's own.
+
+        Raises
+        ------
+        InputError : parameters that are no numbers, or an energy that cannot be that of a spring at rest.
+        """
+        coils = spring_coils(spring, material)
+        values = [self._numbers(coil) for coil in coils]
+        for coil, each in zip(coils, values, strict=True):
+            if len(each) != len(values[0]):
+                raise InputError(
+                    f"law {self.name}: parameters must be as many for every half coil, got {len(values[0])} "
+                    f"for half coil 1 and {len(each)} for half coil {coil.index + 1}"
+                )
+        lengths = np.array([coil.length for coil in coils])
+        own = np.array(values, dtype=float).reshape(len(coils), -1)
+        rows = np.column_stack((np.zeros((len(coils), L0)), lengths, own))
+        self._try(coils[0], values[0])
+        rows[:, [KAX, KSH, KFL]] = checked_rest(self, rows)
+        return rows
+
+    def _numbers(self, coil: HalfCoil) -> list[float]:
+        """Parameters of a half coil."""
+        where = f"law {self.name}: parameters of half coil {coil.index + 1}"
+        try:
+            found = self.parameters(coil)
+        except Exception as error:
+            raise InputError(f"{where}: {_told(error)}") from None
+        values = list(found) if isinstance(found, tuple | list | np.ndarray) else [found]
+        for value in values:
+            if isinstance(value, bool) or not isinstance(value, numbers.Real) or not math.isfinite(value):
+                raise InputError(f"{where} must be finite numbers, got {shown(found)}")
+        return [float(value) for value in values]
+
+    def _try(self, coil: HalfCoil, values: list[float]) -> None:
+        """The energy at rest as plain Python, whose errors are the clearest."""
+        where = (
+            f"law {self.name}: energy of half coil {coil.index + 1} at rest {state_text(coil.length, 0, 0)}"
+        )
+        try:
+            with np.errstate(all="ignore"):
+                found = self.energy(coil.length, 0.0, 0.0, tuple(values))
+        except Exception as error:
+            raise InputError(f"{where}: {_told(error)}") from None
+        if isinstance(found, bool) or not isinstance(found, numbers.Real):
+            raise InputError(f"{where} must be a number, got {shown(found)}")
+
+
+def law_of_file(file: Path) -> UserLaw:
+    """The law in a file, as the file is now."""
+    try:
+        return law_of_text(str(file), file.read_text(encoding="utf-8"))
+    except (OSError, UnicodeDecodeError) as error:
+        raise InputError(f"law must be a Python file that can be read, got {str(file)!r} ({error})") from None
+
+
+@lru_cache(maxsize=64)
+def law_of_text(file: str, text: str) -> UserLaw:
+    """The law in the text of a file."""
+    name, found = Path(file).name, hashlib.sha256(text.encode()).hexdigest()
+    place = f"<law {file} {found[:DIGITS]}>"  # each content is a source of its own for `inspect`
+    linecache.cache[place] = (len(text), None, text.splitlines(True), place)
+    space: dict[str, Any] = {"__name__": f"law_{Path(file).stem}", "__file__": file}
+    try:
+        exec(compile(text, place, "exec"), space)
+    except Exception as error:
+        raise InputError(f"law {name}: {_told(error)}") from None
+    functions = [_function(name, space.get(each), each) for each in ("parameters", "energy")]
+    return _known(UserLaw(name, found, (file, text), *functions))
+
+
+def law_of_object(given: Any) -> UserLaw:
+    """The law of a module or an object, as its functions are in memory now."""
+    name = Path(getattr(given, "__file__", "") or getattr(given, "__name__", type(given).__name__)).name
+    return _law_of_functions(name, getattr(given, "parameters", None), getattr(given, "energy", None))
+
+
+def _law_of_functions(name: str, parameters: Any, energy: Any) -> UserLaw:
+    parameters, energy = _function(name, parameters, "parameters"), _function(name, energy, "energy")
+    found = hashlib.sha256()
+    for function in (parameters, energy):
+        try:
+            found.update(content_digest(function).encode())
+        except TypeError:  # it reads what has no content, a module of another package
+            found.update(inspect.getsource(function).encode())
+    return _known(UserLaw(name, found.hexdigest(), None, parameters, energy))
+
+
+KNOWN: dict[str, UserLaw] = {}  # laws of this process by what paths keep of them
+
+
+def _known(law: UserLaw) -> UserLaw:
+    return KNOWN.setdefault(str(law), law)
+
+
+def _function(name: str, given: Any, role: str) -> FunctionType:
+    """One of the law's functions, with the arguments that it must have."""
+    wanted = ("coil",) if role == "parameters" else ("l", "v", "dtheta", "p")
+    text = f"{role}({', '.join(wanted)})"
+    if not isinstance(given, FunctionType):
+        raise InputError(f"law {name} must have a function {text}, got {shown(given)}")
+    code = given.__code__
+    if code.co_argcount != len(wanted) or code.co_kwonlyargcount or code.co_flags & (0x04 | 0x08):
+        names = ", ".join(code.co_varnames[: code.co_argcount])
+        raise InputError(f"law {name}: {role} must take {len(wanted)} arguments, {text}, got {role}({names})")
+    return given
+
+
+@lru_cache(maxsize=256)
+def _compiled(law: UserLaw, columns: int) -> tuple[Callable, Callable]:
+    """The response of a law, and a kernel that makes a table of it."""
+    content = law.digest[:DIGITS]
+    energy = differentiated(law.energy, law.name, content, (True, True, True, False))
+    space = {"energy": energy, "variables": variables, "Response": Response, "__name__": __name__}
+    p = "".join(f"rows[i, {column}], " for column in range(FIRST, columns))
+    text = (
+        f"def response_{content}(law, rows, i, l, v, dth):\n"
+        "    l, v, dth = variables(l, v, dth)\n"
+        f"    u = energy(l, v, dth, ({p}))\n"
+        "    return Response(u.value, u.l, u.v, u.m, u.ll, u.lv, u.lm, u.vv, u.mm, u.vm)\n"
+    )
+    exec(compile(text, f"<response of {law}>", "exec"), space)
+    response: Any = part(space[f"response_{content}"])  # type: ignore[arg-type]
+
+    def tabulate(rows, index, points, out):
+        for k in range(index.size):
+            r = response(0, rows, index[k], points[k, 0], points[k, 1], points[k, 2])
+            out[k, 0], out[k, 1], out[k, 2], out[k, 3], out[k, 4] = r.U, r.N, r.T, r.M, r.N_l
+            out[k, 5], out[k, 6], out[k, 7], out[k, 8], out[k, 9] = r.N_v, r.N_m, r.T_v, r.M_m, r.T_m
+
+    tabulate.__qualname__ = f"tabulate_{response.__name__}"
+    return response, kernel(tabulate)
+
+
+def _told(error: Exception) -> str:
+    """An error in a law's file, with its line, in one sentence."""
+    if isinstance(error, InputError):
+        return str(error)
+    if isinstance(error, SyntaxError):
+        return f"line {error.lineno}: {error.msg}"
+    places = [
+        frame.lineno for frame in traceback.extract_tb(error.__traceback__) if "<law " in frame.filename
+    ]
+    line = f"line {places[-1]}: " if places else ""
+    return " ".join(f"{line}{type(error).__name__}: {error}".split())
+
+
+def _first_sentence(error: Exception) -> str:
+    """What numba says first that says anything, and the line."""
+    lines = [line.strip() for line in str(error).splitlines()]
+    telling = [line for line in lines if line and not line.startswith(("Failed in", "[", "-"))]
+    place = next((line for line in lines if line.startswith("File ")), "")
+    where = f" (line {place.rpartition('line ')[2].rstrip(':')})" if "line " in place else ""
+    return (telling[0] if telling else type(error).__name__) + where

@@ -1,0 +1,162 @@
+"""The page of a law, whose words are in ``page.md``: tables, what the sentences count, and the figure."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import matplotlib
+import numpy as np
+import pandas as pd
+from matplotlib.figure import Figure
+
+from equivbeam.laws.userlaw import UserLaw
+from validation.campaign.verdict import CLASSES as OUTCOMES
+from validation.lawstudy.place import BUILT_IN, MESHES
+from validation.lawstudy.springs import BAD, LAW, breakdown
+from validation.study import template
+from validation.study.document import Table
+from validation.study.frames import frame_table, view
+from validation.study.plots import png
+from validation.study.style import BLUE, DOUBLE, LIGHT_RED, NAVY, RC, RED
+from validation.verification.randompage import CLASSES, cell, errors, number
+from validation.verification.randomsprings import COMPONENTS
+
+LAWS = (*BUILT_IN, LAW)
+FEWEST = 5  # springs of a kind, below which it is not named
+NEARER = 0.99  # times another law's error: what is nearer to it counts as equal
+GREEN = "#2e8b57"
+LOOKS: dict[str, dict[str, Any]] = {
+    "haringx": {"color": BLUE, "marker": "o", "label": "haringx"},
+    "helix": {"color": NAVY, "marker": "D", "label": "helix"},
+    LAW: {"color": GREEN, "marker": "*", "markersize": 9.0, "label": "this law"},
+    "straight 40": {"color": LIGHT_RED, "marker": "s", "label": "wire, straight 40 (paper's mesh)"},
+    "curved 4": {"color": RED, "marker": "v", "label": "wire, curved 4"},
+    "curved 8": {"color": RED, "marker": "^", "label": "wire, curved 8"},
+}
+Data = dict[str, pd.DataFrame]
+
+
+def listed(values: pd.Series) -> str:
+    """Errors in a row."""
+    return ", ".join(f"{value:.2f}" for value in values)
+
+
+def pair(springs: pd.DataFrame, law: str, closing: int) -> str:
+    """Median / 95th percentile of a law's error in a class of contact."""
+    found = errors(springs, f"{law}_vector", closing)
+    return f"{number(found.median())} / {number(found.quantile(0.95))}"
+
+
+def gain(springs: pd.DataFrame) -> float:
+    """Share of the difference of both built-in laws that the law takes away, of medians without contact."""
+    haringx, helix, law = (errors(springs, f"{name}_vector", 0).median() for name in LAWS)
+    return float((haringx - law) / (haringx - helix))
+
+
+def nearer(springs: pd.DataFrame, law: str) -> str:
+    """On how many springs the law is nearer than another, per cent."""
+    return f"{100.0 * (springs[f'{LAW}_vector'] < NEARER * springs[f'{law}_vector']).mean():.0f}"
+
+
+def weakest(springs: pd.DataFrame) -> dict[str, Any]:
+    """Kind and class with the largest share of springs on which the law is broken, and the others' counts."""
+    table = breakdown(springs)
+    many = table[table["springs"] >= FEWEST]
+    table = many if len(many) else table
+    worst = table.loc[(table["broken"] / table["springs"]).idxmax()]
+    beside = {law: int(breakdown(springs, law).loc[worst.name, "broken"]) for law in BUILT_IN}
+    counts = {name: int(worst[name]) for name in ("broken", "springs")}
+    return {"kind": worst["kind"], "contact": worst["contact"]} | counts | beside
+
+
+def differences(limits: pd.DataFrame) -> pd.Series:
+    """Differences from the closed form, or from haringx where there is none, per cent."""
+    target = limits["formula"].astype(float).fillna(limits["haringx"].astype(float))
+    return 100.0 * (limits["found"].astype(float) / target - 1.0)
+
+
+PAGE = template.template(
+    Path(__file__).with_name("page.md"), (listed, pair, gain, nearer, weakest, differences)
+)
+PAGE.globals["bad"] = BAD
+SUMMARY = ("cases", "springs", "gain", "breaks", "time", "stability", "limits")  # blocks of the page
+
+
+def files(law: UserLaw, data: Data) -> tuple[dict[str, bytes], list[str]]:
+    """The page and its figure by file name, and the summary."""
+    looks: Any = RC
+    with matplotlib.rc_context(looks):
+        picture = png(draw(data["place"]))
+    text = template.page(PAGE, law=law, f=data, code="@code@", tables=tables(data))
+    source = law.source[1].rstrip() if law.source else ""
+    text = text.replace("@code@", f"```python\n{source}\n```")  # its lines stay as they are
+    return {"law.md": text.encode(), "law.png": picture}, [
+        template.statement(PAGE, name, data) for name in SUMMARY
+    ]
+
+
+def tables(data: Data) -> dict[str, Any]:
+    """Tables by name."""
+    springs, place, limits = data["springs"], data["place"], data["limits"]
+    closed = springs[springs["closed"] > 0]
+    components = [(name.upper(), *(cell(closed[f"{law}_{name}"]) for law in LAWS)) for name in COMPONENTS]
+    titles = {"off": f"above {BAD:g} %", "ends": "ends early"}
+    broken = breakdown(springs)[["kind", "contact", "springs", *titles]]
+    broken = broken.astype(dict.fromkeys(("springs", *titles), int)).rename(columns=titles)
+    texts = place.assign(text=[f"{row.error:.2g} %, {row.ms:.3g} ms" for row in place.itertuples()])
+    texts = texts.pivot(index="scene", columns="series", values="text")[[*LAWS, *MESHES]]
+    counts = data["stability"]["class"].value_counts().reindex(OUTCOMES, fill_value=0)
+    formats = dict.fromkeys(("found", "formula", "haringx"), "{:.5g}") | {"off": "{:+.2f} %"}
+    return {
+        "cases": view(data["cases"], {"case": lambda row: row.case} | {law: _case(law) for law in LAWS}),
+        "kinds": [_kinds(springs, closing) for closing in CLASSES],
+        "components": Table(("component", *LAWS), tuple(components)),
+        "broken": frame_table(broken),
+        "holds": view(data["half coil"], {
+            "spring": lambda row: row.spring, "direction": lambda row: row.direction,
+            "until": lambda row: f"{row.share:.3g} {row.unit}", "there it": lambda row: row.what,
+        }),
+        "place": frame_table(texts.reindex(place["scene"].unique()).reset_index()),
+        "stability": Table(("class", "scenes"), tuple((name, str(counts[name])) for name in OUTCOMES)),
+        "limits": frame_table(limits.assign(off=differences(limits)), formats),
+        "derivatives": frame_table(data["derivatives"], {"deviation": "{:.1e}"}),
+    }  # fmt: skip
+
+
+def _case(law: str) -> Any:
+    """Cell of a law's errors on a case."""
+
+    def text(row: Any) -> str:
+        parts = (getattr(row, f"{law}_{component}", np.nan) for component in COMPONENTS)
+        ended = "" if getattr(row, f"{law}_outcome") == "completed" else " ends early"
+        detail = ", ".join(f"{part:.2f}" for part in parts if not np.isnan(part))
+        return f"{getattr(row, f'{law}_error'):.2f} ({detail}){ended}"
+
+    return text
+
+
+def _kinds(springs: pd.DataFrame, closing: str) -> Table:
+    """Errors of all laws by kind, in a class of contact."""
+    here = springs[springs["closing"] == closing]
+    both = pd.concat((here, here.assign(kind="all")))
+    columns = {f"{law}_vector": law for law in LAWS}
+    cells = both.groupby("kind", sort=False)[list(columns)].agg(cell).rename(columns=columns)
+    return frame_table(cells.rename_axis(closing).reset_index())
+
+
+def draw(data: pd.DataFrame) -> Figure:
+    """A panel for each spring: error over CPU time of the laws and of some meshes of the wire model."""
+    scenes = data["scene"].unique()
+    figure = Figure(figsize=(DOUBLE, 4.2), layout="constrained")
+    grid = figure.subplots(2, -(-len(scenes) // 2), sharex=True, sharey=True, squeeze=False)
+    for axes, scene in zip(grid.flat, scenes, strict=False):
+        for row in data[data["scene"] == scene].itertuples():
+            axes.plot(row.ms, row.error, linestyle="none", **LOOKS[row.series])
+        axes.set(xscale="log", yscale="log", title=scene)
+    for axes in grid[-1]:
+        axes.set_xlabel("CPU time (ms)")
+    for axes in grid[:, 0]:
+        axes.set_ylabel("error of the curve (%)")
+    figure.legend(*grid[0, 0].get_legend_handles_labels(), loc="outside lower center", ncols=3)
+    return figure

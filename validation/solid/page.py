@@ -1,0 +1,176 @@
+"""Where each model stands against 3D elasticity: ``python -m validation.solid.page``.
+
+Rods are solved here; solids are those that `validation.solid.runs` has written.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+import wirefe
+from coilspring import CATALOGUE, EquilibriumPath, Material, Scene, Spring, spring_a
+from coilspring.scene.sizing import wahl_factor
+from coilspring.scene.solidwire import coil_section, half_ring, inner_stress_factor
+from coilspring.scene.wire import round_section
+from validation.solid.comparison import COILS as COILS_RUN
+from validation.solid.comparison import DIRECTIONS, KINDS, MODELS, solved
+from validation.solid.runs import FOLDER
+from validation.study import template
+from validation.study.frames import Format, frame_table, read_csv, write_csv
+from validation.study.metrics import compare_paths
+from validation.study.output import write_facts, write_text
+from validation.study.partialsolve import ending, partial_path
+
+INDICES = (3.0, 4.0, 5.0, 20.0 / 3.0, 8.0, 10.0, 15.0)
+SIGNED, PERCENT = "{:+.2f}".format, "{:.2f}".format
+WORDS = template.template(Path(__file__).with_name("page.md"))
+
+
+def ring_table() -> pd.DataFrame:
+    """Stiffnesses with the solid wire over the paper's or the straight wire's, %."""
+    rows = []
+    for index in INDICES:
+        spring = Spring(1.0, (index, index), 1.0, 1.0, end_turns=0.0)
+        radius, material = np.array([index / 2.0]), Material()
+        coiled = coil_section(replace(spring, wire_rigidity="solid"), material, 1.0 / radius)
+        straight = round_section(1.0, material)
+        rigid = replace(straight, EA=np.inf, GA=np.inf)  # as the paper's law has it
+        change = half_ring(coiled, radius)[0] / half_ring(rigid, radius)[0] - 1.0
+        beam = half_ring(straight, radius)[0, 0] / half_ring(rigid, radius)[0, 0] - 1.0
+        stretch = {name: float(getattr(straight, name) / getattr(coiled, name)[0]) for name in ("EA", "GA")}
+        stiff = {name: float(getattr(coiled, name)[0] / getattr(straight, name)) for name in ("GJ", "EI")}
+        rows.append(
+            {
+                "index": f"{index:.3g}",
+                **{f"{name} (%)": 100.0 * x for name, x in zip(("Kax", "Ksh", "Kfl"), change, strict=True)},
+                "Kax of a rod with shear (%)": 100.0 * beam,
+                **{f"{name} (%)": 100.0 * (x - 1.0) for name, x in stiff.items()},
+                **{f"1/{name}, share": x for name, x in stretch.items()},
+            }
+        )
+    return pd.DataFrame(rows)
+
+
+def stress_table() -> pd.DataFrame:
+    """Stress factors."""
+    found = pd.DataFrame({"index": INDICES})
+    found["3D elasticity"] = found["index"].map(inner_stress_factor)
+    found["Wahl"] = found["index"].map(wahl_factor)
+    return found.assign(**{"Wahl off (%)": 100.0 * (found["Wahl"] / found["3D elasticity"] - 1.0)})
+
+
+def standing() -> pd.DataFrame:
+    """Difference of every model and wire from the wire model with the solid wire, a row a scene and model."""
+    rows = []
+    for name, scene in CATALOGUE.items():
+        reference = solved(scene(), "wire model", "solid")
+        for model in (*MODELS, "paper's mesh"):
+            for kind in KINDS:
+                path = _paper_mesh(scene(), kind) if model == "paper's mesh" else solved(scene(), model, kind)
+                off = 100.0 * compare_paths(path, reference).curve_max
+                rows.append({"scene": name, "model": model, "wire": kind, "off": off, "ending": _ended(path)})
+    return pd.DataFrame(rows)
+
+
+def _paper_mesh(scene: Scene, kind: str) -> EquilibriumPath:
+    return partial_path(wirefe.solve, replace(scene, spring=replace(scene.spring, wire_rigidity=kind)))
+
+
+def _ended(path: EquilibriumPath) -> str:
+    return "" if path.outcome == "completed" else ending(path.outcome, path.critical_time)
+
+
+def numbers(coils: pd.DataFrame, moved: pd.DataFrame, stands: pd.DataFrame) -> dict[str, Any]:
+    """Facts of the page and of findings, in per cent."""
+    long, coils = coils[coils["coils"] > COILS_RUN], coils[coils["coils"] == COILS_RUN]
+    axial = coils["direction"] == "Fy"
+    section = ring_table().set_index("index")
+    a = f"{spring_a().spring.mean_diameter[0] / spring_a().spring.wire_diameter:.3g}"
+    facts = {
+        "axial": coils.loc[axial, "solid"].abs().max(),
+        "others": coils.loc[~axial, "solid"].abs().max(),
+        "whole": coils["solid_whole"].max(),
+        "beam.axial": coils.loc[axial, "beam"].abs().max(),
+        "beam.others": coils.loc[~axial, "beam"].abs().max(),
+        "mesh": coils["mesh"].abs().max(),
+        "coils": coils["coils"].iloc[0],
+        "index": long["index"].iloc[0],
+        "long": long["coils"].iloc[0],
+        "others.long": long.loc[long["direction"] != "Fy", "solid"].abs().max(),
+        "rate.solid": section.loc[a, "Kax (%)"],
+        "rate.beam": section.loc[a, "Kax of a rod with shear (%)"],
+        "lateral": section.loc[a, "Ksh (%)"],
+        "bending": section.loc[a, "Kfl (%)"],
+    }
+    for row in moved.itertuples():
+        facts[f"large.{row.scene}.{row.model}.{row.wire}"] = row.off
+    for row in stands.itertuples():
+        facts[f"standing.{row.scene}.{row.model}.{row.wire}"] = row.off
+    numbers = {name: float(value) for name, value in facts.items()}
+    return numbers | {"indices": sorted(map(float, coils["index"].unique()))}
+
+
+def coils_table(coils: pd.DataFrame) -> pd.DataFrame:
+    """Deviations from the fine solids, a row each kind of wire and the coarse solids."""
+    rows = []
+    for (count, index, angle), group in coils.groupby(["coils", "index", "angle"]):
+        for name in (*KINDS, "mesh"):
+            rows.append(
+                {
+                    "coils": f"{count:g}",
+                    "index": f"{index:.3g}",
+                    "pitch (degrees)": f"{angle:g}",
+                    "wire": "coarse solids" if name == "mesh" else name,
+                }
+                | dict(zip(DIRECTIONS, map(SIGNED, group[name]), strict=True))
+                | {"whole": PERCENT(group[f"{name}_whole"].iloc[0])}
+            )
+    return pd.DataFrame(rows)
+
+
+def standing_table(stands: pd.DataFrame) -> pd.DataFrame:
+    """A row each model and wire, a column each scene."""
+    cells = stands.assign(
+        cell=[
+            f"{row.off:.2f} {'' if pd.isna(row.ending) else row.ending}".strip()
+            for row in stands.itertuples()
+        ],
+        model=stands["model"] + ", " + stands["wire"],
+    )
+    wide = cells.pivot(index="model", columns="scene", values="cell").loc[cells["model"].unique()]
+    return wide.reset_index()[["model", *CATALOGUE]]
+
+
+def page(facts: Mapping[str, Any], coils: pd.DataFrame, moved: pd.DataFrame, stands: pd.DataFrame) -> str:
+    """The page as Markdown."""
+    ring, factors = ring_table(), stress_table()
+    fixed: dict[str, Format] = dict.fromkeys(factors.columns[1:-1], "{:.4f}")
+    return template.page(
+        WORDS,
+        f=facts,
+        standing=frame_table(standing_table(stands)),
+        coils=frame_table(coils_table(coils)),
+        moved=frame_table(moved, dict.fromkeys(("ux", "uy", "rotz"), "{:.4f}") | {"off": PERCENT}),
+        ring=frame_table(ring, {name: PERCENT if "share" in name else SIGNED for name in ring.columns[1:]}),
+        stress=frame_table(factors, fixed | {"index": "{:.3g}", factors.columns[-1]: SIGNED}),
+    )
+
+
+def main(folder: Path = FOLDER) -> None:
+    """Solve rods and write page, standing.csv and facts."""
+    coils, moved = (read_csv(folder / f"{name}.csv") for name in ("flexibility", "deflection"))
+    stands = standing()
+    write_csv(stands, folder / "standing.csv")
+    facts = numbers(coils, moved, stands)
+    write_facts(facts, folder)
+    write_text(folder / "solid.md", page(facts, coils, moved, stands))
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,41 @@
+"""Solids of CalculiX for `validation.solid.page`: ``python -m validation.solid.runs``, 15 minutes."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pandas as pd
+
+from coilspring import Material, load_scene
+from validation.solid.coils import coil
+from validation.solid.comparison import COILS, deflections, flexibilities
+from validation.study.frames import write_csv
+
+FOLDER = Path("reports/solid")
+CASES = [(index, angle, COILS) for index in (4.0, 5.0, 20.0 / 3.0, 10.0) for angle in (5.0, 12.0)]
+CASES.append((4.0, 5.0, 2.0 * COILS))  # what the ends do falls with the number of coils
+SCENES = ("spring-b-no-contact",)  # Spring A's end turns: see `hexahedra.deflection`
+
+
+def main() -> None:
+    """Run and write flexibility.csv and deflection.csv."""
+    FOLDER.mkdir(parents=True, exist_ok=True)
+    coils: list[pd.DataFrame] = []
+    for index, angle, count in CASES:
+        found = flexibilities(coil(index, angle, count), Material(), count)
+        found.insert(0, "index", index)
+        found.insert(1, "angle", angle)
+        coils.append(found)
+        print(found.to_string(), flush=True)
+    write_csv(pd.concat(coils), FOLDER / "flexibility.csv")
+    moved: list[pd.DataFrame] = []
+    for name in SCENES:
+        found = deflections(load_scene(name))
+        found.insert(0, "scene", name)
+        moved.append(found)
+        print(found.to_string(), flush=True)
+    write_csv(pd.concat(moved), FOLDER / "deflection.csv", 8)
+
+
+if __name__ == "__main__":
+    main()

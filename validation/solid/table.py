@@ -1,0 +1,96 @@
+"""Fit of the coiled wire's flexibility to solutions on its section: ``python -m validation.solid.table``.
+
+Writes coilspring/scene/solidtable.py; both are numbers of a wire of diameter 1 and modulus 1.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+
+from coilspring.scene.solidwire import ENTRIES, POWERS, monomials
+from validation.solid.section import SectionSolution, disk, solve
+
+TABLE = Path(__file__).parents[2] / "coilspring" / "scene" / "solidtable.py"
+INDICES = (2.0, 2.3, 2.7, 3.2, 4.0, 6.0, 10.0, 30.0)
+ANGLES = (0.0, 6.0, 15.0, 25.0, 40.0, 60.0)  # of the helix, degrees
+POISSON = (0.0, 0.1, 0.2, 0.3, 0.4, 0.45, 0.49)
+CUBIC = 4  # coefficients in Poisson's ratio
+STRESS_TERMS = 6
+HEAD = '''"""Coefficients of `coilspring.scene.solidwire`, written by ``python -m validation.solid.table``."""
+
+import numpy as np
+
+# fmt: off
+'''
+
+
+def helix(index: float, degrees: float) -> tuple[float, float]:
+    """Curvature and torsion of a right-handed helix of a wire of diameter 1."""
+    c, s = np.cos(np.radians(degrees)), np.sin(np.radians(degrees))
+    return 2.0 * c * c / index, 2.0 * s * c / index
+
+
+def inner_stress(found: SectionSolution) -> float:
+    """Shear stress at the inside of a ring under an axial force over 8 F D / (pi d^3)."""
+    radius = 1.0 / found.curvature
+    at, stress = found.stresses(np.array([0.0, 0.0, 1.0, radius, 0.0, 0.0]))
+    inside = np.hypot(at[0] - 0.5, at[1]) < 1e-9
+    return float(stress[4, inside].mean() * np.pi / (16.0 * radius))
+
+
+def samples() -> Iterator[tuple[tuple[float, float, float], SectionSolution]]:
+    """Solutions at the points of the fit."""
+    mesh = disk()
+    for nu in POISSON:
+        for index in INDICES:
+            for angle in ANGLES:
+                bend = helix(index, angle)
+                yield (*bend, nu), solve(mesh, *bend, nu)
+
+
+def fitted(at: np.ndarray, flexibilities: np.ndarray) -> np.ndarray:
+    """Coefficients of every entry, (entries, powers, `CUBIC`)."""
+    k, t, nu = at.T
+    terms = monomials(k, t)[:, :, None] * (nu[:, None] ** np.arange(CUBIC))[:, None, :]
+    weight = 1.0 / (1.0 + 4.0 * k**2)  # coils of usual index
+    table = np.zeros((len(ENTRIES), len(POWERS), CUBIC))
+    for coefficients, ((i, j), (bent, twisted)) in zip(table, ENTRIES.items(), strict=True):
+        # a straight wire of round section does not feel that its axes turn
+        kept = [n for n, (a, b) in enumerate(POWERS) if i != j or a or not b]
+        lead = weight * k**bent * t**twisted / (1.0 + nu)
+        matrix = lead[:, None] * terms[:, kept].reshape(len(at), -1)
+        found, *_ = np.linalg.lstsq(matrix, weight * flexibilities[:, i, j], rcond=None)
+        coefficients[kept] = found.reshape(-1, CUBIC)
+    return table
+
+
+def fitted_stress(curvature: np.ndarray, factors: np.ndarray) -> np.ndarray:
+    """Coefficients of the stress factor, (`STRESS_TERMS`,)."""
+    terms = curvature[:, None] ** np.arange(1, STRESS_TERMS + 1)
+    return np.linalg.lstsq(terms, factors - 1.0, rcond=None)[0]
+
+
+def main() -> None:
+    """Solve, fit and write."""
+    points, solutions = zip(*samples(), strict=True)
+    at = np.array(points)
+    flat = [n for n, (_, torsion, nu) in enumerate(points) if torsion == 0.0 and nu == 0.3]
+    tables = {
+        "FLEXIBILITY": fitted(at, np.stack([found.flexibility for found in solutions])),
+        "STRESS": fitted_stress(at[flat, 0], np.array([inner_stress(solutions[n]) for n in flat])),
+    }
+    body = "\n".join(f"{name} = np.array({_literal(table)})" for name, table in tables.items())
+    TABLE.write_text(HEAD + body + "\n", encoding="utf-8")
+
+
+def _literal(table: np.ndarray) -> str:
+    return np.array2string(
+        table, separator=", ", precision=9, max_line_width=110, threshold=table.size, suppress_small=False
+    )
+
+
+if __name__ == "__main__":
+    main()
