@@ -20,7 +20,7 @@ from validation.campaign.wireverifier import vanishing
 
 
 def solve(name, seed=1):
-    case = make_case(name, seed)
+    case = make_case(name, seed, "spheres")
     return SOLVERS[case.model](case.scene, **case.options)
 
 
@@ -79,7 +79,7 @@ def vanishes(case, critical, change=1.0):
     contact = case.scene.contact
     other = replace(case.scene, contact=replace(contact, friction=change * contact.friction))
     forces, times, least = wire_forces(other, **case.options), [], []
-    for share in (5e-4, 2e-3, 4.5e-3):
+    for share in (1e-4, 4e-4, 9e-4):
         times.append(critical * (1.0 - share))
         before = reached(case, under(case.scene, times[-1]))
         rows, pairs = before.states[-1].reshape(-1, 7), forces.pairs(before, -1)
@@ -91,7 +91,7 @@ def vanishes(case, critical, change=1.0):
 
 @pytest.mark.parametrize("name", ["w00186", "w00474"])
 def test_limit_point_is_that_of_coulombs_own_tangent(name):
-    case = make_case(name, 1)
+    case = make_case(name, 1, "spheres")
     critical = reached(case).critical_time
     assert vanishes(case, critical) == pytest.approx(1.0, abs=5e-4)
     assert abs(vanishes(case, critical, change=1.01) - 1.0) > 1e-3

@@ -70,8 +70,8 @@ def case_id(letter: str, number: int) -> str:
     return f"{letter}{number:0{DIGITS[letter]}d}"
 
 
-def make_case(name: str, seed: int) -> Case:
-    """The case of an id.
+def make_case(name: str, seed: int, geometry: str | None = None) -> Case:
+    """The case of an id; a wire's contact with the geometry drawn, unless one is given.
 
     Raises
     ------
@@ -91,7 +91,8 @@ def make_case(name: str, seed: int) -> Case:
     else:
         sliding = draw.of("sliding", "free", "none", "coulomb")
         friction = draw.log("kind", 0.05, 0.5) if sliding == "coulomb" else None
-        geometry = "wires" if _chosen((seed, 2), SILVER, number, WIRES) else "spheres"
+        drawn = "wires" if _chosen((seed, 2), SILVER, number, WIRES) else "spheres"
+        geometry = geometry or drawn
         contact = replace(scene.contact, sliding=sliding, friction=friction, geometry=geometry)
         scene = replace(scene, contact=contact)
         options = _mesh(draw, spring.active_coils, geometry)

@@ -20,7 +20,7 @@ FIRST_STEP, LEAST_STEP = 1.0 / 16.0, 1e-4  # of what the opening pairs hold, rel
 MOST_CORRECTIONS = 15
 CLOSE = 1e-8  # wire diameters or rad: the last correction
 FAR = 0.5  # wire diameters or rad that a step may move: more is no neighbour
-OPEN = 1e-6  # wire diameters of penetration at most that are left of an opening pair where the path ends
+OPEN = 1e-3  # wire diameters of penetration at most that are left of a pair just before it opens
 
 
 def verify_jump(verdict: Verdict, forces: WireForces, case: Case, path: EquilibriumPath) -> None:
@@ -41,7 +41,8 @@ def verify_jump(verdict: Verdict, forces: WireForces, case: Case, path: Equilibr
     if pairs is None:
         verdict.complain("a jump without contact")
         return
-    opening = pairs.held & (pairs.depth(path.last_state.reshape(-1, 7)) < OPEN * forces.d)
+    ends = path.last_state.reshape(-1, 7)
+    opening = pairs.held & (np.minimum(pairs.depth(rows), pairs.depth(ends)) < OPEN * forces.d)
     if not opening.any():
         verdict.complain(f"no sticking pair opens at the jump at {sharp[0]:.6g}")
     elif not forces.least_stiffness(rows, pairs) > 0.0:
