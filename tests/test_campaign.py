@@ -31,6 +31,7 @@ from validation.campaign.table import COLUMNS, Table, read_rows, row_text
 from validation.campaign.verdict import CLASSES, THROUGH, UNEXPLAINED, Verdict, reached, under
 from validation.campaign.verifier import verify
 from validation.campaign.wire import wire_forces
+from validation.campaign.wirejump import released, verify_jump
 from validation.campaign.wireverifier import fold, vanishing, verify_balance, verify_row
 from validation.cli import main
 
@@ -558,6 +559,33 @@ def test_half_of_the_wires_touch_as_wires():
     assert min(stations) == 8
     assert max(stations) == 32
     assert any(case.options["elements_per_turn"] % case.options["pairs_per_turn"] for case in chosen)
+
+
+# jumps
+
+
+@pytest.mark.parametrize(("geometry", "goes_on"), [("wires", True), ("spheres", False)])
+def test_a_release_finds_the_equilibrium_without_sticking_where_there_is_one(geometry, goes_on):
+    """Spring B at full load: wires have one without what sticks, spheres slide off each other before."""
+    contact = Contact(sliding="none", geometry=geometry)
+    scene = replace(load_scene("spring-b").with_steps(5), contact=contact)
+    case = Case("w00000", "", scene, 1.0, 0, SMALL)
+    path, forces = reached(case), wire_forces(scene, **SMALL)
+    pairs, rows = forces.pairs(path, -1, forces.d), path.states[-1].reshape(-1, 7)
+    assert (released(forces, pairs, pairs.held, rows, path.loads[-1]) == 0.0) == goes_on
+
+
+def test_a_jump_claimed_where_the_path_goes_on_is_caught():
+    case, verdict = wires("none"), Verdict()
+    path = reached(case)
+    claimed = {
+        "outcome": "jump",
+        "critical_time": 0.9,
+        "critical_bracket": 2e-9,
+        "last_state": path.states[-1],
+    }
+    verify_jump(verdict, wire_forces(case.scene, **case.options), case, replace(path, **claimed))
+    assert "from the jump at 0.9 to an equilibrium nearby" in verdict.complaints[0]
 
 
 # several seeds
