@@ -15,7 +15,13 @@ import equivbeam
 import wirefe
 from coilspring import InputError, Material, load_scene, scene_text, spring_a
 from coilspring.scene.sizing import wire_rate
-from coilspring.scene.solidwire import coil_section, flexibility, half_ring, inner_stress_factor
+from coilspring.scene.solidwire import (
+    coil_section,
+    flexibility,
+    half_ring,
+    inner_stress_factor,
+    wire_flexibility,
+)
 from validation.cli import main
 from validation.solid import page
 from validation.solid.coils import both, coil
@@ -155,6 +161,20 @@ def test_hand_and_mesh():
     np.testing.assert_allclose(mirrored, fine, rtol=1e-9)
     errors = [np.abs(wirefe.solve(scene, elements_per_turn=n).tips / fine - 1.0).max() for n in (40, 160)]
     assert math.log(errors[0] / errors[1], 4.0) == pytest.approx(2.0, abs=0.1)
+
+
+@pytest.mark.parametrize("hand", ["left", "right"])
+def test_torsion_is_that_of_the_curve(hand):
+    """Curvature and torsion with its sign, from derivatives of the centreline."""
+    spring = replace(coil(4.0, 12.0, 3.0, "solid"), hand=hand)
+    first, second = (each[0] for each in spring.derivatives(np.array([1.0])))
+    third = (spring.derivatives(np.array([1.001]))[1] - spring.derivatives(np.array([0.999]))[1])[0] / 0.002
+    normal = np.cross(first, second)
+    curvature = np.linalg.norm(normal) / np.linalg.norm(first) ** 3
+    torsion = normal @ third / (normal @ normal)
+    assert math.copysign(1.0, torsion) == (1.0 if hand == "right" else -1.0)
+    exact = flexibility(np.array([curvature]), np.array([torsion]), 1.0, UNIT)
+    np.testing.assert_allclose(wire_flexibility(spring, UNIT)(np.array([1.0])), exact, rtol=1e-5, atol=1e-9)
 
 
 def test_plates_and_files(tmp_path):

@@ -7,6 +7,7 @@ import pickle
 import subprocess
 import sys
 import time
+from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -300,6 +301,13 @@ def test_wrong_parameters(tmp_path, parameters, message):
     with pytest.raises(InputError, match=r"law law\.py") as error:
         equivbeam.solve(spring_b(), law=file)
     assert message in str(error.value)
+
+
+def test_solid_wire_is_refused():
+    scene = spring_a()
+    solid = replace(scene, spring=replace(scene.spring, wire_rigidity="solid"))
+    with pytest.raises(InputError, match=r"wire_rigidity must be beam with law law_paper\.py"):
+        equivbeam.solve(solid, law=PAPER)
 
 
 def test_no_law(tmp_path):

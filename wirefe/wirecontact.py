@@ -39,6 +39,7 @@ from coilspring.contact.law import (
     renewed,
     slid,
     tangential_law,
+    touches_again,
     touches_first,
 )
 from wirefe.algebra import added, cross, dot, plus
@@ -206,6 +207,9 @@ def update_wires(contact, accepted, predicted, state, history):
         row = history[m]
         h, _, _, _, _ = gap(contact, points, m)
         d = contact.d - contact.clearance[m]
+        if row.opening:
+            far, _, _, _, _ = gap(contact, before, m)
+            touches_again(row, far, h, d)
         if row.opening or not (row.closed or h < d):
             continue
         new = not row.closed

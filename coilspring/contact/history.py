@@ -63,11 +63,12 @@ def opening(history):
 
 @part
 def located(history):
-    """Share of the substep that ends where the first pair touches or opens, 1 where it does near enough."""
+    """Share of the substep, or release, that ends where the first pair touches or opens, 1 where it does."""
     share = 1.0
     for m in range(history.shape[0]):
-        if history[m].closed and (history[m].fresh or history[m].bound == np.inf):
-            share = min(share, history[m].cut)
+        row = history[m]
+        if row.closed and (row.fresh or row.opening or row.bound == np.inf):
+            share = min(share, row.cut)
     return share
 
 

@@ -17,6 +17,7 @@ from coilspring.contact.law import (
     renewed,
     slid,
     stretch,
+    touches_again,
     touches_first,
 )
 
@@ -107,6 +108,11 @@ def remember(vectors, history, mu, K, d):
             left = row.bound / (K * d)
             for i in range(3):
                 row.normal[i] = math.cos(left) * vectors[m, i] / h - math.sin(left) * e[i]
+        if row.opening and h < d:
+            # it sticks again, from where it holds what is left
+            arc(vectors[m], h, row, e)
+            for i in range(3):
+                row.vector[i] = vectors[m, i] - row.bound / K * e[i]
         if goes_on(row, K * stretch(vectors[m], row, e), h < d):
             least = min(least, 0.0)
     return least
@@ -121,6 +127,8 @@ def update_pairs(before, ahead, vectors, history, mu, K, k, d):
     change, most, e = 0.0, min(mu, 1.0) * normal_law(SLIGHT * d, K, k)[1], np.empty(3)
     for m in range(vectors.shape[0]):
         h, row = _distance(vectors, m), history[m]
+        if row.opening:
+            touches_again(row, _distance(before, m), h, d)
         if row.opening or not (row.closed or h < d):
             continue
         if not row.closed:

@@ -43,7 +43,7 @@ PAIR_HISTORY = np.dtype(
 # Share of a bound that is left when it falls with the slip: less is out of reach, since the rise is at least
 # -1/d and a pair moves by no more than half of d in a substep.
 LEAST_LEFT = 0.5
-OPEN = 1e-4  # wire diameters of gap at most where a pair that sticks is said to open
+OPEN = 1e-3  # wire diameters of gap at most where a pair that sticks is said to open
 LOCATED = 1e-4  # wire diameters, by which two ways to find where a pair touches first may differ at most
 
 
@@ -149,10 +149,19 @@ def opens_after(row, before, after, d):
 
 
 @part
+def touches_again(row, before, after, d):
+    """Set the share of a release after which an opening pair just touches again."""
+    near = (1.0 - 0.5 * OPEN) * d
+    row.cut = (before - near) / (before - after) if after < (1.0 - OPEN) * d else 1.0
+
+
+@part
 def goes_on(row, force, touches):
     """What a pair holds tangentially, of which `force` is the size, after an accepted state: where it touches
-    no more, it is released. Returns whether that is still to be done."""
-    if touches and not row.opening:
+    no more, it is released, until it touches again. Returns whether that is still to be done."""
+    if touches:
+        if row.opening:
+            row.opening, row.bound = False, math.inf  # it sticks with what is left
         row.held = row.bound if row.bound < math.inf else 0.0
         return False
     if not row.opening and row.bound == math.inf:

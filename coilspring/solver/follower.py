@@ -270,7 +270,10 @@ def find_equilibrium(system, equilibrium, task, work, path, substep, it):
             break
         change = update_pairs(system, work, work.trial)
         share = located(work.history)
-        if share < 1.0 and substep.duration >= 2.0 * LEAST_STEP:
+        left, least = substep.duration, 2.0 * LEAST_STEP
+        if path.held > 0.0:
+            left, least = path.release, 2.0 * LEAST_RELEASE
+        if share < 1.0 and left >= least:
             substep.cut = min(max(share, LEAST_FREE), MOST_CUT)
             break
         if change <= BOUND_CHANGE:
@@ -352,7 +355,7 @@ def shorten(path, substep):
         return
     path.reuse = False
     if path.held > 0.0:
-        path.release *= 0.5
+        path.release *= substep.cut
         if path.release < LEAST_RELEASE:
             path.outcome, path.bracket = JUMP, 2.0 * LEAST_STEP
         return
@@ -480,7 +483,7 @@ def accept_step(work, path, substep):
 def accept_release(work, path):
     """What opening pairs held is released, or some of it: the tangent is another one now."""
     copy(work.ahead, work.tangent)
-    path.held = max(path.held - path.release, 0.0)
+    path.held = max(path.held - path.release, 0.0) if opening(work.history) else 0.0
     path.release = min(2.0 * path.release, 1.0)
     path.reuse, path.last_step, work.old[0] = True, 1.0, np.inf  # no turn known
 

@@ -155,6 +155,11 @@ class UserLaw:
         ------
         InputError : parameters that are no numbers, or an energy that cannot be that of a spring at rest.
         """
+        if spring.wire_rigidity != "beam":
+            raise InputError(
+                f"spring.wire_rigidity must be beam with law {self.name}, which knows E and G alone, got "
+                f"{spring.wire_rigidity!r}"
+            )
         coils = spring_coils(spring, material)
         values = [self._numbers(coil) for coil in coils]
         for coil, each in zip(coils, values, strict=True):
