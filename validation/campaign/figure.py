@@ -12,7 +12,7 @@ from matplotlib.collections import QuadMesh
 from matplotlib.figure import Figure
 
 from validation.campaign.scenes import MODELS
-from validation.campaign.verdict import CONFIRMED, UNEXPLAINED
+from validation.campaign.verdict import CRITICAL, UNEXPLAINED
 from validation.study.style import DOUBLE, RC, RED
 
 TITLES = {"b": "equivalent beam", "w": "wire model"}
@@ -74,7 +74,7 @@ def _map(axes: Axes, data: pd.DataFrame, names: tuple[str, str]) -> QuadMesh:
     data, (x, y) = data[there], places[there].to_numpy().T
     edges = [scale.edges for scale in scales]
     count, _, _ = np.histogram2d(x, y, bins=edges)
-    critical = (data["class"] == CONFIRMED).to_numpy(dtype=float)
+    critical = data["class"].isin(CRITICAL).to_numpy(dtype=float)
     share, _, _ = np.histogram2d(x, y, bins=edges, weights=critical)
     cells = np.ma.masked_where(count < FEWEST, 100.0 * share / np.maximum(count, 1.0)).T
     axes.set_facecolor(NO_DATA)

@@ -8,16 +8,17 @@ from dataclasses import replace
 from coilspring import EquilibriumPath, Scene
 from validation.campaign.runs import (
     UNCHANGED,
+    Bounds,
+    bounds_of,
+    common_end,
     deviation,
-    explained_by_history,
     force_grain,
     grain,
-    substeps_change,
+    path_dependent,
 )
 from validation.campaign.scenes import EVERY, Case, in_units
-from validation.campaign.verdict import CRITICAL, Verdict, ended, reached
+from validation.campaign.verdict import CRITICAL, STUCK, Verdict, reached
 
-# Where friction or its limit, no sliding, make the answer depend on the substeps, rounding may change these.
 KINDS = ("mirror", "binary", "units", "perturbed")
 ROUNDING = 1e-10  # over the softness: what rounding may change
 SOLVER = 1e-6  # what the solver's tolerance may change
@@ -60,12 +61,12 @@ def verify_invariance(verdict: Verdict, case: Case, path: EquilibriumPath) -> st
     """Verify the case's turn of the invariances, and return its kind."""
     kind = KINDS[(case.number + case.number // EVERY) % len(KINDS)]  # so that corners take all in turn
     scene, back = changed(case, kind)
-    other, compared, least = reached(case, scene), Verdict(), verdict.numbers.get("least", 1.0)
-    ends = f"{kind}: {path.outcome}, but changed it ends as {other.outcome}"
-    if other.outcome == "not_converged" and not ended(other):
-        compared.complain(f"{ends}: {other.message}")
-    elif not (ended(path) or ended(other)) and (path.outcome in CRITICAL) != (other.outcome in CRITICAL):
-        compared.differ(ends)
+    other, least = reached(case, scene), verdict.numbers.get("least", 1.0)
+    verdict.stop(kind, other)
+    if STUCK not in (path.outcome, other.outcome) and (path.outcome in CRITICAL) != (
+        other.outcome in CRITICAL
+    ):
+        verdict.complain(f"{kind}: {path.outcome}, but changed it ends as {other.outcome}")
     elif kind != "perturbed" or least > SOFT:
         bounds = {
             "mirror": ROUNDING / least,
@@ -73,12 +74,12 @@ def verify_invariance(verdict: Verdict, case: Case, path: EquilibriumPath) -> st
             "units": SOLVER,
             "perturbed": ANSWER,
         }
-        loose = substeps_change(case)
-        most = max(bounds[kind], loose, grain(path))
-        compared.ask("invariance", deviation(path, other, back)[1], most, f"{kind} changes the answer")
+        loose = bounds_of(case) if path_dependent(case.scene, case.model) else Bounds(0.0, 0.0, 0.0)
+        most = max(bounds[kind], loose.branch, grain(path))
+        found = deviation(path, other, back, common_end(path, other))[1]
+        verdict.ask("invariance", found, most, f"{kind} changes the answer")
         if path.critical_time is not None and other.critical_time is not None:
             shift = abs(path.critical_time - other.critical_time) / path.critical_time
-            most = max(CRITICAL_SHIFT, loose, force_grain(path))
-            compared.ask("critical_shift", shift, most, f"{kind} shifts the critical time")
-    verdict.take(compared, bool(compared.differences) and explained_by_history(case, path, other, back))
+            most = max(CRITICAL_SHIFT, loose.critical, force_grain(path))
+            verdict.ask("critical_shift", shift, most, f"{kind} shifts the critical time")
     return kind

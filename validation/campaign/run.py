@@ -4,11 +4,10 @@ from __future__ import annotations
 
 import os
 import traceback
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import Executor, as_completed
 from contextlib import contextmanager
 from dataclasses import replace
-from functools import partial
 from pathlib import Path
 from time import process_time
 
@@ -18,19 +17,8 @@ from equivbeam.laws.userlaw import UserLaw
 from validation.campaign.invariance import verify_invariance
 from validation.campaign.page import write_page
 from validation.campaign.scenes import case_id, make_case
-from validation.campaign.table import Row, Table, row_of, row_text, version
-from validation.campaign.verdict import (
-    CONFIRMED,
-    CRITICAL,
-    DEVIATES,
-    ENDED,
-    REFUSED,
-    RIGHT,
-    THROUGH,
-    UNEXPLAINED,
-    Verdict,
-    reached,
-)
+from validation.campaign.table import Key, Row, Table, row_of, row_text, version
+from validation.campaign.verdict import ITERATION, REFUSED, UNEXPLAINED, Verdict, reached
 from validation.campaign.verifier import verify
 from validation.study.output import prepare
 from validation.study.provenance import write_provenance
@@ -45,13 +33,13 @@ def campaign(
     *,
     beams: int = 20_000,
     wires: int = 1_000,
-    seed: int = 1,
+    seeds: Sequence[int] = (1,),
     workers: int | None = None,
     scheduler: str | None = None,
     case: str | None = None,
     progress: Progress | None = None,
 ) -> int:
-    """Verify the first `beams` and `wires` scenes of a seed, and write what became of them.
+    """Verify the first `beams` and `wires` scenes of each seed, and write what became of them.
 
     ``stability.csv`` takes a row for each case as it is verified; a campaign that was interrupted goes on
     from there. ``stability.md`` and its pictures are written at the end.
@@ -59,8 +47,8 @@ def campaign(
     Parameters
     ----------
     out : folder of the results.
-    beams, wires : number of scenes for the equivalent beam and for the wire model.
-    seed : of the sequence that the scenes are drawn from.
+    beams, wires : number of scenes of a seed for the equivalent beam and for the wire model.
+    seeds : of the sequences that the scenes are drawn from.
     workers : processes; by default one for each processor core. 0: in this process.
     scheduler : address of a Dask scheduler, whose workers take the place of the processes.
     case : id of the one case to verify again; its row is printed and nothing is written.
@@ -78,29 +66,31 @@ def campaign(
     if scheduler is not None and workers is not None:
         raise InputError(f"workers are the cluster's where a scheduler is given, got workers {workers}")
     if case is not None:
-        row = verified(case, seed)
-        print(row_text(row))
-        return int(row["class"] == UNEXPLAINED)
+        rows = [verified(case, seed) for seed in seeds]
+        print("\n\n".join(map(row_text, rows)))
+        return int(any(row["class"] == UNEXPLAINED for row in rows))
     prepare(out)
-    table = Table(out / "stability.csv", seed, version())
-    wanted = [case_id("b", i) for i in range(beams)] + [case_id("w", i) for i in range(wires)]
-    missing = [name for name in wanted if name not in table]
+    table = Table(out / "stability.csv", seeds, version())
+    names = [case_id("b", i) for i in range(beams)] + [case_id("w", i) for i in range(wires)]
+    wanted = [(seed, name) for seed in seeds for name in names]
+    missing = [key for key in wanted if key not in table]
     done = len(wanted) - len(missing)
-    for rows in _results(missing, seed, os.cpu_count() or 1 if workers is None else workers, scheduler):
+    for rows in _results(missing, os.cpu_count() or 1 if workers is None else workers, scheduler):
         table.append(rows)
         done += len(rows)
         if progress is not None:
             progress(done, len(wanted))
     chosen = table.sort(wanted)
-    write_page(chosen, out, seed)
-    write_provenance(f"coilcheck stability --beams {beams} --wires {wires} --seed {seed}", out)
+    write_page(chosen, out)
+    options = f"--beams {beams} --wires {wires} --seeds {','.join(map(str, seeds))}"
+    write_provenance(f"coilcheck stability {options}", out)
     return int((chosen["class"] == UNEXPLAINED).any())
 
 
 def verified(name: str, seed: int, law: UserLaw | None = None) -> Row:
     """Solve and verify one case; `law`: with a user's law in place of that drawn."""
     began = process_time()
-    case, path, verdict, known = make_case(name, seed), None, Verdict(), {"outcome": "refused"}
+    case, path, verdict, known = make_case(name, seed), None, Verdict(), {"outcome": REFUSED}
     if law is not None:
         case = replace(case, options={"law": law})
     try:
@@ -114,39 +104,31 @@ def verified(name: str, seed: int, law: UserLaw | None = None) -> Row:
     except Exception as error:  # a crash is an outcome, the worst one; the campaign goes on
         last = traceback.extract_tb(error.__traceback__)[-1]
         verdict.complain(f"crash: {error!r} in {Path(last.filename).name}:{last.lineno}")
-    known["outcome"] = path.outcome if path else "refused"
-    known |= {"class": _class(known["outcome"], verdict), "seconds": f"{process_time() - began:.3f}"}
+    known["outcome"] = path.outcome if path else REFUSED
+    known |= {"class": class_of(known["outcome"], verdict), "seconds": f"{process_time() - began:.3f}"}
     return row_of(case, path, verdict, seed=seed, **known)
 
 
-def _class(outcome: str, verdict: Verdict) -> str:
+def class_of(outcome: str, verdict: Verdict) -> str:
+    """Class of a case: its outcome, unless something is wrong or a run stops by the iteration."""
     if verdict.complaints:
         return UNEXPLAINED
-    if outcome == "refused":
-        return REFUSED
-    if outcome not in ("completed", THROUGH, *CRITICAL):
-        return ENDED
-    if verdict.deviations:
-        return DEVIATES
-    if outcome == THROUGH:
-        return THROUGH
-    return CONFIRMED if outcome in CRITICAL else RIGHT
+    return ITERATION if verdict.stops else outcome
 
 
-def _results(names: list[str], seed: int, workers: int, scheduler: str | None) -> Iterator[list[Row]]:
+def _results(keys: list[Key], workers: int, scheduler: str | None) -> Iterator[list[Row]]:
     """Rows of the cases, in chunks as they come."""
     chunks = [
         part[i : i + size]
         for letter, size in CHUNK.items()
-        for part in [[name for name in names if name[0] == letter]]
+        for part in [[key for key in keys if key[1][0] == letter]]
         for i in range(0, len(part), size)
     ]
-    task = partial(_verified_all, seed=seed)
-    if not names or (workers == 0 and scheduler is None):
-        yield from map(task, chunks)
+    if not keys or (workers == 0 and scheduler is None):
+        yield from map(_verified_all, chunks)
         return
     with processes(workers) if scheduler is None else cluster(scheduler) as pool:
-        for future in as_completed([pool.submit(task, chunk) for chunk in chunks]):
+        for future in as_completed([pool.submit(_verified_all, chunk) for chunk in chunks]):
             rows = future.result()
             for row in rows:
                 if row["version"] != version():
@@ -154,8 +136,8 @@ def _results(names: list[str], seed: int, workers: int, scheduler: str | None) -
             yield rows
 
 
-def _verified_all(names: list[str], seed: int) -> list[Row]:
-    return [verified(name, seed) for name in names]
+def _verified_all(keys: list[Key]) -> list[Row]:
+    return [verified(name, seed) for seed, name in keys]
 
 
 @contextmanager

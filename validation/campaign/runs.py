@@ -7,18 +7,21 @@ from typing import NamedTuple
 
 import numpy as np
 
-from coilspring import EquilibriumPath
+from coilspring import EquilibriumPath, Scene
 from validation.campaign.scenes import Case
-from validation.campaign.verdict import CONFIRMED, CRITICAL, Verdict, ended, fine_steps, reached, under
+from validation.campaign.verdict import CRITICAL, STUCK, Verdict, fine_steps, reached, under
 
 BRANCH = 1e-6  # difference from the fine run over the largest displacement,
 SOLVER = 1e-8  # or this over the root of the least stiffness: what solvers leave, in the energy norm
 ROUNDING = 4.0 * 2.0**-52  # of the spring's height: positions are no finer
-FRICTION = 2e-2  # the same, and of a critical time, with friction, which depends on the substeps
+FRICTION, FRICTION_TIME = (
+    1e-3,
+    5e-3,
+)  # the same, and of a critical time, with friction, which follows the path
+NEAR_CRITICAL = 0.01  # of its time: so near before a critical point paths with friction are not compared
 BETWEEN = 1e-4  # where a column passes its buckling load all but neutral, before the last common state
 LOAD = 1e-4  # within which a critical point is bracketed
 UNCHANGED = (1.0, 1.0, 1.0)
-HALVINGS = 9  # of a share of the load, to where nothing has touched
 ROWS = 3  # states of a path that are verified
 PLACE = 1e-10  # of the prescribed displacement: the top is there to what rounding sums up to
 STEPPED = 1e-3  # of its time, by which a run goes beyond a critical point that it stepped over
@@ -39,26 +42,32 @@ class Bounds(NamedTuple):
 
 
 def bounds_of(case: Case) -> Bounds:
-    """Bounds of a case: a path with friction depends on its substeps."""
+    """Bounds of a case: what contact remembers follows from the path."""
     if case.model == "equivbeam":
         return Bounds(BRANCH, LOAD, 0.0)
-    loose = substeps_change(case)
-    return Bounds(loose or BRANCH, loose or LOAD, BETWEEN)
+    if path_dependent(case.scene, case.model):
+        return Bounds(FRICTION, FRICTION_TIME, FRICTION)
+    return Bounds(BRANCH, LOAD, BETWEEN)
 
 
-def substeps_change(case: Case) -> float:
-    """Share of the answer that the substeps may change: some, where a wire has friction."""
-    return FRICTION if case.model == "wirefe" and case.scene.contact.sliding != "free" else 0.0
+def path_dependent(scene: Scene, model: str) -> bool:
+    """Whether contact remembers something: friction or no sliding, in the wire model."""
+    return model == "wirefe" and scene.contact.enabled and scene.contact.sliding != "free"
 
 
 def deviation(
-    path: EquilibriumPath, other: EquilibriumPath, back: Sequence[float] = UNCHANGED
+    path: EquilibriumPath,
+    other: EquilibriumPath,
+    back: Sequence[float] = UNCHANGED,
+    until: float = np.inf,
 ) -> tuple[float, float]:
-    """Difference of the tips over the largest displacement: at the last common time, and the largest.
+    """Difference of the tips over the largest displacement: at the last common time, and the largest up to
+    the time `until`.
 
     Rotations count as displacements at the coil's diameter; `back` are factors of the other path's tips.
     """
-    _, mine, theirs = np.intersect1d(path.times, other.times, return_indices=True)
+    times, mine, theirs = np.intersect1d(path.times, other.times, return_indices=True)
+    mine, theirs = mine[times <= until], theirs[times <= until]
     if not mine.size:
         return 0.0, 0.0
     size = np.array([1.0, 1.0, max(path.scene.spring.mean_diameter)])
@@ -90,50 +99,35 @@ def largest_load(path: EquilibriumPath, row: int) -> float:
     return float(np.hypot(*path.loads[: row % len(path.times) + 1].T).max())
 
 
-def explained_by_history(
-    case: Case, path: EquilibriumPath, other: EquilibriumPath, back: Sequence[float] = UNCHANGED
-) -> bool:
-    """Whether two runs with friction part because of their contact histories: each has its own
-    from its first touch on, since a pair keeps where it was when its substep ended.
-
-    Then they agree under a share of the load at whose end neither has any.
-    """
-    if path.scene.contact.sliding == "free" or not (_touched(path) or _touched(other)):
-        return False
-    for share in 0.5 ** np.arange(1, HALVINGS):
-        early = [reached(case, under(run.scene, share)) for run in (path, other)]
-        if not any(_touched(run) for run in early):
-            same = all(run.outcome == "completed" for run in early)
-            return same and deviation(early[0], early[1], back)[1] <= BRANCH
-    return False
-
-
-def _touched(path: EquilibriumPath) -> bool:
-    """Whether a pair has a contact history or touches at a stored time."""
-    assert path.histories is not None
-    return bool(path.histories["closed"].any() or path.active_contacts.any())
-
-
 def verify_branch(
     verdict: Verdict, path: EquilibriumPath, other: EquilibriumPath, name: str, bounds: Bounds
 ) -> None:
-    """The path must be the other run's, and end as that does."""
+    """The path must be the other run's, and end as that does, but for what ends by the iteration."""
     most = max(bounds.branch, SOLVER / max(verdict.numbers.get("least", 1.0), 1e-12) ** 0.5, grain(path))
-    last, largest = deviation(path, other)
+    last, largest = deviation(path, other, until=common_end(path, other))
     verdict.ask("branch", last, most, f"off the branch of the {name}")
     verdict.ask("branch", largest, max(most, bounds.between), f"off the branch of the {name} before the end")
-    if other.outcome == "not_converged":
+    if STUCK in (path.outcome, other.outcome):
+        return
+    if _kind(path) != _kind(other):
         verdict.complain(f"{path.outcome}, but the {name} ends as {other.outcome}: {other.message}")
-    elif _kind(path) != _kind(other):
-        verdict.differ(f"{path.outcome}, but the {name} ends as {other.outcome}: {other.message}")
     elif path.end_bracket is not None and other.end_bracket is not None:
-        shift = abs(sum(path.end_bracket) / sum(other.end_bracket) - 1.0)
+        mine, theirs = sum(path.end_bracket), sum(other.end_bracket)
+        shift = abs(mine - theirs) / max(mine, theirs, LOAD)
         verdict.ask("critical_shift", shift, bounds.critical, f"another critical time than the {name}'s")
 
 
 def _kind(path: EquilibriumPath) -> str:
     """Outcome of a path; which kind of critical point it is may depend on rounding alone."""
-    return CONFIRMED if path.outcome in CRITICAL else path.outcome
+    return CRITICAL[0] if path.outcome in CRITICAL else path.outcome
+
+
+def common_end(path: EquilibriumPath, other: EquilibriumPath) -> float:
+    """Time up to which runs with friction must agree: near a critical point they are too soft."""
+    if not path_dependent(path.scene, path.model):
+        return np.inf
+    times = [run.critical_time for run in (path, other) if run.critical_time is not None]
+    return (1.0 - NEAR_CRITICAL) * min(times, default=np.inf)
 
 
 def verify_passed(
@@ -141,13 +135,13 @@ def verify_passed(
 ) -> None:
     """Neither run may go on beyond a critical point at which the other ends."""
     runs = (("the path", path), (f"the {name}", other))
-    verdict.numbers["stepped"] = 0.0
+    verdict.numbers.setdefault("stepped", 0.0)
     for (_, stops), (who, goes) in (runs, runs[::-1]):
         if stops.outcome not in CRITICAL or stops.critical_time is None:
             continue
         if _reach(goes) > stops.critical_time * (1.0 + max(STEPPED, most)):
             verdict.numbers["stepped"] = 1.0
-            verdict.differ(f"{who} stepped over a critical point at {stops.critical_time:.6g}")
+            verdict.complain(f"{who} stepped over a critical point at {stops.critical_time:.6g}")
 
 
 def _reach(path: EquilibriumPath) -> float:
@@ -161,15 +155,10 @@ def verify_steps(verdict: Verdict, case: Case, path: EquilibriumPath) -> None:
     for name, steps in (("run in one step", 1), ("fine run", fine_steps(case))):
         if steps == case.scene.load.steps:
             continue
-        known = {key: verdict.numbers[key] for key in ("least",) if key in verdict.numbers}
-        other, compared = reached(case, steps=steps), Verdict(numbers=known)
-        verify_passed(compared, path, other, name, bounds.critical)
-        if ended(path) or ended(other):
-            most = deviation(path, other)[1]
-            compared.ask("branch", most, bounds.branch, f"off the branch of the {name}")
-        else:
-            verify_branch(compared, path, other, name, bounds)
-        verdict.take(compared, bool(compared.differences) and explained_by_history(case, path, other))
+        other = reached(case, steps=steps)
+        verdict.stop(name, other)
+        verify_passed(verdict, path, other, name, bounds.critical)
+        verify_branch(verdict, path, other, name, bounds)
 
 
 def verified_rows(path: EquilibriumPath) -> set[int]:
@@ -190,6 +179,9 @@ def sharp_critical(verdict: Verdict, path: EquilibriumPath) -> tuple[float, floa
     """Critical time and the width of its bracket, which must be small; None where the path has none."""
     if path.critical_time is None or path.critical_bracket is None:
         verdict.complain(f"{path.outcome} without a critical time")
+        return None
+    if not path.critical_time > 0.0:
+        verdict.complain(f"{path.outcome} at rest")
         return None
     share = path.critical_bracket / path.critical_time
     verdict.ask("bracket", share, LOAD, "critical time is not that sharp")

@@ -2,7 +2,7 @@
 
 Ids are `b000123` (equivalent beam) and `w00012` (wire model): the model's letter and the place in a scrambled
 Sobol sequence. Every eighth scene is a pathological corner. In a fifth of all scenes a displacement of the
-top is prescribed, in place of the force.
+top is prescribed, in place of the force; half of the wires touch as wires, the others by spheres.
 """
 
 from __future__ import annotations
@@ -28,7 +28,10 @@ MODELS = {"b": "equivbeam", "w": "wirefe"}
 DIGITS = {"b": 6, "w": 5}
 MOST_ELEMENTS = 200  # of a wire
 DRIVEN = 0.2  # of the scenes
-GOLDEN = 0.5 * (math.sqrt(5.0) - 1.0)  # whose multiples tell which: a sequence as even as Sobol's
+WIRES = 0.5  # of the wire model's scenes: contact of wires
+# Multiples of irrational numbers tell which: sequences as even as Sobol's, which they leave as it is.
+GOLDEN, SILVER = 0.5 * (math.sqrt(5.0) - 1.0), math.sqrt(2.0) - 1.0
+STATIONS = (8, 32)  # a turn, whatever the mesh
 OF_SIZE = 0.8  # of the distance to solid for a size of 1: 4 to 104 %, solid corners 80 to 120 %
 SHORTEST = 0.05  # of the height: least height left, and distance to solid of coils that touch at rest
 LEAST_ANGLE = 0.05  # a mostly axial load is inclined at least by this, rad: exact symmetry is a corner
@@ -67,8 +70,8 @@ def case_id(letter: str, number: int) -> str:
     return f"{letter}{number:0{DIGITS[letter]}d}"
 
 
-def make_case(name: str, seed: int) -> Case:
-    """The case of an id.
+def make_case(name: str, seed: int, geometry: str | None = None) -> Case:
+    """The case of an id; a wire's contact with the geometry drawn, unless one is given.
 
     Raises
     ------
@@ -88,8 +91,11 @@ def make_case(name: str, seed: int) -> Case:
     else:
         sliding = draw.of("sliding", "free", "none", "coulomb")
         friction = draw.log("kind", 0.05, 0.5) if sliding == "coulomb" else None
-        scene = replace(scene, contact=replace(scene.contact, sliding=sliding, friction=friction))
-        options = _mesh(draw, spring.active_coils)
+        drawn = "wires" if _chosen((seed, 2), SILVER, number, WIRES) else "spheres"
+        geometry = geometry or drawn
+        contact = replace(scene.contact, sliding=sliding, friction=friction, geometry=geometry)
+        scene = replace(scene, contact=contact)
+        options = _mesh(draw, spring.active_coils, geometry)
     scene = in_units(scene, *UNITS.get(corner, (1.0, 1.0)))
     if is_driven(letter, number, seed):
         size *= OF_SIZE
@@ -99,8 +105,12 @@ def make_case(name: str, seed: int) -> Case:
 
 def is_driven(letter: str, number: int, seed: int) -> bool:
     """Whether a displacement is prescribed in a scene."""
-    first = np.random.default_rng((seed, int(letter == "w"))).random()
-    return bool((first + GOLDEN * number) % 1.0 < DRIVEN)
+    return _chosen((seed, int(letter == "w")), GOLDEN, number, DRIVEN)
+
+
+def _chosen(seed: tuple[int, int], irrational: float, number: int, share: float) -> bool:
+    """Whether a scene is among a share of all."""
+    return bool((np.random.default_rng(seed).random() + irrational * number) % 1.0 < share)
 
 
 def pressed(scene: Scene, share: float) -> Scene:
@@ -148,11 +158,13 @@ class Draw:
         return choices[self.whole(name, 0, len(choices) - 1)]
 
 
-def _mesh(draw: Draw, coils: float) -> dict[str, object]:
-    """Curved elements 4 to 16 a turn, or straight ones 8 to 40; long wires take the coarser ones."""
+def _mesh(draw: Draw, coils: float, geometry: str) -> dict[str, object]:
+    """Curved elements 4 to 16 a turn, or straight ones 8 to 40; long wires take the coarser ones. Spheres are
+    at nodes, stations anywhere."""
     element = draw.of("law", *COUNTS)
     fitting = [count for count in COUNTS[element] if count * coils <= MOST_ELEMENTS] or COUNTS[element][:1]
-    count, pairs = draw.of("mesh", *fitting), draw.of("pairs", 2, 4)
+    count = draw.of("mesh", *fitting)
+    pairs = draw.of("pairs", 2, 4) if geometry == "spheres" else draw.whole("pairs", *STATIONS)
     return {"element": element, "elements_per_turn": count, "pairs_per_turn": pairs}
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import io
 import os
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from functools import lru_cache
 from pathlib import Path
 from typing import Any
@@ -19,17 +19,18 @@ from validation.study.keys import digest, source_files
 from validation.study.output import write_text, writing
 
 NUMBERS = (
-    "residual", "least", "branch", "bracket", "critical_shift", "passed", "confirmed", "friction",
-    "invariance", "overlap", "place", "reaction", "stepped",
+    "residual", "whole", "least", "normal", "friction", "branch", "bracket", "critical_shift", "passed",
+    "confirmed", "jump", "invariance", "overlap", "place", "reaction", "stepped",
 )  # fmt: skip
 TIP = ("ux", "uy", "rotz", "contacts")
 FORCE, DISPLACEMENT = "force", "displacement"
 COLUMNS = (
     "id", "seed", "version", "class", "outcome", "reason", "corner", "variant", "steps", "penalty",
-    "exponent", "sliding", "index", "coils", "slenderness", "taper", "by", "load", "held", "time", *TIP,
-    "kind", *NUMBERS, "message", "seconds",
+    "exponent", "geometry", "pairs", "sliding", "index", "coils", "slenderness", "taper", "by", "load",
+    "held", "time", *TIP, "kind", *NUMBERS, "message", "seconds",
 )  # fmt: skip
 Row = dict[str, str]
+Key = tuple[int, str]  # seed and id
 
 
 def row_of(case: Case, path: EquilibriumPath | None, verdict: Verdict, **known: Any) -> Row:
@@ -39,12 +40,14 @@ def row_of(case: Case, path: EquilibriumPath | None, verdict: Verdict, **known: 
     values: dict[str, Any] = {
         "id": case.id,
         "version": version(),
-        "reason": "; ".join(verdict.complaints + verdict.deviations),
+        "reason": "; ".join(verdict.complaints + verdict.stops),
         "corner": case.corner,
         "variant": options.get("law") or f"{options['element']} {options['elements_per_turn']}",
         "steps": scene.load.steps,
         "penalty": contact.stiffness if contact.enabled else 0.0,
         "exponent": contact.exponent,
+        "geometry": contact.geometry if case.model == "wirefe" else "circles",
+        "pairs": options.get("pairs_per_turn", 2),
         "sliding": contact.sliding if case.model == "wirefe" else "",
         "index": bottom / spring.wire_diameter,
         "coils": spring.active_coils,
@@ -75,18 +78,19 @@ def row_text(row: Row) -> str:
 
 
 class Table:
-    """Rows of one seed and version, in a file."""
+    """Rows of some seeds and one version, in a file."""
 
-    def __init__(self, target: Path, seed: int, version: str) -> None:
+    def __init__(self, target: Path, seeds: Sequence[int], version: str) -> None:
         self.target = target
         data = read_rows(target)
-        kept = data[(data["seed"] == str(seed)) & (data["version"] == version)]
-        self.rows: dict[str, Row] = {row["id"]: row for row in kept.to_dict("records")}
+        kept = data[data["seed"].isin([str(seed) for seed in seeds]) & (data["version"] == version)]
+        self.rows: dict[Key, Row] = {}
+        self._keep(kept.to_dict("records"))
         # what belongs to another seed or version, and a last line that was cut, are left out
         write_text(target, _csv(self.rows.values()))
 
-    def __contains__(self, name: str) -> bool:
-        return name in self.rows
+    def __contains__(self, key: Key) -> bool:
+        return key in self.rows
 
     def append(self, rows: list[Row]) -> None:
         """Add rows at the end of the file; they are on disk when this returns."""
@@ -94,12 +98,15 @@ class Table:
             stream.write(_csv(rows, header=False))
             stream.flush()
             os.fsync(stream.fileno())
-        self.rows |= {row["id"]: row for row in rows}
+        self._keep(rows)
 
-    def sort(self, wanted: list[str]) -> pd.DataFrame:
-        """Write the file in the order of the ids, and return the rows of those wanted."""
-        write_text(self.target, _csv(self.rows[name] for name in sorted(self.rows)))
-        return pd.DataFrame([self.rows[name] for name in wanted], columns=list(COLUMNS))
+    def sort(self, wanted: list[Key]) -> pd.DataFrame:
+        """Write the file in the order of seeds and ids, and return the rows of those wanted."""
+        write_text(self.target, _csv(self.rows[key] for key in sorted(self.rows)))
+        return pd.DataFrame([self.rows[key] for key in wanted], columns=list(COLUMNS))
+
+    def _keep(self, rows: list[Row]) -> None:
+        self.rows |= {(int(row["seed"]), row["id"]): row for row in rows}
 
 
 def _csv(rows: Iterable[Row], header: bool = True) -> str:

@@ -8,14 +8,15 @@ from dataclasses import dataclass, field, replace
 import equivbeam
 import wirefe
 from coilspring import EquilibriumPath, Scene
-from coilspring.solver.solve import HELD
 from validation.campaign.scenes import Case, scaled_load
 from validation.study.partialsolve import partial_path
 
-RIGHT, CONFIRMED, THROUGH, ENDED, DEVIATES = "completed", "critical", "interpenetration", "ended", "deviation"
-REFUSED, UNEXPLAINED = "refused", "unexplained"
-CLASSES = (RIGHT, CONFIRMED, THROUGH, ENDED, DEVIATES, REFUSED, UNEXPLAINED)
 CRITICAL = ("limit_point", "bifurcation")
+RIGHT, JUMP, THROUGH = "completed", "jump", "interpenetration"
+ITERATION, REFUSED, UNEXPLAINED = "iteration", "refused", "unexplained"
+VERIFIED = (RIGHT, *CRITICAL, JUMP, THROUGH)  # outcomes that the verifier finds by its own means
+CLASSES = (*VERIFIED, ITERATION, REFUSED, UNEXPLAINED)
+STUCK = "not_converged"  # outcome of a run that ends for reasons of the iteration
 SOLVERS: dict[str, Callable[..., EquilibriumPath]] = {"equivbeam": equivbeam.solve, "wirefe": wirefe.solve}
 MANY = 200  # steps of the fine run, nearly
 
@@ -24,47 +25,33 @@ MANY = 200  # steps of the fine run, nearly
 class Verdict:
     """Findings of one case; the first complaint is the reason.
 
-    `differences` are those complaints that two histories of contact would explain; `deviations` have been
-    explained so: pairs keep where they were when a substep ended.
+    `stops` are runs of the scene that end for reasons of the iteration.
     """
 
     complaints: list[str] = field(default_factory=list)
-    differences: list[str] = field(default_factory=list)
+    stops: list[str] = field(default_factory=list)
     numbers: dict[str, float] = field(default_factory=dict)
-    deviations: list[str] = field(default_factory=list)
 
     def ask(self, name: str, value: float, most: float, what: str) -> None:
-        """Keep the largest value of a name; it differs where it is above the bound or no number."""
+        """Keep the largest value of a name; complain where it is above the bound or no number."""
         self.numbers[name] = max(value, self.numbers.get(name, value))
         if not value <= most:
-            self.differ(f"{what}: {value:.2e}, above {most:.0e}")
-
-    def take(self, other: Verdict, by_history: bool) -> None:
-        """Take over a comparison with another run; `by_history`: contact histories explain what differs."""
-        excused = other.differences if by_history else []
-        self.deviations += excused
-        self.complaints += [what for what in other.complaints if what not in excused]
-        for name, value in () if excused else other.numbers.items():
-            self.numbers[name] = max(value, self.numbers.get(name, value))
-
-    def differ(self, what: str) -> None:
-        """Another run has another answer."""
-        self.complaints.append(what)
-        self.differences.append(what)
+            self.complain(f"{what}: {value:.2e}, above {most:.0e}")
 
     def complain(self, what: str) -> None:
-        """Something is wrong that has no number."""
+        """Something is wrong."""
         self.complaints.append(what)
+
+    def stop(self, name: str, path: EquilibriumPath) -> bool:
+        """Note a run that ends for reasons of the iteration; returns whether it does."""
+        if path.outcome == STUCK:
+            self.stops.append(f"{name}: {path.message}")
+        return path.outcome == STUCK
 
 
 def reached(case: Case, scene: Scene | None = None, **options: object) -> EquilibriumPath:
     """Path of the case, complete or not; in another scene or with other options where given."""
     return partial_path(SOLVERS[case.model], scene or case.scene, **(dict(case.options) | options))
-
-
-def ended(path: EquilibriumPath) -> bool:
-    """Whether the path ends for what friction held: its bounds, or a pair that opened."""
-    return path.outcome == "not_converged" and path.message.startswith(HELD)
 
 
 def fine_steps(case: Case) -> int:

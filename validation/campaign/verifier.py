@@ -8,15 +8,16 @@ from validation.campaign.energy import beam_energy
 from validation.campaign.overlap import verify_overlap
 from validation.campaign.runs import verified_rows, verify_steps
 from validation.campaign.scenes import Case
-from validation.campaign.verdict import CRITICAL, RIGHT, THROUGH, Verdict, ended
+from validation.campaign.verdict import CRITICAL, JUMP, VERIFIED, Verdict
 from validation.campaign.wire import wire_forces
+from validation.campaign.wirejump import verify_jump
 from validation.campaign.wireverifier import verify_row, verify_wire_critical
 
 
 def verify(case: Case, path: EquilibriumPath) -> Verdict:
     """Verify a path of a case, complete or not."""
     verdict, beam = Verdict(), case.model == "equivbeam"
-    if path.outcome not in (RIGHT, THROUGH, *CRITICAL) and not ended(path):
+    if not verdict.stop("path", path) and path.outcome not in VERIFIED:
         verdict.complain(f"{path.outcome}: {path.message}")
         return verdict
     if beam:
@@ -33,4 +34,6 @@ def verify(case: Case, path: EquilibriumPath) -> Verdict:
             verify_critical(verdict, energy, case, path)
         else:
             verify_wire_critical(verdict, forces, case, path)
+    elif path.outcome == JUMP:
+        verify_jump(verdict, forces, case, path)
     return verdict

@@ -7,22 +7,27 @@ central differences of the forces.
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
-from scipy.linalg import eigh
+from scipy.linalg import cho_solve_banded, cholesky_banded, eigh, lu_factor, lu_solve
+from scipy.sparse import csr_array
+from scipy.sparse.linalg import LinearOperator, eigs, eigsh
 
 from coilspring import EquilibriumPath, Scene
-from validation.campaign.poses import TINY, carried, differences, product, rotated, strain
-from validation.campaign.wireparts import curved, end_frames, helix, spheres, straight
+from validation.campaign.poses import TINY, differences, product, rotated, strain
+from validation.campaign.wirepairs import Law, Pairs, known_pairs
+from validation.campaign.wireparts import Points, curved, end_frames, helix, spheres, stations, straight
 
 PAIRS_A_TURN = 4  # that the scene's stiffness belongs to
-Friction = tuple[np.ndarray, np.ndarray]  # pairs (pairs, 2) and forces (pairs, 3) on their lower spheres
+SETTLED = 1e-8  # of an eigenvalue
 
 
 @dataclass(frozen=True)
 class WireForces:
-    """A scene's wire: elements, spheres and load.
+    """A scene's wire: elements and contact.
 
     Attributes
     ----------
@@ -30,11 +35,10 @@ class WireForces:
     frames : (4, 2, elements) quaternions of the end triads at rest.
     arm : (3,) from the top reference point to the wire's last point, at rest.
     stiffness, strain0 : (6, 6, elements) and (6, elements).
-    attached, offset : (spheres,) and (spheres, 3).
-    near : spheres so near along the wire do not touch.
-    d, penalty, exponent : of the contact.
+    points, law : of the contact; no law where there is none.
+    d : diameter of the wire.
     fixed : (nodes, 6) degrees of freedom, where nothing must balance.
-    load : (2,) at time 1; 0 where a displacement is prescribed.
+    driven : a displacement of the top is prescribed.
     """
 
     rest: np.ndarray
@@ -42,22 +46,23 @@ class WireForces:
     arm: np.ndarray
     stiffness: np.ndarray
     strain0: np.ndarray
-    attached: np.ndarray
-    offset: np.ndarray
-    near: int
+    points: Points
+    law: Law | None
     d: float
-    penalty: float
-    exponent: float
     fixed: np.ndarray
-    load: np.ndarray
+    driven: bool
 
-    def residual(self, state: np.ndarray, load: np.ndarray, friction: Friction) -> np.ndarray:
+    def residual(self, state: np.ndarray, load: np.ndarray, pairs: Pairs | None) -> np.ndarray:
         """Force and moment (nodes, 6) that are out of balance under a load, or the reaction to a prescribed
         displacement."""
-        rows, (pairs, force) = state.reshape(-1, 7), friction
-        total = self.element_forces(rows) + self.contact_forces(rows) + self.spread(rows, pairs, -force)
+        total = self.forces(state.reshape(-1, 7), pairs)
         total[-1, :2] -= load
         return np.where(self.fixed, 0.0, total)
+
+    def forces(self, rows: np.ndarray, pairs: Pairs | None) -> np.ndarray:
+        """Forces and moments (nodes, 6) of the elements and the contact, those of the supports included."""
+        total = self.element_forces(rows)
+        return total if pairs is None else total + pairs.gradient(rows)
 
     def element_forces(self, rows: np.ndarray) -> np.ndarray:
         """Gradient (nodes, 6) of the strain energy in displacements and spins."""
@@ -79,33 +84,12 @@ class WireForces:
         total[-1, 3:] += np.cross(rotated(q[:, -1], self.arm), total[-1, :3])
         return total
 
-    def contact_forces(self, rows: np.ndarray) -> np.ndarray:
-        """Gradient (nodes, 6) of the energy of the pairs that touch."""
-        return self.spread(rows, *self.touching(rows))
-
-    def touching(self, rows: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Pairs of spheres that touch, and the gradient of their energy at the lower one."""
-        if self.penalty == 0.0:
-            return np.zeros((0, 2), int), np.zeros((0, 3))
-        centres = self.centres(rows)
-        low, high = np.triu_indices(len(centres), self.near + 1)
-        g = centres[high] - centres[low]
-        h = np.sqrt((g**2).sum(axis=1))
-        hit = (h < self.d) & (self.attached[low] != self.attached[high])
-        size = self.penalty * (self.d - h[hit]) ** self.exponent / h[hit]
-        return np.stack((low[hit], high[hit]), axis=1), size[:, None] * g[hit]
-
-    def centres(self, rows: np.ndarray) -> np.ndarray:
-        """Centres (spheres, 3) of the contact spheres."""
-        return carried(rows[self.attached], self.offset)
-
-    def spread(self, rows: np.ndarray, pairs: np.ndarray, gradient: np.ndarray) -> np.ndarray:
-        """Gradient (nodes, 6) from that at the lower spheres of pairs; at the upper ones it is opposite."""
-        total = np.zeros((len(rows), 6))
-        arms = self.centres(rows) - rows[self.attached, :3]
-        for sphere, part in zip(pairs.T, (gradient, -gradient), strict=True):
-            np.add.at(total, self.attached[sphere], np.hstack((part, np.cross(arms[sphere], part))))
-        return total
+    def pairs(self, path: EquilibriumPath, row: int, reach: float = 0.0) -> Pairs | None:
+        """Pairs that are held in a path's row or nearer than `reach`; None where there is no contact."""
+        if self.law is None:
+            return None
+        found = known_pairs(self.points, self.law, self.rest, path, row)
+        return found.of(found.held | (found.depth(path.states[row].reshape(-1, 7)) > -reach))
 
     def element_tangent(self, rows: np.ndarray) -> np.ndarray:
         """Derivative of the elements' forces in the moves and spins of all nodes; 1 where held."""
@@ -122,21 +106,63 @@ class WireForces:
         J[held, held] = 1.0
         return J
 
-    def tangent(self, rows: np.ndarray) -> np.ndarray:
-        """Derivative of all forces without friction, made symmetric, which it is in balance."""
+    def tangent(self, rows: np.ndarray, pairs: Pairs | None) -> np.ndarray:
+        """Derivative of all forces in the degrees of freedom that are free."""
         J = self.element_tangent(rows)
-        touched = np.unique(self.attached[self.touching(rows)[0]])
-        for node, i, change in differences(self.contact_forces, rows, self.d, touched):
-            J[:, 6 * node + i] += change.ravel()
+        if pairs is not None:
+            J += pairs.tangent(rows)
+        return J[np.ix_(self.free, self.free)]
+
+    @property
+    def free(self) -> np.ndarray:
+        """Degrees of freedom that are neither held nor prescribed."""
+        free = ~self.fixed
+        free[-1, 1] &= not self.driven
+        return np.flatnonzero(free)
+
+    @cached_property
+    def at_rest(self) -> np.ndarray:
+        """Tangent at rest without contact, in units of which stiffness is measured."""
+        J = self.tangent(self.rest, None)
         return 0.5 * (J + J.T)
 
-    def least_stiffness(self, rows: np.ndarray) -> float:
-        """Least eigenvalue of the tangent with the top held along the axis, in units of that at rest."""
-        free = ~self.fixed
-        free[-1, 1] = False
-        some = np.ix_(free.ravel(), free.ravel())
-        now, rest = self.tangent(rows)[some], self.tangent(self.rest)[some]
-        return float(eigh(now, rest, subset_by_index=(0, 0), eigvals_only=True)[0])
+    def least_stiffness(self, rows: np.ndarray, pairs: Pairs | None) -> float:
+        """Eigenvalue of the tangent next to zero, in units of that at rest; negative where unstable.
+
+        Where coils slide the tangent is not symmetric: it is unstable where the determinant is negative.
+        """
+        J, rest = self.tangent(rows, pairs), self.at_rest
+        if pairs is None or not pairs.slides.any():
+            J = 0.5 * (J + J.T)
+            factor = _cholesky(J)
+            if factor is None:
+                return float(eigh(J, rest, subset_by_index=(0, 0), eigvals_only=True)[0])
+            return _next_to_zero(lambda b: cho_solve_banded((factor, True), b), J, rest)
+        lu, swaps = lu_factor(J)
+        swapped = np.count_nonzero(swaps != np.arange(len(swaps)))
+        sign = (-1.0) ** swapped * np.prod(np.sign(np.diag(lu)))
+        return float(sign * abs(_next_to_zero(lambda b: lu_solve((lu, swaps), b), J, rest)))
+
+
+def _cholesky(J: np.ndarray) -> np.ndarray | None:
+    """Banded factor of a symmetric matrix, lower form; None where it is not positive definite."""
+    low, high = np.nonzero(np.tril(J))
+    band = int((low - high).max())
+    stored = np.zeros((band + 1, len(J)))
+    stored[low - high, high] = J[low, high]
+    try:
+        return cholesky_banded(stored, lower=True)
+    except np.linalg.LinAlgError:
+        return None
+
+
+def _next_to_zero(solve: Callable[[np.ndarray], np.ndarray], J: np.ndarray, rest: np.ndarray) -> float:
+    """Eigenvalue of a matrix next to zero, in units of that at rest, by Arnoldi's method on the inverse."""
+    inverse = LinearOperator(J.shape, solve, dtype=float)
+    known = {"k": 1, "M": csr_array(rest), "sigma": 0.0, "tol": SETTLED, "return_eigenvectors": False}
+    start = np.random.default_rng(1).standard_normal(len(rest))
+    find = eigsh if (J == J.T).all() else eigs
+    return float(find(csr_array(J), OPinv=inverse, v0=start, **known)[0].real)
 
 
 def wire_forces(scene: Scene, element: str, elements_per_turn: int, pairs_per_turn: int) -> WireForces:
@@ -148,7 +174,12 @@ def wire_forces(scene: Scene, element: str, elements_per_turn: int, pairs_per_tu
     frames = end_frames(spring, phases, points, element == "curved")
     poses = ((points[:-1].T, frames[:, 0]), (points[1:].T, frames[:, 1]))
     reference = np.array([0.0, spring.active_height, 0.0])
-    attached, offset = spheres(spring, points, reference, elements_per_turn, pairs_per_turn)
+    if contact.geometry == "wires":
+        contact_points = stations(spring, points, reference, pairs_per_turn)
+    else:
+        contact_points = spheres(spring, points, reference, elements_per_turn, pairs_per_turn)
+    penalty = contact.stiffness * PAIRS_A_TURN / pairs_per_turn
+    law = Law(spring.wire_diameter, penalty, contact.exponent, contact.coefficient)
     fixed = np.zeros((count + 1, 6), dtype=bool)
     fixed[0] = True
     fixed[-1, 2:5] = True
@@ -163,20 +194,9 @@ def wire_forces(scene: Scene, element: str, elements_per_turn: int, pairs_per_tu
         arm=points[-1] - reference,
         stiffness=curved(scene, phases, points, poses) if element == "curved" else straight(scene, points),
         strain0=strain(*poses),
-        attached=attached,
-        offset=offset,
-        near=pairs_per_turn // 2,
+        points=contact_points,
+        law=law if contact.enabled else None,
         d=spring.wire_diameter,
-        penalty=contact.stiffness * PAIRS_A_TURN / pairs_per_turn if contact.enabled else 0.0,
-        exponent=contact.exponent,
         fixed=fixed,
-        load=np.array(scene.load.force),
+        driven=bool(scene.load.displacement),
     )
-
-
-def friction_of(path: EquilibriumPath, row: int) -> Friction:
-    """Pairs and tangential forces on their lower spheres, as the path reports them."""
-    pairs = path.shape.data.contact.pairs  # type: ignore[attr-defined]
-    if path.scene.contact.sliding == "free" or not len(pairs):
-        return np.zeros((0, 2), int), np.zeros((0, 3))
-    return pairs, path.friction.force[row]

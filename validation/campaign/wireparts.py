@@ -1,16 +1,20 @@
-"""The wire's elements and spheres for the verifier, in plain numpy."""
+"""The wire's elements and contact points for the verifier, in plain numpy."""
 
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 
 import numpy as np
 from scipy.spatial.transform import Rotation
 
 from coilspring import Scene, Spring
-from validation.campaign.poses import TINY, product, strain
+from validation.campaign.poses import TINY, product, rotated, strain
 
 SHEAR_FACTOR = 0.9
+TURN = 2.0 * math.pi
+AT_NODE = 1e-9  # elements: a station that near to a node moves with it alone
+NUDGE = 1e-5  # rad: half of a difference that is the tangent
 GAUSS = np.polynomial.legendre.leggauss(16)
 Poses = tuple[tuple[np.ndarray, np.ndarray], tuple[np.ndarray, np.ndarray]]
 
@@ -62,17 +66,120 @@ def curved(scene: Scene, phases: np.ndarray, points: np.ndarray, poses: Poses) -
     return np.linalg.inv(J @ flexibility @ J.transpose(0, 2, 1)).transpose(1, 2, 0)
 
 
+@dataclass(frozen=True)
+class Points:
+    """Contact points: where they are is a sum over two nodes of weighted positions and turned arms.
+
+    Attributes
+    ----------
+    wires : stations of a wire with tangents, in place of spheres.
+    per_turn : their number; up to half a turn along the wire nothing touches.
+    node : (points, 2), the same node twice where there is one alone.
+    weight, arm : (points, 2) and (points, 2, 3) of the positions.
+    slope_weight, slope_arm : the same of the tangents; zero for spheres.
+    turn : (points, 2) shares of both rotations in that of the wire's section.
+    """
+
+    wires: bool
+    per_turn: int
+    node: np.ndarray
+    weight: np.ndarray
+    arm: np.ndarray
+    slope_weight: np.ndarray
+    slope_arm: np.ndarray
+    turn: np.ndarray
+
+    def places(self, rows: np.ndarray) -> np.ndarray:
+        """Where they are in a state, (points, 3)."""
+        slots = zip(self.node.T, self.weight.T, self.arm.swapaxes(0, 1), strict=True)
+        return sum(w[:, None] * rows[i, :3] + rotated(rows[i, 3:].T, arm.T).T for i, w, arm in slots)
+
+    def missing(self, rows: np.ndarray, known: np.ndarray, d: float) -> np.ndarray:
+        """Pairs (n, 2) that touch and are none of those known: of spheres all, of stations those of the same
+        place one coil apart."""
+        places, count = self.places(rows), len(self.node)
+        if self.wires:
+            low = np.arange(max(count - self.per_turn, 0))
+            high = low + self.per_turn
+            hit = np.ones(len(low), bool)
+        else:
+            low, high = np.triu_indices(count, self.per_turn // 2 + 1)
+            hit = np.linalg.norm(places[high] - places[low], axis=1) < d
+        body = self.node.sum(axis=1)
+        rigid = (body[low] == body[high]) & (self.node[low, 0] == self.node[low, 1])
+        new = ~np.isin(low * count + high, known[:, 0] * count + known[:, 1])
+        return np.stack((low, high), axis=1)[hit & new & ~rigid]
+
+
 def spheres(
     spring: Spring, points: np.ndarray, reference: np.ndarray, elements_per_turn: int, pairs_per_turn: int
-) -> tuple[np.ndarray, np.ndarray]:
-    """Nodes that carry the spheres, and offsets from them at rest."""
-    turn, last = 2.0 * math.pi, len(points) - 1
+) -> Points:
+    """Contact spheres at nodes."""
+    last = len(points) - 1
+    index = _numbers(spring, pairs_per_turn)
+    node = np.clip(index * (elements_per_turn // pairs_per_turn), 0, last)
+    origins = np.concatenate((points[:-1], reference[None]))
+    arm = helix(spring, index * TURN / pairs_per_turn) - origins[node]
+    count, first = len(index), np.array([1.0, 0.0])
+    return Points(
+        False, pairs_per_turn, np.stack((node, node), axis=1), np.tile(first, (count, 1)),
+        arm[:, None] * first[:, None], np.zeros((count, 2)), np.zeros((count, 2, 3)),
+        np.tile(first, (count, 1)),
+    )  # fmt: skip
+
+
+def stations(spring: Spring, points: np.ndarray, reference: np.ndarray, pairs_per_turn: int) -> Points:
+    """Contact stations along the wire: between the nodes it is a cubic along the turned tangents at rest.
+
+    With T(P) the place of a point P that moves with a node, and s the share between the nodes A and B,
+
+        (1 - s) Ta(P) + s Tb(P) - s (1 - s)^2 (Tb(A) - Ta(A)) + s^2 (1 - s) (Tb(B) - Ta(B)).
+    """
+    count, last = len(points) - 1, TURN * spring.active_coils
+    phases = _numbers(spring, pairs_per_turn) * TURN / pairs_per_turn
+    place = np.clip(phases, 0.0, last) / last * count
+    low = np.minimum(place.astype(int), count - 1)
+    s = np.where(np.abs(place - np.rint(place)) < AT_NODE, np.rint(place), place) - low
+    P, A, B = helix(spring, phases), points[low], points[low + 1]
+    origins = np.concatenate((points[:-1], reference[None]))[np.stack((low, low + 1), axis=1)]
+    # by node: the shares of P, A and B, and their derivatives in s
+    dip, rise = s * (1.0 - s) ** 2, s**2 * (1.0 - s)
+    shares = np.array([[1.0 - s, dip, -rise], [s, -dip, rise]])
+    ddip, drise = (1.0 - s) * (1.0 - 3.0 * s), s * (2.0 - 3.0 * s)
+    one = np.ones_like(s)
+    changes = np.array([[-one, ddip, -drise], [one, -ddip, drise]])
+    arms = np.stack((P, A, B))[None] - origins.swapaxes(0, 1)[:, None]  # (node, of P A B, points, 3)
+    before, after = (helix(spring, phases + side * NUDGE) for side in (-1.0, 1.0))
+    slope = (after - before) / (2.0 * NUDGE)  # where pieces meet at a rest angle, their mean
+    speed = np.linalg.norm(slope, axis=1, keepdims=True)
+    inside = (phases > 0.0) & (phases < last)
+    per_length = np.where(inside, count / last, 0.0)[:, None] / speed
+    slope_arm = per_length * np.einsum("njp,njpi->npi", changes, arms)
+    slope_arm += np.stack((1.0 - s, s))[..., None] * (slope / speed)
+    return Points(
+        wires=True,
+        per_turn=pairs_per_turn,
+        node=_alone(np.stack((low, low + 1), axis=1), s),
+        weight=shares.sum(axis=1).T,
+        arm=np.einsum("njp,njpi->pni", shares, arms),
+        slope_weight=(per_length[:, 0] * changes.sum(axis=1)).T,
+        slope_arm=slope_arm.swapaxes(0, 1),
+        turn=np.stack((1.0 - s, s), axis=1),
+    )
+
+
+def _alone(node: np.ndarray, s: np.ndarray) -> np.ndarray:
+    """The nodes, twice the same one where the other has no share."""
+    node[s == 0.0, 1] = node[s == 0.0, 0]
+    node[s == 1.0, 0] = node[s == 1.0, 1]
+    return node
+
+
+def _numbers(spring: Spring, pairs_per_turn: int) -> np.ndarray:
+    """Numbers of contact points: multiples of a turn's share, end turns included."""
     low = math.ceil(-spring.end_turns * pairs_per_turn - 1e-9)
     high = math.floor((spring.active_coils + spring.end_turns) * pairs_per_turn + 1e-9)
-    index = np.arange(low, high + 1)
-    attached = np.clip(index * (elements_per_turn // pairs_per_turn), 0, last)
-    origins = np.concatenate((points[:-1], reference[None]))
-    return attached, helix(spring, index * turn / pairs_per_turn) - origins[attached]
+    return np.arange(low, high + 1)
 
 
 def _rigidities(scene: Scene) -> tuple[float, float, float, float]:

@@ -144,6 +144,7 @@ def _add_studies(commands: argparse._SubParsersAction) -> None:
     scenes.add_argument("--beams", type=_number, metavar="N", help="equivalent-beam scenes; default 20000")
     scenes.add_argument("--wires", type=_number, metavar="N", help="wire scenes; default 1000")
     scenes.add_argument("--seed", type=_number, metavar="N", help="of the sequence of scenes; default 1")
+    scenes.add_argument("--seeds", metavar="N,N", help="several of them, on one page: 1,2,3")
     scenes.add_argument("--case", metavar="ID", help="verify one case again, and write nothing")
     how = "processes; default one for each core, 0 for none besides this one"
     command.add_argument("--workers", type=_number, metavar="N", help=how)

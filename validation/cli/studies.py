@@ -73,6 +73,7 @@ def stability(arguments: argparse.Namespace, folder: Path, progress: Progress) -
     options = given(arguments, ("case", "scheduler"))
     for name, number in given(arguments, tuple(CAMPAIGN_RANGES)).items():
         options[name] = require_integer(name, number, *CAMPAIGN_RANGES[name])
+    options["seeds"] = _seeds(options.pop("seed", None), arguments.seeds)
     writes = "case" not in options
     progress(LOADING)
     from validation.campaign.run import campaign
@@ -81,6 +82,24 @@ def stability(arguments: argparse.Namespace, folder: Path, progress: Progress) -
         code = campaign(folder, **options, progress=lambda done, of: progress(f"{done} of {of} scenes"))
     lines = [f"written to {folder}"] if writes else []
     return lines, "not every outcome is explained" if code else ""
+
+
+def _seeds(one: int | None, listed: str | None) -> tuple[int, ...]:
+    """Seeds of a campaign, each once.
+
+    Raises
+    ------
+    InputError : both options are given, or the list is none of whole numbers.
+    """
+    if listed is None:
+        return (1 if one is None else one,)
+    if one is not None:
+        raise InputError(f"--seed or --seeds, not both, got {one} and {listed}")
+    parts = [part.strip() for part in listed.split(",")]
+    if not all(part.isdecimal() for part in parts):
+        raise InputError(f"seeds must be whole numbers with commas between, as 1,2,3, got {listed!r}")
+    limits = CAMPAIGN_RANGES["seed"]
+    return tuple(dict.fromkeys(require_integer("seeds", int(part), *limits) for part in parts))
 
 
 def study_law(arguments: argparse.Namespace, folder: Path, progress: Progress) -> Answer:

@@ -1,0 +1,285 @@
+"""Contact pairs of the wire for the verifier: their energy, written from docs/theory.md, differentiated here.
+
+A contact point moves with one node (a sphere) or two (a station of the wire). A pair has a gap h, which
+presses, and a slip L from where it touched first, which sticks or rubs. Complex steps of h and of L^2 / 2 in
+the displacements and spins of a pair's four nodes give its forces, central differences of those its tangent.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from coilspring import EquilibriumPath
+from validation.campaign.poses import NUDGE, TINY, moved, product, rotated
+from validation.campaign.wireparts import Points
+
+SIDES, SLOTS = 2, 4  # contact points of a pair, nodes of a pair
+STEPS = 6 * SLOTS
+SMALL_CHORD = 1e-4  # square of a chord below which a series stands for the arc
+SLIDES = 1e-6  # of its slip: by so much less than the law of sticking says, a pair slides
+Poses = list[tuple[np.ndarray, np.ndarray]]
+
+
+@dataclass(frozen=True)
+class Law:
+    """What presses and rubs: F = penalty * depth^exponent, and at most mu F across it."""
+
+    d: float
+    penalty: float
+    exponent: float
+    mu: float
+
+
+@dataclass(frozen=True)
+class Pairs:
+    """Pairs that touch or are held in a state, and what each remembers.
+
+    Attributes
+    ----------
+    points, law : of all of the wire.
+    index : (pairs, 2) contact points.
+    clearance : (pairs,) by how much wires run into each other at rest.
+    held : (pairs,) whether there is a tangential force.
+    slides : (pairs,) whether it is at its bound.
+    share : (pairs,) of the stiffness of sticking that is left; 1 but for pairs that are released.
+    one, two : (pairs, 3) of wires: the material points that touched first, from the stations, in their
+        sections at rest; of spheres: the vector between the centres when they did, and the normal.
+    """
+
+    points: Points
+    law: Law
+    index: np.ndarray
+    clearance: np.ndarray
+    held: np.ndarray
+    slides: np.ndarray
+    share: np.ndarray
+    one: np.ndarray
+    two: np.ndarray
+
+    def of(self, chosen: np.ndarray) -> Pairs:
+        """Some of the pairs."""
+        names = ("index", "clearance", "held", "slides", "share", "one", "two")
+        return replace(self, **{name: getattr(self, name)[chosen] for name in names})
+
+    @property
+    def nodes(self) -> np.ndarray:
+        """Nodes (4, pairs) of the pairs: two of each contact point."""
+        return self.points.node[self.index].reshape(-1, SLOTS).T
+
+    def poses(self, rows: np.ndarray) -> Poses:
+        """Positions and quaternions of the pairs' nodes."""
+        return [(rows[node, :3].T, rows[node, 3:].T) for node in self.nodes]
+
+    def depth(self, rows: np.ndarray) -> np.ndarray:
+        """Penetrations (pairs,), below zero where open."""
+        return self.law.d - self.gap(self.poses(rows))[0]
+
+    def gap(self, poses: Poses) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Gaps (..., pairs), longer by the clearance, normals (3, ...), and vectors between the points."""
+        low, high = (self._point(side, poses) for side in range(SIDES))
+        w = across = high - low
+        if self.points.wires:
+            along = self._tangent(0, poses) + self._tangent(1, poses)
+            across = w - along * (w * along).sum(axis=0) / (along * along).sum(axis=0)
+        h = np.sqrt((across * across).sum(axis=0))
+        return h + self.clearance, across / h, w
+
+    def slip(self, poses: Poses) -> np.ndarray:
+        """Vectors (3, ...) by which pairs have slipped since they touched first, as far as they resist it:
+        of spheres under friction as long as the arc."""
+        h, n, w = self.gap(poses)
+        if self.points.wires:
+            xi = w + self._section(1, poses, self.two.T) - self._section(0, poses, self.one.T)
+            return xi - n * (xi * n).sum(axis=0)
+        reference = self.two.T.reshape(3, *(1,) * (h.ndim - 1), -1)
+        if not np.isfinite(self.law.mu):
+            e = w - self.one.T.reshape(reference.shape)
+            return e - reference * (e * reference).sum(axis=0)
+        chord = n - reference
+        square = (chord * chord).sum(axis=0)
+        near = np.abs(square) < SMALL_CHORD
+        safe = np.sqrt(np.where(near, 1.0, square))
+        ratio = np.where(
+            near,
+            1.0 + square / 24.0 + 3.0 * square**2 / 640.0 + 5.0 * square**3 / 7168.0,
+            2.0 * np.arcsin(0.5 * safe) / safe,
+        )
+        return self.law.d * ratio * chord
+
+    def gradient(self, rows: np.ndarray) -> np.ndarray:
+        """Gradient (nodes, 6) of the pairs' energies; of what slides, Coulomb's force along its slip."""
+        total = np.zeros((len(rows), 6))
+        dh, dS = self._slopes(rows[self.nodes])
+        press, _, ratio, _, _ = self._sizes(rows)
+        parts = ratio * dS - press * dh
+        np.add.at(total, self.nodes, parts.reshape(SLOTS, 6, -1).swapaxes(1, 2))
+        return total
+
+    def tangent(self, rows: np.ndarray) -> np.ndarray:
+        """Derivative (6 nodes, 6 nodes) of the gradient, with the pairs that touch and slide as they do."""
+        total = np.zeros((6 * len(rows),) * 2)
+        if not len(self.index):
+            return total
+        near = rows[self.nodes]  # (4, pairs, 7)
+        press, rise, ratio, by_gap, by_slip = self._sizes(rows)
+        dh, dS = self._slopes(near)
+        K = rise * dh[:, None] * dh + by_gap * dS[:, None] * dh + by_slip * dS[:, None] * dS
+        for step in range(STEPS):
+            slot, i = divmod(step, 6)
+            size = NUDGE * (self.law.d if i < 3 else 1.0)
+            sides = []
+            for sign in (1.0, -1.0):
+                move, there = np.zeros((near.shape[1], 6)), near.copy()
+                move[:, i] = sign * size
+                there[slot] = moved(there[slot], move)
+                sides.append(self._slopes(there))
+            d2h, d2S = (one - other for one, other in zip(*sides, strict=True))
+            K[:, step] += (ratio * d2S - press * d2h) / (2.0 * size)
+        dofs = (6 * self.nodes[:, None] + np.arange(6)[:, None]).reshape(STEPS, -1)
+        np.add.at(total, (dofs[:, None], dofs[None]), K)
+        return total
+
+    def forces(self, rows: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Normal forces (pairs,) and tangential ones (pairs, 3) on the lower bodies."""
+        poses = self.poses(rows)
+        h, n, _ = self.gap(poses)
+        slip = self.slip(poses)
+        press, _, ratio, _, _ = self._sizes(rows)
+        if not self.points.wires and np.isfinite(self.law.mu):
+            # of the length of the arc, along it
+            slip = np.sqrt((slip * slip).sum(axis=0)) * _along(slip, n) * self.law.d / h
+        return press, (ratio * slip).T
+
+    def renewed(self, rows: np.ndarray) -> Pairs:
+        """The pairs with what has slid taken off their references: they are at their bounds."""
+        poses = self.poses(rows)
+        n, slip = self.gap(poses)[1], self.slip(poses)
+        length = np.sqrt((slip * slip).sum(axis=0))
+        left = np.where(self.slides, self._sizes(rows)[2] / self.law.penalty, 1.0)
+        if self.points.wires:
+            half = 0.5 * (1.0 - left) * slip
+            one = self.one + self._at_rest(0, poses, half)
+            return replace(self, one=one, two=self.two - self._at_rest(1, poses, half))
+        # the normal turned back to where the arc is what the bound allows
+        angle = left * length / self.law.d
+        normal = np.where(self.slides, np.cos(angle) * n - np.sin(angle) * _along(slip, n), self.two.T)
+        return replace(self, two=normal.T)
+
+    def _slopes(self, near: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Derivatives (24, pairs) of the gaps and of the slips' squares over 2 in the moves and spins of the
+        pairs' nodes (4, pairs, 7)."""
+        shift = 1j * TINY * np.eye(6)[..., None]
+        spun = np.concatenate((np.ones((1, 6, 1)), 0.5 * shift[3:].reshape(3, 6, 1)))
+        stepped: Poses = []
+        for slot, row in enumerate(near):
+            moves = np.zeros((3, STEPS, 1), complex)
+            turns = np.zeros((4, STEPS, 1), complex)
+            turns[0] = 1.0
+            mine = slice(6 * slot, 6 * slot + 6)
+            moves[:, mine], turns[:, mine] = shift[:3], spun
+            stepped.append((row[:, :3].T[:, None] + moves, product(turns, row[:, 3:].T[:, None])))
+        h = self.gap(stepped)[0]
+        slip = np.zeros(h.shape)
+        if self.held.any():
+            vectors = self.slip(stepped)
+            slip = 0.5 * (vectors * vectors).sum(axis=0).imag / TINY
+        return h.imag / TINY, slip * self.held
+
+    def _sizes(self, rows: np.ndarray) -> tuple[np.ndarray, ...]:
+        """Of each pair: the normal force and its derivative by the penetration, the tangential force over the
+        slip and its derivatives by the gap and by half of the slip's square."""
+        poses = self.poses(rows)
+        h, vectors = self.gap(poses)[0], self.slip(poses)
+        depth, none = np.maximum(self.law.d - h, 0.0), np.zeros(len(h))
+        K, k = self.law.penalty, self.law.exponent
+        press = K * depth**k
+        rise = np.where(depth > 0.0, K * k * depth ** (k - 1.0), 0.0)
+        ratio = K * self.share * self.held
+        if not self.slides.any():
+            return press, rise, ratio, none, none
+        length = np.sqrt((vectors * vectors).sum(axis=0))
+        length = np.where(length > 0.0, length, 1.0)
+        arm = none + 1.0 if self.points.wires else h / self.law.d  # arcs are measured on the arm d
+        bound = self.law.mu * press * arm
+        change = self.law.mu * (-rise * arm + (0.0 if self.points.wires else press / self.law.d))
+        s = self.slides
+        return (
+            press, rise, np.where(s, bound / length, ratio), np.where(s, change / length, 0.0),
+            np.where(s, -bound / length**3, 0.0),
+        )  # fmt: skip
+
+    def _point(self, side: int, poses: Poses) -> np.ndarray:
+        return self._sum(side, poses, self.points.weight, self.points.arm)
+
+    def _tangent(self, side: int, poses: Poses) -> np.ndarray:
+        return self._sum(side, poses, self.points.slope_weight, self.points.slope_arm)
+
+    def _sum(self, side: int, poses: Poses, weight: np.ndarray, arm: np.ndarray) -> np.ndarray:
+        """Sum over the two nodes of a point of weighted positions and arms turned with the node."""
+        k, total = self.index[:, side], 0.0
+        for slot in range(2):
+            x, q = poses[2 * side + slot]
+            arms = arm[k, slot].T.reshape(3, *(1,) * (x.ndim - 2), -1)
+            total = total + weight[k, slot] * x + rotated(q, arms)
+        return np.asarray(total)
+
+    def _section(self, side: int, poses: Poses, vectors: np.ndarray) -> np.ndarray:
+        """Vectors (3, pairs) fixed to sections at rest, as turned now."""
+        k, total = self.index[:, side], 0.0
+        for slot in range(2):
+            q = poses[2 * side + slot][1]
+            total = total + self.points.turn[k, slot] * rotated(
+                q, vectors.reshape(3, *(1,) * (q.ndim - 2), -1)
+            )
+        return np.asarray(total)
+
+    def _at_rest(self, side: int, poses: Poses, vectors: np.ndarray) -> np.ndarray:
+        """Vectors (pairs, 3) at rest which the sections turn into those given, (3, pairs)."""
+        count = vectors.shape[1]
+        columns = [self._section(side, poses, np.repeat(one[:, None], count, axis=1)) for one in np.eye(3)]
+        return np.linalg.solve(np.stack(columns).transpose(2, 1, 0), vectors.T[..., None])[..., 0]
+
+
+def _along(slip: np.ndarray, n: np.ndarray) -> np.ndarray:
+    """Directions (3, pairs) of slips across the normals, or zero."""
+    part = slip - n * (slip * n).sum(axis=0)
+    return part / np.maximum(np.sqrt((part * part).sum(axis=0)), TINY)
+
+
+def known_pairs(points: Points, law: Law, rest: np.ndarray, path: EquilibriumPath, row: int) -> Pairs:
+    """Pairs of a path's row: those of the model and what each remembers, and all others that touch."""
+    assert path.histories is not None
+    index = path.shape.data.contact.pairs  # type: ignore[attr-defined]
+    history = path.histories[row]
+    released = history["opening"] & (history["bound"] == 0.0)
+    held = history["closed"] & ~released & (law.mu > 0.0)
+    one, two = (history["arms"][:, :3], history["arms"][:, 3:]) if points.wires else (
+        history["vector"], history["normal"],
+    )  # fmt: skip
+    rows = path.states[row].reshape(-1, 7)
+    more = points.missing(rows, index, law.d)
+    count = len(index) + len(more)
+
+    def padded(values: np.ndarray) -> np.ndarray:
+        return np.concatenate((values, np.zeros((len(more), *values.shape[1:]), values.dtype)))
+
+    made = Pairs(
+        points, law, np.concatenate((index, more)).astype(int), np.zeros(count), padded(held),
+        np.zeros(count, bool), np.ones(count), padded(one), padded(two),
+    )  # fmt: skip
+    if points.wires:
+        made = replace(made, clearance=np.maximum(made.depth(rest), 0.0))
+    return with_slides(made, rows)
+
+
+def with_slides(pairs: Pairs, rows: np.ndarray) -> Pairs:
+    """The pairs with those marked that slide by Coulomb's law: sticking would take more than the bound."""
+    if not pairs.held.any() or not np.isfinite(pairs.law.mu):
+        return pairs
+    stuck = replace(pairs, slides=np.zeros(len(pairs.held), bool))
+    normal, force = stuck.forces(rows)
+    bound = pairs.law.mu * normal
+    slides = pairs.held & (np.linalg.norm(force, axis=1) > (1.0 - SLIDES) * bound)
+    return replace(pairs, slides=slides)
