@@ -265,7 +265,7 @@ def test_a_cycle_that_sticks_loses_what_pairs_release_that_open(scene):
     path = cycle(scene, 25, sliding="none")
     lost, most = loop(path)
     released = path.friction.work[-1].sum()
-    assert abs(lost - released) <= 1e-6 * most
+    assert abs(lost - released) <= 2e-6 * most  # the trapezoid's
     assert released <= (1e-8 if scene.name == "spring-a" else 1e-3) * most
 
 

@@ -22,8 +22,8 @@ CSV = Path("reports/errorbudget/randomsprings.csv")
 SEEDS, EACH = (0, 1, 2), 40  # springs of every kind and seed
 LAWS = ("helix", "haringx")
 COMPONENTS = ("ux", "uy", "rotz")
-ELEMENTS = {True: 16, False: 8}  # curved, a turn, with contact and without
-PAIRS = 16  # a turn, in contact
+ELEMENTS = 8  # curved, a turn
+PAIRS = 32  # stations a turn, in contact
 PAPER_PAIRS = 4  # a turn: how closed pairs are counted
 NEGLIGIBLE = 1e-3  # of the largest component; ROTZ times the mean coil radius
 
@@ -37,7 +37,7 @@ def row(drawn: Drawn) -> dict[str, Any]:
     """What a spring is, and both laws' errors on it, per cent.
 
     ``closed`` is the largest number of quarter turns on which pairs are closed at once; ``reference`` what
-    half the pairs per turn move the wire model by, without contact twice the elements.
+    twice the elements and, with contact, half the stations move the wire model by.
     """
     scene, spring = drawn.scene, drawn.scene.spring
     contact = scene.contact.enabled
@@ -60,9 +60,8 @@ def row(drawn: Drawn) -> dict[str, Any]:
     return found
 
 
-def reference(scene: Scene, elements: int | None = None, pairs: int = PAIRS) -> EquilibriumPath:
+def reference(scene: Scene, elements: int = ELEMENTS, pairs: int = PAIRS) -> EquilibriumPath:
     """The wire model's path, as far as it goes."""
-    elements = elements or ELEMENTS[scene.contact.enabled]
     options = {"element": "curved", "elements_per_turn": elements}
     if scene.contact.enabled:
         options["pairs_per_turn"] = pairs
