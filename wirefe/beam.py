@@ -168,7 +168,10 @@ def _derivatives(q, f, th, u, s):
 
 @arithmetic
 def _hessian(M, q, f, th, u, s, N, m, Pm, C, X, K, H):
-    """Hessian (12, 12): blocks in the half-way frame's (rho, mu, w), then in the dofs of the ends."""
+    """Hessian (12, 12): blocks in the half-way frame's (rho, mu, w), then in the dofs of the ends.
+
+    Thirteen arguments, the terms of (W6) and (W8): tuples of numbers stay in registers.
+    """
     c, c1, tau, tau1 = f[0], f[1], f[3], f[4]
     P, V, W, G = _derivatives(q, f, th, u, s)
     S = skew(u, 1.0)
@@ -210,7 +213,10 @@ def _material(P, T, V, K):
 
 @arithmetic
 def _spread(M, S, rr, rm, rw, mm, mw, ww, H):
-    """Hessian (12, 12) of the ends' dofs from the blocks in (rho, mu, w): mu = mean + S w."""
+    """Hessian (12, 12) of the ends' dofs from the blocks in (rho, mu, w): mu = mean + S w.
+
+    Nine arguments: the six blocks, the frame, S and what is filled.
+    """
     T = product(mm, S)
     rw = added(rw, 1.0, product(rm, S))
     half = product(transposed(S), added(mw, 0.5, T))

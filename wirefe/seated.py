@@ -82,7 +82,10 @@ def _press_high(plates, state, g, H):
 
 @part
 def _add_hessian(plates, m, top, k, force, n, a, b, C, H):
-    """k dg dg^T + force d2g of the node m of the top plate."""
+    """k dg dg^T + force d2g of the node m of the top plate.
+
+    Ten arguments: the node and its plate, the gap's derivatives, and what is filled.
+    """
     node, free = plates.high[m], plates.free
     B, flip = H[plates.block[m]], plates.flip[m]
     for i in range(6):

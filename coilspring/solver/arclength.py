@@ -117,7 +117,7 @@ def trace(reals, ints, prescribed, kernels, load, points, start, history, size, 
     """Trace at most `points` points of the path from rest, or to time 1.
 
     `history` is overwritten. `size` is the length of the matrix, `stop` as in
-    `coilspring.solver.follower.follow`.
+    `coilspring.solver.follower.follow`. Ten arguments: compiled code is entered here, bundles begin inside.
     """
     system = system_of(reals, ints, prescribed, kernels)
     times, states = np.empty(points), np.empty((points, start.size))

@@ -86,6 +86,8 @@ def follow(reals, ints, prescribed, kernels, task, work, path_, substep_, newton
     task, work : `Task` and `Workspace`.
     path_, substep_, newton_, watch : records, see `coilspring.solver.system`.
     stop : one integer; another thread sets it to end the path at the next substep.
+
+    Eleven arguments: compiled code is entered here, bundles begin inside.
     """
     system = system_of(reals, ints, prescribed, kernels)
     task, work = TaskRef(*task), WorkRef(*work)

@@ -52,7 +52,7 @@ def shorter(low, high, farther, before, behind, beyond, gain, slope, cut):
 
     Where it rises at `high` and more so `farther` on, both are behind a contact that closes: there the slope
     is zero where the line through these two is, however hard the contact. `cut` is the least share of the way
-    from `low` to `high`.
+    from `low` to `high`. Nine arguments: three lengths, what is known there, and the bound.
     """
     if 0.0 < behind < beyond:
         length = high - behind * (farther - high) / (beyond - behind)

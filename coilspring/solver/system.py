@@ -227,6 +227,7 @@ def _bundle(
     assemble, factor, solve, retract, work, rotate, displacement_bound, update_history, update_pairs,
     overlap, equilibrium,
 ):  # fmt: skip
+    # eleven arguments: numba takes first-class functions singly, and bundles them inside
     return KernelsRef(
         assemble, factor, solve, retract, work, rotate, displacement_bound, update_history, update_pairs,
         overlap, equilibrium,
