@@ -217,8 +217,8 @@ def _add_friction(g, h, d, K, row, t, f, H):
 def pair_potential(g, h, d, K, k, row, e, f, H):
     """Energy of a pair as a function of g; fills its gradient f (3,) and Hessian H (3, 3).
 
-    `row` is the pair's record of the contact history; `e` is scratch (3,). Nine arguments: the pair, its law, and
-    what is filled.
+    `row` is the pair's record of the contact history; `e` is scratch (3,). Nine arguments: the pair, its law,
+    and what is filled.
     """
     energy = 0.0
     clear(f)
