@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -11,7 +12,7 @@ import pandas as pd
 import pytest
 
 import wirefe
-from coilspring import Spring
+from coilspring import Contact, Spring, spring_a
 from validation.study.template import statement
 from validation.verification import ablation, randompage, randomsprings
 from validation.verification.randomscenes import BUCKLING, KINDS, SIDE, SOLID, population
@@ -77,12 +78,11 @@ def test_errors_of_a_prescribed_displacement_are_of_the_force():
 
 
 def test_closed_pairs_are_counted_as_the_papers():
-    """Spring A by 16 pairs per turn has as many closed quarter turns as closed pairs by 4."""
-    from coilspring import spring_a
-
-    fine = randomsprings.reference(spring_a(), elements=16)
+    """Spring A by stations of wires has as many closed quarter turns as closed pairs by 4 spheres."""
+    fine = randomsprings.reference(replace(spring_a(), contact=Contact()))
     coarse = wirefe.solve(spring_a(), element="curved", elements_per_turn=16, pairs_per_turn=4)
-    assert randomsprings.closed(fine) == coarse.active_contacts.max() > 3
+    assert coarse.active_contacts.max() > 3
+    assert abs(randomsprings.closed(fine) - coarse.active_contacts.max()) <= 2
 
 
 def test_percentile_bound():
