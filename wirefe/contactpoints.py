@@ -16,10 +16,10 @@ from wirefe.stations import (
     ROTATION,
     SLOPES,
     TANGENT,
-    WIDTH,
     across_wires,
     carried,
     interpolated,
+    of_wires,
     on_one_node,
 )
 
@@ -44,7 +44,7 @@ class ContactPoints:
 
     def span(self, top: int) -> tuple[float, float]:
         """Largest arms of points about nodes other than the last, `top`, and about that one, mm."""
-        arms = self.parts if self.parts.shape[1] < WIDTH else self.parts[:, ARMS:SLOPES].reshape(-1, 6)
+        arms = self.parts[:, ARMS:SLOPES] if of_wires(self.parts) else self.parts
         first = np.linalg.norm(arms[:, :3], axis=1)
         second = np.linalg.norm(arms[:, 3:], axis=1)
         ends = self.attached == top
@@ -91,15 +91,13 @@ def contact_points(
         parts = points - np.concatenate((mesh.points[:-1], mesh.reference[None]))[attached]
     else:
         attached, parts = on_one_node(*carried(spring, mesh, phases))
-    body = attached.astype(float)
-    if not spheres:
-        body[parts[:, ROTATION] > 0.0] += 0.5  # between two nodes
+    body = bodies(attached, parts)
     pairs = np.stack((np.arange(len(index) - pairs_per_turn), np.arange(pairs_per_turn, len(index))), axis=1)
     pairs = pairs[body[pairs[:, 0]] != body[pairs[:, 1]]]
     if found is not None:
         pairs = np.concatenate((pairs, found))
     near = pairs_per_turn // 2
-    _, gaps = (near_pairs if spheres else near_wires)(points, body, pairs, near, np.inf)
+    _, gaps = near_points(points, attached, parts, pairs, near, np.inf)
     if not scene.contact.enabled:
         pairs = pairs[:0]
     overlap = np.zeros(len(pairs))
@@ -121,6 +119,20 @@ def contact_points(
         apart=float(gaps.min(initial=np.inf)) - spring.wire_diameter,
         friction=scene.contact.coefficient,
     )
+
+
+def bodies(attached: np.ndarray, parts: np.ndarray) -> np.ndarray:
+    """Number of the rigid body with which each contact point moves; one between two nodes has its own."""
+    between = parts[:, ROTATION] > 0.0 if of_wires(parts) else np.zeros(len(parts), dtype=bool)
+    return attached + 0.5 * between
+
+
+def near_points(
+    centres: np.ndarray, attached: np.ndarray, parts: np.ndarray, pairs: np.ndarray, near: int, reach: float
+) -> tuple[np.ndarray, np.ndarray]:
+    """Contact points that are no pair, nearer than `reach`: `near_wires` or `near_pairs`."""
+    find = near_wires if of_wires(parts) else near_pairs
+    return find(centres, bodies(attached, parts), pairs, near, reach)
 
 
 def near_pairs(

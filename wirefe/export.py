@@ -13,7 +13,7 @@ from wirefe.beam import deformations
 from wirefe.model import ContactArrays
 from wirefe.poses import ROW
 from wirefe.shape import WireShape, contact_vectors
-from wirefe.stations import ARMS, POSITION, SLOPES, WIDTH
+from wirefe.stations import ARMS, POSITION, SLOPES, of_wires
 from wirefe.stations import turned_rows as turned
 
 POINT_DATA = ("displacement", "rotation", "contact_force", "pair_force")  # of a VTU file
@@ -142,7 +142,7 @@ def _pair_force(shape: WireShape, count: int, normal: np.ndarray) -> np.ndarray:
     data = shape.data.contact
     largest, share = np.zeros(count), _second_share(data)
     there = np.all(data.parts[:, :3] == 0.0, axis=1)
-    if data.parts.shape[1] == WIDTH:
+    if of_wires(data.parts):
         there = (share > 0.0) | np.all(data.parts[:, ARMS:SLOPES] == 0.0, axis=1)
     node = data.attached + (share > 0.5)
     for side in data.pairs.T:
@@ -153,4 +153,4 @@ def _pair_force(shape: WireShape, count: int, normal: np.ndarray) -> np.ndarray:
 
 def _second_share(data: ContactArrays) -> np.ndarray:
     """Share of the second node in the motion of each contact point."""
-    return data.parts[:, POSITION] if data.parts.shape[1] == WIDTH else np.zeros(len(data.parts))
+    return data.parts[:, POSITION] if of_wires(data.parts) else np.zeros(len(data.parts))

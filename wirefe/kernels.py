@@ -20,7 +20,7 @@ from wirefe.overlap import wire_overlap
 from wirefe.poses import ROW, four, three
 from wirefe.quaternions import turned
 from wirefe.retraction import Move, close, place, spin_between, turn_along
-from wirefe.stations import ARMS, POSITION, ROTATION, WIDTH, station
+from wirefe.stations import ARMS, POSITION, ROTATION, of_wires, station
 from wirefe.wirecontact import across, add_wires, placed, remember_wires, update_wires
 
 
@@ -69,17 +69,11 @@ def _between(contact, state, m):
     return plus(b, -1.0, a), ra, rb
 
 
-@part
-def wires(contact):
-    """Whether the contact is that of wires, not of spheres."""
-    return contact.parts.shape[1] == WIDTH
-
-
 @arithmetic
 def _vectors(contact, state):
     """Vectors between the centres of spheres, or across the gaps of wires, of all pairs, shape (pairs, 3)."""
     w = np.empty((contact.pairs.shape[0], 3))
-    if wires(contact):
+    if of_wires(contact.parts):
         points = placed(contact, state)
         for m in range(contact.pairs.shape[0]):
             w[m, 0], w[m, 1], w[m, 2] = across(contact, points, m)
@@ -159,7 +153,7 @@ def assemble(reals, ints, accepted, least_gap, history, state, g, flat):
     if count > 0 and least_gap > 0.0 and 2.0 * _bound(contact, accepted, state) < least_gap:
         count = 0
     if count > 0:
-        if wires(contact):
+        if of_wires(contact.parts):
             energy += add_wires(contact, history, state, g, H)
         else:
             energy += _add_spheres(contact, history, state, g, H)
@@ -255,7 +249,7 @@ def displacement_bound(reals, ints, a, b, least):
 @part
 def _is_pair(contact, A, B):
     """Whether two contact points are a pair; of stations, whether the first has one on the second's coil."""
-    near = contact.near if wires(contact) else 0
+    near = contact.near if of_wires(contact.parts) else 0
     for m in range(contact.pairs.shape[0]):
         if contact.pairs[m, 0] == A and abs(contact.pairs[m, 1] - B) <= near:
             return True
@@ -267,13 +261,13 @@ def _one_body(contact, A, B):
     """Whether two contact points move with one node."""
     if contact.attached[A] != contact.attached[B]:
         return False
-    return not wires(contact) or contact.parts[A, ROTATION] == contact.parts[B, ROTATION] == 0.0
+    return not of_wires(contact.parts) or contact.parts[A, ROTATION] == contact.parts[B, ROTATION] == 0.0
 
 
 @arithmetic
 def _contact_point(contact, state, k):
     """Where a sphere or a station is."""
-    if wires(contact):
+    if of_wires(contact.parts):
         return station(contact.parts[k], state, contact.attached[k], POSITION, ARMS)
     x, _ = centre(contact, state, k)
     return x
@@ -305,7 +299,7 @@ def update_history(reals, ints, state, history):
     near = contact.pairs.shape[0] > 0 and 2.0 * _bound(contact, contact.rest, state) >= contact.apart
     if near and _touch_unlisted(contact, state):
         return -np.inf
-    if wires(contact) and contact.mu > 0.0:
+    if of_wires(contact.parts) and contact.mu > 0.0:
         return remember_wires(contact, state, history)
     return remember(_vectors(contact, state), history, contact.mu, contact.kc, contact.d)
 
@@ -316,7 +310,7 @@ def update_pairs(reals, ints, accepted, predicted, state, history):
     contact = view_contact(reals, ints)
     if contact.mu == 0.0:
         return 0.0
-    if wires(contact):
+    if of_wires(contact.parts):
         return update_wires(contact, accepted, predicted, state, history)
     before, ahead, after = (
         _vectors(contact, accepted),

@@ -25,7 +25,7 @@ from wirefe.overlap import NO_STATIONS, Stations, place_stations
 from wirefe.plates import NO_PLATES, PlateArrays, join_top, place_plates
 from wirefe.poses import ROW, at_rest
 from wirefe.rod import Rod, curved_rod, straight_rod, straight_solid_rod
-from wirefe.stations import ROTATION, WIDTH
+from wirefe.stations import ROTATION, of_wires
 from wirefe.wirecontact import COUPLINGS
 
 
@@ -181,7 +181,7 @@ def _pair_couplings(points: ContactPoints) -> np.ndarray:
     """Couplings of the pairs' nodes: one of two spheres, six of two stations, some perhaps of one node with
     itself."""
     nodes = points.attached[points.pairs]
-    if points.parts.shape[1] < WIDTH:
+    if not of_wires(points.parts):
         return nodes
     second = nodes + (points.parts[points.pairs, ROTATION] > 0.0)
     four = np.stack((nodes[:, 0], second[:, 0], nodes[:, 1], second[:, 1]), axis=1)

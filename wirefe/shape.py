@@ -21,11 +21,11 @@ from wirefe.stations import (
     POSITION,
     SLOPES,
     TANGENT,
-    WIDTH,
     across_wires,
     carried,
     fixed_to_sections,
     interpolated,
+    of_wires,
     rows,
 )
 from wirefe.stations import (
@@ -39,7 +39,7 @@ def contact_vectors(contact: ContactArrays, states: np.ndarray) -> np.ndarray:
     nodes = rows(states)
     centres = contact_centres(contact, states)
     w = centres[:, second] - centres[:, first]
-    if contact.parts.shape[1] < WIDTH:
+    if not of_wires(contact.parts):
         return w
     t = interpolated(nodes, contact.attached, contact.parts, TANGENT, SLOPES)
     return across_wires(w, t[:, first] + t[:, second], contact.clearance)
@@ -48,7 +48,7 @@ def contact_vectors(contact: ContactArrays, states: np.ndarray) -> np.ndarray:
 def contact_centres(contact: ContactArrays, states: np.ndarray) -> np.ndarray:
     """Contact points, shape (states, points, 3), in states (states, n), mm."""
     nodes = rows(states)
-    if contact.parts.shape[1] == WIDTH:
+    if of_wires(contact.parts):
         return interpolated(nodes, contact.attached, contact.parts, POSITION, ARMS)
     own = nodes[:, contact.attached]
     return own[..., :3] + turned(own[..., 3:], contact.parts)
@@ -82,7 +82,7 @@ class WireShape(PairReader):
     def pair_friction(self, states: np.ndarray, histories: np.ndarray) -> Friction:
         """See `coilspring.contact.results.PairReader`; of wires at the material points that touched first."""
         contact = self.data.contact
-        if contact.parts.shape[1] < WIDTH:
+        if not of_wires(contact.parts):
             return super().pair_friction(states, histories)
         n = contact_vectors(contact, states)
         n /= np.linalg.norm(n, axis=-1, keepdims=True)

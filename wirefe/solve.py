@@ -15,13 +15,12 @@ from coilspring.scene import Scene, require_scene
 from coilspring.solver.interface import Kernels
 from coilspring.solver.solve import Problem, follow_load, follow_problem, scene_path
 from wirefe import kernels, model, seated
-from wirefe.contactpoints import PER_TURN, near_pairs, near_wires
+from wirefe.contactpoints import PER_TURN, near_points
 from wirefe.elements import ELEMENTS
 from wirefe.mesh import WireMesh
 from wirefe.rod import Rod
 from wirefe.rodpath import RodPath
 from wirefe.shape import WireShape, contact_centres
-from wirefe.stations import ROTATION, WIDTH
 
 # Moves of a rod without contact are compared with this part of its length, as with a wire's diameter.
 LENGTHS_OF_A_WIRE = 50.0
@@ -148,12 +147,10 @@ def scene_kernels(scene: Scene) -> Kernels:
 
 def new_pairs(contact: model.ContactArrays, state: np.ndarray) -> np.ndarray:
     """Pairs of contact points that are near in `state` and not in the model yet, shape (pairs, 2)."""
-    centres, body = contact_centres(contact, state[None])[0], contact.attached.astype(float)
-    find = near_pairs
-    if contact.parts.shape[1] == WIDTH:
-        find = near_wires
-        body[contact.parts[:, ROTATION] > 0.0] += 0.5
-    found, _ = find(centres, body, contact.pairs, contact.near, PAIR_REACH * contact.d)
+    centres = contact_centres(contact, state[None])[0]
+    found, _ = near_points(
+        centres, contact.attached, contact.parts, contact.pairs, contact.near, PAIR_REACH * contact.d
+    )
     return found
 
 

@@ -13,7 +13,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from coilspring.compiling.compiled import arithmetic
+from coilspring.compiling.compiled import arithmetic, part
 from coilspring.scene.spring import Spring
 from wirefe.algebra import plus
 from wirefe.mesh import WireMesh
@@ -66,6 +66,12 @@ def on_one_node(node: np.ndarray, parts: np.ndarray) -> tuple[np.ndarray, np.nda
         single[second, own] = parts[second, other]
         single[first | second, other] = 0.0
     return node + second, single
+
+
+@part
+def of_wires(parts):
+    """Whether these are the parts of stations, not the arms of spheres."""
+    return parts.shape[1] == WIDTH
 
 
 def rows(states: np.ndarray) -> np.ndarray:
