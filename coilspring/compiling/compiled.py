@@ -10,10 +10,12 @@ from numba import njit
 from numba.extending import register_jitable
 
 from coilspring.compiling.kernelcache import OPTIONS, KernelCache
+from coilspring.compiling.partlibrary import PartCompiler
 
 # Division by zero gives inf or nan ("numpy"): checking for it would cost a branch at each division.
 KERNEL = {"error_model": "numpy"}
-PART = {"error_model": "numpy", "no_cfunc_wrapper": True}
+ENTRY = KERNEL | {"no_cfunc_wrapper": True}
+PART = ENTRY | {"pipeline_class": PartCompiler}
 ARITHMETIC = PART | {"fastmath": {"contract", "reassoc", "nsz", "arcp"}}
 
 
@@ -28,7 +30,7 @@ def signed(function: Callable, *arguments: Any) -> Any:
     What is returned takes no others, and does not look at their types: that of a record takes longer to
     tell than a small spring to solve. It lets other threads run: it calls nothing of Python's.
     """
-    return _stored(function, PART | {"nogil": True}).compile(arguments)
+    return _stored(function, ENTRY | {"nogil": True}).compile(arguments)
 
 
 def typed(function: Callable, signature: Any) -> Any:
@@ -53,8 +55,8 @@ def _part(options: dict[str, Any]) -> Callable[[Callable], Any]:
     return mark
 
 
-# A part of kernels, compiled into them alone: without what Python would need to call it, which is a
-# quarter of the time of compiling. Called from Python it is plain Python.
+# A part of kernels, compiled into them alone: without what Python would need to call it, and optimised with
+# the kernel only. Called from Python it is plain Python.
 part = _part(PART)
 
 # The same for plain arithmetic: sums may be reordered and multiplied on the fly.

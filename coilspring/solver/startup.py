@@ -18,7 +18,7 @@ from coilspring.solver.newton import compiled_equilibrium
 from coilspring.solver.system import bundled, compiled_bundle
 
 # About half the work, Newton's method included; a child has the others and the follower.
-PARENTS = ("assemble", "retract", "work", "rotate", "displacement_bound", "update_history", "update_pairs")
+PARENTS = ("assemble", "retract", "work", "rotate", "displacement_bound")
 
 
 @cache
