@@ -88,7 +88,7 @@ def _add_pairs(model, history, state, g, H, ge, Ke):
         if h2 >= model.d * model.d and not history[m].closed:
             continue
         a, b = attached[A], attached[B]
-        energy += pair_potential(w, math.sqrt(h2), model.d, model.kc, model.k, history[m], e, f, Hg)
+        energy += pair_potential(w, math.sqrt(h2), model, history[m], e, f, Hg)
         p, q = 3 * a, 3 * b
         pair_forces(
             f,
@@ -191,7 +191,7 @@ def update_history(reals, ints, state, history):
     model = view(reals, ints)
     if model.pairs.shape[0] == 0:
         return np.inf
-    return remember(_vectors(model, state), history, model.mu, model.kc, model.d)
+    return remember(_vectors(model, state), history, model)
 
 
 @kernel
@@ -201,7 +201,7 @@ def update_pairs(reals, ints, accepted, predicted, state, history):
     if model.mu == 0.0:
         return 0.0
     before, ahead, after = _vectors(model, accepted), _vectors(model, predicted), _vectors(model, state)
-    return update_pairs_of(before, ahead, after, history, model.mu, model.kc, model.k, model.d)
+    return update_pairs_of(before, ahead, after, history, model)
 
 
 @kernel

@@ -9,7 +9,7 @@ import numpy as np
 
 from coilspring.compiling.compiled import part
 from coilspring.compiling.packing import heads, table, vector
-from coilspring.contact.law import PAIR_HISTORY
+from coilspring.contact.law import PAIR_HISTORY, tangential_stiffness
 from coilspring.errors import InputError
 from coilspring.scene import Scene
 from coilspring.solver.solve import Problem
@@ -35,6 +35,7 @@ class BeamModel(NamedTuple):
     reach: float  # largest distance of a circle from its node
     d: float  # wire diameter: the distance of centres at which a pair touches
     kc: float  # penalty of a pair
+    kt: float  # its tangential stiffness
     k: float  # exponent
     mu: float  # coefficient of friction; infinite where closed pairs do not slide
     tangent: int  # EXACT, PAPER or PRINTED
@@ -63,6 +64,7 @@ def build_model(scene: Scene, options: BeamOptions | None = None) -> BeamModel:
     relative = attached[pairs[:, 0]] != attached[pairs[:, 1]]
     pairs = pairs[relative] if contact.enabled else pairs[:0]
     fixed = [name in scene.supports.top_held for name in ("ux", "uy", "rotz")]
+    kc = contact.stiffness * 4.0 / PAIRS_PER_TURN
     return BeamModel(
         law=LAWS[chosen.law] if isinstance(chosen.law, str) else USER,
         rows=law_rows(chosen.law, spring, scene.material, chosen.refinements or ALL, chosen.factors),
@@ -72,7 +74,8 @@ def build_model(scene: Scene, options: BeamOptions | None = None) -> BeamModel:
         pairs=np.ascontiguousarray(pairs),
         reach=float(np.hypot(offset[:, 0], offset[:, 1]).max()),
         d=spring.wire_diameter,
-        kc=contact.stiffness * 4.0 / PAIRS_PER_TURN,
+        kc=kc,
+        kt=tangential_stiffness(kc, contact.exponent, spring.wire_diameter),
         k=float(contact.exponent),
         mu=contact.coefficient if chosen.sliding == "scene" else 0.0,
         tangent=TANGENTS[chosen.tangent],
@@ -139,5 +142,6 @@ def view(reals, ints):
     return BeamModel(
         ints[head[0, 0]], table(reals, head[1]), vector(reals, head[2]), vector(ints, head[3]),
         table(reals, head[4]), table(ints, head[5]), reals[head[6, 0]], reals[head[7, 0]],
-        reals[head[8, 0]], reals[head[9, 0]], reals[head[10, 0]], ints[head[11, 0]],
+        reals[head[8, 0]], reals[head[9, 0]], reals[head[10, 0]], reals[head[11, 0]],
+        ints[head[12, 0]],
     )  # fmt: skip

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from coilspring.contact.law import pair_potential
+from coilspring.contact.law import PairLaw, pair_potential, tangential_stiffness
 from equivbeam.contact import circle_centre, pair_forces
 from pairrecords import held, pair_records
 
@@ -18,7 +18,8 @@ def pair(q, k=1.0, history=FREE, distance=D):
     xa, ya = circle_centre(*q[:3], *OFFSETS[0])
     xb, yb = circle_centre(*q[3:], *OFFSETS[1])
     w, f, H = np.array([xb - xa, yb - ya, 0.0]), np.empty(3), np.empty((3, 3))
-    energy = pair_potential(w, np.linalg.norm(w), distance, KC, k, history, np.empty(3), f, H)
+    law = PairLaw(distance, KC, tangential_stiffness(KC, k, distance), k, np.inf)
+    energy = pair_potential(w, np.linalg.norm(w), law, history, np.empty(3), f, H)
     g, K = np.empty(6), np.empty((6, 6))
     pair_forces(f, H, xa - q[0], ya - q[1], xb - q[3], yb - q[4], g, K)
     return energy, g, K

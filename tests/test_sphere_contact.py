@@ -7,12 +7,27 @@ from scipy.spatial.transform import Rotation
 from coilspring.contact import kinematics as pairvectors
 from coilspring.contact import law as pairlaw
 from coilspring.contact.kinematics import remember, update_pairs
-from coilspring.contact.law import arc, normal_law, pair_friction, pair_potential, renewed
+from coilspring.contact.law import (
+    PairLaw,
+    arc,
+    normal_law,
+    pair_friction,
+    pair_potential,
+    renewed,
+    tangential_stiffness,
+)
 from coilspring.contact.results import PairReader
 from pairrecords import held, pair_records
 from wirefe.contact import pair_matrix
 
 D, K = 1.5, 1.0e4
+
+
+def law(k=1.0, mu=0.0):
+    return PairLaw(D, K, tangential_stiffness(K, k, D), k, mu)
+
+
+LAW = law()
 FREE = pair_records()[0]
 ARMS = np.array([[0.3, -0.2, 0.7], [5.0, 0.4, -0.8]])  # of spheres on rigid ends
 
@@ -23,7 +38,7 @@ def pair(d, gap, k=1.0, history=FREE):
     direction = np.array([0.2, 0.9, -0.1]) / np.linalg.norm([0.2, 0.9, -0.1])
     w = (D + gap) * direction + d[6:9] + arms[1] - ARMS[1] - d[:3] - arms[0] + ARMS[0]
     f, H = np.empty(3), np.empty((3, 3))
-    energy = pair_potential(w, np.linalg.norm(w), D, K, k, history, np.empty(3), f, H)
+    energy = pair_potential(w, np.linalg.norm(w), law(k), history, np.empty(3), f, H)
     g, full = np.empty(12), np.empty((12, 12))
     pair_matrix(f, H, *arms, g, full)
     return energy, g, full
@@ -35,7 +50,7 @@ def stuck(bound=np.inf, rise=0.0):
 
 def test_force_by_hand():
     f, H = np.empty(3), np.empty((3, 3))
-    energy = pair_potential(np.array([0.0, 1.4, 0.0]), 1.4, D, K, 1.0, FREE, np.empty(3), f, H)
+    energy = pair_potential(np.array([0.0, 1.4, 0.0]), 1.4, LAW, FREE, np.empty(3), f, H)
     assert energy == pytest.approx(50.0)
     np.testing.assert_allclose(f, [0.0, -1000.0, 0.0])
     np.testing.assert_allclose(H, np.diag([-1000 / 1.4, 1e4, -1000 / 1.4]), atol=1e-9)
@@ -58,8 +73,7 @@ def _stiffening(penetration, K, k):
 class Reader(PairReader):
     """Two pairs along y: one that penetrates by 0.1 mm, one that is open."""
 
-    class pair_law:
-        d, kc, k = D, K, 1.0
+    pair_law = LAW
 
     def pair_vectors(self, states):
         return np.array([[[0.0, D - 0.1, 0.0], [0.0, D + 0.1, 0.0]]])
@@ -70,13 +84,13 @@ def test_an_edited_law_is_that_of_kernels_of_readers_and_of_friction(monkeypatch
         monkeypatch.setattr(module, "normal_law", _stiffening)
     f, H = np.empty(3), np.empty((3, 3))
     g = np.array([0.0, D - 0.1, 0.0])
-    energy = pair_potential(g, D - 0.1, D, K, 1.0, FREE, np.empty(3), f, H)
+    energy = pair_potential(g, D - 0.1, LAW, FREE, np.empty(3), f, H)
     assert energy == pytest.approx(0.5 * K * (0.1**2 + 0.05**2))
     assert H[1, 1] == pytest.approx(2.0 * K)
     np.testing.assert_allclose(f, [0.0, -1500.0, 0.0])
     np.testing.assert_allclose(Reader().pair_forces(None), [[1500.0, 0.0]])
     history = pair_records(closed=True, normal=(0.0, 1.0, 0.0), bound=1.0)
-    update_pairs(g[None], g[None], g[None], history, 0.3, K, 1.0, D)
+    update_pairs(g[None], g[None], g[None], history, law(mu=0.3))
     assert history[0].bound == pytest.approx(0.3 * 1500.0 * (D - 0.1) / D)
 
 
@@ -84,9 +98,7 @@ def test_sliding_potential_by_hand():
     """0.1 mm of slip along x holds back with 1000 N; what goes along n0 is not slip."""
     f, H = np.empty(3), np.empty((3, 3))
     history = held(np.array([0.0, 1.45, 0.0]))
-    energy = pair_potential(
-        np.array([0.1, 1.6, 0.0]), np.hypot(0.1, 1.6), D, K, 1.0, history, np.empty(3), f, H
-    )
+    energy = pair_potential(np.array([0.1, 1.6, 0.0]), np.hypot(0.1, 1.6), LAW, history, np.empty(3), f, H)
     assert energy == pytest.approx(0.5 * K * 0.1**2)
     np.testing.assert_allclose(f, [1000.0, 0.0, 0.0], atol=1e-9)
     np.testing.assert_allclose(H, np.diag([K, 0.0, K]))
@@ -141,7 +153,7 @@ def tilted(angle, h):
 def accepted(row, g, mu):
     """The record after a state with the vector g was accepted."""
     history = np.rec.array(np.array([row], dtype=row.dtype))
-    remember(g[None], history, mu, K, D)
+    remember(g[None], history, law(mu=mu))
     return history[0]
 
 
@@ -153,7 +165,7 @@ def test_friction_by_hand():
     f, H, e = np.empty(3), np.empty((3, 3)), np.empty(3)
     row, h, angle = sliding(), 1.4, 0.1 / D
     g = tilted(angle, h)
-    energy = pair_potential(g, h, D, K, 1.0, row, e, f, H)
+    energy = pair_potential(g, h, LAW, row, e, f, H)
     assert energy == pytest.approx(0.5 * K * 0.1**2 + 0.5 * K * 0.03**2 + 300.0 * 0.07)
     f += 1000.0 * g / h  # less the normal force
     np.testing.assert_allclose(f, 300.0 * D / h * np.array([np.cos(angle), -np.sin(angle), 0.0]), atol=1e-9)
@@ -161,7 +173,7 @@ def test_friction_by_hand():
     row = accepted(row, g, 0.3)
     np.testing.assert_allclose([row.bound, row.slid, row.work], [300.0, 0.07, 21.0])
     np.testing.assert_allclose(row.normal, tilted(angle - 0.03 / D, 1.0))
-    np.testing.assert_allclose(pair_friction(g, row, D, K).force, f)
+    np.testing.assert_allclose(pair_friction(g, row, LAW).force, f)
 
 
 def test_rising_bound_by_hand():
@@ -170,10 +182,10 @@ def test_rising_bound_by_hand():
     row, g = sliding(rise=0.1), tilted(0.1 / D, D)
     slip = (K * 0.1 - 300.0) / (K + 30.0)
     force = 300.0 * (1.0 + 0.1 * slip)
-    energy = pair_potential(g, D, D, K, 1.0, row, e, f, H)
+    energy = pair_potential(g, D, LAW, row, e, f, H)
     assert energy == pytest.approx(0.5 * force**2 / K + 0.5 * (300.0 + force) * slip)
     assert np.linalg.norm(f) == pytest.approx(force)
-    assert pair_friction(g, row, D, K).slip == pytest.approx(slip)
+    assert pair_friction(g, row, LAW).slip == pytest.approx(slip)
     row = accepted(row, g * (1.0 - 1e-12), 0.3)
     np.testing.assert_allclose([row.bound, row.slid, row.work], [force, slip, 0.5 * (300.0 + force) * slip])
 
@@ -186,7 +198,7 @@ def test_a_pair_is_held_from_where_it_touches_first_on_the_predicted_way():
     """It comes down along y and moves along x: on the straight line to what was predicted."""
     history = pair_records(1)
     before, ahead, trial = vectors([0.0, 1.01 * D, 0.0], [0.2, 0.99 * D, 0.0], [0.2001, 0.991 * D, 0.0])
-    update_pairs(before, ahead, trial, history, np.inf, K, 1.0, D)
+    update_pairs(before, ahead, trial, history, law(mu=np.inf))
     row = history[0]
     assert row.closed
     assert row.fresh
@@ -196,7 +208,7 @@ def test_a_pair_is_held_from_where_it_touches_first_on_the_predicted_way():
     assert share < row.cut < 1.0  # the straight way to the trial state touches elsewhere: it is in doubt
     near = before[0] + 1e-3 * (trial[0] - before[0])
     history = pair_records(1)
-    update_pairs(vectors(near)[0] * 0.98, ahead, trial, history, np.inf, K, 1.0, D)
+    update_pairs(vectors(near)[0] * 0.98, ahead, trial, history, law(mu=np.inf))
     assert history[0].vector == pytest.approx(near * 0.98)  # it touched there already
 
 
@@ -209,7 +221,7 @@ def test_an_opening_pair_that_sticks_gives_back_what_it_held_as_dissipated():
     assert [row.bound, row.held] == pytest.approx([500.0, 500.0])
     row.bound = 0.0
     g = np.array([0.07, 1.001 * D, 0.0])
-    assert np.linalg.norm(pair_friction(g, row, D, K).force) == 0.0
+    assert np.linalg.norm(pair_friction(g, row, LAW).force) == 0.0
     row = accepted(row, g, np.inf)
     assert not row.closed
     assert not row.opening
@@ -222,6 +234,6 @@ def test_renewed_bound_is_met_at_the_slip_found(rise):
     """However the bound rises: the force at this very state is then the bound asked for."""
     row, g, e, f = sliding(rise=rise), tilted(0.1 / D, D), np.empty(3), np.empty(3)
     assert renewed(D * arc(g, D, row, e), 250.0, K, row) > 0.0
-    pair_potential(g, D, D, K, 1.0, row, e, f, np.empty((3, 3)))
+    pair_potential(g, D, LAW, row, e, f, np.empty((3, 3)))
     assert np.linalg.norm(f) == pytest.approx(250.0)
     assert renewed(D * arc(g, D, row, e), 250.0, K, row) == pytest.approx(0.0, abs=1e-10)

@@ -109,7 +109,7 @@ def _add_spheres(contact, history, state, g, H):
         if h2 >= contact.d * contact.d and not history[m].closed:
             continue
         w[0], w[1], w[2] = between
-        energy += pair_potential(w, math.sqrt(h2), contact.d, contact.kc, contact.k, history[m], e, f, Hg)
+        energy += pair_potential(w, math.sqrt(h2), contact, history[m], e, f, Hg)
         pair_matrix(f, Hg, ra, rb, ge, Ke)
         a, b = contact.attached[contact.pairs[m, 0]], contact.attached[contact.pairs[m, 1]]
         _add_gradient(g, a, b, ge)
@@ -301,7 +301,7 @@ def update_history(reals, ints, state, history):
         return -np.inf
     if of_wires(contact.parts) and contact.mu > 0.0:
         return remember_wires(contact, state, history)
-    return remember(_vectors(contact, state), history, contact.mu, contact.kc, contact.d)
+    return remember(_vectors(contact, state), history, contact)
 
 
 @kernel
@@ -317,7 +317,7 @@ def update_pairs(reals, ints, accepted, predicted, state, history):
         _vectors(contact, predicted),
         _vectors(contact, state),
     )
-    return update_spheres(before, ahead, after, history, contact.mu, contact.kc, contact.k, contact.d)
+    return update_spheres(before, ahead, after, history, contact)
 
 
 @kernel

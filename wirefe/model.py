@@ -12,6 +12,7 @@ import numpy as np
 
 from coilspring.compiling.compiled import part
 from coilspring.compiling.packing import heads, stack, table, vector
+from coilspring.contact.law import tangential_stiffness
 from coilspring.errors import InputError
 from coilspring.scene import SEATS, Scene
 from coilspring.scene.solidwire import wire_flexibility
@@ -61,6 +62,7 @@ class ContactArrays(NamedTuple):
     span: float  # the same about other nodes, 0 where spheres stand on them
     d: float
     kc: float
+    kt: float
     k: float
     mu: float  # coefficient of friction; infinite where closed pairs do not slide
     block: np.ndarray  # (pairs,) block of each pair's coupling; of stations (6 pairs,), see `COUPLINGS`
@@ -82,7 +84,7 @@ class WireModel(NamedTuple):
 
 
 # numbers of each part's first field in the packed arrays
-HELD, CONTACT, PLAN, PLATES, STATIONS = 6, 11, 26, 32, 40
+HELD, CONTACT, PLAN, PLATES, STATIONS = 6, 11, 27, 33, 41
 
 
 def build_model(
@@ -164,6 +166,7 @@ def rod_model(
             span=inner,
             d=points.diameter,
             kc=points.stiffness,
+            kt=tangential_stiffness(points.stiffness, points.exponent, points.diameter),
             k=points.exponent,
             mu=points.friction,
             block=block[count:high],
@@ -255,8 +258,8 @@ def view_contact(reals, ints):
     return ContactArrays(
         vector(ints, head[0]), table(reals, head[1]), table(ints, head[2]), vector(reals, head[3]),
         reals[head[4, 0]], reals[head[5, 0]], reals[head[6, 0]], reals[head[7, 0]], reals[head[8, 0]],
-        reals[head[9, 0]], vector(ints, head[10]), vector(ints, head[11]), ints[head[12, 0]],
-        vector(reals, head[13]), reals[head[14, 0]],
+        reals[head[9, 0]], reals[head[10, 0]], vector(ints, head[11]), vector(ints, head[12]),
+        ints[head[13, 0]], vector(reals, head[14]), reals[head[15, 0]],
     )  # fmt: skip
 
 

@@ -185,12 +185,12 @@ def remember_wires(contact, state, history):
         row.fresh = False
         row.normal[0], row.normal[1], row.normal[2] = n
         length, way = _tangential_slip(contact, points, state, m, row)
-        if slid(length, contact.kc, row):
-            left = row.bound / (contact.kc * length)
+        if slid(length, contact.kt, row):
+            left = row.bound / (contact.kt * length)
             touching_points(
                 contact, points, state, m, (left * way[0], left * way[1], left * way[2]), row.arms
             )
-        if goes_on(row, contact.kc * length, gap_left < 0.0):
+        if goes_on(row, contact.kt * length, gap_left < 0.0):
             least = min(least, 0.0)
     return least
 
@@ -217,7 +217,7 @@ def update_wires(contact, accepted, predicted, state, history):
             _touch(contact, states, m, row)
         length, way = _tangential_slip(contact, points, state, m, row)
         if new:
-            change = max(change, contact.kc * length)
+            change = max(change, contact.kt * length)
         elif row.fresh and gap(contact, ahead, m)[0] < d:
             _, told = _tangential_slip(contact, ahead, predicted, m, row)
             apart = plus(way, -1.0, told)
@@ -228,7 +228,7 @@ def update_wires(contact, accepted, predicted, state, history):
             far, _, _, _, _ = gap(contact, before, m)
             opens_after(row, far, h, d)
         else:
-            change = max(change, renewed(length, contact.mu * normal, contact.kc, row))
+            change = max(change, renewed(length, contact.mu * normal, contact.kt, row))
     return change / most if change > 0.0 else 0.0
 
 
@@ -436,7 +436,7 @@ def add_wires(contact, history, state, g, H):
             way = slip(contact, points, state, m, row.arms)
             xi = (dot(way, n), dot(way, b), dot(way, u))
             rho = math.sqrt(xi[1] ** 2 + xi[2] ** 2)
-            stored, force, slope = tangential_law(rho, contact.kc, row)
+            stored, force, slope = tangential_law(rho, contact.kt, row)
             energy += stored
             ratio = _tangential(force, slope, xi, rho, h, G[0], Q)
             on_gap = plus(on_gap, -ratio * xi[0] * xi[1] / h, b)

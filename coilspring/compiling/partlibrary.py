@@ -1,7 +1,8 @@
 """Parts of kernels are kept as they are lowered; only a kernel is optimised and turned into machine code.
 
-numba optimises and emits each function that another one calls, although the caller inlines it and is optimised
-as a whole: half the time of compiling. numba has no option for that; what follows overrides its code library.
+numba optimises and emits each function that another one calls, although the caller inlines it and is
+optimised as a whole: half the time of compiling. numba has no option for that; what follows overrides its
+code library.
 """
 
 from __future__ import annotations

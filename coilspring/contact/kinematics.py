@@ -88,17 +88,17 @@ def _across(normal, a, b):
 
 
 @part
-def remember(vectors, history, mu, K, d):
+def remember(vectors, history, law):
     """Update the contact history with an accepted state; returns the least gap of all pairs.
 
     With sticking contact or friction a pair that touches is held from where it touched first. One that slid
     keeps the stretch that its bound allows. One that has opened releases what it holds.
     """
-    least, e = np.inf, np.empty(3)
+    least, d, K, e = np.inf, law.d, law.kt, np.empty(3)
     for m in range(vectors.shape[0]):
         h, row = _distance(vectors, m), history[m]
         least = min(least, h - d)
-        if mu == 0.0 or not (row.closed or h < d):
+        if law.mu == 0.0 or not (row.closed or h < d):
             continue
         if not row.closed:
             _touch(row, vectors[m], vectors[m], vectors[m], d)
@@ -119,12 +119,13 @@ def remember(vectors, history, mu, K, d):
 
 
 @part
-def update_pairs(before, ahead, vectors, history, mu, K, k, d):
+def update_pairs(before, ahead, vectors, history, law):
     """Update the contact history with a trial state, from the pairs' vectors in the accepted, the predicted
     and the trial state: which pairs touch since, and where they did first; and the bounds of the tangential
     forces. Returns the largest change over the largest force.
     """
-    change, most, e = 0.0, min(mu, 1.0) * normal_law(SLIGHT * d, K, k)[1], np.empty(3)
+    mu, d, K, e = law.mu, law.d, law.kt, np.empty(3)
+    change, most = 0.0, min(mu, 1.0) * normal_law(SLIGHT * d, law.kc, law.k)[1]
     for m in range(vectors.shape[0]):
         h, row = _distance(vectors, m), history[m]
         if row.opening:
@@ -136,7 +137,7 @@ def update_pairs(before, ahead, vectors, history, mu, K, k, d):
             change = max(change, K * stretch(vectors[m], row, e))
         elif row.fresh and _distance(ahead, m) < d:
             predicted_badly(row, _across(row.normal, ahead[m], vectors[m]), d)
-        normal = normal_law(max(d - h, 0.0), K, k)[1]
+        normal = normal_law(max(d - h, 0.0), law.kc, law.k)[1]
         most = max(most, min(mu, 1.0) * normal)
         if mu == np.inf:
             opens_after(row, _distance(before, m), h, d)

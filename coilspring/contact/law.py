@@ -1,12 +1,12 @@
 """Penalty contact of a pair: one law for both models.
 
 With the centres of a pair, g = cB - cA and h = |g|, the potential is ``K max(0, d - h)^(k+1)/(k+1)``.
-Where sliding is off, a closed pair also has ``1/2 K |e|^2`` with ``e = (I - n0 n0^T)(g - g0)``, g0 and n0
-being the vector and its direction at the end of the substep in which the pair closed.
+Where sliding is off, a closed pair also has ``1/2 Kt |e|^2``, Kt = K d^(k-1), with ``e = (I - n0 n0^T)(g - g0)``, g0 and n0
+being the vector and its direction where the pair touched first.
 
 With Coulomb friction the slip of one sphere over the other is the arc ``l = d acos(n0 . n)``, n = g/h, so
 that the force turns with the pair, and its size is that of return mapping (Simo & Hughes 1998, Computational
-Inelasticity, chapter 2): ``K l`` up to a bound. Within a substep the bound is a line over what slides in it,
+Inelasticity, chapter 2): ``Kt l`` up to a bound. Within a substep the bound is a line over what slides in it,
 ``b (1 + r s)``, so that the pair keeps a potential; the path follower renews b until the line meets the bound
 ``mu F`` of the normal force at the slip that is found. The rise r is no part of the law then, but of the
 matrix (`coilspring.solver.frictiontangent`). What slid is taken off l when the substep is accepted.
@@ -15,6 +15,7 @@ matrix (`coilspring.solver.frictiontangent`). What slid is taken off l when the 
 from __future__ import annotations
 
 import math
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -40,6 +41,23 @@ PAIR_HISTORY = np.dtype(
     ],
     align=True,
 )
+
+
+class PairLaw(NamedTuple):
+    """What holds the pairs of a model. Its arrays, which have these fields too, may stand for it in kernels."""
+
+    d: float  # distance of two centres that touch, mm
+    kc: float  # penalty K of a pair, N/mm^k
+    kt: float  # its tangential stiffness, N/mm
+    k: float  # exponent
+    mu: float  # coefficient of friction; infinite where pairs stick
+
+
+def tangential_stiffness(K: float, k: float, d: float) -> float:
+    """Tangential stiffness of a pair, N/mm: K where the law is linear, whatever the units otherwise."""
+    return K * d ** (k - 1.0)
+
+
 # Share of a bound that is left when it falls with the slip: less is out of reach, since the rise is at least
 # -1/d and a pair moves by no more than half of d in a substep.
 LEAST_LEFT = 0.5
@@ -214,17 +232,16 @@ def _add_friction(g, h, d, K, row, t, f, H):
 
 
 @part
-def pair_potential(g, h, d, K, k, row, e, f, H):
+def pair_potential(g, h, law, row, e, f, H):
     """Energy of a pair as a function of g; fills its gradient f (3,) and Hessian H (3, 3).
 
-    `row` is the pair's record of the contact history; `e` is scratch (3,). Nine arguments: the pair, its law,
-    and what is filled.
+    `law` is a `PairLaw`, `row` the pair's record of the contact history; `e` is scratch (3,).
     """
     energy = 0.0
     clear(f)
     clear_table(H)
-    if d > h:
-        energy, F, slope = normal_law(d - h, K, k)
+    if law.d > h:
+        energy, F, slope = normal_law(law.d - h, law.kc, law.k)
         turn = F / h
         for i in range(3):
             ni = g[i] / h
@@ -234,9 +251,9 @@ def pair_potential(g, h, d, K, k, row, e, f, H):
                 H[i, j] += (slope + turn) * ni * g[j] / h
     if row.closed:
         if row.bound == math.inf:
-            energy += _add_stuck(g, K, row, e, f, H)
+            energy += _add_stuck(g, law.kt, row, e, f, H)
         else:
-            energy += _add_friction(g, h, d, K, row, e, f, H)
+            energy += _add_friction(g, h, law.d, law.kt, row, e, f, H)
     return energy
 
 
@@ -260,8 +277,12 @@ def tangential_forces(length: np.ndarray, histories: np.ndarray, K: float) -> tu
     return np.where(slides, bound + rise * slip, force), slip
 
 
-def pair_friction(vectors: np.ndarray, histories: np.ndarray, d: float, K: float) -> Friction:
-    """Tangential forces, slips and frictional work of pairs, from their g (..., pairs, 3) and histories."""
+def pair_friction(vectors: np.ndarray, histories: np.ndarray, law: Any) -> Friction:
+    """Tangential forces, slips and frictional work of pairs, from their g (..., pairs, 3) and histories.
+
+    `law` is a `PairLaw`.
+    """
+    d, K = law.d, law.kt
     held, bounded, normal = histories["closed"], np.isfinite(histories["bound"]), histories["normal"]
     g = vectors - histories["vector"]
     stuck = g - (g * normal).sum(axis=-1, keepdims=True) * normal

@@ -17,7 +17,7 @@ class PairReader(ABC):
     @property
     @abstractmethod
     def pair_law(self) -> Any:
-        """What holds the pairs, the wire diameter d, the penalty kc of a pair and its exponent k."""
+        """What holds the pairs: a `coilspring.contact.law.PairLaw`, or arrays with its fields."""
 
     @abstractmethod
     def pair_vectors(self, states: np.ndarray) -> np.ndarray:
@@ -33,4 +33,4 @@ class PairReader(ABC):
 
     def pair_friction(self, states: np.ndarray, histories: np.ndarray) -> Friction:
         """Tangential forces (states, pairs, 3), N, slips, mm, and frictional work, N mm, of every pair."""
-        return pair_friction(self.pair_vectors(states), histories, self.pair_law.d, self.pair_law.kc)
+        return pair_friction(self.pair_vectors(states), histories, self.pair_law)

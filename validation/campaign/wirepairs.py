@@ -24,12 +24,17 @@ Poses = list[tuple[np.ndarray, np.ndarray]]
 
 @dataclass(frozen=True)
 class Law:
-    """What presses and rubs: F = penalty * depth^exponent, and at most mu F across it."""
+    """What presses and rubs: F = penalty * depth^exponent, and sticking * slip across it, at most mu F."""
 
     d: float
     penalty: float
     exponent: float
     mu: float
+
+    @property
+    def sticking(self) -> float:
+        """Tangential stiffness: that of a depth of d if the law were linear."""
+        return self.penalty * self.d**self.exponent / self.d
 
 
 @dataclass(frozen=True)
@@ -157,7 +162,7 @@ class Pairs:
         poses = self.poses(rows)
         n, slip = self.gap(poses)[1], self.slip(poses)
         length = np.sqrt((slip * slip).sum(axis=0))
-        left = np.where(self.slides, self._sizes(rows)[2] / self.law.penalty, 1.0)
+        left = np.where(self.slides, self._sizes(rows)[2] / self.law.sticking, 1.0)
         if self.points.wires:
             half = 0.5 * (1.0 - left) * slip
             one = self.one + self._at_rest(0, poses, half)
@@ -196,7 +201,7 @@ class Pairs:
         K, k = self.law.penalty, self.law.exponent
         press = K * depth**k
         rise = np.where(depth > 0.0, K * k * depth ** (k - 1.0), 0.0)
-        ratio = K * self.share * self.held
+        ratio = self.law.sticking * self.share * self.held
         if not self.slides.any():
             return press, rise, ratio, none, none
         length = np.sqrt((vectors * vectors).sum(axis=0))
