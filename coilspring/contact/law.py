@@ -1,8 +1,8 @@
 """Penalty contact of a pair: one law for both models.
 
 With the centres of a pair, g = cB - cA and h = |g|, the potential is ``K max(0, d - h)^(k+1)/(k+1)``.
-Where sliding is off, a closed pair also has ``1/2 Kt |e|^2``, Kt = K d^(k-1), with ``e = (I - n0 n0^T)(g - g0)``, g0 and n0
-being the vector and its direction where the pair touched first.
+Where sliding is off, a closed pair also has ``1/2 Kt |e|^2``, Kt = K d^(k-1), with
+``e = (I - n0 n0^T)(g - g0)``, g0 and n0 being the vector and its direction where the pair touched first.
 
 With Coulomb friction the slip of one sphere over the other is the arc ``l = d acos(n0 . n)``, n = g/h, so
 that the force turns with the pair, and its size is that of return mapping (Simo & Hughes 1998, Computational
@@ -44,7 +44,7 @@ PAIR_HISTORY = np.dtype(
 
 
 class PairLaw(NamedTuple):
-    """What holds the pairs of a model. Its arrays, which have these fields too, may stand for it in kernels."""
+    """What holds the pairs of a model; in kernels arrays with these fields stand for it."""
 
     d: float  # distance of two centres that touch, mm
     kc: float  # penalty K of a pair, N/mm^k
