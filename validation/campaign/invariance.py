@@ -7,6 +7,7 @@ from dataclasses import replace
 
 from coilspring import EquilibriumPath, Scene
 from validation.campaign.runs import (
+    LOAD,
     UNCHANGED,
     Bounds,
     bounds_of,
@@ -79,7 +80,7 @@ def verify_invariance(verdict: Verdict, case: Case, path: EquilibriumPath) -> st
         found = deviation(path, other, back, common_end(path, other))[1]
         verdict.ask("invariance", found, most, f"{kind} changes the answer")
         if path.critical_time is not None and other.critical_time is not None:
-            shift = abs(path.critical_time - other.critical_time) / path.critical_time
+            shift = abs(path.critical_time - other.critical_time) / max(path.critical_time, LOAD)
             most = max(CRITICAL_SHIFT, loose.critical, force_grain(path))
             verdict.ask("critical_shift", shift, most, f"{kind} shifts the critical time")
     return kind
