@@ -44,7 +44,8 @@ def read_varied(texts: Sequence[str], scene: Scene) -> list[Varied]:
     ------
     InputError : a key that scenes, or this one, do not have; a text that is no range and no list.
     """
-    table, found = scene_table(scene), []
+    table = scene_table(scene)
+    found: list[Varied] = []
     for text in texts:
         key, equals, values = text.partition("=")
         try:
