@@ -84,22 +84,32 @@ def outcomes(
     ----------
     jobs : scenes and what solves each; drawn as they are needed.
     chunk : springs handed to a worker at a time.
-    workers : processes; by default one for each processor core.
+    workers : processes; by default one for each processor core. 0: none besides this one.
     progress : called with the number of springs done so far.
     prepare : called once before the workers start, to leave them compiled kernels on the disk.
     """
-    count, done = workers or os.cpu_count() or 1, 0
+    done = 0
+    for found in _found(jobs, chunk, (os.cpu_count() or 1) if workers is None else workers, prepare):
+        yield from found
+        done += len(found)
+        if progress is not None:
+            progress(done)
+
+
+def _found(
+    jobs: Iterator[Job], chunk: int, count: int, prepare: Callable[[], object]
+) -> Iterator[list[Outcome]]:
+    """Outcomes as they come, one by one by this process or in chunks by `count` others."""
+    if count == 0:
+        yield from ([outcome_of(*job)] for job in jobs)
+        return
     prepare()
     with processes(count) as pool:
         waiting = [pool.submit(_outcomes, part) for part in _chunks(jobs, chunk, AHEAD * count)]
         while waiting:
             found = waiting.pop(0).result()
             waiting += [pool.submit(_outcomes, part) for part in _chunks(jobs, chunk, 1)]
-            for outcome in found:
-                done += 1
-                yield outcome
-            if progress is not None:
-                progress(done)
+            yield found
 
 
 def _chunks(jobs: Iterator[Job], size: int, count: int) -> list[list[Job]]:

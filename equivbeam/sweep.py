@@ -33,7 +33,8 @@ def sweep(
     ----------
     scenes : iterable of Scene
     workers : int, optional
-        Processes; by default one for each processor core.
+        Processes; by default one for each processor core. 0: none besides this one, which is the
+        fastest for a few springs.
     progress : callable, optional
         Called with the number of springs done so far.
     **options

@@ -150,7 +150,7 @@ def _add_sweep(commands: argparse._SubParsersAction) -> None:
     values.add_argument("--vary", action="append", required=True, metavar=form, help=what)
     what = "which model; default equivbeam"
     sweep.add_argument("--model", choices=tuple(MODEL_OPTIONS), default="equivbeam", help=what)
-    how = "processes; default one for each core"
+    how = "processes; default one for each core, 0 for none besides this one"
     sweep.add_argument("--workers", type=number_of, metavar="N", help=how)
     _add_scene(sweep)
 

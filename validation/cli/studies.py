@@ -128,7 +128,7 @@ def sweep(arguments: argparse.Namespace, folder: Path, progress: Progress) -> An
     options = given(arguments, (*MODEL_OPTIONS[model], "workers"))
     workers = options.pop("workers", None)
     if workers is not None:
-        require_integer("workers", workers, 1, CAMPAIGN_RANGES["workers"][1])
+        require_integer("workers", workers, *CAMPAIGN_RANGES["workers"])
     scene = scene_of(arguments)
     from validation.sweep import run
     from validation.sweep.grid import read_varied

@@ -62,7 +62,7 @@ def sweep(
     scene : whose keys are varied.
     varied : keys and values; the last key is the fastest.
     choose : what solves a scene: one choice for all, or another for each.
-    workers : processes; by default one for each processor core.
+    workers : processes; by default one for each processor core. 0: none besides this one.
     progress : called with the number of scenes done and of all.
     """
     grid = list(points(scene, varied))
