@@ -56,6 +56,9 @@ def test_an_item_of_a_list_and_of_a_table():
     (varied,) = read_varied(["spring.sections.1.coils=4"], scene)
     (point,) = points(scene, [varied])
     assert [each.coils for each in point.scene.spring.sections] == [2.0, 4.0]
+    (point,) = points(scene, [Varied("spring.mean_diameter", (9.0,))])
+    assert point.scene is None
+    assert "[spring] takes one of mean_diameter, sections, got mean_diameter and sections" in point.refused
 
 
 @pytest.mark.parametrize(
@@ -100,7 +103,7 @@ def test_keys_that_exclude_each_other_and_grids_too_large_are_refused(texts, wor
 
 def test_a_row_for_each_scene_in_order_and_invalid_ones_say_why(tmp_path, capsys):
     grid = ["--vary", "spring.active_coils=7,7.3", "--vary", "load.force.1=-100,-50"]
-    assert main(["sweep", "spring-b", *grid, *ONE, "--out", str(tmp_path)]) == 3
+    assert main(["sweep", "spring-b", *grid, "--workers", "0", "--steps", "2", "--out", str(tmp_path)]) == 3
     found = rows(tmp_path)
     assert list(found[0])[:4] == ["spring.active_coils", "load.force.1", "outcome", "time"]
     assert [(row["spring.active_coils"], row["load.force.1"]) for row in found] == [
@@ -110,7 +113,7 @@ def test_a_row_for_each_scene_in_order_and_invalid_ones_say_why(tmp_path, capsys
     assert found[2]["message"].startswith("spring.active_coils must be a multiple of 0.5")
     assert (found[2]["uy"], found[2]["time"], found[2]["key"]) == ("", "", "")
     b = spring_b()
-    scene = replace(b, spring=replace(b.spring, active_coils=7.0), load=Load((0.0, -100.0), 1))
+    scene = replace(b, spring=replace(b.spring, active_coils=7.0), load=Load((0.0, -100.0), 2))
     path, row = equivbeam.solve(scene), found[0]
     assert [float(row[name]) for name in ("ux", "uy", "rotz")] == path.tips[-1].tolist()
     assert float(row["load_y"]) == -100.0

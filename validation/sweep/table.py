@@ -26,7 +26,7 @@ class Table:
         self.target = folder / FILE
         self.columns = (*varied, *RESULTS)
         self.rows = {row["key"]: row for row in _read(self.target, self.columns) if row["key"] in wanted}
-        # what belongs to another sweep, and a last line that was cut, are left out
+        # what belongs to another sweep is left out, as is a last line that was cut: it has no whole key
         write_text(self.target, self._text(self.rows.values(), header=True))
 
     def append(self, key: str, values: Sequence[Any], outcome: Outcome) -> None:
@@ -82,6 +82,6 @@ def _read(target: Path, columns: Sequence[str]) -> list[Row]:
         return []
     with writing(target):
         text = target.read_text(encoding="utf-8")
-    found = list(csv.DictReader(io.StringIO(text[: text.rfind("\n") + 1])))
+    found = list(csv.DictReader(io.StringIO(text)))
     whole = [row for row in found if list(row) == list(columns) and None not in row.values()]
     return [row for row in whole if row["outcome"] != CRASHED]
