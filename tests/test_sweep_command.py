@@ -131,6 +131,15 @@ def test_the_wire_model_and_the_reaction_to_a_displacement(tmp_path):
     scene = replace(spring_b(), load=Load(displacement=(-4.0,), steps=1))
     path = wirefe.solve(scene, element="curved", elements_per_turn=4)
     assert [float(row["load_y"]) for row in rows(tmp_path)][1] == path.loads[-1, 1] < -20.0
+    assert not (tmp_path / "sweep.png").exists()
+
+
+def test_a_picture_where_one_number_has_three_values(tmp_path):
+    call = ["sweep", "spring-b", "--vary", "load.force.1=-30:-60:3", *ONE, "--out", str(tmp_path)]
+    assert main(call) == 0
+    assert (tmp_path / "sweep.png").read_bytes().startswith(b"\x89PNG")
+    assert main([*call, "--vary", "spring.hand=left,right"]) == 0
+    assert [file.name for file in tmp_path.iterdir()] == [FILE]
 
 
 def test_where_no_scene_can_be_solved_the_first_reason_is_said(tmp_path, capsys):

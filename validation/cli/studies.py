@@ -145,6 +145,7 @@ def sweep(arguments: argparse.Namespace, folder: Path, progress: Progress) -> An
             workers=workers,
             progress=lambda done, of: progress(f"{done} of {of} scenes"),
         )
+        run.write_picture(folder, rows, [each.key for each in varied], scene, model)
     return [*run.digest(rows), f"written to {folder}"], run.ended_early(rows)
 
 

@@ -14,10 +14,12 @@ from coilspring import EquilibriumPath, InputError, Scene
 from coilspring.solver.startup import store
 from coilspring.sweep import REFUSED, Outcome, outcomes
 from validation.study.keys import run_key
+from validation.study.output import write_bytes
 from validation.sweep.grid import Point, Varied, points
-from validation.sweep.table import FILE, Row, Table
+from validation.sweep.table import COMPLETED, FILE, Row, Table, is_curve
 
 CHUNK = 16  # springs handed to a worker at a time
+PICTURE = "sweep.png"
 DIGITS = 16  # of a row's key
 
 
@@ -84,6 +86,19 @@ def sweep(
     return table.write(keys)
 
 
+def write_picture(folder: Path, rows: Sequence[Row], keys: Sequence[str], scene: Scene, model: str) -> None:
+    """Write ``sweep.png`` where one number is varied; else remove what an earlier sweep has left there."""
+    target = folder / PICTURE
+    if not is_curve(rows, keys):
+        target.unlink(missing_ok=True)
+        return
+    from validation.sweep.figure import draw
+
+    by = keys[0].split(".")[1] if keys[0].startswith("load.") else ""
+    prescribed = by == "displacement" or (bool(scene.load.displacement) and by not in ("force", "stages"))
+    write_bytes(target, draw(rows, keys[0], scene.name, model, prescribed))
+
+
 def _key(point: Point, task: tuple[Scene, Choice] | None) -> str:
     """Key of a row by all that it follows from."""
     if task is None:
@@ -111,7 +126,7 @@ def ended_early(rows: Sequence[Row]) -> str:
     ------
     InputError : no scene could be solved.
     """
-    count = sum(row["outcome"] != "completed" for row in rows)
+    count = sum(row["outcome"] != COMPLETED for row in rows)
     if all(row["outcome"] == REFUSED for row in rows):
         raise InputError(f"no scene can be solved: {rows[0]['message']}")
     return f"{count} of {len(rows)} scenes did not reach full load; {FILE} says why" if count else ""

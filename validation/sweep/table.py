@@ -10,13 +10,26 @@ from typing import Any
 
 from coilspring.sweep import CRASHED, REFUSED, Outcome
 from validation.study.output import write_text, writing
+from validation.study.texts import number_of
 
 FILE = "sweep.csv"
+COMPLETED = "completed"
+LEAST = 3  # values that make a curve
 RESULTS = (
     *("outcome", "time", "load_x", "load_y", "ux", "uy", "rotz", "iterations", "active_contacts"),
     *("max_penetration", "max_contact_force", "critical_time", "message", "key"),
 )
 Row = dict[str, str]
+
+
+def is_curve(rows: Sequence[Row], keys: Sequence[str]) -> bool:
+    """Whether one number is varied, and enough of its values reach full load."""
+    whole = [row[keys[0]] for row in rows if row["outcome"] == COMPLETED]
+    return (
+        len(keys) == 1
+        and len(set(whole)) >= LEAST
+        and not any(isinstance(number_of(text), str) for text in whole)
+    )
 
 
 class Table:
@@ -83,5 +96,5 @@ def _read(target: Path, columns: Sequence[str]) -> list[Row]:
     with writing(target):
         text = target.read_text(encoding="utf-8")
     found = list(csv.DictReader(io.StringIO(text)))
-    whole = [row for row in found if list(row) == list(columns) and None not in row.values()]
+    whole = [row for row in found if list(row) == list(columns)]
     return [row for row in whole if row["outcome"] != CRASHED]
