@@ -8,7 +8,7 @@ from matplotlib import rc_context
 from matplotlib.figure import Figure
 
 from validation.study.plots import png
-from validation.study.style import BLUE, GREY, RC, RED, SINGLE
+from validation.study.style import BLUE, GREY, RC, RED, SINGLE, Look
 from validation.sweep.table import COMPLETED, Row
 
 COLOURS = {"equivbeam": BLUE, "wirefe": RED}
@@ -27,22 +27,13 @@ def draw(rows: Sequence[Row], key: str, scene: str, model: str, prescribed: bool
     with rc_context(RC):
         figure = Figure(figsize=(SINGLE, 0.75 * SINGLE), layout="constrained")
         axes = figure.add_subplot(xlabel=_with_unit(key), ylabel=label, title=f"{scene}, {model}")
-        for some, look in (
-            (whole, {"color": COLOURS[model], "marker": "o", "markersize": 3.0, "label": "full load"}),
-            (
-                ended,
-                {
-                    "color": GREY,
-                    "marker": "x",
-                    "markersize": 4.0,
-                    "linestyle": "",
-                    "label": "last state, before full load",
-                },
-            ),
-        ):
-            if some:
-                x, y = ([float(row[name]) for row in some] for name in (key, column))
-                axes.plot(x, y, **look)
+        looks: tuple[Look, Look] = (
+            {"color": COLOURS[model], "marker": "o", "markersize": 3.0, "label": "full load"},
+            {"color": GREY, "marker": "x", "markersize": 4.0, "label": "last state, before full load"},
+        )
+        for some, look, line in zip((whole, ended), looks, ("-", ""), strict=True):
+            x, y = ([float(row[name]) for row in some] for name in (key, column))
+            axes.plot(x, y, linestyle=line, **look)
         if ended:
             axes.legend()
         return png(figure)
