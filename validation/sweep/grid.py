@@ -117,7 +117,9 @@ def points(scene: Scene, varied: Sequence[Varied]) -> Iterator[Point]:
 
 def _changed(table: Mapping[str, Any], keys: Sequence[str], values: Sequence[Any]) -> Scene:
     """The scene with other values of some keys; a key takes the place of those that exclude it."""
-    changed = deepcopy(dict(table))
+    changed = dict(table)
+    for section in {key.partition(".")[0] for key in keys}:
+        changed[section] = deepcopy(table[section])
     for key, value in zip(keys, values, strict=True):
         section, *path, last = key.split(".")
         home = changed[section]
