@@ -102,7 +102,9 @@ def _values(text: str) -> tuple[Any, ...]:
     first, last, count = given
     if not isinstance(count, int) or not 2 <= count <= MOST:
         raise InputError(f"the COUNT of a range must be an integer in [2, {MOST}], got {parts[2]}")
-    return tuple(float(f"{value:.{DIGITS}g}") for value in np.linspace(first, last, count))
+    values = [float(f"{value:.{DIGITS}g}") for value in np.linspace(first, last, count)]
+    whole = isinstance(first, int) and isinstance(last, int) and all(map(float.is_integer, values))
+    return tuple(map(int, values)) if whole else tuple(values)  # a number of steps is an integer
 
 
 def points(scene: Scene, varied: Sequence[Varied]) -> Iterator[Point]:
