@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -11,10 +11,10 @@ import numpy as np
 
 from coilspring.errors import InputError, shown
 from coilspring.path import EquilibriumPath
-from coilspring.scene import Scene, require_scene
+from coilspring.scene import Factors, Scene, require_scene
 from equivbeam.curvefit import CurveFit
 from equivbeam.loadcurve import read_curve
-from equivbeam.parameters import values
+from equivbeam.parameters import values, varied
 from equivbeam.solve import solve
 
 if TYPE_CHECKING:
@@ -33,14 +33,14 @@ class Calibration:
 
     Attributes
     ----------
-    scene : with the fitted parameters.
+    scene : the one given, with the fitted parameters.
     names, values : of the parameters.
     errors : their standard errors, from the residuals and the curve's derivatives, if the model is right;
         nan for undetermined parameters, and for all where the curve has no more numbers than `rank`.
     rank : of the curve's derivatives by the parameters: so many were fitted.
     undetermined : names of parameters that can change, some together, without moving the curve.
     fixed : those of them that stay at their start; the values of the others hold for these.
-    path : of the fitted scene.
+    path : of the fitted scene, under the curve's load.
     rms_before, rms_after : root mean square error over the peaks of the columns.
     evaluations : paths followed.
     """
@@ -88,8 +88,9 @@ def calibrate(
     scene : Scene
         What is fitted; its parameters are where the search begins.
     curve : EquilibriumPath, table or CSV file
-        Column ``time`` (share of the scene's load, in equal steps of which some may be missing) and
-        one or more of ``ux``, ``uy`` (mm), ``rotz`` (rad), as in ``path.csv``.
+        Columns ``force`` (N) and ``deflection`` (mm), both in the direction of the scene's load and in any
+        order; or ``time`` (share of the scene's load) and one or more of ``ux``, ``uy`` (mm), ``rotz``
+        (rad), as in ``path.csv``. See `coilspring.measured`.
     parameters : sequence of str
         penalty, exponent, E, G, the dimensions, and with the paper's law the factors axial, shearing,
         bending; names as in `equivbeam.sensitivities`. Of those that stand for each other the first is
@@ -102,11 +103,13 @@ def calibrate(
     InputError : a curve or a name that cannot be used, in one sentence.
     EquilibriumNotFound : the scene as given does not reach the curve's end.
     """
-    names = tuple(parameters)
+    scene, names = require_scene(scene), tuple(parameters)
+    if "factors" in options:
+        scene = replace(scene, factors=Factors.of(options.pop("factors")))
     if isinstance(parameters, str) or not names or len(set(names)) < len(names):
         raise InputError(f"parameters must be a list of different names, got {shown(parameters)}")
-    start = values(require_scene(scene), options, names)
-    fit = CurveFit(scene, names, start, read_curve(curve), options)
+    start = values(scene, names)
+    fit = CurveFit(names, start, read_curve(curve, scene), options)
     shares = np.ones(len(names))
     before = fit.residuals(shares)
     if fit.path is None:
@@ -123,7 +126,7 @@ def calibrate(
     assert fit.path is not None  # the best point is one that was reached
     undetermined = _undetermined(J, fitted)
     return Calibration(
-        scene=fit.path.scene,
+        scene=varied(scene, names, start * shares),
         names=names,
         values=start * shares,
         errors=start * _errors(J, fitted, undetermined, after),

@@ -65,7 +65,7 @@ def build_model(scene: Scene, options: BeamOptions | None = None) -> BeamModel:
     fixed = [name in scene.supports.top_held for name in ("ux", "uy", "rotz")]
     return BeamModel(
         law=LAWS[chosen.law] if isinstance(chosen.law, str) else USER,
-        rows=law_rows(chosen.law, spring, scene.material, chosen.refinements or ALL, chosen.factors),
+        rows=law_rows(chosen.law, spring, scene.material, chosen.refinements or ALL, scene.factors),
         fixed=np.array(fixed, dtype=float),
         attached=attached,
         offset=offset,

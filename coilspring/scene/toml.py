@@ -14,6 +14,7 @@ from typing import Any
 from coilspring.errors import InputError, shown
 from coilspring.scene.catalogue import CATALOGUE
 from coilspring.scene.contact import Contact
+from coilspring.scene.factors import Factors
 from coilspring.scene.load import Load
 from coilspring.scene.material import Material
 from coilspring.scene.scene import Scene
@@ -27,6 +28,7 @@ SECTIONS: dict[str, type] = {  # in the order of a file
     "load": Load,
     "supports": Supports,
     "contact": Contact,
+    "factors": Factors,
 }
 REQUIRED = [section for section in SECTIONS if section in missing(Scene)]
 MOST_BYTES = 1_000_000
