@@ -5,10 +5,12 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, field, replace
 
+import numpy as np
+
 from coilspring.errors import InputError, shown
 from coilspring.scene.contact import Contact
 from coilspring.scene.factors import Factors
-from coilspring.scene.load import Load
+from coilspring.scene.load import Load, stage_ends
 from coilspring.scene.material import Material
 from coilspring.scene.profile import SAME
 from coilspring.scene.schema import key
@@ -116,6 +118,15 @@ class Scene:
         return (
             scene if geometry is None else replace(scene, contact=replace(scene.contact, geometry=geometry))
         )
+
+
+def load_directions(scene: Scene, times: np.ndarray) -> np.ndarray:
+    """Directions in which the load grows on the free top at some times, shape (times, 2), of length 1."""
+    grows = np.diff(stage_ends(scene.load), axis=0)
+    grows *= [float(name not in scene.supports.top_held) for name in ("ux", "uy")]
+    grows /= np.linalg.norm(grows, axis=1)[:, None]
+    stage = np.ceil(np.clip(times, 0.0, 1.0) * len(grows) - 1e-9).astype(int) - 1
+    return grows[np.maximum(stage, 0)]
 
 
 def require_scene(value: object) -> Scene:
