@@ -166,10 +166,9 @@ def _heads(cells: list[str]) -> list[tuple[str, float]]:
         match = HEADER.fullmatch(cell.strip().strip('"').lower())
         unit = match["unit"] if match and name in UNITS else None
         heads.append((name, _scale(name, unit) if unit else 1.0))
-    if name := next(
-        (name for name in ("force", "deflection") if [n for n, _ in heads].count(name) > 1), None
-    ):
-        raise InputError(f"curve must have one column {name}, got several")
+    for kind in UNITS:
+        if [name for name, _ in heads].count(kind) > 1:
+            raise InputError(f"curve must have one column {kind}, got several")
     return heads
 
 

@@ -24,6 +24,7 @@ if TYPE_CHECKING:
 # differences leave up to 6e-10 of what is zero; the weakest direction that was met in the paper's springs
 # and in guided ones is 2e-7 (an exponent beside a penalty).
 RESOLVED = 1e-8
+SCATTER = 0.5  # standard error over the value, above which it is not told from 0 with 95 % confidence
 TRADED = 1e-3  # relative change of a parameter, for another's by its whole value, that counts
 
 
@@ -38,7 +39,8 @@ class Calibration:
     errors : their standard errors, from the residuals and the curve's derivatives, if the model is right;
         nan for undetermined parameters, and for all where the curve has no more numbers than `rank`.
     rank : of the curve's derivatives by the parameters: so many were fitted.
-    undetermined : names of parameters that can change, some together, without moving the curve.
+    undetermined : names of parameters that can change, some together, without moving the curve, or whose
+        standard error is more than half of the value.
     fixed : those of them that stay at their start; the values of the others hold for these.
     path : of the fitted scene, under the curve's load.
     rms_before, rms_after : root mean square error over the peaks of the columns.
@@ -114,17 +116,10 @@ def calibrate(
     before = fit.residuals(shares)
     if fit.path is None:
         solve(fit.scene, **options)  # raises what was found
-    fitted = np.arange(len(names))
-    while True:
-        shares = fit.best(fitted)
-        J = fit.rates(shares)
-        known = fitted[_independent(J[:, fitted])]
-        if known.size == fitted.size:
-            break
-        fitted = known  # once more, with what the curve does not determine at its start
+    shares, J, fitted, doubtful = _fitted(fit)
     after = fit.residuals(shares)
     assert fit.path is not None  # the best point is one that was reached
-    undetermined = _undetermined(J, fitted)
+    undetermined = _undetermined(J, fitted, doubtful)
     return Calibration(
         scene=varied(scene, names, start * shares),
         names=names,
@@ -140,6 +135,28 @@ def calibrate(
     )
 
 
+def _fitted(fit: CurveFit) -> tuple[np.ndarray, np.ndarray, np.ndarray, list[int]]:
+    """Shares of the best fit, its derivatives, which were fitted, and which were left for their scatter.
+
+    Parameters that the curve does not determine stay at their start, and the others are fitted once more.
+    """
+    fitted = np.arange(len(fit.names))
+    doubtful: list[int] = []
+    while True:
+        shares = fit.best(fitted)
+        J = fit.rates(shares)
+        known = fitted[_independent(J[:, fitted])]
+        if known.size == fitted.size:
+            nothing = np.zeros(len(shares), dtype=bool)
+            scatter = (_errors(J, fitted, nothing, fit.residuals(shares)) / shares)[fitted]
+            if not (scatter > SCATTER).any():
+                return shares, J, fitted, doubtful
+            worst = int(np.nanargmax(scatter))
+            doubtful.append(int(fitted[worst]))
+            known = np.delete(fitted, worst)
+        fitted = known
+
+
 def _independent(J: np.ndarray) -> list[int]:
     """Columns, from the first on, that add to the rank; J are residuals over peaks by shares."""
     kept: list[int] = []
@@ -150,15 +167,16 @@ def _independent(J: np.ndarray) -> list[int]:
     return kept
 
 
-def _undetermined(J: np.ndarray, fitted: np.ndarray) -> np.ndarray:
-    """Whether each parameter has a part in the null space, shape (parameters,).
+def _undetermined(J: np.ndarray, fitted: np.ndarray, doubtful: list[int]) -> np.ndarray:
+    """Whether each parameter has a part in the null space, or is `doubtful`, shape (parameters,).
 
     A parameter that was not fitted is undetermined together with those whose change makes up for its own.
     """
     lost = np.ones(J.shape[1], dtype=bool)
-    lost[fitted] = False
+    lost[[*fitted, *doubtful]] = False
     instead = np.linalg.lstsq(J[:, fitted], J[:, lost], rcond=None)[0]
     lost[fitted] = (np.abs(instead) > TRADED).any(axis=1)
+    lost[doubtful] = True
     return lost
 
 

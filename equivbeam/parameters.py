@@ -32,6 +32,13 @@ def _spring(scene: Scene, **changes: Any) -> Scene:
     return replace(scene, spring=replace(scene.spring, **changes))
 
 
+def _widened(scene: Scene, mean: float) -> Scene:
+    """The scene with a spring of another mean coil diameter."""
+    bottom, top = scene.spring.mean_diameter
+    share = 2.0 * mean / (bottom + top)
+    return _spring(scene, mean_diameter=(share * bottom, share * top))
+
+
 def _contact(scene: Scene, **changes: Any) -> Scene:
     return replace(scene, contact=replace(scene.contact, **changes))
 
@@ -51,6 +58,9 @@ def _material(scene: Scene, E: float, G: float) -> Scene:
 PARAMETERS: Mapping[str, Parameter] = {
     "wire_diameter": Parameter(
         lambda scene: scene.spring.wire_diameter, lambda scene, value: _spring(scene, wire_diameter=value)
+    ),
+    "mean_diameter": Parameter(  # both ends by the same factor
+        lambda scene: 0.5 * sum(scene.spring.mean_diameter), lambda scene, value: _widened(scene, value)
     ),
     "bottom_diameter": Parameter(
         lambda scene: scene.spring.mean_diameter[0],

@@ -26,7 +26,7 @@ from validation.study.machine import versions
 from validation.study.output import OutputError, claimed, path_files, write_files, write_json, write_text
 from validation.view.overlay import picture
 
-COLUMNS = "time,load_x,load_y,ux,uy,rotz,iterations,active_contacts,max_penetration,max_overlap"
+COLUMNS = "time,load_x,load_y,ux,uy,rotz,rate,iterations,active_contacts,max_penetration,max_overlap"
 SUMMARY_KEYS = {
     *("outcome", "message", "last_time", "critical_time", "total_iterations", "solve_seconds"),
     *("compile_seconds", "model", "options", "versions", "scene", "warnings"),

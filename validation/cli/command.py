@@ -10,7 +10,9 @@ from dataclasses import asdict
 from pathlib import Path
 
 from coilspring import CATALOGUE, EquilibriumNotFound, EquilibriumPath, InputError, Scene, load_scene
+from coilspring.measured import Measured, measured
 from coilspring.scene.toml import SECTIONS, scene_text
+from validation.calibration import difference
 from validation.cli import studies
 from validation.cli.arguments import FILE_OPTIONS, MODEL_OPTIONS, command_line, given, scene_of
 from validation.cli.terminal import deviation, digest, notes, progress_shown, say
@@ -92,6 +94,7 @@ def solve(arguments: argparse.Namespace) -> int:
 def compare(arguments: argparse.Namespace) -> int:
     """Solve one scene with both models and compare them."""
     scene = scene_of(arguments)
+    curve = measured(arguments.measured, scene) if arguments.measured else None
     folder = _folder(arguments)
     with ExitStack() as claims:
         for each in (folder, *(folder / model for model in MODEL_OPTIONS)):
@@ -107,11 +110,9 @@ def compare(arguments: argparse.Namespace) -> int:
             "outcomes": {model: path.outcome for model, path in paths.items()},
             "notes": [f"{model}: {note}" for model, path in paths.items() for note in notes(path)],
         }
-        files = {"compare.json": output.json_bytes(found)}
-        if arguments.draw:
-            from validation.view.overlay import overlay
-
-            files["compare.png"] = overlay(*paths.values())
+        if curve is not None:
+            found["measured"] = {"file": arguments.measured, **difference.summary(paths, curve)}
+        files = {"compare.json": output.json_bytes(found), **_pictures(paths, arguments.draw, curve)}
         for model, path in paths.items():
             files |= {f"{model}/{name}": data for name, data in output.path_files(path).items()}
         output.write_files(files, folder)
@@ -120,7 +121,23 @@ def compare(arguments: argparse.Namespace) -> int:
             output.remove_stale({}, folder / model)
     lines = [line for path in paths.values() for line in digest(path)]
     lines += deviation(comparison, bool(scene.load.displacement))
+    if curve is not None:
+        lines += difference.lines(paths, curve)
     return _concluded(arguments, found, [*lines, f"written to {folder}"], *paths.values())
+
+
+def _pictures(paths: dict[str, EquilibriumPath], drawn: bool, curve: Measured | None) -> dict[str, bytes]:
+    """Pictures of a comparison by name."""
+    files = {}
+    if drawn:
+        from validation.view.overlay import overlay
+
+        files["compare.png"] = overlay(*paths.values())
+    if curve is not None or (drawn and difference.has_direction(next(iter(paths.values())).scene)):
+        from validation.calibration.figure import load_curves
+
+        files["curve.png"] = load_curves(paths, curve)
+    return files
 
 
 def long_command(arguments: argparse.Namespace) -> int:

@@ -62,6 +62,8 @@ def notes(path: EquilibriumPath) -> list[str]:
         )
     if contact.sliding == "free" and path.critical_time is not None and path.active_contacts[-1:].any():
         said.append('coils touch, and may slide off one another: contact.sliding = "none" would hold them')
+    if path.model == "wirefe" and path.scene.factors.given:
+        said.append("without the scene's [factors], which are of the equivalent beam's stiffnesses alone")
     if path.outcome == "completed" and "; " in path.message:
         said.append(path.message.partition("; ")[2])
     return said

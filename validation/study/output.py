@@ -148,7 +148,13 @@ def remove_stale(files: Mapping[str, bytes], folder: Path) -> None:
     with writing(folder):
         series = [file for file in folder.glob("wire/*.vtu") if file.stem.isdecimal() and len(file.stem) >= 4]
         ours = series if (folder / "wire.pvd").is_file() else []
-        for target in (folder / "compare.png", folder / "wire.pvd", folder / "wire.vtu", *ours):
+        for target in (
+            folder / "compare.png",
+            folder / "curve.png",
+            folder / "wire.pvd",
+            folder / "wire.vtu",
+            *ours,
+        ):
             if target.relative_to(folder).as_posix() not in files and target.is_file():
                 target.unlink()
         if ours:
