@@ -130,7 +130,7 @@ def _refuse_keys(name: str, where: str, record: type, table: Mapping[str, object
     _refuse_unknown(where, table, list(allowed), record)
     for key, item in known.items():
         both = [other for other in (key, *item.instead) if other in table]
-        if key in table and len(both) > 1:
+        if len(both) > 1:
             group = ", ".join((key, *item.instead))
             raise InputError(f"{where} takes one of {group}, got {' and '.join(both)}")
     for key in required(record):
