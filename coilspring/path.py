@@ -63,6 +63,10 @@ class Shape(Protocol):
         """Tangent stiffness of the top along directions (states, 2), with the contact histories of the
         states (None: of no pair), shape (states,), N/mm."""
 
+    def largest_stresses(self, states: np.ndarray) -> np.ndarray | None:
+        """Largest shear stress of the wire, corrected for its curvature, shape (states,), MPa; None where the
+        model has no wire."""
+
     def overlaps(self, states: np.ndarray) -> np.ndarray:
         """By how much the wire runs into itself, or the circles that stand for it, shape (states,), mm."""
 
@@ -234,9 +238,18 @@ class EquilibriumPath:
         )
         return np.divide(force, deflection, out=np.full_like(force, np.nan), where=deflection != 0.0)
 
+    @cached_property
+    def max_stress(self) -> np.ndarray | None:
+        """Largest shear stress in the wire, shape (steps,), MPa; None of the equivalent beam.
+
+        16 |T| / (pi d^3) of the torsional moment T, with Bergstraesser's factor; see `wirefe.stress`.
+        """
+        return self.shape.largest_stresses(self.states)
+
     @property
     def columns(self) -> dict[str, np.ndarray]:
-        """The columns of ``path.csv`` by name, each (steps,)."""
+        """The columns of ``path.csv`` by name, each (steps,); ``max_stress`` of the wire model alone."""
+        stress = {} if self.max_stress is None else {"max_stress": self.max_stress}
         return {
             "time": self.times,
             "load_x": self.loads[:, 0],
@@ -249,6 +262,7 @@ class EquilibriumPath:
             "active_contacts": self.active_contacts,
             "max_penetration": self.max_penetration,
             "max_overlap": self.max_overlap,
+            **stress,
         }
 
     @cached_property

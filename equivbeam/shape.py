@@ -72,6 +72,9 @@ class BeamShape(PairReader):
             compiled, self.data, sizes, size - 3, states, self.histories(histories, states), directions
         )
 
+    def largest_stresses(self, states: np.ndarray) -> None:
+        """Nothing: the beam has no wire."""
+
     def overlaps(self, states: np.ndarray) -> np.ndarray:
         """By how much circles overlap, shape (states,), mm; see `equivbeam.contact.circle_overlap`."""
         data = pack(self.data)

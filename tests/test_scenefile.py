@@ -9,7 +9,17 @@ import pytest
 
 import equivbeam
 import wirefe
-from coilspring import CATALOGUE, CoilSection, Contact, InputError, Load, Material, Spring, load_scene, spring_b
+from coilspring import (
+    CATALOGUE,
+    CoilSection,
+    Contact,
+    InputError,
+    Load,
+    Material,
+    Spring,
+    load_scene,
+    spring_b,
+)
 from coilspring.scene.schema import required
 from coilspring.scene.toml import SECTIONS, scene_from_text
 from validation.cli import main

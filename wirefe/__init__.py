@@ -3,16 +3,19 @@
 from wirefe.rod import Rod, curved_rod, straight_rod
 from wirefe.rodpath import RodPath
 from wirefe.solve import path_shape, solve, solve_rod
+from wirefe.stress import WireStress, stress
 from wirefe.tracing import trace, trace_rod
 
 __all__ = [
     "Rod",
     "RodPath",
+    "WireStress",
     "curved_rod",
     "path_shape",
     "solve",
     "solve_rod",
     "straight_rod",
+    "stress",
     "trace",
     "trace_rod",
 ]

@@ -116,6 +116,12 @@ class WireShape(PairReader):
             compiled, self.data, sizes, size - 6, states, self.histories(histories, states), directions
         )
 
+    def largest_stresses(self, states: np.ndarray) -> np.ndarray:
+        """Largest shear stress of the wire, corrected for its curvature, shape (states,), MPa."""
+        from wirefe.stress import stresses  # which reads states through this module
+
+        return stresses(self, states).shear_corrected.max(axis=1)
+
     def overlaps(self, states: np.ndarray) -> np.ndarray:
         """By how much the wire runs into itself, shape (states,), mm; below 0 where free."""
         data = pack(self.data)

@@ -48,6 +48,7 @@ class Sizes:
         the spring, mm, coils that close taken out; of a prescribed displacement the force that goes with it,
         infinite beyond solid.
     stress : largest shear stress in the wire under that force, MPa; coils that have closed give no more.
+    stressed_at : where it is, in turns from the first active point.
     stress_factor : of the wire's curvature, in it.
     inner_factors : the same there by Wahl and by three-dimensional elasticity.
     buckling : shortening at which the straight spring buckles, mm; None where it does not.
@@ -66,6 +67,7 @@ class Sizes:
     force: float
     shortening: float
     stress: float
+    stressed_at: float
     stress_factor: float
     inner_factors: tuple[float, float]
     buckling: float | None
@@ -125,6 +127,7 @@ def sizes(scene: Scene) -> Sizes:
         force=force,
         shortening=shortening,
         stress=float(stress.max()),
+        stressed_at=float(coils.turns[np.argmax(stress)]),
         stress_factor=float(stress_factor(worst)),
         inner_factors=(wahl_factor(worst), inner_stress_factor(worst)),
         buckling=buckling_shortening(scene),
@@ -187,6 +190,11 @@ def shortened(coils: Along, rate: float, force: float) -> float:
 def stress_factor(index: Any) -> Any:
     """Bergstraesser's factor of the stress at the inside of a coil of index D/d (EN 13906-1)."""
     return (index + 0.5) / (index - 0.75)
+
+
+def bending_factor(index: Any) -> Any:
+    """Factor of the bending stress at the inside of a coil of index D/d (EN 13906-3)."""
+    return (index + 0.07) / (index - 0.75)
 
 
 def wahl_factor(index: float) -> float:

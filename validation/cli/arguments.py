@@ -15,7 +15,10 @@ MODEL_OPTIONS = {
     "equivbeam": ("law", "tangent", "sliding"),
     "wirefe": ("element", "elements_per_turn", "pairs_per_turn"),
 }
-FILE_OPTIONS = {"equivbeam": (), "wirefe": ("vtu", "vtu_series")}  # what a model can write besides the path
+FILE_OPTIONS = {
+    "equivbeam": (),
+    "wirefe": ("vtu", "vtu_series", "stress"),
+}  # what a model can write besides the path
 LAWS = ("haringx", "helix")  # of a half coil; or a file
 FITTED = (  # by calibrate
     *("axial", "shearing", "bending", "wire_diameter", "mean_diameter", "bottom_diameter", "top_diameter"),
@@ -118,6 +121,9 @@ def _add_solutions(commands: argparse._SubParsersAction) -> None:
     _add_flag(solve, "--vtu", what)
     what = "write wire.pvd too (wirefe), a VTU file for every step, to be seen by coilcheck view or ParaView"
     _add_flag(solve, "--vtu-series", what)
+
+    what = "write stress.csv too (wirefe): stresses along the wire at the last step reached"
+    _add_flag(solve, "--stress", what)
 
     purpose = "one scene by both models: the equivalent beam against the wire model"
     compare = _command(commands, "compare", purpose, "coilcheck compare my-spring.toml --out results")

@@ -83,6 +83,8 @@ def solve(arguments: argparse.Namespace) -> int:
         files = output.path_files(path)
         if arguments.vtu and len(path.times):
             files |= output.vtu_file(path)
+        if arguments.stress and len(path.times):
+            files |= output.stress_file(path)
         if arguments.vtu_series and len(path.times):
             output.prepare(folder / "wire")
             files |= output.series_files(path)

@@ -43,6 +43,10 @@ def digest(path: EquilibriumPath) -> list[str]:
         lines.append(
             f"  tip at time {path.times[-1]:g}: ux {ux:.6g} mm, uy {uy:.6g} mm, rotz {rotz:.6g} rad{force}"
         )
+        if path.max_stress is not None:
+            lines.append(
+                f"  stress {path.max_stress[-1]:.4g} MPa at most (torsion, with Bergstraesser's factor)"
+            )
     lines += [f"  {note}" for note in notes(path)]
     count = f"{path.total_iterations} iteration{'' if path.total_iterations == 1 else 's'}"
     lines.append(
