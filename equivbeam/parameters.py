@@ -52,7 +52,7 @@ def _factor(name: str) -> Parameter:
 
 
 def _material(scene: Scene, E: float, G: float) -> Scene:
-    return replace(scene, material=Material.from_moduli(E, G))
+    return replace(scene, material=Material.from_moduli(E, G, scene.material.density))
 
 
 PARAMETERS: Mapping[str, Parameter] = {

@@ -5,12 +5,14 @@ from wirefe.rodpath import RodPath
 from wirefe.solve import path_shape, solve, solve_rod
 from wirefe.stress import WireStress, stress
 from wirefe.tracing import trace, trace_rod
+from wirefe.vibration import frequencies
 
 __all__ = [
     "Rod",
     "RodPath",
     "WireStress",
     "curved_rod",
+    "frequencies",
     "path_shape",
     "solve",
     "solve_rod",
