@@ -1,6 +1,6 @@
 """Natural frequencies of the wire about an equilibrium: small vibrations of a loaded spring.
 
-The stiffness is the tangent of the equilibrium, closed contact pairs and what holds them included. The mass is
+The stiffness is the tangent of the equilibrium, with closed contact pairs and what holds them. The mass is
 consistent: the wire moves with its nodes as its stations do (`wirefe.stations`), end turns included.
 """
 
@@ -19,6 +19,7 @@ from wirefe.model import matrix_size
 from wirefe.shape import WireShape
 from wirefe.stations import (
     ARMS,
+    NUDGE,
     POSITION,
     ROTATION,
     SLOPES,
@@ -70,7 +71,9 @@ def frequencies(path: EquilibriumPath, step: int = -1, *, count: int = 6, top: s
     require_integer("count", count, 1, len(free) - 1)
     K = tangent_stiffness(shape, state, shape.histories(histories, state[None])[0])[free][:, free]
     M = mass(shape, state)[free][:, free]
-    squares = eigsh(K.tocsc(), k=count, M=M.tocsc(), sigma=0.0, return_eigenvectors=False)
+    squares = eigsh(
+        K.tocsc(), k=count, M=M.tocsc(), sigma=0.0, v0=np.ones(len(free)), return_eigenvectors=False
+    )
     with np.errstate(invalid="ignore"):
         return np.sqrt(np.sort(squares)) / (2.0 * math.pi)
 
@@ -140,8 +143,8 @@ def _quadrature(shape: WireShape) -> tuple[np.ndarray, np.ndarray]:
     nodes, weights = np.polynomial.legendre.leggauss(POINTS)
     half = 0.5 * np.diff(edges)[:, None]
     phases = (edges[:-1, None] + half * (1.0 + nodes)).ravel()
-    slant = np.hypot(spring.radius(phases), spring.rise(phases))
-    return phases, (half * weights).ravel() * slant
+    slant = (spring.points(phases + NUDGE) - spring.points(phases - NUDGE)) / (2.0 * NUDGE)
+    return phases, (half * weights).ravel() * np.linalg.norm(slant, axis=1)
 
 
 def _motions(

@@ -51,6 +51,8 @@ class Sizes:
     stressed_at : where it is, in turns from the first active point.
     stress_factor : of the wire's curvature, in it.
     inner_factors : the same there by Wahl and by three-dimensional elasticity.
+    surge : lowest natural frequency of the active wire along the axis, both ends held, without load or
+        contact, Hz: 1/2 sqrt(rate / mass), which is d / (2 pi n D^2) sqrt(G / 2 rho) of a flat cylinder.
     buckling : shortening at which the straight spring buckles, mm; None where it does not.
     """
 
@@ -70,6 +72,7 @@ class Sizes:
     stressed_at: float
     stress_factor: float
     inner_factors: tuple[float, float]
+    surge: float
     buckling: float | None
 
     @property
@@ -130,6 +133,7 @@ def sizes(scene: Scene) -> Sizes:
         stressed_at=float(coils.turns[np.argmax(stress)]),
         stress_factor=float(stress_factor(worst)),
         inner_factors=(wahl_factor(worst), inner_stress_factor(worst)),
+        surge=surge_frequency(scene),
         buckling=buckling_shortening(scene),
     )
 
@@ -143,6 +147,14 @@ def axial_rate(scene: Scene) -> float:
     """Axial rate while no coils touch, N/mm."""
     spring = scene.spring
     return scene.material.G * spring.wire_diameter**4 / 8.0 / sum(map(_cubes, spring.coils))
+
+
+def surge_frequency(scene: Scene) -> float:
+    """Lowest natural frequency of the active wire along the axis, both ends held, Hz; see `Sizes`."""
+    spring = scene.spring
+    length = wire_length(replace(spring, end_turns=0.0))
+    mass = scene.material.density * 1e-12 * math.pi / 4.0 * spring.wire_diameter**2 * length  # t
+    return 0.5 * math.sqrt(axial_rate(scene) / mass)
 
 
 def wire_rate(scene: Scene, wire_rigidity: str) -> float:

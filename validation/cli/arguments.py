@@ -17,7 +17,7 @@ MODEL_OPTIONS = {
 }
 FILE_OPTIONS = {
     "equivbeam": (),
-    "wirefe": ("vtu", "vtu_series", "stress"),
+    "wirefe": ("vtu", "vtu_series", "stress", "frequencies"),
 }  # what a model can write besides the path
 LAWS = ("haringx", "helix")  # of a half coil; or a file
 FITTED = (  # by calibrate
@@ -124,6 +124,9 @@ def _add_solutions(commands: argparse._SubParsersAction) -> None:
 
     what = "write stress.csv too (wirefe): stresses along the wire at the last step reached"
     _add_flag(solve, "--stress", what)
+
+    what = "natural frequencies (wirefe) about the last step reached, both ends held, in summary.json too"
+    solve.add_argument("--frequencies", type=_number, metavar="N", help=what)
 
     purpose = "one scene by both models: the equivalent beam against the wire model"
     compare = _command(commands, "compare", purpose, "coilcheck compare my-spring.toml --out results")

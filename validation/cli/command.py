@@ -10,6 +10,7 @@ from dataclasses import asdict
 from pathlib import Path
 
 from coilspring import CATALOGUE, EquilibriumNotFound, EquilibriumPath, InputError, Scene, load_scene
+from coilspring.errors import require_integer
 from coilspring.measured import Measured, measured
 from coilspring.scene.toml import SECTIONS, scene_text
 from validation.calibration import difference
@@ -21,6 +22,7 @@ from validation.study.metrics import compare_paths
 from validation.study.partialsolve import partial_path
 from validation.study.scenewarnings import warnings
 
+MOST_FREQUENCIES = 100
 COMPLETED, REGRESSED, BAD_INPUT, NOT_COMPLETED, NOT_WRITTEN, INTERRUPTED = 0, 1, 2, 3, 4, 130
 
 
@@ -75,12 +77,18 @@ def solve(arguments: argparse.Namespace) -> int:
         for name in given(arguments, names + FILE_OPTIONS[other]) if other != model else ():
             flag = "--" + name.replace("_", "-")
             raise InputError(f"{flag} belongs to --model {other}, got --model {model}")
-    scene = scene_of(arguments)
+    scene, count = scene_of(arguments), arguments.frequencies
+    if count is not None:
+        require_integer("--frequencies", count, 1, MOST_FREQUENCIES)
     folder = _folder(arguments)
     with output.claimed(folder):
         with progress_shown(arguments.quiet) as progress:
             path = _run(scene, model, arguments, progress)
-        files = output.path_files(path)
+        found, lines = output.summary(path), digest(path)
+        if count and len(path.times):
+            found["frequencies"] = values = _frequencies(path, count)
+            lines.append(f"  natural frequencies {', '.join(f'{f:.4g}' for f in values)} Hz, both ends held")
+        files = output.path_files(path) | {"summary.json": output.json_bytes(found)}
         if arguments.vtu and len(path.times):
             files |= output.vtu_file(path)
         if arguments.stress and len(path.times):
@@ -90,7 +98,14 @@ def solve(arguments: argparse.Namespace) -> int:
             files |= output.series_files(path)
         output.write_files(files, folder)
         output.remove_stale(files, folder)
-    return _concluded(arguments, output.summary(path), [*digest(path), f"written to {folder}"], path)
+    return _concluded(arguments, found, [*lines, f"written to {folder}"], path)
+
+
+def _frequencies(path: EquilibriumPath, count: int) -> list[float]:
+    """Natural frequencies about the last step of a path of the wire model, Hz."""
+    from wirefe import frequencies
+
+    return frequencies(path, count=count).tolist()
 
 
 def compare(arguments: argparse.Namespace) -> int:
