@@ -236,7 +236,7 @@ def test_compare_with_nothing_in_common_says_null(tmp_path, capsys):
     assert output.err.count("\n") == 1
     found = read_json(tmp_path / "compare.json")
     assert {found[key] for key in ("curve_max", "curve_rms", "shape_max", "shape_rms")} == {None}
-    assert (tmp_path / "wirefe" / "path.csv").read_text() == COLUMNS + "\n"
+    assert (tmp_path / "wirefe" / "path.csv").read_text() == COLUMNS + ",max_stress\n"
 
 
 @pytest.mark.parametrize(
