@@ -14,7 +14,7 @@ from coilspring.path import EquilibriumPath
 from coilspring.scene import Factors, Scene, require_scene
 from equivbeam.curvefit import CurveFit
 from equivbeam.loadcurve import read_curve
-from equivbeam.parameters import values, varied
+from equivbeam.parameters import FACTORS, values, varied
 from equivbeam.solve import solve
 
 if TYPE_CHECKING:
@@ -110,6 +110,9 @@ def calibrate(
         scene = replace(scene, factors=Factors.of(options.pop("factors")))
     if isinstance(parameters, str) or not names or len(set(names)) < len(names):
         raise InputError(f"parameters must be a list of different names, got {shown(parameters)}")
+    law, factor = options.get("law", "haringx"), next((name for name in names if name in FACTORS), None)
+    if factor and law != "haringx":
+        raise InputError(f"{factor} can be fitted with the law haringx alone, got {shown(law)}")
     start = values(scene, names)
     fit = CurveFit(names, start, read_curve(curve, scene), options)
     shares = np.ones(len(names))

@@ -136,6 +136,8 @@ def test_bad_requests(tmp_path, capsys):
     ):
         assert main(["calibrate", "spring-b", str(curve), "--fit", names, "--out", str(tmp_path / "x")]) == 2
         assert words in capsys.readouterr().err
+    with pytest.raises(InputError, match="axial can be fitted with the law haringx alone, got 'helix'"):
+        equivbeam.calibrate(spring_b(), table_of(curve), ["G", "axial"], law="helix")
     stages = replace(GUIDED, load=Load(stages=((0.0, -4.0), (3.0, -4.0))), supports=Supports())
     with pytest.raises(InputError, match="stages must be in one direction"):
         measured(table_of(curve), stages)

@@ -39,7 +39,9 @@ class Material:
     density: float = field(
         default=7850.0,
         kw_only=True,
-        metadata=key("kg/m^3, for natural frequencies [7850, steel]", number(*DENSITY), aliases={r"rho": ""}),
+        metadata=key(
+            "kg/m^3 (steel: 7850), for natural frequencies [7850.0]", number(*DENSITY), aliases={r"rho": ""}
+        ),
     )
 
     def __post_init__(self) -> None:

@@ -25,6 +25,7 @@ FIT: Mapping[str, tuple[str, style.Look]] = {
     "given": ("scene as given", GIVEN_LINE),
     "calibrated": ("calibrated", style.BEAM_LINE),
 }
+DEFLECTION = "deflection along the load (mm)"
 MOST = 80  # measured points that are drawn
 
 
@@ -53,9 +54,9 @@ def picture(
         plots["difference"].axhline(0.0, color="black", linewidth=0.5)
         plots["difference"].sharex(plots["force"])
         plots["force"].tick_params(labelbottom=False)
-        plots["difference"].set(ylabel="model − measured\n(% of peak)", xlabel="deflection (mm)")
+        plots["difference"].set(ylabel="model − measured\n(% of peak)", xlabel=DEFLECTION)
     else:
-        plots["force"].set_xlabel("deflection (mm)")
+        plots["force"].set_xlabel(DEFLECTION)
     for name, path in paths.items():
         label, look = looks[name]
         deflection, force = along_load(path)
@@ -64,7 +65,7 @@ def picture(
         if curve is not None:
             at, shares = differences(path, curve)
             plots["difference"].plot(at, 100.0 * shares, **POINTS | {"color": look["color"]})
-    plots["force"].set(ylabel="force (N)", xlim=(0.0, None), ylim=(0.0, None))
-    plots["rate"].set(xlabel="deflection (mm)", ylabel="rate (N/mm)", xlim=(0.0, None))
+    plots["force"].set(ylabel="force along the load (N)", xlim=(0.0, None), ylim=(0.0, None))
+    plots["rate"].set(xlabel=DEFLECTION, ylabel="rate (N/mm)", xlim=(0.0, None))
     figure.legend(*plots["force"].get_legend_handles_labels(), loc="outside lower center", ncols=3)
     return figure

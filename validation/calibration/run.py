@@ -35,6 +35,10 @@ def calibrate(
         "calibrated.toml": scene_text(found.scene).encode(),
     }
     lines = str(found).splitlines()
+    if scene.contact.enabled and scene.contact.sliding != "free":
+        lines.append(
+            f"fitted without the scene's sliding = \"{scene.contact.sliding}\", as the paper's model"
+        )
     if "force" in table or "load_y" in table:
         from validation.calibration.figure import FIT, load_curves
 
