@@ -34,7 +34,7 @@ def report(scene: Scene) -> tuple[list[str], list[str]]:
         unknown=math.isnan(found.wire_rates[1]),
     )
     models = (f"  {model:<13} {verdict}" for model, verdict in _models(scene))
-    return [*text.splitlines(), *models], [*warnings(scene), *_of_formulas(found)]
+    return [*text.rstrip("\n").split("\n"), *models], [*warnings(scene), *_of_formulas(found)]
 
 
 def _of_formulas(found: Sizes) -> Iterator[str]:
