@@ -86,8 +86,9 @@ def table_of(source: Mapping[str, np.ndarray] | pd.DataFrame | str | Path) -> di
     InputError : an unreadable file, an unknown unit, or what is no number, in one sentence.
     """
     if isinstance(source, str | Path):
+        text = _text(Path(source))
         try:
-            found = _parsed(_text(Path(source)))
+            found = _parsed(text)
         except InputError as error:
             raise InputError(f"{source}: {error}") from None
     else:

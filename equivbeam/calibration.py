@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from coilspring.errors import InputError, shown
+from coilspring.errors import EquilibriumNotFound, InputError, shown
 from coilspring.path import EquilibriumPath
 from coilspring.scene import Factors, Scene, require_scene
 from equivbeam.curvefit import CurveFit
@@ -118,7 +118,7 @@ def calibrate(
     shares = np.ones(len(names))
     before = fit.residuals(shares)
     if fit.path is None:
-        solve(fit.scene, **options)  # raises what was found
+        _refuse(fit.scene, options)
     shares, J, fitted, doubtful = _fitted(fit)
     after = fit.residuals(shares)
     assert fit.path is not None  # the best point is one that was reached
@@ -136,6 +136,15 @@ def calibrate(
         rms_after=float(np.sqrt(np.mean(after**2))),
         evaluations=fit.evaluations,
     )
+
+
+def _refuse(scene: Scene, options: dict[str, Any]) -> None:
+    """Raise why a scene does not reach the end of the curve, as given."""
+    try:
+        solve(scene, **options)
+    except EquilibriumNotFound as found:
+        message = f"the scene as given does not reach the end of the curve: {found.message}"
+        raise EquilibriumNotFound(replace(found.path, message=message)) from None
 
 
 def _fitted(fit: CurveFit) -> tuple[np.ndarray, np.ndarray, np.ndarray, list[int]]:

@@ -143,6 +143,14 @@ def test_bad_requests(tmp_path, capsys):
         measured(table_of(curve), stages)
 
 
+def test_a_force_that_the_spring_does_not_reach(tmp_path, capsys):
+    curve = write(tmp_path / "bench.csv", ([1e4, 2e4], [5.0, 20.0]))
+    assert main(["calibrate", "spring-b", str(curve), "--fit", "axial", "--out", str(tmp_path / "x")]) == 3
+    assert "does not reach the end of the curve: limit point" in capsys.readouterr().err
+    assert main(["calibrate", "spring-b", "none.csv", "--fit", "axial", "--out", str(tmp_path / "x")]) == 2
+    assert "curve must be a readable CSV file, got 'none.csv'" in capsys.readouterr().err
+
+
 def test_a_prescribed_displacement_is_fitted_through_its_reaction():
     """The same curve, pressed by a test machine: path.csv has the reaction."""
     pressed = replace(GUIDED, load=Load(displacement=(-12.0,), steps=10))
