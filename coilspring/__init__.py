@@ -2,7 +2,7 @@
 
 from coilspring.errors import EquilibriumNotFound, InputError
 from coilspring.path import EquilibriumPath, load_path
-from coilspring.scene import Contact, Load, Scene, Supports
+from coilspring.scene import Contact, Factors, Load, Scene, Supports
 from coilspring.scene.catalogue import CATALOGUE, spring_a, spring_b
 from coilspring.scene.material import Material
 from coilspring.scene.profile import CoilSection
@@ -17,6 +17,7 @@ __all__ = [
     "Contact",
     "EquilibriumNotFound",
     "EquilibriumPath",
+    "Factors",
     "InputError",
     "Load",
     "Material",

@@ -14,6 +14,7 @@ from coilspring.errors import InputError
 from coilspring.pathfile import read_fields, write_fields
 from coilspring.scene import Scene
 from coilspring.scene.load import given_loads
+from coilspring.scene.scene import load_directions
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -57,6 +58,14 @@ class Shape(Protocol):
 
     def reactions(self, states: np.ndarray, histories: np.ndarray) -> np.ndarray:
         """Force that holds the top along Y in states found with contact histories, shape (states,), N."""
+
+    def rates(self, states: np.ndarray, histories: np.ndarray | None, directions: np.ndarray) -> np.ndarray:
+        """Tangent stiffness of the top along directions (states, 2), with the contact histories of the
+        states (None: of no pair), shape (states,), N/mm."""
+
+    def largest_stresses(self, states: np.ndarray) -> np.ndarray | None:
+        """Largest shear stress of the wire, corrected for its curvature, shape (states,), MPa; None where the
+        model has no wire."""
 
     def overlaps(self, states: np.ndarray) -> np.ndarray:
         """By how much the wire runs into itself, or the circles that stand for it, shape (states,), mm."""
@@ -206,9 +215,41 @@ class EquilibriumPath:
         """
         return np.maximum(self.shape.overlaps(self.states), 0.0)
 
+    @cached_property
+    def rates(self) -> np.ndarray:
+        """Rate of the spring along its load, dF/du, shape (steps,), N/mm: the tangent stiffness.
+
+        With friction, in which the tangent is that of one direction of sliding, and of a law that this
+        process does not know, it is the difference from the row before.
+        """
+        mu, directions = self.shape.pair_law.mu, load_directions(self.scene, self.times)
+        if self.histories is not None and 0.0 < mu < np.inf and self.scene.contact.enabled:
+            return self._differences(directions)
+        try:
+            return self.shape.rates(self.states, self.histories, directions)
+        except InputError:
+            return self._differences(directions)
+
+    def _differences(self, directions: np.ndarray) -> np.ndarray:
+        """Change of the force over that of the deflection since the row before; nan where nothing moved."""
+        force, deflection = (
+            np.einsum("ij,ij->i", np.diff(values[:, :2], axis=0, prepend=0.0), directions)
+            for values in (self.loads, self.tips)
+        )
+        return np.divide(force, deflection, out=np.full_like(force, np.nan), where=deflection != 0.0)
+
+    @cached_property
+    def max_stress(self) -> np.ndarray | None:
+        """Largest shear stress in the wire, shape (steps,), MPa; None of the equivalent beam.
+
+        16 |T| / (pi d^3) of the torsional moment T, with Bergstraesser's factor; see `wirefe.stress`.
+        """
+        return self.shape.largest_stresses(self.states)
+
     @property
     def columns(self) -> dict[str, np.ndarray]:
-        """The columns of ``path.csv`` by name, each (steps,)."""
+        """The columns of ``path.csv`` by name, each (steps,); ``max_stress`` of the wire model alone."""
+        stress = {} if self.max_stress is None else {"max_stress": self.max_stress}
         return {
             "time": self.times,
             "load_x": self.loads[:, 0],
@@ -216,10 +257,12 @@ class EquilibriumPath:
             "ux": self.tips[:, 0],
             "uy": self.tips[:, 1],
             "rotz": self.tips[:, 2],
+            "rate": self.rates,
             "iterations": self.iterations,
             "active_contacts": self.active_contacts,
             "max_penetration": self.max_penetration,
             "max_overlap": self.max_overlap,
+            **stress,
         }
 
     @cached_property

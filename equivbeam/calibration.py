@@ -3,18 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from coilspring.errors import InputError, shown
+from coilspring.errors import EquilibriumNotFound, InputError, shown
 from coilspring.path import EquilibriumPath
-from coilspring.scene import Scene, require_scene
+from coilspring.scene import Factors, Scene, require_scene
 from equivbeam.curvefit import CurveFit
 from equivbeam.loadcurve import read_curve
-from equivbeam.parameters import values
+from equivbeam.parameters import FACTORS, values, varied
 from equivbeam.solve import solve
 
 if TYPE_CHECKING:
@@ -24,6 +24,7 @@ if TYPE_CHECKING:
 # differences leave up to 6e-10 of what is zero; the weakest direction that was met in the paper's springs
 # and in guided ones is 2e-7 (an exponent beside a penalty).
 RESOLVED = 1e-8
+SCATTER = 0.5  # standard error over the value, above which it is not told from 0 with 95 % confidence
 TRADED = 1e-3  # relative change of a parameter, for another's by its whole value, that counts
 
 
@@ -33,14 +34,15 @@ class Calibration:
 
     Attributes
     ----------
-    scene : with the fitted parameters.
+    scene : the one given, with the fitted parameters.
     names, values : of the parameters.
     errors : their standard errors, from the residuals and the curve's derivatives, if the model is right;
         nan for undetermined parameters, and for all where the curve has no more numbers than `rank`.
     rank : of the curve's derivatives by the parameters: so many were fitted.
-    undetermined : names of parameters that can change, some together, without moving the curve.
+    undetermined : names of parameters that can change, some together, without moving the curve, or whose
+        standard error is more than half of the value.
     fixed : those of them that stay at their start; the values of the others hold for these.
-    path : of the fitted scene.
+    path : of the fitted scene, under the curve's load.
     rms_before, rms_after : root mean square error over the peaks of the columns.
     evaluations : paths followed.
     """
@@ -88,8 +90,9 @@ def calibrate(
     scene : Scene
         What is fitted; its parameters are where the search begins.
     curve : EquilibriumPath, table or CSV file
-        Column ``time`` (share of the scene's load, in equal steps of which some may be missing) and
-        one or more of ``ux``, ``uy`` (mm), ``rotz`` (rad), as in ``path.csv``.
+        Columns ``force`` (N) and ``deflection`` (mm), both in the direction of the scene's load and in any
+        order; or ``time`` (share of the scene's load) and one or more of ``ux``, ``uy`` (mm), ``rotz``
+        (rad), as in ``path.csv``. See `coilspring.measured`.
     parameters : sequence of str
         penalty, exponent, E, G, the dimensions, and with the paper's law the factors axial, shearing,
         bending; names as in `equivbeam.sensitivities`. Of those that stand for each other the first is
@@ -102,28 +105,26 @@ def calibrate(
     InputError : a curve or a name that cannot be used, in one sentence.
     EquilibriumNotFound : the scene as given does not reach the curve's end.
     """
-    names = tuple(parameters)
+    scene, names = require_scene(scene), tuple(parameters)
+    if "factors" in options:
+        scene = replace(scene, factors=Factors.of(options.pop("factors")))
     if isinstance(parameters, str) or not names or len(set(names)) < len(names):
         raise InputError(f"parameters must be a list of different names, got {shown(parameters)}")
-    start = values(require_scene(scene), options, names)
-    fit = CurveFit(scene, names, start, read_curve(curve), options)
+    law, factor = options.get("law", "haringx"), next((name for name in names if name in FACTORS), None)
+    if factor and law != "haringx":
+        raise InputError(f"{factor} can be fitted with the law haringx alone, got {shown(law)}")
+    start = values(scene, names)
+    fit = CurveFit(names, start, read_curve(curve, scene), options)
     shares = np.ones(len(names))
     before = fit.residuals(shares)
     if fit.path is None:
-        solve(fit.scene, **options)  # raises what was found
-    fitted = np.arange(len(names))
-    while True:
-        shares = fit.best(fitted)
-        J = fit.rates(shares)
-        known = fitted[_independent(J[:, fitted])]
-        if known.size == fitted.size:
-            break
-        fitted = known  # once more, with what the curve does not determine at its start
+        _refuse(fit.scene, options)
+    shares, J, fitted, doubtful = _fitted(fit)
     after = fit.residuals(shares)
     assert fit.path is not None  # the best point is one that was reached
-    undetermined = _undetermined(J, fitted)
+    undetermined = _undetermined(J, fitted, doubtful)
     return Calibration(
-        scene=fit.path.scene,
+        scene=varied(scene, names, start * shares),
         names=names,
         values=start * shares,
         errors=start * _errors(J, fitted, undetermined, after),
@@ -137,6 +138,37 @@ def calibrate(
     )
 
 
+def _refuse(scene: Scene, options: dict[str, Any]) -> None:
+    """Raise why a scene does not reach the end of the curve, as given."""
+    try:
+        solve(scene, **options)
+    except EquilibriumNotFound as found:
+        message = f"the scene as given does not reach the end of the curve: {found.message}"
+        raise EquilibriumNotFound(replace(found.path, message=message)) from None
+
+
+def _fitted(fit: CurveFit) -> tuple[np.ndarray, np.ndarray, np.ndarray, list[int]]:
+    """Shares of the best fit, its derivatives, which were fitted, and which were left for their scatter.
+
+    Parameters that the curve does not determine stay at their start, and the others are fitted once more.
+    """
+    fitted = np.arange(len(fit.names))
+    doubtful: list[int] = []
+    while True:
+        shares = fit.best(fitted)
+        J = fit.rates(shares)
+        known = fitted[_independent(J[:, fitted])]
+        if known.size == fitted.size:
+            nothing = np.zeros(len(shares), dtype=bool)
+            scatter = (_errors(J, fitted, nothing, fit.residuals(shares)) / shares)[fitted]
+            if not (scatter > SCATTER).any():
+                return shares, J, fitted, doubtful
+            worst = int(np.nanargmax(scatter))
+            doubtful.append(int(fitted[worst]))
+            known = np.delete(fitted, worst)
+        fitted = known
+
+
 def _independent(J: np.ndarray) -> list[int]:
     """Columns, from the first on, that add to the rank; J are residuals over peaks by shares."""
     kept: list[int] = []
@@ -147,15 +179,16 @@ def _independent(J: np.ndarray) -> list[int]:
     return kept
 
 
-def _undetermined(J: np.ndarray, fitted: np.ndarray) -> np.ndarray:
-    """Whether each parameter has a part in the null space, shape (parameters,).
+def _undetermined(J: np.ndarray, fitted: np.ndarray, doubtful: list[int]) -> np.ndarray:
+    """Whether each parameter has a part in the null space, or is `doubtful`, shape (parameters,).
 
     A parameter that was not fitted is undetermined together with those whose change makes up for its own.
     """
     lost = np.ones(J.shape[1], dtype=bool)
-    lost[fitted] = False
+    lost[[*fitted, *doubtful]] = False
     instead = np.linalg.lstsq(J[:, fitted], J[:, lost], rcond=None)[0]
     lost[fitted] = (np.abs(instead) > TRADED).any(axis=1)
+    lost[doubtful] = True
     return lost
 
 

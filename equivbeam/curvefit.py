@@ -9,7 +9,6 @@ import numpy as np
 
 from coilspring.errors import EquilibriumNotFound, InputError
 from coilspring.path import EquilibriumPath
-from coilspring.scene import Scene
 from equivbeam.loadcurve import LoadCurve
 from equivbeam.parameters import varied
 from equivbeam.sensitivity import sensitivities
@@ -30,13 +29,12 @@ class CurveFit:
 
     def __init__(
         self,
-        scene: Scene,
         names: tuple[str, ...],
         start: np.ndarray,
         curve: LoadCurve,
         options: Mapping[str, Any],
     ) -> None:
-        self.scene, self.names, self.start = scene.with_steps(curve.steps), names, start
+        self.scene, self.names, self.start = curve.scene, names, start
         self.curve, self.options = curve, options
         self.lowest = np.array([1.0 if name == "exponent" else 0.0 for name in names])  # of the values
         self.path: EquilibriumPath | None = None
@@ -72,7 +70,7 @@ class CurveFit:
         self._follow(shares)
         if self.path is None:
             return np.full(self.curve.shares.size, LOST)
-        return self.curve.deviations(self.path.tips)
+        return self.curve.deviations(self.path)
 
     def rates(self, shares: np.ndarray) -> np.ndarray:
         """Derivatives of the residuals, shape (residuals, parameters)."""
@@ -80,8 +78,8 @@ class CurveFit:
         curve = self.curve
         if self.path is None:
             return np.zeros((curve.shares.size, len(self.names)))
-        found = sensitivities(self.path, self.names).tips[curve.rows] * self.start[:, None]
-        return (found[:, :, curve.columns] / curve.peaks).transpose(0, 2, 1).reshape(-1, len(self.names))
+        found = sensitivities(self.path, self.names).tips * self.start[:, None]
+        return np.stack([curve.along(self.path, rates).ravel() for rates in found.swapaxes(0, 1)], axis=1)
 
     def _follow(self, shares: np.ndarray) -> None:
         if self._at is not None and np.array_equal(self._at, shares):
@@ -89,8 +87,7 @@ class CurveFit:
         self._at, self.path = shares.copy(), None
         self.evaluations += 1
         new = np.maximum(self.start * shares, self.lowest)
-        scene, options = varied(self.scene, self.options, self.names, new)
         try:
-            self.path = solve(scene, **options)
+            self.path = solve(varied(self.scene, self.names, new), **self.options)
         except (EquilibriumNotFound, InputError):
             return

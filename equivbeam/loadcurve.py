@@ -2,83 +2,88 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from coilspring.errors import InputError, shown
+from coilspring.errors import InputError
+from coilspring.measured import measured, table_of
 from coilspring.path import EquilibriumPath
+from coilspring.scene import Load, Scene
 
 if TYPE_CHECKING:
     import pandas as pd
 
 COLUMNS = ("ux", "uy", "rotz")
+FINE = 200  # steps between which a path is interpolated where a curve has no equal steps
+MOST = 1000  # equal steps of a curve
 
 
 class LoadCurve(NamedTuple):
-    """Displacements of the top at some of the equal steps of time."""
+    """Displacements of the top, or what is along a direction of them, at times of a load."""
 
-    columns: list[int]  # which of `COLUMNS` there are
-    steps: int  # equal steps of time
-    rows: np.ndarray  # (points,) of the steps, from 0, that the curve has
+    scene: Scene  # whose load they are of, with the steps that a path needs
+    directions: np.ndarray  # (columns, 3) in UX, UY and ROTZ
+    times: np.ndarray  # (points,) in any order
     peaks: np.ndarray  # (columns,) largest displacement of each column, mm or rad
     shares: np.ndarray  # (points, columns) displacements over their peaks
 
-    def deviations(self, tips: np.ndarray) -> np.ndarray:
-        """Differences of a path's tips, (steps, 3), from the curve, over the peaks, flat."""
-        return (tips[self.rows][:, self.columns] / self.peaks - self.shares).ravel()
+    def deviations(self, path: EquilibriumPath) -> np.ndarray:
+        """Differences of a path from the curve, over the peaks, flat."""
+        return (self.along(path, path.tips) - self.shares).ravel()
+
+    def along(self, path: EquilibriumPath, tips: np.ndarray) -> np.ndarray:
+        """UX, UY and ROTZ at a path's steps, (steps, 3), as the curve has them, (points, columns)."""
+        times = np.append(0.0, path.times)
+        values = tips @ self.directions.T / self.peaks
+        return np.stack([np.interp(self.times, times, np.append(0.0, column)) for column in values.T], axis=1)
 
 
-def read_curve(curve: EquilibriumPath | pd.DataFrame | str | Path) -> LoadCurve:
-    """The curve of a path, a table or a CSV file.
+def read_curve(curve: EquilibriumPath | pd.DataFrame | str | Path, scene: Scene) -> LoadCurve:
+    """The curve of a path, a table or a CSV file, of a spring loaded as in a scene.
 
     Raises
     ------
     InputError : what is no load curve, in one sentence.
     """
-    table = _table(curve)
-    names = [name for name in COLUMNS if name in table]
-    steps, rows = _grid(table["time"])
-    values = np.stack([table[name] for name in names], axis=1)
-    peaks = np.abs(values).max(axis=0)
-    return LoadCurve([COLUMNS.index(name) for name in names], steps, rows, peaks, values / peaks)
-
-
-def _grid(time: np.ndarray) -> tuple[int, np.ndarray]:
-    """Number of equal steps whose times include those given, and their rows."""
-    for steps in (round(1.0 / np.diff(np.concatenate(([0.0], time))).min()), 1000, 10_000):
-        rows = np.rint(time * steps).astype(int) - 1
-        if np.allclose((rows + 1) / steps, time, atol=1e-9) and (rows >= 0).all():
-            return steps, rows
-    raise InputError("curve must have times that are equal steps of 0..1, some of which may be missing")
-
-
-def _table(curve: EquilibriumPath | pd.DataFrame | str | Path) -> dict[str, np.ndarray]:
-    """Columns of the curve, checked."""
-    import pandas as pd
-
     if isinstance(curve, EquilibriumPath):
         curve = curve.table
-    elif not isinstance(curve, pd.DataFrame):
-        try:
-            curve = pd.read_csv(curve)
-        except (OSError, ValueError) as error:
-            raise InputError(
-                f"curve must be a readable CSV file, got {shown(str(curve))} ({error})"
-            ) from None
-    names = [name for name in ("time", *COLUMNS) if name in curve]
-    if names[:1] != ["time"] or len(names) < 2 or not len(curve):
+    table = table_of(curve)
+    if "force" in table or scene.load.displacement:
+        found = measured(table, scene)
+        peak, (x, y) = float(found.force.max()), scene.direction
+        loaded = replace(scene, load=Load((x * peak, y * peak)))
+        times, columns, directions = found.force / peak, [found.deflection], np.array([[x, y, 0.0]])
+    else:
+        names = _moving(table)
+        loaded, times, columns = scene, table["time"], [table[name] for name in names]
+        directions = np.eye(3)[[COLUMNS.index(name) for name in names]]
+    values = np.stack(columns, axis=1)
+    peaks = np.abs(values).max(axis=0)
+    return LoadCurve(loaded.with_steps(_steps(times)), directions, times, peaks, values / peaks)
+
+
+def _steps(times: np.ndarray) -> int:
+    """Number of equal steps that include the times, or enough of them to interpolate."""
+    steps = round(1.0 / np.diff(np.unique(np.append(0.0, times))).min())
+    exact = np.allclose(np.rint(times * steps), times * steps, rtol=0.0, atol=1e-9 * steps)
+    return steps if steps <= MOST and exact else FINE
+
+
+def _moving(table: dict[str, np.ndarray]) -> list[str]:
+    """Columns of displacements that are not zero throughout, at times that can be."""
+    names = [name for name in COLUMNS if name in table]
+    if "time" not in table or not names:
         raise InputError(
-            f"curve must have a column time and one or more of {', '.join(COLUMNS)}, "
-            f"got {', '.join(map(str, curve))}"
+            f"curve must have columns force and deflection, or time and one or more of {', '.join(COLUMNS)}, "
+            f"got {', '.join(table) or 'none of them'}"
         )
-    table = {name: curve[name].to_numpy(dtype=float) for name in names}
-    columns = np.array(list(table.values()))
     time = table["time"]
-    if not np.isfinite(columns).all() or (np.diff(time) <= 0.0).any() or time[0] <= 0.0 or time[-1] > 1.0:
-        raise InputError("curve must hold finite numbers, with times that rise from above 0 to 1 at most")
-    moving = {name: values for name, values in table.items() if name == "time" or np.abs(values).max() > 0.0}
-    if len(moving) < 2:
+    if not time.size or time.min() <= 0.0 or time.max() > 1.0:
+        raise InputError("curve must have times above 0 and up to 1")
+    moving = [name for name in names if np.abs(table[name]).max() > 0.0]
+    if not moving:
         raise InputError("curve must have a column that is not zero throughout")
     return moving

@@ -67,7 +67,7 @@ def build_model(scene: Scene, options: BeamOptions | None = None) -> BeamModel:
     kc = contact.stiffness * 4.0 / PAIRS_PER_TURN
     return BeamModel(
         law=LAWS[chosen.law] if isinstance(chosen.law, str) else USER,
-        rows=law_rows(chosen.law, spring, scene.material, chosen.refinements or ALL, chosen.factors),
+        rows=law_rows(chosen.law, spring, scene.material, chosen.refinements or ALL, scene.factors),
         fixed=np.array(fixed, dtype=float),
         attached=attached,
         offset=offset,

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import asdict, dataclass, fields
 from typing import Any
 
-from coilspring.errors import InputError, require_choice, require_number, shown
+from coilspring.errors import InputError, require_choice, shown
 from equivbeam.laws import law_of
 from equivbeam.laws.helixrows import Refinements
 from equivbeam.laws.userlaw import UserLaw
@@ -15,7 +15,6 @@ EXACT, PAPER, PRINTED = 0, 1, 2
 TANGENTS = {"exact": EXACT, "paper": PAPER, "paper-printed": PRINTED}
 SLIDING = ("ignore", "scene")
 ALL = Refinements()
-ONES = (1.0, 1.0, 1.0)
 
 
 @dataclass(frozen=True)
@@ -31,19 +30,12 @@ class BeamOptions:
     tangent: str = "exact"
     sliding: str = "ignore"
     refinements: Refinements | None = None
-    factors: tuple[float, float, float] = ONES
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "law", law_of(self.law))
-        law, tangent, factors, refinements = str(self.law), self.tangent, self.factors, self.refinements
+        law, tangent, refinements = str(self.law), self.tangent, self.refinements
         require_choice("tangent", tangent, tuple(TANGENTS))
         require_choice("sliding", self.sliding, SLIDING)
-        if not isinstance(factors, list | tuple) or len(factors) != 3:
-            raise InputError(f"factors must be three numbers, got {shown(factors)}")
-        for factor in factors:
-            require_number("factors", factor, 1e-3, 1e3)
-        if law != "haringx" and tuple(factors) != ONES:
-            raise InputError(f"factors must be 1 unless the law is haringx, got {factors!r} with {law!r}")
         if law != "haringx" and tangent != "exact":
             raise InputError(f"tangent must be exact with law {law}, got {tangent!r}")
         if refinements is not None and not isinstance(refinements, Refinements):
@@ -60,10 +52,8 @@ class BeamOptions:
         return cls(**given)
 
     def stored(self) -> dict[str, object]:
-        """The options as a path keeps them: numbers, texts and tables; the last two where they are given."""
+        """The options as a path keeps them: texts, and a table where it is given."""
         options: dict[str, object] = {"law": str(self.law), "tangent": self.tangent, "sliding": self.sliding}
         if self.refinements is not None:
             options["refinements"] = asdict(self.refinements)
-        if tuple(self.factors) != ONES:
-            options["factors"] = tuple(self.factors)
         return options

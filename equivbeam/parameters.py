@@ -12,8 +12,6 @@ from coilspring.errors import require_choice
 from coilspring.scene import Scene
 from coilspring.scene.material import Material
 
-Options = Mapping[str, Any]
-
 
 @dataclass(frozen=True)
 class Parameter:
@@ -27,24 +25,42 @@ class Parameter:
     rise: Callable[[Scene], float] = lambda scene: 0.0
 
 
-FACTORS = ("axial", "shearing", "bending")  # of the paper's stiffnesses, an option of `equivbeam.solve`
+FACTORS = ("axial", "shearing", "bending")  # of the paper's stiffnesses
 
 
 def _spring(scene: Scene, **changes: Any) -> Scene:
     return replace(scene, spring=replace(scene.spring, **changes))
 
 
+def _widened(scene: Scene, mean: float) -> Scene:
+    """The scene with a spring of another mean coil diameter."""
+    bottom, top = scene.spring.mean_diameter
+    share = 2.0 * mean / (bottom + top)
+    return _spring(scene, mean_diameter=(share * bottom, share * top))
+
+
 def _contact(scene: Scene, **changes: Any) -> Scene:
     return replace(scene, contact=replace(scene.contact, **changes))
 
 
+def _factor(name: str) -> Parameter:
+    """One of the scene's factors."""
+    return Parameter(
+        lambda scene: getattr(scene.factors, name),
+        lambda scene, value: replace(scene, factors=replace(scene.factors, **{name: value})),
+    )
+
+
 def _material(scene: Scene, E: float, G: float) -> Scene:
-    return replace(scene, material=Material.from_moduli(E, G))
+    return replace(scene, material=Material.from_moduli(E, G, scene.material.density))
 
 
 PARAMETERS: Mapping[str, Parameter] = {
     "wire_diameter": Parameter(
         lambda scene: scene.spring.wire_diameter, lambda scene, value: _spring(scene, wire_diameter=value)
+    ),
+    "mean_diameter": Parameter(  # both ends by the same factor
+        lambda scene: 0.5 * sum(scene.spring.mean_diameter), lambda scene, value: _widened(scene, value)
     ),
     "bottom_diameter": Parameter(
         lambda scene: scene.spring.mean_diameter[0],
@@ -71,38 +87,31 @@ PARAMETERS: Mapping[str, Parameter] = {
     "exponent": Parameter(
         lambda scene: scene.contact.exponent, lambda scene, value: _contact(scene, exponent=value)
     ),
+    **{name: _factor(name) for name in FACTORS},
 }
 
+NAMES = tuple(PARAMETERS)
 
-NAMES = (*PARAMETERS, *FACTORS)
 
-
-def values(scene: Scene, options: Options, names: tuple[str, ...]) -> np.ndarray:
+def values(scene: Scene, names: tuple[str, ...]) -> np.ndarray:
     """Values of the parameters named.
 
     Raises
     ------
     InputError : a name that is none of `NAMES`.
     """
-    factors = dict(zip(FACTORS, options.get("factors", (1.0, 1.0, 1.0)), strict=True))
     for name in names:
         require_choice("parameters", name, NAMES)
-    return np.array([factors[name] if name in factors else PARAMETERS[name].read(scene) for name in names])
+    return np.array([PARAMETERS[name].read(scene) for name in names])
 
 
-def varied(scene: Scene, options: Options, names: tuple[str, ...], new: np.ndarray) -> tuple[Scene, Options]:
-    """The scene and the options with other values of the parameters named."""
-    factors = dict(zip(FACTORS, options.get("factors", (1.0, 1.0, 1.0)), strict=True))
+def varied(scene: Scene, names: tuple[str, ...], new: np.ndarray) -> Scene:
+    """The scene with other values of the parameters named."""
     for name, value in zip(names, new.tolist(), strict=True):
-        if name in factors:
-            factors[name] = value
-        else:
-            scene = PARAMETERS[name].write(scene, value)
-    if any(name in FACTORS for name in names):
-        options = {**options, "factors": tuple(factors.values())}
-    return scene, options
+        scene = PARAMETERS[name].write(scene, value)
+    return scene
 
 
 def rise(scene: Scene, name: str) -> float:
     """Change of the height at rest with a parameter."""
-    return PARAMETERS[name].rise(scene) if name in PARAMETERS else 0.0
+    return PARAMETERS[name].rise(scene)

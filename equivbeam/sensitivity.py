@@ -15,7 +15,7 @@ from coilspring.scene import Scene
 from equivbeam import band, kernels
 from equivbeam.model import build_model, matrix_size
 from equivbeam.options import BeamOptions
-from equivbeam.parameters import Options, rise, values, varied
+from equivbeam.parameters import rise, values, varied
 from equivbeam.shape import BeamShape
 
 STEP = 6e-6  # relative, for central differences of the residual: the cube root of the rounding
@@ -70,7 +70,7 @@ def sensitivities(path: EquilibriumPath, parameters: Sequence[str]) -> Sensitivi
         raise InputError("sensitivities needs a path without friction, got sliding = 'scene'")
     if path.scene.load.displacement:
         raise InputError("sensitivities needs a path under forces, got one of load.displacement")
-    at = values(path.scene, path.options, names)
+    at = values(path.scene, names)
     tips = np.empty((len(path.times), len(names), 3))
     factored = [_factored(shape, state) for state in path.states]
     for i, name in enumerate(names):
@@ -99,7 +99,7 @@ def _residual_rates(path: EquilibriumPath, name: tuple[str, ...], value: float) 
     h = STEP * value
 
     def at(steps: float) -> np.ndarray:
-        return _residuals(path, *varied(path.scene, path.options, name, np.array([value + steps * h])))
+        return _residuals(path, varied(path.scene, name, np.array([value + steps * h])))
 
     try:
         return (at(1.0) - at(-1.0)) / (2.0 * h)
@@ -107,9 +107,9 @@ def _residual_rates(path: EquilibriumPath, name: tuple[str, ...], value: float) 
         return (4.0 * at(1.0) - 3.0 * at(0.0) - at(2.0)) / (2.0 * h)
 
 
-def _residuals(path: EquilibriumPath, scene: Scene, options: Options) -> np.ndarray:
+def _residuals(path: EquilibriumPath, scene: Scene) -> np.ndarray:
     """Gradients of the energy of another scene at the states of the path, shape (steps, n)."""
-    chosen = BeamOptions.of(options)
+    chosen = BeamOptions.of(path.options)
     data = build_model(scene, chosen)
     assemble = kernels.assemble_of(chosen.law, data.rows)
     reals, ints = pack(data)

@@ -11,9 +11,9 @@ import numpy as np
 from coilspring.compiling.packing import pack
 from coilspring.contact.results import PairReader
 from coilspring.scene import Scene
-from coilspring.solver.stages import reactions
-from equivbeam import kernels
-from equivbeam.model import BeamModel, rest_state
+from coilspring.solver.stages import rates, reactions
+from equivbeam import band, kernels
+from equivbeam.model import BeamModel, matrix_size, rest_state
 
 
 def element_measures(states: np.ndarray) -> np.ndarray:
@@ -65,6 +65,17 @@ class BeamShape(PairReader):
         """Force that holds the top along Y, shape (states,), N."""
         size = states.shape[1] - 3
         return reactions(self.assemble, self.data, size, size - 2, states, histories)
+
+    def rates(self, states: np.ndarray, histories: np.ndarray | None, directions: np.ndarray) -> np.ndarray:
+        """Tangent stiffness of the top along directions (states, 2), shape (states,), N/mm."""
+        compiled, size = (self.assemble, band.factor, band.solve), states.shape[1] - 3
+        sizes = size, matrix_size(self.data)
+        return rates(
+            compiled, self.data, sizes, size - 3, states, self.histories(histories, states), directions
+        )
+
+    def largest_stresses(self, states: np.ndarray) -> None:
+        """Nothing: the beam has no wire."""
 
     def overlaps(self, states: np.ndarray) -> np.ndarray:
         """By how much circles overlap, shape (states,), mm; see `equivbeam.contact.circle_overlap`."""

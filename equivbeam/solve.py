@@ -9,13 +9,13 @@ from typing import Any
 
 from coilspring.errors import InputError
 from coilspring.path import EquilibriumPath
-from coilspring.scene import Scene, require_scene
+from coilspring.scene import Factors, Scene, require_scene
 from coilspring.solver.interface import Kernels
 from coilspring.solver.solve import MOST_ITERATIONS, follow_load, scene_path
 from equivbeam import band, kernels, model
 from equivbeam.laws.helixrows import Refinements
 from equivbeam.limits import caution, judged
-from equivbeam.options import ONES, BeamOptions
+from equivbeam.options import BeamOptions
 from equivbeam.shape import BeamShape
 
 # The paper's matrices are not the tangent: they converge linearly, the printed one by hundreds of steps.
@@ -44,7 +44,7 @@ def solve(
     tangent: str = "exact",
     sliding: str = "ignore",
     refinements: Refinements | None = None,
-    factors: tuple[float, float, float] = ONES,
+    factors: tuple[float, float, float] | None = None,
 ) -> EquilibriumPath:
     """Follow the load path of `scene` with the 2D equivalent beam.
 
@@ -69,8 +69,9 @@ def solve(
         frictionless.
     refinements : Refinements, optional
         What the helix law has beyond the paper's; by default all of it.
-    factors : tuple of float
-        Of the paper's axial, shearing and bending stiffness, as `equivbeam.calibrate` finds them.
+    factors : tuple of float, optional
+        Of the paper's axial, shearing and bending stiffness, as `equivbeam.calibrate` finds them; by
+        default the scene's.
 
     Returns
     -------
@@ -81,8 +82,10 @@ def solve(
     InputError : bad input, in one sentence.
     EquilibriumNotFound : the path ends before time 1; carries what was reached.
     """
-    options = BeamOptions(law, tangent, sliding, refinements, factors)
+    options = BeamOptions(law, tangent, sliding, refinements)
     scene = require_scene(scene).overridden(steps, penalty)
+    if factors is not None:
+        scene = replace(scene, factors=Factors.of(factors))
     data = model.build_model(scene, options)
     exact = tangent == "exact"
     limit = MOST_ITERATIONS if exact else MOST_PAPER_ITERATIONS

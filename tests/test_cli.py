@@ -26,7 +26,7 @@ from validation.study.machine import versions
 from validation.study.output import OutputError, claimed, path_files, write_files, write_json, write_text
 from validation.view.overlay import picture
 
-COLUMNS = "time,load_x,load_y,ux,uy,rotz,iterations,active_contacts,max_penetration,max_overlap"
+COLUMNS = "time,load_x,load_y,ux,uy,rotz,rate,iterations,active_contacts,max_penetration,max_overlap"
 SUMMARY_KEYS = {
     *("outcome", "message", "last_time", "critical_time", "total_iterations", "solve_seconds"),
     *("compile_seconds", "model", "options", "versions", "scene", "warnings"),
@@ -236,7 +236,7 @@ def test_compare_with_nothing_in_common_says_null(tmp_path, capsys):
     assert output.err.count("\n") == 1
     found = read_json(tmp_path / "compare.json")
     assert {found[key] for key in ("curve_max", "curve_rms", "shape_max", "shape_rms")} == {None}
-    assert (tmp_path / "wirefe" / "path.csv").read_text() == COLUMNS + "\n"
+    assert (tmp_path / "wirefe" / "path.csv").read_text() == COLUMNS + ",max_stress\n"
 
 
 @pytest.mark.parametrize(

@@ -9,7 +9,17 @@ import pytest
 
 import equivbeam
 import wirefe
-from coilspring import CATALOGUE, CoilSection, Contact, InputError, Load, Material, Spring, load_scene
+from coilspring import (
+    CATALOGUE,
+    CoilSection,
+    Contact,
+    InputError,
+    Load,
+    Material,
+    Spring,
+    load_scene,
+    spring_b,
+)
 from coilspring.scene.schema import required
 from coilspring.scene.toml import SECTIONS, scene_from_text
 from validation.cli import main
@@ -314,13 +324,13 @@ REFUSED_VALUES = [
     ({"spring.wire_diamter": "1.5"}, "'wire_diamter'", "did you mean wire_diameter?", "[spring]"),
     (
         {"spring.outer_diameter": "1.5"},
-        "did you mean mean_diameter,",
-        "outer diameter minus wire",
-        "[spring]",
+        "[spring] takes one of mean_diameter, outer_diameter, inner_diameter, sections",
+        "got mean_diameter and outer_diameter",
+        "",
     ),
-    ({"spring.inside_diam": "1.5"}, "did you mean mean_diameter,", "inner diameter plus wire", "[spring]"),
-    ({"spring.od": "1.5"}, "did you mean mean_diameter,", "outer diameter minus wire", "[spring]"),
-    ({"spring.id": "1.5"}, "did you mean mean_diameter,", "inner diameter plus wire", "[spring]"),
+    ({"spring.inside_diam": "1.5"}, "did you mean mean_diameter,", "or inner_diameter", "[spring]"),
+    ({"spring.od": "1.5"}, "did you mean mean_diameter,", "or outer_diameter", "[spring]"),
+    ({"spring.id": "1.5"}, "did you mean mean_diameter,", "or inner_diameter", "[spring]"),
     ({"spring.wire": "1.5"}, "did you mean wire_diameter? allowed", "", "[spring]"),
     ({"spring.pitch": "1.5"}, "did you mean active_height, the pitch times active_coils", "", "[spring]"),
     ({"spring.coil_diameter": "1.5"}, "did you mean mean_diameter? allowed", "", "[spring]"),
@@ -499,3 +509,39 @@ def test_what_is_no_scene_is_refused_in_one_sentence(function, value):
     with pytest.raises(InputError, match="must be an? .*(Scene|Path).* got " + repr(value)) as caught:
         NAMED[function](value)
     assert "load_scene" in str(caught.value) or function == "sensitivities"
+
+
+@pytest.mark.parametrize(("name", "wires"), [("outer_diameter", 1.0), ("inner_diameter", -1.0)])
+def test_outer_or_inner_diameter_takes_the_place_of_the_mean_one(name, wires):
+    mean = spring_b().spring.mean_diameter
+    other = [value + wires * 1.5 for value in mean]
+    text = scene_text({f"spring.{name}": repr(other)}, without=("spring.mean_diameter",))
+    assert scene_from_text(text).spring == spring_b().spring
+    one = Spring.of_diameter(1.5, **{name: 12.0 + wires * 1.5}, active_coils=7.5, active_height=28.6)
+    assert one.mean_diameter == (12.0, 12.0)
+
+
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [
+        (
+            {"spring.outer_diameter": "9.0", "spring.inner_diameter": "6.0"},
+            "got outer_diameter and inner_diameter",
+        ),
+        ({"spring.outer_diameter": "4.4"}, "spring.outer_diameter must be"),
+        ({"spring.inner_diameter": "[3.0, 1.4]"}, "spring.inner_diameter must be"),
+        ({"spring.outer_diameter": '"9"'}, "spring.outer_diameter must be"),
+    ],
+)
+def test_bad_diameters(changes, words):
+    with pytest.raises(InputError, match=words):
+        scene_from_text(scene_text(changes, without=("spring.mean_diameter",)))
+
+
+def test_a_spring_of_no_or_several_diameters():
+    for given, words in (
+        ({}, "got none"),
+        ({"outer_diameter": 9.0, "mean_diameter": 8.0}, "must have one of mean_diameter"),
+    ):
+        with pytest.raises(InputError, match=words):
+            Spring.of_diameter(1.5, **given, active_coils=7.5, active_height=28.6)

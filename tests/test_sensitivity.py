@@ -30,11 +30,11 @@ def test_against_differences_of_solutions(case):
     path = equivbeam.solve(scene, **options)
     found = equivbeam.sensitivities(path, names)
     assert found.tips.shape == (4, len(names), 3)
-    for i, (name, value) in enumerate(zip(names, values(scene, options, names), strict=True)):
+    for i, (name, value) in enumerate(zip(names, values(scene, names), strict=True)):
         tips = []
         for way in (-2.0, -1.0, 1.0, 2.0):
-            new, chosen = varied(scene, options, (name,), np.array([value * (1.0 + 2e-5 * way)]))
-            tips.append(equivbeam.solve(new, **chosen).tips[-1])
+            new = varied(scene, (name,), np.array([value * (1.0 + 2e-5 * way)]))
+            tips.append(equivbeam.solve(new, **options).tips[-1])
         a, b, c, d = tips
         slope = (8.0 * (c - b) - (d - a)) / (12.0 * 2e-5 * value)  # of fourth order
         scale = np.abs(slope * value).max() + 1e-3 * np.abs(path.tips[-1]).max()
@@ -94,7 +94,7 @@ def test_calibration_names_what_a_curve_does_not_determine(case, noise):
     lost = np.array([name in undetermined for name in names])
     np.testing.assert_array_equal(np.isnan(found.errors), lost)
     at_start = np.array([name in fixed for name in names])
-    np.testing.assert_array_equal(found.values == values(AXIAL, {}, tuple(names)), at_start)
+    np.testing.assert_array_equal(found.values == values(AXIAL, tuple(names)), at_start)
     if rank:
         assert found.rms_after < noise + 1e-12 < found.rms_before
     text = str(found)

@@ -3,18 +3,23 @@
 from wirefe.rod import Rod, curved_rod, straight_rod
 from wirefe.rodpath import RodPath
 from wirefe.solve import path_shape, solve, solve_rod
+from wirefe.stress import WireStress, stress
 from wirefe.sweep import Outcome, sweep
 from wirefe.tracing import trace, trace_rod
+from wirefe.vibration import frequencies
 
 __all__ = [
     "Outcome",
     "Rod",
     "RodPath",
+    "WireStress",
     "curved_rod",
+    "frequencies",
     "path_shape",
     "solve",
     "solve_rod",
     "straight_rod",
+    "stress",
     "sweep",
     "trace",
     "trace_rod",

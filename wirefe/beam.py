@@ -118,6 +118,15 @@ def beams(state, arm, triads, e0, K, g, H):
     return energy
 
 
+@kernel
+def end_forces(state, arm, triads, e0, K, g):
+    """Fill the gradients g (n, 12) of all elements: what acts on their ends; see `beams`."""
+    for n in range(len(triads)):
+        M, th, u, q, f = _strain(state, n, triads, arm)
+        _, _, N, _, Pm, C, X = _forces(q, f, th, u, e0[n], K[n])
+        _gradient(M, N, C, Pm, X, f[3], g[n])
+
+
 @arithmetic
 def _forces(q, f, th, u, e0, K):
     """Energy of one element; s = K e in v, and the forces conjugate to the variations.

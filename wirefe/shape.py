@@ -11,10 +11,10 @@ from coilspring.contact.law import tangential_forces
 from coilspring.contact.results import PairReader
 from coilspring.path import Friction
 from coilspring.scene import Scene
-from coilspring.solver.stages import reactions
+from coilspring.solver.stages import rates, reactions
 from wirefe import kernels, seated
 from wirefe.mesh import WireMesh
-from wirefe.model import ContactArrays, WireModel
+from wirefe.model import ContactArrays, WireModel, matrix_size
 from wirefe.poses import ROW
 from wirefe.stations import (
     ARMS,
@@ -106,6 +106,21 @@ class WireShape(PairReader):
         """Force that holds the top along Y, shape (states,), N."""
         size, part = 6 * (states.shape[1] // ROW), seated if len(self.data.plates.low) else kernels
         return reactions(part.assemble, self.data, size, size - 5, states, histories)
+
+    def rates(self, states: np.ndarray, histories: np.ndarray | None, directions: np.ndarray) -> np.ndarray:
+        """Tangent stiffness of the top along directions (states, 2), shape (states,), N/mm."""
+        part = seated if len(self.data.plates.low) else kernels
+        compiled, size = (part.assemble, kernels.factor, kernels.solve), 6 * (states.shape[1] // ROW)
+        sizes = size, matrix_size(self.data)
+        return rates(
+            compiled, self.data, sizes, size - 6, states, self.histories(histories, states), directions
+        )
+
+    def largest_stresses(self, states: np.ndarray) -> np.ndarray:
+        """Largest shear stress of the wire, corrected for its curvature, shape (states,), MPa."""
+        from wirefe.stress import stresses  # which reads states through this module
+
+        return stresses(self, states).shear_corrected.max(axis=1)
 
     def overlaps(self, states: np.ndarray) -> np.ndarray:
         """By how much the wire runs into itself, shape (states,), mm; below 0 where free."""

@@ -58,7 +58,8 @@ def solve(
     Parameters
     ----------
     scene : Scene
-        What is modelled; active coils a multiple of 1/elements_per_turn.
+        What is modelled; active coils a multiple of 1/elements_per_turn. Its factors are left out: they
+        belong to the equivalent beam.
     steps : int, optional
         Requested equal steps of time; by default the scene's.
     penalty : float, optional

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from coilspring.contact.law import normal_forces, pair_friction
+from coilspring.contact.law import PAIR_HISTORY, normal_forces, pair_friction
 from coilspring.path import Friction
 
 
@@ -22,6 +22,10 @@ class PairReader(ABC):
     @abstractmethod
     def pair_vectors(self, states: np.ndarray) -> np.ndarray:
         """Vectors between the centres of the pairs, shape (states, pairs, 3), mm."""
+
+    def histories(self, given: np.ndarray | None, states: np.ndarray) -> np.ndarray:
+        """The contact histories given, or of states where none is remembered, shape (states, pairs)."""
+        return np.zeros((len(states), len(self.pair_law.pairs)), PAIR_HISTORY) if given is None else given
 
     def pair_gaps(self, states: np.ndarray) -> np.ndarray:
         """Gap of every pair, negative where it penetrates, shape (states, pairs), mm."""

@@ -10,6 +10,7 @@ from coilspring.errors import InputError, require_number, shown
 from coilspring.scene.schema import keep_checked, key, number
 
 MODULI = (1e-3, 1e9)  # MPa
+DENSITY = (10.0, 1e5)  # kg/m^3
 POISSON = (-0.999, 0.5)
 
 
@@ -17,7 +18,8 @@ POISSON = (-0.999, 0.5)
 class Material:
     """Isotropic material of the wire.
 
-    The paper names no material: the default is an assumption for spring steel.
+    The paper names no material: the default is an assumption for spring steel. The density is for natural
+    frequencies alone.
     """
 
     E: float = field(
@@ -34,6 +36,14 @@ class Material:
         ),
     )
 
+    density: float = field(
+        default=7850.0,
+        kw_only=True,
+        metadata=key(
+            "kg/m^3 (steel: 7850), for natural frequencies [7850.0]", number(*DENSITY), aliases={r"rho": ""}
+        ),
+    )
+
     def __post_init__(self) -> None:
         keep_checked(self, "material")
 
@@ -45,10 +55,12 @@ class Material:
     @classmethod
     def from_keys(cls, keys: Mapping[str, Any]) -> Material:
         """Material of the keys of a scene file: E and nu, or E and G."""
-        return cls.from_moduli(keys.get("E", cls.E), keys["G"]) if "G" in keys else cls(**keys)
+        if "G" not in keys:
+            return cls(**keys)
+        return cls.from_moduli(keys.get("E", cls.E), keys["G"], keys.get("density", cls.density))
 
     @classmethod
-    def from_moduli(cls, E: float, G: float) -> Material:
+    def from_moduli(cls, E: float, G: float, density: float = 7850.0) -> Material:
         """Material given by its two moduli, MPa; their ratio must leave nu within its range."""
         E = require_number("material.E", E, *MODULI)
         G = require_number("material.G", G, *MODULI)
@@ -59,4 +71,5 @@ class Material:
                 f"material.G must be a number in [{low:g}, {high:g}], which E = {E:g} and Poisson's ratio "
                 f"allow, got {shown(G)}"
             )
-        return cls(E, min(max(E / (2.0 * G) - 1.0, least), most))  # rounding may pass the ends
+        nu = min(max(E / (2.0 * G) - 1.0, least), most)  # rounding may pass the ends
+        return cls(E, nu, density=density)

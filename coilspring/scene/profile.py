@@ -24,6 +24,13 @@ DIAMETERS = {  # other diameters of a coil, and what makes the mean one of them
     r"(coil|spring)\w*diam\w*|diameter": "",
 }
 
+OTHER_DIAMETERS = {"outer_diameter": -1.0, "inner_diameter": 1.0}  # wire diameters from there to the mean
+MEANT = {  # the same, of a spring of one kind of coils
+    r"(outside|external)\w*diam\w*|od": ", or outer_diameter in its place",
+    r"(inside|internal)\w*diam\w*|id": ", or inner_diameter in its place",
+    r"(coil|spring)\w*diam\w*|diameter": "",
+}
+
 
 @dataclass(frozen=True)
 class CoilSection:
@@ -111,6 +118,17 @@ def both_ends(field: str, value: object, least: float) -> tuple[float, float]:
         )
     bottom, top = (require_number(field, end, least, LONGEST) for end in pair)
     return bottom, top
+
+
+def mean_of(wire_diameter: float, **given: object) -> tuple[float, float]:
+    """Mean coil diameters of outer or inner ones, of which one is not None, mm; see `OTHER_DIAMETERS`."""
+    names = [name for name, value in given.items() if value is not None]
+    if len(names) != 1:
+        found = " and ".join(names) or "none"
+        raise InputError(f"spring must have one of {' and '.join(OTHER_DIAMETERS)}, got {found}")
+    wires = OTHER_DIAMETERS[names[0]]
+    low, high = both_ends(f"spring.{names[0]}", given[names[0]], (2.0 - wires) * wire_diameter)  # index 2
+    return low + wires * wire_diameter, high + wires * wire_diameter
 
 
 class Profile(NamedTuple):

@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, field, replace
+
+import numpy as np
 
 from coilspring.errors import InputError, shown
 from coilspring.scene.contact import Contact
-from coilspring.scene.load import Load
+from coilspring.scene.factors import Factors
+from coilspring.scene.load import Load, stage_ends
 from coilspring.scene.material import Material
+from coilspring.scene.profile import SAME
 from coilspring.scene.schema import key
 from coilspring.scene.solidwire import FITTED
 from coilspring.scene.spring import Spring
@@ -16,7 +21,7 @@ from coilspring.scene.supports import Supports
 
 @dataclass(frozen=True)
 class Scene:
-    """Spring, material, load, supports and contact law of one experiment."""
+    """What one experiment is made of; the factors are the equivalent beam's alone."""
 
     name: str = field(metadata=key("[the file's name]"))
     spring: Spring
@@ -24,6 +29,7 @@ class Scene:
     material: Material = field(default_factory=Material)
     supports: Supports = field(default_factory=Supports)
     contact: Contact = field(default_factory=Contact)
+    factors: Factors = field(default_factory=Factors)
 
     def __post_init__(self) -> None:
         if not isinstance(self.name, str) or not self.name.strip():
@@ -73,6 +79,24 @@ class Scene:
                 f"along Y below 0, got {max(axial)!r}"
             )
 
+    @property
+    def direction(self) -> tuple[float, float]:
+        """Direction (x, y) of the load where the top can move, of length 1.
+
+        Raises
+        ------
+        InputError : stages load the top in several directions.
+        """
+        if self.load.displacement:
+            return 0.0, math.copysign(1.0, max(self.load.displacement, key=abs))
+        free = [float(name not in self.supports.top_held) for name in ("ux", "uy")]
+        forces = [(x * free[0], y * free[1]) for x, y in self.load.stages or (self.load.force,)]
+        x, y = max(forces, key=lambda force: math.hypot(*force))
+        size = math.hypot(x, y)
+        if any(abs(a * y - b * x) > SAME * size * math.hypot(a, b) for a, b in forces):
+            raise InputError("load.stages must be in one direction where force is taken over deflection")
+        return x / size, y / size
+
     def without_contact(self) -> Scene:
         """The same scene with contact switched off."""
         return replace(self, contact=replace(self.contact, enabled=False))
@@ -94,6 +118,15 @@ class Scene:
         return (
             scene if geometry is None else replace(scene, contact=replace(scene.contact, geometry=geometry))
         )
+
+
+def load_directions(scene: Scene, times: np.ndarray) -> np.ndarray:
+    """Directions in which the load grows on the free top at some times, shape (times, 2), of length 1."""
+    grows = np.diff(stage_ends(scene.load), axis=0)
+    grows *= [float(name not in scene.supports.top_held) for name in ("ux", "uy")]
+    grows /= np.linalg.norm(grows, axis=1)[:, None]
+    stage = np.ceil(np.clip(times, 0.0, 1.0) * len(grows) - 1e-9).astype(int) - 1
+    return grows[np.maximum(stage, 0)]
 
 
 def require_scene(value: object) -> Scene:

@@ -48,8 +48,11 @@ class Sizes:
         the spring, mm, coils that close taken out; of a prescribed displacement the force that goes with it,
         infinite beyond solid.
     stress : largest shear stress in the wire under that force, MPa; coils that have closed give no more.
+    stressed_at : where it is, in turns from the first active point.
     stress_factor : of the wire's curvature, in it.
     inner_factors : the same there by Wahl and by three-dimensional elasticity.
+    surge : lowest natural frequency of the active wire along the axis, both ends held, without load or
+        contact, Hz: 1/2 sqrt(rate / mass), which is d / (2 pi n D^2) sqrt(G / 2 rho) of a flat cylinder.
     buckling : shortening at which the straight spring buckles, mm; None where it does not.
     """
 
@@ -66,8 +69,10 @@ class Sizes:
     force: float
     shortening: float
     stress: float
+    stressed_at: float
     stress_factor: float
     inner_factors: tuple[float, float]
+    surge: float
     buckling: float | None
 
     @property
@@ -125,8 +130,10 @@ def sizes(scene: Scene) -> Sizes:
         force=force,
         shortening=shortening,
         stress=float(stress.max()),
+        stressed_at=float(coils.turns[np.argmax(stress)]),
         stress_factor=float(stress_factor(worst)),
         inner_factors=(wahl_factor(worst), inner_stress_factor(worst)),
+        surge=surge_frequency(scene),
         buckling=buckling_shortening(scene),
     )
 
@@ -140,6 +147,14 @@ def axial_rate(scene: Scene) -> float:
     """Axial rate while no coils touch, N/mm."""
     spring = scene.spring
     return scene.material.G * spring.wire_diameter**4 / 8.0 / sum(map(_cubes, spring.coils))
+
+
+def surge_frequency(scene: Scene) -> float:
+    """Lowest natural frequency of the active wire along the axis, both ends held, Hz; see `Sizes`."""
+    spring = scene.spring
+    length = wire_length(replace(spring, end_turns=0.0))
+    mass = scene.material.density * 1e-12 * math.pi / 4.0 * spring.wire_diameter**2 * length  # t
+    return 0.5 * math.sqrt(axial_rate(scene) / mass)
 
 
 def wire_rate(scene: Scene, wire_rigidity: str) -> float:
@@ -187,6 +202,11 @@ def shortened(coils: Along, rate: float, force: float) -> float:
 def stress_factor(index: Any) -> Any:
     """Bergstraesser's factor of the stress at the inside of a coil of index D/d (EN 13906-1)."""
     return (index + 0.5) / (index - 0.75)
+
+
+def bending_factor(index: Any) -> Any:
+    """Factor of the bending stress at the inside of a coil of index D/d (EN 13906-3)."""
+    return (index + 0.07) / (index - 0.75)
 
 
 def wahl_factor(index: float) -> float:

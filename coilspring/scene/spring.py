@@ -13,8 +13,9 @@ import numpy as np
 from coilspring.errors import InputError, require_number
 from coilspring.scene.profile import (
     ACTIVE_COILS,
-    DIAMETERS,
     LONGEST,
+    MEANT,
+    OTHER_DIAMETERS,
     SAME,
     TWO_PI,
     CoilSection,
@@ -22,6 +23,7 @@ from coilspring.scene.profile import (
     both_ends,
     checked_sections,
     closest,
+    mean_of,
     profile,
     totals,
 )
@@ -68,7 +70,9 @@ class Spring:
     )
     mean_diameter: tuple[float, float] = field(
         metadata=key(
-            "of the coils at bottom and top; or one number", instead=("sections",), aliases=DIAMETERS
+            "of the coils at bottom and top; or one number; or outer_diameter, inner_diameter",
+            instead=(*OTHER_DIAMETERS, "sections"),
+            aliases=MEANT,
         )
     )
     active_coils: float = field(
@@ -130,7 +134,31 @@ class Spring:
     @classmethod
     def from_keys(cls, keys: Mapping[str, Any]) -> Spring:
         """Spring of the keys of a scene file: of one kind of coils, or of sections."""
-        return cls.of_sections(**keys) if "sections" in keys else cls(**keys)
+        if "sections" in keys:
+            return cls.of_sections(**keys)
+        return cls.of_diameter(**keys) if keys.keys() & OTHER_DIAMETERS.keys() else cls(**keys)
+
+    @classmethod
+    def of_diameter(
+        cls,
+        wire_diameter: float,
+        *,
+        outer_diameter: float | tuple[float, float] | None = None,
+        inner_diameter: float | tuple[float, float] | None = None,
+        **others: Any,
+    ) -> Spring:
+        """Spring of the outer or the inner diameter of its coils, mm: at bottom and top, or one number.
+
+        `others` are `active_coils`, `active_height` and what else a spring has but `mean_diameter`.
+
+        Raises
+        ------
+        InputError : a number out of its range, or none or several of the diameters.
+        """
+        if "mean_diameter" in others:
+            raise InputError("spring must have one of mean_diameter, outer_diameter and inner_diameter")
+        d = require_number("spring.wire_diameter", wire_diameter, *WIRE)
+        return cls(d, mean_of(d, outer_diameter=outer_diameter, inner_diameter=inner_diameter), **others)
 
     @classmethod
     def of_sections(cls, wire_diameter: float, sections: Sequence[CoilSection], **others: Any) -> Spring:

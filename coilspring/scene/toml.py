@@ -14,6 +14,7 @@ from typing import Any
 from coilspring.errors import InputError, shown
 from coilspring.scene.catalogue import CATALOGUE
 from coilspring.scene.contact import Contact
+from coilspring.scene.factors import Factors
 from coilspring.scene.load import Load
 from coilspring.scene.material import Material
 from coilspring.scene.scene import Scene
@@ -27,6 +28,7 @@ SECTIONS: dict[str, type] = {  # in the order of a file
     "load": Load,
     "supports": Supports,
     "contact": Contact,
+    "factors": Factors,
 }
 REQUIRED = [section for section in SECTIONS if section in missing(Scene)]
 MOST_BYTES = 1_000_000
@@ -137,7 +139,7 @@ def _refuse_keys(name: str, where: str, record: type, table: Mapping[str, object
     refuse_unknown(where, table, allowed_keys(record), record)
     for key, item in known.items():
         both = [other for other in (key, *item.instead) if other in table]
-        if key in table and len(both) > 1:
+        if len(both) > 1:
             group = ", ".join((key, *item.instead))
             raise InputError(f"{where} takes one of {group}, got {' and '.join(both)}")
     for key in required(record):

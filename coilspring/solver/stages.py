@@ -54,6 +54,40 @@ def stages(scene: Scene, top: Top) -> Iterator[Stage]:
             yield Stage(dead, growing, FREE)
 
 
+def rates(
+    compiled: tuple[Callable, Callable, Callable],
+    data: tuple,
+    sizes: tuple[int, int],
+    x: int,
+    states: np.ndarray,
+    histories: np.ndarray,
+    directions: np.ndarray,
+) -> np.ndarray:
+    """Tangent stiffness of the top along directions in states found with contact histories, (states,), N/mm.
+
+    It is the force over the deflection in that direction, where no other force changes: 1 / (d . H^-1 d).
+
+    Parameters
+    ----------
+    compiled : the model's kernels `assemble`, `factor` and `solve`; no load acts, and nothing is prescribed.
+    data : the model's arrays.
+    sizes : number of its degrees of freedom, and length of its matrix.
+    x : the first of the top's two degrees of freedom x and y.
+    directions : (states, 2) of length 1.
+    """
+    assemble, factor, solve = compiled
+    packed, out, top = pack(data), np.empty(len(states)), slice(x, x + 2)
+    for row, (state, history, direction) in enumerate(zip(states, histories, directions, strict=True)):
+        move, F = map(np.empty, sizes)
+        assemble(*packed, state, 0.0, history, state, move, F)
+        factor(*packed, F)
+        move[:] = 0.0
+        move[top] = direction
+        solve(*packed, F, move)
+        out[row] = 1.0 / (direction @ move[top])
+    return out
+
+
 def reactions(
     assemble: Callable, data: tuple, size: int, dof: int, states: np.ndarray, histories: np.ndarray
 ) -> np.ndarray:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import astuple
 from pathlib import Path
 from typing import Any
 
@@ -9,6 +10,7 @@ import numpy as np
 
 from coilspring.compiling.compiled import part
 from coilspring.errors import InputError, shown
+from coilspring.scene.factors import Factors
 from coilspring.scene.material import Material
 from coilspring.scene.spring import Spring
 from equivbeam.laws.haringx import KAX, KFL, KSH, haringx_response, haringx_rows
@@ -45,15 +47,24 @@ def law_rows(
     spring: Spring,
     material: Material,
     refinements: Refinements,
-    factors: tuple[float, float, float] = (1.0, 1.0, 1.0),
+    factors: Factors | None = None,
 ) -> np.ndarray:
-    """Parameters of every half coil as the law reads them, one row each; the length at rest in column L0."""
+    """Parameters of every half coil as the law reads them, one row each; the length at rest in column L0.
+
+    Raises
+    ------
+    InputError : factors of stiffnesses that another law than the paper's does not have.
+    """
+    if factors is not None and factors.given and law != "haringx":
+        raise InputError(
+            f"factors must be 1 unless the law is haringx, got {astuple(factors)!r} with {str(law)!r}"
+        )
     if isinstance(law, UserLaw):
         return law.rows(spring, material)
     if law == "helix":
         return helix_rows(spring, material, refinements)
     rows = haringx_rows(spring, material)
-    rows[:, [KAX, KSH, KFL]] *= factors
+    rows[:, [KAX, KSH, KFL]] *= (1.0, 1.0, 1.0) if factors is None else astuple(factors)
     return rows
 
 

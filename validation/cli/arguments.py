@@ -16,8 +16,15 @@ MODEL_OPTIONS = {
     "equivbeam": ("law", "tangent", "sliding"),
     "wirefe": ("element", "elements_per_turn", "pairs_per_turn"),
 }
-FILE_OPTIONS = {"equivbeam": (), "wirefe": ("vtu", "vtu_series")}  # what a model can write besides the path
+FILE_OPTIONS = {
+    "equivbeam": (),
+    "wirefe": ("vtu", "vtu_series", "stress", "frequencies"),
+}  # what a model can write besides the path
 LAWS = ("haringx", "helix")  # of a half coil; or a file
+FITTED = (  # by calibrate
+    *("axial", "shearing", "bending", "wire_diameter", "mean_diameter", "bottom_diameter", "top_diameter"),
+    *("pitch", "E", "G", "penalty", "exponent"),
+)
 COMMON_OPTIONS = ("steps", "penalty", "geometry")
 CAMPAIGN_RANGES = {  # of the options of stability
     "beams": (0, 10_000_000),
@@ -61,7 +68,9 @@ def command_line() -> argparse.ArgumentParser:
     )
     parser.add_argument("--version", action=_Version, nargs=0, help="print the version and exit")
     commands = parser.add_subparsers(metavar="COMMAND", dest="command", required=True)
-    for add in (_add_scene_files, _add_reproduce, _add_solutions, _add_studies, _add_programs):
+    for add in (
+        _add_scene_files, _add_reproduce, _add_solutions, _add_calibrate, _add_studies, _add_programs
+    ):  # fmt: skip
         add(commands)
     return parser
 
@@ -123,10 +132,19 @@ def _add_solutions(commands: argparse._SubParsersAction) -> None:
     what = "write wire.pvd too (wirefe), a VTU file for every step, to be seen by coilcheck view or ParaView"
     _add_flag(solve, "--vtu-series", what)
 
+    what = "write stress.csv too (wirefe): stresses along the wire at the last step reached"
+    _add_flag(solve, "--stress", what)
+
+    what = "natural frequencies (wirefe) about the last step reached, both ends held, in summary.json too"
+    solve.add_argument("--frequencies", type=number_of, metavar="N", help=what)
+
     purpose = "one scene by both models: the equivalent beam against the wire model"
     compare = _command(commands, "compare", purpose, "coilcheck compare my-spring.toml --out results")
     _add_scene(compare)
-    _add_flag(compare, "--draw", "write compare.png: both load curves and shapes")
+    what = "write compare.png: both load curves and shapes; and curve.png: force and rate over deflection"
+    _add_flag(compare, "--draw", what)
+    what = "measured curve (columns force, deflection) beside the models, in curve.png"
+    compare.add_argument("--measured", metavar="FILE.csv", help=what)
 
     _add_sweep(commands)
     for command, file in ((solve, "summary.json"), (compare, "compare.json")):
@@ -153,6 +171,18 @@ def _add_sweep(commands: argparse._SubParsersAction) -> None:
     how = "processes; default one for each core, 0 for none besides this one"
     sweep.add_argument("--workers", type=number_of, metavar="N", help=how)
     _add_scene(sweep)
+
+
+def _add_calibrate(commands: argparse._SubParsersAction) -> None:
+    purpose = "the equivalent beam fitted to a measured load curve"
+    example = "coilcheck calibrate my.toml measured.csv --fit axial,wire_diameter"
+    command = _command(commands, "calibrate", purpose, example)
+    command.add_argument("scene", metavar="SCENE", help=SCENE_HELP)
+    what = "CSV file with columns force, deflection (N, mm; along the load), or those of path.csv"
+    command.add_argument("measured", metavar="MEASURED.csv", help=what)
+    what = f"what to fit, of those that stand for each other the first: {', '.join(FITTED)}"
+    command.add_argument("--fit", metavar="NAMES", required=True, help=what)
+    _add_law(command)
 
 
 def _add_studies(commands: argparse._SubParsersAction) -> None:
@@ -246,14 +276,18 @@ def _add_scene(command: argparse.ArgumentParser) -> None:
     """The scene and the options of both models, whose defaults are the models' own."""
     _add_common(command)
     beam = command.add_argument_group("options of equivbeam")
-    what = "law of a half coil: haringx (default), helix or a Python file with one"
-    beam.add_argument("--law", type=_law, metavar="|".join((*LAWS, "FILE.py")), help=what)
+    _add_law(beam)
     beam.add_argument("--tangent", choices=("exact", "paper", "paper-printed"), help="default exact")
     beam.add_argument("--sliding", choices=("ignore", "scene"), help="the scene's sliding; default ignore")
     wire = command.add_argument_group("options of wirefe")
     wire.add_argument("--element", choices=("straight", "curved"), help="beam element; default straight")
     wire.add_argument("--elements-per-turn", type=number_of, metavar="N", help="default 40")
     wire.add_argument("--pairs-per-turn", type=number_of, metavar="N", help="sphere pairs; default 4")
+
+
+def _add_law(command: argparse._ActionsContainer) -> None:
+    what = "law of a half coil: haringx (default), helix or a Python file with one"
+    command.add_argument("--law", type=_law, metavar="|".join((*LAWS, "FILE.py")), help=what)
 
 
 def _add_flag(command: argparse._ActionsContainer, name: str, what: str) -> None:

@@ -10,7 +10,10 @@ from dataclasses import asdict
 from pathlib import Path
 
 from coilspring import CATALOGUE, EquilibriumNotFound, EquilibriumPath, InputError, Scene, load_scene
+from coilspring.errors import require_integer
+from coilspring.measured import Measured, measured
 from coilspring.scene.toml import SECTIONS, scene_text
+from validation.calibration import difference
 from validation.cli import studies
 from validation.cli.arguments import MODEL_OPTIONS, command_line, given, refuse_other_models, scene_of
 from validation.cli.terminal import deviation, digest, notes, progress_shown, say
@@ -19,6 +22,7 @@ from validation.study.metrics import compare_paths
 from validation.study.partialsolve import partial_path
 from validation.study.scenewarnings import warnings
 
+MOST_FREQUENCIES = 100
 COMPLETED, REGRESSED, BAD_INPUT, NOT_COMPLETED, NOT_WRITTEN, INTERRUPTED = 0, 1, 2, 3, 4, 130
 
 
@@ -70,25 +74,41 @@ def solve(arguments: argparse.Namespace) -> int:
     """Solve one scene with one model."""
     model = arguments.model
     refuse_other_models(arguments)
-    scene = scene_of(arguments)
+    scene, count = scene_of(arguments), arguments.frequencies
+    if count is not None:
+        require_integer("--frequencies", count, 1, MOST_FREQUENCIES)
     folder = _folder(arguments)
     with output.claimed(folder):
         with progress_shown(arguments.quiet) as progress:
             path = _run(scene, model, arguments, progress)
-        files = output.path_files(path)
+        found, lines = output.summary(path), digest(path)
+        if count and len(path.times):
+            found["frequencies"] = values = _frequencies(path, count)
+            lines.append(f"  natural frequencies {', '.join(f'{f:.4g}' for f in values)} Hz, both ends held")
+        files = output.path_files(path) | {"summary.json": output.json_bytes(found)}
         if arguments.vtu and len(path.times):
             files |= output.vtu_file(path)
+        if arguments.stress and len(path.times):
+            files |= output.stress_file(path)
         if arguments.vtu_series and len(path.times):
             output.prepare(folder / "wire")
             files |= output.series_files(path)
         output.write_files(files, folder)
         output.remove_stale(files, folder)
-    return _concluded(arguments, output.summary(path), [*digest(path), f"written to {folder}"], path)
+    return _concluded(arguments, found, [*lines, f"written to {folder}"], path)
+
+
+def _frequencies(path: EquilibriumPath, count: int) -> list[float]:
+    """Natural frequencies about the last step of a path of the wire model, Hz."""
+    from wirefe import frequencies
+
+    return frequencies(path, count=count).tolist()
 
 
 def compare(arguments: argparse.Namespace) -> int:
     """Solve one scene with both models and compare them."""
     scene = scene_of(arguments)
+    curve = measured(arguments.measured, scene) if arguments.measured else None
     folder = _folder(arguments)
     with ExitStack() as claims:
         for each in (folder, *(folder / model for model in MODEL_OPTIONS)):
@@ -104,11 +124,9 @@ def compare(arguments: argparse.Namespace) -> int:
             "outcomes": {model: path.outcome for model, path in paths.items()},
             "notes": [f"{model}: {note}" for model, path in paths.items() for note in notes(path)],
         }
-        files = {"compare.json": output.json_bytes(found)}
-        if arguments.draw:
-            from validation.view.overlay import overlay
-
-            files["compare.png"] = overlay(*paths.values())
+        if curve is not None:
+            found["measured"] = {"file": arguments.measured, **difference.summary(paths, curve)}
+        files = {"compare.json": output.json_bytes(found), **_pictures(paths, arguments.draw, curve)}
         for model, path in paths.items():
             files |= {f"{model}/{name}": data for name, data in output.path_files(path).items()}
         output.write_files(files, folder)
@@ -117,7 +135,23 @@ def compare(arguments: argparse.Namespace) -> int:
             output.remove_stale({}, folder / model)
     lines = [line for path in paths.values() for line in digest(path)]
     lines += deviation(comparison, bool(scene.load.displacement))
+    if curve is not None:
+        lines += difference.lines(paths, curve)
     return _concluded(arguments, found, [*lines, f"written to {folder}"], *paths.values())
+
+
+def _pictures(paths: dict[str, EquilibriumPath], drawn: bool, curve: Measured | None) -> dict[str, bytes]:
+    """Pictures of a comparison by name."""
+    files = {}
+    if drawn:
+        from validation.view.overlay import overlay
+
+        files["compare.png"] = overlay(*paths.values())
+    if curve is not None or (drawn and difference.has_direction(next(iter(paths.values())).scene)):
+        from validation.calibration.figure import load_curves
+
+        files["curve.png"] = load_curves(paths, curve)
+    return files
 
 
 def long_command(arguments: argparse.Namespace) -> int:

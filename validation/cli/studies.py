@@ -50,6 +50,20 @@ def workprecision(arguments: argparse.Namespace, folder: Path, progress: Progres
     return [*page.digest(rows), f"written to {folder}"], ""
 
 
+def calibrate(arguments: argparse.Namespace, folder: Path, progress: Progress) -> Answer:
+    """Fit the equivalent beam to a measured curve."""
+    scene = load_scene(arguments.scene)
+    names = tuple(name.strip() for name in arguments.fit.split(","))
+    progress("loading equivbeam")
+    from validation.calibration import run
+
+    with claimed(folder), writing(folder):
+        progress(f"fitting {', '.join(names)}")
+        files, lines = run.calibrate(scene, arguments.measured, names, **given(arguments, ("law",)))
+        write_files(files, folder)
+    return [*lines, f"written to {folder}"], ""
+
+
 def sensitivity(arguments: argparse.Namespace, folder: Path, progress: Progress) -> Answer:
     """Vary what the paper leaves open in both models."""
     progress(LOADING)
@@ -227,6 +241,7 @@ COMMANDS = {
         "regress": regress,
         "stability": stability,
         "study-law": study_law,
+        "calibrate": calibrate,
         "export": export,
         "referee": referee,
         "view": view,

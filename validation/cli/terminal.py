@@ -43,6 +43,10 @@ def digest(path: EquilibriumPath) -> list[str]:
         lines.append(
             f"  tip at time {path.times[-1]:g}: ux {ux:.6g} mm, uy {uy:.6g} mm, rotz {rotz:.6g} rad{force}"
         )
+        if path.max_stress is not None:
+            lines.append(
+                f"  stress {path.max_stress[-1]:.4g} MPa at most (torsion, with Bergstraesser's factor)"
+            )
     lines += [f"  {note}" for note in notes(path)]
     count = f"{path.total_iterations} iteration{'' if path.total_iterations == 1 else 's'}"
     lines.append(
@@ -62,6 +66,8 @@ def notes(path: EquilibriumPath) -> list[str]:
         )
     if contact.sliding == "free" and path.critical_time is not None and path.active_contacts[-1:].any():
         said.append('coils touch, and may slide off one another: contact.sliding = "none" would hold them')
+    if path.model == "wirefe" and path.scene.factors.given:
+        said.append("without the scene's [factors], which are of the equivalent beam's stiffnesses alone")
     if path.outcome == "completed" and "; " in path.message:
         said.append(path.message.partition("; ")[2])
     return said

@@ -22,6 +22,7 @@ SUMMARY = (
     *("critical_time", "critical_bracket", "end_bracket", "total_iterations", "stability_checks"),
     *("pair_evaluations", "residual_history", "solve_seconds", "compile_seconds"),
 )
+OPTIONAL = ("compare.png", "curve.png", "stress.csv", "wire.pvd", "wire.vtu")  # files of a run
 FACTS = "facts.json"  # of a study: the numbers by name that findings are computed from
 
 
@@ -148,12 +149,19 @@ def remove_stale(files: Mapping[str, bytes], folder: Path) -> None:
     with writing(folder):
         series = [file for file in folder.glob("wire/*.vtu") if file.stem.isdecimal() and len(file.stem) >= 4]
         ours = series if (folder / "wire.pvd").is_file() else []
-        for target in (folder / "compare.png", folder / "wire.pvd", folder / "wire.vtu", *ours):
+        for target in (*(folder / name for name in OPTIONAL), *ours):
             if target.relative_to(folder).as_posix() not in files and target.is_file():
                 target.unlink()
         if ours:
             with suppress(OSError):  # there is something in it
                 (folder / "wire").rmdir()
+
+
+def stress_file(path: EquilibriumPath) -> dict[str, bytes]:
+    """``stress.csv``: forces and stresses along the wire at the last step reached by the wire model."""
+    from wirefe import stress
+
+    return {"stress.csv": _csv(stress(path).columns).encode()}
 
 
 def vtu_file(path: EquilibriumPath) -> dict[str, bytes]:

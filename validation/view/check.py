@@ -29,11 +29,12 @@ def report(scene: Scene) -> tuple[list[str], list[str]]:
     text = WORDS.render(
         **{"scene": scene, "spring": scene.spring, "sizes": found, "solid": math.isinf(found.force)},
         index=f"{low:.3g}" if math.isclose(low, high) else f"{low:.3g} to {high:.3g}",
+        index_varies=not math.isclose(low, high),
         angle=math.degrees(found.helix_angle),
         unknown=math.isnan(found.wire_rates[1]),
     )
     models = (f"  {model:<13} {verdict}" for model, verdict in _models(scene))
-    return [*text.splitlines(), *models], [*warnings(scene), *_of_formulas(found)]
+    return [*text.rstrip("\n").split("\n"), *models], [*warnings(scene), *_of_formulas(found)]
 
 
 def _of_formulas(found: Sizes) -> Iterator[str]:

@@ -1,0 +1,208 @@
+"""Measured load curves: columns of a CSV file as test benches write it, in N and mm."""
+
+from __future__ import annotations
+
+import csv
+import math
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from coilspring.errors import InputError, shown
+from coilspring.scene import Scene
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+PATH_COLUMNS = ("time", "load_x", "load_y", "ux", "uy", "rotz")
+NAMES = {  # of a measured column, in lower case
+    **dict.fromkeys(("force", "load", "f", "kraft"), "force"),
+    **dict.fromkeys(
+        ("deflection", "travel", "stroke", "compression", "displacement", "s", "weg"), "deflection"
+    ),
+}
+UNITS = {"force": {"n": 1.0, "kn": 1e3}, "deflection": {"mm": 1.0, "m": 1e3, "um": 1e-3, "µm": 1e-3}}
+HEADER = re.compile(r"(?P<name>[a-z]+)(?:\s*[\[(/_]\s*(?P<unit>[^\])]+?)\s*[\])]?)?")
+EXAMPLE = "a line with the names of the columns, as force,deflection, or those of path.csv"
+
+
+@dataclass(frozen=True)
+class Measured:
+    """Force along a scene's load, and deflection in its direction; both grow as the spring is loaded.
+
+    Attributes
+    ----------
+    force, deflection : (points,) N, mm; in the file's order, which need not be monotone.
+    left_out : points without load, which say nothing.
+    """
+
+    force: np.ndarray
+    deflection: np.ndarray
+    left_out: int
+
+
+def measured(source: Mapping[str, np.ndarray] | pd.DataFrame | str | Path, scene: Scene) -> Measured:
+    """Force and deflection of a table or a CSV file, in the direction of a scene's load.
+
+    Signs are those of the load, whatever the file's: both columns count up where the force is largest.
+
+    Raises
+    ------
+    InputError : what is no measured curve, or a scene whose load has several directions, in one sentence.
+    """
+    columns = table_of(source)
+    x, y = scene.direction
+    if "force" in columns:
+        force, deflection = columns["force"], columns["deflection"]
+    else:
+        needed = [
+            name for name, part in zip(("load_x", "load_y", "ux", "uy"), (x, y, x, y), strict=True) if part
+        ]
+        if missing := [name for name in needed if name not in columns]:
+            raise InputError(f"curve must have columns force and deflection, or {', '.join(needed)}; "
+                             f"{missing[0]} is missing")  # fmt: skip
+        zero = np.zeros(len(columns[needed[0]]))
+        part = {name: columns.get(name, zero) for name in PATH_COLUMNS}
+        force, deflection = (x * part[a] + y * part[b] for a, b in (("load_x", "load_y"), ("ux", "uy")))
+    if not len(force):
+        raise InputError("curve must have at least one line of numbers, got none")
+    peak = int(np.argmax(np.abs(force)))
+    force, deflection = force * np.sign(force[peak]), deflection * np.sign(deflection[peak])
+    loaded = force > 0.0
+    if not loaded.any() or not (deflection[loaded] != 0.0).any():
+        raise InputError("curve must have forces and deflections that are not zero throughout")
+    return Measured(force[loaded], deflection[loaded], int(np.count_nonzero(~loaded)))
+
+
+def table_of(source: Mapping[str, np.ndarray] | pd.DataFrame | str | Path) -> dict[str, np.ndarray]:
+    """Columns by name: ``force`` and ``deflection`` in N and mm, or those of ``path.csv``; no others.
+
+    Raises
+    ------
+    InputError : an unreadable file, an unknown unit, or what is no number, in one sentence.
+    """
+    if isinstance(source, str | Path):
+        text = _text(Path(source))
+        try:
+            found = _parsed(text)
+        except InputError as error:
+            raise InputError(f"{source}: {error}") from None
+    else:
+        heads = _heads([str(name) for name in source])
+        try:
+            found = {
+                name: scale * np.asarray(source[key], dtype=float)
+                for key, (name, scale) in zip(source, heads, strict=True)
+                if name
+            }
+        except (TypeError, ValueError):
+            raise InputError("curve must hold numbers, got texts") from None
+    for name, values in found.items():
+        if not np.isfinite(values).all():
+            raise InputError(f"curve must hold finite numbers, got others in column {name}")
+    return found
+
+
+def _text(file: Path) -> str:
+    """Text of a file; old programs write Latin-1."""
+    try:
+        data = file.read_bytes()
+    except (OSError, ValueError) as error:
+        reason = getattr(error, "strerror", None) or error
+        raise InputError(f"curve must be a readable CSV file, got {shown(str(file))} ({reason})") from None
+    try:
+        return data.decode("utf-8-sig")
+    except UnicodeDecodeError:
+        return data.decode("latin-1")
+
+
+def _parsed(text: str) -> dict[str, np.ndarray]:
+    """Columns of a text; lines above the names, as benches write them, are passed over."""
+    lines = [(i, line) for i, line in enumerate(text.splitlines(), 1) if line.strip(" ;,\t")]
+    heads, separator, rows = _header(lines)
+    if rows and (units := _unit_row(rows[0][1], heads)):
+        heads, rows = units, rows[1:]
+    wanted = [(column, name, scale) for column, (name, scale) in enumerate(heads) if name]
+    values = [[_number(i, row, column, separator, len(heads)) for column, _, _ in wanted] for i, row in rows]
+    table = np.array(values).reshape(-1, len(wanted)).T
+    return {name: scale * column for (_, name, scale), column in zip(wanted, table, strict=True)}
+
+
+def _header(lines: list[tuple[int, str]]) -> tuple[list[tuple[str, float]], str, list[tuple[int, list[str]]]]:
+    """Names and units of the columns, what separates them, and the cells of the lines below, numbered."""
+    for place, (_, line) in enumerate(lines):
+        separator = next((mark for mark in ";\t" if mark in line), ",")
+        cells = next(csv.reader([line], delimiter=separator))
+        if _known(_names(cells)):
+            rows = [(i, next(csv.reader([row], delimiter=separator))) for i, row in lines[place + 1 :]]
+            return _heads(cells), separator, rows
+    raise InputError(f"curve must have {EXAMPLE}, got {shown(lines[0][1] if lines else '')}")
+
+
+def _known(names: list[str]) -> bool:
+    """Whether names of columns make a curve."""
+    return {"force", "deflection"} <= set(names) or (
+        "time" in names and bool({"ux", "uy", "rotz"} & set(names))
+    )
+
+
+def _names(cells: list[str]) -> list[str]:
+    """Names of columns as this module has them, empty where they are none."""
+    found = []
+    for cell in cells:
+        plain = cell.strip().strip('"').lower()
+        match = HEADER.fullmatch(plain)
+        found.append(plain if plain in PATH_COLUMNS else NAMES.get(match["name"], "") if match else "")
+    return found
+
+
+def _heads(cells: list[str]) -> list[tuple[str, float]]:
+    """Name of each column, empty where it is none of a curve, and the unit of its numbers in N or mm."""
+    heads = []
+    for cell, name in zip(cells, _names(cells), strict=True):
+        match = HEADER.fullmatch(cell.strip().strip('"').lower())
+        unit = match["unit"] if match and name in UNITS else None
+        heads.append((name, _scale(name, unit) if unit else 1.0))
+    for kind in UNITS:
+        if [name for name, _ in heads].count(kind) > 1:
+            raise InputError(f"curve must have one column {kind}, got several")
+    return heads
+
+
+def _scale(name: str, unit: str) -> float:
+    """A unit in N or mm."""
+    scale = UNITS[name].get(unit.strip().lower().replace("μ", "µ"))
+    if scale is None:
+        raise InputError(f"column {name} must be in {' or '.join(UNITS[name])}, got {shown(unit)}")
+    return scale
+
+
+def _unit_row(cells: list[str], heads: list[tuple[str, float]]) -> list[tuple[str, float]] | None:
+    """The columns with the units of a line below their names, or nothing where it is no such line."""
+    pairs = [(cell.strip(' []()"'), name) for cell, (name, _) in zip(cells, heads, strict=False)]
+    if any(re.search(r"\d", cell) for cell, name in pairs if name) or not any(cell for cell, _ in pairs):
+        return None
+    scales = [_scale(name, cell) if name in UNITS and cell else 1.0 for cell, name in pairs]
+    return [(name, scale) for (name, _), scale in zip(heads, scales, strict=False)]
+
+
+def _number(line: int, cells: list[str], column: int, separator: str, columns: int) -> float:
+    """A number of a line; a decimal comma is one where columns are separated by something else."""
+    if len(cells) > columns and separator == ",":
+        raise InputError(
+            f"line {line} has {len(cells)} numbers below {columns} names: with decimal commas the columns "
+            "must be separated by semicolons or tabs"
+        )
+    cell = cells[column].strip().strip('"') if column < len(cells) else ""
+    text = cell if separator == "," or "." in cell else cell.replace(",", ".")
+    try:
+        value = float(text)
+    except ValueError:
+        raise InputError(
+            f"line {line} must have a number in column {column + 1}, got {shown(cell)}"
+        ) from None
+    return value if math.isfinite(value) else math.nan

@@ -1,0 +1,42 @@
+"""Factors of the equivalent beam's stiffnesses, as a calibration finds them for one spring."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import astuple, dataclass, field
+
+from coilspring.errors import InputError, shown
+from coilspring.scene.schema import keep_checked, key, number
+
+FACTOR = (1e-3, 1e3)
+
+
+@dataclass(frozen=True)
+class Factors:
+    """Factors of the paper's three stiffnesses of a half coil; the wire model has no use for them."""
+
+    axial: float = field(
+        default=1.0, metadata=key("of the equivalent beam's axial stiffness [1.0]", number(*FACTOR))
+    )
+    shearing: float = field(
+        default=1.0,
+        metadata=key("of its shearing stiffness [1.0]", number(*FACTOR), aliases={r"shear": ""}),
+    )
+    bending: float = field(
+        default=1.0, metadata=key("of its bending stiffness [1.0]", number(*FACTOR), aliases={r"bend": ""})
+    )
+
+    def __post_init__(self) -> None:
+        keep_checked(self, "factors")
+
+    @classmethod
+    def of(cls, three: Sequence[float]) -> Factors:
+        """Factors of three numbers: axial, shearing, bending."""
+        if not isinstance(three, list | tuple) or len(three) != 3:
+            raise InputError(f"factors must be three numbers, got {shown(three)}")
+        return cls(*three)
+
+    @property
+    def given(self) -> bool:
+        """Whether one of them is not 1."""
+        return astuple(self) != (1.0, 1.0, 1.0)

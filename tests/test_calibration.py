@@ -1,0 +1,232 @@
+"""``coilcheck calibrate`` and ``compare --measured``: curves of a test bench, made by the model itself."""
+
+import json
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import equivbeam
+import wirefe
+from coilspring import (
+    Factors,
+    InputError,
+    Load,
+    Scene,
+    Spring,
+    Supports,
+    load_scene,
+    scene_text,
+    spring_a,
+    spring_b,
+)
+from coilspring.measured import measured, table_of
+from coilspring.scene.scene import load_directions
+from validation.calibration.difference import along_load, difference
+from validation.calibration.figure import picture
+from validation.cli.command import main
+
+GUIDED = Scene(
+    "guided", Spring(2.0, 16.0, 8.0, 40.0), Load((0.0, -60.0), 20), supports=Supports(top_held=("ux", "rotz"))
+)
+NOISE = 0.02  # mm
+
+
+@pytest.fixture(scope="module")
+def bench():
+    """Force and deflection of loading and unloading, of a spring that is 6 % stiffer, with noise."""
+    found = equivbeam.solve(GUIDED, factors=(1.06, 1.0, 1.0), steps=400)
+    deflection, force = along_load(found)
+    forces = np.concatenate((np.linspace(0.5, 55.0, 60), np.linspace(54.0, 1.0, 40)))
+    noise = np.random.default_rng(3).normal(scale=NOISE, size=forces.size)
+    return forces, np.interp(forces, force, deflection) + noise
+
+
+def write(file, curve, head="force,deflection", separator=",", decimal=".", signs=(1, 1), above=()):
+    rows = [
+        separator.join(f"{s * x:.5f}".replace(".", decimal) for s, x in zip(signs, row, strict=True))
+        for row in zip(*curve, strict=True)
+    ]
+    file.write_text("\n".join((*above, head, *rows)) + "\n", encoding="latin-1")
+    return file
+
+
+def test_a_bench_curve_gives_back_what_was_put_in(bench, tmp_path, capsys):
+    file = tmp_path / "guided.toml"
+    file.write_text(scene_text(GUIDED))
+    curve = write(tmp_path / "bench.csv", bench)
+    out = tmp_path / "out"
+    assert (
+        main(["calibrate", str(file), str(curve), "--fit", "axial,bending,shearing", "--out", str(out)]) == 0
+    )
+    found = json.loads((out / "calibration.json").read_text())
+    axial = found["parameters"]["axial"]
+    assert abs(axial["value"] - 1.06) < 3.0 * axial["standard_error"] < 3.0 * 0.002
+    assert found["residual"] == pytest.approx(NOISE / bench[1].max(), rel=0.2)
+    for name in ("bending", "shearing"):
+        assert found["parameters"][name]["standard_error"] is None
+        assert found["parameters"][name]["value"] == 1.0
+    assert found["rank"] == 1
+    assert "bending 1, left at its start" in capsys.readouterr().out
+    calibrated = load_scene(out / "calibrated.toml")
+    assert calibrated == replace(GUIDED, factors=Factors(axial=axial["value"]))
+    assert (out / "calibration.png").read_bytes()[:4] == b"\x89PNG"
+
+
+FORMATS = {
+    "signs of path.csv": {"signs": (-1, -1)},
+    "position falls": {"signs": (1, -1)},
+    "semicolons, decimal commas": {
+        "separator": ";",
+        "decimal": ",",
+        "head": "Load [N];Travel [mm]",
+    },
+    "tabs, a preamble": {"separator": "\t", "head": "F (N)\ts (mm)", "above": ("Prüfung 7", "Date\t1.2.26")},
+    "a line of units": {"head": "Force,Deflection\nN,mm"},
+    "underscores": {"head": "force_N,deflection_mm"},
+}
+
+
+@pytest.mark.parametrize("name", FORMATS)
+def test_formats_of_test_benches(name, bench, tmp_path):
+    found = measured(write(tmp_path / "bench.csv", bench, **FORMATS[name]), GUIDED)
+    np.testing.assert_allclose(found.force, bench[0], atol=1e-5)
+    np.testing.assert_allclose(found.deflection, bench[1], atol=1e-5)
+
+
+def test_units_and_points_without_load():
+    found = measured(
+        {"force [kN]": np.array([0.0, 0.01, 0.02]), "deflection (m)": np.array([0.0, 1e-3, 2e-3])}, GUIDED
+    )
+    np.testing.assert_allclose(found.force, [10.0, 20.0])
+    np.testing.assert_allclose(found.deflection, [1.0, 2.0])
+    assert found.left_out == 1
+
+
+BAD = {
+    "force,length\n1,2": "curve must have a line with the names",
+    "": "curve must have a line with the names",
+    "force,deflection\n": "at least one line of numbers",
+    "force,deflection\n1,x": "line 2 must have a number in column 2, got 'x'",
+    "force,deflection\n1": "line 2 must have a number in column 2, got ''",
+    "force,deflection\n1,5,2,5": "decimal commas the columns must be separated by semicolons",
+    "force [lbf],deflection\n1,2": "column force must be in n or kn, got 'lbf'",
+    "force,load,deflection\n1,2,3": "one column force, got several",
+    "force,deflection\n1,nan": "finite numbers",
+    "force,deflection\n1,0\n2,0": "not zero throughout",
+}
+
+
+@pytest.mark.parametrize("text", BAD)
+def test_bad_curves(text, tmp_path, capsys):
+    file = tmp_path / "bad.csv"
+    file.write_text(text)
+    assert main(["calibrate", "spring-b", str(file), "--fit", "axial", "--out", str(tmp_path / "out")]) == 2
+    error = capsys.readouterr().err
+    assert BAD[text] in error
+    assert error.count("\n") == 1
+    assert not (tmp_path / "out").exists()
+
+
+def test_bad_requests(tmp_path, capsys):
+    curve = write(tmp_path / "bench.csv", ([1.0, 2.0], [1.0, 2.0]))
+    for names, words in (
+        ("axial,axial", "list of different names"),
+        ("stiffness", "must be one of wire_diameter"),
+    ):
+        assert main(["calibrate", "spring-b", str(curve), "--fit", names, "--out", str(tmp_path / "x")]) == 2
+        assert words in capsys.readouterr().err
+    with pytest.raises(InputError, match="axial can be fitted with the law haringx alone, got 'helix'"):
+        equivbeam.calibrate(spring_b(), table_of(curve), ["G", "axial"], law="helix")
+    stages = replace(GUIDED, load=Load(stages=((0.0, -4.0), (3.0, -4.0))), supports=Supports())
+    with pytest.raises(InputError, match="stages must be in one direction"):
+        measured(table_of(curve), stages)
+
+
+def test_a_force_that_the_spring_does_not_reach(tmp_path, capsys):
+    curve = write(tmp_path / "bench.csv", ([1e4, 2e4], [5.0, 20.0]))
+    assert main(["calibrate", "spring-b", str(curve), "--fit", "axial", "--out", str(tmp_path / "x")]) == 3
+    assert "does not reach the end of the curve: limit point" in capsys.readouterr().err
+    assert main(["calibrate", "spring-b", "none.csv", "--fit", "axial", "--out", str(tmp_path / "x")]) == 2
+    assert "curve must be a readable CSV file, got 'none.csv'" in capsys.readouterr().err
+
+
+def test_a_prescribed_displacement_is_fitted_through_its_reaction():
+    """The same curve, pressed by a test machine: path.csv has the reaction."""
+    pressed = replace(GUIDED, load=Load(displacement=(-12.0,), steps=10))
+    curve = equivbeam.solve(pressed, factors=(1.06, 1.0, 1.0)).table
+    found = equivbeam.calibrate(pressed, curve, ["axial"])
+    assert found.values[0] == pytest.approx(1.06, rel=1e-4)
+    assert found.scene.load == pressed.load
+
+
+def test_compare_with_a_measured_curve(bench, tmp_path, capsys):
+    file = tmp_path / "guided.toml"
+    file.write_text(scene_text(replace(GUIDED.with_steps(8), factors=Factors(axial=1.06))))
+    curve = write(tmp_path / "bench.csv", bench)
+    arguments = [
+        "compare",
+        str(file),
+        "--measured",
+        str(curve),
+        "--elements-per-turn",
+        "8",
+        "--out",
+        str(tmp_path),
+    ]
+    assert main([*arguments, "--element", "curved"]) == 0
+    found = json.loads((tmp_path / "compare.json").read_text())["measured"]
+    assert found["points"] == found["equivbeam"]["points"] == 100
+    assert found["equivbeam"]["rms"] == pytest.approx(NOISE / bench[1].max(), rel=0.3)
+    assert found["wirefe"]["max"] > 4.0 * found["equivbeam"]["max"]
+    assert (tmp_path / "curve.png").exists()
+    said = capsys.readouterr().out
+    assert "equivbeam minus measured, deflection at the same force" in said
+    assert "without the scene's [factors]" in said
+
+
+def test_the_difference_is_counted_as_by_hand(bench):
+    found = equivbeam.solve(GUIDED, steps=300)
+    curve = measured({"force": bench[0] * 2.0, "deflection": bench[1]}, GUIDED)
+    deflection, force = along_load(found)
+    reached = curve.force <= 60.0
+    by_hand = np.interp(curve.force[reached], force, deflection) - curve.deflection[reached]
+    one = difference(found, curve)
+    assert one.max == pytest.approx(np.abs(by_hand).max() / bench[1].max())
+    assert (one.points, one.beyond) == (np.count_nonzero(reached), np.count_nonzero(~reached))
+    axes = picture({"equivbeam": found}, curve).axes
+    assert [line.get_xdata().size for line in axes[0].get_lines()] == [80, 301]
+
+
+STAGES = Load(stages=((0.0, -4.0), (-9.0, -4.0), (0.0, 0.0)), steps=40)
+RATES = {
+    "A": (spring_a(), equivbeam, {}),
+    "A, wire": (spring_a(), wirefe, {"element": "curved", "elements_per_turn": 4}),
+    "B, pressed": (replace(spring_b(), load=Load(displacement=(-12.0,))), equivbeam, {"sliding": "scene"}),
+    "B, sticking wire": (spring_b(), wirefe, {"element": "curved", "elements_per_turn": 4}),
+    "stages": (replace(spring_a(), load=STAGES), equivbeam, {}),
+}
+
+
+@pytest.mark.parametrize("case", RATES)
+def test_rate_is_the_slope_of_the_curve(case):
+    """The tangent's mean over a step against differences, where no pair closes or opens in it. In stages
+    the first step of each turns the direction."""
+    scene, model, options = RATES[case]
+    path = model.solve(scene, **options)
+    smooth = np.diff(path.active_contacts) == 0
+    turned = (np.diff(load_directions(scene, path.times), axis=0) != 0.0).any(axis=1)
+    mean, slope = (
+        0.5 * (path.rates[1:] + path.rates[:-1]),
+        path._differences(load_directions(scene, path.times))[1:],
+    )
+    np.testing.assert_allclose(mean[smooth & ~turned], slope[smooth & ~turned], rtol=5e-3)
+    assert np.count_nonzero(smooth & ~turned) > 30
+    assert (path.table["rate"] == path.rates).all()
+
+
+def test_rate_of_coulomb_friction_is_a_difference():
+    rubbed = replace(spring_b(), contact=replace(spring_b().contact, sliding="coulomb", friction=0.2))
+    path = equivbeam.solve(rubbed, sliding="scene", steps=10)
+    rise = np.diff(-path.loads[:, 1], prepend=0.0) / np.diff(-path.tips[:, 1], prepend=0.0)
+    np.testing.assert_allclose(path.rates, rise)

@@ -1,0 +1,123 @@
+"""Stresses along the wire against closed forms: the axially loaded helical spring, and pure bending."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+
+import equivbeam
+import wirefe
+from coilspring import Contact, InputError, Load, Scene, Spring, Supports, spring_a, spring_b
+from coilspring.scene.sizing import sizes
+from validation.cli.command import main
+from wirefe.elements import _frenet_frames
+from wirefe.rotations import quaternion_from_matrix
+from wirefe.stress import stresses
+
+D, WIRE, FORCE = 20.0, 1.5, 1e-2
+AXIAL = Scene(
+    "axial",
+    Spring(WIRE, D, 10.0, 25.0, end_turns=0.0),
+    Load((0.0, -FORCE), steps=1),
+    supports=Supports(("ux", "rotz")),
+    contact=Contact(enabled=False),
+)
+
+
+@pytest.mark.parametrize(("element", "count"), [("straight", 40), ("curved", 4)])
+@pytest.mark.parametrize("hand", ["left", "right"])
+def test_axially_loaded_helical_spring(element, count, hand):
+    """8 F D / (pi d^3), in which the textbook leaves out the pitch: T = F R cos a + C sin a and
+    M = F R sin a - C cos a, C being the couple that keeps the top from turning. Moments across the axis
+    average out over whole turns."""
+    scene = replace(AXIAL, spring=replace(AXIAL.spring, hand=hand))
+    found = wirefe.stress(wirefe.solve(scene, element=element, elements_per_turn=count))
+    slope = math.atan(2.5 / (math.pi * D))
+    torsion, bending = abs(found.torsion.mean()), abs(found.bending_in.mean())
+    assert torsion * math.cos(slope) + bending * math.sin(slope) == pytest.approx(FORCE * D / 2.0, rel=2e-3)
+    textbook = 8.0 * FORCE * D / (math.pi * WIRE**3)
+    assert found.torsion_stress.mean() == pytest.approx(textbook, rel=4e-3)
+    index = D / WIRE
+    assert_allclose(found.shear_corrected, found.torsion_stress * (index + 0.5) / (index - 0.75), rtol=1e-12)
+    checked = sizes(scene)
+    assert found.shear_corrected.mean() == pytest.approx(checked.stress, rel=4e-3)
+    assert found.axial_force.mean() == pytest.approx(-FORCE * math.sin(slope), rel=1e-3)
+    assert found.shear_force.mean() == pytest.approx(FORCE * math.cos(slope), rel=1e-3)
+
+
+def test_pure_bending():
+    """A helix bent to another curvature, its torsion unchanged: M = EI (k' - k) everywhere, no torque."""
+    path = wirefe.solve(AXIAL, element="curved", elements_per_turn=16)
+    spring, mesh, E = AXIAL.spring, path.shape.mesh, AXIAL.material.E
+    c = spring.rise(np.zeros(1))[0]
+    square = (D / 2.0) ** 2 + c**2
+    k, tau, more = D / 2.0 / square, c / square, 2e-3
+    rate = math.hypot(k + more, tau)  # of the phase, per length of wire
+    pitch = 2.0 * math.pi * tau / rate**2
+    bent = Spring(WIRE, 2.0 * (k + more) / rate**2, 11.0, 11.0 * pitch, end_turns=0.0)
+    turned = mesh.phases * math.sqrt(square) * rate
+    before, after = _frenet_frames(spring, mesh.phases), _frenet_frames(bent, turned)
+    turns = after @ np.swapaxes(before, 1, 2)
+    rows = np.concatenate((bent.points(turned), quaternion_from_matrix(turns)), axis=1)
+    rows[-1, :3] -= turns[-1] @ mesh.arm
+    found = stresses(path.shape, rows.reshape(1, -1))
+    moment = E * math.pi * WIRE**4 / 64.0 * more
+    assert_allclose(np.abs(found.bending_in), moment, rtol=1e-4)
+    assert_allclose(found.bending_stress, E * WIRE / 2.0 * more, rtol=1e-4)
+    assert_allclose(found.torsion, 0.0, atol=1e-4 * moment)
+    index = D / WIRE
+    assert_allclose(
+        found.bending_corrected / found.bending_stress, (index + 0.07) / (index - 0.75), rtol=1e-3
+    )
+    assert_allclose(found.equivalent, found.bending_corrected, rtol=1e-3)
+
+
+def test_it_is_the_same_on_all_meshes():
+    """Section forces between few nodes follow from statics. Measured 6e-4 at most."""
+    for make in (spring_a, spring_b):
+        coarse, fine = (
+            wirefe.stress(wirefe.solve(make(), steps=5, element="curved", elements_per_turn=count))
+            for count in (4, 16)
+        )
+        for name in ("torsion_stress", "shear_corrected", "bending_corrected", "equivalent"):
+            assert coarse.largest(name)[0] == pytest.approx(fine.largest(name)[0], rel=2e-3)
+            assert coarse.largest(name)[1] == pytest.approx(fine.largest(name)[1], abs=0.05)
+
+
+def test_the_path_has_the_largest_one():
+    path = wirefe.solve(spring_b(), steps=4, element="curved", elements_per_turn=4)
+    by_step = [wirefe.stress(path, step).largest()[0] for step in range(4)]
+    assert_allclose(path.table["max_stress"], by_step, rtol=1e-12)
+    beam = equivbeam.solve(spring_b(), steps=4)
+    assert beam.max_stress is None
+    assert "max_stress" not in beam.table
+    with pytest.raises(InputError, match="stress needs a path of the model wirefe"):
+        wirefe.stress(beam)
+    with pytest.raises(InputError, match="step must be one of the 4"):
+        wirefe.stress(path, 4)
+
+
+def test_elastic_end_turns_have_stresses_too():
+    """On plates the wire goes on beyond the active coils."""
+    spring = Spring(1.5, 12.0, 4.0, 16.0)
+    plates = Scene("plates", spring, Load((0.0, -20.0), 2), supports=Supports(("ux", "rotz"), seat="plate"))
+    found = wirefe.stress(wirefe.solve(plates, elements_per_turn=16))
+    assert (found.turns[0], found.turns[-1]) == pytest.approx((-1.0 + 1 / 64, 5.0 - 1 / 64), abs=0.02)
+    middle = (found.turns > 1.0) & (found.turns < 3.0)
+    assert found.torsion_stress[middle].mean() == pytest.approx(
+        8.0 * 20.0 * 12.0 / (math.pi * 1.5**3), rel=0.03
+    )
+
+
+def test_solve_writes_stresses_where_asked(tmp_path, capsys):
+    arguments = ["solve", "spring-b", "--model", "wirefe", "--elements-per-turn", "8", "--steps", "2"]
+    arguments += ["--out", str(tmp_path)]
+    assert main([*arguments, "--stress"]) == 0
+    rows = np.genfromtxt(tmp_path / "stress.csv", delimiter=",", names=True)
+    path = np.genfromtxt(tmp_path / "path.csv", delimiter=",", names=True)
+    assert rows["shear_corrected"].max() == pytest.approx(path["max_stress"][-1])
+    assert f"stress {path['max_stress'][-1]:.4g} MPa at most" in capsys.readouterr().out
+    assert main(arguments) == 0
+    assert not (tmp_path / "stress.csv").exists()

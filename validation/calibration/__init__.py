@@ -1,0 +1,1 @@
+"""Measured load curves: fits of the equivalent beam, and models beside them."""

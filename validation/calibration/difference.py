@@ -1,0 +1,86 @@
+"""By how much a model's load curve differs from a measured one."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass
+
+import numpy as np
+
+from coilspring import EquilibriumPath, InputError, Scene
+from coilspring.measured import Measured
+
+
+@dataclass(frozen=True)
+class Difference:
+    """Model minus measurement; not a number where no point can be compared.
+
+    Attributes
+    ----------
+    max, rms : of the deflection at the same force over the largest measured deflection; where the scene
+        prescribes a displacement, of the force at the same deflection over the largest measured force.
+    points, beyond : measured points that are compared, and those beyond what the model reached.
+    """
+
+    max: float
+    rms: float
+    points: int
+    beyond: int
+
+
+def has_direction(scene: Scene) -> bool:
+    """Whether the load has one direction, in which force can be drawn over deflection."""
+    try:
+        return bool(scene.direction)
+    except InputError:
+        return False
+
+
+def along_load(path: EquilibriumPath) -> tuple[np.ndarray, np.ndarray]:
+    """Deflection, mm, and force, N, in the direction of the scene's load, from the unloaded spring on."""
+    d = np.array(path.scene.direction)
+    return np.append(0.0, path.tips[:, :2] @ d), np.append(0.0, path.loads @ d)
+
+
+def differences(path: EquilibriumPath, curve: Measured) -> tuple[np.ndarray, np.ndarray]:
+    """Deflections of the measured points that a model reached, and shares of the peak by which it differs."""
+    deflection, force = along_load(path)
+    given, answer, mine, theirs = force, deflection, curve.force, curve.deflection
+    if path.scene.load.displacement:
+        given, answer, mine, theirs = deflection, force, curve.deflection, curve.force
+    loading = slice(0, int(np.argmax(given)) + 1)  # a history of several stages, to its largest load
+    reached = (mine >= 0.0) & (mine <= given[loading][-1] * (1.0 + 1e-12))
+    found = np.interp(mine[reached], given[loading], answer[loading])
+    return curve.deflection[reached], (found - theirs[reached]) / np.abs(theirs).max()
+
+
+def difference(path: EquilibriumPath, curve: Measured) -> Difference:
+    """The difference of a model's path from a measured curve; see `Difference`."""
+    _, shares = differences(path, curve)
+    most = float(np.abs(shares).max()) if shares.size else float("nan")
+    rms = float(np.sqrt(np.mean(shares**2))) if shares.size else float("nan")
+    return Difference(most, rms, int(shares.size), int(curve.force.size - shares.size))
+
+
+def summary(paths: Mapping[str, EquilibriumPath], curve: Measured) -> dict[str, object]:
+    """What ``compare.json`` holds of a measured curve."""
+    found = {name: asdict(difference(path, curve)) for name, path in paths.items()}
+    return {"points": int(curve.force.size), "left_out": curve.left_out, **found}
+
+
+def lines(paths: Mapping[str, EquilibriumPath], curve: Measured) -> list[str]:
+    """The differences for a reader at the terminal."""
+    said = []
+    for name, path in paths.items():
+        found = difference(path, curve)
+        what = (
+            "force at the same deflection" if path.scene.load.displacement else "deflection at the same force"
+        )
+        beyond = f"; {found.beyond} beyond the model's last step left out" if found.beyond else ""
+        said.append(
+            f"{name} minus measured, {what}: {100 * found.max:.3g} % of the peak at most, "
+            f"{100 * found.rms:.3g} % rms, at {found.points} points{beyond}"
+            if found.points
+            else f"{name} minus measured: no measured point is within the model's path"
+        )
+    return said

@@ -1,0 +1,71 @@
+"""Force and rate against deflection, of models and of a measurement."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import matplotlib
+import numpy as np
+from matplotlib.figure import Figure
+
+from coilspring import EquilibriumPath
+from coilspring.measured import Measured
+from validation.calibration.difference import along_load, differences
+from validation.study import style
+from validation.study.plots import png
+
+POINTS: style.Look = {"color": "black", "marker": "o", "linestyle": "", "markersize": 2.0, "zorder": 3.0}
+GIVEN_LINE: style.Look = {"color": style.GREY, "linewidth": 1.4, "linestyle": (0, (1, 1.2))}
+MODELS: Mapping[str, tuple[str, style.Look]] = {
+    "equivbeam": (style.BEAM_LABEL, style.BEAM_LINE),
+    "wirefe": (style.WIRE_LABEL, style.WIRE_LINE),
+}
+FIT: Mapping[str, tuple[str, style.Look]] = {
+    "given": ("scene as given", GIVEN_LINE),
+    "calibrated": ("calibrated", style.BEAM_LINE),
+}
+DEFLECTION = "deflection along the load (mm)"
+MOST = 80  # measured points that are drawn
+
+
+def load_curves(
+    paths: Mapping[str, EquilibriumPath],
+    curve: Measured | None = None,
+    looks: Mapping[str, tuple[str, style.Look]] = MODELS,
+) -> bytes:
+    """A PNG: force and rate against the deflection in the direction of the load, beside a measurement."""
+    with matplotlib.rc_context(style.RC):
+        return png(picture(paths, curve, looks))
+
+
+def picture(
+    paths: Mapping[str, EquilibriumPath],
+    curve: Measured | None,
+    looks: Mapping[str, tuple[str, style.Look]] = MODELS,
+) -> Figure:
+    """The figure of `load_curves`; with a measurement, the differences from it stand below the forces."""
+    figure = Figure(figsize=(style.DOUBLE, 2.8 if curve is None else 3.6), layout="constrained")
+    mosaic: Any = [["force", "rate"]] + ([["difference", "rate"]] if curve else [])
+    plots = figure.subplot_mosaic(mosaic, height_ratios=[2.0, 1.0] if curve else None)
+    if curve is not None:
+        some = np.unique(np.linspace(0, curve.force.size - 1, MOST).astype(int))
+        plots["force"].plot(curve.deflection[some], curve.force[some], **POINTS, label="measured")
+        plots["difference"].axhline(0.0, color="black", linewidth=0.5)
+        plots["difference"].sharex(plots["force"])
+        plots["force"].tick_params(labelbottom=False)
+        plots["difference"].set(ylabel="model − measured\n(% of peak)", xlabel=DEFLECTION)
+    else:
+        plots["force"].set_xlabel(DEFLECTION)
+    for name, path in paths.items():
+        label, look = looks[name]
+        deflection, force = along_load(path)
+        plots["force"].plot(deflection, force, **look, label=label)
+        plots["rate"].plot(deflection[1:], path.rates, **look)
+        if curve is not None:
+            at, shares = differences(path, curve)
+            plots["difference"].plot(at, 100.0 * shares, **POINTS | {"color": look["color"]})
+    plots["force"].set(ylabel="force along the load (N)", xlim=(0.0, None), ylim=(0.0, None))
+    plots["rate"].set(xlabel=DEFLECTION, ylabel="rate (N/mm)", xlim=(0.0, None))
+    figure.legend(*plots["force"].get_legend_handles_labels(), loc="outside lower center", ncols=3)
+    return figure

@@ -1,0 +1,144 @@
+"""Stresses along the wire at equilibria of the wire model, nominal and with the curvature's factors.
+
+The force in an element is the same all along it, and the moment at a point x of it is that at its end x2 plus
+(x2 - x) x force: so section forces are exact between nodes too, however few there are.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from coilspring.errors import InputError
+from coilspring.path import EquilibriumPath
+from coilspring.scene.sizing import bending_factor, stress_factor
+from wirefe.beam import end_forces
+from wirefe.shape import WireShape
+from wirefe.stations import ARMS, POSITION, SLOPES, TANGENT, carried, fixed_to_sections, interpolated, rows
+
+PER_TURN = 32  # sections of a turn, at least
+TWO_PI = 2.0 * math.pi
+FORCES = ("axial_force", "shear_force", "torsion", "bending_moment")
+STRESSES = ("torsion_stress", "bending_stress", "shear_corrected", "bending_corrected", "equivalent")
+
+
+@dataclass(frozen=True)
+class WireStress:
+    """Section forces and stresses along the wire, each (..., sections): of one state, or of several.
+
+    Attributes
+    ----------
+    turns : (sections,) of wire from the first active point; elastic end turns are beyond the active coils.
+    axial_force, torsion : along and about the wire, N, N mm; with their signs.
+    shear_force, bending_moment : across it; sizes.
+    bending_in : bending moment in the plane of the coil, N mm; with its sign.
+    torsion_stress : 16 |T| / (pi d^3), MPa: of a closely coiled spring under an axial force 8 F D / (pi d^3).
+    bending_stress : 32 M / (pi d^3), MPa.
+    shear_corrected : the first one with Bergstraesser's factor (EN 13906-1), which has the shear force in it.
+    bending_corrected : the second one with the factor of torsion springs (EN 13906-3) on bending in the
+        plane of the coil, and the axial force over the wire's area.
+    equivalent : after von Mises, of the last two as if they were at one point of the section: a bound.
+    """
+
+    turns: np.ndarray
+    axial_force: np.ndarray
+    shear_force: np.ndarray
+    torsion: np.ndarray
+    bending_moment: np.ndarray
+    bending_in: np.ndarray
+    torsion_stress: np.ndarray
+    bending_stress: np.ndarray
+    shear_corrected: np.ndarray
+    bending_corrected: np.ndarray
+    equivalent: np.ndarray
+
+    @property
+    def columns(self) -> dict[str, np.ndarray]:
+        """Columns of ``stress.csv`` by name."""
+        return {name: getattr(self, name) for name in ("turns", *FORCES, *STRESSES)}
+
+    def largest(self, name: str = "shear_corrected") -> tuple[float, float]:
+        """The largest of a stress, MPa, and at how many turns from the first active point it is."""
+        values = getattr(self, name)
+        place = int(np.argmax(values))
+        return float(values[place]), float(self.turns[place])
+
+
+def stress(path: EquilibriumPath, step: int = -1) -> WireStress:
+    """Stresses along the wire at a stored step of a path of the wire model.
+
+    Raises
+    ------
+    InputError : the path is not of the wire model, or has no such step.
+    """
+    if not isinstance(path.shape, WireShape):
+        raise InputError(f"stress needs a path of the model wirefe, got {path.model}")
+    if not -len(path.states) <= step < len(path.states):
+        raise InputError(f"step must be one of the {len(path.states)} of the path, got {step}")
+    found = stresses(path.shape, path.states[step][None])
+    fields = {name: value if name == "turns" else value[0] for name, value in vars(found).items()}
+    return WireStress(**fields)
+
+
+def stresses(shape: WireShape, states: np.ndarray) -> WireStress:
+    """Stresses along the wire in several states (states, n); what is found is (states, sections)."""
+    spring, (element, phases) = shape.scene.spring, _sections(shape)
+    force, moment, frame = _resultants(shape, states, element, phases)
+    along, across = (np.einsum("snij,snj->sni", frame, vector) for vector in (force, moment))
+    d = spring.wire_diameter
+    index = 2.0 * spring.radius(phases) / d
+    unit = 16.0 / (math.pi * d**3)
+    torsion, bending_in = across[..., 0], across[..., 2]
+    bending = np.hypot(across[..., 1], bending_in)
+    shear = unit * stress_factor(index) * np.abs(torsion)
+    bent = 2.0 * unit * np.hypot(across[..., 1], bending_factor(index) * bending_in)
+    normal = bent + np.abs(along[..., 0]) * 4.0 / (math.pi * d**2)
+    return WireStress(
+        turns=phases / TWO_PI,
+        axial_force=along[..., 0],
+        shear_force=np.hypot(along[..., 1], along[..., 2]),
+        torsion=torsion,
+        bending_moment=bending,
+        bending_in=bending_in,
+        torsion_stress=unit * np.abs(torsion),
+        bending_stress=2.0 * unit * bending,
+        shear_corrected=shear,
+        bending_corrected=normal,
+        equivalent=np.sqrt(normal**2 + 3.0 * shear**2),
+    )
+
+
+def _sections(shape: WireShape) -> tuple[np.ndarray, np.ndarray]:
+    """Elements and phases at which the wire is cut, evenly in each element."""
+    at = shape.mesh.phases
+    steps = np.diff(at)
+    wire = np.flatnonzero(steps > 0.0)  # the hold of a tip on a plate has no length
+    each = max(math.ceil(PER_TURN * steps[0] / TWO_PI - 1e-9), 1)
+    shares = (np.arange(each) + 0.5) / each
+    phases = at[wire, None] + steps[wire, None] * shares
+    return np.repeat(wire, each), phases.ravel()
+
+
+def _resultants(
+    shape: WireShape, states: np.ndarray, element: np.ndarray, phases: np.ndarray
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Forces and moments that the wire above exerts on sections, (states, sections, 3), and the sections'
+    axes as rows: tangent, towards the middle of the coil, and across both, (states, sections, 3, 3)."""
+    data, spring, nodes = shape.data.elements, shape.scene.spring, rows(states)
+    ends = np.empty((len(states), len(data.triads), 12))
+    for state, row in zip(states, ends, strict=True):
+        end_forces(state, data.arm, data.triads, data.strain0, data.stiffness, row)
+    node, parts = carried(spring, shape.mesh, phases)
+    x = interpolated(nodes, node, parts, POSITION, ARMS)
+    top, upper = carried(spring, shape.mesh, shape.mesh.phases[element + 1])
+    above = interpolated(nodes, top, upper, POSITION, ARMS)
+    force = ends[:, element, 6:9]
+    moment = ends[:, element, 9:12] + np.cross(above - x, force)
+    t = interpolated(nodes, node, parts, TANGENT, SLOPES)
+    t /= np.linalg.norm(t, axis=-1, keepdims=True)
+    inward = fixed_to_sections(nodes, node, parts, -spring.points(phases) * (1.0, 0.0, 1.0))
+    b = np.cross(t, inward)
+    b /= np.linalg.norm(b, axis=-1, keepdims=True)
+    return force, moment, np.stack((t, np.cross(b, t), b), axis=-2)

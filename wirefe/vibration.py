@@ -1,0 +1,167 @@
+"""Natural frequencies of the wire about an equilibrium: small vibrations of a loaded spring.
+
+The stiffness is the tangent of the equilibrium, with closed contact pairs and what holds them. The mass is
+consistent: the wire moves with its nodes as its stations do (`wirefe.stations`), end turns included.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from coilspring.compiling.packing import pack
+from coilspring.errors import InputError, require_choice, require_integer
+from coilspring.path import EquilibriumPath
+from wirefe import kernels, seated
+from wirefe.model import matrix_size
+from wirefe.shape import WireShape
+from wirefe.stations import (
+    ARMS,
+    NUDGE,
+    POSITION,
+    ROTATION,
+    SLOPES,
+    TANGENT,
+    carried,
+    interpolated,
+    rows,
+    turned_rows,
+)
+
+if TYPE_CHECKING:
+    from scipy.sparse import csr_array
+
+POINTS = 4  # Gauss points of an element
+TOPS = ("held", "scene")
+
+
+def frequencies(path: EquilibriumPath, step: int = -1, *, count: int = 6, top: str = "held") -> np.ndarray:
+    """Lowest natural frequencies about a stored equilibrium of the wire model.
+
+    Parameters
+    ----------
+    path : of `wirefe.solve` or `wirefe.trace`; its material has the density.
+    step : which of its equilibria.
+    count : how many, fewer than the free degrees of freedom.
+    top : {"held", "scene"}
+        "held" between plates that do not move, or free where the scene leaves it free: with the mass of the
+        top end turn alone, under a dead load that has none. A prescribed displacement is held either way.
+
+    Returns
+    -------
+    (count,) frequencies in Hz, the lowest first; nan of modes in which the equilibrium is unstable.
+
+    Raises
+    ------
+    InputError : the path is not of the wire model, or bad input, in one sentence.
+    """
+    from scipy.sparse.linalg import eigsh
+
+    shape = path.shape
+    if not isinstance(shape, WireShape):
+        raise InputError(f"frequencies needs a path of the model wirefe, got {path.model}")
+    if not -len(path.states) <= step < len(path.states):
+        raise InputError(f"step must be one of the {len(path.states)} of the path, got {step}")
+    require_choice("top", top, TOPS)
+    state = path.states[step]
+    histories = None if path.histories is None else path.histories[[step]]
+    free = _free(shape, top)
+    require_integer("count", count, 1, len(free) - 1)
+    K = tangent_stiffness(shape, state, shape.histories(histories, state[None])[0])[free][:, free]
+    M = mass(shape, state)[free][:, free]
+    squares = eigsh(
+        K.tocsc(), k=count, M=M.tocsc(), sigma=0.0, v0=np.ones(len(free)), return_eigenvectors=False
+    )
+    with np.errstate(invalid="ignore"):
+        return np.sqrt(np.sort(squares)) / (2.0 * math.pi)
+
+
+def _free(shape: WireShape, top: str) -> np.ndarray:
+    """Numbers of the free dofs, 6 node + dof."""
+    size = 6 * len(shape.data.elements.triads) + 6
+    fixed = np.zeros(size, dtype=bool)
+    fixed[shape.data.held.placed] = True
+    if top == "held":
+        fixed[-6:] = True
+    return np.flatnonzero(~fixed)
+
+
+def tangent_stiffness(shape: WireShape, state: np.ndarray, history: np.ndarray) -> csr_array:
+    """Tangent stiffness at a state found with a contact history, dofs 6 node + (dx, spin), held ones without
+    coupling."""
+    part = seated if len(shape.data.plates.low) else kernels
+    plan, flat, size = (
+        shape.data.plan,
+        np.empty(matrix_size(shape.data)),
+        6 * len(shape.data.elements.triads) + 6,
+    )
+    part.assemble(*pack(shape.data), state, 0.0, history, state, np.empty(size), flat)
+    blocks = flat.reshape(-1, 6, 6)
+    first = np.repeat(plan.order, np.diff(plan.start))  # the node eliminated first has the rows
+    nodes = np.arange(len(plan.order))
+    across = blocks[plan.block]
+    values = np.concatenate((blocks[nodes], across, np.swapaxes(across, 1, 2)))
+    row = 6 * np.concatenate((nodes, first, plan.column))
+    column = 6 * np.concatenate((nodes, plan.column, first))
+    return _scattered(values, row[:, None] + np.arange(6), column[:, None] + np.arange(6), size)
+
+
+def _scattered(values: np.ndarray, rows: np.ndarray, columns: np.ndarray, size: int) -> csr_array:
+    """A sparse matrix (size, size) of dense blocks, by the rows and columns of each."""
+    from scipy.sparse import coo_array
+
+    row, column = np.broadcast_arrays(rows[:, :, None], columns[:, None, :])
+    return coo_array((values.ravel(), (row.ravel(), column.ravel())), shape=(size, size)).tocsr()
+
+
+def mass(shape: WireShape, state: np.ndarray) -> csr_array:
+    """Consistent mass matrix at a state, t: translation, and rotary inertia of bending and of torsion."""
+    scene, spring = shape.scene, shape.scene.spring
+    phases, weights = _quadrature(shape)
+    node, parts = carried(spring, shape.mesh, phases)
+    move, spin, t = _motions(rows(state[None])[0], node, parts)
+    d = spring.wire_diameter
+    line = scene.material.density * 1e-12 * math.pi * d**2 / 4.0 * weights  # t
+    rotary = d**2 / 16.0 * (np.eye(3) + t[:, :, None] * t[:, None, :])  # polar, twice as much, about the wire
+    values = np.einsum("p,pij,pik->pjk", line, move, move)
+    values += np.einsum("p,pij,pil,plk->pjk", line, spin, rotary, spin)
+    dofs = 6 * node[:, None] + np.arange(12)
+    return _scattered(values, dofs, dofs, 6 * len(shape.data.elements.triads) + 6)
+
+
+def _quadrature(shape: WireShape) -> tuple[np.ndarray, np.ndarray]:
+    """Phases along the whole wire, and the length of wire that each stands for, mm."""
+    spring, mesh = shape.scene.spring, shape.mesh
+    step = mesh.phases[1] - mesh.phases[0]
+    low, high = spring.phase_range
+    ends = [
+        np.linspace(a, b, math.ceil((b - a) / step) + 1) for a, b in ((low, 0.0), (spring.phase_end, high))
+    ]
+    edges = np.unique(np.concatenate((mesh.phases, *ends)))
+    nodes, weights = np.polynomial.legendre.leggauss(POINTS)
+    half = 0.5 * np.diff(edges)[:, None]
+    phases = (edges[:-1, None] + half * (1.0 + nodes)).ravel()
+    slant = (spring.points(phases + NUDGE) - spring.points(phases - NUDGE)) / (2.0 * NUDGE)
+    return phases, (half * weights).ravel() * np.linalg.norm(slant, axis=1)
+
+
+def _motions(
+    nodes: np.ndarray, node: np.ndarray, parts: np.ndarray
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """How points of the wire move and turn with (dx, spin) of their two nodes, (points, 3, 12) each, and the
+    wire's tangents, (points, 3)."""
+    move, spin = np.zeros((2, len(node), 3, 12))
+    upper = np.minimum(node + 1, len(nodes) - 1)
+    for side, own in ((0, node), (1, upper)):
+        first = 6 * side
+        share, turn = (
+            parts[:, column] if side else 1.0 - parts[:, column] for column in (POSITION, ROTATION)
+        )
+        arm = turned_rows(nodes[own, 3:], parts[:, ARMS + 3 * side : ARMS + 3 * side + 3])
+        move[:, :, first : first + 3] = share[:, None, None] * np.eye(3)
+        move[:, :, first + 3 : first + 6] = np.cross(np.eye(3), arm[:, None]).swapaxes(1, 2)
+        spin[:, :, first + 3 : first + 6] = turn[:, None, None] * np.eye(3)
+    t = interpolated(nodes, node, parts, TANGENT, SLOPES)
+    return move, spin, t / np.linalg.norm(t, axis=-1, keepdims=True)
