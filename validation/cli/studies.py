@@ -170,19 +170,20 @@ def view(arguments: argparse.Namespace, folder: Path, progress: Progress) -> Ans
 
     movie = arguments.movie
     run = Path(arguments.scene)
-    progress("loading the wire")
     source = frames.of_run(run) if run.is_dir() else load_scene(arguments.scene)
     if movie is None:
         animation.require_display()
     else:
         animation.require_gif(movie)
         prepare(movie.parent)
-    found = frames.of_scene(source) if isinstance(source, Scene) else source
+
+    def load() -> frames.Frames:
+        return frames.of_scene(source, progress) if isinstance(source, Scene) else source
+
     if movie is None:
-        animation.show(found)
+        animation.show(load)
         return [], ""
-    progress(f"drawing {len(found.times)} pictures")
-    remark = animation.film(found, movie)
+    remark = animation.film(load, movie, progress)
     return [*([remark] if remark else []), f"written to {movie}"], ""
 
 
