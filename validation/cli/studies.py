@@ -12,7 +12,7 @@ from pathlib import Path
 
 from coilspring import InputError, Scene, load_scene
 from coilspring.errors import require_integer
-from validation.cli.arguments import CAMPAIGN_RANGES, given, scene_of
+from validation.cli.arguments import CAMPAIGN_RANGES, given, scene_of, scenes_of
 from validation.study.output import claimed, json_bytes, prepare, write_files, write_text, writing
 
 Progress = Callable[[str], None]
@@ -56,16 +56,26 @@ def sensitivity(arguments: argparse.Namespace, folder: Path, progress: Progress)
 
 def regress(arguments: argparse.Namespace, folder: Path, progress: Progress) -> Answer:
     """Compare what both models find with stored baselines."""
+    scenes, kept = scenes_of(arguments), arguments.baselines
+    if scenes and kept is None:
+        raise InputError("--baselines DIR must name a folder of yours where scenes are given")
+    if arguments.geometry and not scenes:
+        raise InputError(f"--geometry goes with scenes in regress, got {arguments.geometry} alone")
     progress(LOADING)
     from validation.regress import run
+    from validation.regress.baselines import SHIPPED
 
     accept, times = arguments.accept, arguments.time
+    lines, verdicts = [], []
     with writing(folder):
-        finding = run.regress(folder, arguments.baseline, accept, times, progress)
-    verdict = run.verdict(finding)
-    lines = [*map(str, finding.moves), verdict, f"written to {folder}"]
-    moved = finding.moves and not accept
-    return lines, f"{verdict}; where that is meant: regress --accept" if moved else ""
+        for name, scene in (scenes or {"": None}).items():
+            out = folder / name if len(scenes) > 1 else folder
+            finding = run.regress(out, (kept or SHIPPED) / name, accept, times, progress, scene)
+            verdict = f"{name}: {run.verdict(finding)}" if name else run.verdict(finding)
+            lines += [*map(str, finding.moves), *finding.left_out, verdict]
+            verdicts += [verdict] if finding.moves and not accept else []
+    moved = f"{'; '.join(verdicts)}; where that is meant: regress --accept" if verdicts else ""
+    return [*lines, f"written to {folder}"], moved
 
 
 def stability(arguments: argparse.Namespace, folder: Path, progress: Progress) -> Answer:

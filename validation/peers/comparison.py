@@ -89,10 +89,8 @@ class PeerComparison:
         if len(times) == 0:
             return f"{code}: no step reached, {seconds:.2g} s CPU"
         units = {"ux": "mm", "uy": "mm", "force": "N", "rotz": "rad"}
-        shown = (
-            f"{self.names[name]} {answer[-1]:.6g} {units[self.names[name]]}"
-            for name, answer in answers.items()
-        )
+        last = {self.names[name]: answer[-1] for name, answer in answers.items()}
+        shown = (f"{name} {value:.6g} {units[name]}" for name, value in last.items())
         return f"{code}: at time {times[-1]:g} {', '.join(shown)}; {seconds:.2g} s CPU"
 
 

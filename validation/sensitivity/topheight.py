@@ -17,7 +17,7 @@ from coilspring.solver.solve import follow_problem, output_times, scene_path
 from equivbeam import model as beam
 from equivbeam.shape import BeamShape
 from equivbeam.solve import KERNELS as BEAM_KERNELS
-from validation.study.cases import PAPER_MESH
+from validation.study.cases import paper_mesh
 from validation.study.partialsolve import partial_path
 from wirefe.shape import WireShape
 from wirefe.solve import KERNELS as WIRE_KERNELS
@@ -76,7 +76,7 @@ def _beam(scene: Scene, moment: float) -> EquilibriumPath:
 
 
 def _wire(scene: Scene, moment: float) -> EquilibriumPath:
-    problem, mesh, options = scene_problem(scene, **PAPER_MESH)
+    problem, mesh, options = scene_problem(scene, **paper_mesh(scene))
     problem = replace(problem, load=_with_moment(problem.load, moment))
     run = follow_problem(problem, WIRE_KERNELS, output_times(scene), scene.spring.wire_diameter)
     return scene_path(scene, "wirefe", options, run, WireShape(scene, problem.data, mesh))
