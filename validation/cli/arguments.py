@@ -85,14 +85,12 @@ def scenes_of(arguments: argparse.Namespace) -> dict[str, Scene]:
     """
     geometry = arguments.geometry
     found: dict[str, Scene] = {}
-    for given in arguments.scenes:
-        scene = load_scene(given).overridden(geometry=geometry)
-        name = "-".join(
-            [given if given in CATALOGUE else Path(given).stem, *([geometry] if geometry else [])]
-        )
+    for file in arguments.scenes:
+        name = file if file in CATALOGUE else Path(file).stem
+        name += f"-{geometry}" if geometry else ""
         if name in found:
             raise InputError(f"SCENE must be files of different names, got {name} twice")
-        found[name] = replace(scene, name=name)
+        found[name] = replace(load_scene(file).overridden(geometry=geometry), name=name)
     return found
 
 

@@ -68,7 +68,7 @@ def regress(arguments: argparse.Namespace, folder: Path, progress: Progress) -> 
     accept, times = arguments.accept, arguments.time
     lines, verdicts = [], []
     with writing(folder):
-        for name, scene in (scenes or {"": None}).items():
+        for name, scene in scenes.items() or [("", None)]:
             out = folder / name if len(scenes) > 1 else folder
             finding = run.regress(out, (kept or SHIPPED) / name, accept, times, progress, scene)
             verdict = f"{name}: {run.verdict(finding)}" if name else run.verdict(finding)

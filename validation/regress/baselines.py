@@ -184,9 +184,7 @@ def read(folder: Path) -> dict[str, dict[str, Any]]:
 
 def _read(file: Path) -> dict[str, Any]:
     if not file.is_file():
-        raise InputError(
-            f"no baseline at {file}: name their folder by --baselines, or write them by --accept"
-        )
+        raise InputError(f"no baseline at {file}: name its folder by --baselines, or write it by --accept")
     try:
         kept = json.loads(file.read_text(encoding="utf-8"))
         kept["made"]["processor"], kept["runs"].items()

@@ -67,7 +67,7 @@ def regress(
             ratios, untimed = timeratios.measure(progress, scene)
             left_out += untimed
             timeratios.write(ratios, out)
-            moves += timeratios.compare(baseline, ratios) if times and not (accept and not kept) else ()
+            moves += timeratios.compare(baseline, ratios) if times and kept else ()
         if accept:
             baselines.write(found, baseline)
             timeratios.write(ratios, baseline)

@@ -31,7 +31,7 @@ FINE_MESH = PAPER_MESH | {"elements_per_turn": 80}  # to estimate the error of t
 
 
 def paper_mesh(scene: Scene) -> dict[str, Any]:
-    """The paper's mesh for a scene; stations of wires, which it has not, are as many as the wire model takes."""
+    """The paper's mesh for a scene; of stations of wires, which it lacks, the wire model's own number."""
     return PAPER_MESH if scene.contact.geometry == "spheres" else PAPER_MESH | {"pairs_per_turn": None}
 
 
