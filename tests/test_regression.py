@@ -330,7 +330,7 @@ def test_an_interrupted_run_keeps_what_was_found_and_the_baselines(small, monkey
         ("--baselines broken", "is no baseline"),
         ("--accept extra", "extra"),
         ("spring-a", "--baselines DIR must name a folder of yours"),
-        ("--geometry wires", "--geometry goes with scenes in regress, got wires alone"),
+        ("--geometry wires", "--geometry must go with SCENE, got wires alone"),
         ("spring-a spring-a --baselines mine", "got spring-a twice"),
         ("spring-a --baselines mine", "no baseline at mine/spring-a/equivbeam.json"),
         ("--tolerance 1", "--tolerance"),
@@ -425,7 +425,7 @@ def test_a_scene_of_ones_own_from_any_folder(own, tmp_path, capsys):
     (run,) = [run for run in runs_of(load_scene("mine.toml")) if run.name.endswith("turn=8")]
     assert run.solve().options["pairs_per_turn"] == 32
     assert main(own) == 0
-    report = (tmp_path / "coilcheck-out" / "regress" / "regress.md").read_text(encoding="utf-8")
+    report = (tmp_path / "coilcheck-out" / "regress-mine" / "regress.md").read_text(encoding="utf-8")
     assert report.startswith("# Regression\n\n**3 runs: nothing moved.**\n\nleft out: equivbeam")
     text = (tmp_path / "mine.toml").read_text(encoding="utf-8")
     (tmp_path / "mine.toml").write_text(text.replace("E = 206000.0", "E = 206206.0"), encoding="utf-8")

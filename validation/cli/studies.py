@@ -33,6 +33,9 @@ def reproduce(arguments: argparse.Namespace, folder: Path, progress: Progress) -
 def workprecision(arguments: argparse.Namespace, folder: Path, progress: Progress) -> Answer:
     """Measure run time against error of both models."""
     extent = next((name for name in ("quick", "full") if getattr(arguments, name)), "normal")
+    scenes = _own_scenes(arguments)
+    if scenes and arguments.page:
+        raise InputError("--page takes the scenes recorded in the folder: leave out SCENE")
     progress(LOADING)
     from validation.workprecision import page, run
 
@@ -40,8 +43,23 @@ def workprecision(arguments: argparse.Namespace, folder: Path, progress: Progres
         if arguments.page:
             rows = page.write(folder, drawn=True)
         else:
-            rows = run.workprecision(folder, arguments.only, extent, progress)
+            rows = run.workprecision(folder, arguments.only, extent, progress, scenes)
     return [*page.digest(rows), f"written to {folder}"], ""
+
+
+def _own_scenes(arguments: argparse.Namespace) -> dict[str, Scene]:
+    """The scenes of a study by name; empty for those of the paper.
+
+    Raises
+    ------
+    InputError : scenes beside --only, or a geometry without scenes.
+    """
+    scenes = scenes_of(arguments)
+    if scenes and getattr(arguments, "only", None):
+        raise InputError(f"SCENE or --only, not both, got {', '.join(scenes)} and {','.join(arguments.only)}")
+    if arguments.geometry and not scenes:
+        raise InputError(f"--geometry must go with SCENE, got {arguments.geometry} alone")
+    return scenes
 
 
 def sensitivity(arguments: argparse.Namespace, folder: Path, progress: Progress) -> Answer:
@@ -56,11 +74,9 @@ def sensitivity(arguments: argparse.Namespace, folder: Path, progress: Progress)
 
 def regress(arguments: argparse.Namespace, folder: Path, progress: Progress) -> Answer:
     """Compare what both models find with stored baselines."""
-    scenes, kept = scenes_of(arguments), arguments.baselines
+    scenes, kept = _own_scenes(arguments), arguments.baselines
     if scenes and kept is None:
         raise InputError("--baselines DIR must name a folder of yours where scenes are given")
-    if arguments.geometry and not scenes:
-        raise InputError(f"--geometry goes with scenes in regress, got {arguments.geometry} alone")
     progress(LOADING)
     from validation.regress import run
     from validation.regress.baselines import SHIPPED
