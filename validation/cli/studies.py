@@ -63,13 +63,14 @@ def _own_scenes(arguments: argparse.Namespace) -> dict[str, Scene]:
 
 
 def sensitivity(arguments: argparse.Namespace, folder: Path, progress: Progress) -> Answer:
-    """Vary what the paper leaves open in both models."""
+    """Vary what the paper leaves open, or inputs of scenes, in both models."""
+    scenes = _own_scenes(arguments)
     progress(LOADING)
     from validation.sensitivity import page, run
 
     with claimed(folder), writing(folder):
-        studies = run.sensitivity(folder, arguments.only, progress)
-    return [*map(page.digest, studies), f"written to {folder}"], ""
+        studies = run.sensitivity(folder, arguments.only, progress, scenes)
+    return [*(line for study in studies for line in page.digest(study)), f"written to {folder}"], ""
 
 
 def regress(arguments: argparse.Namespace, folder: Path, progress: Progress) -> Answer:

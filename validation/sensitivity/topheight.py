@@ -18,11 +18,15 @@ from equivbeam import model as beam
 from equivbeam.shape import BeamShape
 from equivbeam.solve import KERNELS as BEAM_KERNELS
 from validation.study.cases import paper_mesh
+from validation.study.metrics import COMPONENTS, answered
 from validation.study.partialsolve import partial_path
 from wirefe.shape import WireShape
 from wirefe.solve import KERNELS as WIRE_KERNELS
 from wirefe.solve import scene_problem
 
+SLIGHT = (
+    0.01  # of the farthest: the peak of a component that moves less says nothing; ROTZ at half the height
+)
 ROUNDS = 20  # of the fixed point; on Spring A each leaves less than a tenth of the error
 
 
@@ -31,14 +35,21 @@ class TipCurve:
     """What of a path the study compares."""
 
     times: np.ndarray  # (steps,) reached
-    tips: np.ndarray  # (steps, 3) UX, UY (mm) and ROTZ (rad) of the point that is loaded
+    tips: (
+        np.ndarray
+    )  # (steps, 3) UX, UY (mm; prescribed, the force, N), ROTZ (rad) of the point that is loaded
     outcome: str  # how the path ended, as `EquilibriumPath` has it
     critical_time: float | None  # when it ended
+    counted: tuple[bool, ...] = (True, True, True)  # components that move as far as others, nearly
 
     @classmethod
     def of(cls, path: EquilibriumPath) -> TipCurve:
         """Tip curve of a path."""
-        return cls(path.times, path.tips, path.outcome, path.critical_time)
+        answers = answered(path)
+        tips = np.column_stack([answers[name] for name in COMPONENTS])
+        moved = np.abs(path.tips).max(axis=0, initial=0.0) * (1.0, 1.0, 0.5 * path.scene.spring.active_height)
+        counted = tuple((moved > SLIGHT * moved.max()).tolist())
+        return cls(path.times, tips, path.outcome, path.critical_time, counted)
 
 
 def raised(scene: Scene, model: str, height: float) -> TipCurve:
