@@ -324,7 +324,7 @@ def test_scenes_of_ones_own_beside_what_they_cannot_be_given(tmp_path, monkeypat
     assert (tmp_path / "sensitivity.png").is_file()
     loose = own("loose", coils=2.3, contact=Contact(geometry="spheres"), load=Load((0.0, -400.0)))
     with pytest.raises(
-        InputError, match="loose: no model has a load curve to vary: equivbeam: .*wirefe ends"
+        InputError, match=r"loose: no model has a load curve to vary: equivbeam: .*wirefe ends"
     ):
         sensitivity(tmp_path, scenes={"loose": loose})
 
