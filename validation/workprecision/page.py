@@ -44,6 +44,7 @@ def markdown(rows: pd.DataFrame, made: Mapping[str, str], drawn: bool) -> str:
     peers = rows[rows["role"] == "opensees"]
     sticking = rows.loc[rows["sliding"] == "scene", "scene"].unique()
     reference = {
+        "series": " or ".join(halved["series"].unique()),
         "elements_per_turn": " or ".join(f"{2 * mesh}" for mesh in halved["elements_per_turn"].unique()),
         "steps": halved["steps"].iloc[0],
         "rounds": f"{rows.loc[rows['role'] == 'run', 'rounds'].iloc[0]:.0f}",

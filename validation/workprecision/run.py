@@ -39,7 +39,6 @@ from validation.workprecision.settings import (
     STEPS,
     Extent,
     Setting,
-    fitted,
     settings,
 )
 
@@ -91,8 +90,8 @@ def workprecision(
                 found.append(penalty_rows(scene, EXTENTS[extent].rounds, progress))
         except (InputError, EquilibriumNotFound) as error:
             failure = error
-            finest = Setting.wire(scene, "curved", EXTENTS[extent].reference)
-            found.append(pd.DataFrame([left_out(scene, finest, f"the reference: {error}")]))
+            paper = Setting.wire(scene, "straight", PAPER_ELEMENTS)
+            found.append(pd.DataFrame([left_out(scene, paper, f"the reference: {error}")]))
         rows = pd.concat(found, ignore_index=True)
         if (rows["role"] == "run").any():
             write_files({results.FILE: results.to_csv(rows)}, out)
@@ -163,8 +162,8 @@ def _times(ratios: np.ndarray, paper: float) -> dict[str, float]:
 
 def _reference(scene: Scene, extent: Extent) -> tuple[EquilibriumPath, list[dict[str, object]]]:
     """The finest path, and rows of its own error."""
-    half = fitted(scene, extent.reference // 2)
-    finest = Setting.wire(scene, "curved", 2 * half, steps=extent.finest)
+    series, half = extent.finest_mesh(scene)
+    finest = Setting.wire(scene, series, 2 * half, steps=extent.finest)
     path = solve_wire(scene, **finest.options)
     rows = []
     for role, setting in (
