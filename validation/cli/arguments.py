@@ -144,7 +144,7 @@ def _add_solutions(commands: argparse._SubParsersAction) -> None:
 
 def _add_studies(commands: argparse._SubParsersAction) -> None:
     purpose = "run time against error of both models, for every mesh, law and number of steps"
-    example = "coilcheck workprecision --quick --only spring-a,spring-b"
+    example = "coilcheck workprecision my.toml spring-a --quick"
     command = _command(commands, "workprecision", purpose, example)
     _add_scenes(command, f"{SCENE_HELP}; default those of --only")
     _add_only(command, STUDY_SCENES)
@@ -153,8 +153,8 @@ def _add_studies(commands: argparse._SubParsersAction) -> None:
     _add_flag(size, "--full", "meshes up to 320 elements per turn")
     _add_flag(size, "--page", "page and figures of the numbers recorded in the folder, measure nothing")
 
-    purpose = "effect of what the paper leaves open on the curves of both models"
-    command = _command(commands, "sensitivity", purpose, "coilcheck sensitivity --only spring-a,spring-b")
+    purpose = "effect of what the paper leaves open, or of the inputs of scenes, on both models' curves"
+    command = _command(commands, "sensitivity", purpose, "coilcheck sensitivity my.toml")
     _add_scenes(command, f"{SCENE_HELP}; default those of --only")
     _add_only(command, tuple(CATALOGUE))
 
