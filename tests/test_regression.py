@@ -6,7 +6,6 @@ import sys
 from contextlib import nullcontext
 from dataclasses import replace
 from functools import partial
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -18,21 +17,21 @@ import equivbeam.model
 import validation.regress.baselines
 import validation.regress.run
 import wirefe.model
-from coilspring import CATALOGUE, EquilibriumNotFound, InputError
+from coilspring import CATALOGUE, EquilibriumNotFound, InputError, load_scene, scene_text, spring_a
 from equivbeam import Refinements
 from validation.cli import main
 from validation.cli.arguments import command_line
 from validation.regress import timeratios
-from validation.regress.baselines import MODELS, Run, find, read, runs
+from validation.regress.baselines import MODELS, SHIPPED, Run, find, read, runs, runs_of
 from validation.regress.comparison import compare
 from validation.regress.run import regress
 from validation.study import cases
 from validation.study.cases import CASES
 
-KEPT = Path(__file__).parents[1] / "reports" / "baseline"
 # the models' modules, which their own functions `solve` hide
 BEAM_SOLVE, WIRE_SOLVE = sys.modules["equivbeam.solve"], sys.modules["wirefe.solve"]
 FAULT = 1.001  # 0.1 % off
+MEASURE = timeratios.measure
 
 
 def few(*parts):
@@ -52,7 +51,7 @@ CURVED = [run for run in few("element=curved, elements_per_turn=4,") if "slender
 @pytest.fixture(autouse=True)
 def no_timing(monkeypatch):
     """Ratios of times are not what is tested here."""
-    monkeypatch.setattr(timeratios, "measure", lambda progress: {"a / b": 2.0})
+    monkeypatch.setattr(timeratios, "measure", lambda progress, scene: ({"a / b": 2.0}, ()))
 
 
 @pytest.fixture(scope="module")
@@ -62,7 +61,7 @@ def before():
 
 
 def found_now(chosen):
-    return find(chosen, lambda line: None)
+    return find(chosen, lambda line: None)[0]
 
 
 def as_baseline(found, processor="here"):
@@ -262,7 +261,7 @@ def small(monkeypatch, tmp_path):
     names = ("spring-a-no-contact, law=haringx", "spring-b, element=curved, elements_per_turn=4")
     chosen = [run for name in names for run in only(name)]
     monkeypatch.setattr(validation.regress.run, "runs", lambda: chosen)
-    return ["regress", "--out", str(tmp_path / "out"), "--baseline", str(tmp_path / "base")]
+    return ["regress", "--out", str(tmp_path / "out"), "--baselines", str(tmp_path / "base")]
 
 
 def test_the_command_accepts_and_then_passes(small, tmp_path, capsys):
@@ -299,7 +298,8 @@ def test_the_command_says_what_moved_until_it_is_accepted(small, monkeypatch, tm
 
 def test_times_are_judged_on_request_only(small, monkeypatch, capsys):
     assert main([*small, "--accept"]) == 0
-    monkeypatch.setattr(timeratios, "measure", lambda progress: {"a / b": 3.5, "new": 1.0})
+    ratios = {"a / b": 3.5, "new": 1.0}
+    monkeypatch.setattr(timeratios, "measure", lambda progress, scene: (ratios, ()))
     assert main(small) == 0
     assert main([*small, "--time"]) == 1
     assert "times: a / b was 2, is 3.5 (factor 1.75, 1.5 allowed)" in capsys.readouterr().out
@@ -326,9 +326,13 @@ def test_an_interrupted_run_keeps_what_was_found_and_the_baselines(small, monkey
 @pytest.mark.parametrize(
     ("arguments", "part"),
     [
-        ("--baseline nowhere", "no baseline at nowhere"),
-        ("--baseline broken", "is no baseline"),
+        ("--baselines nowhere", "no baseline at nowhere"),
+        ("--baselines broken", "is no baseline"),
         ("--accept extra", "extra"),
+        ("spring-a", "--baselines DIR must name a folder of yours"),
+        ("--geometry wires", "--geometry must go with SCENE, got wires alone"),
+        ("spring-a spring-a --baselines mine", "got spring-a twice"),
+        ("spring-a --baselines mine", "no baseline at mine/spring-a/equivbeam.json"),
         ("--tolerance 1", "--tolerance"),
     ],
 )
@@ -358,12 +362,12 @@ def test_help_has_an_example_that_parses(capsys):
 
 
 def test_the_stored_baselines_are_those_of_the_runs():
-    kept = read(KEPT)
+    kept = read(SHIPPED)
     watched = runs()
     assert len({(run.model, run.name) for run in watched}) == len(watched)
     for model in MODELS:
         assert list(kept[model]["runs"]) == [run.name for run in watched if run.model == model]
-    assert json.loads((KEPT / timeratios.FILE).read_text())["ratios"]
+    assert json.loads((SHIPPED / timeratios.FILE).read_text())["ratios"]
 
 
 def test_the_library_compares_without_the_command(tmp_path):
@@ -388,3 +392,71 @@ def test_a_law_without_a_path_is_made_ready_too(monkeypatch):
 def test_what_is_timed_reaches_full_load(name):
     for case in CASES:
         assert timeratios.RUNS[name](case.scene) > 0.0
+
+
+@pytest.fixture
+def own(tmp_path, monkeypatch):
+    """A short spring in a file of the user's, who is elsewhere; returns the command's arguments."""
+    text = scene_text(replace(spring_a(), name="a spring"))
+    for old, new in (
+        *(("active_coils = 14.5", "active_coils = 2.25"), ("active_height = 28.6", "active_height = 7.0")),
+        *(("steps = 50", "steps = 3"), ('geometry = "spheres"', 'geometry = "wires"')),
+    ):
+        assert old in text
+        text = text.replace(old, new)
+    (tmp_path / "mine.toml").write_text(text, encoding="utf-8")
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(validation.regress.run, "make_ready", lambda: None)
+    return ["regress", "mine.toml", "--baselines", "kept"]
+
+
+def test_a_scene_of_ones_own_from_any_folder(own, tmp_path, capsys):
+    """The beam refuses it, in one sentence; contact is that of wires, with as many stations as they need."""
+    assert main([*own, "--accept"]) == 0
+    said = capsys.readouterr().out
+    assert said.count("left out: equivbeam, mine, law=haringx: spring.active_coils must be") == 1
+    assert "mine: 3 runs: nothing moved; accepted" in said
+    kept = read(tmp_path / "kept" / "mine")
+    assert list(kept["wirefe"]["runs"]) == [
+        "mine, element=straight, elements_per_turn=40",
+        "mine, element=curved, elements_per_turn=4",
+        "mine, element=curved, elements_per_turn=8",
+    ]
+    (run,) = [run for run in runs_of(load_scene("mine.toml")) if run.name.endswith("turn=8")]
+    assert run.solve().options["pairs_per_turn"] == 32
+    assert main(own) == 0
+    report = (tmp_path / "coilcheck-out" / "regress-mine" / "regress.md").read_text(encoding="utf-8")
+    assert report.startswith("# Regression\n\n**3 runs: nothing moved.**\n\nleft out: equivbeam")
+    text = (tmp_path / "mine.toml").read_text(encoding="utf-8")
+    (tmp_path / "mine.toml").write_text(text.replace("E = 206000.0", "E = 206206.0"), encoding="utf-8")
+    assert main(own) == 1
+    captured = capsys.readouterr()
+    assert "wirefe, mine, element=curved, elements_per_turn=4: ux at time" in captured.out
+    assert captured.err.startswith("coilcheck: mine: 3 runs: ")
+
+
+def test_the_geometry_asked_for_has_baselines_of_its_own(own, tmp_path):
+    assert main([*own, "--accept"]) == 0
+    assert main([*own, "--geometry", "spheres", "--accept"]) == 0
+    assert sorted(folder.name for folder in (tmp_path / "kept").iterdir()) == ["mine", "mine-spheres"]
+
+
+def test_the_shipped_baselines_are_found_from_anywhere(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    chosen = only("spring-a-no-contact, law=haringx")
+    monkeypatch.setattr(validation.regress.run, "runs", lambda: chosen)
+    monkeypatch.setattr(validation.regress.run, "make_ready", lambda: None)
+    found = []
+    monkeypatch.setattr(validation.regress.run, "compare", lambda kept, *_: found.append(kept) or ())
+    assert main(["regress"]) == 0
+    assert found == [read(SHIPPED)]
+    assert (tmp_path / "coilcheck-out" / "regress" / "regress.md").is_file()
+
+
+def test_a_scene_that_does_not_reach_full_load_has_no_ratios():
+    """`measure` as it is, which `no_timing` has replaced in its module."""
+    scene = CATALOGUE["spring-b"]().with_penalty(400.0).with_steps(1)
+    scene = replace(scene, name="soft", contact=replace(scene.contact, sliding="free"))
+    ratios, (said,) = MEASURE(lambda line: None, scene)
+    assert ratios == {}
+    assert said.startswith("soft has no ratios of times: ")

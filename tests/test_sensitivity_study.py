@@ -10,7 +10,8 @@ import pandas as pd
 import pytest
 
 import equivbeam
-from coilspring import InputError, spring_a, spring_b
+import validation.sensitivity.run as sensitivity_run
+from coilspring import Contact, InputError, Load, Material, Scene, Spring, Supports, spring_a, spring_b
 from coilspring.contact.law import PAIR_HISTORY
 from coilspring.scene.wire import round_section
 from coilspring.solver.solve import Problem, follow_problem, output_times, scene_path
@@ -33,6 +34,8 @@ from validation.sensitivity.changes import (
 )
 from validation.sensitivity.changes import change as difference
 from validation.sensitivity.inputs import BEAM, INPUTS, LIKE, MODELS, NOT_GIVEN, READING, WIRE
+from validation.sensitivity.own import VARIED, inputs_of
+from validation.sensitivity.page import digest
 from validation.sensitivity.run import sensitivity
 from validation.sensitivity.topheight import TipCurve, raised
 from validation.study.cases import PAPER_MESH, case, solve_beam, solve_wire
@@ -264,3 +267,90 @@ def test_bad_input(tmp_path, capsys):
     assert "must be names of spring-a," in capsys.readouterr().err
     with pytest.raises(InputError, match=r"only must hold names of spring-a, .* got 'spring-c'"):
         sensitivity(tmp_path, ["spring-c"])
+
+
+def own(name, coils=2.5, **parts):
+    """A short spring of a user's; contact of wires, which its load does not close."""
+    spring = Spring(wire_diameter=1.5, mean_diameter=10.0, active_coils=coils, active_height=7.0)
+    return Scene(name, spring, **{"load": Load((2.0, -20.0), steps=2)} | parts)
+
+
+def test_inputs_of_ones_own_scene_are_about_its_own_values():
+    brass = replace(
+        own("brass"),
+        material=Material(E=110e3, nu=0.35),
+        spring=replace(own("brass").spring, start_phase=1.0, end_turns=0.75),
+    )
+    inputs = {item.name: item for item in inputs_of(brass)}
+    assert {item.kind for item in inputs.values()} == {VARIED}
+    assert (inputs["E"].default, inputs["pairs"].default) == ("110 GPa", "32 wires")
+    found = {name: item.variants(brass, WIRE) for name, item in inputs.items()}
+    assert [each.scene.material.E for each in found["E"]] == pytest.approx([104.5e3, 115.5e3])
+    assert [each.scene.material.nu for each in found["nu"]] == pytest.approx([0.32, 0.38])
+    assert [each.scene.spring.end_turns for each in found["rigid_turns"]] == [0.5, 1.0]
+    assert found["start_phase"][0].scene.spring.start_phase == pytest.approx(1.0 + math.radians(30.0))
+    assert [each.options["pairs_per_turn"] for each in found["pairs"]] == [16, 64]
+    assert found["sphere_place"] == ()
+    for scene in (own("m", load=Load(displacement=-2.0)), own("s", load=Load(stages=((0.0, -9.0),)))):
+        inputs = {item.name: item for item in inputs_of(scene)}
+        assert inputs["reference_height"].variants(scene, WIRE) == ()
+        assert inputs["rigid_turns"].variants(scene, WIRE) == ()
+    plates = replace(own("p", load=Load((0.0, -20.0))), supports=Supports(("ux", "rotz"), seat="plate"))
+    assert next(item for item in INPUTS if item.name == "end_contact").variants(plates, WIRE) == ()
+
+
+def test_scenes_of_ones_own_beside_what_they_cannot_be_given(tmp_path, monkeypatch):
+    """A displacement whose force goes with the modulus, and a scene that no beam represents."""
+    monkeypatch.setattr(sensitivity_run, "make_ready", lambda: None)
+    few = ("E", "pairs", "element")
+    chosen = sensitivity_run.inputs_of
+    monkeypatch.setattr(
+        sensitivity_run, "inputs_of", lambda scene: tuple(i for i in chosen(scene) if i.name in few)
+    )
+    machine = own("machine", load=Load(displacement=-1.0, steps=2), supports=Supports(("ux", "rotz")))
+    thirds = own("odd", coils=2.3, contact=Contact(sliding="none"))
+    studies = sensitivity(tmp_path, scenes={"machine": machine, "odd": thirds})
+    rows = studies[0].data.set_index(["model", "input", "value"])[CURVE]
+    for model in MODELS:  # the force of a given displacement is in proportion to the stiffness
+        assert rows[model, "E", "216.3 GPa"] == pytest.approx(5.0, rel=1e-6)
+    said = [line for study in studies for line in digest(study)]
+    assert said[1].startswith("odd, equivbeam: spring.active_coils must be a multiple of 0.5")
+    assert (studies[0].resolution, studies[1].resolution) == (None, pytest.approx(0.0, abs=1e-6))
+    text = (tmp_path / "sensitivity.md").read_text(encoding="utf-8")
+    assert "- Left out: equivbeam: spring.active_coils must be" in text
+    assert text.count("UY is prescribed") == text.count("Closed pairs stick or rub") == 1
+    for absent in ("nan", "the paper", "authors", "Spring A"):
+        assert absent not in text
+    assert (tmp_path / "sensitivity.png").is_file()
+    loose = own("loose", coils=2.3, contact=Contact(geometry="spheres"), load=Load((0.0, -400.0)))
+    with pytest.raises(
+        InputError, match=r"loose: no model has a load curve to vary: equivbeam: .*wirefe ends"
+    ):
+        sensitivity(tmp_path, scenes={"loose": loose})
+
+
+def test_a_component_that_hardly_moves_is_not_counted():
+    """ROTZ of 2e-5 rad beside a millimetre."""
+    path = solve_wire(own("axial", load=Load((0.0, -20.0), steps=1)))
+    assert 0.0 < abs(path.tips[-1, 2]) * 3.5 < 0.01 * abs(path.tips[-1, 1])
+    assert TipCurve.of(path).counted[1:] == (True, False)
+    found = difference(TipCurve.of(path), TipCurve.of(path))
+    assert np.isnan(found["rotz_change_percent"])
+    assert TipCurve.of(solve_wire(spring_a(), steps=1)).counted == (True, True, True)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "part"),
+    [
+        ("spring-a --only spring-b", "SCENE or --only, not both, got spring-a and spring-b"),
+        ("nowhere.toml", "nowhere.toml"),
+        ("--geometry wires", "--geometry must go with SCENE, got wires alone"),
+    ],
+)
+def test_bad_scenes_are_refused_in_one_sentence(arguments, part, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    assert main(["sensitivity", *arguments.split()]) == 2
+    message = capsys.readouterr().err
+    assert message.count("\n") == 1
+    assert part in message
+    assert not list(tmp_path.iterdir())

@@ -1,6 +1,7 @@
 """The deforming wire: a series of VTU files, a movie of it, and words where there is no window."""
 
 import sys
+from dataclasses import asdict
 
 import numpy as np
 import pytest
@@ -10,6 +11,7 @@ import wirefe
 from coilspring import spring_b
 from validation.cli import main
 from validation.view import animation, frames
+from validation.view.process import Drawing
 
 
 @pytest.fixture(scope="module")
@@ -49,6 +51,40 @@ def test_a_movie_of_a_run(run, tmp_path, capsys):
     assert main(["view", str(run), "--movie", str(movie)]) == 0
     assert pictures(movie) == 4
     assert f"written to {movie}" in capsys.readouterr().out
+
+
+def test_a_picture_is_rendered_once(run):
+    """Parts that render themselves took four times as long; counted where VTK may end the process."""
+    code = """
+import sys, pyvista
+from pathlib import Path
+from validation.view import viewer
+counted, render = [], pyvista.Plotter.render
+pyvista.Plotter.render = lambda self: counted.append(1) or render(self)
+viewer.main(Path(sys.argv[1]), sys.argv[2])
+(Path(sys.argv[1]) / "renders").write_text(str(len(counted)))
+"""
+    found = frames.of_run(run)
+    with Drawing((sys.executable, "-c", code), None, "pictures") as drawing:
+        drawing.give(asdict(found))
+        files = [drawing.folder / f"{step:04d}.png" for step in range(len(found.times))]
+        counts = []
+        assert drawing.failure(60.0, files, written=counts.append) == ""
+        renders = int((drawing.folder / "renders").read_text())
+    assert len(files) <= renders <= len(files) + 4  # the others make it ready
+    assert counts[-1] == len(files)
+
+
+def test_a_movie_tells_how_far_it_is(run, tmp_path):
+    said = []
+    assert animation.film(lambda: frames.of_run(run), tmp_path / "b.gif", said.append) == ""
+    assert (said[0], said[-2:]) == (
+        "drawing: 0 of 4 pictures",
+        ["drawing: 4 of 4 pictures", "writing the movie"],
+    )
+    told = []
+    frames.of_scene(spring_b().with_steps(1), told.append)
+    assert told == ["loading wirefe", "solving with wirefe"]
 
 
 @pytest.mark.parametrize("code", ["raise SystemExit(3)", "pass"])

@@ -15,16 +15,17 @@ import pytest
 import validation.workprecision.run as work
 import validation.workprecision.settings as worksettings
 import wirefe
-from coilspring import InputError
+from coilspring import Contact, EquilibriumNotFound, InputError, Load, Scene, Spring
 from equivbeam.laws import LAWS
 from validation.cli import main
 from validation.cli.arguments import CAMPAIGN_RANGES, STUDY_SCENES, command_line
 from validation.peers.installed import opensees
 from validation.study.cases import PAPER_MESH
+from validation.study.metrics import COMPONENTS
 from validation.study.provenance import write_provenance
 from validation.study.scenes import study_scenes
 from validation.workprecision import page, results
-from validation.workprecision.settings import EXTENTS, NORMAL, STEPS, TITLES, Extent, settings
+from validation.workprecision.settings import EXTENTS, NORMAL, STEPS, TITLES, Extent, fitted, settings
 
 SMALL = Extent((20, 40, 80), (4, 8), 32, (1, 10), (), 3)
 NAME = "spring-a-no-contact"
@@ -161,7 +162,8 @@ def straight(scene, steps, tolerance, elements_per_turn):
     path = wirefe.solve(scene, steps=steps, elements_per_turn=elements_per_turn)
     tips = path.tips if steps > 10 else path.tips[: steps // 2]
     times = np.arange(1, len(tips) + 1) / steps
-    return SimpleNamespace(tips=tips, times=times, seconds=7.0, iterations=9, steps=steps)
+    answers = dict(zip(COMPONENTS, tips.T, strict=True))
+    return SimpleNamespace(tips=tips, answers=answers, times=times, seconds=7.0, iterations=9, steps=steps)
 
 
 def test_opensees_is_listed_and_drawn_beside_the_wire_model(small, tmp_path, monkeypatch):
@@ -238,12 +240,65 @@ def test_an_interrupted_study_keeps_the_finished_scenes(small, tmp_path, monkeyp
     assert ".png" not in (tmp_path / "workprecision.md").read_text()
 
 
+def own(name, coils=2.3, **parts):
+    """A short spring of a user's, contact of wires unless said otherwise."""
+    spring = Spring(wire_diameter=1.5, mean_diameter=10.0, active_coils=coils, active_height=7.0)
+    return Scene(name, spring, **{"load": Load((0.0, -40.0), steps=3)} | parts)
+
+
+def test_meshes_of_ones_own_scene_meet_its_coils_and_its_spheres():
+    """Coils in tenths: 10 elements per turn, and 20 where there are four spheres."""
+    wires, spheres = own("mine"), own("mine").overridden(geometry="spheres")
+    assert [fitted(scene, 4) for scene in (wires, spheres)] == [10, 20]
+    assert [fitted(study_scenes()[NAME], mesh) for mesh in (4, 8, 12, 64)] == [4, 8, 12, 64]
+    assert fitted(own("mine", coils=2.3456), 4) == 4
+    pairs = {s.pairs_per_turn: s.usual_pairs for s in settings(wires, NORMAL) if s.elements_per_turn}
+    assert pairs == {32: True, 16: False, 64: False, 128: False}
+    assert sum(setting.is_paper_mesh for setting in settings(wires, NORMAL)) == 1
+    for scene in (wires, spheres):
+        for setting in settings(scene, EXTENTS["quick"]):
+            if setting.elements_per_turn:
+                wirefe.solve(scene.without_contact(), **setting.options | {"steps": 1})
+
+
+def test_scenes_of_ones_own_beside_what_they_cannot_be_given(small, tmp_path, monkeypatch, capsys):
+    """One that no beam represents, one past its limit point; sections on the paper alone are not there."""
+    monkeypatch.setattr(work, "make_ready", lambda: None)
+    contact = Contact(sliding="none", geometry="spheres")
+    scenes = {
+        "loose": own("loose", contact=Contact(geometry="spheres"), load=Load((0.0, -400.0)), coils=2.5),
+        "mine": own("mine"),
+        "held": own("held", coils=2.5, contact=contact, load=Load(displacement=(-3.0, -1.0))),
+    }
+    rows = work.workprecision(tmp_path, None, "quick", scenes=scenes)
+    said = page.digest(rows)
+    assert said[0].startswith("loose, the reference: ")
+    assert said[1].startswith("mine, beam haringx, 50 steps: spring.active_coils must be a multiple of 0.5")
+    assert [line.split(":")[0] for line in said[2:]] == ["mine", "held"]
+    text = (tmp_path / "workprecision.md").read_text(encoding="utf-8")
+    assert "Reference: curved wire elements, 40 or 32 per turn, 200 steps." in text
+    assert "With sticking contact or friction (held) the answer depends on the accepted substeps" in text
+    assert "| held | haringx |" in text
+    assert "| mine | haringx |" not in text
+    for absent in ("exact rod's numbers", "'reduction'", "not in the paper", "## Penalty", "Spring B", "nan"):
+        assert absent not in text
+    again = page.write(tmp_path)  # of the files alone
+    assert results.reasons(again) == results.reasons(rows)
+    assert (tmp_path / "workprecision.md").read_text(encoding="utf-8").count("mine, beam haringx") == 1
+    with pytest.raises(EquilibriumNotFound):
+        work.workprecision(tmp_path / "loose", None, "quick", scenes={"loose": scenes["loose"]})
+    assert not list((tmp_path / "loose").iterdir())
+
+
 @pytest.mark.parametrize(
     ("arguments", "parts"),
     [
         ("--quick --full", ["--full", "--quick"]),
         ("--only spring-c", ["--only", "spring-c", "slender-axial"]),
-        ("spring-a", ["spring-a"]),
+        ("spring-c", ["spring-c"]),
+        ("spring-a --only spring-b", ["SCENE or --only, not both", "spring-a"]),
+        ("spring-a --page", ["--page", "SCENE"]),
+        ("--geometry wires", ["--geometry must go with SCENE"]),
     ],
 )
 def test_bad_arguments_are_refused_in_one_sentence(arguments, parts, tmp_path, monkeypatch, capsys):

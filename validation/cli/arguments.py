@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import NoReturn
 
@@ -34,7 +35,6 @@ CAMPAIGN_RANGES = {  # of the options of stability
 }
 STUDY_SCENES = (*CATALOGUE, "cylinder-lateral", "slender-axial")  # of workprecision
 PEERS = ("opensees", "calculix")  # of referee
-BASELINE = Path("reports", "baseline")
 SCENE_HELP = f"{', '.join(CATALOGUE)}, or a TOML file"
 EPILOG = """exit codes: 0 done; 1 something moved or is unexplained (regress, stability); 2 bad input;
 3 a path ended early, what was reached is written; 4 nothing could be written there; 130 interrupted
@@ -93,6 +93,24 @@ def refuse_other_models(arguments: argparse.Namespace) -> None:
         for name in given(arguments, known) if other != arguments.model else ():
             flag = "--" + name.replace("_", "-")
             raise InputError(f"{flag} belongs to --model {other}, got --model {arguments.model}")
+
+
+def scenes_of(arguments: argparse.Namespace) -> dict[str, Scene]:
+    """Scenes of a study by name, their catalogue's or their file's; that of the geometry asked for is added.
+
+    Raises
+    ------
+    InputError : a file that cannot be read, or two of one name.
+    """
+    geometry = arguments.geometry
+    found: dict[str, Scene] = {}
+    for file in arguments.scenes:
+        name = file if file in CATALOGUE else Path(file).stem
+        name += f"-{geometry}" if geometry else ""
+        if name in found:
+            raise InputError(f"SCENE must be files of different names, got {name} twice")
+        found[name] = replace(load_scene(file).overridden(geometry=geometry), name=name)
+    return found
 
 
 def _add_scene_files(commands: argparse._SubParsersAction) -> None:
@@ -187,16 +205,18 @@ def _add_calibrate(commands: argparse._SubParsersAction) -> None:
 
 def _add_studies(commands: argparse._SubParsersAction) -> None:
     purpose = "run time against error of both models, for every mesh, law and number of steps"
-    example = "coilcheck workprecision --quick --only spring-a,spring-b"
+    example = "coilcheck workprecision my.toml spring-a --quick"
     command = _command(commands, "workprecision", purpose, example)
+    _add_scenes(command, f"{SCENE_HELP}; default those of --only")
     _add_only(command, STUDY_SCENES)
     size = command.add_mutually_exclusive_group()
     _add_flag(size, "--quick", "few meshes, few rounds: about a minute")
     _add_flag(size, "--full", "meshes up to 320 elements per turn")
     _add_flag(size, "--page", "page and figures of the numbers recorded in the folder, measure nothing")
 
-    purpose = "effect of what the paper leaves open on the curves of both models"
-    command = _command(commands, "sensitivity", purpose, "coilcheck sensitivity --only spring-a,spring-b")
+    purpose = "effect of what the paper leaves open, or of the inputs of scenes, on both models' curves"
+    command = _command(commands, "sensitivity", purpose, "coilcheck sensitivity my.toml")
+    _add_scenes(command, f"{SCENE_HELP}; default those of --only")
     _add_only(command, tuple(CATALOGUE))
 
     purpose = "sampled scenes by both models, each path verified; exit code 1 where an outcome is unexplained"
@@ -213,9 +233,10 @@ def _add_studies(commands: argparse._SubParsersAction) -> None:
     command.add_argument("--scheduler", metavar="ADDRESS", help=where)
 
     purpose = "what both models find now against stored baselines; exit code 1 where something moved"
-    command = _command(commands, "regress", purpose, "coilcheck regress --baseline reports/baseline")
-    where = f"folder of the baselines; default {BASELINE.as_posix()}"
-    command.add_argument("--baseline", type=Path, default=BASELINE, metavar="DIR", help=where)
+    command = _command(commands, "regress", purpose, "coilcheck regress my.toml --baselines my-baselines")
+    _add_scenes(command, f"{SCENE_HELP}; default the scenes of the baselines that come with coilcheck")
+    where = "folder of the baselines, which of scenes is yours; default the one that comes with coilcheck"
+    command.add_argument("--baselines", "--baseline", type=Path, metavar="DIR", help=where)
     _add_flag(command, "--accept", "write what is found as the new baselines")
     _add_flag(command, "--time", "measure and compare the models' ratios of time too")
 
@@ -268,8 +289,18 @@ def _add_common(command: argparse.ArgumentParser) -> None:
     both = command.add_argument_group("options of both models")
     both.add_argument("--steps", type=number_of, metavar="N", help="equal steps of time; default the scene's")
     both.add_argument("--penalty", type=number_of, metavar="X", help="contact stiffness; default the scene's")
+    _add_geometry(both)
+
+
+def _add_geometry(command: argparse._ActionsContainer) -> None:
     what = "contact of the wire model; default the scene's (the catalogue's: spheres)"
-    both.add_argument("--geometry", choices=("wires", "spheres"), help=what)
+    command.add_argument("--geometry", choices=("wires", "spheres"), help=what)
+
+
+def _add_scenes(command: argparse.ArgumentParser, what: str) -> None:
+    """Scenes of a study, and the geometry of their contact."""
+    command.add_argument("scenes", nargs="*", metavar="SCENE", help=what)
+    _add_geometry(command.add_argument_group("options of both models"))
 
 
 def _add_scene(command: argparse.ArgumentParser) -> None:

@@ -174,8 +174,8 @@ def _folder(arguments: argparse.Namespace) -> Path:
     if getattr(arguments, "out", None):
         return arguments.out
     name = arguments.command
-    if getattr(arguments, "scene", None):
-        scene = arguments.scene
+    scene, *others = getattr(arguments, "scenes", None) or [getattr(arguments, "scene", None)]
+    if scene and not others:
         name += f"-{scene if scene in CATALOGUE else Path(scene).stem}"
     if arguments.command == "study-law":
         name += f"-{Path(arguments.law[0]).stem}"

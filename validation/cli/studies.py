@@ -18,6 +18,7 @@ from validation.cli.arguments import (
     given,
     refuse_other_models,
     scene_of,
+    scenes_of,
 )
 from validation.study.output import claimed, json_bytes, prepare, write_files, write_text, writing
 
@@ -39,6 +40,9 @@ def reproduce(arguments: argparse.Namespace, folder: Path, progress: Progress) -
 def workprecision(arguments: argparse.Namespace, folder: Path, progress: Progress) -> Answer:
     """Measure run time against error of both models."""
     extent = next((name for name in ("quick", "full") if getattr(arguments, name)), "normal")
+    scenes = _own_scenes(arguments)
+    if scenes and arguments.page:
+        raise InputError("--page takes the scenes recorded in the folder: leave out SCENE")
     progress(LOADING)
     from validation.workprecision import page, run
 
@@ -46,7 +50,7 @@ def workprecision(arguments: argparse.Namespace, folder: Path, progress: Progres
         if arguments.page:
             rows = page.write(folder, drawn=True)
         else:
-            rows = run.workprecision(folder, arguments.only, extent, progress)
+            rows = run.workprecision(folder, arguments.only, extent, progress, scenes)
     return [*page.digest(rows), f"written to {folder}"], ""
 
 
@@ -64,28 +68,52 @@ def calibrate(arguments: argparse.Namespace, folder: Path, progress: Progress) -
     return [*lines, f"written to {folder}"], ""
 
 
+def _own_scenes(arguments: argparse.Namespace) -> dict[str, Scene]:
+    """The scenes of a study by name; empty for those of the paper.
+
+    Raises
+    ------
+    InputError : scenes beside --only, or a geometry without scenes.
+    """
+    scenes = scenes_of(arguments)
+    if scenes and getattr(arguments, "only", None):
+        raise InputError(f"SCENE or --only, not both, got {', '.join(scenes)} and {','.join(arguments.only)}")
+    if arguments.geometry and not scenes:
+        raise InputError(f"--geometry must go with SCENE, got {arguments.geometry} alone")
+    return scenes
+
+
 def sensitivity(arguments: argparse.Namespace, folder: Path, progress: Progress) -> Answer:
-    """Vary what the paper leaves open in both models."""
+    """Vary what the paper leaves open, or inputs of scenes, in both models."""
+    scenes = _own_scenes(arguments)
     progress(LOADING)
     from validation.sensitivity import page, run
 
     with claimed(folder), writing(folder):
-        studies = run.sensitivity(folder, arguments.only, progress)
-    return [*map(page.digest, studies), f"written to {folder}"], ""
+        studies = run.sensitivity(folder, arguments.only, progress, scenes)
+    return [*(line for study in studies for line in page.digest(study)), f"written to {folder}"], ""
 
 
 def regress(arguments: argparse.Namespace, folder: Path, progress: Progress) -> Answer:
     """Compare what both models find with stored baselines."""
+    scenes, kept = _own_scenes(arguments), arguments.baselines
+    if scenes and kept is None:
+        raise InputError("--baselines DIR must name a folder of yours where scenes are given")
     progress(LOADING)
     from validation.regress import run
+    from validation.regress.baselines import SHIPPED
 
     accept, times = arguments.accept, arguments.time
+    lines, verdicts = [], []
     with writing(folder):
-        finding = run.regress(folder, arguments.baseline, accept, times, progress)
-    verdict = run.verdict(finding)
-    lines = [*map(str, finding.moves), verdict, f"written to {folder}"]
-    moved = finding.moves and not accept
-    return lines, f"{verdict}; where that is meant: regress --accept" if moved else ""
+        for name, scene in scenes.items() or [("", None)]:
+            out = folder / name if len(scenes) > 1 else folder
+            finding = run.regress(out, (kept or SHIPPED) / name, accept, times, progress, scene)
+            verdict = f"{name}: {run.verdict(finding)}" if name else run.verdict(finding)
+            lines += [*map(str, finding.moves), *finding.left_out, verdict]
+            verdicts += [verdict] if finding.moves and not accept else []
+    moved = f"{'; '.join(verdicts)}; where that is meant: regress --accept" if verdicts else ""
+    return [*lines, f"written to {folder}"], moved
 
 
 def stability(arguments: argparse.Namespace, folder: Path, progress: Progress) -> Answer:
@@ -218,19 +246,20 @@ def view(arguments: argparse.Namespace, folder: Path, progress: Progress) -> Ans
 
     movie = arguments.movie
     run = Path(arguments.scene)
-    progress("loading the wire")
     source = frames.of_run(run) if run.is_dir() else load_scene(arguments.scene)
     if movie is None:
         animation.require_display()
     else:
         animation.require_gif(movie)
         prepare(movie.parent)
-    found = frames.of_scene(source) if isinstance(source, Scene) else source
+
+    def load() -> frames.Frames:
+        return frames.of_scene(source, progress) if isinstance(source, Scene) else source
+
     if movie is None:
-        animation.show(found)
+        animation.show(load)
         return [], ""
-    progress(f"drawing {len(found.times)} pictures")
-    remark = animation.film(found, movie)
+    remark = animation.film(load, movie, progress)
     return [*([remark] if remark else []), f"written to {movie}"], ""
 
 

@@ -16,7 +16,7 @@ from pathlib import Path
 import numpy as np
 
 from coilspring import InputError, Scene
-from validation.peers.layout import Curve, layout, refuse
+from validation.peers.layout import Curve, amplitudes, layout, refuse
 from validation.study.template import template
 
 NODES_PER_TURN = 40  # 20 elements of three nodes
@@ -59,7 +59,8 @@ def deck(scene: Scene) -> str:
     number = np.where((wire.attached >= 0) & (wire.attached < count), wire.attached + 1, spheres)
     text = DECK.render(
         name=" ".join(scene.name.encode("ascii", "replace").decode().split())[:60],
-        **{"scene": scene, "wire": wire, "d": d, "stiff": STIFF, "top": top, "steps": scene.load.steps},
+        **{"scene": scene, "wire": wire, "d": d, "stiff": STIFF, "top": top, "steps": scene.load.rows},
+        amplitudes=amplitudes(scene),
         elements=[(i // 2 + 1, (i + 1, i + 2, i + 3)) for i in range(0, count - 2, 2)],
         normals=normals / np.linalg.norm(normals, axis=1)[:, None],
         new_nodes=[(top, wire.reference), pointer, *lower, *upper],
@@ -87,7 +88,9 @@ def run(scene: Scene) -> Curve:
     InputError : ccx is missing, or what is not given to it.
     """
     text, seconds = execute(deck(scene))
-    return Curve("calculix", *read(text, POINTER * scene.spring.wire_diameter), seconds)
+    times, tips, reaction = read(text, POINTER * scene.spring.wire_diameter)
+    times = np.rint(times * scene.load.rows) / scene.load.rows  # which it prints with seven digits
+    return Curve("calculix", times, tips, seconds, reaction=reaction if scene.load.displacement else None)
 
 
 def execute(deck: str) -> tuple[str, float]:
@@ -111,19 +114,23 @@ def execute(deck: str) -> tuple[str, float]:
     return text, sum(after[2:4]) - sum(before[2:4])  # of subprocesses
 
 
-def read(text: str, length: float) -> tuple[np.ndarray, np.ndarray]:
-    """Times and UX, UY, ROTZ of the top from a .dat file.
+def read(text: str, length: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Times, UX, UY, ROTZ of the top and the axial force there, where it is printed, from a .dat file.
 
     At each time it has the top reference point and the end of the pointer, `length` above it at rest.
     """
-    times, rows = [], []
+    times: list[float] = []
+    rows: dict[str, list[list[float]]] = {"displacements": [], "forces": []}
+    kind = "displacements"
     for line in text.splitlines():
         words = line.split()
         if "time" in words:
-            times.append(float(words[-1]))
+            kind = words[0]
+            times += [float(words[-1])] if kind == "displacements" else []
         elif len(words) == 4:
-            rows.append([float(word) for word in words[1:3]])
-    top, pointer = np.array(rows).reshape(-1, 2, 2)[: len(times)].swapaxes(0, 1)
+            rows[kind].append([float(word) for word in words[1:3]])
+    top, pointer = np.array(rows["displacements"]).reshape(-1, 2, 2)[: len(times)].swapaxes(0, 1)
     x, y = (pointer - top).T
     turned = np.unwrap(np.arctan2(-x, length + y))
-    return np.array(times[: len(top)]), np.column_stack((top, turned))
+    forces = np.array(rows["forces"]).reshape(-1, 2)[:, 1]
+    return np.array(times[: len(top)]), np.column_stack((top, turned)), forces

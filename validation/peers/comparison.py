@@ -12,7 +12,7 @@ from coilspring import EquilibriumPath, InputError, Scene
 from validation.peers import calculix
 from validation.peers.installed import MISSING, opensees
 from validation.peers.layout import Curve
-from validation.study.metrics import COMPONENTS, NEGLIGIBLE
+from validation.study.metrics import COMPONENTS, answered, peaks
 from validation.study.partialsolve import partial_path
 
 FREE = "frictionless in both codes, since springs without a history do not know when a pair closed"
@@ -42,24 +42,34 @@ class PeerComparison:
 
     @property
     def difference(self) -> float:
-        """Largest over steps and components, over the component's peak in the wire model."""
+        """Largest over steps and components, over the component's peak in the wire model.
+
+        Where UY is prescribed the axial force takes its place.
+        """
         if self.rows == 0:
             return float("nan")
-        ours, theirs = self.wire.tips[: self.rows], self.peer.tips[: self.rows]
-        peaks = np.abs(ours).max(axis=0)
-        moved = peaks > NEGLIGIBLE * peaks.max()
-        return float((np.abs(theirs - ours)[:, moved] / peaks[moved]).max())
+        ours, theirs = (
+            np.column_stack(list(answers.values()))[: self.rows]
+            for answers in (answered(self.wire), self.peer.answers)
+        )
+        return float((np.abs(theirs - ours) / peaks(ours)).max())
+
+    @property
+    def names(self) -> dict[str, str]:
+        """Names of the components for a reader: UY that is prescribed is answered by a force."""
+        return {name: name for name in COMPONENTS} | ({"uy": "force"} if self.scene.load.displacement else {})
 
     def csv(self) -> str:
         """Both curves, one row a step that either has reached."""
         import pandas as pd
 
-        both = ((self.wire.tips, "wirefe"), (self.peer.tips, self.peer.code))
+        both = ((answered(self.wire), "wirefe"), (self.peer.answers, self.peer.code))
         curves = [
-            pd.DataFrame(tips, columns=[f"{name}_{code}" for name in COMPONENTS]) for tips, code in both
+            pd.DataFrame(answers).rename(columns=lambda name, code=code: f"{self.names[name]}_{code}")
+            for answers, code in both
         ]
         data = pd.concat(curves, axis=1)
-        data.insert(0, "time", np.arange(1, len(data) + 1) / self.scene.load.steps)
+        data.insert(0, "time", np.arange(1, len(data) + 1) / self.scene.load.rows)
         return data.to_csv(index=False, lineterminator="\n", float_format="%.9g")
 
     def lines(self) -> list[str]:
@@ -68,22 +78,20 @@ class PeerComparison:
         share = 100.0 * self.difference
         return [
             *([self.remark] if self.remark else []),
-            _line("wirefe", wire.times, wire.tips, wire.solve_seconds),
-            _line(peer.code, peer.times, peer.tips, peer.seconds),
+            self._line("wirefe", wire.times, answered(wire), wire.solve_seconds),
+            self._line(peer.code, peer.times, peer.answers, peer.seconds),
             f"difference over {self.rows} common steps: {share:.2g} % of the curve's peak"
             if self.rows
             else "no step in common",
         ]
 
-
-def _line(code: str, times: np.ndarray, tips: np.ndarray, seconds: float) -> str:
-    if len(times) == 0:
-        return f"{code}: no step reached, {seconds:.2g} s CPU"
-    ux, uy, rotz = tips[-1]
-    return (
-        f"{code}: at time {times[-1]:g} ux {ux:.6g} mm, uy {uy:.6g} mm, rotz {rotz:.6g} rad; "
-        f"{seconds:.2g} s CPU"
-    )
+    def _line(self, code: str, times: np.ndarray, answers: dict[str, np.ndarray], seconds: float) -> str:
+        if len(times) == 0:
+            return f"{code}: no step reached, {seconds:.2g} s CPU"
+        units = {"ux": "mm", "uy": "mm", "force": "N", "rotz": "rad"}
+        last = {self.names[name]: answer[-1] for name, answer in answers.items()}
+        shown = (f"{name} {value:.6g} {units[name]}" for name, value in last.items())
+        return f"{code}: at time {times[-1]:g} {', '.join(shown)}; {seconds:.2g} s CPU"
 
 
 def compare(scene: Scene, peer: str) -> PeerComparison:

@@ -8,6 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from coilspring import InputError, Scene
+from coilspring.scene.load import stage_ends
+from validation.study.metrics import COMPONENTS
 
 PAIRS_PER_TURN = 4
 
@@ -23,6 +25,7 @@ class Curve:
     tips : (steps, 3) UX, UY, ROTZ of the top reference point, mm, rad.
     seconds : CPU time of the solution.
     iterations : Newton iterations of all steps, where they are known.
+    reaction : (steps,) axial force that holds the top, N, where its UY is prescribed; else None.
     """
 
     code: str
@@ -30,6 +33,13 @@ class Curve:
     tips: np.ndarray
     seconds: float
     iterations: int = 0
+    reaction: np.ndarray | None = None
+
+    @property
+    def answers(self) -> dict[str, np.ndarray]:
+        """What it answers to its load by component, as `validation.study.metrics.answered` of a path."""
+        found = dict(zip(COMPONENTS, self.tips.T, strict=True))
+        return found if self.reaction is None else found | {"uy": self.reaction}
 
 
 @dataclass(frozen=True)
@@ -86,6 +96,17 @@ def layout(scene: Scene, nodes_per_turn: int) -> Layout:
     )
 
 
+def amplitudes(scene: Scene) -> dict[int, list[tuple[float, float]]]:
+    """What drives the top along X (1) and Y (2): points of time 0..1 and force, N, or of time and UY, mm.
+
+    A direction in which nothing is given is left out.
+    """
+    ends = stage_ends(scene.load)
+    times = np.linspace(0.0, 1.0, len(ends)).tolist()
+    columns = {place: ends[:, place - 1].tolist() for place in (1, 2)}
+    return {place: list(zip(times, column, strict=True)) for place, column in columns.items() if any(column)}
+
+
 def refuse(scene: Scene, peer: str) -> None:
     """Raise `InputError` for what the peers are not given."""
     scene.supports.require_supported(peer)
@@ -94,8 +115,11 @@ def refuse(scene: Scene, peer: str) -> None:
             f'spring.wire_rigidity must be "beam" for {peer}, whose wire is one of beams, got '
             f"{scene.spring.wire_rigidity!r}"
         )
-    if scene.load.stages or scene.load.displacement:
-        raise InputError(f"load.force must be given for {peer}, got load.stages or load.displacement")
+    if scene.contact.enabled and scene.contact.geometry != "spheres":
+        raise InputError(
+            f'contact.geometry must be "spheres" for {peer}, which has springs between points, got '
+            f"{scene.contact.geometry!r}; --geometry spheres takes them"
+        )
     if scene.contact.enabled and scene.contact.exponent != 1.0:
         raise InputError(f"contact.exponent must be 1 for {peer}, got {scene.contact.exponent!r}")
     if scene.contact.enabled and scene.contact.sliding == "coulomb":

@@ -6,12 +6,14 @@ The choices that OpenSees leaves open:
   element) and the Corotational transformation. ElasticTimoshenkoBeam would ignore that one silently.
 - Stiff beams from the top reference point, since rigidLink holds for small rotations only.
 - corotTruss with a gap material between the sphere centres: F = K max(0, d - h) exactly.
+- A prescribed UY is reached by DisplacementControl of a force along Y, whose factor is the reaction.
 - Newton's method, SparseSYM with RCM: as fast as SparseGEN or UmfPack and much faster than the band
   and profile solvers. KrylovNewton and NewtonLineSearch lose Spring A's path, at 50 steps already.
 - EnergyIncr against the work of the load. RelativeEnergyIncr refers to the first iterate of the step,
   which overshoots the farther, the larger the step: at a few steps it then accepts wrong states.
 - "No sliding": a pair that a step has closed gets a zeroLength element with two springs K across its
-  direction, and loses it when a step has opened it. That is linear in the displacements, as `wirefe`'s law.
+  direction, and loses it when a step has opened it, after which the
+  equilibrium is found anew. That is linear in the displacements, as `wirefe`'s law.
 """
 
 from __future__ import annotations
@@ -28,8 +30,10 @@ import numpy as np
 from openseespy import opensees as ops
 
 from coilspring import Scene
+from coilspring.scene.load import stage_ends
+from coilspring.scene.sizing import axial_rate
 from coilspring.scene.wire import SHEAR_FACTOR
-from validation.peers.layout import Curve, layout, refuse
+from validation.peers.layout import Curve, amplitudes, layout, refuse
 
 ELEMENTS_PER_TURN = 40
 TOLERANCE = 1e-10  # of the energy test, over a bound of the load's work
@@ -93,14 +97,33 @@ class _Builder:
         ops.fix(self.top, int("ux" in held), 0, 1, 1, 1, int("rotz" in held))
         self._stiff_beam(self.last)
         self._contact()
-        ops.timeSeries("Linear", 1)
-        ops.pattern("Plain", 1, 1)
-        ops.load(self.top, *self.scene.load.force, 0.0, 0.0, 0.0, 0.0)
+        self._load()
 
-    def hold(self) -> None:
-        """Keep the pairs that touch now from sliding, and let those go that do not."""
+    def _load(self) -> None:
+        """Forces on the top over time, or one along Y for UY to control."""
+        for place, points in amplitudes(self.scene).items():
+            if self.scene.load.displacement:
+                ops.timeSeries("Linear", place)
+            else:
+                times, values = zip(*points, (2.0, points[-1][1]), strict=True)  # rounding leads beyond 1
+                ops.timeSeries("Path", place, "-time", *times, "-values", *values)
+            ops.pattern("Plain", place, place)
+            ops.load(self.top, *np.eye(6)[place - 1].tolist())
+
+    def aim(self, begin: float, end: float) -> None:
+        """Make the next step lead from one time to another."""
+        if self.scene.load.displacement:
+            times, values = zip(*amplitudes(self.scene)[2], strict=True)
+            before, after = np.interp((begin, end), times, values)
+            ops.integrator("DisplacementControl", self.top, 2, after - before)
+        else:
+            ops.integrator("LoadControl", end - begin)
+
+    def hold(self) -> bool:
+        """Keep the pairs that touch now from sliding, and let those go that do not; whether there are any."""
+        released = False
         if self.scene.contact.sliding != "none":
-            return
+            return released
         for pair in self.pairs:
             low, high = (np.add(ops.nodeCoord(node), ops.nodeDisp(node)[:3]) for node in pair)
             gap = high - low
@@ -112,6 +135,8 @@ class _Builder:
                 self.held[pair] = self.elements
             elif not closed and pair in self.held:
                 ops.remove("element", self.held.pop(pair))
+                released = True
+        return released
 
     def _node(self, point: np.ndarray) -> int:
         ops.node(self.nodes, *point.tolist())
@@ -172,7 +197,9 @@ class _Builder:
 
 def tolerance(scene: Scene) -> float:
     """Energy increment below which a step has converged, N mm."""
-    return TOLERANCE * float(np.abs(scene.load.force).max()) * scene.spring.active_height
+    largest = float(np.abs(stage_ends(scene.load)).max())
+    force = largest * axial_rate(scene) if scene.load.displacement else largest
+    return TOLERANCE * force * scene.spring.active_height
 
 
 def run(
@@ -182,12 +209,12 @@ def run(
     halvings: int = HALVINGS,
     elements_per_turn: int = ELEMENTS_PER_TURN,
 ) -> Curve:
-    """Build the scene's model and load it in equal steps.
+    """Build the scene's model and load it in equal steps of each stage.
 
     Parameters
     ----------
-    scene : one force, contact exponent 1, no Coulomb friction.
-    steps : number of load steps.
+    scene : contact of spheres, exponent 1, no Coulomb friction.
+    steps : number of load steps of each stage.
     tolerance : energy increment below which a step has converged, N mm.
     halvings : of a step that does not converge.
     elements_per_turn : a multiple of 4.
@@ -198,7 +225,9 @@ def run(
     """
     refuse(scene, "opensees")
     builder = _Builder(scene, elements_per_turn)
+    rows = scene.with_steps(steps).load.rows
     tips: list[list[float]] = []
+    reactions: list[float] = []
     with quiet():
         builder.build()
         ops.constraints("Plain")
@@ -206,34 +235,39 @@ def run(
         ops.system("SparseSYM")
         ops.test("EnergyIncr", tolerance, MOST_ITERATIONS, 0)
         ops.algorithm("Newton")
-        ops.integrator("LoadControl", 1.0)
+        builder.aim(0.0, 1.0 / rows)
         ops.analysis("Static")
         began = time.process_time()
         iterations = 0
-        while len(tips) < steps:
-            spent = _advance(builder, 1.0 / steps, halvings)
+        while len(tips) < rows:
+            spent = _advance(builder, len(tips) / rows, (len(tips) + 1) / rows, halvings)
             if spent is None:
                 break
             iterations += spent
             tips.append([ops.nodeDisp(builder.top, dof) for dof in (1, 2, 6)])
+            reactions.append(ops.getTime())
         seconds = time.process_time() - began
         ops.wipe()
-    times = np.arange(1, len(tips) + 1) / steps
-    return Curve("opensees", times, np.array(tips).reshape(-1, 3), seconds, iterations)
+    times = np.arange(1, len(tips) + 1) / rows
+    reaction = np.array(reactions) if scene.load.displacement else None
+    return Curve("opensees", times, np.array(tips).reshape(-1, 3), seconds, iterations, reaction)
 
 
-def _advance(builder: _Builder, step: float, halvings: int) -> int | None:
-    """Go on by a step of the load, in halves where it does not converge; iterations, None where lost."""
-    ops.integrator("LoadControl", step)
+def _advance(builder: _Builder, begin: float, end: float, halvings: int) -> int | None:
+    """Go on to a time, in halves where it does not converge; iterations, None where lost."""
+    builder.aim(begin, end)
     if ops.analyze(1) == 0:
         spent = ops.testIter()
-        builder.hold()
+        if builder.hold():  # what the pairs held is left out of balance
+            builder.aim(end, end)
+            spent = spent + ops.testIter() if ops.analyze(1) == 0 else None
         return spent
     if halvings == 0:
         return None
     spent = MOST_ITERATIONS
-    for _ in range(2):
-        half = _advance(builder, 0.5 * step, halvings - 1)
+    middle = 0.5 * (begin + end)
+    for times in ((begin, middle), (middle, end)):
+        half = _advance(builder, *times, halvings - 1)
         if half is None:
             return None
         spent += half

@@ -18,6 +18,7 @@ from validation.study.partialsolve import partial_path
 from validation.study.scenes import study_scenes
 
 MODELS = ("equivbeam", "wirefe")
+SHIPPED = Path(__file__).with_name("baseline")  # of the runs on the catalogue's scenes
 SHARES = (0.2, 0.4, 0.6, 0.8, 1.0)  # of the steps reached, at which the tips are kept
 
 CURVES = ("ux", "uy", "rotz")
@@ -43,18 +44,31 @@ class Run:
         )
 
 
+def runs_of(scene: Scene) -> tuple[Run, ...]:
+    """Every run of a user's scene that is watched; a model may refuse some."""
+    contact = scene.contact
+    held = ("haringx", "helix") if contact.enabled and contact.sliding != "free" else ()
+    return (*_usual(scene), *(_run("equivbeam", scene, law=law, sliding="scene") for law in held))
+
+
+def _usual(scene: Scene) -> list[Run]:
+    """Both laws, also in one step, the paper's matrices, and three meshes."""
+    found = [_run("equivbeam", scene, law=law) for law in ("haringx", "helix")]
+    found += [_run("equivbeam", scene, tangent=tangent) for tangent in ("paper", "paper-printed")]
+    found += [_run("equivbeam", scene, law=law, steps=1) for law in ("haringx", "helix")]
+    found += [_run("wirefe", scene, element="straight", elements_per_turn=40)]
+    found += [_run("wirefe", scene, element="curved", elements_per_turn=mesh) for mesh in (4, 8)]
+    return found
+
+
 def runs() -> tuple[Run, ...]:
-    """Every run that is watched."""
+    """Every run on the catalogue's scenes that is watched."""
     cases = {name: make() for name, make in CATALOGUE.items()}
     free = cases["spring-b"]
     free = replace(free, name="spring-b-free", contact=replace(free.contact, sliding="free"))
     found = []
     for scene in cases.values():
-        found += [_run("equivbeam", scene, law=law) for law in ("haringx", "helix")]
-        found += [_run("equivbeam", scene, tangent=tangent) for tangent in ("paper", "paper-printed")]
-        found += [_run("equivbeam", scene, law=law, steps=1) for law in ("haringx", "helix")]
-        found += [_run("wirefe", scene, element="straight", elements_per_turn=40)]
-        found += [_run("wirefe", scene, element="curved", elements_per_turn=mesh) for mesh in (4, 8)]
+        found += _usual(scene)
     for law in ("haringx", "helix"):
         found += [_run("equivbeam", cases["spring-b"], law=law, sliding="scene")]
         # soft circles let it telescope, at a limit point
@@ -117,16 +131,31 @@ def _path_dependent(path: EquilibriumPath) -> bool:
 
 def find(
     chosen: Sequence[Run], progress: Callable[[str], None], keep: Callable[[dict], None] = lambda found: None
-) -> dict[str, dict[str, Quantities]]:
-    """Quantities of every run, by model and name; `keep` is given what was found, whatever ends this."""
+) -> tuple[dict[str, dict[str, Quantities]], tuple[str, ...]]:
+    """Quantities of every run, by model and name, and a sentence on each that its model refuses.
+
+    Parameters
+    ----------
+    keep : given what was found, whatever ends this.
+
+    Raises
+    ------
+    InputError : all are refused.
+    """
     found: dict[str, dict[str, Quantities]] = {model: {} for model in MODELS}
+    refused: dict[str, str] = {}
     try:
         for run in chosen:
             progress(f"{run.model}: {run.name}")
-            found[run.model][run.name] = quantities(run.solve(), run.sensitive)
+            try:
+                found[run.model][run.name] = quantities(run.solve(), run.sensitive)
+            except InputError as error:
+                refused.setdefault(str(error), f"left out: {run.model}, {run.name}: {error}")
     finally:
         keep(found)
-    return found
+    if not any(found.values()):
+        raise InputError("; ".join(refused) or "there is nothing to run")
+    return found, tuple(refused.values())
 
 
 def write(found: Mapping[str, Mapping[str, Quantities]], folder: Path) -> None:
@@ -155,7 +184,7 @@ def read(folder: Path) -> dict[str, dict[str, Any]]:
 
 def _read(file: Path) -> dict[str, Any]:
     if not file.is_file():
-        raise InputError(f"no baseline at {file}: name their folder by --baseline, or write them by --accept")
+        raise InputError(f"no baseline at {file}: name its folder by --baselines, or write it by --accept")
     try:
         kept = json.loads(file.read_text(encoding="utf-8"))
         kept["made"]["processor"], kept["runs"].items()

@@ -8,8 +8,9 @@ from dataclasses import astuple, dataclass
 from pathlib import Path
 from typing import Any
 
+from coilspring import Scene
 from validation.regress import baselines, timeratios
-from validation.regress.baselines import MODELS, Run, find, made, read, runs
+from validation.regress.baselines import MODELS, Run, find, made, read, runs, runs_of
 from validation.regress.comparison import Move, compare
 from validation.study.cases import make_ready
 from validation.study.document import Table
@@ -23,6 +24,7 @@ class Finding:
     moves: tuple[Move, ...]  # what moved; empty where there was nothing to compare with, too
     compared: int  # number of runs
     accepted: bool  # whether the baselines were written anew
+    left_out: tuple[str, ...] = ()  # a sentence on each thing that cannot be had of these scenes
 
 
 def regress(
@@ -31,6 +33,7 @@ def regress(
     accept: bool = False,
     times: bool = False,
     progress: Callable[[str], None] = lambda line: None,
+    scene: Scene | None = None,
     chosen: Sequence[Run] | None = None,
 ) -> Finding:
     """Run what is watched and compare it with the baselines.
@@ -43,11 +46,13 @@ def regress(
     accept : write what was found as the new baselines, with the ratios of times.
     times : measure and compare the ratios of times too.
     progress : called with one line on what is being done.
-    chosen : runs; by default all of `baselines.runs`.
+    scene : a user's scene; by default the catalogue's.
+    chosen : runs; by default all of `baselines.runs_of` the scene, or of `baselines.runs`.
 
     Raises
     ------
-    InputError : baselines that are missing or cannot be read, unless they are about to be written.
+    InputError : baselines that are missing or cannot be read, unless they are about to be written; a scene
+        that neither model represents.
     """
     kept = _kept(baseline, accept)
     with ExitStack() as claims:
@@ -55,17 +60,18 @@ def regress(
             claims.enter_context(claimed(folder))
         progress("making the kernels ready")
         make_ready()
-        watched = runs() if chosen is None else chosen
-        found = find(watched, progress, lambda part: baselines.write(part, out))
+        watched = chosen or (runs() if scene is None else runs_of(scene))
+        found, left_out = find(watched, progress, lambda part: baselines.write(part, out))
         moves = compare(kept, found, str(made()["processor"])) if kept else ()
         if times or accept:
-            ratios = timeratios.measure(progress)
+            ratios, untimed = timeratios.measure(progress, scene)
+            left_out += untimed
             timeratios.write(ratios, out)
-            moves += timeratios.compare(baseline, ratios) if times else ()
+            moves += timeratios.compare(baseline, ratios) if times and kept else ()
         if accept:
             baselines.write(found, baseline)
             timeratios.write(ratios, baseline)
-        finding = Finding(moves, len(watched), accept)
+        finding = Finding(moves, sum(map(len, found.values())), accept, left_out)
         write_text(out / "regress.md", _report(finding, kept))
         return finding
 
@@ -85,7 +91,7 @@ def verdict(finding: Finding) -> str:
 
 
 def _report(finding: Finding, kept: dict[str, dict[str, Any]] | None) -> str:
-    parts = ["# Regression", f"**{verdict(finding)}.**"]
+    parts = ["# Regression", f"**{verdict(finding)}.**", *(f"{line}." for line in finding.left_out)]
     if kept:
         since = kept[MODELS[0]]["made"]
         here = made()

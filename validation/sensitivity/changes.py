@@ -8,18 +8,21 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pandas as pd
 
-from validation.sensitivity.inputs import BEAM, INPUTS, MODELS, WIRE, OpenInput, Variant
+from coilspring import InputError, Scene
+from validation.sensitivity.inputs import BEAM, MODELS, WIRE, OpenInput, Variant
 from validation.sensitivity.topheight import TipCurve, raised
-from validation.study.cases import Case, PathStore
+from validation.study.cases import CASES, PathStore
 from validation.study.frames import formatted
 from validation.study.metrics import COMPONENTS, NEGLIGIBLE
 from validation.study.output import write_text
+from validation.study.partialsolve import ending
 
 NO_INPUT, COMPLETED = "not an input", "completed"
 ROUNDING = 1e-6  # %: a smaller change counts as none
@@ -40,22 +43,80 @@ FORMATS = {
 Curves = Mapping[tuple[str, str], tuple[TipCurve, TipCurve]]  # base and changed by model and value
 
 
-def changes(case: Case, progress: Callable[[str], None]) -> pd.DataFrame:
-    """A row for every value of every input in both models, also where a model has no such input."""
+@dataclass(frozen=True)
+class Study:
+    """Changes of one scene."""
+
+    name: str  # of a catalogue's scene, or of a user's
+    data: (
+        pd.DataFrame
+    )  # a row for every value of every input in both models, also where one has no such input
+    inputs: tuple[OpenInput, ...]  # what is varied
+    prescribed: bool = False  # whether UY is: the axial force, N, takes its place
+    left_out: tuple[str, ...] = ()  # a sentence on each thing that the scene cannot be given
+    resolution: float | None = None  # %: change by twice the steps where the path matters, else None
+
+    @property
+    def title(self) -> str:
+        """Name for a reader."""
+        return next((each.title for each in CASES if each.name == self.name), self.name)
+
+
+def changes(name: str, scene: Scene, inputs: tuple[OpenInput, ...], progress: Callable[[str], None]) -> Study:
+    """Vary the inputs of a scene.
+
+    Raises
+    ------
+    InputError : neither model reaches full load.
+    """
     store = PathStore(lambda line: None)
-    defaults = {model: _solved(store, model, Variant("", case.scene)) for model in MODELS}
+    defaults, left_out = _defaults(store, name, scene)
     rows: list[dict[str, Any]] = []
-    for item in INPUTS:
-        progress(f"{case.title}: {item.title}")
+    for item in inputs:
+        progress(f"{name}: {item.title}")
         curves = {}
-        for model in MODELS:
-            for variant in item.variants(case.scene, model):
-                base = _solved(store, model, Variant("", case.scene, variant.base_options))
-                curves[model, variant.value] = base, _solved(store, model, variant)
+        for model in defaults:
+            try:
+                for variant in item.variants(scene, model):
+                    base = _solved(store, model, Variant("", scene, variant.base_options))
+                    curves[model, variant.value] = base, _solved(store, model, variant)
+            except InputError as refusal:
+                left_out.append(f"{item.title}, {model}: {refusal}")
         rows += input_rows(item, curves, defaults)
     data = pd.DataFrame(rows, columns=COLUMNS[1:])
-    data.insert(0, "case", case.name)
-    return data.assign(**{DEFAULT_DEVIATION: largest_deviation(defaults[BEAM], defaults[WIRE])})
+    data.insert(0, "case", name)
+    apart = largest_deviation(*defaults.values()) if len(defaults) == len(MODELS) else math.nan
+    data = data.assign(**{DEFAULT_DEVIATION: apart})
+    resolution = _resolution(store, scene, defaults.get(WIRE))
+    return Study(name, data, inputs, bool(scene.load.displacement), tuple(left_out), resolution)
+
+
+def _defaults(store: PathStore, name: str, scene: Scene) -> tuple[dict[str, TipCurve], list[str]]:
+    """Curves of the models that represent a scene and reach full load, and a sentence on each other."""
+    found, left_out = {}, []
+    for model in MODELS:
+        try:
+            curve = _solved(store, model, Variant("", scene))
+        except InputError as error:
+            left_out.append(f"{model}: {error}")
+            continue
+        if curve.outcome == COMPLETED:
+            found[model] = curve
+        else:
+            left_out.append(f"{model} ends short of full load: {ending(curve.outcome, curve.critical_time)}")
+    if not found:
+        raise InputError(f"{name}: no model has a load curve to vary: {'; '.join(left_out)}")
+    return found, left_out
+
+
+def _resolution(store: PathStore, scene: Scene, default: TipCurve | None) -> float | None:
+    """Change of the wire model by twice the steps, on which closed pairs that remember make it depend, %."""
+    if default is None or not scene.contact.enabled or scene.contact.sliding == "free":
+        return None
+    finer = TipCurve.of(store.partial_wire(scene.with_steps(2 * scene.load.steps)))
+    if finer.outcome != COMPLETED:
+        return None
+    return largest_deviation(replace(finer, tips=finer.tips[1::2]), default)
 
 
 def _solved(store: PathStore, model: str, variant: Variant) -> TipCurve:
@@ -75,18 +136,20 @@ def input_rows(item: OpenInput, curves: Curves, defaults: Mapping[str, TipCurve]
         for value, (base, curve) in found.items():
             row = head | {"value": value} | change(base, curve)
             same = {**defaults, **{each: pair[1] for (each, other), pair in curves.items() if other == value}}
-            if all(each.outcome == COMPLETED for each in same.values()):
+            if len(same) == len(MODELS) and all(each.outcome == COMPLETED for each in same.values()):
                 row[DEVIATION] = largest_deviation(same[BEAM], same[WIRE])
             yield row
 
 
 def change(base: TipCurve, curve: TipCurve) -> dict[str, Any]:
     """What changes from one curve to the other; a curve short of full load has no number."""
+    if base.outcome != COMPLETED:  # of what the change would be
+        return {"outcome": base.outcome, "critical_time": base.critical_time}
     row = {"outcome": curve.outcome, "critical_time": curve.critical_time}
     row |= zip(BASE_TIPS, base.tips[-1], strict=True)
     if curve.outcome != COMPLETED:
         return row
-    by_load = farther(curve.tips, base.tips)
+    by_load = farther(curve.tips, base.tips, base.counted)
     step, component = np.unravel_index(np.nanargmax(np.abs(by_load)), by_load.shape)
     by_load = np.where(np.abs(by_load) < ROUNDING, 0.0, by_load)
     row |= zip(TIPS, curve.tips[-1], strict=True)
@@ -97,18 +160,26 @@ def change(base: TipCurve, curve: TipCurve) -> dict[str, Any]:
     return row
 
 
-def farther(tips: np.ndarray, base: np.ndarray) -> np.ndarray:
-    """How much farther the top moves than in the base, % of the base's peak, (steps, 3)."""
+def farther(tips: np.ndarray, base: np.ndarray, counted: Sequence[bool] = (True, True, True)) -> np.ndarray:
+    """How much farther the top moves than in the base, % of the base's peak, (steps, 3).
+
+    Components that are fixed or not counted are not numbers.
+    """
     steps = min(len(tips), len(base))
     peaks = np.abs(base).max(axis=0)
     fixed = peaks <= NEGLIGIBLE * peaks.max()
     direction = np.sign(base[np.abs(base).argmax(axis=0), range(len(COMPONENTS))])
-    return 100.0 * direction * (tips[:steps] - base[:steps]) / np.where(fixed, np.nan, peaks)
+    return (
+        100.0
+        * direction
+        * (tips[:steps] - base[:steps])
+        / np.where(fixed | ~np.array(counted), np.nan, peaks)
+    )
 
 
 def largest_deviation(curve: TipCurve, base: TipCurve) -> float:
     """Largest difference as far as both curves go, %."""
-    return float(np.nanmax(np.abs(farther(curve.tips, base.tips))))
+    return float(np.nanmax(np.abs(farther(curve.tips, base.tips, base.counted))))
 
 
 def values(data: pd.DataFrame) -> pd.DataFrame:
@@ -134,7 +205,7 @@ def worst(data: pd.DataFrame, model: str, kinds: Collection[str]) -> pd.Series:
     return able.loc[able[CURVE].abs().idxmax()]
 
 
-def write_csv(studies: Sequence[pd.DataFrame], out: Path) -> None:
-    """Write ``sensitivity.csv``."""
-    texts = formatted(pd.concat(studies, ignore_index=True)[list(COLUMNS)], FORMATS)
+def write_csv(studies: Sequence[Study], out: Path) -> None:
+    """Write ``sensitivity.csv``; of a prescribed displacement the axial force stands for UY."""
+    texts = formatted(pd.concat([study.data for study in studies], ignore_index=True)[list(COLUMNS)], FORMATS)
     write_text(out / "sensitivity.csv", texts.to_csv(index=False, lineterminator="\n"))

@@ -11,6 +11,7 @@ from typing import Any
 
 from coilspring import Scene
 from validation.study.cases import turned
+from wirefe.contactpoints import PER_TURN
 
 BEAM, WIRE = "equivbeam", "wirefe"
 MODELS = (BEAM, WIRE)
@@ -46,6 +47,7 @@ class OpenInput:
     default: str  # what every other run of the project takes
     paper: str  # what the paper says
     reason: str  # why this range
+    own: str  # the range for a scene of a user's, and why
     make: Callable[[Scene, str], Iterable[Variant]]  # its values for a scene and a model
     contact: bool = False  # whether scenes without contact have no such input
     models: Sequence[str] = MODELS  # those that have it
@@ -62,21 +64,62 @@ def _with(scene: Scene, part: str, **changes: Any) -> Scene:
 
 
 def _exponent(scene: Scene, model: str) -> list[Variant]:
-    stiffness = scene.contact.stiffness * LIKE ** (scene.contact.exponent - 1.5)
-    return [Variant("1.5", _with(scene, "contact", exponent=1.5, stiffness=stiffness))]
+    other = 1.5 if scene.contact.exponent != 1.5 else 1.0
+    stiffness = scene.contact.stiffness * LIKE ** (scene.contact.exponent - other)
+    return [Variant(f"{other:g}", _with(scene, "contact", exponent=other, stiffness=stiffness))]
+
+
+def _on(scene: Scene, degrees: float) -> Scene:
+    """The scene with the helix started so much farther on."""
+    return turned(scene, math.degrees(scene.spring.start_phase) + degrees)
+
+
+def _spheres(scene: Scene) -> bool:
+    """Whether the wire model's contact is of spheres, at few places."""
+    return scene.contact.enabled and scene.contact.geometry == "spheres"
 
 
 def _phase(scene: Scene, model: str) -> list[Variant]:
-    contact = scene.contact.enabled
-    pairs = {"pairs_per_turn": EVERYWHERE} if contact and model == WIRE else {}
-    angles = range(30, 360, 30) if model == WIRE else [180] * contact
-    return [Variant(f"{degrees}°", turned(scene, degrees), pairs, pairs) for degrees in angles]
+    pairs = {"pairs_per_turn": EVERYWHERE} if _spheres(scene) and model == WIRE else {}
+    angles = range(30, 360, 30) if model == WIRE else [180] * scene.contact.enabled
+    return [Variant(f"{degrees}°", _on(scene, degrees), pairs, pairs) for degrees in angles]
+
+
+def _pairs(scene: Scene, model: str) -> list[Variant]:
+    usual = PER_TURN[scene.contact.geometry]
+    numbers = (2, 8, EVERYWHERE) if _spheres(scene) else (usual // 2, 2 * usual)
+    return [Variant(f"{number}", scene, {"pairs_per_turn": number}) for number in numbers]
+
+
+def _raisable(scene: Scene) -> bool:
+    """Whether `topheight.raised` takes it: rigid ends, one force, no path that matters to a turning top."""
+    contact, load, held = scene.contact, scene.load, scene.supports.top_held
+    free = "rotz" in held or not contact.enabled or contact.sliding == "free"
+    return free and scene.supports.seat == "rigid" and not (load.stages or load.displacement)
+
+
+def _height(scene: Scene, model: str) -> list[Variant]:
+    if not _raisable(scene):
+        return []
+    d = scene.spring.wire_diameter
+    return [Variant(value, scene, rise=share * d) for share, value in ((0.5, "+d/2"), (1.0, "+d"))]
+
+
+def _without_ends(scene: Scene, model: str) -> list[Variant]:
+    bare = scene.spring.end_turns == 0.0 or scene.supports.seat == "plate"
+    return [] if bare else [Variant("no", _with(scene, "spring", end_turns=0.0))]
+
+
+def _other_rigidity(scene: Scene, model: str) -> list[Variant]:
+    other = "solid" if scene.spring.wire_rigidity == "beam" else "beam"
+    return [Variant(other, _with(scene, "spring", wire_rigidity=other))]
 
 
 def _rigid(scene: Scene, model: str) -> Iterator[Variant]:
     """Another rigid part of each end; turns and height of the whole spring and the loaded point stay."""
     spring = scene.spring
-    for turns in (0.75, 1.25):
+    closed = spring.end_turns > 0.0 and spring.ends == "closed" and not spring.sections
+    for turns in (spring.end_turns - 0.25, spring.end_turns + 0.25) if closed and _raisable(scene) else ():
         less = spring.end_turns - turns
         drop = less * spring.wire_diameter
         changed = replace(
@@ -95,15 +138,14 @@ MAKE: dict[str, Callable[[Scene, str], Iterable[Variant]]] = {
         Variant(f"{E:g} GPa", _with(scene, "material", E=1e3 * E)) for E in (196.0, 210.0)
     ),
     "nu": lambda scene, _: (Variant(f"{nu:g}", _with(scene, "material", nu=nu)) for nu in (0.26, 0.32)),
-    "reference_height": lambda scene, _: (
-        Variant(value, scene, rise=share * scene.spring.wire_diameter)
-        for share, value in ((0.5, "+d/2"), (1.0, "+d"))
-    ),
-    "end_contact": lambda scene, _: [Variant("no", _with(scene, "spring", end_turns=0.0))],
+    "reference_height": _height,
+    "end_contact": _without_ends,
     "rigid_turns": _rigid,
     "start_phase": _phase,
-    "sphere_place": lambda scene, _: (Variant(f"{angle}°", turned(scene, angle)) for angle in (15, 30, 45)),
-    "pairs": lambda scene, _: (Variant(f"{n}", scene, {"pairs_per_turn": n}) for n in (2, 8, EVERYWHERE)),
+    "sphere_place": lambda scene, _: (
+        Variant(f"{angle}°", _on(scene, angle)) for angle in (15, 30, 45) if _spheres(scene)
+    ),
+    "pairs": _pairs,
     "penalty": lambda scene, _: (
         Variant(value, scene.with_penalty(factor * scene.contact.stiffness))
         for factor, value in ((0.1, "K/10"), (10.0, "10 K"))
@@ -113,7 +155,7 @@ MAKE: dict[str, Callable[[Scene, str], Iterable[Variant]]] = {
         Variant(f"µ = {mu:g}", _with(scene, "contact", sliding="coulomb", friction=mu)) for mu in (0.1, 0.3)
     ),
     "element": lambda scene, _: [Variant("curved", scene, {"element": "curved"})],
-    "wire_rigidity": lambda scene, _: [Variant("solid", _with(scene, "spring", wire_rigidity="solid"))],
+    "wire_rigidity": _other_rigidity,
 }
 
 

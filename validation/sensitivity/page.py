@@ -9,14 +9,15 @@ from typing import Any
 import pandas as pd
 
 from validation.sensitivity import changes
+from validation.sensitivity.changes import Study
 from validation.sensitivity.inputs import BEAM, INPUTS, KINDS, MODELS, NOT_GIVEN, READING, WIRE
-from validation.study.cases import case
+from validation.sensitivity.own import VARIED
 from validation.study.document import Table
 from validation.study.output import write_text
 from validation.study.partialsolve import ending
 from validation.study.template import page, template
 
-PAGE = template(Path(__file__).with_name("page.md"))
+PAGE, OWN_PAGE = (template(Path(__file__).with_name(name)) for name in ("page.md", "own.md"))
 TITLES = {item.name: item.title for item in INPUTS}
 SILENT, OPEN = (NOT_GIVEN,), (NOT_GIVEN, READING)
 NAMES = {BEAM: "beam", WIRE: "wire model"}
@@ -24,6 +25,7 @@ ESTIMATES = (
     *("case", "model", "largest single, not given (%)", "largest single, with readings (%)"),
     *("together, not given (%)", "together, with readings (%)", "deviation of the models (%)"),
 )
+OWN_HEADER = ("input", "here", "range and why")
 INPUT_HEADER = ("input", "the paper", "kind", "our default", "range and why")
 CHANGE_HEADER = (
     *("input", "model", "value", "UX (%)", "UY (%)", "ROTZ (%)", "curve (%)", "at"),
@@ -31,30 +33,57 @@ CHANGE_HEADER = (
 )
 
 
-def write(studies: Sequence[pd.DataFrame], out: Path) -> None:
-    """Write ``sensitivity.md``."""
-    inputs = ((item.title, item.paper, item.kind, item.default, item.reason) for item in INPUTS)
-    text = page(
-        PAGE,
-        estimates=Table(ESTIMATES, tuple(_estimate(data, model) for data in studies for model in MODELS)),
-        inputs=Table(INPUT_HEADER, tuple(inputs)),
-        kinds=KINDS,
-        cases=[_case(data) for data in studies],
-    )
+def write(studies: Sequence[Study], out: Path, own: bool = False) -> None:
+    """Write ``sensitivity.md``: of the paper's cases, or of a user's scenes."""
+    if own:
+        text = page(OWN_PAGE, cases=[_own(study) for study in studies])
+    else:
+        inputs = ((item.title, item.paper, item.kind, item.default, item.reason) for item in INPUTS)
+        text = page(
+            PAGE,
+            estimates=Table(ESTIMATES, tuple(_estimate(s, model) for s in studies for model in MODELS)),
+            inputs=Table(INPUT_HEADER, tuple(inputs)),
+            kinds=KINDS,
+            cases=[_case(study) for study in studies],
+        )
     write_text(out / "sensitivity.md", text)
 
 
-def digest(data: pd.DataFrame) -> str:
+def digest(study: Study) -> list[str]:
     """A case for a reader at the terminal."""
-    return (
-        f"{data['case'].iloc[0]}: what the paper does not give moves the curves by {_total(data):.1f} % "
-        f"together; the models deviate by {data[changes.DEFAULT_DEVIATION].iloc[0]:.2f} %"
-    )
+    data = study.data
+    own = study.inputs != INPUTS
+    total = _total(data, (VARIED,) if own else SILENT)
+    what = "its inputs move" if own else "what the paper does not give moves"
+    apart = data[changes.DEFAULT_DEVIATION].iloc[0]
+    deviation = "" if pd.isna(apart) else f"; the models deviate by {apart:.2f} %"
+    left_out = [f"{study.name}, {line}" for line in study.left_out]
+    return [*left_out, f"{study.name}: {what} the curves by {total:.1f} % together{deviation}"]
 
 
-def _total(data: pd.DataFrame) -> float:
-    """What all inputs that are not given move together, in the model that they move more, %."""
-    return max(changes.together(data, model, SILENT) for model in MODELS)
+def _own(study: Study) -> dict[str, Any]:
+    """What the page says of a user's scene."""
+    data = study.data
+    present = [model for model in MODELS if (changes.values(data)["model"] == model).any()]
+    singles = {model: changes.worst(data, model, (VARIED,)) for model in present}
+    apart = data[changes.DEFAULT_DEVIATION].iloc[0]
+    return _facts(study) | {
+        "inputs": Table(OWN_HEADER, tuple((item.title, item.default, item.own) for item in study.inputs)),
+        "estimates": [
+            f"{NAMES[model]}: {abs(row[changes.CURVE]):.1f} % at most ({_change(row)}), "
+            f"{_together(data, model, (VARIED,))} % together"
+            for model, row in singles.items()
+        ],
+        "deviation": None if pd.isna(apart) else apart,
+        "prescribed": study.prescribed,
+        "left_out": study.left_out,
+        "resolution": study.resolution,
+    }
+
+
+def _total(data: pd.DataFrame, kinds: Sequence[str] = SILENT) -> float:
+    """What all inputs of some kinds move together, in the model that they move more, %."""
+    return max(changes.together(data, model, kinds) for model in MODELS)
 
 
 def _change(row: pd.Series) -> str:
@@ -65,10 +94,11 @@ def _ending(row: pd.Series) -> str:
     return ending(row["outcome"], None if pd.isna(row["critical_time"]) else row["critical_time"])
 
 
-def _estimate(data: pd.DataFrame, model: str) -> tuple[str, ...]:
+def _estimate(study: Study, model: str) -> tuple[str, ...]:
+    data = study.data
     singles = (changes.worst(data, model, kinds) for kinds in (SILENT, OPEN))
     return (
-        *(case(data["case"].iloc[0]).title, NAMES[model]),
+        *(study.title, NAMES[model]),
         *(f"{abs(row[changes.CURVE]):.1f} ({_change(row)})" for row in singles),
         *(_together(data, model, kinds) for kinds in (SILENT, OPEN)),
         f"{data[changes.DEFAULT_DEVIATION].iloc[0]:.2f}",
@@ -82,29 +112,38 @@ def _together(data: pd.DataFrame, model: str, kinds: Sequence[str]) -> str:
     return total if (mine["outcome"] == changes.COMPLETED).all() else f"{total} or more"
 
 
-def _case(data: pd.DataFrame) -> dict[str, Any]:
-    """What the page says of a case."""
+def _case(study: Study) -> dict[str, Any]:
+    """What the page says of a case of the paper."""
+    data = study.data
     most = data.loc[data.loc[data["kind"].isin(OPEN), changes.DEVIATION].idxmax()]
-    present = changes.values(data)
-    ended = present[present["outcome"] != changes.COMPLETED]
-    tips = data.groupby("model")[list(changes.BASE_TIPS)].first()
-    where = (
-        f"{NAMES[model]} UX {ux:.3f} mm, UY {uy:.3f} mm, ROTZ {rotz:.4f} rad"
-        for model, (ux, uy, rotz) in ((model, tips.loc[model]) for model in MODELS)
-    )
-    groups = present.groupby(["input", "model"], sort=False)
-    pairs = [(name, model) for name in changes.sizes(data).index for model in MODELS]
-    lacking = {
-        item.title: [NAMES[model] for model in MODELS if (item.name, model) not in groups.groups]
-        for item in INPUTS
-    }
-    rows = (row for pair in pairs if pair in groups.groups for row in _rows(groups.get_group(pair)))
-    return {
-        "title": case(data["case"].iloc[0]).title,
+    return _facts(study) | {
         "total": _total(data),
         "deviation": data[changes.DEFAULT_DEVIATION].iloc[0],
         "most": most[changes.DEVIATION],
         "most_by": _change(most),
+    }
+
+
+def _facts(study: Study) -> dict[str, Any]:
+    """What the pages say of any scene."""
+    data = study.data
+    present = changes.values(data)
+    ended = present[present["outcome"] != changes.COMPLETED]
+    tips = present.groupby("model")[list(changes.BASE_TIPS)].first()
+    axial = ("FY", "N") if study.prescribed else ("UY", "mm")
+    where = (
+        f"{NAMES[model]} UX {ux:.3f} mm, {axial[0]} {uy:.3f} {axial[1]}, ROTZ {rotz:.4f} rad"
+        for model, (ux, uy, rotz) in ((model, tips.loc[model]) for model in MODELS if model in tips.index)
+    )
+    groups = present.groupby(["input", "model"], sort=False)
+    pairs = [(name, model) for name in changes.sizes(data).index for model in MODELS]
+    lacking = {
+        item.title: [NAMES[model] for model in tips.index if (item.name, model) not in groups.groups]
+        for item in study.inputs
+    }
+    rows = (row for pair in pairs if pair in groups.groups for row in _rows(groups.get_group(pair)))
+    return {
+        "title": study.title,
         "ended": [(f"{NAMES[row['model']]}, {_change(row)}", _ending(row)) for _, row in ended.iterrows()],
         "tips": "; ".join(where),
         "table": Table(CHANGE_HEADER, tuple(rows)),

@@ -1,39 +1,45 @@
 """How far our curves could be from the authors' because of what the paper leaves open.
 
 One input at a time takes its other values (`validation.sensitivity.inputs`) in both models, on the paper's
-four cases.
+four cases; of a user's scenes, about their own (`validation.sensitivity.own`).
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 
-import pandas as pd
-
-from coilspring import CATALOGUE
+from coilspring import CATALOGUE, Scene
 from coilspring.errors import require_names
 from validation.sensitivity import page, tornado
-from validation.sensitivity.changes import changes, write_csv
+from validation.sensitivity.changes import Study, changes, write_csv
+from validation.sensitivity.inputs import INPUTS
+from validation.sensitivity.own import inputs_of
 from validation.study.cases import CASES, make_ready
 from validation.study.output import prepare
 from validation.study.provenance import write_provenance
 
 
 def sensitivity(
-    out: str | Path, only: Sequence[str] | None = None, progress: Callable[[str], None] = lambda line: None
-) -> tuple[pd.DataFrame, ...]:
-    """Vary what the paper leaves open; write ``sensitivity.csv``, ``.md`` and the figure to `out`.
+    out: str | Path,
+    only: Sequence[str] | None = None,
+    progress: Callable[[str], None] = lambda line: None,
+    scenes: Mapping[str, Scene] | None = None,
+) -> tuple[Study, ...]:
+    """Vary what the paper leaves open, or the inputs of a user's scenes.
+
+    Writes ``sensitivity.csv``, ``.md`` and the figure to `out`.
 
     Parameters
     ----------
     out : folder, made where missing.
     only : names of the paper's cases; None for all.
     progress : called with one line on what is being done.
+    scenes : a user's, by their names, in the place of the paper's cases.
 
     Raises
     ------
-    InputError : an unknown name.
+    InputError : an unknown name; a scene of which no model has a load curve.
 
     Returns
     -------
@@ -45,10 +51,18 @@ def sensitivity(
     prepare(out)
     progress("making the kernels ready")
     make_ready()
-    studies = tuple(changes(case, progress) for case in CASES if only is None or case.name in only)
-    write_csv(studies, out)
+    studies: list[Study] = []
+    if scenes:
+        for name, scene in scenes.items():
+            studies.append(changes(name, scene, inputs_of(scene), progress))
+            write_csv(studies, out)
+    else:
+        chosen = [case for case in CASES if only is None or case.name in only]
+        studies = [changes(case.name, case.scene, INPUTS, progress) for case in chosen]
+        write_csv(studies, out)
     progress("drawing")
     tornado.write(studies, out)
-    page.write(studies, out)
-    write_provenance("coilcheck sensitivity" + (f" --only {','.join(only)}" if only else ""), out)
-    return studies
+    page.write(studies, out, own=bool(scenes))
+    options = [*(scenes or ()), *(["--only", ",".join(only)] if only else [])]
+    write_provenance(" ".join(["coilcheck sensitivity", *options]), out)
+    return tuple(studies)

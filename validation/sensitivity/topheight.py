@@ -17,12 +17,16 @@ from coilspring.solver.solve import follow_problem, output_times, scene_path
 from equivbeam import model as beam
 from equivbeam.shape import BeamShape
 from equivbeam.solve import KERNELS as BEAM_KERNELS
-from validation.study.cases import PAPER_MESH
+from validation.study.cases import paper_mesh
+from validation.study.metrics import COMPONENTS, answered
 from validation.study.partialsolve import partial_path
 from wirefe.shape import WireShape
 from wirefe.solve import KERNELS as WIRE_KERNELS
 from wirefe.solve import scene_problem
 
+SLIGHT = (
+    0.01  # of the farthest: the peak of a component that moves less says nothing; ROTZ at half the height
+)
 ROUNDS = 20  # of the fixed point; on Spring A each leaves less than a tenth of the error
 
 
@@ -31,14 +35,21 @@ class TipCurve:
     """What of a path the study compares."""
 
     times: np.ndarray  # (steps,) reached
-    tips: np.ndarray  # (steps, 3) UX, UY (mm) and ROTZ (rad) of the point that is loaded
+    tips: (
+        np.ndarray
+    )  # (steps, 3) UX, UY (mm; prescribed, the force, N), ROTZ (rad) of the point that is loaded
     outcome: str  # how the path ended, as `EquilibriumPath` has it
     critical_time: float | None  # when it ended
+    counted: tuple[bool, ...] = (True, True, True)  # components that move as far as others, nearly
 
     @classmethod
     def of(cls, path: EquilibriumPath) -> TipCurve:
         """Tip curve of a path."""
-        return cls(path.times, path.tips, path.outcome, path.critical_time)
+        answers = answered(path)
+        tips = np.column_stack([answers[name] for name in COMPONENTS])
+        moved = np.abs(path.tips).max(axis=0, initial=0.0) * (1.0, 1.0, 0.5 * path.scene.spring.active_height)
+        counted = tuple((moved > SLIGHT * moved.max()).tolist())
+        return cls(path.times, tips, path.outcome, path.critical_time, counted)
 
 
 def raised(scene: Scene, model: str, height: float) -> TipCurve:
@@ -76,7 +87,7 @@ def _beam(scene: Scene, moment: float) -> EquilibriumPath:
 
 
 def _wire(scene: Scene, moment: float) -> EquilibriumPath:
-    problem, mesh, options = scene_problem(scene, **PAPER_MESH)
+    problem, mesh, options = scene_problem(scene, **paper_mesh(scene))
     problem = replace(problem, load=_with_moment(problem.load, moment))
     run = follow_problem(problem, WIRE_KERNELS, output_times(scene), scene.spring.wire_diameter)
     return scene_path(scene, "wirefe", options, run, WireShape(scene, problem.data, mesh))

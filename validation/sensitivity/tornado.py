@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
+from string import ascii_lowercase
 from typing import Any
 
 import matplotlib
@@ -13,9 +14,8 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
-from validation.sensitivity.changes import COMPLETED, CURVE, DEFAULT_DEVIATION, sizes, values
-from validation.sensitivity.inputs import AGAINST, BEAM, INPUTS, MODELS, WIRE, OpenInput
-from validation.study.cases import case
+from validation.sensitivity.changes import COMPLETED, CURVE, DEFAULT_DEVIATION, Study, sizes, values
+from validation.sensitivity.inputs import AGAINST, BEAM, MODELS, WIRE, OpenInput
 from validation.study.output import write_files
 from validation.study.plots import drawn
 from validation.study.style import BEAM_LABEL, BLUE, DOUBLE, RC, RED, WIRE_LABEL
@@ -38,19 +38,18 @@ BAND: dict[str, Any] = {"facecolor": "#d9d9d9", "edgecolor": "none", "zorder": 0
 HATCH: dict[str, Any] = {"hatch.linewidth": 0.6}
 
 
-def write(studies: Sequence[pd.DataFrame], out: Path) -> None:
+def write(studies: Sequence[Study], out: Path) -> None:
     """Write the figure as SVG and PNG."""
     looks: Any = RC | HATCH
     with matplotlib.rc_context(looks):
         write_files(drawn(draw(studies), NAME), out)
 
 
-def draw(studies: Sequence[pd.DataFrame]) -> Figure:
+def draw(studies: Sequence[Study]) -> Figure:
     """Panels in two columns, cases with contact above, bars of one thickness in all."""
-    cases = [case(data["case"].iloc[0]) for data in studies]
-    order = sorted(range(len(cases)), key=lambda i: not cases[i].scene.contact.enabled)
+    order = sorted(range(len(studies)), key=lambda i: "penalty" not in set(values(studies[i].data)["input"]))
     columns = min(2, len(order))
-    rows = [len(_drawn(data)) for data in studies]
+    rows = [max(len(_drawn(study)), 1) for study in studies]
     counts = [max(rows[i] for i in order[k : k + columns]) for k in range(0, len(order), columns)]
     height = sum(FRAME + ROW * count for count in counts) + 0.35
     figure = Figure(figsize=(DOUBLE, height), layout="constrained")
@@ -59,31 +58,33 @@ def draw(studies: Sequence[pd.DataFrame]) -> Figure:
         axes.set_visible(False)
     for index, (axes, i) in enumerate(zip(panels.flat, order, strict=False)):
         _panel(axes, studies[i], counts[index // columns])
-        axes.set_title(f"({'abcd'[index]}) {cases[i].title}")
+        axes.set_title(f"({ascii_lowercase[index % 26]}) {studies[i].title}")
     bars = [Patch(**LOOKS[model], label=LABELS[model]) for model in MODELS]
-    band = Patch(**BAND, label="deviation of the models, our defaults")
+    band = Patch(**BAND, label="deviation of the models, nothing changed")
     end = Line2D([], [], linestyle="none", **END, label="a value ends short of full load (table)")
     figure.legend(handles=[*bars, band, end], loc="outside lower center", ncols=2, columnspacing=1.6)
     return figure
 
 
-def _drawn(data: pd.DataFrame) -> list[OpenInput]:
+def _drawn(study: Study) -> list[OpenInput]:
     """Inputs with a bar or a mark, the largest first."""
+    data = study.data
     size = sizes(data).max(axis=1)
     ended = set(values(data).loc[data["outcome"] != COMPLETED, "input"])
-    inputs = {item.name: item for item in INPUTS}
+    inputs = {item.name: item for item in study.inputs}
     return [inputs[name] for name in size.index if name in ended or size[name] >= LEAST]
 
 
-def _panel(axes: Axes, data: pd.DataFrame, count: int) -> None:
-    items = _drawn(data)
+def _panel(axes: Axes, study: Study, count: int) -> None:
+    data, items = study.data, _drawn(study)
     for row, item in enumerate(items):
         mine = values(data[data["input"] == item.name])
         for model, place in PLACES.items():
             _bar(axes, row + place, model, mine[mine["model"] == model])
         _values(axes, row, mine.dropna(subset=CURVE))
     band = data[DEFAULT_DEVIATION].iloc[0]
-    axes.axvspan(-band, band, **BAND)
+    if band == band:  # both models have a curve
+        axes.axvspan(-band, band, **BAND)
     axes.axvline(0.0, color="black", linewidth=0.6)
     axes.set_yticks(range(len(items)), [item.title + "*" * (item.kind == AGAINST) for item in items])
     axes.tick_params(axis="y", length=0)
@@ -92,7 +93,8 @@ def _panel(axes: Axes, data: pd.DataFrame, count: int) -> None:
     low, high = _reach(data)
     margin = LABEL * (high - low)
     axes.set(xlim=(low - margin, high + margin), ylim=(count - 0.4, -0.6))
-    axes.set_xlabel("top moves farther (% of peak)")
+    farther = "force or movement grows" if study.prescribed else "top moves farther"
+    axes.set_xlabel(f"{farther} (% of peak)")
 
 
 def _reach(changes: pd.DataFrame) -> tuple[float, float]:

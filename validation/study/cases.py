@@ -30,6 +30,11 @@ PAPER_MESH: dict[str, Any] = {"element": "straight", "elements_per_turn": 40, "p
 FINE_MESH = PAPER_MESH | {"elements_per_turn": 80}  # to estimate the error of that mesh
 
 
+def paper_mesh(scene: Scene) -> dict[str, Any]:
+    """The paper's mesh for a scene; of stations of wires, which it lacks, the wire model's own number."""
+    return PAPER_MESH if scene.contact.geometry == "spheres" else PAPER_MESH | {"pairs_per_turn": None}
+
+
 @dataclass(frozen=True)
 class Case:
     """One row of the paper's Table 3."""
@@ -66,7 +71,7 @@ def solve_beam(scene: Scene, **options: Any) -> EquilibriumPath:
 
 def solve_wire(scene: Scene, **options: Any) -> EquilibriumPath:
     """Path of the wire model, solved anew; by default on the paper's mesh."""
-    return wirefe.solve(scene, **(PAPER_MESH | options))
+    return wirefe.solve(scene, **(paper_mesh(scene) | options))
 
 
 @cache
@@ -100,7 +105,7 @@ class PathStore:
 
     def partial_wire(self, scene: Scene, **options: object) -> EquilibriumPath:
         """Path of the wire model as far as it was reached; its outcome says why it ended."""
-        return self._reached("wirefe", solve_wire, scene, PAPER_MESH | options)
+        return self._reached("wirefe", solve_wire, scene, paper_mesh(scene) | options)
 
     def make_ready(self) -> None:
         """Make the kernels ready, from the sources as they are: what is solved is kept under their digest."""

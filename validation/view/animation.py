@@ -5,6 +5,7 @@ from __future__ import annotations
 import io
 import os
 import sys
+from collections.abc import Callable
 from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -39,29 +40,50 @@ def require_gif(movie: Path) -> None:
         raise InputError(f"--movie must be the name of a .gif file, got {str(movie)!r}")
 
 
-def show(frames: Frames) -> None:
+def show(load: Callable[[], Frames]) -> None:
     """Open a window with a slider over the steps, and wait until it is closed.
+
+    Parameters
+    ----------
+    load : gives what is shown, while the window gets ready.
 
     Raises
     ------
     InputError : the window could not be opened.
     """
-    with Drawing(COMMAND, asdict(frames), "window") as drawing:
+    with Drawing(COMMAND, None, "window") as drawing:
+        drawing.give(asdict(load()))
         status = drawing.failure(None)
     if status:
         raise InputError(f"no window could be opened ({status}): --movie FILE.gif draws without one")
 
 
-def film(frames: Frames, movie: Path) -> str:
-    """Write a GIF; a sentence where matplotlib had to draw it, else nothing."""
-    chosen = np.unique(np.linspace(0, len(frames.times) - 1, MOST_PICTURES).round().astype(int))
-    frames = Frames(frames.diameter, frames.times[chosen], frames.points[chosen], frames.forces[chosen])
-    with Drawing(COMMAND, asdict(frames), "pictures") as drawing:
+def film(load: Callable[[], Frames], movie: Path, progress: Callable[[str], None]) -> str:
+    """Write a GIF; a sentence where matplotlib had to draw it, else nothing.
+
+    Parameters
+    ----------
+    load : gives what is drawn, while what draws gets ready.
+    movie : the file.
+    progress : called with one line on what is being done.
+    """
+    with Drawing(COMMAND, None, "pictures") as drawing:
+        frames = load()
+        chosen = np.unique(np.linspace(0, len(frames.times) - 1, MOST_PICTURES).round().astype(int))
+        frames = Frames(frames.diameter, frames.times[chosen], frames.points[chosen], frames.forces[chosen])
+        drawing.give(asdict(frames))
         files = [drawing.folder / f"{i:04d}.png" for i in range(len(frames.times))]
-        status = drawing.failure(LONGEST[0] + LONGEST[1] * len(files), files, "it wrote no pictures")
+
+        def announce(drawn: int) -> None:
+            progress(f"drawing: {drawn} of {len(files)} pictures")
+
+        announce(0)
+        longest = LONGEST[0] + LONGEST[1] * len(files)
+        status = drawing.failure(longest, files, "it wrote no pictures", announce)
         if status:
             _draw_flat(frames, files)
-        pictures = [_picture(file) for file in files]
+        progress("writing the movie")
+        pictures = _pictures(files)
     stream = io.BytesIO()
     durations = [PACE] * (len(pictures) - 1) + [LAST]
     pictures[0].save(
@@ -71,12 +93,13 @@ def film(frames: Frames, movie: Path) -> str:
     return f"drawn by matplotlib: pyvista could not draw off screen ({status})" if status else ""
 
 
-def _picture(file: Path) -> Image.Image:
-    """A picture in the 128 colours that a GIF gets here: spread over the scale, not over the greys."""
+def _pictures(files: list[Path]) -> list[Image.Image]:
+    """Pictures in the colours of the last one, which has all of the scale: as many as a GIF holds."""
     from PIL import Image
 
-    colours = Image.open(file).convert("RGB")
-    return colours.quantize(128, Image.Quantize.MAXCOVERAGE, dither=Image.Dither.NONE)
+    *others, last = (Image.open(file).convert("RGB") for file in files)
+    colours = last.quantize(256, Image.Quantize.MAXCOVERAGE, dither=Image.Dither.NONE)
+    return [*(each.quantize(palette=colours, dither=Image.Dither.NONE) for each in others), colours]
 
 
 def _draw_flat(frames: Frames, files: list[Path]) -> None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from pathlib import Path
 from xml.etree import ElementTree
@@ -39,11 +39,13 @@ class Frames:
         return np.flatnonzero(self.forces.max(axis=0) > 0.0)
 
 
-def of_scene(scene: Scene) -> Frames:
-    """Solve a scene with the wire model, as far as it goes."""
+def of_scene(scene: Scene, progress: Callable[[str], None] = lambda line: None) -> Frames:
+    """Solve a scene with the wire model, as far as it goes; `progress` is told what is being done."""
+    progress("loading wirefe")
     import wirefe
     from wirefe.export import section_results
 
+    progress("solving with wirefe")
     path = partial_path(wirefe.solve, scene)
     if len(path.times) == 0:
         raise InputError(f"{scene.name} has no step to show: {path.message}")

@@ -3,15 +3,18 @@
 from __future__ import annotations
 
 import subprocess
+import sys
 import tempfile
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
 from pathlib import Path
 from typing import Self
 
 import numpy as np
 
 ARRAYS = "arrays.npz"
+POLL = 0.05  # s, between looks at what a drawing has written
 
 
 class Drawing:
@@ -20,13 +23,12 @@ class Drawing:
     Parameters
     ----------
     command : given a folder, which holds the arrays and takes what is drawn, and further `words`.
-    arrays : by name.
+    arrays : by name; where they are not known yet, the command starts, and waits for them (`give`).
     """
 
-    def __init__(self, command: Sequence[str], arrays: Mapping[str, object], *words: str) -> None:
+    def __init__(self, command: Sequence[str], arrays: Mapping[str, object] | None, *words: str) -> None:
         self._temporary = tempfile.TemporaryDirectory(prefix="coilcheck-")
         self.folder = Path(self._temporary.name)
-        np.savez(self.folder / ARRAYS, **arrays)  # type: ignore[arg-type]
         self._process: subprocess.Popen | None = None
         self._failure = ""
         self._began = time.monotonic()
@@ -34,29 +36,50 @@ class Drawing:
             self._process = subprocess.Popen(
                 (*command, str(self.folder), *words),
                 cwd=Path(__file__).parents[2],  # `-m` finds the package there, installed or not
-                stdin=subprocess.DEVNULL,
+                stdin=subprocess.PIPE,  # which ends when the arrays are there
                 stdout=subprocess.DEVNULL,
                 stderr=subprocess.DEVNULL,
             )
         except OSError as error:
             self._failure = f"it could not be started ({error.strerror or error})"
+        if arrays is not None:
+            self.give(arrays)
+
+    def give(self, arrays: Mapping[str, object]) -> None:
+        """Hand over what is drawn."""
+        np.savez(self.folder / ARRAYS, **arrays)  # type: ignore[arg-type]
+        if self._process is not None and self._process.stdin is not None:
+            with suppress(BrokenPipeError):
+                self._process.stdin.close()
+        self._began = time.monotonic()
 
     def failure(
-        self, timeout: float | None, files: Sequence[Path] = (), missing: str = "it wrote no file"
+        self,
+        timeout: float | None,
+        files: Sequence[Path] = (),
+        missing: str = "it wrote no file",
+        written: Callable[[int], None] = lambda count: None,
     ) -> str:
         """In a few words why it failed, empty where it did not and the files are there; waited for.
 
         Parameters
         ----------
-        timeout : s since its start; None waits for ever.
+        timeout : s since it has its arrays; None waits for ever.
+        written : called with the number of files that are there, whenever it has changed.
         """
         if self._process is None:
             return self._failure
-        left = None if timeout is None else max(0.0, timeout - (time.monotonic() - self._began))
-        try:
-            status = self._process.wait(left)
-        except subprocess.TimeoutExpired:
-            return f"it took longer than {timeout:g} s"
+        status, count = self._process.poll(), 0
+        while status is None:
+            if timeout is not None and time.monotonic() - self._began > timeout:
+                return f"it took longer than {timeout:g} s"
+            with suppress(subprocess.TimeoutExpired):
+                self._process.wait(POLL)
+            status, before = self._process.poll(), count
+            while count < len(files) and files[count].is_file():
+                count += 1
+            if count != before:
+                written(count)
         if status:
             return f"it ended with status {status}"
         return "" if all(file.is_file() for file in files) else missing
@@ -68,10 +91,14 @@ class Drawing:
         if self._process is not None:
             self._process.kill()
             self._process.wait()
+            if self._process.stdin is not None:
+                with suppress(BrokenPipeError):
+                    self._process.stdin.close()
         self._temporary.cleanup()
 
 
 def arrays(folder: Path) -> dict[str, np.ndarray]:
-    """Arrays that a drawing was given, by name."""
+    """Arrays that a drawing was given, by name; waited for."""
+    sys.stdin.read()
     with np.load(folder / ARRAYS) as stored:
         return dict(stored)

@@ -20,6 +20,8 @@ if TYPE_CHECKING:
 PIXELS = [1000, 720]  # room for the scale beside the spring
 SPHERE = 0.62  # radius of a contact sphere over the wire's diameter: to be seen around the tube
 TITLE = "contact, N\n"  # clear of the largest number
+SCALE = {"color": "black", "fmt": "%.3g", "vertical": True, "position_x": 0.9, "render": False}
+LIGHTS = "three lights"  # those of a light kit, which are five, take half as long again
 ROOM = 0.8  # of the window's height, which leaves the slider clear of the wire
 
 
@@ -27,10 +29,12 @@ def main(folder: Path, what: str) -> None:
     """Show the frames in `folder` in a window, or draw them as PNG files beside it."""
     import pyvista
 
-    frames = Frames(**arrays(folder))  # type: ignore[arg-type]
     window = what == "window"
-    plotter = pyvista.Plotter(off_screen=not window, window_size=PIXELS, lighting="light kit")
+    plotter = pyvista.Plotter(off_screen=not window, window_size=PIXELS, lighting=LIGHTS)
     plotter.set_background("white")
+    if not window:
+        plotter.show(auto_close=False)  # OpenGL gets ready while the scene is solved
+    frames = Frames(**arrays(folder))  # type: ignore[arg-type]
     draw(plotter, frames, len(frames.times) - 1)
     _scale(plotter, frames)
     aim(plotter, frames.points.reshape(-1, 3), 2.0 * frames.diameter)
@@ -42,17 +46,20 @@ def main(folder: Path, what: str) -> None:
     plotter.enable_anti_aliasing("ssaa")
     for step in range(len(frames.times)):
         draw(plotter, frames, step)
+        plotter.render()
         plotter.screenshot(folder / f"{step:04d}.png")
     plotter.close()
 
 
 def draw(plotter: pyvista.Plotter, frames: Frames, step: int) -> None:
-    """Replace the step in the picture."""
+    """Replace the step in the picture, which is not rendered here: each part would cost as much as all."""
     import pyvista
+
+    once: dict[str, Any] = {"reset_camera": False, "render": False}
 
     points, touched = frames.points[step], frames.touched
     wire = tubes([points], 0.5 * frames.diameter, 16)
-    plotter.add_mesh(wire, name="wire", color=GREY, ambient=0.3, smooth_shading=True, reset_camera=False)
+    plotter.add_mesh(wire, name="wire", color=GREY, ambient=0.3, smooth_shading=True, **once)
     if touched.size:
         spheres = pyvista.PolyData(points[touched])
         spheres[TITLE] = frames.forces[step, touched]
@@ -63,10 +70,11 @@ def draw(plotter: pyvista.Plotter, frames: Frames, step: int) -> None:
             scalars=TITLE,
             clim=(0.0, float(frames.forces.max())),
             cmap="viridis",
-            reset_camera=False,
-            scalar_bar_args={"color": "black", "fmt": "%.3g", "vertical": True, "position_x": 0.9},
+            scalar_bar_args=SCALE,
+            **once,
         )
-    plotter.add_text(f"time {frames.times[step]:.3g}", name="time", color="black", font_size=11)
+    time = f"time {frames.times[step]:.3g}"
+    plotter.add_text(time, name="time", color="black", font_size=11, render=False)
 
 
 def _scale(plotter: pyvista.Plotter, frames: Frames) -> None:
@@ -92,8 +100,13 @@ def _scale(plotter: pyvista.Plotter, frames: Frames) -> None:
 
 def _slider(plotter: pyvista.Plotter, frames: Frames) -> None:
     last = len(frames.times) - 1
+
+    def go_to(step: float) -> None:
+        draw(plotter, frames, round(step))
+        plotter.render()
+
     plotter.add_slider_widget(
-        lambda value: draw(plotter, frames, round(value)),
+        go_to,
         (0, last),
         value=last,
         title="step",

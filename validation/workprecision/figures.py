@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from string import ascii_lowercase
 from typing import Any
 
 import matplotlib
@@ -17,7 +18,7 @@ from coilspring import Contact
 from validation.study.plots import drawn
 from validation.study.style import BLUE, DOUBLE, GREY, LIGHT_RED, NAVY, RC, RED, Look
 from validation.workprecision.results import by_scene, competes, of_paper
-from validation.workprecision.settings import PEER, SERIES, STEPS, TITLES
+from validation.workprecision.settings import PEER, SERIES, STEPS, title
 
 COLUMNS = 3
 INK, LIGHT = "#222222", "#c9c9c9"
@@ -73,9 +74,9 @@ def draw(rows: pd.DataFrame, kind: str) -> Figure:
     figure = Figure(figsize=(DOUBLE, 0.85 + 2.2 * lines), layout="constrained")
     grid = figure.subplots(lines, columns, sharex=True, sharey=True, squeeze=False)
     shown = [part[part["shown"]] for _, part in scenes]
-    for letter, axes, (scene, part), able in zip("abcdefgh", grid.flat, scenes, shown, strict=False):
+    for letter, axes, (scene, part), able in zip(ascii_lowercase, grid.flat, scenes, shown, strict=False):
         _panel(axes, part, able, kind)
-        axes.set_title(f"({letter}) {TITLES[scene]}")
+        axes.set_title(f"({letter}) {title(scene)}")
     for axes in grid.flat[len(scenes) :]:
         axes.set_visible(False)
     _label_axes(grid, pd.concat(shown), kind)
@@ -116,7 +117,8 @@ def _panel(axes: Axes, part: pd.DataFrame, able: pd.DataFrame, kind: str) -> Non
     axes.plot(best["ms"], best["error"], drawstyle="steps-post", **FRONT)
     axes.axhspan(1e-30, part["floor"].iloc[0], **FLOOR)
     for paper, mesh in zip(of_paper(part), (True, False), strict=True):
-        axes.plot(paper.ms, paper.error, **_ring(mesh))
+        if paper is not None:
+            axes.plot(paper.ms, paper.error, **_ring(mesh))
 
 
 def _look(series: str, filled: bool) -> Look:
@@ -162,7 +164,7 @@ def draw_penalties(rows: pd.DataFrame) -> Figure:
             mine = part[part["model"] == model]
             look: dict[str, Any] = {"color": colour, "marker": marker, "linestyle": dashes, "markersize": 4.0}
             look["markerfacecolor"] = colour if dashes == "-" else "white"
-            look["label"] = f"{TITLES[scene]}, {'equivalent beam' if model == 'equivbeam' else 'wire model'}"
+            look["label"] = f"{title(scene)}, {'equivalent beam' if model == 'equivbeam' else 'wire model'}"
             ended = mine[mine["outcome"] != "completed"]
             for axes, column, scale in ((error, "curve_max", 100.0), (time, "seconds", 1e3)):
                 axes.plot(mine["penalty"], scale * mine[column], **look)

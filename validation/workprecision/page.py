@@ -13,7 +13,8 @@ from validation.study import provenance
 from validation.study.output import write_files, write_text
 from validation.study.template import page, template
 from validation.workprecision import results, tables
-from validation.workprecision.settings import PAIRS, STEPS
+from validation.workprecision.settings import PEER, STEPS, title
+from wirefe.contactpoints import PER_TURN
 
 PAGE = template(Path(__file__).with_name("page.md"))
 
@@ -39,17 +40,26 @@ def write(out: Path, drawn: bool = False) -> pd.DataFrame:
 
 def markdown(rows: pd.DataFrame, made: Mapping[str, str], drawn: bool) -> str:
     """The study for a reader; `made`: where and when it was measured."""
-    halved = rows[rows["role"] == "half mesh"].iloc[0]
+    halved = rows[rows["role"] == "half mesh"]
     peers = rows[rows["role"] == "opensees"]
+    sticking = rows.loc[rows["sliding"] == "scene", "scene"].unique()
     reference = {
-        "elements_per_turn": 2 * halved.elements_per_turn,
-        "steps": halved.steps,
+        "series": " or ".join(halved["series"].unique()),
+        "elements_per_turn": " or ".join(f"{2 * mesh}" for mesh in halved["elements_per_turn"].unique()),
+        "steps": halved["steps"].iloc[0],
         "rounds": f"{rows.loc[rows['role'] == 'run', 'rounds'].iloc[0]:.0f}",
     }
     return page(
         PAGE,
-        **{"STEPS": STEPS, "PAIRS": PAIRS, "made": made, "drawn": drawn, "reference": reference},
+        **{"STEPS": STEPS, "made": made, "drawn": drawn, "reference": reference},
         tables=tables.tables(rows),
+        peer_refused=((rows["role"] == results.LEFT_OUT) & (rows["series"] == PEER)).any(),
+        reasons=results.reasons(rows),
+        exact=(rows["role"] == "exact rod").any(),
+        sticking=", ".join(map(title, sticking)),
+        in_paper=bool(set(rows["scene"]) & tables.PAPER_REDUCTION.keys()),
+        geometries=[name for name in PER_TURN if (rows["geometry"] == name).any()],
+        PER_TURN=PER_TURN,
         peer_rounds=None if peers.empty else f"{peers['rounds'].iloc[0]:.0f}",
     )
 
@@ -59,10 +69,13 @@ def digest(rows: pd.DataFrame) -> list[str]:
     lines = []
     for scene, part in results.by_scene(rows):
         best = results.fastest(part, results.of_paper(part)[0].curve_max)
+        if best is None:
+            lines.append(f"{scene}: no run of the whole curve is as accurate as the paper's mesh")
+            continue
         front = part[part["on_curve_front"] == 1].sort_values("seconds").itertuples()
         labels = [tables.label(row) for row in front]
         lines.append(
             f"{scene}: as accurate as the paper's mesh in 1/{1.0 / best.ratio_to_paper_mesh:.3g} of its time "
             f"by {results.setting_of(best).label}; front of the load curve: {', '.join(labels)}"
         )
-    return lines
+    return [*results.reasons(rows), *lines]

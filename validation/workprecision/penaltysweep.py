@@ -22,7 +22,7 @@ from validation.workprecision.settings import PAIRS, PAPER_ELEMENTS, PAPER_LAW, 
 SCENES = ("spring-a", "spring-b")
 PENALTIES = (1e2, 1e3, 1e4, 1e5, 1e6)  # N/mm
 HARD, LESS_HARD = 1e8, 1e7  # N/mm
-MESH = Setting("straight", PAPER_ELEMENTS, PAIRS)
+MESH = Setting("straight", PAPER_ELEMENTS, PAIRS, geometry="spheres")
 BEAM = Setting(PAPER_LAW, tangent="exact", sliding="ignore")
 SOLVES = {BEAM: solve_beam, MESH: solve_wire}
 

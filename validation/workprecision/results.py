@@ -2,7 +2,8 @@
 
 Rows differ in ``role``: "run", and what stands beside the runs: "opensees"; "penalty", against the same model
 with hard contact; "half mesh" and "half steps" of the reference, and "exact rod", its error against the exact
-solution where there is one. Errors are those of the part of the path that was reached.
+solution where there is one; "left out", what a scene cannot be given, with the ``reason``. Errors are those
+of the part of the path that was reached.
 """
 
 from __future__ import annotations
@@ -18,12 +19,15 @@ import pandas as pd
 from coilspring import Scene
 from validation.study import frames
 from validation.study.metrics import Comparison
-from validation.workprecision.settings import PAIRS, STEPS, Setting
+from validation.workprecision.settings import STEPS, Setting
+from wirefe.contactpoints import PER_TURN
 
 TIE = 1.1  # times nearer to each other than about this factor are one
 GAIN = 0.9  # a slower setting is on the front where its error is below this part of the faster ones'
 FILE = "workprecision.csv"
-WORDS, COUNTS = ["tangent", "sliding"], ["elements_per_turn", "pairs_per_turn"]
+LEFT_OUT, REASON = "left out", "reason"
+NOTHING = Comparison(np.nan, np.nan, np.nan, np.nan, {}, {}, 0, np.nan)
+WORDS, COUNTS = ["tangent", "sliding", "geometry"], ["elements_per_turn", "pairs_per_turn"]
 ERRORS = {"curve_max": "", "curve_rms": "", "shape_max": "_mm", "shape_rms": "_mm"}  # and their units
 
 
@@ -40,6 +44,11 @@ def row(role: str, scene: Scene, setting: Setting, error: Comparison, **more: ob
         **{name + unit: getattr(error, name) for name, unit in ERRORS.items()},
         **more,
     }
+
+
+def left_out(scene: Scene, setting: Setting, reason: str) -> dict[str, object]:
+    """A row for what a scene cannot be given."""
+    return row(LEFT_OUT, scene, setting, NOTHING, outcome="unsupported", reason=reason)
 
 
 def ranked(rows: pd.DataFrame) -> pd.DataFrame:
@@ -61,7 +70,12 @@ def ranked(rows: pd.DataFrame) -> pd.DataFrame:
 
 def competes(rows: pd.DataFrame) -> pd.Series:
     """Whether rows solve the scene to the end with the scene's contact model."""
-    return (rows["outcome"] == "completed") & rows["pairs_per_turn"].isin((0, PAIRS))
+    return (rows["outcome"] == "completed") & usual_pairs(rows)
+
+
+def usual_pairs(rows: pd.DataFrame) -> pd.Series:
+    """Whether rows have the usual number of pairs of their scene's contact, or none."""
+    return rows["pairs_per_turn"] == rows["geometry"].map(PER_TURN).fillna(0)
 
 
 def front(rows: pd.DataFrame, error: pd.Series) -> list[int]:
@@ -82,10 +96,10 @@ def setting_of(row: Any) -> Setting:
 
 
 def of_paper(rows: pd.DataFrame) -> tuple[Any, Any]:
-    """The rows of a scene that are the paper's FE mesh and the paper's equivalent beam."""
+    """The rows of a scene that are the paper's FE mesh and the paper's equivalent beam, or None."""
     runs = list(rows[rows["role"] == "run"].itertuples())
     mesh = next(each for each in runs if setting_of(each).is_paper_mesh)
-    return mesh, next(each for each in runs if setting_of(each).is_paper_model)
+    return mesh, next((each for each in runs if setting_of(each).is_paper_model), None)
 
 
 def fastest(rows: pd.DataFrame, error: float) -> Any:
@@ -104,12 +118,21 @@ def to_csv(rows: pd.DataFrame) -> bytes:
 
 
 def read(folder: Path) -> pd.DataFrame:
-    """What `to_csv` wrote."""
+    """What `to_csv` wrote; where no geometry is recorded, all contact is of spheres."""
     rows = frames.read_csv(folder / FILE)
+    if "geometry" not in rows:
+        rows["geometry"] = np.where(rows["elements_per_turn"].notna(), "spheres", "")
     whole = {name: rows[name].fillna(0).astype(int) for name in COUNTS}
     return rows.assign(**whole, **{name: rows[name].fillna("") for name in WORDS})
 
 
 def by_scene(rows: pd.DataFrame) -> Sequence[tuple[str, pd.DataFrame]]:
-    """The rows of each scene, in their order."""
-    return [(str(name), part) for name, part in rows.groupby("scene", sort=False)]
+    """The rows of each scene that was solved, in their order."""
+    solved = rows[rows["role"] != LEFT_OUT]
+    return [(str(name), part) for name, part in solved.groupby("scene", sort=False)]
+
+
+def reasons(rows: pd.DataFrame) -> list[str]:
+    """A sentence on each thing that was left out."""
+    some = rows[rows["role"] == LEFT_OUT]
+    return [f"{row.scene}, {row.reason}" for row in some.itertuples()]

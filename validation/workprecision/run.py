@@ -10,7 +10,7 @@ The time is the CPU time of the solve alone, one thread, kernels warm. All setti
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
@@ -18,12 +18,12 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from coilspring import EquilibriumPath, InputError, Scene
+from coilspring import EquilibriumNotFound, EquilibriumPath, InputError, Scene
 from coilspring.errors import require_names
 from validation.peers.installed import opensees
-from validation.study.cases import PAPER_MESH, make_ready, solve_beam, solve_wire
+from validation.study.cases import make_ready, solve_beam, solve_wire
 from validation.study.machine import versions
-from validation.study.metrics import COMPONENTS, Comparison, compare_curves, compare_paths, peaks
+from validation.study.metrics import Comparison, compare_curves, compare_paths, peaks
 from validation.study.output import prepare, write_files
 from validation.study.partialsolve import partial_path
 from validation.study.provenance import write_provenance
@@ -31,8 +31,16 @@ from validation.study.scenes import EXACT_ROD, study_scenes
 from validation.study.timing import announced, interleaved, median_of, quartiles
 from validation.workprecision import page, results
 from validation.workprecision.penaltysweep import SCENES, penalty_rows
-from validation.workprecision.results import ranked, row
-from validation.workprecision.settings import EXTENTS, PAIRS, PEER, Extent, Setting, settings
+from validation.workprecision.results import left_out, ranked, row
+from validation.workprecision.settings import (
+    EXTENTS,
+    PAPER_ELEMENTS,
+    PEER,
+    STEPS,
+    Extent,
+    Setting,
+    settings,
+)
 
 SHORT, MOST_REPEATS = 0.02, 5  # s; a shorter solve is repeated within a round
 Progress = Callable[[str], None]
@@ -43,8 +51,9 @@ def workprecision(
     only: Sequence[str] | None = None,
     extent: str = "normal",
     progress: Progress = lambda line: None,
+    scenes: Mapping[str, Scene] | None = None,
 ) -> pd.DataFrame:
-    """Measure all scenes and write ``workprecision.csv``, ``.md`` and the figures to `out`.
+    """Measure scenes and write ``workprecision.csv``, ``.md`` and the figures to `out`.
 
     Parameters
     ----------
@@ -52,6 +61,7 @@ def workprecision(
     only : names of scenes; None for all.
     extent : "quick", "normal" or "full".
     progress : called with one line on what is being done.
+    scenes : a user's, by their names, in the place of the study's own; in `STEPS` steps of each stage.
 
     Returns
     -------
@@ -60,7 +70,8 @@ def workprecision(
 
     Raises
     ------
-    InputError : an unknown name or extent.
+    InputError : an unknown name or extent; scenes that the wire model does not represent.
+    EquilibriumNotFound : the reference of no scene reaches full load.
     """
     if extent not in EXTENTS:
         raise InputError(f"extent must be one of {', '.join(EXTENTS)}, got {extent!r}")
@@ -69,32 +80,50 @@ def workprecision(
     prepare(out)
     progress("making the kernels ready")
     make_ready()
+    chosen = scenes or {name: s for name, s in study_scenes().items() if only is None or name in only}
     found: list[pd.DataFrame] = []
-    for name, scene in study_scenes().items():
-        if only is None or name in only:
-            found.append(study(scene, EXTENTS[extent], progress))
+    failure: InputError | EquilibriumNotFound | None = None
+    for name, scene in chosen.items():
+        try:
+            found.append(study(scene.with_steps(STEPS), EXTENTS[extent], progress))
             if name in SCENES:
                 found.append(penalty_rows(scene, EXTENTS[extent].rounds, progress))
-            write_files({results.FILE: results.to_csv(pd.concat(found, ignore_index=True))}, out)
-            write_provenance(_command(only, extent), out, openseespy=versions("openseespy")["openseespy"])
+        except (InputError, EquilibriumNotFound) as error:
+            failure = error
+            paper = Setting.wire(scene, "straight", PAPER_ELEMENTS)
+            found.append(pd.DataFrame([left_out(scene, paper, f"the reference: {error}")]))
+        rows = pd.concat(found, ignore_index=True)
+        if (rows["role"] == "run").any():
+            write_files({results.FILE: results.to_csv(rows)}, out)
+            command = _command(list(scenes or ()), only, extent)
+            write_provenance(command, out, openseespy=versions("openseespy")["openseespy"])
             page.write(out)
+        elif name == list(chosen)[-1] and failure is not None:
+            raise failure
     progress("drawing")
     return page.write(out, drawn=True)
 
 
-def _command(only: Sequence[str] | None, extent: str) -> str:
+def _command(scenes: Sequence[str], only: Sequence[str] | None, extent: str) -> str:
     size = [] if extent == "normal" else [f"--{extent}"]
-    return " ".join(["coilcheck workprecision", *size, *([f"--only {','.join(only)}"] if only else [])])
+    return " ".join(
+        ["coilcheck workprecision", *scenes, *size, *([f"--only {','.join(only)}"] if only else [])]
+    )
 
 
 def study(scene: Scene, extent: Extent, progress: Progress) -> pd.DataFrame:
     """Errors and times of all settings on one scene."""
     progress(f"{scene.name}: reference")
     reference, rows = _reference(scene, extent)
-    paths = {}
+    paths, refused = {}, dict[str, dict[str, object]]()
     for setting in settings(scene, extent):
         progress(f"{scene.name}: {setting.label}")
-        paths[setting] = reached(scene, setting)
+        try:
+            paths[setting] = reached(scene, setting)
+        except InputError as refusal:
+            if setting.is_paper_mesh:  # in which times are measured
+                raise
+            refused.setdefault(str(refusal), left_out(scene, setting, f"{setting.label}: {refusal}"))
     runs = {setting: partial(_seconds, scene, setting, path) for setting, path in paths.items()}
     seconds = interleaved(runs, announced(extent.rounds, progress, f"{scene.name}: timing"))
     paper = next(seconds[setting] for setting in runs if setting.is_paper_mesh)
@@ -106,8 +135,12 @@ def study(scene: Scene, extent: Extent, progress: Progress) -> pd.DataFrame:
         rows.append(
             row("run", scene, setting, error, outcome=path.outcome, iterations=path.total_iterations, **times)
         )
-    rows += _peer_rows(scene, extent, reference, float(np.median(paper)), progress)
-    return ranked(pd.DataFrame(rows))
+    try:
+        rows += _peer_rows(scene, extent, reference, float(np.median(paper)), progress)
+    except InputError as refusal:
+        peer = Setting.wire(scene, PEER, PAPER_ELEMENTS)
+        refused[str(refusal)] = left_out(scene, peer, f"OpenSees: {refusal}")
+    return ranked(pd.DataFrame([*rows, *refused.values()]))
 
 
 def reached(scene: Scene, setting: Setting) -> EquilibriumPath:
@@ -129,11 +162,12 @@ def _times(ratios: np.ndarray, paper: float) -> dict[str, float]:
 
 def _reference(scene: Scene, extent: Extent) -> tuple[EquilibriumPath, list[dict[str, object]]]:
     """The finest path, and rows of its own error."""
-    finest = Setting("curved", extent.reference, PAIRS, steps=extent.finest)
+    series, half = extent.finest_mesh(scene)
+    finest = Setting.wire(scene, series, 2 * half, steps=extent.finest)
     path = solve_wire(scene, **finest.options)
     rows = []
     for role, setting in (
-        ("half mesh", replace(finest, elements_per_turn=extent.reference // 2)),
+        ("half mesh", replace(finest, elements_per_turn=half)),
         ("half steps", replace(finest, steps=extent.finest // 2)),
     ):
         rows.append(row(role, scene, setting, compare_paths(solve_wire(scene, **setting.options), path)))
@@ -158,17 +192,16 @@ def _peer_rows(
         return []
     rows = []
     for mesh, steps in extent.peers:
-        setting = Setting(PEER, mesh, PAIRS, steps=steps)
+        setting = Setting.wire(scene, PEER, mesh, steps=steps)
         progress(f"{scene.name}: {setting.label}")
         runs, ratios = [], []
         for _ in range(extent.peer_rounds):
-            beside = partial_path(solve_wire, scene, **PAPER_MESH).solve_seconds
+            beside = partial_path(solve_wire, scene).solve_seconds
             runs.append(peer.run(scene, steps, peer.tolerance(scene), elements_per_turn=mesh))
             ratios.append(runs[-1].seconds / beside)
         run = runs[-1]
-        tips = dict(zip(COMPONENTS, run.tips.T, strict=True))
-        error = compare_curves(run.times, tips, reference)
-        outcome = "completed" if len(run.tips) == steps else "not_converged"
+        error = compare_curves(run.times, run.answers, reference)
+        outcome = "completed" if len(run.tips) == scene.with_steps(steps).load.rows else "not_converged"
         times = _times(np.array(ratios), paper)
         rows.append(
             row("opensees", scene, setting, error, outcome=outcome, iterations=run.iterations, **times)

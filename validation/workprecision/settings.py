@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from contextlib import suppress
 from dataclasses import asdict, dataclass, replace
 
-from coilspring import Scene
+from coilspring import InputError, Scene
 from equivbeam.laws import LAWS
+from wirefe.contactpoints import PER_TURN
+from wirefe.mesh import mesh_wire
 
 STEPS = 50  # of the paper, and of every scene here
-PAIRS = 4  # a turn, as in the paper's mesh; other numbers are other contact models
+PAIRS = PER_TURN["spheres"]  # a turn, as in the paper's mesh; other numbers are other contact models
 PAPER_LAW, PAPER_ELEMENTS = "haringx", 40
 SERIES = ("straight", "curved", *LAWS)
 PEER = "opensees"
@@ -21,10 +24,22 @@ class Setting:
 
     series: str  # element of the wire model, law of the equivalent beam, or `PEER`
     elements_per_turn: int = 0  # 0 for the equivalent beam, which has one length of element
-    pairs_per_turn: int = 0  # sphere pairs; 0 for the equivalent beam
+    pairs_per_turn: int = 0  # of spheres or stations; 0 for the equivalent beam
     tangent: str = ""  # of the equivalent beam; empty for the wire model
     sliding: str = ""  # of the equivalent beam; empty for the wire model
     steps: int = STEPS  # equal steps of time
+    geometry: str = ""  # of the wire model's contact, the scene's; empty for the equivalent beam
+
+    @classmethod
+    def wire(cls, scene: Scene, series: str, mesh: int, pairs: int = 0, steps: int = STEPS) -> Setting:
+        """Of the wire model, or `PEER`; by default with the usual number of pairs."""
+        geometry = scene.contact.geometry
+        return cls(series, mesh, pairs or PER_TURN[geometry], steps=steps, geometry=geometry)
+
+    @property
+    def usual_pairs(self) -> bool:
+        """Whether the pairs are as many as the scene's kind of contact has unless asked otherwise."""
+        return self.pairs_per_turn == PER_TURN.get(self.geometry, 0)
 
     @property
     def model(self) -> str:
@@ -36,7 +51,8 @@ class Setting:
     @property
     def options(self) -> dict[str, object]:
         """Keyword arguments of the model's `solve`."""
-        chosen = {name: value for name, value in asdict(self).items() if value and name != "series"}
+        others = ("series", "geometry")  # the scene has the latter
+        chosen = {name: value for name, value in asdict(self).items() if value and name not in others}
         return chosen | {"element" if self.elements_per_turn else "law": self.series}
 
     @property
@@ -48,13 +64,14 @@ class Setting:
         parts = [f"wire {self.series} {mesh}" if mesh else f"beam {self.series}"]
         parts += ["paper’s tangent"] if self.tangent == "paper" else []
         parts += ["scene’s sliding"] if self.sliding == "scene" else []
-        parts += [f"{pairs} pairs per turn"] if mesh and pairs != PAIRS else []
+        parts += [] if self.usual_pairs else [f"{pairs} pairs per turn"]
         return ", ".join([*parts, f"{self.steps} step{'s' if self.steps != 1 else ''}"])
 
     @property
     def is_paper_mesh(self) -> bool:
         """Whether it is the paper's FE mesh with a scene's usual steps."""
-        return self == Setting("straight", PAPER_ELEMENTS, PAIRS)
+        usual = self.usual_pairs and self.steps == STEPS
+        return usual and (self.series, self.elements_per_turn) == ("straight", PAPER_ELEMENTS)
 
     @property
     def is_paper_model(self) -> bool:
@@ -70,11 +87,17 @@ class Extent:
     curved: tuple[int, ...]  # elements per turn, curved ones
     reference: int  # curved elements per turn of the reference; half of it tells the reference's error
     steps: tuple[int, ...]  # other numbers of steps; divisors of `Extent.finest`
-    pairs: tuple[int, ...]  # other sphere pairs per turn
+    pairs: tuple[int, ...]  # other sphere pairs per turn; of stations of wires as many times more
     rounds: int  # timed rounds
     peers: tuple[tuple[int, int], ...] = ()  # elements per turn and steps of OpenSees, which is slow
     peer_rounds: int = 1  # timed rounds of OpenSees
     finest = 200  # steps of the reference: every number of steps here divides it
+
+    def finest_mesh(self, scene: Scene) -> tuple[str, int]:
+        """Element of the reference and half of its number per turn; plates go with straight ones alone."""
+        if scene.supports.seat == "plate":
+            return "straight", fitted(scene, max(self.straight))
+        return "curved", fitted(scene, self.reference // 2)
 
 
 QUICK = Extent((8, 20, 40), (4, 8), 32, (1, 10), (8,), 3, ((40, STEPS),))
@@ -107,6 +130,25 @@ TITLES = {
 }
 
 
+def title(scene: str) -> str:
+    """Name of a scene for a reader; of a user's, its own."""
+    return TITLES.get(scene, scene)
+
+
+def fitted(scene: Scene, mesh: int, pairs: int = PAIRS) -> int:
+    """Elements per turn, `mesh` or a few more, whose nodes meet the ends of the coils, and spheres.
+
+    The paper's mesh has to meet them, too, so that farther than to its next multiple none is looked for.
+    """
+    pairs = pairs if scene.contact.geometry == "spheres" else 1
+    for count in range(mesh, mesh + PAPER_ELEMENTS):
+        with suppress(InputError):
+            mesh_wire(scene.spring, count, scene.supports.seat == "plate")
+            if count % pairs == 0:
+                return count
+    return mesh  # which the wire model refuses, and says why
+
+
 def settings(scene: Scene, extent: Extent) -> tuple[Setting, ...]:
     """Every setting that makes sense for a scene."""
     return tuple(dict.fromkeys((*_wires(scene, extent), *_beams(scene, extent))))
@@ -114,12 +156,14 @@ def settings(scene: Scene, extent: Extent) -> tuple[Setting, ...]:
 
 def _wires(scene: Scene, extent: Extent) -> Iterable[Setting]:
     meshes = [("straight", mesh) for mesh in extent.straight] + [("curved", mesh) for mesh in extent.curved]
-    yield from (Setting(element, mesh, PAIRS) for element, mesh in meshes)
+    yield from (Setting.wire(scene, element, fitted(scene, mesh)) for element, mesh in meshes)
     for steps in extent.steps:
-        yield Setting("straight", PAPER_ELEMENTS, PAIRS, steps=steps)
-        yield Setting("curved", extent.curved[0], PAIRS, steps=steps)
+        yield Setting.wire(scene, "straight", PAPER_ELEMENTS, steps=steps)
+        yield Setting.wire(scene, "curved", fitted(scene, extent.curved[0]), steps=steps)
     if scene.contact.enabled:
-        yield from (Setting("curved", max(16, pairs), pairs) for pairs in (PAIRS, *extent.pairs))
+        times = PER_TURN[scene.contact.geometry] // PAIRS
+        for pairs in (PAIRS, *extent.pairs):
+            yield Setting.wire(scene, "curved", fitted(scene, max(16, pairs), pairs), times * pairs)
 
 
 def _beams(scene: Scene, extent: Extent) -> Iterable[Setting]:

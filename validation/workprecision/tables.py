@@ -14,9 +14,10 @@ from validation.study.cases import CASES
 from validation.study.document import Table
 from validation.study.frames import frame_table, view
 from validation.study.timing import spread
-from validation.workprecision.results import by_scene, fastest, of_paper, setting_of
-from validation.workprecision.settings import PAIRS, PAPER_LAW, STEPS, TITLES
+from validation.workprecision.results import by_scene, fastest, of_paper, setting_of, usual_pairs
+from validation.workprecision.settings import PAPER_LAW, STEPS, title
 
+PAPER_COLUMN = "paper's reduction (%)"
 PAPER_REDUCTION = {case.name: f"{case.paper_reduction:g}" for case in CASES}
 Columns = dict[str, Callable[[Any], object]]
 
@@ -48,7 +49,7 @@ def _time(row: Any) -> str:
     return spread(row, "seconds", 1e3)
 
 
-SCENE: Columns = {"scene": lambda row: TITLES[row.scene]}
+SCENE: Columns = {"scene": lambda row: title(row.scene)}
 TIME: Columns = {"time (ms)": _time}
 ERRORS: Columns = {"curve (%)": _error, "shape (mm)": lambda row: f"{row.shape_max_mm:.2g}"}
 
@@ -62,7 +63,10 @@ def equal_error_table(rows: pd.DataFrame) -> Table:
             beam = _beam(part, law)
             if beam is not None:
                 lines.append(_equal_error(scene, law, beam, fastest(wires, beam.curve_max)))
-    return frame_table(pd.DataFrame(lines))
+    data = pd.DataFrame(lines)
+    if PAPER_COLUMN in data and not set(rows["scene"]) & PAPER_REDUCTION.keys():
+        del data[PAPER_COLUMN]
+    return frame_table(data)
 
 
 def _beam(rows: pd.DataFrame, law: str) -> Any:
@@ -75,7 +79,7 @@ def _beam(rows: pd.DataFrame, law: str) -> Any:
 def _equal_error(scene: str, law: str, beam: Any, wire: Any) -> dict[str, str]:
     share = np.nan if wire is None else beam.ratio_to_paper_mesh / wire.ratio_to_paper_mesh
     return {
-        "scene": TITLES[scene],
+        "scene": title(scene),
         "law": law,
         "its error (%)": _error(beam),
         "its time (ms)": _time(beam),
@@ -85,7 +89,7 @@ def _equal_error(scene: str, law: str, beam: Any, wire: Any) -> dict[str, str]:
         "wire model / beam at equal error": "" if wire is None else f"{1.0 / share:.3g}",
         "reduction (%)": "" if wire is None else f"{100.0 * (1.0 - share):.1f}",
         "reduction against the paper's mesh (%)": f"{100.0 * (1.0 - beam.ratio_to_paper_mesh):.1f}",
-        "paper's reduction (%)": PAPER_REDUCTION.get(scene, "not in the paper"),
+        PAPER_COLUMN: PAPER_REDUCTION.get(scene, "not in the paper"),
     }
 
 
@@ -97,14 +101,14 @@ def paper_table(rows: pd.DataFrame) -> Table:
         best = fastest(part, mesh.curve_max)
         lines.append(
             {
-                "scene": TITLES[scene],
+                "scene": title(scene),
                 "paper's mesh (ms)": _time(mesh),
                 "error (%)": _error(mesh),
-                "paper's model (ms)": _time(model),
-                "its error (%)": _error(model),
-                "fastest as accurate as the paper's mesh": setting_of(best).label,
-                "its time (ms)": _time(best),
-                "part of the mesh's time": f"1/{1.0 / best.ratio_to_paper_mesh:.3g}",
+                "paper's model (ms)": _time(model) if model else "left out",
+                "its error (%)": _error(model) if model else "",
+                "fastest as accurate as the paper's mesh": setting_of(best).label if best else "none",
+                "its time (ms)": _time(best) if best else "",
+                "part of the mesh's time": f"1/{1.0 / best.ratio_to_paper_mesh:.3g}" if best else "",
             }
         )
     return frame_table(pd.DataFrame(lines))
@@ -118,7 +122,7 @@ def reference_table(rows: pd.DataFrame) -> Table:
         mesh, steps, exact = own["half mesh"], own["half steps"], own.get("exact rod")
         lines.append(
             {
-                "scene": TITLES[scene],
+                "scene": title(scene),
                 "curve, half the mesh (of the peak)": f"{mesh.curve_max:.1e}",
                 "curve, half the steps (of the peak)": f"{steps.curve_max:.1e}",
                 "shape, half the mesh (mm)": f"{mesh.shape_max_mm:.1e}",
@@ -193,7 +197,7 @@ def pairs_table(rows: pd.DataFrame) -> Table:
     wires = rows[(rows["role"] == "run") & (rows["model"] == "wirefe")]
     mesh, found = ["series", "elements_per_turn", "steps"], [wires.iloc[:0]]
     for _, part in by_scene(wires):
-        other = pd.MultiIndex.from_frame(part.loc[part["pairs_per_turn"] != PAIRS, mesh])
+        other = pd.MultiIndex.from_frame(part.loc[~usual_pairs(part), mesh])
         alike = part[pd.MultiIndex.from_frame(part[mesh]).isin(other)]
         if len(alike) and np.ptp(alike["curve_max"]) > part["reference_curve_error"].iloc[0]:
             found.append(alike.sort_values("pairs_per_turn", kind="stable"))
