@@ -50,6 +50,15 @@ class CaseEvidence:
 
 
 @dataclass(frozen=True)
+class WireContact:
+    """A case whose wire model has contact of wires in place of the paper's spheres."""
+
+    wire: EquilibriumPath
+    error: Comparison  # the beam against it
+    sticking: Comparison  # the same where the beam's circles stick
+
+
+@dataclass(frozen=True)
 class Evidence:
     """Everything the report's sentences are computed from."""
 
@@ -60,6 +69,7 @@ class Evidence:
     stepped: Mapping[int, float]  # wire model of Spring B without sliding, UY at full load by substeps
     overloaded: EquilibriumPath  # equivalent beam of Spring B beyond its full load, as far as it goes
     phases: pd.DataFrame  # both models of Spring A at other start phases (`validation.reproduce.phases`)
+    by_wires: Mapping[str, WireContact]  # the cases with contact, by name of the scene
 
     @property
     def overload(self) -> float:
@@ -79,6 +89,7 @@ def gather(store: PathStore, times: pd.DataFrame) -> Evidence:
         stepped={n: float(store.wire(scene, steps=n).tips[-1, 1]) for n in STEPS},
         overloaded=store.partial_beam(overloaded(scene)),
         phases=over_phases(store),
+        by_wires={c.name: _by_wires(store, c.scene) for c in CASES if c.scene.contact.enabled},
     )
 
 
@@ -91,6 +102,12 @@ def overloaded(scene: Scene) -> Scene:
     """The scene under a load that is larger by `OVERLOAD`."""
     fx, fy = scene.load.force
     return replace(scene, load=replace(scene.load, force=(OVERLOAD * fx, OVERLOAD * fy)))
+
+
+def _by_wires(store: PathStore, scene: Scene) -> WireContact:
+    wire = store.wire(scene.overridden(geometry="wires"))
+    sticking = store.beam(scene, sliding="scene")
+    return WireContact(wire, compare_paths(store.beam(scene), wire), compare_paths(sticking, wire))
 
 
 def _case(store: PathStore, item: Case) -> CaseEvidence:

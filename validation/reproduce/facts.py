@@ -35,6 +35,7 @@ TIMES = {
     **{"ratio": "ratio", "ratio_low": "ratio_q1", "ratio_high": "ratio_q3"},
 }
 MACHINE = {"date": "measured", **{name: name for name in ("processor", "cores", "system", "versions")}}
+BY_WIRES = "wires."  # before the name of a fact that is another one with contact of wires
 ENDS = 10  # substeps at the beginning and the end, whose iterations are compared
 
 
@@ -48,9 +49,8 @@ def facts(evidence: Evidence) -> dict[str, object]:
     for row in evidence.times.to_dict("records"):
         found |= {f"{row['case']}.time.{name}": row[column] for name, column in TIMES.items()}
         found |= {f"machine.{name}": str(row[column]) for name, column in MACHINE.items()}
-    return (
-        found | _limits(evidence) | _bare_b(evidence) | _iterations(evidence) | phase_facts(evidence.phases)
-    )
+    found |= _limits(evidence) | _bare_b(evidence) | _iterations(evidence) | phase_facts(evidence.phases)
+    return found | {f"{BY_WIRES}{name}": value for name, value in _by_wires(evidence).items()}
 
 
 def _settings(evidence: Evidence) -> dict[str, object]:
@@ -101,6 +101,18 @@ def _contact(evidence: Evidence) -> dict[str, object]:
         "overlap.pair": int(np.argmax(bare)),
         "overlap.pairs": int(bare.size),
     }
+
+
+def _by_wires(evidence: Evidence) -> dict[str, object]:
+    """What other facts are with contact of wires."""
+    found: dict[str, object] = {"sticking.shape": evidence.by_wires["spring-b"].sticking.shape_max}
+    for name, item in evidence.by_wires.items():
+        found[f"{name}.curve"] = item.error.curve_max
+        found[f"{name}.shape"] = item.error.shape_max
+        found[f"{name}.wire"] = tuple(item.wire.tips[-1].tolist())
+    path = evidence.by_wires["spring-a"].wire
+    overlap = overlaps(path.circle_centres(-1), path.scene.spring.wire_diameter)
+    return found | {"overlap.with": float(overlap.max())}
 
 
 def _limits(evidence: Evidence) -> dict[str, object]:
