@@ -54,7 +54,7 @@ from coilspring.solver.system import (
 COMPLETED, CRITICAL, STUCK, NEW_PAIR, JUMP, OVERLAP, EXHAUSTED = 0, 1, 2, 3, 4, 5, 6
 
 FIRST_STEP = 0.1  # largest first substep: the tangent at rest knows nothing of the contact to come
-LEAST_RELEASE = 1e-3  # share of what a pair held: where so little finds no place nearby, the path jumps
+LEAST_RELEASE = 1e-6  # share of what a pair held: where so little finds no place nearby, the path jumps
 LEAST_FREE = 0.05  # share of a substep that is taken at least, however soon a pair closes
 SAFE = 0.8  # share of the turn allowed that the next substep aims at
 HALF = 0.5  # of a substep that failed, is tried next
