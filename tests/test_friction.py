@@ -8,9 +8,10 @@ import pytest
 
 import equivbeam
 import wirefe
-from coilspring import Contact, InputError, load_scene
+from coilspring import Contact, InputError, Load, Scene, Spring, Supports, load_scene
 from coilspring.compiling.packing import pack
 from coilspring.scene.toml import scene_from_text
+from validation.campaign.scenes import in_units
 from wirefe import kernels, model
 from wirestates import add, centres, elements
 
@@ -238,3 +239,20 @@ def test_traced_paths_know_no_friction():
     path = wirefe.trace(scene("spring-b", 0.0), points=3, element="curved", elements_per_turn=4)
     with pytest.raises(InputError, match="friction needs a followed path"):
         _ = path.friction
+
+
+@pytest.mark.parametrize("geometry", ["spheres", "wires"])
+@pytest.mark.parametrize("mu", [0.3, NONE])
+@pytest.mark.parametrize("seat", ["rigid", "plate"])
+def test_the_answer_does_not_depend_on_the_units(geometry, mu, seat):
+    """Lengths times 1024 and forces times its square: E stays what it is, K is N/mm^1.5."""
+    law = {"sliding": "none"} if mu == NONE else {"sliding": "coulomb", "friction": mu}
+    contact = Contact(stiffness=3e4, exponent=1.5, geometry=geometry, **law)
+    spring = Spring(1.5, (12.0, 12.0), 2.5, 6.5, end_turns=1.0)
+    small = Scene("small", spring, Load((-6.0, -80.0), 4), contact=contact, supports=Supports(seat=seat))
+    if seat == "plate":
+        small = replace(small, supports=Supports(("ux", "rotz"), seat="plate"), load=Load((0.0, -80.0), 4))
+    mesh = {"elements_per_turn": 8, "pairs_per_turn": 8}
+    first, second = (wirefe.solve(item, **mesh) for item in (small, in_units(small, 1024.0, 1024.0**2)))
+    assert first.histories["closed"][-1].any()
+    np.testing.assert_allclose(second.tips / [1024.0, 1024.0, 1.0], first.tips, rtol=1e-6, atol=1e-9)

@@ -108,7 +108,9 @@ def build_model(
     contact = contact_points(scene, mesh, elements_per_turn, pairs_per_turn, found)
     plates = NO_PLATES
     if seat == "plate":
-        plates = place_plates(scene.spring, mesh, scene.contact.stiffness, ~rod.held[top])
+        law, d = scene.contact, scene.spring.wire_diameter
+        linear = tangential_stiffness(law.stiffness, law.exponent, d)
+        plates = place_plates(scene.spring, mesh, linear, ~rod.held[top])
     stations = place_stations(scene.spring, mesh)
     data = rod_model(rod, mesh.arm, contact, plates)._replace(stations=stations)
     if scene.load.displacement:

@@ -38,8 +38,8 @@ NO_PLATES = PlateArrays(NO_NODES, np.zeros(0), NO_NODES, np.zeros(0), np.ones(6)
 def place_plates(spring: Spring, mesh: WireMesh, stiffness: float, free: np.ndarray) -> PlateArrays:
     """Plates of a spring: nodes of each end turn and of the coil next to it may touch its plate.
 
-    `stiffness` is K of a scene: as stiff along the wire as the contact of coils. The blocks are left
-    empty.
+    `stiffness` is that of the linear contact of a pair: as stiff along the wire as coils. The blocks are
+    left empty.
     """
     phases, y = mesh.phases[:-1], mesh.points[:-1, 1]  # the last node is the top end itself
     low = np.flatnonzero(phases < TWO_PI)
