@@ -361,6 +361,7 @@ def shorten(path, substep):
         if path.release < LEAST_RELEASE:
             path.outcome, path.bracket = JUMP, 2.0 * LEAST_STEP
         return
+    path.failed = path.failed or substep.cut == HALF
     path.next_step = substep.cut * substep.duration
     if substep.duration < 2.0 * LEAST_STEP:
         # negative pivots however short the step: the stiffness jumps there, as where a pair opens
@@ -401,7 +402,7 @@ def watch_stiffness(system, work, path, substep, softest):
     """Look at the softest mode where little is left of its stiffness, and now and then; predict its zero.
 
     A pair that closes turns the slope of the stiffness, and steeply where a displacement is prescribed: it is
-    looked at there, and after a short step.
+    looked at there, and after a short step; and where substeps fail, perhaps since a critical point is near.
     """
     if path.held > 0.0:
         path.fresh = 1
@@ -410,7 +411,7 @@ def watch_stiffness(system, work, path, substep, softest):
     closing = (substep.shortened or first) and (substep.weak or system.prescribed.size > 0)
     path.fresh = 1 if closing else max(path.fresh - 1, 0)
     due = softest.time + min(LOOK, SOONER * (softest.zero - softest.time))
-    wanted = first or closing or substep.near_critical
+    wanted = first or closing or substep.near_critical or path.failed
     if not wanted and (substep.status == LINEAR or not (substep.weak or substep.target >= due)):
         return
     if substep.iterations == 0:
@@ -423,7 +424,7 @@ def watch_stiffness(system, work, path, substep, softest):
         softest.zero = predicted_zero(substep.target, value, softest.time, softest.value)
     if value > JUMPS * path.rest_stiffness and APPROACH * (softest.zero - substep.target) < LEAST_STEP:
         softest.zero = np.inf  # the stiffness jumps here, as where a pair opens
-    softest.value, softest.time = value, substep.target
+    softest.value, softest.time, path.failed = value, substep.target, False
 
 
 @part
