@@ -295,7 +295,7 @@ def _touch_unlisted(contact, state):
 def update_history(reals, ints, state, history):
     """See `coilspring.contact.kinematics`; minus infinity says that spheres touch which are no pair."""
     contact = view_contact(reals, ints)
-    # spheres that are no pair are looked at once they may have come near
+    # spheres that are no pair are checked once they may have come near
     near = contact.pairs.shape[0] > 0 and 2.0 * _bound(contact, contact.rest, state) >= contact.apart
     if near and _touch_unlisted(contact, state):
         return -np.inf

@@ -27,8 +27,8 @@ STRETCH = 1.05
 SAME = 1e-9
 PARALLEL = 1e-9  # square of the sine between chords, below which they count as parallel
 ASIDE = 0.6  # of the distance of neighbours, at most: from a station to the nearest of a coil beside it
-REACH = 1.1  # wire diameters between centrelines beyond which a distance is not told
-SHARES = (0.25, 0.5, 0.75)  # of a piece, at which those that touch are looked at more closely
+REACH = 1.1  # wire diameters between centrelines beyond which no distance is evaluated
+SHARES = (0.25, 0.5, 0.75)  # of a piece, at which those that touch are evaluated more closely
 
 
 class Stations(NamedTuple):

@@ -1,4 +1,4 @@
-"""Motion of the wire along a step: its deformations change as told, its shape follows from them.
+"""Motion of the wire along a step: its deformations change as prescribed, its shape follows from them.
 
 A step (dx, phi) of all nodes, taken literally, would stretch the wire by squares of its rotations: the
 stiffest way to deform it. Here each element's deformation follows the step instead, and the nodes are

@@ -219,9 +219,9 @@ def update_wires(contact, accepted, predicted, state, history):
         if new:
             change = max(change, contact.kt * length)
         elif row.fresh and gap(contact, ahead, m)[0] < d:
-            _, told = _tangential_slip(contact, ahead, predicted, m, row)
-            apart = plus(way, -1.0, told)
-            predicted_badly(row, math.sqrt(dot(apart, apart)), d)
+            _, expected = _tangential_slip(contact, ahead, predicted, m, row)
+            error = plus(way, -1.0, expected)
+            predicted_badly(row, math.sqrt(dot(error, error)), d)
         normal = normal_law(max(d - h, 0.0), contact.kc, contact.k)[1]
         most = max(most, least_bound * normal)
         if contact.mu == np.inf:

@@ -18,7 +18,7 @@ SLACK = 1e-3  # of a bound: pairs nearer to it slide on
 SLIDES = 1e-9  # least force in a dof per unit of a bound
 SMALL = 0.1  # determinant near a limit point
 FALLS = (1e-6, 3e-5)  # wire diameters of the way between which the determinant's fall is measured
-AHEAD = (1e-7, 1e-6, 1e-5, 1e-4)  # of the time 0..1: there its sign is looked at
+AHEAD = (1e-7, 1e-6, 1e-5, 1e-4)  # of the time 0..1: there its sign is evaluated
 
 
 def time_left(body: Body, state: np.ndarray, history: np.ndarray, load: np.ndarray, diameter: float) -> float:

@@ -62,13 +62,13 @@ MOST_CUT = 0.9  # of one that is cut where a pair touches or opens, at most
 EASY_COUNT = 3
 EPSILON = 2.0**-52
 NEARER = 3.0  # times the bound on all motion: so much nearer may two wires come, also between nodes
-OVERLAP_TIME = 1e-5  # of the time 0..1: so closely is it told where they do
+OVERLAP_TIME = 1e-5  # of the time 0..1: so closely is it located
 # Share of the time to the predicted zero of the least stiffness: at a limit point, where it falls with
 # the root of the time that is left, the straight line meets zero twice as far as the path goes.
 APPROACH = 0.5
-LOOK = 0.05  # of the time 0..1: so often at least the softest mode is looked at,
+LOOK = 0.05  # of the time 0..1: so often at least the softest mode is evaluated,
 SOONER = 0.25  # and after this share of the time to its predicted zero
-WEAK = 0.1  # of the least stiffness at rest: below, it is looked at wherever the matrix is factored,
+WEAK = 0.1  # of the least stiffness at rest: below, it is evaluated wherever the matrix is factored,
 PROBE = 1e-3  # and after so short a step where a pair has closed
 JUMPS = 1e-3  # of the least stiffness at rest: where it is more and its predicted zero is at hand, it jumps
 NEUTRAL = 1e-6  # of the least stiffness at rest: what is left of it counts as none, rounding is not far below
@@ -399,10 +399,10 @@ def stable_until(system, work, path, end, least_gap):
 
 @part
 def watch_stiffness(system, work, path, substep, softest):
-    """Look at the softest mode where little is left of its stiffness, and now and then; predict its zero.
+    """Evaluate the softest mode where little is left of its stiffness, and now and then; predict its zero.
 
     A pair that closes turns the slope of the stiffness, and steeply where a displacement is prescribed: it is
-    looked at there, and after a short step; and where substeps fail, perhaps since a critical point is near.
+    evaluated there, and after a short step; and where substeps fail, perhaps since a critical point is near.
     """
     if path.held > 0.0:
         path.fresh = 1

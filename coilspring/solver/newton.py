@@ -104,7 +104,7 @@ def reuse_factor(system, target, work, state, it, i):
         advance(system, work, state)
         it.current = False
     elif 0 < i < target.limit - 1 and worthwhile(left, it, target.modified):
-        # a step may open or close a pair: the state is looked at again
+        # a step may open or close a pair: the state is evaluated again
         advance(system, work, state)
         look_at(system, target, work, state, it, not target.modified)
         it.last = left

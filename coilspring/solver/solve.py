@@ -215,7 +215,7 @@ def follow_problem(
 def _judged(
     track: Track, problem: Problem, kernels: Kernels, length: float
 ) -> tuple[Track, np.ndarray, float]:
-    """The track, with a critical point told from a path that got stuck, the softest mode at its end, and the
+    """The track, with a critical point distinguished from a path that got stuck, the softest mode at its end, and the
     share of the load that does work with it."""
     load, prescribed = problem.load, problem.prescribed
     if track.outcome not in (CRITICAL, STUCK):

@@ -116,7 +116,7 @@ PATH = np.dtype(
         ("last_step", "f8"),
         ("held", "f8"),  # share of what opening pairs held that is still to be released, else 0
         ("release", "f8"),  # share of it that is released next
-        ("failed", "?"),  # a substep had to be shortened since the softest mode was looked at
+        ("failed", "?"),  # a substep had to be shortened since the softest mode was evaluated
         ("due", "?"),  # the last accepted state is at a requested time, and not written yet
         ("least_gap", "f8"),  # least gap of the contact pairs
         ("reference", "f8"),  # work of the whole load along the tangent at the start

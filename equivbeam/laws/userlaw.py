@@ -41,7 +41,7 @@ DIGITS = 16  # of a digest, in the name of a law
 
 @dataclass(frozen=True)
 class HalfCoil:
-    """What a law is told of a half coil.
+    """What a law knows of a half coil.
 
     Attributes
     ----------

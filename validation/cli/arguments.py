@@ -50,7 +50,7 @@ class _Parser(argparse.ArgumentParser):
 
 
 class _Version(argparse.Action):
-    """Prints the version; it is looked up here, not at every start."""
+    """Prints the version; it is read here, not at every start."""
 
     def __call__(self, parser: argparse.ArgumentParser, *unused: object) -> NoReturn:
         print("coilcheck", versions()["coilcheck"] or "(a checkout)")

@@ -40,7 +40,7 @@ class Frames:
 
 
 def of_scene(scene: Scene, progress: Callable[[str], None] = lambda line: None) -> Frames:
-    """Solve a scene with the wire model, as far as it goes; `progress` is told what is being done."""
+    """Solve a scene with the wire model, as far as it goes; `progress` is called with what is being done."""
     progress("loading wirefe")
     import wirefe
     from wirefe.export import section_results

@@ -13,7 +13,7 @@ from validation.study.document import Table
 POINTS_PER_TURN = 80  # of the pictures
 DATA_STRIDE = 4  # of those points, in the CSV files
 PARTS = ("rest", "beam", "wire")  # of a picture in space
-VIEW = (0.35, 0.28, 1.0)  # from where the springs are looked at in space
+VIEW = (0.35, 0.28, 1.0)  # from where the springs are seen in space
 # In space pieces of both models alternate: coinciding surfaces would fight for the same pixels.
 BANDS_PER_TURN = 4
 BAND_SHARE = 0.4  # of the wire's length that the wire model takes
