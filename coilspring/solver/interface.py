@@ -34,8 +34,8 @@ the solver takes as typed first-class functions, so that it is compiled once for
     without friction.
 ``overlap(reals, ints, state) -> (overlap, excess)``
     By how much the wire, or the circles that stand for it, run into themselves, mm: all of it against all of
-    it. And by how much that is more than the deepest contact pair, evaluated where it is more than the follower
-    allows. Asked in scenes with contact alone.
+    it. And by how much that is more than the deepest contact pair, evaluated where it is more than the
+    follower allows. Asked in scenes with contact alone.
 """
 
 from __future__ import annotations

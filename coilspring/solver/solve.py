@@ -215,8 +215,8 @@ def follow_problem(
 def _judged(
     track: Track, problem: Problem, kernels: Kernels, length: float
 ) -> tuple[Track, np.ndarray, float]:
-    """The track, with a critical point distinguished from a path that got stuck, the softest mode at its end, and the
-    share of the load that does work with it."""
+    """The track, with a critical point distinguished from a path that got stuck, the softest mode at its end,
+    and the share of the load that does work with it."""
     load, prescribed = problem.load, problem.prescribed
     if track.outcome not in (CRITICAL, STUCK):
         return track, np.zeros_like(load), 0.0
