@@ -117,7 +117,7 @@ def test_the_command_says_so(tmp_path, capsys):
     assert "pass through each other" in capsys.readouterr().err
     assert '"interpenetration"' in (tmp_path / "out/summary.json").read_text()
     header = (tmp_path / "out/path.csv").read_text().splitlines()[0].split(",")
-    assert header[-1] == "max_overlap"
+    assert "max_overlap" in header
 
 
 def test_scenes_without_contact_are_followed_and_told():

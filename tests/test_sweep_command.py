@@ -60,7 +60,8 @@ def test_an_item_of_a_list_and_of_a_table():
     assert [each.coils for each in point.scene.spring.sections] == [2.0, 4.0]
     (point,) = points(scene, [Varied("spring.mean_diameter", (9.0,))])
     assert point.scene is None
-    assert "[spring] takes one of mean_diameter, sections, got mean_diameter and sections" in point.refused
+    assert "[spring] takes one of " in point.refused
+    assert ", got mean_diameter and sections" in point.refused
 
 
 @pytest.mark.parametrize(

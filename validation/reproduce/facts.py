@@ -64,6 +64,7 @@ def _settings(evidence: Evidence) -> dict[str, object]:
         "setting.fine_elements": FINE_MESH["elements_per_turn"],
         "setting.pairs": PAPER_MESH["pairs_per_turn"],
         "setting.many_pairs": MANY_PAIRS,
+        "setting.stations": evidence.by_wires["spring-a"].wire.options["pairs_per_turn"],
         "setting.decrement": DECREMENT,
         "setting.ends": ENDS,
         "material.E": material.E,
