@@ -563,7 +563,9 @@ def test_half_of_the_wires_touch_as_wires():
 # jumps
 
 
-@pytest.mark.parametrize(("geometry", "goes_on"), [("wires", True), ("spheres", False)])
+@pytest.mark.parametrize(
+    ("geometry", "goes_on"), [pytest.param("wires", True, marks=pytest.mark.slow), ("spheres", False)]
+)
 def test_a_release_finds_the_equilibrium_without_sticking_where_there_is_one(geometry, goes_on):
     """Spring B at full load: wires have one without what sticks, spheres slide off each other before."""
     contact = Contact(sliding="none", geometry=geometry)

@@ -74,7 +74,7 @@ def test_coils_that_slide_off_each_other_reach_a_limit_point(name, time):
     assert found.value.path.critical_bracket <= 2e-6
 
 
-@pytest.mark.parametrize("name", ["w00186", "w00474"])
+@pytest.mark.parametrize("name", ["w00186", pytest.param("w00474", marks=pytest.mark.slow)])
 def test_limit_point_is_that_of_coulombs_own_tangent(name):
     """Unsymmetric, in plain numpy: it becomes singular there and nowhere else."""
     case = make_case(name, 1, "spheres")

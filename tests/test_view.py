@@ -53,6 +53,7 @@ def test_a_movie_of_a_run(run, tmp_path, capsys):
     assert f"written to {movie}" in capsys.readouterr().out
 
 
+@pytest.mark.slow
 def test_a_picture_is_rendered_once(run):
     """Parts that render themselves took four times as long; counted where VTK may end the process."""
     code = """
