@@ -57,7 +57,9 @@ class BeamShape(PairReader):
         """Vectors between the centres of the pairs, shape (states, pairs, 3)."""
         centres = self.circles(states)
         first, second = self.data.pairs.T
-        return np.pad(centres[:, second] - centres[:, first], ((0, 0), (0, 0), (0, 1)))
+        vectors = np.zeros((len(states), len(first), 3))
+        vectors[..., :2] = centres[:, second] - centres[:, first]
+        return vectors
 
     def reactions(self, states: np.ndarray, histories: np.ndarray) -> np.ndarray:
         """Force that holds the top along Y, shape (states,), N."""

@@ -5,36 +5,72 @@ import signal
 import subprocess
 import sys
 from dataclasses import replace
+from functools import partial
 from itertools import islice, repeat
 
 import numpy as np
 import pytest
 
 import equivbeam
+import wirefe
 from coilspring import InputError, spring_a, spring_b
 from coilspring.scene import Contact
+from coilspring.sweep import outcomes
+
+MODELS = [
+    pytest.param(equivbeam, {"steps": 1}, 130, id="equivbeam"),
+    pytest.param(wirefe, {"steps": 1, "element": "curved", "elements_per_turn": 4}, 30, id="wirefe"),
+]
 
 
-def scenes():
+def scenes(model, count):
     a, b = spring_a(), spring_b()
     yield a
     yield replace(a, spring=replace(a.spring, active_coils=14.3))  # not a multiple of half a coil
-    yield replace(b, contact=Contact(stiffness=200.0))  # telescopes at a limit point
-    yield from (replace(a, spring=replace(a.spring, mean_diameter=d)) for d in np.linspace(8.0, 11.0, 130))
+    if model is equivbeam:
+        yield replace(b, contact=Contact(stiffness=200.0))  # telescopes at a limit point
+    else:
+        yield replace(b, contact=Contact(geometry="spheres"))  # spheres slide off each other
+    yield from (replace(a, spring=replace(a.spring, mean_diameter=d)) for d in np.linspace(8.0, 11.0, count))
 
 
-def test_order_and_outcomes():
+@pytest.mark.parametrize(("model", "options", "count"), MODELS)
+def test_order_and_outcomes(model, options, count):
     seen = []
-    found = list(equivbeam.sweep(scenes(), workers=2, progress=seen.append, steps=1))
+    found = list(model.sweep(scenes(model, count), workers=2, progress=seen.append, **options))
     assert [outcome.outcome for outcome in found[:3]] == ["completed", "refused", "limit_point"]
     assert "active_coils" in found[1].message
-    assert 0.8 < found[2].critical_time < 1.0
-    assert len(found) == 133
-    assert seen[-1] == 133
+    assert 0.6 < found[2].critical_time < 1.0
+    assert len(found) == count + 3
+    assert seen[-1] == count + 3
     assert seen == sorted(seen)
-    for scene, outcome in list(zip(scenes(), found, strict=True))[::40]:
-        if outcome.outcome == "completed":
-            np.testing.assert_array_equal(equivbeam.solve(scene, steps=1).tips[-1], outcome.tip)
+    springs = list(scenes(model, count))
+    for scene, outcome in [*zip(springs, found, strict=True)][:: count // 3]:
+        assert outcome.outcome == "completed"
+        path = model.solve(scene, **options)
+        np.testing.assert_array_equal(path.tips[-1], outcome.tip)
+        assert outcome.load == scene.load.force
+        assert outcome.active_contacts == path.active_contacts[-1] > 0
+        assert outcome.max_penetration == path.max_penetration[-1] > 0.0
+        assert outcome.max_contact_force == path.contact_forces[-1].max() > 0.0
+
+
+def test_each_scene_has_a_solver_of_its_own_and_a_crash_costs_no_other():
+    def crash(scene):
+        raise ZeroDivisionError("of one\nspring")
+
+    a = spring_a()
+    solvers = [partial(equivbeam.solve, steps=1), crash, partial(equivbeam.solve, steps=2, law="helix")]
+    found = list(outcomes(zip([a, a, a], solvers, strict=True), chunk=2, workers=1))
+    assert [each.outcome for each in found] == ["completed", "crashed", "completed"]
+    assert found[1].message == "ZeroDivisionError: of one spring"
+    np.testing.assert_array_equal(found[0].tip, equivbeam.solve(a, steps=1).tips[-1])
+    np.testing.assert_array_equal(found[2].tip, equivbeam.solve(a, steps=2, law="helix").tips[-1])
+
+
+def test_an_option_that_the_model_does_not_have_is_refused_at_once():
+    with pytest.raises(TypeError, match="law"):
+        wirefe.sweep([spring_b()], law="helix")
 
 
 def test_scenes_are_drawn_as_they_are_needed():

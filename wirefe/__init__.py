@@ -3,9 +3,11 @@
 from wirefe.rod import Rod, curved_rod, straight_rod
 from wirefe.rodpath import RodPath
 from wirefe.solve import path_shape, solve, solve_rod
+from wirefe.sweep import Outcome, sweep
 from wirefe.tracing import trace, trace_rod
 
 __all__ = [
+    "Outcome",
     "Rod",
     "RodPath",
     "curved_rod",
@@ -13,6 +15,7 @@ __all__ = [
     "solve",
     "solve_rod",
     "straight_rod",
+    "sweep",
     "trace",
     "trace_rod",
 ]

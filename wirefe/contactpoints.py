@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 
@@ -142,12 +143,22 @@ def near_pairs(
 
     Spheres up to `near` apart along the wire, or of one rigid body, do not touch.
     """
-    first, second = np.triu_indices(len(centres), near + 1)
+    first, second = _candidates(body.tobytes(), pairs.tobytes(), near)
     distance = np.linalg.norm(centres[second] - centres[first], axis=1)
-    count = len(centres)
-    new = ~np.isin(first * count + second, pairs[:, 0] * count + pairs[:, 1])
-    keep = new & (distance < reach) & (body[first] != body[second])
+    keep = distance < reach
     return np.stack((first[keep], second[keep]), axis=1), distance[keep]
+
+
+@lru_cache
+def _candidates(body: bytes, pairs: bytes, near: int) -> tuple[np.ndarray, np.ndarray]:
+    """Points farther apart along the wire than `near`, of two bodies and no pair: the same for many springs
+    of a sweep."""
+    bodies, known = np.frombuffer(body), np.frombuffer(pairs, dtype=np.int64).reshape(-1, 2)
+    count = len(bodies)
+    first, second = np.triu_indices(count, near + 1)
+    new = ~np.isin(first * count + second, known[:, 0] * count + known[:, 1])
+    keep = new & (bodies[first] != bodies[second])
+    return first[keep], second[keep]
 
 
 def near_wires(

@@ -10,7 +10,7 @@ import numpy as np
 from coilspring.scene.wire import Section
 from wirefe.beam import deformation_rates
 from wirefe.poses import at_rest
-from wirefe.rotations import quaternion_from_matrix
+from wirefe.rotations import cross_rows, quaternion_from_matrix
 
 if TYPE_CHECKING:
     from wirefe.rod import Curve
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 Flexibility = Callable[[np.ndarray], np.ndarray]
 ELEMENTS = ("straight", "curved")
 # Gauss points of the flexibility along an element: exact to rounding up to a quarter of a turn.
-QUADRATURE = 12
+GAUSS = np.polynomial.legendre.leggauss(12)
 KINK = 1e-13  # of the largest parameter, well above its rounding: how far inside its ends an element begins
 
 
@@ -76,10 +76,10 @@ def curved_elements(
     """
     # at each end from within the element: the curve may have kinks between elements
     inset = KINK * np.abs(phases).max()
-    frames = [_frenet_frames(curve, at) for at in (phases[:-1] + inset, phases[1:] - inset)]
-    triads = np.stack([quaternion_from_matrix(frame) for frame in frames], axis=1)
+    frames = _frenet_frames(curve, np.stack((phases[:-1] + inset, phases[1:] - inset), axis=1).ravel())
+    triads = quaternion_from_matrix(frames).reshape(-1, 2, 4)
     points = curve.points(phases)
-    flexibility = _flexibility(curve, section, phases)
+    flexibility = _flexibility(curve, section, phases, points)
     # K in (v, theta) from the flexibility of the second end's motion: d(v, theta) = J d
     J = np.empty((len(triads), 6, 6))
     deformation_rates(at_rest(points).ravel(), triads, J)
@@ -88,19 +88,21 @@ def curved_elements(
     return triads, 0.5 * (K + np.swapaxes(K, 1, 2))
 
 
-def _flexibility(curve: Curve, section: Section | Flexibility, phases: np.ndarray) -> np.ndarray:
+def _flexibility(
+    curve: Curve, section: Section | Flexibility, phases: np.ndarray, points: np.ndarray
+) -> np.ndarray:
     """Motion (dx, spin) of each element's second end under a force and a moment there, the first held.
 
     Shape (elements, 6, 6). At a section the force n carries the moment m + r x n, r being the vector to the
     second end.
     """
-    nodes, weights = np.polynomial.legendre.leggauss(QUADRATURE)
+    nodes, weights = GAUSS
     half = 0.5 * np.diff(phases)[:, None]
     at = phases[:-1, None] + half * (1.0 + nodes)
     first, _ = curve.derivatives(at.ravel())
     speed = np.linalg.norm(first, axis=1)
     along = (half * weights) * speed.reshape(at.shape)
-    r = curve.points(phases[1:])[:, None] - curve.points(at.ravel()).reshape(*at.shape, 3)
+    r = points[1:, None] - curve.points(at.ravel()).reshape(*at.shape, 3)
     R = _skew(r)
     F = np.empty((*at.shape, 6, 6))
     if isinstance(section, Section):
@@ -108,7 +110,7 @@ def _flexibility(curve: Curve, section: Section | Flexibility, phases: np.ndarra
         tt = t[..., :, None] * t[..., None, :]
         stretch = np.eye(3) / section.GA + (1.0 / section.EA - 1.0 / section.GA) * tt
         bend = np.eye(3) / section.EI + (1.0 / section.GJ - 1.0 / section.EI) * tt
-        mutual = np.zeros((3, 3))
+        mutual = np.float64(0.0)
     else:
         axes = _frenet_frames(curve, at.ravel()).reshape(*at.shape, 3, 3)
         back, local = np.swapaxes(axes, -1, -2), section(at.ravel()).reshape(F.shape)
@@ -117,26 +119,28 @@ def _flexibility(curve: Curve, section: Section | Flexibility, phases: np.ndarra
         )
     F[..., :3, 3:] = mutual - R @ bend
     F[..., 3:, :3] = np.swapaxes(F[..., :3, 3:], -1, -2)
-    F[..., :3, :3] = stretch + mutual @ R - R @ F[..., 3:, :3]
+    if mutual.ndim:
+        stretch = stretch + mutual @ R
+    F[..., :3, :3] = stretch - R @ F[..., 3:, :3]
     F[..., 3:, 3:] = bend
     return np.einsum("eq,eqij->eij", along, F)
 
 
 def _skew(r: np.ndarray) -> np.ndarray:
     """Matrices of the cross product r x, shape (..., 3, 3)."""
-    x, y, z = np.moveaxis(r, -1, 0)
-    zero = np.zeros_like(x)
-    rows = ((zero, -z, y), (z, zero, -x), (-y, x, zero))
-    return np.stack([np.stack(row, axis=-1) for row in rows], axis=-2)
+    R = np.zeros((*r.shape, 3))
+    for row, (a, b) in enumerate(((1, 2), (2, 0), (0, 1))):
+        R[..., a, b], R[..., b, a] = -r[..., row], r[..., row]
+    return R
 
 
 def _frenet_frames(curve: Curve, phases: np.ndarray) -> np.ndarray:
     """Tangent, normal and binormal as columns, shape (len(phases), 3, 3)."""
     first, second = curve.derivatives(phases)
     t = first / np.linalg.norm(first, axis=1)[:, None]
-    b = np.cross(first, second)
+    b = cross_rows(first, second)
     b /= np.linalg.norm(b, axis=1)[:, None]
-    return np.stack((t, np.cross(b, t), b), axis=-1)
+    return np.stack((t, cross_rows(b, t), b), axis=-1)
 
 
 def _chord_frames(tangents: np.ndarray) -> np.ndarray:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 
@@ -34,19 +35,27 @@ def mesh_wire(spring: Spring, elements_per_turn: int, on_plates: bool = False) -
     ------
     InputError : where the active coils, or end turns on plates, are not a whole number of elements.
     """
-    from skfem import MeshLine
-
     count = _elements("active_coils", spring.active_coils, elements_per_turn, 1000)
     first, last = 0.0, spring.phase_end
     if on_plates:
         count += 2 * _elements("end_turns", spring.end_turns, elements_per_turn, 100)
         first, last = spring.phase_range
-    phases = MeshLine(np.linspace(first, last, count + 1)).p[0]
+    phases = _phases(first, last, count)
     if on_plates:
         phases = np.append(phases, last)
     points = spring.points(phases)
     reference = np.array([0.0, spring.active_height, 0.0])
     return WireMesh(phases=phases, points=points, reference=reference, arm=points[-1] - reference)
+
+
+@lru_cache
+def _phases(first: float, last: float, count: int) -> np.ndarray:
+    """Nodes of equal elements: the same for many springs of a sweep."""
+    from skfem import MeshLine
+
+    phases = MeshLine(np.linspace(first, last, count + 1)).p[0]
+    phases.flags.writeable = False
+    return phases
 
 
 def _elements(name: str, turns: float, elements_per_turn: int, most: int) -> int:

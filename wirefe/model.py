@@ -6,6 +6,7 @@ the last row is the top end's reference point, from which the wire's last point 
 
 from __future__ import annotations
 
+from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
@@ -148,15 +149,12 @@ def rod_model(
     touching = _pair_couplings(points)
     resting = np.stack((plates.high, np.full_like(plates.high, count)), axis=1)
     couplings = np.concatenate((chain, touching, resting))
-    coupled = couplings[:, 0] != couplings[:, 1]
-    last = np.union1d(couplings[count:], [count])
-    block, flip = np.zeros(len(couplings), dtype=np.int64), np.zeros(len(couplings), dtype=bool)
-    plan, block[coupled], flip[coupled] = plan_chain(count + 1, couplings[coupled], last)
+    plan, held, block, flip = _topology(count, couplings.tobytes(), rod.held.tobytes())
     high = count + len(touching)  # number of the first coupling with the top plate
     inner, outer = points.span(count)
     return WireModel(
         ElementArrays(rod.stiffness, _strain_at_rest(rod), rod.triads, arm, block[:count], flip[:count]),
-        _held_arrays(np.flatnonzero(rod.held), couplings[coupled], block[coupled], flip[coupled]),
+        held,
         ContactArrays(
             attached=points.attached,
             parts=points.parts,
@@ -178,6 +176,24 @@ def rod_model(
         plan,
         plates._replace(block=block[high:], flip=flip[high:]),
     )
+
+
+@lru_cache
+def _topology(
+    count: int, couplings: bytes, held: bytes
+) -> tuple[ChainPlan, HeldArrays, np.ndarray, np.ndarray]:
+    """Plan, held dofs, and block and flip of each coupling, for `count` elements: the same for many springs
+    of a sweep."""
+    nodes = np.frombuffer(couplings, dtype=np.int64).reshape(-1, 2)
+    coupled = nodes[:, 0] != nodes[:, 1]
+    last = np.union1d(nodes[count:], [count])
+    block, flip = np.zeros(len(nodes), dtype=np.int64), np.zeros(len(nodes), dtype=bool)
+    plan, block[coupled], flip[coupled] = plan_chain(count + 1, nodes[coupled], last)
+    dofs = np.flatnonzero(np.frombuffer(held, dtype=bool))
+    arrays = _held_arrays(dofs, nodes[coupled], block[coupled], flip[coupled])
+    for array in (*plan[:-1], *arrays, block, flip):
+        array.flags.writeable = False
+    return plan, arrays, block, flip
 
 
 def _pair_couplings(points: ContactPoints) -> np.ndarray:

@@ -18,7 +18,7 @@ from wirefe.algebra import dot, mixed, plus
 from wirefe.mesh import WireMesh
 from wirefe.poses import ROW, four, three
 from wirefe.quaternions import turned
-from wirefe.stations import ARMS, POSITION, SLOPES, carried
+from wirefe.stations import ARMS, POSITION, SLOPES, carried_points
 
 # A chord lies 0.6 % of the wire's diameter per unit of the coil index beside the wire.
 PER_TURN, HALF = 20, 10
@@ -50,13 +50,14 @@ def place_stations(spring: Spring, mesh: WireMesh) -> Stations:
     """Stations along the whole wire of a mesh."""
     first, last = (phase / (2.0 * math.pi) * PER_TURN for phase in spring.phase_range)
     phases = np.arange(math.ceil(first - SAME), math.floor(last + SAME) + 1) * 2.0 * math.pi / PER_TURN
-    node, parts = carried(spring, mesh, phases)
+    points = spring.points(phases)
+    node, parts = carried_points(mesh, phases, points)
     share = parts[:, POSITION]
     return Stations(
         node=node,
         share=share,
         arms=np.ascontiguousarray(parts[:, ARMS:SLOPES]),
-        stride=STRETCH * float(np.linalg.norm(np.diff(spring.points(phases), axis=0), axis=1).max()),
+        stride=STRETCH * float(np.linalg.norm(np.diff(points, axis=0), axis=1).max()),
         low=int(np.count_nonzero(node + share < SAME)) - 1,
         high=int(np.count_nonzero(node + share < len(mesh.points) - 1 - SAME)),
         diameter=spring.wire_diameter,

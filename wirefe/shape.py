@@ -22,7 +22,7 @@ from wirefe.stations import (
     SLOPES,
     TANGENT,
     across_wires,
-    carried,
+    carried_points,
     fixed_to_sections,
     interpolated,
     of_wires,
@@ -124,5 +124,5 @@ class WireShape(PairReader):
 
     def centreline(self, state: np.ndarray, phases: np.ndarray) -> np.ndarray:
         """Wire at the phases given, shape (phases, 3), mm."""
-        node, parts = carried(self.scene.spring, self.mesh, phases)
+        node, parts = carried_points(self.mesh, phases, self.scene.spring.points(phases))
         return interpolated(state.reshape(-1, ROW), node, parts, POSITION, ARMS)

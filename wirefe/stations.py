@@ -19,6 +19,7 @@ from wirefe.algebra import plus
 from wirefe.mesh import WireMesh
 from wirefe.poses import ROW, four, three
 from wirefe.quaternions import turned
+from wirefe.rotations import cross_rows
 
 # What a station takes of its two nodes, by columns: the second node's share of the position, of the tangent,
 # of the section's rotation; then arms (3) of the position and of the tangent, of the first and second node.
@@ -30,30 +31,45 @@ NUDGE = 1e-5  # rad: half of the difference that is the wire's tangent at rest, 
 def carried(spring: Spring, mesh: WireMesh, phases: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Node at or below the wire at some phases, and what the station there takes of it and of the next one,
     shape (phases, 15). End turns that are rigid move with their node alone."""
-    rest = spring.points(phases)
-    homes = np.concatenate((mesh.points[:-1], mesh.reference[None]))
-    upper = np.clip(np.searchsorted(mesh.phases, phases), 1, len(homes) - 1)
-    step = mesh.phases[1] - mesh.phases[0]
-    whole = (phases - mesh.phases[upper - 1]) / step
-    whole = np.where(np.abs(whole - np.rint(whole)) < SAME, np.rint(whole), whole)
-    s = np.clip(whole, 0.0, 1.0)[:, None]
-    low, high = s * (1.0 - s) ** 2, s**2 * (1.0 - s)
-    A, B, a, b = mesh.points[upper - 1], mesh.points[upper], homes[upper - 1], homes[upper]
-    tangent = (spring.points(phases + NUDGE) - spring.points(phases - NUDGE)) / (2.0 * NUDGE)
+    rest, ahead, back = spring.points(np.stack((phases, phases + NUDGE, phases - NUDGE)))
+    node, position = carried_points(mesh, phases, rest)
+    whole, s, A, B, a, b = _neighbours(mesh, phases, node)
+    tangent = (ahead - back) / (2.0 * NUDGE)
     length = np.linalg.norm(tangent, axis=1, keepdims=True)
+    step = mesh.phases[1] - mesh.phases[0]
     per_length = np.where((whole == s[:, 0])[:, None], 1.0 / (step * length), 0.0)
     dlow, dhigh = (1.0 - s) * (1.0 - 3.0 * s) * per_length, s * (2.0 - 3.0 * s) * per_length
     along = tangent / length
-    columns = (
-        s - low + high,
-        per_length - dlow + dhigh,
-        s,
-        (1.0 - s) * (rest - a) + low * (A - a) - high * (B - a),
-        s * (rest - b) - low * (A - b) + high * (B - b),
+    position[:, TANGENT : TANGENT + 1] = per_length - dlow + dhigh
+    slopes = (
         (1.0 - s) * along - per_length * (rest - a) + dlow * (A - a) - dhigh * (B - a),
         s * along + per_length * (rest - b) - dlow * (A - b) + dhigh * (B - b),
     )
-    return upper - 1, np.concatenate(columns, axis=1)
+    return node, np.concatenate((position, *slopes), axis=1)
+
+
+def carried_points(mesh: WireMesh, phases: np.ndarray, rest: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """The same for positions alone, shape (phases, 9); `rest` are the wire's points at rest."""
+    node = np.clip(np.searchsorted(mesh.phases, phases), 1, len(mesh.phases) - 1) - 1
+    _, s, A, B, a, b = _neighbours(mesh, phases, node)
+    low, high = s * (1.0 - s) ** 2, s**2 * (1.0 - s)
+    parts = np.zeros((len(phases), SLOPES))
+    parts[:, POSITION : POSITION + 1] = s - low + high
+    parts[:, ROTATION : ROTATION + 1] = s
+    parts[:, ARMS : ARMS + 3] = (1.0 - s) * (rest - a) + low * (A - a) - high * (B - a)
+    parts[:, ARMS + 3 :] = s * (rest - b) - low * (A - b) + high * (B - b)
+    return node, parts
+
+
+def _neighbours(mesh: WireMesh, phases: np.ndarray, node: np.ndarray) -> tuple[np.ndarray, ...]:
+    """Of the element above each node: the phase as a part of it, and that within it, (phases, 1); the wire's
+    points at its ends, and the nodes there, (phases, 3)."""
+    homes = np.concatenate((mesh.points[:-1], mesh.reference[None]))
+    step = mesh.phases[1] - mesh.phases[0]
+    whole = (phases - mesh.phases[node]) / step
+    whole = np.where(np.abs(whole - np.rint(whole)) < SAME, np.rint(whole), whole)
+    s = np.minimum(np.maximum(whole, 0.0), 1.0)[:, None]
+    return whole, s, mesh.points[node], mesh.points[node + 1], homes[node], homes[node + 1]
 
 
 def on_one_node(node: np.ndarray, parts: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -81,8 +97,8 @@ def rows(states: np.ndarray) -> np.ndarray:
 
 def turned_rows(q: np.ndarray, v: np.ndarray) -> np.ndarray:
     """Vectors v (..., 3) turned by the unit quaternions q (..., 4)."""
-    t = 2.0 * np.cross(q[..., 1:], v)
-    return v + q[..., :1] * t + np.cross(q[..., 1:], t)
+    t = 2.0 * cross_rows(q[..., 1:], v)
+    return v + q[..., :1] * t + cross_rows(q[..., 1:], t)
 
 
 def interpolated(nodes: np.ndarray, node: np.ndarray, parts: np.ndarray, share: int, arms: int) -> np.ndarray:

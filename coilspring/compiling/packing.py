@@ -20,7 +20,8 @@ def flat_fields(model: tuple) -> list[np.ndarray]:
         if isinstance(value, tuple):
             fields += flat_fields(value)
         else:
-            fields.append(np.atleast_1d(np.asarray(value)))
+            array = np.asarray(value)
+            fields.append(array if array.ndim else array[None])
     return fields
 
 
@@ -37,7 +38,7 @@ def pack(model: tuple) -> tuple[np.ndarray, np.ndarray]:
         (reals if real else ints).append(field.ravel())
         size[real] += field.size
     empty = np.zeros(0)
-    packed = np.concatenate([np.array(head, dtype=np.int64), *(part.astype(np.int64) for part in ints)])
+    packed = np.concatenate([np.array(head, dtype=np.int64), *ints], dtype=np.int64, casting="unsafe")
     return np.concatenate([empty, *reals]), packed
 
 

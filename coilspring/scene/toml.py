@@ -80,7 +80,17 @@ def scene_from_text(text: str, default_name: str = "scene") -> Scene:
         raise InputError(
             f"the file must be complete TOML (numbers as 2.5, texts in quotes), but it is not: {error}"
         ) from None
-    _refuse_unknown("top level", table, [*keys_of(Scene), *SECTIONS], Scene)
+    return scene_from_table(table, default_name)
+
+
+def scene_table(scene: Scene) -> dict[str, Any]:
+    """Keys of a scene as its file has them, which `scene_from_table` takes."""
+    return tomllib.loads(scene_text(scene))
+
+
+def scene_from_table(table: Mapping[str, Any], default_name: str = "scene") -> Scene:
+    """Scene of the keys of a file; see `load_scene`."""
+    refuse_unknown("top level", table, [*keys_of(Scene), *SECTIONS], Scene)
     keys = {name: _section(name, record, table) for name, record in SECTIONS.items()}
     parts = {name: _record(name, record, keys[name]) for name, record in SECTIONS.items()}
     return Scene(name=table.get("name", default_name), **parts)
@@ -124,8 +134,7 @@ def _tables(name: str, record: type, tables: object) -> list:
 def _refuse_keys(name: str, where: str, record: type, table: Mapping[str, object]) -> None:
     """Refuse keys that are unknown, that exclude each other, or that are missing."""
     known = keys_of(record)
-    allowed = dict.fromkeys([*known, *(other for item in known.values() for other in item.instead)])
-    _refuse_unknown(where, table, list(allowed), record)
+    refuse_unknown(where, table, allowed_keys(record), record)
     for key, item in known.items():
         both = [other for other in (key, *item.instead) if other in table]
         if key in table and len(both) > 1:
@@ -137,7 +146,14 @@ def _refuse_keys(name: str, where: str, record: type, table: Mapping[str, object
             raise InputError(f"{name}.{key} is missing; {where} requires {needed}")
 
 
-def _refuse_unknown(where: str, table: Mapping[str, object], allowed: list[str], record: type) -> None:
+def allowed_keys(record: type) -> list[str]:
+    """Names of a dataclass's keys in a file, and of those that can take their place."""
+    known = keys_of(record)
+    return list(dict.fromkeys([*known, *(other for item in known.values() for other in item.instead)]))
+
+
+def refuse_unknown(where: str, table: Mapping[str, object], allowed: list[str], record: type) -> None:
+    """Refuse the first key of a table that is not allowed, with what is likely meant."""
     for key in table:
         if key not in allowed:
             near = _near(key[:100], table, allowed, record)

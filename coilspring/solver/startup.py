@@ -38,6 +38,12 @@ def ready(kernels: Kernels) -> tuple[Callable, Any]:
     return compiled_follow(), bundled(kernels, compile_newton())
 
 
+def store(kernels: Kernels) -> None:
+    """Compile the kernels that the disk does not hold: on all cores once, not in each process to come."""
+    if not all(kernel._cache.stored for kernel in kernels):
+        ready(kernels)
+
+
 def _roomy(function: Callable) -> Callable:
     """Give a function so large a frame that CPython makes room for all that it calls at once.
 

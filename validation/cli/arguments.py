@@ -10,6 +10,7 @@ from typing import NoReturn
 from coilspring import CATALOGUE, InputError, Scene, load_scene
 from validation.reproduce import ARTEFACTS
 from validation.study.machine import versions
+from validation.study.texts import number_of
 
 MODEL_OPTIONS = {
     "equivbeam": ("law", "tangent", "sliding"),
@@ -76,6 +77,15 @@ def scene_of(arguments: argparse.Namespace) -> Scene:
     return load_scene(arguments.scene).overridden(**given(arguments, COMMON_OPTIONS))
 
 
+def refuse_other_models(arguments: argparse.Namespace) -> None:
+    """Refuse options that belong to another model than the one asked for."""
+    for other, names in MODEL_OPTIONS.items():
+        known = [name for name in names + FILE_OPTIONS[other] if hasattr(arguments, name)]
+        for name in given(arguments, known) if other != arguments.model else ():
+            flag = "--" + name.replace("_", "-")
+            raise InputError(f"{flag} belongs to --model {other}, got --model {arguments.model}")
+
+
 def _add_scene_files(commands: argparse._SubParsersAction) -> None:
     purpose = "a commented scene file of a catalogue scene, to be changed, on standard output"
     new = _command(commands, "new", purpose, "coilcheck new spring-b", writes=False)
@@ -118,10 +128,31 @@ def _add_solutions(commands: argparse._SubParsersAction) -> None:
     _add_scene(compare)
     _add_flag(compare, "--draw", "write compare.png: both load curves and shapes")
 
+    _add_sweep(commands)
     for command, file in ((solve, "summary.json"), (compare, "compare.json")):
         said = command.add_mutually_exclusive_group()
         _add_flag(said, "--json", f"print what {file} holds, and nothing else")
         _add_flag(said, "--quiet", "print nothing but errors")
+
+
+def _add_sweep(commands: argparse._SubParsersAction) -> None:
+    purpose = "many scenes by one model: a scene file's keys with several values each, in all combinations"
+    sweep = _command(
+        commands, "sweep", purpose, "coilcheck sweep spring-b --vary spring.wire_diameter=1.4:1.6:5"
+    )
+    sweep.description = (
+        f"{sweep.description} sweep.csv has a row for each scene, in order, the first key slowest; the same "
+        "command goes on where it was interrupted."
+    )
+    values = sweep.add_argument_group("what is varied")
+    what = "a key of scene files, as spring.wire_diameter or load.force.1, and COUNT equal steps or a list"
+    form = "KEY=FIRST:LAST:COUNT|KEY=A,B,C"
+    values.add_argument("--vary", action="append", required=True, metavar=form, help=what)
+    what = "which model; default equivbeam"
+    sweep.add_argument("--model", choices=tuple(MODEL_OPTIONS), default="equivbeam", help=what)
+    how = "processes; default one for each core, 0 for none besides this one"
+    sweep.add_argument("--workers", type=number_of, metavar="N", help=how)
+    _add_scene(sweep)
 
 
 def _add_studies(commands: argparse._SubParsersAction) -> None:
@@ -141,13 +172,13 @@ def _add_studies(commands: argparse._SubParsersAction) -> None:
     purpose = "sampled scenes by both models, each path verified; exit code 1 where an outcome is unexplained"
     command = _command(commands, "stability", purpose, "coilcheck stability --beams 2000 --wires 100")
     scenes = command.add_argument_group("what is verified; a campaign that was interrupted goes on")
-    scenes.add_argument("--beams", type=_number, metavar="N", help="equivalent-beam scenes; default 20000")
-    scenes.add_argument("--wires", type=_number, metavar="N", help="wire scenes; default 1000")
-    scenes.add_argument("--seed", type=_number, metavar="N", help="of the sequence of scenes; default 1")
+    scenes.add_argument("--beams", type=number_of, metavar="N", help="equivalent-beam scenes; default 20000")
+    scenes.add_argument("--wires", type=number_of, metavar="N", help="wire scenes; default 1000")
+    scenes.add_argument("--seed", type=number_of, metavar="N", help="of the sequence of scenes; default 1")
     scenes.add_argument("--seeds", metavar="N,N", help="several of them, on one page: 1,2,3")
     scenes.add_argument("--case", metavar="ID", help="verify one case again, and write nothing")
     how = "processes; default one for each core, 0 for none besides this one"
-    command.add_argument("--workers", type=_number, metavar="N", help=how)
+    command.add_argument("--workers", type=number_of, metavar="N", help=how)
     where = "address of a Dask scheduler, whose workers verify the scenes (extra: dask)"
     command.add_argument("--scheduler", metavar="ADDRESS", help=where)
 
@@ -205,8 +236,8 @@ def _add_common(command: argparse.ArgumentParser) -> None:
     """The scene, and what may take the place of its numbers."""
     command.add_argument("scene", metavar="SCENE", help=SCENE_HELP)
     both = command.add_argument_group("options of both models")
-    both.add_argument("--steps", type=_number, metavar="N", help="equal steps of time; default the scene's")
-    both.add_argument("--penalty", type=_number, metavar="X", help="contact stiffness; default the scene's")
+    both.add_argument("--steps", type=number_of, metavar="N", help="equal steps of time; default the scene's")
+    both.add_argument("--penalty", type=number_of, metavar="X", help="contact stiffness; default the scene's")
     what = "contact of the wire model; default the scene's (the catalogue's: spheres)"
     both.add_argument("--geometry", choices=("wires", "spheres"), help=what)
 
@@ -221,8 +252,8 @@ def _add_scene(command: argparse.ArgumentParser) -> None:
     beam.add_argument("--sliding", choices=("ignore", "scene"), help="the scene's sliding; default ignore")
     wire = command.add_argument_group("options of wirefe")
     wire.add_argument("--element", choices=("straight", "curved"), help="beam element; default straight")
-    wire.add_argument("--elements-per-turn", type=_number, metavar="N", help="default 40")
-    wire.add_argument("--pairs-per-turn", type=_number, metavar="N", help="sphere pairs; default 4")
+    wire.add_argument("--elements-per-turn", type=number_of, metavar="N", help="default 40")
+    wire.add_argument("--pairs-per-turn", type=number_of, metavar="N", help="sphere pairs; default 4")
 
 
 def _add_flag(command: argparse._ActionsContainer, name: str, what: str) -> None:
@@ -246,14 +277,4 @@ def _law(text: str) -> str:
     """The name of a law, or of a file that may hold one."""
     if text not in LAWS and not text.endswith(".py"):
         raise argparse.ArgumentTypeError(f"must be {', '.join(LAWS)} or a Python file, got {text!r}")
-    return text
-
-
-def _number(text: str) -> int | float | str:
-    """The number that `text` says; else the text, for the library to refuse with the range."""
-    for kind in (int, float):
-        try:
-            return kind(text)
-        except ValueError:
-            continue
     return text

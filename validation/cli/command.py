@@ -12,7 +12,7 @@ from pathlib import Path
 from coilspring import CATALOGUE, EquilibriumNotFound, EquilibriumPath, InputError, Scene, load_scene
 from coilspring.scene.toml import SECTIONS, scene_text
 from validation.cli import studies
-from validation.cli.arguments import FILE_OPTIONS, MODEL_OPTIONS, command_line, given, scene_of
+from validation.cli.arguments import MODEL_OPTIONS, command_line, given, refuse_other_models, scene_of
 from validation.cli.terminal import deviation, digest, notes, progress_shown, say
 from validation.study import output
 from validation.study.metrics import compare_paths
@@ -69,10 +69,7 @@ def check(arguments: argparse.Namespace) -> int:
 def solve(arguments: argparse.Namespace) -> int:
     """Solve one scene with one model."""
     model = arguments.model
-    for other, names in MODEL_OPTIONS.items():
-        for name in given(arguments, names + FILE_OPTIONS[other]) if other != model else ():
-            flag = "--" + name.replace("_", "-")
-            raise InputError(f"{flag} belongs to --model {other}, got --model {model}")
+    refuse_other_models(arguments)
     scene = scene_of(arguments)
     folder = _folder(arguments)
     with output.claimed(folder):
@@ -128,9 +125,10 @@ def long_command(arguments: argparse.Namespace) -> int:
     with progress_shown() as progress:
         lines, failure = studies.COMMANDS[arguments.command](arguments, _folder(arguments), progress)
     say(*lines)
-    return _fail(REGRESSED, failure) if failure else COMPLETED
+    return _fail(FAILED.get(arguments.command, REGRESSED), failure) if failure else COMPLETED
 
 
+FAILED = {"sweep": NOT_COMPLETED}
 COMMANDS = {
     **{"new": new, "check": check, "solve": solve, "compare": compare},
     **dict.fromkeys(studies.COMMANDS, long_command),

@@ -12,7 +12,13 @@ from pathlib import Path
 
 from coilspring import InputError, Scene, load_scene
 from coilspring.errors import require_integer
-from validation.cli.arguments import CAMPAIGN_RANGES, given, scene_of
+from validation.cli.arguments import (
+    CAMPAIGN_RANGES,
+    MODEL_OPTIONS,
+    given,
+    refuse_other_models,
+    scene_of,
+)
 from validation.study.output import claimed, json_bytes, prepare, write_files, write_text, writing
 
 Progress = Callable[[str], None]
@@ -115,6 +121,34 @@ def study_law(arguments: argparse.Namespace, folder: Path, progress: Progress) -
     return lines, ""
 
 
+def sweep(arguments: argparse.Namespace, folder: Path, progress: Progress) -> Answer:
+    """Solve a grid of scenes with one model."""
+    refuse_other_models(arguments)
+    model = arguments.model
+    options = given(arguments, (*MODEL_OPTIONS[model], "workers"))
+    workers = options.pop("workers", None)
+    if workers is not None:
+        require_integer("workers", workers, *CAMPAIGN_RANGES["workers"])
+    scene = scene_of(arguments)
+    from validation.sweep import run
+    from validation.sweep.grid import read_varied
+
+    varied = read_varied(arguments.vary, scene)
+    progress(f"loading {model}")
+    with claimed(folder), writing(folder):
+        choice = run.Choice.of(model, options)
+        rows = run.sweep(
+            folder,
+            scene,
+            varied,
+            lambda scene: choice,
+            workers=workers,
+            progress=lambda done, of: progress(f"{done} of {of} scenes"),
+        )
+        run.write_picture(folder, rows, [each.key for each in varied], scene, model)
+    return [*run.digest(rows), f"written to {folder}"], run.ended_early(rows)
+
+
 def export(arguments: argparse.Namespace, folder: Path, progress: Progress) -> Answer:
     """Write the input deck of a scene for another program."""
     from validation.peers import calculix
@@ -189,6 +223,7 @@ def view(arguments: argparse.Namespace, folder: Path, progress: Progress) -> Ans
 COMMANDS = {
     **{"reproduce": reproduce, "workprecision": workprecision, "sensitivity": sensitivity},
     **{
+        "sweep": sweep,
         "regress": regress,
         "stability": stability,
         "study-law": study_law,

@@ -1,0 +1,155 @@
+"""Many springs at once, on all processor cores: what the sweeps of both models share."""
+
+from __future__ import annotations
+
+import inspect
+import os
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import dataclass
+from functools import partial
+from itertools import islice, repeat
+from typing import Any
+
+import numpy as np
+
+from coilspring.contact.law import normal_forces
+from coilspring.errors import EquilibriumNotFound, InputError, shown
+from coilspring.path import EquilibriumPath
+from coilspring.scene import Scene
+from coilspring.workers import processes
+
+REFUSED, CRASHED = "refused", "crashed"  # outcomes besides those of a path
+AHEAD = 4  # chunks of springs handed out for each worker
+
+Solver = Callable[[Scene], EquilibriumPath]  # a function that can be sent to another process
+Job = tuple[Scene, Solver]
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """Result of one spring of a sweep.
+
+    Attributes
+    ----------
+    outcome : as in `coilspring.EquilibriumPath`, "refused" for bad input, or "crashed" where the program
+        failed.
+    message : one sentence.
+    last_time : time reached, 1 where completed.
+    tip : UX, UY, ROTZ at the last time reached, mm, rad; None where there is none.
+    load : Fx, Fy at the top there, N; of a prescribed displacement the reaction; None where there is none.
+    active_contacts, max_penetration, max_contact_force : there; pairs, mm, N.
+    critical_time : of a critical point, or None.
+    total_iterations : factorisations.
+    """
+
+    outcome: str
+    message: str
+    last_time: float = 0.0
+    tip: tuple[float, float, float] | None = None
+    active_contacts: int = 0
+    max_penetration: float = 0.0
+    critical_time: float | None = None
+    total_iterations: int = 0
+    load: tuple[float, float] | None = None
+    max_contact_force: float = 0.0
+
+
+def jobs(
+    scenes: Iterable[Scene], solve: Callable[..., EquilibriumPath], options: dict[str, Any]
+) -> Iterator[Job]:
+    """Each scene with the one solver of all, a model's `solve` with its options.
+
+    Raises
+    ------
+    InputError : `scenes` are none, as a name or a single scene.
+    TypeError : an option that `solve` does not have.
+    """
+    if isinstance(scenes, str | Scene) or not isinstance(scenes, Iterable):
+        raise InputError(f"scenes must be an iterable of coilspring.Scene, got {shown(scenes)}")
+    inspect.signature(solve).bind(None, **options)
+    return zip(scenes, repeat(partial(solve, **options)))
+
+
+def outcomes(
+    jobs: Iterator[Job],
+    *,
+    chunk: int,
+    workers: int | None = None,
+    progress: Callable[[int], None] | None = None,
+    prepare: Callable[[], object] = lambda: None,
+) -> Iterator[Outcome]:
+    """Outcomes of scenes, each by its own solver, in their order.
+
+    Parameters
+    ----------
+    jobs : scenes and what solves each; drawn as they are needed.
+    chunk : springs handed to a worker at a time.
+    workers : processes; by default one for each processor core. 0: none besides this one.
+    progress : called with the number of springs done so far.
+    prepare : called once before the workers start, to leave them compiled kernels on the disk.
+    """
+    done = 0
+    for found in _found(jobs, chunk, (os.cpu_count() or 1) if workers is None else workers, prepare):
+        yield from found
+        done += len(found)
+        if progress is not None:
+            progress(done)
+
+
+def _found(
+    jobs: Iterator[Job], chunk: int, count: int, prepare: Callable[[], object]
+) -> Iterator[list[Outcome]]:
+    """Outcomes as they come, one by one by this process or in chunks by `count` others."""
+    if count == 0:
+        yield from ([outcome_of(*job)] for job in jobs)
+        return
+    prepare()
+    with processes(count) as pool:
+        waiting = [pool.submit(_outcomes, part) for part in _chunks(jobs, chunk, AHEAD * count)]
+        while waiting:
+            found = waiting.pop(0).result()
+            waiting += [pool.submit(_outcomes, part) for part in _chunks(jobs, chunk, 1)]
+            yield found
+
+
+def _chunks(jobs: Iterator[Job], size: int, count: int) -> list[list[Job]]:
+    """At most `count` chunks of the jobs that are left."""
+    chunks = (list(islice(jobs, size)) for _ in range(count))
+    return [chunk for chunk in chunks if chunk]
+
+
+def _outcomes(jobs: list[Job]) -> list[Outcome]:
+    return [outcome_of(scene, solve) for scene, solve in jobs]
+
+
+def outcome_of(scene: Scene, solve: Solver) -> Outcome:
+    """Outcome of one scene, whatever happens."""
+    try:
+        return _outcome(solve(scene))
+    except EquilibriumNotFound as found:
+        return _outcome(found.path)
+    except InputError as refused:
+        return Outcome(REFUSED, str(refused))
+    except Exception as error:  # of one spring, which must not cost the others
+        return Outcome(CRASHED, " ".join(f"{type(error).__name__}: {error}".split()))
+
+
+def _outcome(path: EquilibriumPath) -> Outcome:
+    spent: dict[str, Any] = {
+        "critical_time": path.critical_time,
+        "total_iterations": path.total_iterations,
+    }
+    if not len(path.times):
+        return Outcome(path.outcome, path.message, **spent)
+    law, gaps = path.shape.pair_law, path.shape.pair_gaps(path.states[-1:])
+    return Outcome(
+        outcome=path.outcome,
+        message=path.message,
+        last_time=float(path.times[-1]),
+        tip=tuple(path.tips[-1].tolist()),
+        load=tuple(path.loads[-1].tolist()),
+        active_contacts=int(np.count_nonzero(gaps < 0.0)),
+        max_penetration=float(np.maximum(-gaps, 0.0).max(initial=0.0)),
+        max_contact_force=float(normal_forces(-gaps, law.kc, law.k).max(initial=0.0)),
+        **spent,
+    )

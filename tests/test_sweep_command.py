@@ -1,0 +1,240 @@
+"""`coilcheck sweep`: grids of scenes, a row for each, and what is on disk is not solved twice."""
+
+import csv
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import equivbeam
+import wirefe
+from coilspring import InputError, Load, Material, Scene, Spring, load_scene, spring_a, spring_b
+from coilspring.scene.profile import CoilSection
+from coilspring.sweep import CRASHED
+from validation.cli import main
+from validation.sweep import run
+from validation.sweep.grid import Varied, points, read_varied
+from validation.sweep.table import FILE
+
+ONE = ["--workers", "0", "--steps", "1"]
+BEAM = run.Choice.of("equivbeam", {"law": "haringx"})
+WIRE = run.Choice.of("wirefe", {"element": "curved", "elements_per_turn": 4})
+
+
+def rows(folder):
+    with open(folder / FILE, encoding="utf-8", newline="") as lines:
+        return list(csv.DictReader(lines))
+
+
+def test_ranges_and_lists():
+    texts = ["spring.wire_diameter=1.2:1.8:7", "load.force.1=-50,-10", "contact.enabled=true,false"]
+    found = read_varied([*texts, "contact.geometry=wires,spheres", "load.steps=2:4:3"], spring_b())
+    assert [each.values for each in found] == [
+        (1.2, 1.3, 1.4, 1.5, 1.6, 1.7, 1.8),
+        (-50, -10),
+        (True, False),
+        ("wires", "spheres"),
+        (2.0, 3.0, 4.0),
+    ]
+
+
+def test_the_last_key_is_the_fastest_and_a_key_takes_the_place_of_those_it_excludes():
+    b = spring_b()
+    grid = [Varied("material.G", (79e3, 80e3)), Varied("load.displacement", (-1.0, -2.0))]
+    found = list(points(b, grid))
+    assert [point.values for point in found] == [(79e3, -1.0), (79e3, -2.0), (80e3, -1.0), (80e3, -2.0)]
+    load = Load(displacement=(-2.0,))
+    assert found[1].scene == replace(b, material=Material.from_moduli(b.material.E, 79e3), load=load)
+
+
+def test_an_item_of_a_list_and_of_a_table():
+    b = spring_b()
+    (point,) = points(b, [Varied("spring.mean_diameter.1", (7.0,))])
+    assert point.scene.spring.mean_diameter == (12.0, 7.0)
+    sections = (CoilSection(2.0, (2.0, 4.0), (12.0, 12.0)), CoilSection(3.0, (4.0, 4.0), (12.0, 9.0)))
+    scene = Scene("two", Spring.of_sections(1.5, sections), Load((0.0, -10.0)))
+    (varied,) = read_varied(["spring.sections.1.coils=4"], scene)
+    (point,) = points(scene, [varied])
+    assert [each.coils for each in point.scene.spring.sections] == [2.0, 4.0]
+    (point,) = points(scene, [Varied("spring.mean_diameter", (9.0,))])
+    assert point.scene is None
+    assert "[spring] takes one of mean_diameter, sections, got mean_diameter and sections" in point.refused
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("spring.wire=1:2:3", "unknown key 'wire' in [spring]; did you mean wire_diameter? allowed: wire_"),
+        ("wire_diameter=1:2:3", "did you mean spring.wire_diameter? allowed: material, spring, load, supp"),
+        (
+            "load.force.7=1",
+            "unknown item '7' of load.force in this scene; allowed: load.force.0, load.force.1",
+        ),
+        ("load.stages.0=1", "unknown item '0' of load.stages in this scene; it has no items"),
+        ("spring=1", "unknown key '' in [spring]; allowed: wire_diameter, "),
+        ("spring.wire_diameter", "must be KEY=FIRST:LAST:COUNT or KEY=VALUE,VALUE,..."),
+        ("spring.wire_diameter=1:2", "a range must be FIRST:LAST:COUNT, three numbers, as 1.2:1.8:7"),
+        ("spring.wire_diameter=1:nan:2", "a range must be FIRST:LAST:COUNT, three numbers"),
+        ("spring.wire_diameter=1:2:1", "the COUNT of a range must be an integer in [2, 100000], got 1"),
+        ("spring.wire_diameter=1,,2", "values must be numbers, texts, true or false, with commas between"),
+    ],
+)
+def test_what_cannot_be_varied_is_refused_with_what_can(text, words, tmp_path, capsys):
+    assert main(["sweep", "spring-b", "--vary", text, *ONE, "--out", str(tmp_path / "new")]) == 2
+    said = capsys.readouterr().err
+    assert said.startswith(f"coilcheck: --vary {text!r}: ")
+    assert words in said
+    assert not (tmp_path / "new").exists()
+
+
+@pytest.mark.parametrize(
+    ("texts", "words"),
+    [
+        (["load.force.1=-1", "load.force.1=-2"], "load.force.1 is varied already, by load.force.1"),
+        (["spring.mean_diameter=9", "spring.mean_diameter.0=8"], "is varied already, by spring.mean_diam"),
+        (["load.force.1=-2:-1:400", "material.E=2e5:3e5:400"], "at most 100000 scenes, got 160000"),
+    ],
+)
+def test_keys_that_exclude_each_other_and_grids_too_large_are_refused(texts, words):
+    with pytest.raises(InputError, match="--vary") as refused:
+        read_varied(texts, spring_b())
+    assert words in str(refused.value)
+
+
+def test_a_row_for_each_scene_in_order_and_invalid_ones_say_why(tmp_path, capsys):
+    grid = ["--vary", "spring.active_coils=7,7.3", "--vary", "load.force.1=-100,-50"]
+    assert main(["sweep", "spring-b", *grid, "--workers", "0", "--steps", "2", "--out", str(tmp_path)]) == 3
+    found = rows(tmp_path)
+    assert list(found[0])[:4] == ["spring.active_coils", "load.force.1", "outcome", "time"]
+    assert [(row["spring.active_coils"], row["load.force.1"]) for row in found] == [
+        ("7", "-100"), ("7", "-50"), ("7.3", "-100"), ("7.3", "-50"),
+    ]  # fmt: skip
+    assert [row["outcome"] for row in found] == ["completed", "completed", "refused", "refused"]
+    assert found[2]["message"].startswith("spring.active_coils must be a multiple of 0.5")
+    assert (found[2]["uy"], found[2]["time"], found[2]["key"]) == ("", "", "")
+    b = spring_b()
+    scene = replace(b, spring=replace(b.spring, active_coils=7.0), load=Load((0.0, -100.0), 2))
+    path, row = equivbeam.solve(scene), found[0]
+    assert [float(row[name]) for name in ("ux", "uy", "rotz")] == path.tips[-1].tolist()
+    assert float(row["load_y"]) == -100.0
+    assert float(row["max_contact_force"]) == path.contact_forces[-1].max() > 0.0
+    assert int(row["iterations"]) == path.total_iterations
+    said = capsys.readouterr()
+    assert "4 springs: 2 completed, 2 refused" in said.out
+    assert said.err == "coilcheck: 2 of 4 scenes did not reach full load; sweep.csv says why\n"
+
+
+def test_the_wire_model_and_the_reaction_to_a_displacement(tmp_path):
+    grid = ["--vary", "load.displacement=-2,-4", "--model", "wirefe"]
+    mesh = ["--element", "curved", "--elements-per-turn", "4"]
+    assert main(["sweep", "spring-b", *grid, *mesh, *ONE, "--out", str(tmp_path)]) == 0
+    scene = replace(spring_b(), load=Load(displacement=(-4.0,), steps=1))
+    path = wirefe.solve(scene, element="curved", elements_per_turn=4)
+    assert [float(row["load_y"]) for row in rows(tmp_path)][1] == path.loads[-1, 1] < -20.0
+    assert not (tmp_path / "sweep.png").exists()
+
+
+def test_a_picture_where_one_number_has_three_values(tmp_path):
+    call = ["sweep", "spring-b", "--vary", "load.force.1=-30:-60:3", *ONE, "--out", str(tmp_path)]
+    assert main(call) == 0
+    assert (tmp_path / "sweep.png").read_bytes().startswith(b"\x89PNG")
+    assert main([*call, "--vary", "spring.hand=left,right"]) == 0
+    assert [file.name for file in tmp_path.iterdir()] == [FILE]
+
+
+def test_where_no_scene_can_be_solved_the_first_reason_is_said(tmp_path, capsys):
+    grid = ["--vary", "load.force.1=-100,-50", "--model", "wirefe", "--elements-per-turn", "3"]
+    assert main(["sweep", "spring-b", *grid, *ONE, "--out", str(tmp_path)]) == 2
+    assert "no scene can be solved: elements_per_turn must be" in capsys.readouterr().err
+    assert main(["sweep", "spring-b", *grid[:2], "--element", "curved"]) == 2
+    assert "--element belongs to --model wirefe, got --model equivbeam" in capsys.readouterr().err
+
+
+GRID = [Varied("load.force.1", (-40.0, -60.0, -80.0, -100.0))]
+
+
+def solved_again(folder, grid, choose=lambda scene: BEAM):
+    """Rows of a sweep, and how many scenes it has solved."""
+    progress = []
+    found = run.sweep(
+        folder,
+        spring_b().with_steps(1),
+        grid,
+        choose,
+        workers=0,
+        progress=lambda done, of: progress.append(done),
+    )
+    return found, len(progress) - 1
+
+
+def test_an_interrupted_sweep_keeps_its_rows_and_goes_on(tmp_path):
+    def interrupt(done, of):
+        if done == 2:
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        run.sweep(tmp_path, spring_b().with_steps(1), GRID, lambda scene: BEAM, workers=0, progress=interrupt)
+    assert [row["load.force.1"] for row in rows(tmp_path)] == ["-40.0", "-60.0"]
+    text = (tmp_path / FILE).read_text().replace("the load path", "READ: the load path", 1)
+    (tmp_path / FILE).write_text(text[:-40])  # and the last line is cut
+    found, count = solved_again(tmp_path, GRID)
+    assert count == 3
+    assert found[0]["message"].startswith("READ: ")
+    assert rows(tmp_path) == found
+    fresh, count = solved_again(tmp_path / "fresh", GRID) if not (tmp_path / "fresh").mkdir() else ([], 0)
+    assert count == 4
+    assert fresh[1:] == found[1:]
+
+
+def test_nothing_stored_is_solved_again_unless_the_scene_or_the_options_differ(tmp_path):
+    first, count = solved_again(tmp_path, GRID)
+    assert count == 4
+    finer = [Varied("load.force.1", (-30.0, *GRID[0].values))]
+    found, count = solved_again(tmp_path, finer)
+    assert (found[1:], count) == (first, 1)
+    helix = run.Choice.of("equivbeam", {"law": "helix"})
+    found, count = solved_again(tmp_path, GRID, lambda scene: helix)
+    assert count == 4
+    assert [row["uy"] for row in found] != [row["uy"] for row in first]
+    text = (tmp_path / FILE).read_text().replace("completed", CRASHED, 1)
+    (tmp_path / FILE).write_text(text)
+    assert solved_again(tmp_path, GRID, lambda scene: helix) == (found, 1)
+
+
+def test_each_scene_may_have_a_solver_of_its_own(tmp_path):
+    def choose(scene):
+        return WIRE if scene.load.force[1] < -70.0 else BEAM
+
+    found, _ = solved_again(tmp_path, GRID, choose)
+    scenes = [replace(spring_b(), load=Load((0.0, float(row["load.force.1"])), 1)) for row in found]
+    solved = [choose(scene)(scene) for scene in scenes]
+    assert [path.model for path in solved] == ["equivbeam", "equivbeam", "wirefe", "wirefe"]
+    assert [float(row["uy"]) for row in found] == [path.tips[-1, 1] for path in solved]
+
+
+def test_two_models_agree_on_the_stiffness_of_a_sweep(tmp_path):
+    """Before coils touch UY goes with d^-4 in both models: by the textbook's rate, and by finite elements."""
+    grid = [Varied("spring.wire_diameter", (0.9, 1.2))]
+    ratios = []
+    for choice in (BEAM, WIRE):
+        (tmp_path / choice.model).mkdir()
+        scene = replace(spring_b().without_contact(), load=Load((0.0, -0.1), 1))
+        thin, thick = run.sweep(tmp_path / choice.model, scene, grid, lambda scene, c=choice: c, workers=0)
+        ratios.append(float(thin["uy"]) / float(thick["uy"]))
+    np.testing.assert_allclose(ratios, (1.2 / 0.9) ** 4, rtol=5e-3)
+
+
+def test_a_scene_file_is_found_again_by_its_content(tmp_path):
+    from coilspring import scene_text
+
+    file = tmp_path / "mine.toml"
+    file.write_text(scene_text(spring_a()))
+    call = ["sweep", str(file), "--vary", "load.force.1=-2,-4", *ONE, "--out", str(tmp_path / "out")]
+    assert main(call) == 0
+    keys = [row["key"] for row in rows(tmp_path / "out")]
+    assert main(call) == 0
+    assert keys == [row["key"] for row in rows(tmp_path / "out")]
+    file.write_text(scene_text(spring_a()).replace("E = 206000.0", "E = 207000.0"))
+    assert load_scene(file).material.E == 207000.0
+    assert main(call) == 0
+    assert not set(keys) & {row["key"] for row in rows(tmp_path / "out")}

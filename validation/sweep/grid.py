@@ -1,0 +1,138 @@
+"""Grids of scenes: all combinations of several values for some keys of a scene file."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from copy import deepcopy
+from dataclasses import dataclass
+from itertools import product
+from typing import Any
+
+import numpy as np
+
+from coilspring import InputError, Scene
+from coilspring.scene.schema import keys_of
+from coilspring.scene.toml import SECTIONS, allowed_keys, refuse_unknown, scene_from_table, scene_table
+from validation.study.texts import number_of
+
+MOST = 100_000  # scenes of a grid
+DIGITS = 12  # of a value within a range, which is then what a user would write
+
+
+@dataclass(frozen=True)
+class Varied:
+    """A key of a scene file, as ``spring.wire_diameter`` or ``load.force.1``, and its values."""
+
+    key: str
+    values: tuple[Any, ...]
+
+
+@dataclass(frozen=True)
+class Point:
+    """A point of a grid: the values of the keys and the scene, or why there is none."""
+
+    values: tuple[Any, ...]
+    scene: Scene | None
+    refused: str = ""
+
+
+def read_varied(texts: Sequence[str], scene: Scene) -> list[Varied]:
+    """Keys and values of ``KEY=FIRST:LAST:COUNT`` or ``KEY=VALUE,VALUE,...``.
+
+    Raises
+    ------
+    InputError : a key that scenes, or this one, do not have; a text that is no range and no list.
+    """
+    table = scene_table(scene)
+    found: list[Varied] = []
+    for text in texts:
+        key, equals, values = text.partition("=")
+        try:
+            if not equals:
+                raise InputError("must be KEY=FIRST:LAST:COUNT or KEY=VALUE,VALUE,...")
+            _require_key(key, table)
+            for other in found:
+                if f"{key}.".startswith(f"{other.key}.") or f"{other.key}.".startswith(f"{key}."):
+                    raise InputError(f"{key} is varied already, by {other.key}")
+            found.append(Varied(key, _values(values)))
+        except InputError as error:
+            raise InputError(f"--vary {text!r}: {error}") from None
+    count = math.prod(len(each.values) for each in found)
+    if count > MOST:
+        raise InputError(f"--vary must make at most {MOST} scenes, got {count}")
+    return found
+
+
+def _require_key(key: str, table: Mapping[str, Any]) -> None:
+    """Refuse a key that the file of a scene, as `table` has it, cannot have."""
+    section, *path = key.split(".")
+    if section not in SECTIONS:
+        homes = [home for home, record in SECTIONS.items() if section in allowed_keys(record)]
+        meant = f"did you mean {homes[0]}.{key}? " if homes else ""
+        raise InputError(f"unknown section {section!r}; {meant}allowed: {', '.join(SECTIONS)}")
+    record = SECTIONS[section]
+    name = path[0] if path else ""
+    refuse_unknown(f"[{section}]", {name: None}, allowed_keys(record), record)
+    value, place = table[section].get(name), f"{section}.{name}"
+    for step in path[1:]:
+        items = value if isinstance(value, dict) else {str(i): item for i, item in enumerate(_items(value))}
+        if step not in items:
+            allowed = (
+                f"allowed: {', '.join(f'{place}.{item}' for item in items)}" if items else "it has no items"
+            )
+            raise InputError(f"unknown item {step!r} of {place} in this scene; {allowed}")
+        value, place = items[step], f"{place}.{step}"
+
+
+def _items(value: object) -> list:
+    return value if isinstance(value, list) else []
+
+
+def _values(text: str) -> tuple[Any, ...]:
+    """Values of a range or of a list."""
+    parts = [part.strip() for part in text.split(":" if ":" in text else ",")]
+    if ":" not in text:
+        if "" in parts:
+            raise InputError("values must be numbers, texts, true or false, with commas between")
+        return tuple({"true": True, "false": False}.get(part, number_of(part)) for part in parts)
+    given = [item for item in map(number_of, parts) if not isinstance(item, str) and math.isfinite(item)]
+    if len(given) != 3 or len(parts) != 3:
+        raise InputError("a range must be FIRST:LAST:COUNT, three numbers, as 1.2:1.8:7")
+    first, last, count = given
+    if not isinstance(count, int) or not 2 <= count <= MOST:
+        raise InputError(f"the COUNT of a range must be an integer in [2, {MOST}], got {parts[2]}")
+    return tuple(float(f"{value:.{DIGITS}g}") for value in np.linspace(first, last, count))
+
+
+def points(scene: Scene, varied: Sequence[Varied]) -> Iterator[Point]:
+    """All combinations of values, those of the last key fastest."""
+    table = scene_table(scene)
+    for values in product(*(each.values for each in varied)):
+        try:
+            yield Point(values, _changed(table, [each.key for each in varied], values))
+        except InputError as error:
+            yield Point(values, None, str(error))
+
+
+def _changed(table: Mapping[str, Any], keys: Sequence[str], values: Sequence[Any]) -> Scene:
+    """The scene with other values of some keys; a key takes the place of those that exclude it."""
+    changed = deepcopy(dict(table))
+    for key, value in zip(keys, values, strict=True):
+        section, *path, last = key.split(".")
+        home = changed[section]
+        if not path:
+            for other in _excluded(SECTIONS[section], last):
+                home.pop(other, None)
+        for step in path:
+            home = home[int(step)] if isinstance(home, list) else home[step]
+        home[int(last) if isinstance(home, list) else last] = value
+    return scene_from_table(changed)
+
+
+def _excluded(record: type, name: str) -> set[str]:
+    """Keys, other than tables, that cannot stand in a file beside one of this name."""
+    known = keys_of(record)
+    groups = [{key, *item.instead} for key, item in known.items()]
+    tables = {key for key, item in known.items() if item.item is not None}
+    return set().union(*(group for group in groups if name in group)) - tables - {name}
