@@ -34,8 +34,10 @@ def test_ranges_and_lists():
         (-50, -10),
         (True, False),
         ("wires", "spheres"),
-        (2.0, 3.0, 4.0),
+        (2, 3, 4),
     ]
+    assert isinstance(found[4].values[1], int)
+    assert [point.scene.load.steps for point in points(spring_b(), found[4:])] == [2, 3, 4]
 
 
 def test_the_last_key_is_the_fastest_and_a_key_takes_the_place_of_those_it_excludes():

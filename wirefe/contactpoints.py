@@ -143,7 +143,7 @@ def near_pairs(
 
     Spheres up to `near` apart along the wire, or of one rigid body, do not touch.
     """
-    first, second = _candidates(body.tobytes(), pairs.tobytes(), near)
+    first, second = _candidates(body.astype(float).tobytes(), pairs.tobytes(), near)
     distance = np.linalg.norm(centres[second] - centres[first], axis=1)
     keep = distance < reach
     return np.stack((first[keep], second[keep]), axis=1), distance[keep]

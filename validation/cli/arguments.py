@@ -138,7 +138,7 @@ def _add_solutions(commands: argparse._SubParsersAction) -> None:
 def _add_sweep(commands: argparse._SubParsersAction) -> None:
     purpose = "many scenes by one model: a scene file's keys with several values each, in all combinations"
     sweep = _command(
-        commands, "sweep", purpose, "coilcheck sweep spring-b --vary spring.wire_diameter=1.4:1.6:5"
+        commands, "sweep", purpose, "coilcheck sweep spring-b --vary spring.wire_diameter=1.5:1.7:5"
     )
     sweep.description = (
         f"{sweep.description} sweep.csv has a row for each scene, in order, the first key slowest; the same "

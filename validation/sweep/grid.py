@@ -102,7 +102,9 @@ def _values(text: str) -> tuple[Any, ...]:
     first, last, count = given
     if not isinstance(count, int) or not 2 <= count <= MOST:
         raise InputError(f"the COUNT of a range must be an integer in [2, {MOST}], got {parts[2]}")
-    return tuple(float(f"{value:.{DIGITS}g}") for value in np.linspace(first, last, count))
+    values = [float(f"{value:.{DIGITS}g}") for value in np.linspace(first, last, count)]
+    whole = isinstance(first, int) and isinstance(last, int) and all(map(float.is_integer, values))
+    return tuple(map(int, values)) if whole else tuple(values)  # a number of steps is an integer
 
 
 def points(scene: Scene, varied: Sequence[Varied]) -> Iterator[Point]:
@@ -117,7 +119,9 @@ def points(scene: Scene, varied: Sequence[Varied]) -> Iterator[Point]:
 
 def _changed(table: Mapping[str, Any], keys: Sequence[str], values: Sequence[Any]) -> Scene:
     """The scene with other values of some keys; a key takes the place of those that exclude it."""
-    changed = deepcopy(dict(table))
+    changed = dict(table)
+    for section in {key.partition(".")[0] for key in keys}:
+        changed[section] = deepcopy(table[section])
     for key, value in zip(keys, values, strict=True):
         section, *path, last = key.split(".")
         home = changed[section]
