@@ -12,13 +12,21 @@ from pathlib import Path
 from coilspring import CATALOGUE, EquilibriumNotFound, EquilibriumPath, InputError, Scene, load_scene
 from coilspring.scene.toml import SECTIONS, scene_text
 from validation.cli import studies
-from validation.cli.arguments import MODEL_OPTIONS, command_line, given, refuse_other_models, scene_of
+from validation.cli.arguments import (
+    MODEL_OPTIONS,
+    command_line,
+    given,
+    refuse_chosen,
+    refuse_other_models,
+    scene_of,
+)
 from validation.cli.terminal import deviation, digest, notes, progress_shown, say
 from validation.study import output
 from validation.study.metrics import compare_paths
 from validation.study.partialsolve import partial_path
 from validation.study.scenewarnings import warnings
 
+ADAPTIVE = "wirefe"  # the model that an accuracy is for
 COMPLETED, REGRESSED, BAD_INPUT, NOT_COMPLETED, NOT_WRITTEN, INTERRUPTED = 0, 1, 2, 3, 4, 130
 
 
@@ -67,8 +75,8 @@ def check(arguments: argparse.Namespace) -> int:
 
 
 def solve(arguments: argparse.Namespace) -> int:
-    """Solve one scene with one model."""
-    model = arguments.model
+    """Solve one scene with one model, or as accurately as asked for."""
+    model = arguments.model = arguments.model or ADAPTIVE
     refuse_other_models(arguments)
     scene = scene_of(arguments)
     folder = _folder(arguments)
@@ -88,6 +96,7 @@ def solve(arguments: argparse.Namespace) -> int:
 
 def compare(arguments: argparse.Namespace) -> int:
     """Solve one scene with both models and compare them."""
+    refuse_chosen(arguments)
     scene = scene_of(arguments)
     folder = _folder(arguments)
     with ExitStack() as claims:
@@ -101,6 +110,7 @@ def compare(arguments: argparse.Namespace) -> int:
             **asdict(comparison),
             **{model: str((folder / model).resolve()) for model in paths},
             "warnings": warnings(scene),
+            **{name: getattr(paths[ADAPTIVE], name) for name in ("accuracy", "estimated_error")},
             "outcomes": {model: path.outcome for model, path in paths.items()},
             "notes": [f"{model}: {note}" for model, path in paths.items() for note in notes(path)],
         }
@@ -153,10 +163,14 @@ def _run(
 ) -> EquilibriumPath:
     """The path of one model, complete or as far as it was reached."""
     progress(f"loading {model}")
-    solver = _solver(model)
+    solver, names = _solver(model), MODEL_OPTIONS[model]
+    if model == ADAPTIVE and arguments.accuracy is not None:
+        import wirefe
+
+        solver, names = wirefe.solve_to, ("accuracy", "pairs_per_turn")
     progress(f"solving with {model}")
     try:
-        return partial_path(solver, scene, **given(arguments, MODEL_OPTIONS[model]))
+        return partial_path(solver, scene, **given(arguments, names))
     except InputError as error:
         raise _in_file(arguments.scene, error) from None
 

@@ -1,0 +1,271 @@
+"""A load path as accurate as asked for: mesh, stations and substeps are chosen, and the error is estimated.
+
+The error is that of the load curve (`coilspring.curves`), against the wire model of the same scene with a
+mesh, stations and substeps without end. A level n has n curved elements a turn (`STRAIGHT` n straight ones
+where end turns rest on plates) and 4 n stations of wires; both errors then fall with 1 / n^2.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+import numpy as np
+
+from coilspring.curves import answered, compare_curves
+from coilspring.errors import EquilibriumNotFound, InputError, require_number
+from coilspring.path import EquilibriumPath
+from coilspring.scene import Scene, require_scene
+from coilspring.scene.profile import TWO_PI
+from wirefe.contactpoints import PER_TURN
+from wirefe.solve import solve
+
+ACCURACIES = (1e-5, 1e-2)
+COARSEST, FINEST = 4, 128  # levels
+STRAIGHT, STATIONS = 10, 4  # elements of a plate-seated spring, and stations a turn, of level 1
+ROWS = 5  # of a stage, at least, at which a coarse path is compared with a fine one
+SMOOTH, IRREGULAR = 3.0, 4.0  # safety of the estimate, without contact and where coils touch
+CLEAR = 0.05  # wire diameters between coils that do not touch on any level
+AHEAD = 1.1  # times the level that is predicted to do
+LEAP = 4.0  # times the last level, the most without the evidence of a level between
+FINER_STEPS = (2, 4, 8)  # substeps where friction makes the answer depend on them
+TINY = 1e-12  # of the time 0..1
+FRACTION = 1_000  # of a coil at most, at which a spring or a section of it ends
+
+
+@dataclass(frozen=True)
+class Levels:
+    """The meshes of a scene.
+
+    Attributes
+    ----------
+    scene : what is solved.
+    multiple : a level is a multiple of it.
+    spheres : a turn, or None with stations.
+    """
+
+    scene: Scene
+    multiple: int
+    spheres: int | None
+
+    @classmethod
+    def of(cls, scene: Scene, pairs_per_turn: int | None) -> Levels:
+        """Meshes with a node wherever the spring or a section of it ends, and on every sphere."""
+        spheres = None
+        if scene.contact.geometry == "spheres":
+            spheres = PER_TURN["spheres"] if pairs_per_turn is None else pairs_per_turn
+        elif pairs_per_turn is not None:
+            raise InputError(
+                f"pairs_per_turn goes with accuracy for contact of spheres alone, got {pairs_per_turn!r} "
+                "with geometry wires"
+            )
+        ends = [*(scene.spring.profile.knots / TWO_PI), scene.spring.end_turns]
+        fits = (q for q in range(1, FRACTION + 1) if all(abs(q * x - round(q * x)) < 1e-6 for x in ends))
+        return cls(scene, math.lcm(next(fits, 1), spheres or 1), spheres)
+
+    def at_least(self, level: float) -> int:
+        """The next level from here."""
+        return self.multiple * math.ceil(level / self.multiple - 1e-9)
+
+    def options(self, level: int, touching: bool) -> dict[str, Any]:
+        """Options of `wirefe.solve`; stations where nothing touches are the fewest."""
+        plates = self.scene.supports.seat == "plate"
+        return {
+            "element": "straight" if plates else "curved",
+            "elements_per_turn": STRAIGHT * level if plates else level,
+            "pairs_per_turn": self.spheres or min(STATIONS * (level if touching else COARSEST), 1000),
+        }
+
+
+@dataclass
+class Trials:
+    """Paths of a scene on several levels, coarse to fine, and the CPU time of all solves."""
+
+    levels: Levels
+    paths: list[tuple[int, EquilibriumPath]] = field(default_factory=list)
+    seconds: float = 0.0
+
+    @property
+    def touching(self) -> bool:
+        """Whether coils touch, or come near it, on the finest level so far; if none, whether they may."""
+        scene = self.levels.scene
+        if not scene.contact.enabled or not self.paths:
+            return scene.contact.enabled
+        return float(self.paths[-1][1].gaps.min(initial=np.inf)) < CLEAR * scene.spring.wire_diameter
+
+    def solve(self, level: int, steps: int) -> EquilibriumPath:
+        """The path on a level, as far as it was reached."""
+        try:
+            path = solve(self.levels.scene, steps=steps, **self.levels.options(level, self.touching))
+        except EquilibriumNotFound as found:
+            path = found.path
+        self.seconds += path.solve_seconds
+        return path
+
+    def add(self, level: int, steps: int) -> None:
+        """Solve on a level finer than all before."""
+        self.paths.append((level, self.solve(level, steps)))
+
+    @property
+    def estimate(self) -> float:
+        """Error of the finest path by the law C / n^2; infinite where the last two paths do not agree.
+
+        With stations the error falls irregularly: C is also taken, at half the safety, from levels before.
+        """
+        level, path = self.paths[-1]
+        irregular = self.levels.spheres is None and self.touching
+        if irregular and path.options["pairs_per_turn"] != self.levels.options(level, True)["pairs_per_turn"]:
+            return math.inf  # what no level before has seen touches
+        constants = [
+            difference(coarse, fine) / (1.0 / low**2 - 1.0 / high**2)
+            for (low, coarse), (high, fine) in zip(self.paths, self.paths[1:], strict=False)
+        ]
+        last = constants.pop()
+        known = [constant for constant in constants if math.isfinite(constant)] if irregular else []
+        return (
+            max((IRREGULAR if irregular else SMOOTH) * last, 0.5 * IRREGULAR * max(known, default=0.0))
+            / level**2
+        )
+
+
+def solve_to(
+    scene: Scene,
+    accuracy: float,
+    *,
+    steps: int | None = None,
+    penalty: float | None = None,
+    geometry: str | None = None,
+    pairs_per_turn: int | None = None,
+) -> EquilibriumPath:
+    """Follow the load path of `scene` with a mesh, stations and substeps for the accuracy asked for.
+
+    Two paths or more are solved, the coarser ones at few points; their differences give the estimate.
+
+    Parameters
+    ----------
+    scene : Scene
+        What is modelled; its spheres, where it has them, are taken as given.
+    accuracy : float
+        Largest difference of UX, UY, ROTZ (or of the axial force where UY is prescribed) at the same load,
+        over the peak, from the converged wire model; 1e-5 to 1e-2.
+    steps, penalty, geometry : as of `wirefe.solve`.
+    pairs_per_turn : int, optional
+        Spheres per turn; stations of wires are chosen.
+
+    Returns
+    -------
+    EquilibriumPath
+        Its `estimated_error` is at most `accuracy`.
+
+    Raises
+    ------
+    InputError : bad input, or an accuracy that cannot be reached, in one sentence that says which can.
+    EquilibriumNotFound : the path ends before time 1, on two levels alike; carries what was reached, and the
+        estimate includes the time at which it ends.
+    """
+    scene = require_scene(scene).overridden(steps, penalty, geometry)
+    wanted = require_number("accuracy", accuracy, *ACCURACIES)
+    trials, rows = Trials(Levels.of(scene, pairs_per_turn)), scene.load.steps
+    finer, lost = 1, 0.0
+    level = trials.levels.at_least(COARSEST)
+    trials.add(level, rows if scene.contact.coefficient else few(rows))
+    if scene.contact.coefficient and trials.touching:
+        finer, lost = _substeps(trials, level, wanted)
+    _refine(trials, wanted - lost, wanted, finer * rows)
+    _, path = trials.paths[-1]
+    path = replace(
+        thinned(path, scene, finer),
+        accuracy=wanted,
+        estimated_error=trials.estimate + lost,
+        other_seconds=trials.seconds - path.solve_seconds,
+    )
+    if path.outcome != "completed":
+        raise EquilibriumNotFound(path)
+    return path
+
+
+def _refine(trials: Trials, wanted: float, asked: float, steps: int) -> None:
+    """Solve on finer levels until the estimate is what is wanted.
+
+    Raises
+    ------
+    InputError : it would take a level beyond the finest.
+    """
+    finest = trials.levels.at_least(FINEST)
+    level = trials.levels.at_least(2 * trials.paths[-1][0])
+    while True:
+        trials.add(level, steps)
+        estimate = trials.estimate
+        if estimate <= wanted:
+            return
+        predicted = AHEAD * level * math.sqrt(estimate / wanted) if math.isfinite(estimate) else 2.0 * level
+        if level >= finest or predicted > LEAP * finest:
+            reached = estimate * (level / finest) ** 2 + asked - wanted
+            raise InputError(_refusal(asked, reached, f"at {finest} elements per turn"))
+        farthest = finest if predicted <= finest else min(LEAP * level, finest)
+        level = trials.levels.at_least(min(max(predicted, level + 1), farthest))
+
+
+def _substeps(trials: Trials, level: int, wanted: float) -> tuple[int, float]:
+    """By how much substeps are finer than the steps, and the estimated error which that leaves.
+
+    It may take half of the accuracy wanted, and is estimated on the coarsest level, where it falls with the
+    length of the substeps or not at all.
+
+    Raises
+    ------
+    InputError : it takes more with the finest substeps too.
+    """
+    steps, coarse = trials.levels.scene.load.steps, trials.paths[0][1]
+    least = math.inf
+    for finer in FINER_STEPS:
+        fine = trials.solve(level, finer * steps)
+        lost = SMOOTH * difference(coarse, fine)
+        if lost <= 0.5 * wanted:
+            trials.paths[0] = (level, coarse)
+            return finer // 2, lost
+        least, coarse = min(least, lost), fine
+    why = "friction and sticking contact make the answer depend on the substeps"
+    raise InputError(_refusal(wanted, 2.0 * least, why))
+
+
+def _refusal(asked: float, reached: float, why: str) -> str:
+    """What cannot be reached, and what can."""
+    rounded = float(f"{1.05 * reached:.1e}") if math.isfinite(reached) else math.inf
+    if rounded > ACCURACIES[1]:
+        return (
+            f"accuracy cannot be met for this scene, got {asked:g}: {why} the estimated error is above 0.01"
+        )
+    return f"accuracy must be at least {rounded:g} for this scene, got {asked:g}: {why}"
+
+
+def difference(coarse: EquilibriumPath, fine: EquilibriumPath) -> float:
+    """Of two load curves, and of the times at which they end early; infinite where they end otherwise."""
+    if coarse.outcome != fine.outcome:
+        return math.inf
+    found = compare_curves(coarse.times, answered(coarse), fine)
+    curve = found.curve_max if found.steps else 0.0
+    if coarse.end_bracket is None or fine.end_bracket is None:
+        return curve
+    mine, other = sum(coarse.end_bracket), sum(fine.end_bracket)
+    return max(curve, abs(mine - other) / max(mine, other, TINY))
+
+
+def few(steps: int) -> int:
+    """The fewest steps, `ROWS` at least, whose times are among those of `steps`."""
+    return next((count for count in range(ROWS, steps) if steps % count == 0), steps)
+
+
+def thinned(path: EquilibriumPath, scene: Scene, finer: int) -> EquilibriumPath:
+    """The rows of the scene's steps, of a path with steps so many times finer."""
+    rows = slice(finer - 1, None, finer)
+    times = path.times[rows]
+    sums = (
+        np.add.reduceat(path.iterations, range(0, len(path.times), finer)) if len(times) else path.iterations
+    )
+    histories = None if path.histories is None else path.histories[rows]
+    iterations = sums[: len(times)]
+    return replace(
+        path, scene=scene, times=times, states=path.states[rows], histories=histories, iterations=iterations
+    )
