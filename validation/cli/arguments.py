@@ -78,9 +78,9 @@ def scene_of(arguments: argparse.Namespace) -> Scene:
     return load_scene(arguments.scene).overridden(**given(arguments, COMMON_OPTIONS))
 
 
-def refuse_chosen(arguments: argparse.Namespace) -> None:
+def refuse_chosen(arguments: argparse.Namespace, names: Sequence[str] = CHOSEN) -> None:
     """Refuse options that an accuracy chooses."""
-    for name in given(arguments, CHOSEN) if arguments.accuracy is not None else ():
+    for name in given(arguments, names) if arguments.accuracy is not None else ():
         flag = "--" + name.replace("_", "-")
         raise InputError(f"{flag} is chosen by --accuracy: give one of them")
 

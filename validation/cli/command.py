@@ -163,7 +163,8 @@ def _run(
 ) -> EquilibriumPath:
     """The path of one model, complete or as far as it was reached."""
     progress(f"loading {model}")
-    solver, names = _solver(model), MODEL_OPTIONS[model]
+    solver = _solver(model)
+    names: Sequence[str] = MODEL_OPTIONS[model]
     if model == ADAPTIVE and arguments.accuracy is not None:
         import wirefe
 
