@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field, replace
+from itertools import combinations
 from typing import Any
 
 import numpy as np
@@ -27,9 +28,10 @@ STRAIGHT, STATIONS = 10, 4  # elements of a plate-seated spring, and stations a 
 ROWS = 5  # of a stage, at least, at which a coarse path is compared with a fine one
 SMOOTH, IRREGULAR = 3.0, 4.0  # safety of the estimate, without contact and where coils touch
 CLEAR = 0.05  # wire diameters between coils that do not touch on any level
-AHEAD = 1.1  # times the level that is predicted to do
+LONE = 3.0  # by which the estimate of a single pair of paths must be below what is wanted, where coils touch
+BETWEEN = 0.75  # of the level, of a third path where it is not
 LEAP = 4.0  # times the last level, the most without the evidence of a level between
-FINER_STEPS = (2, 4, 8)  # substeps where friction makes the answer depend on them
+HALVINGS = 3  # of the substeps, at most, where friction makes the answer depend on them
 TINY = 1e-12  # of the time 0..1
 FRACTION = 1_000  # of a coil at most, at which a spring or a section of it ends
 
@@ -80,9 +82,19 @@ class Levels:
 
 @dataclass
 class Trials:
-    """Paths of a scene on several levels, coarse to fine, and the CPU time of all solves."""
+    """Paths of a scene on several levels, coarse to fine.
+
+    Attributes
+    ----------
+    levels : of the scene.
+    steps, few : of the path that is the answer, and of one that only serves the estimate.
+    paths : each with its level.
+    seconds : CPU time of all solves.
+    """
 
     levels: Levels
+    steps: int
+    few: int
     paths: list[tuple[int, EquilibriumPath]] = field(default_factory=list)
     seconds: float = 0.0
 
@@ -95,7 +107,7 @@ class Trials:
         return float(self.paths[-1][1].gaps.min(initial=np.inf)) < CLEAR * scene.spring.wire_diameter
 
     def solve(self, level: int, steps: int) -> EquilibriumPath:
-        """The path on a level, as far as it was reached."""
+        """The path on a level in some steps, as far as it was reached."""
         try:
             path = solve(self.levels.scene, steps=steps, **self.levels.options(level, self.touching))
         except EquilibriumNotFound as found:
@@ -104,29 +116,43 @@ class Trials:
         return path
 
     def add(self, level: int, steps: int) -> None:
-        """Solve on a level finer than all before."""
+        """Solve on a level; the finest comes last."""
         self.paths.append((level, self.solve(level, steps)))
+        self.paths.sort(key=lambda pair: pair[0])
+
+    @property
+    def irregular(self) -> bool:
+        """Whether the error falls irregularly: of stations where coils touch."""
+        return self.levels.spheres is None and self.touching
 
     @property
     def estimate(self) -> float:
         """Error of the finest path by the law C / n^2; infinite where the last two paths do not agree.
 
-        With stations the error falls irregularly: C is also taken, at half the safety, from levels before.
+        Where it falls irregularly, C is also taken, at half the safety, from all other pairs of paths.
         """
         level, path = self.paths[-1]
-        irregular = self.levels.spheres is None and self.touching
-        if irregular and path.options["pairs_per_turn"] != self.levels.options(level, True)["pairs_per_turn"]:
+        stations = self.levels.options(level, True)["pairs_per_turn"]
+        if self.irregular and path.options["pairs_per_turn"] != stations:
             return math.inf  # what no level before has seen touches
-        constants = [
-            difference(coarse, fine) / (1.0 / low**2 - 1.0 / high**2)
-            for (low, coarse), (high, fine) in zip(self.paths, self.paths[1:], strict=False)
-        ]
-        last = constants.pop()
-        known = [constant for constant in constants if math.isfinite(constant)] if irregular else []
-        return (
-            max((IRREGULAR if irregular else SMOOTH) * last, 0.5 * IRREGULAR * max(known, default=0.0))
-            / level**2
-        )
+        last = _constant(*self.paths[-2:])
+        if not self.irregular:
+            return SMOOTH * last / level**2
+        others = [found for pair in combinations(self.paths, 2) if math.isfinite(found := _constant(*pair))]
+        return max(IRREGULAR * last, 0.5 * IRREGULAR * max(others, default=0.0)) / level**2
+
+    def confirm(self, wanted: float) -> None:
+        """Solve on a level between where the only two paths may agree by chance."""
+        if self.irregular and len(self.paths) == 2 and wanted / LONE < self.estimate <= wanted:
+            (low, _), (high, _) = self.paths
+            between = self.levels.at_least(BETWEEN * high)
+            if low < between < high:
+                self.add(between, self.few)
+
+
+def _constant(coarse: tuple[int, EquilibriumPath], fine: tuple[int, EquilibriumPath]) -> float:
+    """C of the error C / n^2 by two levels."""
+    return difference(coarse[1], fine[1]) / (1.0 / coarse[0] ** 2 - 1.0 / fine[0] ** 2)
 
 
 def solve_to(
@@ -166,16 +192,14 @@ def solve_to(
     """
     scene = require_scene(scene).overridden(steps, penalty, geometry)
     wanted = require_number("accuracy", accuracy, *ACCURACIES)
-    trials, rows = Trials(Levels.of(scene, pairs_per_turn)), scene.load.steps
-    finer, lost = 1, 0.0
-    level = trials.levels.at_least(COARSEST)
-    trials.add(level, rows if scene.contact.coefficient else few(rows))
-    if scene.contact.coefficient and trials.touching:
-        finer, lost = _substeps(trials, level, wanted)
-    _refine(trials, wanted - lost, wanted, finer * rows)
+    levels, rows = Levels.of(scene, pairs_per_turn), scene.load.steps
+    trials = Trials(levels, rows, rows if scene.contact.coefficient else few(rows))
+    trials.add(levels.at_least(COARSEST), trials.few)
+    lost = _substeps(trials, wanted) if scene.contact.coefficient and trials.touching else 0.0
+    _refine(trials, wanted, lost)
     _, path = trials.paths[-1]
     path = replace(
-        thinned(path, scene, finer),
+        thinned(path, scene, trials.steps // rows),
         accuracy=wanted,
         estimated_error=trials.estimate + lost,
         other_seconds=trials.seconds - path.solve_seconds,
@@ -185,30 +209,31 @@ def solve_to(
     return path
 
 
-def _refine(trials: Trials, wanted: float, asked: float, steps: int) -> None:
-    """Solve on finer levels until the estimate is what is wanted.
+def _refine(trials: Trials, wanted: float, lost: float) -> None:
+    """Solve on finer levels until the estimate, with what is lost by substeps, is what is wanted.
 
     Raises
     ------
     InputError : it would take a level beyond the finest.
     """
-    finest = trials.levels.at_least(FINEST)
-    level = trials.levels.at_least(2 * trials.paths[-1][0])
+    least, finest = wanted - lost, trials.levels.at_least(FINEST)
+    level = trials.levels.at_least(2 * trials.paths[0][0])
     while True:
-        trials.add(level, steps)
+        trials.add(level, trials.steps)
+        trials.confirm(least)
         estimate = trials.estimate
-        if estimate <= wanted:
+        if estimate <= least:
             return
-        predicted = AHEAD * level * math.sqrt(estimate / wanted) if math.isfinite(estimate) else 2.0 * level
+        predicted = level * math.sqrt(estimate / least) if math.isfinite(estimate) else 2.0 * level
         if level >= finest or predicted > LEAP * finest:
-            reached = estimate * (level / finest) ** 2 + asked - wanted
-            raise InputError(_refusal(asked, reached, f"at {finest} elements per turn"))
+            reached = estimate * (level / finest) ** 2 + lost
+            raise InputError(_refusal(wanted, reached, f"at {finest} elements per turn"))
         farthest = finest if predicted <= finest else min(LEAP * level, finest)
         level = trials.levels.at_least(min(max(predicted, level + 1), farthest))
 
 
-def _substeps(trials: Trials, level: int, wanted: float) -> tuple[int, float]:
-    """By how much substeps are finer than the steps, and the estimated error which that leaves.
+def _substeps(trials: Trials, wanted: float) -> float:
+    """Choose substeps finer than the steps; the estimated error which that leaves.
 
     It may take half of the accuracy wanted, and is estimated on the coarsest level, where it falls with the
     length of the substeps or not at all.
@@ -217,15 +242,15 @@ def _substeps(trials: Trials, level: int, wanted: float) -> tuple[int, float]:
     ------
     InputError : it takes more with the finest substeps too.
     """
-    steps, coarse = trials.levels.scene.load.steps, trials.paths[0][1]
-    least = math.inf
-    for finer in FINER_STEPS:
-        fine = trials.solve(level, finer * steps)
+    (level, coarse), least = trials.paths[0], math.inf
+    for _ in range(HALVINGS):
+        fine = trials.solve(level, 2 * trials.steps)
         lost = SMOOTH * difference(coarse, fine)
         if lost <= 0.5 * wanted:
             trials.paths[0] = (level, coarse)
-            return finer // 2, lost
+            return lost
         least, coarse = min(least, lost), fine
+        trials.steps = trials.few = 2 * trials.steps
     why = "friction and sticking contact make the answer depend on the substeps"
     raise InputError(_refusal(wanted, 2.0 * least, why))
 

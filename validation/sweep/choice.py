@@ -1,4 +1,4 @@
-"""The cheapest law or mesh for a grid of scenes: the first that does on a sample, solved by the wire model."""
+"""The cheapest law or mesh for a grid of scenes: the first that does on a sample, by the wire model."""
 
 from __future__ import annotations
 

@@ -28,8 +28,8 @@ from wirefe.adaptive import Levels, difference
 
 CSV = "requested.csv"
 ACCURACIES = (1e-2, 1e-3, 1e-4)
-SEED, EACH = 20, 40  # springs of every kind
-COILS = 6.0  # at most: the reference takes seconds
+SEED, EACH = 20, 38  # springs of every kind
+COILS = 5.0  # at most: the reference takes seconds
 REFERENCE, STATIONS = 64, 768  # elements and stations a turn
 LADDER = (4, 6, 8, 12, 16, 24, 32, 48, 64, 96, 128)  # levels among which the cheapest sufficient one is
 # What the coils of a kind's springs do in contact, one after the other: geometry, sliding, friction.
