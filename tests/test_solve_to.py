@@ -1,4 +1,4 @@
-"""Accuracy on request: the error is what was asked for, the estimate near it, and what cannot be is refused."""
+"""Accuracy on request: the error is what was asked for, and what cannot be reached is refused."""
 
 import json
 from dataclasses import replace
@@ -88,7 +88,7 @@ def test_what_friction_leaves_open_is_refused_with_what_can_be_reached(monkeypat
 
 def test_what_no_mesh_reaches_is_refused_with_what_can_be_reached(monkeypatch):
     monkeypatch.setattr("wirefe.adaptive.FINEST", 8)
-    with pytest.raises(InputError, match="accuracy must be at least .* got 1e-05: at 8 elements per turn"):
+    with pytest.raises(InputError, match=r"accuracy must be at least .* got 1e-05: at 8 elements per turn"):
         wirefe.solve_to(touching(), 1e-5)
 
 
