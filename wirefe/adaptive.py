@@ -30,6 +30,8 @@ SMOOTH, IRREGULAR = 3.0, 4.0  # safety of the estimate, without contact and wher
 CLEAR = 0.05  # wire diameters between coils that do not touch on any level
 LONE = 3.0  # by which the estimate of a single pair of paths must be below what is wanted, where coils touch
 BETWEEN = 0.75  # of the level, of a third path where it is not
+AHEAD = 1.1  # times the level that is predicted to do
+CLOSE = 0.8  # of a level: the difference from levels beyond tells chance from error too badly
 LEAP = 4.0  # times the last level, the most without the evidence of a level between
 HALVINGS = 3  # of the substeps, at most, where friction makes the answer depend on them
 TINY = 1e-12  # of the time 0..1
@@ -127,19 +129,20 @@ class Trials:
 
     @property
     def estimate(self) -> float:
-        """Error of the finest path by the law C / n^2; infinite where the last two paths do not agree.
+        """Error of the finest path by the law C / n^2; infinite where the path before ends otherwise.
 
-        Where it falls irregularly, C is also taken, at half the safety, from all other pairs of paths.
+        Where it falls irregularly, C is also taken, at half the safety, from all pairs of paths.
         """
         level, path = self.paths[-1]
         stations = self.levels.options(level, True)["pairs_per_turn"]
         if self.irregular and path.options["pairs_per_turn"] != stations:
             return math.inf  # what no level before has seen touches
-        last = _constant(*self.paths[-2:])
+        pairs = [pair for pair in combinations(self.paths, 2) if pair[0][0] <= CLOSE * pair[1][0]]
+        last = _constant(*pairs[-1])
         if not self.irregular:
             return SMOOTH * last / level**2
-        others = [found for pair in combinations(self.paths, 2) if math.isfinite(found := _constant(*pair))]
-        return max(IRREGULAR * last, 0.5 * IRREGULAR * max(others, default=0.0)) / level**2
+        all_pairs = [found for pair in pairs if math.isfinite(found := _constant(*pair))]
+        return max(IRREGULAR * last, 0.5 * IRREGULAR * max(all_pairs, default=0.0)) / level**2
 
     def confirm(self, wanted: float) -> None:
         """Solve on a level between where the only two paths may agree by chance."""
@@ -224,12 +227,12 @@ def _refine(trials: Trials, wanted: float, lost: float) -> None:
         estimate = trials.estimate
         if estimate <= least:
             return
-        predicted = level * math.sqrt(estimate / least) if math.isfinite(estimate) else 2.0 * level
+        predicted = AHEAD * level * math.sqrt(estimate / least) if math.isfinite(estimate) else 2.0 * level
         if level >= finest or predicted > LEAP * finest:
             reached = estimate * (level / finest) ** 2 + lost
             raise InputError(_refusal(wanted, reached, f"at {finest} elements per turn"))
         farthest = finest if predicted <= finest else min(LEAP * level, finest)
-        level = trials.levels.at_least(min(max(predicted, level + 1), farthest))
+        level = trials.levels.at_least(min(max(predicted, level / CLOSE), farthest))
 
 
 def _substeps(trials: Trials, wanted: float) -> float:
