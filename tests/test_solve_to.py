@@ -81,15 +81,30 @@ def test_rows_of_a_finer_path():
 def test_what_friction_leaves_open_is_refused_with_what_can_be_reached(monkeypatch):
     monkeypatch.setattr("wirefe.adaptive.difference", lambda coarse, fine: 1e-3)
     with pytest.raises(
-        InputError, match=r"accuracy must be at least 0\.0063 for this scene, got 0\.001: fric"
+        InputError, match=r"accuracy must be at least 0\.0063 for this scene, got 0\.001: with fric"
     ):
         wirefe.solve_to(touching(sliding="none"), 1e-3)
 
 
 def test_what_no_mesh_reaches_is_refused_with_what_can_be_reached(monkeypatch):
     monkeypatch.setattr("wirefe.adaptive.FINEST", 8)
-    with pytest.raises(InputError, match=r"accuracy must be at least .* got 1e-05: at 8 elements per turn"):
+    with pytest.raises(InputError, match=r"accuracy must be at least .* got 1e-05: with 8 elements per turn"):
         wirefe.solve_to(touching(), 1e-5)
+
+
+def test_levels_near_each_other_do_not_stand_for_an_error():
+    levels = Levels.of(touching(), None)
+    paths = [wirefe.solve(touching(), **levels.options(level, True)) for level in (4, 8, 9)]
+    three = Trials(levels, 10, 5, list(zip((4, 8, 9), paths, strict=True)))
+    two = Trials(levels, 10, 5, list(zip((4, 9), paths[::2], strict=True)))
+    assert three.estimate < 1.5 * two.estimate
+
+
+def test_meshes_that_end_otherwise_are_no_answer(monkeypatch):
+    monkeypatch.setattr("wirefe.adaptive.FINEST", 8)
+    monkeypatch.setattr("wirefe.adaptive.difference", lambda coarse, fine: np.inf)
+    with pytest.raises(InputError, match="with 8 elements per turn the path ends otherwise"):
+        wirefe.solve_to(touching(), 1e-2)
 
 
 def test_an_early_end_is_found_on_two_meshes_and_counts():

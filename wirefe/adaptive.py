@@ -23,7 +23,7 @@ from wirefe.contactpoints import PER_TURN
 from wirefe.solve import solve
 
 ACCURACIES = (1e-5, 1e-2)
-COARSEST, FINEST = 4, 128  # levels
+COARSEST, FINEST, FINEST_STRAIGHT = 4, 128, 32  # levels
 STRAIGHT, STATIONS = 10, 4  # elements of a plate-seated spring, and stations a turn, of level 1
 ROWS = 5  # of a stage, at least, at which a coarse path is compared with a fine one
 SMOOTH, IRREGULAR = 3.0, 4.0  # safety of the estimate, without contact and where coils touch
@@ -67,6 +67,11 @@ class Levels:
         ends = [*(scene.spring.profile.knots / TWO_PI), scene.spring.end_turns]
         fits = (q for q in range(1, FRACTION + 1) if all(abs(q * x - round(q * x)) < 1e-6 for x in ends))
         return cls(scene, math.lcm(next(fits, 1), spheres or 1), spheres)
+
+    @property
+    def finest(self) -> int:
+        """The last level."""
+        return self.at_least(FINEST_STRAIGHT if self.scene.supports.seat == "plate" else FINEST)
 
     def at_least(self, level: float) -> int:
         """The next level from here."""
@@ -219,7 +224,7 @@ def _refine(trials: Trials, wanted: float, lost: float) -> None:
     ------
     InputError : it would take a level beyond the finest.
     """
-    least, finest = wanted - lost, trials.levels.at_least(FINEST)
+    least, finest = wanted - lost, trials.levels.finest
     level = trials.levels.at_least(2 * trials.paths[0][0])
     while True:
         trials.add(level, trials.steps)
@@ -230,7 +235,8 @@ def _refine(trials: Trials, wanted: float, lost: float) -> None:
         predicted = AHEAD * level * math.sqrt(estimate / least) if math.isfinite(estimate) else 2.0 * level
         if level >= finest or predicted > LEAP * finest:
             reached = estimate * (level / finest) ** 2 + lost
-            raise InputError(_refusal(wanted, reached, f"at {finest} elements per turn"))
+            turn = trials.levels.options(finest, True)["elements_per_turn"]
+            raise InputError(_refusal(wanted, reached, f"with {turn} elements per turn"))
         farthest = finest if predicted <= finest else min(LEAP * level, finest)
         level = trials.levels.at_least(min(max(predicted, level / CLOSE), farthest))
 
@@ -254,18 +260,21 @@ def _substeps(trials: Trials, wanted: float) -> float:
             return lost
         least, coarse = min(least, lost), fine
         trials.steps = trials.few = 2 * trials.steps
-    why = "friction and sticking contact make the answer depend on the substeps"
+    why = "with friction or sticking contact the answer depends on the substeps"
     raise InputError(_refusal(wanted, 2.0 * least, why))
 
 
 def _refusal(asked: float, reached: float, why: str) -> str:
     """What cannot be reached, and what can."""
     rounded = float(f"{1.05 * reached:.1e}") if math.isfinite(reached) else math.inf
-    if rounded > ACCURACIES[1]:
-        return (
-            f"accuracy cannot be met for this scene, got {asked:g}: {why} the estimated error is above 0.01"
-        )
-    return f"accuracy must be at least {rounded:g} for this scene, got {asked:g}: {why}"
+    if rounded <= ACCURACIES[1]:
+        return f"accuracy must be at least {rounded:g} for this scene, got {asked:g}: {why}"
+    found = (
+        f"the estimated error is {reached:.1g}"
+        if reached < math.inf
+        else "the path ends otherwise on two meshes"
+    )
+    return f"accuracy cannot be met for this scene, got {asked:g}: {why} {found}"
 
 
 def difference(coarse: EquilibriumPath, fine: EquilibriumPath) -> float:

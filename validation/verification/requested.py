@@ -2,8 +2,8 @@
 
 ``python -m validation.verification.requested --out FOLDER`` writes ``requested.csv``, a row for each spring
 and accuracy as it comes, and prints a table by kind of load. The error is measured against the wire model
-with `REFERENCE` elements and `STATIONS` stations a turn, and where there is friction with `STICKING`
-stations and four times the steps. Time is CPU time, of `wirefe.solve_to` and of the cheapest of single runs
+with `REFERENCE` elements and `STATIONS` stations a turn, and four times the steps where there is friction.
+Time is CPU time, of `wirefe.solve_to` and of the cheapest of single runs
 on the levels of `LADDER` whose error is small enough, all else included.
 """
 
@@ -31,14 +31,14 @@ CSV = "requested.csv"
 ACCURACIES = (1e-2, 1e-3, 1e-4)
 SEED, EACH = 20, 38  # springs of every kind
 COILS = 5.0  # at most: the reference takes seconds
-REFERENCE, STATIONS, STICKING = 64, 768, 384  # elements a turn; stations, and those where there is friction
+REFERENCE, STATIONS = 64, 768  # elements and stations a turn
 LADDER = (4, 6, 8, 12, 16, 24, 32, 48, 64, 96)  # levels among which the cheapest sufficient one is
 # What the coils of a kind's springs do in contact, one after the other: geometry, sliding, friction.
 CONTACTS: tuple[tuple[str, str, float | None], ...] = (
     *[("wires", "free", None)] * 4,
     *[("spheres", "free", None)] * 2,
-    ("wires", "coulomb", 0.1),
-    ("wires", "none", None),
+    ("spheres", "coulomb", 0.1),
+    ("spheres", "none", None),
 )
 REFUSED = "refused"
 
@@ -97,11 +97,11 @@ def _timed(solve: Any, scene: Scene, **options: Any) -> tuple[EquilibriumPath | 
 
 def _reference(scene: Scene, levels: Levels) -> EquilibriumPath:
     """The path that errors are measured from."""
-    friction = bool(scene.contact.coefficient)
     options = levels.options(levels.at_least(REFERENCE), True)
     if levels.spheres is None:
-        options["pairs_per_turn"] = STICKING if friction else STATIONS
-    return partial_path(wirefe.solve, scene, steps=scene.load.steps * (4 if friction else 1), **options)
+        options["pairs_per_turn"] = STATIONS
+    steps = scene.load.steps * (4 if scene.contact.coefficient else 1)
+    return partial_path(wirefe.solve, scene, steps=steps, **options)
 
 
 def _ladder(scene: Scene, levels: Levels, exact: EquilibriumPath, least: float) -> list[tuple[float, float]]:
