@@ -103,6 +103,8 @@ class EquilibriumPath:
         ones, whose equilibria are all stable.
     solve_seconds, compile_seconds : CPU time of the solve alone; wall time spent making its kernels
         ready.
+    accuracy, estimated_error : of the load curve, asked for and estimated, or None: see `wirefe.solve_to`.
+    other_seconds : CPU time of the other solves that the choice of the mesh and the estimate took.
     """
 
     scene: Scene
@@ -126,6 +128,9 @@ class EquilibriumPath:
     negative_pivots: np.ndarray | None = None
     solve_seconds: float = 0.0
     compile_seconds: float = 0.0
+    accuracy: float | None = None
+    estimated_error: float | None = None
+    other_seconds: float = 0.0
 
     def __post_init__(self) -> None:
         steps = len(self.times)

@@ -1,5 +1,6 @@
 """3D beam-FE model of the coiled wire with sphere-to-sphere contact: the reference; and of any wire."""
 
+from wirefe.adaptive import solve_to
 from wirefe.rod import Rod, curved_rod, straight_rod
 from wirefe.rodpath import RodPath
 from wirefe.solve import path_shape, solve, solve_rod
@@ -18,6 +19,7 @@ __all__ = [
     "path_shape",
     "solve",
     "solve_rod",
+    "solve_to",
     "straight_rod",
     "stress",
     "sweep",

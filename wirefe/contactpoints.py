@@ -25,6 +25,7 @@ from wirefe.stations import (
 )
 
 PAIRS_OF_PENALTY = 4  # the scene's stiffness is that of a pair at 4 pairs per turn
+FEW = 200  # contact points, all pairs of which are looked at; of more, those that a tree finds near
 PER_TURN = {"spheres": 4, "wires": 32}  # contact points, unless asked otherwise
 
 
@@ -98,7 +99,7 @@ def contact_points(
     if found is not None:
         pairs = np.concatenate((pairs, found))
     near = pairs_per_turn // 2
-    _, gaps = near_points(points, attached, parts, pairs, near, np.inf)
+    apart = _least_distance(points, attached, parts, pairs, near) - spring.wire_diameter
     if not scene.contact.enabled:
         pairs = pairs[:0]
     overlap = np.zeros(len(pairs))
@@ -117,7 +118,7 @@ def contact_points(
         stiffness=scene.contact.stiffness * PAIRS_OF_PENALTY / pairs_per_turn,
         exponent=float(scene.contact.exponent),
         near=near,
-        apart=float(gaps.min(initial=np.inf)) - spring.wire_diameter,
+        apart=apart,
         friction=scene.contact.coefficient,
     )
 
@@ -126,6 +127,21 @@ def bodies(attached: np.ndarray, parts: np.ndarray) -> np.ndarray:
     """Number of the rigid body with which each contact point moves; one between two nodes has its own."""
     between = parts[:, ROTATION] > 0.0 if of_wires(parts) else np.zeros(len(parts), dtype=bool)
     return attached + 0.5 * between
+
+
+def _least_distance(
+    centres: np.ndarray, attached: np.ndarray, parts: np.ndarray, pairs: np.ndarray, near: int
+) -> float:
+    """Least distance of contact points that are no pair, infinite where there are none."""
+    extent = float(np.linalg.norm(np.ptp(centres, axis=0)))
+    reach = np.inf if len(centres) <= FEW else extent / len(centres)
+    gaps = np.zeros(0)
+    while not gaps.size:
+        _, gaps = near_points(centres, attached, parts, pairs, near, reach)
+        if reach > extent:
+            break
+        reach *= 2.0
+    return float(gaps.min(initial=np.inf))
 
 
 def near_points(
@@ -143,22 +159,41 @@ def near_pairs(
 
     Spheres up to `near` apart along the wire, or of one rigid body, do not touch.
     """
-    first, second = _candidates(body.astype(float).tobytes(), pairs.tobytes(), near)
+    if len(centres) <= FEW:
+        first, second = _candidates(body.astype(float).tobytes(), pairs.tobytes(), near)
+    else:
+        first, second = _new_pairs(*_neighbours(centres, near, reach), body, pairs)
     distance = np.linalg.norm(centres[second] - centres[first], axis=1)
     keep = distance < reach
     return np.stack((first[keep], second[keep]), axis=1), distance[keep]
 
 
-@lru_cache
+@lru_cache(16)
 def _candidates(body: bytes, pairs: bytes, near: int) -> tuple[np.ndarray, np.ndarray]:
     """Points farther apart along the wire than `near`, of two bodies and no pair: the same for many springs
     of a sweep."""
     bodies, known = np.frombuffer(body), np.frombuffer(pairs, dtype=np.int64).reshape(-1, 2)
-    count = len(bodies)
-    first, second = np.triu_indices(count, near + 1)
-    new = ~np.isin(first * count + second, known[:, 0] * count + known[:, 1])
-    keep = new & (bodies[first] != bodies[second])
+    return _new_pairs(*np.triu_indices(len(bodies), near + 1), bodies, known)
+
+
+def _new_pairs(
+    first: np.ndarray, second: np.ndarray, body: np.ndarray, pairs: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Those of two bodies that are no pair."""
+    count = len(body)
+    new = ~np.isin(first * count + second, pairs[:, 0] * count + pairs[:, 1])
+    keep = new & (body[first] != body[second])
     return first[keep], second[keep]
+
+
+def _neighbours(centres: np.ndarray, near: int, reach: float) -> tuple[np.ndarray, np.ndarray]:
+    """Points farther apart along the wire than `near` and within `reach`, in the order of all pairs."""
+    from scipy.spatial import KDTree
+
+    found = KDTree(centres).query_pairs(reach, output_type="ndarray")
+    first, second = found[found[:, 1] - found[:, 0] > near].T
+    order = np.lexsort((second, first))
+    return first[order], second[order]
 
 
 def near_wires(

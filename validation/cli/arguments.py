@@ -21,6 +21,7 @@ FILE_OPTIONS = {
     "equivbeam": (),
     "wirefe": ("vtu", "vtu_series", "stress", "frequencies"),
 }  # what a model can write besides the path
+CHOSEN = ("law", "element", "elements_per_turn")  # by an accuracy, besides the model
 LAWS = ("haringx", "helix")  # of a half coil; or a file
 FITTED = (  # by calibrate
     *("axial", "shearing", "bending", "wire_diameter", "mean_diameter", "bottom_diameter", "top_diameter"),
@@ -86,13 +87,22 @@ def scene_of(arguments: argparse.Namespace) -> Scene:
     return load_scene(arguments.scene).overridden(**given(arguments, COMMON_OPTIONS))
 
 
+def refuse_chosen(arguments: argparse.Namespace, names: Sequence[str] = CHOSEN) -> None:
+    """Refuse options that an accuracy chooses."""
+    for name in given(arguments, names) if arguments.accuracy is not None else ():
+        flag = "--" + name.replace("_", "-")
+        raise InputError(f"{flag} is chosen by --accuracy: give one of them")
+
+
 def refuse_other_models(arguments: argparse.Namespace) -> None:
-    """Refuse options that belong to another model than the one asked for."""
+    """Refuse options that belong to another model than the one asked for, or that an accuracy chooses."""
+    refuse_chosen(arguments)
     for other, names in MODEL_OPTIONS.items():
         known = [name for name in names + FILE_OPTIONS[other] if hasattr(arguments, name)]
         for name in given(arguments, known) if other != arguments.model else ():
             flag = "--" + name.replace("_", "-")
-            raise InputError(f"{flag} belongs to --model {other}, got --model {arguments.model}")
+            got = "--accuracy" if arguments.accuracy is not None else f"--model {arguments.model}"
+            raise InputError(f"{flag} belongs to --model {other}, got {got}")
 
 
 def scenes_of(arguments: argparse.Namespace) -> dict[str, Scene]:
@@ -143,7 +153,9 @@ def _add_reproduce(commands: argparse._SubParsersAction) -> None:
 def _add_solutions(commands: argparse._SubParsersAction) -> None:
     purpose = "the load path of one scene by one model"
     solve = _command(commands, "solve", purpose, "coilcheck solve spring-b --model wirefe --steps 20")
-    solve.add_argument("--model", choices=tuple(MODEL_OPTIONS), required=True, help="which model")
+    which = solve.add_mutually_exclusive_group(required=True)
+    which.add_argument("--model", choices=tuple(MODEL_OPTIONS), help="which model")
+    _add_accuracy(which, "the wire model and its mesh are chosen")
     _add_scene(solve)
     what = "write wire.vtu too (wirefe): the deformed wire at the last step reached, with section forces"
     _add_flag(solve, "--vtu", what)
@@ -159,6 +171,7 @@ def _add_solutions(commands: argparse._SubParsersAction) -> None:
     purpose = "one scene by both models: the equivalent beam against the wire model"
     compare = _command(commands, "compare", purpose, "coilcheck compare my-spring.toml --out results")
     _add_scene(compare)
+    _add_accuracy(compare, "the wire model's mesh is chosen, and the beam compared with that")
     what = "write compare.png: both load curves and shapes; and curve.png: force and rate over deflection"
     _add_flag(compare, "--draw", what)
     what = "measured curve (columns force, deflection) beside the models, in curve.png"
@@ -185,7 +198,9 @@ def _add_sweep(commands: argparse._SubParsersAction) -> None:
     form = "KEY=FIRST:LAST:COUNT|KEY=A,B,C"
     values.add_argument("--vary", action="append", required=True, metavar=form, help=what)
     what = "which model; default equivbeam"
-    sweep.add_argument("--model", choices=tuple(MODEL_OPTIONS), default="equivbeam", help=what)
+    which = sweep.add_mutually_exclusive_group()
+    which.add_argument("--model", choices=tuple(MODEL_OPTIONS), default="equivbeam", help=what)
+    _add_accuracy(which, "the cheapest law or mesh that does on a sample of the scenes is chosen")
     how = "processes; default one for each core, 0 for none besides this one"
     sweep.add_argument("--workers", type=number_of, metavar="N", help=how)
     _add_scene(sweep)
@@ -319,6 +334,11 @@ def _add_scene(command: argparse.ArgumentParser) -> None:
 def _add_law(command: argparse._ActionsContainer) -> None:
     what = "law of a half coil: haringx (default), helix or a Python file with one"
     command.add_argument("--law", type=_law, metavar="|".join((*LAWS, "FILE.py")), help=what)
+
+
+def _add_accuracy(command: argparse._ActionsContainer, chosen: str) -> None:
+    what = f"relative error of the load curve, 1e-5 to 1e-2: {chosen}"
+    command.add_argument("--accuracy", type=number_of, metavar="X", help=what)
 
 
 def _add_flag(command: argparse._ActionsContainer, name: str, what: str) -> None:

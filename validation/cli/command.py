@@ -15,7 +15,14 @@ from coilspring.measured import Measured, measured
 from coilspring.scene.toml import SECTIONS, scene_text
 from validation.calibration import difference
 from validation.cli import studies
-from validation.cli.arguments import MODEL_OPTIONS, command_line, given, refuse_other_models, scene_of
+from validation.cli.arguments import (
+    MODEL_OPTIONS,
+    command_line,
+    given,
+    refuse_chosen,
+    refuse_other_models,
+    scene_of,
+)
 from validation.cli.terminal import deviation, digest, notes, progress_shown, say
 from validation.study import output
 from validation.study.metrics import compare_paths
@@ -23,6 +30,7 @@ from validation.study.partialsolve import partial_path
 from validation.study.scenewarnings import warnings
 
 MOST_FREQUENCIES = 100
+ADAPTIVE = "wirefe"  # the model that an accuracy is for
 COMPLETED, REGRESSED, BAD_INPUT, NOT_COMPLETED, NOT_WRITTEN, INTERRUPTED = 0, 1, 2, 3, 4, 130
 
 
@@ -71,8 +79,8 @@ def check(arguments: argparse.Namespace) -> int:
 
 
 def solve(arguments: argparse.Namespace) -> int:
-    """Solve one scene with one model."""
-    model = arguments.model
+    """Solve one scene with one model, or as accurately as asked for."""
+    model = arguments.model = arguments.model or ADAPTIVE
     refuse_other_models(arguments)
     scene, count = scene_of(arguments), arguments.frequencies
     if count is not None:
@@ -107,6 +115,7 @@ def _frequencies(path: EquilibriumPath, count: int) -> list[float]:
 
 def compare(arguments: argparse.Namespace) -> int:
     """Solve one scene with both models and compare them."""
+    refuse_chosen(arguments)
     scene = scene_of(arguments)
     curve = measured(arguments.measured, scene) if arguments.measured else None
     folder = _folder(arguments)
@@ -121,6 +130,7 @@ def compare(arguments: argparse.Namespace) -> int:
             **asdict(comparison),
             **{model: str((folder / model).resolve()) for model in paths},
             "warnings": warnings(scene),
+            **{name: getattr(paths[ADAPTIVE], name) for name in ("accuracy", "estimated_error")},
             "outcomes": {model: path.outcome for model, path in paths.items()},
             "notes": [f"{model}: {note}" for model, path in paths.items() for note in notes(path)],
         }
@@ -188,9 +198,14 @@ def _run(
     """The path of one model, complete or as far as it was reached."""
     progress(f"loading {model}")
     solver = _solver(model)
+    names: Sequence[str] = MODEL_OPTIONS[model]
+    if model == ADAPTIVE and arguments.accuracy is not None:
+        import wirefe
+
+        solver, names = wirefe.solve_to, ("accuracy", "pairs_per_turn")
     progress(f"solving with {model}")
     try:
-        return partial_path(solver, scene, **given(arguments, MODEL_OPTIONS[model]))
+        return partial_path(solver, scene, **given(arguments, names))
     except InputError as error:
         raise _in_file(arguments.scene, error) from None
 

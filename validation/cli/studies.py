@@ -9,6 +9,7 @@ import argparse
 from collections.abc import Callable
 from contextlib import nullcontext
 from pathlib import Path
+from typing import Any
 
 from coilspring import InputError, Scene, load_scene
 from coilspring.errors import require_integer
@@ -16,6 +17,7 @@ from validation.cli.arguments import (
     CAMPAIGN_RANGES,
     MODEL_OPTIONS,
     given,
+    refuse_chosen,
     refuse_other_models,
     scene_of,
     scenes_of,
@@ -164,8 +166,10 @@ def study_law(arguments: argparse.Namespace, folder: Path, progress: Progress) -
 
 
 def sweep(arguments: argparse.Namespace, folder: Path, progress: Progress) -> Answer:
-    """Solve a grid of scenes with one model."""
-    refuse_other_models(arguments)
+    """Solve a grid of scenes with one model, or as accurately as asked for."""
+    if arguments.accuracy is None:
+        refuse_other_models(arguments)
+    refuse_chosen(arguments, tuple(name for names in MODEL_OPTIONS.values() for name in names))
     model = arguments.model
     options = given(arguments, (*MODEL_OPTIONS[model], "workers"))
     workers = options.pop("workers", None)
@@ -178,17 +182,30 @@ def sweep(arguments: argparse.Namespace, folder: Path, progress: Progress) -> An
     varied = read_varied(arguments.vary, scene)
     progress(f"loading {model}")
     with claimed(folder), writing(folder):
-        choice = run.Choice.of(model, options)
+        choose, chosen = _choice(arguments, scene, varied, progress, run.Choice.of(model, options))
         rows = run.sweep(
             folder,
             scene,
             varied,
-            lambda scene: choice,
+            choose,
             workers=workers,
             progress=lambda done, of: progress(f"{done} of {of} scenes"),
         )
-        run.write_picture(folder, rows, [each.key for each in varied], scene, model)
-    return [*run.digest(rows), f"written to {folder}"], run.ended_early(rows)
+        run.write_picture(folder, rows, [each.key for each in varied], scene, choose(scene).model)
+    return [*chosen, *run.digest(rows), f"written to {folder}"], run.ended_early(rows)
+
+
+def _choice(
+    arguments: argparse.Namespace, scene: Scene, varied: list, progress: Progress, asked: Any
+) -> tuple[Callable[[Scene], Any], list[str]]:
+    """What solves each scene of a sweep, and a line on it: what is asked for, or what an accuracy needs."""
+    if arguments.accuracy is None:
+        return lambda scene: asked, []
+    from validation.sweep.choice import choose
+    from validation.sweep.grid import points
+
+    found = choose(list(points(scene, varied)), varied, arguments.accuracy, progress)
+    return found.candidate, [found.line(arguments.accuracy)]
 
 
 def export(arguments: argparse.Namespace, folder: Path, progress: Progress) -> Answer:

@@ -48,12 +48,27 @@ def digest(path: EquilibriumPath) -> list[str]:
                 f"  stress {path.max_stress[-1]:.4g} MPa at most (torsion, with Bergstraesser's factor)"
             )
     lines += [f"  {note}" for note in notes(path)]
+    if path.accuracy is not None:
+        lines += [f"  {line}" for line in choice(path)]
     count = f"{path.total_iterations} iteration{'' if path.total_iterations == 1 else 's'}"
     lines.append(
         f"  {count}, {path.solve_seconds:.2g} s CPU "
         f"(and {path.compile_seconds:.2g} s to make the kernels ready)"
     )
     return lines
+
+
+def choice(path: EquilibriumPath) -> list[str]:
+    """What an accuracy has chosen, the estimated error, and the cost of both."""
+    options = path.options
+    mesh = f"{options['elements_per_turn']} {options['element']} elements per turn"
+    if path.scene.contact.enabled:
+        kind = "spheres" if path.scene.contact.geometry == "spheres" else "stations"
+        mesh += f", {options['pairs_per_turn']} {kind} per turn"
+    return [
+        f"chosen for an accuracy of {path.accuracy:g}: {mesh}; estimated error {path.estimated_error:.2g}",
+        f"{path.other_seconds:.2g} s CPU more for the choice and the estimate",
+    ]
 
 
 def notes(path: EquilibriumPath) -> list[str]:

@@ -2,41 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
+from coilspring.curves import COMPONENTS, NEGLIGIBLE, Comparison, answered, compare_curves, peaks
 from coilspring.path import EquilibriumPath
 
-COMPONENTS = ("ux", "uy", "rotz")
-# A component whose reference peak is below this share of the largest one is fixed, or only rounding.
-NEGLIGIBLE = 1e-9
-
-
-@dataclass(frozen=True)
-class Comparison:
-    """Differences of a path from a reference; not a number where no time, or no shape, is common to both.
-
-    Attributes
-    ----------
-    curve_max, curve_rms : difference at the same load over the reference's peak, of the component
-        with the largest maximum, and of the one with the largest root mean square.
-    shape_max, shape_rms : distance of the centres of the contact circles at `last_time`, mm.
-    component_max, component_rms : the curve errors of UX, UY, ROTZ alone; components that the
-        reference does not move are left out; "uy" is the axial force where UY is prescribed.
-    steps : number of common times.
-    last_time : last common time, 0 where there is none.
-    """
-
-    curve_max: float
-    curve_rms: float
-    shape_max: float
-    shape_rms: float
-    component_max: dict[str, float]
-    component_rms: dict[str, float]
-    steps: int
-    last_time: float
+__all__ = ["COMPONENTS", "NEGLIGIBLE", "Comparison", "answered", "compare_curves", "compare_paths", "peaks"]
 
 
 def compare_paths(path: EquilibriumPath, reference: EquilibriumPath) -> Comparison:
@@ -54,53 +27,3 @@ def compare_paths(path: EquilibriumPath, reference: EquilibriumPath) -> Comparis
     vectors = path.circle_centres(mine[-1]) - reference.circle_centres(theirs[-1])
     distance = np.linalg.norm(vectors, axis=1)
     return replace(curve, shape_max=float(distance.max()), shape_rms=float(np.sqrt(np.mean(distance**2))))
-
-
-def compare_curves(
-    times: np.ndarray, responses: Mapping[str, np.ndarray], reference: EquilibriumPath
-) -> Comparison:
-    """Compare a load curve alone with a path; the shape is not a number.
-
-    Parameters
-    ----------
-    times : (steps,) of the load.
-    responses : of each of `COMPONENTS`, (steps,): mm, rad; "uy" the axial force, N, where UY is prescribed.
-    reference : the path whose peaks the curve errors are divided by.
-    """
-    # equal fractions of time are equal numbers, whatever the two numbers of steps
-    common, mine, theirs = np.intersect1d(times, reference.times, return_indices=True)
-    nan = float("nan")
-    if common.size == 0:
-        return Comparison(nan, nan, nan, nan, {}, {}, 0, 0.0)
-    curves, wanted = (
-        np.column_stack([part[name] for name in COMPONENTS]) for part in (responses, answered(reference))
-    )
-    moved = peaks(wanted)
-    relative = (curves[mine] - wanted[theirs]) / moved
-    errors = {name: relative[:, i] for i, name in enumerate(COMPONENTS) if np.isfinite(moved[i])}
-    largest = {name: float(np.abs(error).max()) for name, error in errors.items()}
-    rms = {name: float(np.sqrt(np.mean(error**2))) for name, error in errors.items()}
-    return Comparison(
-        curve_max=max(largest.values()),
-        curve_rms=max(rms.values()),
-        shape_max=nan,
-        shape_rms=nan,
-        component_max=largest,
-        component_rms=rms,
-        steps=common.size,
-        last_time=float(common[-1]),
-    )
-
-
-def answered(path: EquilibriumPath) -> dict[str, np.ndarray]:
-    """What a path answers to its load, each (steps,): the reaction where UY is prescribed."""
-    answers = dict(zip(COMPONENTS, path.tips.T, strict=True))
-    if path.scene.load.displacement:
-        answers["uy"] = path.loads[:, 1]
-    return answers
-
-
-def peaks(curves: np.ndarray) -> np.ndarray:
-    """Peaks of curves (steps, components), which differences are divided by; infinite where one is fixed."""
-    largest = np.abs(curves).max(axis=0)
-    return np.where(largest > NEGLIGIBLE * largest.max(), largest, np.inf)

@@ -21,6 +21,7 @@ from validation.study.scenewarnings import warnings
 SUMMARY = (
     *("critical_time", "critical_bracket", "end_bracket", "total_iterations", "stability_checks"),
     *("pair_evaluations", "residual_history", "solve_seconds", "compile_seconds"),
+    *("accuracy", "estimated_error", "other_seconds"),
 )
 OPTIONAL = ("compare.png", "curve.png", "stress.csv", "wire.pvd", "wire.vtu")  # files of a run
 FACTS = "facts.json"  # of a study: the numbers by name that findings are computed from

@@ -1,0 +1,220 @@
+"""Accuracy on request: the error is what was asked for, and what cannot be reached is refused."""
+
+import json
+from dataclasses import replace
+
+import numpy as np
+import pandas as pd
+import pytest
+
+import wirefe
+from coilspring import Contact, EquilibriumNotFound, InputError, Load, load_path, spring_a, spring_b
+from validation.cli import main
+from validation.study.partialsolve import partial_path
+from validation.sweep import choice, run
+from validation.sweep.grid import points, read_varied
+from validation.verification import requested
+from wirefe.adaptive import Levels, Trials, difference, few, thinned
+
+SHORT = replace(spring_a(), spring=replace(spring_a().spring, active_coils=4.0, active_height=7.0))
+
+
+def touching(**contact):
+    return replace(SHORT, load=Load((-4.0, -8.0), 10), contact=Contact(**contact))
+
+
+@pytest.mark.parametrize("asked", [1e-2, 1e-3, 1e-4])
+def test_stations_and_mesh_are_as_fine_as_asked_for(asked):
+    path = wirefe.solve_to(touching(), asked)
+    finest = wirefe.solve(touching(), element="curved", elements_per_turn=64, pairs_per_turn=500)
+    assert path.active_contacts.any()
+    assert difference(path, finest) <= path.estimated_error <= asked == path.accuracy
+    assert path.options["pairs_per_turn"] == 4 * path.options["elements_per_turn"]
+
+
+def test_finer_is_asked_finer_is_solved():
+    levels = [wirefe.solve_to(touching(), asked).options["elements_per_turn"] for asked in (1e-2, 1e-3, 1e-4)]
+    assert levels[0] < levels[1] < levels[2]
+
+
+def test_without_contact_two_coarse_meshes_are_enough():
+    scene = replace(SHORT, load=Load((-0.5, -0.5), 50), contact=Contact(enabled=False))
+    path = wirefe.solve_to(scene, 1e-3)
+    assert path.options["elements_per_turn"] == 8
+    assert path.other_seconds < path.solve_seconds
+
+
+def test_coils_that_come_nowhere_near_take_the_fewest_stations():
+    open_ends = replace(SHORT.spring, end_turns=0.0)  # the others touch where they begin
+    scene = replace(SHORT, spring=open_ends, load=Load((-0.5, -0.5), 10), contact=Contact())
+    assert wirefe.solve_to(scene, 1e-4).options["pairs_per_turn"] == 16
+
+
+def test_spheres_are_taken_as_given():
+    path = wirefe.solve_to(touching(geometry="spheres"), 1e-4, pairs_per_turn=2)
+    assert path.options["pairs_per_turn"] == 2
+    mesh = {"element": "curved", "elements_per_turn": 64, "pairs_per_turn": 2}
+    assert difference(path, wirefe.solve(touching(geometry="spheres"), **mesh)) <= 1e-4
+
+
+def test_friction_takes_finer_substeps_and_gives_the_scenes_rows():
+    scene = touching(sliding="coulomb", friction=0.3)
+    scene = replace(scene, load=Load(stages=((-4.0, -8.0), (0.0, 0.0)), steps=3))
+    path = wirefe.solve_to(scene, 1e-2)
+    assert path.times.tolist() == [row / 6 for row in range(1, 7)]
+    assert path.scene.load.steps == 3
+    assert path.total_iterations >= path.iterations.sum() > 0
+    finest = wirefe.solve(scene, steps=48, element="curved", elements_per_turn=32, pairs_per_turn=192)
+    assert difference(path, finest) <= 1e-2
+
+
+def test_rows_of_a_finer_path():
+    scene = touching()
+    fine = wirefe.solve(scene, steps=40, element="curved", elements_per_turn=4)
+    found = thinned(fine, scene, 4)
+    coarse = wirefe.solve(scene, element="curved", elements_per_turn=4)
+    assert found.times.tolist() == coarse.times.tolist()
+    np.testing.assert_allclose(found.tips, coarse.tips, rtol=1e-7)
+    assert found.iterations.sum() == fine.iterations.sum()
+
+
+def test_what_friction_leaves_open_is_refused_with_what_can_be_reached(monkeypatch):
+    monkeypatch.setattr("wirefe.adaptive.difference", lambda coarse, fine: 1e-3)
+    with pytest.raises(
+        InputError, match=r"accuracy must be at least 0\.0063 for this scene, got 0\.001: with fric"
+    ):
+        wirefe.solve_to(touching(sliding="none"), 1e-3)
+
+
+def test_what_no_mesh_reaches_is_refused_with_what_can_be_reached(monkeypatch):
+    monkeypatch.setattr("wirefe.adaptive.FINEST", 8)
+    with pytest.raises(InputError, match=r"accuracy must be at least .* got 1e-05: with 8 elements per turn"):
+        wirefe.solve_to(touching(), 1e-5)
+
+
+def test_levels_near_each_other_do_not_stand_for_an_error():
+    levels = Levels.of(touching(), None)
+    paths = [wirefe.solve(touching(), **levels.options(level, True)) for level in (4, 8, 9)]
+    three = Trials(levels, 10, 5, list(zip((4, 8, 9), paths, strict=True)))
+    two = Trials(levels, 10, 5, list(zip((4, 9), paths[::2], strict=True)))
+    assert three.estimate < 1.5 * two.estimate
+
+
+def test_meshes_that_end_otherwise_are_no_answer(monkeypatch):
+    monkeypatch.setattr("wirefe.adaptive.FINEST", 8)
+    monkeypatch.setattr("wirefe.adaptive.difference", lambda coarse, fine: np.inf)
+    with pytest.raises(InputError, match="with 8 elements per turn the path ends otherwise"):
+        wirefe.solve_to(touching(), 1e-2)
+
+
+def test_an_early_end_is_found_on_two_meshes_and_counts():
+    scene = replace(spring_b(), contact=Contact(geometry="spheres"), load=Load((0.0, -200.0), 10))
+    with pytest.raises(EquilibriumNotFound) as ended:
+        wirefe.solve_to(scene, 1e-3)
+    path = ended.value.path
+    assert path.outcome == "limit_point"
+    finest = partial_path(wirefe.solve, scene, element="curved", elements_per_turn=32)
+    assert abs(path.critical_time / finest.critical_time - 1.0) <= path.estimated_error <= 1e-3
+    assert difference(replace(path, outcome="bifurcation"), path) == np.inf
+
+
+def test_meshes_end_where_the_spring_does():
+    scene = replace(SHORT, spring=replace(SHORT.spring, active_coils=4.3))
+    assert Levels.of(scene, None).at_least(4) == 20  # a tenth of a coil, and 4 spheres a turn
+    assert Levels.of(replace(scene, contact=Contact()), None).at_least(4) == 10
+
+
+def test_coarse_paths_have_few_rows_of_the_fine_ones():
+    assert [few(steps) for steps in (1, 5, 7, 10, 12, 50, 100)] == [1, 5, 7, 5, 6, 5, 5]
+
+
+def test_two_levels_that_agree_by_chance_are_confirmed():
+    path = wirefe.solve(touching(), element="curved", elements_per_turn=8, pairs_per_turn=32)
+    trials = Trials(Levels.of(touching(), None), 10, 5, [(4, path), (8, path)])
+    trials.confirm(1e-3)  # the same path: no error is seen, and nothing doubts it
+    assert len(trials.paths) == 2
+    coarse = wirefe.solve(touching(), element="curved", elements_per_turn=4, pairs_per_turn=16)
+    trials = Trials(Levels.of(touching(), None), 10, 5, [(4, coarse), (8, path)])
+    trials.confirm(1.1 * trials.estimate)
+    assert [level for level, _ in trials.paths] == [4, 6, 8]
+
+
+def test_the_estimate_is_kept_with_the_path(tmp_path):
+    path = wirefe.solve_to(touching(geometry="spheres"), 1e-2)
+    path.save(tmp_path / "path.npz")
+    assert load_path(tmp_path / "path.npz").estimated_error == path.estimated_error
+
+
+def test_command(tmp_path, capsys):
+    assert main(["solve", "spring-a", "--accuracy", "1e-3", "--steps", "5", "--out", str(tmp_path)]) == 0
+    found = json.loads((tmp_path / "summary.json").read_text())
+    assert found["accuracy"] == 1e-3
+    assert 0.0 < found["estimated_error"] <= 1e-3
+    said = capsys.readouterr().out
+    assert "8 curved elements per turn, 4 spheres per turn; estimated error" in said
+    assert main(["compare", "spring-a", "--accuracy", "1e-3", "--steps", "5", "--out", str(tmp_path)]) == 0
+    assert json.loads((tmp_path / "compare.json").read_text())["accuracy"] == 1e-3
+    assert json.loads((tmp_path / "wirefe/summary.json").read_text())["options"]["element"] == "curved"
+
+
+@pytest.mark.parametrize(
+    ("line", "said"),
+    [
+        ("solve spring-a --accuracy 1e-6", "accuracy must be a finite number in [1e-05, 0.01], got 1e-06"),
+        ("solve spring-a --accuracy few", "accuracy must be a number in [1e-05, 0.01], got 'few'"),
+        ("solve spring-a --accuracy 1e-3 --model wirefe", "--model"),
+        ("solve spring-a --accuracy 1e-3 --law helix", "--law is chosen by --accuracy"),
+        ("solve spring-a --accuracy 1e-3 --element curved", "--element is chosen by --accuracy"),
+        ("compare spring-a --accuracy 1e-3 --elements-per-turn 8", "--elements-per-turn is chosen"),
+        ("solve spring-a --accuracy 1e-3 --tangent exact", "--tangent belongs to --model equivbeam"),
+        ("solve spring-a --accuracy 1e-3 --geometry wires --pairs-per-turn 8", "spheres alone, got 8"),
+        ("sweep spring-a --vary load.steps=1,2 --accuracy 1 ", "accuracy must be a finite number"),
+        ("sweep spring-a --vary load.steps=1,2 --accuracy 1e-2 --sliding scene", "--sliding is chosen"),
+    ],
+)
+def test_what_is_refused(line, said, capsys, tmp_path):
+    assert main([*line.split(), "--out", str(tmp_path / "out")]) == 2
+    error = capsys.readouterr().err
+    assert said in error
+    assert error.count("\n") == 1
+    assert not (tmp_path / "out").exists()
+
+
+@pytest.mark.parametrize(("asked", "model"), [(1e-2, "equivbeam"), (1e-4, "wirefe")])
+def test_a_sweep_takes_the_cheapest_that_a_sample_supports(asked, model, tmp_path):
+    varied = read_varied(["load.force.1=-2:-4:3"], spring_a().overridden(steps=5))
+    grid = list(points(spring_a().overridden(steps=5), varied))
+    found = choice.choose(grid, varied, asked, lambda text: None)
+    assert found.scenes == 3
+    assert found.candidate(grid[0].scene).model == model
+    assert choice.MARGIN * found.error <= asked
+    for point in grid:  # also those not in the sample
+        fine = wirefe.solve(point.scene, element="curved", elements_per_turn=16)
+        assert difference(found.candidate(point.scene)(point.scene), fine) <= asked
+    rows = run.sweep(tmp_path, spring_a(), varied, found.candidate, workers=0)
+    assert [row["outcome"] for row in rows] == ["completed"] * 3
+
+
+def test_sample_of_a_grid():
+    scene = spring_a()
+    varied = read_varied(["load.force.0=1:2:6", "load.force.1=-1:-2:6", "contact.stiffness=1e3,1e4"], scene)
+    grid = list(points(scene, varied))
+    found = choice.sample(grid, varied)
+    corners = {(x, y) for x in (1.0, 2.0) for y in (-1.0, -2.0)}
+    assert corners <= {scene.load.force for scene in found}
+    assert 8 <= len(found) <= 12
+    assert found == choice.sample(grid, varied)
+
+
+def test_small_study(tmp_path, monkeypatch):
+    found = list(requested.springs(1, coils=3.5))
+    monkeypatch.setattr(requested, "springs", lambda each: [found[0], found[4]])
+    table = requested.study(tmp_path, 1)
+    assert len(table) == 2 * 3
+    assert (table.true <= table.asked).all()
+    assert (table.outcome != requested.REFUSED).all()
+    again = requested.study(tmp_path, 1)
+    pd.testing.assert_frame_equal(table, again)  # nothing is solved again
+    figures = requested.summary(table)
+    assert figures[figures.kind == "all"].failures.tolist() == [0, 0, 0]
+    assert figures[figures.kind == "all"].bound.iloc[0] == pytest.approx(1.0 - 0.05 ** (1 / 2))

@@ -1,0 +1,131 @@
+"""The cheapest law or mesh for a grid of scenes: the first that does on a sample, by the wire model."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from itertools import product
+
+import numpy as np
+
+import wirefe
+from coilspring import EquilibriumPath, InputError, Scene
+from coilspring.errors import require_number
+from validation.study.partialsolve import partial_path
+from validation.sweep.grid import Point, Varied
+from validation.sweep.run import Choice
+from wirefe.adaptive import ACCURACIES, Levels, difference
+
+LAWS = ("haringx", "helix")  # cheap to dear, and cheaper than any mesh
+LEVELS = (4, 6, 8, 12, 16, 24, 32, 48, 64, 96, 128)
+CORNERS, INSIDE = 8, 4  # scenes of a sample, at most
+MARGIN = 2.0  # between the worst error of a sample and that of the grid
+FINER = 4.0  # accuracy asked for over that of the references
+
+
+@dataclass(frozen=True)
+class Candidate:
+    """A law or a mesh.
+
+    Attributes
+    ----------
+    name : for a reader.
+    law : of the equivalent beam, or None.
+    level : of the wire model's mesh, see `wirefe.adaptive`.
+    """
+
+    name: str
+    law: str | None = None
+    level: int = 0
+
+    def __call__(self, scene: Scene) -> Choice:
+        """What solves a scene."""
+        if self.law:
+            return Choice.of("equivbeam", {"law": self.law, "sliding": "scene"})
+        return Choice.of("wirefe", Levels.of(scene, None).options(self.level, True))
+
+
+@dataclass(frozen=True)
+class Chosen:
+    """The cheapest candidate that does.
+
+    Attributes
+    ----------
+    candidate : what solves the scenes of the grid.
+    error : the largest on the sample, the error of its references included.
+    scenes : in the sample.
+    """
+
+    candidate: Candidate
+    error: float
+    scenes: int
+
+    def line(self, accuracy: float) -> str:
+        """For a reader at the terminal."""
+        return (
+            f"chosen for an accuracy of {accuracy:g}: {self.candidate.name}; "
+            f"error up to {self.error:.2g} on {self.scenes} scenes of the grid, solved by the wire model"
+        )
+
+
+def choose(
+    grid: Sequence[Point], varied: Sequence[Varied], accuracy: float, progress: Callable[[str], None]
+) -> Chosen:
+    """The cheapest law or mesh whose errors on a sample of a grid are within the accuracy, with a margin.
+
+    Raises
+    ------
+    InputError : no candidate does, or the wire model cannot tell.
+    """
+    require_number("accuracy", accuracy, *ACCURACIES)
+    scenes = sample(grid, varied)
+    if not scenes:
+        raise InputError("accuracy needs a scene of the grid that can be solved, got none")
+    wires = []
+    for number, scene in enumerate(scenes, 1):
+        progress(f"sample of the grid by the wire model: {number} of {len(scenes)}")
+        wires.append(partial_path(wirefe.solve_to, scene, accuracy=max(accuracy / FINER, ACCURACIES[0])))
+    least = math.inf
+    for candidate in _candidates(grid):
+        progress(f"sample of the grid by {candidate.name}")
+        worst = _worst(candidate, wires, accuracy)
+        if MARGIN * worst <= accuracy:
+            return Chosen(candidate, worst, len(scenes))
+        least = min(least, worst)
+    can = f"must be at least {2.1 * least:.1g}" if MARGIN * least < ACCURACIES[1] else "cannot be met"
+    raise InputError(f"accuracy {can} on this grid by one law or mesh for all its scenes, got {accuracy:g}")
+
+
+def sample(grid: Sequence[Point], varied: Sequence[Varied]) -> list[Scene]:
+    """Scenes at corners of a grid and some within, the same each time."""
+    counts = [len(each.values) for each in varied]
+    rng = np.random.default_rng(0)
+    corners = np.array(list(product(*({0, count - 1} for count in counts))))
+    if len(corners) > CORNERS:
+        corners = corners[rng.permutation(len(corners))[:CORNERS]]
+    at = [*np.ravel_multi_index(corners.T, counts), *rng.integers(len(grid), size=INSIDE)]
+    return [scene for place in dict.fromkeys(map(int, at)) if (scene := grid[place].scene) is not None]
+
+
+def _candidates(grid: Sequence[Point]) -> Iterator[Candidate]:
+    """Laws and meshes that fit all scenes, cheap to dear."""
+    for law in LAWS:
+        yield Candidate(f"equivbeam, law {law}", law=law)
+    multiple = math.lcm(*{Levels.of(point.scene, None).multiple for point in grid if point.scene})
+    for level in dict.fromkeys(multiple * math.ceil(level / multiple) for level in LEVELS):
+        yield Candidate(f"wirefe, {level} curved elements per turn", level=level)
+
+
+def _worst(candidate: Candidate, wires: Sequence[EquilibriumPath], accuracy: float) -> float:
+    """Largest error of a candidate, or the first that is too large; infinite where it refuses a scene."""
+    worst = 0.0
+    for wire in wires:
+        try:
+            path = partial_path(candidate(wire.scene), wire.scene)
+        except InputError:
+            return math.inf
+        worst = max(worst, difference(path, wire) + (wire.estimated_error or 0.0))
+        if MARGIN * worst > accuracy:
+            break
+    return worst

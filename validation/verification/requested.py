@@ -1,0 +1,169 @@
+"""Accuracy on request, on random springs: errors, estimates and times.
+
+``python -m validation.verification.requested --out FOLDER`` writes ``requested.csv``, a row for each spring
+and accuracy as it comes, and prints a table by kind of load. The error is measured against the wire model
+with `REFERENCE` elements and `STATIONS` stations a turn, and four times the steps where there is friction.
+Time is CPU time, of `wirefe.solve_to` and of the cheapest of single runs
+on the levels of `LADDER` whose error is small enough, all else included.
+"""
+
+from __future__ import annotations
+
+import argparse
+import math
+import time
+from collections.abc import Iterable, Iterator
+from dataclasses import replace
+from itertools import product
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+import wirefe
+from coilspring import EquilibriumPath, InputError, Scene
+from validation.study.partialsolve import partial_path
+from validation.verification.randomscenes import KINDS, Drawn, population
+from wirefe.adaptive import Levels, difference
+
+CSV = "requested.csv"
+ACCURACIES = (1e-2, 1e-3, 1e-4)
+SEED, EACH = 20, 38  # springs of every kind
+COILS = 5.0  # at most: the reference takes seconds
+REFERENCE, STATIONS = 64, 768  # elements and stations a turn
+LADDER = (4, 6, 8, 12, 16, 24, 32, 48, 64, 96)  # levels among which the cheapest sufficient one is
+# What the coils of a kind's springs do in contact, one after the other: geometry, sliding, friction.
+CONTACTS: tuple[tuple[str, str, float | None], ...] = (
+    *[("wires", "free", None)] * 4,
+    *[("spheres", "free", None)] * 2,
+    ("spheres", "coulomb", 0.1),
+    ("spheres", "none", None),
+)
+REFUSED = "refused"
+
+
+def springs(each: int, coils: float = COILS, seed: int = SEED) -> Iterator[tuple[Drawn, Scene]]:
+    """Random springs of at most so many coils, `each` of every kind of load; kinds take turns."""
+    kinds = [
+        (
+            drawn
+            for drawn in population(seed, 100 * each, {kind.name})
+            if drawn.scene.spring.active_coils <= coils
+        )
+        for kind in KINDS
+    ]
+    for place, drawn in product(range(each), kinds):
+        found = next(drawn)
+        geometry, sliding, friction = CONTACTS[place % len(CONTACTS)]
+        contact = replace(found.scene.contact, geometry=geometry, sliding=sliding, friction=friction)
+        yield found, replace(found.scene, contact=contact)
+
+
+def rows(drawn: Drawn, scene: Scene, accuracies: Iterable[float] = ACCURACIES) -> list[dict[str, Any]]:
+    """What was found of a spring, for each accuracy."""
+    levels = Levels.of(scene, None)
+    exact = _reference(scene, levels)
+    answers = {asked: _timed(wirefe.solve_to, scene, accuracy=asked) for asked in accuracies}
+    ladder = _ladder(scene, levels, exact, min(accuracies))
+    what = {
+        **{"kind": drawn.kind, "number": drawn.number, "coils": scene.spring.active_coils},
+        "contact": f"{scene.contact.geometry} {scene.contact.sliding}" if scene.contact.enabled else "none",
+        **{"closed": int(exact.active_contacts.max(initial=0)), "reference": exact.outcome},
+    }
+    found = []
+    for asked, (path, seconds) in answers.items():
+        row = {**what, "asked": asked, "outcome": REFUSED, "level": 0}
+        row |= dict.fromkeys(("stations", "estimated", "true", "seconds", "cheapest"), math.nan)
+        if path is not None:
+            enough = [cost for error, cost in ladder if error <= asked]
+            error = difference(path, exact)
+            row |= {"outcome": path.outcome, "level": path.options["elements_per_turn"]}
+            row |= {"stations": path.options["pairs_per_turn"], "estimated": path.estimated_error}
+            row |= {"true": error, "seconds": seconds, "cheapest": min(enough, default=math.nan)}
+        found.append(row)
+    return found
+
+
+def _timed(solve: Any, scene: Scene, **options: Any) -> tuple[EquilibriumPath | None, float]:
+    """A path as far as it was reached, None where it was refused, and the CPU time of all that it took."""
+    began = time.process_time()
+    try:
+        path = partial_path(solve, scene, **options)
+    except InputError:
+        path = None
+    return path, time.process_time() - began
+
+
+def _reference(scene: Scene, levels: Levels) -> EquilibriumPath:
+    """The path that errors are measured from."""
+    options = levels.options(levels.at_least(REFERENCE), True)
+    if levels.spheres is None:
+        options["pairs_per_turn"] = STATIONS
+    steps = scene.load.steps * (4 if scene.contact.coefficient else 1)
+    return partial_path(wirefe.solve, scene, steps=steps, **options)
+
+
+def _ladder(scene: Scene, levels: Levels, exact: EquilibriumPath, least: float) -> list[tuple[float, float]]:
+    """Error and CPU time of single runs, coarse to fine, up to one whose error is the least wanted."""
+    found: list[tuple[float, float]] = []
+    for level in sorted({levels.at_least(level) for level in LADDER}):
+        path, seconds = _timed(wirefe.solve, scene, **levels.options(level, True))
+        assert path is not None
+        found.append((difference(path, exact), seconds))
+        if found[-1][0] <= least:
+            break
+    return found
+
+
+def summary(table: pd.DataFrame) -> pd.DataFrame:
+    """By kind of load and accuracy: answers, those whose error is larger than asked, estimates and times."""
+    found = []
+    for (kind, asked), part in table.groupby(["kind", "asked"], sort=False):
+        answers = part[part.outcome != REFUSED]
+        found.append({"kind": kind, "asked": asked, **_figures(part, answers)})
+    for asked, part in table.groupby("asked", sort=False):
+        answers = part[part.outcome != REFUSED]
+        found.append({"kind": "all", "asked": asked, **_figures(part, answers)})
+    return pd.DataFrame(found)
+
+
+def _figures(part: pd.DataFrame, answers: pd.DataFrame) -> dict[str, Any]:
+    """Numbers of some springs at one accuracy; the bound of the rate of failures is that of 95 %."""
+    from scipy.stats import beta
+
+    failures, count = int((answers.true > answers.asked).sum()), len(answers)
+    bound = float(beta.ppf(0.95, failures + 1, count - failures)) if count > failures else 1.0
+    ratios, times = answers.estimated / answers.true, (answers.seconds / answers.cheapest).dropna()
+    return {
+        **{"springs": len(part), "refused": len(part) - count, "failures": failures, "bound": bound},
+        **{"ratio": ratios.median(), "time": times.median(), "time_90": times.quantile(0.9)},
+        "time_all": sum(answers.seconds[times.index]) / max(sum(answers.cheapest[times.index]), 1e-9),
+    }
+
+
+def study(folder: Path, each: int = EACH) -> pd.DataFrame:
+    """Write the rows of all springs; those that are there already are kept."""
+    folder.mkdir(parents=True, exist_ok=True)
+    target = folder / CSV
+    known = pd.read_csv(target) if target.is_file() else pd.DataFrame(columns=["kind", "number"])
+    done = set(zip(known.kind, known.number, strict=True))
+    for drawn, scene in springs(each):
+        if (drawn.kind, drawn.number) not in done:
+            found = pd.DataFrame(rows(drawn, scene))
+            found.to_csv(target, mode="a", header=not target.is_file(), index=False)
+    return pd.read_csv(target)
+
+
+def main() -> None:
+    """Write the rows and print the table."""
+    parser = argparse.ArgumentParser(description=(__doc__ or "").partition("\n")[0])
+    parser.add_argument("--out", type=Path, default=Path("coilcheck-out/requested"))
+    parser.add_argument("--each", type=int, default=EACH, help="springs of every kind of load")
+    arguments = parser.parse_args()
+    with np.errstate(divide="ignore"):
+        print(summary(study(arguments.out, arguments.each)).to_string(index=False, float_format="%.3g"))
+
+
+if __name__ == "__main__":
+    main()
