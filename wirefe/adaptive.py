@@ -28,8 +28,7 @@ STRAIGHT, STATIONS = 10, 4  # elements of a plate-seated spring, and stations a 
 ROWS = 5  # of a stage, at least, at which a coarse path is compared with a fine one
 SMOOTH, IRREGULAR = 3.0, 4.0  # safety of the estimate, without contact and where coils touch
 CLEAR = 0.05  # wire diameters between coils that do not touch on any level
-LONE = 3.0  # by which the estimate of a single pair of paths must be below what is wanted, where coils touch
-BETWEEN = 0.75  # of the level, of a third path where it is not
+BETWEEN = 0.75  # of the level, of a third path where coils touch: two may agree by chance
 AHEAD = 1.1  # times the level that is predicted to do
 CLOSE = 0.8  # of a level: the difference from levels beyond tells chance from error too badly
 LEAP = 4.0  # times the last level, the most without the evidence of a level between
@@ -151,7 +150,7 @@ class Trials:
 
     def confirm(self, wanted: float) -> None:
         """Solve on a level between where the only two paths may agree by chance."""
-        if self.irregular and len(self.paths) == 2 and wanted / LONE < self.estimate <= wanted:
+        if self.irregular and len(self.paths) == 2 and self.estimate <= wanted:
             (low, _), (high, _) = self.paths
             between = self.levels.at_least(BETWEEN * high)
             if low < between < high:
