@@ -244,8 +244,8 @@ def test_compare_with_nothing_in_common_says_null(tmp_path, capsys):
     [
         ("", ["COMMAND", "required"]),
         ("telescope", ["telescope", "solve", "compare"]),
-        ("solve", ["SCENE", "--model", "required"]),
-        ("solve spring-a", ["--model", "required"]),
+        ("solve", ["SCENE", "required"]),
+        ("solve spring-a", ["--model", "--accuracy", "required"]),
         ("solve --model equivbeam", ["SCENE", "required"]),
         ("solve spring-a --model fem", ["--model", "fem", "equivbeam", "wirefe"]),
         ("solve spring-a --mod equivbeam", ["--model"]),
