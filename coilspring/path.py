@@ -252,16 +252,18 @@ class EquilibriumPath:
         return self.shape.largest_stresses(self.states)
 
     @property
+    def curve(self) -> dict[str, np.ndarray]:
+        """The load curve, the first columns of ``path.csv``, each (steps,)."""
+        ux, uy, rotz = self.tips.T
+        x, y = self.loads.T
+        return {"time": self.times, "load_x": x, "load_y": y, "ux": ux, "uy": uy, "rotz": rotz}
+
+    @property
     def columns(self) -> dict[str, np.ndarray]:
         """The columns of ``path.csv`` by name, each (steps,); ``max_stress`` of the wire model alone."""
         stress = {} if self.max_stress is None else {"max_stress": self.max_stress}
         return {
-            "time": self.times,
-            "load_x": self.loads[:, 0],
-            "load_y": self.loads[:, 1],
-            "ux": self.tips[:, 0],
-            "uy": self.tips[:, 1],
-            "rotz": self.tips[:, 2],
+            **self.curve,
             "rate": self.rates,
             "iterations": self.iterations,
             "active_contacts": self.active_contacts,

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
+from coilspring.curves import COMPONENTS
 from coilspring.errors import InputError
 from coilspring.measured import measured, table_of
 from coilspring.path import EquilibriumPath
@@ -16,7 +17,6 @@ from coilspring.scene import Load, Scene
 if TYPE_CHECKING:
     import pandas as pd
 
-COLUMNS = ("ux", "uy", "rotz")
 FINE = 200  # steps between which a path is interpolated where a curve has no equal steps
 MOST = 1000  # equal steps of a curve
 
@@ -48,9 +48,8 @@ def read_curve(curve: EquilibriumPath | pd.DataFrame | str | Path, scene: Scene)
     ------
     InputError : what is no load curve, in one sentence.
     """
-    if isinstance(curve, EquilibriumPath):
-        curve = curve.table
-    table = table_of(curve)
+    # rates and stresses of a path are not asked for
+    table = table_of(curve.curve if isinstance(curve, EquilibriumPath) else curve)
     if "force" in table or scene.load.displacement:
         found = measured(table, scene)
         peak, (x, y) = float(found.force.max()), scene.direction
@@ -59,7 +58,7 @@ def read_curve(curve: EquilibriumPath | pd.DataFrame | str | Path, scene: Scene)
     else:
         names = _moving(table)
         loaded, times, columns = scene, table["time"], [table[name] for name in names]
-        directions = np.eye(3)[[COLUMNS.index(name) for name in names]]
+        directions = np.eye(3)[[COMPONENTS.index(name) for name in names]]
     values = np.stack(columns, axis=1)
     peaks = np.abs(values).max(axis=0)
     return LoadCurve(loaded.with_steps(_steps(times)), directions, times, peaks, values / peaks)
@@ -74,11 +73,11 @@ def _steps(times: np.ndarray) -> int:
 
 def _moving(table: dict[str, np.ndarray]) -> list[str]:
     """Columns of displacements that are not zero throughout, at times that can be."""
-    names = [name for name in COLUMNS if name in table]
+    names = [name for name in COMPONENTS if name in table]
     if "time" not in table or not names:
         raise InputError(
-            f"curve must have columns force and deflection, or time and one or more of {', '.join(COLUMNS)}, "
-            f"got {', '.join(table) or 'none of them'}"
+            "curve must have columns force and deflection, or time and one or more of "
+            f"{', '.join(COMPONENTS)}, got {', '.join(table) or 'none of them'}"
         )
     time = table["time"]
     if not time.size or time.min() <= 0.0 or time.max() > 1.0:

@@ -31,6 +31,7 @@ from wirefe.stations import (
 from wirefe.stations import (
     turned_rows as turned,
 )
+from wirefe.stress import stresses
 
 
 def contact_vectors(contact: ContactArrays, states: np.ndarray) -> np.ndarray:
@@ -118,8 +119,6 @@ class WireShape(PairReader):
 
     def largest_stresses(self, states: np.ndarray) -> np.ndarray:
         """Largest shear stress of the wire, corrected for its curvature, shape (states,), MPa."""
-        from wirefe.stress import stresses  # which reads states through this module
-
         return stresses(self, states).shear_corrected.max(axis=1)
 
     def overlaps(self, states: np.ndarray) -> np.ndarray:

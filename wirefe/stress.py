@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import TYPE_CHECKING, cast
 
 import numpy as np
 
@@ -15,8 +16,10 @@ from coilspring.errors import InputError
 from coilspring.path import EquilibriumPath
 from coilspring.scene.sizing import bending_factor, stress_factor
 from wirefe.beam import end_forces
-from wirefe.shape import WireShape
 from wirefe.stations import ARMS, POSITION, SLOPES, TANGENT, carried, fixed_to_sections, interpolated, rows
+
+if TYPE_CHECKING:
+    from wirefe.shape import WireShape
 
 PER_TURN = 32  # sections of a turn, at least
 TWO_PI = 2.0 * math.pi
@@ -73,11 +76,11 @@ def stress(path: EquilibriumPath, step: int = -1) -> WireStress:
     ------
     InputError : the path is not of the wire model, or has no such step.
     """
-    if not isinstance(path.shape, WireShape):
+    if path.model != "wirefe":
         raise InputError(f"stress needs a path of the model wirefe, got {path.model}")
     if not -len(path.states) <= step < len(path.states):
         raise InputError(f"step must be one of the {len(path.states)} of the path, got {step}")
-    found = stresses(path.shape, path.states[step][None])
+    found = stresses(cast("WireShape", path.shape), path.states[step][None])
     fields = {name: value if name == "turns" else value[0] for name, value in vars(found).items()}
     return WireStress(**fields)
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 from pathlib import Path
 
 import pandas as pd
-from scipy.stats import beta
 
 from validation.campaign.figure import TITLES, outcome_figure
 from validation.campaign.invariance import KINDS
@@ -16,10 +15,10 @@ from validation.study import template
 from validation.study.document import Table
 from validation.study.frames import frame_table
 from validation.study.machine import versions
+from validation.study.metrics import upper_bound
 from validation.study.output import write_facts, write_files, write_text
 from validation.study.plots import drawn
 
-CONFIDENCE = 0.95
 PAGE = template.template(Path(__file__).with_name("page.md"))
 
 
@@ -33,11 +32,6 @@ def write_page(data: pd.DataFrame, out: Path) -> None:
         facts |= {f"{model}.{name}": int(counts.get(name, 0)) for name in CLASSES}
         facts[f"{model}.unexplained_bound"] = upper_bound(int(counts.get(UNEXPLAINED, 0)), len(rows))
     write_facts(facts, out)
-
-
-def upper_bound(count: int, of: int) -> float:
-    """One-sided upper bound of a rate with 95 % confidence, by Clopper and Pearson."""
-    return float(beta.ppf(CONFIDENCE, count + 1, of - count)) if count < of else 1.0
 
 
 def page(data: pd.DataFrame) -> str:

@@ -9,7 +9,26 @@ import numpy as np
 from coilspring.curves import COMPONENTS, NEGLIGIBLE, Comparison, answered, compare_curves, peaks
 from coilspring.path import EquilibriumPath
 
-__all__ = ["COMPONENTS", "NEGLIGIBLE", "Comparison", "answered", "compare_curves", "compare_paths", "peaks"]
+__all__ = [
+    "COMPONENTS",
+    "NEGLIGIBLE",
+    "Comparison",
+    "answered",
+    "compare_curves",
+    "compare_paths",
+    "peaks",
+    "upper_bound",
+]
+
+
+CONFIDENCE = 0.95
+
+
+def upper_bound(count: int, of: int) -> float:
+    """One-sided upper bound of a rate with 95 % confidence, by Clopper and Pearson."""
+    from scipy.stats import beta  # takes a second to import
+
+    return float(beta.ppf(CONFIDENCE, count + 1, of - count)) if count < of else 1.0
 
 
 def compare_paths(path: EquilibriumPath, reference: EquilibriumPath) -> Comparison:

@@ -14,14 +14,13 @@ import equivbeam
 import wirefe
 from coilspring import EquilibriumPath, Scene
 from coilspring.scene.sizing import middle_diameter
-from validation.study.metrics import answered
+from validation.study.metrics import COMPONENTS, answered
 from validation.study.partialsolve import partial_path
 from validation.verification.randomscenes import Drawn, population
 
 CSV = Path("reports/errorbudget/randomsprings.csv")
 SEEDS, EACH = (0, 1, 2), 40  # springs of every kind and seed
 LAWS = ("helix", "haringx")
-COMPONENTS = ("ux", "uy", "rotz")
 ELEMENTS = 8  # curved, a turn
 PAIRS = 32  # stations a turn, in contact
 PAPER_PAIRS = 4  # a turn: how closed pairs are counted

@@ -23,6 +23,7 @@ import pandas as pd
 
 import wirefe
 from coilspring import EquilibriumPath, InputError, Scene
+from validation.study.metrics import upper_bound
 from validation.study.partialsolve import partial_path
 from validation.verification.randomscenes import KINDS, Drawn, population
 from wirefe.adaptive import Levels, difference
@@ -130,13 +131,15 @@ def summary(table: pd.DataFrame) -> pd.DataFrame:
 
 def _figures(part: pd.DataFrame, answers: pd.DataFrame) -> dict[str, Any]:
     """Numbers of some springs at one accuracy; the bound of the rate of failures is that of 95 %."""
-    from scipy.stats import beta
-
     failures, count = int((answers.true > answers.asked).sum()), len(answers)
-    bound = float(beta.ppf(0.95, failures + 1, count - failures)) if count > failures else 1.0
     ratios, times = answers.estimated / answers.true, (answers.seconds / answers.cheapest).dropna()
     return {
-        **{"springs": len(part), "refused": len(part) - count, "failures": failures, "bound": bound},
+        **{
+            "springs": len(part),
+            "refused": len(part) - count,
+            "failures": failures,
+            "bound": upper_bound(failures, count),
+        },
         **{"ratio": ratios.median(), "time": times.median(), "time_90": times.quantile(0.9)},
         "time_all": sum(answers.seconds[times.index]) / max(sum(answers.cheapest[times.index]), 1e-9),
     }
