@@ -6,10 +6,11 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.spatial import cKDTree
 from scipy.spatial.transform import Rotation
 
 from coilspring import Scene, Spring
-from validation.campaign.poses import TINY, product, rotated, strain
+from validation.campaign.poses import TINY, rotated, stepped, strain
 
 SHEAR_FACTOR = 0.9
 TURN = 2.0 * math.pi
@@ -57,12 +58,9 @@ def straight(scene: Scene, points: np.ndarray) -> np.ndarray:
 def curved(scene: Scene, phases: np.ndarray, points: np.ndarray, poses: Poses) -> np.ndarray:
     """Stiffness of curved pieces: the inverse of their exact linear flexibility in (v, theta)."""
     flexibility = _flexibility(scene, phases, points)
-    steps = np.zeros((6, 6, 1), dtype=complex)
-    steps[np.arange(6), np.arange(6)] = 1j * TINY
-    spins = np.concatenate((np.ones((1, 6, 1)), 0.5 * steps[3:]))
-    (x1, q1), (x2, q2) = poses
-    moved = (x2[:, None] + steps[:3], product(spins, q2[:, None]))
-    J = strain((x1[:, None], q1[:, None]), moved).imag.transpose(2, 0, 1) / TINY
+    low, (x, q) = poses
+    (moved,) = stepped(np.concatenate((x, q)).T[None])
+    J = strain((low[0][:, None], low[1][:, None]), moved).imag.transpose(2, 0, 1) / TINY
     return np.linalg.inv(J @ flexibility @ J.transpose(0, 2, 1)).transpose(1, 2, 0)
 
 
@@ -94,21 +92,24 @@ class Points:
         slots = zip(self.node.T, self.weight.T, self.arm.swapaxes(0, 1), strict=True)
         return sum(w[:, None] * rows[i, :3] + rotated(rows[i, 3:].T, arm.T).T for i, w, arm in slots)
 
+    def touching(self, rows: np.ndarray, d: float) -> np.ndarray:
+        """Pairs (n, 2) of points as near as d, more than half a turn apart along the wire."""
+        pairs = cKDTree(self.places(rows)).query_pairs(d, output_type="ndarray")
+        return self._elastic(pairs[pairs[:, 1] - pairs[:, 0] > self.per_turn // 2])
+
     def missing(self, rows: np.ndarray, known: np.ndarray, d: float) -> np.ndarray:
         """Pairs (n, 2) that touch and are none of those known: of spheres all, of stations those of the same
         place one coil apart."""
-        places, count = self.places(rows), len(self.node)
-        if self.wires:
-            low = np.arange(max(count - self.per_turn, 0))
-            high = low + self.per_turn
-            hit = np.ones(len(low), bool)
-        else:
-            low, high = np.triu_indices(count, self.per_turn // 2 + 1)
-            hit = np.linalg.norm(places[high] - places[low], axis=1) < d
-        body = self.node.sum(axis=1)
-        rigid = (body[low] == body[high]) & (self.node[low, 0] == self.node[low, 1])
-        new = ~np.isin(low * count + high, known[:, 0] * count + known[:, 1])
-        return np.stack((low, high), axis=1)[hit & new & ~rigid]
+        count = len(self.node)
+        low = np.arange(max(count - self.per_turn, 0))
+        beside = np.stack((low, low + self.per_turn), axis=1)
+        pairs = self._elastic(beside) if self.wires else self.touching(rows, d)
+        return pairs[~np.isin(pairs @ [count, 1], known @ [count, 1])]
+
+    def _elastic(self, pairs: np.ndarray) -> np.ndarray:
+        """The pairs of which not both points are of one rigid end."""
+        low, high = self.node[pairs.T]
+        return pairs[(low[:, 0] != low[:, 1]) | (low.sum(axis=1) != high.sum(axis=1))]
 
 
 def spheres(

@@ -80,7 +80,7 @@ def verify_balance(
     verdict: Verdict, forces: WireForces, path: EquilibriumPath, row: int = -1, most: float = BALANCE
 ) -> None:
     """One state's balance under the load, or with the reaction that the path reports."""
-    state, arm = path.states[row], float(np.abs(forces.arm[[0, 2]]).max())
+    state, arm = path.states[row], float(np.abs(forces.arms[1, [0, 2], -1]).max())
     pairs = forces.pairs(path, row)
     left = forces.residual(state, path.loads[row], pairs)
     left[:, 3:] /= arm
