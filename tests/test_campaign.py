@@ -13,25 +13,31 @@ import equivbeam
 from coilspring import Contact, InputError, Load, Scene, Spring, Supports, load_scene, spring_b
 from coilspring.path import OUTCOMES
 from validation.campaign import page, run, runs
-from validation.campaign.beamverifier import verify_critical, verify_states
-from validation.campaign.critical import bracket
+from validation.campaign.beamverifier import bracket, verify_critical, verify_states
 from validation.campaign.energy import beam_energy
-from validation.campaign.invariance import KINDS, verify_invariance
 from validation.campaign.poses import moved
+from validation.campaign.run import verify
 from validation.campaign.runs import (
+    KINDS,
     bounds_of,
     force_grain,
     grain,
     verify_branch,
+    verify_invariance,
     verify_steps,
 )
 from validation.campaign.scenes import Case, case_id, in_units, make_case, pressed
 from validation.campaign.table import COLUMNS, Table, read_rows, row_text
 from validation.campaign.verdict import CLASSES, THROUGH, UNEXPLAINED, Verdict, reached, under
-from validation.campaign.verifier import verify
 from validation.campaign.wire import wire_forces
-from validation.campaign.wirejump import released, verify_jump
-from validation.campaign.wireverifier import fold, vanishing, verify_balance, verify_row
+from validation.campaign.wireverifier import (
+    fold,
+    released,
+    vanishing,
+    verify_balance,
+    verify_jump,
+    verify_row,
+)
 from validation.cli import main
 
 SEED = 1

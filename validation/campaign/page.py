@@ -7,7 +7,7 @@ from pathlib import Path
 import pandas as pd
 
 from validation.campaign.figure import TITLES, outcome_figure
-from validation.campaign.invariance import KINDS
+from validation.campaign.runs import KINDS
 from validation.campaign.scenes import CORNERS, MODELS
 from validation.campaign.table import DISPLACEMENT, FORCE, NUMBERS, version
 from validation.campaign.verdict import CLASSES, ITERATION, REFUSED, UNEXPLAINED, VERIFIED

@@ -61,13 +61,6 @@ def _cross(a: np.ndarray, b: np.ndarray) -> np.ndarray:  # numpy's takes five ti
     return np.stack((a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]))
 
 
-def carried(rows: np.ndarray, arms: np.ndarray) -> np.ndarray:
-    """Points (..., 3) that move with nodes (..., 7), from their arms at rest."""
-    return rows[..., :3] + np.moveaxis(
-        rotated(np.moveaxis(rows[..., 3:], -1, 0), np.moveaxis(arms, -1, 0)), 0, -1
-    )
-
-
 def stepped(near: np.ndarray) -> list[tuple[np.ndarray, np.ndarray]]:
     """Positions and quaternions (3 or 4, steps, items) of the nodes of items, (slots, items, 7): each step
     moves, or turns about, one direction of one node by a complex number."""

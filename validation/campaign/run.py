@@ -11,15 +11,28 @@ from dataclasses import replace
 from pathlib import Path
 from time import process_time
 
-from coilspring import InputError
+from coilspring import EquilibriumPath, InputError
 from coilspring.workers import processes
 from equivbeam.laws.userlaw import UserLaw
-from validation.campaign.invariance import verify_invariance
+from validation.campaign import wireverifier
+from validation.campaign.beamverifier import verify_critical, verify_states
+from validation.campaign.energy import beam_energy
+from validation.campaign.overlap import verify_overlap
 from validation.campaign.page import write_page
-from validation.campaign.scenes import case_id, make_case
+from validation.campaign.runs import verified_rows, verify_invariance, verify_steps
+from validation.campaign.scenes import Case, case_id, make_case
 from validation.campaign.table import Key, Row, Table, row_of, row_text, version
-from validation.campaign.verdict import ITERATION, REFUSED, UNEXPLAINED, Verdict, reached
-from validation.campaign.verifier import verify
+from validation.campaign.verdict import (
+    CRITICAL,
+    ITERATION,
+    JUMP,
+    REFUSED,
+    UNEXPLAINED,
+    VERIFIED,
+    Verdict,
+    reached,
+)
+from validation.campaign.wire import wire_forces
 from validation.study.output import prepare
 from validation.study.provenance import write_provenance
 
@@ -107,6 +120,31 @@ def verified(name: str, seed: int, law: UserLaw | None = None) -> Row:
     known["outcome"] = path.outcome if path else REFUSED
     known |= {"class": class_of(known["outcome"], verdict), "seconds": f"{process_time() - began:.3f}"}
     return row_of(case, path, verdict, seed=seed, **known)
+
+
+def verify(case: Case, path: EquilibriumPath) -> Verdict:
+    """Verify a path of a case, complete or not."""
+    verdict, beam = Verdict(), case.model == "equivbeam"
+    if not verdict.stop("path", path) and path.outcome not in VERIFIED:
+        verdict.complain(f"{path.outcome}: {path.message}")
+        return verdict
+    if beam:
+        energy = beam_energy(case.scene, str(path.options["law"]))
+        verify_states(verdict, energy, path)
+    else:
+        forces = wire_forces(case.scene, **case.options)
+        for row in sorted(verified_rows(path)):
+            wireverifier.verify_row(verdict, forces, path, row)
+    verify_overlap(verdict, path)
+    verify_steps(verdict, case, path)
+    if path.outcome in CRITICAL:
+        if beam:
+            verify_critical(verdict, energy, case, path)
+        else:
+            wireverifier.verify_wire_critical(verdict, forces, case, path)
+    elif path.outcome == JUMP:
+        wireverifier.verify_jump(verdict, forces, case, path)
+    return verdict
 
 
 def class_of(outcome: str, verdict: Verdict) -> str:

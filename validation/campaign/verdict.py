@@ -38,6 +38,12 @@ class Verdict:
         if not value <= most:
             self.complain(f"{what}: {value:.2e}, above {most:.0e}")
 
+    def stable(self, least: float, time: float) -> None:
+        """Keep the least stiffness, in units of that at rest; complain where it is not positive."""
+        self.numbers["least"] = min(least, self.numbers.get("least", least))
+        if not least > 0.0:
+            self.complain(f"unstable at time {time:.6g}: least stiffness {least:.2e} of that at rest")
+
     def complain(self, what: str) -> None:
         """Something is wrong."""
         self.complaints.append(what)

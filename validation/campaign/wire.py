@@ -34,8 +34,7 @@ class WireForces:
     frames : (4, 2, elements) quaternions of the end triads at rest.
     arms : (2, 3, elements) from the nodes to the ends, at rest: from the top reference point, else zero.
     stiffness, strain0 : (6, 6, elements) and (6, elements).
-    points, law : of the contact; no law where there is none.
-    d : diameter of the wire.
+    points, law, enabled : of the contact.
     fixed : (nodes, 6) degrees of freedom, where nothing must balance.
     driven : a displacement of the top is prescribed.
     """
@@ -46,18 +45,15 @@ class WireForces:
     stiffness: np.ndarray
     strain0: np.ndarray
     points: Points
-    law: Law | None
-    d: float
+    law: Law
+    enabled: bool
     fixed: np.ndarray
     driven: bool
 
-    def residual(self, state: np.ndarray, load: np.ndarray, pairs: Pairs | None) -> np.ndarray:
+    def residual(self, rows: np.ndarray, load: np.ndarray, pairs: Pairs) -> np.ndarray:
         """Force and moment (nodes, 6) that are out of balance under a load, or the reaction to a prescribed
         displacement."""
-        rows = state.reshape(-1, 7)
-        total = self.element_forces(rows)
-        if pairs is not None:
-            total += pairs.gradient(rows)
+        total = self.element_forces(rows) + pairs.gradient(rows)
         total[-1, :2] -= load
         return np.where(self.fixed, 0.0, total)
 
@@ -79,19 +75,16 @@ class WireForces:
         e = strain(*poses) - self.strain0[:, None]
         return 0.5 * np.einsum("ike,ije,jke->ke", e, self.stiffness, e).imag / TINY
 
-    def pairs(self, path: EquilibriumPath, row: int, reach: float = 0.0) -> Pairs | None:
-        """Pairs that are held in a path's row or nearer than `reach`; None where there is no contact."""
-        if self.law is None:
-            return None
+    def pairs(self, path: EquilibriumPath, row: int, reach: float = 0.0) -> Pairs:
+        """Pairs that are held in a path's row or nearer than `reach`; none where contact is not enabled."""
         found = known_pairs(self.points, self.law, self.rest, path, row)
-        return found.of(found.held | (found.depth(path.states[row].reshape(-1, 7)) > -reach))
+        near = found.held | (found.depth(path.states[row].reshape(-1, 7)) > -reach)
+        return found.of(near & self.enabled)
 
-    def tangent(self, rows: np.ndarray, pairs: Pairs | None) -> np.ndarray:
-        """Derivative of all forces in the degrees of freedom that are free."""
-        K = differences(self._slopes, rows[self.nodes], self.d).swapaxes(0, 1)
-        J = assembled(self.nodes, K, len(rows))
-        if pairs is not None:
-            J += pairs.tangent(rows)
+    def tangent(self, rows: np.ndarray, pairs: Pairs | None = None) -> np.ndarray:
+        """Derivative of all forces in the degrees of freedom that are free; by default the elements'."""
+        K = differences(self._slopes, rows[self.nodes], self.law.d).swapaxes(0, 1)
+        J = assembled(self.nodes, K, len(rows)) + (0.0 if pairs is None else pairs.tangent(rows))
         return J[np.ix_(self.free, self.free)]
 
     @property
@@ -104,16 +97,21 @@ class WireForces:
     @cached_property
     def at_rest(self) -> np.ndarray:
         """Tangent at rest without contact, in units of which stiffness is measured."""
-        J = self.tangent(self.rest, None)
+        J = self.tangent(self.rest)
         return 0.5 * (J + J.T)
 
-    def least_stiffness(self, rows: np.ndarray, pairs: Pairs | None) -> float:
+    def stiffness_of(self, path: EquilibriumPath, row: int = -1) -> float:
+        """Least stiffness of a path's row."""
+        rows = path.states[row].reshape(-1, 7)
+        return self.least_stiffness(rows, self.pairs(path, row).renewed(rows))
+
+    def least_stiffness(self, rows: np.ndarray, pairs: Pairs) -> float:
         """Eigenvalue of the tangent next to zero, in units of that at rest; negative where unstable.
 
         Where coils slide the tangent is not symmetric: it is unstable where the determinant is negative.
         """
         J, rest = self.tangent(rows, pairs), self.at_rest
-        if pairs is not None and pairs.slides.any():
+        if pairs.slides.any():
             sign, find = np.linalg.slogdet(J)[0], eigs
         else:
             J, sign, find = 0.5 * (J + J.T), 1.0, eigsh
@@ -158,8 +156,8 @@ def wire_forces(scene: Scene, element: str, elements_per_turn: int, pairs_per_tu
         stiffness=curved(scene, phases, points, poses) if element == "curved" else straight(scene, points),
         strain0=strain(*poses),
         points=contact_points,
-        law=law if contact.enabled else None,
-        d=spring.wire_diameter,
+        law=law,
+        enabled=contact.enabled,
         fixed=fixed,
         driven=bool(scene.load.displacement),
     )
