@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+from itertools import product
 from pathlib import Path
 
 import pandas as pd
@@ -28,28 +30,21 @@ def write_page(data: pd.DataFrame, out: Path) -> None:
     write_text(out / "stability.md", page(data))
     facts: dict[str, float] = {"seeds": data["seed"].nunique()}
     for model, rows in data.groupby(data["id"].str[0].map({"b": "beam", "w": "wire"})):
-        counts = rows["class"].value_counts()
-        facts |= {f"{model}.{name}": int(counts.get(name, 0)) for name in CLASSES}
-        facts[f"{model}.unexplained_bound"] = upper_bound(int(counts.get(UNEXPLAINED, 0)), len(rows))
+        counts = rows["class"].value_counts().reindex(CLASSES, fill_value=0)
+        facts |= {f"{model}.{name}": int(count) for name, count in counts.items()}
+        facts[f"{model}.unexplained_bound"] = upper_bound(int(counts[UNEXPLAINED]), len(rows))
     write_facts(facts, out)
 
 
 def page(data: pd.DataFrame) -> str:
     """The page, Markdown."""
     model, compared = data["id"].str[:1].map(TITLES), data[data["stepped"] != ""]
-    counts = {
-        "model": {title: model == title for title in TITLES.values()},
-        "geometry": {
-            f"{geometry}, {sliding}": (data["geometry"] == geometry) & (data["sliding"] == sliding)
-            for geometry in ("spheres", "wires")
-            for sliding in ("free", "none", "coulomb")
-        },
-        "given": {
-            f"{title}, {by}": (model == title) & (data["by"] == by)
-            for title in TITLES.values()
-            for by in (FORCE, DISPLACEMENT)
-        },
-        "corner": {name or "none": data["corner"] == name for name in ("", *CORNERS)},
+    models, touching = tuple(TITLES.values()), product(("spheres", "wires"), ("free", "none", "coulomb"))
+    counts = {  # how scenes are told apart, and in which order
+        "model": (model, models),
+        "geometry": (data["geometry"] + ", " + data["sliding"], map(", ".join, touching)),
+        "given": (model + ", " + data["by"], map(", ".join, product(models, (FORCE, DISPLACEMENT)))),
+        "corner": (data["corner"].replace("", "none"), ("none", *CORNERS)),
     }
     listed = data.loc[data["class"].isin((UNEXPLAINED, ITERATION, REFUSED))]
     listed = listed.assign(reason=listed["reason"].where(listed["reason"] != "", listed["message"]))
@@ -62,16 +57,10 @@ def page(data: pd.DataFrame) -> str:
         unexplained=_by_seed(data),
         sources=version(),
         used=", ".join(f"{name} {number}" for name, number in versions().items() if number),
-        counts={
-            title: _counts(title, {name: data[chosen] for name, chosen in groups.items()})
-            for title, groups in counts.items()
-        },
-        stepped=[
-            f"{row.id} of seed {row.seed}"
-            for row in compared[compared["stepped"].astype(float) > 0.0].itertuples()
-        ],
+        counts={title: _counts(title, data["class"], *groups) for title, groups in counts.items()},
+        stepped=[f"{row.id} of seed {row.seed}" for row in compared.itertuples() if float(row.stepped) > 0.0],
         compared=len(compared),
-        titles=TITLES.values(),
+        titles=models,
         largest={name: _largest(data, name) for name in NUMBERS},
         invariances={kind: [len(rows), *_largest(rows, "invariance")] for kind, rows in kinds.items()},
         listed=frame_table(listed) if len(listed) else "",
@@ -80,15 +69,14 @@ def page(data: pd.DataFrame) -> str:
 
 def _rates(data: pd.DataFrame) -> Table:
     """Rate of each class and its upper bound, of each model and of all scenes."""
-    groups = {title: data[data["id"].str[:1] == letter] for letter, title in TITLES.items()}
-    rows = []
-    for name in CLASSES:
-        row = {"class": name}
-        for title, some in (groups | {"both": data}).items():
-            count, of = int((some["class"] == name).sum()), len(some)
-            row[title] = f"{count / of:.2%} (below {upper_bound(count, of):.2%})" if of else "-"
-        rows.append(row)
-    return frame_table(pd.DataFrame(rows))
+    groups = {title: data[data["id"].str[:1] == letter] for letter, title in TITLES.items()} | {"both": data}
+
+    def rate(name: str, some: pd.DataFrame) -> str:
+        count, of = int((some["class"] == name).sum()), len(some)
+        return f"{count / of:.2%} (below {upper_bound(count, of):.2%})" if of else "-"
+
+    rates = {title: [rate(name, some) for name in CLASSES] for title, some in groups.items()}
+    return frame_table(pd.DataFrame({"class": CLASSES} | rates))
 
 
 def _by_seed(data: pd.DataFrame) -> Table:
@@ -102,12 +90,10 @@ def _by_seed(data: pd.DataFrame) -> Table:
     return frame_table(counted.rename_axis(["seed", "model"]).reset_index())
 
 
-def _counts(title: str, groups: dict[str, pd.DataFrame]) -> Table:
-    """How many scenes of each group have each class."""
-    counts = {
-        name: rows["class"].value_counts().reindex(CLASSES, fill_value=0) for name, rows in groups.items()
-    }
-    return frame_table(pd.DataFrame(counts).T.rename_axis(title).reset_index())
+def _counts(title: str, classes: pd.Series, labels: pd.Series, order: Iterable[str]) -> Table:
+    """How many scenes of each label have each class."""
+    counts = pd.crosstab(labels, classes).reindex(index=list(order), columns=CLASSES, fill_value=0)
+    return frame_table(counts.rename_axis(title).reset_index())
 
 
 def _largest(data: pd.DataFrame, name: str) -> list[str]:
