@@ -7,22 +7,28 @@ from typing import Any
 
 import numpy as np
 
-import equivbeam
-import wirefe
 from coilspring import Scene
 from equivbeam.laws.userlaw import UserLaw
 from validation.lawstudy.springs import LAW
-from validation.study.cases import CASES, PathStore
+from validation.study.cases import CASES, PathStore, solve_beam, solve_wire
 from validation.study.metrics import compare_paths
 from validation.study.partialsolve import partial_path
 from validation.study.scenes import study_scenes
 from validation.study.timing import interleaved, median_of
-from validation.verification.fourcases import CONVERGED
+from validation.verification.ablation import CONVERGED
 
 ROUNDS, REPEATS = 5, 3
 BUILT_IN = ("haringx", "helix")
-MESHES = {"straight 40": ("straight", 40), "curved 4": ("curved", 4), "curved 8": ("curved", 8)}
+MESHES = {
+    f"{element} {count}": {"element": element, "elements_per_turn": count}
+    for element, count in (("straight", 40), ("curved", 4), ("curved", 8))
+}
 Row = dict[str, Any]
+
+
+def laws(law: UserLaw) -> dict[str, Any]:
+    """The law and those beside it."""
+    return {name: name for name in BUILT_IN} | {LAW: law}
 
 
 def budget(law: UserLaw, paths: PathStore) -> list[Row]:
@@ -40,24 +46,16 @@ def budget(law: UserLaw, paths: PathStore) -> list[Row]:
     return rows
 
 
-def laws(law: UserLaw) -> dict[str, Any]:
-    """The law and those beside it."""
-    return {name: name for name in BUILT_IN} | {LAW: law}
-
-
 def errors(law: UserLaw, paths: PathStore) -> list[Row]:
     """Errors of the laws and of some meshes of the wire model in 50 steps, on the springs of that study."""
     rows = []
     for scene in study_scenes().values():
         wire = paths.partial_wire(scene, element="curved", elements_per_turn=64, steps=200)
         found = {name: paths.partial_beam(scene, law=each) for name, each in laws(law).items()}
-        for name, (element, count) in MESHES.items():
-            found[name] = paths.partial_wire(scene, element=element, elements_per_turn=count)
+        found |= {name: paths.partial_wire(scene, **mesh) for name, mesh in MESHES.items()}
         for name, path in found.items():
-            error = compare_paths(path, wire).curve_max
-            rows.append(
-                {"scene": scene.name, "series": name, "error": 100.0 * error, "outcome": path.outcome}
-            )
+            error = 100.0 * compare_paths(path, wire).curve_max
+            rows.append({"scene": scene.name, "series": name, "error": error, "outcome": path.outcome})
     return rows
 
 
@@ -65,20 +63,17 @@ def times(law: UserLaw) -> list[Row]:
     """CPU milliseconds of the same, by turns; kernels warm, the solve alone."""
     rows = []
     for scene in study_scenes().values():
-        runs = {name: partial(_beam, scene, each) for name, each in laws(law).items()}
-        runs |= {name: partial(_wire, scene, *mesh) for name, mesh in MESHES.items()}
+        runs = {
+            name: partial(median_of, REPEATS, partial(_seconds, solve_beam, scene, law=each))
+            for name, each in laws(law).items()
+        }
+        runs |= {name: partial(_seconds, solve_wire, scene, **mesh) for name, mesh in MESHES.items()}
         seconds = interleaved(runs, range(ROUNDS))
         for name, found in seconds.items():
-            ratio = float(np.median(found / seconds["haringx"]))
-            rows.append(
-                {"scene": scene.name, "series": name, "ms": 1e3 * float(np.median(found)), "ratio": ratio}
-            )
+            ms, ratio = 1e3 * float(np.median(found)), float(np.median(found / seconds["haringx"]))
+            rows.append({"scene": scene.name, "series": name, "ms": ms, "ratio": ratio})
     return rows
 
 
-def _beam(scene: Scene, law: Any) -> float:
-    return median_of(REPEATS, lambda: partial_path(equivbeam.solve, scene, law=law).solve_seconds)
-
-
-def _wire(scene: Scene, element: str, count: int) -> float:
-    return partial_path(wirefe.solve, scene, element=element, elements_per_turn=count).solve_seconds
+def _seconds(solve: Any, scene: Scene, **options: Any) -> float:
+    return partial_path(solve, scene, **options).solve_seconds

@@ -7,13 +7,11 @@ from typing import Any, NamedTuple
 import numpy as np
 import pandas as pd
 
-import equivbeam
 from equivbeam.laws.userlaw import UserLaw
 from validation.study.metrics import answered
-from validation.study.partialsolve import partial_path
 from validation.verification.randompage import CLASSES, classified
 from validation.verification.randomscenes import KINDS, population
-from validation.verification.randomsprings import COMPONENTS, LAWS, Curve, closed, curve_errors, reference
+from validation.verification.randomsprings import COMPONENTS, LAWS, Curve, closed, law_row, reference
 
 LAW = "law"  # the user's, among the names of laws
 BAD = 5.0  # per cent of the tip vector, from which on a law counts as broken
@@ -52,13 +50,6 @@ def law_errors(law: UserLaw, rows: list[dict[str, Any]], each: int) -> list[dict
         plain = {name: value for name, value in row.items() if name not in ("times", "answers")}
         found.append(plain | law_row(LAW, law, drawn.scene, wire))
     return found
-
-
-def law_row(name: str, law: str | UserLaw, scene: Any, wire: Curve) -> dict[str, Any]:
-    """Outcome and errors of a law on a spring."""
-    path = partial_path(equivbeam.solve, scene, law=law)
-    errors = curve_errors(Curve.of(path), wire)
-    return {name: path.outcome} | {f"{name}_{key}": each for key, each in errors.items()}
 
 
 def frame(rows: list[dict[str, Any]]) -> pd.DataFrame:

@@ -14,6 +14,7 @@ import equivbeam
 import wirefe
 from coilspring import EquilibriumPath, Scene
 from coilspring.scene.sizing import middle_diameter
+from equivbeam.laws.userlaw import UserLaw
 from validation.study.metrics import COMPONENTS, answered
 from validation.study.partialsolve import partial_path
 from validation.verification.randomscenes import Drawn, population
@@ -53,9 +54,7 @@ def row(drawn: Drawn) -> dict[str, Any]:
         "reference": errors(other, wire)["vector"],
     }
     for law in LAWS:
-        path = partial_path(equivbeam.solve, scene, law=law)
-        found[law] = path.outcome
-        found |= {f"{law}_{name}": value for name, value in errors(path, wire).items()}
+        found |= law_row(law, law, scene, Curve.of(wire))
     return found
 
 
@@ -93,6 +92,13 @@ class Curve(NamedTuple):
 def errors(path: EquilibriumPath, wire: EquilibriumPath) -> dict[str, float]:
     """Errors of a path; see `curve_errors`."""
     return curve_errors(Curve.of(path), Curve.of(wire))
+
+
+def law_row(name: str, law: str | UserLaw, scene: Scene, wire: Curve) -> dict[str, Any]:
+    """Outcome and errors of a law on a spring, by columns of the law's name."""
+    path = partial_path(equivbeam.solve, scene, law=law)
+    found = curve_errors(Curve.of(path), wire)
+    return {name: path.outcome} | {f"{name}_{key}": value for key, value in found.items()}
 
 
 def curve_errors(path: Curve, wire: Curve) -> dict[str, float]:
