@@ -503,9 +503,9 @@ def test_a_run_that_stops_by_the_iteration_is_a_class_of_its_own():
     verdict = verify(case, stuck)
     assert verdict.stops == ["path: planted"]
     assert not verdict.complaints
-    assert run.class_of("not_converged", verdict) == "iteration"
+    assert verdict.class_of("not_converged") == "iteration"
     verdict.complain("out of balance")
-    assert run.class_of("not_converged", verdict) == UNEXPLAINED
+    assert verdict.class_of("not_converged") == UNEXPLAINED
 
 
 # contact of wires

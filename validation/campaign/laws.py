@@ -13,10 +13,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from coilspring import Scene
+from validation.campaign.wireparts import rigidities
 
 Law = Callable[[np.ndarray, np.ndarray, np.ndarray], tuple[np.ndarray, np.ndarray, np.ndarray]]
 
-SHEAR_FACTOR = 0.9  # of a round section
 NODES, WEIGHTS = np.polynomial.legendre.leggauss(8)
 MOST_STEPS = 20  # of Newton's method on the length
 NUDGE = 1e-6  # of the length of wire, with which differences are taken
@@ -44,7 +44,9 @@ def haringx_law(scene: Scene) -> Law:
 def helix_law(scene: Scene) -> Law:
     """The helix law of all half coils with all its refinements."""
     phases = np.arange(round(2 * scene.spring.active_coils) + 1) * math.pi
-    at, radius = _between(scene, phases)
+    bottom, top = scene.spring.mean_diameter
+    at = phases[:-1, None] + 0.5 * np.diff(phases)[:, None] * (1.0 + NODES)  # Gauss's points
+    radius = 0.5 * (bottom + (top - bottom) * at / phases[-1])
     helices = Helices.of(scene, phases, radius)
     ends = helices.ends()
     plane, (length_rate, force_rate) = -scene.spring.start_phase, helices.rate(helices.u0)
@@ -81,13 +83,6 @@ def helix_law(scene: Scene) -> Law:
     return law
 
 
-def _between(scene: Scene, phases: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Phases and radii at Gauss's points between phases, (elements, points)."""
-    bottom, top = scene.spring.mean_diameter
-    at = phases[:-1, None] + 0.5 * np.diff(phases)[:, None] * (1.0 + NODES)
-    return at, 0.5 * (bottom + (top - bottom) * at / phases[-1])
-
-
 @dataclass(frozen=True)
 class Ends:
     """Sines and lengths of all half coils between which the helix law holds."""
@@ -117,14 +112,11 @@ class Helices:
     @classmethod
     def of(cls, scene: Scene, phases: np.ndarray, radius: np.ndarray) -> Helices:
         """Helices between the phases, from the radii at Gauss's points."""
-        spring, E, G, d = scene.spring, scene.material.E, scene.material.G, scene.spring.wire_diameter
+        spring, (EA, GA, GJ, EI) = scene.spring, rigidities(scene)
         r = np.cbrt((radius**3) @ WEIGHTS / 2.0)  # by the axial flexibility of the taper
         rise = spring.active_height / spring.active_coils / (2.0 * math.pi)
         L = np.sqrt(r * r + rise * rise)
-        area, second = math.pi * d * d / 4.0, math.pi * d**4 / 64.0
-        return cls(
-            np.diff(phases) * L, L, rise / L, 2.0 * G * second, E * second, SHEAR_FACTOR * G * area, E * area
-        )
+        return cls(np.diff(phases) * L, L, rise / L, GJ, EI, GA, EA)
 
     def section(self, u: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Length and axial force at the sine u, ends held, and the root of (B7)."""

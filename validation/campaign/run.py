@@ -22,23 +22,13 @@ from validation.campaign.page import write_page
 from validation.campaign.runs import verified_rows, verify_invariance, verify_steps
 from validation.campaign.scenes import Case, case_id, make_case
 from validation.campaign.table import Key, Row, Table, row_of, row_text, version
-from validation.campaign.verdict import (
-    CRITICAL,
-    ITERATION,
-    JUMP,
-    REFUSED,
-    UNEXPLAINED,
-    VERIFIED,
-    Verdict,
-    reached,
-)
+from validation.campaign.verdict import CRITICAL, JUMP, REFUSED, UNEXPLAINED, VERIFIED, Verdict, reached
 from validation.campaign.wire import wire_forces
 from validation.study.output import prepare
 from validation.study.provenance import write_provenance
 
 CHUNK = {"b": 8, "w": 1}  # cases handed to a worker at a time
 PATIENCE = "10s"  # for a scheduler to answer
-Progress = Callable[[int, int], None]
 
 
 def campaign(
@@ -50,7 +40,7 @@ def campaign(
     workers: int | None = None,
     scheduler: str | None = None,
     case: str | None = None,
-    progress: Progress | None = None,
+    progress: Callable[[int, int], None] = lambda done, of: None,
 ) -> int:
     """Verify the first `beams` and `wires` scenes of each seed, and write what became of them.
 
@@ -91,8 +81,7 @@ def campaign(
     for rows in _results(missing, os.cpu_count() or 1 if workers is None else workers, scheduler):
         table.append(rows)
         done += len(rows)
-        if progress is not None:
-            progress(done, len(wanted))
+        progress(done, len(wanted))
     chosen = table.sort(wanted)
     write_page(chosen, out)
     options = f"--beams {beams} --wires {wires} --seeds {','.join(map(str, seeds))}"
@@ -118,7 +107,7 @@ def verified(name: str, seed: int, law: UserLaw | None = None) -> Row:
         last = traceback.extract_tb(error.__traceback__)[-1]
         verdict.complain(f"crash: {error!r} in {Path(last.filename).name}:{last.lineno}")
     known["outcome"] = path.outcome if path else REFUSED
-    known |= {"class": class_of(known["outcome"], verdict), "seconds": f"{process_time() - began:.3f}"}
+    known |= {"class": verdict.class_of(known["outcome"]), "seconds": f"{process_time() - began:.3f}"}
     return row_of(case, path, verdict, seed=seed, **known)
 
 
@@ -145,13 +134,6 @@ def verify(case: Case, path: EquilibriumPath) -> Verdict:
     elif path.outcome == JUMP:
         wireverifier.verify_jump(verdict, forces, case, path)
     return verdict
-
-
-def class_of(outcome: str, verdict: Verdict) -> str:
-    """Class of a case: its outcome, unless something is wrong or a run stops by the iteration."""
-    if verdict.complaints:
-        return UNEXPLAINED
-    return ITERATION if verdict.stops else outcome
 
 
 def _results(keys: list[Key], workers: int, scheduler: str | None) -> Iterator[list[Row]]:

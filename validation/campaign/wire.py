@@ -26,29 +26,18 @@ SETTLED = 1e-8  # of an eigenvalue
 
 @dataclass(frozen=True)
 class WireForces:
-    """A scene's wire: elements and contact.
+    """A scene's wire: elements and contact."""
 
-    Attributes
-    ----------
-    rest : (nodes, 7) positions and quaternions at rest.
-    frames : (4, 2, elements) quaternions of the end triads at rest.
-    arms : (2, 3, elements) from the nodes to the ends, at rest: from the top reference point, else zero.
-    stiffness, strain0 : (6, 6, elements) and (6, elements).
-    points, law, enabled : of the contact.
-    fixed : (nodes, 6) degrees of freedom, where nothing must balance.
-    driven : a displacement of the top is prescribed.
-    """
-
-    rest: np.ndarray
-    frames: np.ndarray
-    arms: np.ndarray
-    stiffness: np.ndarray
-    strain0: np.ndarray
-    points: Points
+    rest: np.ndarray  # (nodes, 7) positions and quaternions at rest
+    frames: np.ndarray  # (4, 2, elements) quaternions of the end triads at rest
+    arms: np.ndarray  # (2, 3, elements) from nodes to ends, at rest: from the top reference point, else zero
+    stiffness: np.ndarray  # (6, 6, elements)
+    strain0: np.ndarray  # (6, elements)
+    points: Points  # of the contact, as are law and enabled
     law: Law
     enabled: bool
-    fixed: np.ndarray
-    driven: bool
+    fixed: np.ndarray  # (nodes, 6) degrees of freedom, where nothing must balance
+    driven: bool  # a displacement of the top is prescribed
 
     def residual(self, rows: np.ndarray, load: np.ndarray, pairs: Pairs) -> np.ndarray:
         """Force and moment (nodes, 6) that are out of balance under a load, or the reaction to a prescribed

@@ -37,27 +37,17 @@ class Law:
 
 @dataclass(frozen=True)
 class Pairs:
-    """Pairs that touch or are held in a state, and what each remembers.
+    """Pairs that touch or are held in a state, and what each remembers."""
 
-    Attributes
-    ----------
-    points, law : of all of the wire.
-    index : (pairs, 2) contact points.
-    clearance : (pairs,) by how much wires run into each other at rest.
-    held : (pairs,) whether there is a tangential force.
-    slides : (pairs,) whether it is at its bound.
-    share : (pairs,) of the stiffness of sticking that is left; 1 but for pairs that are released.
-    one, two : (pairs, 3) of wires: the material points that touched first, from the stations, in their
-        sections at rest; of spheres: the vector between the centres when they did, and the normal.
-    """
-
-    points: Points
+    points: Points  # of all of the wire, as is the law
     law: Law
-    index: np.ndarray
-    clearance: np.ndarray
-    held: np.ndarray
-    slides: np.ndarray
-    share: np.ndarray
+    index: np.ndarray  # (pairs, 2) contact points
+    clearance: np.ndarray  # (pairs,) by how much wires run into each other at rest
+    held: np.ndarray  # (pairs,) whether there is a tangential force
+    slides: np.ndarray  # (pairs,) whether it is at its bound
+    share: np.ndarray  # (pairs,) of the stiffness of sticking that is left; 1 but for pairs that are released
+    # (pairs, 3) of wires: the material points that touched first, from the stations, in their sections at
+    # rest; of spheres: the vector between the centres when they did, and the normal
     one: np.ndarray
     two: np.ndarray
 

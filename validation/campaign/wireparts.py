@@ -46,7 +46,7 @@ def end_frames(spring: Spring, phases: np.ndarray, points: np.ndarray, bent: boo
 
 def straight(scene: Scene, points: np.ndarray) -> np.ndarray:
     """Stiffness (6, 6, elements) of straight pieces with residual bending flexibility."""
-    EA, GA, GJ, EI = _rigidities(scene)
+    EA, GA, GJ, EI = rigidities(scene)
     length = np.linalg.norm(np.diff(points, axis=0), axis=1)
     shear = 1.0 / (1.0 / GA + length**2 / (12.0 * EI))
     rows = np.broadcast_arrays(EA, shear, shear, GJ, EI, EI, length)
@@ -66,26 +66,16 @@ def curved(scene: Scene, phases: np.ndarray, points: np.ndarray, poses: Poses) -
 
 @dataclass(frozen=True)
 class Points:
-    """Contact points: where they are is a sum over two nodes of weighted positions and turned arms.
+    """Contact points: where they are is a sum over two nodes of weighted positions and turned arms."""
 
-    Attributes
-    ----------
-    wires : stations of a wire with tangents, in place of spheres.
-    per_turn : their number; up to half a turn along the wire nothing touches.
-    node : (points, 2), the same node twice where there is one alone.
-    weight, arm : (points, 2) and (points, 2, 3) of the positions.
-    slope_weight, slope_arm : the same of the tangents; zero for spheres.
-    turn : (points, 2) shares of both rotations in that of the wire's section.
-    """
-
-    wires: bool
-    per_turn: int
-    node: np.ndarray
-    weight: np.ndarray
-    arm: np.ndarray
-    slope_weight: np.ndarray
+    wires: bool  # stations of a wire with tangents, in place of spheres
+    per_turn: int  # their number; up to half a turn along the wire nothing touches
+    node: np.ndarray  # (points, 2), the same node twice where there is one alone
+    weight: np.ndarray  # (points, 2) of the positions
+    arm: np.ndarray  # (points, 2, 3) of the positions
+    slope_weight: np.ndarray  # the same of the tangents; zero for spheres
     slope_arm: np.ndarray
-    turn: np.ndarray
+    turn: np.ndarray  # (points, 2) shares of both rotations in that of the wire's section
 
     def places(self, rows: np.ndarray) -> np.ndarray:
         """Where they are in a state, (points, 3)."""
@@ -183,7 +173,7 @@ def _numbers(spring: Spring, pairs_per_turn: int) -> np.ndarray:
     return np.arange(low, high + 1)
 
 
-def _rigidities(scene: Scene) -> tuple[float, float, float, float]:
+def rigidities(scene: Scene) -> tuple[float, float, float, float]:
     d, E, G = scene.spring.wire_diameter, scene.material.E, scene.material.G
     area, second = math.pi * d**2 / 4.0, math.pi * d**4 / 64.0
     return E * area, SHEAR_FACTOR * G * area, 2.0 * G * second, E * second
@@ -191,7 +181,7 @@ def _rigidities(scene: Scene) -> tuple[float, float, float, float]:
 
 def _flexibility(scene: Scene, phases: np.ndarray, points: np.ndarray) -> np.ndarray:
     """Flexibility (elements, 6, 6) of the upper end against the lower one, for force and moment there."""
-    EA, GA, GJ, EI = _rigidities(scene)
+    EA, GA, GJ, EI = rigidities(scene)
     half = 0.5 * np.diff(phases)[:, None]
     at = phases[:-1, None] + half * (1.0 + GAUSS[0])
     tangent = helix(scene.spring, at, 1)
