@@ -38,8 +38,8 @@ class BeamEnergy:
     force: np.ndarray  # (free,) load at time 1
     attached: np.ndarray  # (2, pairs) nodes to which the circles of each pair are attached
     offsets: np.ndarray  # (2, pairs, 2) from the nodes to the circles' centres at rest
-    # UY of the top that is prescribed at time 1, mm; 0 under a force. `force` then is what this motion does to
-    # the spring at rest, linearly, and measures residuals alone.
+    # UY of the top that is prescribed at time 1, mm; 0 under a force. `force` then is what this motion does
+    # to the spring at rest, linearly, and measures residuals alone.
     displacement: float = 0.0
 
     @property

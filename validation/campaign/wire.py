@@ -18,7 +18,7 @@ from scipy.sparse.linalg import eigs, eigsh
 from coilspring import EquilibriumPath, Scene
 from validation.campaign.poses import TINY, assembled, differences, product, rotated, stepped, strain, summed
 from validation.campaign.wirepairs import Law, Pairs, known_pairs
-from validation.campaign.wireparts import Points, curved, end_frames, helix, spheres, stations, straight
+from validation.campaign.wireparts import Points, contact_points, curved, end_frames, helix, straight
 
 PAIRS_A_TURN = 4  # that the scene's stiffness belongs to
 SETTLED = 1e-8  # of an eigenvalue
@@ -122,10 +122,6 @@ def wire_forces(scene: Scene, element: str, elements_per_turn: int, pairs_per_tu
     frames = end_frames(spring, phases, points, element == "curved")
     poses = ((points[:-1].T, frames[:, 0]), (points[1:].T, frames[:, 1]))
     reference = np.array([0.0, spring.active_height, 0.0])
-    if contact.geometry == "wires":
-        contact_points = stations(spring, points, reference, pairs_per_turn)
-    else:
-        contact_points = spheres(spring, points, reference, elements_per_turn, pairs_per_turn)
     penalty = contact.stiffness * PAIRS_A_TURN / pairs_per_turn
     law = Law(spring.wire_diameter, penalty, contact.exponent, contact.coefficient)
     fixed = np.zeros((count + 1, 6), dtype=bool)
@@ -144,7 +140,7 @@ def wire_forces(scene: Scene, element: str, elements_per_turn: int, pairs_per_tu
         arms=arms,
         stiffness=curved(scene, phases, points, poses) if element == "curved" else straight(scene, points),
         strain0=strain(*poses),
-        points=contact_points,
+        points=contact_points(spring, points, pairs_per_turn, contact.geometry == "wires"),
         law=law,
         enabled=contact.enabled,
         fixed=fixed,

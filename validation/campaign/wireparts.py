@@ -49,9 +49,8 @@ def straight(scene: Scene, points: np.ndarray) -> np.ndarray:
     EA, GA, GJ, EI = rigidities(scene)
     length = np.linalg.norm(np.diff(points, axis=0), axis=1)
     shear = 1.0 / (1.0 / GA + length**2 / (12.0 * EI))
-    rows = np.broadcast_arrays(EA, shear, shear, GJ, EI, EI, length)
     K = np.zeros((6, 6, length.size))
-    K[np.arange(6), np.arange(6)] = np.array(rows[:6]) / length
+    K[np.arange(6), np.arange(6)] = np.array(np.broadcast_arrays(EA, shear, shear, GJ, EI, EI)) / length
     return K
 
 
@@ -102,44 +101,31 @@ class Points:
         return pairs[(low[:, 0] != low[:, 1]) | (low.sum(axis=1) != high.sum(axis=1))]
 
 
-def spheres(
-    spring: Spring, points: np.ndarray, reference: np.ndarray, elements_per_turn: int, pairs_per_turn: int
-) -> Points:
-    """Contact spheres at nodes."""
-    last = len(points) - 1
-    index = _numbers(spring, pairs_per_turn)
-    node = np.clip(index * (elements_per_turn // pairs_per_turn), 0, last)
-    origins = np.concatenate((points[:-1], reference[None]))
-    arm = helix(spring, index * TURN / pairs_per_turn) - origins[node]
-    count, first = len(index), np.array([1.0, 0.0])
-    return Points(
-        False, pairs_per_turn, np.stack((node, node), axis=1), np.tile(first, (count, 1)),
-        arm[:, None] * first[:, None], np.zeros((count, 2)), np.zeros((count, 2, 3)),
-        np.tile(first, (count, 1)),
-    )  # fmt: skip
-
-
-def stations(spring: Spring, points: np.ndarray, reference: np.ndarray, pairs_per_turn: int) -> Points:
-    """Contact stations along the wire: between the nodes it is a cubic along the turned tangents at rest.
+def contact_points(spring: Spring, points: np.ndarray, per_turn: int, wires: bool) -> Points:
+    """Spheres at nodes, or stations along the wire: between the nodes, at `points`, it is a cubic along the
+    turned tangents at rest.
 
     With T(P) the place of a point P that moves with a node, and s the share between the nodes A and B,
 
         (1 - s) Ta(P) + s Tb(P) - s (1 - s)^2 (Tb(A) - Ta(A)) + s^2 (1 - s) (Tb(B) - Ta(B)).
     """
     count, last = len(points) - 1, TURN * spring.active_coils
-    phases = _numbers(spring, pairs_per_turn) * TURN / pairs_per_turn
+    first = math.ceil(-spring.end_turns * per_turn - 1e-9)
+    end = math.floor((spring.active_coils + spring.end_turns) * per_turn + 1e-9)
+    phases = np.arange(first, end + 1) * TURN / per_turn
     place = np.clip(phases, 0.0, last) / last * count
     low = np.minimum(place.astype(int), count - 1)
     s = np.where(np.abs(place - np.rint(place)) < AT_NODE, np.rint(place), place) - low
+    node = np.stack((np.where(s == 1.0, low + 1, low), np.where(s == 0.0, low, low + 1)))  # one node alone
     P, A, B = helix(spring, phases), points[low], points[low + 1]
-    origins = np.concatenate((points[:-1], reference[None]))[np.stack((low, low + 1), axis=1)]
+    origins = np.concatenate((points[:-1], [[0.0, spring.active_height, 0.0]]))[np.stack((low, low + 1))]
     # by node: the shares of P, A and B, and their derivatives in s
     dip, rise = s * (1.0 - s) ** 2, s**2 * (1.0 - s)
     shares = np.array([[1.0 - s, dip, -rise], [s, -dip, rise]])
     ddip, drise = (1.0 - s) * (1.0 - 3.0 * s), s * (2.0 - 3.0 * s)
     one = np.ones_like(s)
     changes = np.array([[-one, ddip, -drise], [one, -ddip, drise]])
-    arms = np.stack((P, A, B))[None] - origins.swapaxes(0, 1)[:, None]  # (node, of P A B, points, 3)
+    arms = np.stack((P, A, B))[None] - origins[:, None]  # (node, of P A B, points, 3)
     before, after = (helix(spring, phases + side * NUDGE) for side in (-1.0, 1.0))
     slope = (after - before) / (2.0 * NUDGE)  # where pieces meet at a rest angle, their mean
     speed = np.linalg.norm(slope, axis=1, keepdims=True)
@@ -148,9 +134,9 @@ def stations(spring: Spring, points: np.ndarray, reference: np.ndarray, pairs_pe
     slope_arm = per_length * np.einsum("njp,njpi->npi", changes, arms)
     slope_arm += np.stack((1.0 - s, s))[..., None] * (slope / speed)
     return Points(
-        wires=True,
-        per_turn=pairs_per_turn,
-        node=_alone(np.stack((low, low + 1), axis=1), s),
+        wires=wires,
+        per_turn=per_turn,
+        node=node.T,
         weight=shares.sum(axis=1).T,
         arm=np.einsum("njp,njpi->pni", shares, arms),
         slope_weight=(per_length[:, 0] * changes.sum(axis=1)).T,
@@ -159,21 +145,8 @@ def stations(spring: Spring, points: np.ndarray, reference: np.ndarray, pairs_pe
     )
 
 
-def _alone(node: np.ndarray, s: np.ndarray) -> np.ndarray:
-    """The nodes, twice the same one where the other has no share."""
-    node[s == 0.0, 1] = node[s == 0.0, 0]
-    node[s == 1.0, 0] = node[s == 1.0, 1]
-    return node
-
-
-def _numbers(spring: Spring, pairs_per_turn: int) -> np.ndarray:
-    """Numbers of contact points: multiples of a turn's share, end turns included."""
-    low = math.ceil(-spring.end_turns * pairs_per_turn - 1e-9)
-    high = math.floor((spring.active_coils + spring.end_turns) * pairs_per_turn + 1e-9)
-    return np.arange(low, high + 1)
-
-
 def rigidities(scene: Scene) -> tuple[float, float, float, float]:
+    """EA, GA, GJ and EI of the wire."""
     d, E, G = scene.spring.wire_diameter, scene.material.E, scene.material.G
     area, second = math.pi * d**2 / 4.0, math.pi * d**4 / 64.0
     return E * area, SHEAR_FACTOR * G * area, 2.0 * G * second, E * second
