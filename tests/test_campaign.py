@@ -578,7 +578,7 @@ def test_a_release_finds_the_equilibrium_without_sticking_where_there_is_one(geo
     scene = replace(load_scene("spring-b").with_steps(5), contact=contact)
     case = Case("w00000", "", scene, 1.0, 0, SMALL)
     path, forces = reached(case), wire_forces(scene, **SMALL)
-    pairs, rows = forces.pairs(path, -1, forces.d), path.states[-1].reshape(-1, 7)
+    pairs, rows = forces.pairs(path, -1, forces.law.d), path.states[-1].reshape(-1, 7)
     assert (released(forces, pairs, pairs.held, rows, path.loads[-1]) == 0.0) == goes_on
 
 

@@ -24,12 +24,12 @@ TIPS = ("UX", "UY", "ROTZ")
 HELD = 1e-9  # tips below are the rounding of fixed degrees of freedom
 
 
-def on_and_off() -> Scene:
-    """The example of a progressive valve spring, its load put on and taken off."""
-    return replace(load_scene(CYCLE), load=Load(stages=((0.0, -80.0), (0.0, 0.0)), steps=100))
-
-
-SPRINGS: dict[str, Callable[[], Scene]] = {"A": spring_a, "B": spring_b, "cycle": on_and_off}
+SPRINGS: dict[str, Callable[[], Scene]] = {
+    "A": spring_a,
+    "B": spring_b,
+    # a progressive valve spring, its load put on and taken off
+    "cycle": lambda: replace(load_scene(CYCLE), load=Load(stages=((0.0, -80.0), (0.0, 0.0)), steps=100)),
+}
 
 
 @dataclass(frozen=True)
@@ -108,14 +108,11 @@ def overlap(path: EquilibriumPath, points_per_turn: int = 160) -> float:
     points of one rigid end turn do not count with each other.
     """
     line = path.centreline(-1, points_per_turn)
-    ends = round(path.scene.spring.end_turns * points_per_turn)
-    half = points_per_turn // 2
+    ends, half = round(path.scene.spring.end_turns * points_per_turn), points_per_turn // 2
     least = np.inf
     for ahead in range(half, 3 * half):
-        count = len(line) - ahead - 1
-        first, second = line[ahead : ahead + count], line[ahead + 1 : ahead + 1 + count]
-        distance = to_pieces(line[:count], first, second)
-        inside = np.arange(count)
+        distance = to_pieces(line[: -ahead - 1], line[ahead:-1], line[ahead + 1 :])
+        inside = np.arange(len(distance))
         active = (inside + ahead >= ends) & (inside < len(line) - ends)
         least = min(least, float(distance[active].min()))
     return max(path.scene.spring.wire_diameter - least, 0.0)
@@ -146,12 +143,10 @@ def unlisted(path: EquilibriumPath) -> int:
     count = 0
     for step in range(len(path.times)):
         contact, places = centres(path, step)
-        listed = {tuple(pair) for pair in contact.pairs.tolist()}
-        touching = cKDTree(places).query_pairs(contact.d, output_type="ndarray").tolist()
-        count += sum(
-            b - a > contact.near and contact.attached[a] != contact.attached[b] and (a, b) not in listed
-            for a, b in touching
-        )
+        low, high = cKDTree(places).query_pairs(contact.d, output_type="ndarray").T
+        apart = (high - low > contact.near) & (contact.attached[low] != contact.attached[high])
+        listed = np.isin(low * len(places) + high, contact.pairs @ [len(places), 1])
+        count += int((apart & ~listed).sum())
     return count
 
 
