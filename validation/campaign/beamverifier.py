@@ -5,7 +5,6 @@ A critical point is bracketed by the verifier's own Hessian: a stable and an uns
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
@@ -73,8 +72,7 @@ def verify_critical(verdict: Verdict, energy: BeamEnergy, case: Case, path: Equi
             verdict.ask("confirmed", found.offset(critical), runs.LOAD, "eigenvalue changes sign elsewhere")
 
 
-@dataclass(frozen=True)
-class Bracket:
+class Bracket(NamedTuple):
     """Times and least eigenvalues, in units of those at rest, of a stable and of an unstable equilibrium next
     to each other."""
 
@@ -157,50 +155,36 @@ def _by_load(energy: BeamEnergy, start: _Point, H: np.ndarray, critical: float) 
 
 
 def _settled(
-    energy: BeamEnergy, start: _Point, state: np.ndarray, time: float, row: np.ndarray, distance: float
+    energy: BeamEnergy, start: _Point, guess: np.ndarray, begin: float, row: np.ndarray, distance: float
 ) -> _Point | None:
     """Equilibrium near a guess, where `row` times the change of displacements and time since `start` is a
-    distance, and whose closed pairs are those assumed."""
-    closed = energy.closed(state)
+    distance: by Newton's method with the closed pairs held closed, which leaves no kinks, until they are."""
+    free, closed = energy.free, energy.closed(guess)
     for _ in range(MOST_SETS):
-        found = _newton(energy, closed, start, state, time, row, distance)
-        if found is None:
+        state, time, before = energy.placed(guess.copy(), begin), begin, np.inf
+        for _ in range(MOST_CORRECTIONS):
+            column = -energy.rate(state, closed)[:, None]
+            matrix = np.vstack((np.hstack((energy.hessian(state, closed), column)), row))
+            change = np.append((state - start.state)[free], time - start.time)
+            missing = np.append(-energy.residual(state, time, closed), distance - row @ change)
+            try:
+                step = np.linalg.solve(matrix, missing)
+            except np.linalg.LinAlgError:
+                return None
+            if not np.isfinite(step).all():
+                return None
+            state[free] += step[:-1]
+            time += step[-1]
+            state = energy.placed(state, time)
+            # by the step, not by the residual: hard contact turns rounding of positions into large forces
+            share = float(np.linalg.norm(energy.rest_factor.T @ step[:-1])) / energy.load_norm / abs(time)
+            if share <= CLOSE or (before <= LOOSE and share > 0.5 * before):
+                break
+            before = share
+        else:
             return None
-        now = energy.closed(found[0])
+        now = energy.closed(state)
         if (now == closed).all():
-            return _Point(*found, energy.least(energy.hessian(found[0])))
+            return _Point(state, time, energy.least(energy.hessian(state)))
         closed = now
-    return None
-
-
-def _newton(
-    energy: BeamEnergy,
-    closed: np.ndarray,
-    start: _Point,
-    state: np.ndarray,
-    time: float,
-    row: np.ndarray,
-    distance: float,
-) -> tuple[np.ndarray, float] | None:
-    """Newton's method with the closed pairs held closed, which leaves no kinks."""
-    state, free, before = energy.placed(state.copy(), time), energy.free, np.inf
-    for _ in range(MOST_CORRECTIONS):
-        column = -energy.rate(state, closed)[:, None]
-        matrix = np.vstack((np.hstack((energy.hessian(state, closed), column)), row))
-        change = np.append((state - start.state)[free], time - start.time)
-        missing = np.append(-energy.residual(state, time, closed), distance - row @ change)
-        try:
-            step = np.linalg.solve(matrix, missing)
-        except np.linalg.LinAlgError:
-            return None
-        if not np.isfinite(step).all():
-            return None
-        state[free] += step[:-1]
-        time += step[-1]
-        state = energy.placed(state, time)
-        # by the step, not by the residual: hard contact turns rounding of positions into large forces
-        share = float(np.linalg.norm(energy.rest_factor.T @ step[:-1])) / energy.load_norm / abs(time)
-        if share <= CLOSE or (before <= LOOSE and share > 0.5 * before):
-            return state, time
-        before = share
     return None

@@ -48,8 +48,7 @@ DARK, SMALL, NO_DATA = 25.0, 5.5, "#dcdcdc"  # %: numbers on darker cells are wh
 def outcome_figure(data: pd.DataFrame) -> Figure:
     """Share of scenes that end at a critical point, over the numerics and over the physics."""
     letters = [letter for letter in MODELS if data["id"].str.startswith(letter).any()] or ["b"]
-    looks: Any = RC
-    with matplotlib.rc_context(looks):
+    with matplotlib.rc_context(RC):
         figure = Figure(figsize=(DOUBLE, 0.5 + 2.5 * len(letters)), layout="constrained")
         plots = figure.subplots(len(letters), 2, squeeze=False)
         for i, letter in enumerate(letters):

@@ -85,8 +85,7 @@ SUMMARY = ("cases", "springs", "gain", "breaks", "time", "stability", "limits") 
 
 def files(law: UserLaw, data: Data) -> tuple[dict[str, bytes], list[str]]:
     """The page and its figure by file name, and the summary."""
-    looks: Any = RC
-    with matplotlib.rc_context(looks):
+    with matplotlib.rc_context(RC):
         picture = png(draw(data["place"]))
     text = template.page(PAGE, law=law, f=data, code="@code@", tables=tables(data))
     source = law.source[1].rstrip() if law.source else ""

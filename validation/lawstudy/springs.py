@@ -31,7 +31,7 @@ def wire_curves(seed: int, kind: str, each: int) -> list[dict[str, Any]]:
         scene = drawn.scene
         wire = reference(scene)
         row: dict[str, Any] = {"seed": seed, "kind": kind, "number": drawn.number, "shape": drawn.shape}
-        row |= {"contact": scene.contact.enabled, "closed": closed(wire) if scene.contact.enabled else 0}
+        row |= {"contact": scene.contact.enabled, "closed": closed(wire)}
         row |= {"wire": wire.outcome, "times": wire.times.tolist()}
         row["answers"] = {name: values.tolist() for name, values in answered(wire).items()}
         for law in LAWS:

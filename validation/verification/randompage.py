@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from itertools import product
 from pathlib import Path
 from typing import Any
 
@@ -33,14 +34,8 @@ LOOKS: dict[str, dict[str, Any]] = {
     "helix": {"color": NAVY, "marker": "D", "label": "helix law, median to 95th percentile"},
     "haringx": {"color": BLUE, "marker": "o", "label": "paper's law, likewise"},
 }
-SPRING: dict[str, Any] = {
-    "color": GREY,
-    "marker": ".",
-    "linestyle": "none",
-    "markersize": 2.4,
-    "alpha": 0.6,
-    "markeredgewidth": 0,
-}
+SPRING: dict[str, Any] = {"color": GREY, "marker": ".", "linestyle": "none", "markersize": 2.4}
+SPRING |= {"alpha": 0.6, "markeredgewidth": 0}
 PANELS = (("(a) no pair closes", CLASSES[:2]), ("(b) pairs close", CLASSES[2:]))
 BESIDE, SPREAD = 0.19, 0.11  # of a law from the middle of its row, and of single springs around it
 
@@ -121,15 +116,11 @@ def facts(data: pd.DataFrame) -> dict[str, float]:
     """Of the errors of the tip vector of each law, without contact and where many pairs close."""
     rows = classified(data)
     found: dict[str, float] = {}
-    for law in LAWS:
-        for name, closing in (("open", 0), ("closed", 3)):
-            known = errors(rows, f"{law}_vector", closing)
-            found |= {
-                f"{law}.{name}.springs": int(known.count()),
-                f"{law}.{name}.median": known.median(),
-                f"{law}.{name}.percentile": known.quantile(0.95),
-                f"{law}.{name}.bound": percentile_bound(known),
-            }
+    for law, (name, closing) in product(LAWS, (("open", 0), ("closed", 3))):
+        known = errors(rows, f"{law}_vector", closing)
+        values = {"springs": int(known.count()), "median": known.median()}
+        values |= {"percentile": known.quantile(0.95), "bound": percentile_bound(known)}
+        found |= {f"{law}.{name}.{key}": value for key, value in values.items()}
     return found
 
 
@@ -151,11 +142,10 @@ def _worst(rows: pd.DataFrame) -> Table:
     return frame_table(worst.rename(columns=titles), formats)
 
 
-def write_figure(data: pd.DataFrame, file: Path = FILE) -> None:
+def write_figure(data: pd.DataFrame) -> None:
     """Write the PNG."""
-    looks: Any = RC
-    with matplotlib.rc_context(looks):
-        write_bytes(file, png(draw(classified(data))))
+    with matplotlib.rc_context(RC):
+        write_bytes(FILE, png(draw(classified(data))))
 
 
 def draw(rows: pd.DataFrame) -> Figure:

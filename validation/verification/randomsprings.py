@@ -39,18 +39,13 @@ def row(drawn: Drawn) -> dict[str, Any]:
     ``closed`` is the largest number of quarter turns on which pairs are closed at once; ``reference`` what
     twice the elements and, with contact, half the stations move the wire model by.
     """
-    scene, spring = drawn.scene, drawn.scene.spring
-    contact = scene.contact.enabled
-    wire = reference(scene)
-    other = reference(scene, elements=16, pairs=PAIRS // 2)
-    diameter = middle_diameter(spring)
+    scene, spring, diameter = drawn.scene, drawn.scene.spring, middle_diameter(drawn.scene.spring)
+    wire, other = reference(scene), reference(scene, elements=16, pairs=PAIRS // 2)
     found: dict[str, Any] = {
         **{"seed": drawn.seed, "kind": drawn.kind, "number": drawn.number, "shape": drawn.shape},
         **{"index": diameter / spring.wire_diameter, "coils": spring.active_coils},
         **{"slenderness": spring.active_height / diameter, "phase": math.degrees(spring.start_phase)},
-        "contact": contact,
-        "closed": closed(wire) if contact else 0,
-        "wire": wire.outcome,
+        **{"contact": scene.contact.enabled, "closed": closed(wire), "wire": wire.outcome},
         "reference": errors(other, wire)["vector"],
     }
     for law in LAWS:
@@ -67,10 +62,7 @@ def reference(scene: Scene, elements: int = ELEMENTS, pairs: int = PAIRS) -> Equ
 
 
 def closed(wire: EquilibriumPath) -> int:
-    """Largest number of quarter turns on which pairs are closed at once.
-
-    A contact of the paper's pairs, 4 per turn, is one quarter turn, whatever the number of pairs.
-    """
+    """Largest number of quarter turns, each a pair of the paper's, on which pairs are closed at once."""
     pairs: np.ndarray = wire.shape.data.contact.pairs  # type: ignore[attr-defined]
     quarters = pairs[:, 0] * PAPER_PAIRS // PAIRS
     return max((len(np.unique(quarters[gaps < 0.0])) for gaps in wire.gaps), default=0)
