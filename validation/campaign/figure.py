@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from itertools import product
 from typing import Any, NamedTuple
 
 import matplotlib
@@ -24,21 +25,15 @@ class Scale(NamedTuple):
 
     label: str
     edges: np.ndarray
-    ticks: tuple[float, ...]
-    logarithmic: bool = True
-
-    @property
-    def middles(self) -> np.ndarray:
-        """Middles of the cells, as drawn."""
-        low, high = self.edges[:-1], self.edges[1:]
-        return np.sqrt(low * high) if self.logarithmic else 0.5 * (low + high)
+    ticks: tuple[float, ...] = ()
+    kind: str = "log"
 
 
 SCALES = {
-    "penalty": Scale("penalty K (N/mm$^k$)", np.geomspace(1e2, 1e10, 9), ()),
+    "penalty": Scale("penalty K (N/mm$^k$)", np.geomspace(1e2, 1e10, 9)),
     "steps": Scale("requested steps", np.array([1, 3, 8, 22, 63, 201]), (1, 3, 10, 30, 100)),
     "slenderness": Scale("height over mean diameter", np.geomspace(0.2, 7.0, 8), (0.2, 0.5, 1, 2, 5)),
-    "load": Scale("relative load", np.linspace(0.0, 1.6, 9), (0, 0.4, 0.8, 1.2, 1.6), False),
+    "load": Scale("relative load", np.linspace(0.0, 1.6, 9), (0, 0.4, 0.8, 1.2, 1.6), "linear"),
 }
 OTHER_UNITS = ("tiny", "huge")  # whose penalties say nothing beside the others'
 FEWEST = 3  # scenes of a cell that is coloured
@@ -51,13 +46,12 @@ def outcome_figure(data: pd.DataFrame) -> Figure:
     with matplotlib.rc_context(RC):
         figure = Figure(figsize=(DOUBLE, 0.5 + 2.5 * len(letters)), layout="constrained")
         plots = figure.subplots(len(letters), 2, squeeze=False)
-        for i, letter in enumerate(letters):
-            for j, names in enumerate(MAPS):
-                mine = data[data["id"].str.startswith(letter)]
-                if "penalty" in names:
-                    mine = mine[~mine["corner"].isin(OTHER_UNITS)]
-                mesh = _map(plots[i, j], mine, names)
-                plots[i, j].set_title(f"({'abcd'[2 * i + j]}) {TITLES[letter]}")
+        for mark, axes, (letter, names) in zip("abcd", plots.flat, product(letters, MAPS), strict=False):
+            mine = data[data["id"].str.startswith(letter)]
+            if "penalty" in names:
+                mine = mine[~mine["corner"].isin(OTHER_UNITS)]
+            mesh = _map(axes, mine, names)
+            axes.set_title(f"({mark}) {TITLES[letter]}")
         bar = figure.colorbar(mesh, ax=plots, shrink=0.7, aspect=30, extend="max")
         bar.set_label("share of scenes that end at\na confirmed critical point (%)")
         bar.outline.set_linewidth(0.5)
@@ -70,29 +64,29 @@ def _map(axes: Axes, data: pd.DataFrame, names: tuple[str, str]) -> QuadMesh:
     """One map: cells with their share in per cent, crosses for the unexplained."""
     places, scales = data[list(names)].astype(float), [SCALES[name] for name in names]
     there = places[names[0]] > 0.0
-    data, (x, y) = data[there], places[there].to_numpy().T
-    edges = [scale.edges for scale in scales]
+    data, (x, y), edges = data[there], places[there].to_numpy().T, [scale.edges for scale in scales]
     count, _, _ = np.histogram2d(x, y, bins=edges)
     critical = data["class"].isin(CRITICAL).to_numpy(dtype=float)
     share, _, _ = np.histogram2d(x, y, bins=edges, weights=critical)
     cells = np.ma.masked_where(count < FEWEST, 100.0 * share / np.maximum(count, 1.0)).T
     axes.set_facecolor(NO_DATA)
-    mesh = axes.pcolormesh(
-        *edges, cells, cmap="Blues", vmin=0.0, vmax=50.0, edgecolors="white", linewidth=0.4
-    )
+    look: Any = {"cmap": "Blues", "vmin": 0.0, "vmax": 50.0, "edgecolors": "white", "linewidth": 0.4}
+    mesh, middles = axes.pcolormesh(*edges, cells, **look), []
     for axis, scale, letter in zip((axes.xaxis, axes.yaxis), scales, "xy", strict=True):
-        axes.set(**{f"{letter}label": scale.label, f"{letter}lim": scale.edges[[0, -1]]})
-        axes.set(**{f"{letter}scale": "log"} if scale.logarithmic else {})
+        low, high = scale.edges[:-1], scale.edges[1:]
+        middles.append(np.sqrt(low * high) if scale.kind == "log" else 0.5 * (low + high))
+        limits = {f"{letter}label": scale.label, f"{letter}lim": scale.edges[[0, -1]]}
+        axes.set(**limits, **{f"{letter}scale": scale.kind})
         if scale.ticks:
             axis.set_ticks(scale.ticks, [f"{tick:g}" for tick in scale.ticks])
             axis.set_ticks([], minor=True)
     for row, column in zip(*np.nonzero(~np.ma.getmaskarray(cells)), strict=True):
-        value, place = cells[row, column], (scales[0].middles[column], scales[1].middles[row])
+        value, place = cells[row, column], (middles[0][column], middles[1][row])
         colour = "white" if value > DARK else "black"
         axes.text(*place, f"{value:.0f}", ha="center", va="center", fontsize=SMALL, color=colour)
     inside = (x >= edges[0][0]) & (x <= edges[0][-1]) & (y >= edges[1][0]) & (y <= edges[1][-1])
     odd = inside & (data["class"] == UNEXPLAINED).to_numpy()
-    look: Any = {"color": RED, "markersize": 5, "markeredgewidth": 1.2, "clip_on": False, "in_layout": False}
+    look = {"color": RED, "markersize": 5, "markeredgewidth": 1.2, "clip_on": False, "in_layout": False}
     axes.plot(x[odd], y[odd], "x", **look, label="unexplained")
     axes.plot([], [], "s", color=NO_DATA, label=f"fewer than {FEWEST} scenes")
     axes.grid(False)
