@@ -7,7 +7,7 @@ import pandas as pd
 import pytest
 
 from validation.verification import contact
-from validation.verification.contactruns import NONE, Run, difference, measured, to_pieces
+from validation.verification.contact import NONE, Run, difference, measured, to_pieces
 
 FAKE = {
     **{

@@ -1,18 +1,23 @@
-"""Page of a campaign, ``stability.md``: its words and tables are in ``page.md``."""
+"""Page of a campaign, ``stability.md``, and its picture; words and tables are in ``page.md``."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable
 from itertools import product
 from pathlib import Path
+from typing import Any, NamedTuple
 
+import matplotlib
+import numpy as np
 import pandas as pd
+from matplotlib.axes import Axes
+from matplotlib.collections import QuadMesh
+from matplotlib.figure import Figure
 
-from validation.campaign.figure import TITLES, outcome_figure
 from validation.campaign.runs import KINDS
 from validation.campaign.scenes import CORNERS, MODELS
 from validation.campaign.table import DISPLACEMENT, FORCE, NUMBERS, version
-from validation.campaign.verdict import CLASSES, ITERATION, REFUSED, UNEXPLAINED, VERIFIED
+from validation.campaign.verdict import CLASSES, CRITICAL, ITERATION, REFUSED, UNEXPLAINED, VERIFIED
 from validation.study import template
 from validation.study.document import Table
 from validation.study.frames import frame_table
@@ -20,8 +25,31 @@ from validation.study.machine import versions
 from validation.study.metrics import upper_bound
 from validation.study.output import write_facts, write_files, write_text
 from validation.study.plots import drawn
+from validation.study.style import DOUBLE, RC, RED
 
 PAGE = template.template(Path(__file__).with_name("page.md"))
+TITLES = {"b": "equivalent beam", "w": "wire model"}
+MAPS = (("penalty", "steps"), ("slenderness", "load"))
+
+
+class Scale(NamedTuple):
+    """How a quantity is drawn: cells between edges."""
+
+    label: str
+    edges: np.ndarray
+    ticks: tuple[float, ...] = ()
+    kind: str = "log"
+
+
+SCALES = {
+    "penalty": Scale("penalty K (N/mm$^k$)", np.geomspace(1e2, 1e10, 9)),
+    "steps": Scale("requested steps", np.array([1, 3, 8, 22, 63, 201]), (1, 3, 10, 30, 100)),
+    "slenderness": Scale("height over mean diameter", np.geomspace(0.2, 7.0, 8), (0.2, 0.5, 1, 2, 5)),
+    "load": Scale("relative load", np.linspace(0.0, 1.6, 9), (0, 0.4, 0.8, 1.2, 1.6), "linear"),
+}
+OTHER_UNITS = ("tiny", "huge")  # whose penalties say nothing beside the others'
+FEWEST = 3  # scenes of a cell that is coloured
+DARK, SMALL, NO_DATA = 25.0, 5.5, "#dcdcdc"  # %: numbers on darker cells are white; pt; cells without data
 
 
 def write_page(data: pd.DataFrame, out: Path) -> None:
@@ -101,3 +129,56 @@ def _largest(data: pd.DataFrame, name: str) -> list[str]:
     explained = data[data["class"].isin(VERIFIED)]
     found = [pd.to_numeric(explained.loc[explained["id"].str[:1] == model, name]).max() for model in MODELS]
     return ["-" if pd.isna(value) else f"{value:.1e}" for value in found]
+
+
+def outcome_figure(data: pd.DataFrame) -> Figure:
+    """Share of scenes that end at a critical point, over the numerics and over the physics."""
+    letters = [letter for letter in MODELS if data["id"].str.startswith(letter).any()] or ["b"]
+    with matplotlib.rc_context(RC):
+        figure = Figure(figsize=(DOUBLE, 0.5 + 2.5 * len(letters)), layout="constrained")
+        plots = figure.subplots(len(letters), 2, squeeze=False)
+        for mark, axes, (letter, names) in zip("abcd", plots.flat, product(letters, MAPS), strict=False):
+            mine = data[data["id"].str.startswith(letter)]
+            if "penalty" in names:
+                mine = mine[~mine["corner"].isin(OTHER_UNITS)]
+            mesh = _map(axes, mine, names)
+            axes.set_title(f"({mark}) {TITLES[letter]}")
+        bar = figure.colorbar(mesh, ax=plots, shrink=0.7, aspect=30, extend="max")
+        bar.set_label("share of scenes that end at\na confirmed critical point (%)")
+        bar.outline.set_linewidth(0.5)
+        handles, labels = plots[0, 0].get_legend_handles_labels()
+        figure.legend(handles, labels, loc="outside lower center", ncols=2)
+    return figure
+
+
+def _map(axes: Axes, data: pd.DataFrame, names: tuple[str, str]) -> QuadMesh:
+    """One map: cells with their share in per cent, crosses for the unexplained."""
+    places, scales = data[list(names)].astype(float), [SCALES[name] for name in names]
+    there = places[names[0]] > 0.0
+    data, (x, y), edges = data[there], places[there].to_numpy().T, [scale.edges for scale in scales]
+    count, _, _ = np.histogram2d(x, y, bins=edges)
+    critical = data["class"].isin(CRITICAL).to_numpy(dtype=float)
+    share, _, _ = np.histogram2d(x, y, bins=edges, weights=critical)
+    cells = np.ma.masked_where(count < FEWEST, 100.0 * share / np.maximum(count, 1.0)).T
+    axes.set_facecolor(NO_DATA)
+    look: Any = {"cmap": "Blues", "vmin": 0.0, "vmax": 50.0, "edgecolors": "white", "linewidth": 0.4}
+    mesh, middles = axes.pcolormesh(*edges, cells, **look), []
+    for axis, scale, letter in zip((axes.xaxis, axes.yaxis), scales, "xy", strict=True):
+        low, high = scale.edges[:-1], scale.edges[1:]
+        middles.append(np.sqrt(low * high) if scale.kind == "log" else 0.5 * (low + high))
+        limits = {f"{letter}label": scale.label, f"{letter}lim": scale.edges[[0, -1]]}
+        axes.set(**limits, **{f"{letter}scale": scale.kind})
+        if scale.ticks:
+            axis.set_ticks(scale.ticks, [f"{tick:g}" for tick in scale.ticks])
+            axis.set_ticks([], minor=True)
+    for row, column in zip(*np.nonzero(~np.ma.getmaskarray(cells)), strict=True):
+        value, place = cells[row, column], (middles[0][column], middles[1][row])
+        colour = "white" if value > DARK else "black"
+        axes.text(*place, f"{value:.0f}", ha="center", va="center", fontsize=SMALL, color=colour)
+    inside = (x >= edges[0][0]) & (x <= edges[0][-1]) & (y >= edges[1][0]) & (y <= edges[1][-1])
+    odd = inside & (data["class"] == UNEXPLAINED).to_numpy()
+    look = {"color": RED, "markersize": 5, "markeredgewidth": 1.2, "clip_on": False, "in_layout": False}
+    axes.plot(x[odd], y[odd], "x", **look, label="unexplained")
+    axes.plot([], [], "s", color=NO_DATA, label=f"fewer than {FEWEST} scenes")
+    axes.grid(False)
+    return mesh
