@@ -12,8 +12,7 @@ from matplotlib.figure import Figure
 
 from equivbeam.laws.userlaw import UserLaw
 from validation.campaign.verdict import CLASSES as OUTCOMES
-from validation.lawstudy.place import BUILT_IN, MESHES
-from validation.lawstudy.springs import BAD, LAW, breakdown
+from validation.lawstudy.springs import BAD, BUILT_IN, LAW, MESHES, breakdown
 from validation.study import template
 from validation.study.document import Table
 from validation.study.frames import frame_table, view

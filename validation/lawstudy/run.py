@@ -23,7 +23,7 @@ from equivbeam.laws import law_of
 from equivbeam.laws.userlaw import UserLaw
 from validation.campaign.run import verified
 from validation.campaign.scenes import case_id
-from validation.lawstudy import checks, page, place, springs
+from validation.lawstudy import checks, page, springs
 from validation.study.cases import PathStore
 from validation.study.frames import to_csv
 from validation.study.keys import key, sources
@@ -78,7 +78,7 @@ def study_law(
         "derivatives": checks.derivatives(law),
         "limits": checks.limits(law),
         "half coil": checks.holds(law),
-        "cases": place.budget(law, paths),
+        "cases": springs.budget(law, paths),
         "place": _place(law, paths, store, progress),
         "springs": _springs(law, store, extent, progress),
         "stability": _stability(law, store, count, progress),
@@ -123,10 +123,10 @@ def _key(kind: str, *modules: str, **given: object) -> str:
 
 
 def _place(law: UserLaw, paths: PathStore, store: Store, progress: Progress) -> Rows:
-    errors = place.errors(law, paths)
+    errors = springs.errors(law, paths)
     progress("timing")
-    times = _key("times", "wirefe", "validation.lawstudy.place", "validation.study.timing", law=law)
-    (seconds,) = gathered(store, {times: partial(place.times, law)}, lambda done, of: None)
+    times = _key("times", "wirefe", "validation.lawstudy.springs", "validation.study.timing", law=law)
+    (seconds,) = gathered(store, {times: partial(springs.times, law)}, lambda done, of: None)
     both = pd.DataFrame(errors).merge(pd.DataFrame(seconds), on=["scene", "series"])
     return both.to_dict("records")
 

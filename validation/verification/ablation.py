@@ -194,7 +194,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
         write_csv(measured(), FOUR)
         write_csv(randomsprings.study(), randomsprings.CSV, digits=4)
         write_provenance("python -m validation.verification.ablation", FOUR.parent)
-    springs = randomsprings.read_csv()
+    springs = pd.read_csv(randomsprings.CSV)
     randompage.write_figure(springs)
     write_facts(randompage.facts(springs), FOUR.parent)
     write_text(PAGE, page(pd.read_csv(FOUR), springs))

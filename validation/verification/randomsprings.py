@@ -113,8 +113,3 @@ def curve_errors(path: Curve, wire: Curve) -> dict[str, float]:
             found[name] = 100.0 * float(np.abs(mine - theirs)[:, place].max() / peaks[place])
     largest, size = (np.linalg.norm(values[:, :2], axis=1).max() for values in (mine - theirs, theirs))
     return found | {"vector": 100.0 * float(largest / size)}
-
-
-def read_csv(path: Path = CSV) -> pd.DataFrame:
-    """The rows as recorded."""
-    return pd.read_csv(path)
