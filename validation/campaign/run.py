@@ -8,6 +8,7 @@ from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import Executor, as_completed
 from contextlib import contextmanager
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from time import process_time
 
@@ -112,25 +113,24 @@ def verified(name: str, seed: int, law: UserLaw | None = None) -> Row:
 
 
 def verify(case: Case, path: EquilibriumPath) -> Verdict:
-    """Verify a path of a case, complete or not."""
-    verdict, beam = Verdict(), case.model == "equivbeam"
+    """Verify a path of a case, complete or not, by equations of its own, other runs, and overlaps."""
+    verdict = Verdict()
     if not verdict.stop("path", path) and path.outcome not in VERIFIED:
         verdict.complain(f"{path.outcome}: {path.message}")
         return verdict
-    if beam:
+    if case.model == "equivbeam":
         energy = beam_energy(case.scene, str(path.options["law"]))
+        critical = partial(verify_critical, verdict, energy)
         verify_states(verdict, energy, path)
     else:
         forces = wire_forces(case.scene, **case.options)
+        critical = partial(wireverifier.verify_wire_critical, verdict, forces)
         for row in sorted(verified_rows(path)):
             wireverifier.verify_row(verdict, forces, path, row)
     verify_overlap(verdict, path)
     verify_steps(verdict, case, path)
     if path.outcome in CRITICAL:
-        if beam:
-            verify_critical(verdict, energy, case, path)
-        else:
-            wireverifier.verify_wire_critical(verdict, forces, case, path)
+        critical(case, path)
     elif path.outcome == JUMP:
         wireverifier.verify_jump(verdict, forces, case, path)
     return verdict

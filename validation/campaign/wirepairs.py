@@ -233,15 +233,9 @@ def known_pairs(points: Points, law: Law, rest: np.ndarray, path: EquilibriumPat
     )  # fmt: skip
     if points.wires:
         made = replace(made, clearance=np.maximum(made.depth(rest), 0.0))
-    return with_slides(made, rows)
-
-
-def with_slides(pairs: Pairs, rows: np.ndarray) -> Pairs:
-    """The pairs with those marked that slide by Coulomb's law: sticking would take more than the bound."""
-    if not pairs.held.any() or not np.isfinite(pairs.law.mu):
-        return pairs
-    stuck = replace(pairs, slides=np.zeros(len(pairs.held), bool))
-    normal, force = stuck.forces(rows)
-    bound = pairs.law.mu * normal
-    slides = pairs.held & (np.linalg.norm(force, axis=1) > (1.0 - SLIDES) * bound)
-    return replace(pairs, slides=slides)
+    if not held.any() or not np.isfinite(law.mu):
+        return made
+    # by Coulomb's law those slide of which sticking would take more than the bound
+    normal, force = made.forces(rows)
+    slides = made.held & (np.linalg.norm(force, axis=1) > (1.0 - SLIDES) * law.mu * normal)
+    return replace(made, slides=slides)

@@ -98,8 +98,7 @@ def wire_curves(seed: int, kind: str, each: int) -> list[Row]:
     """What the springs of a kind are, the wire model's curves, and both built-in laws' errors."""
     found = []
     for drawn in population(seed, each, (kind,)):
-        scene = drawn.scene
-        wire = reference(scene)
+        scene, wire = drawn.scene, reference(drawn.scene)
         row: Row = {"seed": seed, "kind": kind, "number": drawn.number, "shape": drawn.shape}
         row |= {"contact": scene.contact.enabled, "closed": closed(wire)}
         row |= {"wire": wire.outcome, "times": wire.times.tolist()}
