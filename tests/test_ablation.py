@@ -8,7 +8,7 @@ import pytest
 
 from coilspring import spring_a, spring_b
 from equivbeam import Refinements
-from validation.verification import fourcases
+from validation.verification import ablation
 from validation.verification.ablation import FOUR, Cases, tables
 
 
@@ -19,13 +19,13 @@ def counted(monkeypatch):
     def count(reference, refinements=None):
         return float(sum(vars(refinements or Refinements()).values()))
 
-    monkeypatch.setattr(fourcases, "law_error", count)
-    monkeypatch.setattr(fourcases, "phase_error", lambda scene, degrees: math.nan)
+    monkeypatch.setattr(ablation, "law_error", count)
+    monkeypatch.setattr(ablation, "phase_error", lambda scene, degrees: math.nan)
 
 
 def test_refinements_come_one_after_the_other_and_go_alone(counted):
-    numbers = list(fourcases.case_numbers(spring_a().with_steps(2)))
-    whole = len(fourcases.STAGES)
+    numbers = list(ablation.case_numbers(spring_a().with_steps(2)))
+    whole = len(ablation.STAGES)
     added = [value for table, _, value in numbers if table == "refinements"]
     assert added == list(range(whole + 1))
     less = [value for table, row, value in numbers if table == "law" and row.startswith("without")]
@@ -36,20 +36,20 @@ def test_refinements_come_one_after_the_other_and_go_alone(counted):
 
 
 def test_every_refinement_has_a_switch():
-    assert set(fourcases.STAGES) == set(vars(Refinements()))
+    assert set(ablation.STAGES) == set(vars(Refinements()))
 
 
 def test_pairs_outside_the_plane(counted):
-    numbers = list(fourcases.case_numbers(spring_b().with_steps(2)))
+    numbers = list(ablation.case_numbers(spring_b().with_steps(2)))
     share = next(value for table, _, value in numbers if table == "outside")
     assert 0.0 < share < 100.0
 
 
 def test_numbers_stand_by_table_and_row(counted, monkeypatch):
     """Cases beside each other, as the page has them; what a case has not is left out."""
-    monkeypatch.setattr(fourcases, "CASES", fourcases.CASES[1::2])
-    monkeypatch.setattr(fourcases, "rod_numbers", lambda: [("rod", "exact rod", "100 N", -6.0)])
-    data = fourcases.measured()
+    monkeypatch.setattr(ablation, "CASES", ablation.CASES[1::2])
+    monkeypatch.setattr(ablation, "rod_numbers", lambda: [("rod", "exact rod", "100 N", -6.0)])
+    data = ablation.measured()
     assert list(data["table"].unique()) == ["refinements", "law", "reference with", "rod"]
     assert data.groupby(["table", "row"], sort=False).size().tolist()[:-1] == [2] * (len(data) // 2)
     assert not data["row"].str.contains("phase").any()

@@ -13,25 +13,31 @@ import equivbeam
 from coilspring import Contact, InputError, Load, Scene, Spring, Supports, load_scene, spring_b
 from coilspring.path import OUTCOMES
 from validation.campaign import page, run, runs
-from validation.campaign.beamverifier import verify_critical, verify_states
-from validation.campaign.critical import bracket
+from validation.campaign.beamverifier import bracket, verify_critical, verify_states
 from validation.campaign.energy import beam_energy
-from validation.campaign.invariance import KINDS, verify_invariance
 from validation.campaign.poses import moved
+from validation.campaign.run import verify
 from validation.campaign.runs import (
+    KINDS,
     bounds_of,
     force_grain,
     grain,
     verify_branch,
+    verify_invariance,
     verify_steps,
 )
 from validation.campaign.scenes import Case, case_id, in_units, make_case, pressed
 from validation.campaign.table import COLUMNS, Table, read_rows, row_text
 from validation.campaign.verdict import CLASSES, THROUGH, UNEXPLAINED, Verdict, reached, under
-from validation.campaign.verifier import verify
 from validation.campaign.wire import wire_forces
-from validation.campaign.wirejump import released, verify_jump
-from validation.campaign.wireverifier import fold, vanishing, verify_balance, verify_row
+from validation.campaign.wireverifier import (
+    fold,
+    released,
+    vanishing,
+    verify_balance,
+    verify_jump,
+    verify_row,
+)
 from validation.cli import main
 
 SEED = 1
@@ -497,9 +503,9 @@ def test_a_run_that_stops_by_the_iteration_is_a_class_of_its_own():
     verdict = verify(case, stuck)
     assert verdict.stops == ["path: planted"]
     assert not verdict.complaints
-    assert run.class_of("not_converged", verdict) == "iteration"
+    assert verdict.class_of("not_converged") == "iteration"
     verdict.complain("out of balance")
-    assert run.class_of("not_converged", verdict) == UNEXPLAINED
+    assert verdict.class_of("not_converged") == UNEXPLAINED
 
 
 # contact of wires
@@ -572,7 +578,7 @@ def test_a_release_finds_the_equilibrium_without_sticking_where_there_is_one(geo
     scene = replace(load_scene("spring-b").with_steps(5), contact=contact)
     case = Case("w00000", "", scene, 1.0, 0, SMALL)
     path, forces = reached(case), wire_forces(scene, **SMALL)
-    pairs, rows = forces.pairs(path, -1, forces.d), path.states[-1].reshape(-1, 7)
+    pairs, rows = forces.pairs(path, -1, forces.law.d), path.states[-1].reshape(-1, 7)
     assert (released(forces, pairs, pairs.held, rows, path.loads[-1]) == 0.0) == goes_on
 
 

@@ -7,7 +7,7 @@ import pandas as pd
 import pytest
 
 from validation.verification import contact
-from validation.verification.contactruns import NONE, Run, difference, measured, to_pieces
+from validation.verification.contact import NONE, Run, difference, measured, to_pieces
 
 FAKE = {
     **{
@@ -67,21 +67,25 @@ LIMIT = {"traced": 7, "limit": 0.6473, "first": 3, "second": 7, "circ": 96.0}
 
 def wires(**changes):
     """Runs of spheres and wires that all have one answer, but for the changes."""
-    groups = {"friction": contact.GEOMETRY, "phases": contact.PHASES, "cycles": contact.CYCLES}
-    return {name: fake(runs, **({"work": lambda run: 0.1} | changes)) for name, runs in groups.items()}
+    names, changes = ("geometry", "phases", "cycles"), {"work": lambda run: 0.1} | changes
+    return {name: fake(contact.RUNS[name], **changes) for name in names}
+
+
+def every(**groups):
+    """Runs that all have one answer but for the groups given."""
+    return {name: fake(group) for name, group in contact.RUNS.items()} | wires() | groups
 
 
 def page(**groups):
     """The page of runs that all have one answer but for the groups given."""
-    runs = {"pairs": contact.PAIRS, "exponents": contact.EXPONENTS, "friction": contact.FRICTION}
-    runs["search"] = contact.SEARCH
-    found = {name: fake(group) for name, group in runs.items()} | {"wires": wires()}
-    return contact.page(**found | groups, limit=LIMIT)
+    return contact.page(every(**groups), LIMIT)
 
 
 def test_the_pairs_are_compared_with_the_finest():
-    data = fake(contact.PAIRS, UY=lambda run: -8.0 - 0.08 / run.pairs, seconds=lambda run: 0.1 * run.pairs)
-    text = page(pairs=data, friction=fake(contact.FRICTION, last_slip=lambda run: 0.3))
+    data = fake(
+        contact.RUNS["pairs"], UY=lambda run: -8.0 - 0.08 / run.pairs, seconds=lambda run: 0.1 * run.pairs
+    )
+    text = page(pairs=data, friction=fake(contact.RUNS["friction"], last_slip=lambda run: 0.3))
     rows = table(text, "spring | pairs per turn").set_index(["spring", "pairs per turn"])
     assert rows.loc[("A", "40"), "difference to 40"] == "0"
     assert rows.loc[("A", "4"), "difference to 40"] == "0.22 %"
@@ -92,7 +96,7 @@ def test_the_pairs_are_compared_with_the_finest():
 
 def test_friction_that_ends_early_has_no_number():
     data = fake(
-        contact.FRICTION,
+        contact.RUNS["friction"],
         work=lambda run: 0.0 if run.mu in (0.0, NONE) else 1.0 + 1.0 / run.steps,
         couple=lambda run: {0.1: 25.0, 0.3: 50.0, NONE: 125.0}.get(run.mu, 0.0),
         outcome=lambda run: "limit point" if (run.spring, run.mu) == ("B", 0.0) else "completed",
@@ -112,20 +116,21 @@ def test_the_page_follows_the_runs():
     text = page()
     assert "found 0 pairs. Arc length finds 7" in text
     assert "(t = 0.6473, arc length" in text
-    pairs = fake(contact.PAIRS)
+    pairs = fake(contact.RUNS["pairs"])
     pairs.loc[0, "pairs found"] = 5
     assert "found 5 pairs" in page(pairs=pairs)
     assert list(table(text, "spring | k")["K, N/mm^k"].unique()) == ["10000", "100000", "1e+06"]
-    assert len(table(text, "spring | mu | K")) == len(contact.SEARCH)
+    assert len(table(text, "spring | mu | K")) == len(contact.RUNS["search"])
 
 
 def test_facts_are_those_of_the_rows():
     """What findings read: the fewest pairs, the last steps of friction, the last search."""
     pairs, search = (
-        fake(runs, UY=lambda run: -8.0 - 0.08 / run.pairs) for runs in (contact.PAIRS, contact.SEARCH)
+        fake(runs, UY=lambda run: -8.0 - 0.08 / run.pairs)
+        for runs in (contact.RUNS["pairs"], contact.RUNS["search"])
     )
-    friction = fake(contact.FRICTION, couple=lambda run: 125.0 if run.mu == NONE else 0.0)
-    found = contact.facts(pairs, friction, search, wires(), {"circ": 96.0})
+    friction = fake(contact.RUNS["friction"], couple=lambda run: 125.0 if run.mu == NONE else 0.0)
+    found = contact.facts(every(pairs=pairs, friction=friction, search=search), LIMIT)
     assert found["pairs.count"] == 4
     assert found["pairs.A.difference"] == pytest.approx(0.22, abs=0.01)
     assert (found["friction.couples"], found["search.along"]) == (50.0, 96.0)
@@ -143,14 +148,12 @@ def test_wires_are_what_spheres_are_compared_with():
         critical_time=lambda run: 0.65,
         **ended,
     )
-    text = page(wires=runs)
+    text = page(**runs)
     rows = table(text, "spring | mu | contact").set_index(["spring", "mu", "contact"])
     assert rows.loc[("A", "0.1", "4 spheres"), "difference to 64 stations"] == "1 %"
     assert rows.loc[("B", "0", "20 spheres"), "UX"] == "limit point at t = 0.6500"
     assert table(text, "contact | work")["difference to 64 stations"].tolist()[0] == "+100.0 %"
-    found = contact.facts(
-        fake(contact.PAIRS), fake(contact.FRICTION), fake(contact.SEARCH), runs, {"circ": 1.0}
-    )
+    found = contact.facts(every(**runs), LIMIT)
     assert found["spheres.B.0.4.outcome"] == "limit point"
     assert found["spheres.A.0.3.4.difference"] == pytest.approx(1.0)
     assert (found["cycle.spheres.4"], found["cycle.wires.64"]) == (0.2, 0.1)

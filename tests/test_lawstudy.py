@@ -15,7 +15,7 @@ from equivbeam.laws.userlaw import spring_coils
 from validation.campaign.plainlaw import PlainEnergy, coils_of, plain_law
 from validation.campaign.run import verified
 from validation.cli import main
-from validation.lawstudy import checks, jobs, page, place, run, springs
+from validation.lawstudy import checks, page, run, springs
 from validation.study import template
 from validation.study.cases import CASES
 from validation.study.scenes import study_scenes
@@ -45,13 +45,13 @@ class Serial(Executor):
 @pytest.fixture
 def small(monkeypatch, tmp_path):
     """A study of few springs and scenes, with a store of its own."""
-    monkeypatch.setattr(jobs, "processes", lambda count: Serial())
+    monkeypatch.setattr(run, "processes", lambda count: Serial())
     monkeypatch.setenv("COILCHECK_STORE", str(tmp_path / "store"))
     monkeypatch.setattr(run, "QUICK", (springs.Extent((0,), 1), 2))
     monkeypatch.setattr(run, "KINDS", run.KINDS[3:5])
-    monkeypatch.setattr(place, "study_scenes", lambda: {"spring-b": study_scenes()["spring-b-no-contact"]})
-    monkeypatch.setattr(place, "CASES", CASES[2:3])
-    monkeypatch.setattr(place, "ROUNDS", 1)
+    monkeypatch.setattr(springs, "study_scenes", lambda: {"spring-b": study_scenes()["spring-b-no-contact"]})
+    monkeypatch.setattr(springs, "CASES", CASES[2:3])
+    monkeypatch.setattr(springs, "ROUNDS", 1)
 
 
 def test_study(small, tmp_path, capsys):

@@ -22,7 +22,7 @@ ROOT = Path(__file__).parents[1]
 
 @pytest.fixture(scope="module")
 def recorded() -> pd.DataFrame:
-    return randomsprings.read_csv(ROOT / randomsprings.CSV)
+    return pd.read_csv(ROOT / randomsprings.CSV)
 
 
 @pytest.fixture(scope="module")

@@ -1,27 +1,32 @@
-"""The verifier of the equivalent beam's paths: residual, stability and critical points."""
+"""The verifier of the equivalent beam's paths: residual, stability and critical points.
+
+A critical point is bracketed by the verifier's own Hessian: a stable and an unstable state side by side.
+"""
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
+from scipy.linalg import solve_triangular
 
 from coilspring import EquilibriumPath
-from validation.campaign.critical import bracket
+from validation.campaign import runs
 from validation.campaign.energy import BeamEnergy
-from validation.campaign.runs import (
-    LOAD,
-    force_grain,
-    just_before,
-    largest_load,
-    sharp_critical,
-    verified_rows,
-    verify_place,
-)
 from validation.campaign.scenes import Case
 from validation.campaign.verdict import Verdict
 
 RESIDUAL = 1e-6  # distance to the equilibrium over that from rest, both in the energy norm
 REACTION = 1e-6  # of the reaction, by the verifier's own forces in the same state
 BEFORE = 4e-5  # share of the load by which a state lies before its critical point
+CLOSE = 1e-9  # of the displacement from rest: the last correction
+LOOSE = 1e-7  # where rounding keeps the corrections from becoming smaller
+MOST_CORRECTIONS = 25
+MOST_TRIALS = 40
+MOST_SETS = 6  # of closed pairs that are tried
+TIGHT = 5e-5  # of the load: where an unstable equilibrium is that near, the bracket is not narrowed further
+SHARP = 1e-4  # of the load: a bracket within it needs no other
+FAR = 20.0  # moves beyond this multiple of the tangent's belong to another branch
 
 
 def verify_states(verdict: Verdict, energy: BeamEnergy, path: EquilibriumPath) -> None:
@@ -30,45 +35,156 @@ def verify_states(verdict: Verdict, energy: BeamEnergy, path: EquilibriumPath) -
         return
     residuals = energy.reduced(energy.residual(path.states, path.times).T)
     worst = int(np.argmax(np.linalg.norm(residuals, axis=0) / path.times))
-    for row in sorted({worst} | verified_rows(path)):
-        verify_state(verdict, energy, path.states[row], float(path.times[row]))
-        if energy.displacement:
-            verify_reaction(verdict, energy, path, row)
-
-
-def verify_reaction(verdict: Verdict, energy: BeamEnergy, path: EquilibriumPath, row: int) -> None:
-    """The top must be where it is prescribed, and be held there by the force that the path reports."""
-    state, time, reported = path.states[row], float(path.times[row]), float(path.loads[row, 1])
-    verify_place(verdict, path, row, float(state[energy.top]))
-    share = abs(float(energy.forces(state)[energy.top]) - reported) / largest_load(path, row)
-    verdict.ask("reaction", share, max(REACTION, force_grain(path)), f"another reaction at time {time:.6g}")
+    for row in sorted({worst} | runs.verified_rows(path)):
+        state, time = path.states[row], float(path.times[row])
+        verify_state(verdict, energy, state, time)
+        if energy.displacement:  # the top must be there, and be held by the force that the path reports
+            runs.verify_place(verdict, path, row, float(state[energy.top]))
+            off = abs(float(energy.forces(state)[energy.top]) - float(path.loads[row, 1]))
+            most = max(REACTION, runs.force_grain(path))
+            share = off / runs.largest_load(path, row)
+            verdict.ask("reaction", share, most, f"another reaction at time {time:.6g}")
 
 
 def verify_state(verdict: Verdict, energy: BeamEnergy, state: np.ndarray, time: float) -> None:
     """One state must be a stable equilibrium at its time."""
     H, residual = energy.hessian(state), energy.residual(state, time)
-    least = energy.least(H)
-    if not least > 0.0:
-        verdict.complain(f"unstable at time {time:.6g}: least eigenvalue {least:.2e} of that at rest")
-    distance = float(np.sqrt(abs(residual @ np.linalg.solve(H, residual))))
-    verdict.ask(
-        "residual", distance / energy.load_norm / time, RESIDUAL, f"no equilibrium at time {time:.6g}"
-    )
-    verdict.numbers["least"] = min(least, verdict.numbers.get("least", least))
+    verdict.stable(energy.least(H), time)
+    distance = float(np.sqrt(abs(residual @ np.linalg.solve(H, residual)))) / energy.load_norm / time
+    verdict.ask("residual", distance, RESIDUAL, f"no equilibrium at time {time:.6g}")
 
 
 def verify_critical(verdict: Verdict, energy: BeamEnergy, case: Case, path: EquilibriumPath) -> None:
     """The critical point must lie where the verifier's Hessian changes sign, and the path must end there."""
-    sharp = sharp_critical(verdict, path)
-    if sharp is None:
+    critical = runs.sharp_critical(verdict, path)
+    if critical is None:
         return
-    critical, width = sharp
-    if len(path.times) and path.times[-1] > critical + width:
+    assert path.critical_bracket is not None
+    if len(path.times) and path.times[-1] > critical + path.critical_bracket:
         verdict.complain(f"continued to time {path.times[-1]:.6g} past the critical {critical:.6g}")
-    for time, before in just_before(verdict, case, critical, [BEFORE]):
-        verify_state(verdict, energy, before.states[-1], time)
-        found = bracket(energy, before.states[-1], time, critical)
+    for before in runs.just_before(verdict, case, critical, [BEFORE]):
+        state, time = before.states[-1], critical * (1.0 - BEFORE)
+        verify_state(verdict, energy, state, time)
+        found = bracket(energy, state, time, critical)
         if found is None:
             verdict.complain(f"no eigenvalue changes sign near the critical time {critical:.6g}")
         else:
-            verdict.ask("confirmed", found.offset(critical), LOAD, "eigenvalue changes sign elsewhere")
+            verdict.ask("confirmed", found.offset(critical), runs.LOAD, "eigenvalue changes sign elsewhere")
+
+
+class Bracket(NamedTuple):
+    """Times and least eigenvalues, in units of those at rest, of a stable and of an unstable equilibrium next
+    to each other."""
+
+    stable: float
+    unstable: float
+    least: tuple[float, float]
+
+    def offset(self, time: float) -> float:
+        """Offset of `time` from the farther end, over `time`."""
+        return max(abs(self.stable - time), abs(self.unstable - time)) / time
+
+
+class _Point(NamedTuple):
+    """An equilibrium, and its least eigenvalue."""
+
+    state: np.ndarray
+    time: float
+    least: float
+
+
+def bracket(energy: BeamEnergy, state: np.ndarray, time: float, critical: float) -> Bracket | None:
+    """Bracket the critical point at `critical` from the stable equilibrium `state` at the lower `time`.
+
+    The curve of equilibria is followed along the softest mode, over which the load rises and falls; where
+    that mode does no work (a bifurcation) the same branch is continued by the load.
+    """
+    H = energy.hessian(state)
+    start = _Point(state, time, energy.least(H))
+    if start.least <= 0.0:
+        return None
+    found = _along_mode(energy, start, H, critical)
+    if found is not None and found.offset(critical) <= SHARP:
+        return found
+    return _by_load(energy, start, H, critical) or found
+
+
+def _along_mode(energy: BeamEnergy, start: _Point, H: np.ndarray, critical: float) -> Bracket | None:
+    """Narrow the sign change of the least eigenvalue over the distance along the softest mode."""
+    soft = np.linalg.eigh(energy.relative(H))[1][:, 0]
+    mode = solve_triangular(energy.rest_factor, soft, lower=True, trans="T")
+    work = float(mode @ energy.rate(start.state))
+    if work == 0.0:
+        return None
+    row = np.append(np.sign(work) * energy.rest_factor @ soft, 0.0)
+    distance = 3.0 * (critical - start.time) * abs(work) / start.least  # a parabola has its top at 2
+    low, nearest, high, farthest = start, 0.0, None, np.inf
+    for _ in range(MOST_TRIALS):
+        point = _settled(energy, start, low.state, low.time, row, distance)
+        if point is None:
+            distance = 0.5 * (nearest + distance)
+            continue
+        if point.least > 0.0:
+            low, nearest = point, distance
+        else:
+            high, farthest = point, distance
+        if high is None:
+            distance *= 2.0
+            continue
+        if abs(high.time - critical) <= TIGHT * critical:
+            break
+        share = low.least / (low.least - high.least)
+        distance = nearest + min(max(share, 0.1), 0.9) * (farthest - nearest)
+    return None if high is None else Bracket(low.time, high.time, (low.least, high.least))
+
+
+def _by_load(energy: BeamEnergy, start: _Point, H: np.ndarray, critical: float) -> Bracket | None:
+    """Continue the branch by the load to as far beyond the critical point as `start` lies before it."""
+    beyond = 2.0 * (critical - start.time)
+    tangent = np.linalg.solve(H, energy.rate(start.state)) * beyond
+    ahead = start.state.copy()
+    ahead[energy.free] += tangent
+    row = np.append(np.zeros(energy.free.size), 1.0)
+    found = _settled(energy, start, ahead, start.time + beyond, row, beyond)
+    if found is None or found.least > 0.0:
+        return None
+    moved = np.linalg.norm((found.state - start.state)[energy.free])
+    if moved > FAR * np.linalg.norm(tangent):
+        return None
+    return Bracket(start.time, found.time, (start.least, found.least))
+
+
+def _settled(
+    energy: BeamEnergy, start: _Point, guess: np.ndarray, begin: float, row: np.ndarray, distance: float
+) -> _Point | None:
+    """Equilibrium near a guess, where `row` times the change of displacements and time since `start` is a
+    distance: by Newton's method with the closed pairs held closed, which leaves no kinks, until they are."""
+    free, closed = energy.free, energy.closed(guess)
+    for _ in range(MOST_SETS):
+        state, time, before = energy.placed(guess.copy(), begin), begin, np.inf
+        for _ in range(MOST_CORRECTIONS):
+            column = -energy.rate(state, closed)[:, None]
+            matrix = np.vstack((np.hstack((energy.hessian(state, closed), column)), row))
+            change = np.append((state - start.state)[free], time - start.time)
+            missing = np.append(-energy.residual(state, time, closed), distance - row @ change)
+            try:
+                step = np.linalg.solve(matrix, missing)
+            except np.linalg.LinAlgError:
+                return None
+            if not np.isfinite(step).all():
+                return None
+            state[free] += step[:-1]
+            time += step[-1]
+            state = energy.placed(state, time)
+            # by the step, not by the residual: hard contact turns rounding of positions into large forces
+            share = float(np.linalg.norm(energy.rest_factor.T @ step[:-1])) / energy.load_norm / abs(time)
+            if share <= CLOSE or (before <= LOOSE and share > 0.5 * before):
+                break
+            before = share
+        else:
+            return None
+        now = energy.closed(state)
+        if (now == closed).all():
+            return _Point(state, time, energy.least(energy.hessian(state)))
+        closed = now
+    return None

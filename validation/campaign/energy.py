@@ -21,35 +21,25 @@ from validation.campaign.plainlaw import plain_law
 
 LAWS: dict[str, Callable[[Scene], Law]] = {"haringx": haringx_law, "helix": helix_law}
 TINY = 1e-30  # of a complex step
+Closed = np.ndarray | bool | None  # which pairs count as closed; None: those that touch
 PAIRS_A_TURN = 2  # in the plane; the scene's stiffness is that of a pair at 4 a turn
 
 
 @dataclass(frozen=True, kw_only=True)
 class BeamEnergy:
-    """Gradient and Hessian of one scene's energy at load factor t: U + C - t f . u.
+    """Gradient and Hessian of one scene's energy at load factor t: U + C - t f . u."""
 
-    Attributes
-    ----------
-    rest : (3 nodes,) state at rest.
-    law : (l, v, dtheta) of all half coils -> N, T, M of each.
-    d, stiffness, exponent : of the contact.
-    free : indices of the free degrees of freedom.
-    force : (free,) load at time 1.
-    attached : (2, pairs) nodes to which the circles of each pair are attached.
-    offsets : (2, pairs, 2) from the nodes to the circles' centres at rest.
-    displacement : UY of the top that is prescribed at time 1, mm; 0 under a force. `force` then is what this
-        motion does to the spring at rest, linearly, and measures residuals alone.
-    """
-
-    rest: np.ndarray
-    law: Law
-    d: float
+    rest: np.ndarray  # (3 nodes,) state at rest
+    law: Law  # (l, v, dtheta) of all half coils -> N, T, M of each
+    d: float  # of the contact, as are stiffness and exponent
     stiffness: float
     exponent: float
-    free: np.ndarray
-    force: np.ndarray
-    attached: np.ndarray
-    offsets: np.ndarray
+    free: np.ndarray  # indices of the free degrees of freedom
+    force: np.ndarray  # (free,) load at time 1
+    attached: np.ndarray  # (2, pairs) nodes to which the circles of each pair are attached
+    offsets: np.ndarray  # (2, pairs, 2) from the nodes to the circles' centres at rest
+    # UY of the top that is prescribed at time 1, mm; 0 under a force. `force` then is what this motion does
+    # to the spring at rest, linearly, and measures residuals alone.
     displacement: float = 0.0
 
     @property
@@ -61,7 +51,7 @@ class BeamEnergy:
         """The same spring with UY of its top prescribed."""
         free = self.free[self.free != self.top]
         made = replace(self, free=free, force=np.zeros(free.size), displacement=displacement)
-        return replace(made, force=made.rate(self.rest, made._open))
+        return replace(made, force=made.rate(self.rest, False))
 
     def placed(self, state: np.ndarray, time: float) -> np.ndarray:
         """The state with the top where it is prescribed."""
@@ -69,20 +59,18 @@ class BeamEnergy:
             state[self.top] = self.rest[self.top] + time * self.displacement
         return state
 
-    def residual(
-        self, states: np.ndarray, times: float | np.ndarray, closed: np.ndarray | None = None
-    ) -> np.ndarray:
+    def residual(self, states: np.ndarray, times: float | np.ndarray, closed: Closed = None) -> np.ndarray:
         """Forces out of balance on the free degrees of freedom, of one or many states and times."""
         left = self.forces(states, closed)[..., self.free]
         return left if self.displacement else left - np.multiply.outer(times, self.force)
 
-    def rate(self, state: np.ndarray, closed: np.ndarray | None = None) -> np.ndarray:
+    def rate(self, state: np.ndarray, closed: Closed = None) -> np.ndarray:
         """What time does to the free degrees of freedom: less the derivative of the residual."""
         if not self.displacement:
             return self.force
         return -self.displacement * self.tangent(state, closed)[self.free, self.top]
 
-    def forces(self, states: np.ndarray, closed: np.ndarray | None = None) -> np.ndarray:
+    def forces(self, states: np.ndarray, closed: Closed = None) -> np.ndarray:
         """Internal forces on all degrees of freedom, of one or many states.
 
         Pairs that count as `closed` push where they overlap and pull where they do not, so that nothing has
@@ -94,7 +82,7 @@ class BeamEnergy:
             np.add.at(total.T, places, np.moveaxis(values, -1, 1))
         return total
 
-    def tangent(self, state: np.ndarray, closed: np.ndarray | None = None) -> np.ndarray:
+    def tangent(self, state: np.ndarray, closed: Closed = None) -> np.ndarray:
         """Derivative of the forces in all degrees of freedom, dense."""
         total = np.zeros((self.rest.size, self.rest.size))
         for places, forces in self._parts(closed):
@@ -103,7 +91,7 @@ class BeamEnergy:
             np.add.at(total, (places[:, None], places[None]), forces(moved).imag / TINY)
         return total
 
-    def hessian(self, state: np.ndarray, closed: np.ndarray | None = None) -> np.ndarray:
+    def hessian(self, state: np.ndarray, closed: Closed = None) -> np.ndarray:
         """The tangent in the free degrees of freedom, which is symmetric."""
         dense = self.tangent(state, closed)[np.ix_(self.free, self.free)]
         return 0.5 * (dense + dense.T)
@@ -115,7 +103,7 @@ class BeamEnergy:
     @cached_property
     def rest_factor(self) -> np.ndarray:
         """Cholesky factor of the Hessian at rest with all pairs open, in which stiffness is measured."""
-        return np.linalg.cholesky(self.hessian(self.rest, self._open))
+        return np.linalg.cholesky(self.hessian(self.rest, False))
 
     @cached_property
     def load_norm(self) -> float:
@@ -135,19 +123,11 @@ class BeamEnergy:
         """Least eigenvalue of a Hessian in units of that at rest; positive where stable."""
         return float(np.linalg.eigvalsh(self.relative(matrix))[0])
 
-    @property
-    def _open(self) -> np.ndarray:
-        """All pairs open."""
-        return np.zeros(self.attached.shape[1], dtype=bool)
-
-    def _parts(self, closed: np.ndarray | None) -> tuple[tuple[np.ndarray, Callable], ...]:
+    def _parts(self, closed: Closed) -> tuple[tuple[np.ndarray, Callable], ...]:
         """Half coils and pairs: places (6, items) of their coordinates, and their forces by these."""
+        elements = np.arange(6)[:, None] + 3 * np.arange(self.rest.size // 3 - 1)
         pairs = partial(self._pair_forces, closed=closed)
-        return (self._element_places, self._element_forces), (self._pair_places, pairs)
-
-    @cached_property
-    def _element_places(self) -> np.ndarray:
-        return np.arange(6)[:, None] + 3 * np.arange(self.rest.size // 3 - 1)
+        return (elements, self._element_forces), (self._pair_places, pairs)
 
     @cached_property
     def _pair_places(self) -> np.ndarray:
@@ -168,7 +148,7 @@ class BeamEnergy:
         low, high = (turned(x[i], *offset.T) for i, offset in zip((2, 5), self.offsets, strict=True))
         return x[3:5] + high - x[0:2] - low, low, high
 
-    def _pair_forces(self, x: np.ndarray, closed: np.ndarray | None) -> np.ndarray:
+    def _pair_forces(self, x: np.ndarray, closed: Closed) -> np.ndarray:
         """Forces (6, ...) of the contact pairs on their nodes, with the moments r x F."""
         g, low, high = self._gaps(x)
         h = np.sqrt((g * g).sum(axis=0))

@@ -9,18 +9,19 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
 from coilspring import Scene
+from validation.campaign.wireparts import rigidities
 
 Law = Callable[[np.ndarray, np.ndarray, np.ndarray], tuple[np.ndarray, np.ndarray, np.ndarray]]
 
-SHEAR_FACTOR = 0.9  # of a round section
 NODES, WEIGHTS = np.polynomial.legendre.leggauss(8)
 MOST_STEPS = 20  # of Newton's method on the length
 NUDGE = 1e-6  # of the length of wire, with which differences are taken
-LEAST_COSINE, LEAST_ROOT, SHRINK = 0.2, 0.5, 0.05  # how far the helix law reaches: see `Helices.reach`
+LEAST_COSINE, LEAST_ROOT, SHRINK = 0.2, 0.5, 0.05  # how far the helix law reaches: see `Helices.ends`
 
 
 def haringx_law(scene: Scene) -> Law:
@@ -44,9 +45,10 @@ def haringx_law(scene: Scene) -> Law:
 def helix_law(scene: Scene) -> Law:
     """The helix law of all half coils with all its refinements."""
     phases = np.arange(round(2 * scene.spring.active_coils) + 1) * math.pi
-    at, radius = _between(scene, phases)
+    bottom, top = scene.spring.mean_diameter
+    at = phases[:-1, None] + 0.5 * np.diff(phases)[:, None] * (1.0 + NODES)  # Gauss's points
+    radius = 0.5 * (bottom + (top - bottom) * at / phases[-1])
     helices = Helices.of(scene, phases, radius)
-    ends = helices.ends()
     plane, (length_rate, force_rate) = -scene.spring.start_phase, helices.rate(helices.u0)
     # the sine u follows the length by less than 1/s, as shear and stretch do their part
     share = helices.s / length_rate
@@ -59,8 +61,8 @@ def helix_law(scene: Scene) -> Law:
 
     def coefficients(l: np.ndarray) -> np.ndarray:  # noqa: E741
         """Flexibilities (B10), (B11) and offsets v0, dtheta0 (B13), (B12)."""
-        chi, rho = helices.wound(ends, l)
-        return np.stack((*helices.flexibilities(ends, l), swell * rho + tip * chi * l, tilt * chi))
+        chi, rho = helices.wound(l)
+        return np.stack((*helices.flexibilities(l), swell * rho + tip * chi * l, tilt * chi))
 
     def slopes(l: np.ndarray) -> np.ndarray:  # noqa: E741
         step = NUDGE * helices.s
@@ -69,37 +71,16 @@ def helix_law(scene: Scene) -> Law:
     l0 = helices.u0 * helices.s
     # the offsets' own flexibility, at most half of that of the wire
     own = length_rate / force_rate * slopes(l0)[2:] ** 2
-    less = np.minimum(own, 0.5 * np.stack(helices.flexibilities(ends, l0)))
+    less = np.minimum(own, 0.5 * np.stack(helices.flexibilities(l0)))
 
     def law(l, v, turn):  # noqa: E741
         csh, cfl, v0, turn0 = coefficients(l)
         csh1, cfl1, v1, turn1 = slopes(l)
         T, M = (v - v0) / (csh - less[0]), (turn - turn0) / (cfl - less[1])
-        N = helices.axial(ends, l) - 0.5 * (csh1 * T * T + cfl1 * M * M) - T * v1 - M * turn1
+        N = helices.axial(l) - 0.5 * (csh1 * T * T + cfl1 * M * M) - T * v1 - M * turn1
         return N, T, M
 
     return law
-
-
-def _between(scene: Scene, phases: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Phases and radii at Gauss's points between phases, (elements, points)."""
-    bottom, top = scene.spring.mean_diameter
-    at = phases[:-1, None] + 0.5 * np.diff(phases)[:, None] * (1.0 + NODES)
-    return at, 0.5 * (bottom + (top - bottom) * at / phases[-1])
-
-
-@dataclass(frozen=True)
-class Ends:
-    """Sines and lengths of all half coils between which the helix law holds."""
-
-    sines: tuple[np.ndarray, np.ndarray]
-    lengths: tuple[np.ndarray, np.ndarray]
-
-    def split(self, l: np.ndarray) -> tuple[np.ndarray, np.ndarray]:  # noqa: E741
-        """The length up to the end of the range, and what goes beyond; one of them takes a complex step."""
-        end = np.clip(l.real, *self.lengths)
-        beyond = np.where(end == l.real, 0.0, l - end)
-        return l - beyond, beyond
 
 
 @dataclass(frozen=True)
@@ -117,14 +98,11 @@ class Helices:
     @classmethod
     def of(cls, scene: Scene, phases: np.ndarray, radius: np.ndarray) -> Helices:
         """Helices between the phases, from the radii at Gauss's points."""
-        spring, E, G, d = scene.spring, scene.material.E, scene.material.G, scene.spring.wire_diameter
+        spring, (EA, GA, GJ, EI) = scene.spring, rigidities(scene)
         r = np.cbrt((radius**3) @ WEIGHTS / 2.0)  # by the axial flexibility of the taper
         rise = spring.active_height / spring.active_coils / (2.0 * math.pi)
         L = np.sqrt(r * r + rise * rise)
-        area, second = math.pi * d * d / 4.0, math.pi * d**4 / 64.0
-        return cls(
-            np.diff(phases) * L, L, rise / L, 2.0 * G * second, E * second, SHEAR_FACTOR * G * area, E * area
-        )
+        return cls(np.diff(phases) * L, L, rise / L, GJ, EI, GA, EA)
 
     def section(self, u: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Length and axial force at the sine u, ends held, and the root of (B7)."""
@@ -141,52 +119,58 @@ class Helices:
         length, F, _ = self.section(u + 1e-30j)
         return length.imag / 1e-30, F.imag / 1e-30
 
-    def ends(self) -> Ends:
-        """The law holds, by its definition, with a cosine of at least 0.2 (or half that at rest), and where
-        (B7) has a root well clear of its end, length and force rising."""
-        cosine = np.minimum(LEAST_COSINE, 0.5 * np.sqrt(1.0 - self.u0**2))
-        sides = []
-        for sign in (-1.0, 1.0):
-            u = sign * np.sqrt(1.0 - cosine**2)
-            good = np.zeros(u.shape, dtype=bool)
-            while not good.all():
-                with np.errstate(invalid="ignore"):
-                    length, _, root = self.section(u)
-                    slope, stiffness = self.rate(u)
-                    good = (root >= LEAST_ROOT) & (stiffness > 0) & (slope > 0) & (abs(length) < self.s)
-                u = np.where(good, u, u + SHRINK * (self.u0 - u))
-            sides.append(u)
-        low, high = sides
-        return Ends((low, high), (self.section(low)[0], self.section(high)[0]))
+    @cached_property
+    def ends(self) -> tuple[np.ndarray, np.ndarray]:
+        """Sines (2, half coils) between which the law holds, and the lengths there.
 
-    def axial(self, ends: Ends, l: np.ndarray) -> np.ndarray:  # noqa: E741
+        By its definition that is with a cosine of at least 0.2 (or half that at rest), and where (B7) has a
+        root well clear of its end, length and force rising.
+        """
+        cosine = np.minimum(LEAST_COSINE, 0.5 * np.sqrt(1.0 - self.u0**2))
+        u = np.outer((-1.0, 1.0), np.sqrt(1.0 - cosine**2))
+        good = np.zeros(u.shape, dtype=bool)
+        while not good.all():
+            with np.errstate(invalid="ignore"):
+                length, _, root = self.section(u)
+                slope, stiffness = self.rate(u)
+                good = (root >= LEAST_ROOT) & (stiffness > 0) & (slope > 0) & (abs(length) < self.s)
+            u = np.where(good, u, u + SHRINK * (self.u0 - u))
+        return u, self.section(u)[0]
+
+    def split(self, l: np.ndarray) -> tuple[np.ndarray, np.ndarray]:  # noqa: E741
+        """The length up to the end of the range, and what goes beyond; one of them takes a complex step."""
+        end = np.clip(l.real, *self.ends[1])
+        beyond = np.where(end == l.real, 0.0, l - end)
+        return l - beyond, beyond
+
+    def axial(self, l: np.ndarray) -> np.ndarray:  # noqa: E741
         """Force at the length l; beyond the range a straight line."""
-        end = np.clip(l.real, *ends.lengths)
-        u = self._sine(ends, end)
+        end = np.clip(l.real, *self.ends[1])
+        u = self._sine(end)
         slope, stiffness = self.rate(u)
         return self.section(u)[1] + stiffness / slope * (l - end)
 
-    def _sine(self, ends: Ends, length: np.ndarray) -> np.ndarray:
+    def _sine(self, length: np.ndarray) -> np.ndarray:
         """Solve (B8) for the sine u by Newton's method."""
-        u = np.clip(length / self.s, *ends.sines)
+        u = np.clip(length / self.s, *self.ends[0])
         for _ in range(MOST_STEPS):
             step = (self.section(u)[0] - length) / self.rate(u)[0]
-            u = np.clip(u - step, *ends.sines)
+            u = np.clip(u - step, *self.ends[0])
             if np.abs(step).max() < 1e-9:  # whose square is below rounding
                 break
         return u
 
-    def wound(self, ends: Ends, l: np.ndarray) -> tuple[np.ndarray, np.ndarray]:  # noqa: E741
+    def wound(self, l: np.ndarray) -> tuple[np.ndarray, np.ndarray]:  # noqa: E741
         """chi and rho - rho0 at the length l; beyond the range straight lines."""
-        inside, beyond = ends.split(l)
+        inside, beyond = self.split(l)
         y = inside / self.s
         cosine, cosine0 = np.sqrt(1.0 - y * y), np.sqrt(1.0 - self.u0**2)
         further = beyond / (self.s * cosine)
         return np.arcsin(y) - np.arcsin(self.u0) + further, self.L * (cosine - cosine0 - y * further)
 
-    def flexibilities(self, ends: Ends, l: np.ndarray) -> tuple[np.ndarray, np.ndarray]:  # noqa: E741
+    def flexibilities(self, l: np.ndarray) -> tuple[np.ndarray, np.ndarray]:  # noqa: E741
         """(B10), (B11), with x = (l/s)^2; beyond the range x tends to 1 (or 0) exponentially."""
-        inside, beyond = ends.split(l)
+        inside, beyond = self.split(l)
         x = (inside / self.s) ** 2
         far = np.where(inside.real * beyond.real > 0.0, 1.0, 0.0)
         rate = 2.0 * inside / self.s**2 / np.where(far == x, 1.0, far - x)

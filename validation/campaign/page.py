@@ -1,16 +1,23 @@
-"""Page of a campaign, ``stability.md``: its words and tables are in ``page.md``."""
+"""Page of a campaign, ``stability.md``, and its picture; words and tables are in ``page.md``."""
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+from itertools import product
 from pathlib import Path
+from typing import Any, NamedTuple
 
+import matplotlib
+import numpy as np
 import pandas as pd
+from matplotlib.axes import Axes
+from matplotlib.collections import QuadMesh
+from matplotlib.figure import Figure
 
-from validation.campaign.figure import TITLES, outcome_figure
-from validation.campaign.invariance import KINDS
+from validation.campaign.runs import KINDS
 from validation.campaign.scenes import CORNERS, MODELS
 from validation.campaign.table import DISPLACEMENT, FORCE, NUMBERS, version
-from validation.campaign.verdict import CLASSES, ITERATION, REFUSED, UNEXPLAINED, VERIFIED
+from validation.campaign.verdict import CLASSES, CRITICAL, ITERATION, REFUSED, UNEXPLAINED, VERIFIED
 from validation.study import template
 from validation.study.document import Table
 from validation.study.frames import frame_table
@@ -18,8 +25,31 @@ from validation.study.machine import versions
 from validation.study.metrics import upper_bound
 from validation.study.output import write_facts, write_files, write_text
 from validation.study.plots import drawn
+from validation.study.style import DOUBLE, RC, RED
 
 PAGE = template.template(Path(__file__).with_name("page.md"))
+TITLES = {"b": "equivalent beam", "w": "wire model"}
+MAPS = (("penalty", "steps"), ("slenderness", "load"))
+
+
+class Scale(NamedTuple):
+    """How a quantity is drawn: cells between edges."""
+
+    label: str
+    edges: np.ndarray
+    ticks: tuple[float, ...] = ()
+    kind: str = "log"
+
+
+SCALES = {
+    "penalty": Scale("penalty K (N/mm$^k$)", np.geomspace(1e2, 1e10, 9)),
+    "steps": Scale("requested steps", np.array([1, 3, 8, 22, 63, 201]), (1, 3, 10, 30, 100)),
+    "slenderness": Scale("height over mean diameter", np.geomspace(0.2, 7.0, 8), (0.2, 0.5, 1, 2, 5)),
+    "load": Scale("relative load", np.linspace(0.0, 1.6, 9), (0, 0.4, 0.8, 1.2, 1.6), "linear"),
+}
+OTHER_UNITS = ("tiny", "huge")  # whose penalties say nothing beside the others'
+FEWEST = 3  # scenes of a cell that is coloured
+DARK, SMALL, NO_DATA = 25.0, 5.5, "#dcdcdc"  # %: numbers on darker cells are white; pt; cells without data
 
 
 def write_page(data: pd.DataFrame, out: Path) -> None:
@@ -28,28 +58,21 @@ def write_page(data: pd.DataFrame, out: Path) -> None:
     write_text(out / "stability.md", page(data))
     facts: dict[str, float] = {"seeds": data["seed"].nunique()}
     for model, rows in data.groupby(data["id"].str[0].map({"b": "beam", "w": "wire"})):
-        counts = rows["class"].value_counts()
-        facts |= {f"{model}.{name}": int(counts.get(name, 0)) for name in CLASSES}
-        facts[f"{model}.unexplained_bound"] = upper_bound(int(counts.get(UNEXPLAINED, 0)), len(rows))
+        counts = rows["class"].value_counts().reindex(CLASSES, fill_value=0)
+        facts |= {f"{model}.{name}": int(count) for name, count in counts.items()}
+        facts[f"{model}.unexplained_bound"] = upper_bound(int(counts[UNEXPLAINED]), len(rows))
     write_facts(facts, out)
 
 
 def page(data: pd.DataFrame) -> str:
     """The page, Markdown."""
     model, compared = data["id"].str[:1].map(TITLES), data[data["stepped"] != ""]
-    counts = {
-        "model": {title: model == title for title in TITLES.values()},
-        "geometry": {
-            f"{geometry}, {sliding}": (data["geometry"] == geometry) & (data["sliding"] == sliding)
-            for geometry in ("spheres", "wires")
-            for sliding in ("free", "none", "coulomb")
-        },
-        "given": {
-            f"{title}, {by}": (model == title) & (data["by"] == by)
-            for title in TITLES.values()
-            for by in (FORCE, DISPLACEMENT)
-        },
-        "corner": {name or "none": data["corner"] == name for name in ("", *CORNERS)},
+    models, touching = tuple(TITLES.values()), product(("spheres", "wires"), ("free", "none", "coulomb"))
+    counts = {  # how scenes are told apart, and in which order
+        "model": (model, models),
+        "geometry": (data["geometry"] + ", " + data["sliding"], map(", ".join, touching)),
+        "given": (model + ", " + data["by"], map(", ".join, product(models, (FORCE, DISPLACEMENT)))),
+        "corner": (data["corner"].replace("", "none"), ("none", *CORNERS)),
     }
     listed = data.loc[data["class"].isin((UNEXPLAINED, ITERATION, REFUSED))]
     listed = listed.assign(reason=listed["reason"].where(listed["reason"] != "", listed["message"]))
@@ -62,16 +85,10 @@ def page(data: pd.DataFrame) -> str:
         unexplained=_by_seed(data),
         sources=version(),
         used=", ".join(f"{name} {number}" for name, number in versions().items() if number),
-        counts={
-            title: _counts(title, {name: data[chosen] for name, chosen in groups.items()})
-            for title, groups in counts.items()
-        },
-        stepped=[
-            f"{row.id} of seed {row.seed}"
-            for row in compared[compared["stepped"].astype(float) > 0.0].itertuples()
-        ],
+        counts={title: _counts(title, data["class"], *groups) for title, groups in counts.items()},
+        stepped=[f"{row.id} of seed {row.seed}" for row in compared.itertuples() if float(row.stepped) > 0.0],
         compared=len(compared),
-        titles=TITLES.values(),
+        titles=models,
         largest={name: _largest(data, name) for name in NUMBERS},
         invariances={kind: [len(rows), *_largest(rows, "invariance")] for kind, rows in kinds.items()},
         listed=frame_table(listed) if len(listed) else "",
@@ -80,15 +97,14 @@ def page(data: pd.DataFrame) -> str:
 
 def _rates(data: pd.DataFrame) -> Table:
     """Rate of each class and its upper bound, of each model and of all scenes."""
-    groups = {title: data[data["id"].str[:1] == letter] for letter, title in TITLES.items()}
-    rows = []
-    for name in CLASSES:
-        row = {"class": name}
-        for title, some in (groups | {"both": data}).items():
-            count, of = int((some["class"] == name).sum()), len(some)
-            row[title] = f"{count / of:.2%} (below {upper_bound(count, of):.2%})" if of else "-"
-        rows.append(row)
-    return frame_table(pd.DataFrame(rows))
+    groups = {title: data[data["id"].str[:1] == letter] for letter, title in TITLES.items()} | {"both": data}
+
+    def rate(name: str, some: pd.DataFrame) -> str:
+        count, of = int((some["class"] == name).sum()), len(some)
+        return f"{count / of:.2%} (below {upper_bound(count, of):.2%})" if of else "-"
+
+    rates = {title: [rate(name, some) for name in CLASSES] for title, some in groups.items()}
+    return frame_table(pd.DataFrame({"class": CLASSES} | rates))
 
 
 def _by_seed(data: pd.DataFrame) -> Table:
@@ -102,12 +118,10 @@ def _by_seed(data: pd.DataFrame) -> Table:
     return frame_table(counted.rename_axis(["seed", "model"]).reset_index())
 
 
-def _counts(title: str, groups: dict[str, pd.DataFrame]) -> Table:
-    """How many scenes of each group have each class."""
-    counts = {
-        name: rows["class"].value_counts().reindex(CLASSES, fill_value=0) for name, rows in groups.items()
-    }
-    return frame_table(pd.DataFrame(counts).T.rename_axis(title).reset_index())
+def _counts(title: str, classes: pd.Series, labels: pd.Series, order: Iterable[str]) -> Table:
+    """How many scenes of each label have each class."""
+    counts = pd.crosstab(labels, classes).reindex(index=list(order), columns=CLASSES, fill_value=0)
+    return frame_table(counts.rename_axis(title).reset_index())
 
 
 def _largest(data: pd.DataFrame, name: str) -> list[str]:
@@ -115,3 +129,56 @@ def _largest(data: pd.DataFrame, name: str) -> list[str]:
     explained = data[data["class"].isin(VERIFIED)]
     found = [pd.to_numeric(explained.loc[explained["id"].str[:1] == model, name]).max() for model in MODELS]
     return ["-" if pd.isna(value) else f"{value:.1e}" for value in found]
+
+
+def outcome_figure(data: pd.DataFrame) -> Figure:
+    """Share of scenes that end at a critical point, over the numerics and over the physics."""
+    letters = [letter for letter in MODELS if data["id"].str.startswith(letter).any()] or ["b"]
+    with matplotlib.rc_context(RC):
+        figure = Figure(figsize=(DOUBLE, 0.5 + 2.5 * len(letters)), layout="constrained")
+        plots = figure.subplots(len(letters), 2, squeeze=False)
+        for mark, axes, (letter, names) in zip("abcd", plots.flat, product(letters, MAPS), strict=False):
+            mine = data[data["id"].str.startswith(letter)]
+            if "penalty" in names:
+                mine = mine[~mine["corner"].isin(OTHER_UNITS)]
+            mesh = _map(axes, mine, names)
+            axes.set_title(f"({mark}) {TITLES[letter]}")
+        bar = figure.colorbar(mesh, ax=plots, shrink=0.7, aspect=30, extend="max")
+        bar.set_label("share of scenes that end at\na confirmed critical point (%)")
+        bar.outline.set_linewidth(0.5)
+        handles, labels = plots[0, 0].get_legend_handles_labels()
+        figure.legend(handles, labels, loc="outside lower center", ncols=2)
+    return figure
+
+
+def _map(axes: Axes, data: pd.DataFrame, names: tuple[str, str]) -> QuadMesh:
+    """One map: cells with their share in per cent, crosses for the unexplained."""
+    places, scales = data[list(names)].astype(float), [SCALES[name] for name in names]
+    there = places[names[0]] > 0.0
+    data, (x, y), edges = data[there], places[there].to_numpy().T, [scale.edges for scale in scales]
+    count, _, _ = np.histogram2d(x, y, bins=edges)
+    critical = data["class"].isin(CRITICAL).to_numpy(dtype=float)
+    share, _, _ = np.histogram2d(x, y, bins=edges, weights=critical)
+    cells = np.ma.masked_where(count < FEWEST, 100.0 * share / np.maximum(count, 1.0)).T
+    axes.set_facecolor(NO_DATA)
+    look: Any = {"cmap": "Blues", "vmin": 0.0, "vmax": 50.0, "edgecolors": "white", "linewidth": 0.4}
+    mesh, middles = axes.pcolormesh(*edges, cells, **look), []
+    for axis, scale, letter in zip((axes.xaxis, axes.yaxis), scales, "xy", strict=True):
+        low, high = scale.edges[:-1], scale.edges[1:]
+        middles.append(np.sqrt(low * high) if scale.kind == "log" else 0.5 * (low + high))
+        limits = {f"{letter}label": scale.label, f"{letter}lim": scale.edges[[0, -1]]}
+        axes.set(**limits, **{f"{letter}scale": scale.kind})
+        if scale.ticks:
+            axis.set_ticks(scale.ticks, [f"{tick:g}" for tick in scale.ticks])
+            axis.set_ticks([], minor=True)
+    for row, column in zip(*np.nonzero(~np.ma.getmaskarray(cells)), strict=True):
+        value, place = cells[row, column], (middles[0][column], middles[1][row])
+        colour = "white" if value > DARK else "black"
+        axes.text(*place, f"{value:.0f}", ha="center", va="center", fontsize=SMALL, color=colour)
+    inside = (x >= edges[0][0]) & (x <= edges[0][-1]) & (y >= edges[1][0]) & (y <= edges[1][-1])
+    odd = inside & (data["class"] == UNEXPLAINED).to_numpy()
+    look = {"color": RED, "markersize": 5, "markeredgewidth": 1.2, "clip_on": False, "in_layout": False}
+    axes.plot(x[odd], y[odd], "x", **look, label="unexplained")
+    axes.plot([], [], "s", color=NO_DATA, label=f"fewer than {FEWEST} scenes")
+    axes.grid(False)
+    return mesh

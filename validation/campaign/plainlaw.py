@@ -6,7 +6,6 @@ The solver takes derivatives that are carried along by compiled code; this takes
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 
 import numpy as np
 
@@ -20,25 +19,35 @@ STEP, WIDE_STEP = 1e-6, 1e-4
 FIRST = {1: 45.0 / 60.0, 2: -9.0 / 60.0, 3: 1.0 / 60.0}  # central differences of order 6
 SECOND = {0: -490.0 / 180.0, 1: 270.0 / 180.0, 2: -27.0 / 180.0, 3: 2.0 / 180.0}
 MIXED = {1: 4.0 / 3.0, 2: -1.0 / 12.0}  # of order 4, along the diagonals
-PAIRS = ((0, 1), (0, 2), (1, 2))
+SIDES, AXES, PAIRS = (1, -1), np.eye(3, dtype=int), ((0, 1), (0, 2), (1, 2))
+# Each derivative as coefficients of the energy after moves, in steps: of the axes, then of their pairs.
+GRADIENT = [{tuple(side * k * e): side * c for k, c in FIRST.items() for side in SIDES} for e in AXES]
+HESSIAN = [{tuple(side * k * e): c for k, c in SECOND.items() for side in SIDES} for e in AXES]
+HESSIAN += [
+    {
+        tuple(side * k * (AXES[i] + t * AXES[j])): t * c / 4.0
+        for k, c in MIXED.items()
+        for t in SIDES
+        for side in SIDES
+    }
+    for i, j in PAIRS
+]
 
 
 def coils_of(scene: Scene) -> list[HalfCoil]:
     """The half coils of a cylinder or cone of constant pitch."""
-    spring, count = scene.spring, round(2 * scene.spring.active_coils)
-    bottom, top = spring.mean_diameter
-    length = spring.active_height / count
+    spring, count, moduli = (
+        scene.spring,
+        round(2 * scene.spring.active_coils),
+        (scene.material.E, scene.material.G),
+    )
+    (bottom, top), length = spring.mean_diameter, spring.active_height / count
     coils = []
     for index in range(count):
-        D = bottom + (top - bottom) * (index + 0.5) / count
+        D, begin = bottom + (top - bottom) * (index + 0.5) / count, index * math.pi + spring.start_phase
         wire = math.sqrt(length**2 + (math.pi * D / 2.0) ** 2)
-        begin = index * math.pi + spring.start_phase
-        moduli = scene.material.E, scene.material.G
-        phases = begin, begin + math.pi
-        angle = math.asin(length / wire)
-        coils.append(
-            HalfCoil(D, spring.wire_diameter, length, wire, angle, *phases, spring.hand, *moduli, index)
-        )
+        shape = (D, spring.wire_diameter, length, wire, math.asin(length / wire), begin, begin + math.pi)
+        coils.append(HalfCoil(*shape, spring.hand, *moduli, index))
     return coils
 
 
@@ -91,34 +100,18 @@ class PlainEnergy:
     def derivatives(self, x: np.ndarray, second: bool) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Energy, gradient and, where asked for, Hessian."""
         x = x.astype(np.longdouble)
-        axes = np.eye(3, dtype=int)
-        U, both, h = self._moved(x, STEP, [k * axis for axis in axes for k in FIRST])
-        g = np.stack([sum(c * both(k * axis, -1.0) for k, c in FIRST.items()) for axis in axes]) / h
-        H = np.zeros((3, 3, *U.shape))
+        size = self.size.reshape(3, *(1,) * (x.ndim - 2), -1)
+        U, *slopes = self._sums(x, STEP * size, [{(0, 0, 0): 1.0}, *GRADIENT])
+        g, H = np.stack(slopes) / (STEP * size), np.zeros((3, 3, *U.shape))
         if second:
-            corners = [k * (axes[i] + side * axes[j]) for i, j in PAIRS for k in MIXED for side in (1, -1)]
-            _, both, h = self._moved(x, WIDE_STEP, [*(k * axis for axis in axes for k in FIRST), *corners])
-            for i in range(3):
-                H[i, i] = (SECOND[0] * U + sum(SECOND[k] * both(k * axes[i], 1.0) for k in FIRST)) / h[i] ** 2
-            for i, j in PAIRS:
-                mixed = (
-                    c * (both(k * (axes[i] + axes[j]), 1.0) - both(k * (axes[i] - axes[j]), 1.0)) / 4.0
-                    for k, c in MIXED.items()
-                )
-                H[i, j] = H[j, i] = sum(mixed) / (h[i] * h[j])
+            sums = self._sums(x, WIDE_STEP * size, HESSIAN)
+            for (i, j), value in zip(((0, 0), (1, 1), (2, 2), *PAIRS), sums, strict=True):
+                H[i, j] = H[j, i] = value / (WIDE_STEP**2 * size[i] * size[j])
         return U.astype(float), g.astype(float), H
 
-    def _moved(
-        self, x: np.ndarray, step: float, moves: list[np.ndarray]
-    ) -> tuple[np.ndarray, Callable, np.ndarray]:
-        """Energy at x, sum or difference of those to both sides by a move, and the size of a step."""
-        h = step * self.size.reshape(3, *(1,) * (x.ndim - 2), -1)
-        steps = np.array([np.zeros(3, int), *moves, *(-move for move in moves)])
-        shifts = steps.reshape(-1, 3, *(1,) * (x.ndim - 1)) * h
+    def _sums(self, x: np.ndarray, step: np.ndarray, rules: list[dict]) -> np.ndarray:
+        """Sums of the energies after the moves of each rule, times their coefficients."""
+        moves = sorted({move for rule in rules for move in rule})
+        shifts = np.array(moves).reshape(-1, 3, *(1,) * (x.ndim - 1)) * step
         values = self(np.moveaxis(x[None] + shifts, 0, 1))
-        at = {tuple(step.tolist()): value for step, value in zip(steps, values, strict=True)}
-
-        def both(move: np.ndarray, sign: float) -> np.ndarray:
-            return at[tuple(move.tolist())] + sign * at[tuple((-move).tolist())]
-
-        return values[0], both, h
+        return np.tensordot([[rule.get(move, 0.0) for move in moves] for rule in rules], values, 1)

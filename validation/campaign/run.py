@@ -8,24 +8,28 @@ from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import Executor, as_completed
 from contextlib import contextmanager
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from time import process_time
 
-from coilspring import InputError
+from coilspring import EquilibriumPath, InputError
 from coilspring.workers import processes
 from equivbeam.laws.userlaw import UserLaw
-from validation.campaign.invariance import verify_invariance
+from validation.campaign import wireverifier
+from validation.campaign.beamverifier import verify_critical, verify_states
+from validation.campaign.energy import beam_energy
+from validation.campaign.overlap import verify_overlap
 from validation.campaign.page import write_page
-from validation.campaign.scenes import case_id, make_case
+from validation.campaign.runs import verified_rows, verify_invariance, verify_steps
+from validation.campaign.scenes import Case, case_id, make_case
 from validation.campaign.table import Key, Row, Table, row_of, row_text, version
-from validation.campaign.verdict import ITERATION, REFUSED, UNEXPLAINED, Verdict, reached
-from validation.campaign.verifier import verify
+from validation.campaign.verdict import CRITICAL, JUMP, REFUSED, UNEXPLAINED, VERIFIED, Verdict, reached
+from validation.campaign.wire import wire_forces
 from validation.study.output import prepare
 from validation.study.provenance import write_provenance
 
 CHUNK = {"b": 8, "w": 1}  # cases handed to a worker at a time
 PATIENCE = "10s"  # for a scheduler to answer
-Progress = Callable[[int, int], None]
 
 
 def campaign(
@@ -37,7 +41,7 @@ def campaign(
     workers: int | None = None,
     scheduler: str | None = None,
     case: str | None = None,
-    progress: Progress | None = None,
+    progress: Callable[[int, int], None] = lambda done, of: None,
 ) -> int:
     """Verify the first `beams` and `wires` scenes of each seed, and write what became of them.
 
@@ -78,8 +82,7 @@ def campaign(
     for rows in _results(missing, os.cpu_count() or 1 if workers is None else workers, scheduler):
         table.append(rows)
         done += len(rows)
-        if progress is not None:
-            progress(done, len(wanted))
+        progress(done, len(wanted))
     chosen = table.sort(wanted)
     write_page(chosen, out)
     options = f"--beams {beams} --wires {wires} --seeds {','.join(map(str, seeds))}"
@@ -105,15 +108,32 @@ def verified(name: str, seed: int, law: UserLaw | None = None) -> Row:
         last = traceback.extract_tb(error.__traceback__)[-1]
         verdict.complain(f"crash: {error!r} in {Path(last.filename).name}:{last.lineno}")
     known["outcome"] = path.outcome if path else REFUSED
-    known |= {"class": class_of(known["outcome"], verdict), "seconds": f"{process_time() - began:.3f}"}
+    known |= {"class": verdict.class_of(known["outcome"]), "seconds": f"{process_time() - began:.3f}"}
     return row_of(case, path, verdict, seed=seed, **known)
 
 
-def class_of(outcome: str, verdict: Verdict) -> str:
-    """Class of a case: its outcome, unless something is wrong or a run stops by the iteration."""
-    if verdict.complaints:
-        return UNEXPLAINED
-    return ITERATION if verdict.stops else outcome
+def verify(case: Case, path: EquilibriumPath) -> Verdict:
+    """Verify a path of a case, complete or not, by equations of its own, other runs, and overlaps."""
+    verdict = Verdict()
+    if not verdict.stop("path", path) and path.outcome not in VERIFIED:
+        verdict.complain(f"{path.outcome}: {path.message}")
+        return verdict
+    if case.model == "equivbeam":
+        energy = beam_energy(case.scene, str(path.options["law"]))
+        critical = partial(verify_critical, verdict, energy)
+        verify_states(verdict, energy, path)
+    else:
+        forces = wire_forces(case.scene, **case.options)
+        critical = partial(wireverifier.verify_wire_critical, verdict, forces)
+        for row in sorted(verified_rows(path)):
+            wireverifier.verify_row(verdict, forces, path, row)
+    verify_overlap(verdict, path)
+    verify_steps(verdict, case, path)
+    if path.outcome in CRITICAL:
+        critical(case, path)
+    elif path.outcome == JUMP:
+        wireverifier.verify_jump(verdict, forces, case, path)
+    return verdict
 
 
 def _results(keys: list[Key], workers: int, scheduler: str | None) -> Iterator[list[Row]]:

@@ -1,23 +1,24 @@
-"""Whether two runs of a scene tell the same, and whether one stepped over a critical point of the other."""
+"""Other runs of a scene must tell the same, and none may step over a critical point of another.
+
+Runs in other steps, of the mirror image, in other units, or with other last digits of the input."""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
 
 from coilspring import EquilibriumPath, Scene
-from validation.campaign.scenes import Case
+from validation.campaign.scenes import EVERY, Case, in_units
 from validation.campaign.verdict import CRITICAL, STUCK, Verdict, fine_steps, reached, under
 
 BRANCH = 1e-6  # difference from the fine run over the largest displacement,
 SOLVER = 1e-8  # or this over the root of the least stiffness: what solvers leave, in the energy norm
 ROUNDING = 4.0 * 2.0**-52  # of the spring's height: positions are no finer
-FRICTION, FRICTION_TIME = (
-    1e-3,
-    5e-3,
-)  # the same, and of a critical time, with friction, which follows the path
+FRICTION, FRICTION_TIME = 1e-3, 5e-3  # the same with friction, which follows the path; of a critical time
 NEAR_CRITICAL = 0.01  # of its time: so near before a critical point paths with friction are not compared
 BETWEEN = 1e-4  # where a column passes its buckling load all but neutral, before the last common state
 LOAD = 1e-4  # within which a critical point is bracketed
@@ -25,16 +26,17 @@ UNCHANGED = (1.0, 1.0, 1.0)
 ROWS = 3  # states of a path that are verified
 PLACE = 1e-10  # of the prescribed displacement: the top is there to what rounding sums up to
 STEPPED = 1e-3  # of its time, by which a run goes beyond a critical point that it stepped over
+KINDS = ("mirror", "binary", "units", "perturbed")
+PERTURBATION = 1e-12  # of the input
+# The most that a kind may change the answer; rounding, of the first two, as much over the least stiffness.
+ANSWER = {"mirror": 1e-10, "binary": 1e-10, "units": 1e-6, "perturbed": 1e-8}
+SOFT = 1e-6  # stiffness over that at rest, below which small changes of the input may count
+CRITICAL_SHIFT = 1e-7  # of a critical time; its bracket is 2e-9 wide
 
 
 class Bounds(NamedTuple):
-    """What other steps may change.
-
-    Attributes
-    ----------
-    branch, between : tips at the last common state and before it, over the largest displacement.
-    critical : the critical time.
-    """
+    """What other steps may change: tips at the last common state over the largest displacement, the critical
+    time, and tips before."""
 
     branch: float
     critical: float
@@ -109,17 +111,13 @@ def verify_branch(
     verdict.ask("branch", largest, max(most, bounds.between), f"off the branch of the {name} before the end")
     if STUCK in (path.outcome, other.outcome):
         return
-    if _kind(path) != _kind(other):
+    kinds = {CRITICAL[0] if run.outcome in CRITICAL else run.outcome for run in (path, other)}
+    if len(kinds) > 1:  # which kind of critical point it is may depend on rounding alone
         verdict.complain(f"{path.outcome}, but the {name} ends as {other.outcome}: {other.message}")
     elif path.end_bracket is not None and other.end_bracket is not None:
         mine, theirs = sum(path.end_bracket), sum(other.end_bracket)
         shift = abs(mine - theirs) / max(mine, theirs, LOAD)
         verdict.ask("critical_shift", shift, bounds.critical, f"another critical time than the {name}'s")
-
-
-def _kind(path: EquilibriumPath) -> str:
-    """Outcome of a path; which kind of critical point it is may depend on rounding alone."""
-    return CRITICAL[0] if path.outcome in CRITICAL else path.outcome
 
 
 def common_end(path: EquilibriumPath, other: EquilibriumPath) -> float:
@@ -134,19 +132,14 @@ def verify_passed(
     verdict: Verdict, path: EquilibriumPath, other: EquilibriumPath, name: str, most: float
 ) -> None:
     """Neither run may go on beyond a critical point at which the other ends."""
-    runs = (("the path", path), (f"the {name}", other))
     verdict.numbers.setdefault("stepped", 0.0)
-    for (_, stops), (who, goes) in (runs, runs[::-1]):
+    for stops, who, goes in ((other, "the path", path), (path, f"the {name}", other)):
         if stops.outcome not in CRITICAL or stops.critical_time is None:
             continue
-        if _reach(goes) > stops.critical_time * (1.0 + max(STEPPED, most)):
+        reached_time = max([0.0, *goes.times[-1:], *(goes.end_bracket or ())[:1]])
+        if reached_time > stops.critical_time * (1.0 + max(STEPPED, most)):
             verdict.numbers["stepped"] = 1.0
             verdict.complain(f"{who} stepped over a critical point at {stops.critical_time:.6g}")
-
-
-def _reach(path: EquilibriumPath) -> float:
-    """Time that a path reached."""
-    return max([0.0, *path.times[-1:], *(path.end_bracket or ())[:1]])
 
 
 def verify_steps(verdict: Verdict, case: Case, path: EquilibriumPath) -> None:
@@ -175,8 +168,8 @@ def verify_place(verdict: Verdict, path: EquilibriumPath, row: int, y: float) ->
     verdict.ask("place", share, PLACE, f"top elsewhere at time {time:.6g}")
 
 
-def sharp_critical(verdict: Verdict, path: EquilibriumPath) -> tuple[float, float] | None:
-    """Critical time and the width of its bracket, which must be small; None where the path has none."""
+def sharp_critical(verdict: Verdict, path: EquilibriumPath) -> float | None:
+    """Critical time, whose bracket must be small; None where the path has none."""
     if path.critical_time is None or path.critical_bracket is None:
         verdict.complain(f"{path.outcome} without a critical time")
         return None
@@ -185,19 +178,69 @@ def sharp_critical(verdict: Verdict, path: EquilibriumPath) -> tuple[float, floa
         return None
     share = path.critical_bracket / path.critical_time
     verdict.ask("bracket", share, LOAD, "critical time is not that sharp")
-    return path.critical_time, path.critical_bracket
+    return path.critical_time
 
 
 def just_before(
     verdict: Verdict, case: Case, critical: float, shares: Sequence[float]
-) -> list[tuple[float, EquilibriumPath]]:
-    """Times by shares before a critical one, and paths of the case up to there; none where one is not
-    reached."""
-    times = [critical * (1.0 - share) for share in shares]
+) -> list[EquilibriumPath]:
+    """Paths of the case up to shares before a critical time; none where one is not reached."""
     paths = []
-    for time in times:
-        paths.append(reached(case, under(case.scene, time)))
+    for share in shares:
+        paths.append(reached(case, under(case.scene, critical * (1.0 - share))))
         if paths[-1].outcome != "completed":
             verdict.complain(f"just before the critical time {critical:.6g}: {paths[-1].outcome}")
             return []
-    return list(zip(times, paths, strict=True))
+    return paths
+
+
+def changed(case: Case, kind: str) -> tuple[Scene, tuple[float, ...]]:
+    """The scene of a kind, and the factors that bring its tips back to those of the case."""
+    scene, spring, load = case.scene, case.scene.spring, case.scene.load
+    x, y = load.force
+    if kind == "mirror":  # in the Y-Z plane: load, and the side on which the wire begins; of a wire, its hand
+        hand = spring.hand
+        if case.model == "wirefe":
+            hand = "right" if hand == "left" else "left"
+        image = replace(spring, start_phase=spring.start_phase + math.pi, hand=hand)
+        return replace(scene, spring=image, load=replace(load, force=(-x, y))), (-1.0, 1.0, -1.0)
+    if kind == "perturbed":
+        more, less = 1.0 + PERTURBATION, 1.0 - PERTURBATION
+        # a spring whose coils touch at rest is another one where its height differs by rounding
+        taller = 1.0 if case.corner == "touching" else more
+        displacement = tuple(more * value for value in load.displacement)
+        other = replace(
+            scene,
+            spring=replace(spring, active_height=spring.active_height * taller),
+            material=replace(scene.material, E=scene.material.E * less),
+            load=replace(load, force=(x * more, y), displacement=displacement),
+        )
+        return other, UNCHANGED
+    # units such that the penalty stays within its range
+    length, force = (1e3, 1e6) if case.corner == "tiny" else (1e-3, 1e-6)
+    if kind == "binary":
+        power = case.number // len(KINDS) % 7 - 3
+        length, force = 2.0**power, 2.0 ** (2 * power - abs(power) - case.number % 3)
+    return in_units(scene, length, force), (1.0 / length, 1.0 / length, 1.0)
+
+
+def verify_invariance(verdict: Verdict, case: Case, path: EquilibriumPath) -> str:
+    """Verify the case's turn of the invariances, and return its kind."""
+    kind = KINDS[(case.number + case.number // EVERY) % len(KINDS)]  # so that corners take all in turn
+    scene, back = changed(case, kind)
+    other, least = reached(case, scene), verdict.numbers.get("least", 1.0)
+    verdict.stop(kind, other)
+    ends = path.outcome, other.outcome
+    if STUCK not in ends and (ends[0] in CRITICAL) != (ends[1] in CRITICAL):
+        verdict.complain(f"{kind}: {ends[0]}, but changed it ends as {ends[1]}")
+    elif kind != "perturbed" or least > SOFT:
+        answer = ANSWER[kind] / (least if kind in KINDS[:2] else 1.0)
+        loose = bounds_of(case) if path_dependent(case.scene, case.model) else Bounds(0.0, 0.0, 0.0)
+        found = deviation(path, other, back, common_end(path, other))[1]
+        most = max(answer, loose.branch, grain(path))
+        verdict.ask("invariance", found, most, f"{kind} changes the answer")
+        if path.critical_time is not None and other.critical_time is not None:
+            shift = abs(path.critical_time - other.critical_time) / max(path.critical_time, LOAD)
+            most = max(CRITICAL_SHIFT, loose.critical, force_grain(path))
+            verdict.ask("critical_shift", shift, most, f"{kind} shifts the critical time")
+    return kind

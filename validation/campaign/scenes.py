@@ -41,23 +41,14 @@ COUNTS = {"curved": (4, 8, 12, 16), "straight": (8, 12, 16, 20, 24, 32, 40)}  # 
 
 @dataclass(frozen=True)
 class Case:
-    """One scene and how it is solved.
-
-    Attributes
-    ----------
-    id, corner : corner is one of `CORNERS`, or "" for an ordinary scene.
-    scene, options : what `equivbeam.solve` or `wirefe.solve` are given.
-    size : load over the one that makes the spring solid, or bends it over its height; of a prescribed
-        displacement its share of the distance to solid.
-    number : place in the sequence.
-    """
+    """One scene and how it is solved."""
 
     id: str
-    corner: str
+    corner: str  # one of `CORNERS`, or "" for an ordinary scene
     scene: Scene
-    size: float
-    number: int
-    options: Mapping[str, Any] = field(default_factory=dict)
+    size: float  # load over the one that makes it solid, or bends it over its height; or the `pressed` share
+    number: int  # place in the sequence
+    options: Mapping[str, Any] = field(default_factory=dict)  # of `equivbeam.solve` or `wirefe.solve`
 
     @property
     def model(self) -> str:
@@ -91,8 +82,7 @@ def make_case(name: str, seed: int, geometry: str | None = None) -> Case:
     else:
         sliding = draw.of("sliding", "free", "none", "coulomb")
         friction = draw.log("kind", 0.05, 0.5) if sliding == "coulomb" else None
-        drawn = "wires" if _chosen((seed, 2), SILVER, number, WIRES) else "spheres"
-        geometry = geometry or drawn
+        geometry = geometry or ("wires" if _chosen((seed, 2), SILVER, number, WIRES) else "spheres")
         contact = replace(scene.contact, sliding=sliding, friction=friction, geometry=geometry)
         scene = replace(scene, contact=contact)
         options = _mesh(draw, spring.active_coils, geometry)
@@ -242,14 +232,10 @@ def in_units(scene: Scene, length: float, force: float) -> Scene:
     """The same scene in other units: all lengths and forces times a factor."""
     spring, contact = scene.spring, scene.contact
     bottom, top = spring.mean_diameter
+    lengths = {name: getattr(spring, name) * length for name in ("wire_diameter", "active_height")}
     return replace(
         scene,
-        spring=replace(
-            spring,
-            wire_diameter=spring.wire_diameter * length,
-            mean_diameter=(bottom * length, top * length),
-            active_height=spring.active_height * length,
-        ),
+        spring=replace(spring, mean_diameter=(bottom * length, top * length), **lengths),
         material=replace(scene.material, E=scene.material.E * force / length**2),
         load=scaled_load(scene.load, force, length),
         contact=replace(contact, stiffness=contact.stiffness * force / length**contact.exponent),

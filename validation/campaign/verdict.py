@@ -23,13 +23,10 @@ MANY = 200  # steps of the fine run, nearly
 
 @dataclass
 class Verdict:
-    """Findings of one case; the first complaint is the reason.
-
-    `stops` are runs of the scene that end for reasons of the iteration.
-    """
+    """Findings of one case; the first complaint is the reason."""
 
     complaints: list[str] = field(default_factory=list)
-    stops: list[str] = field(default_factory=list)
+    stops: list[str] = field(default_factory=list)  # runs that end for reasons of the iteration
     numbers: dict[str, float] = field(default_factory=dict)
 
     def ask(self, name: str, value: float, most: float, what: str) -> None:
@@ -38,9 +35,19 @@ class Verdict:
         if not value <= most:
             self.complain(f"{what}: {value:.2e}, above {most:.0e}")
 
+    def stable(self, least: float, time: float) -> None:
+        """Keep the least stiffness, in units of that at rest; complain where it is not positive."""
+        self.numbers["least"] = min(least, self.numbers.get("least", least))
+        if not least > 0.0:
+            self.complain(f"unstable at time {time:.6g}: least stiffness {least:.2e} of that at rest")
+
     def complain(self, what: str) -> None:
         """Something is wrong."""
         self.complaints.append(what)
+
+    def class_of(self, outcome: str) -> str:
+        """Class of a case: its outcome, unless something is wrong or a run stops by the iteration."""
+        return UNEXPLAINED if self.complaints else ITERATION if self.stops else outcome
 
     def stop(self, name: str, path: EquilibriumPath) -> bool:
         """Note a run that ends for reasons of the iteration; returns whether it does."""

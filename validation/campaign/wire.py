@@ -7,19 +7,18 @@ central differences of the forces.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from scipy.linalg import cho_solve_banded, cholesky_banded, eigh, lu_factor, lu_solve
-from scipy.sparse import csr_array
-from scipy.sparse.linalg import LinearOperator, eigs, eigsh
+from scipy.linalg import eigh
+from scipy.sparse import csc_array
+from scipy.sparse.linalg import eigs, eigsh
 
 from coilspring import EquilibriumPath, Scene
-from validation.campaign.poses import TINY, differences, product, rotated, strain
+from validation.campaign.poses import TINY, assembled, differences, product, rotated, stepped, strain, summed
 from validation.campaign.wirepairs import Law, Pairs, known_pairs
-from validation.campaign.wireparts import Points, curved, end_frames, helix, spheres, stations, straight
+from validation.campaign.wireparts import Points, contact_points, curved, end_frames, helix, straight
 
 PAIRS_A_TURN = 4  # that the scene's stiffness belongs to
 SETTLED = 1e-8  # of an eigenvalue
@@ -27,90 +26,54 @@ SETTLED = 1e-8  # of an eigenvalue
 
 @dataclass(frozen=True)
 class WireForces:
-    """A scene's wire: elements and contact.
+    """A scene's wire: elements and contact."""
 
-    Attributes
-    ----------
-    rest : (nodes, 7) positions and quaternions at rest.
-    frames : (4, 2, elements) quaternions of the end triads at rest.
-    arm : (3,) from the top reference point to the wire's last point, at rest.
-    stiffness, strain0 : (6, 6, elements) and (6, elements).
-    points, law : of the contact; no law where there is none.
-    d : diameter of the wire.
-    fixed : (nodes, 6) degrees of freedom, where nothing must balance.
-    driven : a displacement of the top is prescribed.
-    """
+    rest: np.ndarray  # (nodes, 7) positions and quaternions at rest
+    frames: np.ndarray  # (4, 2, elements) quaternions of the end triads at rest
+    arms: np.ndarray  # (2, 3, elements) from nodes to ends, at rest: from the top reference point, else zero
+    stiffness: np.ndarray  # (6, 6, elements)
+    strain0: np.ndarray  # (6, elements)
+    points: Points  # of the contact, as are law and enabled
+    law: Law
+    enabled: bool
+    fixed: np.ndarray  # (nodes, 6) degrees of freedom, where nothing must balance
+    driven: bool  # a displacement of the top is prescribed
 
-    rest: np.ndarray
-    frames: np.ndarray
-    arm: np.ndarray
-    stiffness: np.ndarray
-    strain0: np.ndarray
-    points: Points
-    law: Law | None
-    d: float
-    fixed: np.ndarray
-    driven: bool
-
-    def residual(self, state: np.ndarray, load: np.ndarray, pairs: Pairs | None) -> np.ndarray:
+    def residual(self, rows: np.ndarray, load: np.ndarray, pairs: Pairs) -> np.ndarray:
         """Force and moment (nodes, 6) that are out of balance under a load, or the reaction to a prescribed
         displacement."""
-        total = self.forces(state.reshape(-1, 7), pairs)
+        total = self.element_forces(rows) + pairs.gradient(rows)
         total[-1, :2] -= load
         return np.where(self.fixed, 0.0, total)
 
-    def forces(self, rows: np.ndarray, pairs: Pairs | None) -> np.ndarray:
-        """Forces and moments (nodes, 6) of the elements and the contact, those of the supports included."""
-        total = self.element_forces(rows)
-        return total if pairs is None else total + pairs.gradient(rows)
+    @property
+    def nodes(self) -> np.ndarray:
+        """Nodes (2, elements) of the elements."""
+        return np.stack((np.arange(len(self.rest) - 1), np.arange(1, len(self.rest))))
 
     def element_forces(self, rows: np.ndarray) -> np.ndarray:
         """Gradient (nodes, 6) of the strain energy in displacements and spins."""
-        x, q = rows[:, :3].T.copy(), rows[:, 3:].T
-        x[:, -1] += rotated(q[:, -1], self.arm)
-        ends = np.stack((np.arange(x.shape[1] - 1), np.arange(1, x.shape[1])))
-        shift = 1j * TINY * np.eye(12)[..., None]
-        poses = []
-        for end in range(2):
-            move, spin = np.split(shift[6 * end : 6 * end + 6], 2)
-            turned = product(np.concatenate((np.ones((1, 12, 1)), 0.5 * spin)), q[:, None, ends[end]])
-            poses.append((x[:, None, ends[end]] + move, product(turned, self.frames[:, None, end])))
+        return summed(self.nodes, self._slopes(rows[self.nodes]), len(rows))
+
+    def _slopes(self, near: np.ndarray) -> np.ndarray:
+        """Derivatives (12, elements) of their energies in the moves and spins of their nodes."""
+        poses = [
+            (x + rotated(q, arm[:, None]), product(q, frame[:, None]))
+            for (x, q), arm, frame in zip(stepped(near), self.arms, self.frames.swapaxes(0, 1), strict=True)
+        ]
         e = strain(*poses) - self.strain0[:, None]
-        energy = 0.5 * np.einsum("ike,ije,jke->ke", e, self.stiffness, e)
-        parts = energy.imag.T / TINY
-        total = np.zeros((len(rows), 6))
-        np.add.at(total, ends[0], parts[:, :6])
-        np.add.at(total, ends[1], parts[:, 6:])
-        total[-1, 3:] += np.cross(rotated(q[:, -1], self.arm), total[-1, :3])
-        return total
+        return 0.5 * np.einsum("ike,ije,jke->ke", e, self.stiffness, e).imag / TINY
 
-    def pairs(self, path: EquilibriumPath, row: int, reach: float = 0.0) -> Pairs | None:
-        """Pairs that are held in a path's row or nearer than `reach`; None where there is no contact."""
-        if self.law is None:
-            return None
+    def pairs(self, path: EquilibriumPath, row: int, reach: float = 0.0) -> Pairs:
+        """Pairs that are held in a path's row or nearer than `reach`; none where contact is not enabled."""
         found = known_pairs(self.points, self.law, self.rest, path, row)
-        return found.of(found.held | (found.depth(path.states[row].reshape(-1, 7)) > -reach))
+        near = found.held | (found.depth(path.states[row].reshape(-1, 7)) > -reach)
+        return found.of(near & self.enabled)
 
-    def element_tangent(self, rows: np.ndarray) -> np.ndarray:
-        """Derivative of the elements' forces in the moves and spins of all nodes; 1 where held."""
-        nodes, held = len(rows), self.fixed.ravel()
-        J: np.ndarray = np.zeros((nodes, 6, nodes, 6))
-        # an element joins two nodes: every third may be moved at once
-        thirds = [np.arange(first, nodes, 3) for first in range(3)]
-        for some, i, change in differences(self.element_forces, rows, self.d, thirds):
-            for node in np.atleast_1d(some):
-                near = slice(max(node - 1, 0), node + 2)
-                J[near, :, node, i] = change[near]
-        J = J.reshape(held.size, held.size)
-        J[held], J[:, held] = 0.0, 0.0
-        J[held, held] = 1.0
-        return J
-
-    def tangent(self, rows: np.ndarray, pairs: Pairs | None) -> np.ndarray:
-        """Derivative of all forces in the degrees of freedom that are free."""
-        J = self.element_tangent(rows)
-        if pairs is not None:
-            J += pairs.tangent(rows)
+    def tangent(self, rows: np.ndarray, pairs: Pairs | None = None) -> np.ndarray:
+        """Derivative of all forces in the degrees of freedom that are free; by default the elements'."""
+        K = differences(self._slopes, rows[self.nodes], self.law.d).swapaxes(0, 1)
+        J = assembled(self.nodes, K, len(rows)) + (0.0 if pairs is None else pairs.tangent(rows))
         return J[np.ix_(self.free, self.free)]
 
     @property
@@ -123,46 +86,31 @@ class WireForces:
     @cached_property
     def at_rest(self) -> np.ndarray:
         """Tangent at rest without contact, in units of which stiffness is measured."""
-        J = self.tangent(self.rest, None)
+        J = self.tangent(self.rest)
         return 0.5 * (J + J.T)
 
-    def least_stiffness(self, rows: np.ndarray, pairs: Pairs | None) -> float:
+    def stiffness_of(self, path: EquilibriumPath, row: int = -1) -> float:
+        """Least stiffness of a path's row."""
+        rows = path.states[row].reshape(-1, 7)
+        return self.least_stiffness(rows, self.pairs(path, row).renewed(rows))
+
+    def least_stiffness(self, rows: np.ndarray, pairs: Pairs) -> float:
         """Eigenvalue of the tangent next to zero, in units of that at rest; negative where unstable.
 
         Where coils slide the tangent is not symmetric: it is unstable where the determinant is negative.
         """
         J, rest = self.tangent(rows, pairs), self.at_rest
-        if pairs is None or not pairs.slides.any():
-            J = 0.5 * (J + J.T)
-            factor = _cholesky(J)
-            if factor is None:
+        if pairs.slides.any():
+            sign, find = np.linalg.slogdet(J)[0], eigs
+        else:
+            J, sign, find = 0.5 * (J + J.T), 1.0, eigsh
+            try:
+                np.linalg.cholesky(J)
+            except np.linalg.LinAlgError:
                 return float(eigh(J, rest, subset_by_index=(0, 0), eigvals_only=True)[0])
-            return _next_to_zero(lambda b: cho_solve_banded((factor, True), b), J, rest)
-        lu, swaps = lu_factor(J)
-        swapped = np.count_nonzero(swaps != np.arange(len(swaps)))
-        sign = (-1.0) ** swapped * np.prod(np.sign(np.diag(lu)))
-        return float(sign * abs(_next_to_zero(lambda b: lu_solve((lu, swaps), b), J, rest)))
-
-
-def _cholesky(J: np.ndarray) -> np.ndarray | None:
-    """Banded factor of a symmetric matrix, lower form; None where it is not positive definite."""
-    low, high = np.nonzero(np.tril(J))
-    band = int((low - high).max())
-    stored = np.zeros((band + 1, len(J)))
-    stored[low - high, high] = J[low, high]
-    try:
-        return cholesky_banded(stored, lower=True)
-    except np.linalg.LinAlgError:
-        return None
-
-
-def _next_to_zero(solve: Callable[[np.ndarray], np.ndarray], J: np.ndarray, rest: np.ndarray) -> float:
-    """Eigenvalue of a matrix next to zero, in units of that at rest, by Arnoldi's method on the inverse."""
-    inverse = LinearOperator(J.shape, solve, dtype=float)
-    known = {"k": 1, "M": csr_array(rest), "sigma": 0.0, "tol": SETTLED, "return_eigenvectors": False}
-    start = np.random.default_rng(1).standard_normal(len(rest))
-    find = eigsh if (J == J.T).all() else eigs
-    return float(find(csr_array(J), OPinv=inverse, v0=start, **known)[0].real)
+        start = np.random.default_rng(1).standard_normal(len(rest))
+        known = {"k": 1, "sigma": 0.0, "tol": SETTLED, "return_eigenvectors": False}
+        return float(sign * abs(find(csc_array(J), M=csc_array(rest), v0=start, **known)[0].real))
 
 
 def wire_forces(scene: Scene, element: str, elements_per_turn: int, pairs_per_turn: int) -> WireForces:
@@ -174,10 +122,6 @@ def wire_forces(scene: Scene, element: str, elements_per_turn: int, pairs_per_tu
     frames = end_frames(spring, phases, points, element == "curved")
     poses = ((points[:-1].T, frames[:, 0]), (points[1:].T, frames[:, 1]))
     reference = np.array([0.0, spring.active_height, 0.0])
-    if contact.geometry == "wires":
-        contact_points = stations(spring, points, reference, pairs_per_turn)
-    else:
-        contact_points = spheres(spring, points, reference, elements_per_turn, pairs_per_turn)
     penalty = contact.stiffness * PAIRS_A_TURN / pairs_per_turn
     law = Law(spring.wire_diameter, penalty, contact.exponent, contact.coefficient)
     fixed = np.zeros((count + 1, 6), dtype=bool)
@@ -185,18 +129,20 @@ def wire_forces(scene: Scene, element: str, elements_per_turn: int, pairs_per_tu
     fixed[-1, 2:5] = True
     for name in scene.supports.top_held:
         fixed[-1, {"ux": 0, "rotz": 5}[name]] = True
+    arms = np.zeros((2, 3, count))
+    arms[1, :, -1] = points[-1] - reference
     rest = np.zeros((count + 1, 7))
     rest[:, :3], rest[:, 3] = points, 1.0
     rest[-1, :3] = reference
     return WireForces(
         rest=rest,
         frames=frames,
-        arm=points[-1] - reference,
+        arms=arms,
         stiffness=curved(scene, phases, points, poses) if element == "curved" else straight(scene, points),
         strain0=strain(*poses),
-        points=contact_points,
-        law=law if contact.enabled else None,
-        d=spring.wire_diameter,
+        points=contact_points(spring, points, pairs_per_turn, contact.geometry == "wires"),
+        law=law,
+        enabled=contact.enabled,
         fixed=fixed,
         driven=bool(scene.load.displacement),
     )

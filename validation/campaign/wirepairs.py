@@ -12,11 +12,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from coilspring import EquilibriumPath
-from validation.campaign.poses import NUDGE, TINY, moved, product, rotated
+from validation.campaign.poses import TINY, assembled, differences, rotated, stepped, summed
 from validation.campaign.wireparts import Points
 
-SIDES, SLOTS = 2, 4  # contact points of a pair, nodes of a pair
-STEPS = 6 * SLOTS
 SMALL_CHORD = 1e-4  # square of a chord below which a series stands for the arc
 SLIDES = 1e-6  # of its slip: by so much less than the law of sticking says, a pair slides
 Poses = list[tuple[np.ndarray, np.ndarray]]
@@ -39,27 +37,17 @@ class Law:
 
 @dataclass(frozen=True)
 class Pairs:
-    """Pairs that touch or are held in a state, and what each remembers.
+    """Pairs that touch or are held in a state, and what each remembers."""
 
-    Attributes
-    ----------
-    points, law : of all of the wire.
-    index : (pairs, 2) contact points.
-    clearance : (pairs,) by how much wires run into each other at rest.
-    held : (pairs,) whether there is a tangential force.
-    slides : (pairs,) whether it is at its bound.
-    share : (pairs,) of the stiffness of sticking that is left; 1 but for pairs that are released.
-    one, two : (pairs, 3) of wires: the material points that touched first, from the stations, in their
-        sections at rest; of spheres: the vector between the centres when they did, and the normal.
-    """
-
-    points: Points
+    points: Points  # of all of the wire, as is the law
     law: Law
-    index: np.ndarray
-    clearance: np.ndarray
-    held: np.ndarray
-    slides: np.ndarray
-    share: np.ndarray
+    index: np.ndarray  # (pairs, 2) contact points
+    clearance: np.ndarray  # (pairs,) by how much wires run into each other at rest
+    held: np.ndarray  # (pairs,) whether there is a tangential force
+    slides: np.ndarray  # (pairs,) whether it is at its bound
+    share: np.ndarray  # (pairs,) of the stiffness of sticking that is left; 1 but for pairs that are released
+    # (pairs, 3) of wires: the material points that touched first, from the stations, in their sections at
+    # rest; of spheres: the vector between the centres when they did, and the normal
     one: np.ndarray
     two: np.ndarray
 
@@ -71,7 +59,7 @@ class Pairs:
     @property
     def nodes(self) -> np.ndarray:
         """Nodes (4, pairs) of the pairs: two of each contact point."""
-        return self.points.node[self.index].reshape(-1, SLOTS).T
+        return self.points.node[self.index].reshape(-1, 4).T
 
     def poses(self, rows: np.ndarray) -> Poses:
         """Positions and quaternions of the pairs' nodes."""
@@ -83,10 +71,12 @@ class Pairs:
 
     def gap(self, poses: Poses) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Gaps (..., pairs), longer by the clearance, normals (3, ...), and vectors between the points."""
-        low, high = (self._point(side, poses) for side in range(SIDES))
+        points = self.points
+        low, high = (self._sum(side, poses, points.weight, points.arm) for side in (0, 1))
         w = across = high - low
-        if self.points.wires:
-            along = self._tangent(0, poses) + self._tangent(1, poses)
+        if points.wires:
+            one, two = (self._sum(side, poses, points.slope_weight, points.slope_arm) for side in (0, 1))
+            along = one + two
             across = w - along * (w * along).sum(axis=0) / (along * along).sum(axis=0)
         h = np.sqrt((across * across).sum(axis=0))
         return h + self.clearance, across / h, w
@@ -94,14 +84,12 @@ class Pairs:
     def slip(self, poses: Poses) -> np.ndarray:
         """Vectors (3, ...) by which pairs have slipped since they touched first, as far as they resist it:
         of spheres under friction as long as the arc."""
-        h, n, w = self.gap(poses)
+        _, n, w = self.gap(poses)
         if self.points.wires:
-            xi = w + self._section(1, poses, self.two.T) - self._section(0, poses, self.one.T)
-            return xi - n * (xi * n).sum(axis=0)
-        reference = self.two.T.reshape(3, *(1,) * (h.ndim - 1), -1)
+            return _across(w + self._section(1, poses, self.two.T) - self._section(0, poses, self.one.T), n)
+        reference = _like(w, self.two.T)
         if not np.isfinite(self.law.mu):
-            e = w - self.one.T.reshape(reference.shape)
-            return e - reference * (e * reference).sum(axis=0)
+            return _across(w - _like(w, self.one.T), reference)
         chord = n - reference
         square = (chord * chord).sum(axis=0)
         near = np.abs(square) < SMALL_CHORD
@@ -115,36 +103,18 @@ class Pairs:
 
     def gradient(self, rows: np.ndarray) -> np.ndarray:
         """Gradient (nodes, 6) of the pairs' energies; of what slides, Coulomb's force along its slip."""
-        total = np.zeros((len(rows), 6))
         dh, dS = self._slopes(rows[self.nodes])
         press, _, ratio, _, _ = self._sizes(rows)
-        parts = ratio * dS - press * dh
-        np.add.at(total, self.nodes, parts.reshape(SLOTS, 6, -1).swapaxes(1, 2))
-        return total
+        return summed(self.nodes, ratio * dS - press * dh, len(rows))
 
     def tangent(self, rows: np.ndarray) -> np.ndarray:
         """Derivative (6 nodes, 6 nodes) of the gradient, with the pairs that touch and slide as they do."""
-        total = np.zeros((6 * len(rows),) * 2)
-        if not len(self.index):
-            return total
         near = rows[self.nodes]  # (4, pairs, 7)
         press, rise, ratio, by_gap, by_slip = self._sizes(rows)
         dh, dS = self._slopes(near)
+        d2h, d2S = np.moveaxis(differences(self._slopes, near, self.law.d), 0, 2)
         K = rise * dh[:, None] * dh + by_gap * dS[:, None] * dh + by_slip * dS[:, None] * dS
-        for step in range(STEPS):
-            slot, i = divmod(step, 6)
-            size = NUDGE * (self.law.d if i < 3 else 1.0)
-            sides = []
-            for sign in (1.0, -1.0):
-                move, there = np.zeros((near.shape[1], 6)), near.copy()
-                move[:, i] = sign * size
-                there[slot] = moved(there[slot], move)
-                sides.append(self._slopes(there))
-            d2h, d2S = (one - other for one, other in zip(*sides, strict=True))
-            K[:, step] += (ratio * d2S - press * d2h) / (2.0 * size)
-        dofs = (6 * self.nodes[:, None] + np.arange(6)[:, None]).reshape(STEPS, -1)
-        np.add.at(total, (dofs[:, None], dofs[None]), K)
-        return total
+        return assembled(self.nodes, K + ratio * d2S - press * d2h, len(rows))
 
     def forces(self, rows: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Normal forces (pairs,) and tangential ones (pairs, 3) on the lower bodies."""
@@ -172,25 +142,13 @@ class Pairs:
         normal = np.where(self.slides, np.cos(angle) * n - np.sin(angle) * _along(slip, n), self.two.T)
         return replace(self, two=normal.T)
 
-    def _slopes(self, near: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Derivatives (24, pairs) of the gaps and of the slips' squares over 2 in the moves and spins of the
-        pairs' nodes (4, pairs, 7)."""
-        shift = 1j * TINY * np.eye(6)[..., None]
-        spun = np.concatenate((np.ones((1, 6, 1)), 0.5 * shift[3:].reshape(3, 6, 1)))
-        stepped: Poses = []
-        for slot, row in enumerate(near):
-            moves = np.zeros((3, STEPS, 1), complex)
-            turns = np.zeros((4, STEPS, 1), complex)
-            turns[0] = 1.0
-            mine = slice(6 * slot, 6 * slot + 6)
-            moves[:, mine], turns[:, mine] = shift[:3], spun
-            stepped.append((row[:, :3].T[:, None] + moves, product(turns, row[:, 3:].T[:, None])))
-        h = self.gap(stepped)[0]
-        slip = np.zeros(h.shape)
-        if self.held.any():
-            vectors = self.slip(stepped)
-            slip = 0.5 * (vectors * vectors).sum(axis=0).imag / TINY
-        return h.imag / TINY, slip * self.held
+    def _slopes(self, near: np.ndarray) -> np.ndarray:
+        """Derivatives (2, 24, pairs) of the gaps and of the slips' squares over 2 in the moves and spins of
+        the pairs' nodes (4, pairs, 7)."""
+        poses = stepped(near)
+        h = self.gap(poses)[0]
+        half = 0.5 * (self.slip(poses) ** 2).sum(axis=0) if self.held.any() else 0.0 * h
+        return np.stack((h.imag / TINY, half.imag / TINY * self.held))
 
     def _sizes(self, rows: np.ndarray) -> tuple[np.ndarray, ...]:
         """Of each pair: the normal force and its derivative by the penetration, the tangential force over the
@@ -215,30 +173,19 @@ class Pairs:
             np.where(s, -bound / length**3, 0.0),
         )  # fmt: skip
 
-    def _point(self, side: int, poses: Poses) -> np.ndarray:
-        return self._sum(side, poses, self.points.weight, self.points.arm)
-
-    def _tangent(self, side: int, poses: Poses) -> np.ndarray:
-        return self._sum(side, poses, self.points.slope_weight, self.points.slope_arm)
-
     def _sum(self, side: int, poses: Poses, weight: np.ndarray, arm: np.ndarray) -> np.ndarray:
         """Sum over the two nodes of a point of weighted positions and arms turned with the node."""
-        k, total = self.index[:, side], 0.0
-        for slot in range(2):
-            x, q = poses[2 * side + slot]
-            arms = arm[k, slot].T.reshape(3, *(1,) * (x.ndim - 2), -1)
-            total = total + weight[k, slot] * x + rotated(q, arms)
-        return np.asarray(total)
+        k = self.index[:, side]
+        return np.add(*(
+            weight[k, slot] * x + rotated(q, _like(x, arm[k, slot].T))
+            for slot, (x, q) in enumerate(poses[2 * side : 2 * side + 2])
+        ))  # fmt: skip
 
     def _section(self, side: int, poses: Poses, vectors: np.ndarray) -> np.ndarray:
         """Vectors (3, pairs) fixed to sections at rest, as turned now."""
-        k, total = self.index[:, side], 0.0
-        for slot in range(2):
-            q = poses[2 * side + slot][1]
-            total = total + self.points.turn[k, slot] * rotated(
-                q, vectors.reshape(3, *(1,) * (q.ndim - 2), -1)
-            )
-        return np.asarray(total)
+        turn = self.points.turn[self.index[:, side]].T
+        one, two = (rotated(q, _like(x, vectors)) for x, q in poses[2 * side : 2 * side + 2])
+        return turn[0] * one + turn[1] * two
 
     def _at_rest(self, side: int, poses: Poses, vectors: np.ndarray) -> np.ndarray:
         """Vectors (pairs, 3) at rest which the sections turn into those given, (3, pairs)."""
@@ -247,9 +194,19 @@ class Pairs:
         return np.linalg.solve(np.stack(columns).transpose(2, 1, 0), vectors.T[..., None])[..., 0]
 
 
+def _like(x: np.ndarray, vectors: np.ndarray) -> np.ndarray:
+    """Vectors (3, pairs) beside `x`, (3, ..., pairs)."""
+    return vectors.reshape(3, *(1,) * (x.ndim - 2), -1)
+
+
+def _across(vectors: np.ndarray, n: np.ndarray) -> np.ndarray:
+    """The parts of vectors (3, ...) across the normals."""
+    return vectors - n * (vectors * n).sum(axis=0)
+
+
 def _along(slip: np.ndarray, n: np.ndarray) -> np.ndarray:
     """Directions (3, pairs) of slips across the normals, or zero."""
-    part = slip - n * (slip * n).sum(axis=0)
+    part = _across(slip, n)
     return part / np.maximum(np.sqrt((part * part).sum(axis=0)), TINY)
 
 
@@ -276,15 +233,9 @@ def known_pairs(points: Points, law: Law, rest: np.ndarray, path: EquilibriumPat
     )  # fmt: skip
     if points.wires:
         made = replace(made, clearance=np.maximum(made.depth(rest), 0.0))
-    return with_slides(made, rows)
-
-
-def with_slides(pairs: Pairs, rows: np.ndarray) -> Pairs:
-    """The pairs with those marked that slide by Coulomb's law: sticking would take more than the bound."""
-    if not pairs.held.any() or not np.isfinite(pairs.law.mu):
-        return pairs
-    stuck = replace(pairs, slides=np.zeros(len(pairs.held), bool))
-    normal, force = stuck.forces(rows)
-    bound = pairs.law.mu * normal
-    slides = pairs.held & (np.linalg.norm(force, axis=1) > (1.0 - SLIDES) * bound)
-    return replace(pairs, slides=slides)
+    if not held.any() or not np.isfinite(law.mu):
+        return made
+    # by Coulomb's law those slide of which sticking would take more than the bound
+    normal, force = made.forces(rows)
+    slides = made.held & (np.linalg.norm(force, axis=1) > (1.0 - SLIDES) * law.mu * normal)
+    return replace(made, slides=slides)

@@ -6,10 +6,11 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.spatial import cKDTree
 from scipy.spatial.transform import Rotation
 
 from coilspring import Scene, Spring
-from validation.campaign.poses import TINY, product, rotated, strain
+from validation.campaign.poses import TINY, rotated, stepped, strain
 
 SHEAR_FACTOR = 0.9
 TURN = 2.0 * math.pi
@@ -45,110 +46,86 @@ def end_frames(spring: Spring, phases: np.ndarray, points: np.ndarray, bent: boo
 
 def straight(scene: Scene, points: np.ndarray) -> np.ndarray:
     """Stiffness (6, 6, elements) of straight pieces with residual bending flexibility."""
-    EA, GA, GJ, EI = _rigidities(scene)
+    EA, GA, GJ, EI = rigidities(scene)
     length = np.linalg.norm(np.diff(points, axis=0), axis=1)
     shear = 1.0 / (1.0 / GA + length**2 / (12.0 * EI))
-    rows = np.broadcast_arrays(EA, shear, shear, GJ, EI, EI, length)
     K = np.zeros((6, 6, length.size))
-    K[np.arange(6), np.arange(6)] = np.array(rows[:6]) / length
+    K[np.arange(6), np.arange(6)] = np.array(np.broadcast_arrays(EA, shear, shear, GJ, EI, EI)) / length
     return K
 
 
 def curved(scene: Scene, phases: np.ndarray, points: np.ndarray, poses: Poses) -> np.ndarray:
     """Stiffness of curved pieces: the inverse of their exact linear flexibility in (v, theta)."""
     flexibility = _flexibility(scene, phases, points)
-    steps = np.zeros((6, 6, 1), dtype=complex)
-    steps[np.arange(6), np.arange(6)] = 1j * TINY
-    spins = np.concatenate((np.ones((1, 6, 1)), 0.5 * steps[3:]))
-    (x1, q1), (x2, q2) = poses
-    moved = (x2[:, None] + steps[:3], product(spins, q2[:, None]))
-    J = strain((x1[:, None], q1[:, None]), moved).imag.transpose(2, 0, 1) / TINY
+    low, (x, q) = poses
+    (moved,) = stepped(np.concatenate((x, q)).T[None])
+    J = strain((low[0][:, None], low[1][:, None]), moved).imag.transpose(2, 0, 1) / TINY
     return np.linalg.inv(J @ flexibility @ J.transpose(0, 2, 1)).transpose(1, 2, 0)
 
 
 @dataclass(frozen=True)
 class Points:
-    """Contact points: where they are is a sum over two nodes of weighted positions and turned arms.
+    """Contact points: where they are is a sum over two nodes of weighted positions and turned arms."""
 
-    Attributes
-    ----------
-    wires : stations of a wire with tangents, in place of spheres.
-    per_turn : their number; up to half a turn along the wire nothing touches.
-    node : (points, 2), the same node twice where there is one alone.
-    weight, arm : (points, 2) and (points, 2, 3) of the positions.
-    slope_weight, slope_arm : the same of the tangents; zero for spheres.
-    turn : (points, 2) shares of both rotations in that of the wire's section.
-    """
-
-    wires: bool
-    per_turn: int
-    node: np.ndarray
-    weight: np.ndarray
-    arm: np.ndarray
-    slope_weight: np.ndarray
+    wires: bool  # stations of a wire with tangents, in place of spheres
+    per_turn: int  # their number; up to half a turn along the wire nothing touches
+    node: np.ndarray  # (points, 2), the same node twice where there is one alone
+    weight: np.ndarray  # (points, 2) of the positions
+    arm: np.ndarray  # (points, 2, 3) of the positions
+    slope_weight: np.ndarray  # the same of the tangents; zero for spheres
     slope_arm: np.ndarray
-    turn: np.ndarray
+    turn: np.ndarray  # (points, 2) shares of both rotations in that of the wire's section
 
     def places(self, rows: np.ndarray) -> np.ndarray:
         """Where they are in a state, (points, 3)."""
         slots = zip(self.node.T, self.weight.T, self.arm.swapaxes(0, 1), strict=True)
         return sum(w[:, None] * rows[i, :3] + rotated(rows[i, 3:].T, arm.T).T for i, w, arm in slots)
 
+    def touching(self, rows: np.ndarray, d: float) -> np.ndarray:
+        """Pairs (n, 2) of points as near as d, more than half a turn apart along the wire."""
+        pairs = cKDTree(self.places(rows)).query_pairs(d, output_type="ndarray")
+        return self._elastic(pairs[pairs[:, 1] - pairs[:, 0] > self.per_turn // 2])
+
     def missing(self, rows: np.ndarray, known: np.ndarray, d: float) -> np.ndarray:
         """Pairs (n, 2) that touch and are none of those known: of spheres all, of stations those of the same
         place one coil apart."""
-        places, count = self.places(rows), len(self.node)
-        if self.wires:
-            low = np.arange(max(count - self.per_turn, 0))
-            high = low + self.per_turn
-            hit = np.ones(len(low), bool)
-        else:
-            low, high = np.triu_indices(count, self.per_turn // 2 + 1)
-            hit = np.linalg.norm(places[high] - places[low], axis=1) < d
-        body = self.node.sum(axis=1)
-        rigid = (body[low] == body[high]) & (self.node[low, 0] == self.node[low, 1])
-        new = ~np.isin(low * count + high, known[:, 0] * count + known[:, 1])
-        return np.stack((low, high), axis=1)[hit & new & ~rigid]
+        count = len(self.node)
+        low = np.arange(max(count - self.per_turn, 0))
+        beside = np.stack((low, low + self.per_turn), axis=1)
+        pairs = self._elastic(beside) if self.wires else self.touching(rows, d)
+        return pairs[~np.isin(pairs @ [count, 1], known @ [count, 1])]
+
+    def _elastic(self, pairs: np.ndarray) -> np.ndarray:
+        """The pairs of which not both points are of one rigid end."""
+        low, high = self.node[pairs.T]
+        return pairs[(low[:, 0] != low[:, 1]) | (low.sum(axis=1) != high.sum(axis=1))]
 
 
-def spheres(
-    spring: Spring, points: np.ndarray, reference: np.ndarray, elements_per_turn: int, pairs_per_turn: int
-) -> Points:
-    """Contact spheres at nodes."""
-    last = len(points) - 1
-    index = _numbers(spring, pairs_per_turn)
-    node = np.clip(index * (elements_per_turn // pairs_per_turn), 0, last)
-    origins = np.concatenate((points[:-1], reference[None]))
-    arm = helix(spring, index * TURN / pairs_per_turn) - origins[node]
-    count, first = len(index), np.array([1.0, 0.0])
-    return Points(
-        False, pairs_per_turn, np.stack((node, node), axis=1), np.tile(first, (count, 1)),
-        arm[:, None] * first[:, None], np.zeros((count, 2)), np.zeros((count, 2, 3)),
-        np.tile(first, (count, 1)),
-    )  # fmt: skip
-
-
-def stations(spring: Spring, points: np.ndarray, reference: np.ndarray, pairs_per_turn: int) -> Points:
-    """Contact stations along the wire: between the nodes it is a cubic along the turned tangents at rest.
+def contact_points(spring: Spring, points: np.ndarray, per_turn: int, wires: bool) -> Points:
+    """Spheres at nodes, or stations along the wire: between the nodes, at `points`, it is a cubic along the
+    turned tangents at rest.
 
     With T(P) the place of a point P that moves with a node, and s the share between the nodes A and B,
 
         (1 - s) Ta(P) + s Tb(P) - s (1 - s)^2 (Tb(A) - Ta(A)) + s^2 (1 - s) (Tb(B) - Ta(B)).
     """
     count, last = len(points) - 1, TURN * spring.active_coils
-    phases = _numbers(spring, pairs_per_turn) * TURN / pairs_per_turn
+    first = math.ceil(-spring.end_turns * per_turn - 1e-9)
+    end = math.floor((spring.active_coils + spring.end_turns) * per_turn + 1e-9)
+    phases = np.arange(first, end + 1) * TURN / per_turn
     place = np.clip(phases, 0.0, last) / last * count
     low = np.minimum(place.astype(int), count - 1)
     s = np.where(np.abs(place - np.rint(place)) < AT_NODE, np.rint(place), place) - low
+    node = np.stack((np.where(s == 1.0, low + 1, low), np.where(s == 0.0, low, low + 1)))  # one node alone
     P, A, B = helix(spring, phases), points[low], points[low + 1]
-    origins = np.concatenate((points[:-1], reference[None]))[np.stack((low, low + 1), axis=1)]
+    origins = np.concatenate((points[:-1], [[0.0, spring.active_height, 0.0]]))[np.stack((low, low + 1))]
     # by node: the shares of P, A and B, and their derivatives in s
     dip, rise = s * (1.0 - s) ** 2, s**2 * (1.0 - s)
     shares = np.array([[1.0 - s, dip, -rise], [s, -dip, rise]])
     ddip, drise = (1.0 - s) * (1.0 - 3.0 * s), s * (2.0 - 3.0 * s)
     one = np.ones_like(s)
     changes = np.array([[-one, ddip, -drise], [one, -ddip, drise]])
-    arms = np.stack((P, A, B))[None] - origins.swapaxes(0, 1)[:, None]  # (node, of P A B, points, 3)
+    arms = np.stack((P, A, B))[None] - origins[:, None]  # (node, of P A B, points, 3)
     before, after = (helix(spring, phases + side * NUDGE) for side in (-1.0, 1.0))
     slope = (after - before) / (2.0 * NUDGE)  # where pieces meet at a rest angle, their mean
     speed = np.linalg.norm(slope, axis=1, keepdims=True)
@@ -157,9 +134,9 @@ def stations(spring: Spring, points: np.ndarray, reference: np.ndarray, pairs_pe
     slope_arm = per_length * np.einsum("njp,njpi->npi", changes, arms)
     slope_arm += np.stack((1.0 - s, s))[..., None] * (slope / speed)
     return Points(
-        wires=True,
-        per_turn=pairs_per_turn,
-        node=_alone(np.stack((low, low + 1), axis=1), s),
+        wires=wires,
+        per_turn=per_turn,
+        node=node.T,
         weight=shares.sum(axis=1).T,
         arm=np.einsum("njp,njpi->pni", shares, arms),
         slope_weight=(per_length[:, 0] * changes.sum(axis=1)).T,
@@ -168,21 +145,8 @@ def stations(spring: Spring, points: np.ndarray, reference: np.ndarray, pairs_pe
     )
 
 
-def _alone(node: np.ndarray, s: np.ndarray) -> np.ndarray:
-    """The nodes, twice the same one where the other has no share."""
-    node[s == 0.0, 1] = node[s == 0.0, 0]
-    node[s == 1.0, 0] = node[s == 1.0, 1]
-    return node
-
-
-def _numbers(spring: Spring, pairs_per_turn: int) -> np.ndarray:
-    """Numbers of contact points: multiples of a turn's share, end turns included."""
-    low = math.ceil(-spring.end_turns * pairs_per_turn - 1e-9)
-    high = math.floor((spring.active_coils + spring.end_turns) * pairs_per_turn + 1e-9)
-    return np.arange(low, high + 1)
-
-
-def _rigidities(scene: Scene) -> tuple[float, float, float, float]:
+def rigidities(scene: Scene) -> tuple[float, float, float, float]:
+    """EA, GA, GJ and EI of the wire."""
     d, E, G = scene.spring.wire_diameter, scene.material.E, scene.material.G
     area, second = math.pi * d**2 / 4.0, math.pi * d**4 / 64.0
     return E * area, SHEAR_FACTOR * G * area, 2.0 * G * second, E * second
@@ -190,7 +154,7 @@ def _rigidities(scene: Scene) -> tuple[float, float, float, float]:
 
 def _flexibility(scene: Scene, phases: np.ndarray, points: np.ndarray) -> np.ndarray:
     """Flexibility (elements, 6, 6) of the upper end against the lower one, for force and moment there."""
-    EA, GA, GJ, EI = _rigidities(scene)
+    EA, GA, GJ, EI = rigidities(scene)
     half = 0.5 * np.diff(phases)[:, None]
     at = phases[:-1, None] + half * (1.0 + GAUSS[0])
     tangent = helix(scene.spring, at, 1)

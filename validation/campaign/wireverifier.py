@@ -1,30 +1,22 @@
-"""The verifier of the wire model's paths: forces in balance, contact as reported, critical points."""
+"""The verifier of the wire model's paths: forces in balance, contact as reported, critical points, jumps."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 from scipy.optimize import brentq
 
 import wirefe
 from coilspring import EquilibriumPath
-from validation.campaign.runs import (
-    FRICTION_TIME,
-    LOAD,
-    SOLVER,
-    force_grain,
-    just_before,
-    largest_load,
-    path_dependent,
-    sharp_critical,
-    verify_place,
-)
+from validation.campaign import runs
+from validation.campaign.poses import moved
 from validation.campaign.scenes import Case
-from validation.campaign.verdict import Verdict, under
+from validation.campaign.verdict import Verdict, reached, under
 from validation.campaign.wire import WireForces
-from validation.campaign.wirepairs import known_pairs
+from validation.campaign.wirepairs import Pairs, known_pairs
 from validation.study.partialsolve import partial_path
 
 BALANCE = 1e-5  # of the load at the worst node; the wire stretches up to 1e6 times less than the spring
@@ -37,94 +29,89 @@ SOFTENED = 1e-3  # within which it vanishes at the critical time
 STRAIGHT = 0.99  # cosine between the moves towards a fold
 POINTS = 300  # of an arc-length run
 TURN = 5e-3  # of the load: how near the critical time a traced path has points
+JUST_BEFORE = (1e-6, 1e-5, 1e-4, 1e-3)  # shares of the load by which a state may lie before a jump
+FIRST_STEP, LEAST_STEP = 1.0 / 16.0, 1e-4  # of what the opening pairs hold, released at a time
+MOST_CORRECTIONS = 15
+CLOSE = 1e-8  # wire diameters or rad: the last correction
+FAR = 0.5  # wire diameters or rad that a step may move: more is no neighbour
+OPEN = 1e-3  # wire diameters of penetration at most that are left of a pair just before it opens
 
 
 def verify_row(verdict: Verdict, forces: WireForces, path: EquilibriumPath, row: int) -> None:
     """Forces and moments of one state must balance at every node, contact be as reported, and the state be
     stable."""
-    time, rows = float(path.times[row]), path.states[row].reshape(-1, 7)
     # in a mode as stiff as a held pair, what solvers leave in the energy norm is this share of the load
     contact = path.scene.contact
-    held = contact.stiffness * float(np.hypot(*path.tips[row, :2])) / largest_load(path, row)
-    most = BALANCE if contact.sliding == "free" else max(BALANCE, SOLVER * math.sqrt(held))
-    pairs = forces.pairs(path, row)
+    held = contact.stiffness * float(np.hypot(*path.tips[row, :2])) / runs.largest_load(path, row)
+    most = BALANCE if contact.sliding == "free" else max(BALANCE, runs.SOLVER * math.sqrt(held))
     verify_balance(verdict, forces, path, row, most)
-    if pairs is not None:
+    if contact.enabled:
         verify_contact(verdict, forces, path, row)
-        pairs = pairs.renewed(rows)
-    least = forces.least_stiffness(rows, pairs)
-    verdict.numbers["least"] = min(least, verdict.numbers.get("least", least))
-    if not least > 0.0:
-        verdict.complain(f"unstable at time {time:.6g}: least stiffness {least:.2e} of that at rest")
+    verdict.stable(forces.stiffness_of(path, row), float(path.times[row]))
 
 
 def verify_contact(verdict: Verdict, forces: WireForces, path: EquilibriumPath, row: int) -> None:
     """Contact forces must be those reported, Coulomb's law included, and all pairs be known."""
-    assert forces.law is not None
     pairs = known_pairs(forces.points, forces.law, forces.rest, path, row)
     normal, tangential = pairs.forces(path.states[row].reshape(-1, 7))
     count, time = path.contact_forces.shape[1], float(path.times[row])
     if (normal[count:] > 0.0).any():
         verdict.complain(f"pairs that touch are left out at time {time:.6g}")
-    load = largest_load(path, row)
     for name, mine, theirs, what in (
         ("normal", normal[:count, None], path.contact_forces[row][:, None], "normal forces"),
         ("friction", tangential[:count], path.friction.force[row], "friction"),
     ):
-        size = max(load, float(np.abs(mine).max(initial=0.0)))
+        size = max(runs.largest_load(path, row), float(np.abs(mine).max(initial=0.0)))
         share = float(np.abs(mine - theirs).max(initial=0.0)) / size
-        verdict.ask(name, share, max(AS_REPORTED, force_grain(path)), f"other {what} at time {time:.6g}")
+        verdict.ask(name, share, max(AS_REPORTED, runs.force_grain(path)), f"other {what} at time {time:.6g}")
 
 
 def verify_balance(
     verdict: Verdict, forces: WireForces, path: EquilibriumPath, row: int = -1, most: float = BALANCE
 ) -> None:
     """One state's balance under the load, or with the reaction that the path reports."""
-    state, arm = path.states[row], float(np.abs(forces.arm[[0, 2]]).max())
-    pairs = forces.pairs(path, row)
-    left = forces.residual(state, path.loads[row], pairs)
+    rows, load, time = path.states[row].reshape(-1, 7), runs.largest_load(path, row), path.times[row]
+    arm, pairs, contact = (
+        float(np.abs(forces.arms[1, [0, 2], -1]).max()),
+        forces.pairs(path, row),
+        path.scene.contact,
+    )
+    left = forces.residual(rows, path.loads[row], pairs)
     left[:, 3:] /= arm
-    share = float(np.abs(left).max()) / largest_load(path, row)
-    most = max(most, force_grain(path))
-    verdict.ask("residual", share, most, f"forces out of balance at time {path.times[row]:.6g}")
-    contact = path.scene.contact
-    if pairs is not None and (contact.geometry == "wires" or contact.sliding == "free"):
+    most = max(most, runs.force_grain(path))
+    verdict.ask(
+        "residual", float(np.abs(left).max()) / load, most, f"forces out of balance at time {time:.6g}"
+    )
+    if contact.enabled and (contact.geometry == "wires" or contact.sliding == "free"):
         # tangential forces of spheres act at their centres, and leave a couple
-        whole = float(
-            np.abs(resultant(state.reshape(-1, 7), pairs.gradient(state.reshape(-1, 7)), arm)).max()
-        )
-        size = max(largest_load(path, row), float(np.abs(path.contact_forces[row]).max(initial=0.0)))
-        verdict.ask("whole", whole / size, WHOLE, f"contact pulls the wire at time {path.times[row]:.6g}")
+        force, moment = np.split(pairs.gradient(rows), 2, axis=1)
+        moment = (moment + np.cross(rows[:, :3], force)).sum(axis=0) / arm
+        whole = float(np.abs([*force.sum(axis=0), *moment]).max())
+        size = max(load, float(np.abs(path.contact_forces[row]).max(initial=0.0)))
+        verdict.ask("whole", whole / size, WHOLE, f"contact pulls the wire at time {time:.6g}")
     if path.scene.load.displacement:
-        verify_place(verdict, path, row, float(path.states[row][-6]))
-
-
-def resultant(rows: np.ndarray, forces: np.ndarray, arm: float) -> np.ndarray:
-    """Resultant force, and moment over an arm, (6,), of forces and moments (nodes, 6)."""
-    force, moment = forces[:, :3], forces[:, 3:] + np.cross(rows[:, :3], forces[:, :3])
-    return np.concatenate((force.sum(axis=0), moment.sum(axis=0) / arm))
+        runs.verify_place(verdict, path, row, float(rows[-1, 1]))
 
 
 def verify_wire_critical(verdict: Verdict, forces: WireForces, case: Case, path: EquilibriumPath) -> None:
     """Balanced states just before the critical time must tend to a fold there, or the least stiffness must
     vanish, or arc length turn."""
-    sharp, driven = sharp_critical(verdict, path), bool(case.scene.load.displacement)
-    if sharp is None:
+    critical = runs.sharp_critical(verdict, path)
+    if critical is None:
         return
-    critical = sharp[0]
-    if path_dependent(case.scene, case.model):
+    if runs.path_dependent(case.scene, case.model):
         _verify_softening(verdict, forces, case, critical)
         return
-    before = just_before(verdict, case, critical, BEFORE)
-    for _, near in before:
+    before = runs.just_before(verdict, case, critical, BEFORE)
+    for near in before:
         verify_balance(verdict, forces, near)
     if not before:
         return
-    positions = [near.states[-1].reshape(-1, 7)[:, :3].ravel() for _, near in before]
-    found = fold(positions, [time for time, _ in before])
+    positions = [near.states[-1].reshape(-1, 7)[:, :3].ravel() for near in before]
+    found = fold(positions, [critical * (1.0 - share) for share in BEFORE])
     if found is not None:
-        verdict.ask("confirmed", abs(found / critical - 1.0), LOAD, "states tend to a fold elsewhere")
-    elif driven:
+        verdict.ask("confirmed", abs(found / critical - 1.0), runs.LOAD, "states tend to a fold elsewhere")
+    elif case.scene.load.displacement:
         _verify_softening(verdict, forces, case, critical)
     else:
         _verify_turn(verdict, case, critical)
@@ -133,26 +120,23 @@ def verify_wire_critical(verdict: Verdict, forces: WireForces, case: Case, path:
 def _verify_softening(verdict: Verdict, forces: WireForces, case: Case, critical: float) -> None:
     """The least stiffness must tend to zero at the critical time: of the wire with its top where it is
     prescribed, and of one whose coils stick or slide, by Coulomb's unsymmetric tangent."""
-    found: list[float] = []
+    found = [math.inf]
     # the critical time of a path with friction itself depends on its substeps by as much
-    most = FRICTION_TIME if path_dependent(case.scene, case.model) else SOFTENED
+    most = runs.FRICTION_TIME if runs.path_dependent(case.scene, case.model) else SOFTENED
     for shares in BEFORE_SOFT:
-        before = just_before(verdict, case, critical, shares)
+        before = runs.just_before(verdict, case, critical, shares)
         if not before:
             return
-        least = []
-        for _, near in before:
-            rows, pairs = near.states[-1].reshape(-1, 7), forces.pairs(near, -1)
-            least.append(forces.least_stiffness(rows, None if pairs is None else pairs.renewed(rows)))
+        least = [forces.stiffness_of(near) for near in before]
         if min(least) <= 0.0:
             what = f"unstable before the critical time {critical:.6g}: least stiffness {min(least):.2e}"
             verdict.complain(what)
             return
-        place = vanishing([time for time, _ in before], least)
+        place = vanishing([critical * (1.0 - share) for share in shares], least)
         found += [] if place is None else [abs(place / critical - 1.0)]
-        if found and min(found) <= most:
+        if min(found) <= most:
             break
-    if found:
+    if min(found) < math.inf:
         verdict.ask("confirmed", min(found), most, "the least stiffness vanishes elsewhere")
     else:
         verdict.complain(f"the least stiffness does not tend to zero near {critical:.6g}")
@@ -210,7 +194,79 @@ def _verify_turn(verdict: Verdict, case: Case, critical: float) -> None:
         verdict.complain(f"arc length finds no critical point near {critical:.6g}, last time {times[-1]:.6g}")
         return
     turn = int(unstable[0])
-    highest = float(times[: turn + 1].max())
     passed = float(times[:turn].max(initial=0.0)) / critical - 1.0
-    verdict.ask("passed", passed, LOAD, "arc length is stable beyond the critical time")
+    verdict.ask("passed", passed, runs.LOAD, "arc length is stable beyond the critical time")
+    highest = float(times[: turn + 1].max())
     verdict.ask("confirmed", 1.0 - highest / critical, TURN, "arc length turns elsewhere")
+
+
+def verify_jump(verdict: Verdict, forces: WireForces, case: Case, path: EquilibriumPath) -> None:
+    """Just before, the pair must be held in balance; released, it must lead to no stable equilibrium."""
+    critical = runs.sharp_critical(verdict, path)
+    if critical is None:
+        return
+    # other substeps may jump a little earlier
+    tried = (reached(case, under(case.scene, critical * (1.0 - share))) for share in JUST_BEFORE)
+    near = next((each for each in tried if each.outcome == "completed"), None)
+    if near is None:
+        verdict.complain(f"no equilibrium just before the jump at {critical:.6g}")
+        return
+    verify_balance(verdict, forces, near)
+    assert path.last_state is not None
+    pairs, rows = forces.pairs(near, -1, forces.law.d), near.states[-1].reshape(-1, 7)
+    depth = np.minimum(pairs.depth(rows), pairs.depth(path.last_state.reshape(-1, 7)))
+    opening = pairs.held & (depth < OPEN * forces.law.d)
+    if not opening.any():
+        verdict.complain(f"no sticking pair opens at the jump at {critical:.6g}")
+    elif not forces.least_stiffness(rows, pairs) > 0.0:
+        verdict.complain(f"unstable before the jump at {critical:.6g}")
+    else:
+        load = near.loads[-1] if case.scene.load.displacement else critical * np.array(case.scene.load.force)
+        held = _settled(forces, pairs, rows, load)
+        left = released(forces, pairs, opening, rows if held is None else held, load)
+        verdict.numbers["jump"] = left
+        if left == 0.0:
+            verdict.complain(f"a release leads from the jump at {critical:.6g} to an equilibrium nearby")
+
+
+def released(
+    forces: WireForces, pairs: Pairs, opening: np.ndarray, rows: np.ndarray, load: np.ndarray
+) -> float:
+    """Share that is left of what opening pairs hold where releasing it loses the stable equilibrium, or leads
+    away from it by a wire diameter; else 0.
+
+    Pairs that open on the way are released from there on.
+    """
+    start, left, step = rows, 1.0, FIRST_STEP
+    begins = np.where(opening, 1.0, np.nan)  # what was left of the others when a pair began to open
+    while left > 0.0:
+        ahead = max(left - step, 0.0)
+        share = np.where(np.isnan(begins), 1.0, ahead / begins)
+        found = _settled(forces, replace(pairs, share=share), rows, load)
+        if found is None or np.abs(found - start)[:, :3].max() > forces.law.d:
+            step *= 0.5
+            if step < LEAST_STEP:
+                return left
+            continue
+        rows, left, step = found, ahead, 2.0 * step
+        opens = pairs.held & np.isnan(begins) & (pairs.depth(rows) < 0.0)
+        begins[opens] = max(left, LEAST_STEP)
+    return 0.0
+
+
+def _settled(forces: WireForces, pairs: Pairs, rows: np.ndarray, load: np.ndarray) -> np.ndarray | None:
+    """Stable equilibrium next to a state, or None."""
+    start, free = rows, forces.free
+    for _ in range(MOST_CORRECTIONS):
+        left = forces.residual(rows, load, pairs).ravel()[free]
+        J = forces.tangent(rows, pairs)
+        move = np.zeros(6 * len(rows))
+        move[free] = np.linalg.solve(J, -left)
+        size = np.abs(move.reshape(-1, 6) / [*[pairs.law.d] * 3, 1.0, 1.0, 1.0]).max()
+        if not size < FAR:
+            return None
+        rows = moved(rows, move)
+        if size <= CLOSE:
+            far = np.linalg.norm(rows[:, :3] - start[:, :3], axis=1).max() > FAR * pairs.law.d
+            return None if far or not forces.least_stiffness(rows, pairs) > 0.0 else rows
+    return None

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
@@ -51,67 +50,38 @@ def derivatives(law: UserLaw) -> list[Row]:
             "Hessian": np.abs((found[:, SECOND].T - H) * pairs).max(axis=0) / rest,
         }
         known = np.isfinite(off["Hessian"])
-        rows += [
-            {
-                "spring": scene.name,
-                "what": name,
-                "states": int(known.sum()),
-                "deviation": float(each[known].max()),
-            }
-            for name, each in off.items()
-        ]
+        names = ("spring", "what", "states", "deviation")
+        for what, each in off.items():
+            values = (scene.name, what, int(known.sum()), float(each[known].max()))
+            rows.append(dict(zip(names, values, strict=True)))
     return rows
 
 
 def limits(law: UserLaw) -> list[Row]:
     """Rate at rest against G d^4 / (8 D^3 n), buckling and lateral stiffness against Haringx's column."""
-    rows = [_rate(law, name, scene) for name, scene in _cylinders()]
-    for slenderness in SLENDERNESS:
-        scene = _column(slenderness)
-        name = f"L/D = {slenderness:g}, clamped and free"
-        formula = buckling_shortening(scene)
-        found, paper = (_buckling(each, scene) for each in (law, "haringx"))
-        rows.append(
-            _limit(
-                "buckling, shortening over L", name, found, formula, paper, 1.0 / scene.spring.active_height
-            )
-        )
-        found, paper = (_lateral(each, scene) for each in (law, "haringx"))
-        rows.append(_limit("lateral stiffness at 10 % (N/mm)", name, found, None, paper))
-    return rows
-
-
-def _limit(
-    what: str, name: str, found: float | None, formula: float | None, paper: float | None, scale: float = 1.0
-) -> Row:
-    numbers = {"found": found, "formula": formula, "haringx": paper}
-    return {"what": what, "spring": name} | {
-        key: None if number is None else scale * number for key, number in numbers.items()
+    force, both = Load((0.0, -1.0)), (law, "haringx")
+    rows: list[tuple] = []
+    cylinders = {
+        f"D/d = 10, pitch {k:g} d": Spring(1.0, (10.0, 10.0), 10.0, 10.0 * k) for k in (1.05, 2.0, 4.0)
     }
-
-
-def _cylinders() -> Iterator[tuple[str, Scene]]:
-    yield "Spring A", spring_a()
-    for pitch in (1.05, 2.0, 4.0):
-        spring = Spring(1.0, (10.0, 10.0), 10.0, 10.0 * pitch)
-        yield f"D/d = 10, pitch {pitch:g} d", Scene("rate", spring, Load((0.0, -1.0)))
-
-
-def _rate(law: UserLaw, name: str, scene: Scene) -> Row:
-    """Axial rate at rest, N/mm: of half coils in series."""
-    tables = law.rows(scene.spring, scene.material), haringx_rows(scene.spring, scene.material)
-    found, paper = (1.0 / float((1.0 / table[:, KAX]).sum()) for table in tables)
-    return _limit("axial rate at rest (N/mm)", name, found, axial_rate(scene), paper)
-
-
-def _column(slenderness: float) -> Scene:
-    spring = Spring(1.0, (10.0, 10.0), 5.0 * slenderness, 10.0 * slenderness, end_turns=0.0)
-    return Scene("column", spring, Load((0.0, -1.0)))
-
-
-def _buckling(law: UserLaw | str, scene: Scene) -> float | None:
-    found = equivbeam.buckling(scene, law=law)
-    return None if found is None else found.shortening
+    for name, spring in {"Spring A": spring_a().spring, **cylinders}.items():
+        scene = Scene("rate", spring, force)
+        tables = law.rows(spring, scene.material), haringx_rows(spring, scene.material)
+        rates = [1.0 / float((1.0 / table[:, KAX]).sum()) for table in tables]  # of half coils in series
+        rows.append(("axial rate at rest (N/mm)", name, axial_rate(scene), rates))
+    for slenderness in SLENDERNESS:
+        name, height = f"L/D = {slenderness:g}, clamped and free", 10.0 * slenderness
+        scene = Scene("column", Spring(1.0, (10.0, 10.0), 0.5 * height, height, end_turns=0.0), force)
+        formula, buckled = buckling_shortening(scene), [equivbeam.buckling(scene, law=each) for each in both]
+        shares = [each and each.shortening * (1.0 / height) for each in buckled]
+        rows.append(("buckling, shortening over L", name, formula and formula * (1.0 / height), shares))
+        rows.append(
+            ("lateral stiffness at 10 % (N/mm)", name, None, [_lateral(each, scene) for each in both])
+        )
+    return [
+        {"what": what, "spring": name, "found": found, "formula": formula, "haringx": haringx}
+        for what, name, formula, (found, haringx) in rows
+    ]
 
 
 def _lateral(law: UserLaw | str, scene: Scene) -> float | None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -12,8 +13,7 @@ from matplotlib.figure import Figure
 
 from equivbeam.laws.userlaw import UserLaw
 from validation.campaign.verdict import CLASSES as OUTCOMES
-from validation.lawstudy.place import BUILT_IN, MESHES
-from validation.lawstudy.springs import BAD, LAW, breakdown
+from validation.lawstudy.springs import BAD, BUILT_IN, LAW, MESHES, breakdown
 from validation.study import template
 from validation.study.document import Table
 from validation.study.frames import frame_table, view
@@ -35,11 +35,6 @@ LOOKS: dict[str, dict[str, Any]] = {
     "curved 8": {"color": RED, "marker": "^", "label": "wire, curved 8"},
 }
 Data = dict[str, pd.DataFrame]
-
-
-def listed(values: pd.Series) -> str:
-    """Errors in a row."""
-    return ", ".join(f"{value:.2f}" for value in values)
 
 
 def pair(springs: pd.DataFrame, law: str, closing: int) -> str:
@@ -76,24 +71,20 @@ def differences(limits: pd.DataFrame) -> pd.Series:
     return 100.0 * (limits["found"].astype(float) / target - 1.0)
 
 
-PAGE = template.template(
-    Path(__file__).with_name("page.md"), (listed, pair, gain, nearer, weakest, differences)
-)
+PAGE = template.template(Path(__file__).with_name("page.md"), (pair, gain, nearer, weakest, differences))
 PAGE.globals["bad"] = BAD
 SUMMARY = ("cases", "springs", "gain", "breaks", "time", "stability", "limits")  # blocks of the page
 
 
 def files(law: UserLaw, data: Data) -> tuple[dict[str, bytes], list[str]]:
     """The page and its figure by file name, and the summary."""
-    looks: Any = RC
-    with matplotlib.rc_context(looks):
+    with matplotlib.rc_context(RC):
         picture = png(draw(data["place"]))
     text = template.page(PAGE, law=law, f=data, code="@code@", tables=tables(data))
     source = law.source[1].rstrip() if law.source else ""
     text = text.replace("@code@", f"```python\n{source}\n```")  # its lines stay as they are
-    return {"law.md": text.encode(), "law.png": picture}, [
-        template.statement(PAGE, name, data) for name in SUMMARY
-    ]
+    summary = [template.statement(PAGE, name, data) for name in SUMMARY]
+    return {"law.md": text.encode(), "law.png": picture}, summary
 
 
 def tables(data: Data) -> dict[str, Any]:
@@ -109,7 +100,9 @@ def tables(data: Data) -> dict[str, Any]:
     counts = data["stability"]["class"].value_counts().reindex(OUTCOMES, fill_value=0)
     formats = dict.fromkeys(("found", "formula", "haringx"), "{:.5g}") | {"off": "{:+.2f} %"}
     return {
-        "cases": view(data["cases"], {"case": lambda row: row.case} | {law: _case(law) for law in LAWS}),
+        "cases": view(data["cases"], {
+            "case": lambda row: row.case, **{law: partial(_case, law) for law in LAWS},
+        }),
         "kinds": [_kinds(springs, closing) for closing in CLASSES],
         "components": Table(("component", *LAWS), tuple(components)),
         "broken": frame_table(broken),
@@ -124,16 +117,12 @@ def tables(data: Data) -> dict[str, Any]:
     }  # fmt: skip
 
 
-def _case(law: str) -> Any:
-    """Cell of a law's errors on a case."""
-
-    def text(row: Any) -> str:
-        parts = (getattr(row, f"{law}_{component}", np.nan) for component in COMPONENTS)
-        ended = "" if getattr(row, f"{law}_outcome") == "completed" else " ends early"
-        detail = ", ".join(f"{part:.2f}" for part in parts if not np.isnan(part))
-        return f"{getattr(row, f'{law}_error'):.2f} ({detail}){ended}"
-
-    return text
+def _case(law: str, row: Any) -> str:
+    """A law's errors on a case."""
+    parts = (getattr(row, f"{law}_{component}", np.nan) for component in COMPONENTS)
+    ended = "" if getattr(row, f"{law}_outcome") == "completed" else " ends early"
+    detail = ", ".join(f"{part:.2f}" for part in parts if not np.isnan(part))
+    return f"{getattr(row, f'{law}_error'):.2f} ({detail}){ended}"
 
 
 def _kinds(springs: pd.DataFrame, closing: str) -> Table:

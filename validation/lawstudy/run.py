@@ -1,8 +1,15 @@
-"""``coilcheck study-law``: all parts of the study of a law, its page, CSV file and figure."""
+"""``coilcheck study-law``: all parts of the study of a law, its page, CSV file and figure.
+
+Work comes in pieces: each is done once, in parallel with others, and kept in the store under its key.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import json
+import os
+from collections.abc import Callable, Mapping
+from concurrent.futures import as_completed
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -11,12 +18,12 @@ import pandas as pd
 
 import equivbeam
 from coilspring import spring_a
+from coilspring.workers import processes
 from equivbeam.laws import law_of
 from equivbeam.laws.userlaw import UserLaw
 from validation.campaign.run import verified
 from validation.campaign.scenes import case_id
-from validation.lawstudy import checks, page, place, springs
-from validation.lawstudy.jobs import Job, gathered, kept
+from validation.lawstudy import checks, page, springs
 from validation.study.cases import PathStore
 from validation.study.frames import to_csv
 from validation.study.keys import key, sources
@@ -30,8 +37,9 @@ from validation.verification.randomscenes import KINDS
 SAMPLED, CHUNK, SEED = 2000, 20, 1  # scenes of the stability sample, those of a piece of work, their seed
 COLUMNS = ("id", "class", "outcome", "reason", "corner", "by")  # of a sampled scene
 QUICK = springs.Extent((0,), 4), 160
-FILE = "law.csv"
+FILE, RESULT = "law.csv", "result.json"  # of the study; of an entry of the store
 Progress = Callable[[str], None]
+Rows = list[dict[str, Any]]
 
 
 def study_law(
@@ -66,11 +74,11 @@ def study_law(
     paths = PathStore(progress, store)
     paths.make_ready()
     progress("derivatives and limits")
-    parts: dict[str, list[dict[str, Any]]] = {
+    parts: dict[str, Rows] = {
         "derivatives": checks.derivatives(law),
         "limits": checks.limits(law),
         "half coil": checks.holds(law),
-        "cases": place.budget(law, paths),
+        "cases": springs.budget(law, paths),
         "place": _place(law, paths, store, progress),
         "springs": _springs(law, store, extent, progress),
         "stability": _stability(law, store, count, progress),
@@ -94,53 +102,59 @@ def table(data: dict[str, pd.DataFrame]) -> pd.DataFrame:
     return found[["part", *found.columns.drop("part")]]
 
 
-def _key(kind: str, modules: tuple[str, ...], **given: object) -> str:
+def gathered(store: Store, jobs: Mapping[str, partial], progress: Callable[[int, int], None]) -> list[Any]:
+    """Results of jobs by key, in their order; those that are not stored are done by all processor cores."""
+    files = {key: store.get(key) for key in jobs}
+    missing = [key for key, entry in files.items() if entry is None]
+    if missing:
+        with processes(os.cpu_count() or 1) as pool:
+            waiting = {pool.submit(jobs[key]): key for key in missing}
+            for done, future in enumerate(as_completed(waiting), len(jobs) - len(missing) + 1):
+                entry = files[waiting[future]] = {RESULT: json.dumps(future.result()).encode()}
+                store.put(waiting[future], entry)
+                progress(done, len(jobs))
+    return [json.loads(entry[RESULT]) for entry in files.values() if entry]
+
+
+def _key(kind: str, *modules: str, **given: object) -> str:
     """Key of a piece of work: the models, these modules, versions, and what it was given."""
     used = sources("coilspring", "equivbeam", *modules)
     return key(f"law study, {kind}", sources=used, versions=versions(), **given)
 
 
-def _place(law: UserLaw, paths: PathStore, store: Store, progress: Progress) -> list[dict[str, Any]]:
-    errors = place.errors(law, paths)
+def _place(law: UserLaw, paths: PathStore, store: Store, progress: Progress) -> Rows:
+    errors = springs.errors(law, paths)
     progress("timing")
-    modules = ("wirefe", "validation.lawstudy.place", "validation.study.timing")
-    seconds = kept(store, _key("times", modules, law=law), Job(place.times, (law,)))
+    times = _key("times", "wirefe", "validation.lawstudy.springs", "validation.study.timing", law=law)
+    (seconds,) = gathered(store, {times: partial(springs.times, law)}, lambda done, of: None)
     both = pd.DataFrame(errors).merge(pd.DataFrame(seconds), on=["scene", "series"])
     return both.to_dict("records")
 
 
-def _springs(law: UserLaw, store: Store, extent: springs.Extent, progress: Progress) -> list[dict[str, Any]]:
-    names = ("randomscenes", "randomsprings")
-    modules = (
-        "wirefe",
-        "validation.lawstudy.springs",
-        *(f"validation.verification.{name}" for name in names),
-    )
+def _springs(law: UserLaw, store: Store, extent: springs.Extent, progress: Progress) -> Rows:
+    names = ("lawstudy.springs", "verification.randomscenes", "verification.randomsprings")
+    modules = ("wirefe", *(f"validation.{name}" for name in names))
     pieces = [(seed, kind.name, extent.each) for seed in extent.seeds for kind in KINDS]
-    wires = gathered(
-        store,
-        {_key("wire", modules, piece=piece): Job(springs.wire_curves, piece) for piece in pieces},
-        lambda done, of: progress(f"random springs by the wire model, part {done} of {of}"),
-    )
+    jobs = {_key("wire", *modules, piece=piece): partial(springs.wire_curves, *piece) for piece in pieces}
+    by = "random springs by the wire model, part {} of {}".format
+    wires = gathered(store, jobs, lambda *counts: progress(by(*counts)))
     jobs = {
-        _key("springs", modules, piece=piece, law=law): Job(springs.law_errors, (law, rows, extent.each))
+        _key("springs", *modules, piece=piece, law=law): partial(springs.law_errors, law, rows, extent.each)
         for piece, rows in zip(pieces, wires, strict=True)
     }
-    found = gathered(store, jobs, lambda done, of: progress(f"random springs, part {done} of {of}"))
+    found = gathered(store, jobs, lambda *counts: progress("random springs, part {} of {}".format(*counts)))
     return [row for rows in found for row in rows]
 
 
-def _stability(law: UserLaw, store: Store, count: int, progress: Progress) -> list[dict[str, Any]]:
-    starts = np.arange(0, count, CHUNK).tolist()
+def _stability(law: UserLaw, store: Store, count: int, progress: Progress) -> Rows:
     jobs = {
-        _key("stability", ("validation.campaign",), law=law, seed=SEED, start=start): Job(
-            sampled, (law, start, min(CHUNK, count - start))
+        _key("stability", "validation.campaign", law=law, seed=SEED, start=start): partial(
+            sampled, law, start, min(CHUNK, count - start)
         )
-        for start in starts
+        for start in range(0, count, CHUNK)
     }
-    found = gathered(
-        store, jobs, lambda done, of: progress(f"stability, {done * CHUNK} of {of * CHUNK} scenes")
-    )
+    said = "stability, {} of {} scenes".format
+    found = gathered(store, jobs, lambda done, of: progress(said(done * CHUNK, of * CHUNK)))
     return [row for rows in found for row in rows]
 
 

@@ -1,22 +1,37 @@
-"""The law on the random springs: the wire model's curves are stored once for all laws."""
+"""Errors of the law: on the paper's cases, among errors and times of both models, and on random springs.
+
+The wire model's curves on random springs are stored once for all laws.
+"""
 
 from __future__ import annotations
 
+from functools import partial
 from typing import Any, NamedTuple
 
 import numpy as np
 import pandas as pd
 
-import equivbeam
+from coilspring import Scene
 from equivbeam.laws.userlaw import UserLaw
-from validation.study.metrics import answered
+from validation.study.cases import CASES, PathStore, solve_beam, solve_wire
+from validation.study.metrics import answered, compare_paths
 from validation.study.partialsolve import partial_path
+from validation.study.scenes import study_scenes
+from validation.study.timing import interleaved, median_of
+from validation.verification.ablation import CONVERGED
 from validation.verification.randompage import CLASSES, classified
 from validation.verification.randomscenes import KINDS, population
-from validation.verification.randomsprings import COMPONENTS, LAWS, Curve, closed, curve_errors, reference
+from validation.verification.randomsprings import COMPONENTS, LAWS, Curve, closed, law_row, reference
 
 LAW = "law"  # the user's, among the names of laws
 BAD = 5.0  # per cent of the tip vector, from which on a law counts as broken
+ROUNDS, REPEATS = 5, 3
+BUILT_IN = ("haringx", "helix")
+MESHES = {
+    f"{element} {count}": {"element": element, "elements_per_turn": count}
+    for element, count in (("straight", 40), ("curved", 4), ("curved", 8))
+}
+Row = dict[str, Any]
 
 
 class Extent(NamedTuple):
@@ -26,14 +41,66 @@ class Extent(NamedTuple):
     each: int = 40
 
 
-def wire_curves(seed: int, kind: str, each: int) -> list[dict[str, Any]]:
+def laws(law: UserLaw) -> dict[str, Any]:
+    """The law and those beside it."""
+    return {name: name for name in BUILT_IN} | {LAW: law}
+
+
+def budget(law: UserLaw, paths: PathStore) -> list[Row]:
+    """Errors of the three laws on the paper's cases, with the scene's sliding, per cent of the peak."""
+    rows = []
+    for case in CASES:
+        wire = paths.partial_wire(case.scene, **CONVERGED)
+        row: Row = {"case": case.title}
+        for name, each in laws(law).items():
+            path = paths.partial_beam(case.scene, law=each, sliding="scene")
+            found = compare_paths(path, wire)
+            row |= {f"{name}_error": 100.0 * found.curve_max, f"{name}_outcome": path.outcome}
+            row |= {f"{name}_{key}": 100.0 * value for key, value in found.component_max.items()}
+        rows.append(row)
+    return rows
+
+
+def errors(law: UserLaw, paths: PathStore) -> list[Row]:
+    """Errors of the laws and of some meshes of the wire model in 50 steps, on the springs of that study."""
+    rows = []
+    for scene in study_scenes().values():
+        wire = paths.partial_wire(scene, element="curved", elements_per_turn=64, steps=200)
+        found = {name: paths.partial_beam(scene, law=each) for name, each in laws(law).items()}
+        found |= {name: paths.partial_wire(scene, **mesh) for name, mesh in MESHES.items()}
+        for name, path in found.items():
+            error = 100.0 * compare_paths(path, wire).curve_max
+            rows.append({"scene": scene.name, "series": name, "error": error, "outcome": path.outcome})
+    return rows
+
+
+def times(law: UserLaw) -> list[Row]:
+    """CPU milliseconds of the same, by turns; kernels warm, the solve alone."""
+    rows = []
+    for scene in study_scenes().values():
+        runs = {
+            name: partial(median_of, REPEATS, partial(_seconds, solve_beam, scene, law=each))
+            for name, each in laws(law).items()
+        }
+        runs |= {name: partial(_seconds, solve_wire, scene, **mesh) for name, mesh in MESHES.items()}
+        seconds = interleaved(runs, range(ROUNDS))
+        for name, found in seconds.items():
+            ms, ratio = 1e3 * float(np.median(found)), float(np.median(found / seconds["haringx"]))
+            rows.append({"scene": scene.name, "series": name, "ms": ms, "ratio": ratio})
+    return rows
+
+
+def _seconds(solve: Any, scene: Scene, **options: Any) -> float:
+    return partial_path(solve, scene, **options).solve_seconds
+
+
+def wire_curves(seed: int, kind: str, each: int) -> list[Row]:
     """What the springs of a kind are, the wire model's curves, and both built-in laws' errors."""
     found = []
     for drawn in population(seed, each, (kind,)):
-        scene = drawn.scene
-        wire = reference(scene)
-        row: dict[str, Any] = {"seed": seed, "kind": kind, "number": drawn.number, "shape": drawn.shape}
-        row |= {"contact": scene.contact.enabled, "closed": closed(wire) if scene.contact.enabled else 0}
+        scene, wire = drawn.scene, reference(drawn.scene)
+        row: Row = {"seed": seed, "kind": kind, "number": drawn.number, "shape": drawn.shape}
+        row |= {"contact": scene.contact.enabled, "closed": closed(wire)}
         row |= {"wire": wire.outcome, "times": wire.times.tolist()}
         row["answers"] = {name: values.tolist() for name, values in answered(wire).items()}
         for law in LAWS:
@@ -42,7 +109,7 @@ def wire_curves(seed: int, kind: str, each: int) -> list[dict[str, Any]]:
     return found
 
 
-def law_errors(law: UserLaw, rows: list[dict[str, Any]], each: int) -> list[dict[str, Any]]:
+def law_errors(law: UserLaw, rows: list[Row], each: int) -> list[Row]:
     """The rows of `wire_curves`, without the curves, with the errors of a law."""
     found = []
     springs = population(rows[0]["seed"], each, (rows[0]["kind"],)) if rows else ()
@@ -54,14 +121,7 @@ def law_errors(law: UserLaw, rows: list[dict[str, Any]], each: int) -> list[dict
     return found
 
 
-def law_row(name: str, law: str | UserLaw, scene: Any, wire: Curve) -> dict[str, Any]:
-    """Outcome and errors of a law on a spring."""
-    path = partial_path(equivbeam.solve, scene, law=law)
-    errors = curve_errors(Curve.of(path), wire)
-    return {name: path.outcome} | {f"{name}_{key}": each for key, each in errors.items()}
-
-
-def frame(rows: list[dict[str, Any]]) -> pd.DataFrame:
+def frame(rows: list[Row]) -> pd.DataFrame:
     """The rows with their class of contact."""
     data = pd.DataFrame(rows)
     names = [f"{law}_{name}" for law in (*LAWS, LAW) for name in ("vector", *COMPONENTS)]

@@ -1,29 +1,140 @@
 """The page on the laws' errors: ``python -m validation.verification.ablation``.
 
-``--page`` writes it of recorded numbers. Its words are in ``fourcases.md`` and ``randomsprings.md``.
+``--page`` writes it of recorded numbers. Its words are in ``fourcases.md``, what each refinement of the helix
+law is worth on the paper's four cases, and in ``randomsprings.md``.
 """
 
 from __future__ import annotations
 
 import argparse
-from collections.abc import Sequence
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
+import numpy as np
 import pandas as pd
 
+import equivbeam
+import wirefe
+from coilspring import EquilibriumPath, Scene
+from equivbeam import Refinements
 from validation.study import template
+from validation.study.cases import CASES, turned
 from validation.study.document import Table
 from validation.study.frames import frame_table, write_csv
+from validation.study.metrics import compare_paths
 from validation.study.output import write_facts, write_text
+from validation.study.partialsolve import partial_path
 from validation.study.provenance import write_provenance
-from validation.verification import randomfigure, randompage, randomsprings
-from validation.verification.fourcases import STAGES, measured
+from validation.study.scenes import EXACT_ROD
+from validation.verification import randompage, randomsprings
 
 PAGE = Path("docs/error-budget.md")
 FOUR = Path("reports/errorbudget/fourcases.csv")
-DIGITS = {"refinements": 3, "law": 3, "reference with": 3, "rod": 4}  # of each table
+DIGITS = {"refinements": 3, "law": 3, "reference with": 3, "rod": 4}  # of each table on the page
 DOUBLED = 2.0  # from which on a refinement is said to be needed
 WORDS = template.template(Path(__file__).with_name("fourcases.md"))
+TABLES = ("refinements", "law", "reference with", "outside", "rod")
+CONVERGED: dict[str, Any] = {"element": "curved", "elements_per_turn": 16}
+NOTHING = Refinements(**dict.fromkeys(vars(Refinements()), False))
+# switches of the refinements, in the order in which they are added, and their names in the tables
+STAGES = {
+    "large": "Love's axial law, free winding",
+    "held": "winding fixed",
+    "shear": "wire shear",
+    "stretch": "wire stretch",
+    "taper": "taper",
+    "lateral": "lateral by wire theory",
+    "spread": "bending spread",
+    "current": "at the current angle",
+    "ends": "effect of fixed ends",
+}
+
+
+def error(path: EquilibriumPath, reference: EquilibriumPath) -> float:
+    """Largest error of the load curve, per cent of the reference's peak."""
+    return 100.0 * compare_paths(path, reference).curve_max
+
+
+def law_error(reference: EquilibriumPath, refinements: Refinements | None = None) -> float:
+    """Error of the helix law with some of its refinements, by default all, per cent."""
+    options = {"law": "helix", "sliding": "scene", "refinements": refinements or Refinements()}
+    return error(partial_path(equivbeam.solve, reference.scene, **options), reference)
+
+
+def case_numbers(scene: Scene) -> Iterator[tuple[str, str, float]]:
+    """Table, row and value of all numbers of a case; not a number where a case has none."""
+    reference = partial_path(wirefe.solve, scene, **CONVERGED)
+    on = NOTHING
+    yield "refinements", "Haringx, the paper's law", law_error(reference, on)
+    for switch, name in STAGES.items():
+        on = replace(on, **{switch: True})
+        yield "refinements", f"+ {name}", law_error(reference, on)
+    yield "law", "helix law", law_error(reference)
+    for switch in STAGES:
+        less = replace(Refinements(), **{switch: False})
+        yield "law", f"without `{switch}`", law_error(reference, less)
+    for degrees in (45, 90, 270):
+        yield "law", f"helix law, start phase {degrees} degrees", phase_error(scene, degrees)
+    pairs = reference.options["pairs_per_turn"]
+    coarse = partial_path(wirefe.solve, scene, element="curved", elements_per_turn=8, pairs_per_turn=pairs)
+    yield "reference with", "8 elements per turn", error(coarse, reference)
+    if scene.contact.enabled:
+        more = partial_path(wirefe.solve, scene, **CONVERGED, pairs_per_turn=2 * pairs)  # type: ignore[operator]
+        yield "reference with", "twice the pairs per turn", error(more, reference)
+    if scene.contact.enabled and scene.contact.sliding == "none":
+        yield "outside", "normal forces", outside_share(reference)
+
+
+def phase_error(scene: Scene, degrees: float) -> float:
+    """Error of the law at another start phase, the wire model's the same, per cent.
+
+    With contact each phase has its spheres elsewhere: other phases are other contact models.
+    """
+    if scene.contact.enabled:
+        return math.nan
+    scene = turned(scene, degrees)
+    wire = wirefe.solve(scene, **CONVERGED)
+    return error(equivbeam.solve(scene, law="helix"), wire)
+
+
+def rod_numbers() -> Iterator[tuple[str, str, str, float]]:
+    """UY of Spring B without contact, mm, and of the exact rod."""
+    scene = CASES[3].scene.with_steps(2)
+    options: dict[str, dict[str, Any]] = {
+        "helix law": {"law": "helix"},
+        "without `taper`": {"law": "helix", "refinements": Refinements(taper=False)},
+        "Haringx": {},
+    }
+    exact = EXACT_ROD["spring-b-no-contact"]
+    tips = {"exact rod": np.array([exact[time][1] for time in (0.5, 1.0)])}
+    tips |= {name: equivbeam.solve(scene, **chosen).tips[:, 1] for name, chosen in options.items()}
+    for name, values in tips.items():
+        yield from (
+            ("rod", name, load, float(uy)) for load, uy in zip(("100 N", "200 N"), values, strict=True)
+        )
+
+
+def outside_share(path: EquilibriumPath) -> float:
+    """Share of a wire path's last normal forces in pairs outside the working plane, per cent."""
+    pairs: np.ndarray = path.shape.data.contact.pairs  # type: ignore[attr-defined]
+    # spheres stand at phases k pi / 2 from the bottom end on, which is a crossing of the plane
+    odd = pairs[:, 0] % 2 == 1
+    forces = path.contact_forces[-1]
+    return float(100.0 * forces[odd].sum() / forces.sum())
+
+
+def measured() -> pd.DataFrame:
+    """All numbers of the four cases, a row each: its table, row and case."""
+    numbers = [
+        (table, row, case.title, value) for case in CASES for table, row, value in case_numbers(case.scene)
+    ]
+    data = pd.DataFrame([*numbers, *rod_numbers()], columns=["table", "row", "case", "value"])
+    place = data.groupby(["table", "row"], sort=False).ngroup()
+    tables = data["table"].map(TABLES.index)
+    return data.iloc[np.lexsort((place, tables))].dropna(ignore_index=True)
 
 
 class Cases:
@@ -76,16 +187,15 @@ def page(four: pd.DataFrame, springs: pd.DataFrame) -> str:
 def main(arguments: Sequence[str] | None = None) -> None:
     """Solve everything, unless only the page is wanted; write numbers, figure and page."""
     parser = argparse.ArgumentParser(prog="python -m validation.verification.ablation", description=__doc__)
-    parser.add_argument(
-        "--page", action="store_true", help="write the page of the recorded numbers, solve nothing"
-    )
+    words = "write the page of the recorded numbers, solve nothing"
+    parser.add_argument("--page", action="store_true", help=words)
     if not parser.parse_args(arguments).page:
         FOUR.parent.mkdir(parents=True, exist_ok=True)
         write_csv(measured(), FOUR)
         write_csv(randomsprings.study(), randomsprings.CSV, digits=4)
         write_provenance("python -m validation.verification.ablation", FOUR.parent)
-    springs = randomsprings.read_csv()
-    randomfigure.write(springs)
+    springs = pd.read_csv(randomsprings.CSV)
+    randompage.write_figure(springs)
     write_facts(randompage.facts(springs), FOUR.parent)
     write_text(PAGE, page(pd.read_csv(FOUR), springs))
 

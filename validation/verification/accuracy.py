@@ -13,7 +13,7 @@ from coilspring.scene.solidwire import flexibility
 from coilspring.scene.wire import SHEAR_FACTOR
 from validation.study import template
 from validation.study.output import write_facts, write_text
-from validation.verification import momentcase, rodcases, springcases
+from validation.verification import rodcases, springcases
 from validation.verification.case import Check
 
 PAGE, RECORD = Path("docs/validation.md"), Path("reports/verification")
@@ -60,7 +60,7 @@ WORDS = template.template(Path(__file__).with_name("accuracy.md"), [rod, solid, 
 
 def checks() -> list[Check]:
     """All checks, solved."""
-    first = [case.checked() for case in (*rodcases.CASES, *momentcase.CASES, springcases.WRENCH)]
+    first = [case.checked() for case in (*rodcases.CASES, springcases.WRENCH)]
     return [*first, *springcases.exact_rods(), *(case.checked() for case in springcases.OTHERS)]
 
 

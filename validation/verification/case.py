@@ -10,31 +10,21 @@ import numpy as np
 
 @dataclass(frozen=True)
 class Case:
-    """One case: what is solved, against what, and how well it must agree.
+    """One case: what is solved, against what, and how well it must agree."""
 
-    Attributes
-    ----------
-    name, data, source, limits : as the page has them; limits are what the case cannot show.
-    target : what is exact.
-    tolerance : of the largest component's error over the largest component of the target.
-    solve : from a number of elements to the components of the result.
-    mesh : number of elements.
-    meshes : each twice as fine as the one before, which tell the order of convergence; may be none.
-    fine : mesh that stands in place of the target there.
-    components : whose error tells the order.
-    """
-
-    name: str
+    name: str  # as the page has it, as data, source and limits
     data: str
-    target: tuple[float, ...]
+    target: tuple[float, ...]  # what is exact
     source: str
-    tolerance: float
-    limits: str
-    solve: Callable[[int], Sequence[float] | np.ndarray]
-    mesh: int
-    meshes: tuple[int, ...] = ()
-    fine: int = 0
-    components: int = 3
+    tolerance: float  # of the largest component's error over the largest component of the target
+    limits: str  # what the case cannot show
+    solve: Callable[
+        [int], Sequence[float] | np.ndarray
+    ]  # from a number of elements to components of the result
+    mesh: int  # number of elements
+    meshes: tuple[int, ...] = ()  # each twice as fine as the one before, which tell the order of convergence
+    fine: int = 0  # mesh that stands in place of the target there
+    components: int = 3  # whose error tells the order
 
     def checked(self) -> Check:
         """The case, solved."""

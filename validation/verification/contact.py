@@ -2,17 +2,37 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import math
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import asdict, dataclass, replace
+from itertools import product
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pandas as pd
+from scipy.spatial import cKDTree
 
-from coilspring import spring_a
+import wirefe
+from coilspring import Contact, EquilibriumPath, Load, Scene, load_scene, spring_a, spring_b
 from validation.study import template
 from validation.study.output import write_facts, write_text
-from validation.verification.contactruns import HELD, NONE, TIPS, Run, difference, limit_point, measured
+from validation.study.partialsolve import partial_path
+from wirefe.model import ContactArrays
+from wirefe.shape import contact_centres
 
+NONE = np.inf  # no sliding
+CYCLE = Path("examples/stages.toml")
+TIPS = ("UX", "UY", "ROTZ")
+HELD = 1e-9  # tips below are the rounding of fixed degrees of freedom
+
+
+SPRINGS: dict[str, Callable[[], Scene]] = {
+    "A": spring_a,
+    "B": spring_b,
+    # a progressive valve spring, its load put on and taken off
+    "cycle": lambda: replace(load_scene(CYCLE), load=Load(stages=((0.0, -80.0), (0.0, 0.0)), steps=100)),
+}
 PAGE, RECORD = Path("docs/contact.md"), Path("reports/contact")
 CATALOGUE = {"A": 0.0, "B": NONE}  # coefficients of the catalogue's springs
 TOLERANCE = 1e-8  # of the follower's equilibria
@@ -20,37 +40,172 @@ LIKE, FORCE = 0.01, 100.0  # mm, N: penetration at which all exponents give one 
 SLIDES = 1e-9  # N mm: less work is none
 REPEATS = 3  # timed runs, of which the least counts
 STEPS = (10, 50, 200)
-PAIRS = [Run(name, mu, pairs) for name, mu in CATALOGUE.items() for pairs in (4, 8, 20, 40)]
-EXPONENTS = [
-    Run(name, mu, k=k, K=FORCE * LIKE**-k) for name, mu in CATALOGUE.items() for k in (1.0, 1.5, 2.0)
-]
-FRICTION = [
-    Run(name, mu, steps=steps)
-    for name in CATALOGUE
-    for mu in (0.0, 0.05, 0.1, 0.3, 1.0, NONE)
-    for steps in STEPS
-]
-SEARCH = [
-    Run(name, mu, pairs, K=K, steps=10, curved=True)
-    for name, mu, K, pairs in (
-        ("A", 0.0, 1e2, 40), ("A", 0.0, 3e1, 40), ("B", NONE, 1e2, 20), ("B", NONE, 1e2, 40),
-        ("B", 0.0, 1e4, 4), ("B", 0.0, 1e4, 40), ("B", 0.0, 1e4, 80),
-    )
-]  # fmt: skip
-
 KINDS = (("spheres", 4), ("spheres", 20), ("wires", 16), ("wires", 32), ("wires", 64))
-GEOMETRY = [
-    Run(name, mu, pairs, geometry=geometry)
-    for name in CATALOGUE
-    for mu in (0.0, 0.1, 0.2, 0.3, NONE)
-    for geometry, pairs in KINDS
-]
-PHASES = [
-    Run("A", 0.0, pairs, geometry=geometry, degrees=degrees)
-    for degrees in (0.0, 11.25, 22.5, 45.0)
-    for geometry, pairs in (("spheres", 4), ("spheres", 20), ("wires", 32))
-]
-CYCLES = [Run("cycle", 0.1, pairs, geometry=geometry) for geometry, pairs in KINDS]
+
+
+@dataclass(frozen=True)
+class Run:
+    """One run: the spring, its coefficient of friction, contact pairs per turn, F = K depth^k, N/mm^k."""
+
+    spring: str
+    mu: float  # 0 for none, infinite for no sliding
+    pairs: int = 4
+    k: float = 1.0
+    K: float = 1e4
+    steps: int = 50
+    geometry: str = "spheres"
+    degrees: float = 0.0  # start phase
+    curved: bool = False  # as many elements per turn as pairs; else 40 straight ones
+
+    @property
+    def scene(self) -> Scene:
+        """The scene that is solved."""
+        sliding = {0.0: "free", NONE: "none"}.get(self.mu, "coulomb")
+        friction = self.mu if sliding == "coulomb" else None
+        contact = Contact(
+            stiffness=self.K, exponent=self.k, sliding=sliding, friction=friction, geometry=self.geometry
+        )
+        scene = SPRINGS[self.spring]()
+        spring = replace(scene.spring, start_phase=math.radians(self.degrees))
+        return replace(scene, spring=spring, contact=contact)
+
+    def solved(self) -> EquilibriumPath:
+        """Its path, as far as it goes."""
+        mesh = {"element": "curved", "elements_per_turn": self.pairs} if self.curved else {}
+        steps = {} if self.spring == "cycle" else {"steps": self.steps}
+        return partial_path(wirefe.solve, self.scene, pairs_per_turn=self.pairs, **steps, **mesh)
+
+
+RUNS = {
+    "pairs": [Run(name, mu, pairs) for name, mu in CATALOGUE.items() for pairs in (4, 8, 20, 40)],
+    "exponents": [
+        Run(name, mu, k=k, K=FORCE * LIKE**-k) for name, mu in CATALOGUE.items() for k in (1.0, 1.5, 2.0)
+    ],
+    "friction": [
+        Run(name, mu, steps=steps)
+        for name, mu, steps in product(CATALOGUE, (0.0, 0.05, 0.1, 0.3, 1.0, NONE), STEPS)
+    ],
+    "search": [
+        Run(name, mu, pairs, K=K, steps=10, curved=True)
+        for name, mu, K, pairs in (
+            ("A", 0.0, 1e2, 40), ("A", 0.0, 3e1, 40), ("B", NONE, 1e2, 20), ("B", NONE, 1e2, 40),
+            ("B", 0.0, 1e4, 4), ("B", 0.0, 1e4, 40), ("B", 0.0, 1e4, 80),
+        )
+    ],
+    "geometry": [
+        Run(name, mu, pairs, geometry=geometry)
+        for name, mu, (geometry, pairs) in product(CATALOGUE, (0.0, 0.1, 0.2, 0.3, NONE), KINDS)
+    ],
+    "phases": [
+        Run("A", 0.0, pairs, geometry=geometry, degrees=degrees)
+        for degrees, (geometry, pairs) in product((0.0, 11.25, 22.5, 45.0), (*KINDS[:2], KINDS[3]))
+    ],
+    "cycles": [Run("cycle", 0.1, pairs, geometry=geometry) for geometry, pairs in KINDS],
+}  # fmt: skip
+Runs = Mapping[str, pd.DataFrame]
+
+
+def measured(runs: Iterable[Run], repeats: int = 1) -> pd.DataFrame:
+    """A row for each run; ``seconds`` is the least CPU time of the repeats."""
+    rows = []
+    for run in runs:
+        paths = [run.solved() for _ in range(repeats)]
+        seconds = min(path.solve_seconds for path in paths)
+        rows.append(asdict(run) | measures(paths[0]) | {"seconds": seconds})
+    return pd.DataFrame(rows)
+
+
+def measures(path: EquilibriumPath) -> dict[str, Any]:
+    """Numbers of a path at its last step; works, overlaps and the largest slip of all its steps."""
+    (x, y), (fx, fy) = path.top[-1, :2], path.loads[-1]
+    return dict(zip(TIPS, path.tips[-1], strict=True)) | {
+        "outcome": path.outcome.replace("_", " "),
+        "critical time": path.critical_time,
+        "overlap": overlap(path),
+        "penetration": path.max_penetration[-1],
+        "force": path.contact_forces[-1].max(),
+        "factorisations": path.total_iterations,
+        "pairs found": path.options["pairs_found"],
+        "unlisted": unlisted(path),
+        "work": float(path.friction.work[-1].sum()),
+        "largest slip": path.friction.slip.max(),
+        "last slip": path.friction.slip[-1].max(),
+        "couple": couple(path),
+        "moment": abs(float(x * fy - y * fx)),
+    }
+
+
+def difference(tips: pd.DataFrame, reference: pd.Series) -> pd.Series:
+    """Largest difference of a tip's component over that component, of those that the reference moves."""
+    moved = [name for name in TIPS if abs(reference[name]) > HELD]
+    return ((tips[moved] - reference[moved]).abs() / reference[moved].abs()).astype(float).max(axis=1)
+
+
+def overlap(path: EquilibriumPath, points_per_turn: int = 160) -> float:
+    """Largest overlap of wires of neighbouring coils anywhere at the last step, mm.
+
+    Distances of points of the centreline from the straight pieces half a turn to one and a half turns on;
+    points of one rigid end turn do not count with each other.
+    """
+    line = path.centreline(-1, points_per_turn)
+    ends, half = round(path.scene.spring.end_turns * points_per_turn), points_per_turn // 2
+    least = np.inf
+    for ahead in range(half, 3 * half):
+        distance = to_pieces(line[: -ahead - 1], line[ahead:-1], line[ahead + 1 :])
+        inside = np.arange(len(distance))
+        active = (inside + ahead >= ends) & (inside < len(line) - ends)
+        least = min(least, float(distance[active].min()))
+    return max(path.scene.spring.wire_diameter - least, 0.0)
+
+
+def to_pieces(points: np.ndarray, first: np.ndarray, second: np.ndarray) -> np.ndarray:
+    """Distance of each point from its piece between `first` and `second`."""
+    along, out = second - first, points - first
+    share = np.clip((out * along).sum(axis=1) / (along * along).sum(axis=1), 0.0, 1.0)
+    return np.linalg.norm(out - share[:, None] * along, axis=1)
+
+
+def centres(path: EquilibriumPath, step: int) -> tuple[ContactArrays, np.ndarray]:
+    """Contact arrays and the spheres' centres at a stored step."""
+    contact = path.shape.data.contact  # type: ignore[attr-defined]
+    return contact, contact_centres(contact, path.states[step][None])[0]
+
+
+def couple(path: EquilibriumPath) -> float:
+    """Size of the sum of the couples g x f_t that the tangential forces leave at the last step, N mm."""
+    contact, places = centres(path, -1)
+    gap = places[contact.pairs[:, 1]] - places[contact.pairs[:, 0]]
+    return float(np.linalg.norm(np.cross(gap, path.friction.force[-1]).sum(axis=0)))
+
+
+def unlisted(path: EquilibriumPath) -> int:
+    """Overlaps of spheres, over all stored states, that are no pair of the model."""
+    count = 0
+    for step in range(len(path.times)):
+        contact, places = centres(path, step)
+        low, high = cKDTree(places).query_pairs(contact.d, output_type="ndarray").T
+        apart = (high - low > contact.near) & (contact.attached[low] != contact.attached[high])
+        listed = np.isin(low * len(places) + high, contact.pairs @ [len(places), 1])
+        count += int((apart & ~listed).sum())
+    return count
+
+
+def limit_point() -> dict[str, Any]:
+    """Where frictionless Spring B goes at its limit point: the closed pair that moves most, and how far along
+    the wire."""
+    path = wirefe.trace(Run("B", 0.0).scene, points=160, element="curved", elements_per_turn=8)
+    limit = int(np.argmax(np.diff(path.times) < 0.0))
+    contact, before = centres(path, limit - 3)
+    _, after = centres(path, limit + 1)
+    lower, upper = contact.pairs.T
+    moved = (after[upper] - after[lower]) - (before[upper] - before[lower])
+    most = int(np.argmax(np.linalg.norm(moved, axis=1) * (path.gaps[limit + 1] < 0.0)))
+    along = np.cross([0.0, 1.0, 0.0], after[lower[most]])
+    share = abs(moved[most] @ along) / np.linalg.norm(along) / np.linalg.norm(moved[most])
+    return {
+        **{"traced": path.options["pairs_found"], "limit": path.times[limit]},
+        **{"first": lower[most], "second": upper[most], "circ": 100.0 * share},
+    }
 
 
 def percent(share: float) -> str:
@@ -72,14 +227,11 @@ def coefficient(mu: float) -> str:
 WORDS = template.template(Path(__file__).with_name("contact.md"), [percent, tip, coefficient, pd.notna])
 
 
-def compared(data: pd.DataFrame, reference: int) -> pd.DataFrame:
-    """Runs with their difference from one of the same spring, and their time over that of its first."""
+def beside(data: pd.DataFrame, by: str | list[str], reference: int = -1) -> pd.DataFrame:
+    """Runs with their difference from one of their group."""
     return pd.concat(
-        group.assign(
-            difference=difference(group, group.iloc[reference]),
-            time=group["seconds"] / group["seconds"].iloc[0],
-        )
-        for _, group in data.groupby("spring", sort=False)
+        group.assign(difference=difference(group, group.iloc[reference]))
+        for _, group in data.groupby(by, sort=False)
     )
 
 
@@ -92,96 +244,72 @@ def friction_row(runs: pd.DataFrame) -> dict[str, Any]:
     return row
 
 
-def page(
-    pairs: pd.DataFrame,
-    exponents: pd.DataFrame,
-    friction: pd.DataFrame,
-    search: pd.DataFrame,
-    wires: Mapping[str, pd.DataFrame],
-    limit: Mapping[str, Any],
-) -> str:
+def page(runs: Runs, limit: Mapping[str, Any]) -> str:
     """The page, a view of the runs."""
-    pairs = compared(pairs, -1)
+    pairs, friction = beside(runs["pairs"], "spring"), runs["friction"]
+    pairs["time"] = pairs["seconds"] / pairs.groupby("spring")["seconds"].transform("first")
     few, many = (pairs[pairs["pairs"] == count].set_index("spring") for count in (4, 40))
     costs = few.assign(many=many["overlap"])[["overlap", "many", "difference"]].reset_index()
-    last = friction[(friction["spring"] == "A") & (friction["steps"] == STEPS[-1])].set_index("mu")
+    last = _last(friction)
     return template.page(
         WORDS,
         pairs=pairs.to_dict("records"),
-        exponents=compared(exponents, 0).to_dict("records"),
-        friction=[friction_row(runs) for _, runs in friction.groupby(["spring", "mu"], sort=False)],
-        search=search.to_dict("records"),
-        wires=against_wires(wires),
+        exponents=beside(runs["exponents"], "spring", 0).to_dict("records"),
+        friction=[friction_row(group) for _, group in friction.groupby(["spring", "mu"], sort=False)],
+        search=runs["search"].to_dict("records"),
+        wires=against_wires(runs),
         costs=costs.to_dict("records"),
         still=pairs.loc[(pairs["spring"] == "A") & (pairs["pairs"] == 20), "difference"].item(),
         slip=friction.query("spring == 'A' and mu == 0.05 and steps == 50")["last slip"].item(),
         couples=[last["couple"][mu] for mu in (0.1, 0.3, NONE)],
         moment=last["moment"][NONE],
         listed=int(pairs["pairs found"].sum()),
-        **{
-            "d": spring_a().spring.wire_diameter,
-            "force": FORCE,
-            "like": LIKE,
-            "steps": STEPS,
-            "limit": limit,
-        },
-        least_work=SLIDES,
+        d=spring_a().spring.wire_diameter,
+        **{"force": FORCE, "like": LIKE, "steps": STEPS, "limit": limit, "least_work": SLIDES},
     )
 
 
-def against_wires(runs: Mapping[str, pd.DataFrame]) -> dict[str, list[dict[str, Any]]]:
+def _last(friction: pd.DataFrame) -> pd.DataFrame:
+    """Runs of Spring A in the most steps, by their coefficients."""
+    return friction[(friction["spring"] == "A") & (friction["steps"] == STEPS[-1])].set_index("mu")
+
+
+def against_wires(runs: Runs) -> dict[str, list[dict[str, Any]]]:
     """Rows of spheres and of wires, each with its difference from the 64 stations of the same case."""
-    friction = pd.concat(
-        group.assign(difference=difference(group, group.iloc[-1]))
-        for _, group in runs["friction"].groupby(["spring", "mu"], sort=False)
-    )
-    phases = pd.concat(
-        group.assign(difference=difference(group, group.iloc[-1]))
-        for _, group in runs["phases"].groupby("degrees", sort=False)
-    )
-    cycles = runs["cycles"].assign(difference=runs["cycles"]["work"] / runs["cycles"]["work"].iloc[-1] - 1.0)
-    tables = {"friction": friction, "phases": phases, "cycles": cycles}
+    cycles = runs["cycles"]
+    tables = {
+        "friction": beside(runs["geometry"], ["spring", "mu"]),
+        "phases": beside(runs["phases"], "degrees"),
+        "cycles": cycles.assign(difference=cycles["work"] / cycles["work"].iloc[-1] - 1.0),
+    }
     return {name: table.to_dict("records") for name, table in tables.items()}
 
 
-def facts(
-    pairs: pd.DataFrame,
-    friction: pd.DataFrame,
-    search: pd.DataFrame,
-    wires: Mapping[str, pd.DataFrame],
-    limit: Mapping[str, Any],
-) -> dict[str, object]:
+def facts(runs: Runs, limit: Mapping[str, Any]) -> dict[str, object]:
     """What findings are computed from: mm, and shares in per cent."""
+    pairs, last, most = beside(runs["pairs"], "spring"), _last(runs["friction"]), runs["search"].iloc[-1]
     found: dict[str, object] = {"pairs.count": int(pairs["pairs"].iloc[0])}
-    for name, group in pairs.groupby("spring", sort=False):
-        found[f"pairs.{name}.overlap"] = group["overlap"].iloc[0]
-        found[f"pairs.{name}.difference"] = 100.0 * difference(group, group.iloc[-1]).iloc[0]
-    last = friction[(friction["spring"] == "A") & (friction["steps"] == STEPS[-1])].set_index("mu")
+    for row in pairs.groupby("spring", sort=False).head(1).itertuples():
+        found[f"pairs.{row.spring}.overlap"] = row.overlap
+        found[f"pairs.{row.spring}.difference"] = 100.0 * row.difference
     found["friction.couples"] = 100.0 * last["couple"][NONE] / last["moment"][NONE]
     found |= {"friction.free": last["UY"][0.0], "friction.held": last["UY"][NONE]}
-    most = search.iloc[-1]
     found |= {"search.pairs": int(most["pairs"]), "search.outcome": most["outcome"]}
-    rows = against_wires(wires)
+    rows = against_wires(runs)
     for row in rows["friction"]:
         key = f"{row['geometry']}.{row['spring']}.{row['mu']:g}.{row['pairs']}"
-        found |= {
-            f"{key}.outcome": row["outcome"],
-            f"{key}.time": row["critical time"],
-            f"{key}.UY": row["UY"],
-        }
-        found[f"{key}.difference"] = 100.0 * row["difference"]
+        found |= {f"{key}.outcome": row["outcome"], f"{key}.time": row["critical time"]}
+        found |= {f"{key}.UY": row["UY"], f"{key}.difference": 100.0 * row["difference"]}
     found |= {f"cycle.{row['geometry']}.{row['pairs']}": row["work"] for row in rows["cycles"]}
     return found | {"search.along": limit["circ"]}
 
 
 def write_page(path: Path, record: Path) -> None:
     """Solve all, write the page, and the facts into the folder `record`."""
-    pairs = measured(PAIRS, REPEATS)
-    exponents, friction, search = map(measured, (EXPONENTS, FRICTION, SEARCH))
-    wires = {"friction": measured(GEOMETRY), "phases": measured(PHASES), "cycles": measured(CYCLES)}
+    runs = {name: measured(group, REPEATS if name == "pairs" else 1) for name, group in RUNS.items()}
     limit = limit_point()
-    write_text(path, page(pairs, exponents, friction, search, wires, limit))
-    write_facts(facts(pairs, friction, search, wires, limit), record)
+    write_text(path, page(runs, limit))
+    write_facts(facts(runs, limit), record)
 
 
 if __name__ == "__main__":

@@ -29,22 +29,13 @@ PROBE = 1e-3  # of a closing load, at which rates are taken
 
 @dataclass(frozen=True)
 class Kind:
-    """A kind of load and support.
+    """A kind of load and support."""
 
-    Attributes
-    ----------
-    name : as tables have it.
-    held : of the top.
-    side : Fx over the size of the load.
-    axial : least and largest -Fy over it.
-    displacement : whether UY is prescribed in place of the force.
-    """
-
-    name: str
-    held: tuple[str, ...]
-    side: float = 0.0
-    axial: tuple[float, float] = (1.0, 1.0)
-    displacement: bool = False
+    name: str  # as tables have it
+    held: tuple[str, ...]  # of the top
+    side: float = 0.0  # Fx over the size of the load
+    axial: tuple[float, float] = (1.0, 1.0)  # least and largest -Fy over it
+    displacement: bool = False  # whether UY is prescribed in place of the force
 
 
 KINDS = (

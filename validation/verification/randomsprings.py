@@ -14,6 +14,7 @@ import equivbeam
 import wirefe
 from coilspring import EquilibriumPath, Scene
 from coilspring.scene.sizing import middle_diameter
+from equivbeam.laws.userlaw import UserLaw
 from validation.study.metrics import COMPONENTS, answered
 from validation.study.partialsolve import partial_path
 from validation.verification.randomscenes import Drawn, population
@@ -38,24 +39,17 @@ def row(drawn: Drawn) -> dict[str, Any]:
     ``closed`` is the largest number of quarter turns on which pairs are closed at once; ``reference`` what
     twice the elements and, with contact, half the stations move the wire model by.
     """
-    scene, spring = drawn.scene, drawn.scene.spring
-    contact = scene.contact.enabled
-    wire = reference(scene)
-    other = reference(scene, elements=16, pairs=PAIRS // 2)
-    diameter = middle_diameter(spring)
+    scene, spring, diameter = drawn.scene, drawn.scene.spring, middle_diameter(drawn.scene.spring)
+    wire, other = reference(scene), reference(scene, elements=16, pairs=PAIRS // 2)
     found: dict[str, Any] = {
         **{"seed": drawn.seed, "kind": drawn.kind, "number": drawn.number, "shape": drawn.shape},
         **{"index": diameter / spring.wire_diameter, "coils": spring.active_coils},
         **{"slenderness": spring.active_height / diameter, "phase": math.degrees(spring.start_phase)},
-        "contact": contact,
-        "closed": closed(wire) if contact else 0,
-        "wire": wire.outcome,
+        **{"contact": scene.contact.enabled, "closed": closed(wire), "wire": wire.outcome},
         "reference": errors(other, wire)["vector"],
     }
     for law in LAWS:
-        path = partial_path(equivbeam.solve, scene, law=law)
-        found[law] = path.outcome
-        found |= {f"{law}_{name}": value for name, value in errors(path, wire).items()}
+        found |= law_row(law, law, scene, Curve.of(wire))
     return found
 
 
@@ -68,10 +62,7 @@ def reference(scene: Scene, elements: int = ELEMENTS, pairs: int = PAIRS) -> Equ
 
 
 def closed(wire: EquilibriumPath) -> int:
-    """Largest number of quarter turns on which pairs are closed at once.
-
-    A contact of the paper's pairs, 4 per turn, is one quarter turn, whatever the number of pairs.
-    """
+    """Largest number of quarter turns, each a pair of the paper's, on which pairs are closed at once."""
     pairs: np.ndarray = wire.shape.data.contact.pairs  # type: ignore[attr-defined]
     quarters = pairs[:, 0] * PAPER_PAIRS // PAIRS
     return max((len(np.unique(quarters[gaps < 0.0])) for gaps in wire.gaps), default=0)
@@ -95,6 +86,13 @@ def errors(path: EquilibriumPath, wire: EquilibriumPath) -> dict[str, float]:
     return curve_errors(Curve.of(path), Curve.of(wire))
 
 
+def law_row(name: str, law: str | UserLaw, scene: Scene, wire: Curve) -> dict[str, Any]:
+    """Outcome and errors of a law on a spring, by columns of the law's name."""
+    path = partial_path(equivbeam.solve, scene, law=law)
+    found = curve_errors(Curve.of(path), wire)
+    return {name: path.outcome} | {f"{name}_{key}": value for key, value in found.items()}
+
+
 def curve_errors(path: Curve, wire: Curve) -> dict[str, float]:
     """Largest errors as far as both paths go, over the wire model's peak there, per cent.
 
@@ -115,8 +113,3 @@ def curve_errors(path: Curve, wire: Curve) -> dict[str, float]:
             found[name] = 100.0 * float(np.abs(mine - theirs)[:, place].max() / peaks[place])
     largest, size = (np.linalg.norm(values[:, :2], axis=1).max() for values in (mine - theirs, theirs))
     return found | {"vector": 100.0 * float(largest / size)}
-
-
-def read_csv(path: Path = CSV) -> pd.DataFrame:
-    """The rows as recorded."""
-    return pd.read_csv(path)

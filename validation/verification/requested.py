@@ -47,42 +47,43 @@ REFUSED = "refused"
 def springs(each: int, coils: float = COILS, seed: int = SEED) -> Iterator[tuple[Drawn, Scene]]:
     """Random springs of at most so many coils, `each` of every kind of load; kinds take turns."""
     kinds = [
-        (
-            drawn
-            for drawn in population(seed, 100 * each, {kind.name})
-            if drawn.scene.spring.active_coils <= coils
+        filter(
+            lambda drawn: drawn.scene.spring.active_coils <= coils, population(seed, 100 * each, {kind.name})
         )
         for kind in KINDS
     ]
-    for place, drawn in product(range(each), kinds):
-        found = next(drawn)
+    for place, kind in product(range(each), kinds):
+        drawn = next(kind)
         geometry, sliding, friction = CONTACTS[place % len(CONTACTS)]
-        contact = replace(found.scene.contact, geometry=geometry, sliding=sliding, friction=friction)
-        yield found, replace(found.scene, contact=contact)
+        contact = replace(drawn.scene.contact, geometry=geometry, sliding=sliding, friction=friction)
+        yield drawn, replace(drawn.scene, contact=contact)
 
 
 def rows(drawn: Drawn, scene: Scene, accuracies: Iterable[float] = ACCURACIES) -> list[dict[str, Any]]:
     """What was found of a spring, for each accuracy."""
-    levels = Levels.of(scene, None)
+    levels, contact = Levels.of(scene, None), scene.contact
     exact = _reference(scene, levels)
     answers = {asked: _timed(wirefe.solve_to, scene, accuracy=asked) for asked in accuracies}
     ladder = _ladder(scene, levels, exact, min(accuracies))
-    what = {
-        **{"kind": drawn.kind, "number": drawn.number, "coils": scene.spring.active_coils},
-        "contact": f"{scene.contact.geometry} {scene.contact.sliding}" if scene.contact.enabled else "none",
-        **{"closed": int(exact.active_contacts.max(initial=0)), "reference": exact.outcome},
-    }
     found = []
     for asked, (path, seconds) in answers.items():
-        row = {**what, "asked": asked, "outcome": REFUSED, "level": 0}
-        row |= dict.fromkeys(("stations", "estimated", "true", "seconds", "cheapest"), math.nan)
-        if path is not None:
-            enough = [cost for error, cost in ladder if error <= asked]
-            error = difference(path, exact)
-            row |= {"outcome": path.outcome, "level": path.options["elements_per_turn"]}
-            row |= {"stations": path.options["pairs_per_turn"], "estimated": path.estimated_error}
-            row |= {"true": error, "seconds": seconds, "cheapest": min(enough, default=math.nan)}
-        found.append(row)
+        enough = [cost for error, cost in ladder if error <= asked]
+        found.append({
+            "kind": drawn.kind,
+            "number": drawn.number,
+            "coils": scene.spring.active_coils,
+            "contact": f"{contact.geometry} {contact.sliding}" if contact.enabled else "none",
+            "closed": int(exact.active_contacts.max(initial=0)),
+            "reference": exact.outcome,
+            "asked": asked,
+            "outcome": path.outcome if path else REFUSED,
+            "level": path.options["elements_per_turn"] if path else 0,
+            "stations": path.options["pairs_per_turn"] if path else math.nan,
+            "estimated": path.estimated_error if path else math.nan,
+            "true": difference(path, exact) if path else math.nan,
+            "seconds": seconds if path else math.nan,
+            "cheapest": min(enough, default=math.nan) if path else math.nan,
+        })  # fmt: skip
     return found
 
 
@@ -118,41 +119,29 @@ def _ladder(scene: Scene, levels: Levels, exact: EquilibriumPath, least: float) 
 
 
 def summary(table: pd.DataFrame) -> pd.DataFrame:
-    """By kind of load and accuracy: answers, those whose error is larger than asked, estimates and times."""
-    found = []
-    for (kind, asked), part in table.groupby(["kind", "asked"], sort=False):
+    """By kind of load and accuracy: answers, those whose error is larger than asked with the bound of their
+    rate, estimates and times."""
+    both, found = pd.concat((table, table.assign(kind="all"))), []
+    for (kind, asked), part in both.groupby(["kind", "asked"], sort=False):
         answers = part[part.outcome != REFUSED]
-        found.append({"kind": kind, "asked": asked, **_figures(part, answers)})
-    for asked, part in table.groupby("asked", sort=False):
-        answers = part[part.outcome != REFUSED]
-        found.append({"kind": "all", "asked": asked, **_figures(part, answers)})
-    return pd.DataFrame(found)
-
-
-def _figures(part: pd.DataFrame, answers: pd.DataFrame) -> dict[str, Any]:
-    """Numbers of some springs at one accuracy; the bound of the rate of failures is that of 95 %."""
-    failures, count = int((answers.true > answers.asked).sum()), len(answers)
-    ratios, times = answers.estimated / answers.true, (answers.seconds / answers.cheapest).dropna()
-    return {
-        **{
-            "springs": len(part),
-            "refused": len(part) - count,
-            "failures": failures,
-            "bound": upper_bound(failures, count),
-        },
-        **{"ratio": ratios.median(), "time": times.median(), "time_90": times.quantile(0.9)},
-        "time_all": sum(answers.seconds[times.index]) / max(sum(answers.cheapest[times.index]), 1e-9),
-    }
+        failures, count = int((answers.true > answers.asked).sum()), len(answers)
+        ratios, times = answers.estimated / answers.true, (answers.seconds / answers.cheapest).dropna()
+        whole = sum(answers.seconds[times.index]) / max(sum(answers.cheapest[times.index]), 1e-9)
+        found.append((
+            *(kind, asked, len(part), len(part) - count, failures, upper_bound(failures, count)),
+            *(ratios.median(), times.median(), times.quantile(0.9), whole),
+        ))  # fmt: skip
+    counts = ("springs", "refused", "failures", "bound", "ratio", "time", "time_90", "time_all")
+    return pd.DataFrame(found, columns=["kind", "asked", *counts])
 
 
 def study(folder: Path, each: int = EACH) -> pd.DataFrame:
     """Write the rows of all springs; those that are there already are kept."""
     folder.mkdir(parents=True, exist_ok=True)
     target = folder / CSV
-    known = pd.read_csv(target) if target.is_file() else pd.DataFrame(columns=["kind", "number"])
-    done = set(zip(known.kind, known.number, strict=True))
+    known = pd.read_csv(target)[["kind", "number"]].values.tolist() if target.is_file() else []
     for drawn, scene in springs(each):
-        if (drawn.kind, drawn.number) not in done:
+        if [drawn.kind, drawn.number] not in known:
             found = pd.DataFrame(rows(drawn, scene))
             found.to_csv(target, mode="a", header=not target.is_file(), index=False)
     return pd.read_csv(target)

@@ -1,20 +1,33 @@
-"""Verification cases of the wire model on rods that are not springs: G1 to G5, G10 and G11."""
+"""Verification cases of the wire model on rods that are not springs: G1 to G5, G8, G10 and G11.
+
+The moment that coils the rod of G8 turns with its end. It has no potential, while the path follower follows
+minima of an energy: here plain Newton drives the kernels, with the exact, unsymmetric tangent.
+"""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import partial
+from typing import NamedTuple
 
 import numpy as np
 
 import wirefe
 from coilspring import EquilibriumNotFound
+from coilspring.compiling.packing import pack
 from coilspring.scene.wire import Section
+from coilspring.solver.solve import Problem
 from validation.verification.case import Case
+from wirefe import kernels
+from wirefe.solve import rod_problem
+from wirefe.stations import turned_rows as turned
+
+RADIUS, HEIGHT, COILS = 10.0, 50.0, 2  # of the helix of G8
+FIRST_STEP, LEAST_STEP = 1e-3, 1e-9  # of its moment
+MOST_ITERATIONS = 12
+CONVERGED = 1e-9  # of the helix radius
 
 
-@dataclass(frozen=True)
-class Arc:
+class Arc(NamedTuple):
     """Circular arc in a plane: `radius` times (cos, sin) of the angle, along two axes."""
 
     radius: float
@@ -106,6 +119,78 @@ def arch(elements: int) -> tuple[float, ...]:
     return (critical_load(rod.loaded(elements // 2, force=(0.0, -1000.0, 0.0)), 1000.0),)
 
 
+def helix_rod(slenderness: float, elements: int) -> tuple[wirefe.Rod, np.ndarray]:
+    """Straight rod along X, clamped, and the body moment that coils it (Herrmann & Harsch 2025).
+
+    E = 1 and G = 1/2; a circular section whose diameter is the length over the slenderness.
+    """
+    angle = 2.0 * np.pi * COILS
+    c = HEIGHT / (angle * RADIUS)
+    length = RADIUS * np.sqrt(1.0 + c * c) * angle
+    d = length / slenderness
+    area, inertia = np.pi * d**2 / 4, np.pi * d**4 / 64
+    section = Section(EA=area, GA=0.5 * area, GJ=0.5 * 2 * inertia, EI=inertia)
+    moment = RADIUS * angle**2 / length**2 * np.array([c * section.GJ, 0.0, section.EI])
+    rod = wirefe.straight_rod(line(length, elements), section).holding(0)
+    return rod.loaded(elements, moment=tuple(moment)), moment
+
+
+def coiled(problem: Problem, moment: np.ndarray) -> np.ndarray:
+    """State, shape (nodes, 7), at full moment; by plain Newton, in steps as long as it bears."""
+    state, time, step = problem.start, 0.0, FIRST_STEP
+    while time < 1.0:
+        found = newton(problem, state, min(time + step, 1.0) * moment)
+        if found is None:
+            step *= 0.5
+            if step < LEAST_STEP:
+                raise ArithmeticError(f"no equilibrium beyond {time:g} of the moment")
+        else:
+            state, time, step = found, min(time + step, 1.0), 1.5 * step
+    return state.reshape(-1, 7)
+
+
+def newton(problem: Problem, start: np.ndarray, moment: np.ndarray) -> np.ndarray | None:
+    """Equilibrium under a body moment at the last node, or None where the iteration does not converge."""
+    reals, ints = pack(problem.data)
+    size = len(problem.load)
+    state, trial = start.copy(), start.copy()
+    g, H = np.empty(size), np.empty(problem.matrix_size)
+    columns = np.zeros((3, size))
+    columns[:, -3:] = np.eye(3)
+    for _ in range(MOST_ITERATIONS):
+        kernels.assemble(reals, ints, state, 0.0, problem.history, state, g, H)
+        inner, outer = g[-3:].copy(), turned(state[-4:], moment)
+        g[-3:] -= outer
+        kernels.factor(reals, ints, H)
+        solved = np.concatenate((-g[None], columns))
+        for b in solved:
+            kernels.solve(reals, ints, H, b)
+        # the matrix is symmetric along the exponential map: the end's own moment lacks half of its turning,
+        # the load all of it; both are put in by Woodbury's formula
+        extra = np.cross(outer - 0.5 * inner, np.eye(3), axisa=0, axisb=0, axisc=0)
+        response = solved[1:, -3:].T
+        share = np.linalg.solve(np.eye(3) + extra @ response, extra @ solved[0, -3:])
+        step = solved[0] - share @ solved[1:]
+        kernels.retract(reals, ints, state, step, 1.0, state, 0.0, trial)
+        state[:] = trial
+        if np.abs(step).max() < CONVERGED * RADIUS:
+            return state
+    return None
+
+
+def coiled_to(elements: int, slenderness: float) -> tuple[float, float]:
+    """Radius and height of the helix."""
+    rod, moment = helix_rod(slenderness, elements)
+    points = coiled(rod_problem(rod), moment)[:, :3]
+    inward = np.diff(points, 2, axis=0)  # to the axis
+    axis = np.cross(inward[0], inward[1])
+    axis /= np.linalg.norm(axis)
+    chord = points[1] - points[0]
+    # the square of the chord of the circle over the second difference
+    radius = (chord @ chord - (chord @ axis) ** 2) / np.linalg.norm(inward[0])
+    return float(radius), abs(float((points[-1] - points[0]) @ axis))
+
+
 BENT = "published tips differ by 1 % with the torsion constant used"
 BENDS = (
     (300.0, (-7.04464, -11.93178, 40.19239)),
@@ -156,5 +241,14 @@ CASES = (
         "G11, hinged-clamped arch of 215 degrees", "critical load, 20 curved elements", (897.3,),
         "published (20 curved 3-node elements)", 1e-3, "the notes print 145 degrees; 215 is usual and fits",
         arch, mesh=20,
+    ),
+    *(
+        Case(
+            "G8, straight rod to helix", f"slenderness {slenderness:g}, 16 straight elements; radius, height",
+            (RADIUS, HEIGHT), "exact (Herrmann & Harsch 2025)", 1e-8,
+            "end moment alone; plain Newton with the unsymmetric tangent, not the path follower",
+            partial(coiled_to, slenderness=slenderness), mesh=16,
+        )
+        for slenderness in (1e1, 1e2, 1e3, 1e4)
     ),
 )  # fmt: skip

@@ -35,8 +35,7 @@ def by_case() -> pd.DataFrame:
         ratios = times.div(times["exact"], axis=0).median()
         for tangent in TANGENTS:
             path = follow(scene, tangent, 50)
-            most = path.iterations.max()
-            numbers = {"iterations": path.total_iterations, "a step, most": most}
+            numbers = {"iterations": path.total_iterations, "a step, most": path.iterations.max()}
             numbers |= {"CPU, ms": 1e3 * times[tangent].median(), "over exact": ratios[tangent]}
             rows.append({"case": case, "tangent": tangent, **numbers})
     return pd.DataFrame(rows)
