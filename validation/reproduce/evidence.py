@@ -38,14 +38,9 @@ class CaseEvidence:
     mesh_error: Comparison  # Richardson estimate of the error of the paper's mesh
 
     @property
-    def converged_tips(self) -> np.ndarray:
-        """Tips of the wire model extrapolated to an infinitely fine mesh, shape (steps, 3)."""
-        return self.wire.tips + RICHARDSON * (self.fine.tips - self.wire.tips)
-
-    @property
     def converged_error(self) -> float:
-        """Largest difference of the beam's tips from `converged_tips`, over their peak, worst component."""
-        tips = self.converged_tips
+        """Largest difference of the beam's tips from the wire's on an infinitely fine mesh, over the peak."""
+        tips = self.wire.tips + RICHARDSON * (self.fine.tips - self.wire.tips)
         return float((np.abs(self.beam.tips - tips) / peaks(tips)).max())
 
 
@@ -67,27 +62,23 @@ class Evidence:
     frictionless: EquilibriumPath  # wire model of Spring B with sliding contact, as far as it goes
     sticking: Comparison  # equivalent beam of Spring B without sliding, against the wire model
     stepped: Mapping[int, float]  # wire model of Spring B without sliding, UY at full load by substeps
-    overloaded: EquilibriumPath  # equivalent beam of Spring B beyond its full load, as far as it goes
+    overloaded: EquilibriumPath  # equivalent beam of Spring B under `OVERLOAD`, as far as it goes
     phases: pd.DataFrame  # both models of Spring A at other start phases (`validation.reproduce.phases`)
     by_wires: Mapping[str, WireContact]  # the cases with contact, by name of the scene
-
-    @property
-    def overload(self) -> float:
-        """Where the overloaded beam ends, in parts of the paper's load."""
-        share = self.overloaded.scene.load.force[1] / self.cases["spring-b"].case.scene.load.force[1]
-        return share * (self.overloaded.critical_time or 1.0)
 
 
 def gather(store: PathStore, times: pd.DataFrame) -> Evidence:
     """Collect the evidence; solves what `store` does not hold yet."""
     scene = case("spring-b").scene
+    fx, fy = scene.load.force
+    overload = replace(scene.load, force=(OVERLOAD * fx, OVERLOAD * fy))
     return Evidence(
         cases={item.name: _case(store, item) for item in CASES},
         times=times,
         frictionless=store.partial_wire(frictionless(scene)),
         sticking=compare_paths(store.beam(scene, sliding="scene"), store.wire(scene)),
         stepped={n: float(store.wire(scene, steps=n).tips[-1, 1]) for n in STEPS},
-        overloaded=store.partial_beam(overloaded(scene)),
+        overloaded=store.partial_beam(replace(scene, load=overload)),
         phases=over_phases(store),
         by_wires={c.name: _by_wires(store, c.scene) for c in CASES if c.scene.contact.enabled},
     )
@@ -98,12 +89,6 @@ def frictionless(scene: Scene) -> Scene:
     return replace(scene, contact=replace(scene.contact, sliding="free"))
 
 
-def overloaded(scene: Scene) -> Scene:
-    """The scene under a load that is larger by `OVERLOAD`."""
-    fx, fy = scene.load.force
-    return replace(scene, load=replace(scene.load, force=(OVERLOAD * fx, OVERLOAD * fy)))
-
-
 def _by_wires(store: PathStore, scene: Scene) -> WireContact:
     wire = store.wire(scene.overridden(geometry="wires"))
     sticking = store.beam(scene, sliding="scene")
@@ -111,15 +96,8 @@ def _by_wires(store: PathStore, scene: Scene) -> WireContact:
 
 
 def _case(store: PathStore, item: Case) -> CaseEvidence:
-    scene = item.scene
-    wire, fine = store.wire(scene), store.wire(scene, **FINE_MESH)
-    beam, mesh = store.beam(scene), compare_paths(wire, fine)
-    return CaseEvidence(
-        case=item,
-        wire=wire,
-        fine=fine,
-        beam=beam,
-        paper=store.beam(scene, tangent="paper"),
-        error=compare_paths(beam, wire),
-        mesh_error=replace(mesh, **{name: RICHARDSON * getattr(mesh, name) for name in ERRORS}),
-    )
+    wire, fine = store.wire(item.scene), store.wire(item.scene, **FINE_MESH)
+    beam, paper = store.beam(item.scene), store.beam(item.scene, tangent="paper")
+    mesh = compare_paths(wire, fine)
+    mesh = replace(mesh, **{name: RICHARDSON * getattr(mesh, name) for name in ERRORS})
+    return CaseEvidence(item, wire, fine, beam, paper, compare_paths(beam, wire), mesh)

@@ -9,7 +9,7 @@ import numpy as np
 
 from coilspring import EquilibriumPath, Material
 from coilspring.solver.newton import DECREMENT
-from validation.reproduce.evidence import CaseEvidence, Evidence
+from validation.reproduce.evidence import OVERLOAD, CaseEvidence, Evidence
 from validation.reproduce.phases import MANY_PAIRS, phase_facts
 from validation.study.cases import CASES, FINE_MESH, PAPER_MESH
 from validation.view.shapes import overlaps
@@ -42,8 +42,9 @@ ENDS = 10  # substeps at the beginning and the end, whose iterations are compare
 def facts(evidence: Evidence) -> dict[str, object]:
     """All facts, of types that JSON has."""
     models = ("wire", "beam")  # the paper's Table 3, s
-    paper = {f"paper.{c.name}.{model}": getattr(c, f"paper_{model}") for c in CASES for model in models}
-    found: dict[str, object] = {**THRESHOLDS, **_settings(evidence), **paper, **_contact(evidence)}
+    found: dict[str, object] = {**THRESHOLDS, **_settings(evidence)}
+    found |= {f"paper.{c.name}.{model}": getattr(c, f"paper_{model}") for c in CASES for model in models}
+    found |= _contact(evidence)
     for item in evidence.cases.values():
         found |= {f"{item.case.name}.{name}": value for name, value in _case(item).items()}
     for row in evidence.times.to_dict("records"):
@@ -54,12 +55,11 @@ def facts(evidence: Evidence) -> dict[str, object]:
 
 
 def _settings(evidence: Evidence) -> dict[str, object]:
-    scene = evidence.cases["spring-a"].case.scene
-    beam = evidence.cases["spring-a"].beam
-    pair = beam.contact_forces[-1].max() / beam.penetrations[-1].max() ** scene.contact.exponent
-    material = Material()
+    item, material = evidence.cases["spring-a"], Material()
+    load, contact = item.case.scene.load, item.case.scene.contact
+    pair = item.beam.contact_forces[-1].max() / item.beam.penetrations[-1].max() ** contact.exponent
     return {
-        "setting.steps": scene.load.steps,
+        "setting.steps": load.steps,
         "setting.elements": PAPER_MESH["elements_per_turn"],
         "setting.fine_elements": FINE_MESH["elements_per_turn"],
         "setting.pairs": PAPER_MESH["pairs_per_turn"],
@@ -67,13 +67,11 @@ def _settings(evidence: Evidence) -> dict[str, object]:
         "setting.stations": evidence.by_wires["spring-a"].wire.options["pairs_per_turn"],
         "setting.decrement": DECREMENT,
         "setting.ends": ENDS,
-        "material.E": material.E,
-        "material.nu": material.nu,
-        "material.G": material.G,
-        "contact.stiffness": scene.contact.stiffness,
-        "contact.exponent": scene.contact.exponent,
-        "contact.beam": float(pair) / scene.contact.stiffness,
-        "wire.diameter": scene.spring.wire_diameter,
+        **{f"material.{name}": getattr(material, name) for name in ("E", "nu", "G")},
+        "contact.stiffness": contact.stiffness,
+        "contact.exponent": contact.exponent,
+        "contact.beam": float(pair) / contact.stiffness,
+        "wire.diameter": item.case.scene.spring.wire_diameter,
         "timing.rounds": int(evidence.times["rounds"].min()),
     }
 
@@ -91,14 +89,16 @@ def _case(item: CaseEvidence) -> dict[str, object]:
     }
 
 
+def _overlaps(path: EquilibriumPath) -> np.ndarray:
+    return overlaps(path.circle_centres(-1), path.scene.spring.wire_diameter)
+
+
 def _contact(evidence: Evidence) -> dict[str, object]:
     """What contact changes of Spring A."""
-    with_contact, without = (evidence.cases[name] for name in ("spring-a", "spring-a-no-contact"))
-    diameter = with_contact.case.scene.spring.wire_diameter
-    bare, touching = (overlaps(item.wire.circle_centres(-1), diameter) for item in (without, with_contact))
+    bare = _overlaps(evidence.cases["spring-a-no-contact"].wire)
     return {
         "overlap.without": float(bare.max()),
-        "overlap.with": float(touching.max()),
+        "overlap.with": float(_overlaps(evidence.cases["spring-a"].wire).max()),
         "overlap.pair": int(np.argmax(bare)),
         "overlap.pairs": int(bare.size),
     }
@@ -111,14 +111,12 @@ def _by_wires(evidence: Evidence) -> dict[str, object]:
         found[f"{name}.curve"] = item.error.curve_max
         found[f"{name}.shape"] = item.error.shape_max
         found[f"{name}.wire"] = tuple(item.wire.tips[-1].tolist())
-    path = evidence.by_wires["spring-a"].wire
-    overlap = overlaps(path.circle_centres(-1), path.scene.spring.wire_diameter)
-    return found | {"overlap.with": float(overlap.max())}
+    return found | {"overlap.with": float(_overlaps(evidence.by_wires["spring-a"].wire).max())}
 
 
 def _limits(evidence: Evidence) -> dict[str, object]:
     """Where Spring B's coils slide off each other."""
-    path, sticking = evidence.frictionless, evidence.cases["spring-b"].wire
+    path, sticking, over = evidence.frictionless, evidence.cases["spring-b"].wire, evidence.overloaded
     return {
         "limit.outcome": path.outcome.replace("_", " "),
         "limit.time": path.critical_time,
@@ -127,8 +125,8 @@ def _limits(evidence: Evidence) -> dict[str, object]:
         "limit.uy": float(path.tips[-1, 1]),
         "limit.closed": int(path.active_contacts[-1]),
         "limit.difference": float(abs(path.tips[-1, 1] - sticking.tips[len(path.times) - 1, 1])),
-        "limit.beam": evidence.overload if evidence.overloaded.critical_time is not None else None,
-        "limit.beam_outcome": evidence.overloaded.outcome.replace("_", " "),
+        "limit.beam": None if over.critical_time is None else OVERLOAD * over.critical_time,
+        "limit.beam_outcome": over.outcome.replace("_", " "),
         "sticking.shape": evidence.sticking.shape_max,
         "sticking.steps": tuple(evidence.stepped),
         "sticking.uy": tuple(evidence.stepped.values()),
@@ -136,29 +134,20 @@ def _limits(evidence: Evidence) -> dict[str, object]:
 
 
 def _bare_b(evidence: Evidence) -> dict[str, object]:
-    """Spring B without contact: linearity, and what becomes of its coils."""
+    """Spring B without contact: how far UY is from proportional, and what becomes of its coils."""
     item = evidence.cases["spring-b-no-contact"]
-    spring, paths = item.case.scene.spring, (item.wire, item.beam)
-    heights = [path.circle_centres(-1)[:, 1] for path in paths]
-    crossed = [int(np.count_nonzero(height[2:] < height[:-2])) for height in heights]
-    return {
-        "linear.wire": _curvature(item.wire),
-        "linear.beam": _curvature(item.beam),
-        "telescope.wire": crossed[0],
-        "telescope.beam": crossed[1],
-        "telescope.crossings": heights[0].size - 2,
+    spring, found = item.case.scene.spring, dict[str, object]()
+    for model, path in (("wire", item.wire), ("beam", item.beam)):
+        uy, heights = path.tips[:, 1], path.circle_centres(-1)[:, 1]
+        found[f"linear.{model}"] = float(np.abs(uy - path.times * uy[-1]).max() / abs(uy[-1]))
+        found[f"telescope.{model}"] = int(np.count_nonzero(heights[2:] < heights[:-2]))
+        found[f"under.{model}"] = spring.active_height + float(uy[-1])
+    return found | {
+        "telescope.crossings": heights.size - 2,
         "telescope.lowest": float(item.wire.centreline(-1)[:, 1].min()),
         "telescope.bottom": float(spring.height(np.array(spring.phase_range[0]))),
-        "under.wire": spring.active_height + float(item.wire.tips[-1, 1]),
-        "under.beam": spring.active_height + float(item.beam.tips[-1, 1]),
         "under.height": spring.active_height,
     }
-
-
-def _curvature(path: EquilibriumPath) -> float:
-    """Largest deviation of UY from proportionality, over its last value."""
-    values = path.tips[:, 1]
-    return float(np.abs(values - path.times * values[-1]).max() / abs(values[-1]))
 
 
 def _iterations(evidence: Evidence) -> dict[str, object]:

@@ -24,12 +24,10 @@ SOFTER = tuple(f"{name}_softer" for name in COMPONENTS)
 
 def over_phases(store: PathStore) -> pd.DataFrame:
     """Spring A at all start phases, a row for each of `KINDS` and `DEGREES` (`turned_by`)."""
+    turns = [(name, *kind, degrees) for name, kind in KINDS.items() for degrees in DEGREES]
     return pd.DataFrame(
-        [
-            {"contact": name} | turned_by(store, case(scene).scene, degrees, pairs)
-            for name, (scene, pairs) in KINDS.items()
-            for degrees in DEGREES
-        ]
+        {"contact": name} | turned_by(store, case(scene).scene, degrees, pairs)
+        for name, scene, pairs, degrees in turns
     )
 
 
@@ -54,7 +52,7 @@ def turned_by(store: PathStore, scene: Scene, degrees: int, pairs: object) -> di
 
 def phase_table(found: pd.DataFrame) -> Table:
     """A row for each phase: difference at full load and substeps in which the beam is softer."""
-    columns: dict[str, list[str]] = {"start phase (degrees)": [str(degrees) for degrees in DEGREES]}
+    columns = {"start phase (degrees)": [str(degrees) for degrees in DEGREES]}
     for name, rows in found.groupby("contact", sort=False):
         pairs = rows["pairs_per_turn"].iloc[0]
         title = "without contact" if name == "bare" else f"{pairs} pairs per turn"

@@ -6,11 +6,13 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from validation.reproduce import tables
-from validation.reproduce.claims import FUNCTIONS, claim_table, curves
+from validation.reproduce.claims import FUNCTIONS, claim_table
 from validation.reproduce.evidence import Evidence
 from validation.reproduce.phases import phase_table
 from validation.study.cases import PathStore
 from validation.study.template import Facts, page, template
+
+REPORT = template(Path(__file__).with_name("report.md"), FUNCTIONS)
 
 
 def compose(evidence: Evidence, facts: Facts, store: PathStore, pictured: bool, notes: Sequence[str]) -> str:
@@ -36,18 +38,3 @@ def compose(evidence: Evidence, facts: Facts, store: PathStore, pictured: bool, 
         "penalty": tables.penalty_table(store),
     }
     return page(REPORT, f=facts, tables=shown, pictured=pictured, notes=notes)
-
-
-def far_off(f: Facts) -> str:
-    """The cases in which the models do not match."""
-    far = (f"{name}.title" for name, value in curves(f).items() if value >= f["threshold.match"])
-    return ", ".join(f[title] for title in far)
-
-
-def nearest_phases(f: Facts) -> list[int]:
-    """The two start phases at which the models are nearest, degrees."""
-    ranked = sorted(zip(f["phases.few.difference"], f["phases.few.degrees"], strict=True))
-    return sorted(angle for _, angle in ranked[:2])
-
-
-REPORT = template(Path(__file__).with_name("report.md"), (*FUNCTIONS, far_off, nearest_phases))

@@ -10,7 +10,7 @@ import pandas as pd
 
 from coilspring import EquilibriumPath, Material, Scene, spring_a, spring_b
 from coilspring.scene.wire import SHEAR_FACTOR
-from validation.reproduce.evidence import CaseEvidence, Evidence
+from validation.reproduce.evidence import Evidence
 from validation.reproduce.times import ITERATIONS
 from validation.study.cases import CASES, PAPER_MESH, PathStore, case
 from validation.study.document import Table
@@ -21,7 +21,8 @@ from validation.study.timing import spread
 
 MODULUS_CHANGES = (0.95, 1.05)
 POISSON_RATIOS = (0.28, 0.32)
-PENALTY_FACTORS = (0.1, 10.0)
+PENALTY_FACTORS = (0.1, 1.0, 10.0)
+TIPS = ("UX (mm)", "UY (mm)", "ROTZ (rad)")
 NOT_GIVEN = ("not given", "not given")
 Rows = dict[str, tuple[str, tuple[str, str]]]  # by feature, ours of a scene and the paper's of A and B
 
@@ -100,15 +101,18 @@ def table3(times: pd.DataFrame) -> Table:
             "iterations: wire model / beam / beam, paper's tangent": lambda row: " / ".join(
                 str(getattr(row, name)) for name in ITERATIONS
             ),
-            "paper: FE / proposed model (s)": lambda row: (
-                f"{row.paper_wire_seconds:g} / {row.paper_beam_seconds:g}"
-            ),
+            "paper: FE / proposed model (s)": "{0.paper_wire_seconds:g} / {0.paper_beam_seconds:g}".format,
         },
     )
 
 
 def error_table(evidence: Evidence) -> Table:
     """The models' differences and the mesh's own, a row for each case."""
+    header = (
+        *("case", "beam against wire model: curve max / rms (%)", "shape max / rms (mm)"),
+        *("wire mesh's own error: curve max / rms (%)", "shape max / rms (mm)"),
+        "beam against mesh-converged wire model: curve max (%)",
+    )
     rows = []
     for item in evidence.cases.values():
         cells = [item.case.title]
@@ -116,67 +120,50 @@ def error_table(evidence: Evidence) -> Table:
             cells.append(f"{100.0 * error.curve_max:.2f} / {100.0 * error.curve_rms:.2f}")
             cells.append(f"{error.shape_max:.3f} / {error.shape_rms:.3f}")
         rows.append((*cells, f"{100.0 * item.converged_error:.2f}"))
-    header = (
-        *("case", "beam against wire model: curve max / rms (%)", "shape max / rms (mm)"),
-        *("wire mesh's own error: curve max / rms (%)", "shape max / rms (mm)"),
-        "beam against mesh-converged wire model: curve max (%)",
-    )
     return Table(header, tuple(rows))
 
 
 def exact_table(evidence: Evidence) -> Table:
     """Both models' tips against the exact rod's, where there is one."""
     header = ("case", "tip at full load", "exact rod", "wire model", "error (%)", "beam", "error (%)")
-    return Table(header, tuple(row for item in evidence.cases.values() for row in _exact_rows(item)))
-
-
-def _exact_rows(item: CaseEvidence) -> list[tuple[str, ...]]:
-    rows: list[tuple[str, ...]] = []
-    exact = EXACT_ROD.get(item.case.name, {}).get(1.0, ())
-    names = ("UX (mm)", "UY (mm)", "ROTZ (rad)")
-    for name, value, *tips in zip(names, exact, item.wire.tips[-1], item.beam.tips[-1], strict=False):
-        if value:
-            errors = [(f"{tip:.4f}", f"{100.0 * (tip / value - 1.0):+.2f}") for tip in tips]
-            rows.append((item.case.title, name, f"{value:.4f}", *errors[0], *errors[1]))
-    return rows
+    rows = []
+    for name, tips in EXACT_ROD.items():
+        item = evidence.cases[name]
+        found = zip(TIPS, tips[1.0], item.wire.tips[-1], item.beam.tips[-1], strict=True)
+        for title, exact, *ours in (row for row in found if row[1]):
+            cells = [text for tip in ours for text in (f"{tip:.4f}", f"{100.0 * (tip / exact - 1.0):+.2f}")]
+            rows.append((item.case.title, title, f"{exact:.4f}", *cells))
+    return Table(header, tuple(rows))
 
 
 def material_table(store: PathStore) -> Table:
     """Tip displacements of the equivalent beam for other materials, against the default's."""
-    default = Material()
-    materials = [
-        (f"E {100.0 * (share - 1.0):+.0f} %", Material(default.E * share, default.nu))
-        for share in MODULUS_CHANGES
-    ]
-    materials += [(f"nu = {nu:g}", Material(default.E, nu)) for nu in POISSON_RATIOS]
+    E, nu = Material().E, Material().nu
+    materials = {f"E {100.0 * (share - 1.0):+.0f} %": Material(E * share, nu) for share in MODULUS_CHANGES}
+    materials |= {f"nu = {other:g}": Material(E, other) for other in POISSON_RATIOS}
     rows = []
     for item in CASES:
         base = store.beam(item.scene)
-        paths = [store.partial_beam(replace(item.scene, material=material)) for _, material in materials]
+        paths = [store.partial_beam(replace(item.scene, material=other)) for other in materials.values()]
         rows.append((item.title, *(_change(path, base) for path in paths)))
-    return Table(("change of UX / UY at full load (%)", *(label for label, _ in materials)), tuple(rows))
+    return Table(("change of UX / UY at full load (%)", *materials), tuple(rows))
 
 
 def penalty_table(store: PathStore) -> Table:
     """Tips and penetration of both models for softer and harder contact."""
-    rows = []
-    for name in ("spring-a", "spring-b"):
-        scene = case(name).scene
-        stiffness = scene.contact.stiffness
-        for model, solve in (("beam", store.partial_beam), ("wire model", store.partial_wire)):
-            base = solve(scene)
-            for factor in (PENALTY_FACTORS[0], 1.0, PENALTY_FACTORS[1]):
-                path = solve(scene.with_penalty(factor * stiffness))
-                rows.append((case(name).title, model, f"{factor * stiffness:g}", *_penetration(path, base)))
     header = ("case", "model", "K (N/mm)", "UY (mm)", "change of UX / UY (%)", "largest penetration (µm)")
+    rows = []
+    for item in CASES[::2]:  # with contact
+        for model, solve in (("beam", store.partial_beam), ("wire model", store.partial_wire)):
+            base = solve(item.scene)
+            for factor in PENALTY_FACTORS:
+                penalty = factor * item.scene.contact.stiffness
+                path = solve(item.scene.with_penalty(penalty))
+                uy, depth = f"{path.tips[-1, 1]:.3f}", f"{1e3 * path.max_penetration[-1]:.2g}"
+                if path.outcome != "completed":
+                    uy = depth = ""
+                rows.append((item.title, model, f"{penalty:g}", uy, _change(path, base), depth))
     return Table(header, tuple(rows))
-
-
-def _penetration(path: EquilibriumPath, base: EquilibriumPath) -> tuple[str, str, str]:
-    change = _change(path, base)
-    if path.outcome != "completed":
-        return "", change, ""
-    return f"{path.tips[-1, 1]:.3f}", change, f"{1e3 * path.max_penetration[-1]:.2g}"
 
 
 def _change(path: EquilibriumPath, base: EquilibriumPath) -> str:

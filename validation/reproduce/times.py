@@ -41,7 +41,6 @@ def measure(store: PathStore) -> pd.DataFrame:
         beam = 0.5 * (before + after)
         ratio = quartiles("ratio", wire / beam)
         paths = (store.wire(item.scene), store.beam(item.scene), store.beam(item.scene, tangent="paper"))
-        counts = zip(ITERATIONS, (path.total_iterations for path in paths), strict=True)
         rows.append(
             {
                 "case": item.name,
@@ -51,7 +50,7 @@ def measure(store: PathStore) -> pd.DataFrame:
                 **quartiles("wire_seconds", wire),
                 **quartiles("beam_seconds", beam),
                 **quartiles("beam_paper_tangent_seconds", paper),
-                **dict(counts),
+                **{name: path.total_iterations for name, path in zip(ITERATIONS, paths, strict=True)},
                 "rounds": len(wire),
                 "paper_wire_seconds": item.paper_wire,
                 "paper_beam_seconds": item.paper_beam,
