@@ -19,7 +19,7 @@ from coilspring import Contact, EquilibriumNotFound, InputError, Load, Scene, Sp
 from equivbeam.laws import LAWS
 from validation.cli import main
 from validation.cli.arguments import CAMPAIGN_RANGES, STUDY_SCENES, command_line
-from validation.peers.installed import opensees
+from validation.peers.comparison import opensees
 from validation.study.cases import PAPER_MESH
 from validation.study.metrics import COMPONENTS
 from validation.study.provenance import write_provenance

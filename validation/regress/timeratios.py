@@ -20,11 +20,20 @@ from validation.study.timing import announced, interleaved, median_of
 FILE = "times.json"
 ROUNDS, REPEATS = 5, 5
 ALLOWED = 1.5  # factor by which a ratio may change
-RUNS = {  # what solves, with which options, how often in a round: the beam takes about a millisecond
-    "straight": (solve_wire, {}, 1),
-    "curved": (solve_wire, {"element": "curved", "elements_per_turn": 8}, 1),
-    "haringx": (solve_beam, {"law": "haringx"}, REPEATS),
-    "helix": (solve_beam, {"law": "helix", "sliding": "scene"}, REPEATS),  # free, Spring B ends early
+
+
+def _seconds(solve: Callable[..., EquilibriumPath], scene: Scene, repeats: int = 1, **options: Any) -> float:
+    """CPU seconds of a model; the median of several solves."""
+    return median_of(repeats, lambda: solve(scene, **options).solve_seconds)
+
+
+RUNS: dict[str, Callable[[Scene], float]] = {  # the beam takes about a millisecond
+    "straight": partial(_seconds, solve_wire),
+    "curved": partial(_seconds, solve_wire, element="curved", elements_per_turn=8),
+    "haringx": partial(_seconds, solve_beam, repeats=REPEATS),
+    "helix": partial(
+        _seconds, solve_beam, repeats=REPEATS, law="helix", sliding="scene"
+    ),  # free, B ends early
 }
 RATIOS = {
     "wirefe straight 40 / equivbeam haringx": ("straight", "haringx"),
@@ -43,7 +52,7 @@ def measure(
     found: dict[str, float] = {}
     left_out: list[str] = []
     for each in [case.scene for case in CASES] if scene is None else [scene]:
-        runs = {name: partial(_seconds, each, *run) for name, run in RUNS.items()}
+        runs = {name: partial(run, each) for name, run in RUNS.items()}
         try:
             seconds = interleaved(runs, announced(ROUNDS, progress, f"timing: {each.name}"))
         except (InputError, EquilibriumNotFound) as error:
@@ -52,11 +61,6 @@ def measure(
         for name, (one, other) in RATIOS.items():
             found[f"{each.name}, {name}"] = float(np.median(seconds[one] / seconds[other]))
     return found, tuple(left_out)
-
-
-def _seconds(scene: Scene, solve: Callable[..., EquilibriumPath], options: Any, repeats: int) -> float:
-    """CPU seconds of a model; the median of several solves."""
-    return median_of(repeats, lambda: solve(scene, **options).solve_seconds)
 
 
 def write(ratios: Mapping[str, float], folder: Path) -> None:

@@ -10,8 +10,7 @@ import pandas as pd
 
 from validation.sensitivity import changes
 from validation.sensitivity.changes import Study
-from validation.sensitivity.inputs import BEAM, INPUTS, KINDS, MODELS, NOT_GIVEN, READING, WIRE
-from validation.sensitivity.own import VARIED
+from validation.sensitivity.inputs import BEAM, INPUTS, KINDS, MODELS, NOT_GIVEN, READING, VARIED, WIRE
 from validation.study.document import Table
 from validation.study.output import write_text
 from validation.study.partialsolve import ending
@@ -51,34 +50,35 @@ def write(studies: Sequence[Study], out: Path, own: bool = False) -> None:
 
 def digest(study: Study) -> list[str]:
     """A case for a reader at the terminal."""
-    data = study.data
-    own = study.inputs != INPUTS
-    total = _total(data, (VARIED,) if own else SILENT)
+    own, apart = study.inputs != INPUTS, _deviation(study)
+    total = _total(study.data, (VARIED,) if own else SILENT)
     what = "its inputs move" if own else "what the paper does not give moves"
-    apart = data[changes.DEFAULT_DEVIATION].iloc[0]
-    deviation = "" if pd.isna(apart) else f"; the models deviate by {apart:.2f} %"
+    deviation = "" if apart is None else f"; the models deviate by {apart:.2f} %"
     left_out = [f"{study.name}, {line}" for line in study.left_out]
     return [*left_out, f"{study.name}: {what} the curves by {total:.1f} % together{deviation}"]
 
 
 def _own(study: Study) -> dict[str, Any]:
     """What the page says of a user's scene."""
-    data = study.data
-    present = [model for model in MODELS if (changes.values(data)["model"] == model).any()]
-    singles = {model: changes.worst(data, model, (VARIED,)) for model in present}
-    apart = data[changes.DEFAULT_DEVIATION].iloc[0]
+    data, estimates = study.data, []
+    for model in MODELS:
+        if (changes.values(data)["model"] == model).any():
+            row, together = changes.worst(data, model, (VARIED,)), _together(data, model, (VARIED,))
+            most = f"{abs(row[changes.CURVE]):.1f} % at most ({_change(row)})"
+            estimates.append(f"{NAMES[model]}: {most}, {together} % together")
     return _facts(study) | {
         "inputs": Table(OWN_HEADER, tuple((item.title, item.default, item.own) for item in study.inputs)),
-        "estimates": [
-            f"{NAMES[model]}: {abs(row[changes.CURVE]):.1f} % at most ({_change(row)}), "
-            f"{_together(data, model, (VARIED,))} % together"
-            for model, row in singles.items()
-        ],
-        "deviation": None if pd.isna(apart) else apart,
+        "estimates": estimates,
         "prescribed": study.prescribed,
         "left_out": study.left_out,
         "resolution": study.resolution,
     }
+
+
+def _deviation(study: Study) -> float | None:
+    """Largest difference of the two models, %; None where one has no curve."""
+    apart = study.data[changes.DEFAULT_DEVIATION].iloc[0]
+    return None if pd.isna(apart) else apart
 
 
 def _total(data: pd.DataFrame, kinds: Sequence[str] = SILENT) -> float:
@@ -118,7 +118,6 @@ def _case(study: Study) -> dict[str, Any]:
     most = data.loc[data.loc[data["kind"].isin(OPEN), changes.DEVIATION].idxmax()]
     return _facts(study) | {
         "total": _total(data),
-        "deviation": data[changes.DEFAULT_DEVIATION].iloc[0],
         "most": most[changes.DEVIATION],
         "most_by": _change(most),
     }
@@ -133,7 +132,7 @@ def _facts(study: Study) -> dict[str, Any]:
     axial = ("FY", "N") if study.prescribed else ("UY", "mm")
     where = (
         f"{NAMES[model]} UX {ux:.3f} mm, {axial[0]} {uy:.3f} {axial[1]}, ROTZ {rotz:.4f} rad"
-        for model, (ux, uy, rotz) in ((model, tips.loc[model]) for model in MODELS if model in tips.index)
+        for model, ux, uy, rotz in tips.itertuples()
     )
     groups = present.groupby(["input", "model"], sort=False)
     pairs = [(name, model) for name in changes.sizes(data).index for model in MODELS]
@@ -144,6 +143,7 @@ def _facts(study: Study) -> dict[str, Any]:
     rows = (row for pair in pairs if pair in groups.groups for row in _rows(groups.get_group(pair)))
     return {
         "title": study.title,
+        "deviation": _deviation(study),
         "ended": [(f"{NAMES[row['model']]}, {_change(row)}", _ending(row)) for _, row in ended.iterrows()],
         "tips": "; ".join(where),
         "table": Table(CHANGE_HEADER, tuple(rows)),
@@ -160,16 +160,10 @@ def _rows(group: pd.DataFrame) -> Iterator[tuple[str, ...]]:
         if row["outcome"] != changes.COMPLETED:
             yield (*head, _ending(row), *[""] * 5)
         elif index in ends:
-            place = (
-                f"{row['curve_component'].upper()}, t = {row['curve_time']:g}" if row[changes.CURVE] else ""
-            )
+            moved = [_signed(row[name]) for name in (*changes.CHANGES, changes.CURVE)]
+            place = row[changes.CURVE] and f"{row['curve_component'].upper()}, t = {row['curve_time']:g}"
             deviation = "" if pd.isna(row[changes.DEVIATION]) else f"{row[changes.DEVIATION]:.2f}"
-            yield (
-                *head,
-                *(_signed(row[name]) for name in (*changes.CHANGES, changes.CURVE)),
-                place,
-                deviation,
-            )
+            yield (*head, *moved, place or "", deviation)
 
 
 def _signed(percent: float) -> str:

@@ -1,7 +1,7 @@
 """How far our curves could be from the authors' because of what the paper leaves open.
 
 One input at a time takes its other values (`validation.sensitivity.inputs`) in both models, on the paper's
-four cases; of a user's scenes, about their own (`validation.sensitivity.own`).
+four cases; of a user's scenes, about their own (`validation.sensitivity.inputs.inputs_of`).
 """
 
 from __future__ import annotations
@@ -13,8 +13,7 @@ from coilspring import CATALOGUE, Scene
 from coilspring.errors import require_names
 from validation.sensitivity import page, tornado
 from validation.sensitivity.changes import Study, changes, write_csv
-from validation.sensitivity.inputs import INPUTS
-from validation.sensitivity.own import inputs_of
+from validation.sensitivity.inputs import INPUTS, inputs_of
 from validation.study.cases import CASES, make_ready
 from validation.study.output import prepare
 from validation.study.provenance import write_provenance
@@ -51,14 +50,10 @@ def sensitivity(
     prepare(out)
     progress("making the kernels ready")
     make_ready()
+    cases = {case.name: case.scene for case in CASES if only is None or case.name in only}
     studies: list[Study] = []
-    if scenes:
-        for name, scene in scenes.items():
-            studies.append(changes(name, scene, inputs_of(scene), progress))
-            write_csv(studies, out)
-    else:
-        chosen = [case for case in CASES if only is None or case.name in only]
-        studies = [changes(case.name, case.scene, INPUTS, progress) for case in chosen]
+    for name, scene in (scenes or cases).items():
+        studies.append(changes(name, scene, inputs_of(scene) if scenes else INPUTS, progress))
         write_csv(studies, out)
     progress("drawing")
     tornado.write(studies, out)

@@ -24,7 +24,6 @@ NAME = "sensitivity"
 LEAST = 0.005  # %: inputs that move no model by this much are left out
 ROW, FRAME = 0.215, 0.66  # in: height of an input; of a panel's title and axis
 BAR = 0.34  # of a row
-SMALL = 6.5  # pt, of the values
 LABEL = 0.3  # of the bars' range, on either side for the values at their ends
 # the wire model's bars are light and hatched, the beam's dark and plain: they differ without colour
 LOOKS: dict[str, dict[str, Any]] = {
@@ -35,6 +34,7 @@ PLACES = {BEAM: -0.5 * BAR, WIRE: 0.5 * BAR}
 LABELS = {BEAM: BEAM_LABEL, WIRE: WIRE_LABEL}
 END: dict[str, Any] = {"marker": "x", "color": "black", "markersize": 4.5, "markeredgewidth": 1.1}
 BAND: dict[str, Any] = {"facecolor": "#d9d9d9", "edgecolor": "none", "zorder": 0.5}
+VALUE = {"va": "center_baseline", "fontsize": 6.5, "zorder": 5.0}
 HATCH: dict[str, Any] = {"hatch.linewidth": 0.6}
 
 
@@ -83,7 +83,7 @@ def _panel(axes: Axes, study: Study, count: int) -> None:
             _bar(axes, row + place, model, mine[mine["model"] == model])
         _values(axes, row, mine.dropna(subset=CURVE))
     band = data[DEFAULT_DEVIATION].iloc[0]
-    if band == band:  # both models have a curve
+    if pd.notna(band):  # both models have a curve
         axes.axvspan(-band, band, **BAND)
     axes.axvline(0.0, color="black", linewidth=0.6)
     axes.set_yticks(range(len(items)), [item.title + "*" * (item.kind == AGAINST) for item in items])
@@ -120,8 +120,6 @@ def _values(axes: Axes, row: int, changes: pd.DataFrame) -> None:
             continue
         change = changes.loc[reach.idxmax()]
         models = changes.loc[changes["value"] == change["value"], "model"]
-        axes.annotate(
-            change["value"], (change[CURVE], row + models.map(PLACES).mean()), xytext=(3.0 * side, 0.0),
-            textcoords="offset points", ha="left" if side > 0.0 else "right", va="center_baseline",
-            fontsize=SMALL, zorder=5.0,
-        )  # fmt: skip
+        place = (change[CURVE], row + models.map(PLACES).mean())
+        look: dict[str, Any] = {"ha": "left" if side > 0.0 else "right"} | VALUE
+        axes.annotate(change["value"], place, xytext=(3.0 * side, 0.0), textcoords="offset points", **look)

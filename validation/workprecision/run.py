@@ -20,7 +20,7 @@ import pandas as pd
 
 from coilspring import EquilibriumNotFound, EquilibriumPath, InputError, Scene
 from coilspring.errors import require_names
-from validation.peers.installed import opensees
+from validation.peers.comparison import opensees
 from validation.study.cases import make_ready, solve_beam, solve_wire
 from validation.study.machine import versions
 from validation.study.metrics import Comparison, compare_curves, compare_paths, peaks
