@@ -35,35 +35,46 @@ NAMES = {
     **{"haringx": "equivalent beam, law haringx", "helix": "equivalent beam, law helix"},
     PEER: "OpenSees, straight elements",
 }
+COLUMNS_OF = {  # errors, the reference's own, and what they are multiplied by
+    "curve": ("curve_max", "reference_curve_error", 100.0),
+    "shape": ("shape_max_mm", "reference_shape_error_mm", 1.0),
+}
 LABELS = {"curve": "error of the load curve (%)", "shape": "error of the shape (mm)"}
 # symbols have a white rim, so that those that lie on one another stay apart; open ones are smaller
-FILLED: Look = {"linewidth": 0.9, "zorder": 3.0, "markersize": 3.8, "markeredgecolor": "white"}
-FILLED |= {"markeredgewidth": 0.4}
-OPEN: Look = {"linestyle": "none", "zorder": 2.5, "markersize": 2.8, "markerfacecolor": "white"}
-OPEN |= {"markeredgewidth": 0.7}
-RING: Look = {"linestyle": "none", "zorder": 2.0, "markersize": 8.0, "markerfacecolor": "none"}
-RING |= {"markeredgecolor": INK, "markeredgewidth": 0.7}
+FILLED: Look = {"lw": 0.9, "zorder": 3.0, "ms": 3.8, "mec": "white", "mew": 0.4}
+OPEN: Look = {"linestyle": "none", "zorder": 2.5, "ms": 2.8, "mfc": "white", "mew": 0.7}
+RING: Look = {"linestyle": "none", "zorder": 2.0, "ms": 8.0, "mfc": "none", "mec": INK, "mew": 0.7}
 FRONT: Look = {"color": LIGHT, "linewidth": 3.2, "solid_joinstyle": "round", "zorder": 1.5}
-FLOOR: Look = {"facecolor": "#efefef", "edgecolor": "#a8a8a8", "hatch": "////", "zorder": 0.5}
-FLOOR |= {"linewidth": 0.0}
+FLOOR: Look = {
+    "facecolor": "#efefef",
+    "edgecolor": "#a8a8a8",
+    "hatch": "////",
+    "zorder": 0.5,
+    "linewidth": 0.0,
+}
 USUAL: Look = {"color": GREY, "linewidth": 0.8, "zorder": 0.5}  # the penalty of the scenes
 DASHES = ("-", (0, (4, 2)))  # of the first scene and the second
-PAPER_TANGENT: Look = {"color": BLUE, "marker": "x", "linestyle": "none", "markersize": 4.0, "zorder": 3.0}
-PAPER_TANGENT |= {"markeredgewidth": 1.0}
+PAPER_TANGENT: Look = {
+    "color": BLUE,
+    "marker": "x",
+    "linestyle": "none",
+    "ms": 4.0,
+    "mew": 1.0,
+    "zorder": 3.0,
+}
 CROSS: Look = {"marker": "x", "color": "black", "linestyle": "none", "markersize": 6.0}
 
 
 def files(rows: pd.DataFrame) -> dict[str, bytes]:
     """``workprecision-curve``, ``-shape`` and, where penalties were varied, ``-penalty`` as SVG and PNG."""
     with matplotlib.rc_context(RC):
-        figures = {kind: draw(rows, kind) for kind in LABELS}
-        if (rows["role"] == "penalty").any():
-            figures["penalty"] = draw_penalties(rows[rows["role"] == "penalty"])
-        return {
-            name: data
-            for kind, each in figures.items()
-            for name, data in drawn(each, f"workprecision-{kind}").items()
-        }
+        found: dict[str, bytes] = {}
+        for kind in LABELS:
+            found |= drawn(draw(rows, kind), f"workprecision-{kind}")
+        penalties = rows[rows["role"] == "penalty"]
+        if len(penalties):
+            found |= drawn(draw_penalties(penalties), "workprecision-penalty")
+        return found
 
 
 def draw(rows: pd.DataFrame, kind: str) -> Figure:
@@ -92,15 +103,9 @@ def _scaled(rows: pd.DataFrame, kind: str) -> pd.DataFrame:
     """
     roles = ("run", "opensees") if kind == "curve" else ("run",)  # OpenSees has no shape
     part = rows[rows["role"].isin(roles) & ((kind == "shape") | (rows["steps"] >= STEPS))]
-    error, floor = (
-        ("curve_max", "reference_curve_error")
-        if kind == "curve"
-        else ("shape_max_mm", "reference_shape_error_mm")
-    )
-    scale = 100.0 if kind == "curve" else 1.0
-    return part.assign(
-        ms=1e3 * part["seconds"], error=scale * part[error], floor=scale * part[floor], shown=competes(part)
-    )
+    error, floor, scale = COLUMNS_OF[kind]
+    found = {"error": scale * part[error], "floor": scale * part[floor], "shown": competes(part)}
+    return part.assign(ms=1e3 * part["seconds"], **found)
 
 
 def _panel(axes: Axes, part: pd.DataFrame, able: pd.DataFrame, kind: str) -> None:
@@ -123,7 +128,7 @@ def _panel(axes: Axes, part: pd.DataFrame, able: pd.DataFrame, kind: str) -> Non
 
 def _look(series: str, filled: bool) -> Look:
     look = LOOKS[series]
-    return look | (FILLED if filled else OPEN | {"markeredgecolor": look["color"]})
+    return look | (FILLED if filled else OPEN | {"mec": look["color"]})
 
 
 def _ring(mesh: bool) -> Look:
@@ -149,8 +154,8 @@ def _key(peers: bool) -> Sequence[Line2D | Patch]:
     tangent = Line2D([], [], **PAPER_TANGENT, label="law haringx, paper’s tangent")
     front = Line2D([], [], **FRONT, label="Pareto front")
     rings = [
-        Line2D([], [], **_ring(mesh), label=f"paper’s {'mesh' if mesh else 'model'}")
-        for mesh in (True, False)
+        Line2D([], [], **_ring(True), label="paper’s mesh"),
+        Line2D([], [], **_ring(False), label="paper’s model"),
     ]
     return [*usual, tangent, other, front, *rings, Patch(**FLOOR, label="reference’s own error")]
 

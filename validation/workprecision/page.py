@@ -51,7 +51,7 @@ def markdown(rows: pd.DataFrame, made: Mapping[str, str], drawn: bool) -> str:
     }
     return page(
         PAGE,
-        **{"STEPS": STEPS, "made": made, "drawn": drawn, "reference": reference},
+        **{"STEPS": STEPS, "PER_TURN": PER_TURN, "made": made, "drawn": drawn, "reference": reference},
         tables=tables.tables(rows),
         peer_refused=((rows["role"] == results.LEFT_OUT) & (rows["series"] == PEER)).any(),
         reasons=results.reasons(rows),
@@ -59,7 +59,6 @@ def markdown(rows: pd.DataFrame, made: Mapping[str, str], drawn: bool) -> str:
         sticking=", ".join(map(title, sticking)),
         in_paper=bool(set(rows["scene"]) & tables.PAPER_REDUCTION.keys()),
         geometries=[name for name in PER_TURN if (rows["geometry"] == name).any()],
-        PER_TURN=PER_TURN,
         peer_rounds=None if peers.empty else f"{peers['rounds'].iloc[0]:.0f}",
     )
 

@@ -23,18 +23,18 @@ from coilspring.errors import require_names
 from validation.peers.comparison import opensees
 from validation.study.cases import make_ready, solve_beam, solve_wire
 from validation.study.machine import versions
-from validation.study.metrics import Comparison, compare_curves, compare_paths, peaks
+from validation.study.metrics import compare_curves, compare_paths, peaks
 from validation.study.output import prepare, write_files
 from validation.study.partialsolve import partial_path
 from validation.study.provenance import write_provenance
 from validation.study.scenes import EXACT_ROD, study_scenes
 from validation.study.timing import announced, interleaved, median_of, quartiles
 from validation.workprecision import page, results
-from validation.workprecision.penaltysweep import SCENES, penalty_rows
 from validation.workprecision.results import left_out, ranked, row
 from validation.workprecision.settings import (
     EXTENTS,
     PAPER_ELEMENTS,
+    PAPER_MODEL,
     PEER,
     STEPS,
     Extent,
@@ -42,6 +42,9 @@ from validation.workprecision.settings import (
     settings,
 )
 
+PENALTY_SCENES = ("spring-a", "spring-b")
+PENALTIES = (1e2, 1e3, 1e4, 1e5, 1e6)  # N/mm
+HARD, LESS_HARD = 1e8, 1e7  # N/mm
 SHORT, MOST_REPEATS = 0.02, 5  # s; a shorter solve is repeated within a round
 Progress = Callable[[str], None]
 
@@ -86,7 +89,7 @@ def workprecision(
     for name, scene in chosen.items():
         try:
             found.append(study(scene.with_steps(STEPS), EXTENTS[extent], progress))
-            if name in SCENES:
+            if name in PENALTY_SCENES:
                 found.append(penalty_rows(scene, EXTENTS[extent].rounds, progress))
         except (InputError, EquilibriumNotFound) as error:
             failure = error
@@ -131,10 +134,8 @@ def study(scene: Scene, extent: Extent, progress: Progress) -> pd.DataFrame:
         times = _times(seconds[setting] / paper, float(np.median(paper)))
         if setting.is_paper_mesh:
             times |= quartiles("seconds", paper)
-        error = compare_paths(path, reference)
-        rows.append(
-            row("run", scene, setting, error, outcome=path.outcome, iterations=path.total_iterations, **times)
-        )
+        known = {"outcome": path.outcome, "iterations": path.total_iterations} | times
+        rows.append(row("run", scene, setting, compare_paths(path, reference), **known))
     try:
         rows += _peer_rows(scene, extent, reference, float(np.median(paper)), progress)
     except InputError as refusal:
@@ -165,18 +166,17 @@ def _reference(scene: Scene, extent: Extent) -> tuple[EquilibriumPath, list[dict
     series, half = extent.finest_mesh(scene)
     finest = Setting.wire(scene, series, 2 * half, steps=extent.finest)
     path = solve_wire(scene, **finest.options)
+    halves = {"half mesh": {"elements_per_turn": half}, "half steps": {"steps": extent.finest // 2}}
     rows = []
-    for role, setting in (
-        ("half mesh", replace(finest, elements_per_turn=half)),
-        ("half steps", replace(finest, steps=extent.finest // 2)),
-    ):
+    for role, change in halves.items():
+        setting = replace(finest, **change)
         rows.append(row(role, scene, setting, compare_paths(solve_wire(scene, **setting.options), path)))
     exact = EXACT_ROD.get(scene.name)
     if exact is not None:
         places = [int(np.flatnonzero(np.isclose(path.times, time))[0]) for time in exact]
         tips = np.array(list(exact.values()))
-        far, nan = float((np.abs(path.tips[places] - tips) / peaks(tips)).max()), float("nan")
-        rows.append(row("exact rod", scene, finest, Comparison(far, nan, nan, nan, {}, {}, len(exact), 1.0)))
+        far = float((np.abs(path.tips[places] - tips) / peaks(tips)).max())
+        rows.append(row("exact rod", scene, finest, None, last_time=1.0, curve_max=far))
     return path, rows
 
 
@@ -201,9 +201,40 @@ def _peer_rows(
             ratios.append(runs[-1].seconds / beside)
         run = runs[-1]
         error = compare_curves(run.times, run.answers, reference)
-        outcome = "completed" if len(run.tips) == scene.with_steps(steps).load.rows else "not_converged"
-        times = _times(np.array(ratios), paper)
-        rows.append(
-            row("opensees", scene, setting, error, outcome=outcome, iterations=run.iterations, **times)
-        )
+        whole = len(run.tips) == scene.with_steps(steps).load.rows
+        known = {"outcome": "completed" if whole else "not_converged", "iterations": run.iterations}
+        rows.append(row("opensees", scene, setting, error, **known, **_times(np.array(ratios), paper)))
     return rows
+
+
+def penalty_rows(scene: Scene, rounds: int, progress: Progress) -> pd.DataFrame:
+    """What the penalty costs: times, and errors of each model against itself with a penalty of `HARD`.
+
+    With exponent 1 the penetration, and with it the error, falls in proportion to the penalty; so what a
+    tenth of `HARD` changes is more than the reference's own error. All runs take turns, round after round.
+    """
+    mesh = Setting.wire(scene, "straight", PAPER_ELEMENTS)
+
+    def solved(setting: Setting, penalty: float) -> EquilibriumPath:
+        solve = solve_wire if setting.elements_per_turn else solve_beam
+        return partial_path(solve, scene, penalty=penalty)
+
+    progress(f"{scene.name}: hard contact")
+    hard = {setting: solved(setting, HARD) for setting in (PAPER_MODEL, mesh)}
+    own = {setting: compare_paths(solved(setting, LESS_HARD), path) for setting, path in hard.items()}
+    paths = {(setting, penalty): solved(setting, penalty) for setting in hard for penalty in PENALTIES}
+    runs = {run: lambda run=run: solved(*run).solve_seconds for run in paths}
+    seconds = interleaved(runs, announced(rounds, progress, f"{scene.name}: penalties"))
+    paper = seconds[mesh, scene.contact.stiffness]
+    rows = []
+    for (setting, penalty), path in paths.items():
+        taken = seconds[setting, penalty]
+        found = row(
+            "penalty", scene, setting, compare_paths(path, hard[setting]), outcome=path.outcome,
+            iterations=path.total_iterations, **quartiles("seconds", taken), rounds=rounds,
+            ratio_to_paper_mesh=float(np.median(taken / paper)),
+            reference_curve_error=own[setting].curve_max, reference_shape_error_mm=own[setting].shape_max,
+            on_curve_front=0, on_shape_front=0,
+        )  # fmt: skip
+        rows.append(found | {"penalty": penalty})
+    return pd.DataFrame(rows)

@@ -58,11 +58,11 @@ def equal_error_table(rows: pd.DataFrame) -> Table:
     """Each law of the half coil against the fastest run of the wire model that is as good."""
     lines = []
     for scene, part in by_scene(rows):
-        wires = part[part["model"] == "wirefe"]
         for law in LAWS:
             beam = _beam(part, law)
             if beam is not None:
-                lines.append(_equal_error(scene, law, beam, fastest(wires, beam.curve_max)))
+                wire = fastest(part[part["model"] == "wirefe"], beam.curve_max)
+                lines.append({"scene": title(scene), "law": law} | _equal_error(scene, beam, wire))
     data = pd.DataFrame(lines)
     if PAPER_COLUMN in data and not set(rows["scene"]) & PAPER_REDUCTION.keys():
         del data[PAPER_COLUMN]
@@ -76,18 +76,16 @@ def _beam(rows: pd.DataFrame, law: str) -> Any:
     return found.get("ignore") if law == PAPER_LAW else found.get("scene", found.get("ignore"))
 
 
-def _equal_error(scene: str, law: str, beam: Any, wire: Any) -> dict[str, str]:
-    share = np.nan if wire is None else beam.ratio_to_paper_mesh / wire.ratio_to_paper_mesh
+def _equal_error(scene: str, beam: Any, wire: Any) -> dict[str, str]:
+    share = beam.ratio_to_paper_mesh / wire.ratio_to_paper_mesh if wire else np.nan
     return {
-        "scene": title(scene),
-        "law": law,
         "its error (%)": _error(beam),
         "its time (ms)": _time(beam),
-        "wire model, as good at least": "none" if wire is None else label(wire),
-        "error (%)": "" if wire is None else _error(wire),
-        "time (ms)": "" if wire is None else _time(wire),
-        "wire model / beam at equal error": "" if wire is None else f"{1.0 / share:.3g}",
-        "reduction (%)": "" if wire is None else f"{100.0 * (1.0 - share):.1f}",
+        "wire model, as good at least": label(wire) if wire else "none",
+        "error (%)": _error(wire) if wire else "",
+        "time (ms)": _time(wire) if wire else "",
+        "wire model / beam at equal error": f"{1.0 / share:.3g}" if wire else "",
+        "reduction (%)": f"{100.0 * (1.0 - share):.1f}" if wire else "",
         "reduction against the paper's mesh (%)": f"{100.0 * (1.0 - beam.ratio_to_paper_mesh):.1f}",
         PAPER_COLUMN: PAPER_REDUCTION.get(scene, "not in the paper"),
     }
@@ -99,18 +97,16 @@ def paper_table(rows: pd.DataFrame) -> Table:
     for scene, part in by_scene(rows):
         mesh, model = of_paper(part)
         best = fastest(part, mesh.curve_max)
-        lines.append(
-            {
-                "scene": title(scene),
-                "paper's mesh (ms)": _time(mesh),
-                "error (%)": _error(mesh),
-                "paper's model (ms)": _time(model) if model else "left out",
-                "its error (%)": _error(model) if model else "",
-                "fastest as accurate as the paper's mesh": setting_of(best).label if best else "none",
-                "its time (ms)": _time(best) if best else "",
-                "part of the mesh's time": f"1/{1.0 / best.ratio_to_paper_mesh:.3g}" if best else "",
-            }
-        )
+        lines.append({
+            "scene": title(scene),
+            "paper's mesh (ms)": _time(mesh),
+            "error (%)": _error(mesh),
+            "paper's model (ms)": _time(model) if model else "left out",
+            "its error (%)": _error(model) if model else "",
+            "fastest as accurate as the paper's mesh": setting_of(best).label if best else "none",
+            "its time (ms)": _time(best) if best else "",
+            "part of the mesh's time": f"1/{1.0 / best.ratio_to_paper_mesh:.3g}" if best else "",
+        })  # fmt: skip
     return frame_table(pd.DataFrame(lines))
 
 
@@ -120,18 +116,14 @@ def reference_table(rows: pd.DataFrame) -> Table:
     for scene, part in by_scene(rows):
         own = {each.role: each for each in part.itertuples()}
         mesh, steps, exact = own["half mesh"], own["half steps"], own.get("exact rod")
-        lines.append(
-            {
-                "scene": title(scene),
-                "curve, half the mesh (of the peak)": f"{mesh.curve_max:.1e}",
-                "curve, half the steps (of the peak)": f"{steps.curve_max:.1e}",
-                "shape, half the mesh (mm)": f"{mesh.shape_max_mm:.1e}",
-                "shape, half the steps (mm)": f"{steps.shape_max_mm:.1e}",
-                "from the exact rod (of the peak)": f"{exact.curve_max:.1e}"
-                if exact
-                else "no exact solution",
-            }
-        )
+        lines.append({
+            "scene": title(scene),
+            "curve, half the mesh (of the peak)": f"{mesh.curve_max:.1e}",
+            "curve, half the steps (of the peak)": f"{steps.curve_max:.1e}",
+            "shape, half the mesh (mm)": f"{mesh.shape_max_mm:.1e}",
+            "shape, half the steps (mm)": f"{steps.shape_max_mm:.1e}",
+            "from the exact rod (of the peak)": f"{exact.curve_max:.1e}" if exact else "no exact solution",
+        })  # fmt: skip
     return frame_table(pd.DataFrame(lines))
 
 
@@ -151,9 +143,6 @@ def peer_table(rows: pd.DataFrame) -> Table:
     def wire(row: Any) -> Any:
         return wires[row.scene, replace(setting_of(row), series="straight")]
 
-    def ratio(row: Any) -> str:
-        return f"{row.ratio_to_paper_mesh / wire(row).ratio_to_paper_mesh:.3g}"
-
     return view(
         rows[rows["role"] == "opensees"],
         {
@@ -163,7 +152,9 @@ def peer_table(rows: pd.DataFrame) -> Table:
             "outcome": lambda row: row.outcome.replace("_", " "),
             "OpenSees (ms)": _time,
             "wire model (ms)": lambda row: _time(wire(row)),
-            "OpenSees / wire model": ratio,
+            "OpenSees / wire model": lambda row: (
+                f"{row.ratio_to_paper_mesh / wire(row).ratio_to_paper_mesh:.3g}"
+            ),
             "OpenSees, curve (%)": lambda row: f"{100.0 * row.curve_max:.4f}",
             "wire model, curve (%)": lambda row: f"{100.0 * wire(row).curve_max:.4f}",
         },
