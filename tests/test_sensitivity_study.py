@@ -44,8 +44,7 @@ from validation.sensitivity.inputs import (
     WIRE,
     inputs_of,
 )
-from validation.sensitivity.page import digest
-from validation.sensitivity.run import sensitivity
+from validation.sensitivity.run import digest, sensitivity
 from validation.sensitivity.topheight import TipCurve, raised
 from validation.study.cases import PAPER_MESH, case, solve_beam, solve_wire
 from validation.study.metrics import compare_paths

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 
 import pandas as pd
 
-from validation.reproduce import claims, curves, evidence, facts, report, tables, times
+from validation.reproduce import claims, curves, evidence, facts, report, times
 from validation.reproduce.assembly import PAGE
 from validation.study import frames
 from validation.study.cases import PathStore
@@ -156,8 +156,8 @@ def _report(maker: Maker) -> Files:
 
 SPRINGS = {"fig4": ("spring-a-no-contact", "spring-a"), "fig6": ("spring-b-no-contact", "spring-b")}
 MAKERS: dict[str, Callable[[Maker], Files]] = {
-    "table1": lambda maker: _csv("table1", tables.table1()),
-    "table2": lambda maker: _csv("table2", tables.table2()),
+    "table1": lambda maker: _csv("table1", report.table1()),
+    "table2": lambda maker: _csv("table2", report.table2()),
     "table3": lambda maker: {"table3.csv": maker.times},
     "fig5": _curves("fig5", curves.tip_curves, "tip_figure"),
     "fig7": _curves("fig7", curves.load_deflection, "load_figure"),

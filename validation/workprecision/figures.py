@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from string import ascii_lowercase
-from typing import Any
 
 import matplotlib
 import numpy as np
@@ -45,23 +44,11 @@ FILLED: Look = {"lw": 0.9, "zorder": 3.0, "ms": 3.8, "mec": "white", "mew": 0.4}
 OPEN: Look = {"linestyle": "none", "zorder": 2.5, "ms": 2.8, "mfc": "white", "mew": 0.7}
 RING: Look = {"linestyle": "none", "zorder": 2.0, "ms": 8.0, "mfc": "none", "mec": INK, "mew": 0.7}
 FRONT: Look = {"color": LIGHT, "linewidth": 3.2, "solid_joinstyle": "round", "zorder": 1.5}
-FLOOR: Look = {
-    "facecolor": "#efefef",
-    "edgecolor": "#a8a8a8",
-    "hatch": "////",
-    "zorder": 0.5,
-    "linewidth": 0.0,
-}
+FLOOR: Look = {"facecolor": "#efefef", "edgecolor": "#a8a8a8", "hatch": "////", "lw": 0.0, "zorder": 0.5}
 USUAL: Look = {"color": GREY, "linewidth": 0.8, "zorder": 0.5}  # the penalty of the scenes
 DASHES = ("-", (0, (4, 2)))  # of the first scene and the second
-PAPER_TANGENT: Look = {
-    "color": BLUE,
-    "marker": "x",
-    "linestyle": "none",
-    "ms": 4.0,
-    "mew": 1.0,
-    "zorder": 3.0,
-}
+PAPER_TANGENT: Look = {"color": BLUE, "marker": "x", "ls": "none", "ms": 4.0, "mew": 1.0, "zorder": 3.0}
+MODELS = (("equivbeam", "equivalent beam", BLUE, "o"), ("wirefe", "wire model", RED, "s"))
 CROSS: Look = {"marker": "x", "color": "black", "linestyle": "none", "markersize": 6.0}
 
 
@@ -153,10 +140,8 @@ def _key(peers: bool) -> Sequence[Line2D | Patch]:
     other = Line2D([], [], **_look("curved", False), label=f"open: other than {STEPS} steps")
     tangent = Line2D([], [], **PAPER_TANGENT, label="law haringx, paper’s tangent")
     front = Line2D([], [], **FRONT, label="Pareto front")
-    rings = [
-        Line2D([], [], **_ring(True), label="paper’s mesh"),
-        Line2D([], [], **_ring(False), label="paper’s model"),
-    ]
+    names = {True: "paper’s mesh", False: "paper’s model"}
+    rings = [Line2D([], [], **_ring(mesh), label=name) for mesh, name in names.items()]
     return [*usual, tangent, other, front, *rings, Patch(**FLOOR, label="reference’s own error")]
 
 
@@ -165,11 +150,10 @@ def draw_penalties(rows: pd.DataFrame) -> Figure:
     figure = Figure(figsize=(DOUBLE, 2.9), layout="constrained")
     error, time = figure.subplots(1, 2)
     for (scene, part), dashes in zip(by_scene(rows), DASHES, strict=False):
-        for model, colour, marker in (("equivbeam", BLUE, "o"), ("wirefe", RED, "s")):
+        for model, name, colour, marker in MODELS:
             mine = part[part["model"] == model]
-            look: dict[str, Any] = {"color": colour, "marker": marker, "linestyle": dashes, "markersize": 4.0}
-            look["markerfacecolor"] = colour if dashes == "-" else "white"
-            look["label"] = f"{title(scene)}, {'equivalent beam' if model == 'equivbeam' else 'wire model'}"
+            look: Look = {"color": colour, "marker": marker, "linestyle": dashes, "markersize": 4.0}
+            look |= {"mfc": colour if dashes == "-" else "white", "label": f"{title(scene)}, {name}"}
             ended = mine[mine["outcome"] != "completed"]
             for axes, column, scale in ((error, "curve_max", 100.0), (time, "seconds", 1e3)):
                 axes.plot(mine["penalty"], scale * mine[column], **look)

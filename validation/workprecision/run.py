@@ -166,10 +166,9 @@ def _reference(scene: Scene, extent: Extent) -> tuple[EquilibriumPath, list[dict
     series, half = extent.finest_mesh(scene)
     finest = Setting.wire(scene, series, 2 * half, steps=extent.finest)
     path = solve_wire(scene, **finest.options)
-    halves = {"half mesh": {"elements_per_turn": half}, "half steps": {"steps": extent.finest // 2}}
+    coarse, short = replace(finest, elements_per_turn=half), replace(finest, steps=extent.finest // 2)
     rows = []
-    for role, change in halves.items():
-        setting = replace(finest, **change)
+    for role, setting in (("half mesh", coarse), ("half steps", short)):
         rows.append(row(role, scene, setting, compare_paths(solve_wire(scene, **setting.options), path)))
     exact = EXACT_ROD.get(scene.name)
     if exact is not None:
