@@ -262,10 +262,7 @@ def _detail(axes: Axes, detail: Axes, panel: Shapes, place: Shapes) -> None:
     detail.set(xlim=(x, x + ZOOM), ylim=(y, y + ZOOM), xticks=(), yticks=())
     detail.spines[:].set_visible(True)
     axes.add_patch(Rectangle((x, y), ZOOM, ZOOM, fill=False, edgecolor="black", linewidth=0.6))
-    beam, wire = (_length(panel.overlaps(c).max()) for c in (panel.beam_circles, panel.wire_circles))
+    most = [panel.overlaps(circles).max() for circles in (panel.beam_circles, panel.wire_circles)]
+    beam, wire = (f"{x:.2f} mm" if x >= 0.1 else f"{1e3 * x:.1f} µm" for x in most)
     note = f"largest overlap where\ncoils cross the plane\nbeam: {beam}\nwire model: {wire}"
     detail.text(0.0, 1.04, note, transform=detail.transAxes, ha="left", va="bottom", fontsize=7.0)
-
-
-def _length(value: float) -> str:
-    return f"{value:.2f} mm" if value >= 0.1 else f"{1e3 * value:.1f} µm"

@@ -45,8 +45,8 @@ def turned_by(store: PathStore, scene: Scene, degrees: int, pairs: object) -> di
         if path.outcome != "completed":
             return row | {"outcome": ending(path.outcome, path.critical_time)}
     mine, theirs = np.abs(beam.tips), np.abs(wire.tips)
-    row |= dict(zip(COMPONENTS, (mine[-1] / theirs[-1] - 1.0).tolist(), strict=True))
-    row |= dict(zip(SOFTER, np.count_nonzero(mine > theirs, axis=0).tolist(), strict=True))
+    row |= zip(COMPONENTS, (mine[-1] / theirs[-1] - 1.0).tolist(), strict=True)
+    row |= zip(SOFTER, np.count_nonzero(mine > theirs, axis=0).tolist(), strict=True)
     return row | {"difference": compare_paths(beam, wire).curve_max}
 
 

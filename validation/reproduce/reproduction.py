@@ -45,19 +45,14 @@ def reproduce(
 ) -> tuple[str, ...]:
     """Write the paper's tables and figures to `out`; with all of them the report.
 
+    Returned are sentences on where the results come from. Every artifact is written when it is finished.
+
     Parameters
     ----------
-    out : folder, made where missing. Every artifact is written when it is finished.
     only : names of `ARTEFACTS` that are wanted; None for all and the report.
     render : False makes no pictures: CSV files, and the report without figures.
-    progress : called with one line on what is being done.
     time : measure the solution times of Table 3 even where some are stored.
     turned : write the springs as a scene that can be turned in a browser, too.
-
-    Returns
-    -------
-    tuple of str
-        What the reader should know of where the results come from.
 
     Raises
     ------

@@ -21,13 +21,10 @@ ITERATIONS = ("wire_iterations", "beam_iterations", "beam_paper_tangent_iteratio
 
 
 def measure(store: PathStore) -> pd.DataFrame:
-    """Time the four cases for about `BUDGET`; iterations are those of the paths in `store`.
+    """Time the four cases for about `BUDGET`, a row for each; iterations are those of the paths in `store`.
 
-    Returns
-    -------
-    pandas.DataFrame
-        A row for each case. ``ratio``: time of the wire model over that of the equivalent beam, formed within
-        each round. ``reduction_percent``: time that the beam saves. ``_q1`` and ``_q3``: quartiles.
+    ``ratio``: time of the wire model over that of the equivalent beam, formed within each round.
+    ``reduction_percent``: time that the beam saves. ``_q1`` and ``_q3``: quartiles.
     """
     store.make_ready()
     runs = {(item, place): run for item in CASES for place, run in enumerate(_turns(item))}

@@ -14,22 +14,8 @@ import pandas as pd
 
 from coilspring import CATALOGUE, Scene
 from coilspring.errors import require_names
-from validation.sensitivity import tornado
-from validation.sensitivity.changes import (
-    BASE_TIPS,
-    CHANGES,
-    COMPLETED,
-    CURVE,
-    DEFAULT_DEVIATION,
-    DEVIATION,
-    Study,
-    changes,
-    sizes,
-    together,
-    values,
-    worst,
-    write_csv,
-)
+from validation.sensitivity import changes, tornado
+from validation.sensitivity.changes import CURVE, DEVIATION, Study
 from validation.sensitivity.inputs import (
     BEAM,
     INPUTS,
@@ -70,25 +56,18 @@ def sensitivity(
     progress: Callable[[str], None] = lambda line: None,
     scenes: Mapping[str, Scene] | None = None,
 ) -> tuple[Study, ...]:
-    """Vary what the paper leaves open, or the inputs of a user's scenes.
+    """Vary what the paper leaves open, or the inputs of a user's scenes; the changes of each.
 
     Writes ``sensitivity.csv``, ``.md`` and the figure to `out`.
 
     Parameters
     ----------
-    out : folder, made where missing.
     only : names of the paper's cases; None for all.
-    progress : called with one line on what is being done.
     scenes : a user's, by their names, in the place of the paper's cases.
 
     Raises
     ------
     InputError : an unknown name; a scene of which no model has a load curve.
-
-    Returns
-    -------
-    tuple
-        The changes of each case, see `validation.sensitivity.changes`.
     """
     require_names("only", only or (), CATALOGUE)
     out = Path(out)
@@ -98,8 +77,8 @@ def sensitivity(
     cases = {case.name: case.scene for case in CASES if only is None or case.name in only}
     studies: list[Study] = []
     for name, scene in (scenes or cases).items():
-        studies.append(changes(name, scene, inputs_of(scene) if scenes else INPUTS, progress))
-        write_csv(studies, out)
+        studies.append(changes.changes(name, scene, inputs_of(scene) if scenes else INPUTS, progress))
+        changes.write_csv(studies, out)
     progress("drawing")
     tornado.write(studies, out)
     write_page(studies, out, own=bool(scenes))
@@ -138,8 +117,8 @@ def _own(study: Study) -> dict[str, Any]:
     """What the page says of a user's scene."""
     data, estimates = study.data, []
     for model in MODELS:
-        if (values(data)["model"] == model).any():
-            row, together = worst(data, model, (VARIED,)), _together(data, model, (VARIED,))
+        if (changes.values(data)["model"] == model).any():
+            row, together = changes.worst(data, model, (VARIED,)), _together(data, model, (VARIED,))
             most = f"{abs(row[CURVE]):.1f} % at most ({_change(row)})"
             estimates.append(f"{NAMES[model]}: {most}, {together} % together")
     return _facts(study) | {
@@ -153,13 +132,13 @@ def _own(study: Study) -> dict[str, Any]:
 
 def _deviation(study: Study) -> float | None:
     """Largest difference of the two models, %; None where one has no curve."""
-    apart = study.data[DEFAULT_DEVIATION].iloc[0]
+    apart = study.data[changes.DEFAULT_DEVIATION].iloc[0]
     return None if pd.isna(apart) else apart
 
 
 def _total(data: pd.DataFrame, kinds: Sequence[str] = SILENT) -> float:
     """What all inputs of some kinds move together, in the model that they move more, %."""
-    return max(together(data, model, kinds) for model in MODELS)
+    return max(changes.together(data, model, kinds) for model in MODELS)
 
 
 def _change(row: pd.Series) -> str:
@@ -172,20 +151,20 @@ def _ending(row: pd.Series) -> str:
 
 def _estimate(study: Study, model: str) -> tuple[str, ...]:
     data = study.data
-    singles = (worst(data, model, kinds) for kinds in (SILENT, OPEN))
+    singles = (changes.worst(data, model, kinds) for kinds in (SILENT, OPEN))
     return (
         *(study.title, NAMES[model]),
         *(f"{abs(row[CURVE]):.1f} ({_change(row)})" for row in singles),
         *(_together(data, model, kinds) for kinds in (SILENT, OPEN)),
-        f"{data[DEFAULT_DEVIATION].iloc[0]:.2f}",
+        f"{data[changes.DEFAULT_DEVIATION].iloc[0]:.2f}",
     )
 
 
 def _together(data: pd.DataFrame, model: str, kinds: Sequence[str]) -> str:
     """Sum of squares; more where a value that ends short of full load is in it without a number."""
-    total = f"{together(data, model, kinds):.1f}"
-    mine = values(data).query("model == @model and kind in @kinds")
-    return total if (mine["outcome"] == COMPLETED).all() else f"{total} or more"
+    total = f"{changes.together(data, model, kinds):.1f}"
+    mine = changes.values(data).query("model == @model and kind in @kinds")
+    return total if (mine["outcome"] == changes.COMPLETED).all() else f"{total} or more"
 
 
 def _case(study: Study) -> dict[str, Any]:
@@ -202,16 +181,16 @@ def _case(study: Study) -> dict[str, Any]:
 def _facts(study: Study) -> dict[str, Any]:
     """What the pages say of any scene."""
     data = study.data
-    present = values(data)
-    ended = present[present["outcome"] != COMPLETED]
-    tips = present.groupby("model")[list(BASE_TIPS)].first()
+    present = changes.values(data)
+    ended = present[present["outcome"] != changes.COMPLETED]
+    tips = present.groupby("model")[list(changes.BASE_TIPS)].first()
     axial = ("FY", "N") if study.prescribed else ("UY", "mm")
     where = (
         f"{NAMES[model]} UX {ux:.3f} mm, {axial[0]} {uy:.3f} {axial[1]}, ROTZ {rotz:.4f} rad"
         for model, ux, uy, rotz in tips.itertuples()
     )
     groups = present.groupby(["input", "model"], sort=False)
-    pairs = [(name, model) for name in sizes(data).index for model in MODELS]
+    pairs = [(name, model) for name in changes.sizes(data).index for model in MODELS]
     lacking = {
         item.title: [NAMES[model] for model in tips.index if (item.name, model) not in groups.groups]
         for item in study.inputs
@@ -233,10 +212,10 @@ def _rows(group: pd.DataFrame) -> Iterator[tuple[str, ...]]:
     ends = {known.idxmin(), known.idxmax()} if len(known) else set()
     for index, row in group.iterrows():
         head = (TITLES[row["input"]], NAMES[row["model"]], row["value"])
-        if row["outcome"] != COMPLETED:
+        if row["outcome"] != changes.COMPLETED:
             yield (*head, _ending(row), *[""] * 5)
         elif index in ends:
-            moved = [_signed(row[name]) for name in (*CHANGES, CURVE)]
+            moved = [_signed(row[name]) for name in (*changes.CHANGES, CURVE)]
             place = row[CURVE] and f"{row['curve_component'].upper()}, t = {row['curve_time']:g}"
             deviation = "" if pd.isna(row[DEVIATION]) else f"{row[DEVIATION]:.2f}"
             yield (*head, *moved, place or "", deviation)

@@ -56,20 +56,15 @@ def workprecision(
     progress: Progress = lambda line: None,
     scenes: Mapping[str, Scene] | None = None,
 ) -> pd.DataFrame:
-    """Measure scenes and write ``workprecision.csv``, ``.md`` and the figures to `out`.
+    """Measure scenes and write ``workprecision.csv``, ``.md`` and the figures to `out`; the result.
+
+    The tables are written anew after every scene.
 
     Parameters
     ----------
-    out : folder, made where missing. The tables are written anew after every scene.
     only : names of scenes; None for all.
     extent : "quick", "normal" or "full".
-    progress : called with one line on what is being done.
     scenes : a user's, by their names, in the place of the study's own; in `STEPS` steps of each stage.
-
-    Returns
-    -------
-    pandas.DataFrame
-        The result (`validation.workprecision.results`).
 
     Raises
     ------
@@ -84,6 +79,9 @@ def workprecision(
     progress("making the kernels ready")
     make_ready()
     chosen = scenes or {name: s for name, s in study_scenes().items() if only is None or name in only}
+    options = [] if extent == "normal" else [f"--{extent}"]
+    options += ["--only", ",".join(only)] if only else []
+    command = " ".join(["coilcheck workprecision", *(scenes or ()), *options])
     found: list[pd.DataFrame] = []
     failure: InputError | EquilibriumNotFound | None = None
     for name, scene in chosen.items():
@@ -98,20 +96,12 @@ def workprecision(
         rows = pd.concat(found, ignore_index=True)
         if (rows["role"] == "run").any():
             write_files({results.FILE: results.to_csv(rows)}, out)
-            command = _command(list(scenes or ()), only, extent)
             write_provenance(command, out, openseespy=versions("openseespy")["openseespy"])
             page.write(out)
         elif name == list(chosen)[-1] and failure is not None:
             raise failure
     progress("drawing")
     return page.write(out, drawn=True)
-
-
-def _command(scenes: Sequence[str], only: Sequence[str] | None, extent: str) -> str:
-    size = [] if extent == "normal" else [f"--{extent}"]
-    return " ".join(
-        ["coilcheck workprecision", *scenes, *size, *([f"--only {','.join(only)}"] if only else [])]
-    )
 
 
 def study(scene: Scene, extent: Extent, progress: Progress) -> pd.DataFrame:
