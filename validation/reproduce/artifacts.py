@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 
 import pandas as pd
 
-from validation.reproduce import claims, curves, evidence, facts, report, times
+from validation.reproduce import claims, curves, facts, phases, report, times
 from validation.reproduce.assembly import PAGE
 from validation.study import frames
 from validation.study.cases import PathStore
@@ -139,16 +139,17 @@ def _curves(name: str, data: Callable[[PathStore], pd.DataFrame], figure: str) -
 
 def _report(maker: Maker) -> Files:
     """The reproduction's page; all pictures are there when it is made."""
-    found = evidence.gather(maker.paths, frames.read_csv(io.BytesIO(maker.times)))
-    known = facts.facts(found)
-    sticking, free = found.cases["spring-b"].wire, found.frictionless
-    picture = maker.picture("sliding", lambda figures: figures.sliding_figure(sticking, free))
+    paths, seconds = maker.paths, frames.read_csv(io.BytesIO(maker.times))
+    turned = phases.over_phases(paths)
+    known = facts.facts(paths, seconds, turned)
+    lines = paths.wire(facts.B), paths.partial_wire(facts.frictionless(facts.B))
+    picture = maker.picture("sliding", lambda figures: figures.sliding_figure(*lines))
     maker.finish()
     return {
         **picture,
         **_csv("claims", claims.claim_table(known)),
-        "phases.csv": frames.to_csv(found.phases),
-        PAGE: report.compose(found, known, maker.paths, maker.render, maker.notes).encode(),
+        "phases.csv": frames.to_csv(turned),
+        PAGE: report.compose(known, paths, seconds, turned, maker.render, maker.notes).encode(),
         FILE: provenance("coilcheck reproduce"),
         FACTS: json_bytes(known),
     }

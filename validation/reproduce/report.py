@@ -12,12 +12,13 @@ import pandas as pd
 from coilspring import EquilibriumPath, Material, Scene, spring_a, spring_b
 from coilspring.scene.wire import SHEAR_FACTOR
 from validation.reproduce.claims import FUNCTIONS, claim_table
-from validation.reproduce.evidence import Evidence
+from validation.reproduce.facts import converged_error, mesh_error
 from validation.reproduce.phases import phase_table
 from validation.reproduce.times import ITERATIONS
 from validation.study.cases import CASES, PAPER_MESH, PathStore, case
 from validation.study.document import Table
 from validation.study.frames import view
+from validation.study.metrics import compare_paths
 from validation.study.partialsolve import ending
 from validation.study.scenes import EXACT_ROD
 from validation.study.template import Facts, page, template
@@ -32,19 +33,26 @@ NOT_GIVEN = ("not given", "not given")
 Rows = dict[str, tuple[str, tuple[str, str]]]  # by feature, ours of a scene and the paper's of A and B
 
 
-def compose(evidence: Evidence, facts: Facts, store: PathStore, pictured: bool, notes: Sequence[str]) -> str:
-    """The report as Markdown: tables of the evidence and the store's paths, sentences of the facts.
+def compose(
+    facts: Facts,
+    store: PathStore,
+    times: pd.DataFrame,
+    phases: pd.DataFrame,
+    pictured: bool,
+    notes: Sequence[str],
+) -> str:
+    """The report as Markdown: sentences of the facts, tables of the paths, the times and the start phases.
 
     `pictured`: whether the PNG files of all figures stand beside it; `notes`: what did not go as planned.
     """
     shown = {
         "claims": claim_table(facts),
-        "errors": error_table(evidence),
-        "exact_rod": exact_table(evidence),
-        "phases": phase_table(evidence.phases),
+        "errors": error_table(store),
+        "exact_rod": exact_table(store),
+        "phases": phase_table(phases),
         "table1": table1(),
         "table2": table2(),
-        "table3": table3(evidence.times),
+        "table3": table3(times),
         "material": material_table(store),
         "penalty": penalty_table(store),
     }
@@ -130,7 +138,7 @@ def table3(times: pd.DataFrame) -> Table:
     )
 
 
-def error_table(evidence: Evidence) -> Table:
+def error_table(store: PathStore) -> Table:
     """The models' differences and the mesh's own, a row for each case."""
     header = (
         *("case", "beam against wire model: curve max / rms (%)", "shape max / rms (mm)"),
@@ -138,25 +146,25 @@ def error_table(evidence: Evidence) -> Table:
         "beam against mesh-converged wire model: curve max (%)",
     )
     rows = []
-    for item in evidence.cases.values():
-        cells = [item.case.title]
-        for error in (item.error, item.mesh_error):
+    for item in CASES:
+        cells, scene = [item.title], item.scene
+        for error in (compare_paths(store.beam(scene), store.wire(scene)), mesh_error(store, scene)):
             cells.append(f"{100.0 * error.curve_max:.2f} / {100.0 * error.curve_rms:.2f}")
             cells.append(f"{error.shape_max:.3f} / {error.shape_rms:.3f}")
-        rows.append((*cells, f"{100.0 * item.converged_error:.2f}"))
+        rows.append((*cells, f"{100.0 * converged_error(store, scene):.2f}"))
     return Table(header, tuple(rows))
 
 
-def exact_table(evidence: Evidence) -> Table:
+def exact_table(store: PathStore) -> Table:
     """Both models' tips against the exact rod's, where there is one."""
     header = ("case", "tip at full load", "exact rod", "wire model", "error (%)", "beam", "error (%)")
     rows = []
     for name, tips in EXACT_ROD.items():
-        item = evidence.cases[name]
-        found = zip(TIPS, tips[1.0], item.wire.tips[-1], item.beam.tips[-1], strict=True)
+        paths = store.wire(case(name).scene), store.beam(case(name).scene)
+        found = zip(TIPS, tips[1.0], *(path.tips[-1] for path in paths), strict=True)
         for title, exact, *ours in (row for row in found if row[1]):
             cells = [text for tip in ours for text in (f"{tip:.4f}", f"{100.0 * (tip / exact - 1.0):+.2f}")]
-            rows.append((item.case.title, title, f"{exact:.4f}", *cells))
+            rows.append((case(name).title, title, f"{exact:.4f}", *cells))
     return Table(header, tuple(rows))
 
 
