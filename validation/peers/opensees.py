@@ -80,8 +80,8 @@ class _Builder:
         self.last = len(self.wire.points) - 1
         self.top = self.last + 1  # reference point
         self.nodes = self.elements = 0
-        self.pairs: list[tuple[int, int]] = []  # nodes of the sphere centres
-        self.held: dict[tuple[int, int], int] = {}  # the element that keeps a pair from sliding
+        # nodes of the sphere centres, and the element that keeps a pair from sliding
+        self.pairs: dict[tuple[int, int], int | None] = {}
         d = scene.spring.wire_diameter
         self.area, self.inertia = math.pi * d**2 / 4.0, math.pi * d**4 / 64.0
 
@@ -120,18 +120,18 @@ class _Builder:
     def hold(self) -> bool:
         """Keep the pairs that touch now from sliding, and let those go that do not; whether there are any."""
         released = False
-        for pair in self.pairs if self.scene.contact.sliding == "none" else ():
+        for pair, held in self.pairs.items() if self.scene.contact.sliding == "none" else ():
             low, high = (np.add(ops.nodeCoord(node), ops.nodeDisp(node)[:3]) for node in pair)
             gap = high - low
             closed = float(np.linalg.norm(gap)) < self.scene.spring.wire_diameter
-            if closed and pair not in self.held:  # springs normal to the gap, free of force now
+            if closed and held is None:  # springs normal to the gap, free of force now
                 normal = np.cross(gap, np.eye(3)[np.argmin(np.abs(gap))])
                 springs = ("-mat", TANGENTIAL, TANGENTIAL, "-dir", 2, 3, "-orient", *gap, *normal)
                 self._element("zeroLength", *pair, *springs)
-                self.held[pair] = self.elements
-            elif not closed and pair in self.held:
-                ops.remove("element", self.held.pop(pair))
-                released = True
+                self.pairs[pair] = self.elements
+            elif not closed and held is not None:
+                ops.remove("element", held)
+                self.pairs[pair], released = None, True
         return released
 
     def _node(self, point: np.ndarray) -> int:
@@ -183,7 +183,7 @@ class _Builder:
         d, stiffness = self.scene.spring.wire_diameter, self.scene.contact.stiffness
         for pair in self.wire.pairs:
             lower, upper = (nodes[int(index)] for index in pair)
-            self.pairs.append((lower, upper))
+            self.pairs[lower, upper] = None
             # strain is (h - rest) / rest, area 1
             rest, tag = self.wire.rest(pair), self.elements + 1
             ops.uniaxialMaterial("ElasticPPGap", tag, stiffness * rest, NEVER_YIELDS, d / rest - 1.0)

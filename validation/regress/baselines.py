@@ -119,17 +119,11 @@ def quantities(path: EquilibriumPath, sensitive: bool = False) -> Quantities:
 
 
 def find(
-    chosen: Sequence[Run], progress: Callable[[str], None], keep: Callable[[dict], None] = lambda found: None
+    chosen: Sequence[Run], progress: Callable[[str], None], out: Path | None = None
 ) -> tuple[dict[str, dict[str, Quantities]], tuple[str, ...]]:
     """Quantities of every run, by model and name, and a sentence on each that its model refuses.
 
-    Parameters
-    ----------
-    keep : given what was found, whatever ends this.
-
-    Raises
-    ------
-    InputError : all are refused.
+    They are written to `out`, whatever ends this. `InputError` where all runs are refused.
     """
     found: dict[str, dict[str, Quantities]] = {model: {} for model in MODELS}
     refused: dict[str, str] = {}
@@ -141,7 +135,8 @@ def find(
             except InputError as error:
                 refused.setdefault(str(error), f"left out: {run.model}, {run.name}: {error}")
     finally:
-        keep(found)
+        if out is not None:
+            write(found, out)
     if not any(found.values()):
         raise InputError("; ".join(refused) or "there is nothing to run")
     return found, tuple(refused.values())

@@ -8,9 +8,8 @@ differently. Counts are exact on the same kind of processor and within one a ste
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
 from itertools import zip_longest
-from typing import Any
+from typing import Any, NamedTuple
 
 from validation.regress.baselines import COUNTS, CURVES, FORCES, MODELS, Quantities
 
@@ -25,8 +24,7 @@ ROUNDING = 1e-12  # mm or N; what is smaller is 0
 Texts = tuple[str, str, str, str]  # fields of a `Move`, without the run
 
 
-@dataclass(frozen=True)
-class Move:
+class Move(NamedTuple):
     """One quantity that is not what it was."""
 
     run: str  # model and name of the run

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from contextlib import ExitStack
-from dataclasses import astuple, dataclass
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -61,7 +61,7 @@ def regress(
         progress("making the kernels ready")
         make_ready()
         watched = chosen or (runs() if scene is None else runs_of(scene))
-        found, left_out = find(watched, progress, lambda part: baselines.write(part, out))
+        found, left_out = find(watched, progress, out)
         moves = compare(kept, found, str(made()["processor"])) if kept else ()
         if times or accept:
             ratios, untimed = timeratios.measure(progress, scene)
@@ -90,5 +90,5 @@ def _report(finding: Finding, kept: dict[str, dict[str, Any]] | None) -> str:
         parts.append("Baselines of {}; compared {}.".format(*origin))
     if finding.moves:
         header = ("run", "quantity", "was", "is", "by how much")
-        parts.append(str(Table(header, tuple(map(astuple, finding.moves)))))
+        parts.append(str(Table(header, finding.moves)))
     return "\n\n".join(parts) + "\n"

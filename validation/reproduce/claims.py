@@ -21,6 +21,10 @@ from validation.study.template import Facts, percent, template, unwrapped
 
 VERDICTS = ("agrees", "differs", "cannot be decided", "cannot be compared")
 AGREES, DIFFERS, UNDECIDED, NOT_COMPARED = VERDICTS
+HEADER = (
+    *("where", "the paper says, in our words", "our numbers", "verdict", "why; measured against what"),
+    "with contact of wires in place of spheres",
+)
 CASE_NAMES = tuple(item.name for item in CASES)
 
 
@@ -56,11 +60,7 @@ def counted(f: Facts, kind: str) -> str:
 
 def claim_table(facts: Facts) -> Table:
     """One row for each claim."""
-    header = (
-        *("where", "the paper says, in our words", "our numbers", "verdict", "why; measured against what"),
-        "with contact of wires in place of spheres",
-    )
-    return Table(header, tuple((*assessed(name, facts), by_wires(name, facts)) for name in CLAIMS))
+    return Table(HEADER, tuple((*assessed(name, facts), by_wires(name, facts)) for name in CLAIMS))
 
 
 def by_wires(name: str, facts: Facts) -> str:

@@ -10,7 +10,8 @@ from collections.abc import Callable
 
 import pandas as pd
 
-from validation.study.cases import CASES, Case, PathStore, solve_beam, solve_wire
+from coilspring import Scene
+from validation.study.cases import CASES, PathStore, solve_beam, solve_wire
 from validation.study.machine import machine
 from validation.study.timing import interleaved, median_of, quartiles, within
 
@@ -27,7 +28,7 @@ def measure(store: PathStore) -> pd.DataFrame:
     ``reduction_percent``: time that the beam saves. ``_q1`` and ``_q3``: quartiles.
     """
     store.make_ready()
-    runs = {(item, place): run for item in CASES for place, run in enumerate(_turns(item))}
+    runs = {(item, place): run for item in CASES for place, run in enumerate(_turns(item.scene))}
     for run in runs.values():
         run()
     seconds = interleaved(runs, within(BUDGET, LEAST_ROUNDS, MOST_ROUNDS, store.announce))
@@ -58,16 +59,10 @@ def measure(store: PathStore) -> pd.DataFrame:
     return pd.DataFrame(rows)
 
 
-def _turns(case: Case) -> tuple[Callable[[], float], ...]:
+def _turns(scene: Scene) -> tuple[Callable[[], float], ...]:
     """Runs of a round: short ones on both sides of the long one, so that a change of the clock cancels."""
-    scene = case.scene
 
-    def beam(tangent: str = "exact") -> float:
-        return solve_beam(scene, tangent=tangent).solve_seconds
+    def beam(repeats: int = REPEATS, tangent: str = "exact") -> float:
+        return median_of(repeats, lambda: solve_beam(scene, tangent=tangent).solve_seconds)
 
-    return (
-        lambda: median_of(REPEATS, beam),
-        lambda: median_of(2, lambda: beam("paper")),
-        lambda: solve_wire(scene).solve_seconds,
-        lambda: median_of(REPEATS, beam),
-    )
+    return beam, lambda: beam(2, "paper"), lambda: solve_wire(scene).solve_seconds, beam

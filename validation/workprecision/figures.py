@@ -20,19 +20,20 @@ from validation.workprecision.results import by_scene, competes, of_paper
 from validation.workprecision.settings import PEER, SERIES, STEPS, title
 
 COLUMNS = 3
+DASHED = (0, (4, 2))
 INK, LIGHT = "#222222", "#c9c9c9"
 # the wire model red and angular, the equivalent beam blue and round; all four differ in grey
 LOOKS: dict[str, Look] = {
-    "straight": {"color": LIGHT_RED, "marker": "s", "linestyle": (0, (4, 2))},
-    "curved": {"color": RED, "marker": "^", "linestyle": "-"},
-    "haringx": {"color": BLUE, "marker": "o", "linestyle": "none"},
-    "helix": {"color": NAVY, "marker": "D", "linestyle": "none"},
-    PEER: {"color": GREY, "marker": "P", "linestyle": "none"},
-}
-NAMES = {
-    **{"straight": "wire model, straight elements", "curved": "wire model, curved elements"},
-    **{"haringx": "equivalent beam, law haringx", "helix": "equivalent beam, law helix"},
-    PEER: "OpenSees, straight elements",
+    "straight": {
+        "color": LIGHT_RED,
+        "marker": "s",
+        "ls": (0, (4, 2)),
+        "label": "wire model, straight elements",
+    },
+    "curved": {"color": RED, "marker": "^", "ls": "-", "label": "wire model, curved elements"},
+    "haringx": {"color": BLUE, "marker": "o", "ls": "none", "label": "equivalent beam, law haringx"},
+    "helix": {"color": NAVY, "marker": "D", "ls": "none", "label": "equivalent beam, law helix"},
+    PEER: {"color": GREY, "marker": "P", "ls": "none", "label": "OpenSees, straight elements"},
 }
 COLUMNS_OF = {  # errors, the reference's own, and what they are multiplied by
     "curve": ("curve_max", "reference_curve_error", 100.0),
@@ -41,12 +42,12 @@ COLUMNS_OF = {  # errors, the reference's own, and what they are multiplied by
 LABELS = {"curve": "error of the load curve (%)", "shape": "error of the shape (mm)"}
 # symbols have a white rim, so that those that lie on one another stay apart; open ones are smaller
 FILLED: Look = {"lw": 0.9, "zorder": 3.0, "ms": 3.8, "mec": "white", "mew": 0.4}
-OPEN: Look = {"linestyle": "none", "zorder": 2.5, "ms": 2.8, "mfc": "white", "mew": 0.7}
+OPEN: Look = {"ls": "none", "zorder": 2.5, "ms": 2.8, "mfc": "white", "mew": 0.7}
 RING: Look = {"linestyle": "none", "zorder": 2.0, "ms": 8.0, "mfc": "none", "mec": INK, "mew": 0.7}
 FRONT: Look = {"color": LIGHT, "linewidth": 3.2, "solid_joinstyle": "round", "zorder": 1.5}
 FLOOR: Look = {"facecolor": "#efefef", "edgecolor": "#a8a8a8", "hatch": "////", "lw": 0.0, "zorder": 0.5}
 USUAL: Look = {"color": GREY, "linewidth": 0.8, "zorder": 0.5}  # the penalty of the scenes
-DASHES = ("-", (0, (4, 2)))  # of the first scene and the second
+DASHES = ("-", DASHED)  # of the first scene and the second
 PAPER_TANGENT: Look = {"color": BLUE, "marker": "x", "ls": "none", "ms": 4.0, "mew": 1.0, "zorder": 3.0}
 MODELS = (("equivbeam", "equivalent beam", BLUE, "o"), ("wirefe", "wire model", RED, "s"))
 CROSS: Look = {"marker": "x", "color": "black", "linestyle": "none", "markersize": 6.0}
@@ -136,8 +137,8 @@ def _label_axes(grid: np.ndarray, shown: pd.DataFrame, kind: str) -> None:
 
 def _key(peers: bool) -> Sequence[Line2D | Patch]:
     series = (*SERIES, PEER) if peers else SERIES
-    usual = [Line2D([], [], **_look(name, True), label=NAMES[name]) for name in series]
-    other = Line2D([], [], **_look("curved", False), label=f"open: other than {STEPS} steps")
+    usual = [Line2D([], [], **_look(name, True)) for name in series]
+    other = Line2D([], [], **_look("curved", False) | {"label": f"open: other than {STEPS} steps"})
     tangent = Line2D([], [], **PAPER_TANGENT, label="law haringx, paper’s tangent")
     front = Line2D([], [], **FRONT, label="Pareto front")
     names = {True: "paper’s mesh", False: "paper’s model"}
