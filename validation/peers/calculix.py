@@ -34,9 +34,7 @@ def deck(scene: Scene) -> str:
     a hinge, as beams have rotations in knots only: stiff beams go from the reference point to all that moves
     with it, and to a pointer above it, whose end tells ROTZ.
 
-    Raises
-    ------
-    InputError : what is not given to this peer.
+    `InputError` is raised for what is not given to this peer.
     """
     refuse(scene, "calculix")
     wire, d = layout(scene, NODES_PER_TURN), scene.spring.wire_diameter

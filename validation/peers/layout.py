@@ -44,17 +44,11 @@ class Layout:
 
     def rest(self, pair: np.ndarray) -> float:
         """Distance of the centres of a pair at rest, mm."""
-        first, second = self.spheres[pair]
-        return float(np.linalg.norm(second - first))
+        return float(np.linalg.norm(np.diff(self.spheres[pair], axis=0)))
 
 
 def layout(scene: Scene, nodes_per_turn: int) -> Layout:
-    """Points at `nodes_per_turn` equal phases a turn, spheres at four.
-
-    Raises
-    ------
-    InputError : active coils that are not a whole number of spaces between nodes.
-    """
+    """Points at `nodes_per_turn` equal phases a turn, which meet the coils' ends, and spheres at four."""
     spring = scene.spring
     last = round(spring.active_coils * nodes_per_turn)
     if last < 1 or abs(spring.active_coils * nodes_per_turn - last) > 1e-6:

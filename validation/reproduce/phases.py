@@ -72,9 +72,9 @@ def _cells(row: dict) -> tuple[str, str]:
 def phase_facts(found: pd.DataFrame) -> dict[str, object]:
     """The same as facts: tuples over the phases that both models complete."""
     facts: dict[str, object] = {}
-    for kind, rows in found[found["outcome"] == "completed"].groupby("contact", sort=False):
-        facts[f"phases.{kind}.degrees"] = tuple(rows["degrees"].tolist())
-        facts[f"phases.{kind}.difference"] = tuple(rows["difference"].tolist())
-        facts[f"phases.{kind}.softer"] = tuple(rows[[*SOFTER]].min(axis=1).astype(int).tolist())
-        facts |= {f"phases.{kind}.{name}": tuple(rows[name].tolist()) for name in COMPONENTS}
+    done = found[found["outcome"] == "completed"]
+    done = done.assign(softer=done[[*SOFTER]].min(axis=1).astype(int))
+    for kind, rows in done.groupby("contact", sort=False):
+        columns = rows[["degrees", "difference", "softer", *COMPONENTS]]
+        facts |= {f"phases.{kind}.{name}": tuple(column.tolist()) for name, column in columns.items()}
     return facts

@@ -101,11 +101,9 @@ def _raisable(scene: Scene) -> bool:
     return free and scene.supports.seat == "rigid" and not (load.stages or load.displacement)
 
 
-def _height(scene: Scene, model: str) -> list[Variant]:
-    if not _raisable(scene):
-        return []
-    d = scene.spring.wire_diameter
-    return [Variant(value, scene, rise=share * d) for share, value in ((0.5, "+d/2"), (1.0, "+d"))]
+def _height(scene: Scene, model: str) -> Iterator[Variant]:
+    for share, value in ((0.5, "+d/2"), (1.0, "+d")) if _raisable(scene) else ():
+        yield Variant(value, scene, rise=share * scene.spring.wire_diameter)
 
 
 def _without_ends(scene: Scene, model: str) -> list[Variant]:
@@ -182,13 +180,7 @@ def inputs_of(scene: Scene) -> tuple[OpenInput, ...]:
     """What is varied of a user's scene: what the paper leaves open, about the scene's own values."""
     contact = scene.contact
     sliding = {"free": "none", "none": "sticking"}.get(contact.sliding, f"µ = {contact.coefficient:g}")
-    here = {
-        "scene": scene,
-        "E": 1e-3 * scene.material.E,
-        "pairs": PER_TURN[contact.geometry],
-        "sliding": sliding,
-    }
-    return tuple(
-        replace(item, kind=VARIED, default=item.here.format(**here), make=MAKE_OWN.get(item.name, item.make))
-        for item in INPUTS
-    )
+    other = {"E": 1e-3 * scene.material.E, "pairs": PER_TURN[contact.geometry], "sliding": sliding}
+    here = {item.name: item.here.format(scene=scene, **other) for item in INPUTS}
+    made = MAKE | MAKE_OWN
+    return tuple(replace(i, kind=VARIED, default=here[i.name], make=made[i.name]) for i in INPUTS)

@@ -116,11 +116,10 @@ def digest(study: Study) -> list[str]:
 def _own(study: Study) -> dict[str, Any]:
     """What the page says of a user's scene."""
     data, estimates = study.data, []
-    for model in MODELS:
-        if (changes.values(data)["model"] == model).any():
-            row, together = changes.worst(data, model, (VARIED,)), _together(data, model, (VARIED,))
-            most = f"{abs(row[CURVE]):.1f} % at most ({_change(row)})"
-            estimates.append(f"{NAMES[model]}: {most}, {together} % together")
+    for model in sorted(set(changes.values(data)["model"])):
+        row, together = changes.worst(data, model, (VARIED,)), _together(data, model, (VARIED,))
+        most = f"{abs(row[CURVE]):.1f} % at most ({_change(row)})"
+        estimates.append(f"{NAMES[model]}: {most}, {together} % together")
     return _facts(study) | {
         "inputs": Table(OWN_HEADER, tuple((item.title, item.default, item.own) for item in study.inputs)),
         "estimates": estimates,

@@ -183,12 +183,11 @@ def _peer_rows(
     for mesh, steps in extent.peers:
         setting = Setting.wire(scene, PEER, mesh, steps=steps)
         progress(f"{scene.name}: {setting.label}")
-        runs, ratios = [], []
+        ratios = []
         for _ in range(extent.peer_rounds):
             beside = partial_path(solve_wire, scene).solve_seconds
-            runs.append(peer.run(scene, steps, peer.tolerance(scene), elements_per_turn=mesh))
-            ratios.append(runs[-1].seconds / beside)
-        run = runs[-1]
+            run = peer.run(scene, steps, peer.tolerance(scene), elements_per_turn=mesh)
+            ratios.append(run.seconds / beside)
         error = compare_curves(run.times, run.answers, reference)
         whole = len(run.tips) == scene.with_steps(steps).load.rows
         known = {"outcome": "completed" if whole else "not_converged", "iterations": run.iterations}
