@@ -32,8 +32,9 @@ COUNTS: dict[str, style.Look] = {
     "paper": {"color": style.BLUE, "marker": "o", "markersize": 2.4},
     "exact": {"color": style.NAVY, "marker": "s", "markersize": 2.4, "markerfacecolor": "white"},
 }
-STICKING_LINE: style.Look = {"color": style.RED, "linewidth": 2.4, "alpha": 0.5}  # both are of the wire model
-FREE_LINE: style.Look = {"color": style.RED, "linewidth": 1.0, "linestyle": (0, (4, 2))}
+# both are of the wire model
+STICKING_LINE: style.Look = {"color": style.RED, "lw": 2.4, "alpha": 0.5, "label": "sticking contact"}
+FREE_LINE: style.Look = {"color": style.RED, "lw": 1.0, "ls": (0, (4, 2)), "label": "frictionless"}
 TALLEST = 4.4  # in, of the springs
 DETAIL = 1.0  # in, a side of an enlarged detail
 ZOOM = 4.0  # mm shown across it
@@ -112,11 +113,8 @@ def sliding_figure(sticking: EquilibriumPath, free: EquilibriumPath) -> Figure:
     """Wire model of Spring B without sliding, and frictionless as far as it goes."""
     figure = Figure(figsize=(style.SINGLE, 2.6), layout="constrained")
     axes = figure.subplots()
-    for path, look, label in (
-        (sticking, STICKING_LINE, "sticking contact"),
-        (free, FREE_LINE, "frictionless"),
-    ):
-        axes.plot(np.append(0.0, -path.tips[:, 1]), np.append(0.0, -path.loads[:, 1]), **look, label=label)
+    for path, look in ((sticking, STICKING_LINE), (free, FREE_LINE)):
+        axes.plot(np.append(0.0, -path.tips[:, 1]), np.append(0.0, -path.loads[:, 1]), **look)
     axes.plot(-free.tips[-1, 1], abs(free.loads[-1, 1]), "kx", markersize=6, label="last equilibrium")
     axes.set(xlabel="deflection −UY (mm)", ylabel="load |Fy| (N)", xlim=(0, None), ylim=(0, None))
     axes.legend(loc="upper left")
@@ -137,13 +135,9 @@ def _name(axes: Axes, tag: str, x: np.ndarray, y: np.ndarray, upper: bool) -> No
     """A curve's name near its end, on its free side; `upper`: above the other curve."""
     left = upper == (y[-1] > y[0])
     place = (x[-8], y[-8]) if left else (x[-16], y[-16])
-    side: style.Look = {
-        "ha": "right" if left else "left",
-        "va": "bottom" if upper else "top",
-        "fontsize": 7.0,
-    }
     away = (-5 if left else 4, 3 if upper else -3)
-    axes.annotate(tag.replace("_", " "), place, xytext=away, textcoords="offset points", **side)
+    text = axes.annotate(tag.replace("_", " "), place, xytext=away, textcoords="offset points", fontsize=7.0)
+    text.set(ha="right" if left else "left", va="bottom" if upper else "top")
 
 
 def _add_key(figure: Figure) -> None:

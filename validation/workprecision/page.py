@@ -44,12 +44,7 @@ Columns = dict[str, Callable[[Any], object]]
 
 
 def write(out: Path, drawn: bool = False) -> pd.DataFrame:
-    """Write page and, where wanted, figures of the result recorded in a folder; the result.
-
-    Raises
-    ------
-    InputError : where none is recorded.
-    """
+    """Write page and, where wanted, figures of the result recorded in a folder; `InputError` without one."""
     if not (out / results.FILE).is_file() or not (out / provenance.FILE).is_file():
         raise InputError(f"no {results.FILE} with {provenance.FILE} in {out}: measure first")
     rows = results.read(out)

@@ -60,10 +60,9 @@ class Setting:
     def label(self) -> str:
         """Name for a reader."""
         mesh, model = self.elements_per_turn, "wire" if self.elements_per_turn else "beam"
+        name = "OpenSees" if self.series == PEER else f"{model} {self.series}"
         parts = {
-            f"OpenSees {mesh}"
-            if self.series == PEER
-            else f"{model} {self.series} {mesh or ''}".strip(): True,
+            f"{name} {mesh}" if mesh else name: True,
             "paper’s tangent": self.tangent == "paper",
             "scene’s sliding": self.sliding == "scene",
             f"{self.pairs_per_turn} pairs per turn": not self.usual_pairs,
