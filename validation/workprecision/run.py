@@ -204,8 +204,7 @@ def penalty_rows(scene: Scene, rounds: int, progress: Progress) -> pd.DataFrame:
     mesh = Setting.wire(scene, "straight", PAPER_ELEMENTS)
 
     def solved(setting: Setting, penalty: float) -> EquilibriumPath:
-        solve = solve_wire if setting.elements_per_turn else solve_beam
-        return partial_path(solve, scene, penalty=penalty)
+        return reached(scene.with_penalty(penalty), setting)
 
     progress(f"{scene.name}: hard contact")
     hard = {setting: solved(setting, HARD) for setting in (PAPER_MODEL, mesh)}
