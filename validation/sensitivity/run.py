@@ -120,13 +120,8 @@ def _own(study: Study) -> dict[str, Any]:
         row, together = changes.worst(data, model, (VARIED,)), _together(data, model, (VARIED,))
         most = f"{abs(row[CURVE]):.1f} % at most ({_change(row)})"
         estimates.append(f"{NAMES[model]}: {most}, {together} % together")
-    return _facts(study) | {
-        "inputs": Table(OWN_HEADER, tuple((item.title, item.default, item.own) for item in study.inputs)),
-        "estimates": estimates,
-        "prescribed": study.prescribed,
-        "left_out": study.left_out,
-        "resolution": study.resolution,
-    }
+    inputs = Table(OWN_HEADER, tuple((item.title, item.default, item.own) for item in study.inputs))
+    return _facts(study) | {"inputs": inputs, "estimates": estimates}
 
 
 def _deviation(study: Study) -> float | None:
@@ -170,11 +165,7 @@ def _case(study: Study) -> dict[str, Any]:
     """What the page says of a case of the paper."""
     data = study.data
     most = data.loc[data.loc[data["kind"].isin(OPEN), DEVIATION].idxmax()]
-    return _facts(study) | {
-        "total": _total(data),
-        "most": most[DEVIATION],
-        "most_by": _change(most),
-    }
+    return _facts(study) | {"total": _total(data), "most": most[DEVIATION], "most_by": _change(most)}
 
 
 def _facts(study: Study) -> dict[str, Any]:
@@ -196,7 +187,7 @@ def _facts(study: Study) -> dict[str, Any]:
     }
     rows = (row for pair in pairs if pair in groups.groups for row in _rows(groups.get_group(pair)))
     return {
-        "title": study.title,
+        "study": study,
         "deviation": _deviation(study),
         "ended": [(f"{NAMES[row['model']]}, {_change(row)}", _ending(row)) for _, row in ended.iterrows()],
         "tips": "; ".join(where),
