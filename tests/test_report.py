@@ -11,12 +11,12 @@ import pandas as pd
 import pytest
 from jinja2 import UndefinedError
 
+import validation.reproduce.facts as facts_module
 from test_statements import NAMES, NUMBER
 from validation.reproduce import report
 from validation.reproduce.claims import DIFFERS, VERDICTS, claim_table
-from validation.reproduce.evidence import Evidence, frictionless, gather
-from validation.reproduce.facts import facts
-from validation.reproduce.phases import SOFTER, phase_table, turned_by
+from validation.reproduce.facts import B, facts, frictionless, mesh_error
+from validation.reproduce.phases import SOFTER, over_phases, phase_table, turned_by
 from validation.study import cases, timing
 from validation.study.scenes import EXACT_ROD
 from validation.study.template import statement, template, unwrapped
@@ -26,8 +26,8 @@ STORE = cases.PathStore(lambda line: None)
 
 
 @pytest.fixture(scope="module")
-def evidence() -> Evidence:
-    return gather(STORE, measured())
+def phases() -> pd.DataFrame:
+    return over_phases(STORE)
 
 
 def measured() -> pd.DataFrame:
@@ -50,9 +50,9 @@ def measured() -> pd.DataFrame:
     return pd.DataFrame(rows)
 
 
-def page(evidence: Evidence) -> str:
+def page(phases: pd.DataFrame) -> str:
     """The report as Markdown."""
-    return report.compose(evidence, facts(evidence), STORE, True, ())
+    return report.compose(facts(STORE, measured(), phases), STORE, measured(), phases, True, ())
 
 
 def test_every_number_and_verdict_of_the_report_is_a_statement():
@@ -82,50 +82,48 @@ def test_what_a_template_names_and_nobody_gives_is_an_error(tmp_path):
         statement(source, "one", {})
 
 
-def test_the_headline_follows_the_curves(evidence):
+def test_the_headline_follows_the_curves(phases, monkeypatch):
     """The evidence itself is changed: every curve is off by half of its peak."""
-    assert "**The proposed model matches the wire model where " in page(evidence)
-    off = {
-        name: replace(item, error=replace(item.error, curve_max=0.5)) for name, item in evidence.cases.items()
-    }
-    changed = replace(evidence, cases=off)
-    assert "**The proposed model does not match the wire model (Spring A, " in page(changed)
-    assert claim_table(facts(changed)).rows[0][3] == DIFFERS
+    assert "**The proposed model matches the wire model where " in page(phases)
+    sound = facts_module.compare_paths
+    monkeypatch.setattr(facts_module, "compare_paths", lambda *each: replace(sound(*each), curve_max=0.5))
+    assert "**The proposed model does not match the wire model (Spring A, " in page(phases)
+    assert claim_table(facts(STORE, measured(), phases)).rows[0][3] == DIFFERS
 
 
 def test_a_path_that_ends_is_not_compared():
     """Frictionless Spring B, whose wire model ends at a limit point."""
-    row = turned_by(STORE, frictionless(cases.case("spring-b").scene), 0, 4)
+    row = turned_by(STORE, frictionless(B), 0, 4)
     assert row.keys() == {"pairs_per_turn", "degrees", "outcome"}
     assert row["outcome"].startswith("limit point at t = 0.65")
 
 
-def test_a_phase_that_is_not_completed_is_told_and_not_counted(evidence):
-    broken = evidence.phases.copy()
+def test_a_phase_that_is_not_completed_is_told_and_not_counted(phases):
+    broken = phases.copy()
     place = broken.index[(broken["contact"] == "many") & (broken["degrees"] == 30)][0]
     broken.loc[place, "outcome"] = "limit point at t = 0.500"
-    assert facts(replace(evidence, phases=broken))["phases.many.degrees"] == (0, *range(60, 360, 30))
+    assert facts(STORE, measured(), broken)["phases.many.degrees"] == (0, *range(60, 360, 30))
     assert "limit point at t = 0.500" in phase_table(broken).rows[1]
 
 
-def test_the_sign_changes_with_the_phase(evidence):
+def test_the_sign_changes_with_the_phase(phases):
     """Spring A without contact: the beam is softer all along at 30 degrees, as the paper says."""
-    bare = evidence.phases[evidence.phases["contact"] == "bare"].set_index("degrees")
+    bare = phases[phases["contact"] == "bare"].set_index("degrees")
     assert bare.loc[30, list(SOFTER)].tolist() == [50, 50, 50]
     assert bare.loc[90, "uy"] == pytest.approx(0.019, abs=1e-3)
     assert bare.loc[270, "uy"] == pytest.approx(-0.017, abs=1e-3)
 
 
-def test_mesh_error_estimate_meets_the_exact_rod(evidence):
+def test_mesh_error_estimate_meets_the_exact_rod():
     for name, tips in EXACT_ROD.items():
-        item, exact = evidence.cases[name], tips[1.0]
+        scene, exact = cases.case(name).scene, tips[1.0]
         moved = np.array(exact) != 0.0
-        true = np.abs(item.wire.tips[-1] / np.where(moved, exact, 1.0) - 1.0)[moved].max()
-        assert item.mesh_error.curve_max == pytest.approx(true, rel=0.1)
+        true = np.abs(STORE.wire(scene).tips[-1] / np.where(moved, exact, 1.0) - 1.0)[moved].max()
+        assert mesh_error(STORE, scene).curve_max == pytest.approx(true, rel=0.1)
 
 
-def test_spring_b_needs_no_sliding(evidence):
-    path = evidence.frictionless
+def test_spring_b_needs_no_sliding():
+    path = STORE.partial_wire(frictionless(B))
     assert path.outcome == "limit_point"
     assert path.critical_time == pytest.approx(0.65, abs=0.01)
     assert path.times[-1] < path.critical_time

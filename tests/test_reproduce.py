@@ -13,7 +13,7 @@ import pytest
 from coilspring import CATALOGUE, InputError
 from test_statements import VERDICTS
 from validation.reproduce import ARTEFACTS, artifacts, claims, reproduction, times
-from validation.reproduce.records import REPRODUCTION
+from validation.reproduce.findings import REPRODUCTION
 from validation.study import cases
 from validation.study.machine import machine
 from validation.view import render3d

@@ -33,10 +33,18 @@ from validation.sensitivity.changes import (
     worst,
 )
 from validation.sensitivity.changes import change as difference
-from validation.sensitivity.inputs import BEAM, INPUTS, LIKE, MODELS, NOT_GIVEN, READING, WIRE
-from validation.sensitivity.own import VARIED, inputs_of
-from validation.sensitivity.page import digest
-from validation.sensitivity.run import sensitivity
+from validation.sensitivity.inputs import (
+    BEAM,
+    INPUTS,
+    LIKE,
+    MODELS,
+    NOT_GIVEN,
+    READING,
+    VARIED,
+    WIRE,
+    inputs_of,
+)
+from validation.sensitivity.run import digest, sensitivity
 from validation.sensitivity.topheight import TipCurve, raised
 from validation.study.cases import PAPER_MESH, case, solve_beam, solve_wire
 from validation.study.metrics import compare_paths

@@ -11,8 +11,7 @@ from jinja2 import UndefinedError
 
 from validation.reproduce import claims
 from validation.reproduce.claims import AGREES, CASE_NAMES, CLAIMS, DIFFERS, NOT_COMPARED, UNDECIDED
-from validation.reproduce.findings import FINDINGS, findings
-from validation.reproduce.records import ROOT, Records
+from validation.reproduce.findings import FINDINGS, ROOT, Records, findings
 from validation.reproduce.report import REPORT
 from validation.study.template import statement, template
 

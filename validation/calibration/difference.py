@@ -15,17 +15,14 @@ from coilspring.measured import Measured
 class Difference:
     """Model minus measurement; not a number where no point can be compared.
 
-    Attributes
-    ----------
-    max, rms : of the deflection at the same force over the largest measured deflection; where the scene
-        prescribes a displacement, of the force at the same deflection over the largest measured force.
-    points, beyond : measured points that are compared, and those beyond what the model reached.
+    ``max``, ``rms``: of the deflection at the same force over the largest measured deflection; where a
+    displacement is prescribed, of the force at the same deflection over the largest measured force.
     """
 
     max: float
     rms: float
-    points: int
-    beyond: int
+    points: int  # measured points that are compared
+    beyond: int  # and those beyond what the model reached
 
 
 def has_direction(scene: Scene) -> bool:
@@ -45,9 +42,9 @@ def along_load(path: EquilibriumPath) -> tuple[np.ndarray, np.ndarray]:
 def differences(path: EquilibriumPath, curve: Measured) -> tuple[np.ndarray, np.ndarray]:
     """Deflections of the measured points that a model reached, and shares of the peak by which it differs."""
     deflection, force = along_load(path)
-    given, answer, mine, theirs = force, deflection, curve.force, curve.deflection
-    if path.scene.load.displacement:
-        given, answer, mine, theirs = deflection, force, curve.deflection, curve.force
+    model, measurement = (force, deflection), (curve.force, curve.deflection)
+    turn = -1 if path.scene.load.displacement else 1  # the force is then the answer
+    (given, answer), (mine, theirs) = model[::turn], measurement[::turn]
     loading = slice(0, int(np.argmax(given)) + 1)  # a history of several stages, to its largest load
     reached = (mine >= 0.0) & (mine <= given[loading][-1] * (1.0 + 1e-12))
     found = np.interp(mine[reached], given[loading], answer[loading])
@@ -57,9 +54,10 @@ def differences(path: EquilibriumPath, curve: Measured) -> tuple[np.ndarray, np.
 def difference(path: EquilibriumPath, curve: Measured) -> Difference:
     """The difference of a model's path from a measured curve; see `Difference`."""
     _, shares = differences(path, curve)
-    most = float(np.abs(shares).max()) if shares.size else float("nan")
-    rms = float(np.sqrt(np.mean(shares**2))) if shares.size else float("nan")
-    return Difference(most, rms, int(shares.size), int(curve.force.size - shares.size))
+    counts = (int(shares.size), int(curve.force.size - shares.size))
+    if not shares.size:
+        return Difference(np.nan, np.nan, *counts)
+    return Difference(float(np.abs(shares).max()), float(np.sqrt(np.mean(shares**2))), *counts)
 
 
 def summary(paths: Mapping[str, EquilibriumPath], curve: Measured) -> dict[str, object]:
@@ -72,15 +70,12 @@ def lines(paths: Mapping[str, EquilibriumPath], curve: Measured) -> list[str]:
     """The differences for a reader at the terminal."""
     said = []
     for name, path in paths.items():
-        found = difference(path, curve)
-        what = (
-            "force at the same deflection" if path.scene.load.displacement else "deflection at the same force"
-        )
+        found, words = difference(path, curve), ("deflection", "force")
+        if not found.points:
+            said.append(f"{name} minus measured: no measured point is within the model's path")
+            continue
+        what = "{} at the same {}".format(*words[:: -1 if path.scene.load.displacement else 1])
+        sizes = f"{100 * found.max:.3g} % of the peak at most, {100 * found.rms:.3g} % rms"
         beyond = f"; {found.beyond} beyond the model's last step left out" if found.beyond else ""
-        said.append(
-            f"{name} minus measured, {what}: {100 * found.max:.3g} % of the peak at most, "
-            f"{100 * found.rms:.3g} % rms, at {found.points} points{beyond}"
-            if found.points
-            else f"{name} minus measured: no measured point is within the model's path"
-        )
+        said.append(f"{name} minus measured, {what}: {sizes}, at {found.points} points{beyond}")
     return said

@@ -17,33 +17,25 @@ from validation.study.plots import png
 
 POINTS: style.Look = {"color": "black", "marker": "o", "linestyle": "", "markersize": 2.0, "zorder": 3.0}
 GIVEN_LINE: style.Look = {"color": style.GREY, "linewidth": 1.4, "linestyle": (0, (1, 1.2))}
-MODELS: Mapping[str, tuple[str, style.Look]] = {
+Looks = Mapping[str, tuple[str, style.Look]]  # labels and lines, by model
+MODELS: Looks = {
     "equivbeam": (style.BEAM_LABEL, style.BEAM_LINE),
     "wirefe": (style.WIRE_LABEL, style.WIRE_LINE),
 }
-FIT: Mapping[str, tuple[str, style.Look]] = {
-    "given": ("scene as given", GIVEN_LINE),
-    "calibrated": ("calibrated", style.BEAM_LINE),
-}
+FIT: Looks = {"given": ("scene as given", GIVEN_LINE), "calibrated": ("calibrated", style.BEAM_LINE)}
 DEFLECTION = "deflection along the load (mm)"
 MOST = 80  # measured points that are drawn
 
 
 def load_curves(
-    paths: Mapping[str, EquilibriumPath],
-    curve: Measured | None = None,
-    looks: Mapping[str, tuple[str, style.Look]] = MODELS,
+    paths: Mapping[str, EquilibriumPath], curve: Measured | None = None, looks: Looks = MODELS
 ) -> bytes:
     """A PNG: force and rate against the deflection in the direction of the load, beside a measurement."""
     with matplotlib.rc_context(style.RC):
         return png(picture(paths, curve, looks))
 
 
-def picture(
-    paths: Mapping[str, EquilibriumPath],
-    curve: Measured | None,
-    looks: Mapping[str, tuple[str, style.Look]] = MODELS,
-) -> Figure:
+def picture(paths: Mapping[str, EquilibriumPath], curve: Measured | None, looks: Looks = MODELS) -> Figure:
     """The figure of `load_curves`; with a measurement, the differences from it stand below the forces."""
     figure = Figure(figsize=(style.DOUBLE, 2.8 if curve is None else 3.6), layout="constrained")
     mosaic: Any = [["force", "rate"]] + ([["difference", "rate"]] if curve else [])

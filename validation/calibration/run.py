@@ -6,10 +6,8 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 import equivbeam
-from coilspring import EquilibriumPath, Scene, scene_text
+from coilspring import Scene, scene_text
 from coilspring.measured import measured, table_of
 from equivbeam.parameters import values
 from validation.study.machine import versions
@@ -22,11 +20,7 @@ def calibrate(
 ) -> tuple[dict[str, bytes], list[str]]:
     """Files of a calibration by name, and what it found for a reader.
 
-    Parameters
-    ----------
-    file : CSV file, see `coilspring.measured`.
-    names : of the parameters, see `equivbeam.calibrate`.
-    **options : of `equivbeam.solve`.
+    `file`: see `coilspring.measured`; `names`: see `equivbeam.calibrate`; `options`: of `equivbeam.solve`.
     """
     table = table_of(file)
     found = equivbeam.calibrate(scene, table, names, **options)
@@ -35,18 +29,16 @@ def calibrate(
         "calibrated.toml": scene_text(found.scene).encode(),
     }
     lines = str(found).splitlines()
-    if scene.contact.enabled and scene.contact.sliding != "free":
-        lines.append(
-            f"fitted without the scene's sliding = \"{scene.contact.sliding}\", as the paper's model"
-        )
+    sliding = scene.contact.sliding
+    if scene.contact.enabled and sliding != "free":
+        lines.append(f"fitted without the scene's sliding = \"{sliding}\", as the paper's model")
     if "force" in table or "load_y" in table:
         from validation.calibration.figure import FIT, load_curves
 
         curve = measured(table, scene)
-        given: EquilibriumPath = partial_path(
-            equivbeam.solve, replace(scene, load=found.path.scene.load), **options
-        )
-        files["calibration.png"] = load_curves({"given": given, "calibrated": found.path}, curve, FIT)
+        start = replace(scene, load=found.path.scene.load)
+        paths = {"given": partial_path(equivbeam.solve, start, **options), "calibrated": found.path}
+        files["calibration.png"] = load_curves(paths, curve, FIT)
         if curve.left_out:
             lines.append(f"{curve.left_out} points without load left out")
     return files, lines
@@ -54,18 +46,13 @@ def calibrate(
 
 def _summary(scene: Scene, found: equivbeam.Calibration, options: dict[str, Any]) -> dict[str, object]:
     """What ``calibration.json`` holds; no standard error where the curve does not determine a value."""
-    start = values(scene, found.names)
+    columns = zip(found.names, found.values, found.errors, values(scene, found.names), strict=True)
     return {
         "scene": scene.name,
         "options": {name: str(value) for name, value in options.items()},
         "parameters": {
-            name: {
-                "value": value,
-                "standard_error": None if np.isnan(error) else error,
-                "start": begin,
-                "fitted": name not in found.fixed,
-            }
-            for name, value, error, begin in zip(found.names, found.values, found.errors, start, strict=True)
+            name: {"value": value, "standard_error": error, "start": start, "fitted": name not in found.fixed}
+            for name, value, error, start in columns
         },
         "rank": found.rank,
         "residual": found.rms_after,

@@ -89,11 +89,11 @@ def sensitivity(arguments: argparse.Namespace, folder: Path, progress: Progress)
     """Vary what the paper leaves open, or inputs of scenes, in both models."""
     scenes = _own_scenes(arguments)
     progress(LOADING)
-    from validation.sensitivity import page, run
+    from validation.sensitivity import run
 
     with claimed(folder), writing(folder):
         studies = run.sensitivity(folder, arguments.only, progress, scenes)
-    return [*(line for study in studies for line in page.digest(study)), f"written to {folder}"], ""
+    return [*(line for study in studies for line in run.digest(study)), f"written to {folder}"], ""
 
 
 def regress(arguments: argparse.Namespace, folder: Path, progress: Progress) -> Answer:

@@ -28,15 +28,13 @@ INSTALL = "ccx is not installed: apt-get install calculix-ccx (Debian), or see c
 
 
 def deck(scene: Scene) -> str:
-    """Input deck of a scene, in mm, N and MPa; "no sliding" is left out, springs have no memory.
+    """Input deck of a scene in mm, N, MPa; "no sliding" is left out, springs have no memory.
 
-    Its words are in ``calculix.inp``. The top is no rigid body, which would leave the last point of the wire
+    The top is no rigid body, which would leave the last point of the wire
     a hinge, as beams have rotations in knots only: stiff beams go from the reference point to all that moves
     with it, and to a pointer above it, whose end tells ROTZ.
 
-    Raises
-    ------
-    InputError : what is not given to this peer.
+    `InputError` is raised for what is not given to this peer.
     """
     refuse(scene, "calculix")
     wire, d = layout(scene, NODES_PER_TURN), scene.spring.wire_diameter
@@ -49,10 +47,8 @@ def deck(scene: Scene) -> str:
     normals = np.cross(np.gradient(wire.points, axis=0), (0.0, 1.0, 0.0))  # at each node towards the axis
     # numbers of nodes: those of the wire, the top reference point, the pointer's end, the spheres' centres
     top, spheres = count + 1, count + 3 + np.arange(len(wire.spheres))
-    lower, upper = (
-        [*zip(spheres[at], wire.spheres[at], strict=True)]
-        for at in (wire.attached < 0, wire.attached >= count)
-    )
+    ends_of = (wire.attached < 0, wire.attached >= count)
+    lower, upper = ([*zip(spheres[at], wire.spheres[at], strict=True)] for at in ends_of)
     pointer = (top + 1, wire.reference + np.array([0.0, POINTER * d, 0.0]))
     ends = [(count, wire.points[-1]), pointer, *upper]
     middles = enumerate(ends, count + 3 + len(spheres))
@@ -81,12 +77,7 @@ DECK = template(Path(__file__).with_name("calculix.inp"), [row])
 
 
 def run(scene: Scene) -> Curve:
-    """Load curve by the installed ``ccx``, as far as it gets.
-
-    Raises
-    ------
-    InputError : ccx is missing, or what is not given to it.
-    """
+    """Load curve by the installed ``ccx``, as far as it gets; `InputError` where it is missing."""
     text, seconds = execute(deck(scene))
     times, tips, reaction = read(text, POINTER * scene.spring.wire_diameter)
     times = np.rint(times * scene.load.rows) / scene.load.rows  # which it prints with seven digits
@@ -94,12 +85,7 @@ def run(scene: Scene) -> Curve:
 
 
 def execute(deck: str) -> tuple[str, float]:
-    """What ``ccx`` prints into its .dat file for an input deck, and the CPU seconds it takes.
-
-    Raises
-    ------
-    InputError : ccx is missing.
-    """
+    """What ``ccx`` prints into its .dat file for an input deck, and its CPU seconds; see `run`."""
     program = shutil.which("ccx")
     if program is None:
         raise InputError(INSTALL)

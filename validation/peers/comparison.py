@@ -4,36 +4,35 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from types import ModuleType
 
 import numpy as np
 
 import wirefe
 from coilspring import EquilibriumPath, InputError, Scene
 from validation.peers import calculix
-from validation.peers.installed import MISSING, opensees
 from validation.peers.layout import Curve
-from validation.study.metrics import COMPONENTS, answered, peaks
+from validation.study.metrics import answered, peaks
 from validation.study.partialsolve import partial_path
 
+MISSING = (
+    "openseespy is missing or cannot be loaded: pip install -e '.[peers]' and, on Debian, "
+    "apt-get install libblas3 liblapack3"
+)
 FREE = "frictionless in both codes, since springs without a history do not know when a pair closed"
+
+
+UNITS = {"ux": "mm", "uy": "mm", "force": "N", "rotz": "rad"}
 
 
 @dataclass(frozen=True)
 class PeerComparison:
-    """One scene in both codes.
+    """One scene in both codes."""
 
-    Attributes
-    ----------
-    scene : what both have solved.
-    wire : path of the wire model, complete or not.
-    peer : curve of the peer, complete or not.
-    remark : in what the scene differs from the one asked for; empty where it does not.
-    """
-
-    scene: Scene
-    wire: EquilibriumPath
-    peer: Curve
-    remark: str = ""
+    scene: Scene  # what both have solved
+    wire: EquilibriumPath  # of the wire model, complete or not
+    peer: Curve  # complete or not
+    remark: str = ""  # in what the scene differs from the one asked for
 
     @property
     def rows(self) -> int:
@@ -48,70 +47,64 @@ class PeerComparison:
         """
         if self.rows == 0:
             return float("nan")
-        ours, theirs = (
-            np.column_stack(list(answers.values()))[: self.rows]
-            for answers in (answered(self.wire), self.peer.answers)
-        )
+        both = (answered(self.wire), self.peer.answers)
+        ours, theirs = (np.column_stack(list(answers.values()))[: self.rows] for answers in both)
         return float((np.abs(theirs - ours) / peaks(ours)).max())
 
-    @property
-    def names(self) -> dict[str, str]:
-        """Names of the components for a reader: UY that is prescribed is answered by a force."""
-        return {name: name for name in COMPONENTS} | ({"uy": "force"} if self.scene.load.displacement else {})
+    def _named(self) -> list[tuple[str, dict[str, np.ndarray]]]:
+        """Codes, and what they answer by names for a reader: UY that is prescribed is answered by a force."""
+        uy = "force" if self.scene.load.displacement else "uy"
+        both = (("wirefe", answered(self.wire)), (self.peer.code, self.peer.answers))
+        return [(code, {uy if name == "uy" else name: found[name] for name in found}) for code, found in both]
 
     def csv(self) -> str:
         """Both curves, one row a step that either has reached."""
         import pandas as pd
 
-        both = ((answered(self.wire), "wirefe"), (self.peer.answers, self.peer.code))
-        curves = [
-            pd.DataFrame(answers).rename(columns=lambda name, code=code: f"{self.names[name]}_{code}")
-            for answers, code in both
-        ]
-        data = pd.concat(curves, axis=1)
+        data = pd.concat(
+            [pd.DataFrame(found).add_suffix(f"_{code}") for code, found in self._named()], axis=1
+        )
         data.insert(0, "time", np.arange(1, len(data) + 1) / self.scene.load.rows)
         return data.to_csv(index=False, lineterminator="\n", float_format="%.9g")
 
     def lines(self) -> list[str]:
         """For a reader at the terminal."""
-        wire, peer = self.wire, self.peer
-        share = 100.0 * self.difference
-        return [
-            *([self.remark] if self.remark else []),
-            self._line("wirefe", wire.times, answered(wire), wire.solve_seconds),
-            self._line(peer.code, peer.times, peer.answers, peer.seconds),
-            f"difference over {self.rows} common steps: {share:.2g} % of the curve's peak"
-            if self.rows
-            else "no step in common",
-        ]
-
-    def _line(self, code: str, times: np.ndarray, answers: dict[str, np.ndarray], seconds: float) -> str:
-        if len(times) == 0:
-            return f"{code}: no step reached, {seconds:.2g} s CPU"
-        units = {"ux": "mm", "uy": "mm", "force": "N", "rotz": "rad"}
-        last = {self.names[name]: answer[-1] for name, answer in answers.items()}
-        shown = (f"{name} {value:.6g} {units[name]}" for name, value in last.items())
-        return f"{code}: at time {times[-1]:g} {', '.join(shown)}; {seconds:.2g} s CPU"
+        lines = [self.remark] if self.remark else []
+        ends = ((self.wire.times, self.wire.solve_seconds), (self.peer.times, self.peer.seconds))
+        for (code, answers), (times, seconds) in zip(self._named(), ends, strict=True):
+            reached = "no step reached,"
+            if len(times):
+                last = (f"{name} {answer[-1]:.6g} {UNITS[name]}" for name, answer in answers.items())
+                reached = f"at time {times[-1]:g} {', '.join(last)};"
+            lines.append(f"{code}: {reached} {seconds:.2g} s CPU")
+        if not self.rows:
+            return [*lines, "no step in common"]
+        share = f"{100.0 * self.difference:.2g} % of the curve's peak"
+        return [*lines, f"difference over {self.rows} common steps: {share}"]
 
 
 def compare(scene: Scene, peer: str) -> PeerComparison:
-    """Solve a scene with the wire model and with a peer, on 40 points a turn.
-
-    Parameters
-    ----------
-    peer : one of `PEERS`.
+    """Solve a scene with the wire model and with a peer of `PEERS`, on 40 points a turn.
 
     Raises
     ------
     InputError : the peer is not installed, or what it is not given.
     """
-    remark = ""
-    contact = scene.contact
+    remark, contact = "", scene.contact
     if peer == "calculix" and contact.enabled and contact.sliding == "none":
         scene, remark = replace(scene, contact=replace(contact, sliding="free")), FREE
     curve = PEERS[peer](scene)
     wirefe.solve(scene.with_steps(1).without_contact())  # makes the kernels ready
     return PeerComparison(scene, partial_path(wirefe.solve, scene), curve, remark)
+
+
+def opensees() -> ModuleType | None:
+    """`validation.peers.opensees`; None where openseespy is missing or cannot be loaded."""
+    try:
+        import validation.peers.opensees as module
+    except (ImportError, RuntimeError):  # the latter where its libraries are missing
+        return None
+    return module
 
 
 def _opensees(scene: Scene) -> Curve:

@@ -16,24 +16,14 @@ PAIRS_PER_TURN = 4
 
 @dataclass(frozen=True)
 class Curve:
-    """Load curve of one code, as far as it was reached.
+    """Load curve of one code, as far as it was reached."""
 
-    Attributes
-    ----------
-    code : name of the code.
-    times : (steps,) of the load.
-    tips : (steps, 3) UX, UY, ROTZ of the top reference point, mm, rad.
-    seconds : CPU time of the solution.
-    iterations : Newton iterations of all steps, where they are known.
-    reaction : (steps,) axial force that holds the top, N, where its UY is prescribed; else None.
-    """
-
-    code: str
-    times: np.ndarray
-    tips: np.ndarray
-    seconds: float
-    iterations: int = 0
-    reaction: np.ndarray | None = None
+    code: str  # its name
+    times: np.ndarray  # (steps,) of the load
+    tips: np.ndarray  # (steps, 3) UX, UY, ROTZ of the top reference point, mm, rad
+    seconds: float  # CPU time of the solution
+    iterations: int = 0  # Newton iterations of all steps, where they are known
+    reaction: np.ndarray | None = None  # (steps,) axial force that holds the top, N, where UY is prescribed
 
     @property
     def answers(self) -> dict[str, np.ndarray]:
@@ -44,36 +34,21 @@ class Curve:
 
 @dataclass(frozen=True)
 class Layout:
-    """The wire of a scene as points, and what touches.
+    """The wire of a scene as points, and what touches; mm."""
 
-    Attributes
-    ----------
-    points : (nodes, 3) on the active wire, from the clamped bottom to the rigid top, mm.
-    reference : (3,) top reference point, mm.
-    spheres : (spheres, 3) centres, mm.
-    attached : (spheres,) node that carries each: -1 the clamped bottom, `len(points)` the rigid top.
-    pairs : (pairs, 2) of spheres a turn apart, without those of one rigid end.
-    """
-
-    points: np.ndarray
-    reference: np.ndarray
-    spheres: np.ndarray
-    attached: np.ndarray
-    pairs: np.ndarray
+    points: np.ndarray  # (nodes, 3) on the active wire, from the clamped bottom to the rigid top
+    reference: np.ndarray  # (3,) top reference point
+    spheres: np.ndarray  # (spheres, 3) centres
+    attached: np.ndarray  # (spheres,) node of each: -1 the clamped bottom, `len(points)` the rigid top
+    pairs: np.ndarray  # (pairs, 2) of spheres a turn apart, without those of one rigid end
 
     def rest(self, pair: np.ndarray) -> float:
         """Distance of the centres of a pair at rest, mm."""
-        first, second = self.spheres[pair]
-        return float(np.linalg.norm(second - first))
+        return float(np.linalg.norm(np.diff(self.spheres[pair], axis=0)))
 
 
 def layout(scene: Scene, nodes_per_turn: int) -> Layout:
-    """Points at `nodes_per_turn` equal phases a turn, spheres at four.
-
-    Raises
-    ------
-    InputError : active coils that are not a whole number of spaces between nodes.
-    """
+    """Points at `nodes_per_turn` equal phases a turn, which meet the coils' ends, and spheres at four."""
     spring = scene.spring
     last = round(spring.active_coils * nodes_per_turn)
     if last < 1 or abs(spring.active_coils * nodes_per_turn - last) > 1e-6:
@@ -101,26 +76,26 @@ def amplitudes(scene: Scene) -> dict[int, list[tuple[float, float]]]:
 
     A direction in which nothing is given is left out.
     """
-    ends = stage_ends(scene.load)
-    times = np.linspace(0.0, 1.0, len(ends)).tolist()
-    columns = {place: ends[:, place - 1].tolist() for place in (1, 2)}
-    return {place: list(zip(times, column, strict=True)) for place, column in columns.items() if any(column)}
+    columns = stage_ends(scene.load).T.tolist()
+    times = np.linspace(0.0, 1.0, len(columns[0])).tolist()
+    return {i: list(zip(times, column, strict=True)) for i, column in enumerate(columns, 1) if any(column)}
 
 
 def refuse(scene: Scene, peer: str) -> None:
     """Raise `InputError` for what the peers are not given."""
     scene.supports.require_supported(peer)
-    if scene.spring.wire_rigidity != "beam":
+    rigidity, contact = scene.spring.wire_rigidity, scene.contact
+    beams, springs = "whose wire is one of beams", "which has springs between points"
+    if rigidity != "beam":
+        raise InputError(f'spring.wire_rigidity must be "beam" for {peer}, {beams}, got {rigidity!r}')
+    if not contact.enabled:
+        return
+    if contact.geometry != "spheres":
         raise InputError(
-            f'spring.wire_rigidity must be "beam" for {peer}, whose wire is one of beams, got '
-            f"{scene.spring.wire_rigidity!r}"
+            f'contact.geometry must be "spheres" for {peer}, {springs}, got {contact.geometry!r}; '
+            "--geometry spheres takes them"
         )
-    if scene.contact.enabled and scene.contact.geometry != "spheres":
-        raise InputError(
-            f'contact.geometry must be "spheres" for {peer}, which has springs between points, got '
-            f"{scene.contact.geometry!r}; --geometry spheres takes them"
-        )
-    if scene.contact.enabled and scene.contact.exponent != 1.0:
-        raise InputError(f"contact.exponent must be 1 for {peer}, got {scene.contact.exponent!r}")
-    if scene.contact.enabled and scene.contact.sliding == "coulomb":
+    if contact.exponent != 1.0:
+        raise InputError(f"contact.exponent must be 1 for {peer}, got {contact.exponent!r}")
+    if contact.sliding == "coulomb":
         raise InputError(f'contact.sliding must be "free" or "none" for {peer}, got "coulomb"')

@@ -23,7 +23,7 @@ import math
 import os
 import sys
 import time
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 
 import numpy as np
@@ -47,26 +47,25 @@ WIRE, STEEP, SECTION, RULE, TANGENTIAL = 1, 2, 1, 1, 1_000_000  # tags
 @contextmanager
 def quiet() -> Iterator[None]:
     """Send what OpenSees prints, from C++ and past Python, nowhere."""
-    sys.stdout.flush()
-    sys.stderr.flush()
     kept = os.dup(1), os.dup(2)
+    silence()
     try:
-        silence()
         yield
     finally:
-        sys.stdout.flush()
-        sys.stderr.flush()
-        for copy, stream in zip(kept, (1, 2), strict=True):
-            os.dup2(copy, stream)
-            os.close(copy)
+        _redirect(kept)
 
 
 def silence() -> None:
     """Send standard output and error nowhere."""
-    nowhere = os.open(os.devnull, os.O_WRONLY)
-    os.dup2(nowhere, 1)
-    os.dup2(nowhere, 2)
-    os.close(nowhere)
+    _redirect([os.open(os.devnull, os.O_WRONLY) for _ in range(2)])
+
+
+def _redirect(targets: Sequence[int]) -> None:
+    """Send standard output and error to two files, which are closed as such."""
+    for python, stream, target in zip((sys.stdout, sys.stderr), (1, 2), targets, strict=True):
+        python.flush()
+        os.dup2(target, stream)
+        os.close(target)
 
 
 atexit.register(silence)  # OpenSees says good-bye when the interpreter ends
@@ -80,10 +79,9 @@ class _Builder:
         self.wire = layout(scene, elements_per_turn)
         self.last = len(self.wire.points) - 1
         self.top = self.last + 1  # reference point
-        self.nodes = 0
-        self.elements = 0
-        self.pairs: list[tuple[int, int]] = []  # nodes of the sphere centres
-        self.held: dict[tuple[int, int], int] = {}  # the element that keeps a pair from sliding
+        self.nodes = self.elements = 0
+        # nodes of the sphere centres, and the element that keeps a pair from sliding
+        self.pairs: dict[tuple[int, int], int | None] = {}
         d = scene.spring.wire_diameter
         self.area, self.inertia = math.pi * d**2 / 4.0, math.pi * d**4 / 64.0
 
@@ -122,20 +120,18 @@ class _Builder:
     def hold(self) -> bool:
         """Keep the pairs that touch now from sliding, and let those go that do not; whether there are any."""
         released = False
-        if self.scene.contact.sliding != "none":
-            return released
-        for pair in self.pairs:
+        for pair, held in self.pairs.items() if self.scene.contact.sliding == "none" else ():
             low, high = (np.add(ops.nodeCoord(node), ops.nodeDisp(node)[:3]) for node in pair)
             gap = high - low
             closed = float(np.linalg.norm(gap)) < self.scene.spring.wire_diameter
-            if closed and pair not in self.held:  # springs normal to the gap, free of force now
+            if closed and held is None:  # springs normal to the gap, free of force now
                 normal = np.cross(gap, np.eye(3)[np.argmin(np.abs(gap))])
                 springs = ("-mat", TANGENTIAL, TANGENTIAL, "-dir", 2, 3, "-orient", *gap, *normal)
                 self._element("zeroLength", *pair, *springs)
-                self.held[pair] = self.elements
-            elif not closed and pair in self.held:
-                ops.remove("element", self.held.pop(pair))
-                released = True
+                self.pairs[pair] = self.elements
+            elif not closed and held is not None:
+                ops.remove("element", held)
+                self.pairs[pair], released = None, True
         return released
 
     def _node(self, point: np.ndarray) -> int:
@@ -152,9 +148,8 @@ class _Builder:
         material = self.scene.material
         for point in (*self.wire.points, self.wire.reference):
             self._node(point)
-        area, inertia = self.area, self.inertia
-        properties = (material.E, area, inertia, inertia, material.G, 2.0 * inertia)
-        ops.section("Elastic", SECTION, *properties, SHEAR_FACTOR, SHEAR_FACTOR)
+        bending = (material.E, self.area, self.inertia, self.inertia)
+        ops.section("Elastic", SECTION, *bending, material.G, 2.0 * self.inertia, SHEAR_FACTOR, SHEAR_FACTOR)
         ops.beamIntegration("Legendre", RULE, SECTION, 2)
         ops.geomTransf("Corotational", WIRE, 0.0, 1.0, 0.0)  # the wire never runs along Y ...
         ops.geomTransf("Corotational", STEEP, 0.0, 0.0, 1.0)  # ... but a stiff beam may
@@ -188,7 +183,7 @@ class _Builder:
         d, stiffness = self.scene.spring.wire_diameter, self.scene.contact.stiffness
         for pair in self.wire.pairs:
             lower, upper = (nodes[int(index)] for index in pair)
-            self.pairs.append((lower, upper))
+            self.pairs[lower, upper] = None
             # strain is (h - rest) / rest, area 1
             rest, tag = self.wire.rest(pair), self.elements + 1
             ops.uniaxialMaterial("ElasticPPGap", tag, stiffness * rest, NEVER_YIELDS, d / rest - 1.0)
@@ -209,19 +204,13 @@ def run(
     halvings: int = HALVINGS,
     elements_per_turn: int = ELEMENTS_PER_TURN,
 ) -> Curve:
-    """Build the scene's model and load it in equal steps of each stage.
+    """Build the scene's model and load it in equal steps of each stage; `InputError` where it is refused.
 
     Parameters
     ----------
-    scene : contact of spheres, exponent 1, no Coulomb friction.
-    steps : number of load steps of each stage.
     tolerance : energy increment below which a step has converged, N mm.
     halvings : of a step that does not converge.
     elements_per_turn : a multiple of 4.
-
-    Raises
-    ------
-    InputError : what is not given to this peer.
     """
     refuse(scene, "opensees")
     builder = _Builder(scene, elements_per_turn)
@@ -237,10 +226,9 @@ def run(
         ops.algorithm("Newton")
         builder.aim(0.0, 1.0 / rows)
         ops.analysis("Static")
-        began = time.process_time()
-        iterations = 0
-        while len(tips) < rows:
-            spent = _advance(builder, len(tips) / rows, (len(tips) + 1) / rows, halvings)
+        began, iterations = time.process_time(), 0
+        for step in range(rows):
+            spent = _advance(builder, step / rows, (step + 1) / rows, halvings)
             if spent is None:
                 break
             iterations += spent
@@ -264,11 +252,7 @@ def _advance(builder: _Builder, begin: float, end: float, halvings: int) -> int 
         return spent
     if halvings == 0:
         return None
-    spent = MOST_ITERATIONS
     middle = 0.5 * (begin + end)
-    for times in ((begin, middle), (middle, end)):
-        half = _advance(builder, *times, halvings - 1)
-        if half is None:
-            return None
-        spent += half
-    return spent
+    first = _advance(builder, begin, middle, halvings - 1)
+    second = None if first is None else _advance(builder, middle, end, halvings - 1)
+    return None if first is None or second is None else MOST_ITERATIONS + first + second

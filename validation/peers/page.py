@@ -35,13 +35,13 @@ def _rows(name: str, found: PeerComparison) -> Iterator[dict[str, str]]:
     wire, peer, last = found.wire, found.peer, found.rows - 1
     head = {"scene": name, "steps, wirefe": str(len(wire.times)), f"steps, {peer.code}": str(len(peer.times))}
     head["time"] = f"{wire.times[last]:g}"
-    difference = {"difference of the curves, %": f"{100.0 * found.difference:.4f}"}
-    for code, tips, seconds, more in (
-        ("wirefe", wire.tips, wire.solve_seconds, dict.fromkeys(difference, "")),
-        (peer.code, peer.tips, peer.seconds, difference),
+    for code, tips, seconds, difference in (
+        ("wirefe", wire.tips, wire.solve_seconds, ""),
+        (peer.code, peer.tips, peer.seconds, f"{100.0 * found.difference:.4f}"),
     ):
         tip = {title: f"{x + 0.0:.4f}" for title, x in zip(TIPS, tips[last], strict=True)}
-        yield head | {"code": code} | tip | more | {"CPU, s": f"{seconds:.3g}"}
+        row = {**head, "code": code, **tip, "difference of the curves, %": difference}
+        yield row | {"CPU, s": f"{seconds:.3g}"}
         head = dict.fromkeys(head, "")
 
 

@@ -24,6 +24,8 @@ SHARES = (0.2, 0.4, 0.6, 0.8, 1.0)  # of the steps reached, at which the tips ar
 CURVES = ("ux", "uy", "rotz")
 FORCES = ("contact_force", "contact_moment", "max_penetration")
 COUNTS = ("iterations", "active_contacts")
+LAWS = ("haringx", "helix")
+SOLVES = {"equivbeam": solve_beam, "wirefe": solve_wire}
 Quantities = dict[str, Any]
 
 
@@ -31,68 +33,60 @@ Quantities = dict[str, Any]
 class Run:
     """One scene by one model with its options."""
 
-    name: str
     model: str
     scene: Scene
     options: Mapping[str, object]
     sensitive: bool = False  # whether rounding decides where its critical point is found
 
+    @property
+    def name(self) -> str:
+        """The scene and the options, by which a run is kept."""
+        return ", ".join([self.scene.name, *(f"{name}={value}" for name, value in self.options.items())])
+
     def solve(self) -> EquilibriumPath:
         """The path, complete or as far as it was reached."""
-        return partial_path(
-            solve_beam if self.model == "equivbeam" else solve_wire, self.scene, **self.options
-        )
+        return partial_path(SOLVES[self.model], self.scene, **self.options)
 
 
 def runs_of(scene: Scene) -> tuple[Run, ...]:
     """Every run of a user's scene that is watched; a model may refuse some."""
-    contact = scene.contact
-    held = ("haringx", "helix") if contact.enabled and contact.sliding != "free" else ()
-    return (*_usual(scene), *(_run("equivbeam", scene, law=law, sliding="scene") for law in held))
+    sticks = scene.contact.enabled and scene.contact.sliding != "free"
+    return (*_usual(scene), *(_beam(scene, law, sliding="scene") for law in LAWS if sticks))
+
+
+def _beam(scene: Scene, law: str, **options: object) -> Run:
+    return Run("equivbeam", scene, {"law": law, **options})
+
+
+def _wire(scene: Scene, element: str, mesh: int, **options: object) -> Run:
+    return Run("wirefe", scene, {"element": element, "elements_per_turn": mesh, **options})
 
 
 def _usual(scene: Scene) -> list[Run]:
     """Both laws, also in one step, the paper's matrices, and three meshes."""
-    found = [_run("equivbeam", scene, law=law) for law in ("haringx", "helix")]
-    found += [_run("equivbeam", scene, tangent=tangent) for tangent in ("paper", "paper-printed")]
-    found += [_run("equivbeam", scene, law=law, steps=1) for law in ("haringx", "helix")]
-    found += [_run("wirefe", scene, element="straight", elements_per_turn=40)]
-    found += [_run("wirefe", scene, element="curved", elements_per_turn=mesh) for mesh in (4, 8)]
-    return found
+    matrices = [Run("equivbeam", scene, {"tangent": tangent}) for tangent in ("paper", "paper-printed")]
+    meshes = [_wire(scene, *mesh) for mesh in (("straight", 40), ("curved", 4), ("curved", 8))]
+    once = [_beam(scene, law, steps=1) for law in LAWS]
+    return [*(_beam(scene, law) for law in LAWS), *matrices, *once, *meshes]
 
 
 def runs() -> tuple[Run, ...]:
-    """Every run on the catalogue's scenes that is watched."""
+    """Every run that is watched: of the catalogue, and of a column that buckles at 0.7 of its load."""
     cases = {name: make() for name, make in CATALOGUE.items()}
     free = cases["spring-b"]
     free = replace(free, name="spring-b-free", contact=replace(free.contact, sliding="free"))
-    found = []
-    for scene in cases.values():
-        found += _usual(scene)
-    for law in ("haringx", "helix"):
-        found += [_run("equivbeam", cases["spring-b"], law=law, sliding="scene")]
+    slender = study_scenes()["slender-axial"]
+    slender = replace(slender, name="slender-column", load=replace(slender.load, force=(0.0, -20.0)))
+    found = [run for scene in cases.values() for run in _usual(scene)]
+    for law in LAWS:
+        found.append(_beam(cases["spring-b"], law, sliding="scene"))
         # soft circles let it telescope, at a limit point
-        found += [_run("equivbeam", free, law=law, penalty=penalty) for penalty in (400.0, 600.0)]
-    found += [_run("wirefe", cases["spring-a"], element="curved", elements_per_turn=8, pairs_per_turn=8)]
-    found += [_run("wirefe", free, element="straight", elements_per_turn=40)]
-    found += [_run("wirefe", free, element="curved", elements_per_turn=8)]
-    slender = _slender()
-    found += [_run("equivbeam", slender, law=law) for law in ("haringx", "helix")]
+        found += [_beam(free, law, penalty=penalty) for penalty in (400.0, 600.0)]
+    found.append(_wire(cases["spring-a"], "curved", 8, pairs_per_turn=8))
+    found += [_wire(free, "straight", 40), _wire(free, "curved", 8)]
+    found += [_beam(slender, law) for law in LAWS]
     # it bends gradually before it buckles: equal sources, compiled twice, differed by 2e-5 of time
-    column = _run("wirefe", slender, element="curved", elements_per_turn=4)
-    found += [replace(column, sensitive=True)]
-    return tuple(found)
-
-
-def _slender() -> Scene:
-    """A column that buckles, at about 0.7 of its load."""
-    scene = study_scenes()["slender-axial"]
-    return replace(scene, name="slender-column", load=replace(scene.load, force=(0.0, -20.0)))
-
-
-def _run(model: str, scene: Scene, **options: object) -> Run:
-    listed = ", ".join(f"{name}={value}" for name, value in options.items())
-    return Run(f"{scene.name}, {listed}", model, scene, options)
+    return (*found, replace(_wire(slender, "curved", 4), sensitive=True))
 
 
 def quantities(path: EquilibriumPath, sensitive: bool = False) -> Quantities:
@@ -101,7 +95,8 @@ def quantities(path: EquilibriumPath, sensitive: bool = False) -> Quantities:
     ``contact_moment`` is the sum of force times number of the pair, which tells where coils touch;
     ``remembers`` whether closed pairs stick, so that the answer depends on the substeps.
     """
-    reached = len(path.times)
+    reached, contact = len(path.times), path.scene.contact
+    obeyed = path.model == "wirefe" or path.options["sliding"] == "scene"
     rows = sorted({max(round(share * reached) - 1, 0) for share in SHARES}) if reached else []
     forces = path.contact_forces[-1] if reached else np.zeros(0)
     peaks = np.abs(path.tips).max(axis=0, initial=0.0)
@@ -109,38 +104,26 @@ def quantities(path: EquilibriumPath, sensitive: bool = False) -> Quantities:
         "outcome": path.outcome,
         "steps_reached": reached,
         "critical_time": path.critical_time,
-        "remembers": _path_dependent(path),
+        "remembers": contact.enabled and obeyed and contact.sliding != "free",
         "sensitive": sensitive,
-        "times": [float(time) for time in path.times[rows]],
-        **{name: [float(tip) for tip in path.tips[rows, i]] for i, name in enumerate(CURVES)},
+        "times": path.times[rows].tolist(),
+        **dict(zip(CURVES, path.tips[rows].T.tolist(), strict=True)),
         "peaks": dict(zip(CURVES, peaks.tolist(), strict=True)),
         "contact_force": float(forces.sum()),
         "contact_moment": float(forces @ np.arange(1, forces.size + 1)),
         "max_penetration": float(path.max_penetration[-1]) if reached else 0.0,
         "total_iterations": int(path.total_iterations),
-        "iterations": [int(count) for count in path.iterations],
-        "active_contacts": [int(count) for count in path.active_contacts],
+        "iterations": path.iterations.tolist(),
+        "active_contacts": path.active_contacts.tolist(),
     }
 
 
-def _path_dependent(path: EquilibriumPath) -> bool:
-    contact = path.scene.contact
-    obeyed = path.model == "wirefe" or path.options["sliding"] == "scene"
-    return contact.enabled and obeyed and contact.sliding != "free"
-
-
 def find(
-    chosen: Sequence[Run], progress: Callable[[str], None], keep: Callable[[dict], None] = lambda found: None
+    chosen: Sequence[Run], progress: Callable[[str], None], out: Path | None = None
 ) -> tuple[dict[str, dict[str, Quantities]], tuple[str, ...]]:
     """Quantities of every run, by model and name, and a sentence on each that its model refuses.
 
-    Parameters
-    ----------
-    keep : given what was found, whatever ends this.
-
-    Raises
-    ------
-    InputError : all are refused.
+    They are written to `out`, whatever ends this. `InputError` where all runs are refused.
     """
     found: dict[str, dict[str, Quantities]] = {model: {} for model in MODELS}
     refused: dict[str, str] = {}
@@ -152,7 +135,8 @@ def find(
             except InputError as error:
                 refused.setdefault(str(error), f"left out: {run.model}, {run.name}: {error}")
     finally:
-        keep(found)
+        if out is not None:
+            write(found, out)
     if not any(found.values()):
         raise InputError("; ".join(refused) or "there is nothing to run")
     return found, tuple(refused.values())
@@ -173,12 +157,7 @@ def made() -> dict[str, object]:
 
 
 def read(folder: Path) -> dict[str, dict[str, Any]]:
-    """Baselines by model, each with "made" and "runs".
-
-    Raises
-    ------
-    InputError : where they are not there or cannot be read.
-    """
+    """Baselines by model, each with "made" and "runs"; `InputError` where they cannot be read."""
     return {model: _read(folder / f"{model}.json") for model in MODELS}
 
 

@@ -8,9 +8,8 @@ differently. Counts are exact on the same kind of processor and within one a ste
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
 from itertools import zip_longest
-from typing import Any
+from typing import Any, NamedTuple
 
 from validation.regress.baselines import COUNTS, CURVES, FORCES, MODELS, Quantities
 
@@ -22,10 +21,10 @@ ELSEWHERE = 10.0  # times wider on another kind of processor
 PATH_DEPENDENT = 1e-4  # of tips, without sliding, on another kind of processor
 FIXED = 1e-9  # of the largest peak; a component with a smaller one is fixed
 ROUNDING = 1e-12  # mm or N; what is smaller is 0
+Texts = tuple[str, str, str, str]  # fields of a `Move`, without the run
 
 
-@dataclass(frozen=True)
-class Move:
+class Move(NamedTuple):
     """One quantity that is not what it was."""
 
     run: str  # model and name of the run
@@ -41,13 +40,9 @@ class Move:
 def compare(
     kept: Mapping[str, Mapping[str, Any]], found: Mapping[str, Mapping[str, Quantities]], processor: str
 ) -> tuple[Move, ...]:
-    """What moved since the baselines; a run without a baseline, or the reverse, counts as moved.
+    """What moved since the baselines `kept`; a run without a baseline, or the reverse, counts as moved.
 
-    Parameters
-    ----------
-    kept : by model, "made" and "runs".
-    found : by model, the quantities of every run.
-    processor : on which `found` was computed.
+    `found` has by model the quantities of every run, computed on the `processor`.
     """
     moves: list[Move] = []
     for model in MODELS:
@@ -60,64 +55,61 @@ def compare(
             elif name not in before:
                 moves.append(Move(run, "the run", "not in the baselines", "new", "accept to keep it"))
             else:
-                moves += _run(run, before[name], now[name], here)
+                moves += [Move(run, *each) for each in _moved(before[name], now[name], here)]
     return tuple(moves)
 
 
-def _run(run: str, before: Quantities, now: Quantities, here: bool) -> Iterator[Move]:
+def _moved(before: Quantities, now: Quantities, here: bool) -> Iterator[Texts]:
     """What moved in one run."""
     missing = sorted(now.keys() ^ before.keys())
     if missing:
-        yield Move(run, "the list of quantities", "without", ", ".join(missing), "accept the new list")
+        yield "the list of quantities", "without", ", ".join(missing), "accept the new list"
         return
-    for name in ("outcome", "steps_reached"):
-        if before[name] != now[name]:
-            yield Move(run, name, str(before[name]), str(now[name]), "exact")
     a, b = before["critical_time"], now["critical_time"]
-    if a is not None and b is not None:
+    both = a is not None and b is not None
+    for name in ("outcome", "steps_reached", *(() if both else ("critical_time",))):
+        if before[name] != now[name]:
+            yield name, str(before[name]), str(now[name]), "exact"
+    if both:
         allowed = SENSITIVE if now["sensitive"] else CRITICAL * (1.0 if here else ELSEWHERE)
-        yield from _value(run, "critical_time", a, b, 1.0, "of time", allowed)
-    elif a is not b:
-        yield Move(run, "critical_time", str(a), str(b), "exact")
+        yield from _value("critical_time", a, b, 1.0, "of time", allowed)
     wider = 1.0 if here else (PATH_DEPENDENT / TIP if now["remembers"] else ELSEWHERE)
     if before["times"] == now["times"]:
         for name in CURVES:
-            yield from _curve(run, name, before, now, TIP * wider)
+            yield from _curve(name, before, now, TIP * wider)
         for name in FORCES:
             a, b = before[name], now[name]
             scale = max(abs(a), abs(b))
-            yield from _value(run, f"{name} at the last step", a, b, scale, "of the value", FORCE * wider)
+            yield from _value(f"{name} at the last step", a, b, scale, "of the value", FORCE * wider)
     for name in COUNTS:
-        yield from _counts(run, name, before[name], now[name], 0 if here else 1)
+        yield from _counts(name, before[name], now[name], 0 if here else 1)
     a, b = before["total_iterations"], now["total_iterations"]  # those after the last step included
     extra = 0 if here else now["steps_reached"] + a // 10  # cut-backs before a critical point may differ
     if not now["sensitive"] and abs(b - a) > extra:
-        yield Move(run, "total_iterations", str(a), str(b), f"{b - a:+d}, {extra} allowed")
+        yield "total_iterations", str(a), str(b), f"{b - a:+d}, {extra} allowed"
 
 
-def _value(
-    run: str, what: str, before: float, now: float, scale: float, unit: str, allowed: float
-) -> Iterator[Move]:
+def _value(what: str, before: float, now: float, scale: float, unit: str, allowed: float) -> Iterator[Texts]:
     """A number that moved by more than the allowed part of a scale."""
     if abs(now - before) > allowed * scale + ROUNDING:
         by = f"{(now - before) / scale:+.2g} {unit}, {allowed:.0e} allowed"
-        yield Move(run, what, f"{before:.9g}", f"{now:.9g}", by)
+        yield what, f"{before:.9g}", f"{now:.9g}", by
 
 
-def _curve(run: str, name: str, before: Quantities, now: Quantities, allowed: float) -> Iterator[Move]:
+def _curve(name: str, before: Quantities, now: Quantities, allowed: float) -> Iterator[Texts]:
     """The time at which a tip component moved most."""
     peak, largest = before["peaks"][name], max(before["peaks"].values())
     rows = zip(now["times"], before[name], now[name], strict=True)
     time, a, b = max(rows, key=lambda row: abs(row[2] - row[1]), default=(0.0, 0.0, 0.0))
     scale = peak if peak > FIXED * largest else largest
-    yield from _value(run, f"{name} at time {time:g}", a, b, scale, "of the peak", allowed)
+    yield from _value(f"{name} at time {time:g}", a, b, scale, "of the peak", allowed)
 
 
-def _counts(run: str, name: str, before: list[int], now: list[int], allowed: int) -> Iterator[Move]:
+def _counts(name: str, before: list[int], now: list[int], allowed: int) -> Iterator[Texts]:
     """The first step whose count moved, and how many did."""
     pairs = enumerate(zip_longest(before, now, fillvalue=0), start=1)
     moved = [(step, a, b) for step, (a, b) in pairs if abs(b - a) > allowed]
     if moved:
         step, a, b = moved[0]
         measure = f"{sum(now) - sum(before):+d} in all, {len(moved)} steps moved, {allowed} allowed a step"
-        yield Move(run, f"{name} at step {step}", str(a), str(b), measure)
+        yield f"{name} at step {step}", str(a), str(b), measure

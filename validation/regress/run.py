@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from contextlib import ExitStack
-from dataclasses import astuple, dataclass
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -40,8 +40,7 @@ def regress(
 
     Parameters
     ----------
-    out : folder for what was found, one JSON file a model, and ``regress.md``; made where missing.
-        What was found before an interruption is there too.
+    out : folder for ``regress.md`` and a JSON file a model, also of what was found before an interruption.
     baseline : folder of the baselines.
     accept : write what was found as the new baselines, with the ratios of times.
     times : measure and compare the ratios of times too.
@@ -54,14 +53,15 @@ def regress(
     InputError : baselines that are missing or cannot be read, unless they are about to be written; a scene
         that neither model represents.
     """
-    kept = _kept(baseline, accept)
+    first = accept and not any((baseline / f"{model}.json").exists() for model in MODELS)
+    kept = None if first else read(baseline)
     with ExitStack() as claims:
         for folder in (out, baseline) if accept else (out,):
             claims.enter_context(claimed(folder))
         progress("making the kernels ready")
         make_ready()
         watched = chosen or (runs() if scene is None else runs_of(scene))
-        found, left_out = find(watched, progress, lambda part: baselines.write(part, out))
+        found, left_out = find(watched, progress, out)
         moves = compare(kept, found, str(made()["processor"])) if kept else ()
         if times or accept:
             ratios, untimed = timeratios.measure(progress, scene)
@@ -76,13 +76,6 @@ def regress(
         return finding
 
 
-def _kept(baseline: Path, accept: bool) -> dict[str, dict[str, Any]] | None:
-    """The baselines; None where they are about to be written for the first time."""
-    if accept and not any((baseline / f"{model}.json").exists() for model in MODELS):
-        return None
-    return read(baseline)
-
-
 def verdict(finding: Finding) -> str:
     """The outcome in a few words."""
     found = f"{len(finding.moves)} quantities moved" if finding.moves else "nothing moved"
@@ -93,11 +86,9 @@ def verdict(finding: Finding) -> str:
 def _report(finding: Finding, kept: dict[str, dict[str, Any]] | None) -> str:
     parts = ["# Regression", f"**{verdict(finding)}.**", *(f"{line}." for line in finding.left_out)]
     if kept:
-        since = kept[MODELS[0]]["made"]
-        here = made()
-        origin = f"Baselines of {since['date']} on {since['processor']}"
-        parts.append(f"{origin}; compared {here['date']} on {here['processor']}.")
+        origin = ("{date} on {processor}".format(**each) for each in (kept[MODELS[0]]["made"], made()))
+        parts.append("Baselines of {}; compared {}.".format(*origin))
     if finding.moves:
         header = ("run", "quantity", "was", "is", "by how much")
-        parts.append(str(Table(header, tuple(map(astuple, finding.moves)))))
+        parts.append(str(Table(header, finding.moves)))
     return "\n\n".join(parts) + "\n"

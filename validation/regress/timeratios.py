@@ -6,10 +6,11 @@ import json
 from collections.abc import Callable, Mapping
 from functools import partial
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
-from coilspring import EquilibriumNotFound, InputError, Scene
+from coilspring import EquilibriumNotFound, EquilibriumPath, InputError, Scene
 from validation.regress.baselines import made
 from validation.regress.comparison import Move
 from validation.study.cases import CASES, solve_beam, solve_wire
@@ -19,11 +20,20 @@ from validation.study.timing import announced, interleaved, median_of
 FILE = "times.json"
 ROUNDS, REPEATS = 5, 5
 ALLOWED = 1.5  # factor by which a ratio may change
-RUNS: dict[str, Callable[[Scene], float]] = {
-    "straight": lambda scene: solve_wire(scene).solve_seconds,
-    "curved": lambda scene: solve_wire(scene, element="curved", elements_per_turn=8).solve_seconds,
-    "haringx": lambda scene: _beam(scene, "haringx"),
-    "helix": lambda scene: _beam(scene, "helix", "scene"),  # frictionless Spring B ends before full load
+
+
+def _seconds(solve: Callable[..., EquilibriumPath], scene: Scene, repeats: int = 1, **options: Any) -> float:
+    """CPU seconds of a model; the median of several solves."""
+    return median_of(repeats, lambda: solve(scene, **options).solve_seconds)
+
+
+RUNS: dict[str, Callable[[Scene], float]] = {  # the beam takes about a millisecond
+    "straight": partial(_seconds, solve_wire),
+    "curved": partial(_seconds, solve_wire, element="curved", elements_per_turn=8),
+    "haringx": partial(_seconds, solve_beam, repeats=REPEATS),
+    "helix": partial(
+        _seconds, solve_beam, repeats=REPEATS, law="helix", sliding="scene"
+    ),  # free, B ends early
 }
 RATIOS = {
     "wirefe straight 40 / equivbeam haringx": ("straight", "haringx"),
@@ -37,9 +47,7 @@ def measure(
 ) -> tuple[dict[str, float], tuple[str, ...]]:
     """Medians of ratios that are formed within each round, by name, and a sentence on those left out.
 
-    Parameters
-    ----------
-    scene : a user's scene; by default those of the paper's cases.
+    They are of a user's scene, by default of those of the paper's cases.
     """
     found: dict[str, float] = {}
     left_out: list[str] = []
@@ -55,23 +63,13 @@ def measure(
     return found, tuple(left_out)
 
 
-def _beam(scene: Scene, law: str, sliding: str = "ignore") -> float:
-    """CPU seconds of the equivalent beam, which takes about a millisecond: the median of several."""
-    return median_of(REPEATS, lambda: solve_beam(scene, law=law, sliding=sliding).solve_seconds)
-
-
 def write(ratios: Mapping[str, float], folder: Path) -> None:
     """Write the ratios with where and when they were measured."""
     write_json(folder / FILE, {"made": made(), "ratios": {name: round(r, 3) for name, r in ratios.items()}})
 
 
 def compare(folder: Path, ratios: Mapping[str, float]) -> tuple[Move, ...]:
-    """Ratios that changed by more than `ALLOWED`.
-
-    Raises
-    ------
-    InputError : where no ratios are kept.
-    """
+    """Ratios that changed by more than `ALLOWED`; `InputError` where none are kept."""
     file = folder / FILE
     try:
         kept = json.loads(file.read_text(encoding="utf-8"))["ratios"]

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 
 import pandas as pd
 
-from validation.reproduce import claims, curves, evidence, facts, report, tables, times
+from validation.reproduce import claims, curves, facts, phases, report, times
 from validation.reproduce.assembly import PAGE
 from validation.study import frames
 from validation.study.cases import PathStore
@@ -28,6 +28,7 @@ if TYPE_CHECKING:
     from validation.view.render3d import Rendering
     from validation.view.shapes import Shapes
 
+
 Files = dict[str, bytes]  # by name
 
 
@@ -40,8 +41,7 @@ class Maker:
     render: bool  # whether pictures are made
     cleanup: ExitStack  # ends the rendering processes, whatever happens
     times: bytes = b""  # CSV file of Table 3, for the artifacts that show it
-    # by artifact, its key, its other files, and panels and running process of its figure in space
-    renderings: dict[str, tuple[str, Files, tuple[Shapes, ...], Rendering]] = field(default_factory=dict)
+    pending: list[Callable[[], None]] = field(default_factory=list)  # write figures that are being rendered
     notes: list[str] = field(default_factory=list)  # what did not go as planned, one sentence each
 
     def measure(self) -> bytes:
@@ -62,19 +62,8 @@ class Maker:
 
     def finish(self) -> None:
         """Wait for the figures in space and write them."""
-        for name, (key, files, panels, rendering) in self.renderings.items():
-            self.paths.announce(f"rendering {name}")
-            rendered = rendering.result()
-            figure = partial(_spring_figures().space_figure, panels, rendered)
-            picture = self.picture(name, figure, lines=False)
-            write_files(picture, self.out)
-            if isinstance(rendered, str):
-                note = f"{name} was drawn by matplotlib, since pyvista could not render here: {rendered}."
-                self.notes.append(note)
-                self.paths.announce(note)
-            else:
-                self.paths.store.put(key, files | picture)
-        self.renderings.clear()
+        while self.pending:
+            self.pending.pop(0)()
 
     def interactive(self, mark: str) -> str:
         """Write the springs of all figures in space as one scene; in a few words why there is none."""
@@ -86,17 +75,22 @@ class Maker:
         write_files({htmlscene.FILE: page}, self.out)
         return ""
 
-    def picture(self, name: str, draw: Callable[[], Figure], lines: bool = True) -> Files:
-        """A figure in the common style as PNG, one of lines as SVG too; nothing where none are wanted."""
+    def picture(self, name: str, draw: Callable[[ModuleType], Figure], lines: bool = True) -> Files:
+        """A figure in the common style as PNG, one of lines as SVG too; nothing where none are wanted.
+
+        Drawing is imported here alone: matplotlib takes most of a second.
+        """
         if not self.render:
             return {}
         import matplotlib
 
+        from validation.reproduce import figures
         from validation.study.plots import drawn, png
         from validation.study.style import RC
 
         with matplotlib.rc_context(RC):
-            return drawn(draw(), name) if lines else {f"{name}.png": png(draw())}
+            figure = draw(figures)
+            return drawn(figure, name) if lines else {f"{name}.png": png(figure)}
 
     def _springs(self, name: str, key: str) -> Files:
         """Deformed springs; the figure in space is rendered in a process of its own while work goes on."""
@@ -104,12 +98,27 @@ class Maker:
         rendering = self.cleanup.enter_context(render3d.Rendering(panels)) if self.render else None
         files = _csv(name, shapes.centreline_table(panels))
         files |= _csv(f"{name}-plane", shapes.circle_table(panels))
-        files |= self.picture(f"{name}-plane", lambda: _spring_figures().plane_figure(panels))
+        files |= self.picture(f"{name}-plane", lambda figures: figures.plane_figure(panels))
         if rendering is None:
             self.paths.store.put(key, files)
         else:
-            self.renderings[name] = (key, files, panels, rendering)
+            self.pending.append(partial(self._rendered, name, key, files, panels, rendering))
         return files
+
+    def _rendered(
+        self, name: str, key: str, files: Files, panels: tuple[Shapes, ...], rendering: Rendering
+    ) -> None:
+        """Write a figure in space when it is rendered, and keep the artifact."""
+        self.paths.announce(f"rendering {name}")
+        found = rendering.result()
+        picture = self.picture(name, lambda figures: figures.space_figure(panels, found), lines=False)
+        write_files(picture, self.out)
+        if isinstance(found, str):
+            note = f"{name} was drawn by matplotlib, since pyvista could not render here: {found}."
+            self.notes.append(note)
+            self.paths.announce(note)
+        else:
+            self.paths.store.put(key, files | picture)
 
 
 def _csv(name: str, table: Table) -> Files:
@@ -122,38 +131,25 @@ def _curves(name: str, data: Callable[[PathStore], pd.DataFrame], figure: str) -
 
     def make(maker: Maker) -> Files:
         found = data(maker.paths)
-        picture = maker.picture(name, lambda: getattr(_figures(), figure)(found))
+        picture = maker.picture(name, lambda figures: getattr(figures, figure)(found))
         return {f"{name}.csv": frames.to_csv(found, digits=9)} | picture
 
     return make
 
 
-def _figures() -> ModuleType:
-    """Drawing is imported only where pictures are made: matplotlib takes most of a second."""
-    from validation.reproduce import figures
-
-    return figures
-
-
-def _spring_figures() -> ModuleType:
-    from validation.reproduce import springfigures
-
-    return springfigures
-
-
 def _report(maker: Maker) -> Files:
     """The reproduction's page; all pictures are there when it is made."""
-    found = evidence.gather(maker.paths, frames.read_csv(io.BytesIO(maker.times)))
-    known = facts.facts(found)
-    sticking = found.cases["spring-b"].wire
-    picture = maker.picture("sliding", lambda: _figures().sliding_figure(sticking, found.frictionless))
+    paths, seconds = maker.paths, frames.read_csv(io.BytesIO(maker.times))
+    turned = phases.over_phases(paths)
+    known = facts.facts(paths, seconds, turned)
+    lines = paths.wire(facts.B), paths.partial_wire(facts.frictionless(facts.B))
+    picture = maker.picture("sliding", lambda figures: figures.sliding_figure(*lines))
     maker.finish()
-    page = report.compose(found, known, maker.paths, maker.render, maker.notes)
     return {
         **picture,
         **_csv("claims", claims.claim_table(known)),
-        "phases.csv": frames.to_csv(found.phases),
-        PAGE: page.encode(),
+        "phases.csv": frames.to_csv(turned),
+        PAGE: report.compose(known, paths, seconds, turned, maker.render, maker.notes).encode(),
         FILE: provenance("coilcheck reproduce"),
         FACTS: json_bytes(known),
     }
@@ -161,8 +157,8 @@ def _report(maker: Maker) -> Files:
 
 SPRINGS = {"fig4": ("spring-a-no-contact", "spring-a"), "fig6": ("spring-b-no-contact", "spring-b")}
 MAKERS: dict[str, Callable[[Maker], Files]] = {
-    "table1": lambda maker: _csv("table1", tables.table1()),
-    "table2": lambda maker: _csv("table2", tables.table2()),
+    "table1": lambda maker: _csv("table1", report.table1()),
+    "table2": lambda maker: _csv("table2", report.table2()),
     "table3": lambda maker: {"table3.csv": maker.times},
     "fig5": _curves("fig5", curves.tip_curves, "tip_figure"),
     "fig7": _curves("fig7", curves.load_deflection, "load_figure"),

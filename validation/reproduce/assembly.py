@@ -41,16 +41,15 @@ STUDIES = (
 
 
 def assemble(page: str, out: Path, scene: str | None = None) -> bytes:
-    """``report.html`` of the reproduction's page and the studies found.
+    """``report.html`` of the reproduction's page, Markdown with pictures in `out`, and of the studies found.
 
-    Parameters
-    ----------
-    page : the reproduction, Markdown.
-    out : folder of its pictures, and of the report.
-    scene : file there with the springs to be turned in a browser, which the page links.
+    The page links `scene`, a file there with the springs to be turned in a browser.
     """
     found = {study: folder for study in STUDIES if (folder := _folder(study, out)) is not None}
-    sections = [(_with_scene(page, scene), out)]
+    if scene is not None:
+        words = f"The springs of Figures 4 and 6 [can be turned in space]({scene}), a file beside this one."
+        page = page.replace(FIGURES, f"{FIGURES}\n{words}\n", 1)
+    sections = [(page, out)]
     sections += [(_section(study, found.get(study)), found.get(study, out)) for study in STUDIES]
     folders = [("Reproduction", out), *((study.title, folder) for study, folder in found.items())]
     sections.append((PROVENANCE.format(provenance_table(folders)), out))
@@ -70,11 +69,3 @@ def _section(study: Study, folder: Path | None) -> str:
         page = (folder / f"{study.name}.md").read_text(encoding="utf-8")
         words = re.sub("^#", "##", page.partition("\n")[2], flags=re.MULTILINE)
     return f"## {study.title}\n\n{words}"
-
-
-def _with_scene(page: str, scene: str | None) -> str:
-    """The figures with a link to the springs that can be turned."""
-    if scene is None:
-        return page
-    words = f"The springs of Figures 4 and 6 [can be turned in space]({scene}), a file beside this one."
-    return page.replace(FIGURES, f"{FIGURES}\n{words}\n", 1)

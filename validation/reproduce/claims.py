@@ -19,8 +19,11 @@ from validation.study.document import Table
 from validation.study.metrics import COMPONENTS
 from validation.study.template import Facts, percent, template, unwrapped
 
-AGREES, DIFFERS, UNDECIDED, NOT_COMPARED = VERDICTS = (
-    *("agrees", "differs", "cannot be decided", "cannot be compared"),
+VERDICTS = ("agrees", "differs", "cannot be decided", "cannot be compared")
+AGREES, DIFFERS, UNDECIDED, NOT_COMPARED = VERDICTS
+HEADER = (
+    *("where", "the paper says, in our words", "our numbers", "verdict", "why; measured against what"),
+    "with contact of wires in place of spheres",
 )
 CASE_NAMES = tuple(item.name for item in CASES)
 
@@ -57,11 +60,7 @@ def counted(f: Facts, kind: str) -> str:
 
 def claim_table(facts: Facts) -> Table:
     """One row for each claim."""
-    header = (
-        *("where", "the paper says, in our words", "our numbers", "verdict", "why; measured against what"),
-        "with contact of wires in place of spheres",
-    )
-    return Table(header, tuple((*assessed(name, facts), by_wires(name, facts)) for name in CLAIMS))
+    return Table(HEADER, tuple((*assessed(name, facts), by_wires(name, facts)) for name in CLAIMS))
 
 
 def by_wires(name: str, facts: Facts) -> str:
@@ -117,18 +116,13 @@ def softer_verdict(f: Facts, kinds: Sequence[str]) -> str:
     return UNDECIDED if any(min(tip) > 0.0 for phases in tips for tip in phases) else DIFFERS
 
 
-def with_contact(f: Facts, letter: str, name: str) -> float:
+def with_contact(f: Facts, spring: str, name: str) -> float:
     """A fact of a spring with contact over that without."""
-    return f[f"spring-{letter}.{name}"] / f[f"spring-{letter}-no-contact.{name}"]
-
-
-def of_paper(f: Facts, letter: str, model: str) -> float:
-    """The paper's time of a model with contact over that without."""
-    return f[f"paper.spring-{letter}.{model}"] / f[f"paper.spring-{letter}-no-contact.{model}"]
+    return f[f"{spring}.{name}"] / f[f"{spring}-no-contact.{name}"]
 
 
 FUNCTIONS = (
-    *(case, cases, contact_change, counted, curves, everywhere, most_changed, of_paper, phase_range),
+    *(case, cases, contact_change, counted, curves, everywhere, most_changed, phase_range),
     *(softer_phases, softer_verdict, verdict, with_contact),
 )
 

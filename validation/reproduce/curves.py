@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pandas as pd
 
-from validation.study.cases import PathStore, case
+from validation.study.cases import CASES, PathStore, case
 
 TIPS = ("ux_mm", "uy_mm", "rotz_rad")
 CONTACT = ("contact", "no_contact")
@@ -26,21 +26,18 @@ def _both_models(store: PathStore, name: str, tips: tuple[str, ...]) -> pd.DataF
     times = store.beam(case(name).scene).times
     columns = {"time": times, "load_N": times * np.hypot(*case(name).scene.load.force)}
     for tag, end in zip(CONTACT, ("", "-no-contact"), strict=True):
-        scene = case(name + end).scene
         for model, solve in (("equivbeam", store.beam), ("wirefe", store.wire)):
-            path = solve(scene)
+            path = solve(case(name + end).scene)
             columns |= {f"{tip}_{tag}_{model}": path.tips[:, TIPS.index(tip)] for tip in tips}
     return pd.DataFrame(columns)
 
 
 def iteration_counts(store: PathStore) -> pd.DataFrame:
     """Figure 8: factorisations of the equivalent beam in every substep."""
-    columns: dict[str, np.ndarray] = {}
-    for name in ("spring-a", "spring-a-no-contact", "spring-b", "spring-b-no-contact"):
-        for tangent in TANGENTS:
-            columns[f"{name}_{tangent}_tangent"] = store.beam(case(name).scene, tangent=tangent).iterations
-    counts = pd.DataFrame(columns)
-    steps = np.arange(1, len(counts) + 1)
-    counts.insert(0, "substep", steps)
-    counts.insert(1, "time", steps / len(counts))
-    return counts
+    counts = {
+        f"{item.name}_{tangent}_tangent": store.beam(item.scene, tangent=tangent).iterations
+        for item in CASES
+        for tangent in TANGENTS
+    }
+    steps = np.arange(1, len(next(iter(counts.values()))) + 1)
+    return pd.DataFrame({"substep": steps, "time": steps / len(steps)} | counts)

@@ -1,19 +1,31 @@
-"""The facts that the report's sentences are computed from, by name: numbers of the evidence and of the paper.
+"""The facts that the report's sentences are computed from, by name: numbers of the paths and of the paper.
 
-``reports/paper/facts.json`` keeps them for the findings.
+Paths of both models, their differences, the mesh's own error and the times are the evidence.
+``reports/paper/facts.json`` keeps the facts for the findings.
 """
 
 from __future__ import annotations
 
-import numpy as np
+from dataclasses import replace
 
-from coilspring import EquilibriumPath, Material
+import numpy as np
+import pandas as pd
+
+from coilspring import EquilibriumPath, Material, Scene
 from coilspring.solver.newton import DECREMENT
-from validation.reproduce.evidence import CaseEvidence, Evidence
 from validation.reproduce.phases import MANY_PAIRS, phase_facts
-from validation.study.cases import CASES, FINE_MESH, PAPER_MESH
+from validation.study.cases import CASES, FINE_MESH, PAPER_MESH, Case, PathStore, case
+from validation.study.metrics import Comparison, compare_paths, peaks
 from validation.view.shapes import overlaps
 
+# Richardson: an error that falls with the square of the element length is this multiple of the
+# difference to the finer mesh
+_REFINED = FINE_MESH["elements_per_turn"] / PAPER_MESH["elements_per_turn"]
+RICHARDSON = _REFINED**2 / (_REFINED**2 - 1.0)
+ERRORS = ("curve_max", "curve_rms", "shape_max", "shape_rms")  # of a comparison
+OVERLOAD = 1.2  # of the paper's load
+STEPS = (10, 20, 50, 200)  # substeps over which the no-sliding rule's dependence is measured
+A, B, BARE_A, BARE_B = (case(f"spring-{name}").scene for name in ("a", "b", "a-no-contact", "b-no-contact"))
 # what the paper's words are taken to mean
 THRESHOLDS = {
     "threshold.match": 0.05,  # of the peak: as much as 5 % in the modulus, which the paper does not give
@@ -39,86 +51,120 @@ BY_WIRES = "wires."  # before the name of a fact that is another one with contac
 ENDS = 10  # substeps at the beginning and the end, whose iterations are compared
 
 
-def facts(evidence: Evidence) -> dict[str, object]:
-    """All facts, of types that JSON has."""
+def facts(store: PathStore, times: pd.DataFrame, phases: pd.DataFrame) -> dict[str, object]:
+    """All facts, of types that JSON has; solves what `store` does not hold yet.
+
+    Parameters
+    ----------
+    times : solution times of the cases (`validation.reproduce.times`).
+    phases : Spring A at other start phases (`validation.reproduce.phases`).
+    """
     models = ("wire", "beam")  # the paper's Table 3, s
-    paper = {f"paper.{c.name}.{model}": getattr(c, f"paper_{model}") for c in CASES for model in models}
-    found: dict[str, object] = {**THRESHOLDS, **_settings(evidence), **paper, **_contact(evidence)}
-    for item in evidence.cases.values():
-        found |= {f"{item.case.name}.{name}": value for name, value in _case(item).items()}
-    for row in evidence.times.to_dict("records"):
+    found: dict[str, object] = {**THRESHOLDS, **_settings(store)}
+    found["timing.rounds"] = int(times["rounds"].min())
+    found |= {f"paper.{c.name}.{model}": getattr(c, f"paper_{model}") for c in CASES for model in models}
+    found |= _contact(store)
+    for item in CASES:
+        found |= {f"{item.name}.{name}": value for name, value in _case(store, item).items()}
+    for row in times.to_dict("records"):
         found |= {f"{row['case']}.time.{name}": row[column] for name, column in TIMES.items()}
         found |= {f"machine.{name}": str(row[column]) for name, column in MACHINE.items()}
-    found |= _limits(evidence) | _bare_b(evidence) | _iterations(evidence) | phase_facts(evidence.phases)
-    return found | {f"{BY_WIRES}{name}": value for name, value in _by_wires(evidence).items()}
+    found |= _limits(store) | _bare_b(store) | _iterations(store) | phase_facts(phases)
+    return found | {f"{BY_WIRES}{name}": value for name, value in _by_wires(store).items()}
 
 
-def _settings(evidence: Evidence) -> dict[str, object]:
-    scene = evidence.cases["spring-a"].case.scene
-    beam = evidence.cases["spring-a"].beam
-    pair = beam.contact_forces[-1].max() / beam.penetrations[-1].max() ** scene.contact.exponent
-    material = Material()
+def frictionless(scene: Scene) -> Scene:
+    """The scene with coils that slide on each other."""
+    return replace(scene, contact=replace(scene.contact, sliding="free"))
+
+
+def by_wires(scene: Scene) -> Scene:
+    """The scene with contact of wires in place of the paper's spheres."""
+    return scene.overridden(geometry="wires")
+
+
+def mesh_error(store: PathStore, scene: Scene) -> Comparison:
+    """Richardson estimate of the error of the paper's mesh."""
+    found = compare_paths(store.wire(scene), store.wire(scene, **FINE_MESH))
+    return replace(found, **{name: RICHARDSON * getattr(found, name) for name in ERRORS})
+
+
+def converged_error(store: PathStore, scene: Scene) -> float:
+    """Largest difference of the beam's tips from the wire's on an infinitely fine mesh, over the peak."""
+    coarse, fine = store.wire(scene).tips, store.wire(scene, **FINE_MESH).tips
+    tips = coarse + RICHARDSON * (fine - coarse)
+    return float((np.abs(store.beam(scene).tips - tips) / peaks(tips)).max())
+
+
+def _settings(store: PathStore) -> dict[str, object]:
+    beam, material, contact = store.beam(A), Material(), A.contact
+    pair = beam.contact_forces[-1].max() / beam.penetrations[-1].max() ** contact.exponent
     return {
-        "setting.steps": scene.load.steps,
+        "setting.steps": A.load.steps,
         "setting.elements": PAPER_MESH["elements_per_turn"],
         "setting.fine_elements": FINE_MESH["elements_per_turn"],
         "setting.pairs": PAPER_MESH["pairs_per_turn"],
         "setting.many_pairs": MANY_PAIRS,
-        "setting.stations": evidence.by_wires["spring-a"].wire.options["pairs_per_turn"],
+        "setting.stations": store.wire(by_wires(A)).options["pairs_per_turn"],
         "setting.decrement": DECREMENT,
         "setting.ends": ENDS,
-        "material.E": material.E,
-        "material.nu": material.nu,
-        "material.G": material.G,
-        "contact.stiffness": scene.contact.stiffness,
-        "contact.exponent": scene.contact.exponent,
-        "contact.beam": float(pair) / scene.contact.stiffness,
-        "wire.diameter": scene.spring.wire_diameter,
-        "timing.rounds": int(evidence.times["rounds"].min()),
+        **{f"material.{name}": getattr(material, name) for name in ("E", "nu", "G")},
+        "contact.stiffness": contact.stiffness,
+        "contact.exponent": contact.exponent,
+        "contact.beam": float(pair) / contact.stiffness,
+        "wire.diameter": A.spring.wire_diameter,
     }
 
 
-def _case(item: CaseEvidence) -> dict[str, object]:
+def _case(store: PathStore, item: Case) -> dict[str, object]:
+    wire, beam = store.wire(item.scene), store.beam(item.scene)
+    error = compare_paths(beam, wire)
     return {
-        "title": item.case.title,
-        "curve": item.error.curve_max,
-        "shape": item.error.shape_max,
-        "mesh": item.mesh_error.curve_max,
-        "wire": tuple(item.wire.tips[-1].tolist()),
-        "beam": tuple(item.beam.tips[-1].tolist()),
-        "iterations": item.beam.total_iterations,
-        "paper_iterations": item.paper.total_iterations,
+        "title": item.title,
+        "curve": error.curve_max,
+        "shape": error.shape_max,
+        "mesh": mesh_error(store, item.scene).curve_max,
+        "wire": tuple(wire.tips[-1].tolist()),
+        "beam": tuple(beam.tips[-1].tolist()),
+        "iterations": beam.total_iterations,
+        "paper_iterations": store.beam(item.scene, tangent="paper").total_iterations,
     }
 
 
-def _contact(evidence: Evidence) -> dict[str, object]:
+def _overlaps(path: EquilibriumPath) -> np.ndarray:
+    return overlaps(path.circle_centres(-1), path.scene.spring.wire_diameter)
+
+
+def _contact(store: PathStore) -> dict[str, object]:
     """What contact changes of Spring A."""
-    with_contact, without = (evidence.cases[name] for name in ("spring-a", "spring-a-no-contact"))
-    diameter = with_contact.case.scene.spring.wire_diameter
-    bare, touching = (overlaps(item.wire.circle_centres(-1), diameter) for item in (without, with_contact))
+    bare = _overlaps(store.wire(BARE_A))
     return {
         "overlap.without": float(bare.max()),
-        "overlap.with": float(touching.max()),
+        "overlap.with": float(_overlaps(store.wire(A)).max()),
         "overlap.pair": int(np.argmax(bare)),
         "overlap.pairs": int(bare.size),
     }
 
 
-def _by_wires(evidence: Evidence) -> dict[str, object]:
+def _by_wires(store: PathStore) -> dict[str, object]:
     """What other facts are with contact of wires."""
-    found: dict[str, object] = {"sticking.shape": evidence.by_wires["spring-b"].sticking.shape_max}
-    for name, item in evidence.by_wires.items():
-        found[f"{name}.curve"] = item.error.curve_max
-        found[f"{name}.shape"] = item.error.shape_max
-        found[f"{name}.wire"] = tuple(item.wire.tips[-1].tolist())
-    path = evidence.by_wires["spring-a"].wire
-    overlap = overlaps(path.circle_centres(-1), path.scene.spring.wire_diameter)
-    return found | {"overlap.with": float(overlap.max())}
+    sticking = compare_paths(store.beam(B, sliding="scene"), store.wire(by_wires(B)))
+    found: dict[str, object] = {"sticking.shape": sticking.shape_max}
+    for scene in (A, B):
+        wire = store.wire(by_wires(scene))
+        error = compare_paths(store.beam(scene), wire)
+        found[f"{scene.name}.curve"] = error.curve_max
+        found[f"{scene.name}.shape"] = error.shape_max
+        found[f"{scene.name}.wire"] = tuple(wire.tips[-1].tolist())
+    return found | {"overlap.with": float(_overlaps(store.wire(by_wires(A))).max())}
 
 
-def _limits(evidence: Evidence) -> dict[str, object]:
+def _limits(store: PathStore) -> dict[str, object]:
     """Where Spring B's coils slide off each other."""
-    path, sticking = evidence.frictionless, evidence.cases["spring-b"].wire
+    path, sticking = store.partial_wire(frictionless(B)), store.wire(B)
+    fx, fy = B.load.force
+    more = replace(B.load, force=(OVERLOAD * fx, OVERLOAD * fy))
+    over = store.partial_beam(replace(B, load=more))
     return {
         "limit.outcome": path.outcome.replace("_", " "),
         "limit.time": path.critical_time,
@@ -127,52 +173,43 @@ def _limits(evidence: Evidence) -> dict[str, object]:
         "limit.uy": float(path.tips[-1, 1]),
         "limit.closed": int(path.active_contacts[-1]),
         "limit.difference": float(abs(path.tips[-1, 1] - sticking.tips[len(path.times) - 1, 1])),
-        "limit.beam": evidence.overload if evidence.overloaded.critical_time is not None else None,
-        "limit.beam_outcome": evidence.overloaded.outcome.replace("_", " "),
-        "sticking.shape": evidence.sticking.shape_max,
-        "sticking.steps": tuple(evidence.stepped),
-        "sticking.uy": tuple(evidence.stepped.values()),
+        "limit.beam": None if over.critical_time is None else OVERLOAD * over.critical_time,
+        "limit.beam_outcome": over.outcome.replace("_", " "),
+        "sticking.shape": compare_paths(store.beam(B, sliding="scene"), sticking).shape_max,
+        "sticking.steps": STEPS,
+        "sticking.uy": tuple(float(store.wire(B, steps=n).tips[-1, 1]) for n in STEPS),
     }
 
 
-def _bare_b(evidence: Evidence) -> dict[str, object]:
-    """Spring B without contact: linearity, and what becomes of its coils."""
-    item = evidence.cases["spring-b-no-contact"]
-    spring, paths = item.case.scene.spring, (item.wire, item.beam)
-    heights = [path.circle_centres(-1)[:, 1] for path in paths]
-    crossed = [int(np.count_nonzero(height[2:] < height[:-2])) for height in heights]
-    return {
-        "linear.wire": _curvature(item.wire),
-        "linear.beam": _curvature(item.beam),
-        "telescope.wire": crossed[0],
-        "telescope.beam": crossed[1],
-        "telescope.crossings": heights[0].size - 2,
-        "telescope.lowest": float(item.wire.centreline(-1)[:, 1].min()),
+def _bare_b(store: PathStore) -> dict[str, object]:
+    """Spring B without contact: how far UY is from proportional, and what becomes of its coils."""
+    spring, found = BARE_B.spring, dict[str, object]()
+    for model, path in (("wire", store.wire(BARE_B)), ("beam", store.beam(BARE_B))):
+        uy, heights = path.tips[:, 1], path.circle_centres(-1)[:, 1]
+        found[f"linear.{model}"] = float(np.abs(uy - path.times * uy[-1]).max() / abs(uy[-1]))
+        found[f"telescope.{model}"] = int(np.count_nonzero(heights[2:] < heights[:-2]))
+        found[f"under.{model}"] = spring.active_height + float(uy[-1])
+    return found | {
+        "telescope.crossings": heights.size - 2,
+        "telescope.lowest": float(store.wire(BARE_B).centreline(-1)[:, 1].min()),
         "telescope.bottom": float(spring.height(np.array(spring.phase_range[0]))),
-        "under.wire": spring.active_height + float(item.wire.tips[-1, 1]),
-        "under.beam": spring.active_height + float(item.beam.tips[-1, 1]),
         "under.height": spring.active_height,
     }
 
 
-def _curvature(path: EquilibriumPath) -> float:
-    """Largest deviation of UY from proportionality, over its last value."""
-    values = path.tips[:, 1]
-    return float(np.abs(values - path.times * values[-1]).max() / abs(values[-1]))
-
-
-def _iterations(evidence: Evidence) -> dict[str, object]:
+def _iterations(store: PathStore) -> dict[str, object]:
     """Figure 8."""
-    a, b = evidence.cases["spring-a"], evidence.cases["spring-b"]
-    closed = b.paper.active_contacts > 0
+    paper, exact = store.beam(B, tangent="paper"), store.beam(B)
+    closed = paper.active_contacts > 0
     first = int(np.argmax(closed)) if closed.any() else closed.size
     found: dict[str, object] = {
-        "first.time": float(b.paper.times[first]) if first < closed.size else 1.0,
-        "first.most": int(b.paper.iterations[1:first].max()),
-        "first.start": int(b.paper.iterations[0]),
-        "first.exact": int(b.beam.iterations[:first].sum()),
+        "first.time": float(paper.times[first]) if first < closed.size else 1.0,
+        "first.most": int(paper.iterations[1:first].max()),
+        "first.start": int(paper.iterations[0]),
+        "first.exact": int(exact.iterations[:first].sum()),
     }
-    for name, path in (("paper", a.paper), ("exact", a.beam)):
-        found[f"growth.{name}.begin"] = float(path.iterations[:ENDS].mean())
-        found[f"growth.{name}.end"] = float(path.iterations[-ENDS:].mean())
+    for tangent in ("paper", "exact"):
+        counts = store.beam(A, tangent=tangent).iterations
+        found[f"growth.{tangent}.begin"] = float(counts[:ENDS].mean())
+        found[f"growth.{tangent}.end"] = float(counts[-ENDS:].mean())
     return found

@@ -5,19 +5,74 @@ Their words are in ``findings.md``; here is what these read of the records.
 
 from __future__ import annotations
 
+import csv
+import json
 import textwrap
 from collections.abc import Sequence
+from functools import cache
 from pathlib import Path
 from typing import Any
 
 from validation.reproduce.claims import CASE_NAMES, FUNCTIONS
-from validation.reproduce.records import Records
-from validation.study.output import write_text
+from validation.study.output import FACTS, write_text
 from validation.study.template import Facts, page, template
 
+ROOT = Path(__file__).parents[2]  # of a checkout
+REPORTS = ROOT / "reports"
+REPRODUCTION = REPORTS / "paper" / FACTS
 PAGE = Path("docs/findings.md")
 WIDTH = 110
 MODELS = ("equivbeam", "wirefe")
+
+
+class Records(dict[str, Any]):
+    """Recorded numbers as facts by key: those of the reproduction, and of other studies when asked for.
+
+    ``spring-a.curve``: a fact of the reproduction.
+    ``tangents: spring-a.exact``: a fact of another study, by its folder.
+    ``errorbudget/fourcases > table=law | row=helix law | case=Spring B > value``: a cell of a study's
+    numbers, by the file, what the row has, and the column. A cell is a number where it can be read as one.
+
+    Raises
+    ------
+    KeyError : there is not exactly one.
+    """
+
+    def __init__(self) -> None:
+        super().__init__(_facts(REPRODUCTION))
+
+    def __missing__(self, key: str) -> Any:
+        match key.split(" > "):
+            case [name] if ": " in name:
+                study, _, name = name.partition(": ")
+                return _facts(REPORTS / study / FACTS)[name]
+            case [file, row, column]:
+                return _cell(REPORTS / f"{file}.csv", row, column)
+        raise KeyError(key)
+
+
+@cache
+def _facts(file: Path) -> dict[str, Any]:
+    if not file.is_file():
+        raise KeyError(f"no facts in {file}")
+    found = json.loads(file.read_text(encoding="utf-8"))
+    return {name: tuple(value) if isinstance(value, list) else value for name, value in found.items()}
+
+
+@cache
+def _rows(file: Path) -> list[dict[str, str]]:
+    return list(csv.DictReader(file.read_text(encoding="utf-8").splitlines()))
+
+
+def _cell(file: Path, row: str, column: str) -> Any:
+    wanted = dict(part.split("=", 1) for part in row.split(" | "))
+    found = [cells[column] for cells in _rows(file) if wanted.items() <= cells.items()]
+    if len(found) != 1:
+        raise KeyError(f"{len(found)} rows with {row} in {file}")
+    try:
+        return float(found[0])
+    except ValueError:
+        return found[0]
 
 
 def varied(f: Facts, column: str, spring: str, model: str, name: str, value: str) -> Any:
@@ -77,15 +132,12 @@ FINDINGS = template(Path(__file__).with_name("findings.md"), (*FUNCTIONS, *RECOR
 
 def findings(facts: Facts) -> str:
     """The page as Markdown, its paragraphs broken into lines."""
-    lines = page(FINDINGS, f=facts).splitlines()
-    return "".join(f"{_filled(line)}\n" for line in lines)
-
-
-def _filled(line: str) -> str:
-    indent = "   " if line[:1].isdigit() else ""
-    return textwrap.fill(
-        line, WIDTH, subsequent_indent=indent, break_long_words=False, break_on_hyphens=False
-    )
+    fill = textwrap.TextWrapper(WIDTH, break_long_words=False, break_on_hyphens=False)
+    text = ""
+    for line in page(FINDINGS, f=facts).splitlines():
+        fill.subsequent_indent = "   " if line[:1].isdigit() else ""
+        text += fill.fill(line) + "\n"
+    return text
 
 
 if __name__ == "__main__":

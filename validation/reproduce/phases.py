@@ -24,12 +24,10 @@ SOFTER = tuple(f"{name}_softer" for name in COMPONENTS)
 
 def over_phases(store: PathStore) -> pd.DataFrame:
     """Spring A at all start phases, a row for each of `KINDS` and `DEGREES` (`turned_by`)."""
+    turns = [(name, *kind, degrees) for name, kind in KINDS.items() for degrees in DEGREES]
     return pd.DataFrame(
-        [
-            {"contact": name} | turned_by(store, case(scene).scene, degrees, pairs)
-            for name, (scene, pairs) in KINDS.items()
-            for degrees in DEGREES
-        ]
+        {"contact": name} | turned_by(store, case(scene).scene, degrees, pairs)
+        for name, scene, pairs, degrees in turns
     )
 
 
@@ -47,14 +45,14 @@ def turned_by(store: PathStore, scene: Scene, degrees: int, pairs: object) -> di
         if path.outcome != "completed":
             return row | {"outcome": ending(path.outcome, path.critical_time)}
     mine, theirs = np.abs(beam.tips), np.abs(wire.tips)
-    row |= dict(zip(COMPONENTS, (mine[-1] / theirs[-1] - 1.0).tolist(), strict=True))
-    row |= dict(zip(SOFTER, np.count_nonzero(mine > theirs, axis=0).tolist(), strict=True))
+    row |= zip(COMPONENTS, (mine[-1] / theirs[-1] - 1.0).tolist(), strict=True)
+    row |= zip(SOFTER, np.count_nonzero(mine > theirs, axis=0).tolist(), strict=True)
     return row | {"difference": compare_paths(beam, wire).curve_max}
 
 
 def phase_table(found: pd.DataFrame) -> Table:
     """A row for each phase: difference at full load and substeps in which the beam is softer."""
-    columns: dict[str, list[str]] = {"start phase (degrees)": [str(degrees) for degrees in DEGREES]}
+    columns = {"start phase (degrees)": [str(degrees) for degrees in DEGREES]}
     for name, rows in found.groupby("contact", sort=False):
         pairs = rows["pairs_per_turn"].iloc[0]
         title = "without contact" if name == "bare" else f"{pairs} pairs per turn"
@@ -74,9 +72,9 @@ def _cells(row: dict) -> tuple[str, str]:
 def phase_facts(found: pd.DataFrame) -> dict[str, object]:
     """The same as facts: tuples over the phases that both models complete."""
     facts: dict[str, object] = {}
-    for kind, rows in found[found["outcome"] == "completed"].groupby("contact", sort=False):
-        facts[f"phases.{kind}.degrees"] = tuple(rows["degrees"].tolist())
-        facts[f"phases.{kind}.difference"] = tuple(rows["difference"].tolist())
-        facts[f"phases.{kind}.softer"] = tuple(rows[[*SOFTER]].min(axis=1).astype(int).tolist())
-        facts |= {f"phases.{kind}.{name}": tuple(rows[name].tolist()) for name in COMPONENTS}
+    done = found[found["outcome"] == "completed"]
+    done = done.assign(softer=done[[*SOFTER]].min(axis=1).astype(int))
+    for kind, rows in done.groupby("contact", sort=False):
+        columns = rows[["degrees", "difference", "softer", *COMPONENTS]]
+        facts |= {f"phases.{kind}.{name}": tuple(column.tolist()) for name, column in columns.items()}
     return facts

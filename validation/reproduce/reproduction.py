@@ -31,6 +31,7 @@ if TYPE_CHECKING:
 
 REPORT, TURNED = "report", "turned"
 TIMED = ("table3", REPORT)  # artifacts that show solution times
+TABLE3 = "table3.csv"
 DRAWING = ("matplotlib", "pillow", "pyvista", "vtk")
 
 
@@ -44,19 +45,14 @@ def reproduce(
 ) -> tuple[str, ...]:
     """Write the paper's tables and figures to `out`; with all of them the report.
 
+    Returned are sentences on where the results come from. Every artifact is written when it is finished.
+
     Parameters
     ----------
-    out : folder, made where missing. Every artifact is written when it is finished.
     only : names of `ARTEFACTS` that are wanted; None for all and the report.
     render : False makes no pictures: CSV files, and the report without figures.
-    progress : called with one line on what is being done.
     time : measure the solution times of Table 3 even where some are stored.
     turned : write the springs as a scene that can be turned in a browser, too.
-
-    Returns
-    -------
-    tuple of str
-        What the reader should know of where the results come from.
 
     Raises
     ------
@@ -86,7 +82,7 @@ def reproduce(
 def _headline(out: Path) -> str:
     """The report's verdict in one sentence, and where the report is."""
     with writing(out):
-        found = re.search(r"\*\*(.+?)\*\*", (out / "report.md").read_text(encoding="utf-8"))
+        found = re.search(r"\*\*(.+?)\*\*", (out / PAGE).read_text(encoding="utf-8"))
     return f"{found[1] if found else 'Done.'} Open {out / 'report.html'}."
 
 
@@ -100,17 +96,24 @@ class _Run:
     progress: Callable[[str], None]
     time: bool
     cleanup: ExitStack
-    maker: Maker | None = None  # loaded with both models for the first artifact that is missing
     remarks: list[str] = field(default_factory=list)
+
+    @cached_property
+    def maker(self) -> Maker:
+        """What makes artifacts, loaded with both models for the first that is missing."""
+        self.progress("loading both models")
+        from validation.reproduce.artifacts import Maker
+        from validation.study.cases import PathStore
+
+        return Maker(self.out, PathStore(self.progress, self.store), self.render, self.cleanup)
 
     def provide(self, name: str) -> None:
         """Write an artifact, as it was made before or made now; and the report with the other studies."""
         mark = self._key(name)
         files = self.store.get(mark)
         if files is None:
-            maker = self._loaded()
-            maker.times = self.times if name in TIMED else b""
-            files = maker.make(name, mark)
+            self.maker.times = self.times if name in TIMED else b""
+            files = self.maker.make(name, mark)
         page = files.pop(PAGE, None)
         write_files(files, self.out)
         if page is not None:
@@ -122,13 +125,13 @@ class _Run:
     def turn(self) -> None:
         """Write the springs as a scene, unless the one there was made from the same."""
         mark = self._key(TURNED)
-        trouble = "" if is_made(self.out, mark) else self._loaded().interactive(mark)
+        trouble = "" if is_made(self.out, mark) else self.maker.interactive(mark)
         if trouble:
             self.remarks.append(f"no {FILE}: pyvista could not export the springs here ({trouble})")
 
     def finish(self) -> None:
         """Wait for the figures that are still being made."""
-        if self.maker is not None:
+        if "maker" in vars(self):
             self.maker.finish()
 
     def _key(self, name: str) -> str:
@@ -145,30 +148,19 @@ class _Run:
     def times(self) -> bytes:
         """Table 3 as CSV: stored times of these sources and this processor, or measured now."""
         here = machine()
+        measuring = ("reproduce.times", "study.timing", "study.cases")
         name = key(
             "times",
-            sources=sources(
-                *MODELS, "validation.reproduce.times", "validation.study.timing", "validation.study.cases"
-            ),
+            sources=sources(*MODELS, *(f"validation.{module}" for module in measuring)),
             versions=versions(),
             machine=[here["processor"], here["cores"], here["system"]],
         )
         files = None if self.time else self.store.get(name)
         if files is None:
-            files = {"table3.csv": self._loaded().measure()}
+            files = {TABLE3: self.maker.measure()}
             self.store.put(name, files)
-            return files["table3.csv"]
-        row = next(csv.DictReader(files["table3.csv"].decode().splitlines()))
-        origin = f"measured on {row['measured']} on {row['processor']}"
-        self.remarks.append(f"solution times: {origin}; --time measures them again")
-        return files["table3.csv"]
-
-    def _loaded(self) -> Maker:
-        if self.maker is None:
-            self.progress("loading both models")
-            from validation.reproduce.artifacts import Maker
-            from validation.study.cases import PathStore
-
-            paths = PathStore(self.progress, self.store)
-            self.maker = Maker(self.out, paths, self.render, self.cleanup)
-        return self.maker
+        else:
+            row = next(csv.DictReader(files[TABLE3].decode().splitlines()))
+            origin = f"measured on {row['measured']} on {row['processor']}"
+            self.remarks.append(f"solution times: {origin}; --time measures them again")
+        return files[TABLE3]

@@ -10,7 +10,8 @@ from collections.abc import Callable
 
 import pandas as pd
 
-from validation.study.cases import CASES, Case, PathStore, solve_beam, solve_wire
+from coilspring import Scene
+from validation.study.cases import CASES, PathStore, solve_beam, solve_wire
 from validation.study.machine import machine
 from validation.study.timing import interleaved, median_of, quartiles, within
 
@@ -21,16 +22,13 @@ ITERATIONS = ("wire_iterations", "beam_iterations", "beam_paper_tangent_iteratio
 
 
 def measure(store: PathStore) -> pd.DataFrame:
-    """Time the four cases for about `BUDGET`; iterations are those of the paths in `store`.
+    """Time the four cases for about `BUDGET`, a row for each; iterations are those of the paths in `store`.
 
-    Returns
-    -------
-    pandas.DataFrame
-        A row for each case. ``ratio``: time of the wire model over that of the equivalent beam, formed within
-        each round. ``reduction_percent``: time that the beam saves. ``_q1`` and ``_q3``: quartiles.
+    ``ratio``: time of the wire model over that of the equivalent beam, formed within each round.
+    ``reduction_percent``: time that the beam saves. ``_q1`` and ``_q3``: quartiles.
     """
     store.make_ready()
-    runs = {(item, place): run for item in CASES for place, run in enumerate(_turns(item))}
+    runs = {(item, place): run for item in CASES for place, run in enumerate(_turns(item.scene))}
     for run in runs.values():
         run()
     seconds = interleaved(runs, within(BUDGET, LEAST_ROUNDS, MOST_ROUNDS, store.announce))
@@ -41,7 +39,6 @@ def measure(store: PathStore) -> pd.DataFrame:
         beam = 0.5 * (before + after)
         ratio = quartiles("ratio", wire / beam)
         paths = (store.wire(item.scene), store.beam(item.scene), store.beam(item.scene, tangent="paper"))
-        counts = zip(ITERATIONS, (path.total_iterations for path in paths), strict=True)
         rows.append(
             {
                 "case": item.name,
@@ -51,7 +48,7 @@ def measure(store: PathStore) -> pd.DataFrame:
                 **quartiles("wire_seconds", wire),
                 **quartiles("beam_seconds", beam),
                 **quartiles("beam_paper_tangent_seconds", paper),
-                **dict(counts),
+                **{name: path.total_iterations for name, path in zip(ITERATIONS, paths, strict=True)},
                 "rounds": len(wire),
                 "paper_wire_seconds": item.paper_wire,
                 "paper_beam_seconds": item.paper_beam,
@@ -62,16 +59,10 @@ def measure(store: PathStore) -> pd.DataFrame:
     return pd.DataFrame(rows)
 
 
-def _turns(case: Case) -> tuple[Callable[[], float], ...]:
+def _turns(scene: Scene) -> tuple[Callable[[], float], ...]:
     """Runs of a round: short ones on both sides of the long one, so that a change of the clock cancels."""
-    scene = case.scene
 
-    def beam(tangent: str = "exact") -> float:
-        return solve_beam(scene, tangent=tangent).solve_seconds
+    def beam(repeats: int = REPEATS, tangent: str = "exact") -> float:
+        return median_of(repeats, lambda: solve_beam(scene, tangent=tangent).solve_seconds)
 
-    return (
-        lambda: median_of(REPEATS, beam),
-        lambda: median_of(2, lambda: beam("paper")),
-        lambda: solve_wire(scene).solve_seconds,
-        lambda: median_of(REPEATS, beam),
-    )
+    return beam, lambda: beam(2, "paper"), lambda: solve_wire(scene).solve_seconds, beam

@@ -48,9 +48,7 @@ class Study:
     """Changes of one scene."""
 
     name: str  # of a catalogue's scene, or of a user's
-    data: (
-        pd.DataFrame
-    )  # a row for every value of every input in both models, also where one has no such input
+    data: pd.DataFrame  # a row for every value of every input in each model, also where it has no such input
     inputs: tuple[OpenInput, ...]  # what is varied
     prescribed: bool = False  # whether UY is: the axial force, N, takes its place
     left_out: tuple[str, ...] = ()  # a sentence on each thing that the scene cannot be given
@@ -63,12 +61,7 @@ class Study:
 
 
 def changes(name: str, scene: Scene, inputs: tuple[OpenInput, ...], progress: Callable[[str], None]) -> Study:
-    """Vary the inputs of a scene.
-
-    Raises
-    ------
-    InputError : neither model reaches full load.
-    """
+    """Vary the inputs of a scene; `InputError` where neither model reaches full load."""
     store = PathStore(lambda line: None)
     defaults, left_out = _defaults(store, name, scene)
     rows: list[dict[str, Any]] = []
@@ -83,10 +76,8 @@ def changes(name: str, scene: Scene, inputs: tuple[OpenInput, ...], progress: Ca
             except InputError as refusal:
                 left_out.append(f"{item.title}, {model}: {refusal}")
         rows += input_rows(item, curves, defaults)
-    data = pd.DataFrame(rows, columns=COLUMNS[1:])
-    data.insert(0, "case", name)
     apart = largest_deviation(*defaults.values()) if len(defaults) == len(MODELS) else math.nan
-    data = data.assign(**{DEFAULT_DEVIATION: apart})
+    data = pd.DataFrame(rows, columns=COLUMNS).assign(**{"case": name, DEFAULT_DEVIATION: apart})
     resolution = _resolution(store, scene, defaults.get(WIRE))
     return Study(name, data, inputs, bool(scene.load.displacement), tuple(left_out), resolution)
 
@@ -161,20 +152,13 @@ def change(base: TipCurve, curve: TipCurve) -> dict[str, Any]:
 
 
 def farther(tips: np.ndarray, base: np.ndarray, counted: Sequence[bool] = (True, True, True)) -> np.ndarray:
-    """How much farther the top moves than in the base, % of the base's peak, (steps, 3).
-
-    Components that are fixed or not counted are not numbers.
-    """
+    """How much farther the top moves than in the base, % of its peak, (steps, 3); nan where it is fixed."""
     steps = min(len(tips), len(base))
     peaks = np.abs(base).max(axis=0)
     fixed = peaks <= NEGLIGIBLE * peaks.max()
     direction = np.sign(base[np.abs(base).argmax(axis=0), range(len(COMPONENTS))])
-    return (
-        100.0
-        * direction
-        * (tips[:steps] - base[:steps])
-        / np.where(fixed | ~np.array(counted), np.nan, peaks)
-    )
+    scale = np.where(fixed | ~np.array(counted), np.nan, peaks)
+    return 100.0 * direction * (tips[:steps] - base[:steps]) / scale
 
 
 def largest_deviation(curve: TipCurve, base: TipCurve) -> float:

@@ -22,6 +22,8 @@ KINDS = {
     AGAINST: "the paper is silent, but its two models would not have agreed",
     "left out by beams": "the paper's two models, and ours unless asked, take the wire for a straight rod",
 }
+VARIED = "varied"  # kind of the inputs of a user's scene
+SHARE, POISSON = 0.05, 0.03  # changes of a user's modulus and Poisson's ratio
 LIKE = 0.01  # mm: penetration at which both exponents give one force
 EVERYWHERE = 20  # sphere pairs per turn that touch wherever the wires do
 
@@ -48,6 +50,7 @@ class OpenInput:
     paper: str  # what the paper says
     reason: str  # why this range
     own: str  # the range for a scene of a user's, and why
+    here: str  # its value in a scene of a user's, a format
     make: Callable[[Scene, str], Iterable[Variant]]  # its values for a scene and a model
     contact: bool = False  # whether scenes without contact have no such input
     models: Sequence[str] = MODELS  # those that have it
@@ -63,15 +66,15 @@ def _with(scene: Scene, part: str, **changes: Any) -> Scene:
     return replace(scene, **{part: replace(getattr(scene, part), **changes)})
 
 
+def _on(scene: Scene, degrees: float) -> Scene:
+    """The scene with the helix started so much farther on."""
+    return turned(scene, math.degrees(scene.spring.start_phase) + degrees)
+
+
 def _exponent(scene: Scene, model: str) -> list[Variant]:
     other = 1.5 if scene.contact.exponent != 1.5 else 1.0
     stiffness = scene.contact.stiffness * LIKE ** (scene.contact.exponent - other)
     return [Variant(f"{other:g}", _with(scene, "contact", exponent=other, stiffness=stiffness))]
-
-
-def _on(scene: Scene, degrees: float) -> Scene:
-    """The scene with the helix started so much farther on."""
-    return turned(scene, math.degrees(scene.spring.start_phase) + degrees)
 
 
 def _spheres(scene: Scene) -> bool:
@@ -98,11 +101,9 @@ def _raisable(scene: Scene) -> bool:
     return free and scene.supports.seat == "rigid" and not (load.stages or load.displacement)
 
 
-def _height(scene: Scene, model: str) -> list[Variant]:
-    if not _raisable(scene):
-        return []
-    d = scene.spring.wire_diameter
-    return [Variant(value, scene, rise=share * d) for share, value in ((0.5, "+d/2"), (1.0, "+d"))]
+def _height(scene: Scene, model: str) -> Iterator[Variant]:
+    for share, value in ((0.5, "+d/2"), (1.0, "+d")) if _raisable(scene) else ():
+        yield Variant(value, scene, rise=share * scene.spring.wire_diameter)
 
 
 def _without_ends(scene: Scene, model: str) -> list[Variant]:
@@ -133,11 +134,18 @@ def _rigid(scene: Scene, model: str) -> Iterator[Variant]:
         yield Variant(f"{turns:g}", replace(scene, spring=changed), rise=-drop)
 
 
-MAKE: dict[str, Callable[[Scene, str], Iterable[Variant]]] = {
-    "E": lambda scene, _: (
-        Variant(f"{E:g} GPa", _with(scene, "material", E=1e3 * E)) for E in (196.0, 210.0)
-    ),
-    "nu": lambda scene, _: (Variant(f"{nu:g}", _with(scene, "material", nu=nu)) for nu in (0.26, 0.32)),
+def _moduli(scene: Scene, values: Iterable[float]) -> Iterator[Variant]:
+    yield from (Variant(f"{1e-3 * E:g} GPa", _with(scene, "material", E=E)) for E in values)
+
+
+def _ratios(scene: Scene, values: Iterable[float]) -> Iterator[Variant]:
+    yield from (Variant(f"{nu:g}", _with(scene, "material", nu=nu)) for nu in values)
+
+
+Make = dict[str, Callable[[Scene, str], Iterable[Variant]]]  # variants of a scene in a model, by input
+MAKE: Make = {
+    "E": lambda scene, _: _moduli(scene, (196e3, 210e3)),
+    "nu": lambda scene, _: _ratios(scene, (0.26, 0.32)),
     "reference_height": _height,
     "end_contact": _without_ends,
     "rigid_turns": _rigid,
@@ -159,9 +167,20 @@ MAKE: dict[str, Callable[[Scene, str], Iterable[Variant]]] = {
 }
 
 
-def _read(file: Path) -> tuple[OpenInput, ...]:
-    found = tomllib.loads(file.read_text(encoding="utf-8"))
-    return tuple(OpenInput(name, make=MAKE[name], **fields) for name, fields in found.items())
+# inputs of a user's scene whose values are about its own
+MAKE_OWN: Make = {
+    "E": lambda scene, _: _moduli(scene, [scene.material.E * (1.0 + change) for change in (-SHARE, SHARE)]),
+    "nu": lambda scene, _: _ratios(scene, [scene.material.nu + change for change in (-POISSON, POISSON)]),
+}
+_TEXT = Path(__file__).with_name("inputs.toml").read_text(encoding="utf-8")
+INPUTS = tuple(OpenInput(name, make=MAKE[name], **fields) for name, fields in tomllib.loads(_TEXT).items())
 
 
-INPUTS = _read(Path(__file__).with_name("inputs.toml"))
+def inputs_of(scene: Scene) -> tuple[OpenInput, ...]:
+    """What is varied of a user's scene: what the paper leaves open, about the scene's own values."""
+    contact = scene.contact
+    sliding = {"free": "none", "none": "sticking"}.get(contact.sliding, f"µ = {contact.coefficient:g}")
+    other = {"E": 1e-3 * scene.material.E, "pairs": PER_TURN[contact.geometry], "sliding": sliding}
+    here = {item.name: item.here.format(scene=scene, **other) for item in INPUTS}
+    made = MAKE | MAKE_OWN
+    return tuple(replace(i, kind=VARIED, default=here[i.name], make=made[i.name]) for i in INPUTS)

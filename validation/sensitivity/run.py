@@ -1,23 +1,53 @@
 """How far our curves could be from the authors' because of what the paper leaves open.
 
 One input at a time takes its other values (`validation.sensitivity.inputs`) in both models, on the paper's
-four cases; of a user's scenes, about their own (`validation.sensitivity.own`).
+four cases; of a user's scenes, about their own (`validation.sensitivity.inputs.inputs_of`).
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from pathlib import Path
+from typing import Any
+
+import pandas as pd
 
 from coilspring import CATALOGUE, Scene
 from coilspring.errors import require_names
-from validation.sensitivity import page, tornado
-from validation.sensitivity.changes import Study, changes, write_csv
-from validation.sensitivity.inputs import INPUTS
-from validation.sensitivity.own import inputs_of
+from validation.sensitivity import changes, tornado
+from validation.sensitivity.changes import CURVE, DEVIATION, Study
+from validation.sensitivity.inputs import (
+    BEAM,
+    INPUTS,
+    KINDS,
+    MODELS,
+    NOT_GIVEN,
+    READING,
+    VARIED,
+    WIRE,
+    inputs_of,
+)
 from validation.study.cases import CASES, make_ready
-from validation.study.output import prepare
+from validation.study.document import Table
+from validation.study.output import prepare, write_text
+from validation.study.partialsolve import ending
 from validation.study.provenance import write_provenance
+from validation.study.template import page, template
+
+PAGE, OWN_PAGE = (template(Path(__file__).with_name(name)) for name in ("page.md", "own.md"))
+TITLES = {item.name: item.title for item in INPUTS}
+SILENT, OPEN = (NOT_GIVEN,), (NOT_GIVEN, READING)
+NAMES = {BEAM: "beam", WIRE: "wire model"}
+ESTIMATES = (
+    *("case", "model", "largest single, not given (%)", "largest single, with readings (%)"),
+    *("together, not given (%)", "together, with readings (%)", "deviation of the models (%)"),
+)
+OWN_HEADER = ("input", "here", "range and why")
+INPUT_HEADER = ("input", "the paper", "kind", "our default", "range and why")
+CHANGE_HEADER = (
+    *("input", "model", "value", "UX (%)", "UY (%)", "ROTZ (%)", "curve (%)", "at"),
+    "deviation of the models (%)",
+)
 
 
 def sensitivity(
@@ -26,43 +56,162 @@ def sensitivity(
     progress: Callable[[str], None] = lambda line: None,
     scenes: Mapping[str, Scene] | None = None,
 ) -> tuple[Study, ...]:
-    """Vary what the paper leaves open, or the inputs of a user's scenes.
+    """Vary what the paper leaves open, or the inputs of a user's scenes; the changes of each.
 
     Writes ``sensitivity.csv``, ``.md`` and the figure to `out`.
 
     Parameters
     ----------
-    out : folder, made where missing.
     only : names of the paper's cases; None for all.
-    progress : called with one line on what is being done.
     scenes : a user's, by their names, in the place of the paper's cases.
 
     Raises
     ------
     InputError : an unknown name; a scene of which no model has a load curve.
-
-    Returns
-    -------
-    tuple
-        The changes of each case, see `validation.sensitivity.changes`.
     """
     require_names("only", only or (), CATALOGUE)
     out = Path(out)
     prepare(out)
     progress("making the kernels ready")
     make_ready()
+    cases = {case.name: case.scene for case in CASES if only is None or case.name in only}
     studies: list[Study] = []
-    if scenes:
-        for name, scene in scenes.items():
-            studies.append(changes(name, scene, inputs_of(scene), progress))
-            write_csv(studies, out)
-    else:
-        chosen = [case for case in CASES if only is None or case.name in only]
-        studies = [changes(case.name, case.scene, INPUTS, progress) for case in chosen]
-        write_csv(studies, out)
+    for name, scene in (scenes or cases).items():
+        studies.append(changes.changes(name, scene, inputs_of(scene) if scenes else INPUTS, progress))
+        changes.write_csv(studies, out)
     progress("drawing")
     tornado.write(studies, out)
-    page.write(studies, out, own=bool(scenes))
+    write_page(studies, out, own=bool(scenes))
     options = [*(scenes or ()), *(["--only", ",".join(only)] if only else [])]
     write_provenance(" ".join(["coilcheck sensitivity", *options]), out)
     return tuple(studies)
+
+
+def write_page(studies: Sequence[Study], out: Path, own: bool = False) -> None:
+    """Write ``sensitivity.md``: of the paper's cases, or of a user's scenes."""
+    if own:
+        text = page(OWN_PAGE, cases=[_own(study) for study in studies])
+    else:
+        inputs = ((item.title, item.paper, item.kind, item.default, item.reason) for item in INPUTS)
+        text = page(
+            PAGE,
+            estimates=Table(ESTIMATES, tuple(_estimate(s, model) for s in studies for model in MODELS)),
+            inputs=Table(INPUT_HEADER, tuple(inputs)),
+            kinds=KINDS,
+            cases=[_case(study) for study in studies],
+        )
+    write_text(out / "sensitivity.md", text)
+
+
+def digest(study: Study) -> list[str]:
+    """A case for a reader at the terminal."""
+    own, apart = study.inputs != INPUTS, _deviation(study)
+    total = _total(study.data, (VARIED,) if own else SILENT)
+    what = "its inputs move" if own else "what the paper does not give moves"
+    deviation = "" if apart is None else f"; the models deviate by {apart:.2f} %"
+    left_out = [f"{study.name}, {line}" for line in study.left_out]
+    return [*left_out, f"{study.name}: {what} the curves by {total:.1f} % together{deviation}"]
+
+
+def _own(study: Study) -> dict[str, Any]:
+    """What the page says of a user's scene."""
+    data, estimates = study.data, []
+    for model in sorted(set(changes.values(data)["model"])):
+        row, together = changes.worst(data, model, (VARIED,)), _together(data, model, (VARIED,))
+        most = f"{abs(row[CURVE]):.1f} % at most ({_change(row)})"
+        estimates.append(f"{NAMES[model]}: {most}, {together} % together")
+    inputs = Table(OWN_HEADER, tuple((item.title, item.default, item.own) for item in study.inputs))
+    return _facts(study) | {"inputs": inputs, "estimates": estimates}
+
+
+def _deviation(study: Study) -> float | None:
+    """Largest difference of the two models, %; None where one has no curve."""
+    apart = study.data[changes.DEFAULT_DEVIATION].iloc[0]
+    return None if pd.isna(apart) else apart
+
+
+def _total(data: pd.DataFrame, kinds: Sequence[str] = SILENT) -> float:
+    """What all inputs of some kinds move together, in the model that they move more, %."""
+    return max(changes.together(data, model, kinds) for model in MODELS)
+
+
+def _change(row: pd.Series) -> str:
+    return f"{TITLES[row['input']]}: {row['value']}"
+
+
+def _ending(row: pd.Series) -> str:
+    return ending(row["outcome"], None if pd.isna(row["critical_time"]) else row["critical_time"])
+
+
+def _estimate(study: Study, model: str) -> tuple[str, ...]:
+    data = study.data
+    singles = (changes.worst(data, model, kinds) for kinds in (SILENT, OPEN))
+    return (
+        *(study.title, NAMES[model]),
+        *(f"{abs(row[CURVE]):.1f} ({_change(row)})" for row in singles),
+        *(_together(data, model, kinds) for kinds in (SILENT, OPEN)),
+        f"{data[changes.DEFAULT_DEVIATION].iloc[0]:.2f}",
+    )
+
+
+def _together(data: pd.DataFrame, model: str, kinds: Sequence[str]) -> str:
+    """Sum of squares; more where a value that ends short of full load is in it without a number."""
+    total = f"{changes.together(data, model, kinds):.1f}"
+    mine = changes.values(data).query("model == @model and kind in @kinds")
+    return total if (mine["outcome"] == changes.COMPLETED).all() else f"{total} or more"
+
+
+def _case(study: Study) -> dict[str, Any]:
+    """What the page says of a case of the paper."""
+    data = study.data
+    most = data.loc[data.loc[data["kind"].isin(OPEN), DEVIATION].idxmax()]
+    return _facts(study) | {"total": _total(data), "most": most[DEVIATION], "most_by": _change(most)}
+
+
+def _facts(study: Study) -> dict[str, Any]:
+    """What the pages say of any scene."""
+    data = study.data
+    present = changes.values(data)
+    ended = present[present["outcome"] != changes.COMPLETED]
+    tips = present.groupby("model")[list(changes.BASE_TIPS)].first()
+    axial = ("FY", "N") if study.prescribed else ("UY", "mm")
+    where = (
+        f"{NAMES[model]} UX {ux:.3f} mm, {axial[0]} {uy:.3f} {axial[1]}, ROTZ {rotz:.4f} rad"
+        for model, ux, uy, rotz in tips.itertuples()
+    )
+    groups = present.groupby(["input", "model"], sort=False)
+    pairs = [(name, model) for name in changes.sizes(data).index for model in MODELS]
+    lacking = {
+        item.title: [NAMES[model] for model in tips.index if (item.name, model) not in groups.groups]
+        for item in study.inputs
+    }
+    rows = (row for pair in pairs if pair in groups.groups for row in _rows(groups.get_group(pair)))
+    return {
+        "study": study,
+        "deviation": _deviation(study),
+        "ended": [(f"{NAMES[row['model']]}, {_change(row)}", _ending(row)) for _, row in ended.iterrows()],
+        "tips": "; ".join(where),
+        "table": Table(CHANGE_HEADER, tuple(rows)),
+        "absent": ", ".join(f"{title} ({' and '.join(names)})" for title, names in lacking.items() if names),
+    }
+
+
+def _rows(group: pd.DataFrame) -> Iterator[tuple[str, ...]]:
+    """Of one input and model, the values that reach farthest to either side and those that end early."""
+    known = group[CURVE].dropna()
+    ends = {known.idxmin(), known.idxmax()} if len(known) else set()
+    for index, row in group.iterrows():
+        head = (TITLES[row["input"]], NAMES[row["model"]], row["value"])
+        if row["outcome"] != changes.COMPLETED:
+            yield (*head, _ending(row), *[""] * 5)
+        elif index in ends:
+            moved = [_signed(row[name]) for name in (*changes.CHANGES, CURVE)]
+            place = row[CURVE] and f"{row['curve_component'].upper()}, t = {row['curve_time']:g}"
+            deviation = "" if pd.isna(row[DEVIATION]) else f"{row[DEVIATION]:.2f}"
+            yield (*head, *moved, place or "", deviation)
+
+
+def _signed(percent: float) -> str:
+    if pd.isna(percent):
+        return "held"
+    return f"{percent:+.2f}" if percent else "0"

@@ -13,20 +13,19 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from coilspring import EquilibriumPath, Scene
-from coilspring.solver.solve import follow_problem, output_times, scene_path
+from coilspring.solver.solve import Problem, follow_problem, output_times, scene_path
 from equivbeam import model as beam
 from equivbeam.shape import BeamShape
 from equivbeam.solve import KERNELS as BEAM_KERNELS
 from validation.study.cases import paper_mesh
-from validation.study.metrics import COMPONENTS, answered
+from validation.study.metrics import answered
 from validation.study.partialsolve import partial_path
 from wirefe.shape import WireShape
 from wirefe.solve import KERNELS as WIRE_KERNELS
 from wirefe.solve import scene_problem
 
-SLIGHT = (
-    0.01  # of the farthest: the peak of a component that moves less says nothing; ROTZ at half the height
-)
+# of the farthest: the peak of a component that moves less says nothing; ROTZ counts at half the height
+SLIGHT = 0.01
 ROUNDS = 20  # of the fixed point; on Spring A each leaves less than a tenth of the error
 
 
@@ -35,9 +34,7 @@ class TipCurve:
     """What of a path the study compares."""
 
     times: np.ndarray  # (steps,) reached
-    tips: (
-        np.ndarray
-    )  # (steps, 3) UX, UY (mm; prescribed, the force, N), ROTZ (rad) of the point that is loaded
+    tips: np.ndarray  # (steps, 3) UX, UY (mm; prescribed, the force, N), ROTZ (rad) of the loaded point
     outcome: str  # how the path ended, as `EquilibriumPath` has it
     critical_time: float | None  # when it ended
     counted: tuple[bool, ...] = (True, True, True)  # components that move as far as others, nearly
@@ -45,8 +42,7 @@ class TipCurve:
     @classmethod
     def of(cls, path: EquilibriumPath) -> TipCurve:
         """Tip curve of a path."""
-        answers = answered(path)
-        tips = np.column_stack([answers[name] for name in COMPONENTS])
+        tips = np.column_stack(list(answered(path).values()))
         moved = np.abs(path.tips).max(axis=0, initial=0.0) * (1.0, 1.0, 0.5 * path.scene.spring.active_height)
         counted = tuple((moved > SLIGHT * moved.max()).tolist())
         return cls(path.times, tips, path.outcome, path.critical_time, counted)
@@ -58,9 +54,9 @@ def raised(scene: Scene, model: str, height: float) -> TipCurve:
     For a top that is fixed in rotation, or without friction: paths followed under several moments are
     combined at each load, which takes equilibria that do not depend on the path there.
     """
-    if "rotz" in scene.supports.top_held:  # the end moves without turning, all its points alike
-        return followed(scene, model, 0.0)
     base = followed(scene, model, 0.0)
+    if "rotz" in scene.supports.top_held:  # the end moves without turning, all its points alike
+        return base
     needed = _moment(scene, height, base.tips[:, 2])
     moments = np.linspace(needed.min(), needed.max(), 3)
     curves = [followed(scene, model, float(moment)) for moment in moments]
@@ -81,23 +77,21 @@ def followed(scene: Scene, model: str, moment: float) -> TipCurve:
 
 def _beam(scene: Scene, moment: float) -> EquilibriumPath:
     data = beam.build_model(scene)
-    problem = beam.beam_problem(data, _with_moment(beam.load_vector(data, scene), moment))
+    problem = _with_moment(beam.beam_problem(data, beam.load_vector(data, scene)), moment)
     run = follow_problem(problem, BEAM_KERNELS, output_times(scene), scene.spring.wire_diameter)
     return scene_path(scene, "equivbeam", {}, run, BeamShape(scene, data))
 
 
 def _wire(scene: Scene, moment: float) -> EquilibriumPath:
     problem, mesh, options = scene_problem(scene, **paper_mesh(scene))
-    problem = replace(problem, load=_with_moment(problem.load, moment))
+    problem = _with_moment(problem, moment)
     run = follow_problem(problem, WIRE_KERNELS, output_times(scene), scene.spring.wire_diameter)
     return scene_path(scene, "wirefe", options, run, WireShape(scene, problem.data, mesh))
 
 
-def _with_moment(load: np.ndarray, moment: float) -> np.ndarray:
-    """The load vector, whose last degree of freedom is the rotation of the top in both models."""
-    load = load.copy()
-    load[-1] += moment
-    return load
+def _with_moment(problem: Problem, moment: float) -> Problem:
+    """With a moment on the last degree of freedom, which is the rotation of the top in both models."""
+    return replace(problem, load=np.append(problem.load[:-1], problem.load[-1] + moment))
 
 
 def _moment(scene: Scene, height: float, rotation: np.ndarray) -> np.ndarray:

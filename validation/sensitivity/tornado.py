@@ -24,7 +24,6 @@ NAME = "sensitivity"
 LEAST = 0.005  # %: inputs that move no model by this much are left out
 ROW, FRAME = 0.215, 0.66  # in: height of an input; of a panel's title and axis
 BAR = 0.34  # of a row
-SMALL = 6.5  # pt, of the values
 LABEL = 0.3  # of the bars' range, on either side for the values at their ends
 # the wire model's bars are light and hatched, the beam's dark and plain: they differ without colour
 LOOKS: dict[str, dict[str, Any]] = {
@@ -35,6 +34,7 @@ PLACES = {BEAM: -0.5 * BAR, WIRE: 0.5 * BAR}
 LABELS = {BEAM: BEAM_LABEL, WIRE: WIRE_LABEL}
 END: dict[str, Any] = {"marker": "x", "color": "black", "markersize": 4.5, "markeredgewidth": 1.1}
 BAND: dict[str, Any] = {"facecolor": "#d9d9d9", "edgecolor": "none", "zorder": 0.5}
+VALUE = {"va": "center_baseline", "fontsize": 6.5, "zorder": 5.0}
 HATCH: dict[str, Any] = {"hatch.linewidth": 0.6}
 
 
@@ -47,18 +47,18 @@ def write(studies: Sequence[Study], out: Path) -> None:
 
 def draw(studies: Sequence[Study]) -> Figure:
     """Panels in two columns, cases with contact above, bars of one thickness in all."""
-    order = sorted(range(len(studies)), key=lambda i: "penalty" not in set(values(studies[i].data)["input"]))
-    columns = min(2, len(order))
+    studies = sorted(studies, key=lambda study: "penalty" not in set(values(study.data)["input"]))
+    columns = min(2, len(studies))
     rows = [max(len(_drawn(study)), 1) for study in studies]
-    counts = [max(rows[i] for i in order[k : k + columns]) for k in range(0, len(order), columns)]
+    counts = [max(rows[k : k + columns]) for k in range(0, len(rows), columns)]
     height = sum(FRAME + ROW * count for count in counts) + 0.35
     figure = Figure(figsize=(DOUBLE, height), layout="constrained")
     panels = figure.subplots(len(counts), columns, squeeze=False, height_ratios=counts)
-    for axes in panels.flat[len(order) :]:
+    for axes in panels.flat[len(studies) :]:
         axes.set_visible(False)
-    for index, (axes, i) in enumerate(zip(panels.flat, order, strict=False)):
-        _panel(axes, studies[i], counts[index // columns])
-        axes.set_title(f"({ascii_lowercase[index % 26]}) {studies[i].title}")
+    for index, (axes, study) in enumerate(zip(panels.flat, studies, strict=False)):
+        _panel(axes, study, counts[index // columns])
+        axes.set_title(f"({ascii_lowercase[index % 26]}) {study.title}")
     bars = [Patch(**LOOKS[model], label=LABELS[model]) for model in MODELS]
     band = Patch(**BAND, label="deviation of the models, nothing changed")
     end = Line2D([], [], linestyle="none", **END, label="a value ends short of full load (table)")
@@ -76,14 +76,20 @@ def _drawn(study: Study) -> list[OpenInput]:
 
 
 def _panel(axes: Axes, study: Study, count: int) -> None:
+    """Bars of both models over all values of each input, and marks where values end short of full load."""
     data, items = study.data, _drawn(study)
     for row, item in enumerate(items):
         mine = values(data[data["input"] == item.name])
         for model, place in PLACES.items():
-            _bar(axes, row + place, model, mine[mine["model"] == model])
+            bar = mine[mine["model"] == model]
+            low, high = _reach(bar)
+            if low < high:
+                axes.barh(row + place, high - low, BAR, left=low, **LOOKS[model], zorder=2.0)
+            if (bar["outcome"] != COMPLETED).any():
+                axes.plot(0.0, row + place, linestyle="none", **END, zorder=4.0)
         _values(axes, row, mine.dropna(subset=CURVE))
     band = data[DEFAULT_DEVIATION].iloc[0]
-    if band == band:  # both models have a curve
+    if pd.notna(band):  # both models have a curve
         axes.axvspan(-band, band, **BAND)
     axes.axvline(0.0, color="black", linewidth=0.6)
     axes.set_yticks(range(len(items)), [item.title + "*" * (item.kind == AGAINST) for item in items])
@@ -103,15 +109,6 @@ def _reach(changes: pd.DataFrame) -> tuple[float, float]:
     return min(known), max(known)
 
 
-def _bar(axes: Axes, place: float, model: str, changes: pd.DataFrame) -> None:
-    """One model's bar over all values of an input, and marks where values end short of full load."""
-    low, high = _reach(changes)
-    if low < high:
-        axes.barh(place, high - low, BAR, left=low, **LOOKS[model], zorder=2.0)
-    if (changes["outcome"] != COMPLETED).any():
-        axes.plot(0.0, place, linestyle="none", **END, zorder=4.0)
-
-
 def _values(axes: Axes, row: int, changes: pd.DataFrame) -> None:
     """The values that reach farthest to either side, beside the bars of the models that have them."""
     for side in (-1.0, 1.0):
@@ -120,8 +117,6 @@ def _values(axes: Axes, row: int, changes: pd.DataFrame) -> None:
             continue
         change = changes.loc[reach.idxmax()]
         models = changes.loc[changes["value"] == change["value"], "model"]
-        axes.annotate(
-            change["value"], (change[CURVE], row + models.map(PLACES).mean()), xytext=(3.0 * side, 0.0),
-            textcoords="offset points", ha="left" if side > 0.0 else "right", va="center_baseline",
-            fontsize=SMALL, zorder=5.0,
-        )  # fmt: skip
+        place = (change[CURVE], row + models.map(PLACES).mean())
+        look: dict[str, Any] = {"ha": "left" if side > 0.0 else "right"} | VALUE
+        axes.annotate(change["value"], place, xytext=(3.0 * side, 0.0), textcoords="offset points", **look)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from string import ascii_lowercase
-from typing import Any
 
 import matplotlib
 import numpy as np
@@ -21,49 +20,49 @@ from validation.workprecision.results import by_scene, competes, of_paper
 from validation.workprecision.settings import PEER, SERIES, STEPS, title
 
 COLUMNS = 3
+DASHED = (0, (4, 2))
 INK, LIGHT = "#222222", "#c9c9c9"
 # the wire model red and angular, the equivalent beam blue and round; all four differ in grey
 LOOKS: dict[str, Look] = {
-    "straight": {"color": LIGHT_RED, "marker": "s", "linestyle": (0, (4, 2))},
-    "curved": {"color": RED, "marker": "^", "linestyle": "-"},
-    "haringx": {"color": BLUE, "marker": "o", "linestyle": "none"},
-    "helix": {"color": NAVY, "marker": "D", "linestyle": "none"},
-    PEER: {"color": GREY, "marker": "P", "linestyle": "none"},
+    "straight": {
+        "color": LIGHT_RED,
+        "marker": "s",
+        "ls": (0, (4, 2)),
+        "label": "wire model, straight elements",
+    },
+    "curved": {"color": RED, "marker": "^", "ls": "-", "label": "wire model, curved elements"},
+    "haringx": {"color": BLUE, "marker": "o", "ls": "none", "label": "equivalent beam, law haringx"},
+    "helix": {"color": NAVY, "marker": "D", "ls": "none", "label": "equivalent beam, law helix"},
+    PEER: {"color": GREY, "marker": "P", "ls": "none", "label": "OpenSees, straight elements"},
 }
-NAMES = {
-    **{"straight": "wire model, straight elements", "curved": "wire model, curved elements"},
-    **{"haringx": "equivalent beam, law haringx", "helix": "equivalent beam, law helix"},
-    PEER: "OpenSees, straight elements",
+COLUMNS_OF = {  # errors, the reference's own, and what they are multiplied by
+    "curve": ("curve_max", "reference_curve_error", 100.0),
+    "shape": ("shape_max_mm", "reference_shape_error_mm", 1.0),
 }
 LABELS = {"curve": "error of the load curve (%)", "shape": "error of the shape (mm)"}
 # symbols have a white rim, so that those that lie on one another stay apart; open ones are smaller
-FILLED: Look = {"linewidth": 0.9, "zorder": 3.0, "markersize": 3.8, "markeredgecolor": "white"}
-FILLED |= {"markeredgewidth": 0.4}
-OPEN: Look = {"linestyle": "none", "zorder": 2.5, "markersize": 2.8, "markerfacecolor": "white"}
-OPEN |= {"markeredgewidth": 0.7}
-RING: Look = {"linestyle": "none", "zorder": 2.0, "markersize": 8.0, "markerfacecolor": "none"}
-RING |= {"markeredgecolor": INK, "markeredgewidth": 0.7}
+FILLED: Look = {"lw": 0.9, "zorder": 3.0, "ms": 3.8, "mec": "white", "mew": 0.4}
+OPEN: Look = {"ls": "none", "zorder": 2.5, "ms": 2.8, "mfc": "white", "mew": 0.7}
+RING: Look = {"linestyle": "none", "zorder": 2.0, "ms": 8.0, "mfc": "none", "mec": INK, "mew": 0.7}
 FRONT: Look = {"color": LIGHT, "linewidth": 3.2, "solid_joinstyle": "round", "zorder": 1.5}
-FLOOR: Look = {"facecolor": "#efefef", "edgecolor": "#a8a8a8", "hatch": "////", "zorder": 0.5}
-FLOOR |= {"linewidth": 0.0}
+FLOOR: Look = {"facecolor": "#efefef", "edgecolor": "#a8a8a8", "hatch": "////", "lw": 0.0, "zorder": 0.5}
 USUAL: Look = {"color": GREY, "linewidth": 0.8, "zorder": 0.5}  # the penalty of the scenes
-DASHES = ("-", (0, (4, 2)))  # of the first scene and the second
-PAPER_TANGENT: Look = {"color": BLUE, "marker": "x", "linestyle": "none", "markersize": 4.0, "zorder": 3.0}
-PAPER_TANGENT |= {"markeredgewidth": 1.0}
+DASHES = ("-", DASHED)  # of the first scene and the second
+PAPER_TANGENT: Look = {"color": BLUE, "marker": "x", "ls": "none", "ms": 4.0, "mew": 1.0, "zorder": 3.0}
+MODELS = (("equivbeam", "equivalent beam", BLUE, "o"), ("wirefe", "wire model", RED, "s"))
 CROSS: Look = {"marker": "x", "color": "black", "linestyle": "none", "markersize": 6.0}
 
 
 def files(rows: pd.DataFrame) -> dict[str, bytes]:
     """``workprecision-curve``, ``-shape`` and, where penalties were varied, ``-penalty`` as SVG and PNG."""
     with matplotlib.rc_context(RC):
-        figures = {kind: draw(rows, kind) for kind in LABELS}
-        if (rows["role"] == "penalty").any():
-            figures["penalty"] = draw_penalties(rows[rows["role"] == "penalty"])
-        return {
-            name: data
-            for kind, each in figures.items()
-            for name, data in drawn(each, f"workprecision-{kind}").items()
-        }
+        found: dict[str, bytes] = {}
+        for kind in LABELS:
+            found |= drawn(draw(rows, kind), f"workprecision-{kind}")
+        penalties = rows[rows["role"] == "penalty"]
+        if len(penalties):
+            found |= drawn(draw_penalties(penalties), "workprecision-penalty")
+        return found
 
 
 def draw(rows: pd.DataFrame, kind: str) -> Figure:
@@ -92,15 +91,9 @@ def _scaled(rows: pd.DataFrame, kind: str) -> pd.DataFrame:
     """
     roles = ("run", "opensees") if kind == "curve" else ("run",)  # OpenSees has no shape
     part = rows[rows["role"].isin(roles) & ((kind == "shape") | (rows["steps"] >= STEPS))]
-    error, floor = (
-        ("curve_max", "reference_curve_error")
-        if kind == "curve"
-        else ("shape_max_mm", "reference_shape_error_mm")
-    )
-    scale = 100.0 if kind == "curve" else 1.0
-    return part.assign(
-        ms=1e3 * part["seconds"], error=scale * part[error], floor=scale * part[floor], shown=competes(part)
-    )
+    error, floor, scale = COLUMNS_OF[kind]
+    found = {"error": scale * part[error], "floor": scale * part[floor], "shown": competes(part)}
+    return part.assign(ms=1e3 * part["seconds"], **found)
 
 
 def _panel(axes: Axes, part: pd.DataFrame, able: pd.DataFrame, kind: str) -> None:
@@ -123,7 +116,7 @@ def _panel(axes: Axes, part: pd.DataFrame, able: pd.DataFrame, kind: str) -> Non
 
 def _look(series: str, filled: bool) -> Look:
     look = LOOKS[series]
-    return look | (FILLED if filled else OPEN | {"markeredgecolor": look["color"]})
+    return look | (FILLED if filled else OPEN | {"mec": look["color"]})
 
 
 def _ring(mesh: bool) -> Look:
@@ -144,14 +137,12 @@ def _label_axes(grid: np.ndarray, shown: pd.DataFrame, kind: str) -> None:
 
 def _key(peers: bool) -> Sequence[Line2D | Patch]:
     series = (*SERIES, PEER) if peers else SERIES
-    usual = [Line2D([], [], **_look(name, True), label=NAMES[name]) for name in series]
-    other = Line2D([], [], **_look("curved", False), label=f"open: other than {STEPS} steps")
+    usual = [Line2D([], [], **_look(name, True)) for name in series]
+    other = Line2D([], [], **_look("curved", False) | {"label": f"open: other than {STEPS} steps"})
     tangent = Line2D([], [], **PAPER_TANGENT, label="law haringx, paper’s tangent")
     front = Line2D([], [], **FRONT, label="Pareto front")
-    rings = [
-        Line2D([], [], **_ring(mesh), label=f"paper’s {'mesh' if mesh else 'model'}")
-        for mesh in (True, False)
-    ]
+    names = {True: "paper’s mesh", False: "paper’s model"}
+    rings = [Line2D([], [], **_ring(mesh), label=name) for mesh, name in names.items()]
     return [*usual, tangent, other, front, *rings, Patch(**FLOOR, label="reference’s own error")]
 
 
@@ -160,11 +151,10 @@ def draw_penalties(rows: pd.DataFrame) -> Figure:
     figure = Figure(figsize=(DOUBLE, 2.9), layout="constrained")
     error, time = figure.subplots(1, 2)
     for (scene, part), dashes in zip(by_scene(rows), DASHES, strict=False):
-        for model, colour, marker in (("equivbeam", BLUE, "o"), ("wirefe", RED, "s")):
+        for model, name, colour, marker in MODELS:
             mine = part[part["model"] == model]
-            look: dict[str, Any] = {"color": colour, "marker": marker, "linestyle": dashes, "markersize": 4.0}
-            look["markerfacecolor"] = colour if dashes == "-" else "white"
-            look["label"] = f"{title(scene)}, {'equivalent beam' if model == 'equivbeam' else 'wire model'}"
+            look: Look = {"color": colour, "marker": marker, "linestyle": dashes, "markersize": 4.0}
+            look |= {"mfc": colour if dashes == "-" else "white", "label": f"{title(scene)}, {name}"}
             ended = mine[mine["outcome"] != "completed"]
             for axes, column, scale in ((error, "curve_max", 100.0), (time, "seconds", 1e3)):
                 axes.plot(mine["penalty"], scale * mine[column], **look)

@@ -19,19 +19,20 @@ import pandas as pd
 from coilspring import Scene
 from validation.study import frames
 from validation.study.metrics import Comparison
-from validation.workprecision.settings import STEPS, Setting
+from validation.workprecision.settings import PAPER_MODEL, STEPS, Setting
 from wirefe.contactpoints import PER_TURN
 
 TIE = 1.1  # times nearer to each other than about this factor are one
 GAIN = 0.9  # a slower setting is on the front where its error is below this part of the faster ones'
 FILE = "workprecision.csv"
-LEFT_OUT, REASON = "left out", "reason"
-NOTHING = Comparison(np.nan, np.nan, np.nan, np.nan, {}, {}, 0, np.nan)
+LEFT_OUT = "left out"
 WORDS, COUNTS = ["tangent", "sliding", "geometry"], ["elements_per_turn", "pairs_per_turn"]
 ERRORS = {"curve_max": "", "curve_rms": "", "shape_max": "_mm", "shape_rms": "_mm"}  # and their units
 
 
-def row(role: str, scene: Scene, setting: Setting, error: Comparison, **more: object) -> dict[str, object]:
+def row(
+    role: str, scene: Scene, setting: Setting, error: Comparison | None, **more: object
+) -> dict[str, object]:
     """A row; `more` holds its times (`validation.study.timing.quartiles`), iterations and outcome."""
     return {
         "role": role,
@@ -40,29 +41,27 @@ def row(role: str, scene: Scene, setting: Setting, error: Comparison, **more: ob
         **asdict(setting),
         "penalty": scene.contact.stiffness if scene.contact.enabled else np.nan,
         "outcome": "completed",
-        "last_time": error.last_time,
-        **{name + unit: getattr(error, name) for name, unit in ERRORS.items()},
+        "last_time": getattr(error, "last_time", np.nan),
+        **{name + unit: getattr(error, name, np.nan) for name, unit in ERRORS.items()},
         **more,
     }
 
 
 def left_out(scene: Scene, setting: Setting, reason: str) -> dict[str, object]:
     """A row for what a scene cannot be given."""
-    return row(LEFT_OUT, scene, setting, NOTHING, outcome="unsupported", reason=reason)
+    return row(LEFT_OUT, scene, setting, None, outcome="unsupported", reason=reason)
 
 
 def ranked(rows: pd.DataFrame) -> pd.DataFrame:
     """The rows of a scene with the reference's own error, and which of them are on a front."""
-    own = rows[rows["role"].isin(("half mesh", "half steps"))]
-    floors = {
-        "reference_curve_error": own["curve_max"].sum(),
-        "reference_shape_error_mm": own["shape_max_mm"].sum(),
-    }
+    curve, shape = rows.loc[
+        rows["role"].isin(("half mesh", "half steps")), ["curve_max", "shape_max_mm"]
+    ].sum()
     able = rows[(rows["role"] == "run") & competes(rows)]
-    curve, shape = floors.values()
     whole = able[able["steps"] >= STEPS]  # which give all of the load curve
     return rows.assign(
-        **floors,
+        reference_curve_error=curve,
+        reference_shape_error_mm=shape,
         on_curve_front=rows.index.isin(front(whole, whole["curve_max"].clip(lower=curve))).astype(int),
         on_shape_front=rows.index.isin(front(able, able["shape_max_mm"].clip(lower=shape))).astype(int),
     )
@@ -81,10 +80,9 @@ def usual_pairs(rows: pd.DataFrame) -> pd.Series:
 def front(rows: pd.DataFrame, error: pd.Series) -> list[int]:
     """Index of the Pareto front: no row that is faster, or as fast, has an error as small within `GAIN`."""
     times = (np.log(rows["ratio_to_paper_mesh"]) / np.log(TIE)).round()
+    ordered = pd.DataFrame({"time": times, "error": error}).sort_values(["time", "error"], kind="stable")
     found: list[int] = []
-    for place in (
-        pd.DataFrame({"time": times, "error": error}).sort_values(["time", "error"], kind="stable").index
-    ):
+    for place in ordered.index:
         if not found or error[place] < GAIN * error[found[-1]]:
             found.append(place)
     return found
@@ -97,17 +95,15 @@ def setting_of(row: Any) -> Setting:
 
 def of_paper(rows: pd.DataFrame) -> tuple[Any, Any]:
     """The rows of a scene that are the paper's FE mesh and the paper's equivalent beam, or None."""
-    runs = list(rows[rows["role"] == "run"].itertuples())
-    mesh = next(each for each in runs if setting_of(each).is_paper_mesh)
-    return mesh, next((each for each in runs if setting_of(each).is_paper_model), None)
+    runs = {setting_of(each): each for each in rows[rows["role"] == "run"].itertuples()}
+    return next(runs[each] for each in runs if each.is_paper_mesh), runs.get(PAPER_MODEL)
 
 
 def fastest(rows: pd.DataFrame, error: float) -> Any:
     """The fastest run of the whole load curve with at most this error or the reference's own; or None."""
     most = max(error, rows["reference_curve_error"].iloc[0])
-    able = rows[
-        (rows["role"] == "run") & competes(rows) & (rows["steps"] >= STEPS) & (rows["curve_max"] <= most)
-    ]
+    runs = rows[(rows["role"] == "run") & competes(rows)]
+    able = runs[(runs["steps"] >= STEPS) & (runs["curve_max"] <= most)]
     return next(able.sort_values("ratio_to_paper_mesh", kind="stable").itertuples(), None)
 
 
@@ -134,5 +130,4 @@ def by_scene(rows: pd.DataFrame) -> Sequence[tuple[str, pd.DataFrame]]:
 
 def reasons(rows: pd.DataFrame) -> list[str]:
     """A sentence on each thing that was left out."""
-    some = rows[rows["role"] == LEFT_OUT]
-    return [f"{row.scene}, {row.reason}" for row in some.itertuples()]
+    return [f"{row.scene}, {row.reason}" for row in rows[rows["role"] == LEFT_OUT].itertuples()]

@@ -20,21 +20,21 @@ import pandas as pd
 
 from coilspring import EquilibriumNotFound, EquilibriumPath, InputError, Scene
 from coilspring.errors import require_names
-from validation.peers.installed import opensees
+from validation.peers.comparison import opensees
 from validation.study.cases import make_ready, solve_beam, solve_wire
 from validation.study.machine import versions
-from validation.study.metrics import Comparison, compare_curves, compare_paths, peaks
+from validation.study.metrics import compare_curves, compare_paths, peaks
 from validation.study.output import prepare, write_files
 from validation.study.partialsolve import partial_path
 from validation.study.provenance import write_provenance
 from validation.study.scenes import EXACT_ROD, study_scenes
 from validation.study.timing import announced, interleaved, median_of, quartiles
 from validation.workprecision import page, results
-from validation.workprecision.penaltysweep import SCENES, penalty_rows
 from validation.workprecision.results import left_out, ranked, row
 from validation.workprecision.settings import (
     EXTENTS,
     PAPER_ELEMENTS,
+    PAPER_MODEL,
     PEER,
     STEPS,
     Extent,
@@ -42,6 +42,9 @@ from validation.workprecision.settings import (
     settings,
 )
 
+PENALTY_SCENES = ("spring-a", "spring-b")
+PENALTIES = (1e2, 1e3, 1e4, 1e5, 1e6)  # N/mm
+HARD, LESS_HARD = 1e8, 1e7  # N/mm
 SHORT, MOST_REPEATS = 0.02, 5  # s; a shorter solve is repeated within a round
 Progress = Callable[[str], None]
 
@@ -53,20 +56,15 @@ def workprecision(
     progress: Progress = lambda line: None,
     scenes: Mapping[str, Scene] | None = None,
 ) -> pd.DataFrame:
-    """Measure scenes and write ``workprecision.csv``, ``.md`` and the figures to `out`.
+    """Measure scenes and write ``workprecision.csv``, ``.md`` and the figures to `out`; the result.
+
+    The tables are written anew after every scene.
 
     Parameters
     ----------
-    out : folder, made where missing. The tables are written anew after every scene.
     only : names of scenes; None for all.
     extent : "quick", "normal" or "full".
-    progress : called with one line on what is being done.
     scenes : a user's, by their names, in the place of the study's own; in `STEPS` steps of each stage.
-
-    Returns
-    -------
-    pandas.DataFrame
-        The result (`validation.workprecision.results`).
 
     Raises
     ------
@@ -81,12 +79,15 @@ def workprecision(
     progress("making the kernels ready")
     make_ready()
     chosen = scenes or {name: s for name, s in study_scenes().items() if only is None or name in only}
+    options = [] if extent == "normal" else [f"--{extent}"]
+    options += ["--only", ",".join(only)] if only else []
+    command = " ".join(["coilcheck workprecision", *(scenes or ()), *options])
     found: list[pd.DataFrame] = []
     failure: InputError | EquilibriumNotFound | None = None
     for name, scene in chosen.items():
         try:
             found.append(study(scene.with_steps(STEPS), EXTENTS[extent], progress))
-            if name in SCENES:
+            if name in PENALTY_SCENES:
                 found.append(penalty_rows(scene, EXTENTS[extent].rounds, progress))
         except (InputError, EquilibriumNotFound) as error:
             failure = error
@@ -95,20 +96,12 @@ def workprecision(
         rows = pd.concat(found, ignore_index=True)
         if (rows["role"] == "run").any():
             write_files({results.FILE: results.to_csv(rows)}, out)
-            command = _command(list(scenes or ()), only, extent)
             write_provenance(command, out, openseespy=versions("openseespy")["openseespy"])
             page.write(out)
         elif name == list(chosen)[-1] and failure is not None:
             raise failure
     progress("drawing")
     return page.write(out, drawn=True)
-
-
-def _command(scenes: Sequence[str], only: Sequence[str] | None, extent: str) -> str:
-    size = [] if extent == "normal" else [f"--{extent}"]
-    return " ".join(
-        ["coilcheck workprecision", *scenes, *size, *([f"--only {','.join(only)}"] if only else [])]
-    )
 
 
 def study(scene: Scene, extent: Extent, progress: Progress) -> pd.DataFrame:
@@ -131,10 +124,8 @@ def study(scene: Scene, extent: Extent, progress: Progress) -> pd.DataFrame:
         times = _times(seconds[setting] / paper, float(np.median(paper)))
         if setting.is_paper_mesh:
             times |= quartiles("seconds", paper)
-        error = compare_paths(path, reference)
-        rows.append(
-            row("run", scene, setting, error, outcome=path.outcome, iterations=path.total_iterations, **times)
-        )
+        known = {"outcome": path.outcome, "iterations": path.total_iterations} | times
+        rows.append(row("run", scene, setting, compare_paths(path, reference), **known))
     try:
         rows += _peer_rows(scene, extent, reference, float(np.median(paper)), progress)
     except InputError as refusal:
@@ -165,18 +156,16 @@ def _reference(scene: Scene, extent: Extent) -> tuple[EquilibriumPath, list[dict
     series, half = extent.finest_mesh(scene)
     finest = Setting.wire(scene, series, 2 * half, steps=extent.finest)
     path = solve_wire(scene, **finest.options)
+    coarse, short = replace(finest, elements_per_turn=half), replace(finest, steps=extent.finest // 2)
     rows = []
-    for role, setting in (
-        ("half mesh", replace(finest, elements_per_turn=half)),
-        ("half steps", replace(finest, steps=extent.finest // 2)),
-    ):
+    for role, setting in (("half mesh", coarse), ("half steps", short)):
         rows.append(row(role, scene, setting, compare_paths(solve_wire(scene, **setting.options), path)))
     exact = EXACT_ROD.get(scene.name)
     if exact is not None:
         places = [int(np.flatnonzero(np.isclose(path.times, time))[0]) for time in exact]
         tips = np.array(list(exact.values()))
-        far, nan = float((np.abs(path.tips[places] - tips) / peaks(tips)).max()), float("nan")
-        rows.append(row("exact rod", scene, finest, Comparison(far, nan, nan, nan, {}, {}, len(exact), 1.0)))
+        far = float((np.abs(path.tips[places] - tips) / peaks(tips)).max())
+        rows.append(row("exact rod", scene, finest, None, last_time=1.0, curve_max=far))
     return path, rows
 
 
@@ -194,16 +183,45 @@ def _peer_rows(
     for mesh, steps in extent.peers:
         setting = Setting.wire(scene, PEER, mesh, steps=steps)
         progress(f"{scene.name}: {setting.label}")
-        runs, ratios = [], []
+        ratios = []
         for _ in range(extent.peer_rounds):
             beside = partial_path(solve_wire, scene).solve_seconds
-            runs.append(peer.run(scene, steps, peer.tolerance(scene), elements_per_turn=mesh))
-            ratios.append(runs[-1].seconds / beside)
-        run = runs[-1]
+            run = peer.run(scene, steps, peer.tolerance(scene), elements_per_turn=mesh)
+            ratios.append(run.seconds / beside)
         error = compare_curves(run.times, run.answers, reference)
-        outcome = "completed" if len(run.tips) == scene.with_steps(steps).load.rows else "not_converged"
-        times = _times(np.array(ratios), paper)
-        rows.append(
-            row("opensees", scene, setting, error, outcome=outcome, iterations=run.iterations, **times)
-        )
+        whole = len(run.tips) == scene.with_steps(steps).load.rows
+        known = {"outcome": "completed" if whole else "not_converged", "iterations": run.iterations}
+        rows.append(row("opensees", scene, setting, error, **known, **_times(np.array(ratios), paper)))
     return rows
+
+
+def penalty_rows(scene: Scene, rounds: int, progress: Progress) -> pd.DataFrame:
+    """What the penalty costs: times, and errors of each model against itself with a penalty of `HARD`.
+
+    With exponent 1 the penetration, and with it the error, falls in proportion to the penalty; so what a
+    tenth of `HARD` changes is more than the reference's own error. All runs take turns, round after round.
+    """
+    mesh = Setting.wire(scene, "straight", PAPER_ELEMENTS)
+
+    def solved(setting: Setting, penalty: float) -> EquilibriumPath:
+        return reached(scene.with_penalty(penalty), setting)
+
+    progress(f"{scene.name}: hard contact")
+    hard = {setting: solved(setting, HARD) for setting in (PAPER_MODEL, mesh)}
+    own = {setting: compare_paths(solved(setting, LESS_HARD), path) for setting, path in hard.items()}
+    paths = {(setting, penalty): solved(setting, penalty) for setting in hard for penalty in PENALTIES}
+    runs = {run: lambda run=run: solved(*run).solve_seconds for run in paths}
+    seconds = interleaved(runs, announced(rounds, progress, f"{scene.name}: penalties"))
+    paper = seconds[mesh, scene.contact.stiffness]
+    rows = []
+    for (setting, penalty), path in paths.items():
+        taken = seconds[setting, penalty]
+        found = row(
+            "penalty", scene, setting, compare_paths(path, hard[setting]), outcome=path.outcome,
+            iterations=path.total_iterations, **quartiles("seconds", taken), rounds=rounds,
+            ratio_to_paper_mesh=float(np.median(taken / paper)),
+            reference_curve_error=own[setting].curve_max, reference_shape_error_mm=own[setting].shape_max,
+            on_curve_front=0, on_shape_front=0,
+        )  # fmt: skip
+        rows.append(found | {"penalty": penalty})
+    return pd.DataFrame(rows)

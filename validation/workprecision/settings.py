@@ -51,32 +51,33 @@ class Setting:
     @property
     def options(self) -> dict[str, object]:
         """Keyword arguments of the model's `solve`."""
-        others = ("series", "geometry")  # the scene has the latter
-        chosen = {name: value for name, value in asdict(self).items() if value and name not in others}
+        chosen = {name: value for name, value in asdict(self).items() if value}
+        del chosen["series"]
+        chosen.pop("geometry", None)  # which the scene has
         return chosen | {"element" if self.elements_per_turn else "law": self.series}
 
     @property
     def label(self) -> str:
         """Name for a reader."""
-        if self.series == PEER:
-            return f"OpenSees {self.elements_per_turn}, {self.steps} steps"
-        mesh, pairs = self.elements_per_turn, self.pairs_per_turn
-        parts = [f"wire {self.series} {mesh}" if mesh else f"beam {self.series}"]
-        parts += ["paper’s tangent"] if self.tangent == "paper" else []
-        parts += ["scene’s sliding"] if self.sliding == "scene" else []
-        parts += [] if self.usual_pairs else [f"{pairs} pairs per turn"]
-        return ", ".join([*parts, f"{self.steps} step{'s' if self.steps != 1 else ''}"])
+        mesh, model = self.elements_per_turn, "wire" if self.elements_per_turn else "beam"
+        name = "OpenSees" if self.series == PEER else f"{model} {self.series}"
+        parts = {
+            f"{name} {mesh}" if mesh else name: True,
+            "paper’s tangent": self.tangent == "paper",
+            "scene’s sliding": self.sliding == "scene",
+            f"{self.pairs_per_turn} pairs per turn": not self.usual_pairs,
+            f"{self.steps} step{'s' if self.steps != 1 else ''}": True,
+        }
+        return ", ".join(part for part, said in parts.items() if said)
 
     @property
     def is_paper_mesh(self) -> bool:
         """Whether it is the paper's FE mesh with a scene's usual steps."""
-        usual = self.usual_pairs and self.steps == STEPS
-        return usual and (self.series, self.elements_per_turn) == ("straight", PAPER_ELEMENTS)
+        mesh = (self.series, self.elements_per_turn, self.steps)
+        return self.usual_pairs and mesh == ("straight", PAPER_ELEMENTS, STEPS)
 
-    @property
-    def is_paper_model(self) -> bool:
-        """Whether it is the paper's equivalent beam, solved with the exact tangent."""
-        return self == Setting(PAPER_LAW, tangent="exact", sliding="ignore")
+
+PAPER_MODEL = Setting(PAPER_LAW, tangent="exact", sliding="ignore")
 
 
 @dataclass(frozen=True)
@@ -118,7 +119,7 @@ FULL = replace(
     reference=320,
     pairs=(2, 8, 16, 32),
 )
-
+EXTENTS = {"quick": QUICK, "normal": NORMAL, "full": FULL}
 
 TITLES = {
     "spring-a": "Spring A",
@@ -155,25 +156,21 @@ def settings(scene: Scene, extent: Extent) -> tuple[Setting, ...]:
 
 
 def _wires(scene: Scene, extent: Extent) -> Iterable[Setting]:
-    meshes = [("straight", mesh) for mesh in extent.straight] + [("curved", mesh) for mesh in extent.curved]
-    yield from (Setting.wire(scene, element, fitted(scene, mesh)) for element, mesh in meshes)
+    for element, meshes in (("straight", extent.straight), ("curved", extent.curved)):
+        yield from (Setting.wire(scene, element, fitted(scene, mesh)) for mesh in meshes)
     for steps in extent.steps:
         yield Setting.wire(scene, "straight", PAPER_ELEMENTS, steps=steps)
         yield Setting.wire(scene, "curved", fitted(scene, extent.curved[0]), steps=steps)
-    if scene.contact.enabled:
-        times = PER_TURN[scene.contact.geometry] // PAIRS
-        for pairs in (PAIRS, *extent.pairs):
-            yield Setting.wire(scene, "curved", fitted(scene, max(16, pairs), pairs), times * pairs)
+    times = PER_TURN[scene.contact.geometry] // PAIRS
+    for pairs in (PAIRS, *extent.pairs) if scene.contact.enabled else ():
+        yield Setting.wire(scene, "curved", fitted(scene, max(16, pairs), pairs), times * pairs)
 
 
 def _beams(scene: Scene, extent: Extent) -> Iterable[Setting]:
     sticking = scene.contact.enabled and scene.contact.sliding != "free"
-    for series in LAWS:
-        for steps in (STEPS, *extent.steps):
-            yield Setting(series, steps=steps, tangent="exact", sliding="ignore")
+    for law in LAWS:
+        usual = Setting(law, tangent="exact", sliding="ignore")
+        yield from (replace(usual, steps=steps) for steps in (STEPS, *extent.steps))
         if sticking:
-            yield Setting(series, tangent="exact", sliding="scene")
-    yield Setting(PAPER_LAW, tangent="paper", sliding="ignore")
-
-
-EXTENTS = {"quick": QUICK, "normal": NORMAL, "full": FULL}
+            yield replace(usual, sliding="scene")
+    yield replace(PAPER_MODEL, tangent="paper")
