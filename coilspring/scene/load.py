@@ -8,7 +8,7 @@ import numpy as np
 
 from coilspring.errors import InputError, require_number, shown
 from coilspring.scene.profile import LONGEST
-from coilspring.scene.schema import integer, keep_checked, key
+from coilspring.scene.schema import integer, keep_checked, key, keyed
 
 MOST_FORCE = 1e12  # N
 MOST_STAGES = 1000
@@ -29,13 +29,11 @@ class Load:
     displacement : UY of the top, prescribed in the same way, mm; one or several.
     """
 
-    force: tuple[float, float] = field(
-        default=(0.0, 0.0),
-        metadata=key(
-            "Fx, Fy at the top at time 1, a dead load that grows with time",
-            instead=("stages", "displacement"),
-            required=True,
-        ),
+    force: tuple[float, float] = keyed(
+        (0.0, 0.0),
+        "Fx, Fy at the top at time 1, a dead load that grows with time",
+        instead=("stages", "displacement"),
+        required=True,
     )
     stages: tuple[tuple[float, float], ...] = field(
         default=(),
@@ -53,9 +51,7 @@ class Load:
             "UY of the top, reached one after the other", instead=("stages",), absent=DISPLACEMENT_SHOWN
         ),
     )
-    steps: int = field(
-        default=50, metadata=key("equal steps (of each stage) for results [50]", integer(1, 100_000))
-    )
+    steps: int = keyed(50, "equal steps (of each stage) for results [50]", integer(1, 100_000))
 
     def __post_init__(self) -> None:
         keep_checked(self, "load")

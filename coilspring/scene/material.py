@@ -6,11 +6,11 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
-from coilspring.errors import InputError, require_number, shown
-from coilspring.scene.schema import keep_checked, key, number
+from coilspring.errors import InputError, shown
+from coilspring.scene.schema import keep_checked, key, keyed, number
 
-MODULI = (1e-3, 1e9)  # MPa
-DENSITY = (10.0, 1e5)  # kg/m^3
+MODULI = number(1e-3, 1e9)  # MPa
+DENSITY = number(10.0, 1e5)  # kg/m^3
 POISSON = (-0.999, 0.5)
 
 
@@ -22,26 +22,18 @@ class Material:
     frequencies alone.
     """
 
-    E: float = field(
-        default=206_000.0,
-        metadata=key("Young's modulus [206000]", number(*MODULI), aliases={r"young\w*|modulus": ""}),
+    E: float = keyed(206_000.0, "Young's modulus [206000]", MODULI, aliases={r"young\w*|modulus": ""})
+    nu: float = keyed(
+        0.3,
+        "Poisson's ratio [0.3]; or G, the shear modulus",
+        number(*POISSON),
+        instead=("G",),
+        aliases={r"poisson\w*": ""},
     )
-    nu: float = field(
-        default=0.3,
-        metadata=key(
-            "Poisson's ratio [0.3]; or G, the shear modulus",
-            number(*POISSON),
-            instead=("G",),
-            aliases={r"poisson\w*": ""},
-        ),
-    )
-
     density: float = field(
         default=7850.0,
         kw_only=True,
-        metadata=key(
-            "kg/m^3 (steel: 7850), for natural frequencies [7850.0]", number(*DENSITY), aliases={r"rho": ""}
-        ),
+        metadata=key("kg/m^3 (steel: 7850), for natural frequencies [7850.0]", DENSITY, aliases={r"rho": ""}),
     )
 
     def __post_init__(self) -> None:
@@ -62,8 +54,7 @@ class Material:
     @classmethod
     def from_moduli(cls, E: float, G: float, density: float = 7850.0) -> Material:
         """Material given by its two moduli, MPa; their ratio must leave nu within its range."""
-        E = require_number("material.E", E, *MODULI)
-        G = require_number("material.G", G, *MODULI)
+        E, G = MODULI("material.E", E), MODULI("material.G", G)
         least, most = POISSON
         low, high = E / (2.0 * (1.0 + most)), E / (2.0 * (1.0 + least))
         if not low <= G <= high:

@@ -159,20 +159,12 @@ class Profile(NamedTuple):
 
 def profile(sections: Sequence[CoilSection]) -> Profile:
     """Radius and height of sections one above the other."""
-    knots, start = [0.0], [0.0]
-    for section in sections:
-        knots.append(knots[-1] + TWO_PI * section.coils)
-        start.append(start[-1] + section.height)
-    ends = [(section.pitch[0] / TWO_PI, section.pitch[1] / TWO_PI) for section in sections]
+    coils = np.array([each.coils for each in sections])
+    low, high = np.array([each.pitch for each in sections]).T / TWO_PI
     return Profile(
-        knots=np.array(knots),
+        knots=np.cumsum([0.0, *(TWO_PI * coils)]),
         radii=0.5 * np.array([sections[0].mean_diameter[0], *(each.mean_diameter[1] for each in sections)]),
-        start=np.array(start[:-1]),
-        rise=np.array([low for low, _ in ends]),
-        bend=np.array(
-            [
-                0.5 * (high - low) / TWO_PI / each.coils
-                for (low, high), each in zip(ends, sections, strict=True)
-            ]
-        ),
+        start=np.cumsum([0.0, *(each.height for each in sections)])[:-1],
+        rise=low,
+        bend=0.5 * (high - low) / TWO_PI / coils,
     )

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import MISSING, dataclass, field, fields
-from functools import cache
 from typing import Any
 
 from coilspring.errors import InputError, require_choice, require_integer, require_number, shown
@@ -41,13 +40,13 @@ def key(comment: str, check: Check | None = None, **others: Any) -> dict[str, Ke
     return {"key": Key(comment, check, **others)}
 
 
-def keys_of(record: type) -> Mapping[str, Key]:
+def keyed(default: Any, comment: str, check: Check | None = None, **others: Any) -> Any:
+    """A field with a default that is a key of scene files; see `Key`."""
+    return field(default=default, metadata=key(comment, check, **others))
+
+
+def keys_of(record: Any) -> Mapping[str, Key]:
     """Keys of a dataclass by name, in the order of a file."""
-    return _keys_of(record)
-
-
-@cache
-def _keys_of(record: Any) -> Mapping[str, Key]:
     return {item.name: item.metadata["key"] for item in fields(record) if "key" in item.metadata}
 
 

@@ -27,7 +27,7 @@ from coilspring.scene.profile import (
     profile,
     totals,
 )
-from coilspring.scene.schema import choice, keep_checked, key, number
+from coilspring.scene.schema import choice, keep_checked, key, keyed, number
 
 WIRE = (1e-6, 1e6)  # mm; a fourth power of it must not vanish
 SECTIONS_SHOWN = """
@@ -91,9 +91,7 @@ class Spring:
             aliases={r"pitch": ", the pitch times active_coils, or sections, each with a pitch"},
         )
     )
-    end_turns: float = field(
-        default=1.0, metadata=key("not active turns at each end: 0 or at least 0.5 [1.0]", number(0.0, 100.0))
-    )
+    end_turns: float = keyed(1.0, "not active turns at each end: 0 or at least 0.5 [1.0]", number(0.0, 100.0))
     ends: str = field(
         default="closed",
         kw_only=True,  # the order here is that of a file
@@ -101,10 +99,8 @@ class Spring:
             'pitch: "closed" d, "open" that of the coils next to them [closed]', choice("closed", "open")
         ),
     )
-    start_phase: float = field(
-        default=0.0, metadata=key("angle from X to Z where the active wire begins [0.0]", number(-1e3, 1e3))
-    )
-    hand: str = field(default="left", metadata=key("left or right [left]", choice("left", "right")))
+    start_phase: float = keyed(0.0, "angle from X to Z where the active wire begins [0.0]", number(-1e3, 1e3))
+    hand: str = keyed("left", "left or right [left]", choice("left", "right"))
     wire_rigidity: str = field(
         default="beam",
         kw_only=True,
@@ -113,11 +109,8 @@ class Spring:
             choice("beam", "solid"),
         ),
     )
-    sections: tuple[CoilSection, ...] = field(
-        default=(),
-        metadata=key(
-            "", absent=SECTIONS_SHOWN, item=CoilSection, aliases={r"pitch": ", each of which has a pitch"}
-        ),
+    sections: tuple[CoilSection, ...] = keyed(
+        (), "", absent=SECTIONS_SHOWN, item=CoilSection, aliases={r"pitch": ", each of which has a pitch"}
     )
 
     def __post_init__(self) -> None:

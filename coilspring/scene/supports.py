@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 from coilspring.errors import InputError, shown
-from coilspring.scene.schema import choice, keep_checked, key, some_of
+from coilspring.scene.schema import choice, keep_checked, keyed, some_of
 
 HELD_CHOICES = ("ux", "uy", "rotz")
+HELD = some_of(*HELD_CHOICES)
 SEATS = ("rigid", "plate")
 
 
@@ -24,16 +25,10 @@ class Supports:
         their plates and against turning on them.
     """
 
-    top_held: tuple[str, ...] = field(
-        default=(),
-        metadata=key("some of ux, uy, rotz, besides uz, rotx, roty [none]", some_of(*HELD_CHOICES)),
-    )
-    bottom_held: tuple[str, ...] = field(
-        default=HELD_CHOICES, metadata=key("the bottom is clamped [all three]", some_of(*HELD_CHOICES))
-    )
-    seat: str = field(
-        default="rigid",
-        metadata=key('end turns are "rigid" with their end or rest on a "plate" [rigid]', choice(*SEATS)),
+    top_held: tuple[str, ...] = keyed((), "some of ux, uy, rotz, besides uz, rotx, roty [none]", HELD)
+    bottom_held: tuple[str, ...] = keyed(HELD_CHOICES, "the bottom is clamped [all three]", HELD)
+    seat: str = keyed(
+        "rigid", 'end turns are "rigid" with their end or rest on a "plate" [rigid]', choice(*SEATS)
     )
 
     def __post_init__(self) -> None:
