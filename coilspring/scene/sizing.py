@@ -45,8 +45,8 @@ class Sizes:
     # not turn; nan where Poisson's ratio is outside what the latter is fitted to
     wire_rates: tuple[float, float]
     closing: tuple[float, float]  # axial force at which the first and the last coil would close, N
-    # largest axial one of the scene's load, positive in compression, N; of a prescribed displacement the force
-    # that goes with it, infinite beyond solid
+    # largest axial one of the scene's load, positive in compression, N; of a prescribed displacement the
+    # force that goes with it, infinite beyond solid
     force: float
     shortening: float  # by this force, mm, coils that close taken out
     stress: float  # largest shear stress under it, MPa; coils that have closed give no more
