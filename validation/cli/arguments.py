@@ -13,6 +13,7 @@ from typing import Any, NoReturn
 from coilspring import CATALOGUE, InputError, Scene, load_scene
 from validation.reproduce import ARTEFACTS
 from validation.study.machine import versions
+from validation.study.output import WIRE_FILES
 from validation.study.texts import number_of
 
 MODEL_OPTIONS = {
@@ -21,7 +22,7 @@ MODEL_OPTIONS = {
 }
 FILE_OPTIONS = {
     "equivbeam": (),
-    "wirefe": ("vtu", "vtu_series", "stress", "frequencies"),
+    "wirefe": (*WIRE_FILES, "frequencies"),
 }  # what a model can write besides the path
 CHOSEN = ("law", "element", "elements_per_turn")  # by an accuracy, besides the model
 LAWS = ("haringx", "helix")  # of a half coil; or a file

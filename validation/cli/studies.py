@@ -280,16 +280,5 @@ def view(arguments: argparse.Namespace, folder: Path, progress: Progress) -> Ans
     return [*([remark] if remark else []), f"written to {movie}"], ""
 
 
-COMMANDS = {
-    **{"reproduce": reproduce, "workprecision": workprecision, "sensitivity": sensitivity},
-    **{
-        "sweep": sweep,
-        "regress": regress,
-        "stability": stability,
-        "study-law": study_law,
-        "calibrate": calibrate,
-        "export": export,
-        "referee": referee,
-        "view": view,
-    },
-}
+STUDIES = (reproduce, workprecision, sensitivity, sweep, regress, stability, study_law, calibrate)
+COMMANDS = {each.__name__.replace("_", "-"): each for each in (*STUDIES, export, referee, view)}
