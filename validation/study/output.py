@@ -184,12 +184,9 @@ def _vtu_files(path: EquilibriumPath, steps: Mapping[str, int]) -> dict[str, byt
     from wirefe.export import write_vtu
 
     found = {}
-    with (
-        writing("the folder for temporary files"),
-        tempfile.TemporaryDirectory(prefix="coilcheck-") as folder,
-    ):
+    with writing("the folder for temporary files"), tempfile.TemporaryDirectory(prefix="coilcheck-") as made:
         for name, step in steps.items():
-            write_vtu(path, step, file := Path(at, "wire.vtu"))
+            write_vtu(path, step, file := Path(made, "wire.vtu"))
             found[name] = file.read_bytes()
     return found
 

@@ -51,7 +51,7 @@ def show(load: Callable[[], Frames]) -> None:
     ------
     InputError : the window could not be opened.
     """
-    with Drawing(COMMAND, None, "window") as drawing:
+    with Drawing(COMMAND, "window") as drawing:
         drawing.give(asdict(load()))
         status = drawing.failure(None)
     if status:
@@ -67,7 +67,7 @@ def film(load: Callable[[], Frames], movie: Path, progress: Callable[[str], None
     movie : the file.
     progress : called with one line on what is being done.
     """
-    with Drawing(COMMAND, None, "pictures") as drawing:
+    with Drawing(COMMAND, "pictures") as drawing:
         frames = load()
         chosen = np.unique(np.linspace(0, len(frames.times) - 1, MOST_PICTURES).round().astype(int))
         frames = Frames(frames.diameter, frames.times[chosen], frames.points[chosen], frames.forces[chosen])

@@ -22,36 +22,31 @@ class Drawing:
 
     Parameters
     ----------
-    command : given a folder, which holds the arrays and takes what is drawn, and further `words`.
-    arrays : by name; where they are not known yet, the command starts, and waits for them (`give`).
+    command : given a folder, which holds the arrays and takes what is drawn, and further `words`; it starts
+        at once, and waits for the arrays (`give`).
     """
 
-    def __init__(self, command: Sequence[str], arrays: Mapping[str, object] | None, *words: str) -> None:
+    def __init__(self, command: Sequence[str], *words: str) -> None:
         self._temporary = tempfile.TemporaryDirectory(prefix="coilcheck-")
         self.folder = Path(self._temporary.name)
-        self._process: subprocess.Popen | None = None
-        self._failure = ""
-        self._began = time.monotonic()
-        try:
-            self._process = subprocess.Popen(
-                (*command, str(self.folder), *words),
-                cwd=Path(__file__).parents[2],  # `-m` finds the package there, installed or not
-                stdin=subprocess.PIPE,  # which ends when the arrays are there
-                stdout=subprocess.DEVNULL,
-                stderr=subprocess.DEVNULL,
-            )
-        except OSError as error:
-            self._failure = f"it could not be started ({error.strerror or error})"
-        if arrays is not None:
-            self.give(arrays)
+        self._process = subprocess.Popen(
+            (*command, str(self.folder), *words),
+            cwd=Path(__file__).parents[2],  # `-m` finds the package there, installed or not
+            stdin=subprocess.PIPE,  # which ends when the arrays are there
+            stdout=subprocess.DEVNULL,
+            stderr=subprocess.DEVNULL,
+        )
 
     def give(self, arrays: Mapping[str, object]) -> None:
-        """Hand over what is drawn."""
+        """Hand over what is drawn, by name."""
         np.savez(self.folder / ARRAYS, **arrays)  # type: ignore[arg-type]
-        if self._process is not None and self._process.stdin is not None:
-            with suppress(BrokenPipeError):
-                self._process.stdin.close()
+        self._end_input()
         self._began = time.monotonic()
+
+    def _end_input(self) -> None:
+        assert self._process.stdin is not None
+        with suppress(BrokenPipeError):
+            self._process.stdin.close()
 
     def failure(
         self,
@@ -67,8 +62,6 @@ class Drawing:
         timeout : s since it has its arrays; None waits for ever.
         written : called with the number of files that are there, whenever it has changed.
         """
-        if self._process is None:
-            return self._failure
         status, count = self._process.poll(), 0
         while status is None:
             if timeout is not None and time.monotonic() - self._began > timeout:
@@ -88,12 +81,9 @@ class Drawing:
         return self
 
     def __exit__(self, *error: object) -> None:
-        if self._process is not None:
-            self._process.kill()
-            self._process.wait()
-            if self._process.stdin is not None:
-                with suppress(BrokenPipeError):
-                    self._process.stdin.close()
+        self._process.kill()
+        self._process.wait()
+        self._end_input()
         self._temporary.cleanup()
 
 

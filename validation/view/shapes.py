@@ -4,11 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from validation.study.cases import PathStore, case
 from validation.study.document import Table
+
+if TYPE_CHECKING:
+    from validation.study.cases import PathStore
 
 POINTS_PER_TURN = 80  # of the pictures
 DATA_STRIDE = 4  # of those points, in the CSV files
@@ -42,10 +45,6 @@ class Shapes:
     beam_circles: np.ndarray
     wire_circles: np.ndarray
 
-    def overlaps(self, circles: np.ndarray) -> np.ndarray:
-        """Overlap of each circle with its neighbour one coil above, 0 where there is none, mm."""
-        return overlaps(circles, self.diameter)
-
 
 def overlaps(circles: np.ndarray, diameter: float) -> np.ndarray:
     """Overlap of each circle with its neighbour one coil above, 0 where there is none, mm."""
@@ -56,6 +55,8 @@ def overlaps(circles: np.ndarray, diameter: float) -> np.ndarray:
 
 def shapes(store: PathStore, name: str) -> Shapes:
     """Shapes of a catalogue scene at full load."""
+    from validation.study.cases import case  # with both models, which who draws does not need
+
     scene = case(name).scene
     beam, wire, spring = store.beam(scene), store.wire(scene), scene.spring
     first, last = spring.phase_range
@@ -128,7 +129,7 @@ def circle_table(panels: tuple[Shapes, ...]) -> Table:
         for panel in panels
         for label, circles in (("equivbeam", panel.beam_circles), ("wirefe", panel.wire_circles))
         for index, (centre, overlap) in enumerate(
-            zip(circles, (*panel.overlaps(circles), 0.0, 0.0), strict=True)
+            zip(circles, (*overlaps(circles, panel.diameter), 0.0, 0.0), strict=True)
         )
     ]
     return Table(("scene", "model", "circle", "x_mm", "y_mm", "overlap_mm"), tuple(rows))
