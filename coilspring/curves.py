@@ -12,31 +12,26 @@ from coilspring.path import EquilibriumPath
 COMPONENTS = ("ux", "uy", "rotz")
 # A component whose reference peak is below this share of the largest one is fixed, or only rounding.
 NEGLIGIBLE = 1e-9
+NAN = float("nan")
 
 
 @dataclass(frozen=True)
 class Comparison:
-    """Differences of a path from a reference; not a number where no time, or no shape, is common to both.
+    """Differences of a path from a reference; not a number where no time, or no shape, is common to both."""
 
-    Attributes
-    ----------
-    curve_max, curve_rms : difference at the same load over the reference's peak, of the component
-        with the largest maximum, and of the one with the largest root mean square.
-    shape_max, shape_rms : distance of the centres of the contact circles at `last_time`, mm.
-    component_max, component_rms : the curve errors of UX, UY, ROTZ alone; components that the
-        reference does not move are left out; "uy" is the axial force where UY is prescribed.
-    steps : number of common times.
-    last_time : last common time, 0 where there is none.
-    """
-
+    # at the same load over the reference's peak: of the component with the largest maximum, and of the one
+    # with the largest root mean square
     curve_max: float
     curve_rms: float
+    # distance of the centres of the contact circles at `last_time`, mm
     shape_max: float
     shape_rms: float
+    # the curve errors of UX, UY, ROTZ alone; components that the reference does not move are left out; "uy"
+    # is the axial force where UY is prescribed
     component_max: dict[str, float]
     component_rms: dict[str, float]
-    steps: int
-    last_time: float
+    steps: int  # number of common times
+    last_time: float  # last common time, 0 where there is none
 
 
 def compare_curves(
@@ -52,9 +47,8 @@ def compare_curves(
     """
     # equal fractions of time are equal numbers, whatever the two numbers of steps
     common, mine, theirs = np.intersect1d(times, reference.times, return_indices=True)
-    nan = float("nan")
     if common.size == 0:
-        return Comparison(nan, nan, nan, nan, {}, {}, 0, 0.0)
+        return Comparison(NAN, NAN, NAN, NAN, {}, {}, 0, 0.0)
     curves, wanted = (
         np.column_stack([part[name] for name in COMPONENTS]) for part in (responses, answered(reference))
     )
@@ -63,16 +57,8 @@ def compare_curves(
     errors = {name: relative[:, i] for i, name in enumerate(COMPONENTS) if np.isfinite(moved[i])}
     largest = {name: float(np.abs(error).max()) for name, error in errors.items()}
     rms = {name: float(np.sqrt(np.mean(error**2))) for name, error in errors.items()}
-    return Comparison(
-        curve_max=max(largest.values()),
-        curve_rms=max(rms.values()),
-        shape_max=nan,
-        shape_rms=nan,
-        component_max=largest,
-        component_rms=rms,
-        steps=common.size,
-        last_time=float(common[-1]),
-    )
+    ends = (common.size, float(common[-1]))
+    return Comparison(max(largest.values()), max(rms.values()), NAN, NAN, largest, rms, *ends)
 
 
 def answered(path: EquilibriumPath) -> dict[str, np.ndarray]:

@@ -27,31 +27,18 @@ Job = tuple[Scene, Solver]
 
 @dataclass(frozen=True)
 class Outcome:
-    """Result of one spring of a sweep.
+    """Result of one spring of a sweep; the numbers are those of the last state reached."""
 
-    Attributes
-    ----------
-    outcome : as in `coilspring.EquilibriumPath`, "refused" for bad input, or "crashed" where the program
-        failed.
-    message : one sentence.
-    last_time : time reached, 1 where completed.
-    tip : UX, UY, ROTZ at the last time reached, mm, rad; None where there is none.
-    load : Fx, Fy at the top there, N; of a prescribed displacement the reaction; None where there is none.
-    active_contacts, max_penetration, max_contact_force : there; pairs, mm, N.
-    critical_time : of a critical point, or None.
-    total_iterations : factorisations.
-    """
-
-    outcome: str
-    message: str
-    last_time: float = 0.0
-    tip: tuple[float, float, float] | None = None
-    active_contacts: int = 0
-    max_penetration: float = 0.0
+    outcome: str  # of the path; `REFUSED` for bad input, `CRASHED` where the program failed
+    message: str  # one sentence
+    last_time: float = 0.0  # 1 where completed
+    tip: tuple[float, float, float] | None = None  # UX, UY, ROTZ, mm, rad
+    active_contacts: int = 0  # pairs
+    max_penetration: float = 0.0  # mm
     critical_time: float | None = None
-    total_iterations: int = 0
-    load: tuple[float, float] | None = None
-    max_contact_force: float = 0.0
+    total_iterations: int = 0  # factorisations
+    load: tuple[float, float] | None = None  # Fx, Fy, N; of a prescribed displacement the reaction
+    max_contact_force: float = 0.0  # N
 
 
 def jobs(

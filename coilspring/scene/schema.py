@@ -13,26 +13,15 @@ Check = Callable[[str, object], Any]  # of a name for messages and a value; retu
 
 @dataclass(frozen=True)
 class Key:
-    """One key of a scene file.
+    """One key of a scene file."""
 
-    Attributes
-    ----------
-    comment : written beside it.
-    check : of the value alone; None where the dataclass checks it together with others.
-    instead : keys that can take its place.
-    absent : text written in its place where it has its default; None where the default is written.
-    required : in a file, unless one of `instead` is there; by default where the field has no default.
-    aliases : patterns of names that may be meant for it, and what makes this key of such a value.
-    item : dataclass of the tables that are its value.
-    """
-
-    comment: str = ""
-    check: Check | None = None
-    instead: tuple[str, ...] = ()
-    absent: str | None = None
-    required: bool = False
-    aliases: Mapping[str, str] = field(default_factory=dict)
-    item: type | None = None
+    comment: str = ""  # written beside it
+    check: Check | None = None  # of the value alone; None where the dataclass checks it with others
+    instead: tuple[str, ...] = ()  # keys that can take its place
+    absent: str | None = None  # text in its place where it has its default; None where that is written
+    required: bool = False  # in a file, unless one of `instead` is there; fields without default always are
+    aliases: Mapping[str, str] = field(default_factory=dict)  # patterns meant for it; what makes it of those
+    item: type | None = None  # dataclass of the tables that are its value
 
 
 def key(comment: str, check: Check | None = None, **others: Any) -> dict[str, Key]:

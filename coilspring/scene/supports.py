@@ -34,6 +34,11 @@ class Supports:
     def __post_init__(self) -> None:
         keep_checked(self, "supports")
 
+    @property
+    def free(self) -> tuple[float, float]:
+        """1 for each of X and Y in which the top can move, else 0."""
+        return float("ux" not in self.top_held), float("uy" not in self.top_held)
+
     def require_supported(self, model: str, seats: tuple[str, ...] = ("rigid",)) -> str:
         """The seat, if `model` can represent these supports with one of its `seats`, else `InputError`."""
         if self.bottom_held != HELD_CHOICES:

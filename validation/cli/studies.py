@@ -205,7 +205,7 @@ def _choice(
     from validation.sweep.grid import points
 
     found = choose(list(points(scene, varied)), varied, arguments.accuracy, progress)
-    return found.candidate, [found.line(arguments.accuracy)]
+    return found.candidate, [found.line]
 
 
 def export(arguments: argparse.Namespace, folder: Path, progress: Progress) -> Answer:

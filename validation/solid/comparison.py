@@ -19,12 +19,13 @@ from validation.study.partialsolve import partial_path
 DIRECTIONS = ("Fx", "Fy", "Fz", "Mx", "My", "Mz")
 COILS = 3.0
 KINDS = ("beam", "solid")
-FINEST = {"element": "curved", "elements_per_turn": 16}
-MODELS: dict[str, tuple[Callable[..., EquilibriumPath], dict[str, Any]]] = {
+SOLVERS: dict[str, tuple[Callable[..., EquilibriumPath], dict[str, Any]]] = {
     "paper's law": (equivbeam.solve, {"law": "haringx"}),
     "helix law": (equivbeam.solve, {"law": "helix"}),
-    "wire model": (wirefe.solve, FINEST),
+    "wire model": (wirefe.solve, {"element": "curved", "elements_per_turn": 16}),
+    "paper's mesh": (wirefe.solve, {}),
 }
+MODELS = tuple(SOLVERS)[:3]  # beside solids
 
 
 def flexibilities(spring: Spring, material: Material, coils: float = COILS) -> pd.DataFrame:
@@ -72,7 +73,7 @@ def deflections(scene: Scene) -> pd.DataFrame:
 
 def solved(scene: Scene, model: str, kind: str) -> EquilibriumPath:
     """Path of a model with a rigidity of the wire, as far as it goes."""
-    solve, options = MODELS[model]
+    solve, options = SOLVERS[model]
     return partial_path(solve, replace(scene, spring=replace(scene.spring, wire_rigidity=kind)), **options)
 
 

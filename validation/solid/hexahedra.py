@@ -20,16 +20,11 @@ PER_LINE = 16  # numbers in a line of a deck
 
 @dataclass(frozen=True)
 class Fineness:
-    """Of a mesh: quadrilaterals along an edge of the square and from it to the surface, elements along.
+    """Of a mesh."""
 
-    Attributes
-    ----------
-    length : of the elements along the wire, over its diameter.
-    """
-
-    square: int
-    rings: int
-    length: float
+    square: int  # quadrilaterals along an edge of the square
+    rings: int  # from there to the surface
+    length: float  # of the elements along the wire, over its diameter
 
 
 COARSE, MIDDLE, FINE = Fineness(2, 1, 0.8), Fineness(3, 1, 0.8), Fineness(4, 2, 0.6)

@@ -76,17 +76,13 @@ def _require_key(key: str, table: Mapping[str, Any]) -> None:
     refuse_unknown(f"[{section}]", {name: None}, allowed_keys(record), record)
     value, place = table[section].get(name), f"{section}.{name}"
     for step in path[1:]:
-        items = value if isinstance(value, dict) else {str(i): item for i, item in enumerate(_items(value))}
+        value = dict(enumerate(value)) if isinstance(value, list) else value
+        items = {str(item): each for item, each in value.items()} if isinstance(value, dict) else {}
         if step not in items:
-            allowed = (
-                f"allowed: {', '.join(f'{place}.{item}' for item in items)}" if items else "it has no items"
-            )
+            names = ", ".join(f"{place}.{item}" for item in items)
+            allowed = f"allowed: {names}" if items else "it has no items"
             raise InputError(f"unknown item {step!r} of {place} in this scene; {allowed}")
         value, place = items[step], f"{place}.{step}"
-
-
-def _items(value: object) -> list:
-    return value if isinstance(value, list) else []
 
 
 def _values(text: str) -> tuple[Any, ...]:

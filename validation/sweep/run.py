@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from functools import partial
 from importlib import import_module
 from pathlib import Path
 from typing import Any
@@ -74,7 +73,12 @@ def sweep(
     missing = {i: task for i, task in enumerate(tasks) if task and keys[i] not in table.rows}
     done = len(grid) - len(missing)
     progress(done, len(grid))
-    prepare = partial(_prepare, {choice.model for _, choice in missing.values()})
+    models = {choice.model for _, choice in missing.values()}
+
+    def prepare() -> None:
+        for model in models:
+            store(import_module(f"{model}.solve").KERNELS)
+
     found = outcomes(iter(missing.values()), chunk=CHUNK, workers=workers, prepare=prepare)
     for i, outcome in zip(missing, found, strict=True):
         table.append(keys[i], grid[i].values, outcome)
@@ -105,11 +109,6 @@ def _key(point: Point, task: tuple[Scene, Choice] | None) -> str:
         return f"{REFUSED} {point.values!r}"
     scene, choice = task
     return run_key(choice.model, scene, choice.options)[:DIGITS]
-
-
-def _prepare(models: set[str]) -> None:
-    for model in models:
-        store(import_module(f"{model}.solve").KERNELS)
 
 
 def digest(rows: Sequence[Row]) -> list[str]:

@@ -14,7 +14,7 @@ from matplotlib.lines import Line2D
 from coilspring import EquilibriumPath
 from validation.study import style
 from validation.study.metrics import COMPONENTS, answered
-from validation.study.plots import TIPS, both, discs, png
+from validation.study.plots import TIPS, both, discs, png, to_scale
 
 LABELS = dict(zip(COMPONENTS, TIPS, strict=True))
 DIFFERENCE: style.Look = {"color": "black", "linewidth": 1.0}
@@ -101,18 +101,13 @@ def _shape(axes: Axes, beam: EquilibriumPath, wire: EquilibriumPath) -> None:
     common, mine, theirs = np.intersect1d(beam.times, wire.times, return_indices=True)
     groups = [(spring.points(spring.circle_phases())[:, :2], style.REST_CIRCLE)]
     if common.size:
-        groups += [
-            (beam.circle_centres(mine[-1]), style.BEAM_CIRCLE),
-            (wire.circle_centres(theirs[-1]), style.WIRE_CIRCLE),
-        ]
+        groups.append((beam.circle_centres(mine[-1]), style.BEAM_CIRCLE))
+        groups.append((wire.circle_centres(theirs[-1]), style.WIRE_CIRCLE))
     for centres, look in groups:
         discs(axes, centres, spring.wire_diameter, **look)
     every = np.concatenate([centres for centres, _ in groups])
-    low, high = every.min(axis=0) - spring.wire_diameter, every.max(axis=0) + spring.wire_diameter
     title = f"contact circles at time {common[-1]:g}" if common.size else "no common step"
-    axes.set(aspect="equal", xlim=(low[0], high[0]), ylim=(low[1], high[1]), xlabel="X (mm)", title=title)
-    axes.set_ylabel("Y (mm)")
-    axes.grid(False)
+    to_scale(axes, every, spring.wire_diameter, title=title)
 
 
 def _key() -> list[Line2D]:

@@ -24,24 +24,16 @@ BAND_SHARE = 0.4  # of the wire's length that the wire model takes
 
 @dataclass(frozen=True)
 class Shapes:
-    """One panel: the wire at rest and as both models deform it.
+    """One panel: the wire at rest and as both models deform it, mm."""
 
-    Attributes
-    ----------
-    name, title, spring : scene, what to write above the panel, and the name of the case.
-    diameter : of the wire, mm.
-    rest, beam, wire : (points, 3) centrelines, mm.
-    rest_circles, beam_circles, wire_circles : (circles, 2) where the wire crosses the working plane, mm.
-    """
-
-    name: str
-    title: str
-    spring: str
-    diameter: float
-    rest: np.ndarray
+    name: str  # of the scene
+    title: str  # above the panel
+    spring: str  # name of the case
+    diameter: float  # of the wire
+    rest: np.ndarray  # (points, 3) centreline
     beam: np.ndarray
     wire: np.ndarray
-    rest_circles: np.ndarray
+    rest_circles: np.ndarray  # (circles, 2) where the wire crosses the working plane
     beam_circles: np.ndarray
     wire_circles: np.ndarray
 
