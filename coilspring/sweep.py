@@ -122,10 +122,7 @@ def outcome_of(scene: Scene, solve: Solver) -> Outcome:
 
 
 def _outcome(path: EquilibriumPath) -> Outcome:
-    spent: dict[str, Any] = {
-        "critical_time": path.critical_time,
-        "total_iterations": path.total_iterations,
-    }
+    spent: dict[str, Any] = {"critical_time": path.critical_time, "total_iterations": path.total_iterations}
     if not len(path.times):
         return Outcome(path.outcome, path.message, **spent)
     law, gaps = path.shape.pair_law, path.shape.pair_gaps(path.states[-1:])

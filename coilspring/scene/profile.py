@@ -57,9 +57,7 @@ class CoilSection:
     def checked(self, field: str, wire_diameter: float) -> CoilSection:
         """The section with its numbers as floats; `field` is its name in messages.
 
-        Raises
-        ------
-        InputError : a number out of its range, or coils that overlap at rest.
+        Raises `InputError`: a number out of its range, or coils that overlap at rest.
         """
         return CoilSection(
             require_number(f"{field}.coils", self.coils, *SECTION_COILS),
@@ -71,9 +69,7 @@ class CoilSection:
 def checked_sections(sections: object, wire_diameter: float) -> tuple[CoilSection, ...]:
     """Sections with their numbers as floats, each beginning with the diameter at which the last one ends.
 
-    Raises
-    ------
-    InputError : see `CoilSection.checked`.
+    Raises `InputError`: see `CoilSection.checked`.
     """
     if not isinstance(sections, list | tuple) or not 1 <= len(sections) <= MOST_SECTIONS:
         raise InputError(f"spring.sections must be 1 to {MOST_SECTIONS} sections, got {shown(sections)}")

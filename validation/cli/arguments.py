@@ -163,9 +163,7 @@ def refuse_other_models(arguments: argparse.Namespace) -> None:
 def scenes_of(arguments: argparse.Namespace) -> dict[str, Scene]:
     """Scenes of a study by name, their catalogue's or their file's; that of the geometry asked for is added.
 
-    Raises
-    ------
-    InputError : a file that cannot be read, or two of one name.
+    Raises `InputError`: a file that cannot be read, or two of one name.
     """
     geometry = arguments.geometry
     found: dict[str, Scene] = {}

@@ -73,9 +73,7 @@ def calibrate(arguments: argparse.Namespace, folder: Path, progress: Progress) -
 def _own_scenes(arguments: argparse.Namespace) -> dict[str, Scene]:
     """The scenes of a study by name; empty for those of the paper.
 
-    Raises
-    ------
-    InputError : scenes beside --only, or a geometry without scenes.
+    Raises `InputError`: scenes beside --only, or a geometry without scenes.
     """
     scenes = scenes_of(arguments)
     if scenes and getattr(arguments, "only", None):
@@ -137,9 +135,7 @@ def stability(arguments: argparse.Namespace, folder: Path, progress: Progress) -
 def _seeds(one: int | None, listed: str | None) -> tuple[int, ...]:
     """Seeds of a campaign, each once.
 
-    Raises
-    ------
-    InputError : both options are given, or the list is none of whole numbers.
+    Raises `InputError`: both options are given, or the list is none of whole numbers.
     """
     if listed is None:
         return (1 if one is None else one,)

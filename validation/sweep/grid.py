@@ -40,9 +40,7 @@ class Point:
 def read_varied(texts: Sequence[str], scene: Scene) -> list[Varied]:
     """Keys and values of ``KEY=FIRST:LAST:COUNT`` or ``KEY=VALUE,VALUE,...``.
 
-    Raises
-    ------
-    InputError : a key that scenes, or this one, do not have; a text that is no range and no list.
+    Raises `InputError`: a key that scenes, or this one, do not have; a text that is no range and no list.
     """
     table = scene_table(scene)
     found: list[Varied] = []

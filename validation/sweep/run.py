@@ -55,16 +55,8 @@ def sweep(
     """Solve all combinations of the values, and write ``sweep.csv``: a row for each, in their order.
 
     A row is on disk as soon as its scene is solved. Rows that are there already from the same scenes,
-    options and sources are not solved again.
-
-    Parameters
-    ----------
-    folder : of the table.
-    scene : whose keys are varied.
-    varied : keys and values; the last key is the fastest.
-    choose : what solves a scene: one choice for all, or another for each.
-    workers : processes; by default one for each processor core. 0: none besides this one.
-    progress : called with the number of scenes done and of all.
+    options and sources are not solved again. `workers`: see `coilspring.sweep.outcomes`; `progress` is
+    called with the number of scenes done and of all.
     """
     grid = list(points(scene, varied))
     tasks = [(point.scene, choose(point.scene)) if point.scene else None for point in grid]
@@ -121,9 +113,7 @@ def digest(rows: Sequence[Row]) -> list[str]:
 def ended_early(rows: Sequence[Row]) -> str:
     """What did not reach full load, in one sentence; empty where all did.
 
-    Raises
-    ------
-    InputError : no scene could be solved.
+    Raises `InputError`: no scene could be solved.
     """
     count = sum(row["outcome"] != COMPLETED for row in rows)
     if all(row["outcome"] == REFUSED for row in rows):

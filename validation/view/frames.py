@@ -49,9 +49,7 @@ def of_scene(scene: Scene, progress: Callable[[str], None] = lambda line: None) 
 def of_run(folder: Path) -> Frames:
     """Read the series of VTU files of a run.
 
-    Raises
-    ------
-    InputError : the folder holds none, or files that are not those of a run.
+    Raises `InputError`: the folder holds none, or files that are not those of a run.
     """
     import meshio
 

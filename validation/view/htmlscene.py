@@ -50,13 +50,7 @@ def _signature(mark: str) -> bytes:
 
 
 def page(panels: Sequence[Shapes], mark: str) -> bytes | str:
-    """The page; or in a few words why there is none.
-
-    Parameters
-    ----------
-    panels : springs, put side by side.
-    mark : by which `is_made` knows the page again.
-    """
+    """The page of springs side by side, which `is_made` knows by its `mark`; or in a few words why not."""
     with Drawing(COMMAND) as drawing:
         drawing.give(panel_arrays(panels))
         file = drawing.folder / FILE

@@ -33,13 +33,14 @@ def picture(beam: EquilibriumPath, wire: EquilibriumPath) -> Figure:
     Where the top moves along the axis alone: force against deflection, and the difference of both curves.
     Else each component that moves, against the load; where UY is prescribed the axial force.
     """
-    moved = [name for name in LABELS if any(_moves(path, name) for path in (beam, wire))]
+    most = np.max([np.abs(path.tips).max(axis=0, initial=0.0) for path in (beam, wire)], axis=0)
+    moved = [name for name, size in zip(COMPONENTS, most, strict=True) if size > HELD]
     figure = Figure(figsize=(style.DOUBLE, 4.4), layout="constrained")
     if moved == ["uy"]:
         plots = _panels(figure, ("curve", "difference"), (2.2, 1.0))
         _axial(plots["curve"], plots["difference"], beam, wire)
     else:
-        names = moved or list(LABELS)
+        names = moved or list(COMPONENTS)
         plots = _panels(figure, names, [1.0] * len(names))
         for name in names:
             _curve(plots[name], beam, wire, name)
@@ -47,10 +48,6 @@ def picture(beam: EquilibriumPath, wire: EquilibriumPath) -> Figure:
     _shape(plots["shape"], beam, wire)
     figure.legend(handles=_key(), loc="outside lower center", ncols=3)
     return figure
-
-
-def _moves(path: EquilibriumPath, name: str) -> bool:
-    return bool(np.abs(path.tips[:, COMPONENTS.index(name)]).max(initial=0.0) > HELD)
 
 
 def _panels(figure: Figure, names: Sequence[str], heights: Sequence[float]) -> dict[str, Axes]:

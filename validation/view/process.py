@@ -20,10 +20,8 @@ POLL = 0.05  # s, between looks at what a drawing has written
 class Drawing:
     """A command that draws arrays, and whose output is dropped; as a context it cleans up after itself.
 
-    Parameters
-    ----------
-    command : given a folder, which holds the arrays and takes what is drawn, and further `words`; it starts
-        at once, and waits for the arrays (`give`).
+    It is given a folder, which holds the arrays and takes what is drawn, and further `words`; it starts at
+    once, and waits for the arrays (`give`).
     """
 
     def __init__(self, command: Sequence[str], *words: str) -> None:
@@ -57,24 +55,20 @@ class Drawing:
     ) -> str:
         """In a few words why it failed, empty where it did not and the files are there; waited for.
 
-        Parameters
-        ----------
-        timeout : s since it has its arrays; None waits for ever.
-        written : called with the number of files that are there, whenever it has changed.
+        At most `timeout` s since it has its arrays (None: for ever), with `written` called with the number of
+        files that are there, whenever it has changed.
         """
-        status, count = self._process.poll(), 0
-        while status is None:
+        count = 0
+        while self._process.poll() is None:
             if timeout is not None and time.monotonic() - self._began > timeout:
                 return f"it took longer than {timeout:g} s"
             with suppress(subprocess.TimeoutExpired):
                 self._process.wait(POLL)
-            status, before = self._process.poll(), count
-            while count < len(files) and files[count].is_file():
-                count += 1
+            before, count = count, sum(file.is_file() for file in files)
             if count != before:
                 written(count)
-        if status:
-            return f"it ended with status {status}"
+        if self._process.returncode:
+            return f"it ended with status {self._process.returncode}"
         return "" if all(file.is_file() for file in files) else missing
 
     def __enter__(self) -> Self:
