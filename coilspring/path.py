@@ -128,10 +128,8 @@ class EquilibriumPath:
     def __post_init__(self) -> None:
         steps = len(self.times)
         if len(self.states) != steps or len(self.iterations) != steps:
-            raise ValueError(
-                f"times, states and iterations differ in length: "
-                f"{steps}, {len(self.states)}, {len(self.iterations)}"
-            )
+            lengths = f"{steps}, {len(self.states)}, {len(self.iterations)}"
+            raise ValueError(f"times, states and iterations differ in length: {lengths}")
         if self.outcome not in OUTCOMES:
             raise ValueError(f"outcome must be one of {OUTCOMES}, got {self.outcome!r}")
 

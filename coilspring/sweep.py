@@ -127,8 +127,8 @@ def _outcome(path: EquilibriumPath) -> Outcome:
         return Outcome(path.outcome, path.message, **spent)
     law, gaps = path.shape.pair_law, path.shape.pair_gaps(path.states[-1:])
     return Outcome(
-        outcome=path.outcome,
-        message=path.message,
+        path.outcome,
+        path.message,
         last_time=float(path.times[-1]),
         tip=tuple(path.tips[-1].tolist()),
         load=tuple(path.loads[-1].tolist()),
