@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass
 
 from coilspring.errors import InputError, require_number, shown
-from coilspring.scene.schema import choice, keep_checked, keyed, number, switch
+from coilspring.scene.schema import keep_checked
 
 
 @dataclass(frozen=True)
@@ -24,21 +24,12 @@ class Contact:
         "spheres" on them, as the paper has it; the equivalent beam has circles either way.
     """
 
-    enabled: bool = keyed(True, "false: coils pass through each other [true]", switch)
-    stiffness: float = keyed(
-        1.0e4,
-        "penalty K of a pair at 4 pairs per turn, N/mm^exponent [1e4]",
-        number(1e-9, 1e12),
-        aliases={r"k|penalty": ""},
-    )
-    exponent: float = keyed(1.0, "of the penetration, 1 to 5 [1.0]", number(1.0, 5.0))
-    sliding: str = keyed(
-        "free", '"free", "none", or "coulomb" with friction = ... [free]', choice("free", "none", "coulomb")
-    )
-    geometry: str = keyed(
-        "wires", 'of the wire model: "wires" or "spheres" (the paper\'s) [wires]', choice("wires", "spheres")
-    )
-    friction: float | None = keyed(None, "coefficient", absent="", aliases={r"mu|friction_coefficient": ""})
+    enabled: bool = True
+    stiffness: float = 1.0e4
+    exponent: float = 1.0
+    sliding: str = "free"
+    geometry: str = "wires"
+    friction: float | None = None
 
     def __post_init__(self) -> None:
         keep_checked(self, "contact")

@@ -6,18 +6,16 @@ from collections.abc import Sequence
 from dataclasses import astuple, dataclass
 
 from coilspring.errors import InputError, shown
-from coilspring.scene.schema import keep_checked, keyed, number
-
-FACTOR = number(1e-3, 1e3)
+from coilspring.scene.schema import keep_checked
 
 
 @dataclass(frozen=True)
 class Factors:
     """Factors of the paper's three stiffnesses of a half coil; the wire model has no use for them."""
 
-    axial: float = keyed(1.0, "of the equivalent beam's axial stiffness [1.0]", FACTOR)
-    shearing: float = keyed(1.0, "of its shearing stiffness [1.0]", FACTOR, aliases={r"shear": ""})
-    bending: float = keyed(1.0, "of its bending stiffness [1.0]", FACTOR, aliases={r"bend": ""})
+    axial: float = 1.0
+    shearing: float = 1.0
+    bending: float = 1.0
 
     def __post_init__(self) -> None:
         keep_checked(self, "factors")

@@ -7,11 +7,10 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from coilspring.errors import InputError, shown
-from coilspring.scene.schema import keep_checked, key, keyed, number
+from coilspring.scene.schema import KEYS, keep_checked
 
-MODULI = number(1e-3, 1e9)  # MPa
-DENSITY = number(10.0, 1e5)  # kg/m^3
-POISSON = (-0.999, 0.5)
+MODULUS = KEYS["material"]["E"].check
+POISSON = KEYS["material"]["nu"].checks["number"]
 
 
 @dataclass(frozen=True)
@@ -22,19 +21,9 @@ class Material:
     frequencies alone.
     """
 
-    E: float = keyed(206_000.0, "Young's modulus [206000]", MODULI, aliases={r"young\w*|modulus": ""})
-    nu: float = keyed(
-        0.3,
-        "Poisson's ratio [0.3]; or G, the shear modulus",
-        number(*POISSON),
-        instead=("G",),
-        aliases={r"poisson\w*": ""},
-    )
-    density: float = field(
-        default=7850.0,
-        kw_only=True,
-        metadata=key("kg/m^3 (steel: 7850), for natural frequencies [7850.0]", DENSITY, aliases={r"rho": ""}),
-    )
+    E: float = 206_000.0
+    nu: float = 0.3
+    density: float = field(default=7850.0, kw_only=True)
 
     def __post_init__(self) -> None:
         keep_checked(self, "material")
@@ -54,7 +43,7 @@ class Material:
     @classmethod
     def from_moduli(cls, E: float, G: float, density: float = 7850.0) -> Material:
         """Material given by its two moduli, MPa; their ratio must leave nu within its range."""
-        E, G = MODULI("material.E", E), MODULI("material.G", G)
+        E, G = MODULUS("material.E", E), MODULUS("material.G", G)
         least, most = POISSON
         low, high = E / (2.0 * (1.0 + most)), E / (2.0 * (1.0 + least))
         if not low <= G <= high:

@@ -4,32 +4,21 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from coilspring.errors import InputError, require_number, shown
-from coilspring.scene.schema import key
+from coilspring.scene.schema import KEYS
 
 TWO_PI = 2.0 * math.pi
 LONGEST = 1e9  # mm
-ACTIVE_COILS = (0.5, 1000.0)
+ACTIVE_COILS = KEYS["spring"]["active_coils"].checks["number"]
 SECTION_COILS = (0.01, ACTIVE_COILS[1])
 MOST_SECTIONS = 1000
 SAME = 1e-9  # relative, of two numbers that must agree
-DIAMETERS = {  # other diameters of a coil, and what makes the mean one of them
-    r"(outer|outside)\w*diam\w*|od": ", the outer diameter minus wire_diameter",
-    r"(inner|inside)\w*diam\w*|id": ", the inner diameter plus wire_diameter",
-    r"(coil|spring)\w*diam\w*|diameter": "",
-}
-
 OTHER_DIAMETERS = {"outer_diameter": -1.0, "inner_diameter": 1.0}  # wire diameters from there to the mean
-MEANT = {  # the same, of a spring of one kind of coils
-    r"(outside|external)\w*diam\w*|od": ", or outer_diameter in its place",
-    r"(inside|internal)\w*diam\w*|id": ", or inner_diameter in its place",
-    r"(coil|spring)\w*diam\w*|diameter": "",
-}
 
 
 @dataclass(frozen=True)
@@ -45,9 +34,9 @@ class CoilSection:
         stands for both.
     """
 
-    coils: float = field(metadata=key("turns"))
-    pitch: tuple[float, float] = field(metadata=key("at the section's bottom and top, linear in the turns"))
-    mean_diameter: tuple[float, float] = field(metadata=key("the same", aliases=DIAMETERS))
+    coils: float
+    pitch: tuple[float, float]
+    mean_diameter: tuple[float, float]
 
     @property
     def height(self) -> float:

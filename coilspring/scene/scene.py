@@ -13,7 +13,6 @@ from coilspring.scene.factors import Factors
 from coilspring.scene.load import Load, stage_ends
 from coilspring.scene.material import Material
 from coilspring.scene.profile import SAME
-from coilspring.scene.schema import key
 from coilspring.scene.solidwire import FITTED
 from coilspring.scene.spring import Spring
 from coilspring.scene.supports import Supports
@@ -23,7 +22,7 @@ from coilspring.scene.supports import Supports
 class Scene:
     """What one experiment is made of; the factors are the equivalent beam's alone."""
 
-    name: str = field(metadata=key("[the file's name]"))
+    name: str
     spring: Spring
     load: Load
     material: Material = field(default_factory=Material)

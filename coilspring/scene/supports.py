@@ -5,11 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from coilspring.errors import InputError, shown
-from coilspring.scene.schema import choice, keep_checked, keyed, some_of
+from coilspring.scene.schema import KEYS, keep_checked
 
-HELD_CHOICES = ("ux", "uy", "rotz")
-HELD = some_of(*HELD_CHOICES)
-SEATS = ("rigid", "plate")
+HELD_CHOICES: tuple[str, ...] = KEYS["supports"]["top_held"].checks["some"]
+SEATS: tuple[str, ...] = KEYS["supports"]["seat"].checks["choice"]
 
 
 @dataclass(frozen=True)
@@ -25,11 +24,9 @@ class Supports:
         their plates and against turning on them.
     """
 
-    top_held: tuple[str, ...] = keyed((), "some of ux, uy, rotz, besides uz, rotx, roty [none]", HELD)
-    bottom_held: tuple[str, ...] = keyed(HELD_CHOICES, "the bottom is clamped [all three]", HELD)
-    seat: str = keyed(
-        "rigid", 'end turns are "rigid" with their end or rest on a "plate" [rigid]', choice(*SEATS)
-    )
+    top_held: tuple[str, ...] = ()
+    bottom_held: tuple[str, ...] = HELD_CHOICES
+    seat: str = "rigid"
 
     def __post_init__(self) -> None:
         keep_checked(self, "supports")

@@ -132,5 +132,5 @@ def _excluded(record: type, name: str) -> set[str]:
     """Keys, other than tables, that cannot stand in a file beside one of this name."""
     known = keys_of(record)
     groups = [{key, *item.instead} for key, item in known.items()]
-    tables = {key for key, item in known.items() if item.item is not None}
+    tables = {key for key, item in known.items() if item.item}
     return set().union(*(group for group in groups if name in group)) - tables - {name}
