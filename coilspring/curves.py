@@ -17,21 +17,27 @@ NAN = float("nan")
 
 @dataclass(frozen=True)
 class Comparison:
-    """Differences of a path from a reference; not a number where no time, or no shape, is common to both."""
+    """Differences of a path from a reference; not a number where no time, or no shape, is common to both.
 
-    # at the same load over the reference's peak: of the component with the largest maximum, and of the one
-    # with the largest root mean square
+    Attributes
+    ----------
+    curve_max, curve_rms : difference at the same load over the reference's peak, of the component
+        with the largest maximum, and of the one with the largest root mean square.
+    shape_max, shape_rms : distance of the centres of the contact circles at `last_time`, mm.
+    component_max, component_rms : the curve errors of UX, UY, ROTZ alone; components that the
+        reference does not move are left out; "uy" is the axial force where UY is prescribed.
+    steps : number of common times.
+    last_time : last common time, 0 where there is none.
+    """
+
     curve_max: float
     curve_rms: float
-    # distance of the centres of the contact circles at `last_time`, mm
     shape_max: float
     shape_rms: float
-    # the curve errors of UX, UY, ROTZ alone; components that the reference does not move are left out; "uy"
-    # is the axial force where UY is prescribed
     component_max: dict[str, float]
     component_rms: dict[str, float]
-    steps: int  # number of common times
-    last_time: float  # last common time, 0 where there is none
+    steps: int
+    last_time: float
 
 
 def compare_curves(

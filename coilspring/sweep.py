@@ -27,18 +27,31 @@ Job = tuple[Scene, Solver]
 
 @dataclass(frozen=True)
 class Outcome:
-    """Result of one spring of a sweep; the numbers are those of the last state reached."""
+    """Result of one spring of a sweep.
 
-    outcome: str  # of the path; `REFUSED` for bad input, `CRASHED` where the program failed
-    message: str  # one sentence
-    last_time: float = 0.0  # 1 where completed
-    tip: tuple[float, float, float] | None = None  # UX, UY, ROTZ, mm, rad
-    active_contacts: int = 0  # pairs
-    max_penetration: float = 0.0  # mm
+    Attributes
+    ----------
+    outcome : as in `coilspring.EquilibriumPath`, "refused" for bad input, or "crashed" where the program
+        failed.
+    message : one sentence.
+    last_time : time reached, 1 where completed.
+    tip : UX, UY, ROTZ at the last time reached, mm, rad; None where there is none.
+    load : Fx, Fy at the top there, N; of a prescribed displacement the reaction; None where there is none.
+    active_contacts, max_penetration, max_contact_force : there; pairs, mm, N.
+    critical_time : of a critical point, or None.
+    total_iterations : factorisations.
+    """
+
+    outcome: str
+    message: str
+    last_time: float = 0.0
+    tip: tuple[float, float, float] | None = None
+    active_contacts: int = 0
+    max_penetration: float = 0.0
     critical_time: float | None = None
-    total_iterations: int = 0  # factorisations
-    load: tuple[float, float] | None = None  # Fx, Fy, N; of a prescribed displacement the reaction
-    max_contact_force: float = 0.0  # N
+    total_iterations: int = 0
+    load: tuple[float, float] | None = None
+    max_contact_force: float = 0.0
 
 
 def jobs(
@@ -65,15 +78,11 @@ def outcomes(
     progress: Callable[[int], None] | None = None,
     prepare: Callable[[], object] = lambda: None,
 ) -> Iterator[Outcome]:
-    """Outcomes of scenes, each by its own solver, in their order.
+    """Outcomes of scenes, each by its own solver, in their order; `jobs` are drawn as they are needed.
 
-    Parameters
-    ----------
-    jobs : scenes and what solves each; drawn as they are needed.
-    chunk : springs handed to a worker at a time.
-    workers : processes; by default one for each processor core. 0: none besides this one.
-    progress : called with the number of springs done so far.
-    prepare : called once before the workers start, to leave them compiled kernels on the disk.
+    `chunk` springs are handed at a time to each of `workers` processes: one for each processor core where
+    None, none besides this one for 0. `progress` is called with the number of springs done, `prepare` once
+    before the workers start, to leave them compiled kernels on the disk.
     """
     done = 0
     for found in _found(jobs, chunk, (os.cpu_count() or 1) if workers is None else workers, prepare):

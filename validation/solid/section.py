@@ -54,12 +54,9 @@ def disk(refinements: int = ROUND) -> Mesh:
 
 
 def solve(mesh: Mesh, curvature: float, torsion: float, nu: float, E: float = 1.0) -> SectionSolution:
-    """Solve the section of a wire.
+    """Solve the section of a wire; `mesh` is centred, x points to the centre of curvature.
 
-    Parameters
-    ----------
-    mesh : of the section, centred; x points to the centre of curvature.
-    curvature, torsion : of the line through the origin, per unit of the mesh.
+    `curvature` and `torsion` are of the line through the origin, per unit of the mesh.
     """
     basis = Basis(mesh, ELEMENT, intorder=5)
     straight, along, rod = strains(basis, curvature, torsion)
