@@ -167,8 +167,7 @@ def _unit_row(cells: list[str], heads: list[tuple[str, float]]) -> list[tuple[st
     pairs = [(cell.strip(' []()"'), name) for cell, (name, _) in zip(cells, heads, strict=False)]
     if any(re.search(r"\d", cell) for cell, name in pairs if name) or not any(cell for cell, _ in pairs):
         return None
-    scales = [_scale(name, cell) if name in UNITS and cell else 1.0 for cell, name in pairs]
-    return [(name, scale) for (name, _), scale in zip(heads, scales, strict=False)]
+    return [(name, _scale(name, cell) if name in UNITS and cell else 1.0) for cell, name in pairs]
 
 
 def _number(line: int, cells: list[str], column: int, separator: str, columns: int) -> float:

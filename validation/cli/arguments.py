@@ -20,10 +20,7 @@ MODEL_OPTIONS = {
     "equivbeam": ("law", "tangent", "sliding"),
     "wirefe": ("element", "elements_per_turn", "pairs_per_turn"),
 }
-FILE_OPTIONS = {
-    "equivbeam": (),
-    "wirefe": (*WIRE_FILES, "frequencies"),
-}  # what a model can write besides the path
+FILE_OPTIONS = {"equivbeam": (), "wirefe": (*WIRE_FILES, "frequencies")}  # for more than the path
 CHOSEN = ("law", "element", "elements_per_turn")  # by an accuracy, besides the model
 LAWS = ("haringx", "helix")  # of a half coil; or a file
 FITTED = (  # by calibrate
@@ -31,12 +28,8 @@ FITTED = (  # by calibrate
     *("pitch", "E", "G", "penalty", "exponent"),
 )
 COMMON_OPTIONS = ("steps", "penalty", "geometry")
-CAMPAIGN_RANGES = {  # of the options of stability
-    "beams": (0, 10_000_000),
-    "wires": (0, 10_000_000),
-    "seed": (0, 2**32 - 1),
-    "workers": (0, 1000),
-}
+CAMPAIGN_RANGES = dict.fromkeys(("beams", "wires"), (0, 10_000_000))  # of the options of stability
+CAMPAIGN_RANGES |= {"seed": (0, 2**32 - 1), "workers": (0, 1000)}
 STUDY_SCENES = (*CATALOGUE, "cylinder-lateral", "slender-axial")  # of workprecision
 EPILOG = """exit codes: 0 done; 1 something moved or is unexplained (regress, stability); 2 bad input;
 3 a path ended early, what was reached is written; 4 nothing could be written there; 130 interrupted

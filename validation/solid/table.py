@@ -5,7 +5,9 @@ Writes coilspring/scene/solidtable.toml; both are numbers of a wire of diameter 
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Iterator
+from itertools import product
 
 import numpy as np
 
@@ -37,11 +39,9 @@ def inner_stress(found: SectionSolution) -> float:
 def samples() -> Iterator[tuple[tuple[float, float, float], SectionSolution]]:
     """Solutions at the points of the fit."""
     mesh = disk()
-    for nu in POISSON:
-        for index in INDICES:
-            for angle in ANGLES:
-                bend = helix(index, angle)
-                yield (*bend, nu), solve(mesh, *bend, nu)
+    for nu, index, angle in product(POISSON, INDICES, ANGLES):
+        bend = helix(index, angle)
+        yield (*bend, nu), solve(mesh, *bend, nu)
 
 
 def fitted(at: np.ndarray, flexibilities: np.ndarray) -> np.ndarray:
@@ -75,14 +75,9 @@ def main() -> None:
         "FLEXIBILITY": fitted(at, np.stack([found.flexibility for found in solutions])),
         "STRESS": fitted_stress(at[flat, 0], np.array([inner_stress(solutions[n]) for n in flat])),
     }
-    body = "\n".join(f"{name} = {_literal(table)}" for name, table in tables.items())
-    TABLE.write_text(HEAD + body + "\n", encoding="utf-8")
-
-
-def _literal(table: np.ndarray) -> str:
-    return np.array2string(
-        table, separator=", ", precision=9, max_line_width=110, threshold=table.size, suppress_small=False
-    )
+    with np.printoptions(precision=9, linewidth=110, threshold=sys.maxsize, suppress=False):
+        lines = [f"{name} = {np.array2string(table, separator=', ')}\n" for name, table in tables.items()]
+    TABLE.write_text(HEAD + "".join(lines), encoding="utf-8")
 
 
 if __name__ == "__main__":

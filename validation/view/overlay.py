@@ -18,6 +18,11 @@ from validation.study.plots import TIPS, both, discs, png, to_scale
 
 LABELS = dict(zip(COMPONENTS, TIPS, strict=True))
 DIFFERENCE: style.Look = {"color": "black", "linewidth": 1.0}
+KEY: tuple[style.Look, ...] = (
+    {**style.BEAM_LINE, "label": style.BEAM_LABEL},
+    {**style.WIRE_LINE, "label": style.WIRE_LABEL},
+    {"color": style.GREY, "marker": "o", "linestyle": "", "markerfacecolor": "none", "label": "at rest"},
+)
 HELD = 1e-9  # mm, rad: tips below are the rounding of fixed degrees of freedom
 
 
@@ -46,7 +51,7 @@ def picture(beam: EquilibriumPath, wire: EquilibriumPath) -> Figure:
             _curve(plots[name], beam, wire, name)
         plots[names[-1]].set_xlabel(_abscissa(beam)[1])
     _shape(plots["shape"], beam, wire)
-    figure.legend(handles=_key(), loc="outside lower center", ncols=3)
+    figure.legend(handles=[Line2D([], [], **look) for look in KEY], loc="outside lower center", ncols=3)
     return figure
 
 
@@ -105,11 +110,3 @@ def _shape(axes: Axes, beam: EquilibriumPath, wire: EquilibriumPath) -> None:
     every = np.concatenate([centres for centres, _ in groups])
     title = f"contact circles at time {common[-1]:g}" if common.size else "no common step"
     to_scale(axes, every, spring.wire_diameter, title=title)
-
-
-def _key() -> list[Line2D]:
-    return [
-        Line2D([], [], **style.BEAM_LINE, label=style.BEAM_LABEL),
-        Line2D([], [], **style.WIRE_LINE, label=style.WIRE_LABEL),
-        Line2D([], [], color=style.GREY, marker="o", linestyle="", markerfacecolor="none", label="at rest"),
-    ]
