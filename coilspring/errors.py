@@ -17,16 +17,12 @@ class EquilibriumNotFound(RuntimeError):
 
     Attributes
     ----------
-    path : EquilibriumPath, or the RodPath of any wire
-        The part that was reached; ``path.residual_history`` holds the Newton decrements of the
-        last attempts.
-    outcome : str
-        ``limit_point``, ``bifurcation``, ``jump``, ``interpenetration``, ``not_converged`` or
+    path : the part that was reached, an EquilibriumPath or the RodPath of any wire; its
+        ``residual_history`` holds the Newton decrements of the last attempts.
+    outcome : ``limit_point``, ``bifurcation``, ``jump``, ``interpenetration``, ``not_converged`` or
         ``unsupported``.
-    message : str
-        One sentence.
-    critical_time : float or None
-        Middle of the time bracket of the critical point.
+    message : one sentence.
+    critical_time : middle of the time bracket of the critical point, or None.
     """
 
     def __init__(self, path: Any) -> None:

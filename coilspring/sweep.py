@@ -100,18 +100,13 @@ def _found(
         yield from ([outcome_of(*job)] for job in jobs)
         return
     prepare()
+    chunks = iter(lambda: list(islice(jobs, chunk)), [])
     with processes(count) as pool:
-        waiting = [pool.submit(_outcomes, part) for part in _chunks(jobs, chunk, AHEAD * count)]
+        waiting = [pool.submit(_outcomes, part) for part in islice(chunks, AHEAD * count)]
         while waiting:
             found = waiting.pop(0).result()
-            waiting += [pool.submit(_outcomes, part) for part in _chunks(jobs, chunk, 1)]
+            waiting += [pool.submit(_outcomes, part) for part in islice(chunks, 1)]
             yield found
-
-
-def _chunks(jobs: Iterator[Job], size: int, count: int) -> list[list[Job]]:
-    """At most `count` chunks of the jobs that are left."""
-    chunks = (list(islice(jobs, size)) for _ in range(count))
-    return [chunk for chunk in chunks if chunk]
 
 
 def _outcomes(jobs: list[Job]) -> list[Outcome]:

@@ -40,10 +40,7 @@ def flexibility(
 ) -> np.ndarray:
     """Flexibility of the wire per length, (n, 6, 6), 1/N, 1/(N mm), 1/(N mm^2).
 
-    Parameters
-    ----------
-    curvature, torsion : (n,) of the centreline, 1/mm; of a left-handed helix the torsion is negative.
-    diameter : of the wire, mm.
+    `curvature` and `torsion` of the centreline (n,), 1/mm; of a left-handed helix the torsion is negative.
     """
     k, t, nu = curvature * diameter, torsion * diameter, material.nu
     values = monomials(k, t) @ FLEXIBILITY @ nu ** np.arange(FLEXIBILITY.shape[-1]) / (1.0 + nu)

@@ -53,9 +53,7 @@ def choose(
 ) -> Chosen:
     """The cheapest law or mesh whose errors on a sample of a grid are within the accuracy, with a margin.
 
-    Raises
-    ------
-    InputError : no candidate does, or the wire model cannot tell.
+    Raises `InputError`: no candidate does, or the wire model cannot tell.
     """
     require_number("accuracy", accuracy, *ACCURACIES)
     scenes = sample(grid, varied)
