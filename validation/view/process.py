@@ -27,13 +27,18 @@ class Drawing:
     def __init__(self, command: Sequence[str], *words: str) -> None:
         self._temporary = tempfile.TemporaryDirectory(prefix="coilcheck-")
         self.folder = Path(self._temporary.name)
-        self._process = subprocess.Popen(
-            (*command, str(self.folder), *words),
-            cwd=Path(__file__).parents[2],  # `-m` finds the package there, installed or not
-            stdin=subprocess.PIPE,  # which ends when the arrays are there
-            stdout=subprocess.DEVNULL,
-            stderr=subprocess.DEVNULL,
-        )
+        self._process: subprocess.Popen | None = None
+        self._failure = ""
+        try:
+            self._process = subprocess.Popen(
+                (*command, str(self.folder), *words),
+                cwd=Path(__file__).parents[2],  # `-m` finds the package there, installed or not
+                stdin=subprocess.PIPE,  # which ends when the arrays are there
+                stdout=subprocess.DEVNULL,
+                stderr=subprocess.DEVNULL,
+            )
+        except OSError as error:
+            self._failure = f"it could not be started ({error.strerror or error})"
 
     def give(self, arrays: Mapping[str, object]) -> None:
         """Hand over what is drawn, by name."""
@@ -42,9 +47,9 @@ class Drawing:
         self._began = time.monotonic()
 
     def _end_input(self) -> None:
-        assert self._process.stdin is not None
-        with suppress(BrokenPipeError):
-            self._process.stdin.close()
+        if self._process is not None and self._process.stdin is not None:
+            with suppress(BrokenPipeError):
+                self._process.stdin.close()
 
     def failure(
         self,
@@ -58,6 +63,8 @@ class Drawing:
         At most `timeout` s since it has its arrays (None: for ever), with `written` called with the number of
         files that are there, whenever it has changed.
         """
+        if self._process is None:
+            return self._failure
         count = 0
         while self._process.poll() is None:
             if timeout is not None and time.monotonic() - self._began > timeout:
@@ -75,8 +82,9 @@ class Drawing:
         return self
 
     def __exit__(self, *error: object) -> None:
-        self._process.kill()
-        self._process.wait()
+        if self._process is not None:
+            self._process.kill()
+            self._process.wait()
         self._end_input()
         self._temporary.cleanup()
 
