@@ -12,21 +12,7 @@ from coilspring.scene.toml import load_scene, scene_text
 __version__ = "0.1.0"
 
 __all__ = [
-    "CATALOGUE",
-    "CoilSection",
-    "Contact",
-    "EquilibriumNotFound",
-    "EquilibriumPath",
-    "Factors",
-    "InputError",
-    "Load",
-    "Material",
-    "Scene",
-    "Spring",
-    "Supports",
-    "load_path",
-    "load_scene",
-    "scene_text",
-    "spring_a",
+    "CATALOGUE", "CoilSection", "Contact", "EquilibriumNotFound", "EquilibriumPath", "Factors", "InputError",
+    "Load", "Material", "Scene", "Spring", "Supports", "load_path", "load_scene", "scene_text", "spring_a",
     "spring_b",
-]
+]  # fmt: skip

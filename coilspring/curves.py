@@ -12,6 +12,7 @@ from coilspring.path import EquilibriumPath
 COMPONENTS = ("ux", "uy", "rotz")
 # A component whose reference peak is below this share of the largest one is fixed, or only rounding.
 NEGLIGIBLE = 1e-9
+NAN = float("nan")
 
 
 @dataclass(frozen=True)
@@ -52,9 +53,8 @@ def compare_curves(
     """
     # equal fractions of time are equal numbers, whatever the two numbers of steps
     common, mine, theirs = np.intersect1d(times, reference.times, return_indices=True)
-    nan = float("nan")
     if common.size == 0:
-        return Comparison(nan, nan, nan, nan, {}, {}, 0, 0.0)
+        return Comparison(NAN, NAN, NAN, NAN, {}, {}, 0, 0.0)
     curves, wanted = (
         np.column_stack([part[name] for name in COMPONENTS]) for part in (responses, answered(reference))
     )
@@ -63,16 +63,8 @@ def compare_curves(
     errors = {name: relative[:, i] for i, name in enumerate(COMPONENTS) if np.isfinite(moved[i])}
     largest = {name: float(np.abs(error).max()) for name, error in errors.items()}
     rms = {name: float(np.sqrt(np.mean(error**2))) for name, error in errors.items()}
-    return Comparison(
-        curve_max=max(largest.values()),
-        curve_rms=max(rms.values()),
-        shape_max=nan,
-        shape_rms=nan,
-        component_max=largest,
-        component_rms=rms,
-        steps=common.size,
-        last_time=float(common[-1]),
-    )
+    ends = (common.size, float(common[-1]))
+    return Comparison(max(largest.values()), max(rms.values()), NAN, NAN, largest, rms, *ends)
 
 
 def answered(path: EquilibriumPath) -> dict[str, np.ndarray]:

@@ -17,16 +17,12 @@ class EquilibriumNotFound(RuntimeError):
 
     Attributes
     ----------
-    path : EquilibriumPath, or the RodPath of any wire
-        The part that was reached; ``path.residual_history`` holds the Newton decrements of the
-        last attempts.
-    outcome : str
-        ``limit_point``, ``bifurcation``, ``jump``, ``interpenetration``, ``not_converged`` or
+    path : the part that was reached, an EquilibriumPath or the RodPath of any wire; its
+        ``residual_history`` holds the Newton decrements of the last attempts.
+    outcome : ``limit_point``, ``bifurcation``, ``jump``, ``interpenetration``, ``not_converged`` or
         ``unsupported``.
-    message : str
-        One sentence.
-    critical_time : float or None
-        Middle of the time bracket of the critical point.
+    message : one sentence.
+    critical_time : middle of the time bracket of the critical point, or None.
     """
 
     def __init__(self, path: Any) -> None:
@@ -44,40 +40,28 @@ def require_names(field: str, names: Iterable[str], allowed: Collection[str]) ->
             raise InputError(f"{field} must hold names of {', '.join(allowed)}, got {name!r}")
 
 
-def require_number(
-    field: str, value: object, low: float, high: float, *, low_open: bool = False, high_open: bool = False
-) -> float:
-    """Return `value` as a float, or raise `InputError` unless it is a finite number in the range.
+def require_number(field: str, value: object, low: float, high: float) -> float:
+    """Return `value` as a float, or raise `InputError` unless it is a finite number in [low, high].
 
-    Parameters
-    ----------
-    field : name used in the message.
-    value : what was given.
-    low, high : the range, ends included unless `low_open`, `high_open`; infinite ends allowed.
+    `field` is its name in the message.
     """
-    opening = "(" if low_open or math.isinf(low) else "["
-    closing = ")" if high_open or math.isinf(high) else "]"
-    allowed = f"{opening}{low:g}, {high:g}{closing}"
+    allowed = f"[{low:g}, {high:g}]"
     if isinstance(value, bool) or not isinstance(value, numbers.Real):
         raise InputError(f"{field} must be a number in {allowed}, got {shown(value)}")
     try:
         number = float(value)
     except OverflowError:
         number = math.inf
-    too_low = number < low or (low_open and number == low)
-    too_high = number > high or (high_open and number == high)
-    if not math.isfinite(number) or too_low or too_high:
+    if not (math.isfinite(number) and low <= number <= high):
         raise InputError(f"{field} must be a finite number in {allowed}, got {shown(value)}")
     return number
 
 
 def require_integer(field: str, value: object, low: int, high: int) -> int:
     """Return `value` as an int, or raise `InputError` unless it is an integer in [low, high]."""
-    if isinstance(value, bool) or not isinstance(value, numbers.Integral):
-        raise InputError(f"{field} must be an integer in [{low}, {high}], got {shown(value)}")
-    if not low <= int(value) <= high:
-        raise InputError(f"{field} must be an integer in [{low}, {high}], got {shown(value)}")
-    return int(value)
+    if isinstance(value, numbers.Integral) and not isinstance(value, bool) and low <= int(value) <= high:
+        return int(value)
+    raise InputError(f"{field} must be an integer in [{low}, {high}], got {shown(value)}")
 
 
 def require_choice(field: str, value: object, choices: tuple[str, ...]) -> str:

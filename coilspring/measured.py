@@ -32,17 +32,11 @@ EXAMPLE = "a line with the names of the columns, as force,deflection, or those o
 
 @dataclass(frozen=True)
 class Measured:
-    """Force along a scene's load, and deflection in its direction; both grow as the spring is loaded.
+    """Force along a scene's load, and deflection in its direction; both grow as the spring is loaded."""
 
-    Attributes
-    ----------
-    force, deflection : (points,) N, mm; in the file's order, which need not be monotone.
-    left_out : points without load, which say nothing.
-    """
-
-    force: np.ndarray
-    deflection: np.ndarray
-    left_out: int
+    force: np.ndarray  # (points,) N; in the file's order, which need not be monotone
+    deflection: np.ndarray  # (points,) mm
+    left_out: int  # points without load, which say nothing
 
 
 def measured(source: Mapping[str, np.ndarray] | pd.DataFrame | str | Path, scene: Scene) -> Measured:
@@ -59,9 +53,8 @@ def measured(source: Mapping[str, np.ndarray] | pd.DataFrame | str | Path, scene
     if "force" in columns:
         force, deflection = columns["force"], columns["deflection"]
     else:
-        needed = [
-            name for name, part in zip(("load_x", "load_y", "ux", "uy"), (x, y, x, y), strict=True) if part
-        ]
+        parts = {"load_x": x, "load_y": y, "ux": x, "uy": y}
+        needed = [name for name, part in parts.items() if part]
         if missing := [name for name in needed if name not in columns]:
             raise InputError(f"curve must have columns force and deflection, or {', '.join(needed)}; "
                              f"{missing[0]} is missing")  # fmt: skip
@@ -137,36 +130,24 @@ def _header(lines: list[tuple[int, str]]) -> tuple[list[tuple[str, float]], str,
     for place, (_, line) in enumerate(lines):
         separator = next((mark for mark in ";\t" if mark in line), ",")
         cells = next(csv.reader([line], delimiter=separator))
-        if _known(_names(cells)):
+        names = {name for name, _ in map(_head, cells)}
+        if names >= {"force", "deflection"} or ("time" in names and names & {"ux", "uy", "rotz"}):
             rows = [(i, next(csv.reader([row], delimiter=separator))) for i, row in lines[place + 1 :]]
             return _heads(cells), separator, rows
     raise InputError(f"curve must have {EXAMPLE}, got {shown(lines[0][1] if lines else '')}")
 
 
-def _known(names: list[str]) -> bool:
-    """Whether names of columns make a curve."""
-    return {"force", "deflection"} <= set(names) or (
-        "time" in names and bool({"ux", "uy", "rotz"} & set(names))
-    )
-
-
-def _names(cells: list[str]) -> list[str]:
-    """Names of columns as this module has them, empty where they are none."""
-    found = []
-    for cell in cells:
-        plain = cell.strip().strip('"').lower()
-        match = HEADER.fullmatch(plain)
-        found.append(plain if plain in PATH_COLUMNS else NAMES.get(match["name"], "") if match else "")
-    return found
+def _head(cell: str) -> tuple[str, str | None]:
+    """Name of a column as this module has it, empty where it is none of a curve, and its unit."""
+    plain = cell.strip().strip('"').lower()
+    match = HEADER.fullmatch(plain)
+    name = plain if plain in PATH_COLUMNS else NAMES.get(match["name"], "") if match else ""
+    return name, match["unit"] if match and name in UNITS else None
 
 
 def _heads(cells: list[str]) -> list[tuple[str, float]]:
     """Name of each column, empty where it is none of a curve, and the unit of its numbers in N or mm."""
-    heads = []
-    for cell, name in zip(cells, _names(cells), strict=True):
-        match = HEADER.fullmatch(cell.strip().strip('"').lower())
-        unit = match["unit"] if match and name in UNITS else None
-        heads.append((name, _scale(name, unit) if unit else 1.0))
+    heads = [(name, _scale(name, unit) if unit else 1.0) for name, unit in map(_head, cells)]
     for kind in UNITS:
         if [name for name, _ in heads].count(kind) > 1:
             raise InputError(f"curve must have one column {kind}, got several")
@@ -186,8 +167,7 @@ def _unit_row(cells: list[str], heads: list[tuple[str, float]]) -> list[tuple[st
     pairs = [(cell.strip(' []()"'), name) for cell, (name, _) in zip(cells, heads, strict=False)]
     if any(re.search(r"\d", cell) for cell, name in pairs if name) or not any(cell for cell, _ in pairs):
         return None
-    scales = [_scale(name, cell) if name in UNITS and cell else 1.0 for cell, name in pairs]
-    return [(name, scale) for (name, _), scale in zip(heads, scales, strict=False)]
+    return [(name, _scale(name, cell) if name in UNITS and cell else 1.0) for cell, name in pairs]
 
 
 def _number(line: int, cells: list[str], column: int, separator: str, columns: int) -> float:

@@ -26,18 +26,11 @@ OUTCOMES = (
 
 @dataclass(frozen=True)
 class Friction:
-    """What happens across the normals of the contact pairs.
+    """What happens across the normals of the contact pairs."""
 
-    Attributes
-    ----------
-    force : (states, pairs, 3) tangential force on the lower body of each pair, N.
-    slip : (states, pairs) length that each pair has slid since it closed, mm.
-    work : (states, pairs) work that friction, and the release of what opening pairs held, have taken, N mm.
-    """
-
-    force: np.ndarray
-    slip: np.ndarray
-    work: np.ndarray
+    force: np.ndarray  # (states, pairs, 3) tangential, on the lower body of each pair, N
+    slip: np.ndarray  # (states, pairs) length that each pair has slid since it closed, mm
+    work: np.ndarray  # (states, pairs) that friction, and releases of opening pairs, have taken, N mm
 
 
 class Shape(Protocol):
@@ -135,10 +128,8 @@ class EquilibriumPath:
     def __post_init__(self) -> None:
         steps = len(self.times)
         if len(self.states) != steps or len(self.iterations) != steps:
-            raise ValueError(
-                f"times, states and iterations differ in length: "
-                f"{steps}, {len(self.states)}, {len(self.iterations)}"
-            )
+            lengths = f"{steps}, {len(self.states)}, {len(self.iterations)}"
+            raise ValueError(f"times, states and iterations differ in length: {lengths}")
         if self.outcome not in OUTCOMES:
             raise ValueError(f"outcome must be one of {OUTCOMES}, got {self.outcome!r}")
 

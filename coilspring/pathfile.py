@@ -41,9 +41,7 @@ def write_fields(fields: Mapping[str, Any], file: str | Path | BinaryIO) -> None
 def read_fields(file: str | Path | BinaryIO) -> dict[str, Any]:
     """Fields of a path from what `write_fields` has written; nothing is unpickled.
 
-    Raises
-    ------
-    InputError : no such file, or one that is no path.
+    Raises `InputError`: no such file, or one that is no path.
     """
     try:
         stream = io.BytesIO(Path(file).read_bytes() if isinstance(file, str | Path) else file.read())

@@ -78,15 +78,11 @@ def outcomes(
     progress: Callable[[int], None] | None = None,
     prepare: Callable[[], object] = lambda: None,
 ) -> Iterator[Outcome]:
-    """Outcomes of scenes, each by its own solver, in their order.
+    """Outcomes of scenes, each by its own solver, in their order; `jobs` are drawn as they are needed.
 
-    Parameters
-    ----------
-    jobs : scenes and what solves each; drawn as they are needed.
-    chunk : springs handed to a worker at a time.
-    workers : processes; by default one for each processor core. 0: none besides this one.
-    progress : called with the number of springs done so far.
-    prepare : called once before the workers start, to leave them compiled kernels on the disk.
+    `chunk` springs are handed at a time to each of `workers` processes: one for each processor core where
+    None, none besides this one for 0. `progress` is called with the number of springs done, `prepare` once
+    before the workers start, to leave them compiled kernels on the disk.
     """
     done = 0
     for found in _found(jobs, chunk, (os.cpu_count() or 1) if workers is None else workers, prepare):
@@ -104,18 +100,13 @@ def _found(
         yield from ([outcome_of(*job)] for job in jobs)
         return
     prepare()
+    chunks = iter(lambda: list(islice(jobs, chunk)), [])
     with processes(count) as pool:
-        waiting = [pool.submit(_outcomes, part) for part in _chunks(jobs, chunk, AHEAD * count)]
+        waiting = [pool.submit(_outcomes, part) for part in islice(chunks, AHEAD * count)]
         while waiting:
             found = waiting.pop(0).result()
-            waiting += [pool.submit(_outcomes, part) for part in _chunks(jobs, chunk, 1)]
+            waiting += [pool.submit(_outcomes, part) for part in islice(chunks, 1)]
             yield found
-
-
-def _chunks(jobs: Iterator[Job], size: int, count: int) -> list[list[Job]]:
-    """At most `count` chunks of the jobs that are left."""
-    chunks = (list(islice(jobs, size)) for _ in range(count))
-    return [chunk for chunk in chunks if chunk]
 
 
 def _outcomes(jobs: list[Job]) -> list[Outcome]:
@@ -135,16 +126,13 @@ def outcome_of(scene: Scene, solve: Solver) -> Outcome:
 
 
 def _outcome(path: EquilibriumPath) -> Outcome:
-    spent: dict[str, Any] = {
-        "critical_time": path.critical_time,
-        "total_iterations": path.total_iterations,
-    }
+    spent: dict[str, Any] = {"critical_time": path.critical_time, "total_iterations": path.total_iterations}
     if not len(path.times):
         return Outcome(path.outcome, path.message, **spent)
     law, gaps = path.shape.pair_law, path.shape.pair_gaps(path.states[-1:])
     return Outcome(
-        outcome=path.outcome,
-        message=path.message,
+        path.outcome,
+        path.message,
         last_time=float(path.times[-1]),
         tip=tuple(path.tips[-1].tolist()),
         load=tuple(path.loads[-1].tolist()),

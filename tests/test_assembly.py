@@ -11,7 +11,7 @@ from PIL import Image
 
 from validation.reproduce import assembly
 from validation.reproduce.assembly import assemble
-from validation.study.document import Bullets, Heading, Picture, Table, Text, to_markdown
+from validation.study.document import Table
 from validation.study.html import LONG, to_html
 from validation.study.provenance import FILE, models, write_provenance
 
@@ -82,13 +82,13 @@ def html(out):
 def test_every_block_is_rendered(tmp_path):
     (tmp_path / "a.png").write_bytes(PNG)
     blocks = [
-        Heading(2, "Title # 1"),
-        Text("A paragraph, **bold**, *word* and `code` < 3."),
-        Bullets(("one", "two - three")),
-        Table(("a|b", "c"), (("1", ""), ("| x |", "2"))),
-        Picture("a.png", "Figure 1. Caption (of it)."),
+        "## Title # 1",
+        "A paragraph, **bold**, *word* and `code` < 3.",
+        "- one\n- two - three",
+        str(Table(("a|b", "c"), (("1", ""), ("| x |", "2")))),
+        "![Figure 1](a.png)\n\n*Figure 1. Caption (of it).*",
     ]
-    page = to_html([(to_markdown(blocks), tmp_path)], "t").partition("<body>")[2]
+    page = to_html([("\n\n".join(blocks), tmp_path)], "t").partition("<body>")[2]
     assert '<h2 id="title-1">Title # 1</h2>' in page
     assert "<p>A paragraph, <strong>bold</strong>, <em>word</em> and <code>code</code> &lt; 3.</p>" in page
     assert re.findall(r"<li>(.*?)</li>", page) == ["one", "two - three"]
@@ -177,5 +177,5 @@ def test_provenance_tells_results_of_other_models(out):
 
 def test_long_tables_are_folded(tmp_path):
     for count, folded in ((LONG, False), (LONG + 1, True)):
-        page = to_html([(to_markdown([Table(("a",), (("1",),) * count)]), tmp_path)], "title")
+        page = to_html([(str(Table(("a",), (("1",),) * count)), tmp_path)], "title")
         assert ("<details>" in page) is folded

@@ -8,10 +8,10 @@ import pytest
 
 from validation.cli import main
 from validation.reproduce import reproduction
-from validation.view import htmlfile, htmlscene
+from validation.view import htmlscene
 
 needs_extra = pytest.mark.skipif(
-    any(importlib.util.find_spec(name) is None for name in htmlfile.NEEDED),
+    any(importlib.util.find_spec(name) is None for name in htmlscene.NEEDED),
     reason="the extra interactive is not installed",
 )
 ONLY = ["--only", "table1", "--interactive"]
@@ -20,10 +20,10 @@ ONLY = ["--only", "table1", "--interactive"]
 @pytest.fixture
 def extra(monkeypatch):
     """The extra is there, or so it seems."""
-    monkeypatch.setattr(htmlfile, "NEEDED", ())
+    monkeypatch.setattr(htmlscene, "NEEDED", ())
 
 
-@pytest.mark.parametrize("name", htmlfile.NEEDED)
+@pytest.mark.parametrize("name", htmlscene.NEEDED)
 def test_without_the_extra_one_sentence_says_how_to_install_it(name, tmp_path, monkeypatch, capsys):
     found = importlib.util.find_spec
     monkeypatch.setattr(importlib.util, "find_spec", lambda each: None if each == name else found("json"))
@@ -55,8 +55,8 @@ def test_it_is_made_anew_where_the_sources_changed(extra, tmp_path, monkeypatch)
     for _ in range(2):
         reproduction.reproduce(tmp_path, only=("table1",), turned=True)
     assert len(made) == 1
-    assert htmlfile.is_made(tmp_path, made[0])
-    assert not htmlfile.is_made(tmp_path, "another")
+    assert htmlscene.is_made(tmp_path, made[0])
+    assert not htmlscene.is_made(tmp_path, "another")
     monkeypatch.setattr(reproduction, "sources", lambda *packages: "changed")
     reproduction.reproduce(tmp_path, only=("table1",), turned=True)
     assert len(set(made)) == 2
@@ -71,7 +71,7 @@ def test_it_does_not_go_without_pictures(tmp_path, capsys):
 def test_the_file_holds_the_springs_and_nothing_from_elsewhere(tmp_path, capsys):
     assert main(["reproduce", *ONLY, "--out", str(tmp_path)]) == 0
     assert "no springs.html" not in capsys.readouterr().out
-    page = (tmp_path / htmlfile.FILE).read_text(encoding="utf-8")
+    page = (tmp_path / htmlscene.FILE).read_text(encoding="utf-8")
     assert f"<title>{htmlscene.TITLE}</title>" in page
     assert not re.search(r'<(script|link)[^>]*(src|href)="', page)
     scene = vtk_scene(page)

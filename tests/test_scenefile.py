@@ -20,7 +20,7 @@ from coilspring import (
     load_scene,
     spring_b,
 )
-from coilspring.scene.schema import required
+from coilspring.scene.schema import keys_of, required
 from coilspring.scene.toml import SECTIONS, scene_from_text
 from validation.cli import main
 
@@ -181,7 +181,7 @@ def test_friction_goes_with_coulomb():
 def test_comments_say_the_defaults(record):
     words = {"none": (), "all three": ("ux", "uy", "rotz"), "true": True}
     for item in fields(record):
-        key = item.metadata["key"]
+        key = keys_of(record)[item.name]
         said = re.search(r"\[(.*)\]|$", key.comment).group(1)
         if said is None:
             assert key.item or key.instead or key.absent == "" or item.name in required(record)

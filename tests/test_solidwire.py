@@ -24,7 +24,7 @@ from coilspring.scene.solidwire import (
 )
 from validation.cli import main
 from validation.solid import page
-from validation.solid.coils import both, coil
+from validation.solid.comparison import both, coil
 from validation.solid.hexahedra import COARSE, deflection, mesh_coils, section_grid
 from validation.solid.hexahedra import flexibility as solids_flexibility
 from validation.solid.runs import FOLDER

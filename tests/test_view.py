@@ -66,7 +66,7 @@ viewer.main(Path(sys.argv[1]), sys.argv[2])
 (Path(sys.argv[1]) / "renders").write_text(str(len(counted)))
 """
     found = frames.of_run(run)
-    with Drawing((sys.executable, "-c", code), None, "pictures") as drawing:
+    with Drawing((sys.executable, "-c", code), "pictures") as drawing:
         drawing.give(asdict(found))
         files = [drawing.folder / f"{step:04d}.png" for step in range(len(found.times))]
         counts = []

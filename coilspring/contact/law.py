@@ -151,8 +151,8 @@ def touches_first(row, at, doubt, d):
 
 @part
 def predicted_badly(row, error, before, after, d):
-    """Ask for a shorter substep where a pair that touched first was predicted with such an error: one in which
-    the error is small, or one that ends just before the touch, from where it will be."""
+    """Ask for a shorter substep where a pair that touched first was predicted with such an error: one in
+    which the error is small, or one that ends just before the touch, from where it will be."""
     if error > LOCATED * d:
         short = 0.8 * math.sqrt(LOCATED * d / error)
         row.cut = min(row.cut, max(short, JUST_BEFORE * (before - d) / (before - after)))

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 from coilspring.errors import InputError, require_number, shown
-from coilspring.scene.schema import choice, keep_checked, key, number, switch
+from coilspring.scene.schema import keep_checked
 
 
 @dataclass(frozen=True)
@@ -24,31 +24,12 @@ class Contact:
         "spheres" on them, as the paper has it; the equivalent beam has circles either way.
     """
 
-    enabled: bool = field(default=True, metadata=key("false: coils pass through each other [true]", switch))
-    stiffness: float = field(
-        default=1.0e4,
-        metadata=key(
-            "penalty K of a pair at 4 pairs per turn, N/mm^exponent [1e4]",
-            number(1e-9, 1e12),
-            aliases={r"k|penalty": ""},
-        ),
-    )
-    exponent: float = field(default=1.0, metadata=key("of the penetration, 1 to 5 [1.0]", number(1.0, 5.0)))
-    sliding: str = field(
-        default="free",
-        metadata=key(
-            '"free", "none", or "coulomb" with friction = ... [free]', choice("free", "none", "coulomb")
-        ),
-    )
-    geometry: str = field(
-        default="wires",
-        metadata=key(
-            'of the wire model: "wires" or "spheres" (the paper\'s) [wires]', choice("wires", "spheres")
-        ),
-    )
-    friction: float | None = field(
-        default=None, metadata=key("coefficient", absent="", aliases={r"mu|friction_coefficient": ""})
-    )
+    enabled: bool = True
+    stiffness: float = 1.0e4
+    exponent: float = 1.0
+    sliding: str = "free"
+    geometry: str = "wires"
+    friction: float | None = None
 
     def __post_init__(self) -> None:
         keep_checked(self, "contact")

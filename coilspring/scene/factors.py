@@ -3,28 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import astuple, dataclass, field
+from dataclasses import astuple, dataclass
 
 from coilspring.errors import InputError, shown
-from coilspring.scene.schema import keep_checked, key, number
-
-FACTOR = (1e-3, 1e3)
+from coilspring.scene.schema import keep_checked
 
 
 @dataclass(frozen=True)
 class Factors:
     """Factors of the paper's three stiffnesses of a half coil; the wire model has no use for them."""
 
-    axial: float = field(
-        default=1.0, metadata=key("of the equivalent beam's axial stiffness [1.0]", number(*FACTOR))
-    )
-    shearing: float = field(
-        default=1.0,
-        metadata=key("of its shearing stiffness [1.0]", number(*FACTOR), aliases={r"shear": ""}),
-    )
-    bending: float = field(
-        default=1.0, metadata=key("of its bending stiffness [1.0]", number(*FACTOR), aliases={r"bend": ""})
-    )
+    axial: float = 1.0
+    shearing: float = 1.0
+    bending: float = 1.0
 
     def __post_init__(self) -> None:
         keep_checked(self, "factors")

@@ -8,12 +8,10 @@ import numpy as np
 
 from coilspring.errors import InputError, require_number, shown
 from coilspring.scene.profile import LONGEST
-from coilspring.scene.schema import integer, keep_checked, key
+from coilspring.scene.schema import keep_checked
 
 MOST_FORCE = 1e12  # N
 MOST_STAGES = 1000
-STAGES_SHOWN = "# or stages = [[0.0, -9.0], [0.0, 0.0]], forces reached one after the other, on and off,\n"
-DISPLACEMENT_SHOWN = "# or displacement = -10.0, UY of the top, prescribed as by a test machine; or several\n"
 
 
 @dataclass(frozen=True)
@@ -29,33 +27,10 @@ class Load:
     displacement : UY of the top, prescribed in the same way, mm; one or several.
     """
 
-    force: tuple[float, float] = field(
-        default=(0.0, 0.0),
-        metadata=key(
-            "Fx, Fy at the top at time 1, a dead load that grows with time",
-            instead=("stages", "displacement"),
-            required=True,
-        ),
-    )
-    stages: tuple[tuple[float, float], ...] = field(
-        default=(),
-        kw_only=True,  # the order here is that of a file
-        metadata=key(
-            "forces Fx, Fy at the top, reached one after the other",
-            instead=("displacement",),
-            absent=STAGES_SHOWN,
-        ),
-    )
-    displacement: tuple[float, ...] = field(
-        default=(),
-        kw_only=True,
-        metadata=key(
-            "UY of the top, reached one after the other", instead=("stages",), absent=DISPLACEMENT_SHOWN
-        ),
-    )
-    steps: int = field(
-        default=50, metadata=key("equal steps (of each stage) for results [50]", integer(1, 100_000))
-    )
+    force: tuple[float, float] = (0.0, 0.0)
+    stages: tuple[tuple[float, float], ...] = field(default=(), kw_only=True)
+    displacement: tuple[float, ...] = field(default=(), kw_only=True)
+    steps: int = 50
 
     def __post_init__(self) -> None:
         keep_checked(self, "load")

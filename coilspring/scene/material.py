@@ -6,12 +6,11 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
-from coilspring.errors import InputError, require_number, shown
-from coilspring.scene.schema import keep_checked, key, number
+from coilspring.errors import InputError, shown
+from coilspring.scene.schema import KEYS, keep_checked
 
-MODULI = (1e-3, 1e9)  # MPa
-DENSITY = (10.0, 1e5)  # kg/m^3
-POISSON = (-0.999, 0.5)
+MODULUS = KEYS["material"]["E"].check
+POISSON = KEYS["material"]["nu"].checks["number"]
 
 
 @dataclass(frozen=True)
@@ -22,27 +21,9 @@ class Material:
     frequencies alone.
     """
 
-    E: float = field(
-        default=206_000.0,
-        metadata=key("Young's modulus [206000]", number(*MODULI), aliases={r"young\w*|modulus": ""}),
-    )
-    nu: float = field(
-        default=0.3,
-        metadata=key(
-            "Poisson's ratio [0.3]; or G, the shear modulus",
-            number(*POISSON),
-            instead=("G",),
-            aliases={r"poisson\w*": ""},
-        ),
-    )
-
-    density: float = field(
-        default=7850.0,
-        kw_only=True,
-        metadata=key(
-            "kg/m^3 (steel: 7850), for natural frequencies [7850.0]", number(*DENSITY), aliases={r"rho": ""}
-        ),
-    )
+    E: float = 206_000.0
+    nu: float = 0.3
+    density: float = field(default=7850.0, kw_only=True)
 
     def __post_init__(self) -> None:
         keep_checked(self, "material")
@@ -62,8 +43,7 @@ class Material:
     @classmethod
     def from_moduli(cls, E: float, G: float, density: float = 7850.0) -> Material:
         """Material given by its two moduli, MPa; their ratio must leave nu within its range."""
-        E = require_number("material.E", E, *MODULI)
-        G = require_number("material.G", G, *MODULI)
+        E, G = MODULUS("material.E", E), MODULUS("material.G", G)
         least, most = POISSON
         low, high = E / (2.0 * (1.0 + most)), E / (2.0 * (1.0 + least))
         if not low <= G <= high:

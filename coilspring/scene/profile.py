@@ -4,32 +4,21 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from coilspring.errors import InputError, require_number, shown
-from coilspring.scene.schema import key
+from coilspring.scene.schema import KEYS
 
 TWO_PI = 2.0 * math.pi
 LONGEST = 1e9  # mm
-ACTIVE_COILS = (0.5, 1000.0)
+ACTIVE_COILS = KEYS["spring"]["active_coils"].checks["number"]
 SECTION_COILS = (0.01, ACTIVE_COILS[1])
 MOST_SECTIONS = 1000
 SAME = 1e-9  # relative, of two numbers that must agree
-DIAMETERS = {  # other diameters of a coil, and what makes the mean one of them
-    r"(outer|outside)\w*diam\w*|od": ", the outer diameter minus wire_diameter",
-    r"(inner|inside)\w*diam\w*|id": ", the inner diameter plus wire_diameter",
-    r"(coil|spring)\w*diam\w*|diameter": "",
-}
-
 OTHER_DIAMETERS = {"outer_diameter": -1.0, "inner_diameter": 1.0}  # wire diameters from there to the mean
-MEANT = {  # the same, of a spring of one kind of coils
-    r"(outside|external)\w*diam\w*|od": ", or outer_diameter in its place",
-    r"(inside|internal)\w*diam\w*|id": ", or inner_diameter in its place",
-    r"(coil|spring)\w*diam\w*|diameter": "",
-}
 
 
 @dataclass(frozen=True)
@@ -45,9 +34,9 @@ class CoilSection:
         stands for both.
     """
 
-    coils: float = field(metadata=key("turns"))
-    pitch: tuple[float, float] = field(metadata=key("at the section's bottom and top, linear in the turns"))
-    mean_diameter: tuple[float, float] = field(metadata=key("the same", aliases=DIAMETERS))
+    coils: float
+    pitch: tuple[float, float]
+    mean_diameter: tuple[float, float]
 
     @property
     def height(self) -> float:
@@ -57,9 +46,7 @@ class CoilSection:
     def checked(self, field: str, wire_diameter: float) -> CoilSection:
         """The section with its numbers as floats; `field` is its name in messages.
 
-        Raises
-        ------
-        InputError : a number out of its range, or coils that overlap at rest.
+        Raises `InputError`: a number out of its range, or coils that overlap at rest.
         """
         return CoilSection(
             require_number(f"{field}.coils", self.coils, *SECTION_COILS),
@@ -71,9 +58,7 @@ class CoilSection:
 def checked_sections(sections: object, wire_diameter: float) -> tuple[CoilSection, ...]:
     """Sections with their numbers as floats, each beginning with the diameter at which the last one ends.
 
-    Raises
-    ------
-    InputError : see `CoilSection.checked`.
+    Raises `InputError`: see `CoilSection.checked`.
     """
     if not isinstance(sections, list | tuple) or not 1 <= len(sections) <= MOST_SECTIONS:
         raise InputError(f"spring.sections must be 1 to {MOST_SECTIONS} sections, got {shown(sections)}")
@@ -159,20 +144,12 @@ class Profile(NamedTuple):
 
 def profile(sections: Sequence[CoilSection]) -> Profile:
     """Radius and height of sections one above the other."""
-    knots, start = [0.0], [0.0]
-    for section in sections:
-        knots.append(knots[-1] + TWO_PI * section.coils)
-        start.append(start[-1] + section.height)
-    ends = [(section.pitch[0] / TWO_PI, section.pitch[1] / TWO_PI) for section in sections]
+    coils = np.array([each.coils for each in sections])
+    low, high = np.array([each.pitch for each in sections]).T / TWO_PI
     return Profile(
-        knots=np.array(knots),
+        knots=np.cumsum([0.0, *(TWO_PI * coils)]),
         radii=0.5 * np.array([sections[0].mean_diameter[0], *(each.mean_diameter[1] for each in sections)]),
-        start=np.array(start[:-1]),
-        rise=np.array([low for low, _ in ends]),
-        bend=np.array(
-            [
-                0.5 * (high - low) / TWO_PI / each.coils
-                for (low, high), each in zip(ends, sections, strict=True)
-            ]
-        ),
+        start=np.cumsum([0.0, *(each.height for each in sections)])[:-1],
+        rise=low,
+        bend=0.5 * (high - low) / TWO_PI / coils,
     )

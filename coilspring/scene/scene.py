@@ -13,7 +13,6 @@ from coilspring.scene.factors import Factors
 from coilspring.scene.load import Load, stage_ends
 from coilspring.scene.material import Material
 from coilspring.scene.profile import SAME
-from coilspring.scene.schema import key
 from coilspring.scene.solidwire import FITTED
 from coilspring.scene.spring import Spring
 from coilspring.scene.supports import Supports
@@ -23,7 +22,7 @@ from coilspring.scene.supports import Supports
 class Scene:
     """What one experiment is made of; the factors are the equivalent beam's alone."""
 
-    name: str = field(metadata=key("[the file's name]"))
+    name: str
     spring: Spring
     load: Load
     material: Material = field(default_factory=Material)
@@ -45,16 +44,15 @@ class Scene:
         if self.load.displacement:
             self._check_displacement()
             return
-        free = [name not in self.supports.top_held for name in ("ux", "uy")]
-        before = (0.0, 0.0)
-        for force in self.load.stages or (self.load.force,):
-            if not any(old != new and moves for old, new, moves in zip(before, force, free, strict=True)):
-                key = "load.stages" if self.load.stages else "load.force"
-                raise InputError(
-                    f"{key} must change in a direction that is free, got {force!r} with "
-                    f"supports.top_held = {list(self.supports.top_held)!r}"
-                )
-            before = force
+        ends = stage_ends(self.load)
+        changes = np.any(np.diff(ends, axis=0) * self.supports.free, axis=1)
+        if not changes.all():
+            key = "load.stages" if self.load.stages else "load.force"
+            force = tuple(ends[1:][~changes][0].tolist())
+            raise InputError(
+                f"{key} must change in a direction that is free, got {force!r} with "
+                f"supports.top_held = {list(self.supports.top_held)!r}"
+            )
 
     def _check_displacement(self) -> None:
         if "uy" in self.supports.top_held:
@@ -89,8 +87,7 @@ class Scene:
         """
         if self.load.displacement:
             return 0.0, math.copysign(1.0, max(self.load.displacement, key=abs))
-        free = [float(name not in self.supports.top_held) for name in ("ux", "uy")]
-        forces = [(x * free[0], y * free[1]) for x, y in self.load.stages or (self.load.force,)]
+        forces = (stage_ends(self.load)[1:] * self.supports.free).tolist()
         x, y = max(forces, key=lambda force: math.hypot(*force))
         size = math.hypot(x, y)
         if any(abs(a * y - b * x) > SAME * size * math.hypot(a, b) for a, b in forces):
@@ -115,15 +112,13 @@ class Scene:
         """The scene with the number of steps, the penalty and the contact geometry a caller asked for."""
         scene = self if steps is None else self.with_steps(steps)
         scene = scene if penalty is None else scene.with_penalty(penalty)
-        return (
-            scene if geometry is None else replace(scene, contact=replace(scene.contact, geometry=geometry))
-        )
+        contact = scene.contact if geometry is None else replace(scene.contact, geometry=geometry)
+        return replace(scene, contact=contact)
 
 
 def load_directions(scene: Scene, times: np.ndarray) -> np.ndarray:
     """Directions in which the load grows on the free top at some times, shape (times, 2), of length 1."""
-    grows = np.diff(stage_ends(scene.load), axis=0)
-    grows *= [float(name not in scene.supports.top_held) for name in ("ux", "uy")]
+    grows = np.diff(stage_ends(scene.load), axis=0) * scene.supports.free
     grows /= np.linalg.norm(grows, axis=1)[:, None]
     stage = np.ceil(np.clip(times, 0.0, 1.0) * len(grows) - 1e-9).astype(int) - 1
     return grows[np.maximum(stage, 0)]

@@ -1,54 +1,74 @@
-"""Keys of a scene file, declared as metadata on the fields of the dataclasses that hold their values."""
+"""Keys of a scene file, as ``keys.toml`` lists them for the dataclasses that hold their values."""
 
 from __future__ import annotations
 
+import tomllib
 from collections.abc import Callable, Mapping
 from dataclasses import MISSING, dataclass, field, fields
-from functools import cache
+from pathlib import Path
 from typing import Any
 
 from coilspring.errors import InputError, require_choice, require_integer, require_number, shown
 
-Check = Callable[[str, object], Any]  # of a name for messages and a value; returns the value to keep
-
 
 @dataclass(frozen=True)
 class Key:
-    """One key of a scene file.
-
-    Attributes
-    ----------
-    comment : written beside it.
-    check : of the value alone; None where the dataclass checks it together with others.
-    instead : keys that can take its place.
-    absent : text written in its place where it has its default; None where the default is written.
-    required : in a file, unless one of `instead` is there; by default where the field has no default.
-    aliases : patterns of names that may be meant for it, and what makes this key of such a value.
-    item : dataclass of the tables that are its value.
-    """
+    """One key of a scene file; see ``keys.toml``."""
 
     comment: str = ""
-    check: Check | None = None
     instead: tuple[str, ...] = ()
     absent: str | None = None
     required: bool = False
     aliases: Mapping[str, str] = field(default_factory=dict)
-    item: type | None = None
+    item: str = ""
+    checks: Mapping[str, Any] = field(default_factory=dict)  # by their names in `CHECKS`
+
+    def check(self, name: str, value: object) -> Any:
+        """The value to keep, or `InputError`; `name` is for the message."""
+        for kind, allowed in self.checks.items():
+            value = CHECKS[kind](name, value, allowed)
+        return value
 
 
-def key(comment: str, check: Check | None = None, **others: Any) -> dict[str, Key]:
-    """Metadata of a field that is a key of scene files; see `Key`."""
-    return {"key": Key(comment, check, **others)}
+def _switch(name: str, value: object, _: bool) -> bool:
+    """True or false."""
+    if not isinstance(value, bool):
+        raise InputError(f"{name} must be true or false, got {shown(value)}")
+    return value
+
+
+def _some(name: str, value: object, choices: tuple[str, ...]) -> tuple[str, ...]:
+    """Some of several texts, kept in their usual order, each once."""
+    if not isinstance(value, list | tuple):
+        raise InputError(f"{name} must be a list with items of {', '.join(choices)}, got {shown(value)}")
+    given = [require_choice(name, item, choices) for item in value]
+    return tuple(item for item in choices if item in given)
+
+
+CHECKS: dict[str, Callable[[str, object, Any], Any]] = {
+    "number": lambda name, value, allowed: require_number(name, value, *allowed),
+    "integer": lambda name, value, allowed: require_integer(name, value, *allowed),
+    "choice": require_choice,
+    "some": _some,
+    "switch": _switch,
+}
+
+
+def _key(words: Mapping[str, Any]) -> Key:
+    plain: dict[str, Any] = {
+        name: tuple(value) if isinstance(value, list) else value for name, value in words.items()
+    }
+    checks = {name: plain.pop(name) for name in plain.keys() & CHECKS.keys()}
+    return Key(**plain, checks=checks)
+
+
+TABLES = tomllib.loads(Path(__file__).with_name("keys.toml").read_text(encoding="utf-8"))
+KEYS = {table: {name: _key(words) for name, words in keys.items()} for table, keys in TABLES.items()}
 
 
 def keys_of(record: type) -> Mapping[str, Key]:
     """Keys of a dataclass by name, in the order of a file."""
-    return _keys_of(record)
-
-
-@cache
-def _keys_of(record: Any) -> Mapping[str, Key]:
-    return {item.name: item.metadata["key"] for item in fields(record) if "key" in item.metadata}
+    return KEYS[record.__name__.lower()]
 
 
 def missing(record: type) -> set[str]:
@@ -66,40 +86,5 @@ def keep_checked(record: object, section: str) -> None:
 
     Numbers become floats: an integer kept as such would compile the models' kernels a second time.
     """
-    for name, item in keys_of(type(record)).items():
-        if item.check is not None:
-            object.__setattr__(record, name, item.check(f"{section}.{name}", getattr(record, name)))
-
-
-def number(low: float, high: float) -> Check:
-    """A finite number in [low, high]."""
-    return lambda name, value: require_number(name, value, low, high)
-
-
-def integer(low: int, high: int) -> Check:
-    """An integer in [low, high]."""
-    return lambda name, value: require_integer(name, value, low, high)
-
-
-def choice(*choices: str) -> Check:
-    """One of some texts."""
-    return lambda name, value: require_choice(name, value, choices)
-
-
-def switch(name: str, value: object) -> bool:
-    """True or false."""
-    if not isinstance(value, bool):
-        raise InputError(f"{name} must be true or false, got {shown(value)}")
-    return value
-
-
-def some_of(*choices: str) -> Check:
-    """Some of several texts, kept in their usual order, each once."""
-
-    def check(name: str, value: object) -> tuple[str, ...]:
-        if not isinstance(value, list | tuple):
-            raise InputError(f"{name} must be a list with items of {', '.join(choices)}, got {shown(value)}")
-        given = [require_choice(name, item, choices) for item in value]
-        return tuple(item for item in choices if item in given)
-
-    return check
+    for name, item in KEYS[section].items():
+        object.__setattr__(record, name, item.check(f"{section}.{name}", getattr(record, name)))

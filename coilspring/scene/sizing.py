@@ -29,51 +29,34 @@ SEATING = {(): 2.0, ("ux",): 0.7, ("rotz",): 1.0, ("ux", "rotz"): 0.5}
 
 @dataclass(frozen=True)
 class Sizes:
-    """Numbers of a scene's spring at rest and under its axial load.
+    """Numbers of a scene's spring at rest and under its axial load."""
 
-    Attributes
-    ----------
-    wire_length : end turns included, mm.
-    index : least and largest coil index D/d.
-    total_coils : end turns included.
-    free_length, solid_length : over the wire, mm, or over the ground ends, where half of the wire is taken
-        off each tip; coils of different diameter nest where they are solid.
-    least_gap : between neighbouring active coils, in the plane through the axis, mm; None below one coil.
-    helix_angle : largest, rad.
-    rate : axial, while no coils touch, by the textbook's formula, N/mm.
-    wire_rates : the same of a wire by beam theory and by three-dimensional elasticity, with its pitch and
-        ends that do not turn; nan where Poisson's ratio is outside what the latter is fitted to.
-    closing : axial force at which the first and the last coil would close, N.
-    force, shortening : largest axial one of the scene's load, positive in compression, N, and what it does to
-        the spring, mm, coils that close taken out; of a prescribed displacement the force that goes with it,
-        infinite beyond solid.
-    stress : largest shear stress in the wire under that force, MPa; coils that have closed give no more.
-    stressed_at : where it is, in turns from the first active point.
-    stress_factor : of the wire's curvature, in it.
-    inner_factors : the same there by Wahl and by three-dimensional elasticity.
-    surge : lowest natural frequency of the active wire along the axis, both ends held, without load or
-        contact, Hz: 1/2 sqrt(rate / mass), which is d / (2 pi n D^2) sqrt(G / 2 rho) of a flat cylinder.
-    buckling : shortening at which the straight spring buckles, mm; None where it does not.
-    """
-
-    wire_length: float
-    index: tuple[float, float]
-    total_coils: float
+    wire_length: float  # end turns included, mm
+    index: tuple[float, float]  # least and largest coil index D/d
+    total_coils: float  # end turns included
+    # over the wire, mm, or over the ground ends, where half of the wire is taken off each tip
     free_length: float
-    solid_length: float
+    solid_length: float  # coils of different diameter nest
+    # between neighbouring active coils, in the plane through the axis, mm; None below one coil
     least_gap: float | None
-    helix_angle: float
-    rate: float
+    helix_angle: float  # largest, rad
+    rate: float  # axial, while no coils touch, by the textbook's formula, N/mm
+    # the same of a wire by beam theory and by three-dimensional elasticity, with its pitch and ends that do
+    # not turn; nan where Poisson's ratio is outside what the latter is fitted to
     wire_rates: tuple[float, float]
-    closing: tuple[float, float]
+    closing: tuple[float, float]  # axial force at which the first and the last coil would close, N
+    # largest axial one of the scene's load, positive in compression, N; of a prescribed displacement the
+    # force that goes with it, infinite beyond solid
     force: float
-    shortening: float
-    stress: float
-    stressed_at: float
-    stress_factor: float
-    inner_factors: tuple[float, float]
+    shortening: float  # by this force, mm, coils that close taken out
+    stress: float  # largest shear stress under it, MPa; coils that have closed give no more
+    stressed_at: float  # in turns from the first active point
+    stress_factor: float  # of the wire's curvature, in it
+    inner_factors: tuple[float, float]  # the same there by Wahl and by three-dimensional elasticity
+    # lowest natural frequency of the active wire along the axis, both ends held, without load or contact, Hz:
+    # 1/2 sqrt(rate / mass), which is d / (2 pi n D^2) sqrt(G / 2 rho) of a flat cylinder
     surge: float
-    buckling: float | None
+    buckling: float | None  # shortening at which the straight spring buckles, mm; None where it does not
 
     @property
     def travel(self) -> float:

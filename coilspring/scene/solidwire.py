@@ -8,15 +8,18 @@ torsion and Poisson's ratio, fitted by ``python -m validation.solid.table``. Der
 from __future__ import annotations
 
 import math
+import tomllib
 from collections.abc import Callable
+from pathlib import Path
 
 import numpy as np
 
 from coilspring.scene.material import Material
-from coilspring.scene.solidtable import FLEXIBILITY, STRESS
 from coilspring.scene.spring import Spring
 from coilspring.scene.wire import Section, round_section
 
+TABLE = Path(__file__).with_name("solidtable.toml")
+FLEXIBILITY, STRESS = map(np.array, tomllib.loads(TABLE.read_text(encoding="utf-8")).values())
 FITTED = (0.0, 0.5)  # Poisson's ratio of the fit
 POWERS = ((0, 0), (0, 1), (0, 2), (1, 0), (1, 1), (2, 0))  # of curvature^2 and torsion^2, a column each
 # Entries that do not vanish, and the powers of curvature and torsion that they are multiples of.
@@ -37,10 +40,7 @@ def flexibility(
 ) -> np.ndarray:
     """Flexibility of the wire per length, (n, 6, 6), 1/N, 1/(N mm), 1/(N mm^2).
 
-    Parameters
-    ----------
-    curvature, torsion : (n,) of the centreline, 1/mm; of a left-handed helix the torsion is negative.
-    diameter : of the wire, mm.
+    `curvature` and `torsion` of the centreline (n,), 1/mm; of a left-handed helix the torsion is negative.
     """
     k, t, nu = curvature * diameter, torsion * diameter, material.nu
     values = monomials(k, t) @ FLEXIBILITY @ nu ** np.arange(FLEXIBILITY.shape[-1]) / (1.0 + nu)

@@ -10,11 +10,9 @@ from typing import Any
 
 import numpy as np
 
-from coilspring.errors import InputError, require_number
+from coilspring.errors import InputError
 from coilspring.scene.profile import (
-    ACTIVE_COILS,
     LONGEST,
-    MEANT,
     OTHER_DIAMETERS,
     SAME,
     TWO_PI,
@@ -27,17 +25,9 @@ from coilspring.scene.profile import (
     profile,
     totals,
 )
-from coilspring.scene.schema import choice, keep_checked, key, number
+from coilspring.scene.schema import KEYS, keep_checked
 
-WIRE = (1e-6, 1e6)  # mm; a fourth power of it must not vanish
-SECTIONS_SHOWN = """
-# Coils of several kinds: in the place of mean_diameter, active_coils and active_height, one such table
-# for each kind, from bottom to top. Each begins with the diameter at which the one below it ends.
-# [[spring.sections]]
-# coils = 2.0                       # turns of this kind
-# pitch = [2.0, 4.0]                # at its bottom and its top, linear in the turns; or one number
-# mean_diameter = [12.0, 9.0]       # the same
-"""
+WIRE = KEYS["spring"]["wire_diameter"].check
 
 
 @dataclass(frozen=True)
@@ -65,60 +55,16 @@ class Spring:
         of one pitch and linearly varying diameter.
     """
 
-    wire_diameter: float = field(
-        metadata=key("d", number(*WIRE), aliases={r"d|wire|wire_(size|thickness)": ""})
-    )
-    mean_diameter: tuple[float, float] = field(
-        metadata=key(
-            "of the coils at bottom and top; or one number; or outer_diameter, inner_diameter",
-            instead=(*OTHER_DIAMETERS, "sections"),
-            aliases=MEANT,
-        )
-    )
-    active_coils: float = field(
-        metadata=key(
-            "a multiple of 0.5 for the equivalent beam",
-            number(*ACTIVE_COILS),
-            instead=("sections",),
-            aliases={r"n|coils|turns|active_turns": ""},
-        )
-    )
-    active_height: float = field(
-        metadata=key(
-            "of the active coils, between wire centres",
-            number(1e-6, LONGEST),
-            instead=("sections",),
-            aliases={r"pitch": ", the pitch times active_coils, or sections, each with a pitch"},
-        )
-    )
-    end_turns: float = field(
-        default=1.0, metadata=key("not active turns at each end: 0 or at least 0.5 [1.0]", number(0.0, 100.0))
-    )
-    ends: str = field(
-        default="closed",
-        kw_only=True,  # the order here is that of a file
-        metadata=key(
-            'pitch: "closed" d, "open" that of the coils next to them [closed]', choice("closed", "open")
-        ),
-    )
-    start_phase: float = field(
-        default=0.0, metadata=key("angle from X to Z where the active wire begins [0.0]", number(-1e3, 1e3))
-    )
-    hand: str = field(default="left", metadata=key("left or right [left]", choice("left", "right")))
-    wire_rigidity: str = field(
-        default="beam",
-        kw_only=True,
-        metadata=key(
-            '"beam" of a straight wire, "solid" of the coiled one by 3D elasticity [beam]',
-            choice("beam", "solid"),
-        ),
-    )
-    sections: tuple[CoilSection, ...] = field(
-        default=(),
-        metadata=key(
-            "", absent=SECTIONS_SHOWN, item=CoilSection, aliases={r"pitch": ", each of which has a pitch"}
-        ),
-    )
+    wire_diameter: float
+    mean_diameter: tuple[float, float]
+    active_coils: float
+    active_height: float
+    end_turns: float = 1.0
+    ends: str = field(default="closed", kw_only=True)
+    start_phase: float = 0.0
+    hand: str = "left"
+    wire_rigidity: str = field(default="beam", kw_only=True)
+    sections: tuple[CoilSection, ...] = ()
 
     def __post_init__(self) -> None:
         keep_checked(self, "spring")
@@ -157,7 +103,7 @@ class Spring:
         """
         if "mean_diameter" in others:
             raise InputError("spring must have one of mean_diameter, outer_diameter and inner_diameter")
-        d = require_number("spring.wire_diameter", wire_diameter, *WIRE)
+        d = WIRE("spring.wire_diameter", wire_diameter)
         return cls(d, mean_of(d, outer_diameter=outer_diameter, inner_diameter=inner_diameter), **others)
 
     @classmethod
@@ -168,7 +114,7 @@ class Spring:
         ------
         InputError : a number out of its range, or diameters that differ where two sections meet.
         """
-        d = require_number("spring.wire_diameter", wire_diameter, *WIRE)
+        d = WIRE("spring.wire_diameter", wire_diameter)
         checked = checked_sections(sections, d)
         return cls(d, **totals(checked), **others, sections=checked)
 

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 from coilspring.errors import InputError, shown
-from coilspring.scene.schema import choice, keep_checked, key, some_of
+from coilspring.scene.schema import KEYS, keep_checked
 
-HELD_CHOICES = ("ux", "uy", "rotz")
-SEATS = ("rigid", "plate")
+HELD_CHOICES: tuple[str, ...] = KEYS["supports"]["top_held"].checks["some"]
+SEATS: tuple[str, ...] = KEYS["supports"]["seat"].checks["choice"]
 
 
 @dataclass(frozen=True)
@@ -24,20 +24,17 @@ class Supports:
         their plates and against turning on them.
     """
 
-    top_held: tuple[str, ...] = field(
-        default=(),
-        metadata=key("some of ux, uy, rotz, besides uz, rotx, roty [none]", some_of(*HELD_CHOICES)),
-    )
-    bottom_held: tuple[str, ...] = field(
-        default=HELD_CHOICES, metadata=key("the bottom is clamped [all three]", some_of(*HELD_CHOICES))
-    )
-    seat: str = field(
-        default="rigid",
-        metadata=key('end turns are "rigid" with their end or rest on a "plate" [rigid]', choice(*SEATS)),
-    )
+    top_held: tuple[str, ...] = ()
+    bottom_held: tuple[str, ...] = HELD_CHOICES
+    seat: str = "rigid"
 
     def __post_init__(self) -> None:
         keep_checked(self, "supports")
+
+    @property
+    def free(self) -> tuple[float, float]:
+        """1 for each of X and Y in which the top can move, else 0."""
+        return float("ux" not in self.top_held), float("uy" not in self.top_held)
 
     def require_supported(self, model: str, seats: tuple[str, ...] = ("rigid",)) -> str:
         """The seat, if `model` can represent these supports with one of its `seats`, else `InputError`."""

@@ -17,6 +17,7 @@ from coilspring.scene.contact import Contact
 from coilspring.scene.factors import Factors
 from coilspring.scene.load import Load
 from coilspring.scene.material import Material
+from coilspring.scene.profile import CoilSection
 from coilspring.scene.scene import Scene
 from coilspring.scene.schema import keys_of, missing, required
 from coilspring.scene.spring import Spring
@@ -30,6 +31,7 @@ SECTIONS: dict[str, type] = {  # in the order of a file
     "contact": Contact,
     "factors": Factors,
 }
+ITEMS: dict[str, type] = {"coilsection": CoilSection}  # tables in sections
 REQUIRED = [section for section in SECTIONS if section in missing(Scene)]
 MOST_BYTES = 1_000_000
 COLUMN = 36  # at which comments begin
@@ -112,7 +114,7 @@ def _section(section: str, record: type, table: Mapping[str, object]) -> Mapping
 
 def _record(name: str, record: type, table: Mapping[str, object]) -> Any:
     """The dataclass of a table called `name` in messages."""
-    items = {key: item.item for key, item in keys_of(record).items() if item.item is not None}
+    items = {key: ITEMS[item.item] for key, item in keys_of(record).items() if item.item}
     values = dict(table)
     for key in items.keys() & table.keys():
         values[key] = _tables(f"{name}.{key}", items[key], table[key])
@@ -183,7 +185,7 @@ def _table_text(head: str, name: str, record: Any) -> str:
     tables = [
         _table_text(f"[[{name}.{key}]]", f"{name}.{key}", table)
         for key, item in keys_of(type(record)).items()
-        if item.item is not None
+        if item.item
         for table in getattr(record, key)
     ]
     return "\n".join((f"{head}\n{_lines(record)}", *tables))
@@ -198,7 +200,7 @@ def _lines(record: Any) -> str:
             continue
         if item.absent is not None and key not in given:
             text += item.absent
-        elif item.item is None:
+        elif not item.item:
             text += f"{key} = {_toml(getattr(record, key))}".ljust(COLUMN - 1) + f" # {item.comment}\n"
     return text
 

@@ -24,13 +24,7 @@ class Section:
 
 
 def round_section(diameter: float, material: Material) -> Section:
-    """Section stiffnesses of a solid round wire.
-
-    Parameters
-    ----------
-    diameter : wire diameter, mm.
-    material : the wire's material.
-    """
+    """Section stiffnesses of a solid round wire of a diameter in mm."""
     area = math.pi * diameter**2 / 4.0
     inertia = math.pi * diameter**4 / 64.0
     return Section(

@@ -7,6 +7,7 @@ import sys
 from collections.abc import Callable, Sequence
 from contextlib import ExitStack
 from dataclasses import asdict
+from importlib import import_module
 from pathlib import Path
 
 from coilspring import CATALOGUE, EquilibriumNotFound, EquilibriumPath, InputError, Scene, load_scene
@@ -91,26 +92,18 @@ def solve(arguments: argparse.Namespace) -> int:
             path = _run(scene, model, arguments, progress)
         found, lines = output.summary(path), digest(path)
         if count and len(path.times):
-            found["frequencies"] = values = _frequencies(path, count)
+            from wirefe import frequencies
+
+            found["frequencies"] = values = frequencies(path, count=count).tolist()
             lines.append(f"  natural frequencies {', '.join(f'{f:.4g}' for f in values)} Hz, both ends held")
         files = output.path_files(path) | {"summary.json": output.json_bytes(found)}
-        if arguments.vtu and len(path.times):
-            files |= output.vtu_file(path)
-        if arguments.stress and len(path.times):
-            files |= output.stress_file(path)
-        if arguments.vtu_series and len(path.times):
+        for name, make in output.WIRE_FILES.items() if len(path.times) else ():
+            files |= make(path) if getattr(arguments, name) else {}
+        if any(name.startswith("wire/") for name in files):
             output.prepare(folder / "wire")
-            files |= output.series_files(path)
         output.write_files(files, folder)
         output.remove_stale(files, folder)
     return _concluded(arguments, found, [*lines, f"written to {folder}"], path)
-
-
-def _frequencies(path: EquilibriumPath, count: int) -> list[float]:
-    """Natural frequencies about the last step of a path of the wire model, Hz."""
-    from wirefe import frequencies
-
-    return frequencies(path, count=count).tolist()
 
 
 def compare(arguments: argparse.Namespace) -> int:
@@ -173,10 +166,8 @@ def long_command(arguments: argparse.Namespace) -> int:
 
 
 FAILED = {"sweep": NOT_COMPLETED}
-COMMANDS = {
-    **{"new": new, "check": check, "solve": solve, "compare": compare},
-    **dict.fromkeys(studies.COMMANDS, long_command),
-}
+COMMANDS = {each.__name__: each for each in (new, check, solve, compare)}
+COMMANDS |= dict.fromkeys(studies.COMMANDS, long_command)
 
 
 def _folder(arguments: argparse.Namespace) -> Path:
@@ -197,35 +188,18 @@ def _run(
 ) -> EquilibriumPath:
     """The path of one model, complete or as far as it was reached."""
     progress(f"loading {model}")
-    solver = _solver(model)
+    package = import_module(model)  # it alone: numba takes its time
     names: Sequence[str] = MODEL_OPTIONS[model]
+    solver = package.solve
     if model == ADAPTIVE and arguments.accuracy is not None:
-        import wirefe
-
-        solver, names = wirefe.solve_to, ("accuracy", "pairs_per_turn")
+        solver, names = package.solve_to, ("accuracy", "pairs_per_turn")
     progress(f"solving with {model}")
     try:
         return partial_path(solver, scene, **given(arguments, names))
     except InputError as error:
-        raise _in_file(arguments.scene, error) from None
-
-
-def _solver(model: str) -> Callable[..., EquilibriumPath]:
-    """A model's `solve`, loaded alone: numba takes its time."""
-    if model == "equivbeam":
-        import equivbeam
-
-        return equivbeam.solve
-    import wirefe
-
-    return wirefe.solve
-
-
-def _in_file(scene: str, error: InputError) -> InputError:
-    """What a model refuses, with the scene file where it names a key of one."""
-    if scene not in CATALOGUE and str(error).partition(".")[0] in SECTIONS:
-        return InputError(f"{scene}: {error}")
-    return error
+        if arguments.scene in CATALOGUE or str(error).partition(".")[0] not in SECTIONS:
+            raise
+        raise InputError(f"{arguments.scene}: {error}") from None  # a key of that file
 
 
 def _concluded(arguments: argparse.Namespace, found: dict, lines: list[str], *paths: EquilibriumPath) -> int:

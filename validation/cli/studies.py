@@ -73,9 +73,7 @@ def calibrate(arguments: argparse.Namespace, folder: Path, progress: Progress) -
 def _own_scenes(arguments: argparse.Namespace) -> dict[str, Scene]:
     """The scenes of a study by name; empty for those of the paper.
 
-    Raises
-    ------
-    InputError : scenes beside --only, or a geometry without scenes.
+    Raises `InputError`: scenes beside --only, or a geometry without scenes.
     """
     scenes = scenes_of(arguments)
     if scenes and getattr(arguments, "only", None):
@@ -137,9 +135,7 @@ def stability(arguments: argparse.Namespace, folder: Path, progress: Progress) -
 def _seeds(one: int | None, listed: str | None) -> tuple[int, ...]:
     """Seeds of a campaign, each once.
 
-    Raises
-    ------
-    InputError : both options are given, or the list is none of whole numbers.
+    Raises `InputError`: both options are given, or the list is none of whole numbers.
     """
     if listed is None:
         return (1 if one is None else one,)
@@ -205,7 +201,7 @@ def _choice(
     from validation.sweep.grid import points
 
     found = choose(list(points(scene, varied)), varied, arguments.accuracy, progress)
-    return found.candidate, [found.line(arguments.accuracy)]
+    return found.candidate, [found.line]
 
 
 def export(arguments: argparse.Namespace, folder: Path, progress: Progress) -> Answer:
@@ -280,16 +276,5 @@ def view(arguments: argparse.Namespace, folder: Path, progress: Progress) -> Ans
     return [*([remark] if remark else []), f"written to {movie}"], ""
 
 
-COMMANDS = {
-    **{"reproduce": reproduce, "workprecision": workprecision, "sensitivity": sensitivity},
-    **{
-        "sweep": sweep,
-        "regress": regress,
-        "stability": stability,
-        "study-law": study_law,
-        "calibrate": calibrate,
-        "export": export,
-        "referee": referee,
-        "view": view,
-    },
-}
+STUDIES = (reproduce, workprecision, sensitivity, sweep, regress, stability, study_law, calibrate)
+COMMANDS = {each.__name__.replace("_", "-"): each for each in (*STUDIES, export, referee, view)}

@@ -40,22 +40,17 @@ def digest(path: EquilibriumPath) -> list[str]:
     if len(path.times):
         ux, uy, rotz = path.tips[-1]
         force = f", axial force {path.loads[-1, 1]:.6g} N" if path.scene.load.displacement else ""
-        lines.append(
-            f"  tip at time {path.times[-1]:g}: ux {ux:.6g} mm, uy {uy:.6g} mm, rotz {rotz:.6g} rad{force}"
-        )
+        tip = f"ux {ux:.6g} mm, uy {uy:.6g} mm, rotz {rotz:.6g} rad"
+        lines.append(f"  tip at time {path.times[-1]:g}: {tip}{force}")
         if path.max_stress is not None:
-            lines.append(
-                f"  stress {path.max_stress[-1]:.4g} MPa at most (torsion, with Bergstraesser's factor)"
-            )
+            stress = f"{path.max_stress[-1]:.4g} MPa at most"
+            lines.append(f"  stress {stress} (torsion, with Bergstraesser's factor)")
     lines += [f"  {note}" for note in notes(path)]
     if path.accuracy is not None:
         lines += [f"  {line}" for line in choice(path)]
     count = f"{path.total_iterations} iteration{'' if path.total_iterations == 1 else 's'}"
-    lines.append(
-        f"  {count}, {path.solve_seconds:.2g} s CPU "
-        f"(and {path.compile_seconds:.2g} s to make the kernels ready)"
-    )
-    return lines
+    ready = f"{path.compile_seconds:.2g} s to make the kernels ready"
+    return [*lines, f"  {count}, {path.solve_seconds:.2g} s CPU (and {ready})"]
 
 
 def choice(path: EquilibriumPath) -> list[str]:

@@ -21,7 +21,7 @@ from validation.study.metrics import peaks
 from validation.study.plots import TIPS as LABELS
 from validation.study.plots import both, discs
 from validation.view.render3d import PIXELS
-from validation.view.shapes import PARTS, Shapes, bands, picture_frame, spaces, view
+from validation.view.shapes import PARTS, Shapes, bands, overlaps, picture_frame, spaces, view
 
 DOTTED = (0, (1, 1.3))
 DIFFERENCES: dict[str, style.Look] = {
@@ -249,14 +249,14 @@ def _circles(axes: Axes, panel: Shapes) -> None:
 
 def _detail(axes: Axes, detail: Axes, panel: Shapes, place: Shapes) -> None:
     """Enlarge where the coils of the panel `place` overlap most, and say by how much they do here."""
-    worst = int(np.argmax(place.overlaps(place.wire_circles)))
+    worst = int(np.argmax(overlaps(place.wire_circles, place.diameter)))
     x, y = panel.wire_circles[worst : worst + 3 : 2].mean(axis=0) - 0.5 * ZOOM
     x, y = max(x, axes.get_xlim()[0]), max(y, axes.get_ylim()[0])
     _circles(detail, panel)
     detail.set(xlim=(x, x + ZOOM), ylim=(y, y + ZOOM), xticks=(), yticks=())
     detail.spines[:].set_visible(True)
     axes.add_patch(Rectangle((x, y), ZOOM, ZOOM, fill=False, edgecolor="black", linewidth=0.6))
-    most = [panel.overlaps(circles).max() for circles in (panel.beam_circles, panel.wire_circles)]
+    most = [overlaps(circles, panel.diameter).max() for circles in (panel.beam_circles, panel.wire_circles)]
     beam, wire = (f"{x:.2f} mm" if x >= 0.1 else f"{1e3 * x:.1f} µm" for x in most)
     note = f"largest overlap where\ncoils cross the plane\nbeam: {beam}\nwire model: {wire}"
     detail.text(0.0, 1.04, note, transform=detail.transAxes, ha="left", va="bottom", fontsize=7.0)

@@ -24,7 +24,7 @@ from validation.study.machine import machine, versions
 from validation.study.output import prepare, write_files, writing
 from validation.study.provenance import MODELS
 from validation.study.store import Store, default_folder
-from validation.view.htmlfile import FILE, is_made, require_extra
+from validation.view.htmlscene import FILE, is_made, require_extra
 
 if TYPE_CHECKING:
     from validation.reproduce.artifacts import Maker

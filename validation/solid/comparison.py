@@ -8,23 +8,57 @@ from typing import Any
 
 import numpy as np
 import pandas as pd
+from scipy.sparse.linalg import spsolve
 
 import equivbeam
 import wirefe
 from coilspring import EquilibriumPath, InputError, Material, Scene, Spring
-from validation.solid.coils import both
+from coilspring.scene.solidwire import wire_flexibility
 from validation.solid.hexahedra import COARSE, FINE, MIDDLE, deflection, flexibility, mesh_coils
 from validation.study.partialsolve import partial_path
+from wirefe.modes import linear_stiffness
 
 DIRECTIONS = ("Fx", "Fy", "Fz", "Mx", "My", "Mz")
 COILS = 3.0
+PER_TURN = 16  # curved elements; their linear flexibility is exact
 KINDS = ("beam", "solid")
-FINEST = {"element": "curved", "elements_per_turn": 16}
-MODELS: dict[str, tuple[Callable[..., EquilibriumPath], dict[str, Any]]] = {
+SOLVERS: dict[str, tuple[Callable[..., EquilibriumPath], dict[str, Any]]] = {
     "paper's law": (equivbeam.solve, {"law": "haringx"}),
     "helix law": (equivbeam.solve, {"law": "helix"}),
-    "wire model": (wirefe.solve, FINEST),
+    "wire model": (wirefe.solve, {"element": "curved", "elements_per_turn": 16}),
+    "paper's mesh": (wirefe.solve, {}),
 }
+MODELS = tuple(SOLVERS)[:3]  # beside solids
+
+
+def rod_flexibility(spring: Spring, material: Material, coils: float) -> np.ndarray:
+    """Motion (u, rotation) of the reference point on the axis by unit forces and moments there, (6, 6).
+
+    Of the first active coils, by the wire model with the spring's `wire_rigidity`.
+    """
+    end = 2.0 * np.pi * coils
+    phases = np.linspace(0.0, end, round(PER_TURN * coils) + 1)
+    rod = wirefe.curved_rod(spring, phases, wire_flexibility(spring, material)).holding(0)
+    x, _, z = rod.points[-1]
+    wrenches = np.zeros((rod.held.size - 6, 6))
+    wrenches[-6:] = np.eye(6)
+    for dof, force in enumerate(np.eye(3)):
+        wrenches[-3:, dof] = np.cross([-x, 0.0, -z], force)
+    stiffness = linear_stiffness(rod)[6:, 6:].tocsc()
+    return wrenches.T @ spsolve(stiffness, wrenches)
+
+
+def coil(index: float, degrees: float, coils: float, wire_rigidity: str = "beam") -> Spring:
+    """Coils of wire of 1 mm without end turns, of a pitch angle."""
+    pitch = np.pi * index * np.tan(np.radians(degrees))
+    return Spring(
+        1.0, (index, index), coils, coils * float(pitch), end_turns=0.0, wire_rigidity=wire_rigidity
+    )
+
+
+def both(spring: Spring, material: Material, coils: float) -> dict[str, np.ndarray]:
+    """`rod_flexibility` with both rigidities of the wire."""
+    return {kind: rod_flexibility(replace(spring, wire_rigidity=kind), material, coils) for kind in KINDS}
 
 
 def flexibilities(spring: Spring, material: Material, coils: float = COILS) -> pd.DataFrame:
@@ -72,7 +106,7 @@ def deflections(scene: Scene) -> pd.DataFrame:
 
 def solved(scene: Scene, model: str, kind: str) -> EquilibriumPath:
     """Path of a model with a rigidity of the wire, as far as it goes."""
-    solve, options = MODELS[model]
+    solve, options = SOLVERS[model]
     return partial_path(solve, replace(scene, spring=replace(scene.spring, wire_rigidity=kind)), **options)
 
 

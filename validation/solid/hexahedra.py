@@ -6,30 +6,27 @@ The bottom section is clamped, the top one rigid with the reference point on the
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
+from pathlib import Path
 
 import numpy as np
 
 from coilspring import Scene, Spring
 from validation.peers.calculix import execute
+from validation.study.template import template
 
 CORE = 0.55  # half diagonal of the square in the middle of the section, over the wire's radius
-PER_LINE = 16  # numbers in a line of a deck
+DECK = template(Path(__file__).with_suffix(".inp"))
 
 
 @dataclass(frozen=True)
 class Fineness:
-    """Of a mesh: quadrilaterals along an edge of the square and from it to the surface, elements along.
+    """Of a mesh."""
 
-    Attributes
-    ----------
-    length : of the elements along the wire, over its diameter.
-    """
-
-    square: int
-    rings: int
-    length: float
+    square: int  # quadrilaterals along an edge of the square
+    rings: int  # from there to the surface
+    length: float  # of the elements along the wire, over its diameter
 
 
 COARSE, MIDDLE, FINE = Fineness(2, 1, 0.8), Fineness(3, 1, 0.8), Fineness(4, 2, 0.6)
@@ -102,36 +99,10 @@ def mesh_coils(spring: Spring, coils: float, fineness: Fineness) -> SolidMesh:
 
 def deck(mesh: SolidMesh, E: float, nu: float, steps: Sequence[str]) -> str:
     """Input deck; the reference point and its rotation are the last two nodes, both in the set TIP."""
-    last = len(mesh.nodes)
-    nodes = np.concatenate((mesh.nodes, [mesh.reference, mesh.reference]))
-    lines = [
-        "*NODE, NSET=ALL",
-        *(f"{i}, {x:.12g}, {y:.12g}, {z:.12g}" for i, (x, y, z) in enumerate(nodes, 1)),
-        "*ELEMENT, TYPE=C3D20R, ELSET=COILS",
-        *_wrapped([[i, *(cell + 1).tolist()] for i, cell in enumerate(mesh.elements, 1)]),
-        "*NSET, NSET=BOTTOM",
-        *(f"{node + 1}," for node in mesh.bottom),
-        "*NSET, NSET=TOP",
-        *(f"{node + 1}," for node in mesh.top),
-        "*NSET, NSET=TIP",
-        f"{last + 1}, {last + 2}",
-        "*MATERIAL, NAME=STEEL",
-        "*ELASTIC",
-        f"{E:.12g}, {nu:.12g}",
-        "*SOLID SECTION, ELSET=COILS, MATERIAL=STEEL",
-        f"*RIGID BODY, NSET=TOP, REF NODE={last + 1}, ROT NODE={last + 2}",
-        "*BOUNDARY",
-        "BOTTOM, 1, 3",
-        *steps,
-    ]
-    return "\n".join(lines) + "\n"
-
-
-def _wrapped(rows: Sequence[Sequence[int]]) -> Iterator[str]:
-    for row in rows:
-        for start in range(0, len(row), PER_LINE):
-            more = "," if start + PER_LINE < len(row) else ""
-            yield ", ".join(map(str, row[start : start + PER_LINE])) + more
+    nodes = np.concatenate((mesh.nodes, [mesh.reference, mesh.reference])).tolist()
+    elements = [(i, *cell) for i, cell in enumerate((mesh.elements + 1).tolist(), 1)]
+    shape = {"mesh": mesh, "nodes": nodes, "elements": elements, "reference": len(mesh.nodes) + 1}
+    return DECK.render(shape, E=E, nu=nu, steps=steps)
 
 
 PRINT = ["*NODE PRINT, NSET=TIP", "U", "*END STEP"]

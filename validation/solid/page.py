@@ -7,25 +7,25 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
+from itertools import product
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pandas as pd
 
-import wirefe
-from coilspring import CATALOGUE, EquilibriumPath, Material, Scene, Spring, spring_a
+from coilspring import CATALOGUE, Material, Spring, spring_a
 from coilspring.scene.sizing import wahl_factor
 from coilspring.scene.solidwire import coil_section, half_ring, inner_stress_factor
 from coilspring.scene.wire import round_section
 from validation.solid.comparison import COILS as COILS_RUN
-from validation.solid.comparison import DIRECTIONS, KINDS, MODELS, solved
+from validation.solid.comparison import DIRECTIONS, KINDS, SOLVERS, solved
 from validation.solid.runs import FOLDER
 from validation.study import template
 from validation.study.frames import Format, frame_table, read_csv, write_csv
 from validation.study.metrics import compare_paths
 from validation.study.output import write_facts, write_text
-from validation.study.partialsolve import ending, partial_path
+from validation.study.partialsolve import ending
 
 INDICES = (3.0, 4.0, 5.0, 20.0 / 3.0, 8.0, 10.0, 15.0)
 SIGNED, PERCENT = "{:+.2f}".format, "{:.2f}".format
@@ -40,21 +40,14 @@ def ring_table() -> pd.DataFrame:
         radius, material = np.array([index / 2.0]), Material()
         coiled = coil_section(replace(spring, wire_rigidity="solid"), material, 1.0 / radius)
         straight = round_section(1.0, material)
-        rigid = replace(straight, EA=np.inf, GA=np.inf)  # as the paper's law has it
-        change = half_ring(coiled, radius)[0] / half_ring(rigid, radius)[0] - 1.0
-        beam = half_ring(straight, radius)[0, 0] / half_ring(rigid, radius)[0, 0] - 1.0
-        stretch = {name: float(getattr(straight, name) / getattr(coiled, name)[0]) for name in ("EA", "GA")}
-        stiff = {name: float(getattr(coiled, name)[0] / getattr(straight, name)) for name in ("GJ", "EI")}
-        rows.append(
-            {
-                "index": f"{index:.3g}",
-                **{f"{name} (%)": 100.0 * x for name, x in zip(("Kax", "Ksh", "Kfl"), change, strict=True)},
-                "Kax of a rod with shear (%)": 100.0 * beam,
-                **{f"{name} (%)": 100.0 * (x - 1.0) for name, x in stiff.items()},
-                **{f"1/{name}, share": x for name, x in stretch.items()},
-            }
-        )
-    return pd.DataFrame(rows)
+        paper = half_ring(replace(straight, EA=np.inf, GA=np.inf), radius)[0]  # its law has no such strains
+        Kax, Ksh, Kfl = 100.0 * (half_ring(coiled, radius)[0] / paper - 1.0)
+        rod = 100.0 * (half_ring(straight, radius)[0, 0] / paper[0] - 1.0)
+        stiff = [100.0 * (getattr(coiled, name)[0] / getattr(straight, name) - 1.0) for name in ("GJ", "EI")]
+        shares = [getattr(straight, name) / getattr(coiled, name)[0] for name in ("EA", "GA")]
+        rows.append((f"{index:.3g}", Kax, Ksh, Kfl, rod, *stiff, *shares))
+    heads = ("Kax (%)", "Ksh (%)", "Kfl (%)", "Kax of a rod with shear (%)", "GJ (%)", "EI (%)")
+    return pd.DataFrame(rows, columns=["index", *heads, "1/EA, share", "1/GA, share"])
 
 
 def stress_table() -> pd.DataFrame:
@@ -70,20 +63,12 @@ def standing() -> pd.DataFrame:
     rows = []
     for name, scene in CATALOGUE.items():
         reference = solved(scene(), "wire model", "solid")
-        for model in (*MODELS, "paper's mesh"):
-            for kind in KINDS:
-                path = _paper_mesh(scene(), kind) if model == "paper's mesh" else solved(scene(), model, kind)
-                off = 100.0 * compare_paths(path, reference).curve_max
-                rows.append({"scene": name, "model": model, "wire": kind, "off": off, "ending": _ended(path)})
+        for model, kind in product(SOLVERS, KINDS):
+            path = solved(scene(), model, kind)
+            off = 100.0 * compare_paths(path, reference).curve_max
+            ended = "" if path.outcome == "completed" else ending(path.outcome, path.critical_time)
+            rows.append({"scene": name, "model": model, "wire": kind, "off": off, "ending": ended})
     return pd.DataFrame(rows)
-
-
-def _paper_mesh(scene: Scene, kind: str) -> EquilibriumPath:
-    return partial_path(wirefe.solve, replace(scene, spring=replace(scene.spring, wire_rigidity=kind)))
-
-
-def _ended(path: EquilibriumPath) -> str:
-    return "" if path.outcome == "completed" else ending(path.outcome, path.critical_time)
 
 
 def numbers(coils: pd.DataFrame, moved: pd.DataFrame, stands: pd.DataFrame) -> dict[str, Any]:
@@ -108,10 +93,8 @@ def numbers(coils: pd.DataFrame, moved: pd.DataFrame, stands: pd.DataFrame) -> d
         "lateral": section.loc[a, "Ksh (%)"],
         "bending": section.loc[a, "Kfl (%)"],
     }
-    for row in moved.itertuples():
-        facts[f"large.{row.scene}.{row.model}.{row.wire}"] = row.off
-    for row in stands.itertuples():
-        facts[f"standing.{row.scene}.{row.model}.{row.wire}"] = row.off
+    for name, data in (("large", moved), ("standing", stands)):
+        facts |= {f"{name}.{row.scene}.{row.model}.{row.wire}": row.off for row in data.itertuples()}
     numbers = {name: float(value) for name, value in facts.items()}
     return numbers | {"indices": sorted(map(float, coils["index"].unique()))}
 
@@ -121,28 +104,16 @@ def coils_table(coils: pd.DataFrame) -> pd.DataFrame:
     rows = []
     for (count, index, angle), group in coils.groupby(["coils", "index", "angle"]):
         for name in (*KINDS, "mesh"):
-            rows.append(
-                {
-                    "coils": f"{count:g}",
-                    "index": f"{index:.3g}",
-                    "pitch (degrees)": f"{angle:g}",
-                    "wire": "coarse solids" if name == "mesh" else name,
-                }
-                | dict(zip(DIRECTIONS, map(SIGNED, group[name]), strict=True))
-                | {"whole": PERCENT(group[f"{name}_whole"].iloc[0])}
-            )
-    return pd.DataFrame(rows)
+            wire = "coarse solids" if name == "mesh" else name
+            whole = PERCENT(group[f"{name}_whole"].iloc[0])
+            rows.append((f"{count:g}", f"{index:.3g}", f"{angle:g}", wire, *map(SIGNED, group[name]), whole))
+    return pd.DataFrame(rows, columns=["coils", "index", "pitch (degrees)", "wire", *DIRECTIONS, "whole"])
 
 
 def standing_table(stands: pd.DataFrame) -> pd.DataFrame:
     """A row each model and wire, a column each scene."""
-    cells = stands.assign(
-        cell=[
-            f"{row.off:.2f} {'' if pd.isna(row.ending) else row.ending}".strip()
-            for row in stands.itertuples()
-        ],
-        model=stands["model"] + ", " + stands["wire"],
-    )
+    texts = stands["off"].map("{:.2f} ".format) + stands["ending"].fillna("")
+    cells = stands.assign(cell=texts.str.strip(), model=stands["model"] + ", " + stands["wire"])
     wide = cells.pivot(index="model", columns="scene", values="cell").loc[cells["model"].unique()]
     return wide.reset_index()[["model", *CATALOGUE]]
 

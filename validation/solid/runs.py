@@ -7,8 +7,7 @@ from pathlib import Path
 import pandas as pd
 
 from coilspring import Material, load_scene
-from validation.solid.coils import coil
-from validation.solid.comparison import COILS, deflections, flexibilities
+from validation.solid.comparison import COILS, coil, deflections, flexibilities
 from validation.study.frames import write_csv
 
 FOLDER = Path("reports/solid")

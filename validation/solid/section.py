@@ -29,22 +29,15 @@ CORNERS = (np.array([[0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]), np.full(3, 1.0 / 6.0))
 
 @dataclass(frozen=True)
 class SectionSolution:
-    """Stresses of a section under unit wrenches.
-
-    Attributes
-    ----------
-    flexibility : (6, 6) of the wire per length, twice the strain energy as a quadratic form of the wrench
-        (N_t, N_n, N_b, M_t, M_n, M_b).
-    rod_flexibility : (6, 6) by the section's mean motion; it has the same energy over whole turns.
-    """
+    """Stresses of a section under unit wrenches (N_t, N_n, N_b, M_t, M_n, M_b)."""
 
     mesh: Mesh
     curvature: float
     torsion: float
     elasticity: np.ndarray  # (6, 6)
     warping: np.ndarray  # (dofs, 6)
-    flexibility: np.ndarray
-    rod_flexibility: np.ndarray
+    flexibility: np.ndarray  # (6, 6) of the wire per length: twice the strain energy of a wrench
+    rod_flexibility: np.ndarray  # (6, 6) by the mean motion; it has the same energy over whole turns
 
     def stresses(self, wrench: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Points (2, n) and stresses tt, nn, bb, tn, tb, nb (6, n) at the corners of the triangles."""
@@ -61,12 +54,9 @@ def disk(refinements: int = ROUND) -> Mesh:
 
 
 def solve(mesh: Mesh, curvature: float, torsion: float, nu: float, E: float = 1.0) -> SectionSolution:
-    """Solve the section of a wire.
+    """Solve the section of a wire; `mesh` is centred, x points to the centre of curvature.
 
-    Parameters
-    ----------
-    mesh : of the section, centred; x points to the centre of curvature.
-    curvature, torsion : of the line through the origin, per unit of the mesh.
+    `curvature` and `torsion` are of the line through the origin, per unit of the mesh.
     """
     basis = Basis(mesh, ELEMENT, intorder=5)
     straight, along, rod = strains(basis, curvature, torsion)

@@ -1,30 +1,25 @@
 """Fit of the coiled wire's flexibility to solutions on its section: ``python -m validation.solid.table``.
 
-Writes coilspring/scene/solidtable.py; both are numbers of a wire of diameter 1 and modulus 1.
+Writes coilspring/scene/solidtable.toml; both are numbers of a wire of diameter 1 and modulus 1.
 """
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Iterator
-from pathlib import Path
+from itertools import product
 
 import numpy as np
 
-from coilspring.scene.solidwire import ENTRIES, POWERS, monomials
+from coilspring.scene.solidwire import ENTRIES, POWERS, TABLE, monomials
 from validation.solid.section import SectionSolution, disk, solve
 
-TABLE = Path(__file__).parents[2] / "coilspring" / "scene" / "solidtable.py"
 INDICES = (2.0, 2.3, 2.7, 3.2, 4.0, 6.0, 10.0, 30.0)
 ANGLES = (0.0, 6.0, 15.0, 25.0, 40.0, 60.0)  # of the helix, degrees
 POISSON = (0.0, 0.1, 0.2, 0.3, 0.4, 0.45, 0.49)
 CUBIC = 4  # coefficients in Poisson's ratio
 STRESS_TERMS = 6
-HEAD = '''"""Coefficients of `coilspring.scene.solidwire`, written by ``python -m validation.solid.table``."""
-
-import numpy as np
-
-# fmt: off
-'''
+HEAD = "# Coefficients of `coilspring.scene.solidwire`, written by `python -m validation.solid.table`.\n\n"
 
 
 def helix(index: float, degrees: float) -> tuple[float, float]:
@@ -44,11 +39,9 @@ def inner_stress(found: SectionSolution) -> float:
 def samples() -> Iterator[tuple[tuple[float, float, float], SectionSolution]]:
     """Solutions at the points of the fit."""
     mesh = disk()
-    for nu in POISSON:
-        for index in INDICES:
-            for angle in ANGLES:
-                bend = helix(index, angle)
-                yield (*bend, nu), solve(mesh, *bend, nu)
+    for nu, index, angle in product(POISSON, INDICES, ANGLES):
+        bend = helix(index, angle)
+        yield (*bend, nu), solve(mesh, *bend, nu)
 
 
 def fitted(at: np.ndarray, flexibilities: np.ndarray) -> np.ndarray:
@@ -82,14 +75,9 @@ def main() -> None:
         "FLEXIBILITY": fitted(at, np.stack([found.flexibility for found in solutions])),
         "STRESS": fitted_stress(at[flat, 0], np.array([inner_stress(solutions[n]) for n in flat])),
     }
-    body = "\n".join(f"{name} = np.array({_literal(table)})" for name, table in tables.items())
-    TABLE.write_text(HEAD + body + "\n", encoding="utf-8")
-
-
-def _literal(table: np.ndarray) -> str:
-    return np.array2string(
-        table, separator=", ", precision=9, max_line_width=110, threshold=table.size, suppress_small=False
-    )
+    with np.printoptions(precision=9, linewidth=110, threshold=sys.maxsize, suppress=False):
+        lines = [f"{name} = {np.array2string(table, separator=', ')}\n" for name, table in tables.items()]
+    TABLE.write_text(HEAD + "".join(lines), encoding="utf-8")
 
 
 if __name__ == "__main__":

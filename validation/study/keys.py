@@ -22,12 +22,9 @@ def key(kind: str, **parts: object) -> str:
 
 
 def run_key(model: str, scene: Scene, options: Mapping[str, object]) -> str:
-    """Key of a run: scene, options, the sources of the model and of what it rests on, versions.
+    """Key of a run: `scene` and `options` of its `solve`, the sources of all it rests on, versions.
 
-    Parameters
-    ----------
-    model : "equivbeam" or "wirefe".
-    scene, options : what its `solve` is called with; options of JSON's types, or a `UserLaw`.
+    `model` is "equivbeam" or "wirefe"; options are of JSON's types, or a `UserLaw`.
     """
     used = sources("coilspring", model)
     return key("run", model=model, scene=asdict(scene), options=options, sources=used, versions=versions())

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import platform
+import re
 import time
 from functools import cache
 from importlib import metadata
@@ -27,8 +28,7 @@ def _version(package: str) -> str | None:
 
 def machine() -> dict[str, str]:
     """Processor, cores, system, date and versions, as the report states them."""
-    packages = ("numpy", "scipy", "numba")
-    used = ", ".join(f"{name} {metadata.version(name)}" for name in packages)
+    used = ", ".join(f"{name} {metadata.version(name)}" for name in ("numpy", "scipy", "numba"))
     return {
         "processor": _processor(),
         "cores": str(len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count()),
@@ -41,8 +41,6 @@ def machine() -> dict[str, str]:
 def _processor() -> str:
     """Name of the processor; only Linux tells it in a file."""
     listing = Path("/proc/cpuinfo")
-    if listing.is_file():
-        for line in listing.read_text(encoding="utf-8", errors="replace").splitlines():
-            if line.startswith("model name"):
-                return line.split(":", 1)[1].strip()
-    return platform.processor() or platform.machine()
+    text = listing.read_text(encoding="utf-8", errors="replace") if listing.is_file() else ""
+    named = re.search(r"^model name.*?:(.*)", text, re.MULTILINE)
+    return named[1].strip() if named else platform.processor() or platform.machine()

@@ -10,17 +10,9 @@ from coilspring.curves import COMPONENTS, NEGLIGIBLE, Comparison, answered, comp
 from coilspring.path import EquilibriumPath
 
 __all__ = [
-    "COMPONENTS",
-    "NEGLIGIBLE",
-    "Comparison",
-    "answered",
-    "compare_curves",
-    "compare_paths",
-    "peaks",
+    "COMPONENTS", "NEGLIGIBLE", "Comparison", "answered", "compare_curves", "compare_paths", "peaks",
     "upper_bound",
-]
-
-
+]  # fmt: skip
 CONFIDENCE = 0.95
 
 

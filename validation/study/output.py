@@ -7,7 +7,7 @@ import json
 import math
 import os
 import tempfile
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
 
@@ -167,33 +167,32 @@ def stress_file(path: EquilibriumPath) -> dict[str, bytes]:
 
 def vtu_file(path: EquilibriumPath) -> dict[str, bytes]:
     """``wire.vtu``: the deformed wire at the last step reached by the wire model."""
-    return {"wire.vtu": _vtu(path, [-1])[0]}
+    return _vtu_files(path, {"wire.vtu": -1})
 
 
 def series_files(path: EquilibriumPath) -> dict[str, bytes]:
     """``wire.pvd`` and, in the folder ``wire``, a VTU file for every step reached by the wire model."""
-    steps = range(len(path.times))
-    names = [f"wire/{step + 1:04d}.vtu" for step in steps]
-    sets = "".join(
-        f'    <DataSet timestep="{time:.12g}" file="{name}"/>\n'
-        for time, name in zip(path.times, names, strict=True)
-    )
+    steps = {f"wire/{step + 1:04d}.vtu": step for step in range(len(path.times))}
+    sets = (f'    <DataSet timestep="{path.times[i]:.12g}" file="{name}"/>\n' for name, i in steps.items())
     head = '<?xml version="1.0"?>\n<VTKFile type="Collection" version="0.1">\n  <Collection>\n'
-    series = f"{head}{sets}  </Collection>\n</VTKFile>\n"
-    return {"wire.pvd": series.encode(), **dict(zip(names, _vtu(path, steps), strict=True))}
+    series = f"{head}{''.join(sets)}  </Collection>\n</VTKFile>\n"
+    return {"wire.pvd": series.encode(), **_vtu_files(path, steps)}
 
 
-def _vtu(path: EquilibriumPath, steps: Iterable[int]) -> list[bytes]:
-    """VTU files of the deformed wire, which meshio writes by name alone."""
+def _vtu_files(path: EquilibriumPath, steps: Mapping[str, int]) -> dict[str, bytes]:
+    """VTU files of the deformed wire at steps by name; meshio writes them to a disk alone."""
     from wirefe.export import write_vtu
 
-    found = []
-    with writing("the folder for temporary files"), tempfile.TemporaryDirectory(prefix="coilcheck-") as name:
-        file = Path(name, "wire.vtu")
-        for step in steps:
-            write_vtu(path, step, file)
-            found.append(file.read_bytes())
+    found = {}
+    with writing("the folder for temporary files"), tempfile.TemporaryDirectory(prefix="coilcheck-") as made:
+        for name, step in steps.items():
+            write_vtu(path, step, file := Path(made, "wire.vtu"))
+            found[name] = file.read_bytes()
     return found
+
+
+# what the wire model can write besides a path, by option
+WIRE_FILES = {"vtu": vtu_file, "stress": stress_file, "vtu_series": series_files}
 
 
 def summary(path: EquilibriumPath) -> dict[str, object]:
@@ -221,6 +220,4 @@ def _plain(value: object) -> object:
         return [_plain(item) for item in value]
     if isinstance(value, np.generic):
         value = value.item()
-    if isinstance(value, float) and not math.isfinite(value):
-        return None
-    return value
+    return None if isinstance(value, float) and not math.isfinite(value) else value

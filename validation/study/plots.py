@@ -52,6 +52,13 @@ def discs(axes: Axes, centres: np.ndarray, diameter: float, **look: Any) -> None
     axes.add_collection(EllipseCollection(size, size, 0.0, units="xy", **placed))
 
 
+def to_scale(axes: Axes, centres: np.ndarray, margin: float, **more: Any) -> None:
+    """The working plane to scale, around centres (n, 2 or more) with a margin; `more` of `Axes.set`."""
+    (left, low), (right, high) = centres.min(axis=0)[:2] - margin, centres.max(axis=0)[:2] + margin
+    axes.set(aspect="equal", xlim=(left, right), ylim=(low, high), xlabel="X (mm)", ylabel="Y (mm)", **more)
+    axes.grid(False)
+
+
 def both(axes: Axes, beam: tuple[np.ndarray, np.ndarray], wire: tuple[np.ndarray, np.ndarray]) -> None:
     """Curves of both models, from the unloaded spring on."""
     for (x, y), style in ((beam, BEAM_LINE), (wire, WIRE_LINE)):

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import tomllib
+from pathlib import Path
 from typing import Any
 
 Look = dict[str, Any]  # keywords of a line or a patch
@@ -11,32 +13,11 @@ SINGLE, DOUBLE = 3.35, 6.69  # column widths, in: 85 and 170 mm
 BLUE, RED, GREY = "#4a8bc9", "#a8320e", "#8c8c8c"
 NAVY, LIGHT_RED = "#173a63", "#e07b52"  # second lines of the beam and of the wire model
 
-RC: dict[Any, Any] = {
-    "figure.dpi": 300,
-    "savefig.dpi": 300,
-    "font.family": "sans-serif",
-    "font.size": 8.0,
-    "axes.titlesize": 8.5,
-    "axes.labelsize": 8.0,
-    "xtick.labelsize": 7.5,
-    "ytick.labelsize": 7.5,
-    "legend.fontsize": 7.5,
-    "legend.frameon": False,
-    "axes.linewidth": 0.6,
-    "axes.spines.top": False,
-    "axes.spines.right": False,
-    "axes.grid": True,
-    "grid.color": "#e3e3e3",
-    "grid.linewidth": 0.5,
-    "lines.linewidth": 1.2,
-    "axes.axisbelow": True,
-}
+RC: dict[Any, Any] = tomllib.loads(Path(__file__).with_suffix(".toml").read_text(encoding="utf-8"))
 # Both models mostly coincide: the beam is a wide pale line, the wire model a thin dashed one on top.
 BEAM_LINE: Look = {"color": BLUE, "linewidth": 2.6, "solid_capstyle": "butt"}
 WIRE_LINE: Look = {"color": RED, "linewidth": 1.1, "linestyle": (0, (4, 2))}
 BEAM_LABEL, WIRE_LABEL = "equivalent beam (proposed model)", "wire model (FE)"
-
-
 REST_CIRCLE: Look = {"facecolor": "none", "edgecolor": "#b5b5b5", "linewidth": 0.5}
 BEAM_CIRCLE: Look = {"facecolor": f"{BLUE}33", "edgecolor": BLUE, "linewidth": 1.8}
 WIRE_CIRCLE: Look = {"facecolor": "none", "edgecolor": RED, "linewidth": 0.9, "linestyle": (0, (3, 2))}

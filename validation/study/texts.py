@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
+
 
 def number_of(text: str) -> int | float | str:
     """The number that `text` says; else the text, for the library to refuse with the range."""
     for kind in (int, float):
-        try:
+        with suppress(ValueError):
             return kind(text)
-        except ValueError:
-            continue
     return text

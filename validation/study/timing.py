@@ -12,10 +12,8 @@ import numpy as np
 def interleaved(runs: Mapping[Any, Callable[[], float]], rounds: Iterable[object]) -> dict[Any, np.ndarray]:
     """CPU seconds of every run in every round; ratios are to be formed within a round.
 
-    Parameters
-    ----------
-    runs : each solves once and gives the CPU seconds of the solve alone, which count every thread.
-    rounds : one item a round; taking it may announce the round, or end the rounds when time is up.
+    Each of `runs` gives the CPU seconds of the solve alone, which count every thread. Taking an item of
+    `rounds` may announce the round, or end the rounds when time is up.
     """
     found: dict[Any, list[float]] = {name: [] for name in runs}
     for _ in rounds:

@@ -6,6 +6,7 @@ import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from itertools import product
+from typing import NamedTuple
 
 import numpy as np
 
@@ -26,17 +27,10 @@ FINER = 4.0  # accuracy asked for over that of the references
 
 @dataclass(frozen=True)
 class Candidate:
-    """A law or a mesh.
+    """A law of the equivalent beam or, without one, a level of the wire model's mesh (`wirefe.adaptive`)."""
 
-    Attributes
-    ----------
-    name : for a reader.
-    law : of the equivalent beam, or None.
-    level : of the wire model's mesh, see `wirefe.adaptive`.
-    """
-
-    name: str
-    law: str | None = None
+    name: str  # for a reader
+    law: str = ""
     level: int = 0
 
     def __call__(self, scene: Scene) -> Choice:
@@ -46,27 +40,12 @@ class Candidate:
         return Choice.of("wirefe", Levels.of(scene, None).options(self.level, True))
 
 
-@dataclass(frozen=True)
-class Chosen:
-    """The cheapest candidate that does.
-
-    Attributes
-    ----------
-    candidate : what solves the scenes of the grid.
-    error : the largest on the sample, the error of its references included.
-    scenes : in the sample.
-    """
+class Chosen(NamedTuple):
+    """The cheapest candidate that does."""
 
     candidate: Candidate
-    error: float
-    scenes: int
-
-    def line(self, accuracy: float) -> str:
-        """For a reader at the terminal."""
-        return (
-            f"chosen for an accuracy of {accuracy:g}: {self.candidate.name}; "
-            f"error up to {self.error:.2g} on {self.scenes} scenes of the grid, solved by the wire model"
-        )
+    error: float  # the largest on the sample, the error of its references included
+    line: str  # for a reader at the terminal
 
 
 def choose(
@@ -74,9 +53,7 @@ def choose(
 ) -> Chosen:
     """The cheapest law or mesh whose errors on a sample of a grid are within the accuracy, with a margin.
 
-    Raises
-    ------
-    InputError : no candidate does, or the wire model cannot tell.
+    Raises `InputError`: no candidate does, or the wire model cannot tell.
     """
     require_number("accuracy", accuracy, *ACCURACIES)
     scenes = sample(grid, varied)
@@ -91,7 +68,12 @@ def choose(
         progress(f"sample of the grid by {candidate.name}")
         worst = _worst(candidate, wires, accuracy)
         if MARGIN * worst <= accuracy:
-            return Chosen(candidate, worst, len(scenes))
+            return Chosen(
+                candidate,
+                worst,
+                f"chosen for an accuracy of {accuracy:g}: {candidate.name}; error up to {worst:.2g} on "
+                f"{len(scenes)} scenes of the grid, solved by the wire model",
+            )
         least = min(least, worst)
     can = f"must be at least {2.1 * least:.1g}" if MARGIN * least < ACCURACIES[1] else "cannot be met"
     raise InputError(f"accuracy {can} on this grid by one law or mesh for all its scenes, got {accuracy:g}")

@@ -40,9 +40,7 @@ class Point:
 def read_varied(texts: Sequence[str], scene: Scene) -> list[Varied]:
     """Keys and values of ``KEY=FIRST:LAST:COUNT`` or ``KEY=VALUE,VALUE,...``.
 
-    Raises
-    ------
-    InputError : a key that scenes, or this one, do not have; a text that is no range and no list.
+    Raises `InputError`: a key that scenes, or this one, do not have; a text that is no range and no list.
     """
     table = scene_table(scene)
     found: list[Varied] = []
@@ -76,17 +74,13 @@ def _require_key(key: str, table: Mapping[str, Any]) -> None:
     refuse_unknown(f"[{section}]", {name: None}, allowed_keys(record), record)
     value, place = table[section].get(name), f"{section}.{name}"
     for step in path[1:]:
-        items = value if isinstance(value, dict) else {str(i): item for i, item in enumerate(_items(value))}
+        value = dict(enumerate(value)) if isinstance(value, list) else value
+        items = {str(item): each for item, each in value.items()} if isinstance(value, dict) else {}
         if step not in items:
-            allowed = (
-                f"allowed: {', '.join(f'{place}.{item}' for item in items)}" if items else "it has no items"
-            )
+            names = ", ".join(f"{place}.{item}" for item in items)
+            allowed = f"allowed: {names}" if items else "it has no items"
             raise InputError(f"unknown item {step!r} of {place} in this scene; {allowed}")
         value, place = items[step], f"{place}.{step}"
-
-
-def _items(value: object) -> list:
-    return value if isinstance(value, list) else []
 
 
 def _values(text: str) -> tuple[Any, ...]:
@@ -138,5 +132,5 @@ def _excluded(record: type, name: str) -> set[str]:
     """Keys, other than tables, that cannot stand in a file beside one of this name."""
     known = keys_of(record)
     groups = [{key, *item.instead} for key, item in known.items()]
-    tables = {key for key, item in known.items() if item.item is not None}
+    tables = {key for key, item in known.items() if item.item}
     return set().union(*(group for group in groups if name in group)) - tables - {name}

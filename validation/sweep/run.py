@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from functools import partial
 from importlib import import_module
 from pathlib import Path
 from typing import Any
@@ -56,16 +55,8 @@ def sweep(
     """Solve all combinations of the values, and write ``sweep.csv``: a row for each, in their order.
 
     A row is on disk as soon as its scene is solved. Rows that are there already from the same scenes,
-    options and sources are not solved again.
-
-    Parameters
-    ----------
-    folder : of the table.
-    scene : whose keys are varied.
-    varied : keys and values; the last key is the fastest.
-    choose : what solves a scene: one choice for all, or another for each.
-    workers : processes; by default one for each processor core. 0: none besides this one.
-    progress : called with the number of scenes done and of all.
+    options and sources are not solved again. `workers`: see `coilspring.sweep.outcomes`; `progress` is
+    called with the number of scenes done and of all.
     """
     grid = list(points(scene, varied))
     tasks = [(point.scene, choose(point.scene)) if point.scene else None for point in grid]
@@ -74,7 +65,12 @@ def sweep(
     missing = {i: task for i, task in enumerate(tasks) if task and keys[i] not in table.rows}
     done = len(grid) - len(missing)
     progress(done, len(grid))
-    prepare = partial(_prepare, {choice.model for _, choice in missing.values()})
+    models = {choice.model for _, choice in missing.values()}
+
+    def prepare() -> None:
+        for model in models:
+            store(import_module(f"{model}.solve").KERNELS)
+
     found = outcomes(iter(missing.values()), chunk=CHUNK, workers=workers, prepare=prepare)
     for i, outcome in zip(missing, found, strict=True):
         table.append(keys[i], grid[i].values, outcome)
@@ -107,11 +103,6 @@ def _key(point: Point, task: tuple[Scene, Choice] | None) -> str:
     return run_key(choice.model, scene, choice.options)[:DIGITS]
 
 
-def _prepare(models: set[str]) -> None:
-    for model in models:
-        store(import_module(f"{model}.solve").KERNELS)
-
-
 def digest(rows: Sequence[Row]) -> list[str]:
     """How many rows have which outcome, for a reader at the terminal."""
     found = Counter(row["outcome"] for row in rows)
@@ -122,9 +113,7 @@ def digest(rows: Sequence[Row]) -> list[str]:
 def ended_early(rows: Sequence[Row]) -> str:
     """What did not reach full load, in one sentence; empty where all did.
 
-    Raises
-    ------
-    InputError : no scene could be solved.
+    Raises `InputError`: no scene could be solved.
     """
     count = sum(row["outcome"] != COMPLETED for row in rows)
     if all(row["outcome"] == REFUSED for row in rows):

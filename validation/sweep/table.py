@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import io
 from collections.abc import Iterable, Sequence
+from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
@@ -50,9 +51,9 @@ class Table:
 
     def keep(self, key: str, values: Sequence[Any], outcome: Outcome) -> Row:
         """Add a row, to be written with all others."""
-        shown = "" if outcome.outcome == REFUSED else key  # which is soon found again
-        found = dict(zip(self.columns, (*values, *_results(outcome, shown)), strict=True))
-        self.rows[key] = {name: _text(value) for name, value in found.items()}
+        found = dict(zip(self.columns, values, strict=False)) | _results(outcome)
+        found["key"] = "" if outcome.outcome == REFUSED else key  # which is soon found again
+        self.rows[key] = {name: _text(found.get(name)) for name in self.columns}
         return self.rows[key]
 
     def write(self, keys: Sequence[str]) -> list[Row]:
@@ -77,16 +78,15 @@ def _text(value: Any) -> str:
     return "" if value is None else str(value)
 
 
-def _results(found: Outcome, key: str) -> tuple[Any, ...]:
-    """Values of the columns `RESULTS`."""
-    none = (None,) * 3
+def _results(found: Outcome) -> dict[str, Any]:
+    """Values of the columns `RESULTS` that there are."""
+    said = {"outcome": found.outcome, "message": " ".join(found.message.split())}
     if found.outcome in (REFUSED, CRASHED):
-        return (found.outcome, *(None,) * (len(RESULTS) - 3), " ".join(found.message.split()), key)
-    return (
-        *(found.outcome, found.last_time, *(found.load or none[:2]), *(found.tip or none)),
-        *(found.total_iterations, found.active_contacts, found.max_penetration, found.max_contact_force),
-        *(found.critical_time, " ".join(found.message.split()), key),
-    )
+        return said
+    values = {"time": found.last_time, "iterations": found.total_iterations}
+    values |= zip(("load_x", "load_y"), found.load or (), strict=False)
+    values |= zip(("ux", "uy", "rotz"), found.tip or (), strict=False)
+    return asdict(found) | values | said
 
 
 def _read(target: Path, columns: Sequence[str]) -> list[Row]:
@@ -95,6 +95,5 @@ def _read(target: Path, columns: Sequence[str]) -> list[Row]:
         return []
     with writing(target):
         text = target.read_text(encoding="utf-8")
-    found = list(csv.DictReader(io.StringIO(text)))
-    whole = [row for row in found if list(row) == list(columns)]
-    return [row for row in whole if row["outcome"] != CRASHED]
+    rows = (row for row in csv.DictReader(io.StringIO(text)) if list(row) == list(columns))
+    return [row for row in rows if row["outcome"] != CRASHED]

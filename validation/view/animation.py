@@ -22,7 +22,6 @@ if TYPE_CHECKING:
 
 COMMAND = (sys.executable, "-m", "validation.view.viewer")
 MOST_PICTURES = 60  # of a movie
-LONGEST = (60.0, 5.0)  # s, in all and for each picture; one takes a fraction of a second
 PACE, LAST = 80, 1500  # ms, each picture and the last
 
 
@@ -41,17 +40,11 @@ def require_gif(movie: Path) -> None:
 
 
 def show(load: Callable[[], Frames]) -> None:
-    """Open a window with a slider over the steps, and wait until it is closed.
+    """Open a window with a slider over the steps of what `load` gives meanwhile, until it is closed.
 
-    Parameters
-    ----------
-    load : gives what is shown, while the window gets ready.
-
-    Raises
-    ------
-    InputError : the window could not be opened.
+    Raises `InputError`: the window could not be opened.
     """
-    with Drawing(COMMAND, None, "window") as drawing:
+    with Drawing(COMMAND, "window") as drawing:
         drawing.give(asdict(load()))
         status = drawing.failure(None)
     if status:
@@ -59,15 +52,8 @@ def show(load: Callable[[], Frames]) -> None:
 
 
 def film(load: Callable[[], Frames], movie: Path, progress: Callable[[str], None]) -> str:
-    """Write a GIF; a sentence where matplotlib had to draw it, else nothing.
-
-    Parameters
-    ----------
-    load : gives what is drawn, while what draws gets ready.
-    movie : the file.
-    progress : called with one line on what is being done.
-    """
-    with Drawing(COMMAND, None, "pictures") as drawing:
+    """Write a GIF of what `load` gives; a sentence where matplotlib had to draw it, else nothing."""
+    with Drawing(COMMAND, "pictures") as drawing:
         frames = load()
         chosen = np.unique(np.linspace(0, len(frames.times) - 1, MOST_PICTURES).round().astype(int))
         frames = Frames(frames.diameter, frames.times[chosen], frames.points[chosen], frames.forces[chosen])
@@ -78,8 +64,7 @@ def film(load: Callable[[], Frames], movie: Path, progress: Callable[[str], None
             progress(f"drawing: {drawn} of {len(files)} pictures")
 
         announce(0)
-        longest = LONGEST[0] + LONGEST[1] * len(files)
-        status = drawing.failure(longest, files, "it wrote no pictures", announce)
+        status = drawing.failure(60.0 + 5.0 * len(files), files, "it wrote no pictures", announce)
         if status:
             _draw_flat(frames, files)
         progress("writing the movie")
@@ -106,16 +91,16 @@ def _draw_flat(frames: Frames, files: list[Path]) -> None:
     """Pictures in the working plane, where OpenGL does not work."""
     from matplotlib.figure import Figure
 
-    low, high = frames.points.min(axis=(0, 1)), frames.points.max(axis=(0, 1))
-    margin, touched = frames.diameter, frames.touched
+    from validation.study.plots import to_scale
+
+    every, touched = frames.points.reshape(-1, 3), frames.touched
     for time, points, forces, file in zip(frames.times, frames.points, frames.forces, files, strict=True):
         figure = Figure(figsize=(5.0, 6.0), dpi=100)
-        axes = figure.add_subplot(aspect="equal", title=f"time {time:.2f}", xlabel="X, mm", ylabel="Y, mm")
+        axes = figure.add_subplot(title=f"time {time:.2f}")
         axes.plot(points[:, 0], points[:, 1], color="0.6", linewidth=3.0)
         if touched.size:
             x, y = points[touched, :2].T
             dots = axes.scatter(x, y, c=forces[touched], vmin=0.0, vmax=frames.forces.max(), zorder=3)
-            figure.colorbar(dots, label="contact force, N")
-        axes.set_xlim(low[0] - margin, high[0] + margin)
-        axes.set_ylim(low[1] - margin, high[1] + margin)
+            figure.colorbar(dots, label="contact force (N)")
+        to_scale(axes, every, frames.diameter)
         figure.savefig(file)

@@ -48,17 +48,14 @@ def _of_formulas(found: Sizes) -> Iterator[str]:
 
 def _models(scene: Scene) -> Iterator[tuple[str, str]]:
     """What each model says to a scene, with its usual mesh."""
+    sticks = scene.contact.enabled and scene.contact.sliding != "free"
     for model, accept in (("equivbeam", build_model), ("wirefe", _mesh)):
         try:
             accept(scene)
-            yield model, "represents it" + (LEFT_OUT if model == "equivbeam" and _sticks(scene) else "")
+            left_out = LEFT_OUT if model == "equivbeam" and sticks else ""
+            yield model, f"represents it{left_out}"
         except InputError as error:
             yield model, str(error)
-
-
-def _sticks(scene: Scene) -> bool:
-    """Whether coils that touch do more than push."""
-    return scene.contact.enabled and scene.contact.sliding != "free"
 
 
 def _mesh(scene: Scene) -> None:

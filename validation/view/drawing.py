@@ -15,7 +15,7 @@ from matplotlib.figure import Figure
 from coilspring import Scene, Spring
 from coilspring.scene.sizing import along, sizes
 from validation.study.output import write_bytes
-from validation.study.plots import discs, png
+from validation.study.plots import discs, png, to_scale
 from validation.study.style import BLUE, DOUBLE, RC, RED
 
 DISCS = 8  # along a wire diameter, of which the wire is drawn
@@ -40,22 +40,13 @@ def _side(axes: Axes, spring: Spring) -> None:
     d, (first, last) = spring.wire_diameter, spring.phase_range
     length = (last - first) * float(spring.radius(np.linspace(first, last, 200)).max())
     count = min(math.ceil(length / d * DISCS), MOST_DISCS)
-    x, y, z = spring.points(np.linspace(first, last, count)).T
-    order = np.argsort(z)
-    discs(axes, np.stack((x, y), axis=1)[order], d, array=z[order], cmap=WIRE, linewidths=0.0)
+    points = spring.points(np.linspace(first, last, count))
+    points = points[np.argsort(points[:, 2])]
+    discs(axes, points[:, :2], d, array=points[:, 2], cmap=WIRE, linewidths=0.0)
     sections = spring.points(spring.circle_phases())[:, :2]
     discs(axes, sections, d, facecolors="none", edgecolors="black", linewidths=0.7)
     axes.plot((0.0, 0.0), (0.0, spring.active_height), color=RED, linewidth=0.6, marker="o", markersize=2.5)
-    margin = 0.55 * d
-    axes.set(
-        aspect="equal",
-        xlim=(x.min() - margin, x.max() + margin),
-        ylim=(y.min() - margin, y.max() + margin),
-        xlabel="X (mm)",
-        ylabel="Y (mm)",
-        title="at rest, with the reference points",
-    )
-    axes.grid(False)
+    to_scale(axes, points, 0.55 * d, title="at rest, with the reference points")
 
 
 def _coils(plots: Sequence[Axes], scene: Scene) -> None:

@@ -18,20 +18,12 @@ HINT = "make it with coilcheck solve SCENE --model wirefe --vtu-series"
 
 @dataclass(frozen=True)
 class Frames:
-    """The wire between its rigid ends, at rest and at every step.
+    """The wire between its rigid ends, at rest and at every step."""
 
-    Attributes
-    ----------
-    diameter : of the wire, mm.
-    times : (frames,) of the load, the first 0.
-    points : (frames, nodes, 3), mm.
-    forces : (frames, nodes) largest normal force of a pair at each node, N.
-    """
-
-    diameter: float
-    times: np.ndarray
-    points: np.ndarray
-    forces: np.ndarray
+    diameter: float  # of the wire, mm
+    times: np.ndarray  # (frames,) of the load, the first 0
+    points: np.ndarray  # (frames, nodes, 3), mm
+    forces: np.ndarray  # (frames, nodes) largest normal force of a pair at each node, N
 
     @property
     def touched(self) -> np.ndarray:
@@ -57,9 +49,7 @@ def of_scene(scene: Scene, progress: Callable[[str], None] = lambda line: None) 
 def of_run(folder: Path) -> Frames:
     """Read the series of VTU files of a run.
 
-    Raises
-    ------
-    InputError : the folder holds none, or files that are not those of a run.
+    Raises `InputError`: the folder holds none, or files that are not those of a run.
     """
     import meshio
 

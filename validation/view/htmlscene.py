@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib.util
 import sys
 from collections.abc import Sequence
 from pathlib import Path
@@ -9,8 +10,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from coilspring import InputError
 from validation.study.style import BLUE, GREY, RED
-from validation.view.htmlfile import FILE, signature
 from validation.view.process import Drawing, arrays
 from validation.view.render3d import add_spring
 from validation.view.shapes import Shapes, panel_arrays, panel_parts
@@ -18,6 +19,9 @@ from validation.view.shapes import Shapes, panel_arrays, panel_parts
 if TYPE_CHECKING:
     import pyvista
 
+FILE = "springs.html"
+NEEDED = ("trame_pyvista", "nest_asyncio2")
+MISSING = "--interactive needs {}, which is missing: pip install -e '.[interactive]'"
 TITLE = "Springs of Figures 4 and 6 at full load, by both models"
 COMMAND = (sys.executable, "-m", "validation.view.htmlscene")
 TIMEOUT = 120.0  # s; it takes a few
@@ -27,22 +31,35 @@ SIDES = 16  # of a tube; the file grows with it
 KEY = (("equivalent beam", BLUE), ("wire model, alternating", RED), ("at rest", GREY))
 
 
-def page(panels: Sequence[Shapes], mark: str) -> bytes | str:
-    """The page; or in a few words why there is none.
+def require_extra() -> None:
+    """Raise `InputError` where the extra is not installed."""
+    for name in NEEDED:
+        if importlib.util.find_spec(name) is None:
+            raise InputError(MISSING.format(name.replace("_", "-")))
 
-    Parameters
-    ----------
-    panels : springs, put side by side.
-    mark : by which `interactive.is_made` knows the page again.
-    """
-    with Drawing(COMMAND, panel_arrays(panels)) as drawing:
+
+def is_made(folder: Path, mark: str) -> bool:
+    """Whether the file in a folder is there, and was made from what `mark` stands for."""
+    file = folder / FILE
+    return file.is_file() and file.read_bytes().endswith(_signature(mark))
+
+
+def _signature(mark: str) -> bytes:
+    """Last line of the file; `mark` stands for what it was made from."""
+    return f"<!-- coilcheck {mark} -->\n".encode()
+
+
+def page(panels: Sequence[Shapes], mark: str) -> bytes | str:
+    """The page of springs side by side, which `is_made` knows by its `mark`; or in a few words why not."""
+    with Drawing(COMMAND) as drawing:
+        drawing.give(panel_arrays(panels))
         file = drawing.folder / FILE
         trouble = drawing.failure(TIMEOUT, [file])
         if trouble:
             return trouble
         text = file.read_text(encoding="utf-8")
     head, _, rest = text.partition("<title>")  # of the viewer
-    return f"{head}<title>{TITLE}{rest[rest.index('</title>') :]}\n".encode() + signature(mark)
+    return f"{head}<title>{TITLE}{rest[rest.index('</title>') :]}\n".encode() + _signature(mark)
 
 
 def main(folder: Path) -> None:

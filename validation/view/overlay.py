@@ -14,10 +14,15 @@ from matplotlib.lines import Line2D
 from coilspring import EquilibriumPath
 from validation.study import style
 from validation.study.metrics import COMPONENTS, answered
-from validation.study.plots import TIPS, both, discs, png
+from validation.study.plots import TIPS, both, discs, png, to_scale
 
 LABELS = dict(zip(COMPONENTS, TIPS, strict=True))
 DIFFERENCE: style.Look = {"color": "black", "linewidth": 1.0}
+KEY: tuple[style.Look, ...] = (
+    {**style.BEAM_LINE, "label": style.BEAM_LABEL},
+    {**style.WIRE_LINE, "label": style.WIRE_LABEL},
+    {"color": style.GREY, "marker": "o", "linestyle": "", "markerfacecolor": "none", "label": "at rest"},
+)
 HELD = 1e-9  # mm, rad: tips below are the rounding of fixed degrees of freedom
 
 
@@ -33,24 +38,21 @@ def picture(beam: EquilibriumPath, wire: EquilibriumPath) -> Figure:
     Where the top moves along the axis alone: force against deflection, and the difference of both curves.
     Else each component that moves, against the load; where UY is prescribed the axial force.
     """
-    moved = [name for name in LABELS if any(_moves(path, name) for path in (beam, wire))]
+    most = np.max([np.abs(path.tips).max(axis=0, initial=0.0) for path in (beam, wire)], axis=0)
+    moved = [name for name, size in zip(COMPONENTS, most, strict=True) if size > HELD]
     figure = Figure(figsize=(style.DOUBLE, 4.4), layout="constrained")
     if moved == ["uy"]:
         plots = _panels(figure, ("curve", "difference"), (2.2, 1.0))
         _axial(plots["curve"], plots["difference"], beam, wire)
     else:
-        names = moved or list(LABELS)
+        names = moved or list(COMPONENTS)
         plots = _panels(figure, names, [1.0] * len(names))
         for name in names:
             _curve(plots[name], beam, wire, name)
         plots[names[-1]].set_xlabel(_abscissa(beam)[1])
     _shape(plots["shape"], beam, wire)
-    figure.legend(handles=_key(), loc="outside lower center", ncols=3)
+    figure.legend(handles=[Line2D([], [], **look) for look in KEY], loc="outside lower center", ncols=3)
     return figure
-
-
-def _moves(path: EquilibriumPath, name: str) -> bool:
-    return bool(np.abs(path.tips[:, COMPONENTS.index(name)]).max(initial=0.0) > HELD)
 
 
 def _panels(figure: Figure, names: Sequence[str], heights: Sequence[float]) -> dict[str, Axes]:
@@ -101,23 +103,10 @@ def _shape(axes: Axes, beam: EquilibriumPath, wire: EquilibriumPath) -> None:
     common, mine, theirs = np.intersect1d(beam.times, wire.times, return_indices=True)
     groups = [(spring.points(spring.circle_phases())[:, :2], style.REST_CIRCLE)]
     if common.size:
-        groups += [
-            (beam.circle_centres(mine[-1]), style.BEAM_CIRCLE),
-            (wire.circle_centres(theirs[-1]), style.WIRE_CIRCLE),
-        ]
+        groups.append((beam.circle_centres(mine[-1]), style.BEAM_CIRCLE))
+        groups.append((wire.circle_centres(theirs[-1]), style.WIRE_CIRCLE))
     for centres, look in groups:
         discs(axes, centres, spring.wire_diameter, **look)
     every = np.concatenate([centres for centres, _ in groups])
-    low, high = every.min(axis=0) - spring.wire_diameter, every.max(axis=0) + spring.wire_diameter
     title = f"contact circles at time {common[-1]:g}" if common.size else "no common step"
-    axes.set(aspect="equal", xlim=(low[0], high[0]), ylim=(low[1], high[1]), xlabel="X (mm)", title=title)
-    axes.set_ylabel("Y (mm)")
-    axes.grid(False)
-
-
-def _key() -> list[Line2D]:
-    return [
-        Line2D([], [], **style.BEAM_LINE, label=style.BEAM_LABEL),
-        Line2D([], [], **style.WIRE_LINE, label=style.WIRE_LABEL),
-        Line2D([], [], color=style.GREY, marker="o", linestyle="", markerfacecolor="none", label="at rest"),
-    ]
+    to_scale(axes, every, spring.wire_diameter, title=title)

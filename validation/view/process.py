@@ -20,18 +20,15 @@ POLL = 0.05  # s, between looks at what a drawing has written
 class Drawing:
     """A command that draws arrays, and whose output is dropped; as a context it cleans up after itself.
 
-    Parameters
-    ----------
-    command : given a folder, which holds the arrays and takes what is drawn, and further `words`.
-    arrays : by name; where they are not known yet, the command starts, and waits for them (`give`).
+    It is given a folder, which holds the arrays and takes what is drawn, and further `words`; it starts at
+    once, and waits for the arrays (`give`).
     """
 
-    def __init__(self, command: Sequence[str], arrays: Mapping[str, object] | None, *words: str) -> None:
+    def __init__(self, command: Sequence[str], *words: str) -> None:
         self._temporary = tempfile.TemporaryDirectory(prefix="coilcheck-")
         self.folder = Path(self._temporary.name)
         self._process: subprocess.Popen | None = None
         self._failure = ""
-        self._began = time.monotonic()
         try:
             self._process = subprocess.Popen(
                 (*command, str(self.folder), *words),
@@ -42,16 +39,17 @@ class Drawing:
             )
         except OSError as error:
             self._failure = f"it could not be started ({error.strerror or error})"
-        if arrays is not None:
-            self.give(arrays)
 
     def give(self, arrays: Mapping[str, object]) -> None:
-        """Hand over what is drawn."""
+        """Hand over what is drawn, by name."""
         np.savez(self.folder / ARRAYS, **arrays)  # type: ignore[arg-type]
+        self._end_input()
+        self._began = time.monotonic()
+
+    def _end_input(self) -> None:
         if self._process is not None and self._process.stdin is not None:
             with suppress(BrokenPipeError):
                 self._process.stdin.close()
-        self._began = time.monotonic()
 
     def failure(
         self,
@@ -62,26 +60,22 @@ class Drawing:
     ) -> str:
         """In a few words why it failed, empty where it did not and the files are there; waited for.
 
-        Parameters
-        ----------
-        timeout : s since it has its arrays; None waits for ever.
-        written : called with the number of files that are there, whenever it has changed.
+        At most `timeout` s since it has its arrays (None: for ever), with `written` called with the number of
+        files that are there, whenever it has changed.
         """
         if self._process is None:
             return self._failure
-        status, count = self._process.poll(), 0
-        while status is None:
+        count = 0
+        while self._process.poll() is None:
             if timeout is not None and time.monotonic() - self._began > timeout:
                 return f"it took longer than {timeout:g} s"
             with suppress(subprocess.TimeoutExpired):
                 self._process.wait(POLL)
-            status, before = self._process.poll(), count
-            while count < len(files) and files[count].is_file():
-                count += 1
+            before, count = count, sum(file.is_file() for file in files)
             if count != before:
                 written(count)
-        if status:
-            return f"it ended with status {status}"
+        if self._process.returncode:
+            return f"it ended with status {self._process.returncode}"
         return "" if all(file.is_file() for file in files) else missing
 
     def __enter__(self) -> Self:
@@ -91,9 +85,7 @@ class Drawing:
         if self._process is not None:
             self._process.kill()
             self._process.wait()
-            if self._process.stdin is not None:
-                with suppress(BrokenPipeError):
-                    self._process.stdin.close()
+        self._end_input()
         self._temporary.cleanup()
 
 

@@ -30,7 +30,8 @@ class Rendering(Drawing):
     """A subprocess that renders panels."""
 
     def __init__(self, panels: tuple[Shapes, ...]) -> None:
-        super().__init__(COMMAND, panel_arrays(panels))
+        super().__init__(COMMAND)
+        self.give(panel_arrays(panels))
         self._files = [self.folder / f"panel{i}.png" for i in range(len(panels))]
 
     def result(self) -> list[Path] | str:

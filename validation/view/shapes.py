@@ -4,11 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from validation.study.cases import PathStore, case
 from validation.study.document import Table
+
+if TYPE_CHECKING:
+    from validation.study.cases import PathStore
 
 POINTS_PER_TURN = 80  # of the pictures
 DATA_STRIDE = 4  # of those points, in the CSV files
@@ -21,30 +24,18 @@ BAND_SHARE = 0.4  # of the wire's length that the wire model takes
 
 @dataclass(frozen=True)
 class Shapes:
-    """One panel: the wire at rest and as both models deform it.
+    """One panel: the wire at rest and as both models deform it, mm."""
 
-    Attributes
-    ----------
-    name, title, spring : scene, what to write above the panel, and the name of the case.
-    diameter : of the wire, mm.
-    rest, beam, wire : (points, 3) centrelines, mm.
-    rest_circles, beam_circles, wire_circles : (circles, 2) where the wire crosses the working plane, mm.
-    """
-
-    name: str
-    title: str
-    spring: str
-    diameter: float
-    rest: np.ndarray
+    name: str  # of the scene
+    title: str  # above the panel
+    spring: str  # name of the case
+    diameter: float  # of the wire
+    rest: np.ndarray  # (points, 3) centreline
     beam: np.ndarray
     wire: np.ndarray
-    rest_circles: np.ndarray
+    rest_circles: np.ndarray  # (circles, 2) where the wire crosses the working plane
     beam_circles: np.ndarray
     wire_circles: np.ndarray
-
-    def overlaps(self, circles: np.ndarray) -> np.ndarray:
-        """Overlap of each circle with its neighbour one coil above, 0 where there is none, mm."""
-        return overlaps(circles, self.diameter)
 
 
 def overlaps(circles: np.ndarray, diameter: float) -> np.ndarray:
@@ -56,6 +47,8 @@ def overlaps(circles: np.ndarray, diameter: float) -> np.ndarray:
 
 def shapes(store: PathStore, name: str) -> Shapes:
     """Shapes of a catalogue scene at full load."""
+    from validation.study.cases import case  # with both models, which who draws does not need
+
     scene = case(name).scene
     beam, wire, spring = store.beam(scene), store.wire(scene), scene.spring
     first, last = spring.phase_range
@@ -128,7 +121,7 @@ def circle_table(panels: tuple[Shapes, ...]) -> Table:
         for panel in panels
         for label, circles in (("equivbeam", panel.beam_circles), ("wirefe", panel.wire_circles))
         for index, (centre, overlap) in enumerate(
-            zip(circles, (*panel.overlaps(circles), 0.0, 0.0), strict=True)
+            zip(circles, (*overlaps(circles, panel.diameter), 0.0, 0.0), strict=True)
         )
     ]
     return Table(("scene", "model", "circle", "x_mm", "y_mm", "overlap_mm"), tuple(rows))

@@ -21,6 +21,10 @@ PIXELS = [1000, 720]  # room for the scale beside the spring
 SPHERE = 0.62  # radius of a contact sphere over the wire's diameter: to be seen around the tube
 TITLE = "contact, N\n"  # clear of the largest number
 SCALE = {"color": "black", "fmt": "%.3g", "vertical": True, "position_x": 0.9, "render": False}
+SLIDER: dict[str, Any] = {
+    **{"title": "step", "title_height": 0.02, "fmt": "%.0f", "color": "black", "interaction_event": "always"},
+    **{"pointa": (0.25, 0.08), "pointb": (0.75, 0.08), "slider_width": 0.02, "tube_width": 0.004},
+}
 LIGHTS = "three lights"  # those of a light kit, which are five, take half as long again
 ROOM = 0.8  # of the window's height, which leaves the slider clear of the wire
 
@@ -88,13 +92,10 @@ def _scale(plotter: pyvista.Plotter, frames: Frames) -> None:
     start = centre - 1.25 * half * right - 0.9 * half * up
     end = start + length * right
     plotter.add_mesh(pyvista.Line(start, end), color="black", line_width=3, reset_camera=False)
-    look: dict[str, Any] = {
-        "shape": None,
-        "show_points": False,
-        "text_color": "black",
-        "always_visible": True,
-    }
-    plotter.add_point_labels([0.5 * (start + end)], [f"{length:g} mm"], font_size=16, **look)
+    look: dict[str, Any] = {"shape": None, "show_points": False, "always_visible": True}
+    plotter.add_point_labels(
+        [0.5 * (start + end)], [f"{length:g} mm"], font_size=16, text_color="black", **look
+    )
     plotter.add_axes(color="black", viewport=(0.0, 0.1, 0.2, 0.34))
 
 
@@ -105,20 +106,7 @@ def _slider(plotter: pyvista.Plotter, frames: Frames) -> None:
         draw(plotter, frames, round(step))
         plotter.render()
 
-    plotter.add_slider_widget(
-        go_to,
-        (0, last),
-        value=last,
-        title="step",
-        title_height=0.02,
-        fmt="%.0f",
-        color="black",
-        pointa=(0.25, 0.08),
-        pointb=(0.75, 0.08),
-        slider_width=0.02,
-        tube_width=0.004,
-        interaction_event="always",
-    )
+    plotter.add_slider_widget(go_to, (0, last), value=last, **SLIDER)
 
 
 if __name__ == "__main__":
