@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 from numba import njit
-from numba.extending import register_jitable
+from numba.extending import overload, register_jitable
 
 from coilspring.compiling.kernelcache import OPTIONS, KernelCache
 from coilspring.compiling.partlibrary import PartCompiler
@@ -58,6 +58,12 @@ def _part(options: dict[str, Any]) -> Callable[[Callable], Any]:
 # A part of kernels, compiled into them alone: without what Python would need to call it, and optimised with
 # the kernel only. Called from Python it is plain Python.
 part = _part(PART)
+
+
+def overloaded(function: Callable) -> Any:
+    """Decorator: gives for types of arguments the part that compiled code runs where it calls `function`."""
+    return overload(function, jit_options=PART, strict=False)  # type: ignore[arg-type]
+
 
 # The same for plain arithmetic: sums may be reordered and multiplied on the fly.
 arithmetic = _part(ARITHMETIC)

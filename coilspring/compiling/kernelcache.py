@@ -25,6 +25,7 @@ import numba
 import numpy as np
 from numba.core import config
 from numba.core.caching import CompileResultCacheImpl, FunctionCache
+from numba.core.extending import _Intrinsic
 from numba.experimental.structref import StructRefProxy
 
 OPTIONS = "__compiled__"  # attribute of a function: how it is compiled
@@ -34,7 +35,18 @@ MOST_ENTRIES = 1000  # about 100 kB each
 DAY = 86_400.0
 DIGITS = 32  # of a digest, in the names of files
 FOREIGN = ("builtins", "math", "numba", "numpy")  # modules whose content is their version
-PLAIN = (bool, int, float, str, bytes, type(None), BuiltinFunctionType, np.ufunc, numba.types.Type)
+PLAIN = (
+    bool,
+    int,
+    float,
+    str,
+    bytes,
+    type(None),
+    BuiltinFunctionType,
+    np.ufunc,
+    numba.types.Type,
+    _Intrinsic,
+)
 
 
 class KernelCache:
@@ -102,6 +114,10 @@ class _ContentImpl(CompileResultCacheImpl):
 
 class _ContentCache(FunctionCache):
     _impl_class = _ContentImpl
+
+    def _index_key(self, sig: Any, codegen: Any) -> tuple:
+        """Without what a closure holds: the digest has it, and pickles of it differ by process."""
+        return sig, codegen.magic_tuple()
 
     @property
     def index(self) -> Path:
@@ -195,13 +211,13 @@ def _described(value: Any, seen: set[int]) -> Iterator[str]:
         yield f"record {value.__qualname__} {value._fields}"  # type: ignore[attr-defined]
     elif isinstance(value, type) and issubclass(value, StructRefProxy):
         yield f"struct {value.__qualname__}"
-    elif isinstance(value, PLAIN) or (isinstance(value, type) and _foreign(value.__module__)):
+    elif isinstance(value, PLAIN) or (isinstance(value, type) and is_foreign(value.__module__)):
         yield repr(value)
     else:
         raise TypeError(f"a compiled function reads {value!r}, whose content is unknown")
 
 
-def _foreign(module: str) -> bool:
+def is_foreign(module: str) -> bool:
     """Whether a module is one that compiled code knows by its version."""
     return module.partition(".")[0] in FOREIGN
 
@@ -213,7 +229,7 @@ def _described_function(function: FunctionType, seen: set[int]) -> Iterator[str]
     yield from _described(function.__defaults__ or (), seen)
     for cell in function.__closure__ or ():
         yield from _described(cell.cell_contents, seen)
-    for code in _codes(function.__code__):
+    for code in codes(function.__code__):
         yield f"code {code.co_code.hex()} {code.co_names} {code.co_varnames[: code.co_argcount]}"
         for constant in code.co_consts:
             if not isinstance(constant, CodeType) and constant is not function.__doc__:
@@ -230,7 +246,7 @@ def _described_names(space: Mapping[str, Any], names: Sequence[str], seen: set[i
         yield f"name {name}"
         if not isinstance(value, ModuleType):
             yield from _described(value, seen)
-        elif _foreign(value.__name__):
+        elif is_foreign(value.__name__):
             yield f"module {value.__name__}"
         elif id(value) not in seen:
             seen.add(id(value))
@@ -238,9 +254,9 @@ def _described_names(space: Mapping[str, Any], names: Sequence[str], seen: set[i
             seen.discard(id(value))
 
 
-def _codes(code: CodeType) -> Iterator[CodeType]:
+def codes(code: CodeType) -> Iterator[CodeType]:
     """A code object and those nested in it."""
     yield code
     for constant in code.co_consts:
         if isinstance(constant, CodeType):
-            yield from _codes(constant)
+            yield from codes(constant)
