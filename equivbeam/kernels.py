@@ -12,6 +12,8 @@ from coilspring.contact.kinematics import approach, remember
 from coilspring.contact.kinematics import update_pairs as update_pairs_of
 from coilspring.contact.law import pair_potential
 from equivbeam.band import ROW, fix
+from equivbeam.band import factor as factor
+from equivbeam.band import solve as solve
 from equivbeam.contact import circle_centre, circle_overlap, pair_forces
 from equivbeam.element import gradient, hessian, measures_at, paper_matrix
 from equivbeam.laws import response

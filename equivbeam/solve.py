@@ -12,8 +12,8 @@ from coilspring.path import EquilibriumPath
 from coilspring.scene import Factors, Scene, require_scene
 from coilspring.solver.interface import Kernels
 from coilspring.solver.solve import MOST_ITERATIONS, follow_load, scene_path
-from equivbeam import band, kernels, model
-from equivbeam.laws.helixrows import Refinements
+from equivbeam import kernels, model
+from equivbeam.laws.helix import Refinements
 from equivbeam.limits import caution, judged
 from equivbeam.options import BeamOptions
 from equivbeam.shape import BeamShape
@@ -21,18 +21,7 @@ from equivbeam.shape import BeamShape
 # The paper's matrices are not the tangent: they converge linearly, the printed one by hundreds of steps.
 MOST_PAPER_ITERATIONS = 10_000
 
-KERNELS = Kernels(
-    assemble=kernels.assemble,
-    factor=band.factor,
-    solve=band.solve,
-    retract=kernels.retract,
-    work=kernels.work,
-    rotate=kernels.rotate,
-    displacement_bound=kernels.displacement_bound,
-    update_history=kernels.update_history,
-    update_pairs=kernels.update_pairs,
-    overlap=kernels.overlap,
-)
+KERNELS = Kernels(*(getattr(kernels, name) for name in Kernels._fields))
 
 
 def solve(

@@ -13,6 +13,7 @@ from typing import NamedTuple
 import numpy as np
 
 from coilspring.compiling.compiled import arithmetic, part
+from coilspring.compiling.packing import Table, Vector, Wholes
 from coilspring.scene.spring import Spring
 from wirefe.algebra import dot, mixed, plus
 from wirefe.mesh import WireMesh
@@ -34,9 +35,9 @@ SHARES = (0.25, 0.5, 0.75)  # of a piece, at which those that touch are evaluate
 class Stations(NamedTuple):
     """Points along the wire, end turns included, from bottom to top."""
 
-    node: np.ndarray  # (stations,) node at or below each
-    share: np.ndarray  # (stations,) of the next node's position in its own
-    arms: np.ndarray  # (stations, 6) that turn with both nodes
+    node: Wholes  # (stations,) node at or below each
+    share: Vector  # (stations,) of the next node's position in its own
+    arms: Table  # (stations, 6) that turn with both nodes
     stride: float  # largest distance of neighbours, mm
     low: int  # last station of the rigid bottom end
     high: int  # first station of the rigid top end

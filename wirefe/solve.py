@@ -28,18 +28,7 @@ LENGTHS_OF_A_WIRE = 50.0
 PAIR_REACH = 1.5
 NO_PAIRS = np.zeros((0, 2), dtype=np.int64)
 
-KERNELS = Kernels(
-    assemble=kernels.assemble,
-    factor=kernels.factor,
-    solve=kernels.solve,
-    retract=kernels.retract,
-    work=kernels.work,
-    rotate=kernels.rotate,
-    displacement_bound=kernels.displacement_bound,
-    update_history=kernels.update_history,
-    update_pairs=kernels.update_pairs,
-    overlap=kernels.overlap,
-)
+KERNELS = Kernels(*(getattr(kernels, name) for name in Kernels._fields))
 SEATED = KERNELS._replace(assemble=seated.assemble, update_history=seated.update_history)
 
 
