@@ -1,8 +1,7 @@
 """3D beam-FE model of the coiled wire with sphere-to-sphere contact: the reference; and of any wire."""
 
 from wirefe.adaptive import solve_to
-from wirefe.rod import Rod, curved_rod, straight_rod
-from wirefe.rodpath import RodPath
+from wirefe.rod import Rod, RodPath, curved_rod, straight_rod
 from wirefe.solve import Outcome, path_shape, solve, solve_rod, sweep
 from wirefe.stress import WireStress, stress
 from wirefe.tracing import trace, trace_rod

@@ -81,7 +81,7 @@ def section_results(path: EquilibriumPath, step: int) -> SectionResults:
     deformations(path.states[step], data.arm, data.triads, strain)
     strain -= data.strain0
     wrench = np.einsum("eij,ej->ei", data.stiffness, strain)
-    # the deformation measure at rest is the tangent times the element's length
+    # the first three at rest are the tangent times the element's length
     lengths = np.linalg.norm(data.strain0[:, :3], axis=1)
     wire = np.count_nonzero(lengths)  # the hold of a tip on a plate has none
     nodes = slice(wire + 1)
@@ -109,16 +109,11 @@ def write_vtu(path: EquilibriumPath, step: int, file: str | Path) -> None:
     nodes = np.arange(len(found.points))
     mesh = meshio.Mesh(
         found.points,
-        [("line", _pairs(nodes))],
+        [("line", np.stack((nodes[:-1], nodes[1:]), axis=1))],
         point_data={name: getattr(found, name) for name in POINT_DATA},
         cell_data={name: [values] for name, values in found.cells.items()},
     )
     mesh.write(file, file_format="vtu")
-
-
-def _pairs(nodes: np.ndarray) -> np.ndarray:
-    """Rows of the two ends of every element, shape (elements, 2, ...)."""
-    return np.stack((nodes[:-1], nodes[1:]), axis=1)
 
 
 def _contact_force(shape: WireShape, states: np.ndarray, normal: np.ndarray) -> np.ndarray:

@@ -19,7 +19,6 @@ from coilspring.scene import SEATS, Scene
 from coilspring.scene.solidwire import wire_flexibility
 from coilspring.scene.wire import round_section
 from coilspring.solver.stages import Top
-from wirefe.beam import deformations
 from wirefe.chain import ChainPlan, plan_chain
 from wirefe.contactpoints import ContactPoints, contact_points, no_contact
 from wirefe.mesh import WireMesh, mesh_wire, refuse_kinks
@@ -162,7 +161,7 @@ def rod_model(
     high = count + len(touching)  # number of the first coupling with the top plate
     inner, outer = points.span(count)
     return WireModel(
-        ElementArrays(rod.stiffness, _strain_at_rest(rod), rod.triads, arm, block[:count], flip[:count]),
+        ElementArrays(rod.stiffness, rod.strain0, rod.triads, arm, block[:count], flip[:count]),
         held,
         ContactArrays(
             attached=points.attached,
@@ -225,12 +224,6 @@ def _held_arrays(held: np.ndarray, couplings: np.ndarray, block: np.ndarray, fli
     ]
     table = np.array(cuts, dtype=np.int64).reshape(-1, 3)
     return HeldArrays(held, table[:, 0], table[:, 1], table[:, 2], held)
-
-
-def _strain_at_rest(rod: Rod) -> np.ndarray:
-    e0 = np.empty((len(rod.triads), 6))
-    deformations(at_rest(rod.points).ravel(), np.zeros(3), rod.triads, e0)
-    return e0
 
 
 def rest_state(rod: Rod, arm: np.ndarray) -> np.ndarray:

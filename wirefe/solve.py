@@ -21,8 +21,7 @@ from wirefe import kernels, model, seated
 from wirefe.contactpoints import PER_TURN, near_points
 from wirefe.elements import ELEMENTS
 from wirefe.mesh import WireMesh
-from wirefe.rod import Rod
-from wirefe.rodpath import RodPath
+from wirefe.rod import Rod, RodPath
 from wirefe.shape import WireShape, contact_centres
 
 # Moves of a rod without contact are compared with this part of its length, as with a wire's diameter.
