@@ -13,8 +13,7 @@ from wirefe.beam import deformations
 from wirefe.model import ContactArrays
 from wirefe.poses import ROW
 from wirefe.shape import WireShape, contact_vectors
-from wirefe.stations import ARMS, POSITION, SLOPES, of_wires
-from wirefe.stations import turned_rows as turned
+from wirefe.stations import ARMS, POSITION, SLOPES, of_wires, turned_rows
 
 POINT_DATA = ("displacement", "rotation", "contact_force", "pair_force")  # of a VTU file
 
@@ -76,7 +75,7 @@ def section_results(path: EquilibriumPath, step: int) -> SectionResults:
         raise InputError(f"section_results needs a path of the model wirefe, got {path.model}")
     data, rows = shape.data.elements, path.states[step].reshape(-1, ROW)
     points, turns = rows[:, :3].copy(), rows[:, 3:]
-    points[-1] += turned(turns[-1], data.arm)
+    points[-1] += turned_rows(turns[-1], data.arm)
     strain = np.empty_like(data.strain0)
     deformations(path.states[step], data.arm, data.triads, strain)
     strain -= data.strain0

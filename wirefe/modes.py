@@ -11,7 +11,7 @@ from coilspring.errors import InputError, require_integer, require_number
 from wirefe.beam import beams
 from wirefe.poses import at_rest
 from wirefe.rod import Rod
-from wirefe.shape import turned
+from wirefe.stations import turned_rows
 
 if TYPE_CHECKING:
     from scipy.sparse import csr_array
@@ -99,7 +99,7 @@ def _tangents(rod: Rod) -> np.ndarray:
     sign = np.sign(np.einsum("ei,ei->e", first, second))[:, None]
     middle = first + sign * second
     middle /= np.linalg.norm(middle, axis=1)[:, None]
-    return turned(middle, np.array([1.0, 0.0, 0.0]))
+    return turned_rows(middle, np.array([1.0, 0.0, 0.0]))
 
 
 def _refuse_loose(rod: Rod) -> None:

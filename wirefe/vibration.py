@@ -14,7 +14,6 @@ import numpy as np
 from coilspring.compiling.packing import pack
 from coilspring.errors import InputError, require_choice, require_integer
 from coilspring.path import EquilibriumPath
-from wirefe import kernels, seated
 from wirefe.model import matrix_size
 from wirefe.modes import lowest_frequencies, scattered
 from wirefe.shape import WireShape
@@ -74,8 +73,7 @@ def frequencies(path: EquilibriumPath, step: int = -1, *, count: int = 6, top: s
 
 def _free(shape: WireShape, top: str) -> np.ndarray:
     """Numbers of the free dofs, 6 node + dof."""
-    size = 6 * len(shape.data.elements.triads) + 6
-    fixed = np.zeros(size, dtype=bool)
+    fixed = np.zeros(shape.size, dtype=bool)
     fixed[shape.data.held.placed] = True
     if top == "held":
         fixed[-6:] = True
@@ -85,10 +83,9 @@ def _free(shape: WireShape, top: str) -> np.ndarray:
 def tangent_stiffness(shape: WireShape, state: np.ndarray, history: np.ndarray) -> csr_array:
     """Tangent stiffness at a state found with a contact history, dofs 6 node + (dx, spin), held ones without
     coupling."""
-    part = seated if len(shape.data.plates.low) else kernels
-    plan, size = shape.data.plan, 6 * len(shape.data.elements.triads) + 6
+    plan, size = shape.data.plan, shape.size
     flat = np.empty(matrix_size(shape.data))
-    part.assemble(*pack(shape.data), state, 0.0, history, state, np.empty(size), flat)
+    shape.assemble(*pack(shape.data), state, 0.0, history, state, np.empty(size), flat)
     blocks = flat.reshape(-1, 6, 6)
     first = np.repeat(plan.order, np.diff(plan.start))  # the node eliminated first has the rows
     nodes = np.arange(len(plan.order))
@@ -111,7 +108,7 @@ def mass(shape: WireShape, state: np.ndarray) -> csr_array:
     values = np.einsum("p,pij,pik->pjk", line, move, move)
     values += np.einsum("p,pij,pil,plk->pjk", line, spin, rotary, spin)
     dofs = 6 * node[:, None] + np.arange(12)
-    return scattered(values, dofs, dofs, 6 * len(shape.data.elements.triads) + 6)
+    return scattered(values, dofs, dofs, shape.size)
 
 
 def _quadrature(shape: WireShape) -> tuple[np.ndarray, np.ndarray]:
