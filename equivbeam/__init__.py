@@ -2,10 +2,9 @@
 
 from equivbeam.calibration import Calibration, calibrate
 from equivbeam.column import Buckling, buckling, lateral_stiffness
-from equivbeam.laws.helixrows import Refinements
+from equivbeam.laws.helix import Refinements
 from equivbeam.sensitivity import Sensitivity, sensitivities
-from equivbeam.solve import path_shape, solve
-from equivbeam.sweep import Outcome, sweep
+from equivbeam.solve import Outcome, path_shape, solve, sweep
 
 __all__ = [
     "Buckling",

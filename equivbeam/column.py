@@ -18,7 +18,7 @@ from coilspring.solver.solve import Problem, Run, follow_problem
 from equivbeam import band, kernels
 from equivbeam.laws import law_of
 from equivbeam.laws.haringx import KAX, KFL, KSH, L0
-from equivbeam.laws.helixrows import Refinements
+from equivbeam.laws.helix import Refinements
 from equivbeam.laws.userlaw import UserLaw
 from equivbeam.model import BeamModel, beam_problem, build_model, load_vector
 from equivbeam.options import BeamOptions

@@ -12,6 +12,8 @@ from coilspring.contact.kinematics import approach, remember
 from coilspring.contact.kinematics import update_pairs as update_pairs_of
 from coilspring.contact.law import pair_potential
 from equivbeam.band import ROW, fix
+from equivbeam.band import factor as factor
+from equivbeam.band import solve as solve
 from equivbeam.contact import circle_centre, circle_overlap, pair_forces
 from equivbeam.element import gradient, hessian, measures_at, paper_matrix
 from equivbeam.laws import response
@@ -90,16 +92,13 @@ def _add_pairs(model, history, state, g, H, ge, Ke):
         a, b = attached[A], attached[B]
         energy += pair_potential(w, math.sqrt(h2), model, history[m], e, f, Hg)
         p, q = 3 * a, 3 * b
-        pair_forces(
-            f,
-            Hg,
+        ax, ay, bx, by = (
             c[A, 0] - state[p],
             c[A, 1] - state[p + 1],
             c[B, 0] - state[q],
             c[B, 1] - state[q + 1],
-            ge,
-            Ke,
         )
+        pair_forces(f, Hg, ax, ay, bx, by, ge, Ke)
         _add_nodes(g, H, ge, Ke, a, b)
     return energy
 

@@ -7,8 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from coilspring.compiling.compiled import part
-from coilspring.compiling.packing import heads, table, vector
+from coilspring.compiling.packing import Table, Vector, Wholes, WholeTable, viewer
 from coilspring.contact.law import PAIR_HISTORY, tangential_stiffness
 from coilspring.errors import InputError
 from coilspring.scene import Scene
@@ -27,11 +26,11 @@ class BeamModel(NamedTuple):
     """Arrays of one equivalent beam; node i stands at half coil i of the axis, node 0 is clamped."""
 
     law: int  # of the half coils, see `equivbeam.laws`
-    rows: np.ndarray  # (elements, columns) parameters of the half coils, as the law reads them
-    fixed: np.ndarray  # (3,) degrees of freedom of the last node that are fixed: 1.0 or 0.0
-    attached: np.ndarray  # (circles,) node to which each circle is attached
-    offset: np.ndarray  # (circles, 2) from the node to the circle's centre, at rest
-    pairs: np.ndarray  # (pairs, 2) circles that may touch
+    rows: Table  # (elements, columns) parameters of the half coils, as the law reads them
+    fixed: Vector  # (3,) degrees of freedom of the last node that are fixed: 1.0 or 0.0
+    attached: Wholes  # (circles,) node to which each circle is attached
+    offset: Table  # (circles, 2) from the node to the circle's centre, at rest
+    pairs: WholeTable  # (pairs, 2) circles that may touch
     reach: float  # largest distance of a circle from its node
     d: float  # wire diameter: the distance of centres at which a pair touches
     kc: float  # penalty of a pair
@@ -39,6 +38,9 @@ class BeamModel(NamedTuple):
     k: float  # exponent
     mu: float  # coefficient of friction; infinite where closed pairs do not slide
     tangent: int  # EXACT, PAPER or PRINTED
+
+
+view = viewer(BeamModel)
 
 
 def build_model(scene: Scene, options: BeamOptions | None = None) -> BeamModel:
@@ -133,15 +135,3 @@ def beam_problem(data: BeamModel, load: np.ndarray) -> Problem:
         matrix_size=matrix_size(data),
         top=top_place(data),
     )
-
-
-@part
-def view(reals, ints):
-    """The model's fields, in their order, in the packed arrays."""
-    head = heads(ints)
-    return BeamModel(
-        ints[head[0, 0]], table(reals, head[1]), vector(reals, head[2]), vector(ints, head[3]),
-        table(reals, head[4]), table(ints, head[5]), reals[head[6, 0]], reals[head[7, 0]],
-        reals[head[8, 0]], reals[head[9, 0]], reals[head[10, 0]], reals[head[11, 0]],
-        ints[head[12, 0]],
-    )  # fmt: skip

@@ -8,7 +8,7 @@ from typing import Any
 
 from coilspring.errors import InputError, require_choice, shown
 from equivbeam.laws import law_of
-from equivbeam.laws.helixrows import Refinements
+from equivbeam.laws.helix import Refinements
 from equivbeam.laws.userlaw import UserLaw
 
 EXACT, PAPER, PRINTED = 0, 1, 2

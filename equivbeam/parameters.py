@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, replace
-from typing import Any
+from dataclasses import replace
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -13,41 +13,35 @@ from coilspring.scene import Scene
 from coilspring.scene.material import Material
 
 
-@dataclass(frozen=True)
-class Parameter:
-    """How a number is read from a scene, and the scene that has another value.
-
-    `rise` is the change of the height at rest with the value: displacements are counted from there.
-    """
+class Parameter(NamedTuple):
+    """How a number is read from a scene, and the scene that has another value."""
 
     read: Callable[[Scene], float]
     write: Callable[[Scene, float], Scene]
-    rise: Callable[[Scene], float] = lambda scene: 0.0
 
 
 FACTORS = ("axial", "shearing", "bending")  # of the paper's stiffnesses
 
 
-def _spring(scene: Scene, **changes: Any) -> Scene:
-    return replace(scene, spring=replace(scene.spring, **changes))
+def _changed(scene: Scene, part: str, **changes: Any) -> Scene:
+    return replace(scene, **{part: replace(getattr(scene, part), **changes)})
 
 
-def _widened(scene: Scene, mean: float) -> Scene:
-    """The scene with a spring of another mean coil diameter."""
-    bottom, top = scene.spring.mean_diameter
-    share = 2.0 * mean / (bottom + top)
-    return _spring(scene, mean_diameter=(share * bottom, share * top))
-
-
-def _contact(scene: Scene, **changes: Any) -> Scene:
-    return replace(scene, contact=replace(scene.contact, **changes))
-
-
-def _factor(name: str) -> Parameter:
-    """One of the scene's factors."""
+def _field(part: str, name: str) -> Parameter:
+    """A field of a part of the scene."""
     return Parameter(
-        lambda scene: getattr(scene.factors, name),
-        lambda scene, value: replace(scene, factors=replace(scene.factors, **{name: value})),
+        lambda scene: getattr(getattr(scene, part), name),
+        lambda scene, value: _changed(scene, part, **{name: value}),
+    )
+
+
+def _diameter(read: Callable, write: Callable) -> Parameter:
+    """A number read from the mean diameters at bottom and top, and these where it has another value."""
+    return Parameter(
+        lambda scene: read(*scene.spring.mean_diameter),
+        lambda scene, value: _changed(
+            scene, "spring", mean_diameter=write(value, *scene.spring.mean_diameter)
+        ),
     )
 
 
@@ -55,39 +49,26 @@ def _material(scene: Scene, E: float, G: float) -> Scene:
     return replace(scene, material=Material.from_moduli(E, G, scene.material.density))
 
 
+def _widened(value: float, bottom: float, top: float) -> tuple[float, float]:
+    """Both diameters by the same factor, so that their mean is the value."""
+    share = 2.0 * value / (bottom + top)
+    return share * bottom, share * top
+
+
 PARAMETERS: Mapping[str, Parameter] = {
-    "wire_diameter": Parameter(
-        lambda scene: scene.spring.wire_diameter, lambda scene, value: _spring(scene, wire_diameter=value)
-    ),
-    "mean_diameter": Parameter(  # both ends by the same factor
-        lambda scene: 0.5 * sum(scene.spring.mean_diameter), lambda scene, value: _widened(scene, value)
-    ),
-    "bottom_diameter": Parameter(
-        lambda scene: scene.spring.mean_diameter[0],
-        lambda scene, value: _spring(scene, mean_diameter=(value, scene.spring.mean_diameter[1])),
-    ),
-    "top_diameter": Parameter(
-        lambda scene: scene.spring.mean_diameter[1],
-        lambda scene, value: _spring(scene, mean_diameter=(scene.spring.mean_diameter[0], value)),
-    ),
+    "wire_diameter": _field("spring", "wire_diameter"),
+    "mean_diameter": _diameter(lambda bottom, top: 0.5 * (bottom + top), _widened),
+    "bottom_diameter": _diameter(lambda bottom, top: bottom, lambda value, bottom, top: (value, top)),
+    "top_diameter": _diameter(lambda bottom, top: top, lambda value, bottom, top: (bottom, value)),
     "pitch": Parameter(
         lambda scene: scene.spring.pitch,
-        lambda scene, value: _spring(scene, active_height=value * scene.spring.active_coils),
-        rise=lambda scene: scene.spring.active_coils,
+        lambda scene, value: _changed(scene, "spring", active_height=value * scene.spring.active_coils),
     ),
-    "E": Parameter(
-        lambda scene: scene.material.E, lambda scene, value: _material(scene, value, scene.material.G)
-    ),
-    "G": Parameter(
-        lambda scene: scene.material.G, lambda scene, value: _material(scene, scene.material.E, value)
-    ),
-    "penalty": Parameter(
-        lambda scene: scene.contact.stiffness, lambda scene, value: _contact(scene, stiffness=value)
-    ),
-    "exponent": Parameter(
-        lambda scene: scene.contact.exponent, lambda scene, value: _contact(scene, exponent=value)
-    ),
-    **{name: _factor(name) for name in FACTORS},
+    "E": Parameter(lambda scene: scene.material.E, lambda scene, E: _material(scene, E, scene.material.G)),
+    "G": Parameter(lambda scene: scene.material.G, lambda scene, G: _material(scene, scene.material.E, G)),
+    "penalty": _field("contact", "stiffness"),
+    "exponent": _field("contact", "exponent"),
+    **{name: _field("factors", name) for name in FACTORS},
 }
 
 NAMES = tuple(PARAMETERS)
@@ -113,5 +94,5 @@ def varied(scene: Scene, names: tuple[str, ...], new: np.ndarray) -> Scene:
 
 
 def rise(scene: Scene, name: str) -> float:
-    """Change of the height at rest with a parameter."""
-    return PARAMETERS[name].rise(scene)
+    """Change of the height at rest, from where displacements are counted, with a parameter."""
+    return scene.spring.active_coils if name == "pitch" else 0.0

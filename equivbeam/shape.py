@@ -69,10 +69,8 @@ class BeamShape(PairReader):
     def rates(self, states: np.ndarray, histories: np.ndarray | None, directions: np.ndarray) -> np.ndarray:
         """Tangent stiffness of the top along directions (states, 2), shape (states,), N/mm."""
         compiled, size = (self.assemble, band.factor, band.solve), states.shape[1] - 3
-        sizes = size, matrix_size(self.data)
-        return rates(
-            compiled, self.data, sizes, size - 3, states, self.histories(histories, states), directions
-        )
+        sizes, remembered = (size, matrix_size(self.data)), self.histories(histories, states)
+        return rates(compiled, self.data, sizes, size - 3, states, remembered, directions)
 
     def largest_stresses(self, states: np.ndarray) -> None:
         """Nothing: the beam has no wire."""

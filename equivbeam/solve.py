@@ -1,8 +1,9 @@
-"""Solve a scene with the equivalent beam."""
+"""Solve a scene, or many, with the equivalent beam."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from contextlib import suppress
 from dataclasses import replace
 from functools import partial
 from typing import Any
@@ -12,27 +13,20 @@ from coilspring.path import EquilibriumPath
 from coilspring.scene import Factors, Scene, require_scene
 from coilspring.solver.interface import Kernels
 from coilspring.solver.solve import MOST_ITERATIONS, follow_load, scene_path
-from equivbeam import band, kernels, model
-from equivbeam.laws.helixrows import Refinements
+from coilspring.solver.startup import store
+from coilspring.sweep import Outcome, jobs, outcomes
+from equivbeam import kernels, model
+from equivbeam.laws import law_of
+from equivbeam.laws.helix import Refinements
 from equivbeam.limits import caution, judged
 from equivbeam.options import BeamOptions
 from equivbeam.shape import BeamShape
 
 # The paper's matrices are not the tangent: they converge linearly, the printed one by hundreds of steps.
 MOST_PAPER_ITERATIONS = 10_000
+CHUNK = 64  # springs of a sweep handed to a worker at a time
 
-KERNELS = Kernels(
-    assemble=kernels.assemble,
-    factor=band.factor,
-    solve=band.solve,
-    retract=kernels.retract,
-    work=kernels.work,
-    rotate=kernels.rotate,
-    displacement_bound=kernels.displacement_bound,
-    update_history=kernels.update_history,
-    update_pairs=kernels.update_pairs,
-    overlap=kernels.overlap,
-)
+KERNELS = Kernels(*(getattr(kernels, name) for name in Kernels._fields))
 
 
 def solve(
@@ -95,6 +89,38 @@ def solve(
     run = judged(options.law, data.rows, run)
     run = replace(run, message=run.message + caution(scene, options.law, data.rows, run.track.states))
     return scene_path(scene, "equivbeam", options.stored(), run, BeamShape(scene, data, with_law.assemble))
+
+
+def sweep(
+    scenes: Iterable[Scene],
+    *,
+    workers: int | None = None,
+    progress: Callable[[int], None] | None = None,
+    **options: Any,
+) -> Iterator[Outcome]:
+    """Solve many scenes; yields an `Outcome` for each, in their order, as they come.
+
+    Springs that fail do not stop the others. Scenes are drawn as they are needed.
+
+    Parameters
+    ----------
+    scenes : iterable of Scene
+    workers : int, optional
+        Processes; by default one for each processor core. 0: none besides this one, which is the fastest
+        for a few springs.
+    progress : callable, optional
+        Called with the number of springs done so far.
+    **options
+        Those of `solve`. The fastest: ``steps=1``, the answer at full load alone.
+
+    Raises
+    ------
+    InputError : `scenes` are none, as a name or a single scene.
+    """
+    with suppress(InputError):  # every scene is refused then
+        options = {**options, "law": law_of(options.get("law", "haringx"))}  # one content for all workers
+    springs, prepare = jobs(scenes, solve, options), partial(store, KERNELS)
+    return outcomes(springs, chunk=CHUNK, workers=workers, progress=progress, prepare=prepare)
 
 
 def path_shape(scene: Scene, options: Mapping[str, Any], found: object = ()) -> BeamShape:

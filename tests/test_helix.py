@@ -25,8 +25,7 @@ from coilspring.scene.wire import round_section
 from equivbeam import Refinements
 from equivbeam.element import gradient, hessian, measures
 from equivbeam.laws import LAWS
-from equivbeam.laws.helix import HIGH, LOW, U0, axial, helix_response
-from equivbeam.laws.helixrows import helix_rows
+from equivbeam.laws.helix import HIGH, LOW, U0, axial, helix_response, helix_rows
 from equivbeam.model import build_model
 from equivbeam.options import BeamOptions
 from validation.study.metrics import compare_paths

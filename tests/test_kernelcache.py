@@ -86,9 +86,8 @@ def test_an_edited_law_is_the_one_that_runs(checkout):
     before = tips(checkout)
     np.testing.assert_allclose(before[3:], before[:2], rtol=1e-12)
     edit(checkout / "equivbeam/laws/haringx.py", "= rows[i, KAX], rows", "= 2.0 * rows[i, KAX], rows")
-    edit(
-        checkout / "wirefe/model.py", "        stack(reals, head[0]),", "        2.0 * stack(reals, head[0]),"
-    )
+    edit(checkout / "wirefe/beam.py", "e0[n], K[n])", "e0[n], 2.0 * K[n])")
+    edit(checkout / "wirefe/beam.py", "C, X, K[n], H[n])", "C, X, 2.0 * K[n], H[n])")
     np.testing.assert_allclose(tips(checkout), 0.5 * before, rtol=1e-3)  # a little nonlinear
 
 

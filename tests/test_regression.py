@@ -12,7 +12,7 @@ import pytest
 
 import equivbeam
 import equivbeam.laws.haringx
-import equivbeam.laws.helixrows
+import equivbeam.laws.helix
 import equivbeam.model
 import validation.regress.baselines
 import validation.regress.run
@@ -102,7 +102,7 @@ def test_a_stiffness_of_the_papers_law_is_caught(before, column, monkeypatch):
 def test_a_stiffness_of_the_wire_is_caught(before, part, monkeypatch):
     places = (
         (wirefe.model, "round_section", CURVED),
-        (equivbeam.laws.helixrows, "coil_section", few("law=helix,")),
+        (equivbeam.laws.helix, "coil_section", few("law=helix,")),
     )
     for module, name, chosen in places:
         sound = getattr(module, name)

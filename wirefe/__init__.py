@@ -1,11 +1,9 @@
 """3D beam-FE model of the coiled wire with sphere-to-sphere contact: the reference; and of any wire."""
 
 from wirefe.adaptive import solve_to
-from wirefe.rod import Rod, curved_rod, straight_rod
-from wirefe.rodpath import RodPath
-from wirefe.solve import path_shape, solve, solve_rod
+from wirefe.rod import Rod, RodPath, curved_rod, straight_rod
+from wirefe.solve import Outcome, path_shape, solve, solve_rod, sweep
 from wirefe.stress import WireStress, stress
-from wirefe.sweep import Outcome, sweep
 from wirefe.tracing import trace, trace_rod
 from wirefe.vibration import frequencies
 

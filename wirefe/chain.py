@@ -13,6 +13,7 @@ from typing import NamedTuple
 import numpy as np
 
 from coilspring.compiling.compiled import clear, part, zeros
+from coilspring.compiling.packing import Wholes
 
 N6 = 6
 
@@ -20,11 +21,11 @@ N6 = 6
 class ChainPlan(NamedTuple):
     """Elimination plan; a coupling's block has the dofs of the node eliminated first as rows."""
 
-    order: np.ndarray  # (nodes,) node eliminated at each step; its diagonal block has its number
-    start: np.ndarray  # (nodes + 1,) first entry of each step in `block` and `column`
-    block: np.ndarray  # blocks right of the diagonal of each step
-    column: np.ndarray  # node of their columns
-    target: np.ndarray  # blocks updated by each step, in the order of `eliminate`
+    order: Wholes  # (nodes,) node eliminated at each step; its diagonal block has its number
+    start: Wholes  # (nodes + 1,) first entry of each step in `block` and `column`
+    block: Wholes  # blocks right of the diagonal of each step
+    column: Wholes  # node of their columns
+    target: Wholes  # blocks updated by each step, in the order of `eliminate`
     blocks: int  # number of blocks
 
 

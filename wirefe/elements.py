@@ -25,10 +25,16 @@ KINK = 1e-13  # of the largest parameter, well above its rounding: how far insid
 
 def straight_elements(points: np.ndarray, section: Section) -> tuple[np.ndarray, np.ndarray]:
     """End triads (elements, 2, 4) and stiffness (elements, 6, 6) in (v, theta) between points."""
+    t, lengths = _chords(points)
+    triads = _chord_frames(t)
+    return np.stack((triads, triads), axis=1), straight_stiffness(section, lengths)
+
+
+def _chords(points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Unit vectors between points, and their distances."""
     chords = np.diff(points, axis=0)
     lengths = np.linalg.norm(chords, axis=1)
-    triads = _chord_frames(chords / lengths[:, None])
-    return np.stack((triads, triads), axis=1), straight_stiffness(section, lengths)
+    return chords / lengths[:, None], lengths
 
 
 def straight_stiffness(section: Section, lengths: np.ndarray) -> np.ndarray:
@@ -54,9 +60,7 @@ def straight_solid_elements(
     flexibility : (elements, 6, 6) per length, in Frenet's axes.
     inward : (elements, 3) towards the centre of curvature.
     """
-    chords = np.diff(points, axis=0)
-    lengths = np.linalg.norm(chords, axis=1)
-    t = chords / lengths[:, None]
+    t, lengths = _chords(points)
     b = np.cross(t, inward)
     b /= np.linalg.norm(b, axis=1)[:, None]
     triads = quaternion_from_matrix(np.stack((t, np.cross(b, t), b), axis=-1))
@@ -103,7 +107,7 @@ def _flexibility(
     speed = np.linalg.norm(first, axis=1)
     along = (half * weights) * speed.reshape(at.shape)
     r = points[1:, None] - curve.points(at.ravel()).reshape(*at.shape, 3)
-    R = _skew(r)
+    R = cross_rows(np.eye(3), r[..., None, :])  # R x = r x x
     F = np.empty((*at.shape, 6, 6))
     if isinstance(section, Section):
         t = (first / speed[:, None]).reshape(*at.shape, 3)
@@ -124,14 +128,6 @@ def _flexibility(
     F[..., :3, :3] = stretch - R @ F[..., 3:, :3]
     F[..., 3:, 3:] = bend
     return np.einsum("eq,eqij->eij", along, F)
-
-
-def _skew(r: np.ndarray) -> np.ndarray:
-    """Matrices of the cross product r x, shape (..., 3, 3)."""
-    R = np.zeros((*r.shape, 3))
-    for row, (a, b) in enumerate(((1, 2), (2, 0), (0, 1))):
-        R[..., a, b], R[..., b, a] = -r[..., row], r[..., row]
-    return R
 
 
 def _frenet_frames(curve: Curve, phases: np.ndarray) -> np.ndarray:

@@ -13,8 +13,7 @@ from wirefe.beam import deformations
 from wirefe.model import ContactArrays
 from wirefe.poses import ROW
 from wirefe.shape import WireShape, contact_vectors
-from wirefe.stations import ARMS, POSITION, SLOPES, of_wires
-from wirefe.stations import turned_rows as turned
+from wirefe.stations import ARMS, POSITION, SLOPES, of_wires, turned_rows
 
 POINT_DATA = ("displacement", "rotation", "contact_force", "pair_force")  # of a VTU file
 
@@ -76,12 +75,12 @@ def section_results(path: EquilibriumPath, step: int) -> SectionResults:
         raise InputError(f"section_results needs a path of the model wirefe, got {path.model}")
     data, rows = shape.data.elements, path.states[step].reshape(-1, ROW)
     points, turns = rows[:, :3].copy(), rows[:, 3:]
-    points[-1] += turned(turns[-1], data.arm)
+    points[-1] += turned_rows(turns[-1], data.arm)
     strain = np.empty_like(data.strain0)
     deformations(path.states[step], data.arm, data.triads, strain)
     strain -= data.strain0
     wrench = np.einsum("eij,ej->ei", data.stiffness, strain)
-    # the deformation measure at rest is the tangent times the element's length
+    # the first three at rest are the tangent times the element's length
     lengths = np.linalg.norm(data.strain0[:, :3], axis=1)
     wire = np.count_nonzero(lengths)  # the hold of a tip on a plate has none
     nodes = slice(wire + 1)
@@ -109,16 +108,11 @@ def write_vtu(path: EquilibriumPath, step: int, file: str | Path) -> None:
     nodes = np.arange(len(found.points))
     mesh = meshio.Mesh(
         found.points,
-        [("line", _pairs(nodes))],
+        [("line", np.stack((nodes[:-1], nodes[1:]), axis=1))],
         point_data={name: getattr(found, name) for name in POINT_DATA},
         cell_data={name: [values] for name, values in found.cells.items()},
     )
     mesh.write(file, file_format="vtu")
-
-
-def _pairs(nodes: np.ndarray) -> np.ndarray:
-    """Rows of the two ends of every element, shape (elements, 2, ...)."""
-    return np.stack((nodes[:-1], nodes[1:]), axis=1)
 
 
 def _contact_force(shape: WireShape, states: np.ndarray, normal: np.ndarray) -> np.ndarray:

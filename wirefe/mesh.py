@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from functools import lru_cache
 
 import numpy as np
 
@@ -29,7 +28,7 @@ class WireMesh:
 
 
 def mesh_wire(spring: Spring, elements_per_turn: int, on_plates: bool = False) -> WireMesh:
-    """Nodes along the elastic wire; the line mesh is scikit-fem's.
+    """Nodes along the elastic wire, in equal elements.
 
     Raises
     ------
@@ -40,22 +39,12 @@ def mesh_wire(spring: Spring, elements_per_turn: int, on_plates: bool = False) -
     if on_plates:
         count += 2 * _elements("end_turns", spring.end_turns, elements_per_turn, 100)
         first, last = spring.phase_range
-    phases = _phases(first, last, count)
+    phases = np.linspace(first, last, count + 1)
     if on_plates:
         phases = np.append(phases, last)
     points = spring.points(phases)
     reference = np.array([0.0, spring.active_height, 0.0])
     return WireMesh(phases=phases, points=points, reference=reference, arm=points[-1] - reference)
-
-
-@lru_cache
-def _phases(first: float, last: float, count: int) -> np.ndarray:
-    """Nodes of equal elements: the same for many springs of a sweep."""
-    from skfem import MeshLine
-
-    phases = MeshLine(np.linspace(first, last, count + 1)).p[0]
-    phases.flags.writeable = False
-    return phases
 
 
 def _elements(name: str, turns: float, elements_per_turn: int, most: int) -> int:

@@ -7,19 +7,18 @@ the last row is the top end's reference point, from which the wire's last point 
 from __future__ import annotations
 
 from functools import lru_cache
+from itertools import accumulate
 from typing import NamedTuple
 
 import numpy as np
 
-from coilspring.compiling.compiled import part
-from coilspring.compiling.packing import heads, stack, table, vector
+from coilspring.compiling.packing import Stack, Table, Vector, Wholes, WholeTable, viewer
 from coilspring.contact.law import tangential_stiffness
 from coilspring.errors import InputError
 from coilspring.scene import SEATS, Scene
 from coilspring.scene.solidwire import wire_flexibility
 from coilspring.scene.wire import round_section
 from coilspring.solver.stages import Top
-from wirefe.beam import deformations
 from wirefe.chain import ChainPlan, plan_chain
 from wirefe.contactpoints import ContactPoints, contact_points, no_contact
 from wirefe.mesh import WireMesh, mesh_wire, refuse_kinks
@@ -34,31 +33,31 @@ from wirefe.wirecontact import COUPLINGS
 class ElementArrays(NamedTuple):
     """The chain of elements."""
 
-    stiffness: np.ndarray  # (elements, 6, 6)
-    strain0: np.ndarray  # (elements, 6) deformation measure at rest
-    triads: np.ndarray  # (elements, 2, 4) quaternions of the end frames at rest
-    arm: np.ndarray  # (3,) from the last node to the wire's last point
-    block: np.ndarray  # (elements,) block of each element's coupling
-    flip: np.ndarray  # 1 where the first node has the rows
+    stiffness: Stack  # (elements, 6, 6)
+    strain0: Table  # (elements, 6) deformation measure at rest
+    triads: Stack  # (elements, 2, 4) quaternions of the end frames at rest
+    arm: Vector  # (3,) from the last node to the wire's last point
+    block: Wholes  # (elements,) block of each element's coupling
+    flip: Wholes  # 1 where the first node has the rows
 
 
 class HeldArrays(NamedTuple):
     """Held dofs, numbered 6 node + dof, and their rows and columns in the couplings' blocks."""
 
-    dof: np.ndarray
-    block: np.ndarray
-    place: np.ndarray  # row or column in the block
-    row: np.ndarray  # 1 where it is a row
-    placed: np.ndarray  # dofs that are held, and those that move as prescribed
+    dof: Wholes
+    block: Wholes
+    place: Wholes  # row or column in the block
+    row: Wholes  # 1 where it is a row
+    placed: Wholes  # dofs that are held, and those that move as prescribed
 
 
 class ContactArrays(NamedTuple):
     """Spheres, or stations along the wire, the pairs that may touch, and their law."""
 
-    attached: np.ndarray  # (points,) node to which each is attached; of stations the lower one
-    parts: np.ndarray  # (points, 3) arm of a sphere at rest, or (points, 15): see `wirefe.stations`
-    pairs: np.ndarray  # (pairs, 2)
-    clearance: np.ndarray  # (pairs,) of wires that run into each other at rest, by that: they touch there
+    attached: Wholes  # (points,) node to which each is attached; of stations the lower one
+    parts: Table  # (points, 3) arm of a sphere at rest, or (points, 15): see `wirefe.stations`
+    pairs: WholeTable  # (pairs, 2)
+    clearance: Vector  # (pairs,) of wires that run into each other at rest, by that: they touch there
     reach: float  # largest arm about the top end
     span: float  # the same about other nodes, 0 where spheres stand on them
     d: float
@@ -66,10 +65,10 @@ class ContactArrays(NamedTuple):
     kt: float
     k: float
     mu: float  # coefficient of friction; infinite where closed pairs do not slide
-    block: np.ndarray  # (pairs,) block of each pair's coupling; of stations (6 pairs,), see `COUPLINGS`
-    flip: np.ndarray
+    block: Wholes  # (pairs,) block of each pair's coupling; of stations (6 pairs,), see `COUPLINGS`
+    flip: Wholes
     near: int  # points so near each other along the wire do not touch
-    rest: np.ndarray  # state at rest, flat
+    rest: Vector  # state at rest, flat
     apart: float  # least gap at rest of points that are no pair
 
 
@@ -84,8 +83,15 @@ class WireModel(NamedTuple):
     stations: Stations = NO_STATIONS
 
 
+PARTS = (ElementArrays, HeldArrays, ContactArrays, ChainPlan, PlateArrays, Stations)
 # numbers of each part's first field in the packed arrays
-HELD, CONTACT, PLAN, PLATES, STATIONS = 6, 11, 27, 33, 41
+_, HELD, CONTACT, PLAN, PLATES, STATIONS, _ = accumulate((len(each._fields) for each in PARTS), initial=0)
+
+view_elements = viewer(ElementArrays)
+view_held = viewer(HeldArrays, HELD)
+view_contact = viewer(ContactArrays, CONTACT)
+view_plan = viewer(ChainPlan, PLAN)
+view_stations = viewer(Stations, STATIONS)
 
 
 def build_model(
@@ -155,7 +161,7 @@ def rod_model(
     high = count + len(touching)  # number of the first coupling with the top plate
     inner, outer = points.span(count)
     return WireModel(
-        ElementArrays(rod.stiffness, _strain_at_rest(rod), rod.triads, arm, block[:count], flip[:count]),
+        ElementArrays(rod.stiffness, rod.strain0, rod.triads, arm, block[:count], flip[:count]),
         held,
         ContactArrays(
             attached=points.attached,
@@ -220,12 +226,6 @@ def _held_arrays(held: np.ndarray, couplings: np.ndarray, block: np.ndarray, fli
     return HeldArrays(held, table[:, 0], table[:, 1], table[:, 2], held)
 
 
-def _strain_at_rest(rod: Rod) -> np.ndarray:
-    e0 = np.empty((len(rod.triads), 6))
-    deformations(at_rest(rod.points).ravel(), np.zeros(3), rod.triads, e0)
-    return e0
-
-
 def rest_state(rod: Rod, arm: np.ndarray) -> np.ndarray:
     """State at rest, flat."""
     rows = at_rest(rod.points)
@@ -247,55 +247,3 @@ def top_place(rod: Rod) -> Top:
 def matrix_size(model: WireModel) -> int:
     """Length of the matrix: 6 x 6 blocks, the nodes' diagonal ones first, then couplings and fill."""
     return 36 * model.plan.blocks
-
-
-@part
-def view_elements(reals, ints):
-    """The elements in the packed arrays."""
-    head = heads(ints)
-    return ElementArrays(
-        stack(reals, head[0]), table(reals, head[1]), stack(reals, head[2]), vector(reals, head[3]),
-        vector(ints, head[4]), vector(ints, head[5]),
-    )  # fmt: skip
-
-
-@part
-def view_held(ints):
-    """The held dofs in the packed arrays."""
-    head = heads(ints)
-    return HeldArrays(
-        vector(ints, head[HELD]), vector(ints, head[HELD + 1]), vector(ints, head[HELD + 2]),
-        vector(ints, head[HELD + 3]), vector(ints, head[HELD + 4]),
-    )  # fmt: skip
-
-
-@part
-def view_contact(reals, ints):
-    """The contact pairs in the packed arrays."""
-    head = heads(ints)[CONTACT:PLAN]
-    return ContactArrays(
-        vector(ints, head[0]), table(reals, head[1]), table(ints, head[2]), vector(reals, head[3]),
-        reals[head[4, 0]], reals[head[5, 0]], reals[head[6, 0]], reals[head[7, 0]], reals[head[8, 0]],
-        reals[head[9, 0]], reals[head[10, 0]], vector(ints, head[11]), vector(ints, head[12]),
-        ints[head[13, 0]], vector(reals, head[14]), reals[head[15, 0]],
-    )  # fmt: skip
-
-
-@part
-def view_plan(ints):
-    """The elimination plan in the packed arrays."""
-    head = heads(ints)
-    return ChainPlan(
-        vector(ints, head[PLAN]), vector(ints, head[PLAN + 1]), vector(ints, head[PLAN + 2]),
-        vector(ints, head[PLAN + 3]), vector(ints, head[PLAN + 4]), ints[head[PLAN + 5, 0]],
-    )  # fmt: skip
-
-
-@part
-def view_stations(reals, ints):
-    """The stations along the wire in the packed arrays."""
-    head = heads(ints)[STATIONS:]
-    return Stations(
-        vector(ints, head[0]), vector(reals, head[1]), table(reals, head[2]), reals[head[3, 0]],
-        ints[head[4, 0]], ints[head[5, 0]], reals[head[6, 0]],
-    )  # fmt: skip

@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from coilspring.errors import InputError, require_integer, require_number
-from wirefe.beam import beams, deformations
+from wirefe.beam import beams
 from wirefe.poses import at_rest
 from wirefe.rod import Rod
-from wirefe.shape import turned
+from wirefe.stations import turned_rows
 
 if TYPE_CHECKING:
     from scipy.sparse import csr_array
@@ -35,30 +35,39 @@ def natural_frequencies(rod: Rod, density: float, diameter: float, count: int) -
     ------
     InputError : bad input, in one sentence.
     """
-    from scipy.sparse.linalg import eigsh
-
     require_number("density", density, 1e-15, 1e3)
     require_number("diameter", diameter, 1e-6, 1e6)
     free = np.flatnonzero(~rod.held)
     require_integer("count", count, 1, len(free) - 1)
     _refuse_loose(rod)
-    K = linear_stiffness(rod)[free][:, free]
-    M = consistent_mass(rod, density, diameter)[free][:, free]
-    squares = eigsh(K.tocsc(), k=count, M=M.tocsc(), sigma=0.0, return_eigenvectors=False)
-    return np.sqrt(np.sort(squares)) / (2.0 * math.pi)
+    return lowest_frequencies(linear_stiffness(rod), consistent_mass(rod, density, diameter), free, count)
+
+
+def lowest_frequencies(K: csr_array, M: csr_array, free: np.ndarray, count: int) -> np.ndarray:
+    """The lowest `count` in Hz by stiffness and mass of the `free` dofs; nan of modes that are unstable."""
+    from scipy.sparse.linalg import eigsh
+
+    K, M = (matrix[free][:, free].tocsc() for matrix in (K, M))
+    squares = eigsh(K, k=count, M=M, sigma=0.0, v0=np.ones(len(free)), return_eigenvectors=False)
+    with np.errstate(invalid="ignore"):
+        return np.sqrt(np.sort(squares)) / (2.0 * math.pi)
 
 
 def linear_stiffness(rod: Rod) -> csr_array:
     """Stiffness matrix at rest, dofs 6 node + (ux, uy, uz, rotx, roty, rotz), held ones included."""
+    count = len(rod.stiffness)
+    g, H = np.empty((count, 12)), np.empty((count, 12, 12))
+    beams(at_rest(rod.points).ravel(), np.zeros(3), rod.triads, rod.strain0, rod.stiffness, g, H)
+    dofs = 6 * np.arange(count)[:, None] + np.arange(12)
+    return scattered(H, dofs, dofs, rod.held.size)
+
+
+def scattered(values: np.ndarray, rows: np.ndarray, columns: np.ndarray, size: int) -> csr_array:
+    """A sparse matrix (size, size) of dense blocks, by the rows and columns of each."""
     from scipy.sparse import coo_array
 
-    count = len(rod.stiffness)
-    state, strain0 = _at_rest(rod)
-    g, H = np.empty((count, 12)), np.empty((count, 12, 12))
-    beams(state, np.zeros(3), rod.triads, strain0, rod.stiffness, g, H)
-    dofs = 6 * np.arange(count)[:, None] + np.arange(12)
-    rows, columns = np.broadcast_arrays(dofs[:, :, None], dofs[:, None, :])
-    return coo_array((H.ravel(), (rows.ravel(), columns.ravel())), shape=(rod.held.size,) * 2).tocsr()
+    row, column = np.broadcast_arrays(rows[:, :, None], columns[:, None, :])
+    return coo_array((values.ravel(), (row.ravel(), column.ravel())), shape=(size, size)).tocsr()
 
 
 def consistent_mass(rod: Rod, density: float, diameter: float) -> csr_array:
@@ -70,9 +79,7 @@ def consistent_mass(rod: Rod, density: float, diameter: float) -> csr_array:
     from skfem import Basis, BilinearForm, ElementLineP1, ElementVector, MeshLine
     from skfem.helpers import dot
 
-    _, strain0 = _at_rest(rod)
-    # the deformation measure at rest is the tangent times the element's length
-    lengths = np.linalg.norm(strain0[:, :3], axis=1)
+    lengths = np.linalg.norm(rod.strain0[:, :3], axis=1)
     t = _tangents(rod)
     area, inertia = math.pi * diameter**2 / 4.0, math.pi * diameter**4 / 64.0
     rotary = inertia * (np.eye(3) + t[:, :, None] * t[:, None, :])  # polar, 2 I, about the tangent
@@ -86,20 +93,13 @@ def consistent_mass(rod: Rod, density: float, diameter: float) -> csr_array:
     return csr_array(kinetic.assemble(Basis(line, ElementVector(ElementLineP1(), 6))))
 
 
-def _at_rest(rod: Rod) -> tuple[np.ndarray, np.ndarray]:
-    """State, and deformation measures of the elements."""
-    state, strain0 = at_rest(rod.points).ravel(), np.empty((len(rod.triads), 6))
-    deformations(state, np.zeros(3), rod.triads, strain0)
-    return state, strain0
-
-
 def _tangents(rod: Rod) -> np.ndarray:
     """First axis of the elements' frames half way, shape (elements, 3)."""
     first, second = rod.triads[:, 0], rod.triads[:, 1]
     sign = np.sign(np.einsum("ei,ei->e", first, second))[:, None]
     middle = first + sign * second
     middle /= np.linalg.norm(middle, axis=1)[:, None]
-    return turned(middle, np.array([1.0, 0.0, 0.0]))
+    return turned_rows(middle, np.array([1.0, 0.0, 0.0]))
 
 
 def _refuse_loose(rod: Rod) -> None:

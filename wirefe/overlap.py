@@ -13,12 +13,12 @@ from typing import NamedTuple
 import numpy as np
 
 from coilspring.compiling.compiled import arithmetic, part
+from coilspring.compiling.packing import Table, Wholes
 from coilspring.scene.spring import Spring
 from wirefe.algebra import dot, mixed, plus
 from wirefe.mesh import WireMesh
-from wirefe.poses import ROW, four, three
-from wirefe.quaternions import turned
-from wirefe.stations import ARMS, POSITION, SLOPES, carried_points
+from wirefe.poses import three
+from wirefe.stations import ARMS, POSITION, SLOPES, carried_points, on_one_node, station
 
 # A chord lies 0.6 % of the wire's diameter per unit of the coil index beside the wire.
 PER_TURN, HALF = 20, 10
@@ -34,16 +34,15 @@ SHARES = (0.25, 0.5, 0.75)  # of a piece, at which those that touch are evaluate
 class Stations(NamedTuple):
     """Points along the wire, end turns included, from bottom to top."""
 
-    node: np.ndarray  # (stations,) node at or below each
-    share: np.ndarray  # (stations,) of the next node's position in its own
-    arms: np.ndarray  # (stations, 6) that turn with both nodes
+    node: Wholes  # (stations,) node at or below each
+    parts: Table  # (stations, 9) what each takes of it and of the next one, see `wirefe.stations`
     stride: float  # largest distance of neighbours, mm
     low: int  # last station of the rigid bottom end
     high: int  # first station of the rigid top end
     diameter: float
 
 
-NO_STATIONS = Stations(np.zeros(0, dtype=np.int64), np.zeros(0), np.zeros((0, 6)), 1.0, 0, 0, 1.0)
+NO_STATIONS = Stations(np.zeros(0, dtype=np.int64), np.zeros((0, SLOPES)), 1.0, 0, 0, 1.0)
 
 
 def place_stations(spring: Spring, mesh: WireMesh) -> Stations:
@@ -51,15 +50,14 @@ def place_stations(spring: Spring, mesh: WireMesh) -> Stations:
     first, last = (phase / (2.0 * math.pi) * PER_TURN for phase in spring.phase_range)
     phases = np.arange(math.ceil(first - SAME), math.floor(last + SAME) + 1) * 2.0 * math.pi / PER_TURN
     points = spring.points(phases)
-    node, parts = carried_points(mesh, phases, points)
-    share = parts[:, POSITION]
+    node, parts = on_one_node(*carried_points(mesh, phases, points))
+    place = node + parts[:, POSITION]
     return Stations(
         node=node,
-        share=share,
-        arms=np.ascontiguousarray(parts[:, ARMS:SLOPES]),
+        parts=parts,
         stride=STRETCH * float(np.linalg.norm(np.diff(points, axis=0), axis=1).max()),
-        low=int(np.count_nonzero(node + share < SAME)) - 1,
-        high=int(np.count_nonzero(node + share < len(mesh.points) - 1 - SAME)),
+        low=int(np.count_nonzero(place < SAME)) - 1,
+        high=int(np.count_nonzero(place < len(mesh.points) - 1 - SAME)),
         diameter=spring.wire_diameter,
     )
 
@@ -69,16 +67,8 @@ def station_points(stations, state):
     """Where the stations are, three numbers each, flat."""
     out = np.empty(3 * stations.node.size)
     for k in range(stations.node.size):
-        i, share = ROW * stations.node[k], stations.share[k]
-        p = (0.0, 0.0, 0.0)
-        if share < 1.0:
-            p = turned(four(state, i + 3), three(stations.arms[k], 0))
-            p = plus(p, 1.0 - share, three(state, i))
-        if share > 0.0:
-            i += ROW
-            p = plus(p, 1.0, turned(four(state, i + 3), three(stations.arms[k], 3)))
-            p = plus(p, share, three(state, i))
-        out[3 * k], out[3 * k + 1], out[3 * k + 2] = p
+        place = station(stations.parts[k], state, stations.node[k], POSITION, ARMS)
+        out[3 * k], out[3 * k + 1], out[3 * k + 2] = place
     return out
 
 

@@ -1,15 +1,17 @@
-"""Any wire: a chain of beam elements with held dofs and dead loads."""
+"""Any wire: a chain of beam elements with held dofs and dead loads, and its equilibrium path."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import Protocol
+from typing import Any, Protocol
 
 import numpy as np
 
 from coilspring.errors import InputError, require_choice
 from coilspring.scene.wire import Section
+from wirefe.beam import deformations
 from wirefe.elements import Flexibility, curved_elements, straight_elements, straight_solid_elements
+from wirefe.poses import at_rest
 
 FREEDOMS = ("ux", "uy", "uz", "rotx", "roty", "rotz")
 
@@ -46,6 +48,13 @@ class Rod:
     stiffness: np.ndarray
     held: np.ndarray
     loads: np.ndarray
+
+    @property
+    def strain0(self) -> np.ndarray:
+        """Deformation measures of the elements at rest, (nodes - 1, 6): first tangents times lengths."""
+        found = np.empty((len(self.triads), 6))
+        deformations(at_rest(self.points).ravel(), np.zeros(3), self.triads, found)
+        return found
 
     def holding(self, node: int, *dofs: str) -> Rod:
         """With dofs of a node held; all six where none is named.
@@ -118,3 +127,43 @@ def _checked(points: np.ndarray) -> np.ndarray:
     if (np.linalg.norm(np.diff(points, axis=0), axis=1) == 0.0).any():
         raise InputError("points must differ from their neighbours, got two in one place")
     return points
+
+
+@dataclass(frozen=True)
+class RodPath:
+    """Equilibria of a rod at the requested times, as far as they were reached.
+
+    Attributes
+    ----------
+    rod : what was solved.
+    times : (steps,) times reached.
+    positions : (steps, nodes, 3).
+    rotations : (steps, nodes, 4) of the nodes from rest, unit quaternions (w, x, y, z).
+    iterations : (steps,) factorisations since the previous row.
+    outcome, message, critical_time : as in `coilspring.EquilibriumPath`.
+    residual_history : last Newton decrements over the reference work.
+    solve_seconds : CPU time of the solve alone.
+    negative_pivots : (steps,) of traced paths: 0 where the equilibrium is stable.
+    """
+
+    rod: Rod
+    times: np.ndarray
+    positions: np.ndarray
+    rotations: np.ndarray
+    iterations: np.ndarray
+    outcome: str
+    message: str
+    critical_time: float | None
+    residual_history: tuple[float, ...]
+    solve_seconds: float
+    negative_pivots: np.ndarray | None = None
+
+    @classmethod
+    def of(cls, rod: Rod, states: np.ndarray, **fields: Any) -> RodPath:
+        """Path from the model's states, shape (steps, n), and the other fields."""
+        rows = states.reshape(len(states), len(rod.points), -1)
+        return cls(rod=rod, positions=rows[:, :, :3], rotations=rows[:, :, 3:], **fields)
+
+    def displacements(self, node: int) -> np.ndarray:
+        """Displacement of a node at the times reached, shape (steps, 3)."""
+        return self.positions[:, node] - self.rod.points[node]

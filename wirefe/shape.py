@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -27,9 +28,7 @@ from wirefe.stations import (
     interpolated,
     of_wires,
     rows,
-)
-from wirefe.stations import (
-    turned_rows as turned,
+    turned_rows,
 )
 from wirefe.stress import stresses
 
@@ -52,7 +51,7 @@ def contact_centres(contact: ContactArrays, states: np.ndarray) -> np.ndarray:
     if of_wires(contact.parts):
         return interpolated(nodes, contact.attached, contact.parts, POSITION, ARMS)
     own = nodes[:, contact.attached]
-    return own[..., :3] + turned(own[..., 3:], contact.parts)
+    return own[..., :3] + turned_rows(own[..., 3:], contact.parts)
 
 
 @dataclass(frozen=True)
@@ -103,19 +102,25 @@ class WireShape(PairReader):
             work=histories["work"] + 0.5 * (histories["held"] + force) * more,
         )
 
+    @property
+    def size(self) -> int:
+        """Number of degrees of freedom, held ones included."""
+        return 6 * len(self.data.elements.triads) + 6
+
+    @property
+    def assemble(self) -> Callable:
+        """The kernel of the model: with plates, or without."""
+        return (seated if len(self.data.plates.low) else kernels).assemble
+
     def reactions(self, states: np.ndarray, histories: np.ndarray) -> np.ndarray:
         """Force that holds the top along Y, shape (states,), N."""
-        size, part = 6 * (states.shape[1] // ROW), seated if len(self.data.plates.low) else kernels
-        return reactions(part.assemble, self.data, size, size - 5, states, histories)
+        return reactions(self.assemble, self.data, self.size, self.size - 5, states, histories)
 
     def rates(self, states: np.ndarray, histories: np.ndarray | None, directions: np.ndarray) -> np.ndarray:
         """Tangent stiffness of the top along directions (states, 2), shape (states,), N/mm."""
-        part = seated if len(self.data.plates.low) else kernels
-        compiled, size = (part.assemble, kernels.factor, kernels.solve), 6 * (states.shape[1] // ROW)
-        sizes = size, matrix_size(self.data)
-        return rates(
-            compiled, self.data, sizes, size - 6, states, self.histories(histories, states), directions
-        )
+        compiled, sizes = (self.assemble, kernels.factor, kernels.solve), (self.size, matrix_size(self.data))
+        remembered = self.histories(histories, states)
+        return rates(compiled, self.data, sizes, self.size - 6, states, remembered, directions)
 
     def largest_stresses(self, states: np.ndarray) -> np.ndarray:
         """Largest shear stress of the wire, corrected for its curvature, shape (states,), MPa."""
@@ -131,7 +136,7 @@ class WireShape(PairReader):
         model, shapes (states, nodes), N; without nodes where end turns are rigid."""
         plates, nodes = self.data.plates, rows(states)
         low = nodes[:, plates.low, 1] - plates.level
-        normal = turned(nodes[:, -1, 3:], np.array([0.0, 1.0, 0.0]))[:, None]
+        normal = turned_rows(nodes[:, -1, 3:], np.array([0.0, 1.0, 0.0]))[:, None]
         apart = nodes[:, -1:, :3] - nodes[:, plates.high, :3]
         high = (normal * apart).sum(axis=-1) - plates.depth
         return plates.stiffness * np.maximum(-low, 0.0), plates.stiffness * np.maximum(-high, 0.0)

@@ -1,9 +1,10 @@
-"""Solve a scene with the 3D wire model, or any wire."""
+"""Solve a scene, or many, with the 3D wire model, or any wire."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import replace
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -14,32 +15,23 @@ from coilspring.path import EquilibriumPath
 from coilspring.scene import Scene, require_scene
 from coilspring.solver.interface import Kernels
 from coilspring.solver.solve import Problem, follow_load, follow_problem, scene_path
+from coilspring.solver.startup import store
+from coilspring.sweep import Outcome, jobs, outcomes
 from wirefe import kernels, model, seated
 from wirefe.contactpoints import PER_TURN, near_points
 from wirefe.elements import ELEMENTS
 from wirefe.mesh import WireMesh
-from wirefe.rod import Rod
-from wirefe.rodpath import RodPath
+from wirefe.rod import Rod, RodPath
 from wirefe.shape import WireShape, contact_centres
 
 # Moves of a rod without contact are compared with this part of its length, as with a wire's diameter.
 LENGTHS_OF_A_WIRE = 50.0
 # Spheres nearer than this many wire diameters become pairs together with those that touch.
 PAIR_REACH = 1.5
+CHUNK = 16  # springs of a sweep handed to a worker at a time
 NO_PAIRS = np.zeros((0, 2), dtype=np.int64)
 
-KERNELS = Kernels(
-    assemble=kernels.assemble,
-    factor=kernels.factor,
-    solve=kernels.solve,
-    retract=kernels.retract,
-    work=kernels.work,
-    rotate=kernels.rotate,
-    displacement_bound=kernels.displacement_bound,
-    update_history=kernels.update_history,
-    update_pairs=kernels.update_pairs,
-    overlap=kernels.overlap,
-)
+KERNELS = Kernels(*(getattr(kernels, name) for name in Kernels._fields))
 SEATED = KERNELS._replace(assemble=seated.assemble, update_history=seated.update_history)
 
 
@@ -90,6 +82,36 @@ def solve(
     data = run.problem.data
     options["pairs_found"] = len(data.contact.pairs) - len(problem.history)
     return scene_path(scene, "wirefe", options, run, WireShape(scene, data, mesh))
+
+
+def sweep(
+    scenes: Iterable[Scene],
+    *,
+    workers: int | None = None,
+    progress: Callable[[int], None] | None = None,
+    **options: Any,
+) -> Iterator[Outcome]:
+    """Solve many scenes; yields an `Outcome` for each, in their order, as they come.
+
+    Springs that fail do not stop the others. Scenes are drawn as they are needed.
+
+    Parameters
+    ----------
+    scenes : iterable of Scene
+    workers : int, optional
+        Processes; by default one for each processor core. 0: none besides this one, which is the fastest
+        for a few springs.
+    progress : callable, optional
+        Called with the number of springs done so far.
+    **options
+        Those of `solve`. The fastest: ``element="curved", elements_per_turn=4, steps=1``.
+
+    Raises
+    ------
+    InputError : `scenes` are none, as a name or a single scene.
+    """
+    springs, prepare = jobs(scenes, solve, options), partial(store, KERNELS)
+    return outcomes(springs, chunk=CHUNK, workers=workers, progress=progress, prepare=prepare)
 
 
 def path_shape(scene: Scene, options: Mapping[str, Any], found: np.ndarray) -> WireShape:

@@ -19,8 +19,7 @@ from coilspring.solver.newton import compiled_equilibrium
 from coilspring.solver.solve import THROUGH, Problem
 from coilspring.solver.startup import compile_kernels
 from coilspring.solver.system import bundled
-from wirefe.rod import Rod
-from wirefe.rodpath import RodPath
+from wirefe.rod import Rod, RodPath
 from wirefe.shape import WireShape
 from wirefe.solve import KERNELS, NO_PAIRS, new_pairs, rod_problem, scene_kernels, scene_problem
 

@@ -14,8 +14,8 @@ import numpy as np
 from coilspring.compiling.packing import pack
 from coilspring.errors import InputError, require_choice, require_integer
 from coilspring.path import EquilibriumPath
-from wirefe import kernels, seated
 from wirefe.model import matrix_size
+from wirefe.modes import lowest_frequencies, scattered
 from wirefe.shape import WireShape
 from wirefe.stations import (
     ARMS,
@@ -57,8 +57,6 @@ def frequencies(path: EquilibriumPath, step: int = -1, *, count: int = 6, top: s
     ------
     InputError : the path is not of the wire model, or bad input, in one sentence.
     """
-    from scipy.sparse.linalg import eigsh
-
     shape = path.shape
     if not isinstance(shape, WireShape):
         raise InputError(f"frequencies needs a path of the model wirefe, got {path.model}")
@@ -69,19 +67,13 @@ def frequencies(path: EquilibriumPath, step: int = -1, *, count: int = 6, top: s
     histories = None if path.histories is None else path.histories[[step]]
     free = _free(shape, top)
     require_integer("count", count, 1, len(free) - 1)
-    K = tangent_stiffness(shape, state, shape.histories(histories, state[None])[0])[free][:, free]
-    M = mass(shape, state)[free][:, free]
-    squares = eigsh(
-        K.tocsc(), k=count, M=M.tocsc(), sigma=0.0, v0=np.ones(len(free)), return_eigenvectors=False
-    )
-    with np.errstate(invalid="ignore"):
-        return np.sqrt(np.sort(squares)) / (2.0 * math.pi)
+    K = tangent_stiffness(shape, state, shape.histories(histories, state[None])[0])
+    return lowest_frequencies(K, mass(shape, state), free, count)
 
 
 def _free(shape: WireShape, top: str) -> np.ndarray:
     """Numbers of the free dofs, 6 node + dof."""
-    size = 6 * len(shape.data.elements.triads) + 6
-    fixed = np.zeros(size, dtype=bool)
+    fixed = np.zeros(shape.size, dtype=bool)
     fixed[shape.data.held.placed] = True
     if top == "held":
         fixed[-6:] = True
@@ -91,13 +83,9 @@ def _free(shape: WireShape, top: str) -> np.ndarray:
 def tangent_stiffness(shape: WireShape, state: np.ndarray, history: np.ndarray) -> csr_array:
     """Tangent stiffness at a state found with a contact history, dofs 6 node + (dx, spin), held ones without
     coupling."""
-    part = seated if len(shape.data.plates.low) else kernels
-    plan, flat, size = (
-        shape.data.plan,
-        np.empty(matrix_size(shape.data)),
-        6 * len(shape.data.elements.triads) + 6,
-    )
-    part.assemble(*pack(shape.data), state, 0.0, history, state, np.empty(size), flat)
+    plan, size = shape.data.plan, shape.size
+    flat = np.empty(matrix_size(shape.data))
+    shape.assemble(*pack(shape.data), state, 0.0, history, state, np.empty(size), flat)
     blocks = flat.reshape(-1, 6, 6)
     first = np.repeat(plan.order, np.diff(plan.start))  # the node eliminated first has the rows
     nodes = np.arange(len(plan.order))
@@ -105,15 +93,7 @@ def tangent_stiffness(shape: WireShape, state: np.ndarray, history: np.ndarray) 
     values = np.concatenate((blocks[nodes], across, np.swapaxes(across, 1, 2)))
     row = 6 * np.concatenate((nodes, first, plan.column))
     column = 6 * np.concatenate((nodes, plan.column, first))
-    return _scattered(values, row[:, None] + np.arange(6), column[:, None] + np.arange(6), size)
-
-
-def _scattered(values: np.ndarray, rows: np.ndarray, columns: np.ndarray, size: int) -> csr_array:
-    """A sparse matrix (size, size) of dense blocks, by the rows and columns of each."""
-    from scipy.sparse import coo_array
-
-    row, column = np.broadcast_arrays(rows[:, :, None], columns[:, None, :])
-    return coo_array((values.ravel(), (row.ravel(), column.ravel())), shape=(size, size)).tocsr()
+    return scattered(values, row[:, None] + np.arange(6), column[:, None] + np.arange(6), size)
 
 
 def mass(shape: WireShape, state: np.ndarray) -> csr_array:
@@ -128,7 +108,7 @@ def mass(shape: WireShape, state: np.ndarray) -> csr_array:
     values = np.einsum("p,pij,pik->pjk", line, move, move)
     values += np.einsum("p,pij,pil,plk->pjk", line, spin, rotary, spin)
     dofs = 6 * node[:, None] + np.arange(12)
-    return _scattered(values, dofs, dofs, 6 * len(shape.data.elements.triads) + 6)
+    return scattered(values, dofs, dofs, shape.size)
 
 
 def _quadrature(shape: WireShape) -> tuple[np.ndarray, np.ndarray]:

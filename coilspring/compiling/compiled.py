@@ -7,10 +7,49 @@ from typing import Any
 
 import numpy as np
 from numba import njit
-from numba.extending import register_jitable
+from numba.core.codegen import JITCodeLibrary
+from numba.core.compiler import Compiler
+from numba.extending import overload, register_jitable
 
 from coilspring.compiling.kernelcache import OPTIONS, KernelCache
-from coilspring.compiling.partlibrary import PartCompiler
+
+
+class _NoEnvironment:
+    """Stands for the code generator where a part's environment would be set, which is for Python objects."""
+
+    def set_env(self, name: str, environment: Any) -> None:
+        """Nothing to set: the part is not in memory."""
+
+
+class _PartLibrary(JITCodeLibrary):
+    codegen = _NoEnvironment()  # type: ignore[assignment]
+
+    def _optimize_functions(self, ll_module: Any) -> None:
+        ll_module.data_layout = self._codegen._data_layout
+
+    def _optimize_final_module(self) -> None:
+        pass
+
+    def _finalize_final_module(self) -> None:
+        self._finalize_dynamic_globals()
+        self._finalized = True
+
+    def get_pointer_to_function(self, name: str) -> int:
+        """Address zero, numba's "not defined": nobody calls a part from outside."""
+        self._ensure_finalized()
+        return 0
+
+
+class PartCompiler(Compiler):
+    """numba's compiler, with a library that is kept as it is lowered and only linked into others.
+
+    numba optimises and emits each function that another one calls, although the caller inlines it and is
+    optimised as a whole: half the time of compiling. It has no option for that.
+    """
+
+    def __init__(self, typingctx: Any, targetctx: Any, library: Any, *rest: Any) -> None:
+        super().__init__(typingctx, targetctx, _PartLibrary(targetctx.codegen(), "part"), *rest)
+
 
 # Division by zero gives inf or nan ("numpy"): checking for it would cost a branch at each division.
 KERNEL = {"error_model": "numpy"}
@@ -58,6 +97,12 @@ def _part(options: dict[str, Any]) -> Callable[[Callable], Any]:
 # A part of kernels, compiled into them alone: without what Python would need to call it, and optimised with
 # the kernel only. Called from Python it is plain Python.
 part = _part(PART)
+
+
+def overloaded(function: Callable) -> Any:
+    """Decorator: gives for types of arguments the part that compiled code runs where it calls `function`."""
+    return overload(function, jit_options=PART, strict=False)  # type: ignore[arg-type]
+
 
 # The same for plain arithmetic: sums may be reordered and multiplied on the fly.
 arithmetic = _part(ARITHMETIC)

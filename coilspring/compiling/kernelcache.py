@@ -15,7 +15,7 @@ import tempfile
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
-from functools import cache, cached_property
+from functools import cache
 from pathlib import Path
 from types import BuiltinFunctionType, CodeType, FunctionType, ModuleType
 from typing import Any
@@ -25,6 +25,7 @@ import numba
 import numpy as np
 from numba.core import config
 from numba.core.caching import CompileResultCacheImpl, FunctionCache
+from numba.core.extending import _Intrinsic
 from numba.experimental.structref import StructRefProxy
 
 OPTIONS = "__compiled__"  # attribute of a function: how it is compiled
@@ -34,49 +35,28 @@ MOST_ENTRIES = 1000  # about 100 kB each
 DAY = 86_400.0
 DIGITS = 32  # of a digest, in the names of files
 FOREIGN = ("builtins", "math", "numba", "numpy")  # modules whose content is their version
-PLAIN = (bool, int, float, str, bytes, type(None), BuiltinFunctionType, np.ufunc, numba.types.Type)
+PLAIN = (
+    bool,
+    int,
+    float,
+    str,
+    bytes,
+    type(None),
+    BuiltinFunctionType,
+    np.ufunc,
+    numba.types.Type,
+    _Intrinsic,
+)
 
 
-class KernelCache:
-    """Cache of one kernel, as a numba dispatcher asks for it.
-
-    The digest is taken when something is first asked of it: by then all that the kernel calls is defined.
-    """
-
-    def __init__(self, function: Callable) -> None:
-        self._function = function
-
-    @cached_property
-    def _cache(self) -> _ContentCache:
-        return _ContentCache(self._function)
-
-    def __getattr__(self, name: str) -> Any:
-        return getattr(self._cache, name)
-
-    @property
-    def stored(self) -> bool:
-        """Whether the disk holds anything of this kernel with this content."""
-        return self._cache.index.exists()
-
-    def load_overload(self, sig: Any, target_context: Any) -> Any:
-        """The compiled kernel for a signature, or None."""
-        found = self._cache.load_overload(sig, target_context)
-        if found is not None:
-            _touch(self._cache.index)
-        return found
-
-    def save_overload(self, sig: Any, data: Any) -> None:
-        """Keep a compiled kernel; entries that nobody has used for long go. A full disk costs time only."""
-        with suppress(OSError):
-            self._cache.save_overload(sig, data)
-            _trim(Path(self._cache.cache_path))
-
-
-class _Locator:
-    """Where numba finds a kernel's entry: in one folder for all, by its digest."""
+class _Entry(CompileResultCacheImpl):
+    """How numba keeps a kernel, and where it finds it: in one folder for all, by its digest."""
 
     def __init__(self, function: Callable) -> None:
-        self.digest = content_digest(function)
+        self._lineno = function.__code__.co_firstlineno
+        self._locator = self
+        self._digest = content_digest(function)
+        self._filename_base = self.get_filename_base(f"{function.__module__}.{function.__qualname__}", "")
 
     def ensure_cache_path(self) -> None:
         """Nothing to do: see `folder`."""
@@ -85,28 +65,53 @@ class _Locator:
         return str(folder())
 
     def get_source_stamp(self) -> str:
-        return self.digest
+        return self._digest
 
     def get_disambiguator(self) -> str:
-        return self.digest[:DIGITS]
+        return self._digest[:DIGITS]
 
 
-class _ContentImpl(CompileResultCacheImpl):
-    """numba's way to keep compiled functions, with the locator above."""
+class KernelCache(FunctionCache):
+    """Cache of one kernel, as a numba dispatcher asks for it."""
+
+    _impl_class = _Entry
 
     def __init__(self, function: Callable) -> None:
-        self._lineno = function.__code__.co_firstlineno
-        self._locator = _Locator(function)
-        self._filename_base = self.get_filename_base(f"{function.__module__}.{function.__qualname__}", "")
+        self._function = function
 
-
-class _ContentCache(FunctionCache):
-    _impl_class = _ContentImpl
+    def __getattr__(self, name: str) -> Any:
+        """Take the digest when it is first asked for: all that the kernel calls is defined by then."""
+        if "_impl" in vars(self):
+            raise AttributeError(name)
+        super().__init__(self._function)
+        return getattr(self, name)
 
     @property
     def index(self) -> Path:
         """The file that numba looks at first."""
-        return Path(self.cache_path) / f"{self._impl.filename_base}.nbi"
+        return Path(self._cache_path) / f"{self._impl.filename_base}.nbi"
+
+    @property
+    def stored(self) -> bool:
+        """Whether the disk holds anything of this kernel with this content."""
+        return self.index.exists()
+
+    def load_overload(self, sig: Any, target_context: Any) -> Any:
+        """The compiled kernel for a signature, or None."""
+        found = super().load_overload(sig, target_context)
+        if found is not None:
+            _touch(self.index)
+        return found
+
+    def save_overload(self, sig: Any, data: Any) -> None:
+        """Keep a compiled kernel; entries that nobody has used for long go. A full disk costs time only."""
+        with suppress(OSError):
+            super().save_overload(sig, data)
+            _trim(folder())
+
+    def _index_key(self, sig: Any, codegen: Any) -> tuple:
+        """Without what a closure holds: the digest has it, and pickles of it differ by process."""
+        return sig, codegen.magic_tuple()
 
 
 @cache
@@ -195,13 +200,13 @@ def _described(value: Any, seen: set[int]) -> Iterator[str]:
         yield f"record {value.__qualname__} {value._fields}"  # type: ignore[attr-defined]
     elif isinstance(value, type) and issubclass(value, StructRefProxy):
         yield f"struct {value.__qualname__}"
-    elif isinstance(value, PLAIN) or (isinstance(value, type) and _foreign(value.__module__)):
+    elif isinstance(value, PLAIN) or (isinstance(value, type) and is_foreign(value.__module__)):
         yield repr(value)
     else:
         raise TypeError(f"a compiled function reads {value!r}, whose content is unknown")
 
 
-def _foreign(module: str) -> bool:
+def is_foreign(module: str) -> bool:
     """Whether a module is one that compiled code knows by its version."""
     return module.partition(".")[0] in FOREIGN
 
@@ -213,7 +218,7 @@ def _described_function(function: FunctionType, seen: set[int]) -> Iterator[str]
     yield from _described(function.__defaults__ or (), seen)
     for cell in function.__closure__ or ():
         yield from _described(cell.cell_contents, seen)
-    for code in _codes(function.__code__):
+    for code in codes(function.__code__):
         yield f"code {code.co_code.hex()} {code.co_names} {code.co_varnames[: code.co_argcount]}"
         for constant in code.co_consts:
             if not isinstance(constant, CodeType) and constant is not function.__doc__:
@@ -230,7 +235,7 @@ def _described_names(space: Mapping[str, Any], names: Sequence[str], seen: set[i
         yield f"name {name}"
         if not isinstance(value, ModuleType):
             yield from _described(value, seen)
-        elif _foreign(value.__name__):
+        elif is_foreign(value.__name__):
             yield f"module {value.__name__}"
         elif id(value) not in seen:
             seen.add(id(value))
@@ -238,9 +243,9 @@ def _described_names(space: Mapping[str, Any], names: Sequence[str], seen: set[i
             seen.discard(id(value))
 
 
-def _codes(code: CodeType) -> Iterator[CodeType]:
+def codes(code: CodeType) -> Iterator[CodeType]:
     """A code object and those nested in it."""
     yield code
     for constant in code.co_consts:
         if isinstance(constant, CodeType):
-            yield from _codes(constant)
+            yield from codes(constant)

@@ -6,11 +6,29 @@ length of a table and the table: (offset, extents) of every field. Numbers are f
 
 from __future__ import annotations
 
+from typing import Any, TypeAlias
+
 import numpy as np
 
 from coilspring.compiling.compiled import part
 
 HEAD = 4  # offset and three extents
+
+# Fields of a NamedTuple are annotated by these, or by float and int, for `viewer`.
+Vector: TypeAlias = np.ndarray
+Table: TypeAlias = np.ndarray
+Stack: TypeAlias = np.ndarray
+Wholes: TypeAlias = np.ndarray
+WholeTable: TypeAlias = np.ndarray
+VIEWS = {
+    "Vector": "vector(reals, head[{0}])",
+    "Table": "table(reals, head[{0}])",
+    "Stack": "stack(reals, head[{0}])",
+    "float": "reals[head[{0}, 0]]",
+    "Wholes": "vector(ints, head[{0}])",
+    "WholeTable": "table(ints, head[{0}])",
+    "int": "ints[head[{0}, 0]]",
+}
 
 
 def flat_fields(model: tuple) -> list[np.ndarray]:
@@ -67,3 +85,18 @@ def stack(flat, head):
     """Field as a stack of tables."""
     n, m, p = head[1], head[2], head[3]
     return flat[head[0] : head[0] + n * m * p].reshape((n, m, p))
+
+
+def viewer(record: Any, first: int = 0) -> Any:
+    """A part of kernels that views a NamedTuple in the packed arrays, in which its fields begin at `first`.
+
+    It takes `reals` and `ints`, or `ints` alone where the fields are integers.
+    """
+    kinds = enumerate(record.__annotations__.values(), first)
+    fields = ", ".join(VIEWS[getattr(kind, "__forward_arg__", kind)].format(place) for place, kind in kinds)
+    arguments = "reals, ints" if "reals" in fields else "ints"
+    space = {**globals(), "record": record}
+    text = f"def view({arguments}):\n    head = heads(ints)\n    return record({fields})\n"
+    exec(compile(text, f"<view of {record.__name__}>", "exec"), space)
+    space["view"].__qualname__ = f"view_{record.__name__}"
+    return part(space["view"])

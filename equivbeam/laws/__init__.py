@@ -14,8 +14,7 @@ from coilspring.scene.factors import Factors
 from coilspring.scene.material import Material
 from coilspring.scene.spring import Spring
 from equivbeam.laws.haringx import KAX, KFL, KSH, haringx_response, haringx_rows
-from equivbeam.laws.helix import helix_response
-from equivbeam.laws.helixrows import Refinements, helix_rows
+from equivbeam.laws.helix import Refinements, helix_response, helix_rows
 from equivbeam.laws.userlaw import KNOWN, UserLaw, law_of_file, law_of_object
 
 HARINGX, HELIX, USER = 0, 1, 2

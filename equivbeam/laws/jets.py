@@ -5,55 +5,100 @@ With a jet u = (value, gradient g, Hessian H) every operation f gives::
     f(u):  f,  f' g,  f' H + f'' g g^T
     u w:   u w,  u g_w + w g_u,  u H_w + w H_u + g_u g_w^T + g_w g_u^T
 
-The variables are l, v and dtheta of a half coil. `equivbeam.laws.differentiation` writes the calls.
+The variables are l, v and dtheta of a half coil. A jet is a type of numba's: compiled code of plain numbers
+(the arithmetic, comparisons and functions below) takes jets in their place.
 """
 
 from __future__ import annotations
 
+import hashlib
 import math
+import operator
 from collections.abc import Callable
-from typing import Any, NamedTuple
+from pathlib import Path
+from typing import Any
 
 import numpy as np
+from numba import types
+from numba.core import cgutils
+from numba.extending import intrinsic, lower_cast, make_attribute_wrapper, models, register_model
 
-from coilspring.compiling.compiled import part
+from coilspring.compiling.compiled import overloaded, part
 
-
-class Jet(NamedTuple):
-    """A value with its derivatives in l, v and m, which stands for dtheta."""
-
-    value: float
-    l: float  # noqa: E741
-    v: float
-    m: float
-    ll: float
-    lv: float
-    lm: float
-    vv: float
-    vm: float
-    mm: float
+FIELDS = ("value", "l", "v", "m", "ll", "lv", "lm", "vv", "vm", "mm")  # m stands for dtheta
 
 
-@part
-def constant(x):
-    """A number that depends on none of the variables."""
-    return Jet(1.0 * x, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+class JetType(types.Type):
+    """numba's type of a value with its derivatives; a number becomes one where branches meet."""
+
+    def unify(self, typingctx: Any, other: Any) -> Any:
+        """The common type of a jet and a number: a jet."""
+        return self if isinstance(other, types.Integer | types.Float) else None
+
+
+JET = JetType("jet")
+
+
+@register_model(JetType)
+class _JetModel(models.StructModel):
+    def __init__(self, manager: Any, kind: Any) -> None:
+        super().__init__(manager, kind, [(name, types.float64) for name in FIELDS])
+
+
+for _name in FIELDS:
+    make_attribute_wrapper(JetType, _name, _name)
+
+
+def _packed(context: Any, builder: Any, values: Any) -> Any:
+    found = cgutils.create_struct_proxy(JET)(context, builder)
+    for name, value in zip(FIELDS, values, strict=True):
+        setattr(found, name, value)
+    return found._getvalue()
+
+
+def _jet(typingctx, value, l, v, m, ll, lv, lm, vv, vm, mm):  # noqa: E741
+    """A jet of its ten numbers."""
+    signature = JET(*[types.float64] * len(FIELDS))
+    return signature, lambda context, builder, _, given: _packed(context, builder, given)
+
+
+jet: Any = intrinsic(_jet)
+
+
+@lower_cast(types.Integer, JetType)
+@lower_cast(types.Float, JetType)
+def _constant(context: Any, builder: Any, given: Any, wanted: Any, value: Any) -> Any:
+    zero = context.get_constant(types.float64, 0.0)
+    number = context.cast(builder, value, given, types.float64)
+    return _packed(context, builder, (number, *[zero] * (len(FIELDS) - 1)))
 
 
 @part
 def variables(l, v, m):  # noqa: E741
     """The variables themselves."""
     return (
-        Jet(l, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0),
-        Jet(v, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0),
-        Jet(m, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0),
+        jet(l, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0),
+        jet(v, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0),
+        jet(m, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0),
     )
+
+
+def lifted(u: Any) -> Any:
+    """What compiled code has, a jet or a number, as a jet."""
+
+
+@overloaded(lifted)
+def _lifted(u: Any) -> Callable:
+    def number(u):
+        return jet(u, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+
+    return (lambda u: u) if u == JET else number
 
 
 @part
 def chain(u, f, f1, f2):
     """The jet of a function of `u` from its value and derivatives there."""
-    return Jet(
+    return jet(
         f, f1 * u.l, f1 * u.v, f1 * u.m,
         f1 * u.ll + f2 * u.l * u.l, f1 * u.lv + f2 * u.l * u.v, f1 * u.lm + f2 * u.l * u.m,
         f1 * u.vv + f2 * u.v * u.v, f1 * u.vm + f2 * u.v * u.m, f1 * u.mm + f2 * u.m * u.m,
@@ -61,15 +106,9 @@ def chain(u, f, f1, f2):
 
 
 @part
-def negative(u):
-    """-u."""
-    return scaled(u, -1.0)
-
-
-@part
 def scaled(u, x):
     """u times a number."""
-    return Jet(
+    return jet(
         x * u.value, x * u.l, x * u.v, x * u.m, x * u.ll, x * u.lv, x * u.lm, x * u.vv, x * u.vm, x * u.mm
     )
 
@@ -77,24 +116,15 @@ def scaled(u, x):
 @part
 def shifted(u, x):
     """u plus a number."""
-    return Jet(u.value + x, u.l, u.v, u.m, u.ll, u.lv, u.lm, u.vv, u.vm, u.mm)
+    return jet(u.value + x, u.l, u.v, u.m, u.ll, u.lv, u.lm, u.vv, u.vm, u.mm)
 
 
 @part
 def add(u, w):
     """u + w."""
-    return Jet(
+    return jet(
         u.value + w.value, u.l + w.l, u.v + w.v, u.m + w.m,
         u.ll + w.ll, u.lv + w.lv, u.lm + w.lm, u.vv + w.vv, u.vm + w.vm, u.mm + w.mm,
-    )  # fmt: skip
-
-
-@part
-def subtract(u, w):
-    """u - w."""
-    return Jet(
-        u.value - w.value, u.l - w.l, u.v - w.v, u.m - w.m,
-        u.ll - w.ll, u.lv - w.lv, u.lm - w.lm, u.vv - w.vv, u.vm - w.vm, u.mm - w.mm,
     )  # fmt: skip
 
 
@@ -102,7 +132,7 @@ def subtract(u, w):
 def multiply(u, w):
     """u w."""
     a, b = u.value, w.value
-    return Jet(
+    return jet(
         a * b, a * w.l + b * u.l, a * w.v + b * u.v, a * w.m + b * u.m,
         a * w.ll + b * u.ll + 2.0 * u.l * w.l,
         a * w.lv + b * u.lv + u.l * w.v + u.v * w.l,
@@ -111,25 +141,6 @@ def multiply(u, w):
         a * w.vm + b * u.vm + u.v * w.m + u.m * w.v,
         a * w.mm + b * u.mm + 2.0 * u.m * w.m,
     )  # fmt: skip
-
-
-@part
-def reciprocal(u):
-    """1 / u."""
-    r = 1.0 / u.value
-    return chain(u, r, -r * r, 2.0 * r * r * r)
-
-
-@part
-def divide(u, w):
-    """u / w."""
-    return multiply(u, reciprocal(w))
-
-
-@part
-def square(u):
-    """u^2."""
-    return chain(u, u.value * u.value, 2.0 * u.value, 2.0)
 
 
 @part
@@ -142,152 +153,106 @@ def power(u, n):
 
 
 @part
-def exponential(u):
-    """exp(u)."""
-    f = math.exp(u.value)
-    return chain(u, f, f, f)
-
-
-@part
-def logarithm(u):
-    """log(u), not a number below zero."""
-    x = u.value
-    return chain(u, np.log(x), 1.0 / x, -1.0 / (x * x))
-
-
-@part
-def raised(u, w):
-    """u^w of two jets, or of a number that `constant` has made one."""
-    return exponential(multiply(w, logarithm(u)))
-
-
-@part
-def sqrt(u):
-    """Square root, not a number below zero."""
-    f = np.sqrt(u.value)
-    return chain(u, f, 0.5 / f, -0.25 / (f * u.value))
-
-
-@part
-def expm1(u):
-    """exp(u) - 1."""
-    f = math.exp(u.value)
-    return chain(u, math.expm1(u.value), f, f)
-
-
-@part
-def log1p(u):
-    """log(1 + u)."""
-    r = 1.0 / (1.0 + u.value)
-    return chain(u, np.log1p(u.value), r, -r * r)
-
-
-@part
-def sin(u):
-    """Sine."""
-    s, c = math.sin(u.value), math.cos(u.value)
-    return chain(u, s, c, -s)
-
-
-@part
-def cos(u):
-    """Cosine."""
-    s, c = math.sin(u.value), math.cos(u.value)
-    return chain(u, c, -s, -c)
-
-
-@part
-def tan(u):
-    """Tangent."""
-    t = math.tan(u.value)
-    f1 = 1.0 + t * t
-    return chain(u, t, f1, 2.0 * t * f1)
-
-
-@part
-def asin(u):
-    """Arc sine."""
-    x = u.value
-    f1 = 1.0 / np.sqrt(1.0 - x * x)
-    return chain(u, np.arcsin(x), f1, x * f1**3)
-
-
-@part
-def acos(u):
-    """Arc cosine."""
-    return shifted(negative(asin(u)), 0.5 * math.pi)
-
-
-@part
-def atan(u):
-    """Arc tangent."""
-    x = u.value
-    f1 = 1.0 / (1.0 + x * x)
-    return chain(u, math.atan(x), f1, -2.0 * x * f1 * f1)
-
-
-@part
 def atan2(u, w):
     """Angle of the point (w, u)."""
-    steep = abs(u.value) > abs(w.value)
-    found = negative(atan(divide(w, u))) if steep else atan(divide(u, w))
-    return shifted(found, math.atan2(u.value, w.value) - found.value)
+    found = -math.atan(w / u) if abs(float(u)) > abs(float(w)) else math.atan(u / w)
+    return found + (math.atan2(float(u), float(w)) - float(found))
 
 
-@part
-def hypot(u, w):
-    """Root of the sum of squares."""
-    return sqrt(add(square(u), square(w)))
+# Functions of one jet: first and second derivative at x, where the function is f.
+DERIVATIVES: dict[tuple[Callable, ...], Callable] = {
+    (math.sqrt, np.sqrt): lambda x, f: (0.5 / f, -0.25 / (f * x)),
+    (math.exp, np.exp): lambda x, f: (f, f),
+    (math.expm1, np.expm1): lambda x, f: (f + 1.0, f + 1.0),
+    (math.log, np.log): lambda x, f: (1.0 / x, -1.0 / (x * x)),
+    (math.log1p, np.log1p): lambda x, f: (1.0 / (1.0 + x), -1.0 / (1.0 + x) ** 2),
+    (math.sin, np.sin): lambda x, f: (math.cos(x), -f),
+    (math.cos, np.cos): lambda x, f: (-math.sin(x), -f),
+    (math.tan, np.tan): lambda x, f: (1.0 + f * f, 2.0 * f * (1.0 + f * f)),
+    (math.asin, np.arcsin): lambda x, f: (1.0 / math.sqrt(1.0 - x * x), x / math.sqrt(1.0 - x * x) ** 3),
+    (math.acos, np.arccos): lambda x, f: (-1.0 / math.sqrt(1.0 - x * x), -x / math.sqrt(1.0 - x * x) ** 3),
+    (math.atan, np.arctan): lambda x, f: (1.0 / (1.0 + x * x), -2.0 * x / (1.0 + x * x) ** 2),
+    (math.sinh, np.sinh): lambda x, f: (math.cosh(x), f),
+    (math.cosh, np.cosh): lambda x, f: (math.sinh(x), f),
+    (math.tanh, np.tanh): lambda x, f: (1.0 - f * f, -2.0 * f * (1.0 - f * f)),
+    (np.square,): lambda x, f: (2.0 * x, 2.0),
+    (np.reciprocal,): lambda x, f: (-f * f, 2.0 * f * f * f),
+}
+# Functions of jets and numbers, by which of the arguments are jets (x), or whichever are.
+RULES: dict[tuple[Callable, ...], dict[str, Callable]] = {
+    (operator.neg, np.negative): {"x": lambda u: scaled(u, -1.0)},
+    (operator.pos, np.positive): {"x": lambda u: u},
+    (abs, np.abs, math.fabs): {"x": lambda u: -u if u < 0.0 else u},
+    (operator.add, operator.iadd): {"xx": add, "x_": shifted, "_x": lambda x, u: shifted(u, x)},
+    (operator.sub, operator.isub): {
+        "xx": lambda u, w: u + -w,
+        "x_": lambda u, x: shifted(u, -x),
+        "_x": lambda x, u: shifted(-u, x),
+    },
+    (operator.mul, operator.imul): {"xx": multiply, "x_": scaled, "_x": lambda x, u: scaled(u, x)},
+    (operator.truediv, operator.itruediv): {
+        "xx": lambda u, w: u * np.reciprocal(w),
+        "x_": lambda u, x: scaled(u, 1.0 / x),
+        "_x": lambda x, u: scaled(np.reciprocal(u), x),
+    },
+    (operator.pow, operator.ipow, np.power, math.pow): {
+        "x_": power,
+        "any": lambda u, w: math.exp(w * math.log(u)),
+    },
+    (math.atan2, np.arctan2): {"any": atan2},
+    (math.hypot, np.hypot): {"any": lambda u, w: math.sqrt(u**2 + w**2)},
+    # the first of two that are equal
+    (np.minimum,): {"any": lambda u, w: w if w < u else u},
+    (np.maximum,): {"any": lambda u, w: w if w > u else u},
+    (min,): {"any": lambda u, *others: np.minimum(u, min(*others) if len(others) > 1 else others[0])},
+    (max,): {"any": lambda u, *others: np.maximum(u, max(*others) if len(others) > 1 else others[0])},
+    (np.where,): {"any": lambda test, u, w: u if test else w},
+}
+OF_VALUES = (
+    operator.lt, operator.le, operator.gt, operator.ge, operator.eq, operator.ne, round, int, float, bool,
+    np.sign, np.floor, math.floor, np.ceil, math.ceil, np.isfinite,
+)  # fmt: skip
 
 
-@part
-def sinh(u):
-    """Hyperbolic sine."""
-    s, c = math.sinh(u.value), math.cosh(u.value)
-    return chain(u, s, c, s)
+def _teach(functions: tuple[Callable, ...], rules: dict[str, Callable]) -> None:
+    """Let compiled code call functions with jets, by rules as in `RULES`.
+
+    Names are unlike: compiled code that comes from the disk must not be mistaken for other.
+    """
+
+    def chosen(*given: Any) -> Callable | None:
+        jets = "".join("x" if each == JET else "_" for each in given)
+        return rules.get(jets, rules.get("any")) if "x" in jets else None
+
+    for jets, rule in rules.items():
+        rule.__qualname__ = f"{functions[0].__name__}_{jets}"
+    for function in functions:
+        overloaded(function)(chosen)
 
 
-@part
-def cosh(u):
-    """Hyperbolic cosine."""
-    s, c = math.sinh(u.value), math.cosh(u.value)
-    return chain(u, c, s, c)
+def _smooth(function: Callable, rates: Callable) -> dict[str, Callable]:
+    """Rule of a function of one jet from its derivatives."""
+
+    def rule(u):
+        f = function(u.value)
+        f1, f2 = rates(u.value, f)
+        return chain(u, f, f1, f2)
+
+    rates.__qualname__ = f"{function.__name__}_rates"
+    part(rates)
+    return {"x": rule}
 
 
-@part
-def tanh(u):
-    """Hyperbolic tangent."""
-    t = math.tanh(u.value)
-    f1 = 1.0 - t * t
-    return chain(u, t, f1, -2.0 * t * f1)
+def _of_values(function: Callable) -> dict[str, Callable]:
+    """Rules of a function that has no derivative, or none but zero."""
+    return {"x": lambda u: function(u.value), "any": lambda u, w: function(float(u), float(w))}
 
 
-@part
-def absolute(u):
-    """|u|, of which the derivative at zero is that from above."""
-    return negative(u) if u.value < 0.0 else u
+for _functions, _rates in DERIVATIVES.items():
+    _teach(_functions, _smooth(_functions[0], _rates))
+for _functions, _rules in RULES.items():
+    _teach(_functions, _rules)
+for _function in OF_VALUES:
+    _teach((_function,), _of_values(_function))
 
-
-@part
-def smaller(u, w):
-    """The lesser of two; the first where they are equal."""
-    return w if w.value < u.value else u
-
-
-@part
-def larger(u, w):
-    """The greater of two; the first where they are equal."""
-    return w if w.value > u.value else u
-
-
-# Functions of numpy, math and Python, and the same for jets.
-FUNCTIONS: dict[Any, Callable] = {
-    np.square: square, np.sqrt: sqrt, math.sqrt: sqrt, np.abs: absolute, abs: absolute, math.fabs: absolute,
-    np.exp: exponential, math.exp: exponential, np.log: logarithm, math.log: logarithm,
-    np.expm1: expm1, math.expm1: expm1, np.log1p: log1p, math.log1p: log1p, np.sin: sin, math.sin: sin,
-    np.cos: cos, math.cos: cos, np.tan: tan, math.tan: tan, np.arcsin: asin, math.asin: asin,
-    np.arccos: acos, math.acos: acos, np.arctan: atan, math.atan: atan, np.arctan2: atan2,
-    math.atan2: atan2, np.hypot: hypot, math.hypot: hypot, np.sinh: sinh, math.sinh: sinh, np.cosh: cosh,
-    math.cosh: cosh, np.tanh: tanh, math.tanh: tanh, np.minimum: smaller, min: smaller, np.maximum: larger,
-    max: larger, np.power: raised, math.pow: raised, np.reciprocal: reciprocal, np.negative: negative,
-}  # fmt: skip
+CONTENT = hashlib.sha256(Path(__file__).read_bytes()).hexdigest()[:16]

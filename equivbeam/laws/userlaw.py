@@ -1,8 +1,8 @@
 """A law of a half coil that a user wrote: two functions, in a file, a module or an object.
 
 ``parameters(coil) -> tuple`` gives the numbers of a half coil (`HalfCoil`), ``energy(l, v, dtheta, p)`` its
-strain energy. The program makes the derivatives (`equivbeam.laws.differentiation`), so that the law has the
-same compiled response as the built-in ones.
+strain energy. It is compiled for jets (`equivbeam.laws.jets`), which carry the derivatives along, so that the
+law has the same response as the built-in ones.
 """
 
 from __future__ import annotations
@@ -12,31 +12,32 @@ import inspect
 import linecache
 import math
 import numbers
+import re
 import traceback
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import lru_cache
 from pathlib import Path
-from types import FunctionType
-from typing import Any
+from types import CellType, FunctionType, ModuleType
+from typing import Any, cast
 
 import numpy as np
-from numba.core.errors import NumbaError
+from numba.np.unsafe.ndarray import to_fixed_tuple
 
 from coilspring.compiling.compiled import kernel, part
-from coilspring.compiling.kernelcache import content_digest
+from coilspring.compiling.kernelcache import codes, content_digest, is_foreign
 from coilspring.errors import InputError, shown
 from coilspring.scene.material import Material
 from coilspring.scene.spring import Spring
 from equivbeam.element import Response
-from equivbeam.laws.differentiation import differentiated
+from equivbeam.laws import jets
 from equivbeam.laws.haringx import KAX, KFL, KSH, L0
-from equivbeam.laws.jets import variables
 from equivbeam.laws.lawchecks import checked_rest, state_text
 from equivbeam.stations import half_coils
 
 FIRST = 4  # column of the first parameter: stiffnesses and length at rest come before
 DIGITS = 16  # of a digest, in the name of a law
+ALLOWED = "a law is plain arithmetic, elementary functions of numpy and math, branches and loops over a range"
 
 
 @dataclass(frozen=True)
@@ -73,6 +74,9 @@ def spring_coils(spring: Spring, material: Material) -> list[HalfCoil]:
     """The half coils of a spring, from the bottom."""
     at = half_coils(spring)
     diameters, phases = 2.0 * spring.radius(at.middles), at.phases - at.plane
+    each = zip(
+        diameters.tolist(), at.lengths.tolist(), phases[:-1].tolist(), phases[1:].tolist(), strict=True
+    )
     return [
         HalfCoil(
             mean_diameter=D,
@@ -87,15 +91,7 @@ def spring_coils(spring: Spring, material: Material) -> list[HalfCoil]:
             G=material.G,
             index=index,
         )
-        for index, (D, length, begin, end) in enumerate(
-            zip(
-                diameters.tolist(),
-                at.lengths.tolist(),
-                phases[:-1].tolist(),
-                phases[1:].tolist(),
-                strict=True,
-            )
-        )
+        for index, (D, length, begin, end) in enumerate(each)
     ]
 
 
@@ -140,12 +136,10 @@ class UserLaw:
                 np.ascontiguousarray(points),
                 out,
             )
-        except NumbaError as error:
-            raise InputError(
-                f"law {self.name}: energy cannot be compiled: {_first_sentence(error)}"
-            ) from None
-        except TypeError as error:  # a global of unknown content
-            raise InputError(f"law {self.name}: {error}") from None
+        except InputError:
+            raise
+        except Exception as error:  # numba has many kinds
+            raise InputError(f"law {self.name}: {_uncompiled(self.energy, error)}") from None
         return out
 
     def rows(self, spring: Spring, material: Material) -> np.ndarray:
@@ -265,27 +259,52 @@ def _function(name: str, given: Any, role: str) -> FunctionType:
 @lru_cache(maxsize=256)
 def _compiled(law: UserLaw, columns: int) -> tuple[Callable, Callable]:
     """The response of a law, and a kernel that makes a table of it."""
-    content = law.digest[:DIGITS]
-    energy = differentiated(law.energy, law.name, content, (True, True, True, False))
-    space = {"energy": energy, "variables": variables, "Response": Response, "__name__": __name__}
-    p = "".join(f"rows[i, {column}], " for column in range(FIRST, columns))
-    text = (
-        f"def response_{content}(law, rows, i, l, v, dth):\n"
-        "    l, v, dth = variables(l, v, dth)\n"
-        f"    u = energy(l, v, dth, ({p}))\n"
-        "    return Response(u.value, u.l, u.v, u.m, u.ll, u.lv, u.lm, u.vv, u.mm, u.vm)\n"
-    )
-    exec(compile(text, f"<response of {law}>", "exec"), space)
-    response: Any = part(space[f"response_{content}"])  # type: ignore[arg-type]
+    content = f"{law.digest[:DIGITS]}_{jets.CONTENT}"
+    energy, variables, lifted = _part_of(law.energy, law.name, content, ()), jets.variables, jets.lifted
+    count, fixed = columns - FIRST, cast("Any", to_fixed_tuple)
+
+    def response(law, rows, i, l, v, dth):  # noqa: E741
+        l, v, dth = variables(l, v, dth)  # noqa: E741
+        u = lifted(energy(l, v, dth, fixed(rows[i, FIRST:], count)))
+        return Response(u.value, u.l, u.v, u.m, u.ll, u.lv, u.lm, u.vv, u.mm, u.vm)
+
+    response.__name__ = response.__qualname__ = f"response_{content}"
+    part(response)
 
     def tabulate(rows, index, points, out):
         for k in range(index.size):
             r = response(0, rows, index[k], points[k, 0], points[k, 1], points[k, 2])
-            out[k, 0], out[k, 1], out[k, 2], out[k, 3], out[k, 4] = r.U, r.N, r.T, r.M, r.N_l
-            out[k, 5], out[k, 6], out[k, 7], out[k, 8], out[k, 9] = r.N_v, r.N_m, r.T_v, r.M_m, r.T_m
+            for j in range(out.shape[1]):
+                out[k, j] = r[j]
 
-    tabulate.__qualname__ = f"tabulate_{response.__name__}"
+    tabulate.__qualname__ = f"tabulate_{content}"
     return response, kernel(tabulate)
+
+
+def _part_of(function: Any, law: str, content: str, callers: tuple[FunctionType, ...]) -> Callable:
+    """A copy of a law's function as a part of kernels, with copies of those that it calls.
+
+    Names hold the law's content: compiled code of two laws that came from the disk must not be mistaken for
+    each other.
+    """
+    if function in callers:
+        raise InputError(f"law {law}: {function.__name__} must not call itself")
+    read = {name for code in codes(function.__code__) for name in code.co_names}
+
+    def known(value: Any) -> Any:
+        if isinstance(value, FunctionType) and not is_foreign(value.__module__):
+            return _part_of(value, law, content, (*callers, function))
+        if isinstance(value, ModuleType) and not is_foreign(value.__name__):
+            copied = ModuleType(value.__name__)
+            vars(copied).update({name: known(each) for name, each in vars(value).items() if name in read})
+            return copied
+        return value
+
+    space = {name: known(each) if name in read else each for name, each in function.__globals__.items()}
+    cells = tuple(CellType(known(cell.cell_contents)) for cell in function.__closure__ or ())
+    copied = FunctionType(function.__code__, space, function.__name__, function.__defaults__, cells)
+    copied.__qualname__, copied.__module__ = f"{function.__name__}_{content}", __name__
+    return part(copied)
 
 
 def _told(error: Exception) -> str:
@@ -301,10 +320,21 @@ def _told(error: Exception) -> str:
     return " ".join(f"{line}{type(error).__name__}: {error}".split())
 
 
-def _first_sentence(error: Exception) -> str:
-    """What numba says first that says anything, and the line."""
-    lines = [line.strip() for line in str(error).splitlines()]
-    telling = [line for line in lines if line and not line.startswith(("Failed in", "[", "-"))]
-    place = next((line for line in lines if line.startswith("File ")), "")
-    where = f" (line {place.rpartition('line ')[2].rstrip(':')})" if "line " in place else ""
-    return (telling[0] if telling else type(error).__name__) + where
+def _uncompiled(energy: Callable, error: Exception) -> str:
+    """Why an energy cannot be compiled, with the line of its file, from what numba says."""
+    text, file = re.sub(r"\x1b\[\d*m", "", str(error)), energy.__code__.co_filename
+    place = re.search(rf'{re.escape(file)}(?:", line | \()(\d+)', text)
+    number = int(place.group(1)) if place else 0
+    line = f"line {number}: " if place else ""
+    # of the calls with jets the innermost one in the law's own line: those beyond are in numba's code
+    source, space = linecache.getline(file, number), energy.__globals__
+    named = [re.search(rf"[\w.]*\b{name}\b", source) for name in re.findall(r">>> (\w+)\(.*\bjet\b", text)]
+    called = [each.group() for each in named if each]
+    foreign = [name for name in called if not isinstance(space.get(name), FunctionType)]
+    refused = foreign or re.findall(r"built-in function (\w+)>", text)
+    if refused:
+        return f"{line}{refused[-1]} has no derivative here: {ALLOWED}"
+    before = [each.strip(' "') for each in text[: place.start() if place else None].splitlines()]
+    skipped = ("During", "File", ">>>", "Failed in", "^", "[", "-")
+    reasons = [each for each in before if each and not each.startswith(skipped)] or [type(error).__name__]
+    return f"{line}energy cannot be compiled: {reasons[-1 if place else 0]}: {ALLOWED}"
