@@ -218,15 +218,15 @@ def update_wires(contact, accepted, predicted, state, history):
         length, way = _tangential_slip(contact, points, state, m, row)
         if new:
             change = max(change, contact.kt * length)
-        elif row.fresh and max(h, gap(contact, ahead, m)[0]) < d:
+        elif row.fresh and gap(contact, ahead, m)[0] < d:
             _, expected = _tangential_slip(contact, ahead, predicted, m, row)
             error = plus(way, -1.0, expected)
-            predicted_badly(row, math.sqrt(dot(error, error)), gap(contact, before, m)[0], h, d)
+            predicted_badly(row, math.sqrt(dot(error, error)), d)
         normal = normal_law(max(d - h, 0.0), contact.kc, contact.k)[1]
         most = max(most, least_bound * normal)
         if contact.mu == np.inf:
             far, _, _, _, _ = gap(contact, before, m)
-            opens_after(row, far, gap(contact, ahead, m)[0], h, d)
+            opens_after(row, far, h, d)
         else:
             change = max(change, renewed(length, contact.mu * normal, contact.kt, row))
     return change / most if change > 0.0 else 0.0

@@ -135,12 +135,12 @@ def update_pairs(before, ahead, vectors, history, law):
         if not row.closed:
             _touch(row, before[m], ahead[m], vectors[m], d)
             change = max(change, K * stretch(vectors[m], row, e))
-        elif row.fresh and max(h, _distance(ahead, m)) < d:
-            predicted_badly(row, _across(row.normal, ahead[m], vectors[m]), _distance(before, m), h, d)
+        elif row.fresh and _distance(ahead, m) < d:
+            predicted_badly(row, _across(row.normal, ahead[m], vectors[m]), d)
         normal = normal_law(max(d - h, 0.0), law.kc, law.k)[1]
         most = max(most, min(mu, 1.0) * normal)
         if mu == np.inf:
-            opens_after(row, _distance(before, m), _distance(ahead, m), h, d)
+            opens_after(row, _distance(before, m), h, d)
             continue
         # at the arm d instead of h, on which arcs are measured
         length = d * arc(vectors[m], h, row, e)

@@ -61,7 +61,6 @@ def tangential_stiffness(K: float, k: float, d: float) -> float:
 # Share of a bound that is left when it falls with the slip: less is out of reach, since the rise is at least
 # -1/d and a pair moves by no more than half of d in a substep.
 LEAST_LEFT = 0.5
-JUST_BEFORE = 0.95  # share of the way to a touch
 OPEN = 3e-4  # wire diameters of gap at most where a pair that sticks is said to open
 LOCATED = 1e-4  # wire diameters, by which two ways to find where a pair touches first may differ at most
 
@@ -150,25 +149,21 @@ def touches_first(row, at, doubt, d):
 
 
 @part
-def predicted_badly(row, error, before, after, d):
-    """Ask for a shorter substep where a pair that touched first was predicted with such an error: one in
-    which the error is small, or one that ends just before the touch, from where it will be."""
+def predicted_badly(row, error, d):
+    """Ask for a shorter substep where a pair that touched first was predicted with such an error."""
     if error > LOCATED * d:
-        short = 0.8 * math.sqrt(LOCATED * d / error)
-        row.cut = min(row.cut, max(short, JUST_BEFORE * (before - d) / (before - after)))
+        row.cut = min(row.cut, 0.8 * math.sqrt(LOCATED * d / error))
 
 
 @part
-def opens_after(row, before, ahead, after, d):
-    """Set the share of the substep after which a sticking pair is just open; the error of its predicted
-    distance grows with the square of the step."""
+def opens_after(row, before, after, d):
+    """Set the share of the substep after which a sticking pair is just open."""
     if row.fresh:
         row.cut = row.cut if after <= (1.0 + OPEN) * d else 0.5
     elif after <= (1.0 + OPEN) * d:
         row.cut = 1.0
     else:
-        left, along = (1.0 + 0.5 * OPEN) * d - before, ahead - before
-        row.cut = 2.0 * left / (along + math.sqrt(along**2 + 4.0 * (after - ahead) * left))
+        row.cut = ((1.0 + 0.5 * OPEN) * d - before) / (after - before)
 
 
 @part

@@ -120,7 +120,6 @@ def begin(system, task, work, path, watch):
     path.last_step, work.old[0] = 1.0, np.inf  # no state before, no turn known
     path.next_step = min(task.times[0], FIRST_STEP)
     path.held, path.release, path.linear_from = 0.0, 1.0, 0.0
-    path.located = np.inf
     path.least_gap = system.update_history(system.reals, system.ints, work.state, work.history)
     path.outcome = NEW_PAIR if path.least_gap == -np.inf else COMPLETED
     factor_start(system, task, work, path)
@@ -202,7 +201,7 @@ def plan(task, path, substep, watch):
         substep.near_critical = substep.near_overlap = False
         path.bracket = 2.0 * LEAST_STEP
         return
-    wanted = min(path.next_step, path.located)
+    wanted = path.next_step
     to_critical = APPROACH * (softest.zero - path.time)
     to_overlap = max(APPROACH * (room.zero - path.time), OVERLAP_TIME)
     substep.weak = softest.value < WEAK * path.rest_stiffness
@@ -363,10 +362,7 @@ def shorten(path, substep):
             path.outcome, path.bracket = JUMP, 2.0 * LEAST_STEP
         return
     path.failed = path.failed or substep.cut == HALF
-    if substep.cut == HALF:
-        path.next_step = HALF * substep.duration
-    else:
-        path.located = substep.cut * substep.duration
+    path.next_step = substep.cut * substep.duration
     if substep.duration < 2.0 * LEAST_STEP:
         # negative pivots however short the step: the stiffness jumps there, as where a pair opens
         path.outcome = CRITICAL if substep.trouble == INDEFINITE else STUCK
@@ -479,7 +475,6 @@ def accept_step(work, path, substep):
     if substep.status == CONVERGED:
         copy(work.ahead, work.tangent)
     path.reuse, path.last_step, path.time = True, substep.duration, substep.target
-    path.located = np.inf
     path.due = substep.landing
     if substep.iterations < EASY_COUNT + substep.rounds:  # a round with renewed bounds takes one more
         # the turn grows with the square of the step

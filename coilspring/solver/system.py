@@ -113,7 +113,6 @@ PATH = np.dtype(
         ("pairs", "i8"),  # contact pairs evaluated
         ("tries", "i8"),  # equilibria looked for
         ("next_step", "f8"),
-        ("located", "f8"),  # to where a pair touches or opens, infinite where none is located
         ("last_step", "f8"),
         ("held", "f8"),  # share of what opening pairs held that is still to be released, else 0
         ("release", "f8"),  # share of it that is released next
