@@ -31,8 +31,8 @@ class Scene:
     factors: Factors = field(default_factory=Factors)
 
     def __post_init__(self) -> None:
-        if not isinstance(self.name, str) or not self.name.strip() or not self.name.isprintable():
-            raise InputError(f"name must be a line of text that is not empty, got {shown(self.name)}")
+        if not isinstance(self.name, str) or not self.name.strip():
+            raise InputError(f"name must be a text that is not empty, got {shown(self.name)}")
         low, high = FITTED
         if self.spring.wire_rigidity == "solid" and not low <= self.material.nu <= high:
             raise InputError(
