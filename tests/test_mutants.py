@@ -28,7 +28,7 @@ HEADERS = (
 )
 DEADLINE = timedelta(seconds=20)  # of one mutant: what takes longer hangs
 MANY = settings(
-    max_examples=2000,
+    max_examples=700,
     deadline=DEADLINE,
     derandomize=True,
     database=None,
@@ -157,7 +157,7 @@ def test_mutants_give_a_scene_or_a_sentence(tmp_path):
         assert all(is_a_sentence(line) for line in (*lines[1:], *warnings))
 
     check()
-    assert min(found.values()) > 300, found
+    assert min(found.values()) > 100, found
 
 
 @pytest.mark.parametrize("options", [("equivbeam", ()), ("wirefe", ("--elements-per-turn", "8"))])

@@ -27,6 +27,7 @@ def report(scene: Scene) -> tuple[list[str], list[str]]:
     found = sizes(scene)
     low, high = found.index
     text = WORDS.render(
+        name="".join(c if c.isprintable() else repr(c)[1:-1] for c in scene.name),
         **{"scene": scene, "spring": scene.spring, "sizes": found, "solid": math.isinf(found.force)},
         index=f"{low:.3g}" if math.isclose(low, high) else f"{low:.3g} to {high:.3g}",
         index_varies=not math.isclose(low, high),
