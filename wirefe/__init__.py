@@ -1,4 +1,4 @@
-"""3D beam-FE model of the coiled wire with sphere-to-sphere contact: the reference; and of any wire."""
+"""3D beam-FE model of the coiled wire with contact of wires or spheres: the reference; and of any wire."""
 
 from wirefe.adaptive import solve_to
 from wirefe.rod import Rod, RodPath, curved_rod, straight_rod
