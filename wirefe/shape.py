@@ -94,12 +94,12 @@ class WireShape(PairReader):
         slip = second - first
         slip -= (slip * n).sum(axis=-1, keepdims=True) * n
         length = np.linalg.norm(slip, axis=-1)
-        force, more = tangential_forces(length, histories, contact.kt)
+        force, more, work = tangential_forces(length, histories, contact.kt)
         share = np.divide(force, length, out=np.zeros_like(force), where=length > 0.0)
         return Friction(
             force=share[..., None] * slip,
             slip=(histories["slid"] + more) * histories["closed"],
-            work=histories["work"] + 0.5 * (histories["held"] + force) * more,
+            work=histories["work"] + work * histories["closed"],
         )
 
     @property

@@ -32,6 +32,7 @@ from coilspring.compiling.compiled import arithmetic, clear_table, part
 from coilspring.contact.kinematics import SLIGHT
 from coilspring.contact.law import (
     first_touch,
+    gave_way,
     goes_on,
     normal_law,
     opens_after,
@@ -185,13 +186,18 @@ def remember_wires(contact, state, history):
         row.fresh = False
         row.normal[0], row.normal[1], row.normal[2] = n
         length, way = _tangential_slip(contact, points, state, m, row)
-        if slid(length, contact.kt, row):
-            left = row.bound / (contact.kt * length)
+        left = length
+        if contact.mu == np.inf:
+            left = gave_way(length, contact.kt, row, gap_left)
+            if goes_on(row, left, contact.kt, gap_left, contact.d):
+                least = min(least, 0.0)
+        elif slid(length, contact.kt, row, gap_left):
+            left = row.bound / contact.kt
+        if left < length:
+            share = left / length
             touching_points(
-                contact, points, state, m, (left * way[0], left * way[1], left * way[2]), row.arms
+                contact, points, state, m, (share * way[0], share * way[1], share * way[2]), row.arms
             )
-        if goes_on(row, contact.kt * length, gap_left < 0.0):
-            least = min(least, 0.0)
     return least
 
 
@@ -210,7 +216,11 @@ def update_wires(contact, accepted, predicted, state, history):
         if row.opening:
             far, _, _, _, _ = gap(contact, before, m)
             touches_again(row, far, h, d)
-        if row.opening or not (row.closed or h < d):
+        if row.opening or row.creeps:
+            length, _ = _tangential_slip(contact, points, state, m, row)
+            row.gap, row.sticking = h - d, contact.kt * length
+            continue
+        if not (row.closed or h < d):
             continue
         new = not row.closed
         if new:

@@ -45,11 +45,17 @@ def relax(held, history, left, factor):
 
 
 @part
-def forget_fresh(history):
-    """Take back what an attempt made of pairs that were open."""
+def begin_attempt(history, ratio):
+    """Take back what an attempt made of pairs that were open, or creep; those are expected to slip by `ratio`
+    times what they did in the last substep."""
     for m in range(history.shape[0]):
-        if history[m].fresh:
-            history[m].closed = history[m].fresh = False
+        row = history[m]
+        if row.fresh:
+            row.closed = row.fresh = False
+        row.released, row.least, row.most, row.sticking = 0.0, -1.0, 2.0, row.held
+        slip = ratio * row.slip
+        if row.creeps and slip > 0.0 and row.before > 0.0:
+            row.released = slip / (row.before + slip)
 
 
 @part
@@ -67,7 +73,7 @@ def located(history):
     share = 1.0
     for m in range(history.shape[0]):
         row = history[m]
-        if row.closed and (row.fresh or row.opening or row.bound == np.inf):
+        if row.closed and not row.creeps and (row.fresh or row.opening or row.bound == np.inf):
             share = min(share, row.cut)
     return share
 
@@ -82,10 +88,18 @@ def drop_opening(history):
 
 @part
 def release(history, share):
-    """Leave a share of what opening pairs held in the last accepted state."""
+    """Leave opening pairs a share of the tangential stiffness they had in the last accepted state."""
     for m in range(history.shape[0]):
         if history[m].opening:
-            history[m].bound = share * history[m].held
+            history[m].released = 1.0 - share * history[m].kept
+
+
+@part
+def let_go(history):
+    """Have pairs that creep released."""
+    for m in range(history.shape[0]):
+        if history[m].creeps:
+            history[m].creeps, history[m].opening = False, True
 
 
 @part
@@ -96,6 +110,25 @@ def has_history(history):
             if history[m].normal[i] != 0.0:  # stays when the pair opens
                 return True
     return False
+
+
+@part
+def creeping(history):
+    """Whether a pair creeps."""
+    for m in range(history.shape[0]):  # noqa: SIM110
+        if history[m].creeps:
+            return True
+    return False
+
+
+@part
+def largest_slip(history):
+    """Of the pairs that creep, in the last substep, mm."""
+    most = 0.0
+    for m in range(history.shape[0]):
+        if history[m].creeps:
+            most = max(most, history[m].slip)
+    return most
 
 
 @part
@@ -120,4 +153,4 @@ def slides(history):
 def set_rise(history, rise):
     """Let the bounds of the pairs that are held rise so with their slips."""
     for m in range(history.shape[0]):
-        history[m].rise = rise if history[m].closed and not history[m].opening else 0.0
+        history[m].rise = rise if history[m].closed else 0.0

@@ -10,6 +10,7 @@ from coilspring.compiling.compiled import part
 from coilspring.contact.law import (
     arc,
     first_touch,
+    gave_way,
     goes_on,
     normal_law,
     opens_after,
@@ -88,6 +89,28 @@ def _across(normal, a, b):
 
 
 @part
+def _stretched(g, h, d, row, e):
+    """How far a pair that sticks is stretched, and `e` along that: of one that creeps the arc."""
+    return d * arc(g, h, row, e) if row.creeps else stretch(g, row, e)
+
+
+@part
+def _hold(row, g, h, d, length, e):
+    """Hold a pair so that it is stretched by a length across its direction now, as it is along `e`."""
+    along, square = 0.0, 0.0
+    for i in range(3):
+        along += e[i] * g[i] / h
+    for i in range(3):
+        e[i] -= along * g[i] / h
+        square += e[i] * e[i]
+    size = math.sqrt(square) if square > 0.0 else 1.0
+    angle = length / d if row.creeps else 0.0
+    for i in range(3):
+        row.normal[i] = math.cos(angle) * g[i] / h - math.sin(angle) * e[i] / size
+        row.vector[i] = g[i] - length * e[i] / size
+
+
+@part
 def remember(vectors, history, law):
     """Update the contact history with an accepted state; returns the least gap of all pairs.
 
@@ -103,18 +126,19 @@ def remember(vectors, history, law):
         if not row.closed:
             _touch(row, vectors[m], vectors[m], vectors[m], d)
         row.fresh = False
-        length = d * arc(vectors[m], h, row, e)
-        if slid(length, K, row):
-            left = row.bound / (K * d)
-            for i in range(3):
-                row.normal[i] = math.cos(left) * vectors[m, i] / h - math.sin(left) * e[i]
-        if row.opening and h < d:
-            # it sticks again, from where it holds what is left
-            arc(vectors[m], h, row, e)
-            for i in range(3):
-                row.vector[i] = vectors[m, i] - row.bound / K * e[i]
-        if goes_on(row, K * stretch(vectors[m], row, e), h < d):
+        if law.mu < np.inf:
+            length = d * arc(vectors[m], h, row, e)
+            if slid(length, K, row, h - d):
+                left = row.bound / (K * d)
+                for i in range(3):
+                    row.normal[i] = math.cos(left) * vectors[m, i] / h - math.sin(left) * e[i]
+            continue
+        crept, length = row.creeps, _stretched(vectors[m], h, d, row, e)
+        left = gave_way(length, K, row, h - d)
+        if goes_on(row, left, K, h - d, d):
             least = min(least, 0.0)
+        if left < length or crept or row.creeps:
+            _hold(row, vectors[m], h, d, left, e)
     return least
 
 
@@ -130,7 +154,10 @@ def update_pairs(before, ahead, vectors, history, law):
         h, row = _distance(vectors, m), history[m]
         if row.opening:
             touches_again(row, _distance(before, m), h, d)
-        if row.opening or not (row.closed or h < d):
+        if row.opening or row.creeps:
+            row.gap, row.sticking = h - d, K * _stretched(vectors[m], h, d, row, e)
+            continue
+        if not (row.closed or h < d):
             continue
         if not row.closed:
             _touch(row, before[m], ahead[m], vectors[m], d)

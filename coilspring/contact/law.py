@@ -32,11 +32,19 @@ PAIR_HISTORY = np.dtype(
         ("slid", "f8"),  # length it has slid, mm
         ("work", "f8"),  # that friction and releases have taken on the path, N mm
         ("rise", "f8"),  # r, 1/mm
-        ("slip", "f8"),  # what it slides in this substep, negative where it sticks, mm
+        ("slip", "f8"),  # what it slides in this substep, or slid in the last one; negative: it sticks, mm
         ("fresh", "?"),  # it touched first in the substep at hand
         ("opening", "?"),  # it touches no more: what it holds tangentially is being released
+        ("creeps", "?"),  # it has opened so and touches again: it gives way so that it just touches
+        ("released", "f8"),  # share of its tangential stiffness that is taken away in the trial state,
+        ("kept", "f8"),  # and that was left in the last accepted one
+        ("before", "f8"),  # how far it was stretched tangentially in that, mm
+        ("least", "f8"),  # share that is left to a pair that creeps: with this it is pressed,
+        ("most", "f8"),  # and with this it opens, in the substep at hand
+        ("gap", "f8"),  # of such a pair, in the trial state, mm
+        ("sticking", "f8"),  # tangential force of a pair that gives way, if it stuck in the trial state, N
         ("cut", "f8"),  # share of the substep to try instead: to where it touches or opens
-        ("held", "f8"),  # bound of its tangential force in the last accepted state, N
+        ("held", "f8"),  # its tangential force, or the bound of it, in the last accepted state, N
         ("arms", "f8", 6),  # of wires: the material points that touched first, in their sections at rest, mm
     ],
     align=True,
@@ -61,7 +69,8 @@ def tangential_stiffness(K: float, k: float, d: float) -> float:
 # Share of a bound that is left when it falls with the slip: less is out of reach, since the rise is at least
 # -1/d and a pair moves by no more than half of d in a substep.
 LEAST_LEFT = 0.5
-OPEN = 3e-4  # wire diameters of gap at most where a pair that sticks is said to open
+OPEN = 1e-4  # wire diameters of gap at most where a pair that sticks is said to open
+CREEP = 1e-6  # wire diameters of gap at most where a pair that creeps is said to touch
 LOCATED = 1e-4  # wire diameters, by which two ways to find where a pair touches first may differ at most
 
 
@@ -103,6 +112,7 @@ def arc(g, h, row, t):
 @part
 def tangential_law(length, K, row):
     """Energy, force and its derivative of a held pair at a slip of the length given, from its reference."""
+    K *= 1.0 - row.released
     force, slope, energy = K * length, K, 0.5 * K * length**2
     if force > row.bound:
         rise = row.bound * row.rise
@@ -114,17 +124,16 @@ def tangential_law(length, K, row):
 
 
 @part
-def slid(length, K, row):
-    """Take what a held pair slid in a substep into its history; returns whether it did."""
-    if row.bound == math.inf:
-        return False
+def slid(length, K, row, gap):
+    """Take what a pair with friction slid in a substep into its history; returns whether it did."""
+    row.closed = gap < 0.0
     slip = (K * length - row.bound) / (K + row.bound * row.rise)
-    if slip <= 0.0:
-        return False
-    row.bound *= 1.0 + row.rise * slip
-    row.slid += slip
-    row.work += 0.5 * (row.held + row.bound) * slip
-    return True
+    if slip > 0.0:
+        row.bound *= 1.0 + row.rise * slip
+        row.slid += slip
+        row.work += 0.5 * (row.held + row.bound) * slip
+    row.held = row.bound if row.closed else 0.0
+    return slip > 0.0
 
 
 @part
@@ -143,8 +152,8 @@ def first_touch(before, after, d):
 @part
 def touches_first(row, at, doubt, d):
     """A pair is held from after the share `at` of a substep on: there it touches first, but for a `doubt`."""
-    row.closed, row.fresh, row.bound = True, True, math.inf
-    row.slid, row.rise, row.held = 0.0, 0.0, 0.0
+    row.closed, row.fresh, row.creeps, row.bound = True, True, False, math.inf
+    row.slid, row.rise, row.held, row.released = 0.0, 0.0, 0.0, 0.0
     row.cut = 1.0 if doubt <= LOCATED * d else at + 0.5 * (1.0 - at) * LOCATED * d / doubt
 
 
@@ -174,19 +183,46 @@ def touches_again(row, before, after, d):
 
 
 @part
-def goes_on(row, force, touches):
-    """What a pair holds tangentially, of which `force` is the size, after an accepted state: where it touches
-    no more, it is released, until it touches again. Returns whether that is still to be done."""
-    if touches:
-        if row.opening:
-            row.opening, row.bound = False, math.inf  # it sticks with what is left
-        row.held = row.bound if row.bound < math.inf else 0.0
-        return False
-    if not row.opening and row.bound == math.inf:
-        row.opening, row.bound, row.slip = True, force, 0.0
-    row.held = row.bound if row.opening else 0.0
-    row.closed = row.opening = row.held > 0.0
-    return row.closed
+def goes_on(row, length, K, gap, d):
+    """What a pair that sticks does after an accepted state, in which it is stretched by a length.
+
+    Where it has opened it is released. Where it then touches again it creeps: it gives way so that it just
+    touches, until it is pressed and sticks. Returns whether it is held without touching.
+    """
+    if row.creeps:
+        row.closed = gap < CREEP * d
+        row.creeps = row.closed and gap >= -OPEN * d
+    elif row.opening and gap < 0.0:
+        row.opening, row.creeps = False, True
+    elif gap >= 0.0:
+        row.closed = row.opening = length > 0.0
+    row.kept, row.before = 1.0 - row.released, length
+    row.held = row.sticking = 0.0
+    if row.opening or row.creeps:
+        row.held = row.sticking = row.kept * K * length
+    return row.closed and gap >= 0.0
+
+
+@part
+def gave_way(length, K, row, gap):
+    """Take what a pair that sticks gave way into its history; returns how far it is stretched.
+
+    What was lost on the way from the force and stretch (T0, s0) to (T1, s1), on which one falls as the other
+    grows, is the area (T0 s1 - T1 s0) / 2. A pair that touches then sticks with the whole stiffness: the
+    stretch that its force needs no more is slip, and its energy lost.
+    """
+    row.slip = 0.0
+    if row.released == 0.0:
+        return length
+    force = (1.0 - row.released) * K * length
+    row.work += 0.5 * (row.held * length - force * row.before)
+    if row.opening and gap >= 0.0 and force > 0.0:
+        return length
+    row.work += 0.5 * force * (length - force / K)
+    row.slip = length - force / K
+    row.slid += row.slip
+    row.released = 0.0
+    return force / K
 
 
 @part
@@ -202,14 +238,17 @@ def renewed(length, bound, K, row):
 
 @part
 def _add_stuck(g, K, row, e, f, H):
-    """Energy of a pair that cannot slide; adds its gradient and Hessian."""
+    """Energy of a pair that sticks; adds its gradient and Hessian."""
     length = stretch(g, row, e)
+    energy, force, slope = tangential_law(length, K, row)
+    ratio = force / length if length > 0.0 else slope
+    more = (slope - ratio) / length**2 if length > 0.0 else 0.0
     for i in range(3):
-        f[i] += K * e[i]
-        H[i, i] += K
+        f[i] += ratio * e[i]
+        H[i, i] += ratio
         for j in range(3):
-            H[i, j] -= K * row.normal[i] * row.normal[j]
-    return 0.5 * K * length**2
+            H[i, j] += more * e[i] * e[j] - ratio * row.normal[i] * row.normal[j]
+    return energy
 
 
 @part
@@ -250,7 +289,7 @@ def pair_potential(g, h, law, row, e, f, H):
             for j in range(3):
                 H[i, j] += (slope + turn) * ni * g[j] / h
     if row.closed:
-        if row.bound == math.inf:
+        if row.bound == math.inf and not row.creeps:
             energy += _add_stuck(g, law.kt, row, e, f, H)
         else:
             energy += _add_friction(g, h, law.d, law.kt, row, e, f, H)
@@ -266,15 +305,20 @@ def normal_forces(penetrations: np.ndarray, K: float, k: float) -> np.ndarray:
     return forces
 
 
-def tangential_forces(length: np.ndarray, histories: np.ndarray, K: float) -> tuple[np.ndarray, np.ndarray]:
-    """Tangential forces of pairs, N, and what they slide in the substep at hand, mm, at lengths of slip."""
-    stiffness = K * histories["closed"]
+def tangential_forces(length: np.ndarray, histories: np.ndarray, K: float) -> tuple[np.ndarray, ...]:
+    """Tangential forces of pairs at lengths of slip, N; by how much they slip in the substep at hand, mm, and
+    the work that takes, N mm.
+    """
+    stiffness = K * histories["closed"] * (1.0 - histories["released"])
     force = stiffness * length
-    slides = force > histories["bound"]
+    slides, gives = force > histories["bound"], histories["released"] > 0.0
     bound = np.where(slides, histories["bound"], 0.0)
     rise = bound * histories["rise"]
     slip = np.where(slides, (force - bound) / np.where(slides, stiffness + rise, 1.0), 0.0)
-    return np.where(slides, bound + rise * slip, force), slip
+    force = np.where(slides, bound + rise * slip, force)
+    work = 0.5 * (histories["held"] + force) * slip
+    given = 0.5 * (histories["held"] * length + force * (length - histories["before"] - force / K))
+    return force, np.where(gives, length - force / K, slip), np.where(gives, given, work)
 
 
 def pair_friction(vectors: np.ndarray, histories: np.ndarray, law: Any) -> Friction:
@@ -283,21 +327,23 @@ def pair_friction(vectors: np.ndarray, histories: np.ndarray, law: Any) -> Frict
     `law` is a `PairLaw`.
     """
     d, K = law.d, law.kt
-    held, bounded, normal = histories["closed"], np.isfinite(histories["bound"]), histories["normal"]
+    held, normal = histories["closed"], histories["normal"]
+    arcs = np.isfinite(histories["bound"]) | histories["creeps"]
     g = vectors - histories["vector"]
     stuck = g - (g * normal).sum(axis=-1, keepdims=True) * normal
     h = np.linalg.norm(vectors, axis=-1)
     n = vectors / h[..., None]
     chord = n - normal
     square = (chord**2).sum(axis=-1)
-    length = 2.0 * d * np.arcsin(np.minimum(0.5 * np.sqrt(square), 1.0))
-    along = chord - 0.5 * square[..., None] * n
-    force, slip = tangential_forces(length, histories, K)
-    size = np.sqrt(square * (1.0 - 0.25 * square))
-    share = np.divide(force * d / h, size, out=np.zeros_like(force), where=size > 0.0)
-    stiffness = (K * held)[..., None]
+    sine = np.sqrt(square * (1.0 - 0.25 * square))
+    angle = 2.0 * np.arcsin(np.minimum(0.5 * np.sqrt(square), 1.0))
+    length = np.where(arcs, d * angle, np.linalg.norm(stuck, axis=-1))
+    force, slip, work = tangential_forces(length, histories, K)
+    along = np.where(arcs[..., None], chord - 0.5 * square[..., None] * n, stuck)
+    # of an arc on its arm d, over the size of the vector along it
+    share = np.where(arcs, force * d / h, force) / np.where(force > 0.0, np.where(arcs, sine, length), 1.0)
     return Friction(
-        force=np.where(bounded[..., None], share[..., None] * along, stiffness * stuck),
+        force=share[..., None] * along,
         slip=(histories["slid"] + slip) * held,
-        work=histories["work"] + 0.5 * (histories["held"] + force) * slip,
+        work=histories["work"] + work * held,
     )

@@ -16,10 +16,13 @@ from numba import types
 
 from coilspring.compiling.compiled import copy, part, signed
 from coilspring.contact.history import (
+    begin_attempt,
     copy_history,
-    forget_fresh,
+    creeping,
     has_friction,
     has_history,
+    largest_slip,
+    let_go,
     located,
     opening,
     relax,
@@ -28,7 +31,9 @@ from coilspring.contact.history import (
     slides,
 )
 from coilspring.contact.kinematics import OVERLAP_ALLOWED, TOUCH
+from coilspring.contact.law import CREEP
 from coilspring.solver.branch import TURN, continues, curvature, displacement_bound, jumped, predict
+from coilspring.solver.creep import renew_creep
 from coilspring.solver.frictiontangent import rise_of_bounds
 from coilspring.solver.newton import CONVERGED, FAILED, INDEFINITE, LINEAR, NONE
 from coilspring.solver.operations import assembled, factored, moved, put_prescribed, solution, stale_solution
@@ -54,12 +59,15 @@ from coilspring.solver.system import (
 COMPLETED, CRITICAL, STUCK, NEW_PAIR, JUMP, OVERLAP, EXHAUSTED = 0, 1, 2, 3, 4, 5, 6
 
 FIRST_STEP = 0.1  # largest first substep: the tangent at rest knows nothing of the contact to come
-LEAST_RELEASE = 1e-6  # share of what a pair held: where so little finds no place nearby, the path jumps
+# Powers of two by which the tangential stiffness of opening pairs is lowered: all of it beyond the largest;
+# where the least finds no place nearby, the path jumps.
+MOST_RELEASE, LEAST_RELEASE = 40.0, 1e-3
 LEAST_FREE = 0.05  # share of a substep that is taken at least, however soon a pair closes
 SAFE = 0.8  # share of the turn allowed that the next substep aims at
 HALF = 0.5  # of a substep that failed, is tried next
 MOST_CUT = 0.9  # of one that is cut where a pair touches or opens, at most
 EASY_COUNT = 3
+MOST_SLIP = 0.01  # wire diameters that a pair that creeps may slip in a substep
 EPSILON = 2.0**-52
 NEARER = 3.0  # times the bound on all motion: so much nearer may two wires come, also between nodes
 OVERLAP_TIME = 1e-5  # of the time 0..1: so closely is it located
@@ -103,10 +111,10 @@ def follow(reals, ints, prescribed, kernels, task, work, path_, substep_, newton
         predict_trial(system, task, work, path, substep)
         find_equilibrium(system, kernels.equilibrium, task, work, path, substep, it)
         if not keeps_branch(system, task, work, path, substep, watch):
-            shorten(path, substep)
+            shorten(work, path, substep, watch[SOFTEST])
         elif verify_linear_stretch(system, work, path, substep) and knows_pairs(system, work, path, substep):
             watch_stiffness(system, work, path, substep, watch[SOFTEST])
-            accept(work, path, substep, watch[ROOM])
+            accept(task, work, path, substep, watch[ROOM])
     conclude(system, task, work, path)
 
 
@@ -119,7 +127,7 @@ def begin(system, task, work, path, watch):
     copy(task.start, work.origin)
     path.last_step, work.old[0] = 1.0, np.inf  # no state before, no turn known
     path.next_step = min(task.times[0], FIRST_STEP)
-    path.held, path.release, path.linear_from = 0.0, 1.0, 0.0
+    path.releasing, path.release, path.let_go, path.linear_from = False, 0.0, 0.0, 0.0
     path.least_gap = system.update_history(system.reals, system.ints, work.state, work.history)
     path.outcome = NEW_PAIR if path.least_gap == -np.inf else COMPLETED
     factor_start(system, task, work, path)
@@ -195,7 +203,7 @@ def plan(task, path, substep, watch):
     if path.tries > MOST_TRIES + path.row:
         path.outcome = EXHAUSTED
         return
-    if path.held > 0.0:
+    if path.releasing:
         # at the same load, some of what opening pairs held is released
         substep.target, substep.duration, substep.landing = path.time, 0.0, False
         substep.near_critical = substep.near_overlap = False
@@ -251,9 +259,9 @@ def find_equilibrium(system, equilibrium, task, work, path, substep, it):
         path.reference * substep.duration**2, path.rounding * (path.dead + path.force * substep.target),
         path.rounding, task.limit, task.modified, path.least_pivot,
     )  # fmt: skip
-    forget_fresh(work.history)
-    if path.held > 0.0:
-        release(work.history, max(path.held - path.release, 0.0) / path.held)
+    begin_attempt(work.history, substep.duration / path.last_step)
+    if path.releasing:
+        release(work.history, 2.0**-path.release if path.release <= MOST_RELEASE else 0.0)
     update_pairs(system, work, work.predicted)
     substep.rounds, substep.iterations, substep.trouble, substep.cut = 0, 0, NONE, HALF
     factor = 0.0
@@ -264,26 +272,31 @@ def find_equilibrium(system, equilibrium, task, work, path, substep, it):
         substep.trouble = max(substep.trouble, it.trouble)
         path.spent += it.count
         path.pairs += it.pairs
-        if substep.status == LINEAR and (substep.rounds > 0 or path.held > 0.0):
+        if substep.status == LINEAR and (substep.rounds > 0 or path.releasing):
             substep.status = CONVERGED
         substep.rounds += 1
         copy_history(work.history, work.trial_history)  # with the bounds that this state was found with
         if substep.status > LINEAR:
             break
         change = update_pairs(system, work, work.trial)
-        share = located(work.history)
+        end = located(work.history)
         left, least = substep.duration, 2.0 * LEAST_STEP
-        if path.held > 0.0:
+        if path.releasing:
             left, least = path.release, 2.0 * LEAST_RELEASE
-        if share < 1.0 and left >= least:
-            substep.cut = min(max(share, LEAST_FREE), MOST_CUT)
+        if end < 1.0 and left >= least:
+            substep.cut = min(max(end, LEAST_FREE), MOST_CUT)
             break
-        if change <= BOUND_CHANGE:
+        left = 0.0
+        if creeping(work.history):
+            left = renew_creep(system, task, work)
+            path.spent += 1
+        if change <= BOUND_CHANGE and left <= CREEP:
             break
-        if substep.rounds == MOST_ROUNDS:
+        if substep.rounds == MOST_ROUNDS or left == np.inf:
             substep.status = FAILED
             break
-        factor = relax(work.trial_history, work.history, work.change, factor)
+        if left == 0.0:
+            factor = relax(work.trial_history, work.history, work.change, factor)
         path.reuse = True
         path.tries += 1
     put_prescribed(system, task.start, substep.target, work.trial)
@@ -303,7 +316,7 @@ def keeps_branch(system, task, work, path, substep, watch):
     if path.lost or substep.cut != HALF:
         return False
     good, substep.share, substep.distance = continues(
-        system, task, work, substep.trouble, task.predictor or path.held > 0.0
+        system, task, work, substep.trouble, task.predictor or path.releasing
     )
     substep.room, substep.moved = watch[ROOM].value, path.moved + substep.distance
     if good and (NEARER * substep.moved >= substep.room or substep.near_overlap):
@@ -351,21 +364,29 @@ def slides_stably(system, task, work, path):
 
 
 @part
-def shorten(path, substep):
+def shorten(work, path, substep, softest):
     """Take the substep again, half as long; one that is too short ends the path."""
     if path.outcome != COMPLETED:
         return
     path.reuse = False
-    if path.held > 0.0:
-        path.release *= substep.cut
+    if path.releasing:
+        path.release = min(path.release, 2.0 * MOST_RELEASE) * HALF
         if path.release < LEAST_RELEASE:
             path.outcome, path.bracket = JUMP, 2.0 * LEAST_STEP
         return
     path.failed = path.failed or substep.cut == HALF
     path.next_step = substep.cut * substep.duration
     if substep.duration < 2.0 * LEAST_STEP:
-        # negative pivots however short the step: the stiffness jumps there, as where a pair opens
-        path.outcome = CRITICAL if substep.trouble == INDEFINITE else STUCK
+        path.bracket = 2.0 * LEAST_STEP
+        if creeping(work.history) and softest.value > JUMPS * path.rest_stiffness:
+            # it is no mode that has become soft: a pair that creeps lets go, once
+            path.outcome = COMPLETED if path.time > path.let_go else JUMP
+            path.let_go, path.next_step = path.time + LEAST_STEP, FIRST_STEP
+            path.releasing, path.release = True, np.inf
+            let_go(work.history)
+        else:
+            # negative pivots however short the step: the stiffness jumps there, as where a pair opens
+            path.outcome = CRITICAL if substep.trouble == INDEFINITE else STUCK
 
 
 @part
@@ -404,7 +425,7 @@ def watch_stiffness(system, work, path, substep, softest):
     A pair that closes turns the slope of the stiffness, and steeply where a displacement is prescribed: it is
     evaluated there, and after a short step; and where substeps fail, perhaps since a critical point is near.
     """
-    if path.held > 0.0:
+    if path.releasing:
         path.fresh = 1
         return
     first = substep.least_gap <= 0.0 < path.least_gap
@@ -443,12 +464,12 @@ def knows_pairs(system, work, path, substep):
 
 
 @part
-def accept(work, path, substep, room):
+def accept(task, work, path, substep, room):
     """Make the trial state the last accepted one."""
-    if path.held > 0.0:
+    if path.releasing:
         accept_release(work, path)
     else:
-        accept_step(work, path, substep)
+        accept_step(task, work, path, substep)
     if substep.moved == 0.0:
         room.zero = predicted_zero(path.time, substep.room, room.time, room.value)
         room.time = path.time
@@ -458,9 +479,9 @@ def accept(work, path, substep, room):
     path.least_gap = substep.least_gap
     if path.slid:
         set_rise(work.history, path.rise)
-    if path.held == 0.0 and opening(work.history):
-        path.held, path.release = 1.0, 1.0
-    if path.due and path.held == 0.0:
+    if not path.releasing and opening(work.history):
+        path.releasing, path.release = True, np.inf
+    if path.due and not path.releasing:
         copy(work.state, work.states[path.row])
         copy_history(work.trial_history, work.histories[path.row])
         work.iterations[path.row] = path.spent
@@ -469,25 +490,29 @@ def accept(work, path, substep, room):
 
 
 @part
-def accept_step(work, path, substep):
+def accept_step(task, work, path, substep):
     """Go on in time, with a step as long as the path's curvature lets the next one be."""
     copy(work.tangent, work.old)
     if substep.status == CONVERGED:
         copy(work.ahead, work.tangent)
     path.reuse, path.last_step, path.time = True, substep.duration, substep.target
     path.due = substep.landing
-    if substep.iterations < EASY_COUNT + substep.rounds:  # a round with renewed bounds takes one more
+    # a round with renewed bounds takes one more, pairs that give way several
+    if substep.iterations < EASY_COUNT + substep.rounds or creeping(work.history):
         # the turn grows with the square of the step
         growth = min(2.0, math.sqrt(SAFE * TURN / substep.share)) if substep.share > 0.0 else 2.0
         path.next_step = max(path.next_step, substep.duration * growth)
+    slip = largest_slip(work.history)
+    if slip > 0.0:
+        path.next_step = min(path.next_step, substep.duration * MOST_SLIP * task.diameter / slip)
 
 
 @part
 def accept_release(work, path):
     """What opening pairs held is released, or some of it: the tangent is another one now."""
     copy(work.ahead, work.tangent)
-    path.held = max(path.held - path.release, 0.0) if opening(work.history) else 0.0
-    path.release = min(2.0 * path.release, 1.0)
+    path.releasing = opening(work.history)
+    path.release *= 2.0
     path.reuse, path.last_step, work.old[0] = True, 1.0, np.inf  # no turn known
 
 

@@ -114,8 +114,9 @@ PATH = np.dtype(
         ("tries", "i8"),  # equilibria looked for
         ("next_step", "f8"),
         ("last_step", "f8"),
-        ("held", "f8"),  # share of what opening pairs held that is still to be released, else 0
-        ("release", "f8"),  # share of it that is released next
+        ("releasing", "?"),  # opening pairs hold something tangentially that is still to be released
+        ("release", "f8"),  # power of two by which their tangential stiffness is lowered next
+        ("let_go", "f8"),  # up to this time no pair that creeps lets go again
         ("failed", "?"),  # a substep had to be shortened since the softest mode was evaluated
         ("due", "?"),  # the last accepted state is at a requested time, and not written yet
         ("least_gap", "f8"),  # least gap of the contact pairs

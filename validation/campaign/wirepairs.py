@@ -45,6 +45,7 @@ class Pairs:
     clearance: np.ndarray  # (pairs,) by how much wires run into each other at rest
     held: np.ndarray  # (pairs,) whether there is a tangential force
     slides: np.ndarray  # (pairs,) whether it is at its bound
+    arcs: np.ndarray  # (pairs,) whether spheres resist the arc: under friction, and where they creep
     share: np.ndarray  # (pairs,) of the stiffness of sticking that is left; 1 but for pairs that are released
     # (pairs, 3) of wires: the material points that touched first, from the stations, in their sections at
     # rest; of spheres: the vector between the centres when they did, and the normal
@@ -53,7 +54,7 @@ class Pairs:
 
     def of(self, chosen: np.ndarray) -> Pairs:
         """Some of the pairs."""
-        names = ("index", "clearance", "held", "slides", "share", "one", "two")
+        names = ("index", "clearance", "held", "slides", "arcs", "share", "one", "two")
         return replace(self, **{name: getattr(self, name)[chosen] for name in names})
 
     @property
@@ -88,8 +89,9 @@ class Pairs:
         if self.points.wires:
             return _across(w + self._section(1, poses, self.two.T) - self._section(0, poses, self.one.T), n)
         reference = _like(w, self.two.T)
-        if not np.isfinite(self.law.mu):
-            return _across(w - _like(w, self.one.T), reference)
+        stuck = _across(w - _like(w, self.one.T), reference)
+        if not self.arcs.any():
+            return stuck
         chord = n - reference
         square = (chord * chord).sum(axis=0)
         near = np.abs(square) < SMALL_CHORD
@@ -99,7 +101,7 @@ class Pairs:
             1.0 + square / 24.0 + 3.0 * square**2 / 640.0 + 5.0 * square**3 / 7168.0,
             2.0 * np.arcsin(0.5 * safe) / safe,
         )
-        return self.law.d * ratio * chord
+        return np.where(self.arcs, self.law.d * ratio * chord, stuck)
 
     def gradient(self, rows: np.ndarray) -> np.ndarray:
         """Gradient (nodes, 6) of the pairs' energies; of what slides, Coulomb's force along its slip."""
@@ -122,9 +124,10 @@ class Pairs:
         h, n, _ = self.gap(poses)
         slip = self.slip(poses)
         press, _, ratio, _, _ = self._sizes(rows)
-        if not self.points.wires and np.isfinite(self.law.mu):
+        if not self.points.wires:
             # of the length of the arc, along it
-            slip = np.sqrt((slip * slip).sum(axis=0)) * _along(slip, n) * self.law.d / h
+            arc = np.sqrt((slip * slip).sum(axis=0)) * _along(slip, n) * self.law.d / h
+            slip = np.where(self.arcs, arc, slip)
         return press, (ratio * slip).T
 
     def renewed(self, rows: np.ndarray) -> Pairs:
@@ -215,8 +218,7 @@ def known_pairs(points: Points, law: Law, rest: np.ndarray, path: EquilibriumPat
     assert path.histories is not None
     index = path.shape.data.contact.pairs  # type: ignore[attr-defined]
     history = path.histories[row]
-    released = history["opening"] & (history["bound"] == 0.0)
-    held = history["closed"] & ~released & (law.mu > 0.0)
+    held = history["closed"] & (history["released"] < 1.0) & (law.mu > 0.0)
     one, two = (history["arms"][:, :3], history["arms"][:, 3:]) if points.wires else (
         history["vector"], history["normal"],
     )  # fmt: skip
@@ -229,7 +231,8 @@ def known_pairs(points: Points, law: Law, rest: np.ndarray, path: EquilibriumPat
 
     made = Pairs(
         points, law, np.concatenate((index, more)).astype(int), np.zeros(count), padded(held),
-        np.zeros(count, bool), np.ones(count), padded(one), padded(two),
+        np.zeros(count, bool), padded(history["creeps"]) | np.isfinite(law.mu),
+        1.0 - padded(history["released"]), padded(one), padded(two),
     )  # fmt: skip
     if points.wires:
         made = replace(made, clearance=np.maximum(made.depth(rest), 0.0))

@@ -30,7 +30,10 @@ STRAIGHT = 0.99  # cosine between the moves towards a fold
 POINTS = 300  # of an arc-length run
 TURN = 5e-3  # of the load: how near the critical time a traced path has points
 JUST_BEFORE = (1e-6, 1e-5, 1e-4, 1e-3)  # shares of the load by which a state may lie before a jump
-FIRST_STEP, LEAST_STEP = 1.0 / 16.0, 1e-4  # of what the opening pairs hold, released at a time
+# Powers of two by which the stiffness is lowered that holds opening pairs, at first, at least and at most;
+# and the share of it that counts as none: it may be that much stiffer than the spring.
+FIRST_STEP, LEAST_STEP, MOST_STEP, NONE = 0.5, 1e-3, 4.0, 1e-10
+NEAR = 0.05  # wire diameters that such a step may move: more is no release but a jump
 MOST_CORRECTIONS = 15
 CLOSE = 1e-8  # wire diameters or rad: the last correction
 FAR = 0.5  # wire diameters or rad that a step may move: more is no neighbour
@@ -232,25 +235,25 @@ def verify_jump(verdict: Verdict, forces: WireForces, case: Case, path: Equilibr
 def released(
     forces: WireForces, pairs: Pairs, opening: np.ndarray, rows: np.ndarray, load: np.ndarray
 ) -> float:
-    """Share that is left of what opening pairs hold where releasing it loses the stable equilibrium, or leads
-    away from it by a wire diameter; else 0.
+    """Share that is left of the stiffness that holds opening pairs where lowering it further loses the stable
+    equilibrium, or leads away from it; else 0.
 
     Pairs that open on the way are released from there on.
     """
-    start, left, step = rows, 1.0, FIRST_STEP
+    left, step = 1.0, FIRST_STEP
     begins = np.where(opening, 1.0, np.nan)  # what was left of the others when a pair began to open
     while left > 0.0:
-        ahead = max(left - step, 0.0)
+        ahead = left * 2.0**-step if left > NONE else 0.0
         share = np.where(np.isnan(begins), 1.0, ahead / begins)
-        found = _settled(forces, replace(pairs, share=share), rows, load)
-        if found is None or np.abs(found - start)[:, :3].max() > forces.law.d:
+        found = _settled(forces, replace(pairs, share=pairs.share * share), rows, load)
+        if found is None or np.abs(found - rows)[:, :3].max() > NEAR * forces.law.d:
             step *= 0.5
-            if step < LEAST_STEP:
+            if ahead == 0.0 or step < LEAST_STEP:
                 return left
             continue
-        rows, left, step = found, ahead, 2.0 * step
+        rows, left, step = found, ahead, min(2.0 * step, MOST_STEP)
         opens = pairs.held & np.isnan(begins) & (pairs.depth(rows) < 0.0)
-        begins[opens] = max(left, LEAST_STEP)
+        begins[opens] = max(left, NONE)
     return 0.0
 
 
