@@ -216,11 +216,10 @@ def update_wires(contact, accepted, predicted, state, history):
         if row.opening:
             far, _, _, _, _ = gap(contact, before, m)
             touches_again(row, far, h, d)
-        if row.opening or row.creeps:
+        elif row.creeps:
             length, _ = _tangential_slip(contact, points, state, m, row)
             row.gap, row.sticking = h - d, contact.kt * length
-            continue
-        if not (row.closed or h < d):
+        if row.opening or row.creeps or not (row.closed or h < d):
             continue
         new = not row.closed
         if new:

@@ -52,7 +52,7 @@ def begin_attempt(history, ratio):
         row = history[m]
         if row.fresh:
             row.closed = row.fresh = False
-        row.released, row.least, row.most, row.sticking = 0.0, -1.0, 2.0, row.held
+        row.released, row.least, row.most = 0.0, -1.0, 2.0
         slip = ratio * row.slip
         if row.creeps and slip > 0.0 and row.before > 0.0:
             row.released = slip / (row.before + slip)

@@ -154,10 +154,9 @@ def update_pairs(before, ahead, vectors, history, law):
         h, row = _distance(vectors, m), history[m]
         if row.opening:
             touches_again(row, _distance(before, m), h, d)
-        if row.opening or row.creeps:
+        elif row.creeps:
             row.gap, row.sticking = h - d, K * _stretched(vectors[m], h, d, row, e)
-            continue
-        if not (row.closed or h < d):
+        if row.opening or row.creeps or not (row.closed or h < d):
             continue
         if not row.closed:
             _touch(row, before[m], ahead[m], vectors[m], d)

@@ -41,8 +41,8 @@ PAIR_HISTORY = np.dtype(
         ("before", "f8"),  # how far it was stretched tangentially in that, mm
         ("least", "f8"),  # share that is left to a pair that creeps: with this it is pressed,
         ("most", "f8"),  # and with this it opens, in the substep at hand
-        ("gap", "f8"),  # of such a pair, in the trial state, mm
-        ("sticking", "f8"),  # tangential force of a pair that gives way, if it stuck in the trial state, N
+        ("gap", "f8"),  # of such a pair, in the trial state, mm,
+        ("sticking", "f8"),  # and the tangential force that would hold all of it, N
         ("cut", "f8"),  # share of the substep to try instead: to where it touches or opens
         ("held", "f8"),  # its tangential force, or the bound of it, in the last accepted state, N
         ("arms", "f8", 6),  # of wires: the material points that touched first, in their sections at rest, mm
@@ -197,9 +197,7 @@ def goes_on(row, length, K, gap, d):
     elif gap >= 0.0:
         row.closed = row.opening = length > 0.0
     row.kept, row.before = 1.0 - row.released, length
-    row.held = row.sticking = 0.0
-    if row.opening or row.creeps:
-        row.held = row.sticking = row.kept * K * length
+    row.held = row.kept * K * length if row.opening or row.creeps else 0.0
     return row.closed and gap >= 0.0
 
 
