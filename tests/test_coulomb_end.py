@@ -9,7 +9,6 @@ import equivbeam
 from coilspring import Contact, EquilibriumNotFound, spring_a
 from coilspring.compiling.packing import pack
 from coilspring.solver.coulomb import SLACK, coulomb
-from coilspring.solver.solve import HELD
 from coilspring.solver.stability import Body
 from equivbeam.model import matrix_size
 from equivbeam.solve import KERNELS
@@ -63,14 +62,15 @@ def test_determinant_of_coulombs_tangent():
 
 
 @pytest.mark.parametrize(
-    ("name", "time"), [("w00182", 0.7783), ("w00139", 0.5743), ("w00263", 0.4357), ("w00691", 0.56618)]
+    ("name", "time"), [("w00182", 0.77848), ("w00139", 0.57489), ("w00263", 0.43586), ("w00691", 0.56630)]
 )
 def test_coils_that_slide_off_each_other_reach_a_limit_point(name, time):
-    """Held bounds lose their stability earlier than Coulomb's law, or later."""
+    """Held bounds lose their stability earlier than Coulomb's law, or later. Times of 1600 steps: of first
+    order in the substeps, as the campaign allows."""
     with pytest.raises(EquilibriumNotFound) as found:
         solve(name)
     assert found.value.outcome == "limit_point"
-    assert found.value.critical_time == pytest.approx(time, abs=2e-4)
+    assert found.value.critical_time == pytest.approx(time, rel=5e-3)
     assert found.value.path.critical_bracket <= 2e-6
 
 
@@ -87,9 +87,49 @@ def test_limit_point_is_that_of_coulombs_own_tangent(name):
         assert bool(verdict.complaints) == (share < 1.0)
 
 
-def test_where_the_iteration_alone_ends_is_no_critical_point():
-    with pytest.raises(EquilibriumNotFound) as found:
-        solve("w00247", seed=2)
-    assert found.value.outcome == "not_converged"
-    assert found.value.message.startswith(HELD)
-    assert found.value.critical_time is None
+def test_a_path_is_followed_to_the_limit_point_of_coulombs_law():
+    """In any number of steps. The iteration alone ended it at 0.505, where the law goes on."""
+    case = make_case("w00247", 2, "spheres")
+    for steps in (5, 20):
+        path = reached(case, replace(case.scene, load=replace(case.scene.load, steps=steps)))
+        assert path.outcome == "limit_point"
+        assert path.critical_time == pytest.approx(0.58922, abs=1e-4)
+
+
+@pytest.mark.parametrize(
+    ("name", "seed", "geometry", "outcome"),
+    [
+        # each ended by the iteration with one of these left out: bounds that begin with the accepted ones,
+        ("w00106", 11, "spheres", "interpenetration"),
+        # Newton's method for bounds,
+        ("w00053", 5, "wires", "completed"),
+        # iterations for pairs that change between sticking and sliding,
+        ("w00105", 11, "wires", "completed"),
+        # and no rounds for bounds of pairs that stick
+        ("w00006", 25, "spheres", "completed"),
+    ],
+)
+def test_coulomb_friction_ends_for_reasons_of_the_scene_alone(name, seed, geometry, outcome):
+    """And alike in few and many steps: these took 1000 to 75 000 factorisations, and ended anywhere."""
+    case = make_case(name, seed)
+    assert case.scene.contact.geometry == geometry
+    few, many = (
+        reached(case, replace(case.scene, load=replace(case.scene.load, steps=steps))) for steps in (5, 20)
+    )
+    assert few.outcome == many.outcome == outcome
+    assert max(few.total_iterations, many.total_iterations) < 5000
+    if outcome == "completed":
+        np.testing.assert_allclose(
+            few.tips[-1], many.tips[-1], rtol=1e-3, atol=1e-3 * abs(many.tips[-1]).max()
+        )
+
+
+def test_a_path_turns_where_coulombs_tangent_does():
+    """Its determinant changes sign with the direction of sliding free to turn: so ends a path of spheres that
+    slide off each other, in any number of steps at about one load."""
+    case = make_case("w00017", 7)
+    ends = [
+        reached(case, replace(case.scene, load=replace(case.scene.load, steps=steps))) for steps in (5, 20)
+    ]
+    assert {path.outcome for path in ends} == {"limit_point"}
+    assert ends[0].critical_time == pytest.approx(ends[1].critical_time, rel=1e-3)

@@ -34,6 +34,7 @@ from coilspring.contact.law import (
     first_touch,
     gave_way,
     goes_on,
+    located_to,
     normal_law,
     opens_after,
     predicted_badly,
@@ -166,7 +167,7 @@ def _touch(contact, states, m, row):
     for i in range(3):
         apart += doubt[i] * doubt[i]
         row.normal[i] = v[2, i]
-    touches_first(row, at, math.sqrt(apart), d)
+    touches_first(row, at, math.sqrt(apart), located_to(contact.mu) * d)
 
 
 @part
@@ -230,7 +231,7 @@ def update_wires(contact, accepted, predicted, state, history):
         elif row.fresh and gap(contact, ahead, m)[0] < d:
             _, expected = _tangential_slip(contact, ahead, predicted, m, row)
             error = plus(way, -1.0, expected)
-            predicted_badly(row, math.sqrt(dot(error, error)), d)
+            predicted_badly(row, math.sqrt(dot(error, error)), located_to(contact.mu) * d)
         normal = normal_law(max(d - h, 0.0), contact.kc, contact.k)[1]
         most = max(most, least_bound * normal)
         if contact.mu == np.inf:

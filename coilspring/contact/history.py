@@ -6,7 +6,7 @@ import numpy as np
 
 from coilspring.compiling.compiled import part
 
-LEAST_CHANGE = 0.1  # share of the change of a bound that is made
+MOST_CHANGE = 1.5  # ratio of a predicted bound to the one before, or of this to that, at most
 
 
 @part
@@ -14,34 +14,6 @@ def copy_history(source, target):
     """target[:] = source for contact histories."""
     for m in range(source.size):
         target[m] = source[m]
-
-
-@part
-def relax(held, history, left, factor):
-    """Aitken's relaxation of the bounds, whose fixed point may repel.
-
-    Those that the state at hand was found with are in `held`, those it asks for in `history`, what was left
-    of the round before in `left`. Returns the factor with which the change is made; before there is a round,
-    it is 0.
-    """
-    along, square = 0.0, 0.0
-    for m in range(history.shape[0]):
-        change = 0.0
-        if held[m].closed and history[m].bound != held[m].bound:
-            change = history[m].bound - held[m].bound
-        along += left[m] * (change - left[m])
-        square += (change - left[m]) * (change - left[m])
-        left[m] = change
-    if factor > 0.0 and square > 0.0:
-        # where a pair begins or ends to slide in between, the secant may point away: half of it then
-        factor *= -along / square if along < 0.0 else 0.5
-        factor = min(max(factor, LEAST_CHANGE), 1.0)
-    else:
-        factor = 1.0
-    for m in range(history.shape[0]):
-        if left[m] != 0.0:
-            history[m].bound = held[m].bound + factor * left[m]
-    return factor
 
 
 @part
@@ -56,6 +28,17 @@ def begin_attempt(history, ratio):
         slip = ratio * row.slip
         if row.creeps and slip > 0.0 and row.before > 0.0:
             row.released = slip / (row.before + slip)
+
+
+@part
+def keep_bounds(history):
+    """Begin with the bounds of the last accepted state where predicted ones differ much: penetrations of hard
+    contact are not predicted well."""
+    for m in range(history.shape[0]):
+        row = history[m]
+        near = row.held / MOST_CHANGE <= row.bound <= MOST_CHANGE * row.held
+        if row.closed and not (row.fresh or near) and row.bound < np.inf:
+            row.bound = row.held
 
 
 @part

@@ -12,6 +12,7 @@ from coilspring.contact.law import (
     first_touch,
     gave_way,
     goes_on,
+    located_to,
     normal_law,
     opens_after,
     predicted_badly,
@@ -23,8 +24,7 @@ from coilspring.contact.law import (
 )
 
 SLIGHT = 1e-7  # wire diameters of penetration: its force is the least that friction bounds are compared with
-TOUCH = 0.003  # wire diameters by which a pair may penetrate where a prediction closes it,
-HELD_TOUCH = 0.0001  # and by which one that is held from there
+TOUCH = 0.003  # wire diameters by which a pair that nothing holds may penetrate where a prediction closes it
 OVERLAP_ALLOWED = 0.1  # wire diameters by which wires may overlap more than the deepest pair does
 NEAR = 1.5  # wire diameters between centres, within which a pair's motion in a substep is watched
 
@@ -40,7 +40,7 @@ def approach(before, after, d, mu):
 
     A pair counts if it comes near anywhere between: wires must not pass through each other.
     """
-    most, free, inner = 0.0, 1.0, ((1.0 - (TOUCH if mu == 0.0 else HELD_TOUCH)) * d) ** 2
+    most, free, inner = 0.0, 1.0, ((1.0 - (TOUCH if mu == 0.0 else located_to(mu))) * d) ** 2
     for m in range(before.shape[0]):
         v0, v1, v2 = before[m, 0], before[m, 1], before[m, 2]
         w0, w1, w2 = after[m, 0], after[m, 1], after[m, 2]
@@ -59,9 +59,10 @@ def approach(before, after, d, mu):
 
 
 @part
-def _touch(row, before, ahead, after, d):
+def _touch(row, before, ahead, after, law):
     """Hold a pair from where it touches first: on the predicted way where that touches, else on the straight
     one; what the two differ by, or the rest of the way, is in doubt."""
+    d = law.d
     e, doubt = np.empty(3), 0.0
     predicted = ahead[0] ** 2 + ahead[1] ** 2 + ahead[2] ** 2 < d * d
     at, other = first_touch(before, ahead if predicted else after, d), first_touch(before, after, d)
@@ -74,7 +75,7 @@ def _touch(row, before, ahead, after, d):
     for i in range(3):
         row.vector[i] = e[i]
         row.normal[i] = e[i] / h
-    touches_first(row, at, math.sqrt(doubt), d)
+    touches_first(row, at, math.sqrt(doubt), located_to(law.mu) * d)
 
 
 @part
@@ -124,7 +125,7 @@ def remember(vectors, history, law):
         if law.mu == 0.0 or not (row.closed or h < d):
             continue
         if not row.closed:
-            _touch(row, vectors[m], vectors[m], vectors[m], d)
+            _touch(row, vectors[m], vectors[m], vectors[m], law)
         row.fresh = False
         if law.mu < np.inf:
             length = d * arc(vectors[m], h, row, e)
@@ -159,10 +160,10 @@ def update_pairs(before, ahead, vectors, history, law):
         if row.opening or row.creeps or not (row.closed or h < d):
             continue
         if not row.closed:
-            _touch(row, before[m], ahead[m], vectors[m], d)
+            _touch(row, before[m], ahead[m], vectors[m], law)
             change = max(change, K * stretch(vectors[m], row, e))
         elif row.fresh and _distance(ahead, m) < d:
-            predicted_badly(row, _across(row.normal, ahead[m], vectors[m]), d)
+            predicted_badly(row, _across(row.normal, ahead[m], vectors[m]), located_to(mu) * d)
         normal = normal_law(max(d - h, 0.0), law.kc, law.k)[1]
         most = max(most, min(mu, 1.0) * normal)
         if mu == np.inf:

@@ -9,7 +9,7 @@ that the force turns with the pair, and its size is that of return mapping (Simo
 Inelasticity, chapter 2): ``Kt l`` up to a bound. Within a substep the bound is a line over what slides in it,
 ``b (1 + r s)``, so that the pair keeps a potential; the path follower renews b until the line meets the bound
 ``mu F`` of the normal force at the slip that is found. The rise r is no part of the law then, but of the
-matrix (`coilspring.solver.frictiontangent`). What slid is taken off l when the substep is accepted.
+matrix (`coilspring.solver.friction`). What slid is taken off l when the substep is accepted.
 """
 
 from __future__ import annotations
@@ -69,9 +69,11 @@ def tangential_stiffness(K: float, k: float, d: float) -> float:
 # Share of a bound that is left when it falls with the slip: less is out of reach, since the rise is at least
 # -1/d and a pair moves by no more than half of d in a substep.
 LEAST_LEFT = 0.5
-OPEN = 1e-4  # wire diameters of gap at most where a pair that sticks is said to open
+OPEN = 2e-5  # wire diameters of gap at most where a pair that sticks is said to open
 CREEP = 1e-6  # wire diameters of gap at most where a pair that creeps is said to touch
-LOCATED = 1e-4  # wire diameters, by which two ways to find where a pair touches first may differ at most
+# Wire diameters, by which two ways to find where a pair touches first may differ at most: where it sticks,
+STICK_LOCATED = 2e-5
+LOCATED = 1e-4  # and with friction
 
 
 @part
@@ -150,18 +152,27 @@ def first_touch(before, after, d):
 
 
 @part
-def touches_first(row, at, doubt, d):
-    """A pair is held from after the share `at` of a substep on: there it touches first, but for a `doubt`."""
-    row.closed, row.fresh, row.creeps, row.bound = True, True, False, math.inf
-    row.slid, row.rise, row.held, row.released = 0.0, 0.0, 0.0, 0.0
-    row.cut = 1.0 if doubt <= LOCATED * d else at + 0.5 * (1.0 - at) * LOCATED * d / doubt
+def located_to(mu):
+    """Wire diameters, by which two ways to find where a pair touches first may differ at most."""
+    return LOCATED if mu < math.inf else STICK_LOCATED
 
 
 @part
-def predicted_badly(row, error, d):
-    """Ask for a shorter substep where a pair that touched first was predicted with such an error."""
-    if error > LOCATED * d:
-        row.cut = min(row.cut, 0.8 * math.sqrt(LOCATED * d / error))
+def touches_first(row, at, doubt, most):
+    """A pair is held from after the share `at` of a substep on: there it touches first, but for a `doubt`.
+
+    A shorter substep is asked for where that is more than `most`.
+    """
+    row.closed, row.fresh, row.creeps, row.bound = True, True, False, math.inf
+    row.slid, row.rise, row.held, row.released = 0.0, 0.0, 0.0, 0.0
+    row.cut = 1.0 if doubt <= most else at + 0.5 * (1.0 - at) * most / doubt
+
+
+@part
+def predicted_badly(row, error, most):
+    """Ask for a shorter substep where a pair that touched first was predicted with an error above `most`."""
+    if error > most:
+        row.cut = min(row.cut, 0.8 * math.sqrt(most / error))
 
 
 @part
@@ -225,11 +236,16 @@ def gave_way(length, K, row, gap):
 
 @part
 def renewed(length, bound, K, row):
-    """Set the bound of a held pair so that it is `bound` at its present slip; returns its change."""
+    """Set the bound of a held pair so that it is `bound` at its present slip.
+
+    Returns the change, where the pair slides with one of the two.
+    """
+    slides = K * length > row.bound
     if bound < math.inf:
-        row.slip = length - bound / (K)
+        row.slip = length - bound / K
+        slides = slides or row.slip > 0.0
         bound /= max(1.0 + row.rise * max(row.slip, 0.0), LEAST_LEFT)
-    change = abs(bound - row.bound) if bound != row.bound else 0.0
+    change = abs(bound - row.bound) if slides and bound != row.bound else 0.0
     row.bound = bound
     return change
 

@@ -44,7 +44,14 @@ def renew_creep(system, task, work):
     opens, slips, rows = np.empty((n, n)), np.empty((n, n)), np.empty((3, n))
     _factor_sliding(system, work, active)
     for p in range(n):
-        more = _response(system, task, work, active[p])
+        row = work.low[active[p]]
+        more = LESS * row.sticking
+        more = -more if row.bound > 0.5 * row.sticking else more
+        copy_history(work.low, work.high)
+        work.high[active[p]].bound += more
+        small = answer(system, task, work)
+        answered(system, work, small)
+        more *= small
         for q in range(n):
             row, there = history[active[q]], work.high[active[q]]
             opens[q, p] = (there.gap - row.gap) / more
@@ -96,23 +103,28 @@ def _factor_sliding(system, work, active):
 
 
 @part
-def _response(system, task, work, m):
-    """Gaps in `work.high` where the tangential force of a pair is more by what is returned, N."""
-    low, high, step, there = work.low, work.high, work.step, work.scratch
-    bound = low[m].bound
-    more = -LESS * low[m].sticking if bound > 0.5 * low[m].sticking else LESS * low[m].sticking
-    low[m].bound = bound + more
-    assembled(system, work.trial, 0.0, low, work.trial, step, work.F[:0])
-    low[m].bound = bound
+def answer(system, task, work):
+    """Motion `work.ahead` by which the trial state answers to the bounds in `work.high`, after those in
+    `work.low`; returns the share of it over which what pairs do is nearly linear.
+
+    `work.F` is the factor at the trial state with `work.low`, and `work.g` its gradient.
+    """
+    step, there = work.step, work.scratch
+    assembled(system, work.trial, 0.0, work.high, work.trial, step, work.F[:0])
     subtract(work.g, step)
     solution(system, work.F, step, -1.0, work.ahead)
     moved(system, work.trial, work.ahead, 1.0, there)
     distance, _, _ = system.displacement_bound(system.reals, system.ints, work.trial, there, np.inf)
-    small = NEARBY * task.diameter / distance if distance > 0.0 else 1.0
-    moved(system, work.trial, work.ahead, small, there)
-    copy_history(work.history, high)
-    system.update_pairs(system.reals, system.ints, there, there, there, high)
-    return small * more
+    return NEARBY * task.diameter / distance if distance > 0.0 else 1.0
+
+
+@part
+def answered(system, work, share):
+    """What pairs do, in `work.high`, after a share of the motion `work.ahead`."""
+    there = work.scratch
+    moved(system, work.trial, work.ahead, share, there)
+    copy_history(work.low, work.high)
+    system.update_pairs(system.reals, system.ints, there, there, there, work.high)
 
 
 @part
@@ -179,7 +191,7 @@ def _turned(state, opens, slips, rows, M):
     for turn in range(MOST_TURNS * n + 1):
         for p in range(n):
             _equation(state[p], p, opens, slips, rows, M)
-        if not eliminated(M):
+        if eliminated(M) == 0:
             return SINGULAR
         p = _next(state, opens, slips, rows, M)
         if p == n:
@@ -229,8 +241,11 @@ def _equation(state, p, opens, slips, rows, M):
 
 @part
 def eliminated(M):
-    """Solve a system with its right side in the last column, in place; whether it is regular."""
-    n = M.shape[0]
+    """Solve a system with its right side in the last column, in place.
+
+    Returns the sign of the determinant, 0 where the system is singular.
+    """
+    n, sign = M.shape[0], 1
     for i in range(n):  # equations of different units
         most = 0.0
         for j in range(n):
@@ -243,7 +258,9 @@ def eliminated(M):
             if abs(M[i, k]) > abs(M[pivot, k]):
                 pivot = i
         if not abs(M[pivot, k]) > 0.0:
-            return False
+            return 0
+        if (pivot != k) != (M[pivot, k] < 0.0):
+            sign = -sign
         for j in range(k, n + 1):
             M[k, j], M[pivot, j] = M[pivot, j], M[k, j]
         for i in range(n):
@@ -253,4 +270,4 @@ def eliminated(M):
                     M[i, j] -= factor * M[k, j]
     for k in range(n):
         M[k, n] /= M[k, k]
-    return True
+    return sign

@@ -15,38 +15,49 @@ import numpy as np
 from numba import types
 
 from coilspring.compiling.compiled import copy, part, signed
-from coilspring.contact.history import (
-    begin_attempt,
-    copy_history,
-    creeping,
-    has_friction,
-    has_history,
-    largest_slip,
-    let_go,
-    located,
-    opening,
-    relax,
-    release,
-    set_rise,
-    slides,
+from coilspring.contact.history import copy_history, creeping, largest_slip, let_go, opening, set_rise
+from coilspring.contact.kinematics import TOUCH
+from coilspring.solver.branch import TURN, curvature, displacement_bound, predict
+from coilspring.solver.friction import raise_bounds
+from coilspring.solver.newton import CONVERGED, INDEFINITE, LINEAR
+from coilspring.solver.operations import assembled, factored, moved, solution
+from coilspring.solver.stability import (
+    APPROACH,
+    JUMPS,
+    LEAST_STEP,
+    NEUTRAL,
+    PROBE,
+    WEAK,
+    least_stiffness,
+    predicted_zero,
+    unstable_time,
+    watch_stiffness,
 )
-from coilspring.contact.kinematics import OVERLAP_ALLOWED, TOUCH
-from coilspring.contact.law import CREEP
-from coilspring.solver.branch import TURN, continues, curvature, displacement_bound, jumped, predict
-from coilspring.solver.creep import renew_creep
-from coilspring.solver.frictiontangent import rise_of_bounds
-from coilspring.solver.newton import CONVERGED, FAILED, INDEFINITE, LINEAR, NONE
-from coilspring.solver.operations import assembled, factored, moved, put_prescribed, solution, stale_solution
-from coilspring.solver.stability import LEAST_STEP, least_stiffness, predicted_zero, unstable_time
+from coilspring.solver.substep import (
+    HALF,
+    LEAST_FREE,
+    LEAST_RELEASE,
+    MOST_RELEASE,
+    OVERLAP_TIME,
+    find_equilibrium,
+    free_room,
+    keeps_branch,
+)
 from coilspring.solver.system import (
     CHANGE,
+    COMPLETED,
+    CRITICAL,
+    EXHAUSTED,
+    JUMP,
+    NEW_PAIR,
     NEWTON,
     PATH,
     ROOM,
     SOFTEST,
+    STUCK,
     SUBSTEP,
+    TURNED,
     WATCH,
-    Target,
     TaskRef,
     WorkRef,
     record_type,
@@ -56,32 +67,13 @@ from coilspring.solver.system import (
     workspace_type,
 )
 
-COMPLETED, CRITICAL, STUCK, NEW_PAIR, JUMP, OVERLAP, EXHAUSTED = 0, 1, 2, 3, 4, 5, 6
-
 FIRST_STEP = 0.1  # largest first substep: the tangent at rest knows nothing of the contact to come
-# Powers of two by which the tangential stiffness of opening pairs is lowered: all of it beyond the largest;
-# where the least finds no place nearby, the path jumps.
-MOST_RELEASE, LEAST_RELEASE = 40.0, 1e-3
-LEAST_FREE = 0.05  # share of a substep that is taken at least, however soon a pair closes
 SAFE = 0.8  # share of the turn allowed that the next substep aims at
-HALF = 0.5  # of a substep that failed, is tried next
-MOST_CUT = 0.9  # of one that is cut where a pair touches or opens, at most
-EASY_COUNT = 3
-MOST_SLIP = 0.01  # wire diameters that a pair that creeps may slip in a substep
+# Iterations in the first round, and in each that follows: with fewer, the next substep may be longer.
+EASY_COUNT, EASY_ROUND = 4, 8
+MOST_SLIP = 0.01  # wire diameters that a pair that creeps is to slip in a substep
 EPSILON = 2.0**-52
-NEARER = 3.0  # times the bound on all motion: so much nearer may two wires come, also between nodes
-OVERLAP_TIME = 1e-5  # of the time 0..1: so closely is it located
-# Share of the time to the predicted zero of the least stiffness: at a limit point, where it falls with
-# the root of the time that is left, the straight line meets zero twice as far as the path goes.
-APPROACH = 0.5
-LOOK = 0.05  # of the time 0..1: so often at least the softest mode is evaluated,
-SOONER = 0.25  # and after this share of the time to its predicted zero
-WEAK = 0.1  # of the least stiffness at rest: below, it is evaluated wherever the matrix is factored,
-PROBE = 1e-3  # and after so short a step where a pair has closed
-JUMPS = 1e-3  # of the least stiffness at rest: where it is more and its predicted zero is at hand, it jumps
-NEUTRAL = 1e-6  # of the least stiffness at rest: what is left of it counts as none, rounding is not far below
-BOUND_CHANGE = 1e-6  # of the bounds of tangential forces, over the largest, where they count as found
-MOST_ROUNDS = 30
+NEAR_END = 1e-5  # of the time 0..1: a determinant that is negative so near to where a path ends is why
 MOST_TRIES = 20_000  # equilibria besides those at requested times; far more than a path needs
 
 
@@ -111,7 +103,7 @@ def follow(reals, ints, prescribed, kernels, task, work, path_, substep_, newton
         predict_trial(system, task, work, path, substep)
         find_equilibrium(system, kernels.equilibrium, task, work, path, substep, it)
         if not keeps_branch(system, task, work, path, substep, watch):
-            shorten(work, path, substep, watch[SOFTEST])
+            shorten(task, work, path, substep, watch[SOFTEST])
         elif verify_linear_stretch(system, work, path, substep) and knows_pairs(system, work, path, substep):
             watch_stiffness(system, work, path, substep, watch[SOFTEST])
             accept(task, work, path, substep, watch[ROOM])
@@ -128,6 +120,7 @@ def begin(system, task, work, path, watch):
     path.last_step, work.old[0] = 1.0, np.inf  # no state before, no turn known
     path.next_step = min(task.times[0], FIRST_STEP)
     path.releasing, path.release, path.let_go, path.linear_from = False, 0.0, 0.0, 0.0
+    path.turned = -np.inf
     path.least_gap = system.update_history(system.reals, system.ints, work.state, work.history)
     path.outcome = NEW_PAIR if path.least_gap == -np.inf else COMPLETED
     factor_start(system, task, work, path)
@@ -190,12 +183,6 @@ def set_scales(system, task, work, path):
 
 
 @part
-def free_room(system, task, state):
-    """How much nearer wires may come before they overlap by more than is allowed."""
-    return OVERLAP_ALLOWED * task.diameter - system.overlap(system.reals, system.ints, state)[1]
-
-
-@part
 def plan(task, path, substep, watch):
     """Time of the next state: no farther than half way to where stiffness or room are predicted to end."""
     softest, room = watch[SOFTEST], watch[ROOM]
@@ -245,126 +232,7 @@ def predict_trial(system, task, work, path, substep):
 
 
 @part
-def find_equilibrium(system, equilibrium, task, work, path, substep, it):
-    """Equilibria for given bounds of the tangential forces, until these are those of the normal forces."""
-    # where friction has just begun it holds next to nothing: the prediction slides where the state sticks
-    copy(work.state if path.lost and has_friction(work.history) else work.predicted, work.trial)
-    load, growing, dead = work.load, task.load, task.dead
-    time = 0.0 if system.prescribed.size > 0 else substep.target
-    for i in range(load.size):
-        load[i] = dead[i] + time * growing[i]
-    put_prescribed(system, task.start, substep.target, work.trial)
-    target = Target(
-        work.state, path.least_gap, work.history, work.load, path.reference * substep.target**2,
-        path.reference * substep.duration**2, path.rounding * (path.dead + path.force * substep.target),
-        path.rounding, task.limit, task.modified, path.least_pivot,
-    )  # fmt: skip
-    begin_attempt(work.history, substep.duration / path.last_step)
-    if path.releasing:
-        release(work.history, 2.0**-path.release if path.release <= MOST_RELEASE else 0.0)
-    update_pairs(system, work, work.predicted)
-    substep.rounds, substep.iterations, substep.trouble, substep.cut = 0, 0, NONE, HALF
-    factor = 0.0
-    while True:
-        it.reuse = path.reuse
-        substep.status = equilibrium(system, target, work, work.trial, it)
-        substep.iterations += it.count
-        substep.trouble = max(substep.trouble, it.trouble)
-        path.spent += it.count
-        path.pairs += it.pairs
-        if substep.status == LINEAR and (substep.rounds > 0 or path.releasing):
-            substep.status = CONVERGED
-        substep.rounds += 1
-        copy_history(work.history, work.trial_history)  # with the bounds that this state was found with
-        if substep.status > LINEAR:
-            break
-        change = update_pairs(system, work, work.trial)
-        end = located(work.history)
-        left, least = substep.duration, 2.0 * LEAST_STEP
-        if path.releasing:
-            left, least = path.release, 2.0 * LEAST_RELEASE
-        if end < 1.0 and left >= least:
-            substep.cut = min(max(end, LEAST_FREE), MOST_CUT)
-            break
-        left = 0.0
-        if creeping(work.history):
-            left = renew_creep(system, task, work)
-            path.spent += 1
-        if change <= BOUND_CHANGE and left <= CREEP:
-            break
-        if substep.rounds == MOST_ROUNDS or left == np.inf:
-            substep.status = FAILED
-            break
-        if left == 0.0:
-            factor = relax(work.trial_history, work.history, work.change, factor)
-        path.reuse = True
-        path.tries += 1
-    put_prescribed(system, task.start, substep.target, work.trial)
-    path.lost = substep.status > LINEAR
-
-
-@part
-def update_pairs(system, work, state):
-    """Make the contact history that of a state of the substep; returns the change."""
-    predicted = work.predicted
-    return system.update_pairs(system.reals, system.ints, work.state, predicted, state, work.history)
-
-
-@part
-def keeps_branch(system, task, work, path, substep, watch):
-    """Whether the trial state continues the branch; sets the outcome where wires overlap just ahead."""
-    if path.lost or substep.cut != HALF:
-        return False
-    good, substep.share, substep.distance = continues(
-        system, task, work, substep.trouble, task.predictor or path.releasing
-    )
-    substep.room, substep.moved = watch[ROOM].value, path.moved + substep.distance
-    if good and (NEARER * substep.moved >= substep.room or substep.near_overlap):
-        substep.room, substep.moved = free_room(system, task, work.trial), 0.0
-        good = substep.room >= 0.0
-        if not good and substep.duration < OVERLAP_TIME:
-            path.outcome = OVERLAP
-    if not good or substep.status == LINEAR:
-        return good
-    if path.least_gap > 0.0 and hides_instability(system, work, path):
-        return False
-    if slides(work.history) and not slides_stably(system, task, work, path):
-        return False
-    stale_solution(system, work, work.trial, task.load, 1.0, work.ahead)
-    if not task.predictor or has_history(work.history):
-        return True
-    return not jumped(system, task, work, substep.distance, substep.duration)
-
-
-@part
-def hides_instability(system, work, path):
-    """Whether the first pair closes, and the open spring has become unstable before: contact may hide it."""
-    closes = system.update_history(system.reals, system.ints, work.trial, work.history) <= 0.0
-    copy_history(work.trial_history, work.history)
-    if not closes:
-        return False
-    assembled(system, work.state, np.inf, work.history, work.trial, work.g, work.H)
-    negative, _ = factored(system, work.H)
-    path.checks += 1
-    return negative > 0
-
-
-@part
-def slides_stably(system, task, work, path):
-    """Stability where pairs slide, and how their bounds rise with the slips."""
-    path.slid = True
-    # the matrix at the state itself
-    assembled(system, work.state, path.least_gap, work.trial_history, work.trial, work.g, work.F)
-    copy(work.trial, work.factored_at)
-    negative, _ = factored(system, work.F)
-    path.spent += 1
-    if negative == 0:
-        path.rise = rise_of_bounds(system, task, work)
-    return negative == 0
-
-
-@part
-def shorten(work, path, substep, softest):
+def shorten(task, work, path, substep, softest):
     """Take the substep again, half as long; one that is too short ends the path."""
     if path.outcome != COMPLETED:
         return
@@ -375,6 +243,10 @@ def shorten(work, path, substep, softest):
             path.outcome, path.bracket = JUMP, 2.0 * LEAST_STEP
         return
     path.failed = path.failed or substep.cut == HALF
+    if path.slid and substep.trouble == INDEFINITE:
+        raise_bounds(work, path, task.diameter)
+    if substep.turned:
+        path.turned = substep.target
     path.next_step = substep.cut * substep.duration
     if substep.duration < 2.0 * LEAST_STEP:
         path.bracket = 2.0 * LEAST_STEP
@@ -387,6 +259,8 @@ def shorten(work, path, substep, softest):
         else:
             # negative pivots however short the step: the stiffness jumps there, as where a pair opens
             path.outcome = CRITICAL if substep.trouble == INDEFINITE else STUCK
+            if path.time - path.turned <= NEAR_END:
+                path.outcome = TURNED
 
 
 @part
@@ -416,36 +290,6 @@ def stable_until(system, work, path, end, least_gap):
     moved(system, work.origin, work.tangent, critical - path.linear_from, work.state)
     path.outcome, path.time, path.bracket = CRITICAL, critical, LEAST_STEP
     return False
-
-
-@part
-def watch_stiffness(system, work, path, substep, softest):
-    """Evaluate the softest mode where little is left of its stiffness, and now and then; predict its zero.
-
-    A pair that closes turns the slope of the stiffness, and steeply where a displacement is prescribed: it is
-    evaluated there, and after a short step; and where substeps fail, perhaps since a critical point is near.
-    """
-    if path.releasing:
-        path.fresh = 1
-        return
-    first = substep.least_gap <= 0.0 < path.least_gap
-    closing = (substep.shortened or first) and (substep.weak or system.prescribed.size > 0)
-    path.fresh = 1 if closing else max(path.fresh - 1, 0)
-    due = softest.time + min(LOOK, SOONER * (softest.zero - softest.time))
-    wanted = first or closing or substep.near_critical or path.failed
-    if not wanted and (substep.status == LINEAR or not (substep.weak or substep.target >= due)):
-        return
-    if substep.iterations == 0:
-        assembled(system, work.trial, 0.0, work.trial_history, work.trial, work.g, work.F)
-        copy(work.trial, work.factored_at)
-        factored(system, work.F)
-        path.spent += 1
-    value = least_stiffness(system, work, softest.value)
-    if value > NEUTRAL * path.rest_stiffness or value < softest.value:
-        softest.zero = predicted_zero(substep.target, value, softest.time, softest.value)
-    if value > JUMPS * path.rest_stiffness and APPROACH * (softest.zero - substep.target) < LEAST_STEP:
-        softest.zero = np.inf  # the stiffness jumps here, as where a pair opens
-    softest.value, softest.time, path.failed = value, substep.target, False
 
 
 @part
@@ -497,8 +341,7 @@ def accept_step(task, work, path, substep):
         copy(work.ahead, work.tangent)
     path.reuse, path.last_step, path.time = True, substep.duration, substep.target
     path.due = substep.landing
-    # a round with renewed bounds takes one more, pairs that give way several
-    if substep.iterations < EASY_COUNT + substep.rounds or creeping(work.history):
+    if substep.iterations < EASY_COUNT + EASY_ROUND * (substep.rounds - 1) or creeping(work.history):
         # the turn grows with the square of the step
         growth = min(2.0, math.sqrt(SAFE * TURN / substep.share)) if substep.share > 0.0 else 2.0
         path.next_step = max(path.next_step, substep.duration * growth)

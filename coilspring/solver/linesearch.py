@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
 from coilspring.compiling.compiled import part
@@ -13,6 +15,8 @@ MOST_BACKTRACKS = 30
 LEAST_CUT = 1e-3
 FLAT = 0.5  # of the slope at the start: near enough to the least potential along a step
 MOST_FLAT = 20  # attempts for that
+EVERY = 3  # attempts, one of which is the geometric mean: where the slope jumps no line tells where
+NEXT = 1e-4  # of the length above, in place of that below where this is 0
 
 
 @part
@@ -84,6 +88,8 @@ def line_search(system, target, work, state, it, gain):
     farther, beyond, cut = 1.0, 0.0, LEAST_CUT
     for i in range(MOST_BACKTRACKS):
         length = shorter(low, high, farther, before, behind, beyond, gain, it.slope, cut)
+        if i % EVERY == EVERY - 1:
+            length = math.sqrt(high * max(low, NEXT * high))
         moved(system, state, work.step, length, work.scratch)
         value, near = residual(system, target, work.scratch, work.g, H)
         it.pairs += near

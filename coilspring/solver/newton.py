@@ -36,6 +36,7 @@ FAR = 1e-7  # of the reference work: from such a decrement, another factorisatio
 FIRST_SHIFT = 0.1  # in units of the matrix at rest
 CUT = 0.5  # a damped step that the line search cuts below this asks for more damping
 MOST_SHIFT = 1e8
+MOST_DAMPED = 25  # iterations that went through an indefinite matrix: more lead away from the branch
 TRUST = 1e-2  # share of the decrement that a good Newton step from a predicted state leaves at most
 DECREMENTS = 64  # Newton decrements kept as evidence
 
@@ -53,6 +54,8 @@ def equilibrium(system, target, work, state, it):
     it.least_pivot, it.decrement, it.last, it.damping = np.inf, 0.0, np.inf, FIRST_SHIFT
     look_at(system, target, work, state, it, it.current or not target.modified)
     for i in range(target.limit):
+        if i >= MOST_DAMPED and it.trouble == INDEFINITE:
+            break
         status = reuse_factor(system, target, work, state, it, i) if it.reuse else GO_ON
         if status == GO_ON:
             status = newton_direction(system, target, work, state, it, i == 0)

@@ -17,25 +17,34 @@ from coilspring.errors import EquilibriumNotFound
 from coilspring.path import EquilibriumPath, Shape
 from coilspring.scene import Scene
 from coilspring.solver.coulomb import goes_on, time_left
-from coilspring.solver.follower import (
-    COMPLETED,
-    CRITICAL,
-    EXHAUSTED,
-    JUMP,
-    MOST_TRIES,
-    NEW_PAIR,
-    OVERLAP,
-    STUCK,
-)
+from coilspring.solver.follower import MOST_TRIES
 from coilspring.solver.interface import Kernels
 from coilspring.solver.interrupt import interruptible
 from coilspring.solver.newton import DECREMENTS
 from coilspring.solver.stability import Body, softest
 from coilspring.solver.stages import Top, stages
 from coilspring.solver.startup import ready
-from coilspring.solver.system import FREE, NEWTON, PATH, SUBSTEP, WATCH, Task, Workspace
+from coilspring.solver.system import (
+    COMPLETED,
+    CRITICAL,
+    EXHAUSTED,
+    FREE,
+    JUMP,
+    NEW_PAIR,
+    NEWTON,
+    OVERLAP,
+    PATH,
+    STUCK,
+    SUBSTEP,
+    TURNED,
+    WATCH,
+    Task,
+    Workspace,
+)
 
-MOST_ITERATIONS = 25  # of a substep with the exact tangent, which needs 2 or 3 far from contact changes
+MOST_ITERATIONS = (
+    200  # of a substep with the exact tangent: 2 or 3 far from changes of contact, many with kinks
+)
 # Null modes of a bifurcation do no work with the load; rounding leaves far less than this share.
 NO_WORK = 1e-6
 SOFT = 0.01  # stiffness of the softest mode over that at rest, below which the tangent counts as singular
@@ -218,14 +227,16 @@ def _judged(
     """The track, with a critical point distinguished from a path that got stuck, the softest mode at its end,
     and the share of the load that does work with it."""
     load, prescribed = problem.load, problem.prescribed
-    if track.outcome not in (CRITICAL, STUCK):
+    if track.outcome not in (CRITICAL, STUCK, TURNED):
         return track, np.zeros_like(load), 0.0
     body = Body(kernels, pack(problem.data), load.size, problem.matrix_size, prescribed)
     share, mode = softest(body, track.last, track.history, problem.start)
     end = (body, track.last, track.history, load, length)
     friction = has_friction(track.history.view(np.recarray))
     left = time_left(*end) if friction else np.inf
-    if left <= LEFT:
+    if track.outcome == TURNED:
+        track = replace(track, outcome=CRITICAL)
+    elif left <= LEFT:
         track = replace(track, outcome=CRITICAL, bracket=max(track.bracket, 2.0 * left))
     elif friction and goes_on(*end):
         track = replace(track, outcome=SLIDING)

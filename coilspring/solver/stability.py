@@ -7,9 +7,10 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from coilspring.compiling.compiled import part
+from coilspring.compiling.compiled import copy, part
 from coilspring.solver.interface import Kernels
 from coilspring.solver.linesearch import dot
+from coilspring.solver.newton import LINEAR
 from coilspring.solver.operations import assembled, factored, moved, solution
 from coilspring.solver.system import DIAGONAL, DOF, FREE, PLACE, STIFFNESS
 
@@ -19,6 +20,15 @@ OTHERS = 0.05  # share of all modes that is put into the softest one before it i
 SETTLED = 0.05  # relative change of the least stiffness by a step of inverse iteration, that ends it
 LEAST_STEP = 1e-9  # of the time 0..1: below it, what cannot be passed is called a critical point
 DIFFERENCE = 1e-6  # of the span of the state's numbers, with which a difference is taken
+# Share of the time to the predicted zero of the least stiffness: at a limit point, where it falls with
+# the root of the time that is left, the straight line meets zero twice as far as the path goes.
+APPROACH = 0.5
+LOOK = 0.05  # of the time 0..1: so often at least the softest mode is evaluated,
+SOONER = 0.25  # and after this share of the time to its predicted zero
+WEAK = 0.1  # of the least stiffness at rest: below, it is evaluated wherever the matrix is factored,
+PROBE = 1e-3  # and after so short a step where a pair has closed
+JUMPS = 1e-3  # of the least stiffness at rest: where it is more and its predicted zero is at hand, it jumps
+NEUTRAL = 1e-6  # of the least stiffness at rest: what is left of it counts as none, rounding is not far below
 SAMPLES = 16  # of a linear stretch at which its stability is verified
 
 
@@ -79,6 +89,36 @@ def predicted_zero(time, value, before, value_before):
     if value >= value_before:
         return np.inf
     return time + value * (time - before) / (value_before - value)
+
+
+@part
+def watch_stiffness(system, work, path, substep, softest):
+    """Evaluate the softest mode where little is left of its stiffness, and now and then; predict its zero.
+
+    A pair that closes turns the slope of the stiffness, and steeply where a displacement is prescribed: it is
+    evaluated there, and after a short step; and where substeps fail, perhaps since a critical point is near.
+    """
+    if path.releasing:
+        path.fresh = 1
+        return
+    first = substep.least_gap <= 0.0 < path.least_gap
+    closing = (substep.shortened or first) and (substep.weak or system.prescribed.size > 0)
+    path.fresh = 1 if closing else max(path.fresh - 1, 0)
+    due = softest.time + min(LOOK, SOONER * (softest.zero - softest.time))
+    wanted = first or closing or substep.near_critical or path.failed
+    if not wanted and (substep.status == LINEAR or not (substep.weak or substep.target >= due)):
+        return
+    if substep.iterations == 0:
+        assembled(system, work.trial, 0.0, work.trial_history, work.trial, work.g, work.F)
+        copy(work.trial, work.factored_at)
+        factored(system, work.F)
+        path.spent += 1
+    value = least_stiffness(system, work, softest.value)
+    if value > NEUTRAL * path.rest_stiffness or value < softest.value:
+        softest.zero = predicted_zero(substep.target, value, softest.time, softest.value)
+    if value > JUMPS * path.rest_stiffness and APPROACH * (softest.zero - substep.target) < LEAST_STEP:
+        softest.zero = np.inf  # the stiffness jumps here, as where a pair opens
+    softest.value, softest.time, path.failed = value, substep.target, False
 
 
 @dataclass(frozen=True)

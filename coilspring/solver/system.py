@@ -101,7 +101,8 @@ class Workspace(NamedTuple):
     iterations: np.ndarray  # (steps,) factorisations since the previous row
 
 
-# Where a path stands.
+# Where a path stands; its outcomes.
+COMPLETED, CRITICAL, STUCK, NEW_PAIR, JUMP, OVERLAP, EXHAUSTED, TURNED = range(8)
 PATH = np.dtype(
     [
         ("time", "f8"),
@@ -131,7 +132,9 @@ PATH = np.dtype(
         ("fresh", "i8"),  # short steps still to take, since a pair has closed
         ("lost", "?"),  # the last attempt found no equilibrium
         ("slid", "?"),  # a pair slid
-        ("rise", "f8"),  # of the bounds of friction, see `coilspring.solver.frictiontangent`
+        ("rise", "f8"),  # of the bounds of friction, see `coilspring.solver.friction`,
+        ("raised", "f8"),  # and the least that the matrix needs
+        ("turned", "f8"),  # where the determinant of Coulomb's tangent was negative last
         ("rest_stiffness", "f8"),  # least stiffness at the start
         ("moved", "f8"),  # bound on all motion since the overlap was measured
     ],
@@ -152,6 +155,7 @@ SUBSTEP = np.dtype(
         ("iterations", "i8"),  # factorisations
         ("rounds", "i8"),  # of renewed bounds
         ("trouble", "i8"),
+        ("turned", "?"),  # the determinant of Coulomb's tangent is negative
         ("cut", "f8"),  # share of it that is tried next where it failed
         ("share", "f8"),  # by which the path turned
         ("distance", "f8"),  # bound on all motion

@@ -1,0 +1,164 @@
+"""Bounds of friction that are those of the normal forces, and the stability of what slides.
+
+With the bounds b the equilibrium q(b) has a potential with the matrix H, and normal forces that give the
+bounds B(q). Renewing takes B for b. Newton's method solves B - b = 0: how B changes with the bound of a pair
+that slides takes one back substitution. The tangent of Coulomb's law, which has no potential, has the
+determinant det(H) det(1 - dB/db).
+
+Where less friction lets the pairs slide on, the normal forces and so the bounds change. One number for all
+pairs, their rise as a share of the bounds per slip, does the same work on that motion. With it H loses its
+stability about where Coulomb's tangent does (with one pair that slides, just there). Once the bounds are
+found it has no effect: where H is indefinite, a larger one makes it positive, and the determinant decides.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from coilspring.compiling.compiled import copy, part
+from coilspring.contact.history import copy_history, set_rise
+from coilspring.solver.creep import answer, answered, eliminated
+from coilspring.solver.newton import INDEFINITE
+from coilspring.solver.operations import assembled, factored
+
+LESS = 1e-4  # share by which friction is taken back
+# Share of the bounds, up or down, over a slip of a wire diameter; more is seen only where slips are stiff.
+MOST_RISE = 1.0
+RAISED = 4.0  # times as much where H is indefinite,
+HIGHEST = 1e5  # up to this
+
+
+@part
+def factored_at_trial(system, work, history):
+    """Factor the matrix of the trial state with a contact history; returns the number of negative pivots."""
+    assembled(system, work.trial, 0.0, history, work.trial, work.g, work.F)
+    copy(work.trial, work.factored_at)
+    negative, _ = factored(system, work.F)
+    return negative
+
+
+@part
+def slides_stably(system, task, work, path, substep):
+    """Stability where pairs slide, and how their bounds rise with the slips."""
+    path.slid = True
+    path.spent += 1
+    if factored_at_trial(system, work, work.trial_history) > 0:
+        substep.trouble = INDEFINITE
+        return False
+    path.rise = rise_of_bounds(system, task, work)
+    if path.raised == 0.0:
+        return True
+    copy_history(work.trial_history, work.low)
+    set_rise(work.low, path.rise)
+    path.spent += 1
+    if factored_at_trial(system, work, work.low) == 0:
+        path.raised = 0.0
+        return True
+    path.rise = max(path.rise, path.raised)
+    path.spent += 1
+    system.update_pairs(system.reals, system.ints, work.state, work.predicted, work.trial, work.history)
+    substep.turned = solve_bounds(system, task, work) < 0
+    return not substep.turned
+
+
+@part
+def raise_bounds(work, path, diameter):
+    """Let bounds rise more steeply with the slips, where the matrix is indefinite otherwise."""
+    if path.raised * diameter < HIGHEST:
+        path.raised = max(RAISED * path.raised, MOST_RISE / diameter)
+        set_rise(work.history, path.raised)
+
+
+@part
+def solve_bounds(system, task, work):
+    """One step of Newton's method for the bounds in `work.history`, which are B at the trial state, found
+    with those in `work.trial_history`.
+
+    Returns the sign of the determinant of Coulomb's tangent; 0 where it is singular, and nothing is changed.
+    """
+    history, held = work.history, work.trial_history
+    sliding = _sliding(history, held)
+    n, pairs = sliding.size, history.shape[0]
+    rises, M, rates = np.empty((pairs, n)), np.empty((n, n + 1)), np.empty((pairs, 2))
+    copy_history(held, work.low)
+    negative = factored_at_trial(system, work, work.low)
+    for p in range(n):
+        copy_history(work.low, work.high)
+        less = LESS * held[sliding[p]].bound
+        work.high[sliding[p]].bound -= less
+        _find_rates(system, work, answer(system, task, work), rates)
+        for m in range(pairs):
+            slip = max(history[m].slip, 0.0)
+            slides_on = rates[m, 1] if slip > 0.0 else 0.0
+            change = rates[m, 0] - history[m].bound * held[m].rise * slides_on
+            rises[m, p] = -change / (1.0 + held[m].rise * slip) / less if held[m].closed else 0.0
+    for q in range(n):
+        m = sliding[q]
+        for p in range(n):
+            M[q, p] = (1.0 if p == q else 0.0) - rises[m, p]
+        M[q, n] = history[m].bound - held[m].bound
+    sign = eliminated(M)
+    if sign == 0:
+        return 0
+    for p in range(n):
+        history[sliding[p]].bound = held[sliding[p]].bound
+        rises[sliding[p], :] = 0.0
+        rises[sliding[p], p] = 1.0
+    for m in range(pairs):
+        for p in range(n):
+            history[m].bound += rises[m, p] * M[p, n]
+        history[m].bound = max(history[m].bound, 0.0)
+    return sign if negative % 2 == 0 else -sign
+
+
+@part
+def _sliding(history, held):
+    """Pairs that slide in the trial state, found with the bounds `held`."""
+    sliding, count = np.empty(history.shape[0], np.int64), 0
+    for m in range(history.shape[0]):
+        if held[m].closed and held[m].bound > 0.0 and history[m].slip > 0.0:
+            sliding[count] = m
+            count += 1
+    return sliding[:count]
+
+
+@part
+def _find_rates(system, work, small, rates):
+    """Fill the rates (pairs, 2) of the bounds of the normal forces and of the slips with `work.ahead`.
+
+    Over so small a motion bounds of hard contact are no straight lines, and backwards pairs stick: they are
+    taken from three states onwards.
+    """
+    for i in range(3):
+        weight = (-1.5, 2.0, -0.5)[i] / small
+        answered(system, work, i * small)
+        for m in range(rates.shape[0]):
+            row = work.high[m]
+            if i == 0:
+                rates[m, 0], rates[m, 1] = 0.0, 0.0
+            rates[m, 0] += weight * row.bound * (1.0 + row.rise * max(row.slip, 0.0))
+            rates[m, 1] += weight * row.slip
+
+
+@part
+def rise_of_bounds(system, task, work):
+    """Rise of the bounds, 1/mm, at the trial state, an equilibrium found with `work.trial_history`.
+
+    `work.F` is the factor of its matrix, and `work.g` its gradient without a load; `work.step`, `work.ahead`
+    and the tables `low` and `high` are overwritten.
+    """
+    pairs = work.history.shape[0]
+    rates, rise, whole = np.empty((pairs, 2)), 0.0, 0.0
+    copy_history(work.trial_history, work.low)
+    copy_history(work.trial_history, work.high)
+    for m in range(pairs):
+        work.high[m].bound *= 1.0 - LESS
+    _find_rates(system, work, answer(system, task, work), rates)
+    answered(system, work, 0.0)
+    for m in range(pairs):
+        row = work.high[m]
+        if row.closed and row.bound < np.inf and row.slip > 0.0 and rates[m, 1] > 0.0:
+            rise += rates[m, 0] * rates[m, 1]
+            whole += row.bound * (1.0 + row.rise * row.slip) * rates[m, 1] ** 2
+    most = MOST_RISE / task.diameter
+    return min(max(rise / whole, -most), most) if whole > 0.0 else 0.0

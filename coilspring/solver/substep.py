@@ -1,0 +1,167 @@
+"""One substep: the equilibria from its prediction on, and whether the one found continues the branch."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from coilspring.compiling.compiled import copy, part
+from coilspring.contact.history import (
+    begin_attempt,
+    copy_history,
+    creeping,
+    has_friction,
+    has_history,
+    keep_bounds,
+    located,
+    release,
+    slides,
+)
+from coilspring.contact.kinematics import OVERLAP_ALLOWED
+from coilspring.contact.law import CREEP
+from coilspring.solver.branch import continues, jumped
+from coilspring.solver.creep import renew_creep
+from coilspring.solver.friction import slides_stably, solve_bounds
+from coilspring.solver.newton import CONVERGED, FAILED, LINEAR, NONE
+from coilspring.solver.operations import assembled, factored, put_prescribed, stale_solution
+from coilspring.solver.stability import LEAST_STEP
+from coilspring.solver.system import OVERLAP, ROOM, Target
+
+# Powers of two by which the tangential stiffness of opening pairs is lowered: all of it beyond the largest;
+# where the least finds no place nearby, the path jumps.
+MOST_RELEASE, LEAST_RELEASE = 40.0, 1e-3
+LEAST_FREE = 0.05  # share of a substep that is taken at least, however soon a pair closes
+HALF = 0.5  # of a substep that failed, is tried next
+MOST_CUT = 0.9  # of one that is cut where a pair touches or opens, at most
+NEARER = 3.0  # times the bound on all motion: so much nearer may two wires come, also between nodes
+OVERLAP_TIME = 1e-5  # of the time 0..1: so closely is it located
+BOUND_CHANGE = 1e-6  # of the bounds of tangential forces, over the largest, where they count as found
+MOST_ROUNDS = 30
+SLOW, GAIN = 3, 0.5  # rounds of Newton's method that leave more than this share lead nowhere
+RENEWED = 3  # times that bounds are just renewed, before Newton's method is worth its back substitutions
+
+
+@part
+def find_equilibrium(system, equilibrium, task, work, path, substep, it):
+    """Equilibria for given bounds of the tangential forces, until these are those of the normal forces."""
+    # where friction has just begun it holds next to nothing: the prediction slides where the state sticks
+    copy(work.state if path.lost and has_friction(work.history) else work.predicted, work.trial)
+    load, growing, dead = work.load, task.load, task.dead
+    time = 0.0 if system.prescribed.size > 0 else substep.target
+    for i in range(load.size):
+        load[i] = dead[i] + time * growing[i]
+    put_prescribed(system, task.start, substep.target, work.trial)
+    target = Target(
+        work.state, path.least_gap, work.history, work.load, path.reference * substep.target**2,
+        path.reference * substep.duration**2, path.rounding * (path.dead + path.force * substep.target),
+        path.rounding, task.limit, task.modified, path.least_pivot,
+    )  # fmt: skip
+    begin_attempt(work.history, substep.duration / path.last_step)
+    if path.releasing:
+        release(work.history, 2.0**-path.release if path.release <= MOST_RELEASE else 0.0)
+    update_pairs(system, work, work.predicted)
+    keep_bounds(work.history)
+    substep.rounds, substep.iterations, substep.trouble, substep.cut = 0, 0, NONE, HALF
+    substep.turned, change = False, np.inf
+    while True:
+        it.reuse = path.reuse
+        substep.status = equilibrium(system, target, work, work.trial, it)
+        substep.iterations += it.count
+        substep.trouble = max(substep.trouble, it.trouble)
+        path.spent += it.count
+        path.pairs += it.pairs
+        if substep.status == LINEAR and (substep.rounds > 0 or path.releasing):
+            substep.status = CONVERGED
+        substep.rounds += 1
+        copy_history(work.history, work.trial_history)  # with the bounds that this state was found with
+        if substep.status > LINEAR:
+            break
+        change = renew_held(system, task, work, path, substep, change)
+        if change == 0.0:
+            break
+        path.reuse = True
+        path.tries += 1
+    put_prescribed(system, task.start, substep.target, work.trial)
+    path.lost = substep.status > LINEAR
+
+
+@part
+def renew_held(system, task, work, path, substep, before):
+    """Renew what pairs hold tangentially, after a change in the round `before`.
+
+    Returns the change, 0 where the round was the last one: nothing is left to change, a shorter substep is
+    wanted, or the rounds lead nowhere.
+    """
+    change = update_pairs(system, work, work.trial)
+    end = located(work.history)
+    left, least = substep.duration, 2.0 * LEAST_STEP
+    if path.releasing:
+        left, least = path.release, 2.0 * LEAST_RELEASE
+    if end < 1.0 and left >= least:
+        substep.cut = min(max(end, LEAST_FREE), MOST_CUT)
+        return 0.0
+    left = 0.0
+    if creeping(work.history):
+        left = renew_creep(system, task, work)
+        path.spent += left > CREEP
+    if change <= BOUND_CHANGE and left <= CREEP:
+        return 0.0
+    slow = left == 0.0 and substep.rounds > RENEWED + SLOW and change > GAIN * before
+    if slow or substep.rounds == MOST_ROUNDS or left == np.inf:
+        substep.status = FAILED
+        return 0.0
+    if left == 0.0 and substep.rounds > RENEWED:
+        substep.turned = solve_bounds(system, task, work) < 0 or substep.turned
+        path.spent += 1
+    return change + left
+
+
+@part
+def update_pairs(system, work, state):
+    """Make the contact history that of a state of the substep; returns the change."""
+    predicted = work.predicted
+    return system.update_pairs(system.reals, system.ints, work.state, predicted, state, work.history)
+
+
+@part
+def keeps_branch(system, task, work, path, substep, watch):
+    """Whether the trial state continues the branch; sets the outcome where wires overlap just ahead."""
+    if path.lost or substep.cut != HALF:
+        return False
+    good, substep.share, substep.distance = continues(
+        system, task, work, substep.trouble, task.predictor or path.releasing
+    )
+    substep.room, substep.moved = watch[ROOM].value, path.moved + substep.distance
+    if good and (NEARER * substep.moved >= substep.room or substep.near_overlap):
+        substep.room, substep.moved = free_room(system, task, work.trial), 0.0
+        good = substep.room >= 0.0
+        if not good and substep.duration < OVERLAP_TIME:
+            path.outcome = OVERLAP
+    if not good or substep.status == LINEAR:
+        return good
+    if path.least_gap > 0.0 and hides_instability(system, work, path):
+        return False
+    if slides(work.history) and not slides_stably(system, task, work, path, substep):
+        return False
+    stale_solution(system, work, work.trial, task.load, 1.0, work.ahead)
+    if not task.predictor or has_history(work.history):
+        return True
+    return not jumped(system, task, work, substep.distance, substep.duration)
+
+
+@part
+def hides_instability(system, work, path):
+    """Whether the first pair closes, and the open spring has become unstable before: contact may hide it."""
+    closes = system.update_history(system.reals, system.ints, work.trial, work.history) <= 0.0
+    copy_history(work.trial_history, work.history)
+    if not closes:
+        return False
+    assembled(system, work.state, np.inf, work.history, work.trial, work.g, work.H)
+    negative, _ = factored(system, work.H)
+    path.checks += 1
+    return negative > 0
+
+
+@part
+def free_room(system, task, state):
+    """How much nearer wires may come before they overlap by more than is allowed."""
+    return OVERLAP_ALLOWED * task.diameter - system.overlap(system.reals, system.ints, state)[1]
