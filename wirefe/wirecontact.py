@@ -236,7 +236,7 @@ def update_wires(contact, accepted, predicted, state, history):
         most = max(most, least_bound * normal)
         if contact.mu == np.inf:
             far, _, _, _, _ = gap(contact, before, m)
-            opens_after(row, far, h, d)
+            opens_after(row, far, gap(contact, ahead, m)[0], h, d)
         else:
             change = max(change, renewed(length, contact.mu * normal, contact.kt, row))
     return change / most if change > 0.0 else 0.0

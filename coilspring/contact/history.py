@@ -42,6 +42,15 @@ def keep_bounds(history):
 
 
 @part
+def touched(history):
+    """Whether a pair touched first in the substep at hand."""
+    for m in range(history.shape[0]):  # noqa: SIM110
+        if history[m].fresh:
+            return True
+    return False
+
+
+@part
 def opening(history):
     """Whether a pair that has opened still holds something tangentially."""
     for m in range(history.shape[0]):  # noqa: SIM110

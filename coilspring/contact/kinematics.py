@@ -167,7 +167,7 @@ def update_pairs(before, ahead, vectors, history, law):
         normal = normal_law(max(d - h, 0.0), law.kc, law.k)[1]
         most = max(most, min(mu, 1.0) * normal)
         if mu == np.inf:
-            opens_after(row, _distance(before, m), h, d)
+            opens_after(row, _distance(before, m), _distance(ahead, m), h, d)
             continue
         # at the arm d instead of h, on which arcs are measured
         length = d * arc(vectors[m], h, row, e)

@@ -176,14 +176,19 @@ def predicted_badly(row, error, most):
 
 
 @part
-def opens_after(row, before, after, d):
-    """Set the share of the substep after which a sticking pair is just open."""
+def opens_after(row, before, ahead, after, d):
+    """Set the share of the substep after which a sticking pair is just open.
+
+    Up to where it opens it follows the prediction, and from there on it is faster: its stiffness held it.
+    """
     if row.fresh:
         row.cut = row.cut if after <= (1.0 + OPEN) * d else 0.5
     elif after <= (1.0 + OPEN) * d:
         row.cut = 1.0
     else:
-        row.cut = ((1.0 + 0.5 * OPEN) * d - before) / (after - before)
+        opens = (d - before) / (ahead - before) if before < d < ahead else 0.0
+        start = d if opens > 0.0 else before
+        row.cut = opens + (1.0 - opens) * ((1.0 + 0.5 * OPEN) * d - start) / (after - start)
 
 
 @part

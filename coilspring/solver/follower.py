@@ -15,7 +15,15 @@ import numpy as np
 from numba import types
 
 from coilspring.compiling.compiled import copy, part, signed
-from coilspring.contact.history import copy_history, creeping, largest_slip, let_go, opening, set_rise
+from coilspring.contact.history import (
+    copy_history,
+    creeping,
+    largest_slip,
+    let_go,
+    opening,
+    set_rise,
+    touched,
+)
 from coilspring.contact.kinematics import TOUCH
 from coilspring.solver.branch import TURN, curvature, displacement_bound, predict
 from coilspring.solver.friction import raise_bounds
@@ -35,7 +43,6 @@ from coilspring.solver.stability import (
 )
 from coilspring.solver.substep import (
     HALF,
-    LEAST_FREE,
     LEAST_RELEASE,
     MOST_RELEASE,
     OVERLAP_TIME,
@@ -72,6 +79,7 @@ SAFE = 0.8  # share of the turn allowed that the next substep aims at
 # Iterations in the first round, and in each that follows: with fewer, the next substep may be longer.
 EASY_COUNT, EASY_ROUND = 4, 8
 MOST_SLIP = 0.01  # wire diameters that a pair that creeps is to slip in a substep
+LEAST_LEFT = 1e-6  # of the time 0..1 that is taken at least, however soon a pair closes
 EPSILON = 2.0**-52
 NEAR_END = 1e-5  # of the time 0..1: a determinant that is negative so near to where a path ends is why
 MOST_TRIES = 20_000  # equilibria besides those at requested times; far more than a path needs
@@ -118,7 +126,7 @@ def begin(system, task, work, path, watch):
     copy(task.start, work.before)
     copy(task.start, work.origin)
     path.last_step, work.old[0] = 1.0, np.inf  # no state before, no turn known
-    path.next_step = min(task.times[0], FIRST_STEP)
+    path.next_step, path.until = min(task.times[0], FIRST_STEP), np.inf
     path.releasing, path.release, path.let_go, path.linear_from = False, 0.0, 0.0, 0.0
     path.turned = -np.inf
     path.least_gap = system.update_history(system.reals, system.ints, work.state, work.history)
@@ -196,7 +204,7 @@ def plan(task, path, substep, watch):
         substep.near_critical = substep.near_overlap = False
         path.bracket = 2.0 * LEAST_STEP
         return
-    wanted = path.next_step
+    wanted = min(path.next_step, path.until)
     to_critical = APPROACH * (softest.zero - path.time)
     to_overlap = max(APPROACH * (room.zero - path.time), OVERLAP_TIME)
     substep.weak = softest.value < WEAK * path.rest_stiffness
@@ -226,7 +234,7 @@ def predict_trial(system, task, work, path, substep):
     _, _, free = displacement_bound(system, work.state, work.predicted, 0.5 * path.least_gap)
     if free < 1.0:
         substep.shortened, substep.landing = True, False
-        substep.duration *= max(free, LEAST_FREE)
+        substep.duration = max(free * substep.duration, LEAST_LEFT)
         substep.target = path.time + substep.duration
         predict(system, task, work, path, bend, substep.target)
 
@@ -242,12 +250,14 @@ def shorten(task, work, path, substep, softest):
         if path.release < LEAST_RELEASE:
             path.outcome, path.bracket = JUMP, 2.0 * LEAST_STEP
         return
-    path.failed = path.failed or substep.cut == HALF
     if path.slid and substep.trouble == INDEFINITE:
         raise_bounds(work, path, task.diameter)
     if substep.turned:
         path.turned = substep.target
-    path.next_step = substep.cut * substep.duration
+    if substep.within:
+        path.until = substep.cut * substep.duration
+    else:
+        path.failed, path.next_step = True, substep.cut * substep.duration
     if substep.duration < 2.0 * LEAST_STEP:
         path.bracket = 2.0 * LEAST_STEP
         if creeping(work.history) and softest.value > JUMPS * path.rest_stiffness:
@@ -341,6 +351,9 @@ def accept_step(task, work, path, substep):
         copy(work.ahead, work.tangent)
     path.reuse, path.last_step, path.time = True, substep.duration, substep.target
     path.due = substep.landing
+    if path.until < np.inf and not (touched(work.trial_history) or opening(work.history)):
+        path.next_step = substep.duration  # what is looked for is still ahead
+    path.until = np.inf
     if substep.iterations < EASY_COUNT + EASY_ROUND * (substep.rounds - 1) or creeping(work.history):
         # the turn grows with the square of the step
         growth = min(2.0, math.sqrt(SAFE * TURN / substep.share)) if substep.share > 0.0 else 2.0

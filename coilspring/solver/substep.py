@@ -61,7 +61,7 @@ def find_equilibrium(system, equilibrium, task, work, path, substep, it):
     update_pairs(system, work, work.predicted)
     keep_bounds(work.history)
     substep.rounds, substep.iterations, substep.trouble, substep.cut = 0, 0, NONE, HALF
-    substep.turned, change = False, np.inf
+    substep.turned, substep.within, change = False, False, np.inf
     while True:
         it.reuse = path.reuse
         substep.status = equilibrium(system, target, work, work.trial, it)
@@ -97,7 +97,7 @@ def renew_held(system, task, work, path, substep, before):
     if path.releasing:
         left, least = path.release, 2.0 * LEAST_RELEASE
     if end < 1.0 and left >= least:
-        substep.cut = min(max(end, LEAST_FREE), MOST_CUT)
+        substep.within, substep.cut = True, min(max(end, LEAST_FREE), MOST_CUT)
         return 0.0
     left = 0.0
     if creeping(work.history):
@@ -125,7 +125,7 @@ def update_pairs(system, work, state):
 @part
 def keeps_branch(system, task, work, path, substep, watch):
     """Whether the trial state continues the branch; sets the outcome where wires overlap just ahead."""
-    if path.lost or substep.cut != HALF:
+    if path.lost or substep.within:
         return False
     good, substep.share, substep.distance = continues(
         system, task, work, substep.trouble, task.predictor or path.releasing

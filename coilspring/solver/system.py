@@ -114,6 +114,7 @@ PATH = np.dtype(
         ("pairs", "i8"),  # contact pairs evaluated
         ("tries", "i8"),  # equilibria looked for
         ("next_step", "f8"),
+        ("until", "f8"),  # duration after which a pair touches or opens; infinite where that is not known
         ("last_step", "f8"),
         ("releasing", "?"),  # opening pairs hold something tangentially that is still to be released
         ("release", "f8"),  # power of two by which their tangential stiffness is lowered next
@@ -156,7 +157,8 @@ SUBSTEP = np.dtype(
         ("rounds", "i8"),  # of renewed bounds
         ("trouble", "i8"),
         ("turned", "?"),  # the determinant of Coulomb's tangent is negative
-        ("cut", "f8"),  # share of it that is tried next where it failed
+        ("within", "?"),  # a pair touches or opens within it
+        ("cut", "f8"),  # share of it that is tried next
         ("share", "f8"),  # by which the path turned
         ("distance", "f8"),  # bound on all motion
         ("room", "f8"),  # see `ROOM`
