@@ -645,14 +645,6 @@ def test_one_case_is_printed(tmp_path, capsys):
     assert not (tmp_path / "none").exists()
 
 
-def test_a_jump_along_the_tangent_of_a_fold_is_seen():
-    """A column that its closing coils straighten: one of 16 steps would take the jump for its path."""
-    case = make_case("b000303", 1)
-    paths = [reached(case, steps=steps) for steps in (16, 64)]
-    assert [path.outcome for path in paths] == ["limit_point"] * 2
-    assert paths[0].critical_time == pytest.approx(paths[1].critical_time, rel=1e-6)
-
-
 def test_the_page_says_how_well_the_verifier_finds_what_passes_through():
     row = dict.fromkeys(COLUMNS, "") | {"id": "w00000", "seed": "1", "class": THROUGH, "overlap": "0.0042"}
     assert "| overlap | - | 4.2e-03 |" in page.page(pd.DataFrame([row]))

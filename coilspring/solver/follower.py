@@ -29,6 +29,7 @@ from coilspring.solver.branch import TURN, curvature, displacement_bound, predic
 from coilspring.solver.friction import raise_bounds
 from coilspring.solver.newton import CONVERGED, INDEFINITE, LINEAR
 from coilspring.solver.operations import assembled, factored, moved, solution
+from coilspring.solver.snap import AHEAD, end_or_snap, snapped
 from coilspring.solver.stability import (
     APPROACH,
     JUMPS,
@@ -105,7 +106,7 @@ def follow(reals, ints, prescribed, kernels, task, work, path_, substep_, newton
     elif path.outcome == NEW_PAIR:
         resume(system, task, work, path)
     while path.row < task.times.size and path.outcome == COMPLETED and stop[0] == 0:
-        plan(task, path, substep, watch)
+        plan(task, work, path, substep, watch)
         if path.outcome != COMPLETED:
             break
         predict_trial(system, task, work, path, substep)
@@ -191,7 +192,7 @@ def set_scales(system, task, work, path):
 
 
 @part
-def plan(task, path, substep, watch):
+def plan(task, work, path, substep, watch):
     """Time of the next state: no farther than half way to where stiffness or room are predicted to end."""
     softest, room = watch[SOFTEST], watch[ROOM]
     path.tries += 1
@@ -204,17 +205,22 @@ def plan(task, path, substep, watch):
         substep.near_critical = substep.near_overlap = False
         path.bracket = 2.0 * LEAST_STEP
         return
-    wanted = min(path.next_step, path.until)
     to_critical = APPROACH * (softest.zero - path.time)
     to_overlap = max(APPROACH * (room.zero - path.time), OVERLAP_TIME)
+    if not path.snapping and (softest.value <= NEUTRAL * path.rest_stiffness or to_critical < LEAST_STEP):
+        path.bracket = 2.0 * max(softest.zero - path.time, LEAST_STEP)
+        end_or_snap(task, work, path, CRITICAL)
+        if path.outcome != COMPLETED:
+            return
     substep.weak = softest.value < WEAK * path.rest_stiffness
-    substep.near_critical = path.fresh > 0 or to_critical < wanted
-    if softest.value <= NEUTRAL * path.rest_stiffness or to_critical < LEAST_STEP:
-        path.outcome, path.bracket = CRITICAL, 2.0 * max(softest.zero - path.time, LEAST_STEP)
-        return
-    substep.duration = min(wanted, to_critical, to_overlap, PROBE if path.fresh > 0 else np.inf)
+    if path.snapping:
+        substep.near_critical, substep.duration = True, AHEAD
+    else:
+        wanted = min(path.next_step, path.until)
+        substep.near_critical = path.fresh > 0 or to_critical < wanted
+        substep.duration = min(wanted, to_critical, to_overlap, PROBE if path.fresh > 0 else np.inf)
+        path.bracket = 2.0 * substep.duration
     substep.near_overlap = substep.duration == to_overlap
-    path.bracket = 2.0 * substep.duration
     left = task.times[path.row] - path.time
     substep.landing = left <= substep.duration * (1.0 + 1e-9)
     substep.target = task.times[path.row] if substep.landing else path.time + substep.duration
@@ -226,7 +232,7 @@ def predict_trial(system, task, work, path, substep):
     """Predict the state; shorten the substep to where a pair is about to close, whose stiffness is not in
     the tangent."""
     substep.shortened = False
-    if not task.predictor:
+    if path.snapping or not task.predictor:
         copy(work.state, work.predicted)
         return
     bend = curvature(work.tangent, work.old, path.last_step, substep.duration)
@@ -245,6 +251,9 @@ def shorten(task, work, path, substep, softest):
     if path.outcome != COMPLETED:
         return
     path.reuse = False
+    if path.snapping:
+        path.snapping, path.outcome = False, path.ends
+        return
     if path.releasing:
         path.release = min(path.release, 2.0 * MOST_RELEASE) * HALF
         if path.release < LEAST_RELEASE:
@@ -268,9 +277,8 @@ def shorten(task, work, path, substep, softest):
             let_go(work.history)
         else:
             # negative pivots however short the step: the stiffness jumps there, as where a pair opens
-            path.outcome = CRITICAL if substep.trouble == INDEFINITE else STUCK
-            if path.time - path.turned <= NEAR_END:
-                path.outcome = TURNED
+            outcome = CRITICAL if substep.trouble == INDEFINITE else STUCK
+            end_or_snap(task, work, path, TURNED if path.time - path.turned <= NEAR_END else outcome)
 
 
 @part
@@ -347,6 +355,8 @@ def accept(task, work, path, substep, room):
 def accept_step(task, work, path, substep):
     """Go on in time, with a step as long as the path's curvature lets the next one be."""
     copy(work.tangent, work.old)
+    if path.snapping:
+        snapped(task, work, path, substep)
     if substep.status == CONVERGED:
         copy(work.ahead, work.tangent)
     path.reuse, path.last_step, path.time = True, substep.duration, substep.target

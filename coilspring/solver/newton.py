@@ -33,10 +33,8 @@ MOST_LOOKS = 8  # at a state within the tolerance
 NUDGE = 1e-2  # of the predicted energy: so small a step with a kept factor takes out stiff errors first
 CHORDS = 3  # steps with a kept factor that cost less than a new one
 FAR = 1e-7  # of the reference work: from such a decrement, another factorisation will be needed
-FIRST_SHIFT = 0.1  # in units of the matrix at rest
 CUT = 0.5  # a damped step that the line search cuts below this asks for more damping
 MOST_SHIFT = 1e8
-MOST_DAMPED = 25  # iterations that went through an indefinite matrix: more lead away from the branch
 TRUST = 1e-2  # share of the decrement that a good Newton step from a predicted state leaves at most
 DECREMENTS = 64  # Newton decrements kept as evidence
 
@@ -51,10 +49,10 @@ def equilibrium(system, target, work, state, it):
     """
     it.pairs, it.count, it.trouble, it.looks = 0, 0, NONE, 0
     it.doubtful, it.current = False, not (target.modified and it.reuse)
-    it.least_pivot, it.decrement, it.last, it.damping = np.inf, 0.0, np.inf, FIRST_SHIFT
+    it.least_pivot, it.decrement, it.last, it.damping = np.inf, 0.0, np.inf, target.shift
     look_at(system, target, work, state, it, it.current or not target.modified)
     for i in range(target.limit):
-        if i >= MOST_DAMPED and it.trouble == INDEFINITE:
+        if i >= target.damped and it.trouble == INDEFINITE:
             break
         status = reuse_factor(system, target, work, state, it, i) if it.reuse else GO_ON
         if status == GO_ON:
@@ -249,7 +247,7 @@ def move(system, target, work, state, it):
         it.trouble = max(it.trouble, LONG)
     if it.shift > 0.0:
         # a step cut short went too far along a soft mode: damp the next one more
-        it.damping = 4.0 * it.shift if length < CUT else max(0.25 * it.shift, FIRST_SHIFT)
+        it.damping = 4.0 * it.shift if length < CUT else max(0.25 * it.shift, target.shift)
     it.reuse = it.shift == 0.0 and not (target.modified and it.current)
     it.decrement = -it.slope
     it.last = it.decrement if it.reuse and length == 1.0 else np.inf

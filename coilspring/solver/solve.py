@@ -112,6 +112,8 @@ class Track:
     last: np.ndarray  # last accepted state
     history: np.ndarray  # contact history with which a step from there was tried
     decrements: np.ndarray  # last Newton decrements over the reference work
+    snaps: int  # limit points passed, see `coilspring.solver.snap`,
+    largest_snap: float  # and bound on the largest motion at one of them, wire diameters
 
 
 @dataclass(frozen=True)
@@ -179,6 +181,8 @@ class Walk:
             last=work.state,
             history=work.history,
             decrements=work.decrements,
+            snaps=int(path["snaps"]),
+            largest_snap=float(path["largest_snap"]),
         )
 
 
@@ -305,6 +309,8 @@ def _joined(runs: list[Run], count: int) -> Run:
         bracket=last.bracket / count,
         checks=sum(track.checks for track in tracks),
         pairs=sum(track.pairs for track in tracks),
+        snaps=sum(track.snaps for track in tracks),
+        largest_snap=max(track.largest_snap for track in tracks),
     )
     outcome, message, critical = _verdict(track, runs[-1].work)
     return replace(
@@ -341,7 +347,7 @@ def scene_path(
         histories=track.histories,
         iterations=track.iterations,
         outcome=run.outcome,
-        message=run.message + _caution(scene, shape, track.states),
+        message=run.message + _snaps(track) + _caution(scene, shape, track.states),
         shape=shape,
         critical_time=run.critical_time,
         critical_bracket=None if run.critical_time is None else track.bracket,
@@ -357,6 +363,14 @@ def scene_path(
     if path.outcome != "completed":
         raise EquilibriumNotFound(path)
     return path
+
+
+def _snaps(track: Track) -> str:
+    """The limit points that the path passed, or nothing."""
+    if track.snaps == 0:
+        return ""
+    points = "a limit point" if track.snaps == 1 else f"{track.snaps} limit points"
+    return f"; on the way it snaps past {points}, by at most {track.largest_snap:.2g} wire diameters"
 
 
 def _caution(scene: Scene, shape: Shape, states: np.ndarray) -> str:

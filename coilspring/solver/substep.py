@@ -18,6 +18,7 @@ from coilspring.contact.history import (
 )
 from coilspring.contact.kinematics import OVERLAP_ALLOWED
 from coilspring.contact.law import CREEP
+from coilspring.solver import snap
 from coilspring.solver.branch import continues, jumped
 from coilspring.solver.creep import renew_creep
 from coilspring.solver.friction import slides_stably, solve_bounds
@@ -36,6 +37,8 @@ NEARER = 3.0  # times the bound on all motion: so much nearer may two wires come
 OVERLAP_TIME = 1e-5  # of the time 0..1: so closely is it located
 BOUND_CHANGE = 1e-6  # of the bounds of tangential forces, over the largest, where they count as found
 MOST_ROUNDS = 30
+FIRST_SHIFT = 0.1  # with which an indefinite matrix is made positive, in units of that at rest
+MOST_DAMPED = 25  # iterations that went through an indefinite matrix: more lead away from the branch
 SLOW, GAIN = 3, 0.5  # rounds of Newton's method that leave more than this share lead nowhere
 RENEWED = 3  # times that bounds are just renewed, before Newton's method is worth its back substitutions
 
@@ -53,7 +56,8 @@ def find_equilibrium(system, equilibrium, task, work, path, substep, it):
     target = Target(
         work.state, path.least_gap, work.history, work.load, path.reference * substep.target**2,
         path.reference * substep.duration**2, path.rounding * (path.dead + path.force * substep.target),
-        path.rounding, task.limit, task.modified, path.least_pivot,
+        path.rounding, task.limit, task.limit if path.snapping else MOST_DAMPED,
+        snap.SHIFT if path.snapping else FIRST_SHIFT, task.modified, path.least_pivot,
     )  # fmt: skip
     begin_attempt(work.history, substep.duration / path.last_step)
     if path.releasing:
@@ -96,7 +100,7 @@ def renew_held(system, task, work, path, substep, before):
     left, least = substep.duration, 2.0 * LEAST_STEP
     if path.releasing:
         left, least = path.release, 2.0 * LEAST_RELEASE
-    if end < 1.0 and left >= least:
+    if end < 1.0 and left >= least and not path.snapping:
         substep.within, substep.cut = True, min(max(end, LEAST_FREE), MOST_CUT)
         return 0.0
     left = 0.0
@@ -105,11 +109,13 @@ def renew_held(system, task, work, path, substep, before):
         path.spent += left > CREEP
     if change <= BOUND_CHANGE and left <= CREEP:
         return 0.0
-    slow = left == 0.0 and substep.rounds > RENEWED + SLOW and change > GAIN * before
-    if slow or substep.rounds == MOST_ROUNDS or left == np.inf:
+    newton = left == 0.0 and substep.rounds > RENEWED and not path.snapping
+    slow = newton and substep.rounds > RENEWED + SLOW and change > GAIN * before
+    most = snap.ROUNDS if path.snapping else MOST_ROUNDS
+    if slow or substep.rounds == most or left == np.inf:
         substep.status = FAILED
         return 0.0
-    if left == 0.0 and substep.rounds > RENEWED:
+    if newton:
         substep.turned = solve_bounds(system, task, work) < 0 or substep.turned
         path.spent += 1
     return change + left
@@ -128,13 +134,14 @@ def keeps_branch(system, task, work, path, substep, watch):
     if path.lost or substep.within:
         return False
     good, substep.share, substep.distance = continues(
-        system, task, work, substep.trouble, task.predictor or path.releasing
+        system, task, work, substep.trouble, (task.predictor or path.releasing) and not path.snapping
     )
+    good = good and (substep.distance <= snap.LARGEST * task.diameter or not path.snapping)
     substep.room, substep.moved = watch[ROOM].value, path.moved + substep.distance
     if good and (NEARER * substep.moved >= substep.room or substep.near_overlap):
         substep.room, substep.moved = free_room(system, task, work.trial), 0.0
         good = substep.room >= 0.0
-        if not good and substep.duration < OVERLAP_TIME:
+        if not (good or path.snapping) and substep.duration < OVERLAP_TIME:
             path.outcome = OVERLAP
     if not good or substep.status == LINEAR:
         return good
@@ -143,7 +150,7 @@ def keeps_branch(system, task, work, path, substep, watch):
     if slides(work.history) and not slides_stably(system, task, work, path, substep):
         return False
     stale_solution(system, work, work.trial, task.load, 1.0, work.ahead)
-    if not task.predictor or has_history(work.history):
+    if not task.predictor or path.snapping or has_history(work.history):
         return True
     return not jumped(system, task, work, substep.distance, substep.duration)
 

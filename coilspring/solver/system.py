@@ -65,7 +65,9 @@ class Target(NamedTuple):
     predicted: Any  # energy of the predicted motion
     rounding: Any  # noise of the potential,
     grain: Any  # and for each newton of the force on what is prescribed, mm
-    limit: Any  # largest number of iterations
+    limit: Any  # largest number of iterations,
+    damped: Any  # and of those through an indefinite matrix
+    shift: Any  # with which that is made positive, at least, in units of the matrix at rest
     modified: Any  # see `coilspring.solver.system.Task`
     least_pivot: Any  # at rest
 
@@ -116,6 +118,10 @@ PATH = np.dtype(
         ("next_step", "f8"),
         ("until", "f8"),  # duration after which a pair touches or opens; infinite where that is not known
         ("last_step", "f8"),
+        ("snapping", "?"),  # past a limit point, see `coilspring.solver.snap`
+        ("ends", "i8"),  # outcome where that leads nowhere
+        ("snaps", "i8"),  # number of those so far,
+        ("largest_snap", "f8"),  # and bound on the largest motion in one of them, wire diameters
         ("releasing", "?"),  # opening pairs hold something tangentially that is still to be released
         ("release", "f8"),  # power of two by which their tangential stiffness is lowered next
         ("let_go", "f8"),  # up to this time no pair that creeps lets go again
@@ -264,8 +270,8 @@ def equilibrium_signature() -> Any:
     data = (vector, types.int64[::1], vector, vector)
     system = _Fields(tuple(zip(System._fields, (*data, *_kernel_types()), strict=True)))
     work = _Fields(tuple(zip(Workspace._fields, workspace_type().types, strict=True)))
-    fields = (vector, real, history, vector, *(real,) * 4, types.int64, types.boolean, real)
-    target = types.NamedTuple(fields, Target)
+    numbers = (*(real,) * 4, types.int64, types.int64, real, types.boolean, real)
+    target = types.NamedTuple((vector, real, history, vector, *numbers), Target)
     return types.int64(system, target, work, vector, from_dtype(NEWTON))
 
 

@@ -1,0 +1,47 @@
+"""Small snaps: past a limit point, to a stable equilibrium nearby.
+
+Coils touch at points, be they of spheres or stations of the wire. As one opens and the next closes, a path
+may fold by hundredths of a wire diameter. Which of these folds a substep sees is a matter of its length; what
+lies beyond is not. So a path that comes to one goes on from the equilibrium beyond, where no point of the
+wire moves far; it counts those snaps, and tells the largest.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from coilspring.compiling.compiled import part
+from coilspring.solver.linesearch import dot
+from coilspring.solver.stability import PROBE
+
+AHEAD = 1e-6  # of the time 0..1: so far beyond a limit point an equilibrium is looked for
+LARGEST = 0.25  # wire diameters: so far it may be
+ROUNDS = 300  # of renewed bounds: as it slides, friction gives way step by step
+SHIFT = 1e-6  # least shift of an indefinite matrix: at a limit point next to nothing is negative
+# Share of the load that does work with a mode; rounding leaves far less where it does none.
+NO_WORK = 1e-6
+
+
+@part
+def end_or_snap(task, work, path, outcome):
+    """The path ends with an outcome, unless at a limit point: there a snap is tried first."""
+    path.snapping, path.ends = task.predictor and is_limit_point(task, work), outcome
+    if not path.snapping:
+        path.outcome = outcome
+
+
+@part
+def is_limit_point(task, work):
+    """Whether the load does work with the softest mode: at a bifurcation it does none."""
+    load, mode = task.load, work.mode
+    return abs(dot(load, mode)) > NO_WORK * math.sqrt(dot(load, load) * dot(mode, mode))
+
+
+@part
+def snapped(task, work, path, substep):
+    """Count a snap, and go on from where it led as from a start."""
+    path.snapping, path.snaps = False, path.snaps + 1
+    path.largest_snap = max(path.largest_snap, substep.distance / task.diameter)
+    path.next_step, work.old[0] = PROBE, np.inf  # no turn known

@@ -1,0 +1,46 @@
+"""Limit points beyond which an equilibrium is near are passed, whatever the steps, and told."""
+
+import re
+
+import numpy as np
+import pytest
+
+from coilspring.solver.snap import LARGEST
+from validation.campaign.scenes import make_case
+from validation.campaign.verdict import reached
+
+
+def snaps(path):
+    """Number of the snaps that a path tells of, and the largest, wire diameters."""
+    found = re.search(r"snaps past (a|\d+) limit points?, by at most ([\d.]+) wire diameters", path.message)
+    return (int(found[1].replace("a", "1")), float(found[2])) if found else (0, 0.0)
+
+
+@pytest.mark.parametrize(
+    ("case", "seed", "count"),
+    [("b000303", 1, 1), ("w00192", 32, 3), ("w00061", 33, 1)],
+    ids=["beam whose closing coils straighten it", "stations of wires", "Coulomb"],
+)
+def test_small_snaps_are_passed_in_any_number_of_steps(case, seed, count):
+    case = make_case(case, seed)
+    paths = [reached(case, steps=steps) for steps in (1, 16)]
+    assert [path.outcome for path in paths] == ["completed"] * 2
+    for path in paths:
+        number, largest = snaps(path)
+        assert number == count
+        assert 0.01 < largest <= LARGEST
+    tips = [path.tips[-1] for path in paths]
+    # Coulomb's friction is of the first order in the steps
+    rel = 1e-3 if case.scene.contact.friction else 1e-6
+    np.testing.assert_allclose(*tips, atol=rel * np.abs(tips[0]).max())
+
+
+def test_a_snap_that_leads_far_ends_the_path():
+    """Beyond the first limit point an equilibrium is 0.035 wire diameters away, beyond the second 0.29."""
+    case = make_case("w00020", 6)
+    paths = [reached(case, steps=steps) for steps in (1, 100)]
+    for path in paths:
+        assert path.outcome == "limit_point"
+        assert snaps(path) == (1, pytest.approx(0.035, abs=0.002))
+    assert paths[0].critical_time == pytest.approx(paths[1].critical_time, rel=1e-7)
+    assert paths[0].critical_time == pytest.approx(0.34194, abs=1e-5)
