@@ -14,7 +14,8 @@ import numpy as np
 from coilspring.compiling.packing import pack
 from coilspring.errors import InputError, require_integer
 from coilspring.scene import Load, Scene, require_scene
-from coilspring.solver.solve import Problem, Run, follow_problem
+from coilspring.solver.problem import Problem
+from coilspring.solver.solve import Run, follow_problem
 from equivbeam import band, kernels
 from equivbeam.laws import law_of
 from equivbeam.laws.haringx import KAX, KFL, KSH, L0

@@ -11,7 +11,7 @@ from coilspring.compiling.packing import Table, Vector, Wholes, WholeTable, view
 from coilspring.contact.law import PAIR_HISTORY, tangential_stiffness
 from coilspring.errors import InputError
 from coilspring.scene import Scene
-from coilspring.solver.solve import Problem
+from coilspring.solver.problem import Problem
 from coilspring.solver.stages import Top
 from equivbeam.band import ROW
 from equivbeam.laws import LAWS, USER, law_rows

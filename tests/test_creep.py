@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from coilspring.contact.law import CREEP
-from coilspring.solver.creep import FREE, GAP, HELD, SLIP, STICKS, TOUCHES, complementary
+from coilspring.solver.complementarity import FREE, GAP, HELD, SLIP, STICKS, TOUCHES, complementary
 from validation.campaign.scenes import make_case
 from validation.campaign.verdict import reached
 

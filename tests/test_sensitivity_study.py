@@ -14,7 +14,8 @@ import validation.sensitivity.run as sensitivity_run
 from coilspring import Contact, InputError, Load, Material, Scene, Spring, Supports, spring_a, spring_b
 from coilspring.contact.law import PAIR_HISTORY
 from coilspring.scene.wire import round_section
-from coilspring.solver.solve import Problem, follow_problem, output_times, scene_path
+from coilspring.solver.problem import Problem
+from coilspring.solver.solve import follow_problem, output_times, scene_path
 from equivbeam import model as beam
 from equivbeam.laws.haringx import KAX, KFL, KSH
 from equivbeam.shape import BeamShape

@@ -14,7 +14,8 @@ from coilspring.errors import EquilibriumNotFound, InputError, require_choice, r
 from coilspring.path import EquilibriumPath
 from coilspring.scene import Scene, require_scene
 from coilspring.solver.interface import Kernels
-from coilspring.solver.solve import Problem, follow_load, follow_problem, scene_path
+from coilspring.solver.problem import Problem
+from coilspring.solver.solve import follow_load, follow_problem, scene_path
 from coilspring.solver.startup import store
 from coilspring.sweep import Outcome, jobs, outcomes
 from wirefe import kernels, model, seated

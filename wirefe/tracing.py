@@ -16,7 +16,8 @@ from coilspring.solver.arclength import Trace, compiled_trace
 from coilspring.solver.interface import Kernels
 from coilspring.solver.interrupt import interruptible
 from coilspring.solver.newton import compiled_equilibrium
-from coilspring.solver.solve import THROUGH, Problem
+from coilspring.solver.outcome import THROUGH
+from coilspring.solver.problem import Problem
 from coilspring.solver.startup import compile_kernels
 from coilspring.solver.system import bundled
 from wirefe.rod import Rod, RodPath

@@ -17,9 +17,10 @@ import numpy as np
 
 from coilspring.compiling.compiled import copy, part
 from coilspring.contact.history import copy_history, set_rise
-from coilspring.solver.creep import answer, answered, eliminated
+from coilspring.solver.complementarity import eliminated
 from coilspring.solver.newton import INDEFINITE
 from coilspring.solver.operations import assembled, factored
+from coilspring.solver.response import answer, answered
 
 LESS = 1e-4  # share by which friction is taken back
 # Share of the bounds, up or down, over a slip of a wire diameter; more is seen only where slips are stiff.

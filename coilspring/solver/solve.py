@@ -3,117 +3,38 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field, replace
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
 from coilspring.compiling.packing import pack
-from coilspring.contact.history import has_friction
-from coilspring.contact.kinematics import OVERLAP_ALLOWED
 from coilspring.contact.law import PAIR_HISTORY
 from coilspring.errors import EquilibriumNotFound
 from coilspring.path import EquilibriumPath, Shape
 from coilspring.scene import Scene
-from coilspring.solver.coulomb import goes_on, time_left
-from coilspring.solver.follower import MOST_TRIES
 from coilspring.solver.interface import Kernels
 from coilspring.solver.interrupt import interruptible
 from coilspring.solver.newton import DECREMENTS
-from coilspring.solver.stability import Body, softest
-from coilspring.solver.stages import Top, stages
+from coilspring.solver.outcome import caution, judged, snaps, verdict
+from coilspring.solver.problem import Problem, Track
+from coilspring.solver.stages import stages
 from coilspring.solver.startup import ready
 from coilspring.solver.system import (
     COMPLETED,
-    CRITICAL,
-    EXHAUSTED,
-    FREE,
-    JUMP,
     NEW_PAIR,
     NEWTON,
-    OVERLAP,
     PATH,
     STUCK,
     SUBSTEP,
-    TURNED,
     WATCH,
     Task,
     Workspace,
 )
 
-MOST_ITERATIONS = (
-    200  # of a substep with the exact tangent: 2 or 3 far from changes of contact, many with kinks
-)
-# Null modes of a bifurcation do no work with the load; rounding leaves far less than this share.
-NO_WORK = 1e-6
-SOFT = 0.01  # stiffness of the softest mode over that at rest, below which the tangent counts as singular
-LEFT = 1e-5  # of the time 0..1: so near to where a path ends, a limit point of Coulomb's law is its end
-SLIDING = -1  # outcome beside those of `coilspring.solver.follower`: see `coilspring.solver.coulomb`
-HELD = "Coulomb's law has a solution beyond, but the iteration on friction bounds found no stable equilibrium"
-JUMPS = (
-    "a sticking pair opens, and the path jumps: no equilibrium is near as its tangential force is released,"
-)
-THROUGH = (
-    f"coils pass through each other: the wire overlaps by {OVERLAP_ALLOWED:g} wire diameters more than any "
-    "contact pair"
-)
-WHY = {
-    SLIDING: HELD,
-    STUCK: "no equilibrium that continues the branch was found",
-    EXHAUSTED: f"the path was stopped after {MOST_TRIES} equilibria besides those at requested times,",
-}
-VOID_PENETRATION = 0.1  # wire diameters of overlap, beyond which a penalty no longer stands for contact
-
-
-@dataclass(frozen=True)
-class Problem:
-    """A scene made ready by a model for the path follower.
-
-    Attributes
-    ----------
-    data : the model's arrays (NamedTuple).
-    load : (n,) load vector at time 1 in the model's free degrees of freedom.
-    start : state at rest.
-    history : (pairs,) contact history at rest.
-    matrix_size : length of the model's matrix in its own storage.
-    modified : the matrix is costly: see `coilspring.solver.system.Task`.
-    top : where the top reference point is in the state; for loads of several stages.
-    dead : (n,) load that acts from the beginning, or None.
-    prescribed : see `coilspring.solver.system`.
-    extended : gives the problem with the pairs that touch in a state besides its own, which come last.
-    """
-
-    data: Any
-    load: np.ndarray
-    start: np.ndarray
-    history: np.ndarray
-    matrix_size: int
-    modified: bool = False
-    top: Top | None = None
-    dead: np.ndarray | None = None
-    prescribed: np.ndarray = field(default_factory=lambda: FREE)
-    extended: Callable[[np.ndarray], Problem] | None = None
-
-
-@dataclass(frozen=True)
-class Track:
-    """What was followed, as the solver left it."""
-
-    states: np.ndarray  # (reached, state size), at the requested times
-    histories: np.ndarray  # (reached, pairs) contact history with which they were found
-    iterations: np.ndarray  # (reached,), factorisations since the previous row
-    rest: int  # factorisations spent after the last row
-    outcome: int
-    time: float  # last accepted time
-    bracket: float  # time beyond it, in which the path ends
-    checks: int  # factorisations that only verified the stability of a linear stretch
-    pairs: int  # contact pairs evaluated
-    last: np.ndarray  # last accepted state
-    history: np.ndarray  # contact history with which a step from there was tried
-    decrements: np.ndarray  # last Newton decrements over the reference work
-    snaps: int  # limit points passed, see `coilspring.solver.snap`,
-    largest_snap: float  # and bound on the largest motion at one of them, wire diameters
+# Of a substep with the exact tangent: 2 or 3 far from changes of contact, many with kinks.
+MOST_ITERATIONS = 200
 
 
 @dataclass(frozen=True)
@@ -146,8 +67,8 @@ class Walk:
         sizes |= dict.fromkeys(("H", "F", "rest"), matrix) | {"decrements": DECREMENTS}
         arrays = {name: np.zeros(sizes.get(name, state)) for name in Workspace._fields}
         arrays |= {name: problem.history.copy() for name in ("history", "trial_history", "low", "high")}
-        arrays |= {"change": np.zeros(len(problem.history)), "states": np.empty((rows, state))}
         arrays |= {
+            "states": np.empty((rows, state)),
             "histories": np.zeros((rows, len(problem.history)), PAIR_HISTORY),
             "iterations": np.zeros(rows, np.int64),
         }
@@ -160,7 +81,6 @@ class Walk:
         more = len(problem.history) - len(self.work.history)
         tables = ("history", "trial_history", "low", "high")
         padded = {name: _with_pairs(getattr(self.work, name), more) for name in (*tables, "histories")}
-        padded["change"] = np.zeros(len(problem.history))
         padded |= {name: np.zeros(problem.matrix_size) for name in ("H", "F", "rest")}
         self.work = self.work._replace(**padded)
 
@@ -220,35 +140,9 @@ def follow_problem(
             problem, data=more.data, history=history, matrix_size=more.matrix_size, extended=more.extended
         )
         walk.extend(problem)
-    track, mode, work = _judged(walk.track(), problem, kernels, length)
+    track, mode, work = judged(walk.track(), problem, kernels, length)
     seconds = time.process_time() - began
-    return Run(problem, track, mode, work, *_verdict(track, work), seconds, compiled)
-
-
-def _judged(
-    track: Track, problem: Problem, kernels: Kernels, length: float
-) -> tuple[Track, np.ndarray, float]:
-    """The track, with a critical point distinguished from a path that got stuck, the softest mode at its end,
-    and the share of the load that does work with it."""
-    load, prescribed = problem.load, problem.prescribed
-    if track.outcome not in (CRITICAL, STUCK, TURNED):
-        return track, np.zeros_like(load), 0.0
-    body = Body(kernels, pack(problem.data), load.size, problem.matrix_size, prescribed)
-    share, mode = softest(body, track.last, track.history, problem.start)
-    end = (body, track.last, track.history, load, length)
-    friction = has_friction(track.history.view(np.recarray))
-    left = time_left(*end) if friction else np.inf
-    if track.outcome == TURNED:
-        track = replace(track, outcome=CRITICAL)
-    elif left <= LEFT:
-        track = replace(track, outcome=CRITICAL, bracket=max(track.bracket, 2.0 * left))
-    elif friction and goes_on(*end):
-        track = replace(track, outcome=SLIDING)
-    elif track.outcome == STUCK and abs(share) < SOFT:
-        track = replace(track, outcome=CRITICAL)
-    pull = body.pull(track.last, track.history) if prescribed.size else load
-    norm = float(np.linalg.norm(pull) * np.linalg.norm(mode))
-    return track, mode, abs(float(pull @ mode)) / norm if norm > 0.0 else 0.0
+    return Run(problem, track, mode, work, *verdict(track, work), seconds, compiled)
 
 
 def output_times(scene: Scene) -> np.ndarray:
@@ -312,7 +206,7 @@ def _joined(runs: list[Run], count: int) -> Run:
         snaps=sum(track.snaps for track in tracks),
         largest_snap=max(track.largest_snap for track in tracks),
     )
-    outcome, message, critical = _verdict(track, runs[-1].work)
+    outcome, message, critical = verdict(track, runs[-1].work)
     return replace(
         runs[-1],
         track=track,
@@ -347,7 +241,7 @@ def scene_path(
         histories=track.histories,
         iterations=track.iterations,
         outcome=run.outcome,
-        message=run.message + _snaps(track) + _caution(scene, shape, track.states),
+        message=run.message + snaps(track) + caution(scene, shape, track.states),
         shape=shape,
         critical_time=run.critical_time,
         critical_bracket=None if run.critical_time is None else track.bracket,
@@ -363,42 +257,3 @@ def scene_path(
     if path.outcome != "completed":
         raise EquilibriumNotFound(path)
     return path
-
-
-def _snaps(track: Track) -> str:
-    """The limit points that the path passed, or nothing."""
-    if track.snaps == 0:
-        return ""
-    points = "a limit point" if track.snaps == 1 else f"{track.snaps} limit points"
-    return f"; on the way it snaps past {points}, by at most {track.largest_snap:.2g} wire diameters"
-
-
-def _caution(scene: Scene, shape: Shape, states: np.ndarray) -> str:
-    """What makes the last state an equilibrium of the model rather than of a spring, or nothing."""
-    if not len(states):
-        return ""
-    last = states[-1:]
-    depth = -shape.pair_gaps(last).min(initial=0.0) / scene.spring.wire_diameter
-    if depth > VOID_PENETRATION:
-        return f"; but coils penetrate by {depth:.2f} wire diameters: the contact stiffness is too low"
-    if shape.tips(last)[0, 1] < -scene.spring.active_height:
-        return "; but the top has passed the bottom, which no contact law here prevents"
-    return ""
-
-
-def _verdict(track: Track, work: float) -> tuple[str, str, float | None]:
-    """Outcome, message and critical time."""
-    if track.outcome == COMPLETED:
-        return "completed", "the load path was followed to time 1", None
-    begin, end = f"{track.time:.6f}", f"{track.time + track.bracket:.6f}"
-    where = f"between time {begin} and {end}" if begin != end else f"at time {begin}"
-    if track.outcome == OVERLAP:
-        return "interpenetration", f"{THROUGH} {where}", None
-    if track.outcome == JUMP:
-        return "jump", f"{JUMPS} {where}", track.time
-    if track.outcome == CRITICAL:
-        critical = track.time + 0.5 * track.bracket
-        if work > NO_WORK:
-            return "limit_point", f"limit point {where}: beyond it this branch has no equilibrium", critical
-        return "bifurcation", f"bifurcation {where}: the branch loses its stability", critical
-    return "not_converged", f"{WHY.get(track.outcome, WHY[STUCK])} {where}", None

@@ -96,7 +96,6 @@ class Workspace(NamedTuple):
     trial_history: np.ndarray  # that with which the trial state was found
     low: np.ndarray  # two more tables, for differences
     high: np.ndarray
-    change: np.ndarray  # (pairs,) last change of the bounds
     decrements: np.ndarray  # the last Newton decrements over the reference work
     states: np.ndarray  # (steps, state size), at the requested times
     histories: np.ndarray  # (steps, pairs) contact history with which they were found

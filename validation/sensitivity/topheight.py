@@ -13,7 +13,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from coilspring import EquilibriumPath, Scene
-from coilspring.solver.solve import Problem, follow_problem, output_times, scene_path
+from coilspring.solver.problem import Problem
+from coilspring.solver.solve import follow_problem, output_times, scene_path
 from equivbeam import model as beam
 from equivbeam.shape import BeamShape
 from equivbeam.solve import KERNELS as BEAM_KERNELS

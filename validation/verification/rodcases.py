@@ -15,7 +15,7 @@ import wirefe
 from coilspring import EquilibriumNotFound
 from coilspring.compiling.packing import pack
 from coilspring.scene.wire import Section
-from coilspring.solver.solve import Problem
+from coilspring.solver.problem import Problem
 from validation.verification.case import Case
 from wirefe import kernels
 from wirefe.solve import rod_problem

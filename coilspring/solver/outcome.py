@@ -1,0 +1,105 @@
+"""How a path ended, and the words that say why."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from coilspring.compiling.packing import pack
+from coilspring.contact.history import has_friction
+from coilspring.contact.kinematics import OVERLAP_ALLOWED
+from coilspring.path import Shape
+from coilspring.scene import Scene
+from coilspring.solver.coulomb import goes_on, time_left
+from coilspring.solver.follower import MOST_TRIES
+from coilspring.solver.interface import Kernels
+from coilspring.solver.problem import Problem, Track
+from coilspring.solver.snap import NO_WORK
+from coilspring.solver.stability import Body, softest
+from coilspring.solver.system import COMPLETED, CRITICAL, EXHAUSTED, JUMP, OVERLAP, STUCK, TURNED
+
+SOFT = 0.01  # stiffness of the softest mode over that at rest, below which the tangent counts as singular
+LEFT = 1e-5  # of the time 0..1: so near to where a path ends, a limit point of Coulomb's law is its end
+SLIDING = -1  # beside the outcomes of `coilspring.solver.system`: see `coilspring.solver.coulomb`
+UNFOLLOWED = (
+    "Coulomb's law has a solution beyond, but the iteration on friction bounds found no stable equilibrium"
+)
+JUMPS = (
+    "a sticking pair opens, and the path jumps: no equilibrium is near as its tangential force is released,"
+)
+THROUGH = (
+    f"coils pass through each other: the wire overlaps by {OVERLAP_ALLOWED:g} wire diameters more than any "
+    "contact pair"
+)
+WHY = {
+    SLIDING: UNFOLLOWED,
+    STUCK: "no equilibrium that continues the branch was found",
+    EXHAUSTED: f"the path was stopped after {MOST_TRIES} equilibria besides those at requested times,",
+}
+VOID_PENETRATION = 0.1  # wire diameters of overlap, beyond which a penalty no longer stands for contact
+
+
+def judged(
+    track: Track, problem: Problem, kernels: Kernels, length: float
+) -> tuple[Track, np.ndarray, float]:
+    """The track, with a critical point distinguished from a path that got stuck, the softest mode at its end,
+    and the share of the load that does work with it."""
+    load, prescribed = problem.load, problem.prescribed
+    if track.outcome not in (CRITICAL, STUCK, TURNED):
+        return track, np.zeros_like(load), 0.0
+    body = Body(kernels, pack(problem.data), load.size, problem.matrix_size, prescribed)
+    share, mode = softest(body, track.last, track.history, problem.start)
+    end = (body, track.last, track.history, load, length)
+    friction = has_friction(track.history.view(np.recarray))
+    left = time_left(*end) if friction else np.inf
+    if track.outcome == TURNED:
+        track = replace(track, outcome=CRITICAL)
+    elif left <= LEFT:
+        track = replace(track, outcome=CRITICAL, bracket=max(track.bracket, 2.0 * left))
+    elif friction and goes_on(*end):
+        track = replace(track, outcome=SLIDING)
+    elif track.outcome == STUCK and abs(share) < SOFT:
+        track = replace(track, outcome=CRITICAL)
+    pull = body.pull(track.last, track.history) if prescribed.size else load
+    norm = float(np.linalg.norm(pull) * np.linalg.norm(mode))
+    return track, mode, abs(float(pull @ mode)) / norm if norm > 0.0 else 0.0
+
+
+def verdict(track: Track, work: float) -> tuple[str, str, float | None]:
+    """Outcome, message and critical time."""
+    if track.outcome == COMPLETED:
+        return "completed", "the load path was followed to time 1", None
+    begin, end = f"{track.time:.6f}", f"{track.time + track.bracket:.6f}"
+    where = f"between time {begin} and {end}" if begin != end else f"at time {begin}"
+    if track.outcome == OVERLAP:
+        return "interpenetration", f"{THROUGH} {where}", None
+    if track.outcome == JUMP:
+        return "jump", f"{JUMPS} {where}", track.time
+    if track.outcome == CRITICAL:
+        critical = track.time + 0.5 * track.bracket
+        if work > NO_WORK:
+            return "limit_point", f"limit point {where}: beyond it this branch has no equilibrium", critical
+        return "bifurcation", f"bifurcation {where}: the branch loses its stability", critical
+    return "not_converged", f"{WHY.get(track.outcome, WHY[STUCK])} {where}", None
+
+
+def snaps(track: Track) -> str:
+    """The limit points that the path passed, or nothing."""
+    if track.snaps == 0:
+        return ""
+    points = "a limit point" if track.snaps == 1 else f"{track.snaps} limit points"
+    return f"; on the way it snaps past {points}, by at most {track.largest_snap:.2g} wire diameters"
+
+
+def caution(scene: Scene, shape: Shape, states: np.ndarray) -> str:
+    """What makes the last state an equilibrium of the model rather than of a spring, or nothing."""
+    if not len(states):
+        return ""
+    last = states[-1:]
+    depth = -shape.pair_gaps(last).min(initial=0.0) / scene.spring.wire_diameter
+    if depth > VOID_PENETRATION:
+        return f"; but coils penetrate by {depth:.2f} wire diameters: the contact stiffness is too low"
+    if shape.tips(last)[0, 1] < -scene.spring.active_height:
+        return "; but the top has passed the bottom, which no contact law here prevents"
+    return ""
