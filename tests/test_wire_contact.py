@@ -9,8 +9,10 @@ from scipy.spatial.transform import Rotation
 import wirefe
 from coilspring import CoilSection, Contact, Load, Scene, Spring, Supports, load_scene, spring_a, spring_b
 from coilspring.compiling.packing import pack
-from coilspring.contact.law import PAIR_HISTORY
+from coilspring.contact.law import PAIR_HISTORY, first_touch
 from coilspring.scene.wire import Section
+from validation.campaign.scenes import make_case
+from validation.campaign.verdict import reached
 from wirefe import kernels
 from wirefe.beam import beams
 from wirefe.contactpoints import ContactPoints
@@ -295,6 +297,14 @@ def test_located_contact_converges_with_the_square_of_the_substeps():
     ]
     errors = np.abs(np.array(works[:-1]) - works[-1])
     assert (errors[0] / errors[-1]) ** 0.5 >= 3.0
+
+
+def test_a_pair_that_touches_at_rest_but_for_rounding():
+    """Its way to the first touch has no length; it was not a number, and the spring unstable at rest."""
+    v = np.array([0.0, 1.0 + 1e-15, 0.0])
+    assert first_touch(v, v, 1.0) == 0.0
+    for name, seed in (("w00007", 35), ("w00063", 35)):
+        assert reached(make_case(name, seed)).outcome == "completed"
 
 
 def test_plates_and_traces_take_wires():

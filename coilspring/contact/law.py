@@ -140,7 +140,10 @@ def slid(length, K, row, gap):
 
 @part
 def first_touch(before, after, d):
-    """Share of the way from one vector of a pair to another after which it touches first: where h = d."""
+    """Share of the way from one vector of a pair to another after which it touches first: where h = d.
+
+    0 for vectors that touch, and for one and the same that does so but for rounding.
+    """
     start, along, square = 0.0, 0.0, 0.0
     for i in range(3):
         change = after[i] - before[i]
@@ -148,7 +151,8 @@ def first_touch(before, after, d):
         along -= before[i] * change
         square += change**2
     outside = start - d * d
-    return outside / (along + math.sqrt(max(along**2 - square * outside, 0.0))) if outside > 0.0 else 0.0
+    way = along + math.sqrt(max(along**2 - square * outside, 0.0))
+    return outside / way if outside > 0.0 and way > 0.0 else 0.0
 
 
 @part

@@ -101,13 +101,13 @@ def follow(reals, ints, prescribed, kernels, task, work, path_, substep_, newton
     elif path.outcome == NEW_PAIR:
         resume(system, task, work, path)
     while path.row < task.times.size and path.outcome == COMPLETED and stop[0] == 0:
-        plan(task, work, path, substep, watch)
+        plan(system, task, work, path, substep, watch)
         if path.outcome != COMPLETED:
             break
         predict_trial(system, task, work, path, substep)
         find_equilibrium(system, kernels.equilibrium, task, work, path, substep, it)
         if not keeps_branch(system, task, work, path, substep, watch):
-            shorten(task, work, path, substep, watch[SOFTEST])
+            shorten(system, task, work, path, substep, watch[SOFTEST])
         elif verify_linear_stretch(system, work, path, substep) and knows_pairs(system, work, path, substep):
             watch_stiffness(system, work, path, substep, watch[SOFTEST])
             accept(task, work, path, substep, watch[ROOM])
@@ -115,7 +115,7 @@ def follow(reals, ints, prescribed, kernels, task, work, path_, substep_, newton
 
 
 @part
-def plan(task, work, path, substep, watch):
+def plan(system, task, work, path, substep, watch):
     """Time of the next state: no farther than half way to where stiffness or room are predicted to end."""
     softest, room = watch[SOFTEST], watch[ROOM]
     path.tries += 1
@@ -132,7 +132,7 @@ def plan(task, work, path, substep, watch):
     to_overlap = max(APPROACH * (room.zero - path.time), OVERLAP_TIME)
     if not path.snapping and (softest.value <= NEUTRAL * path.rest_stiffness or to_critical < LEAST_STEP):
         path.bracket = 2.0 * max(softest.zero - path.time, LEAST_STEP)
-        end_or_snap(task, work, path, CRITICAL)
+        end_or_snap(system, task, work, path, CRITICAL)
         if path.outcome != COMPLETED:
             return
     substep.weak = softest.value < WEAK * path.rest_stiffness
@@ -169,7 +169,7 @@ def predict_trial(system, task, work, path, substep):
 
 
 @part
-def shorten(task, work, path, substep, softest):
+def shorten(system, task, work, path, substep, softest):
     """Take the substep again, half as long; one that is too short ends the path."""
     if path.outcome != COMPLETED:
         return
@@ -201,7 +201,7 @@ def shorten(task, work, path, substep, softest):
         else:
             # negative pivots however short the step: the stiffness jumps there, as where a pair opens
             outcome = CRITICAL if substep.trouble == INDEFINITE else STUCK
-            end_or_snap(task, work, path, TURNED if path.time - path.turned <= NEAR_END else outcome)
+            end_or_snap(system, task, work, path, TURNED if path.time - path.turned <= NEAR_END else outcome)
 
 
 @part
@@ -216,7 +216,9 @@ def verify_linear_stretch(system, work, path, substep):
         return True
     # up to where the first pair closes, if none is closed: there the substep landed
     wide = path.least_gap > 0.0
-    stable = stable_until(system, work, path, substep.target if wide else path.time, np.inf if wide else 0.0)
+    # a snap begins at a critical point
+    end = substep.target if wide else path.time - (AHEAD if path.snapping else 0.0)
+    stable = stable_until(system, work, path, end, np.inf if wide else 0.0)
     path.linear = False
     return stable
 

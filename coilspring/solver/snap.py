@@ -12,31 +12,38 @@ import math
 
 import numpy as np
 
-from coilspring.compiling.compiled import part
+from coilspring.compiling.compiled import copy, part
 from coilspring.solver.linesearch import dot
-from coilspring.solver.stability import PROBE
+from coilspring.solver.operations import assembled, factored
+from coilspring.solver.stability import PROBE, least_stiffness
 
 AHEAD = 1e-6  # of the time 0..1: so far beyond a limit point an equilibrium is looked for
 LARGEST = 0.25  # wire diameters: so far it may be
 ROUNDS = 300  # of renewed bounds: as it slides, friction gives way step by step
 SHIFT = 1e-6  # least shift of an indefinite matrix: at a limit point next to nothing is negative
-# Share of the load that does work with a mode; rounding leaves far less where it does none.
-NO_WORK = 1e-6
+NO_WORK = 1e-6  # share of the load that does work with a mode; rounding leaves far less where it does none
 
 
 @part
-def end_or_snap(task, work, path, outcome):
+def end_or_snap(system, task, work, path, outcome):
     """The path ends with an outcome, unless at a limit point: there a snap is tried first."""
-    path.snapping, path.ends = task.predictor and is_limit_point(task, work), outcome
+    path.snapping, path.ends = task.predictor and is_limit_point(system, task, work, path), outcome
     if not path.snapping:
         path.outcome = outcome
 
 
 @part
-def is_limit_point(task, work):
-    """Whether the load does work with the softest mode: at a bifurcation it does none."""
-    load, mode = task.load, work.mode
-    return abs(dot(load, mode)) > NO_WORK * math.sqrt(dot(load, load) * dot(mode, mode))
+def is_limit_point(system, task, work, path):
+    """Whether the load, or the pull of a prescribed motion, works on the softest mode."""
+    assembled(system, work.state, 0.0, work.history, work.state, work.g, work.F)
+    copy(work.state, work.factored_at)
+    factored(system, work.F)
+    path.spent, path.reuse = path.spent + 1, False
+    stiffness = least_stiffness(system, work, np.inf)
+    done = dot(task.load, work.mode)
+    if system.prescribed.size > 0:
+        done = stiffness * dot(work.tangent, work.mode)  # the tangent is the solution for that pull
+    return abs(done) > NO_WORK * path.pull * math.sqrt(dot(work.mode, work.mode))
 
 
 @part
