@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from coilspring.contact.law import normal_forces
+from coilspring.contact.forces import normal_forces
 from coilspring.errors import EquilibriumNotFound, InputError, shown
 from coilspring.path import EquilibriumPath
 from coilspring.scene import Scene

@@ -4,14 +4,15 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
+from coilspring.contact import forces as pairforces
 from coilspring.contact import kinematics as pairvectors
 from coilspring.contact import law as pairlaw
+from coilspring.contact.forces import pair_friction
 from coilspring.contact.kinematics import remember, update_pairs
 from coilspring.contact.law import (
     PairLaw,
     arc,
     normal_law,
-    pair_friction,
     pair_potential,
     renewed,
     tangential_stiffness,
@@ -80,7 +81,7 @@ class Reader(PairReader):
 
 
 def test_an_edited_law_is_that_of_kernels_of_readers_and_of_friction(monkeypatch):
-    for module in (pairlaw, pairvectors):
+    for module in (pairlaw, pairvectors, pairforces):
         monkeypatch.setattr(module, "normal_law", _stiffening)
     f, H = np.empty(3), np.empty((3, 3))
     g = np.array([0.0, D - 0.1, 0.0])

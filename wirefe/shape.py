@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from coilspring.compiling.packing import pack
-from coilspring.contact.law import tangential_forces
+from coilspring.contact.forces import tangential_forces
 from coilspring.contact.results import PairReader
 from coilspring.path import Friction
 from coilspring.scene import Scene

@@ -7,7 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from coilspring.contact.law import PAIR_HISTORY, normal_forces, pair_friction
+from coilspring.contact.forces import normal_forces, pair_friction
+from coilspring.contact.law import PAIR_HISTORY
 from coilspring.path import Friction
 
 

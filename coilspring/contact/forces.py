@@ -1,0 +1,63 @@
+"""Forces, slips and work of pairs, read off states that were found: `coilspring.contact.law` on arrays."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from coilspring.contact.law import normal_law
+from coilspring.path import Friction
+
+
+def normal_forces(penetrations: np.ndarray, K: float, k: float) -> np.ndarray:
+    """Normal forces of pairs, N, from their penetrations, mm; of those that are open none."""
+    forces = np.zeros_like(penetrations)
+    closed = penetrations > 0.0
+    # one by one: a law for numbers may branch
+    forces[closed] = [normal_law(penetration, K, k)[1] for penetration in penetrations[closed].tolist()]
+    return forces
+
+
+def tangential_forces(length: np.ndarray, histories: np.ndarray, K: float) -> tuple[np.ndarray, ...]:
+    """Tangential forces of pairs at lengths of slip, N; by how much they slip in the substep at hand, mm, and
+    the work that takes, N mm.
+    """
+    stiffness = K * histories["closed"] * (1.0 - histories["released"])
+    force = stiffness * length
+    slides, gives = force > histories["bound"], histories["released"] > 0.0
+    bound = np.where(slides, histories["bound"], 0.0)
+    rise = bound * histories["rise"]
+    slip = np.where(slides, (force - bound) / np.where(slides, stiffness + rise, 1.0), 0.0)
+    force = np.where(slides, bound + rise * slip, force)
+    work = 0.5 * (histories["held"] + force) * slip
+    given = 0.5 * (histories["held"] * length + force * (length - histories["before"] - force / K))
+    return force, np.where(gives, length - force / K, slip), np.where(gives, given, work)
+
+
+def pair_friction(vectors: np.ndarray, histories: np.ndarray, law: Any) -> Friction:
+    """Tangential forces, slips and frictional work of pairs, from their g (..., pairs, 3) and histories.
+
+    `law` is a `PairLaw`.
+    """
+    d, K = law.d, law.kt
+    held, normal = histories["closed"], histories["normal"]
+    arcs = np.isfinite(histories["bound"]) | histories["creeps"]
+    g = vectors - histories["vector"]
+    stuck = g - (g * normal).sum(axis=-1, keepdims=True) * normal
+    h = np.linalg.norm(vectors, axis=-1)
+    n = vectors / h[..., None]
+    chord = n - normal
+    square = (chord**2).sum(axis=-1)
+    sine = np.sqrt(square * (1.0 - 0.25 * square))
+    angle = 2.0 * np.arcsin(np.minimum(0.5 * np.sqrt(square), 1.0))
+    length = np.where(arcs, d * angle, np.linalg.norm(stuck, axis=-1))
+    force, slip, work = tangential_forces(length, histories, K)
+    along = np.where(arcs[..., None], chord - 0.5 * square[..., None] * n, stuck)
+    # of an arc on its arm d, over the size of the vector along it
+    share = np.where(arcs, force * d / h, force) / np.where(force > 0.0, np.where(arcs, sine, length), 1.0)
+    return Friction(
+        force=share[..., None] * along,
+        slip=(histories["slid"] + slip) * held,
+        work=histories["work"] + work * held,
+    )
