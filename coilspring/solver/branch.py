@@ -14,6 +14,7 @@ from coilspring.solver.operations import moved, put_prescribed
 # (a closing contact kinks the path, so that no step is short enough for the share).
 TURN = 0.07
 SMALL = 0.05  # wire diameters
+SMALLER = 0.001  # the same, where the matrix was indefinite on the way: there a jump may begin
 # A pair may not move by more in one substep: beyond, coils could pass through or over each other.
 PAIR_MOTION = 0.5  # wire diameters
 JUMP = 0.25  # of the distance, by which it may differ from that which the tangents at both ends tell
@@ -65,7 +66,7 @@ def continues(system, task, work, trouble, judged):
     good = least <= 1.0 or (share <= TURN and trouble == NONE)
     if trouble == INDEFINITE and not has_friction(work.history):
         # a jump may end anywhere, also near the prediction; friction is predicted to slide where it sticks
-        good = distance <= SMALL * task.diameter
+        good = distance <= SMALLER * task.diameter
     return good, min(share, TURN * least), distance
 
 

@@ -21,7 +21,7 @@ AHEAD = 1e-6  # of the time 0..1: so far beyond a limit point an equilibrium is 
 LARGEST = 0.25  # wire diameters: so far it may be
 ROUNDS = 300  # of renewed bounds: as it slides, friction gives way step by step
 SHIFT = 1e-6  # least shift of an indefinite matrix: at a limit point next to nothing is negative
-NO_WORK = 1e-6  # share of the load that does work with a mode; rounding leaves far less where it does none
+NO_WORK = 1e-4  # share of the load that does work with a mode; less is a bifurcation that is not quite one
 
 
 @part
@@ -34,16 +34,16 @@ def end_or_snap(system, task, work, path, outcome):
 
 @part
 def is_limit_point(system, task, work, path):
-    """Whether the load, or the pull of a prescribed motion, works on the softest mode."""
+    """Whether a force works on the softest mode; what a prescribed motion pulls with is not looked at."""
+    if system.prescribed.size > 0:
+        return False
     assembled(system, work.state, 0.0, work.history, work.state, work.g, work.F)
     copy(work.state, work.factored_at)
     factored(system, work.F)
     path.spent, path.reuse = path.spent + 1, False
-    stiffness = least_stiffness(system, work, np.inf)
-    done = dot(task.load, work.mode)
-    if system.prescribed.size > 0:
-        done = stiffness * dot(work.tangent, work.mode)  # the tangent is the solution for that pull
-    return abs(done) > NO_WORK * path.pull * math.sqrt(dot(work.mode, work.mode))
+    least_stiffness(system, work, np.inf)
+    load, mode = task.load, work.mode
+    return abs(dot(load, mode)) > NO_WORK * math.sqrt(dot(load, load) * dot(mode, mode))
 
 
 @part

@@ -2,13 +2,10 @@
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
 
 from coilspring.compiling.compiled import copy, part
 from coilspring.contact.kinematics import TOUCH
-from coilspring.solver.linesearch import dot
 from coilspring.solver.operations import assembled, factored, solution
 from coilspring.solver.stability import least_stiffness
 from coilspring.solver.substep import free_room
@@ -37,9 +34,6 @@ def begin(system, task, work, path, watch):
     softest.value = least_stiffness(system, work, np.inf)
     softest.time, softest.zero = 0.0, np.inf
     path.rest_stiffness = softest.value
-    path.pull = math.sqrt(dot(task.load, task.load))
-    if system.prescribed.size > 0:
-        path.pull = softest.value * math.sqrt(dot(work.tangent, work.tangent))
     if path.least_gap <= TOUCH * task.diameter:
         # what touches at rest is no part of the tangent, nor of the stiffness
         path.fresh = 2

@@ -142,10 +142,6 @@ PATH = np.dtype(
         ("raised", "f8"),  # and the least that the matrix needs
         ("turned", "f8"),  # where the determinant of Coulomb's tangent was negative last
         ("rest_stiffness", "f8"),  # least stiffness at the start
-        (
-            "pull",
-            "f8",
-        ),  # size of the load; of the pull of a prescribed motion at the start, at least
         ("moved", "f8"),  # bound on all motion since the overlap was measured
     ],
     align=True,
