@@ -645,6 +645,14 @@ def test_one_case_is_printed(tmp_path, capsys):
     assert not (tmp_path / "none").exists()
 
 
+def test_a_beam_does_not_pass_a_bifurcation_as_its_coils_close():
+    """They straighten it soon after: runs in long and short substeps went to one side or the other, unsaid."""
+    case = make_case("b003471", 41)
+    paths = [reached(case), reached(case, steps=1)]
+    assert [path.outcome for path in paths] == ["bifurcation"] * 2
+    assert paths[0].critical_time == pytest.approx(paths[1].critical_time, rel=1e-6)
+
+
 def test_the_page_says_how_well_the_verifier_finds_what_passes_through():
     row = dict.fromkeys(COLUMNS, "") | {"id": "w00000", "seed": "1", "class": THROUGH, "overlap": "0.0042"}
     assert "| overlap | - | 4.2e-03 |" in page.page(pd.DataFrame([row]))

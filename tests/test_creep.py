@@ -68,19 +68,23 @@ def test_a_pair_that_opens_however_much_it_holds_lets_go():
     assert rows[GAP, 0] == -0.1  # gaps are left alone
 
 
-@pytest.mark.parametrize(("name", "seed"), [("w00052", 31), ("w00170", 31), ("w00305", 103)])
-def test_tips_do_not_depend_on_the_steps(name, seed):
-    """Of wires and of spheres that creep: 1e-6 and 8e-4; it was 1e-2 where they opened and stuck in turn.
-
-    In w00305 a pair opens in the substep in which it touched.
-    """
-    case = make_case(name, seed)
+@pytest.mark.parametrize("name", ["w00052", "w00170"])
+def test_tips_do_not_depend_on_the_steps(name):
+    """Of wires and of spheres that creep: 1e-6 and 8e-4; it was 1e-2 where they opened and stuck in turn."""
+    case = make_case(name, 31)
     assert case.scene.contact.sliding == "none"
     paths = [reached(case, steps=steps) for steps in (5, 20, 100)]
     tips = np.array([path.tips[-1] for path in paths])
     assert np.ptp(tips, axis=0)[:2].max() <= 1e-3 * np.abs(tips[:, :2]).max()
     crept = [path.histories["creeps"] & (path.histories["slid"] > 0.0) for path in paths]
     assert any(each.any() for each in crept)
+
+
+def test_a_pair_that_opens_in_the_substep_of_its_touch_is_found():
+    """It was missed in 5 steps, which then jumped at 0.12 of the load."""
+    case = make_case("w00097", 29)
+    ends = [reached(case, steps=steps).end_bracket[0] for steps in (5, 100)]
+    assert ends[0] == pytest.approx(ends[1], rel=1e-4)
 
 
 def test_what_creeps_just_touches():
