@@ -646,7 +646,7 @@ def test_one_case_is_printed(tmp_path, capsys):
 
 
 def test_a_beam_does_not_pass_a_bifurcation_as_its_coils_close():
-    """They straighten it soon after: runs in long and short substeps went to one side or the other, unsaid."""
+    """They straighten it soon after: runs in long and short substeps went to either side, unsaid."""
     case = make_case("b003471", 41)
     paths = [reached(case), reached(case, steps=1)]
     assert [path.outcome for path in paths] == ["bifurcation"] * 2
