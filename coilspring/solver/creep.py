@@ -12,11 +12,11 @@ import math
 
 import numpy as np
 
-from coilspring.compiling.compiled import copy, part
+from coilspring.compiling.compiled import part
 from coilspring.contact.history import copy_history
 from coilspring.contact.law import CREEP
 from coilspring.solver.complementarity import GAP, HELD, SLIP, complementary
-from coilspring.solver.operations import assembled, factored
+from coilspring.solver.operations import factor_state
 from coilspring.solver.response import answer, answered
 
 LESS = 1e-4  # share of a force that is changed, to see what it does
@@ -93,9 +93,7 @@ def _factor_sliding(system, work, active):
     copy_history(work.history, low)
     for m in active:
         low[m].bound, low[m].released, low[m].rise = _held(low[m]) * (1.0 - LESS), 0.0, 0.0
-    assembled(system, work.trial, 0.0, low, work.trial, work.g, work.F)
-    copy(work.trial, work.factored_at)
-    factored(system, work.F)
+    factor_state(system, work, work.trial, low)
 
 
 @part

@@ -42,7 +42,6 @@ from coilspring.solver.stability import (
 )
 from coilspring.solver.start import FIRST_STEP, begin, resume
 from coilspring.solver.substep import (
-    HALF,
     LEAST_RELEASE,
     MOST_RELEASE,
     OVERLAP_TIME,
@@ -76,6 +75,7 @@ SAFE = 0.8  # share of the turn allowed that the next substep aims at
 # Iterations in the first round, and in each that follows: with fewer, the next substep may be longer.
 EASY_COUNT, EASY_ROUND = 4, 8
 MOST_SLIP = 0.01  # wire diameters that a pair that creeps is to slip in a substep
+HALF = 0.5  # of a substep, or release, that failed is tried next
 LEAST_LEFT = 1e-6  # of the time 0..1 that is taken at least, however soon a pair closes
 NEAR_END = 1e-5  # of the time 0..1: a determinant that is negative so near to where a path ends is why
 MOST_TRIES = 20_000  # equilibria besides those at requested times; far more than a path needs
@@ -170,7 +170,7 @@ def predict_trial(system, task, work, path, substep):
 
 @part
 def shorten(system, task, work, path, substep, softest):
-    """Take the substep again, half as long; one that is too short ends the path."""
+    """Take the substep again, shorter; one that is too short ends the path."""
     if path.outcome != COMPLETED:
         return
     path.reuse = False
@@ -186,10 +186,10 @@ def shorten(system, task, work, path, substep, softest):
         raise_bounds(work, path, task.diameter)
     if substep.turned:
         path.turned = substep.target
-    if substep.within:
+    if substep.cut < 1.0:
         path.until = substep.cut * substep.duration
     else:
-        path.failed, path.next_step = True, substep.cut * substep.duration
+        path.failed, path.next_step = True, HALF * substep.duration
     if substep.duration < 2.0 * LEAST_STEP:
         path.bracket = 2.0 * LEAST_STEP
         if creeping(work.history) and softest.value > JUMPS * path.rest_stiffness:

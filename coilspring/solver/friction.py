@@ -15,11 +15,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from coilspring.compiling.compiled import copy, part
+from coilspring.compiling.compiled import part
 from coilspring.contact.history import copy_history, set_rise
 from coilspring.solver.complementarity import eliminated
 from coilspring.solver.newton import INDEFINITE
-from coilspring.solver.operations import assembled, factored
+from coilspring.solver.operations import factor_state
 from coilspring.solver.response import answer, answered
 
 LESS = 1e-4  # share by which friction is taken back
@@ -30,20 +30,11 @@ HIGHEST = 1e5  # up to this
 
 
 @part
-def factored_at_trial(system, work, history):
-    """Factor the matrix of the trial state with a contact history; returns the number of negative pivots."""
-    assembled(system, work.trial, 0.0, history, work.trial, work.g, work.F)
-    copy(work.trial, work.factored_at)
-    negative, _ = factored(system, work.F)
-    return negative
-
-
-@part
 def slides_stably(system, task, work, path, substep):
     """Stability where pairs slide, and how their bounds rise with the slips."""
     path.slid = True
     path.spent += 1
-    if factored_at_trial(system, work, work.trial_history) > 0:
+    if factor_state(system, work, work.trial, work.trial_history) > 0:
         substep.trouble = INDEFINITE
         return False
     path.rise = rise_of_bounds(system, task, work)
@@ -52,7 +43,7 @@ def slides_stably(system, task, work, path, substep):
     copy_history(work.trial_history, work.low)
     set_rise(work.low, path.rise)
     path.spent += 1
-    if factored_at_trial(system, work, work.low) == 0:
+    if factor_state(system, work, work.trial, work.low) == 0:
         path.raised = 0.0
         return True
     path.rise = max(path.rise, path.raised)
@@ -82,7 +73,7 @@ def solve_bounds(system, task, work):
     n, pairs = sliding.size, history.shape[0]
     rises, M, rates = np.empty((pairs, n)), np.empty((n, n + 1)), np.empty((pairs, 2))
     copy_history(held, work.low)
-    negative = factored_at_trial(system, work, work.low)
+    negative = factor_state(system, work, work.trial, work.low)
     for p in range(n):
         copy_history(work.low, work.high)
         less = LESS * held[sliding[p]].bound

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from coilspring.compiling.compiled import part
+from coilspring.compiling.compiled import copy, part
 from coilspring.solver.system import CHANGE, DIAGONAL, DOF, PLACE, STIFFNESS
 
 
@@ -28,6 +28,15 @@ def assembled(system, accepted, least_gap, history, state, g, H):
 def factored(system, F):
     """LDL^T of `F` in place; negative pivots, and the least one."""
     return system.factor(system.reals, system.ints, F)
+
+
+@part
+def factor_state(system, work, state, history):
+    """Factor, in `work.F`, of the matrix at a state with a contact history; returns its negative pivots."""
+    assembled(system, state, 0.0, history, state, work.g, work.F)
+    copy(state, work.factored_at)
+    negative, _ = factored(system, work.F)
+    return negative
 
 
 @part

@@ -12,9 +12,9 @@ import math
 
 import numpy as np
 
-from coilspring.compiling.compiled import copy, part
+from coilspring.compiling.compiled import part
 from coilspring.solver.linesearch import dot
-from coilspring.solver.operations import assembled, factored
+from coilspring.solver.operations import factor_state
 from coilspring.solver.stability import PROBE, least_stiffness
 
 AHEAD = 1e-6  # of the time 0..1: so far beyond a limit point an equilibrium is looked for
@@ -37,9 +37,7 @@ def is_limit_point(system, task, work, path):
     """Whether a force works on the softest mode; what a prescribed motion pulls with is not looked at."""
     if system.prescribed.size > 0:
         return False
-    assembled(system, work.state, 0.0, work.history, work.state, work.g, work.F)
-    copy(work.state, work.factored_at)
-    factored(system, work.F)
+    factor_state(system, work, work.state, work.history)
     path.spent, path.reuse = path.spent + 1, False
     least_stiffness(system, work, np.inf)
     load, mode = task.load, work.mode

@@ -7,11 +7,11 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from coilspring.compiling.compiled import copy, part
+from coilspring.compiling.compiled import part
 from coilspring.solver.interface import Kernels
 from coilspring.solver.linesearch import dot
 from coilspring.solver.newton import LINEAR
-from coilspring.solver.operations import assembled, factored, moved, solution
+from coilspring.solver.operations import assembled, factor_state, factored, moved, solution
 from coilspring.solver.system import DIAGONAL, DOF, FREE, PLACE, STIFFNESS
 
 INVERSE_ITERATIONS = 30
@@ -109,9 +109,7 @@ def watch_stiffness(system, work, path, substep, softest):
     if not wanted and (substep.status == LINEAR or not (substep.weak or substep.target >= due)):
         return
     if substep.iterations == 0:
-        assembled(system, work.trial, 0.0, work.trial_history, work.trial, work.g, work.F)
-        copy(work.trial, work.factored_at)
-        factored(system, work.F)
+        factor_state(system, work, work.trial, work.trial_history)
         path.spent += 1
     value = least_stiffness(system, work, softest.value)
     if value > NEUTRAL * path.rest_stiffness or value < softest.value:

@@ -30,9 +30,7 @@ from coilspring.solver.system import OVERLAP, ROOM, Target
 # Powers of two by which the tangential stiffness of opening pairs is lowered: all of it beyond the largest;
 # where the least finds no place nearby, the path jumps.
 MOST_RELEASE, LEAST_RELEASE = 40.0, 1e-3
-LEAST_FREE = 0.05  # share of a substep that is taken at least, however soon a pair closes
-HALF = 0.5  # of a substep that failed, is tried next
-MOST_CUT = 0.9  # of one that is cut where a pair touches or opens, at most
+LEAST_CUT, MOST_CUT = 0.05, 0.9  # shares at which a substep is cut where a pair touches or opens
 NEARER = 3.0  # times the bound on all motion: so much nearer may two wires come, also between nodes
 OVERLAP_TIME = 1e-5  # of the time 0..1: so closely is it located
 BOUND_CHANGE = 1e-6  # of the bounds of tangential forces, over the largest, where they count as found
@@ -64,8 +62,8 @@ def find_equilibrium(system, equilibrium, task, work, path, substep, it):
         release(work.history, 2.0**-path.release if path.release <= MOST_RELEASE else 0.0)
     update_pairs(system, work, work.predicted)
     keep_bounds(work.history)
-    substep.rounds, substep.iterations, substep.trouble, substep.cut = 0, 0, NONE, HALF
-    substep.turned, substep.within, change = False, False, np.inf
+    substep.rounds, substep.iterations, substep.trouble, substep.cut = 0, 0, NONE, 1.0
+    substep.turned, change = False, np.inf
     while True:
         it.reuse = path.reuse
         substep.status = equilibrium(system, target, work, work.trial, it)
@@ -101,7 +99,7 @@ def renew_held(system, task, work, path, substep, before):
     if path.releasing:
         left, least = path.release, 2.0 * LEAST_RELEASE
     if end < 1.0 and left >= least and not path.snapping:
-        substep.within, substep.cut = True, min(max(end, LEAST_FREE), MOST_CUT)
+        substep.cut = min(max(end, LEAST_CUT), MOST_CUT)
         return 0.0
     left = 0.0
     if creeping(work.history):
@@ -131,7 +129,7 @@ def update_pairs(system, work, state):
 @part
 def keeps_branch(system, task, work, path, substep, watch):
     """Whether the trial state continues the branch; sets the outcome where wires overlap just ahead."""
-    if path.lost or substep.within:
+    if path.lost or substep.cut < 1.0:
         return False
     good, substep.share, substep.distance = continues(
         system, task, work, substep.trouble, (task.predictor or path.releasing) and not path.snapping

@@ -162,8 +162,7 @@ SUBSTEP = np.dtype(
         ("rounds", "i8"),  # of renewed bounds
         ("trouble", "i8"),
         ("turned", "?"),  # the determinant of Coulomb's tangent is negative
-        ("within", "?"),  # a pair touches or opens within it
-        ("cut", "f8"),  # share of it that is tried next
+        ("cut", "f8"),  # share of it after which a pair touches or opens; 1 where none does
         ("share", "f8"),  # by which the path turned
         ("distance", "f8"),  # bound on all motion
         ("room", "f8"),  # see `ROOM`
