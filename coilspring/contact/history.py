@@ -114,6 +114,17 @@ def creeping(history):
 
 
 @part
+def stuck_from(history):
+    """The largest slip in the last substep, mm, of the pairs that crept then and stick now."""
+    most = 0.0
+    for m in range(history.shape[0]):
+        row = history[m]
+        if row.creeps and row.released == 0.0 and row.gap < 0.0:
+            most = max(most, row.slip)
+    return most
+
+
+@part
 def largest_slip(history):
     """Of the pairs that creep, in the last substep, mm."""
     most = 0.0

@@ -24,7 +24,7 @@ from coilspring.contact.law import (
 )
 
 SLIGHT = 1e-7  # wire diameters of penetration: its force is the least that friction bounds are compared with
-TOUCH = 0.003  # wire diameters by which a pair that nothing holds may penetrate where a prediction closes it
+TOUCH = 0.002  # wire diameters by which a pair that nothing holds may penetrate where a prediction closes it
 OVERLAP_ALLOWED = 0.1  # wire diameters by which wires may overlap more than the deepest pair does
 NEAR = 1.5  # wire diameters between centres, within which a pair's motion in a substep is watched
 

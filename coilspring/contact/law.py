@@ -157,6 +157,8 @@ def first_touch(before, after, d):
 @part
 def located_to(mu):
     """Wire diameters, by which two ways to find where a pair touches first may differ at most."""
+    if mu == 0.0:
+        return math.inf
     return LOCATED if mu < math.inf else STICK_LOCATED
 
 

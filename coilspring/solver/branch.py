@@ -53,21 +53,21 @@ def predict(system, task, work, path, bend, target):
 @part
 def continues(system, task, work, trouble, judged):
     """Whether the trial state continues the branch; the share by which the path turned, less where the
-    turn is small at all; a bound on how far any point moved."""
+    turn is small at all; a bound on how far any point moved; how far near pairs are from the prediction, mm."""
     # no pair moves by more than its two ends do
     distance, pair, _ = displacement_bound(system, work.state, work.trial, 0.5 * PAIR_MOTION * task.diameter)
     if pair > PAIR_MOTION:
-        return False, 1.0, distance
+        return False, 1.0, distance, np.inf
     if not judged:
-        return True, 0.0, distance
-    turn, _, _ = displacement_bound(system, work.predicted, work.trial, np.inf)
+        return True, 0.0, distance, 0.0
+    turn, pair, _ = displacement_bound(system, work.predicted, work.trial, 0.5 * task.located)
     share = turn / distance if distance > 0.0 else 0.0
     least = turn / (SMALL * task.diameter)
     good = least <= 1.0 or (share <= TURN and trouble == NONE)
     if trouble == INDEFINITE and not has_friction(work.history):
         # a jump may end anywhere, also near the prediction; friction is predicted to slide where it sticks
         good = distance <= SMALLER * task.diameter
-    return good, min(share, TURN * least), distance
+    return good, min(share, TURN * least), distance, pair * task.diameter
 
 
 @part

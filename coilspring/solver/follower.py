@@ -76,6 +76,8 @@ SAFE = 0.8  # share of the turn allowed that the next substep aims at
 EASY_COUNT, EASY_ROUND = 4, 8
 MOST_SLIP = 0.01  # wire diameters that a pair that creeps is to slip in a substep
 HALF = 0.5  # of a substep, or release, that failed is tried next
+LEAST_CREEP = 1e-7  # of the time 0..1: in less, a pair that creeps moves by no more than it is located to
+LEAST_ERROR = 1e-3  # of a prediction, over what is allowed: less may be chance
 LEAST_LEFT = 1e-6  # of the time 0..1 that is taken at least, however soon a pair closes
 NEAR_END = 1e-5  # of the time 0..1: a determinant that is negative so near to where a path ends is why
 MOST_TRIES = 20_000  # equilibria besides those at requested times; far more than a path needs
@@ -163,7 +165,13 @@ def predict_trial(system, task, work, path, substep):
     _, _, free = displacement_bound(system, work.state, work.predicted, 0.5 * path.least_gap)
     if free < 1.0:
         substep.shortened, substep.landing = True, False
-        substep.duration = max(free * substep.duration, LEAST_LEFT)
+        left = free * substep.duration
+        # the first touch is found as exactly as the state is predicted
+        order = 2.0 + bend
+        error = max(path.error, LEAST_ERROR * task.located) * (left / path.last_step) ** order
+        if error > task.located:
+            left /= 1.0 + (task.located / error) ** (1.0 / order)
+        substep.duration = max(left, LEAST_LEFT)
         substep.target = path.time + substep.duration
         predict(system, task, work, path, bend, substep.target)
 
@@ -190,9 +198,10 @@ def shorten(system, task, work, path, substep, softest):
         path.until = substep.cut * substep.duration
     else:
         path.failed, path.next_step = True, HALF * substep.duration
-    if substep.duration < 2.0 * LEAST_STEP:
-        path.bracket = 2.0 * LEAST_STEP
-        if creeping(work.history) and softest.value > JUMPS * path.rest_stiffness:
+    lets_go = creeping(work.history) and softest.value > JUMPS * path.rest_stiffness
+    if substep.duration < (LEAST_CREEP if lets_go else 2.0 * LEAST_STEP):
+        path.bracket = 2.0 * substep.duration
+        if lets_go:
             # it is no mode that has become soft: a pair that creeps lets go, once
             path.outcome = COMPLETED if path.time > path.let_go else JUMP
             path.let_go, path.next_step = path.time + LEAST_STEP, FIRST_STEP
@@ -285,6 +294,7 @@ def accept_step(task, work, path, substep):
     if substep.status == CONVERGED:
         copy(work.ahead, work.tangent)
     path.reuse, path.last_step, path.time = True, substep.duration, substep.target
+    path.error = substep.error
     path.due = substep.landing
     if path.until < np.inf and not (touched(work.trial_history) or opening(work.history)):
         path.next_step = substep.duration  # what is looked for is still ahead

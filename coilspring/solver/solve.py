@@ -121,7 +121,9 @@ def follow_problem(
     compiled = time.perf_counter() - began
     began = time.process_time()
     dead = np.zeros_like(problem.load) if problem.dead is None else problem.dead
-    task = Task(times, problem.load, dead, problem.start, length, limit, predictor, problem.modified)
+    task = Task(
+        times, problem.load, dead, problem.start, length, problem.located, limit, predictor, problem.modified
+    )
     walk = Walk(problem, times)
     while True:
         interruptible(

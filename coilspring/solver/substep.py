@@ -15,6 +15,7 @@ from coilspring.contact.history import (
     located,
     release,
     slides,
+    stuck_from,
 )
 from coilspring.contact.kinematics import OVERLAP_ALLOWED
 from coilspring.contact.law import CREEP
@@ -32,6 +33,8 @@ from coilspring.solver.system import OVERLAP, ROOM, Target
 MOST_RELEASE, LEAST_RELEASE = 40.0, 1e-3
 LEAST_CUT, MOST_CUT = 0.05, 0.9  # shares at which a substep is cut where a pair touches or opens
 NEARER = 3.0  # times the bound on all motion: so much nearer may two wires come, also between nodes
+HALF = 0.5  # share at which a substep is cut in which a pair ceases to creep:
+MISSED = 5e-4  # wire diameters that it may have slipped before
 OVERLAP_TIME = 1e-5  # of the time 0..1: so closely is it located
 BOUND_CHANGE = 1e-6  # of the bounds of tangential forces, over the largest, where they count as found
 MOST_ROUNDS = 30
@@ -106,6 +109,9 @@ def renew_held(system, task, work, path, substep, before):
         left = renew_creep(system, task, work)
         path.spent += left > CREEP
     if change <= BOUND_CHANGE and left <= CREEP:
+        missed = stuck_from(work.history) * substep.duration / path.last_step
+        if missed > MISSED * task.diameter and substep.duration >= 2.0 * LEAST_STEP and not path.snapping:
+            substep.cut = HALF
         return 0.0
     newton = left == 0.0 and substep.rounds > RENEWED and not path.snapping
     slow = newton and substep.rounds > RENEWED + SLOW and change > GAIN * before
@@ -131,7 +137,7 @@ def keeps_branch(system, task, work, path, substep, watch):
     """Whether the trial state continues the branch; sets the outcome where wires overlap just ahead."""
     if path.lost or substep.cut < 1.0:
         return False
-    good, substep.share, substep.distance = continues(
+    good, substep.share, substep.distance, substep.error = continues(
         system, task, work, substep.trouble, (task.predictor or path.releasing) and not path.snapping
     )
     good = good and (substep.distance <= snap.LARGEST * task.diameter or not path.snapping)

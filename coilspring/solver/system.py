@@ -49,6 +49,7 @@ class Task(NamedTuple):
     dead: np.ndarray  # (n,) load that is there from the beginning
     start: np.ndarray  # state at time 0
     diameter: float  # wire diameter, mm: the length with which motions are compared
+    located: float  # mm, so closely is found where pairs touch first; infinite where that is all one
     limit: int  # largest number of iterations of a substep
     predictor: bool  # the matrix is the tangent: predict by it, and judge the branch by it
     modified: bool  # modified Newton: factors are kept longer, the matrix left out where not factored
@@ -117,6 +118,7 @@ PATH = np.dtype(
         ("next_step", "f8"),
         ("until", "f8"),  # duration after which a pair touches or opens; infinite where that is not known
         ("last_step", "f8"),
+        ("error", "f8"),  # of the prediction in that
         ("snapping", "?"),  # past a limit point, see `coilspring.solver.snap`
         ("ends", "i8"),  # outcome where that leads nowhere
         ("snaps", "i8"),  # number of those so far,
@@ -164,7 +166,8 @@ SUBSTEP = np.dtype(
         ("turned", "?"),  # the determinant of Coulomb's tangent is negative
         ("cut", "f8"),  # share of it after which a pair touches or opens; 1 where none does
         ("share", "f8"),  # by which the path turned
-        ("distance", "f8"),  # bound on all motion
+        ("distance", "f8"),  # bound on all motion, mm
+        ("error", "f8"),  # of the prediction
         ("room", "f8"),  # see `ROOM`
         ("moved", "f8"),  # see `PATH`
         ("least_gap", "f8"),  # least gap of the contact pairs
@@ -284,7 +287,7 @@ def system_types() -> tuple[Any, ...]:
 def task_type() -> Any:
     """numba's type of `Task`."""
     vector, real = types.float64[::1], types.float64
-    fields = (vector, vector, vector, vector, real, types.int64, types.boolean, types.boolean)
+    fields = (vector, vector, vector, vector, real, real, types.int64, types.boolean, types.boolean)
     return types.NamedTuple(fields, Task)
 
 

@@ -16,6 +16,8 @@ from validation.campaign.poses import TINY, assembled, differences, rotated, ste
 from validation.campaign.wireparts import Points
 
 SMALL_CHORD = 1e-4  # square of a chord below which a series stands for the arc
+# Wire diameters of slip that are left at least: the direction of a slip of 1e-9, as stiff pairs allow, is
+LEAST_SLIP = 1e-4  # rounding, and all that is across it, next to nothing, decides the sign of the determinant.
 SLIDES = 1e-6  # of its slip: by so much less than the law of sticking says, a pair slides
 Poses = list[tuple[np.ndarray, np.ndarray]]
 
@@ -135,7 +137,8 @@ class Pairs:
         poses = self.poses(rows)
         n, slip = self.gap(poses)[1], self.slip(poses)
         length = np.sqrt((slip * slip).sum(axis=0))
-        left = np.where(self.slides, self._sizes(rows)[2] / self.law.sticking, 1.0)
+        least = LEAST_SLIP * self.law.d / np.maximum(length, LEAST_SLIP * self.law.d)
+        left = np.where(self.slides, np.maximum(self._sizes(rows)[2] / self.law.sticking, least), 1.0)
         if self.points.wires:
             half = 0.5 * (1.0 - left) * slip
             one = self.one + self._at_rest(0, poses, half)
