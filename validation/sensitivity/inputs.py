@@ -15,6 +15,7 @@ from wirefe.contactpoints import PER_TURN
 
 BEAM, WIRE = "equivbeam", "wirefe"
 MODELS = (BEAM, WIRE)
+NAMES = {BEAM: "beam", WIRE: "wire model"}
 NOT_GIVEN, READING, AGAINST = "not given", "reading", "against its result"
 KINDS = {
     NOT_GIVEN: "the paper says nothing",
@@ -22,6 +23,7 @@ KINDS = {
     AGAINST: "the paper is silent, but its two models would not have agreed",
     "left out by beams": "the paper's two models, and ours unless asked, take the wire for a straight rod",
 }
+SILENT, OPEN = (NOT_GIVEN,), (NOT_GIVEN, READING)
 VARIED = "varied"  # kind of the inputs of a user's scene
 SHARE, POISSON = 0.05, 0.03  # changes of a user's modulus and Poisson's ratio
 LIKE = 0.01  # mm: penetration at which both exponents give one force
