@@ -23,16 +23,14 @@ DASHED = (0, (4, 2))
 INK, LIGHT = "#222222", "#c9c9c9"
 # the wire model red and angular, the equivalent beam blue and round; all four differ in grey
 LOOKS: dict[str, Look] = {
-    "straight": {
-        "color": LIGHT_RED,
-        "marker": "s",
-        "ls": (0, (4, 2)),
-        "label": "wire model, straight elements",
-    },
-    "curved": {"color": RED, "marker": "^", "ls": "-", "label": "wire model, curved elements"},
-    "haringx": {"color": BLUE, "marker": "o", "ls": "none", "label": "equivalent beam, law haringx"},
-    "helix": {"color": NAVY, "marker": "D", "ls": "none", "label": "equivalent beam, law helix"},
-    PEER: {"color": GREY, "marker": "P", "ls": "none", "label": "OpenSees, straight elements"},
+    series: {"color": colour, "marker": marker, "ls": line, "label": label}
+    for series, colour, marker, line, label in (
+        ("straight", LIGHT_RED, "s", DASHED, "wire model, straight elements"),
+        ("curved", RED, "^", "-", "wire model, curved elements"),
+        ("haringx", BLUE, "o", "none", "equivalent beam, law haringx"),
+        ("helix", NAVY, "D", "none", "equivalent beam, law helix"),
+        (PEER, GREY, "P", "none", "OpenSees, straight elements"),
+    )
 }
 COLUMNS_OF = {  # errors, the reference's own, and what they are multiplied by
     "curve": ("curve_max", "reference_curve_error", 100.0),
@@ -115,8 +113,7 @@ def _panel(axes: Axes, part: pd.DataFrame, able: pd.DataFrame, kind: str) -> Non
 
 
 def _look(series: str, filled: bool) -> Look:
-    look = LOOKS[series]
-    return look | (FILLED if filled else OPEN | {"mec": look["color"]})
+    return LOOKS[series] | (FILLED if filled else OPEN | {"mec": LOOKS[series]["color"]})
 
 
 def _ring(mesh: bool) -> Look:
