@@ -14,7 +14,7 @@ from coilspring.sweep import CRASHED
 from validation.cli import main
 from validation.sweep import run
 from validation.sweep.grid import Varied, points, read_varied
-from validation.sweep.table import FILE
+from validation.sweep.run import FILE
 
 ONE = ["--workers", "0", "--steps", "1"]
 BEAM = run.Choice.of("equivbeam", {"law": "haringx"})

@@ -6,15 +6,15 @@ import io
 from collections.abc import Callable
 from contextlib import ExitStack
 from dataclasses import dataclass, field
-from functools import partial
 from pathlib import Path
 from types import ModuleType
 from typing import TYPE_CHECKING
 
 import pandas as pd
 
-from validation.reproduce import claims, curves, facts, phases, report, times
+from validation.reproduce import claims, facts, phases, report, times
 from validation.reproduce.assembly import PAGE
+from validation.reproduce.curves import TIPS, both_models, iteration_counts
 from validation.study import frames
 from validation.study.cases import PathStore
 from validation.study.document import Table
@@ -24,9 +24,6 @@ from validation.view import htmlscene, render3d, shapes
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
-
-    from validation.view.render3d import Rendering
-    from validation.view.shapes import Shapes
 
 
 Files = dict[str, bytes]  # by name
@@ -92,6 +89,11 @@ class Maker:
             figure = draw(figures)
             return drawn(figure, name) if lines else {f"{name}.png": png(figure)}
 
+    def curves(self, name: str, data: pd.DataFrame, figure: str) -> Files:
+        """Curves as CSV, and the figure that shows them."""
+        picture = self.picture(name, lambda figures: getattr(figures, figure)(data))
+        return {f"{name}.csv": frames.to_csv(data, digits=9)} | picture
+
     def _springs(self, name: str, key: str) -> Files:
         """Deformed springs; the figure in space is rendered in a process of its own while work goes on."""
         panels = tuple(shapes.shapes(self.paths, scene) for scene in SPRINGS[name])
@@ -101,40 +103,27 @@ class Maker:
         files |= self.picture(f"{name}-plane", lambda figures: figures.plane_figure(panels))
         if rendering is None:
             self.paths.store.put(key, files)
-        else:
-            self.pending.append(partial(self._rendered, name, key, files, panels, rendering))
-        return files
+            return files
 
-    def _rendered(
-        self, name: str, key: str, files: Files, panels: tuple[Shapes, ...], rendering: Rendering
-    ) -> None:
-        """Write a figure in space when it is rendered, and keep the artifact."""
-        self.paths.announce(f"rendering {name}")
-        found = rendering.result()
-        picture = self.picture(name, lambda figures: figures.space_figure(panels, found), lines=False)
-        write_files(picture, self.out)
-        if isinstance(found, str):
-            note = f"{name} was drawn by matplotlib, since pyvista could not render here: {found}."
-            self.notes.append(note)
-            self.paths.announce(note)
-        else:
-            self.paths.store.put(key, files | picture)
+        def finish() -> None:
+            self.paths.announce(f"rendering {name}")
+            found = rendering.result()
+            picture = self.picture(name, lambda figures: figures.space_figure(panels, found), lines=False)
+            write_files(picture, self.out)
+            if isinstance(found, str):
+                note = f"{name} was drawn by matplotlib, since pyvista could not render here: {found}."
+                self.notes.append(note)
+                self.paths.announce(note)
+            else:
+                self.paths.store.put(key, files | picture)
+
+        self.pending.append(finish)
+        return files
 
 
 def _csv(name: str, table: Table) -> Files:
     """A table as a CSV file."""
     return {f"{name}.csv": frames.to_csv(pd.DataFrame(table.rows, columns=list(table.header)))}
-
-
-def _curves(name: str, data: Callable[[PathStore], pd.DataFrame], figure: str) -> Callable[[Maker], Files]:
-    """Curves: their data, and the figure that shows them."""
-
-    def make(maker: Maker) -> Files:
-        found = data(maker.paths)
-        picture = maker.picture(name, lambda figures: getattr(figures, figure)(found))
-        return {f"{name}.csv": frames.to_csv(found, digits=9)} | picture
-
-    return make
 
 
 def _report(maker: Maker) -> Files:
@@ -160,8 +149,10 @@ MAKERS: dict[str, Callable[[Maker], Files]] = {
     "table1": lambda maker: _csv("table1", report.table1()),
     "table2": lambda maker: _csv("table2", report.table2()),
     "table3": lambda maker: {"table3.csv": maker.times},
-    "fig5": _curves("fig5", curves.tip_curves, "tip_figure"),
-    "fig7": _curves("fig7", curves.load_deflection, "load_figure"),
-    "fig8": _curves("fig8", curves.iteration_counts, "iteration_figure"),
+    "fig5": lambda maker: maker.curves("fig5", both_models(maker.paths, "spring-a", TIPS), "tip_figure"),
+    "fig7": lambda maker: maker.curves(
+        "fig7", both_models(maker.paths, "spring-b", TIPS[1:2]), "load_figure"
+    ),
+    "fig8": lambda maker: maker.curves("fig8", iteration_counts(maker.paths), "iteration_figure"),
     "report": _report,
 }

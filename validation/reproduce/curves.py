@@ -12,17 +12,8 @@ CONTACT = ("contact", "no_contact")
 TANGENTS = ("paper", "exact")
 
 
-def tip_curves(store: PathStore) -> pd.DataFrame:
-    """Figure 5: tip displacements of Spring A, both models, with and without contact."""
-    return _both_models(store, "spring-a", TIPS)
-
-
-def load_deflection(store: PathStore) -> pd.DataFrame:
-    """Figure 7: deflection of Spring B, both models, with and without contact."""
-    return _both_models(store, "spring-b", TIPS[1:2])
-
-
-def _both_models(store: PathStore, name: str, tips: tuple[str, ...]) -> pd.DataFrame:
+def both_models(store: PathStore, name: str, tips: tuple[str, ...]) -> pd.DataFrame:
+    """Figures 5 and 7: displacements of a spring's tip, both models, with and without contact."""
     times = store.beam(case(name).scene).times
     columns = {"time": times, "load_N": times * np.hypot(*case(name).scene.load.force)}
     for tag, end in zip(CONTACT, ("", "-no-contact"), strict=True):

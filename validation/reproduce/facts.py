@@ -26,6 +26,7 @@ ERRORS = ("curve_max", "curve_rms", "shape_max", "shape_rms")  # of a comparison
 OVERLOAD = 1.2  # of the paper's load
 STEPS = (10, 20, 50, 200)  # substeps over which the no-sliding rule's dependence is measured
 A, B, BARE_A, BARE_B = (case(f"spring-{name}").scene for name in ("a", "b", "a-no-contact", "b-no-contact"))
+WIRES_A, WIRES_B = (scene.overridden(geometry="wires") for scene in (A, B))  # in place of spheres
 # what the paper's words are taken to mean
 THRESHOLDS = {
     "threshold.match": 0.05,  # of the peak: as much as 5 % in the modulus, which the paper does not give
@@ -78,11 +79,6 @@ def frictionless(scene: Scene) -> Scene:
     return replace(scene, contact=replace(scene.contact, sliding="free"))
 
 
-def by_wires(scene: Scene) -> Scene:
-    """The scene with contact of wires in place of the paper's spheres."""
-    return scene.overridden(geometry="wires")
-
-
 def mesh_error(store: PathStore, scene: Scene) -> Comparison:
     """Richardson estimate of the error of the paper's mesh."""
     found = compare_paths(store.wire(scene), store.wire(scene, **FINE_MESH))
@@ -105,7 +101,7 @@ def _settings(store: PathStore) -> dict[str, object]:
         "setting.fine_elements": FINE_MESH["elements_per_turn"],
         "setting.pairs": PAPER_MESH["pairs_per_turn"],
         "setting.many_pairs": MANY_PAIRS,
-        "setting.stations": store.wire(by_wires(A)).options["pairs_per_turn"],
+        "setting.stations": store.wire(WIRES_A).options["pairs_per_turn"],
         "setting.decrement": DECREMENT,
         "setting.ends": ENDS,
         **{f"material.{name}": getattr(material, name) for name in ("E", "nu", "G")},
@@ -148,15 +144,15 @@ def _contact(store: PathStore) -> dict[str, object]:
 
 def _by_wires(store: PathStore) -> dict[str, object]:
     """What other facts are with contact of wires."""
-    sticking = compare_paths(store.beam(B, sliding="scene"), store.wire(by_wires(B)))
+    sticking = compare_paths(store.beam(B, sliding="scene"), store.wire(WIRES_B))
     found: dict[str, object] = {"sticking.shape": sticking.shape_max}
-    for scene in (A, B):
-        wire = store.wire(by_wires(scene))
+    for scene, by_wires in ((A, WIRES_A), (B, WIRES_B)):
+        wire = store.wire(by_wires)
         error = compare_paths(store.beam(scene), wire)
         found[f"{scene.name}.curve"] = error.curve_max
         found[f"{scene.name}.shape"] = error.shape_max
         found[f"{scene.name}.wire"] = tuple(wire.tips[-1].tolist())
-    return found | {"overlap.with": float(_overlaps(store.wire(by_wires(A))).max())}
+    return found | {"overlap.with": float(_overlaps(store.wire(WIRES_A)).max())}
 
 
 def _limits(store: PathStore) -> dict[str, object]:

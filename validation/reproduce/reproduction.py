@@ -75,15 +75,12 @@ def reproduce(
             progress(name)
             run.provide(name)
         run.finish()
-    trouble = (run.store.trouble,) if run.store.trouble else ()
-    return (*run.remarks, *trouble, *((_headline(out),) if only is None else ()))
-
-
-def _headline(out: Path) -> str:
-    """The report's verdict in one sentence, and where the report is."""
-    with writing(out):
-        found = re.search(r"\*\*(.+?)\*\*", (out / PAGE).read_text(encoding="utf-8"))
-    return f"{found[1] if found else 'Done.'} Open {out / 'report.html'}."
+    said = [*run.remarks, *([run.store.trouble] if run.store.trouble else [])]
+    if only is None:
+        with writing(out):
+            verdict = re.search(r"\*\*(.+?)\*\*", (out / PAGE).read_text(encoding="utf-8"))
+        said.append(f"{verdict[1] if verdict else 'Done.'} Open {out / 'report.html'}.")
+    return tuple(said)
 
 
 @dataclass

@@ -29,7 +29,6 @@ ROUNDING = 1e-6  # %: a smaller change counts as none
 BASE_TIPS, TIPS = ("base_ux_mm", "base_uy_mm", "base_rotz_rad"), ("ux_mm", "uy_mm", "rotz_rad")
 CHANGES = tuple(f"{name}_change_percent" for name in COMPONENTS)
 CURVE, DEVIATION = "curve_change_percent", "models_apart_percent"
-DEFAULT_DEVIATION = "default_deviation_percent"  # of the models, the same in all rows of a case
 COLUMNS = (
     *("case", "model", "input", "kind", "default", "value", "outcome", "critical_time", *BASE_TIPS, *TIPS),
     *(*CHANGES, CURVE, "curve_component", "curve_time", DEVIATION),
@@ -50,6 +49,7 @@ class Study:
     name: str  # of a catalogue's scene, or of a user's
     data: pd.DataFrame  # a row for every value of every input in each model, also where it has no such input
     inputs: tuple[OpenInput, ...]  # what is varied
+    deviation: float | None  # %: largest difference of the two models, None where one has no curve
     prescribed: bool = False  # whether UY is: the axial force, N, takes its place
     left_out: tuple[str, ...] = ()  # a sentence on each thing that the scene cannot be given
     resolution: float | None = None  # %: change by twice the steps where the path matters, else None
@@ -76,10 +76,10 @@ def changes(name: str, scene: Scene, inputs: tuple[OpenInput, ...], progress: Ca
             except InputError as refusal:
                 left_out.append(f"{item.title}, {model}: {refusal}")
         rows += input_rows(item, curves, defaults)
-    apart = largest_deviation(*defaults.values()) if len(defaults) == len(MODELS) else math.nan
-    data = pd.DataFrame(rows, columns=COLUMNS).assign(**{"case": name, DEFAULT_DEVIATION: apart})
+    apart = largest_deviation(*defaults.values()) if len(defaults) == len(MODELS) else None
+    data = pd.DataFrame(rows, columns=COLUMNS).assign(case=name)
     resolution = _resolution(store, scene, defaults.get(WIRE))
-    return Study(name, data, inputs, bool(scene.load.displacement), tuple(left_out), resolution)
+    return Study(name, data, inputs, apart, bool(scene.load.displacement), tuple(left_out), resolution)
 
 
 def _defaults(store: PathStore, name: str, scene: Scene) -> tuple[dict[str, TipCurve], list[str]]:

@@ -7,6 +7,7 @@ four cases; of a user's scenes, about their own (`validation.sensitivity.inputs.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from itertools import product
 from pathlib import Path
 from typing import Any
 
@@ -16,17 +17,7 @@ from coilspring import CATALOGUE, Scene
 from coilspring.errors import require_names
 from validation.sensitivity import changes, tornado
 from validation.sensitivity.changes import CURVE, DEVIATION, Study
-from validation.sensitivity.inputs import (
-    BEAM,
-    INPUTS,
-    KINDS,
-    MODELS,
-    NOT_GIVEN,
-    READING,
-    VARIED,
-    WIRE,
-    inputs_of,
-)
+from validation.sensitivity.inputs import INPUTS, KINDS, MODELS, NAMES, OPEN, SILENT, VARIED, inputs_of
 from validation.study.cases import CASES, make_ready
 from validation.study.document import Table
 from validation.study.output import prepare, write_text
@@ -36,8 +27,6 @@ from validation.study.template import page, template
 
 PAGE, OWN_PAGE = (template(Path(__file__).with_name(name)) for name in ("page.md", "own.md"))
 TITLES = {item.name: item.title for item in INPUTS}
-SILENT, OPEN = (NOT_GIVEN,), (NOT_GIVEN, READING)
-NAMES = {BEAM: "beam", WIRE: "wire model"}
 ESTIMATES = (
     *("case", "model", "largest single, not given (%)", "largest single, with readings (%)"),
     *("together, not given (%)", "together, with readings (%)", "deviation of the models (%)"),
@@ -105,10 +94,10 @@ def write_page(studies: Sequence[Study], out: Path, own: bool = False) -> None:
 
 def digest(study: Study) -> list[str]:
     """A case for a reader at the terminal."""
-    own, apart = study.inputs != INPUTS, _deviation(study)
+    own = study.inputs != INPUTS
     total = _total(study.data, (VARIED,) if own else SILENT)
     what = "its inputs move" if own else "what the paper does not give moves"
-    deviation = "" if apart is None else f"; the models deviate by {apart:.2f} %"
+    deviation = "" if study.deviation is None else f"; the models deviate by {study.deviation:.2f} %"
     left_out = [f"{study.name}, {line}" for line in study.left_out]
     return [*left_out, f"{study.name}: {what} the curves by {total:.1f} % together{deviation}"]
 
@@ -122,12 +111,6 @@ def _own(study: Study) -> dict[str, Any]:
         estimates.append(f"{NAMES[model]}: {most}, {together} % together")
     inputs = Table(OWN_HEADER, tuple((item.title, item.default, item.own) for item in study.inputs))
     return _facts(study) | {"inputs": inputs, "estimates": estimates}
-
-
-def _deviation(study: Study) -> float | None:
-    """Largest difference of the two models, %; None where one has no curve."""
-    apart = study.data[changes.DEFAULT_DEVIATION].iloc[0]
-    return None if pd.isna(apart) else apart
 
 
 def _total(data: pd.DataFrame, kinds: Sequence[str] = SILENT) -> float:
@@ -150,7 +133,7 @@ def _estimate(study: Study, model: str) -> tuple[str, ...]:
         *(study.title, NAMES[model]),
         *(f"{abs(row[CURVE]):.1f} ({_change(row)})" for row in singles),
         *(_together(data, model, kinds) for kinds in (SILENT, OPEN)),
-        f"{data[changes.DEFAULT_DEVIATION].iloc[0]:.2f}",
+        f"{study.deviation:.2f}",
     )
 
 
@@ -179,20 +162,17 @@ def _facts(study: Study) -> dict[str, Any]:
         f"{NAMES[model]} UX {ux:.3f} mm, {axial[0]} {uy:.3f} {axial[1]}, ROTZ {rotz:.4f} rad"
         for model, ux, uy, rotz in tips.itertuples()
     )
-    groups = present.groupby(["input", "model"], sort=False)
-    pairs = [(name, model) for name in changes.sizes(data).index for model in MODELS]
-    lacking = {
-        item.title: [NAMES[model] for model in tips.index if (item.name, model) not in groups.groups]
-        for item in study.inputs
-    }
-    rows = (row for pair in pairs if pair in groups.groups for row in _rows(groups.get_group(pair)))
+    rows: list[tuple[str, ...]] = []
+    for name, model in product(changes.sizes(data).index, MODELS):
+        rows += _rows(present[(present["input"] == name) & (present["model"] == model)])
+    absent = data[(data["outcome"] == changes.NO_INPUT) & data["model"].isin(tips.index)]
+    lacking = absent["model"].map(NAMES).groupby(absent["input"], sort=False).agg(" and ".join)
     return {
         "study": study,
-        "deviation": _deviation(study),
         "ended": [(f"{NAMES[row['model']]}, {_change(row)}", _ending(row)) for _, row in ended.iterrows()],
         "tips": "; ".join(where),
         "table": Table(CHANGE_HEADER, tuple(rows)),
-        "absent": ", ".join(f"{title} ({' and '.join(names)})" for title, names in lacking.items() if names),
+        "absent": ", ".join(f"{TITLES[name]} ({models})" for name, models in lacking.items()),
     }
 
 

@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from coilspring import EquilibriumPath, Scene
-from coilspring.solver.problem import Problem
+from coilspring.path import Shape
 from coilspring.solver.solve import follow_problem, output_times, scene_path
 from equivbeam import model as beam
 from equivbeam.shape import BeamShape
@@ -73,26 +73,22 @@ def raised(scene: Scene, model: str, height: float) -> TipCurve:
 
 def followed(scene: Scene, model: str, moment: float) -> TipCurve:
     """Tip curve of the reference point, the force there accompanied by a dead moment, N mm, at time 1."""
-    return TipCurve.of(partial_path({"equivbeam": _beam, "wirefe": _wire}[model], scene, moment=moment))
+    return TipCurve.of(partial_path(_solve, scene, model=model, moment=moment))
 
 
-def _beam(scene: Scene, moment: float) -> EquilibriumPath:
-    data = beam.build_model(scene)
-    problem = _with_moment(beam.beam_problem(data, beam.load_vector(data, scene)), moment)
-    run = follow_problem(problem, BEAM_KERNELS, output_times(scene), scene.spring.wire_diameter)
-    return scene_path(scene, "equivbeam", {}, run, BeamShape(scene, data))
-
-
-def _wire(scene: Scene, moment: float) -> EquilibriumPath:
-    problem, mesh, options = scene_problem(scene, **paper_mesh(scene))
-    problem = _with_moment(problem, moment)
-    run = follow_problem(problem, WIRE_KERNELS, output_times(scene), scene.spring.wire_diameter)
-    return scene_path(scene, "wirefe", options, run, WireShape(scene, problem.data, mesh))
-
-
-def _with_moment(problem: Problem, moment: float) -> Problem:
-    """With a moment on the last degree of freedom, which is the rotation of the top in both models."""
-    return replace(problem, load=np.append(problem.load[:-1], problem.load[-1] + moment))
+def _solve(scene: Scene, model: str, moment: float) -> EquilibriumPath:
+    options: dict[str, object] = {}
+    if model == "equivbeam":
+        data = beam.build_model(scene)
+        problem, kernels = beam.beam_problem(data, beam.load_vector(data, scene)), BEAM_KERNELS
+        shape: Shape = BeamShape(scene, data)
+    else:
+        problem, mesh, options = scene_problem(scene, **paper_mesh(scene))
+        kernels, shape = WIRE_KERNELS, WireShape(scene, problem.data, mesh)
+    # the last degree of freedom is the rotation of the top in both models
+    problem = replace(problem, load=np.append(problem.load[:-1], problem.load[-1] + moment))
+    run = follow_problem(problem, kernels, output_times(scene), scene.spring.wire_diameter)
+    return scene_path(scene, model, options, run, shape)
 
 
 def _moment(scene: Scene, height: float, rotation: np.ndarray) -> np.ndarray:

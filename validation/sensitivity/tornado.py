@@ -14,7 +14,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
-from validation.sensitivity.changes import COMPLETED, CURVE, DEFAULT_DEVIATION, Study, sizes, values
+from validation.sensitivity.changes import COMPLETED, CURVE, Study, sizes, values
 from validation.sensitivity.inputs import AGAINST, BEAM, MODELS, WIRE, OpenInput
 from validation.study.output import write_files
 from validation.study.plots import drawn
@@ -88,9 +88,8 @@ def _panel(axes: Axes, study: Study, count: int) -> None:
             if (bar["outcome"] != COMPLETED).any():
                 axes.plot(0.0, row + place, linestyle="none", **END, zorder=4.0)
         _values(axes, row, mine.dropna(subset=CURVE))
-    band = data[DEFAULT_DEVIATION].iloc[0]
-    if pd.notna(band):  # both models have a curve
-        axes.axvspan(-band, band, **BAND)
+    if study.deviation is not None:
+        axes.axvspan(-study.deviation, study.deviation, **BAND)
     axes.axvline(0.0, color="black", linewidth=0.6)
     axes.set_yticks(range(len(items)), [item.title + "*" * (item.kind == AGAINST) for item in items])
     axes.tick_params(axis="y", length=0)

@@ -43,14 +43,14 @@ def provenance_table(studies: list[tuple[str, Path]]) -> Table:
         *("study", "command", "finished", "machine", "versions"),
         *("sources of the models", "sources of the study", "models as they are now"),
     )
-    return Table(header, tuple((title, *_row(folder / FILE)) for title, folder in studies))
-
-
-def _row(file: Path) -> tuple[str, ...]:
-    if not file.is_file():
-        return "not recorded", "", "", "", "", "", "not known"
-    made = json.loads(file.read_text(encoding="utf-8"))
-    same = "yes" if made["models"] == models() else "no: the command makes it anew"
-    place = f"{made['processor']}, {made['cores']} cores, {made['system']}"
-    digests = (f"`{made['models']}`", f"`{made['study']}`")
-    return f"`{made['command']}`", made["date"], place, made["versions"], *digests, same
+    rows: list[tuple[str, ...]] = []
+    for title, folder in studies:
+        if not (folder / FILE).is_file():
+            rows.append((title, "not recorded", "", "", "", "", "", "not known"))
+            continue
+        made = json.loads((folder / FILE).read_text(encoding="utf-8"))
+        same = "yes" if made["models"] == models() else "no: the command makes it anew"
+        place = f"{made['processor']}, {made['cores']} cores, {made['system']}"
+        command, *digests = (f"`{made[name]}`" for name in ("command", "models", "study"))
+        rows.append((title, command, made["date"], place, made["versions"], *digests, same))
+    return Table(header, tuple(rows))

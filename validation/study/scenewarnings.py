@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
 
 from coilspring import Scene
-from coilspring.scene.sizing import Sizes, middle_diameter, sizes
+from coilspring.scene.sizing import middle_diameter, sizes
 
 # EN 13906-1:2013: ranges of cold-coiled springs to which its formulas apply
 INDEX = (4.0, 20.0)
@@ -18,37 +17,36 @@ THINNEST = 0.05  # mm; wire is drawn to about 0.1 for springs
 
 def warnings(scene: Scene) -> list[str]:
     """Sentences on units, ranges of the standard, buckling, and coils that close or cannot."""
-    return list(_warnings(scene, sizes(scene)))
-
-
-def _warnings(scene: Scene, found: Sizes) -> Iterator[str]:
-    E, d = scene.material.E, scene.spring.wire_diameter
-    if E < SOFTEST:
-        yield f"E is {E:g} MPa, which looks like GPa: 206 GPa are 206000 MPa"
+    spring, found, said = scene.spring, sizes(scene), []
+    d, (low, high) = spring.wire_diameter, found.index
+    if scene.material.E < SOFTEST:
+        said.append(f"E is {scene.material.E:g} MPa, which looks like GPa: 206 GPa are 206000 MPa")
     if d < THINNEST:
-        yield f"the wire diameter is {d:g} mm, which looks like metres: lengths are in mm"
-    low, high = found.index
+        said.append(f"the wire diameter is {d:g} mm, which looks like metres: lengths are in mm")
     if low < INDEX[0] or high > INDEX[1]:
-        yield f"index D/d is {low:.3g} to {high:.3g}, outside {INDEX[0]:g} to {INDEX[1]:g} (EN 13906-1)"
-    if scene.spring.active_coils < LEAST_COILS:
-        yield f"{scene.spring.active_coils:g} active coils, less than {LEAST_COILS:g} (EN 13906-1)"
-    if found.least_gap is not None and found.least_gap < TOUCHING * scene.spring.wire_diameter:
-        yield "coils touch at rest"
+        said.append(
+            f"index D/d is {low:.3g} to {high:.3g}, outside {INDEX[0]:g} to {INDEX[1]:g} (EN 13906-1)"
+        )
+    if spring.active_coils < LEAST_COILS:
+        said.append(f"{spring.active_coils:g} active coils, less than {LEAST_COILS:g} (EN 13906-1)")
+    if found.least_gap is not None and found.least_gap < TOUCHING * d:
+        said.append("coils touch at rest")
     if found.buckling is not None and found.shortening >= found.buckling:
-        slender = scene.spring.active_height / middle_diameter(scene.spring)
-        yield (
+        slender = spring.active_height / middle_diameter(spring)
+        said.append(
             f"slenderness {slender:.3g}: as a column it buckles when shortened by {found.buckling:.3g} mm, "
             f"at about {found.buckling * found.rate:.3g} N (EN 13906-1; see also equivbeam.buckling)"
         )
     if math.isinf(found.force):
-        yield (
+        said.append(
             f"the prescribed shortening of {found.shortening:.3g} mm is beyond solid: "
             f"the spring has {found.travel:.3g} mm"
         )
     elif found.force > found.closing[1]:
-        yield (
+        said.append(
             f"the axial load of {found.force:.3g} N is beyond solid: the last coil closes at "
             f"{found.closing[1]:.3g} N"
         )
     elif found.force > found.closing[0] and not scene.contact.enabled:
-        yield "coils close under the load, and contact is not enabled"
+        said.append("coils close under the load, and contact is not enabled")
+    return said

@@ -59,13 +59,20 @@ class Store:
             return None
         with suppress(OSError):  # where it can only be read, that is enough
             os.utime(file)
-        return _unpacked(data[DIGEST:])
+        with zipfile.ZipFile(io.BytesIO(data[DIGEST:])) as archive:
+            files = {name: archive.read(name) for name in archive.namelist()}
+        # names that lead elsewhere are not of this module
+        return files if all(Path(name).name == name for name in files) else None
 
     def put(self, key: str, files: Mapping[str, bytes]) -> None:
         """Keep an entry; where that fails `trouble` says so, and nothing more is tried."""
         if self.trouble or self.folder is None:
             return
-        payload = _packed(files)
+        stream = io.BytesIO()
+        with zipfile.ZipFile(stream, "w") as archive:
+            for name, data in files.items():
+                archive.writestr(zipfile.ZipInfo(name), data)
+        payload = stream.getvalue()
         try:
             with writing(self.folder):
                 self.folder.mkdir(parents=True, exist_ok=True)
@@ -89,18 +96,3 @@ class Store:
                 return
             file.unlink(missing_ok=True)
             excess -= size
-
-
-def _packed(files: Mapping[str, bytes]) -> bytes:
-    stream = io.BytesIO()
-    with zipfile.ZipFile(stream, "w") as archive:
-        for name, data in files.items():
-            archive.writestr(zipfile.ZipInfo(name), data)
-    return stream.getvalue()
-
-
-def _unpacked(payload: bytes) -> dict[str, bytes] | None:
-    """Files of an entry; None for names that lead elsewhere, which this module did not write."""
-    with zipfile.ZipFile(io.BytesIO(payload)) as archive:
-        files = {name: archive.read(name) for name in archive.namelist()}
-    return files if all(Path(name).name == name for name in files) else None

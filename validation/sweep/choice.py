@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
+from functools import partial
 from itertools import product
 from typing import NamedTuple
 
@@ -23,27 +23,13 @@ LEVELS = (4, 6, 8, 12, 16, 24, 32, 48, 64, 96, 128)
 CORNERS, INSIDE = 8, 4  # scenes of a sample, at most
 MARGIN = 2.0  # between the worst error of a sample and that of the grid
 FINER = 4.0  # accuracy asked for over that of the references
-
-
-@dataclass(frozen=True)
-class Candidate:
-    """A law of the equivalent beam or, without one, a level of the wire model's mesh (`wirefe.adaptive`)."""
-
-    name: str  # for a reader
-    law: str = ""
-    level: int = 0
-
-    def __call__(self, scene: Scene) -> Choice:
-        """What solves a scene."""
-        if self.law:
-            return Choice.of("equivbeam", {"law": self.law, "sliding": "scene"})
-        return Choice.of("wirefe", Levels.of(scene, None).options(self.level, True))
+Candidate = Callable[[Scene], Choice]
 
 
 class Chosen(NamedTuple):
     """The cheapest candidate that does."""
 
-    candidate: Candidate
+    candidate: Candidate  # solves a scene by a law or a mesh
     error: float  # the largest on the sample, the error of its references included
     line: str  # for a reader at the terminal
 
@@ -64,14 +50,14 @@ def choose(
         progress(f"sample of the grid by the wire model: {number} of {len(scenes)}")
         wires.append(partial_path(wirefe.solve_to, scene, accuracy=max(accuracy / FINER, ACCURACIES[0])))
     least = math.inf
-    for candidate in _candidates(grid):
-        progress(f"sample of the grid by {candidate.name}")
+    for name, candidate in _candidates(grid):
+        progress(f"sample of the grid by {name}")
         worst = _worst(candidate, wires, accuracy)
         if MARGIN * worst <= accuracy:
             return Chosen(
                 candidate,
                 worst,
-                f"chosen for an accuracy of {accuracy:g}: {candidate.name}; error up to {worst:.2g} on "
+                f"chosen for an accuracy of {accuracy:g}: {name}; error up to {worst:.2g} on "
                 f"{len(scenes)} scenes of the grid, solved by the wire model",
             )
         least = min(least, worst)
@@ -90,13 +76,20 @@ def sample(grid: Sequence[Point], varied: Sequence[Varied]) -> list[Scene]:
     return [scene for place in dict.fromkeys(map(int, at)) if (scene := grid[place].scene) is not None]
 
 
-def _candidates(grid: Sequence[Point]) -> Iterator[Candidate]:
-    """Laws and meshes that fit all scenes, cheap to dear."""
+def _candidates(grid: Sequence[Point]) -> Iterator[tuple[str, Candidate]]:
+    """Laws and meshes that fit all scenes, cheap to dear, with their names for a reader."""
+
+    def beam(scene: Scene, law: str) -> Choice:
+        return Choice.of("equivbeam", {"law": law, "sliding": "scene"})
+
+    def wire(scene: Scene, level: int) -> Choice:
+        return Choice("wirefe", Levels.of(scene, None).options(level, True))
+
     for law in LAWS:
-        yield Candidate(f"equivbeam, law {law}", law=law)
+        yield f"equivbeam, law {law}", partial(beam, law=law)
     multiple = math.lcm(*{Levels.of(point.scene, None).multiple for point in grid if point.scene})
     for level in dict.fromkeys(multiple * math.ceil(level / multiple) for level in LEVELS):
-        yield Candidate(f"wirefe, {level} curved elements per turn", level=level)
+        yield f"wirefe, {level} curved elements per turn", partial(wire, level=level)
 
 
 def _worst(candidate: Candidate, wires: Sequence[EquilibriumPath], accuracy: float) -> float:

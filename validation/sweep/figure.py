@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 from matplotlib import rc_context
 from matplotlib.figure import Figure
 
 from validation.study.plots import png
 from validation.study.style import BLUE, GREY, RC, RED, SINGLE, Look
-from validation.sweep.table import COMPLETED, Row
 
 COLOURS = {"equivbeam": BLUE, "wirefe": RED}
 UNITS = {
@@ -18,28 +17,22 @@ UNITS = {
 }
 
 
-def draw(rows: Sequence[Row], key: str, scene: str, model: str, prescribed: bool) -> bytes:
+def draw(rows: Sequence[Mapping[str, str]], key: str, scene: str, model: str, prescribed: bool) -> bytes:
     """The curve as PNG: UY, or the force where UY is `prescribed`; with what ended before full load."""
     column, label = ("load_y", "axial force (N)") if prescribed else ("uy", "UY of the top (mm)")
     found = sorted((row for row in rows if row[column]), key=lambda row: float(row[key]))
-    whole = [row for row in found if row["outcome"] == COMPLETED]
-    ended = [row for row in found if row["outcome"] != COMPLETED]
+    units = [UNITS[name] for name in key.split(".") if name in UNITS]
+    looks: dict[bool, Look] = {
+        True: {"color": COLOURS[model], "marker": "o", "markersize": 3.0, "label": "full load"},
+        False: {"color": GREY, "marker": "x", "ms": 4.0, "ls": "", "label": "last state, before full load"},
+    }
     with rc_context(RC):
         figure = Figure(figsize=(SINGLE, 0.75 * SINGLE), layout="constrained")
-        axes = figure.add_subplot(xlabel=_with_unit(key), ylabel=label, title=f"{scene}, {model}")
-        looks: tuple[Look, Look] = (
-            {"color": COLOURS[model], "marker": "o", "markersize": 3.0, "label": "full load"},
-            {"color": GREY, "marker": "x", "markersize": 4.0, "label": "last state, before full load"},
-        )
-        for some, look, line in zip((whole, ended), looks, ("-", ""), strict=True):
-            x, y = ([float(row[name]) for row in some] for name in (key, column))
-            axes.plot(x, y, linestyle=line, **look)
-        if ended:
+        axes = figure.add_subplot(ylabel=label, title=f"{scene}, {model}")
+        axes.set_xlabel(f"{key} ({units[-1]})" if units else key)
+        for whole, look in looks.items():
+            some = [row for row in found if (row["outcome"] == "completed") == whole]
+            axes.plot(*([float(row[name]) for row in some] for name in (key, column)), **look)
+        if some:
             axes.legend()
         return png(figure)
-
-
-def _with_unit(key: str) -> str:
-    """A key, with its unit where it has one."""
-    units = [UNITS[name] for name in key.split(".") if name in UNITS]
-    return f"{key} ({units[-1]})" if units else key

@@ -2,24 +2,32 @@
 
 from __future__ import annotations
 
+import csv
+import io
 from collections import Counter
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import asdict, dataclass
 from importlib import import_module
 from pathlib import Path
 from typing import Any
 
 from coilspring import EquilibriumPath, InputError, Scene
 from coilspring.solver.startup import store
-from coilspring.sweep import REFUSED, Outcome, outcomes
+from coilspring.sweep import CRASHED, REFUSED, Outcome, outcomes
 from validation.study.keys import run_key
-from validation.study.output import write_bytes
+from validation.study.output import write_bytes, write_text, writing
+from validation.study.texts import number_of
 from validation.sweep.grid import Point, Varied, points
-from validation.sweep.table import COMPLETED, FILE, Row, Table, is_curve
 
 CHUNK = 16  # springs handed to a worker at a time
-PICTURE = "sweep.png"
+FILE, PICTURE = "sweep.csv", "sweep.png"
 DIGITS = 16  # of a row's key
+LEAST = 3  # values that make a curve
+RESULTS = (
+    *("outcome", "time", "load_x", "load_y", "ux", "uy", "rotz", "iterations", "active_contacts"),
+    *("max_penetration", "max_contact_force", "critical_time", "message", "key"),
+)
+Row = dict[str, str]  # texts by column
 
 
 @dataclass(frozen=True)
@@ -61,8 +69,12 @@ def sweep(
     grid = list(points(scene, varied))
     tasks = [(point.scene, choose(point.scene)) if point.scene else None for point in grid]
     keys = [_key(point, task) for point, task in zip(grid, tasks, strict=True)]
-    table = Table(folder, [each.key for each in varied], set(keys))
-    missing = {i: task for i, task in enumerate(tasks) if task and keys[i] not in table.rows}
+    target, columns = folder / FILE, (*(each.key for each in varied), *RESULTS)
+    wanted = set(keys)
+    # what belongs to another sweep is left out, as is a last line that was cut: it has no whole key
+    rows = {row["key"]: row for row in _read(target, columns) if row["key"] in wanted}
+    write_text(target, _csv(columns, rows.values()))
+    missing = {i: task for i, task in enumerate(tasks) if task and keys[i] not in rows}
     done = len(grid) - len(missing)
     progress(done, len(grid))
     models = {choice.model for _, choice in missing.values()}
@@ -73,26 +85,17 @@ def sweep(
 
     found = outcomes(iter(missing.values()), chunk=CHUNK, workers=workers, prepare=prepare)
     for i, outcome in zip(missing, found, strict=True):
-        table.append(keys[i], grid[i].values, outcome)
+        rows[keys[i]] = _row(columns, keys[i], grid[i], outcome)
+        with writing(target), target.open("a", encoding="utf-8", newline="") as stream:
+            stream.write(_csv(columns, [rows[keys[i]]], header=False))
         done += 1
         progress(done, len(grid))
     for point, key in zip(grid, keys, strict=True):
         if point.scene is None:
-            table.keep(key, point.values, Outcome(REFUSED, point.refused))
-    return table.write(keys)
-
-
-def write_picture(folder: Path, rows: Sequence[Row], keys: Sequence[str], scene: Scene, model: str) -> None:
-    """Write ``sweep.png`` where one number is varied; else remove what an earlier sweep has left there."""
-    target = folder / PICTURE
-    if not is_curve(rows, keys):
-        target.unlink(missing_ok=True)
-        return
-    from validation.sweep.figure import draw
-
-    by = keys[0].split(".")[1] if keys[0].startswith("load.") else ""
-    prescribed = by == "displacement" or (bool(scene.load.displacement) and by not in ("force", "stages"))
-    write_bytes(target, draw(rows, keys[0], scene.name, model, prescribed))
+            rows[key] = _row(columns, key, point, Outcome(REFUSED, point.refused))
+    ordered = [rows[key] for key in keys]
+    write_text(target, _csv(columns, ordered))
+    return ordered
 
 
 def _key(point: Point, task: tuple[Scene, Choice] | None) -> str:
@@ -101,6 +104,58 @@ def _key(point: Point, task: tuple[Scene, Choice] | None) -> str:
         return f"{REFUSED} {point.values!r}"
     scene, choice = task
     return run_key(choice.model, scene, choice.options)[:DIGITS]
+
+
+def _read(target: Path, columns: Sequence[str]) -> list[Row]:
+    """Whole rows of a file that need not be found again; none where its columns are others."""
+    if not target.exists():
+        return []
+    with writing(target):
+        text = target.read_text(encoding="utf-8")
+    rows = (row for row in csv.DictReader(io.StringIO(text)) if list(row) == list(columns))
+    return [row for row in rows if row["outcome"] != CRASHED]
+
+
+def _row(columns: Sequence[str], key: str, point: Point, found: Outcome) -> Row:
+    """A row, values as a scene file has them, to the last digit; nothing where there is none."""
+    values = dict(zip(columns, point.values, strict=False))
+    if found.outcome not in (REFUSED, CRASHED):
+        values |= asdict(found) | {"time": found.last_time, "iterations": found.total_iterations}
+        values |= zip(("load_x", "load_y"), found.load or (), strict=False)
+        values |= zip(("ux", "uy", "rotz"), found.tip or (), strict=False)
+    values |= {"outcome": found.outcome, "message": " ".join(found.message.split())}
+    values["key"] = "" if found.outcome == REFUSED else key  # which is soon found again
+    texts = {
+        name: str(value).lower() if isinstance(value, bool) else str(value)
+        for name, value in values.items()
+        if value is not None
+    }
+    return {name: texts.get(name, "") for name in columns}
+
+
+def _csv(columns: Sequence[str], rows: Iterable[Row], header: bool = True) -> str:
+    stream = io.StringIO()
+    writer = csv.DictWriter(stream, columns, lineterminator="\n")
+    if header:
+        writer.writeheader()
+    writer.writerows(rows)
+    return stream.getvalue()
+
+
+def write_picture(folder: Path, rows: Sequence[Row], keys: Sequence[str], scene: Scene, model: str) -> None:
+    """Write ``sweep.png`` where one number is varied and enough of its values reach full load.
+
+    Else remove what an earlier sweep has left there.
+    """
+    whole = {row[keys[0]] for row in rows if row["outcome"] == "completed"}
+    if len(keys) > 1 or len(whole) < LEAST or any(isinstance(number_of(text), str) for text in whole):
+        (folder / PICTURE).unlink(missing_ok=True)
+        return
+    from validation.sweep.figure import draw
+
+    by = keys[0].split(".")[1] if keys[0].startswith("load.") else ""
+    prescribed = by == "displacement" or (bool(scene.load.displacement) and by not in ("force", "stages"))
+    write_bytes(folder / PICTURE, draw(rows, keys[0], scene.name, model, prescribed))
 
 
 def digest(rows: Sequence[Row]) -> list[str]:
@@ -115,7 +170,7 @@ def ended_early(rows: Sequence[Row]) -> str:
 
     Raises `InputError`: no scene could be solved.
     """
-    count = sum(row["outcome"] != COMPLETED for row in rows)
+    count = sum(row["outcome"] != "completed" for row in rows)
     if all(row["outcome"] == REFUSED for row in rows):
         raise InputError(f"no scene can be solved: {rows[0]['message']}")
     return f"{count} of {len(rows)} scenes did not reach full load; {FILE} says why" if count else ""

@@ -6,7 +6,6 @@ from collections.abc import Sequence
 from string import ascii_lowercase
 
 import matplotlib
-import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
@@ -24,16 +23,14 @@ DASHED = (0, (4, 2))
 INK, LIGHT = "#222222", "#c9c9c9"
 # the wire model red and angular, the equivalent beam blue and round; all four differ in grey
 LOOKS: dict[str, Look] = {
-    "straight": {
-        "color": LIGHT_RED,
-        "marker": "s",
-        "ls": (0, (4, 2)),
-        "label": "wire model, straight elements",
-    },
-    "curved": {"color": RED, "marker": "^", "ls": "-", "label": "wire model, curved elements"},
-    "haringx": {"color": BLUE, "marker": "o", "ls": "none", "label": "equivalent beam, law haringx"},
-    "helix": {"color": NAVY, "marker": "D", "ls": "none", "label": "equivalent beam, law helix"},
-    PEER: {"color": GREY, "marker": "P", "ls": "none", "label": "OpenSees, straight elements"},
+    series: {"color": colour, "marker": marker, "ls": line, "label": label}
+    for series, colour, marker, line, label in (
+        ("straight", LIGHT_RED, "s", DASHED, "wire model, straight elements"),
+        ("curved", RED, "^", "-", "wire model, curved elements"),
+        ("haringx", BLUE, "o", "none", "equivalent beam, law haringx"),
+        ("helix", NAVY, "D", "none", "equivalent beam, law helix"),
+        (PEER, GREY, "P", "none", "OpenSees, straight elements"),
+    )
 }
 COLUMNS_OF = {  # errors, the reference's own, and what they are multiplied by
     "curve": ("curve_max", "reference_curve_error", 100.0),
@@ -67,7 +64,12 @@ def files(rows: pd.DataFrame) -> dict[str, bytes]:
 
 def draw(rows: pd.DataFrame, kind: str) -> Figure:
     """One panel a scene, all on the same axes; `kind` is "curve" or "shape"."""
-    scenes = by_scene(_scaled(rows, kind))
+    # of load curves those alone that give the whole curve: with fewer steps the error is that of fewer points
+    roles = ("run", "opensees") if kind == "curve" else ("run",)  # OpenSees has no shape
+    rows = rows[rows["role"].isin(roles) & ((kind == "shape") | (rows["steps"] >= STEPS))]
+    error, floor, scale = COLUMNS_OF[kind]
+    in_units = {"ms": 1e3 * rows["seconds"], "error": scale * rows[error], "floor": scale * rows[floor]}
+    scenes = by_scene(rows.assign(**in_units, shown=competes(rows)))
     columns = min(COLUMNS, len(scenes))
     lines = -(-len(scenes) // columns)
     figure = Figure(figsize=(DOUBLE, 0.85 + 2.2 * lines), layout="constrained")
@@ -78,22 +80,18 @@ def draw(rows: pd.DataFrame, kind: str) -> Figure:
         axes.set_title(f"({letter}) {title(scene)}")
     for axes in grid.flat[len(scenes) :]:
         axes.set_visible(False)
-    _label_axes(grid, pd.concat(shown), kind)
+    every = pd.concat(shown)
+    low = min(every["floor"].min(), every["error"].min())  # so that a strip of every floor is seen
+    for axes in grid.flat:
+        axes.set(xscale="log", yscale="log", ylim=(0.4 * low, 2.5 * every["error"].max()))
+        axes.tick_params(labelbottom=True)
+    for axes in grid[-1]:
+        axes.set_xlabel("CPU time (ms)")
+    for axes in grid[:, 0]:
+        axes.set_ylabel(LABELS[kind])
     peers = any((part["role"] == "opensees").any() for part in shown)
     figure.legend(handles=_key(peers), loc="outside lower center", ncols=3, columnspacing=1.4)
     return figure
-
-
-def _scaled(rows: pd.DataFrame, kind: str) -> pd.DataFrame:
-    """Rows with times in ms, errors and the reference's own in % or mm, and which of them are shown.
-
-    Of load curves those alone that give the whole curve: with fewer steps the error is that of fewer points.
-    """
-    roles = ("run", "opensees") if kind == "curve" else ("run",)  # OpenSees has no shape
-    part = rows[rows["role"].isin(roles) & ((kind == "shape") | (rows["steps"] >= STEPS))]
-    error, floor, scale = COLUMNS_OF[kind]
-    found = {"error": scale * part[error], "floor": scale * part[floor], "shown": competes(part)}
-    return part.assign(ms=1e3 * part["seconds"], **found)
 
 
 def _panel(axes: Axes, part: pd.DataFrame, able: pd.DataFrame, kind: str) -> None:
@@ -115,24 +113,11 @@ def _panel(axes: Axes, part: pd.DataFrame, able: pd.DataFrame, kind: str) -> Non
 
 
 def _look(series: str, filled: bool) -> Look:
-    look = LOOKS[series]
-    return look | (FILLED if filled else OPEN | {"mec": look["color"]})
+    return LOOKS[series] | (FILLED if filled else OPEN | {"mec": LOOKS[series]["color"]})
 
 
 def _ring(mesh: bool) -> Look:
     return RING | {"marker": "s" if mesh else "o"}
-
-
-def _label_axes(grid: np.ndarray, shown: pd.DataFrame, kind: str) -> None:
-    """Logarithmic axes that hold all points and a strip of every floor, and their labels."""
-    low = min(shown["floor"].min(), shown["error"].min())
-    for axes in grid.flat:
-        axes.set(xscale="log", yscale="log", ylim=(0.4 * low, 2.5 * shown["error"].max()))
-        axes.tick_params(labelbottom=True)
-    for axes in grid[-1]:
-        axes.set_xlabel("CPU time (ms)")
-    for axes in grid[:, 0]:
-        axes.set_ylabel(LABELS[kind])
 
 
 def _key(peers: bool) -> Sequence[Line2D | Patch]:

@@ -48,16 +48,16 @@ def write(out: Path, drawn: bool = False) -> pd.DataFrame:
     if not (out / results.FILE).is_file() or not (out / provenance.FILE).is_file():
         raise InputError(f"no {results.FILE} with {provenance.FILE} in {out}: measure first")
     rows = results.read(out)
-    made = json.loads((out / provenance.FILE).read_text(encoding="utf-8"))
     if drawn:
         from validation.workprecision import figures
 
         write_files(figures.files(rows), out)
-    write_text(out / "workprecision.md", markdown(rows, made, drawn))
+    made = json.loads((out / provenance.FILE).read_text(encoding="utf-8"))
+    write_text(out / "workprecision.md", _markdown(rows, made, drawn))
     return rows
 
 
-def markdown(rows: pd.DataFrame, made: Mapping[str, str], drawn: bool) -> str:
+def _markdown(rows: pd.DataFrame, made: Mapping[str, str], drawn: bool) -> str:
     """The study for a reader; `made`: where and when it was measured."""
     halved = rows[rows["role"] == "half mesh"]
     peers = rows[rows["role"] == "opensees"]
@@ -71,7 +71,16 @@ def markdown(rows: pd.DataFrame, made: Mapping[str, str], drawn: bool) -> str:
     return page(
         PAGE,
         **{"STEPS": STEPS, "PER_TURN": PER_TURN, "made": made, "drawn": drawn, "reference": reference},
-        tables=tables(rows),
+        tables={
+            "equal_error": equal_error_table(rows),
+            "paper": paper_table(rows),
+            "reference": reference_table(rows),
+            "curve_front": front_table(rows, "curve"),
+            "shape_front": front_table(rows, "shape"),
+            "peers": peer_table(rows),
+            "penalty": penalty_table(rows),
+            "pairs": pairs_table(rows),
+        },
         peer_refused=((rows["role"] == results.LEFT_OUT) & (rows["series"] == PEER)).any(),
         reasons=results.reasons(rows),
         exact=(rows["role"] == "exact rod").any(),
@@ -90,27 +99,13 @@ def digest(rows: pd.DataFrame) -> list[str]:
         if best is None:
             lines.append(f"{scene}: no run of the whole curve is as accurate as the paper's mesh")
             continue
-        front = part[part["on_curve_front"] == 1].sort_values("seconds").itertuples()
-        labels = [label(row) for row in front]
+        front = part[part["on_curve_front"] == 1].sort_values("seconds")
+        labels = ", ".join(map(label, front.itertuples()))
         lines.append(
             f"{scene}: as accurate as the paper's mesh in 1/{1.0 / best.ratio_to_paper_mesh:.3g} of its time "
-            f"by {setting_of(best).label}; front of the load curve: {', '.join(labels)}"
+            f"by {setting_of(best).label}; front of the load curve: {labels}"
         )
     return [*results.reasons(rows), *lines]
-
-
-def tables(rows: pd.DataFrame) -> dict[str, Table]:
-    """All tables by name."""
-    return {
-        "equal_error": equal_error_table(rows),
-        "paper": paper_table(rows),
-        "reference": reference_table(rows),
-        "curve_front": front_table(rows, "curve"),
-        "shape_front": front_table(rows, "shape"),
-        "peers": peer_table(rows),
-        "penalty": penalty_table(rows),
-        "pairs": pairs_table(rows),
-    }
 
 
 def label(row: Any) -> str:

@@ -157,11 +157,11 @@ def _reference(scene: Scene, extent: Extent) -> tuple[EquilibriumPath, list[dict
     finest = Setting.wire(scene, series, 2 * half, steps=extent.finest)
     path = solve_wire(scene, **finest.options)
     coarse, short = replace(finest, elements_per_turn=half), replace(finest, steps=extent.finest // 2)
-    rows = []
-    for role, setting in (("half mesh", coarse), ("half steps", short)):
-        rows.append(row(role, scene, setting, compare_paths(solve_wire(scene, **setting.options), path)))
-    exact = EXACT_ROD.get(scene.name)
-    if exact is not None:
+    rows = [
+        row(role, scene, setting, compare_paths(solve_wire(scene, **setting.options), path))
+        for role, setting in (("half mesh", coarse), ("half steps", short))
+    ]
+    if exact := EXACT_ROD.get(scene.name):
         places = [int(np.flatnonzero(np.isclose(path.times, time))[0]) for time in exact]
         tips = np.array(list(exact.values()))
         far = float((np.abs(path.tips[places] - tips) / peaks(tips)).max())

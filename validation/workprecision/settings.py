@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from contextlib import suppress
 from dataclasses import asdict, dataclass, replace
 
@@ -151,26 +150,19 @@ def fitted(scene: Scene, mesh: int, pairs: int = PAIRS) -> int:
 
 
 def settings(scene: Scene, extent: Extent) -> tuple[Setting, ...]:
-    """Every setting that makes sense for a scene."""
-    return tuple(dict.fromkeys((*_wires(scene, extent), *_beams(scene, extent))))
-
-
-def _wires(scene: Scene, extent: Extent) -> Iterable[Setting]:
+    """Every setting that makes sense for a scene, the wire model's first, each once."""
+    found, contact = [], scene.contact
     for element, meshes in (("straight", extent.straight), ("curved", extent.curved)):
-        yield from (Setting.wire(scene, element, fitted(scene, mesh)) for mesh in meshes)
+        found += [Setting.wire(scene, element, fitted(scene, mesh)) for mesh in meshes]
     for steps in extent.steps:
-        yield Setting.wire(scene, "straight", PAPER_ELEMENTS, steps=steps)
-        yield Setting.wire(scene, "curved", fitted(scene, extent.curved[0]), steps=steps)
-    times = PER_TURN[scene.contact.geometry] // PAIRS
-    for pairs in (PAIRS, *extent.pairs) if scene.contact.enabled else ():
-        yield Setting.wire(scene, "curved", fitted(scene, max(16, pairs), pairs), times * pairs)
-
-
-def _beams(scene: Scene, extent: Extent) -> Iterable[Setting]:
-    sticking = scene.contact.enabled and scene.contact.sliding != "free"
+        found.append(Setting.wire(scene, "straight", PAPER_ELEMENTS, steps=steps))
+        found.append(Setting.wire(scene, "curved", fitted(scene, extent.curved[0]), steps=steps))
+    for pairs in (PAIRS, *extent.pairs) if contact.enabled else ():
+        mesh, times = fitted(scene, max(16, pairs), pairs), PER_TURN[contact.geometry] // PAIRS
+        found.append(Setting.wire(scene, "curved", mesh, times * pairs))
     for law in LAWS:
         usual = Setting(law, tangent="exact", sliding="ignore")
-        yield from (replace(usual, steps=steps) for steps in (STEPS, *extent.steps))
-        if sticking:
-            yield replace(usual, sliding="scene")
-    yield replace(PAPER_MODEL, tangent="paper")
+        found += [replace(usual, steps=steps) for steps in (STEPS, *extent.steps)]
+        if contact.enabled and contact.sliding != "free":
+            found.append(replace(usual, sliding="scene"))
+    return tuple(dict.fromkeys((*found, replace(PAPER_MODEL, tangent="paper"))))
