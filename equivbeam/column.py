@@ -11,11 +11,11 @@ from typing import Any
 
 import numpy as np
 
-from coilspring.compiling.packing import pack
 from coilspring.errors import InputError, require_integer
 from coilspring.scene import Load, Scene, require_scene
 from coilspring.solver.problem import Problem
 from coilspring.solver.solve import Run, follow_problem
+from coilspring.solver.stages import rates
 from equivbeam import band, kernels
 from equivbeam.laws import law_of
 from equivbeam.laws.haringx import KAX, KFL, KSH, L0
@@ -92,15 +92,9 @@ def lateral_stiffness(
     problem, run = _compressed(scene, law, refine, inclined, shortening)
     if run.outcome != "completed":
         raise InputError(f"shortening must be below that of buckling, got {shortening!r}")
-    reals, ints = pack(problem.data)
-    g, H, state = np.empty_like(problem.load), np.empty(problem.matrix_size), run.track.states[-1]
-    assemble = kernels.assemble_of(law, problem.data.rows)
-    assemble(reals, ints, state, 0.0, problem.history, state, g, H)
-    band.factor(reals, ints, H)
-    response = np.zeros_like(problem.load)
-    response[-3] = 1.0
-    band.solve(reals, ints, H, response)
-    return 1.0 / float(response[-3])
+    compiled = (kernels.assemble_of(law, problem.data.rows), band.factor, band.solve)
+    size, state, x = (problem.load.size, problem.matrix_size), run.track.states[-1:], np.array([[1.0, 0.0]])
+    return float(rates(compiled, problem.data, size, size[0] - 3, state, problem.history[None], x)[0])
 
 
 def _compressed(

@@ -21,20 +21,25 @@ TRUSTED = 0.90
 
 
 def caution(scene: Scene, law: str | UserLaw, rows: np.ndarray, states: np.ndarray) -> str:
-    """What of the last state the law does not hold for, and what to use instead; or nothing.
-
-    Parameters
-    ----------
-    law : option of the path.
-    rows : of the model.
-    states : of the path, (steps, n).
-    """
+    """What of the last of the states (steps, n) the law does not hold for, and what to use instead."""
     if not len(states):
         return ""
-    lengths = element_measures(states[-1:])[0, :, 0]
-    said = _straight(rows, lengths) if law == "helix" else ""
-    if scene.contact.enabled:
-        said += _solid(scene, float(lengths.sum()))
+    lengths, said = element_measures(states[-1:])[0, :, 0], ""
+    beyond = (lengths < rows[:, LOW]) | (lengths > rows[:, HIGH]) if law == "helix" else np.zeros(1)
+    if beyond.any():
+        coil = int(np.argmax(beyond))
+        said = (
+            f"; but half coil {coil + 1} is drawn to a length of {lengths[coil]:.3g} mm, where its "
+            "wire is all but straight and the helix law no longer holds"
+        )
+    # coils that close bit by bit from their ends, which circles do not see
+    height = scene.spring.active_height
+    travel, shortened = height - solid_height(scene.spring), height - float(lengths.sum())
+    if scene.contact.enabled and travel > 0.0 and shortened > TRUSTED * travel:
+        said += (
+            f"; but it is {shortened / travel:.0%} of the travel to solid, where coils close bit by bit and "
+            "the beam's force may be far off: use wirefe with pairs_per_turn of 16 or more"
+        )
     return said
 
 
@@ -44,25 +49,3 @@ def judged(law: str | UserLaw, rows: np.ndarray, run: Run) -> Run:
         return run
     where = not_finite(law, rows, element_measures(run.track.last[None])[0])
     return replace(run, outcome="not_converged", message=where, critical_time=None) if where else run
-
-
-def _straight(rows: np.ndarray, lengths: np.ndarray) -> str:
-    beyond = np.flatnonzero((lengths < rows[:, LOW]) | (lengths > rows[:, HIGH]))
-    if not beyond.size:
-        return ""
-    return (
-        f"; but half coil {beyond[0] + 1} is drawn to a length of {lengths[beyond[0]]:.3g} mm, where its "
-        "wire is all but straight and the helix law no longer holds"
-    )
-
-
-def _solid(scene: Scene, height: float) -> str:
-    """Coils that close bit by bit from their ends, which circles do not see."""
-    spring = scene.spring
-    shortened, travel = spring.active_height - height, spring.active_height - solid_height(spring)
-    if travel <= 0.0 or shortened <= TRUSTED * travel:
-        return ""
-    return (
-        f"; but it is {shortened / travel:.0%} of the travel to solid, where coils close bit by bit and the "
-        f"beam's force may be far off: use wirefe with pairs_per_turn of 16 or more"
-    )

@@ -42,12 +42,7 @@ class LoadCurve(NamedTuple):
 
 
 def read_curve(curve: EquilibriumPath | pd.DataFrame | str | Path, scene: Scene) -> LoadCurve:
-    """The curve of a path, a table or a CSV file, of a spring loaded as in a scene.
-
-    Raises
-    ------
-    InputError : what is no load curve, in one sentence.
-    """
+    """The curve of a path, a table or a CSV file, of a spring loaded as in a scene."""
     # rates and stresses of a path are not asked for
     table = table_of(curve.curve if isinstance(curve, EquilibriumPath) else curve)
     if "force" in table or scene.load.displacement:

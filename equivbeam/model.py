@@ -16,7 +16,8 @@ from coilspring.solver.stages import Top
 from equivbeam.band import ROW
 from equivbeam.laws import LAWS, USER, law_rows
 from equivbeam.laws.haringx import L0
-from equivbeam.options import ALL, TANGENTS, BeamOptions
+from equivbeam.laws.helix import Refinements
+from equivbeam.options import TANGENTS, BeamOptions
 from equivbeam.stations import half_coil_count
 
 PAIRS_PER_TURN = 2
@@ -44,13 +45,7 @@ view = viewer(BeamModel)
 
 
 def build_model(scene: Scene, options: BeamOptions | None = None) -> BeamModel:
-    """Arrays of the equivalent beam of `scene`.
-
-    Raises
-    ------
-    InputError : where the active coils are not a whole number of half coils, or the scene has what the
-        model cannot represent.
-    """
+    """Arrays of the equivalent beam of `scene`; `InputError` for what the model cannot represent."""
     spring, contact, chosen = scene.spring, scene.contact, options or BeamOptions()
     scene.supports.require_supported("equivbeam")
     if spring.sections and chosen.tangent != "exact":
@@ -67,9 +62,10 @@ def build_model(scene: Scene, options: BeamOptions | None = None) -> BeamModel:
     pairs = pairs[relative] if contact.enabled else pairs[:0]
     fixed = [name in scene.supports.top_held for name in ("ux", "uy", "rotz")]
     kc = contact.stiffness * 4.0 / PAIRS_PER_TURN
+    refinements = chosen.refinements or Refinements()
     return BeamModel(
         law=LAWS[chosen.law] if isinstance(chosen.law, str) else USER,
-        rows=law_rows(chosen.law, spring, scene.material, chosen.refinements or ALL, scene.factors),
+        rows=law_rows(chosen.law, spring, scene.material, refinements, scene.factors),
         fixed=np.array(fixed, dtype=float),
         attached=attached,
         offset=offset,
@@ -114,12 +110,6 @@ def load_vector(model: BeamModel, scene: Scene) -> np.ndarray:
     return load
 
 
-def top_place(model: BeamModel) -> Top:
-    """Where the last node's x and y are."""
-    state, free = 3 * len(model.rows), 3 * (len(model.rows) - 1)
-    return Top((state, state + 1), (free, free + 1), (free + 1) * ROW)
-
-
 def matrix_size(model: BeamModel) -> int:
     """Length of the banded matrix, see `equivbeam.band`."""
     return 3 * len(model.rows) * ROW
@@ -127,11 +117,12 @@ def matrix_size(model: BeamModel) -> int:
 
 def beam_problem(data: BeamModel, load: np.ndarray) -> Problem:
     """The beam at rest under a load vector at time 1, as the path follower takes it."""
+    x, free = 3 * len(data.rows), 3 * (len(data.rows) - 1)  # of the last node
     return Problem(
         data=data,
         load=load,
         start=rest_state(data),
         history=np.zeros(len(data.pairs), PAIR_HISTORY),  # no pair has ever closed
         matrix_size=matrix_size(data),
-        top=top_place(data),
+        top=Top((x, x + 1), (free, free + 1), (free + 1) * ROW),
     )
