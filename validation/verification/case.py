@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -18,10 +18,8 @@ class Case:
     source: str
     tolerance: float  # of the largest component's error over the largest component of the target
     limits: str  # what the case cannot show
-    solve: Callable[
-        [int], Sequence[float] | np.ndarray
-    ]  # from a number of elements to components of the result
-    mesh: int  # number of elements
+    solve: Callable[[int], Sequence[float] | np.ndarray]  # components of the result, by a number of elements
+    mesh: int  # that number
     meshes: tuple[int, ...] = ()  # each twice as fine as the one before, which tell the order of convergence
     fine: int = 0  # mesh that stands in place of the target there
     components: int = 3  # whose error tells the order
@@ -30,9 +28,9 @@ class Case:
         """The case, solved."""
         order = None
         if self.meshes:
-            exact = np.array(self.solve(self.fine) if self.fine else self.target)[: self.components]
-            found = [np.array(self.solve(count))[: self.components] for count in self.meshes]
-            order = observed_order([float(np.abs(one - exact).max()) for one in found])
+            exact = np.array(self.solve(self.fine) if self.fine else self.target)
+            off = [np.abs(np.array(self.solve(count)) - exact)[: self.components] for count in self.meshes]
+            order = observed_order([float(each.max()) for each in off])
         return Check(self, tuple(map(float, self.solve(self.mesh))), order)
 
 
@@ -56,7 +54,6 @@ class Check:
         return self.error <= self.case.tolerance
 
 
-def observed_order(errors: Iterable[float]) -> float:
+def observed_order(errors: Sequence[float]) -> float:
     """Order from the errors of meshes that are each twice as fine, by the first and the last."""
-    all_errors = list(errors)
-    return float(np.log2(all_errors[0] / all_errors[-1]) / (len(all_errors) - 1))
+    return float(np.log2(errors[0] / errors[-1]) / (len(errors) - 1))

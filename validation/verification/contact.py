@@ -22,16 +22,13 @@ from wirefe.model import ContactArrays
 from wirefe.shape import contact_centres
 
 NONE = np.inf  # no sliding
-CYCLE = Path("examples/stages.toml")
 TIPS = ("UX", "UY", "ROTZ")
 HELD = 1e-9  # tips below are the rounding of fixed degrees of freedom
-
-
+CYCLE = Load(stages=((0.0, -80.0), (0.0, 0.0)), steps=100)  # of a progressive valve spring
 SPRINGS: dict[str, Callable[[], Scene]] = {
     "A": spring_a,
     "B": spring_b,
-    # a progressive valve spring, its load put on and taken off
-    "cycle": lambda: replace(load_scene(CYCLE), load=Load(stages=((0.0, -80.0), (0.0, 0.0)), steps=100)),
+    "cycle": lambda: replace(load_scene("examples/stages.toml"), load=CYCLE),
 }
 PAGE, RECORD = Path("docs/contact.md"), Path("reports/contact")
 CATALOGUE = {"A": 0.0, "B": NONE}  # coefficients of the catalogue's springs
@@ -144,16 +141,14 @@ def difference(tips: pd.DataFrame, reference: pd.Series) -> pd.Series:
 def overlap(path: EquilibriumPath, points_per_turn: int = 160) -> float:
     """Largest overlap of wires of neighbouring coils anywhere at the last step, mm.
 
-    Distances of points of the centreline from the straight pieces half a turn to one and a half turns on;
-    points of one rigid end turn do not count with each other.
+    Distances of points of the centreline from the straight pieces half a turn to one and a half turns on.
     """
     line = path.centreline(-1, points_per_turn)
     ends, half = round(path.scene.spring.end_turns * points_per_turn), points_per_turn // 2
     least = np.inf
     for ahead in range(half, 3 * half):
         distance = to_pieces(line[: -ahead - 1], line[ahead:-1], line[ahead + 1 :])
-        inside = np.arange(len(distance))
-        active = (inside + ahead >= ends) & (inside < len(line) - ends)
+        active = slice(max(ends - ahead, 0), len(line) - ends)  # not both points on one rigid end turn
         least = min(least, float(distance[active].min()))
     return max(path.scene.spring.wire_diameter - least, 0.0)
 
@@ -202,10 +197,8 @@ def limit_point() -> dict[str, Any]:
     most = int(np.argmax(np.linalg.norm(moved, axis=1) * (path.gaps[limit + 1] < 0.0)))
     along = np.cross([0.0, 1.0, 0.0], after[lower[most]])
     share = abs(moved[most] @ along) / np.linalg.norm(along) / np.linalg.norm(moved[most])
-    return {
-        **{"traced": path.options["pairs_found"], "limit": path.times[limit]},
-        **{"first": lower[most], "second": upper[most], "circ": 100.0 * share},
-    }
+    found = {"traced": path.options["pairs_found"], "limit": path.times[limit], "circ": 100.0 * share}
+    return found | {"first": lower[most], "second": upper[most]}
 
 
 def percent(share: float) -> str:
@@ -238,10 +231,8 @@ def beside(data: pd.DataFrame, by: str | list[str], reference: int = -1) -> pd.D
 def friction_row(runs: pd.DataFrame) -> dict[str, Any]:
     """Of runs in several numbers of steps the last, in the most, and by what the others differ."""
     last = runs.iloc[-1]
-    row = last.to_dict() | {"change": difference(runs, last).max()}
-    if last["work"] > SLIDES:
-        row["work change"] = (runs["work"] / last["work"] - 1.0).abs().max()
-    return row
+    change = (runs["work"] / last["work"] - 1.0).abs().max() if last["work"] > SLIDES else np.nan
+    return {**last, "change": difference(runs, last).max(), "work change": change}
 
 
 def page(runs: Runs, limit: Mapping[str, Any]) -> str:
@@ -290,8 +281,8 @@ def facts(runs: Runs, limit: Mapping[str, Any]) -> dict[str, object]:
     pairs, last, most = beside(runs["pairs"], "spring"), _last(runs["friction"]), runs["search"].iloc[-1]
     found: dict[str, object] = {"pairs.count": int(pairs["pairs"].iloc[0])}
     for row in pairs.groupby("spring", sort=False).head(1).itertuples():
-        found[f"pairs.{row.spring}.overlap"] = row.overlap
-        found[f"pairs.{row.spring}.difference"] = 100.0 * row.difference
+        key = f"pairs.{row.spring}"
+        found |= {f"{key}.overlap": row.overlap, f"{key}.difference": 100.0 * row.difference}
     found["friction.couples"] = 100.0 * last["couple"][NONE] / last["moment"][NONE]
     found |= {"friction.free": last["UY"][0.0], "friction.held": last["UY"][NONE]}
     found |= {"search.pairs": int(most["pairs"]), "search.outcome": most["outcome"]}
