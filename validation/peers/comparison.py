@@ -20,8 +20,6 @@ MISSING = (
     "apt-get install libblas3 liblapack3"
 )
 FREE = "frictionless in both codes, since springs without a history do not know when a pair closed"
-
-
 UNITS = {"ux": "mm", "uy": "mm", "force": "N", "rotz": "rad"}
 
 
@@ -41,10 +39,7 @@ class PeerComparison:
 
     @property
     def difference(self) -> float:
-        """Largest over steps and components, over the component's peak in the wire model.
-
-        Where UY is prescribed the axial force takes its place.
-        """
+        """Largest over steps and answered components, over the component's peak in the wire model."""
         if self.rows == 0:
             return float("nan")
         both = (answered(self.wire), self.peer.answers)
@@ -86,9 +81,7 @@ class PeerComparison:
 def compare(scene: Scene, peer: str) -> PeerComparison:
     """Solve a scene with the wire model and with a peer of `PEERS`, on 40 points a turn.
 
-    Raises
-    ------
-    InputError : the peer is not installed, or what it is not given.
+    `InputError` where the peer is not installed, and for what it is not given.
     """
     remark, contact = "", scene.contact
     if peer == "calculix" and contact.enabled and contact.sliding == "none":

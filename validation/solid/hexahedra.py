@@ -7,8 +7,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 
@@ -20,8 +20,7 @@ CORE = 0.55  # half diagonal of the square in the middle of the section, over th
 DECK = template(Path(__file__).with_suffix(".inp"))
 
 
-@dataclass(frozen=True)
-class Fineness:
+class Fineness(NamedTuple):
     """Of a mesh."""
 
     square: int  # quadrilaterals along an edge of the square
@@ -34,8 +33,7 @@ FIRST = 0.1  # of the load: the first increment
 MOST_INCREMENTS = 40
 
 
-@dataclass(frozen=True)
-class SolidMesh:
+class SolidMesh(NamedTuple):
     """Nodes (n, 3) and elements (m, 20) from 0, nodes of both ends, and the reference point (3,)."""
 
     nodes: np.ndarray
@@ -120,8 +118,8 @@ def flexibility(mesh: SolidMesh, E: float, nu: float) -> tuple[np.ndarray, float
     return 0.5 * (found + found.T), seconds
 
 
-def deflection(scene: Scene, fineness: Fineness) -> tuple[np.ndarray, float]:
-    """UX, UY, ROTZ of a scene's top at full load in large deflection, no contact (3,), and CPU seconds.
+def deflection(scene: Scene, fineness: Fineness) -> np.ndarray:
+    """UX, UY, ROTZ of a scene's top at full load in large deflection, no contact, (3,).
 
     nan where CalculiX does not reach full load in `MOST_INCREMENTS`: ends that turn take it many small ones.
     """
@@ -133,11 +131,11 @@ def deflection(scene: Scene, fineness: Fineness) -> tuple[np.ndarray, float]:
     boundary = [f"{reference + node}, {dof}, {dof}" for node, dof in held]
     step = [f"*STEP, NLGEOM, INC={MOST_INCREMENTS}", "*STATIC", f"{FIRST}, 1., 1e-4, 0.25", "*CLOAD", *loads]
     steps = ["*BOUNDARY", *boundary, *step, *PRINT]
-    text, seconds = execute(deck(mesh, scene.material.E, scene.material.nu, steps))
+    text, _ = execute(deck(mesh, scene.material.E, scene.material.nu, steps))
     times = [float(line.split()[-1]) for line in text.splitlines() if "time" in line]
     if not times or times[-1] < 1.0:
-        return np.full(3, np.nan), seconds
-    return read(text).reshape(-1, 6)[-1, [0, 1, 5]], seconds
+        return np.full(3, np.nan)
+    return read(text).reshape(-1, 6)[-1, [0, 1, 5]]
 
 
 def read(text: str) -> np.ndarray:

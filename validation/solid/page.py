@@ -50,14 +50,6 @@ def ring_table() -> pd.DataFrame:
     return pd.DataFrame(rows, columns=["index", *heads, "1/EA, share", "1/GA, share"])
 
 
-def stress_table() -> pd.DataFrame:
-    """Stress factors."""
-    found = pd.DataFrame({"index": INDICES})
-    found["3D elasticity"] = found["index"].map(inner_stress_factor)
-    found["Wahl"] = found["index"].map(wahl_factor)
-    return found.assign(**{"Wahl off (%)": 100.0 * (found["Wahl"] / found["3D elasticity"] - 1.0)})
-
-
 def standing() -> pd.DataFrame:
     """Difference of every model and wire from the wire model with the solid wire, a row a scene and model."""
     rows = []
@@ -120,8 +112,11 @@ def standing_table(stands: pd.DataFrame) -> pd.DataFrame:
 
 def page(facts: Mapping[str, Any], coils: pd.DataFrame, moved: pd.DataFrame, stands: pd.DataFrame) -> str:
     """The page as Markdown."""
-    ring, factors = ring_table(), stress_table()
-    fixed: dict[str, Format] = dict.fromkeys(factors.columns[1:-1], "{:.4f}")
+    ring, factors = ring_table(), pd.DataFrame({"index": INDICES})
+    factors["3D elasticity"] = factors["index"].map(inner_stress_factor)
+    factors["Wahl"] = factors["index"].map(wahl_factor)
+    factors["Wahl off (%)"] = 100.0 * (factors["Wahl"] / factors["3D elasticity"] - 1.0)
+    fixed: dict[str, Format] = dict.fromkeys(("3D elasticity", "Wahl"), "{:.4f}")
     return template.page(
         WORDS,
         f=facts,
@@ -129,7 +124,7 @@ def page(facts: Mapping[str, Any], coils: pd.DataFrame, moved: pd.DataFrame, sta
         coils=frame_table(coils_table(coils)),
         moved=frame_table(moved, dict.fromkeys(("ux", "uy", "rotz"), "{:.4f}") | {"off": PERCENT}),
         ring=frame_table(ring, {name: PERCENT if "share" in name else SIGNED for name in ring.columns[1:]}),
-        stress=frame_table(factors, fixed | {"index": "{:.3g}", factors.columns[-1]: SIGNED}),
+        stress=frame_table(factors, fixed | {"index": "{:.3g}", "Wahl off (%)": SIGNED}),
     )
 
 

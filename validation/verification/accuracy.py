@@ -59,8 +59,8 @@ def write_page(path: Path, record: Path) -> bool:
     rods = list(springcases.exact_rods())
     found += [*rods, *(case.checked() for case in springcases.OTHERS)]
     write_text(path, template.page(WORDS, checks=found))
-    fewest = [check.error for check in rods if FEWEST in check.case.data]
-    failed = sum(not check.passed for check in found)
+    fewest = [check["error"] for check in rods if FEWEST in check["data"]]
+    failed = sum(not check["passed"] for check in found)
     write_facts({"checks": len(found), "failed": failed, "curved": max(fewest)}, record)
     return not failed
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -24,34 +25,17 @@ class Case:
     fine: int = 0  # mesh that stands in place of the target there
     components: int = 3  # whose error tells the order
 
-    def checked(self) -> Check:
-        """The case, solved."""
+    def checked(self) -> dict[str, Any]:
+        """The case, solved: a row of the page."""
         order = None
         if self.meshes:
             exact = np.array(self.solve(self.fine) if self.fine else self.target)
             off = [np.abs(np.array(self.solve(count)) - exact)[: self.components] for count in self.meshes]
             order = observed_order([float(each.max()) for each in off])
-        return Check(self, tuple(map(float, self.solve(self.mesh))), order)
-
-
-@dataclass(frozen=True)
-class Check:
-    """What a case found."""
-
-    case: Case
-    result: tuple[float, ...]
-    order: float | None = None
-
-    @property
-    def error(self) -> float:
-        """Largest component's error over the largest component of the target."""
-        target, result = np.array(self.case.target), np.array(self.result)
-        return float(np.abs(result - target).max() / np.abs(target).max())
-
-    @property
-    def passed(self) -> bool:
-        """Whether the error is within the tolerance."""
-        return self.error <= self.case.tolerance
+        result, target = np.array(self.solve(self.mesh)), np.array(self.target)
+        error = float(np.abs(result - target).max() / np.abs(target).max())
+        row = {"result": result.tolist(), "error": error, "passed": error <= self.tolerance, "order": order}
+        return vars(self) | row
 
 
 def observed_order(errors: Sequence[float]) -> float:
