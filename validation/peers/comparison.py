@@ -56,9 +56,8 @@ class PeerComparison:
         """Both curves, one row a step that either has reached."""
         import pandas as pd
 
-        data = pd.concat(
-            [pd.DataFrame(found).add_suffix(f"_{code}") for code, found in self._named()], axis=1
-        )
+        both = [pd.DataFrame(found).add_suffix(f"_{code}") for code, found in self._named()]
+        data = pd.concat(both, axis=1)
         data.insert(0, "time", np.arange(1, len(data) + 1) / self.scene.load.rows)
         return data.to_csv(index=False, lineterminator="\n", float_format="%.9g")
 

@@ -61,14 +61,11 @@ def section_grid(fineness: Fineness) -> tuple[np.ndarray, np.ndarray]:
         a, b, c = slice(0, -2, 2), slice(1, None, 2), slice(2, None, 2)
         around = ((a, a), (c, a), (c, c), (a, c), (b, a), (c, b), (b, c), (a, b))
         quads.append(np.stack([number[i, j] for i, j in around], axis=-1).reshape(-1, 8))
-    return _joined(0.5 * np.array(points), np.concatenate(quads))
-
-
-def _joined(points: np.ndarray, cells: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Without double and unused points."""
-    used, cells = np.unique(cells, return_inverse=True)
-    _, first, same = np.unique(np.round(points[used], 9), axis=0, return_index=True, return_inverse=True)
-    return points[used][first], same.ravel()[cells.reshape(-1, 8)]
+    # without unused and double points
+    used, cells = np.unique(np.concatenate(quads), return_inverse=True)
+    nodes = 0.5 * np.array(points)[used]
+    _, first, same = np.unique(np.round(nodes, 9), axis=0, return_index=True, return_inverse=True)
+    return nodes[first], same.ravel()[cells.reshape(-1, 8)]
 
 
 def mesh_coils(spring: Spring, coils: float, fineness: Fineness) -> SolidMesh:
