@@ -210,7 +210,7 @@ class CurveFit:
         self._follow(shares)
         if self.path is None:
             return np.full(self.curve.shares.size, LOST)
-        return self.curve.deviations(self.path)
+        return (self.curve.along(self.path, self.path.tips) - self.curve.shares).ravel()
 
     def rates(self, shares: np.ndarray) -> np.ndarray:
         """Derivatives of the residuals, shape (residuals, parameters)."""

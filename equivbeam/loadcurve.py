@@ -30,12 +30,8 @@ class LoadCurve(NamedTuple):
     peaks: np.ndarray  # (columns,) largest displacement of each column, mm or rad
     shares: np.ndarray  # (points, columns) displacements over their peaks
 
-    def deviations(self, path: EquilibriumPath) -> np.ndarray:
-        """Differences of a path from the curve, over the peaks, flat."""
-        return (self.along(path, path.tips) - self.shares).ravel()
-
     def along(self, path: EquilibriumPath, tips: np.ndarray) -> np.ndarray:
-        """UX, UY and ROTZ at a path's steps, (steps, 3), as the curve has them, (points, columns)."""
+        """UX, UY and ROTZ at a path's steps, (steps, 3), as the curve's shares, (points, columns)."""
         times = np.append(0.0, path.times)
         values = tips @ self.directions.T / self.peaks
         return np.stack([np.interp(self.times, times, np.append(0.0, column)) for column in values.T], axis=1)

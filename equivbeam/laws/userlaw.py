@@ -159,26 +159,19 @@ class UserLaw:
     def _numbers(self, coil: HalfCoil) -> list[float]:
         """Parameters of a half coil."""
         where = f"law {self.name}: parameters of half coil {coil.index + 1}"
-        try:
-            found = self.parameters(coil)
-        except Exception as error:
-            raise InputError(f"{where}: {_told(error)}") from None
+        found = _called(where, self.parameters, coil)
         values = list(found) if isinstance(found, tuple | list | np.ndarray) else [found]
-        for value in values:
-            if isinstance(value, bool) or not isinstance(value, numbers.Real) or not math.isfinite(value):
-                raise InputError(f"{where} must be finite numbers, got {shown(found)}")
+        if not all(_is_number(value) and math.isfinite(value) for value in values):
+            raise InputError(f"{where} must be finite numbers, got {shown(found)}")
         return [float(value) for value in values]
 
     def _try(self, coil: HalfCoil, values: list[float]) -> None:
         """The energy at rest as plain Python, whose errors are the clearest."""
         place = f"energy of half coil {coil.index + 1} at rest {state_text(coil.length, 0, 0)}"
         where = f"law {self.name}: {place}"
-        try:
-            with np.errstate(all="ignore"):
-                found = self.energy(coil.length, 0.0, 0.0, tuple(values))
-        except Exception as error:
-            raise InputError(f"{where}: {_told(error)}") from None
-        if isinstance(found, bool) or not isinstance(found, numbers.Real):
+        with np.errstate(all="ignore"):
+            found = _called(where, self.energy, coil.length, 0.0, 0.0, tuple(values))
+        if not _is_number(found):
             raise InputError(f"{where} must be a number, got {shown(found)}")
 
 
@@ -197,10 +190,7 @@ def law_of_text(file: str, text: str) -> UserLaw:
     place = f"<law {file} {found[:DIGITS]}>"  # each content is a source of its own for `inspect`
     linecache.cache[place] = (len(text), None, text.splitlines(True), place)
     space: dict[str, Any] = {"__name__": f"law_{Path(file).stem}", "__file__": file}
-    try:
-        exec(compile(text, place, "exec"), space)
-    except Exception as error:
-        raise InputError(f"law {name}: {_told(error)}") from None
+    _called(f"law {name}", lambda: exec(compile(text, place, "exec"), space))
     functions = [_function(name, space.get(each), each) for each in ("parameters", "energy")]
     law = UserLaw(name, found, (file, text), *functions)
     return KNOWN.setdefault(str(law), law)
@@ -288,16 +278,24 @@ def _part_of(function: Any, law: str, content: str, callers: tuple[FunctionType,
     return part(copied)
 
 
-def _told(error: Exception) -> str:
-    """An error in a law's file, with its line, in one sentence."""
-    if isinstance(error, InputError):
-        return str(error)
-    if isinstance(error, SyntaxError):
-        return f"line {error.lineno}: {error.msg}"
-    frames = traceback.extract_tb(error.__traceback__)
-    places = [frame.lineno for frame in frames if "<law " in frame.filename]
-    line = f"line {places[-1]}: " if places else ""
-    return " ".join(f"{line}{type(error).__name__}: {error}".split())
+def _is_number(value: Any) -> bool:
+    return isinstance(value, numbers.Real) and not isinstance(value, bool)
+
+
+def _called(where: str, function: Callable, *arguments: Any) -> Any:
+    """What a function of a law's file gives; its errors, with their lines, in one sentence."""
+    try:
+        return function(*arguments)
+    except InputError as error:
+        reason = str(error)
+    except SyntaxError as error:
+        reason = f"line {error.lineno}: {error.msg}"
+    except Exception as error:
+        frames = traceback.extract_tb(error.__traceback__)
+        places = [frame.lineno for frame in frames if "<law " in frame.filename]
+        line = f"line {places[-1]}: " if places else ""
+        reason = " ".join(f"{line}{type(error).__name__}: {error}".split())
+    raise InputError(f"{where}: {reason}")
 
 
 def _uncompiled(energy: Callable, error: Exception) -> str:
