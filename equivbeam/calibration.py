@@ -117,13 +117,7 @@ def calibrate(
         raise InputError(f"{factor} can be fitted with the law haringx alone, got {shown(law)}")
     start = values(scene, names)
     fit = CurveFit(names, start, read_curve(curve, scene), options)
-    shares = np.ones(len(names))
-    before = fit.residuals(shares)
-    if isinstance(fit.failure, EquilibriumNotFound):
-        message = f"the scene as given does not reach the end of the curve: {fit.failure.message}"
-        raise EquilibriumNotFound(replace(fit.failure.path, message=message))
-    if fit.failure:
-        raise fit.failure
+    before = fit.at_start()
     shares, J, fitted, doubtful = fit.solved()
     after = fit.residuals(shares)
     assert fit.path is not None  # the best point is one that was reached
@@ -160,6 +154,16 @@ class CurveFit:
         self.failure: EquilibriumNotFound | InputError | None = None
         self.evaluations = 0
         self._at: np.ndarray | None = None
+
+    def at_start(self) -> np.ndarray:
+        """Residuals of the scene as given; raises why it does not reach the curve's end."""
+        residuals = self.residuals(np.ones(len(self.names)))
+        if isinstance(self.failure, EquilibriumNotFound):
+            message = f"the scene as given does not reach the end of the curve: {self.failure.message}"
+            raise EquilibriumNotFound(replace(self.failure.path, message=message))
+        if self.failure is not None:
+            raise self.failure
+        return residuals
 
     def solved(self) -> tuple[np.ndarray, np.ndarray, np.ndarray, list[int]]:
         """Shares of the best fit, its derivatives, which were fitted, and which were left for their scatter.

@@ -15,14 +15,14 @@ from coilspring.errors import InputError, require_integer
 from coilspring.scene import Load, Scene, require_scene
 from coilspring.solver.problem import Problem
 from coilspring.solver.solve import Run, follow_problem
-from coilspring.solver.stages import rates
-from equivbeam import band, kernels
+from equivbeam import kernels
 from equivbeam.laws import law_of
 from equivbeam.laws.haringx import KAX, KFL, KSH, L0
 from equivbeam.laws.helix import Refinements
 from equivbeam.laws.userlaw import UserLaw
 from equivbeam.model import BeamModel, beam_problem, build_model, load_vector
 from equivbeam.options import BeamOptions
+from equivbeam.shape import BeamShape
 from equivbeam.solve import KERNELS
 
 FARTHEST = 0.9  # of the height at rest: shortening up to which buckling is searched
@@ -92,9 +92,8 @@ def lateral_stiffness(
     problem, run = _compressed(scene, law, refine, inclined, shortening)
     if run.outcome != "completed":
         raise InputError(f"shortening must be below that of buckling, got {shortening!r}")
-    compiled = (kernels.assemble_of(law, problem.data.rows), band.factor, band.solve)
-    size, state, x = (problem.load.size, problem.matrix_size), run.track.states[-1:], np.array([[1.0, 0.0]])
-    return float(rates(compiled, problem.data, size, size[0] - 3, state, problem.history[None], x)[0])
+    shape = BeamShape(scene, problem.data, kernels.assemble_of(law, problem.data.rows))
+    return float(shape.rates(run.track.states[-1:], None, np.array([[1.0, 0.0]]))[0])
 
 
 def _compressed(

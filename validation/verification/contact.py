@@ -218,6 +218,9 @@ def coefficient(mu: float) -> str:
 
 
 WORDS = template.template(Path(__file__).with_name("contact.md"), [percent, tip, coefficient, pd.notna])
+WORDS.globals.update(
+    force=FORCE, like=LIKE, steps=STEPS, least_work=SLIDES, d=spring_a().spring.wire_diameter
+)
 
 
 def beside(data: pd.DataFrame, by: str | list[str], reference: int = -1) -> pd.DataFrame:
@@ -235,63 +238,55 @@ def friction_row(runs: pd.DataFrame) -> dict[str, Any]:
     return {**last, "change": difference(runs, last).max(), "work change": change}
 
 
-def page(runs: Runs, limit: Mapping[str, Any]) -> str:
-    """The page, a view of the runs."""
-    pairs, friction = beside(runs["pairs"], "spring"), runs["friction"]
-    pairs["time"] = pairs["seconds"] / pairs.groupby("spring")["seconds"].transform("first")
-    few, many = (pairs[pairs["pairs"] == count].set_index("spring") for count in (4, 40))
-    costs = few.assign(many=many["overlap"])[["overlap", "many", "difference"]].reset_index()
-    last = _last(friction)
-    return template.page(
-        WORDS,
-        pairs=pairs.to_dict("records"),
-        exponents=beside(runs["exponents"], "spring", 0).to_dict("records"),
-        friction=[friction_row(group) for _, group in friction.groupby(["spring", "mu"], sort=False)],
-        search=runs["search"].to_dict("records"),
-        wires=against_wires(runs),
-        costs=costs.to_dict("records"),
-        still=pairs.loc[(pairs["spring"] == "A") & (pairs["pairs"] == 20), "difference"].item(),
-        slip=friction.query("spring == 'A' and mu == 0.05 and steps == 50")["last slip"].item(),
-        couples=[last["couple"][mu] for mu in (0.1, 0.3, NONE)],
-        moment=last["moment"][NONE],
-        listed=int(pairs["pairs found"].sum()),
-        d=spring_a().spring.wire_diameter,
-        **{"force": FORCE, "like": LIKE, "steps": STEPS, "limit": limit, "least_work": SLIDES},
-    )
-
-
-def _last(friction: pd.DataFrame) -> pd.DataFrame:
-    """Runs of Spring A in the most steps, by their coefficients."""
-    return friction[(friction["spring"] == "A") & (friction["steps"] == STEPS[-1])].set_index("mu")
-
-
-def against_wires(runs: Runs) -> dict[str, list[dict[str, Any]]]:
-    """Rows of spheres and of wires, each with its difference from the 64 stations of the same case."""
-    cycles = runs["cycles"]
-    tables = {
-        "friction": beside(runs["geometry"], ["spring", "mu"]),
+def tables(runs: Runs) -> dict[str, pd.DataFrame]:
+    """The runs by table, with their difference from one of their group; of wires, from 64 stations."""
+    pairs, cycles = beside(runs["pairs"], "spring"), runs["cycles"]
+    friction = runs["friction"].groupby(["spring", "mu"], sort=False)
+    return {
+        "pairs": pairs.assign(time=pairs["seconds"] / pairs.groupby("spring")["seconds"].transform("first")),
+        "exponents": beside(runs["exponents"], "spring", 0),
+        "friction": pd.DataFrame([friction_row(group) for _, group in friction]),
+        "search": runs["search"],
+        "geometry": beside(runs["geometry"], ["spring", "mu"]),
         "phases": beside(runs["phases"], "degrees"),
         "cycles": cycles.assign(difference=cycles["work"] / cycles["work"].iloc[-1] - 1.0),
     }
-    return {name: table.to_dict("records") for name, table in tables.items()}
+
+
+def page(runs: Runs, limit: Mapping[str, Any]) -> str:
+    """The page, a view of the runs."""
+    found = tables(runs)
+    pairs, a = found["pairs"], found["friction"].query("spring == 'A'").set_index("mu")
+    few, many = (pairs[pairs["pairs"] == count].set_index("spring") for count in (4, 40))
+    costs = few.assign(many=many["overlap"])[["overlap", "many", "difference"]].reset_index()
+    return template.page(
+        WORDS,
+        **{name: table.to_dict("records") for name, table in (found | {"costs": costs}).items()},
+        still=pairs.loc[(pairs["spring"] == "A") & (pairs["pairs"] == 20), "difference"].item(),
+        slip=runs["friction"].query("spring == 'A' and mu == 0.05 and steps == 50")["last slip"].item(),
+        couples=[a["couple"][mu] for mu in (0.1, 0.3, NONE)],
+        moment=a["moment"][NONE],
+        listed=int(pairs["pairs found"].sum()),
+        limit=limit,
+    )
 
 
 def facts(runs: Runs, limit: Mapping[str, Any]) -> dict[str, object]:
     """What findings are computed from: mm, and shares in per cent."""
-    pairs, last, most = beside(runs["pairs"], "spring"), _last(runs["friction"]), runs["search"].iloc[-1]
+    tabled, most = tables(runs), runs["search"].iloc[-1]
+    pairs, a = tabled["pairs"], tabled["friction"].query("spring == 'A'").set_index("mu")
     found: dict[str, object] = {"pairs.count": int(pairs["pairs"].iloc[0])}
     for row in pairs.groupby("spring", sort=False).head(1).itertuples():
         key = f"pairs.{row.spring}"
         found |= {f"{key}.overlap": row.overlap, f"{key}.difference": 100.0 * row.difference}
-    found["friction.couples"] = 100.0 * last["couple"][NONE] / last["moment"][NONE]
-    found |= {"friction.free": last["UY"][0.0], "friction.held": last["UY"][NONE]}
+    found["friction.couples"] = 100.0 * a["couple"][NONE] / a["moment"][NONE]
+    found |= {"friction.free": a["UY"][0.0], "friction.held": a["UY"][NONE]}
     found |= {"search.pairs": int(most["pairs"]), "search.outcome": most["outcome"]}
-    rows = against_wires(runs)
-    for row in rows["friction"]:
+    for row in tabled["geometry"].to_dict("records"):
         key = f"{row['geometry']}.{row['spring']}.{row['mu']:g}.{row['pairs']}"
         found |= {f"{key}.outcome": row["outcome"], f"{key}.time": row["critical time"]}
         found |= {f"{key}.UY": row["UY"], f"{key}.difference": 100.0 * row["difference"]}
-    found |= {f"cycle.{row['geometry']}.{row['pairs']}": row["work"] for row in rows["cycles"]}
+    found |= {f"cycle.{row.geometry}.{row.pairs}": row.work for row in tabled["cycles"].itertuples()}
     return found | {"search.along": limit["circ"]}
 
 
