@@ -30,6 +30,7 @@ from validation.study.partialsolve import ending
 INDICES = (3.0, 4.0, 5.0, 20.0 / 3.0, 8.0, 10.0, 15.0)
 SIGNED, PERCENT = "{:+.2f}".format, "{:.2f}".format
 WORDS = template.template(Path(__file__).with_name("page.md"))
+WORDS.globals.update(catalogue=list(CATALOGUE), directions=DIRECTIONS)
 
 
 def ring_table() -> pd.DataFrame:
@@ -91,25 +92,6 @@ def numbers(coils: pd.DataFrame, moved: pd.DataFrame, stands: pd.DataFrame) -> d
     return numbers | {"indices": sorted(map(float, coils["index"].unique()))}
 
 
-def coils_table(coils: pd.DataFrame) -> pd.DataFrame:
-    """Deviations from the fine solids, a row each kind of wire and the coarse solids."""
-    rows = []
-    for (count, index, angle), group in coils.groupby(["coils", "index", "angle"]):
-        for name in (*KINDS, "mesh"):
-            wire = "coarse solids" if name == "mesh" else name
-            whole = PERCENT(group[f"{name}_whole"].iloc[0])
-            rows.append((f"{count:g}", f"{index:.3g}", f"{angle:g}", wire, *map(SIGNED, group[name]), whole))
-    return pd.DataFrame(rows, columns=["coils", "index", "pitch (degrees)", "wire", *DIRECTIONS, "whole"])
-
-
-def standing_table(stands: pd.DataFrame) -> pd.DataFrame:
-    """A row each model and wire, a column each scene."""
-    texts = stands["off"].map("{:.2f} ".format) + stands["ending"].fillna("")
-    cells = stands.assign(cell=texts.str.strip(), model=stands["model"] + ", " + stands["wire"])
-    wide = cells.pivot(index="model", columns="scene", values="cell").loc[cells["model"].unique()]
-    return wide.reset_index()[["model", *CATALOGUE]]
-
-
 def page(facts: Mapping[str, Any], coils: pd.DataFrame, moved: pd.DataFrame, stands: pd.DataFrame) -> str:
     """The page as Markdown."""
     ring, factors = ring_table(), pd.DataFrame({"index": INDICES})
@@ -120,8 +102,8 @@ def page(facts: Mapping[str, Any], coils: pd.DataFrame, moved: pd.DataFrame, sta
     return template.page(
         WORDS,
         f=facts,
-        standing=frame_table(standing_table(stands)),
-        coils=frame_table(coils_table(coils)),
+        stands=stands.fillna({"ending": ""}),
+        coils=coils,
         moved=frame_table(moved, dict.fromkeys(("ux", "uy", "rotz"), "{:.4f}") | {"off": PERCENT}),
         ring=frame_table(ring, {name: PERCENT if "share" in name else SIGNED for name in ring.columns[1:]}),
         stress=frame_table(factors, fixed | {"index": "{:.3g}", "Wahl off (%)": SIGNED}),
