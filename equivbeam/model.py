@@ -21,6 +21,7 @@ from equivbeam.options import TANGENTS, BeamOptions
 from equivbeam.stations import half_coil_count
 
 PAIRS_PER_TURN = 2
+ALL = Refinements()
 
 
 class BeamModel(NamedTuple):
@@ -62,10 +63,9 @@ def build_model(scene: Scene, options: BeamOptions | None = None) -> BeamModel:
     pairs = pairs[relative] if contact.enabled else pairs[:0]
     fixed = [name in scene.supports.top_held for name in ("ux", "uy", "rotz")]
     kc = contact.stiffness * 4.0 / PAIRS_PER_TURN
-    refinements = chosen.refinements or Refinements()
     return BeamModel(
         law=LAWS[chosen.law] if isinstance(chosen.law, str) else USER,
-        rows=law_rows(chosen.law, spring, scene.material, refinements, scene.factors),
+        rows=law_rows(chosen.law, spring, scene.material, chosen.refinements or ALL, scene.factors),
         fixed=np.array(fixed, dtype=float),
         attached=attached,
         offset=offset,
