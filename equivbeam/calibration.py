@@ -117,19 +117,17 @@ def calibrate(
         raise InputError(f"{factor} can be fitted with the law haringx alone, got {shown(law)}")
     start = values(scene, names)
     fit = CurveFit(names, start, read_curve(curve, scene), options)
-    shares = np.ones(len(names))
-    before = fit.residuals(shares)
-    if fit.path is None:
-        _refuse(fit.scene, options)
-    shares, J, fitted, doubtful = _fitted(fit)
+    before = fit.at_start()
+    shares, J, fitted, doubtful = fit.solved()
     after = fit.residuals(shares)
     assert fit.path is not None  # the best point is one that was reached
     undetermined = _undetermined(J, fitted, doubtful)
+    errors = np.where(undetermined, np.nan, start * _errors(J, fitted, after))
     return Calibration(
         scene=varied(scene, names, start * shares),
         names=names,
         values=start * shares,
-        errors=start * _errors(J, fitted, undetermined, after),
+        errors=errors,
         rank=fitted.size,
         undetermined=tuple(name for name, lost in zip(names, undetermined, strict=True) if lost),
         fixed=tuple(name for i, name in enumerate(names) if i not in fitted),
@@ -143,21 +141,49 @@ def calibrate(
 class CurveFit:
     """Residuals, their derivatives by the parameters' shares of their values at the start, and the least.
 
-    Attributes
-    ----------
-    path : of the shares that were asked for last, or None where it does not reach the curve's end.
-    evaluations : paths followed.
+    `path` is of the shares that were asked for last; where it does not reach the curve's end, `failure` says
+    why. `evaluations` counts the paths followed.
     """
 
     def __init__(
         self, names: tuple[str, ...], start: np.ndarray, curve: LoadCurve, options: Mapping[str, Any]
     ) -> None:
-        self.scene, self.names, self.start = curve.scene, names, start
-        self.curve, self.options = curve, options
+        self.names, self.start, self.curve, self.options = names, start, curve, options
         self.lowest = np.array([1.0 if name == "exponent" else 0.0 for name in names])  # of the values
         self.path: EquilibriumPath | None = None
+        self.failure: EquilibriumNotFound | InputError | None = None
         self.evaluations = 0
         self._at: np.ndarray | None = None
+
+    def at_start(self) -> np.ndarray:
+        """Residuals of the scene as given; raises why it does not reach the curve's end."""
+        residuals = self.residuals(np.ones(len(self.names)))
+        if isinstance(self.failure, EquilibriumNotFound):
+            message = f"the scene as given does not reach the end of the curve: {self.failure.message}"
+            raise EquilibriumNotFound(replace(self.failure.path, message=message))
+        if self.failure is not None:
+            raise self.failure
+        return residuals
+
+    def solved(self) -> tuple[np.ndarray, np.ndarray, np.ndarray, list[int]]:
+        """Shares of the best fit, its derivatives, which were fitted, and which were left for their scatter.
+
+        Parameters that the curve does not determine stay at their start, and the others are fitted once more.
+        """
+        fitted = np.arange(len(self.names))
+        doubtful: list[int] = []
+        while True:
+            shares = self.best(fitted)
+            J = self.rates(shares)
+            known = fitted[_independent(J[:, fitted])]
+            if known.size == fitted.size:
+                scatter = (_errors(J, fitted, self.residuals(shares)) / shares)[fitted]
+                if not (scatter > SCATTER).any():
+                    return shares, J, fitted, doubtful
+                worst = int(np.nanargmax(scatter))
+                doubtful.append(int(fitted[worst]))
+                known = np.delete(fitted, worst)
+            fitted = known
 
     def best(self, fitted: np.ndarray) -> np.ndarray:
         """Shares of the least squares, with those that are not `fitted` at the start."""
@@ -188,7 +214,7 @@ class CurveFit:
         self._follow(shares)
         if self.path is None:
             return np.full(self.curve.shares.size, LOST)
-        return self.curve.deviations(self.path)
+        return (self.curve.along(self.path, self.path.tips) - self.curve.shares).ravel()
 
     def rates(self, shares: np.ndarray) -> np.ndarray:
         """Derivatives of the residuals, shape (residuals, parameters)."""
@@ -202,44 +228,13 @@ class CurveFit:
     def _follow(self, shares: np.ndarray) -> None:
         if self._at is not None and np.array_equal(self._at, shares):
             return
-        self._at, self.path = shares.copy(), None
+        self._at, self.path, self.failure = shares.copy(), None, None
         self.evaluations += 1
         new = np.maximum(self.start * shares, self.lowest)
         try:
-            self.path = solve(varied(self.scene, self.names, new), **self.options)
-        except (EquilibriumNotFound, InputError):
-            return
-
-
-def _refuse(scene: Scene, options: dict[str, Any]) -> None:
-    """Raise why a scene does not reach the end of the curve, as given."""
-    try:
-        solve(scene, **options)
-    except EquilibriumNotFound as found:
-        message = f"the scene as given does not reach the end of the curve: {found.message}"
-        raise EquilibriumNotFound(replace(found.path, message=message)) from None
-
-
-def _fitted(fit: CurveFit) -> tuple[np.ndarray, np.ndarray, np.ndarray, list[int]]:
-    """Shares of the best fit, its derivatives, which were fitted, and which were left for their scatter.
-
-    Parameters that the curve does not determine stay at their start, and the others are fitted once more.
-    """
-    fitted = np.arange(len(fit.names))
-    doubtful: list[int] = []
-    while True:
-        shares = fit.best(fitted)
-        J = fit.rates(shares)
-        known = fitted[_independent(J[:, fitted])]
-        if known.size == fitted.size:
-            nothing = np.zeros(len(shares), dtype=bool)
-            scatter = (_errors(J, fitted, nothing, fit.residuals(shares)) / shares)[fitted]
-            if not (scatter > SCATTER).any():
-                return shares, J, fitted, doubtful
-            worst = int(np.nanargmax(scatter))
-            doubtful.append(int(fitted[worst]))
-            known = np.delete(fitted, worst)
-        fitted = known
+            self.path = solve(varied(self.curve.scene, self.names, new), **self.options)
+        except (EquilibriumNotFound, InputError) as failure:
+            self.failure = failure
 
 
 def _independent(J: np.ndarray) -> list[int]:
@@ -265,12 +260,11 @@ def _undetermined(J: np.ndarray, fitted: np.ndarray, doubtful: list[int]) -> np.
     return lost
 
 
-def _errors(J: np.ndarray, fitted: np.ndarray, undetermined: np.ndarray, residuals: np.ndarray) -> np.ndarray:
+def _errors(J: np.ndarray, fitted: np.ndarray, residuals: np.ndarray) -> np.ndarray:
     """Standard errors of the shares, nan where there is none."""
     errors = np.full(J.shape[1], np.nan)
     spare = residuals.size - fitted.size
     if spare > 0:
         scatter = np.sqrt(residuals @ residuals / spare)
         errors[fitted] = scatter * np.linalg.norm(np.linalg.pinv(J[:, fitted]), axis=1)
-    errors[undetermined] = np.nan
     return errors

@@ -11,18 +11,18 @@ from typing import Any
 
 import numpy as np
 
-from coilspring.compiling.packing import pack
 from coilspring.errors import InputError, require_integer
 from coilspring.scene import Load, Scene, require_scene
 from coilspring.solver.problem import Problem
 from coilspring.solver.solve import Run, follow_problem
-from equivbeam import band, kernels
+from equivbeam import kernels
 from equivbeam.laws import law_of
 from equivbeam.laws.haringx import KAX, KFL, KSH, L0
 from equivbeam.laws.helix import Refinements
 from equivbeam.laws.userlaw import UserLaw
 from equivbeam.model import BeamModel, beam_problem, build_model, load_vector
 from equivbeam.options import BeamOptions
+from equivbeam.shape import BeamShape
 from equivbeam.solve import KERNELS
 
 FARTHEST = 0.9  # of the height at rest: shortening up to which buckling is searched
@@ -92,15 +92,8 @@ def lateral_stiffness(
     problem, run = _compressed(scene, law, refine, inclined, shortening)
     if run.outcome != "completed":
         raise InputError(f"shortening must be below that of buckling, got {shortening!r}")
-    reals, ints = pack(problem.data)
-    g, H, state = np.empty_like(problem.load), np.empty(problem.matrix_size), run.track.states[-1]
-    assemble = kernels.assemble_of(law, problem.data.rows)
-    assemble(reals, ints, state, 0.0, problem.history, state, g, H)
-    band.factor(reals, ints, H)
-    response = np.zeros_like(problem.load)
-    response[-3] = 1.0
-    band.solve(reals, ints, H, response)
-    return 1.0 / float(response[-3])
+    shape = BeamShape(scene, problem.data, kernels.assemble_of(law, problem.data.rows))
+    return float(shape.rates(run.track.states[-1:], None, np.array([[1.0, 0.0]]))[0])
 
 
 def _compressed(

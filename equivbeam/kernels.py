@@ -92,12 +92,8 @@ def _add_pairs(model, history, state, g, H, ge, Ke):
         a, b = attached[A], attached[B]
         energy += pair_potential(w, math.sqrt(h2), model, history[m], e, f, Hg)
         p, q = 3 * a, 3 * b
-        ax, ay, bx, by = (
-            c[A, 0] - state[p],
-            c[A, 1] - state[p + 1],
-            c[B, 0] - state[q],
-            c[B, 1] - state[q + 1],
-        )
+        ax, ay = c[A, 0] - state[p], c[A, 1] - state[p + 1]
+        bx, by = c[B, 0] - state[q], c[B, 1] - state[q + 1]
         pair_forces(f, Hg, ax, ay, bx, by, ge, Ke)
         _add_nodes(g, H, ge, Ke, a, b)
     return energy

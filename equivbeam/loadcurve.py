@@ -30,24 +30,15 @@ class LoadCurve(NamedTuple):
     peaks: np.ndarray  # (columns,) largest displacement of each column, mm or rad
     shares: np.ndarray  # (points, columns) displacements over their peaks
 
-    def deviations(self, path: EquilibriumPath) -> np.ndarray:
-        """Differences of a path from the curve, over the peaks, flat."""
-        return (self.along(path, path.tips) - self.shares).ravel()
-
     def along(self, path: EquilibriumPath, tips: np.ndarray) -> np.ndarray:
-        """UX, UY and ROTZ at a path's steps, (steps, 3), as the curve has them, (points, columns)."""
+        """UX, UY and ROTZ at a path's steps, (steps, 3), as the curve's shares, (points, columns)."""
         times = np.append(0.0, path.times)
         values = tips @ self.directions.T / self.peaks
         return np.stack([np.interp(self.times, times, np.append(0.0, column)) for column in values.T], axis=1)
 
 
 def read_curve(curve: EquilibriumPath | pd.DataFrame | str | Path, scene: Scene) -> LoadCurve:
-    """The curve of a path, a table or a CSV file, of a spring loaded as in a scene.
-
-    Raises
-    ------
-    InputError : what is no load curve, in one sentence.
-    """
+    """The curve of a path, a table or a CSV file, of a spring loaded as in a scene."""
     # rates and stresses of a path are not asked for
     table = table_of(curve.curve if isinstance(curve, EquilibriumPath) else curve)
     if "force" in table or scene.load.displacement:

@@ -16,10 +16,12 @@ from coilspring.solver.stages import Top
 from equivbeam.band import ROW
 from equivbeam.laws import LAWS, USER, law_rows
 from equivbeam.laws.haringx import L0
-from equivbeam.options import ALL, TANGENTS, BeamOptions
+from equivbeam.laws.helix import Refinements
+from equivbeam.options import TANGENTS, BeamOptions
 from equivbeam.stations import half_coil_count
 
 PAIRS_PER_TURN = 2
+ALL = Refinements()
 
 
 class BeamModel(NamedTuple):
@@ -44,13 +46,7 @@ view = viewer(BeamModel)
 
 
 def build_model(scene: Scene, options: BeamOptions | None = None) -> BeamModel:
-    """Arrays of the equivalent beam of `scene`.
-
-    Raises
-    ------
-    InputError : where the active coils are not a whole number of half coils, or the scene has what the
-        model cannot represent.
-    """
+    """Arrays of the equivalent beam of `scene`; `InputError` for what the model cannot represent."""
     spring, contact, chosen = scene.spring, scene.contact, options or BeamOptions()
     scene.supports.require_supported("equivbeam")
     if spring.sections and chosen.tangent != "exact":
@@ -114,12 +110,6 @@ def load_vector(model: BeamModel, scene: Scene) -> np.ndarray:
     return load
 
 
-def top_place(model: BeamModel) -> Top:
-    """Where the last node's x and y are."""
-    state, free = 3 * len(model.rows), 3 * (len(model.rows) - 1)
-    return Top((state, state + 1), (free, free + 1), (free + 1) * ROW)
-
-
 def matrix_size(model: BeamModel) -> int:
     """Length of the banded matrix, see `equivbeam.band`."""
     return 3 * len(model.rows) * ROW
@@ -127,6 +117,7 @@ def matrix_size(model: BeamModel) -> int:
 
 def beam_problem(data: BeamModel, load: np.ndarray) -> Problem:
     """The beam at rest under a load vector at time 1, as the path follower takes it."""
+    x, free = 3 * len(data.rows), 3 * (len(data.rows) - 1)  # of the last node
     return Problem(
         data=data,
         load=load,
@@ -134,5 +125,5 @@ def beam_problem(data: BeamModel, load: np.ndarray) -> Problem:
         history=np.zeros(len(data.pairs), PAIR_HISTORY),  # no pair has ever closed
         matrix_size=matrix_size(data),
         located=located_to(data.mu) * data.d,
-        top=top_place(data),
+        top=Top((x, x + 1), (free, free + 1), (free + 1) * ROW),
     )

@@ -13,18 +13,11 @@ from equivbeam.laws.userlaw import UserLaw
 
 EXACT, PAPER, PRINTED = 0, 1, 2
 TANGENTS = {"exact": EXACT, "paper": PAPER, "paper-printed": PRINTED}
-SLIDING = ("ignore", "scene")
-ALL = Refinements()
 
 
 @dataclass(frozen=True)
 class BeamOptions:
-    """Options of `equivbeam.solve`, checked; see there.
-
-    Raises
-    ------
-    InputError : a value that is no choice, or what goes with one law alone, in one sentence.
-    """
+    """Options of `equivbeam.solve`, checked: `InputError` for no choice, or what goes with one law alone."""
 
     law: str | UserLaw = "haringx"
     tangent: str = "exact"
@@ -35,7 +28,7 @@ class BeamOptions:
         object.__setattr__(self, "law", law_of(self.law))
         law, tangent, refinements = str(self.law), self.tangent, self.refinements
         require_choice("tangent", tangent, tuple(TANGENTS))
-        require_choice("sliding", self.sliding, SLIDING)
+        require_choice("sliding", self.sliding, ("ignore", "scene"))
         if law != "haringx" and tangent != "exact":
             raise InputError(f"tangent must be exact with law {law}, got {tangent!r}")
         if refinements is not None and not isinstance(refinements, Refinements):

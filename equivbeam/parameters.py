@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import replace
+from operator import attrgetter
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -14,39 +15,27 @@ from coilspring.scene.material import Material
 
 
 class Parameter(NamedTuple):
-    """How a number is read from a scene, and the scene that has another value."""
+    """A number of a part of the scene."""
 
-    read: Callable[[Scene], float]
-    write: Callable[[Scene, float], Scene]
+    part: str
+    read: Callable[[Any], float]
+    changed: Callable[[Any, float], Any]  # the part that has another value
 
 
 FACTORS = ("axial", "shearing", "bending")  # of the paper's stiffnesses
 
 
-def _changed(scene: Scene, part: str, **changes: Any) -> Scene:
-    return replace(scene, **{part: replace(getattr(scene, part), **changes)})
-
-
 def _field(part: str, name: str) -> Parameter:
-    """A field of a part of the scene."""
-    return Parameter(
-        lambda scene: getattr(getattr(scene, part), name),
-        lambda scene, value: _changed(scene, part, **{name: value}),
-    )
+    return Parameter(part, attrgetter(name), lambda of, value: replace(of, **{name: value}))
 
 
-def _diameter(read: Callable, write: Callable) -> Parameter:
+def _diameter(read: Callable, ends: Callable) -> Parameter:
     """A number read from the mean diameters at bottom and top, and these where it has another value."""
     return Parameter(
-        lambda scene: read(*scene.spring.mean_diameter),
-        lambda scene, value: _changed(
-            scene, "spring", mean_diameter=write(value, *scene.spring.mean_diameter)
-        ),
+        "spring",
+        lambda spring: read(*spring.mean_diameter),
+        lambda spring, value: replace(spring, mean_diameter=ends(value, *spring.mean_diameter)),
     )
-
-
-def _material(scene: Scene, E: float, G: float) -> Scene:
-    return replace(scene, material=Material.from_moduli(E, G, scene.material.density))
 
 
 def _widened(value: float, bottom: float, top: float) -> tuple[float, float]:
@@ -61,35 +50,32 @@ PARAMETERS: Mapping[str, Parameter] = {
     "bottom_diameter": _diameter(lambda bottom, top: bottom, lambda value, bottom, top: (value, top)),
     "top_diameter": _diameter(lambda bottom, top: top, lambda value, bottom, top: (bottom, value)),
     "pitch": Parameter(
-        lambda scene: scene.spring.pitch,
-        lambda scene, value: _changed(scene, "spring", active_height=value * scene.spring.active_coils),
+        "spring",
+        attrgetter("pitch"),
+        lambda spring, pitch: replace(spring, active_height=pitch * spring.active_coils),
     ),
-    "E": Parameter(lambda scene: scene.material.E, lambda scene, E: _material(scene, E, scene.material.G)),
-    "G": Parameter(lambda scene: scene.material.G, lambda scene, G: _material(scene, scene.material.E, G)),
+    "E": Parameter("material", attrgetter("E"), lambda of, E: Material.from_moduli(E, of.G, of.density)),
+    "G": Parameter("material", attrgetter("G"), lambda of, G: Material.from_moduli(of.E, G, of.density)),
     "penalty": _field("contact", "stiffness"),
     "exponent": _field("contact", "exponent"),
     **{name: _field("factors", name) for name in FACTORS},
 }
-
 NAMES = tuple(PARAMETERS)
 
 
 def values(scene: Scene, names: tuple[str, ...]) -> np.ndarray:
-    """Values of the parameters named.
-
-    Raises
-    ------
-    InputError : a name that is none of `NAMES`.
-    """
+    """Values of the parameters named; `InputError` for a name that is none of `NAMES`."""
     for name in names:
         require_choice("parameters", name, NAMES)
-    return np.array([PARAMETERS[name].read(scene) for name in names])
+    wanted = (PARAMETERS[name] for name in names)
+    return np.array([each.read(getattr(scene, each.part)) for each in wanted])
 
 
 def varied(scene: Scene, names: tuple[str, ...], new: np.ndarray) -> Scene:
     """The scene with other values of the parameters named."""
     for name, value in zip(names, new.tolist(), strict=True):
-        scene = PARAMETERS[name].write(scene, value)
+        part, _, changed = PARAMETERS[name]
+        scene = replace(scene, **{part: changed(getattr(scene, part), value)})
     return scene
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -11,9 +11,8 @@ from coilspring.compiling.packing import pack
 from coilspring.contact.law import PAIR_HISTORY
 from coilspring.errors import InputError, shown
 from coilspring.path import EquilibriumPath
-from coilspring.scene import Scene
 from equivbeam import band, kernels
-from equivbeam.model import build_model, matrix_size
+from equivbeam.model import BeamModel, build_model, matrix_size
 from equivbeam.options import BeamOptions
 from equivbeam.parameters import rise, values, varied
 from equivbeam.shape import BeamShape
@@ -72,49 +71,38 @@ def sensitivities(path: EquilibriumPath, parameters: Sequence[str]) -> Sensitivi
         raise InputError("sensitivities needs a path under forces, got one of load.displacement")
     at = values(path.scene, names)
     tips = np.empty((len(path.times), len(names), 3))
-    factored = [_factored(shape, state) for state in path.states]
+    packed, factors = pack(shape.data), np.empty((len(path.times), matrix_size(shape.data)))
+    _gradients(shape.assemble, shape.data, path.states, factors)
+    for F in factors:
+        band.factor(*packed, F)
     for i, name in enumerate(names):
-        rates = _residual_rates(path, names[i : i + 1], at[i])
-        lift = rise(path.scene, name)
-        for row, (reals, ints, F) in enumerate(factored):
-            move = -rates[row]
+        moves, lift = -_residual_rates(path, name, at[i]), rise(path.scene, name)
+        for row, (move, F) in enumerate(zip(moves, factors, strict=True)):
             move[-3:] *= 1.0 - shape.data.fixed
-            band.solve(reals, ints, F, move)
+            band.solve(*packed, F, move)
             tips[row, i] = move[-3:] - np.array([0.0, lift, 0.0])
     return Sensitivity(names, at, tips)
 
 
-def _factored(shape: BeamShape, state: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """The packed model and its factored matrix at a state."""
-    data = shape.data
-    reals, ints = pack(data)
-    F, history = np.empty(matrix_size(data)), np.zeros(len(data.pairs), PAIR_HISTORY)
-    shape.assemble(reals, ints, state, 0.0, history, state, np.empty(state.size - 3), F)
-    band.factor(reals, ints, F)
-    return reals, ints, F
+def _gradients(assemble: Callable, data: BeamModel, states: np.ndarray, matrices: np.ndarray) -> np.ndarray:
+    """Gradients of the energy at states, (steps, n); sets the matrices there too, unless they are empty."""
+    packed, history = pack(data), np.zeros(len(data.pairs), PAIR_HISTORY)
+    gradients = np.empty((len(states), states.shape[1] - 3))
+    for state, g, H in zip(states, gradients, matrices, strict=True):
+        assemble(*packed, state, 0.0, history, state, g, H)
+    return gradients
 
 
-def _residual_rates(path: EquilibriumPath, name: tuple[str, ...], value: float) -> np.ndarray:
+def _residual_rates(path: EquilibriumPath, name: str, value: float) -> np.ndarray:
     """Rates of the residual at fixed states, shape (steps, n), by differences of second order."""
-    h = STEP * value
+    h, chosen = STEP * value, BeamOptions.of(path.options)
 
     def at(steps: float) -> np.ndarray:
-        return _residuals(path, varied(path.scene, name, np.array([value + steps * h])))
+        data = build_model(varied(path.scene, (name,), np.array([value + steps * h])), chosen)
+        no_matrices = np.empty((len(path.states), 0))
+        return _gradients(kernels.assemble_of(chosen.law, data.rows), data, path.states, no_matrices)
 
     try:
         return (at(1.0) - at(-1.0)) / (2.0 * h)
     except InputError:  # at the lower end of its range, as an exponent of 1
         return (4.0 * at(1.0) - 3.0 * at(0.0) - at(2.0)) / (2.0 * h)
-
-
-def _residuals(path: EquilibriumPath, scene: Scene) -> np.ndarray:
-    """Gradients of the energy of another scene at the states of the path, shape (steps, n)."""
-    chosen = BeamOptions.of(path.options)
-    data = build_model(scene, chosen)
-    assemble = kernels.assemble_of(chosen.law, data.rows)
-    reals, ints = pack(data)
-    history = np.zeros(len(data.pairs), PAIR_HISTORY)
-    g = np.empty((len(path.states), path.states.shape[1] - 3))
-    for state, row in zip(path.states, g, strict=True):
-        assemble(reals, ints, state, 0.0, history, state, row, np.empty(0))
-    return g

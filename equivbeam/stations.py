@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -11,34 +11,16 @@ from coilspring.errors import InputError
 from coilspring.scene.spring import Spring
 
 
-@dataclass(frozen=True)
-class Stations:
-    """Phases of the nodes, and what is between them.
+class Stations(NamedTuple):
+    """Phases of the nodes, from 0 to the last active point, and what is between them."""
 
-    Attributes
-    ----------
-    phases : (n + 1,) phases of the nodes, rad, from 0 to the last active point.
-    lengths : (n,) their axial lengths at rest, mm.
-    plane : phase at which the wire crosses the working plane on its positive side, rad.
-    """
-
-    phases: np.ndarray
-    lengths: np.ndarray
-    plane: float
-
-    @property
-    def middles(self) -> np.ndarray:
-        """Phases in the middle of the elements, rad."""
-        return 0.5 * (self.phases[:-1] + self.phases[1:])
+    phases: np.ndarray  # (n + 1,) of the nodes, rad
+    middles: np.ndarray  # (n,) phases in the middle of the elements, rad
+    lengths: np.ndarray  # (n,) their axial lengths at rest, mm
 
 
 def half_coil_count(spring: Spring) -> int:
-    """Number of half coils.
-
-    Raises
-    ------
-    InputError : where the active coils are not a whole number of half coils.
-    """
+    """Number of half coils; `InputError` where the active coils are not a whole number of them."""
     count = round(2 * spring.active_coils)
     if abs(2 * spring.active_coils - count) > 1e-9:
         raise InputError(
@@ -54,4 +36,4 @@ def half_coils(spring: Spring) -> Stations:
     phases = np.arange(count + 1) * math.pi
     # without sections half the pitch, without the rounding of differences
     lengths = np.diff(spring.height(phases)) if spring.sections else np.full(count, 0.5 * spring.pitch)
-    return Stations(phases, lengths, -spring.start_phase)
+    return Stations(phases, 0.5 * (phases[:-1] + phases[1:]), lengths)

@@ -192,8 +192,8 @@ def test_the_difference_is_counted_as_by_hand(bench):
     reached = curve.force <= 60.0
     by_hand = np.interp(curve.force[reached], force, deflection) - curve.deflection[reached]
     one = difference(found, curve)
-    assert one.max == pytest.approx(np.abs(by_hand).max() / bench[1].max())
-    assert (one.points, one.beyond) == (np.count_nonzero(reached), np.count_nonzero(~reached))
+    assert one["max"] == pytest.approx(np.abs(by_hand).max() / bench[1].max())
+    assert (one["points"], one["beyond"]) == (np.count_nonzero(reached), np.count_nonzero(~reached))
     axes = picture({"equivbeam": found}, curve).axes
     assert [line.get_xdata().size for line in axes[0].get_lines()] == [80, 301]
 

@@ -50,8 +50,12 @@ def test_population():
             assert -scene.load.displacement[0] <= SOLID * size.travel * (1.0 + 1e-9)
 
 
+def errors(path, wire):
+    return randomsprings.curve_errors(randomsprings.Curve.of(path), randomsprings.Curve.of(wire))
+
+
 def fake(tips, displacement=(), loads=None):
-    """What `errors` reads of a path."""
+    """What errors are read off of a path."""
     spring = Spring(1.0, 10.0, 5.0, 10.0)
     scene = SimpleNamespace(load=SimpleNamespace(displacement=displacement), spring=spring)
     times = np.linspace(0.0, 1.0, len(tips) + 1)[1:]
@@ -62,19 +66,19 @@ def test_errors():
     """Of the vector over its peak, of components over theirs; what hardly moves is left out."""
     wire = fake([[1.5, 2.0, 1e-4], [3.0, 4.0, 2e-4]])
     beam = fake([[1.5, 2.0, 0.0], [3.3, 3.6, 0.0]])
-    found = randomsprings.errors(beam, wire)
+    found = errors(beam, wire)
     assert found["vector"] == pytest.approx(10.0)
     assert (found["ux"], found["uy"]) == pytest.approx((10.0, 10.0))
     assert np.isnan(found["rotz"])  # 2e-4 rad of 5 mm is a part in 4000
     short, none = (fake(np.array([[1.5, 2.0, 0.0]])[:count]) for count in (1, 0))
-    assert randomsprings.errors(short, wire)["vector"] == 0.0  # as far as both go
-    assert np.isnan(randomsprings.errors(none, wire)["vector"])
+    assert errors(short, wire)["vector"] == 0.0  # as far as both go
+    assert np.isnan(errors(none, wire)["vector"])
 
 
 def test_errors_of_a_prescribed_displacement_are_of_the_force():
     tips, forces = [[0.0, -1.0, 0.0]], np.array([[0.0, -8.0]])
     wire, beam = (fake(tips, (-1.0,), forces * share) for share in (1.0, 1.25))
-    assert randomsprings.errors(beam, wire)["vector"] == pytest.approx(25.0)
+    assert errors(beam, wire)["vector"] == pytest.approx(25.0)
 
 
 def test_closed_pairs_are_counted_as_the_papers():

@@ -22,12 +22,7 @@ LAWS = {"haringx": HARINGX, "helix": HELIX}
 
 
 def law_of(given: Any) -> str | UserLaw:
-    """The law that is meant: a name, a Python file, a module or an object, or what a path keeps of one.
-
-    Raises
-    ------
-    InputError : no law.
-    """
+    """The law that is meant: a name, a Python file, a module or an object, or what a path keeps of one."""
     if isinstance(given, UserLaw) or (isinstance(given, str) and given in LAWS):
         return given
     if isinstance(given, str) and given in KNOWN:
@@ -42,19 +37,13 @@ def law_of(given: Any) -> str | UserLaw:
 
 
 def law_rows(
-    law: str | UserLaw,
-    spring: Spring,
-    material: Material,
-    refinements: Refinements,
-    factors: Factors | None = None,
+    law: str | UserLaw, spring: Spring, material: Material, refinements: Refinements, factors: Factors
 ) -> np.ndarray:
     """Parameters of every half coil as the law reads them, one row each; the length at rest in column L0.
 
-    Raises
-    ------
-    InputError : factors of stiffnesses that another law than the paper's does not have.
+    `InputError` for factors of stiffnesses that another law than the paper's does not have.
     """
-    if factors is not None and factors.given and law != "haringx":
+    if factors.given and law != "haringx":
         raise InputError(
             f"factors must be 1 unless the law is haringx, got {astuple(factors)!r} with {str(law)!r}"
         )
@@ -63,7 +52,7 @@ def law_rows(
     if law == "helix":
         return helix_rows(spring, material, refinements)
     rows = haringx_rows(spring, material)
-    rows[:, [KAX, KSH, KFL]] *= (1.0, 1.0, 1.0) if factors is None else astuple(factors)
+    rows[:, [KAX, KSH, KFL]] *= astuple(factors)
     return rows
 
 

@@ -41,8 +41,7 @@ def haringx_stiffness(spring: Spring, material: Material) -> np.ndarray:
 
 def haringx_rows(spring: Spring, material: Material) -> np.ndarray:
     """Parameters of every half coil: Kax, Ksh, Kfl and the length at rest, shape (2 n, 4)."""
-    stiffness = haringx_stiffness(spring, material)
-    return np.column_stack((stiffness, half_coils(spring).lengths))
+    return np.column_stack((haringx_stiffness(spring, material), half_coils(spring).lengths))
 
 
 @part

@@ -268,8 +268,8 @@ def _set_ends(rows: np.ndarray, spring: Spring, at: Stations) -> None:
     x, weight = np.polynomial.legendre.leggauss(POINTS)
     phi = at.middles[:, None] + 0.5 * math.pi * x
     square = (spring.radius(phi) / radii(spring, at, taper=True)[:, None]) ** 2
-    m = 0.5 * math.pi * ((square * np.cos(phi - at.plane)) @ weight)
-    psi = at.phases - at.plane
+    m = 0.5 * math.pi * ((square * np.cos(phi + spring.start_phase)) @ weight)
+    psi = at.phases + spring.start_phase
     rows[:, SWELL] = np.diff(np.cos(psi))
     # the wire's shear and stretch, which leave its angle as it is, are in the length
     rows[:, TILT], rows[:, TIP] = rows[:, G1] * m, -0.5 * rows[:, G1] * (np.sin(psi[:-1]) + np.sin(psi[1:]))
@@ -289,7 +289,13 @@ def _wound_rows(spring: Spring, material: Material, on: Refinements, at: Station
     c = at.lengths / math.pi
     slant = np.hypot(radius, c)  # L, wire length per radian
     wire = coil_section(spring, material, radius / slant**2)
-    _refuse_straight_wire(spring, float((radius / slant).min()))
+    if (radius / slant).min() < STRAIGHT:  # the law is one of coils
+        least = min(min(section.mean_diameter) for section in spring.coils)
+        most = math.pi * least * spring.active_coils / STRAIGHT
+        raise InputError(
+            f"spring.active_height must be below about {most:.3g} with law helix, so that the wire is "
+            f"coiled, got {spring.active_height!r}"
+        )
     rows = np.zeros((radius.size, COLUMNS))
     rows[:, S], rows[:, PER_S], rows[:, L0] = math.pi * slant, 1.0 / (math.pi * slant), at.lengths
     rows[:, GJ], rows[:, EI] = wire.GJ, wire.EI
@@ -299,17 +305,6 @@ def _wound_rows(spring: Spring, material: Material, on: Refinements, at: Station
     if on.lateral:
         _set_lateral(rows, slant, on)
     return rows
-
-
-def _refuse_straight_wire(spring: Spring, cosine: float) -> None:
-    """Refuse a wire that is all but straight at rest: the law is one of coils."""
-    if cosine < STRAIGHT:
-        least = min(min(section.mean_diameter) for section in spring.coils)
-        most = math.pi * least * spring.active_coils / STRAIGHT
-        raise InputError(
-            f"spring.active_height must be below about {most:.3g} with law helix, so that the wire is "
-            f"coiled, got {spring.active_height!r}"
-        )
 
 
 def radii(spring: Spring, at: Stations, taper: bool) -> np.ndarray:

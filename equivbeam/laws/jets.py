@@ -184,16 +184,11 @@ RULES: dict[tuple[Callable, ...], dict[str, Callable]] = {
     (operator.pos, np.positive): {"x": lambda u: u},
     (abs, np.abs, math.fabs): {"x": lambda u: -u if u < 0.0 else u},
     (operator.add, operator.iadd): {"xx": add, "x_": shifted, "_x": lambda x, u: shifted(u, x)},
-    (operator.sub, operator.isub): {
-        "xx": lambda u, w: u + -w,
-        "x_": lambda u, x: shifted(u, -x),
-        "_x": lambda x, u: shifted(-u, x),
-    },
+    (operator.sub, operator.isub): {"any": lambda u, w: u + -w},
     (operator.mul, operator.imul): {"xx": multiply, "x_": scaled, "_x": lambda x, u: scaled(u, x)},
     (operator.truediv, operator.itruediv): {
-        "xx": lambda u, w: u * np.reciprocal(w),
         "x_": lambda u, x: scaled(u, 1.0 / x),
-        "_x": lambda x, u: scaled(np.reciprocal(u), x),
+        "any": lambda u, w: u * np.reciprocal(w),
     },
     (operator.pow, operator.ipow, np.power, math.pow): {
         "x_": power,

@@ -5,6 +5,7 @@ At rest the energy is finite and has a minimum. Around rest its first derivative
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -34,109 +35,86 @@ def state_text(l: float, v: float, turn: float) -> str:  # noqa: E741
 def checked_rest(law: UserLaw, rows: np.ndarray) -> np.ndarray:
     """Diagonal of the stiffness matrix at rest of every half coil, shape (half coils, 3).
 
-    Raises
-    ------
-    InputError : at rest the energy is not finite, has no minimum or no positive stiffness, or it has a kink.
+    `InputError`: at rest the energy is not finite, has no minimum or no positive stiffness, or it has a kink.
     """
     rest = np.zeros((len(rows), 3))
     rest[:, 0] = rows[:, L0]
     found = law.evaluated(rows, np.arange(len(rows)), rest)
     size = np.ones_like(rest)
     size[:, :2] = rows[:, [L0]]  # lengths and shears over the length at rest
-    _require(law, rest, np.isfinite(found).all(axis=1), "is not finite, or its derivatives are not,")
+
+    def require(good: np.ndarray, what: str, why: Callable[[int], str] = lambda bad: "") -> None:
+        if not good.all():
+            bad = int(np.argmin(good))
+            place = f"energy of half coil {bad + 1} {what} at rest {state_text(*rest[bad])}"
+            raise InputError(f"law {law.name}: {place}{why(bad)}")
+
+    require(np.isfinite(found).all(axis=1), "is not finite, or its derivatives are not,")
     stiffness = found[:, SECOND].reshape(-1, 3, 3) * size[:, :, None] * size[:, None, :]
     eigenvalues = np.linalg.eigvalsh(stiffness)
-    scale = np.abs(eigenvalues).max(axis=1)
-    _refuse_kinks(law, rows, size, scale)
-    forces = np.abs(found[:, FIRST] * size).max(axis=1)
-    names = [", ".join(f"{x:.3g}" for x in row) for row in found[:, FIRST]]
-    _require(law, rest, forces <= FORCE * scale, "has no minimum", "its derivatives there are ({})", names)
-    values = [f"{x:.3g}" for x in (eigenvalues[:, 0] / np.where(scale > 0.0, scale, 1.0)).tolist()]
-    positive = eigenvalues[:, 0] > STIFFNESS * scale
-    why = "the least eigenvalue of its stiffness matrix is {} of the largest"
-    _require(law, rest, positive, "has a stiffness that is not positive", why, values)
-    return found[:, [4, 7, 8]]
-
-
-def _require(
-    law: UserLaw,
-    points: np.ndarray,
-    good: np.ndarray,
-    what: str,
-    why: str = "",
-    values: list[str] | None = None,
-) -> None:
-    """Refuse the first half coil that is not good."""
-    if good.all():
-        return
-    bad = int(np.argmin(good))
-    reason = f": {why.format(values[bad])}" if values else ""
-    raise InputError(
-        f"law {law.name}: energy of half coil {bad + 1} {what} at rest {state_text(*points[bad])}{reason}"
-    )
-
-
-def _refuse_kinks(law: UserLaw, rows: np.ndarray, size: np.ndarray, scale: np.ndarray) -> None:
-    """Refuse a jump of the energy or of its first derivatives on lines through the state at rest."""
+    least, scale = eigenvalues[:, 0], np.abs(eigenvalues).max(axis=1)
     different = np.unique(rows, axis=0, return_index=True)[1]  # most springs repeat one half coil
     index = np.repeat(different, GRID)
-    rest = np.array([1.0, 0.0, 0.0]) * rows[index][:, [L0]]
     for line in LINES:
         points = np.linspace(-1.0, 1.0, GRID + 1)[:, None] * np.multiply(line, RANGE)
         begin, end = (np.tile(each, (len(different), 1)) * size[index] for each in (points[:-1], points[1:]))
-        place = _jump(law, rows, index, rest + begin, rest + end, size[index], scale[index])
-        if place is not None:
-            coil, at = place
-            raise InputError(
-                f"law {law.name}: energy of half coil {coil + 1} has a kink at {state_text(*at)}"
-            )
+        _refuse_kink(law, rows, (size, scale), index, (rest[index] + begin, rest[index] + end))
+    require(
+        np.abs(found[:, FIRST] * size).max(axis=1) <= FORCE * scale,
+        "has no minimum",
+        lambda bad: f": its derivatives there are ({', '.join(f'{x:.3g}' for x in found[bad, FIRST])})",
+    )
+    share = least / np.where(scale > 0.0, scale, 1.0)
+    require(
+        least > STIFFNESS * scale,
+        "has a stiffness that is not positive",
+        lambda bad: f": the least eigenvalue of its stiffness matrix is {share[bad]:.3g} of the largest",
+    )
+    return found[:, [4, 7, 8]]
 
 
-def _jump(
+def _refuse_kink(
     law: UserLaw,
     rows: np.ndarray,
+    at_rest: tuple[np.ndarray, np.ndarray],
     index: np.ndarray,
-    begin: np.ndarray,
-    end: np.ndarray,
-    size: np.ndarray,
-    scale: np.ndarray,
-) -> tuple[int, np.ndarray] | None:
-    """Half coil and state of a jump between two states, found by halving where the ends differ too much.
+    between: tuple[np.ndarray, np.ndarray],
+) -> None:
+    """Refuse a jump of the energy or of its first derivatives between states of the half coils `index`.
 
-    In a smooth law the difference of two gradients tends to that of the Hessian times the distance.
+    It is found by halving where the ends differ too much: in a smooth law the difference of two gradients
+    tends to that of the Hessian times the distance. `at_rest` are sizes and stiffnesses of all half coils.
     """
+    (size, scale), (begin, end) = at_rest, between
     low, high = law.evaluated(rows, index, begin), law.evaluated(rows, index, end)
     for _ in range(HALVINGS):
-        change = _unexplained(low, high, end - begin, size, scale)
-        open_ = np.flatnonzero(change > JUMP)
-        if not open_.size:
-            return None
-        index, begin, end, size, scale = (each[open_] for each in (index, begin, end, size, scale))
+        change = _unexplained(low, high, end - begin, size[index], scale[index])
+        index, begin, end, low, high = (each[change > JUMP] for each in (index, begin, end, low, high))
+        if not index.size:
+            return
         middle = 0.5 * (begin + end)
         half = law.evaluated(rows, index, middle)
-        low, high = low[open_], high[open_]
-        first = _unexplained(low, half, middle - begin, size, scale)
-        second = _unexplained(half, high, end - middle, size, scale)
+        first = _unexplained(low, half, middle - begin, size[index], scale[index])
+        second = _unexplained(half, high, end - middle, size[index], scale[index])
         left = (first >= second)[:, None]
         begin, end = np.where(left, begin, middle), np.where(left, middle, end)
         low, high = np.where(left, low, half), np.where(left, half, high)
-    return int(index[0]), end[0]
+    raise InputError(
+        f"law {law.name}: energy of half coil {index[0] + 1} has a kink at {state_text(*end[0])}"
+    )
 
 
 def _unexplained(
     low: np.ndarray, high: np.ndarray, step: np.ndarray, size: np.ndarray, scale: np.ndarray
 ) -> np.ndarray:
-    """What of the changes of energy and forces the derivatives do not explain, over the stiffness at rest.
-
-    Zero where a state has no finite energy: that ends a path, but is no kink.
-    """
+    """What of the changes of energy and forces the derivatives do not explain, over the stiffness at rest."""
     with np.errstate(all="ignore"):
         mean = 0.5 * (low + high)
         second = mean[:, SECOND].reshape(-1, 3, 3)
         forces = high[:, FIRST] - low[:, FIRST] - np.einsum("kij,kj->ki", second, step)
         energy = high[:, U] - low[:, U] - np.einsum("ki,ki->k", mean[:, FIRST], step)
         worst = np.maximum(np.abs(forces * size).max(axis=1), np.abs(energy)) / scale
-    return np.where(np.isfinite(worst), worst, 0.0)
+    return np.where(np.isfinite(worst), worst, 0.0)  # no finite energy ends a path, but is no kink
 
 
 def not_finite(law: UserLaw, rows: np.ndarray, points: np.ndarray) -> str:

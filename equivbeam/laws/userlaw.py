@@ -73,10 +73,7 @@ class HalfCoil:
 def spring_coils(spring: Spring, material: Material) -> list[HalfCoil]:
     """The half coils of a spring, from the bottom."""
     at = half_coils(spring)
-    diameters, phases = 2.0 * spring.radius(at.middles), at.phases - at.plane
-    each = zip(
-        diameters.tolist(), at.lengths.tolist(), phases[:-1].tolist(), phases[1:].tolist(), strict=True
-    )
+    diameters, phases = 2.0 * spring.radius(at.middles), (at.phases + spring.start_phase).tolist()
     return [
         HalfCoil(
             mean_diameter=D,
@@ -84,31 +81,27 @@ def spring_coils(spring: Spring, material: Material) -> list[HalfCoil]:
             length=length,
             wire_length=math.hypot(length, 0.5 * math.pi * D),
             helix_angle=math.atan(2.0 * length / (math.pi * D)),
-            start_phase=begin,
-            end_phase=end,
+            start_phase=phases[index],
+            end_phase=phases[index + 1],
             hand=spring.hand,
             E=material.E,
             G=material.G,
             index=index,
         )
-        for index, (D, length, begin, end) in enumerate(each)
+        for index, (D, length) in enumerate(zip(diameters.tolist(), at.lengths.tolist(), strict=True))
     ]
+
+
+KNOWN: dict[str, UserLaw] = {}  # laws of this process by what paths keep of them
 
 
 @dataclass(frozen=True)
 class UserLaw:
-    """A law of a half coil by its two functions; equal laws have one content.
+    """A law of a half coil by its two functions; equal laws have one content."""
 
-    Attributes
-    ----------
-    name : of its file or object.
-    digest : of its content: the file, or the code of the functions and what they read.
-    source : path and text of the file it comes from, by which another process gets it; None for an object.
-    parameters, energy : the functions.
-    """
-
-    name: str
-    digest: str
+    name: str  # of its file or object
+    digest: str  # of its content: the file, or the code of the functions and what they read
+    # path and text of the file it comes from, by which another process gets it; None for an object
     source: tuple[str, str] | None = field(compare=False, repr=False)
     parameters: Callable[[HalfCoil], tuple] = field(compare=False, repr=False)
     energy: Callable = field(compare=False, repr=False)
@@ -130,12 +123,8 @@ class UserLaw:
         """Energy and derivatives, as in `Response`, at points (l, v, dtheta) of the half coils `index`."""
         out = np.empty((len(points), len(Response._fields)))
         try:
-            _compiled(self, rows.shape[1])[1](
-                np.ascontiguousarray(rows),
-                np.asarray(index, dtype=np.int64),
-                np.ascontiguousarray(points),
-                out,
-            )
+            rows, points = np.ascontiguousarray(rows), np.ascontiguousarray(points)
+            _compiled(self, rows.shape[1])[1](rows, np.asarray(index, dtype=np.int64), points, out)
         except InputError:
             raise
         except Exception as error:  # numba has many kinds
@@ -145,9 +134,7 @@ class UserLaw:
     def rows(self, spring: Spring, material: Material) -> np.ndarray:
         """Table of parameters: stiffnesses and length at rest as in the paper's law, then the law's own.
 
-        Raises
-        ------
-        InputError : parameters that are no numbers, or an energy that cannot be that of a spring at rest.
+        `InputError` for parameters that are no numbers, or an energy that no spring at rest can have.
         """
         if spring.wire_rigidity != "beam":
             raise InputError(
@@ -172,27 +159,19 @@ class UserLaw:
     def _numbers(self, coil: HalfCoil) -> list[float]:
         """Parameters of a half coil."""
         where = f"law {self.name}: parameters of half coil {coil.index + 1}"
-        try:
-            found = self.parameters(coil)
-        except Exception as error:
-            raise InputError(f"{where}: {_told(error)}") from None
+        found = _called(where, self.parameters, coil)
         values = list(found) if isinstance(found, tuple | list | np.ndarray) else [found]
-        for value in values:
-            if isinstance(value, bool) or not isinstance(value, numbers.Real) or not math.isfinite(value):
-                raise InputError(f"{where} must be finite numbers, got {shown(found)}")
+        if not all(_is_number(value) and math.isfinite(value) for value in values):
+            raise InputError(f"{where} must be finite numbers, got {shown(found)}")
         return [float(value) for value in values]
 
     def _try(self, coil: HalfCoil, values: list[float]) -> None:
         """The energy at rest as plain Python, whose errors are the clearest."""
-        where = (
-            f"law {self.name}: energy of half coil {coil.index + 1} at rest {state_text(coil.length, 0, 0)}"
-        )
-        try:
-            with np.errstate(all="ignore"):
-                found = self.energy(coil.length, 0.0, 0.0, tuple(values))
-        except Exception as error:
-            raise InputError(f"{where}: {_told(error)}") from None
-        if isinstance(found, bool) or not isinstance(found, numbers.Real):
+        place = f"energy of half coil {coil.index + 1} at rest {state_text(coil.length, 0, 0)}"
+        where = f"law {self.name}: {place}"
+        with np.errstate(all="ignore"):
+            found = _called(where, self.energy, coil.length, 0.0, 0.0, tuple(values))
+        if not _is_number(found):
             raise InputError(f"{where} must be a number, got {shown(found)}")
 
 
@@ -211,12 +190,10 @@ def law_of_text(file: str, text: str) -> UserLaw:
     place = f"<law {file} {found[:DIGITS]}>"  # each content is a source of its own for `inspect`
     linecache.cache[place] = (len(text), None, text.splitlines(True), place)
     space: dict[str, Any] = {"__name__": f"law_{Path(file).stem}", "__file__": file}
-    try:
-        exec(compile(text, place, "exec"), space)
-    except Exception as error:
-        raise InputError(f"law {name}: {_told(error)}") from None
+    _called(f"law {name}", lambda: exec(compile(text, place, "exec"), space))
     functions = [_function(name, space.get(each), each) for each in ("parameters", "energy")]
-    return _known(UserLaw(name, found, (file, text), *functions))
+    law = UserLaw(name, found, (file, text), *functions)
+    return KNOWN.setdefault(str(law), law)
 
 
 def law_of_object(given: Any) -> UserLaw:
@@ -233,13 +210,7 @@ def _law_of_functions(name: str, parameters: Any, energy: Any) -> UserLaw:
             found.update(content_digest(function).encode())
         except TypeError:  # it reads what has no content, a module of another package
             found.update(inspect.getsource(function).encode())
-    return _known(UserLaw(name, found.hexdigest(), None, parameters, energy))
-
-
-KNOWN: dict[str, UserLaw] = {}  # laws of this process by what paths keep of them
-
-
-def _known(law: UserLaw) -> UserLaw:
+    law = UserLaw(name, found.hexdigest(), None, parameters, energy)
     return KNOWN.setdefault(str(law), law)
 
 
@@ -307,17 +278,24 @@ def _part_of(function: Any, law: str, content: str, callers: tuple[FunctionType,
     return part(copied)
 
 
-def _told(error: Exception) -> str:
-    """An error in a law's file, with its line, in one sentence."""
-    if isinstance(error, InputError):
-        return str(error)
-    if isinstance(error, SyntaxError):
-        return f"line {error.lineno}: {error.msg}"
-    places = [
-        frame.lineno for frame in traceback.extract_tb(error.__traceback__) if "<law " in frame.filename
-    ]
-    line = f"line {places[-1]}: " if places else ""
-    return " ".join(f"{line}{type(error).__name__}: {error}".split())
+def _is_number(value: Any) -> bool:
+    return isinstance(value, numbers.Real) and not isinstance(value, bool)
+
+
+def _called(where: str, function: Callable, *arguments: Any) -> Any:
+    """What a function of a law's file gives; its errors, with their lines, in one sentence."""
+    try:
+        return function(*arguments)
+    except InputError as error:
+        reason = str(error)
+    except SyntaxError as error:
+        reason = f"line {error.lineno}: {error.msg}"
+    except Exception as error:
+        frames = traceback.extract_tb(error.__traceback__)
+        places = [frame.lineno for frame in frames if "<law " in frame.filename]
+        line = f"line {places[-1]}: " if places else ""
+        reason = " ".join(f"{line}{type(error).__name__}: {error}".split())
+    raise InputError(f"{where}: {reason}")
 
 
 def _uncompiled(energy: Callable, error: Exception) -> str:

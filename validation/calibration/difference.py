@@ -3,26 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass
+from typing import Any
 
 import numpy as np
 
 from coilspring import EquilibriumPath, InputError, Scene
 from coilspring.measured import Measured
-
-
-@dataclass(frozen=True)
-class Difference:
-    """Model minus measurement; not a number where no point can be compared.
-
-    ``max``, ``rms``: of the deflection at the same force over the largest measured deflection; where a
-    displacement is prescribed, of the force at the same deflection over the largest measured force.
-    """
-
-    max: float
-    rms: float
-    points: int  # measured points that are compared
-    beyond: int  # and those beyond what the model reached
 
 
 def has_direction(scene: Scene) -> bool:
@@ -51,18 +37,21 @@ def differences(path: EquilibriumPath, curve: Measured) -> tuple[np.ndarray, np.
     return curve.deflection[reached], (found - theirs[reached]) / np.abs(theirs).max()
 
 
-def difference(path: EquilibriumPath, curve: Measured) -> Difference:
-    """The difference of a model's path from a measured curve; see `Difference`."""
+def difference(path: EquilibriumPath, curve: Measured) -> dict[str, Any]:
+    """Model minus measurement, shares of the peak, not a number where no point can be compared.
+
+    ``max``, ``rms``: of the deflection at the same force; where a displacement is prescribed, of the force at
+    the same deflection. ``points`` are compared, ``beyond`` are those that the model did not reach.
+    """
     _, shares = differences(path, curve)
-    counts = (int(shares.size), int(curve.force.size - shares.size))
-    if not shares.size:
-        return Difference(np.nan, np.nan, *counts)
-    return Difference(float(np.abs(shares).max()), float(np.sqrt(np.mean(shares**2))), *counts)
+    most = float(np.abs(shares).max()) if shares.size else np.nan
+    rms = float(np.sqrt(np.mean(shares**2))) if shares.size else np.nan
+    return {"max": most, "rms": rms, "points": shares.size, "beyond": curve.force.size - shares.size}
 
 
 def summary(paths: Mapping[str, EquilibriumPath], curve: Measured) -> dict[str, object]:
     """What ``compare.json`` holds of a measured curve."""
-    found = {name: asdict(difference(path, curve)) for name, path in paths.items()}
+    found = {name: difference(path, curve) for name, path in paths.items()}
     return {"points": int(curve.force.size), "left_out": curve.left_out, **found}
 
 
@@ -71,11 +60,11 @@ def lines(paths: Mapping[str, EquilibriumPath], curve: Measured) -> list[str]:
     said = []
     for name, path in paths.items():
         found, words = difference(path, curve), ("deflection", "force")
-        if not found.points:
+        if not found["points"]:
             said.append(f"{name} minus measured: no measured point is within the model's path")
             continue
         what = "{} at the same {}".format(*words[:: -1 if path.scene.load.displacement else 1])
-        sizes = f"{100 * found.max:.3g} % of the peak at most, {100 * found.rms:.3g} % rms"
-        beyond = f"; {found.beyond} beyond the model's last step left out" if found.beyond else ""
-        said.append(f"{name} minus measured, {what}: {sizes}, at {found.points} points{beyond}")
+        sizes = f"{100 * found['max']:.3g} % of the peak at most, {100 * found['rms']:.3g} % rms"
+        beyond = f"; {found['beyond']} beyond the model's last step left out" if found["beyond"] else ""
+        said.append(f"{name} minus measured, {what}: {sizes}, at {found['points']} points{beyond}")
     return said

@@ -40,15 +40,14 @@ def picture(paths: Mapping[str, EquilibriumPath], curve: Measured | None, looks:
     figure = Figure(figsize=(style.DOUBLE, 2.8 if curve is None else 3.6), layout="constrained")
     mosaic: Any = [["force", "rate"]] + ([["difference", "rate"]] if curve else [])
     plots = figure.subplot_mosaic(mosaic, height_ratios=[2.0, 1.0] if curve else None)
+    plots["difference" if curve else "force"].set_xlabel(DEFLECTION)
     if curve is not None:
         some = np.unique(np.linspace(0, curve.force.size - 1, MOST).astype(int))
         plots["force"].plot(curve.deflection[some], curve.force[some], **POINTS, label="measured")
         plots["difference"].axhline(0.0, color="black", linewidth=0.5)
         plots["difference"].sharex(plots["force"])
         plots["force"].tick_params(labelbottom=False)
-        plots["difference"].set(ylabel="model − measured\n(% of peak)", xlabel=DEFLECTION)
-    else:
-        plots["force"].set_xlabel(DEFLECTION)
+        plots["difference"].set_ylabel("model − measured\n(% of peak)")
     for name, path in paths.items():
         label, look = looks[name]
         deflection, force = along_load(path)

@@ -24,8 +24,23 @@ def calibrate(
     """
     table = table_of(file)
     found = equivbeam.calibrate(scene, table, names, **options)
+    columns = zip(found.names, found.values, found.errors, values(scene, found.names), strict=True)
+    summary = {
+        "scene": scene.name,
+        "options": {name: str(value) for name, value in options.items()},
+        "parameters": {
+            # no standard error where the curve does not determine a value
+            name: {"value": value, "standard_error": error, "start": start, "fitted": name not in found.fixed}
+            for name, value, error, start in columns
+        },
+        "rank": found.rank,
+        "residual": found.rms_after,
+        "residual_before": found.rms_before,
+        "evaluations": found.evaluations,
+        "versions": versions(),
+    }
     files = {
-        "calibration.json": json_bytes(_summary(scene, found, options)),
+        "calibration.json": json_bytes(summary),
         "calibrated.toml": scene_text(found.scene).encode(),
     }
     lines = str(found).splitlines()
@@ -42,21 +57,3 @@ def calibrate(
         if curve.left_out:
             lines.append(f"{curve.left_out} points without load left out")
     return files, lines
-
-
-def _summary(scene: Scene, found: equivbeam.Calibration, options: dict[str, Any]) -> dict[str, object]:
-    """What ``calibration.json`` holds; no standard error where the curve does not determine a value."""
-    columns = zip(found.names, found.values, found.errors, values(scene, found.names), strict=True)
-    return {
-        "scene": scene.name,
-        "options": {name: str(value) for name, value in options.items()},
-        "parameters": {
-            name: {"value": value, "standard_error": error, "start": start, "fitted": name not in found.fixed}
-            for name, value, error, start in columns
-        },
-        "rank": found.rank,
-        "residual": found.rms_after,
-        "residual_before": found.rms_before,
-        "evaluations": found.evaluations,
-        "versions": versions(),
-    }

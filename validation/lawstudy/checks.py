@@ -50,10 +50,9 @@ def derivatives(law: UserLaw) -> list[Row]:
             "Hessian": np.abs((found[:, SECOND].T - H) * pairs).max(axis=0) / rest,
         }
         known = np.isfinite(off["Hessian"])
-        names = ("spring", "what", "states", "deviation")
         for what, each in off.items():
-            values = (scene.name, what, int(known.sum()), float(each[known].max()))
-            rows.append(dict(zip(names, values, strict=True)))
+            row = {"spring": scene.name, "what": what, "states": int(known.sum())}
+            rows.append(row | {"deviation": float(each[known].max())})
     return rows
 
 
@@ -75,9 +74,8 @@ def limits(law: UserLaw) -> list[Row]:
         formula, buckled = buckling_shortening(scene), [equivbeam.buckling(scene, law=each) for each in both]
         shares = [each and each.shortening * (1.0 / height) for each in buckled]
         rows.append(("buckling, shortening over L", name, formula and formula * (1.0 / height), shares))
-        rows.append(
-            ("lateral stiffness at 10 % (N/mm)", name, None, [_lateral(each, scene) for each in both])
-        )
+        lateral = [_lateral(each, scene) for each in both]
+        rows.append(("lateral stiffness at 10 % (N/mm)", name, None, lateral))
     return [
         {"what": what, "spring": name, "found": found, "formula": formula, "haringx": haringx}
         for what, name, formula, (found, haringx) in rows

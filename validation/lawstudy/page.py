@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -16,7 +15,7 @@ from validation.campaign.verdict import CLASSES as OUTCOMES
 from validation.lawstudy.springs import BAD, BUILT_IN, LAW, MESHES, breakdown
 from validation.study import template
 from validation.study.document import Table
-from validation.study.frames import frame_table, view
+from validation.study.frames import frame_table
 from validation.study.plots import png
 from validation.study.style import BLUE, DOUBLE, LIGHT_RED, NAVY, RC, RED
 from validation.verification.randompage import CLASSES, cell, errors, number
@@ -71,8 +70,17 @@ def differences(limits: pd.DataFrame) -> pd.Series:
     return 100.0 * (limits["found"].astype(float) / target - 1.0)
 
 
-PAGE = template.template(Path(__file__).with_name("page.md"), (pair, gain, nearer, weakest, differences))
-PAGE.globals["bad"] = BAD
+def on_case(row: Any, law: str) -> str:
+    """A law's errors on a case."""
+    parts = (getattr(row, f"{law}_{component}", np.nan) for component in COMPONENTS)
+    ended = "" if getattr(row, f"{law}_outcome") == "completed" else " ends early"
+    detail = ", ".join(f"{part:.2f}" for part in parts if not np.isnan(part))
+    return f"{getattr(row, f'{law}_error'):.2f} ({detail}){ended}"
+
+
+SAID = (pair, gain, nearer, weakest, differences, breakdown, on_case, cell)
+PAGE = template.template(Path(__file__).with_name("page.md"), SAID)
+PAGE.globals.update(bad=BAD, laws=LAWS, classes=CLASSES, components=COMPONENTS, outcomes=OUTCOMES)
 SUMMARY = ("cases", "springs", "gain", "breaks", "time", "stability", "limits")  # blocks of the page
 
 
@@ -87,51 +95,17 @@ def files(law: UserLaw, data: Data) -> tuple[dict[str, bytes], list[str]]:
     return {"law.md": text.encode(), "law.png": picture}, summary
 
 
-def tables(data: Data) -> dict[str, Any]:
-    """Tables by name."""
-    springs, place, limits = data["springs"], data["place"], data["limits"]
-    closed = springs[springs["closed"] > 0]
-    components = [(name.upper(), *(cell(closed[f"{law}_{name}"]) for law in LAWS)) for name in COMPONENTS]
-    titles = {"off": f"above {BAD:g} %", "ends": "ends early"}
-    broken = breakdown(springs)[["kind", "contact", "springs", *titles]]
-    broken = broken.astype(dict.fromkeys(("springs", *titles), int)).rename(columns=titles)
+def tables(data: Data) -> dict[str, Table]:
+    """Tables whose columns are those of the data."""
+    place, limits = data["place"], data["limits"]
     texts = place.assign(text=[f"{row.error:.2g} %, {row.ms:.3g} ms" for row in place.itertuples()])
     texts = texts.pivot(index="scene", columns="series", values="text")[[*LAWS, *MESHES]]
-    counts = data["stability"]["class"].value_counts().reindex(OUTCOMES, fill_value=0)
     formats = dict.fromkeys(("found", "formula", "haringx"), "{:.5g}") | {"off": "{:+.2f} %"}
     return {
-        "cases": view(data["cases"], {
-            "case": lambda row: row.case, **{law: partial(_case, law) for law in LAWS},
-        }),
-        "kinds": [_kinds(springs, closing) for closing in CLASSES],
-        "components": Table(("component", *LAWS), tuple(components)),
-        "broken": frame_table(broken),
-        "holds": view(data["half coil"], {
-            "spring": lambda row: row.spring, "direction": lambda row: row.direction,
-            "until": lambda row: f"{row.share:.3g} {row.unit}", "there it": lambda row: row.what,
-        }),
         "place": frame_table(texts.reindex(place["scene"].unique()).reset_index()),
-        "stability": Table(("class", "scenes"), tuple((name, str(counts[name])) for name in OUTCOMES)),
         "limits": frame_table(limits.assign(off=differences(limits)), formats),
         "derivatives": frame_table(data["derivatives"], {"deviation": "{:.1e}"}),
-    }  # fmt: skip
-
-
-def _case(law: str, row: Any) -> str:
-    """A law's errors on a case."""
-    parts = (getattr(row, f"{law}_{component}", np.nan) for component in COMPONENTS)
-    ended = "" if getattr(row, f"{law}_outcome") == "completed" else " ends early"
-    detail = ", ".join(f"{part:.2f}" for part in parts if not np.isnan(part))
-    return f"{getattr(row, f'{law}_error'):.2f} ({detail}){ended}"
-
-
-def _kinds(springs: pd.DataFrame, closing: str) -> Table:
-    """Errors of all laws by kind, in a class of contact."""
-    here = springs[springs["closing"] == closing]
-    both = pd.concat((here, here.assign(kind="all")))
-    columns = {f"{law}_vector": law for law in LAWS}
-    cells = both.groupby("kind", sort=False)[list(columns)].agg(cell).rename(columns=columns)
-    return frame_table(cells.rename_axis(closing).reset_index())
+    }
 
 
 def draw(data: pd.DataFrame) -> Figure:

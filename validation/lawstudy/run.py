@@ -45,24 +45,10 @@ Rows = list[dict[str, Any]]
 def study_law(
     file: str | Path, out: Path, progress: Progress = lambda line: None, *, quick: bool = False
 ) -> list[str]:
-    """Study the law in a file and write ``law.md``, ``law.csv`` and ``law.png`` to a folder.
+    """Write ``law.md``, ``law.csv`` and ``law.png`` of the law in a file to a folder; the page's summary.
 
     What is solved is kept in the store under the content of the file: a study that was interrupted goes on.
-
-    Parameters
-    ----------
-    file : the law, as `equivbeam.solve` takes it.
-    out : folder of the results.
-    progress : called with one line on what is being done.
-    quick : fewer springs and scenes, about a minute.
-
-    Returns
-    -------
-    The page's summary, a sentence each.
-
-    Raises
-    ------
-    InputError : no law, or one that cannot be that of a spring at rest.
+    `quick`: fewer springs and scenes, about a minute. `InputError`: no law, or none of a spring at rest.
     """
     law = law_of(Path(file))
     assert isinstance(law, UserLaw)

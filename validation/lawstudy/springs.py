@@ -42,7 +42,7 @@ class Extent(NamedTuple):
 
 
 def laws(law: UserLaw) -> dict[str, Any]:
-    """The law and those beside it."""
+    """The law and those beside it, by name."""
     return {name: name for name in BUILT_IN} | {LAW: law}
 
 

@@ -30,11 +30,9 @@ INSTALL = "ccx is not installed: apt-get install calculix-ccx (Debian), or see c
 def deck(scene: Scene) -> str:
     """Input deck of a scene in mm, N, MPa; "no sliding" is left out, springs have no memory.
 
-    The top is no rigid body, which would leave the last point of the wire
-    a hinge, as beams have rotations in knots only: stiff beams go from the reference point to all that moves
-    with it, and to a pointer above it, whose end tells ROTZ.
-
-    `InputError` is raised for what is not given to this peer.
+    The top is no rigid body, which would leave the last point of the wire a hinge, as beams have rotations in
+    knots only: stiff beams go from the reference point to all that moves with it, and to a pointer above it,
+    whose end tells ROTZ. `InputError` for what is not given to this peer.
     """
     refuse(scene, "calculix")
     wire, d = layout(scene, NODES_PER_TURN), scene.spring.wire_diameter

@@ -20,8 +20,6 @@ MISSING = (
     "apt-get install libblas3 liblapack3"
 )
 FREE = "frictionless in both codes, since springs without a history do not know when a pair closed"
-
-
 UNITS = {"ux": "mm", "uy": "mm", "force": "N", "rotz": "rad"}
 
 
@@ -41,10 +39,7 @@ class PeerComparison:
 
     @property
     def difference(self) -> float:
-        """Largest over steps and components, over the component's peak in the wire model.
-
-        Where UY is prescribed the axial force takes its place.
-        """
+        """Largest over steps and answered components, over the component's peak in the wire model."""
         if self.rows == 0:
             return float("nan")
         both = (answered(self.wire), self.peer.answers)
@@ -61,9 +56,8 @@ class PeerComparison:
         """Both curves, one row a step that either has reached."""
         import pandas as pd
 
-        data = pd.concat(
-            [pd.DataFrame(found).add_suffix(f"_{code}") for code, found in self._named()], axis=1
-        )
+        both = [pd.DataFrame(found).add_suffix(f"_{code}") for code, found in self._named()]
+        data = pd.concat(both, axis=1)
         data.insert(0, "time", np.arange(1, len(data) + 1) / self.scene.load.rows)
         return data.to_csv(index=False, lineterminator="\n", float_format="%.9g")
 
@@ -86,9 +80,7 @@ class PeerComparison:
 def compare(scene: Scene, peer: str) -> PeerComparison:
     """Solve a scene with the wire model and with a peer of `PEERS`, on 40 points a turn.
 
-    Raises
-    ------
-    InputError : the peer is not installed, or what it is not given.
+    `InputError` where the peer is not installed, and for what it is not given.
     """
     remark, contact = "", scene.contact
     if peer == "calculix" and contact.enabled and contact.sliding == "none":

@@ -95,12 +95,8 @@ class _Builder:
         ops.fix(self.top, int("ux" in held), 0, 1, 1, 1, int("rotz" in held))
         self._stiff_beam(self.last)
         self._contact()
-        self._load()
-
-    def _load(self) -> None:
-        """Forces on the top over time, or one along Y for UY to control."""
         for place, points in amplitudes(self.scene).items():
-            if self.scene.load.displacement:
+            if self.scene.load.displacement:  # which a force along Y is controlled by
                 ops.timeSeries("Linear", place)
             else:
                 times, values = zip(*points, (2.0, points[-1][1]), strict=True)  # rounding leads beyond 1
@@ -164,25 +160,22 @@ class _Builder:
         properties = (area, material.E, material.G, 2.0 * inertia, inertia, inertia)
         self._element("elasticBeamColumn", self.top, node, *properties, STEEP if steep else WIRE)
 
-    def _sphere(self, index: int) -> int:
-        """Node at the centre of a sphere: of the wire, or of a rigid end."""
-        attached = int(self.wire.attached[index])
-        if 0 <= attached <= self.last:
-            return attached
-        node = self._node(self.wire.spheres[index])
-        if attached < 0:
-            ops.fix(node, *[1] * 6)
-        else:
-            self._stiff_beam(node)
-        return node
-
     def _contact(self) -> None:
-        """A truss between the centres of each pair."""
-        ops.uniaxialMaterial("Elastic", TANGENTIAL, self.scene.contact.stiffness)
-        nodes = {int(index): self._sphere(index) for index in np.unique(self.wire.pairs)}
+        """A truss between the centres of each pair, which are nodes of the wire or of a rigid end."""
         d, stiffness = self.scene.spring.wire_diameter, self.scene.contact.stiffness
+        ops.uniaxialMaterial("Elastic", TANGENTIAL, stiffness)
+        nodes = self.wire.attached.tolist()
+        for index in np.unique(self.wire.pairs):
+            attached = nodes[index]
+            if 0 <= attached <= self.last:
+                continue
+            nodes[index] = self._node(self.wire.spheres[index])
+            if attached < 0:
+                ops.fix(nodes[index], *[1] * 6)
+            else:
+                self._stiff_beam(nodes[index])
         for pair in self.wire.pairs:
-            lower, upper = (nodes[int(index)] for index in pair)
+            lower, upper = (nodes[index] for index in pair)
             self.pairs[lower, upper] = None
             # strain is (h - rest) / rest, area 1
             rest, tag = self.wire.rest(pair), self.elements + 1
@@ -206,11 +199,7 @@ def run(
 ) -> Curve:
     """Build the scene's model and load it in equal steps of each stage; `InputError` where it is refused.
 
-    Parameters
-    ----------
-    tolerance : energy increment below which a step has converged, N mm.
-    halvings : of a step that does not converge.
-    elements_per_turn : a multiple of 4.
+    `tolerance`: energy increment below which a step has converged, N mm; `halvings` of one that has not.
     """
     refuse(scene, "opensees")
     builder = _Builder(scene, elements_per_turn)

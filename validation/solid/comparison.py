@@ -50,10 +50,8 @@ def rod_flexibility(spring: Spring, material: Material, coils: float) -> np.ndar
 
 def coil(index: float, degrees: float, coils: float, wire_rigidity: str = "beam") -> Spring:
     """Coils of wire of 1 mm without end turns, of a pitch angle."""
-    pitch = np.pi * index * np.tan(np.radians(degrees))
-    return Spring(
-        1.0, (index, index), coils, coils * float(pitch), end_turns=0.0, wire_rigidity=wire_rigidity
-    )
+    height = coils * float(np.pi * index * np.tan(np.radians(degrees)))
+    return Spring(1.0, (index, index), coils, height, end_turns=0.0, wire_rigidity=wire_rigidity)
 
 
 def both(spring: Spring, material: Material, coils: float) -> dict[str, np.ndarray]:
@@ -88,7 +86,7 @@ def deflections(scene: Scene) -> pd.DataFrame:
     scene = scene.without_contact()
     rows: list[tuple[str, str, np.ndarray]] = []
     for name, fineness in (("coarse", COARSE), ("middle", MIDDLE)):
-        rows.append(("solids", name, deflection(scene, fineness)[0]))
+        rows.append(("solids", name, deflection(scene, fineness)))
         if np.isnan(rows[-1][-1]).any():
             break  # nor would the finer one
     for model in MODELS:

@@ -7,8 +7,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 
@@ -20,8 +20,7 @@ CORE = 0.55  # half diagonal of the square in the middle of the section, over th
 DECK = template(Path(__file__).with_suffix(".inp"))
 
 
-@dataclass(frozen=True)
-class Fineness:
+class Fineness(NamedTuple):
     """Of a mesh."""
 
     square: int  # quadrilaterals along an edge of the square
@@ -34,8 +33,7 @@ FIRST = 0.1  # of the load: the first increment
 MOST_INCREMENTS = 40
 
 
-@dataclass(frozen=True)
-class SolidMesh:
+class SolidMesh(NamedTuple):
     """Nodes (n, 3) and elements (m, 20) from 0, nodes of both ends, and the reference point (3,)."""
 
     nodes: np.ndarray
@@ -63,14 +61,11 @@ def section_grid(fineness: Fineness) -> tuple[np.ndarray, np.ndarray]:
         a, b, c = slice(0, -2, 2), slice(1, None, 2), slice(2, None, 2)
         around = ((a, a), (c, a), (c, c), (a, c), (b, a), (c, b), (b, c), (a, b))
         quads.append(np.stack([number[i, j] for i, j in around], axis=-1).reshape(-1, 8))
-    return _joined(0.5 * np.array(points), np.concatenate(quads))
-
-
-def _joined(points: np.ndarray, cells: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Without double and unused points."""
-    used, cells = np.unique(cells, return_inverse=True)
-    _, first, same = np.unique(np.round(points[used], 9), axis=0, return_index=True, return_inverse=True)
-    return points[used][first], same.ravel()[cells.reshape(-1, 8)]
+    # without unused and double points
+    used, cells = np.unique(np.concatenate(quads), return_inverse=True)
+    nodes = 0.5 * np.array(points)[used]
+    _, first, same = np.unique(np.round(nodes, 9), axis=0, return_index=True, return_inverse=True)
+    return nodes[first], same.ravel()[cells.reshape(-1, 8)]
 
 
 def mesh_coils(spring: Spring, coils: float, fineness: Fineness) -> SolidMesh:
@@ -120,8 +115,8 @@ def flexibility(mesh: SolidMesh, E: float, nu: float) -> tuple[np.ndarray, float
     return 0.5 * (found + found.T), seconds
 
 
-def deflection(scene: Scene, fineness: Fineness) -> tuple[np.ndarray, float]:
-    """UX, UY, ROTZ of a scene's top at full load in large deflection, no contact (3,), and CPU seconds.
+def deflection(scene: Scene, fineness: Fineness) -> np.ndarray:
+    """UX, UY, ROTZ of a scene's top at full load in large deflection, no contact, (3,).
 
     nan where CalculiX does not reach full load in `MOST_INCREMENTS`: ends that turn take it many small ones.
     """
@@ -133,11 +128,11 @@ def deflection(scene: Scene, fineness: Fineness) -> tuple[np.ndarray, float]:
     boundary = [f"{reference + node}, {dof}, {dof}" for node, dof in held]
     step = [f"*STEP, NLGEOM, INC={MOST_INCREMENTS}", "*STATIC", f"{FIRST}, 1., 1e-4, 0.25", "*CLOAD", *loads]
     steps = ["*BOUNDARY", *boundary, *step, *PRINT]
-    text, seconds = execute(deck(mesh, scene.material.E, scene.material.nu, steps))
+    text, _ = execute(deck(mesh, scene.material.E, scene.material.nu, steps))
     times = [float(line.split()[-1]) for line in text.splitlines() if "time" in line]
     if not times or times[-1] < 1.0:
-        return np.full(3, np.nan), seconds
-    return read(text).reshape(-1, 6)[-1, [0, 1, 5]], seconds
+        return np.full(3, np.nan)
+    return read(text).reshape(-1, 6)[-1, [0, 1, 5]]
 
 
 def read(text: str) -> np.ndarray:

@@ -30,6 +30,7 @@ from validation.study.partialsolve import ending
 INDICES = (3.0, 4.0, 5.0, 20.0 / 3.0, 8.0, 10.0, 15.0)
 SIGNED, PERCENT = "{:+.2f}".format, "{:.2f}".format
 WORDS = template.template(Path(__file__).with_name("page.md"))
+WORDS.globals.update(catalogue=list(CATALOGUE), directions=DIRECTIONS)
 
 
 def ring_table() -> pd.DataFrame:
@@ -48,14 +49,6 @@ def ring_table() -> pd.DataFrame:
         rows.append((f"{index:.3g}", Kax, Ksh, Kfl, rod, *stiff, *shares))
     heads = ("Kax (%)", "Ksh (%)", "Kfl (%)", "Kax of a rod with shear (%)", "GJ (%)", "EI (%)")
     return pd.DataFrame(rows, columns=["index", *heads, "1/EA, share", "1/GA, share"])
-
-
-def stress_table() -> pd.DataFrame:
-    """Stress factors."""
-    found = pd.DataFrame({"index": INDICES})
-    found["3D elasticity"] = found["index"].map(inner_stress_factor)
-    found["Wahl"] = found["index"].map(wahl_factor)
-    return found.assign(**{"Wahl off (%)": 100.0 * (found["Wahl"] / found["3D elasticity"] - 1.0)})
 
 
 def standing() -> pd.DataFrame:
@@ -99,37 +92,21 @@ def numbers(coils: pd.DataFrame, moved: pd.DataFrame, stands: pd.DataFrame) -> d
     return numbers | {"indices": sorted(map(float, coils["index"].unique()))}
 
 
-def coils_table(coils: pd.DataFrame) -> pd.DataFrame:
-    """Deviations from the fine solids, a row each kind of wire and the coarse solids."""
-    rows = []
-    for (count, index, angle), group in coils.groupby(["coils", "index", "angle"]):
-        for name in (*KINDS, "mesh"):
-            wire = "coarse solids" if name == "mesh" else name
-            whole = PERCENT(group[f"{name}_whole"].iloc[0])
-            rows.append((f"{count:g}", f"{index:.3g}", f"{angle:g}", wire, *map(SIGNED, group[name]), whole))
-    return pd.DataFrame(rows, columns=["coils", "index", "pitch (degrees)", "wire", *DIRECTIONS, "whole"])
-
-
-def standing_table(stands: pd.DataFrame) -> pd.DataFrame:
-    """A row each model and wire, a column each scene."""
-    texts = stands["off"].map("{:.2f} ".format) + stands["ending"].fillna("")
-    cells = stands.assign(cell=texts.str.strip(), model=stands["model"] + ", " + stands["wire"])
-    wide = cells.pivot(index="model", columns="scene", values="cell").loc[cells["model"].unique()]
-    return wide.reset_index()[["model", *CATALOGUE]]
-
-
 def page(facts: Mapping[str, Any], coils: pd.DataFrame, moved: pd.DataFrame, stands: pd.DataFrame) -> str:
     """The page as Markdown."""
-    ring, factors = ring_table(), stress_table()
-    fixed: dict[str, Format] = dict.fromkeys(factors.columns[1:-1], "{:.4f}")
+    ring, factors = ring_table(), pd.DataFrame({"index": INDICES})
+    factors["3D elasticity"] = factors["index"].map(inner_stress_factor)
+    factors["Wahl"] = factors["index"].map(wahl_factor)
+    factors["Wahl off (%)"] = 100.0 * (factors["Wahl"] / factors["3D elasticity"] - 1.0)
+    fixed: dict[str, Format] = dict.fromkeys(("3D elasticity", "Wahl"), "{:.4f}")
     return template.page(
         WORDS,
         f=facts,
-        standing=frame_table(standing_table(stands)),
-        coils=frame_table(coils_table(coils)),
+        stands=stands.fillna({"ending": ""}),
+        coils=coils,
         moved=frame_table(moved, dict.fromkeys(("ux", "uy", "rotz"), "{:.4f}") | {"off": PERCENT}),
         ring=frame_table(ring, {name: PERCENT if "share" in name else SIGNED for name in ring.columns[1:]}),
-        stress=frame_table(factors, fixed | {"index": "{:.3g}", factors.columns[-1]: SIGNED}),
+        stress=frame_table(factors, fixed | {"index": "{:.3g}", "Wahl off (%)": SIGNED}),
     )
 
 

@@ -19,20 +19,17 @@ SCENES = ("spring-b-no-contact",)  # Spring A's end turns: see `hexahedra.deflec
 def main() -> None:
     """Run and write flexibility.csv and deflection.csv."""
     FOLDER.mkdir(parents=True, exist_ok=True)
-    coils: list[pd.DataFrame] = []
+    coils, moved = [], []
     for index, angle, count in CASES:
-        found = flexibilities(coil(index, angle, count), Material(), count)
-        found.insert(0, "index", index)
-        found.insert(1, "angle", angle)
-        coils.append(found)
-        print(found.to_string(), flush=True)
+        coils.append(flexibilities(coil(index, angle, count), Material(), count))
+        coils[-1].insert(0, "index", index)
+        coils[-1].insert(1, "angle", angle)
+        print(coils[-1].to_string(), flush=True)
     write_csv(pd.concat(coils), FOLDER / "flexibility.csv")
-    moved: list[pd.DataFrame] = []
     for name in SCENES:
-        found = deflections(load_scene(name))
-        found.insert(0, "scene", name)
-        moved.append(found)
-        print(found.to_string(), flush=True)
+        moved.append(deflections(load_scene(name)))
+        moved[-1].insert(0, "scene", name)
+        print(moved[-1].to_string(), flush=True)
     write_csv(pd.concat(moved), FOLDER / "deflection.csv", 8)
 
 

@@ -6,7 +6,6 @@ Writes coilspring/scene/solidtable.toml; both are numbers of a wire of diameter 
 from __future__ import annotations
 
 import sys
-from collections.abc import Iterator
 from itertools import product
 
 import numpy as np
@@ -36,14 +35,6 @@ def inner_stress(found: SectionSolution) -> float:
     return float(stress[4, inside].mean() * np.pi / (16.0 * radius))
 
 
-def samples() -> Iterator[tuple[tuple[float, float, float], SectionSolution]]:
-    """Solutions at the points of the fit."""
-    mesh = disk()
-    for nu, index, angle in product(POISSON, INDICES, ANGLES):
-        bend = helix(index, angle)
-        yield (*bend, nu), solve(mesh, *bend, nu)
-
-
 def fitted(at: np.ndarray, flexibilities: np.ndarray) -> np.ndarray:
     """Coefficients of every entry, (entries, powers, `CUBIC`)."""
     k, t, nu = at.T
@@ -60,20 +51,17 @@ def fitted(at: np.ndarray, flexibilities: np.ndarray) -> np.ndarray:
     return table
 
 
-def fitted_stress(curvature: np.ndarray, factors: np.ndarray) -> np.ndarray:
-    """Coefficients of the stress factor, (`STRESS_TERMS`,)."""
-    terms = curvature[:, None] ** np.arange(1, STRESS_TERMS + 1)
-    return np.linalg.lstsq(terms, factors - 1.0, rcond=None)[0]
-
-
 def main() -> None:
     """Solve, fit and write."""
-    points, solutions = zip(*samples(), strict=True)
-    at = np.array(points)
-    flat = [n for n, (_, torsion, nu) in enumerate(points) if torsion == 0.0 and nu == 0.3]
+    mesh = disk()
+    at = np.array([(*helix(index, angle), nu) for nu, index, angle in product(POISSON, INDICES, ANGLES)])
+    solutions = [solve(mesh, *point) for point in at.tolist()]
+    flat = np.flatnonzero((at[:, 1] == 0.0) & (at[:, 2] == 0.3))
+    factors = np.array([inner_stress(solutions[n]) for n in flat])
+    terms = at[flat, 0, None] ** np.arange(1, STRESS_TERMS + 1)
     tables = {
         "FLEXIBILITY": fitted(at, np.stack([found.flexibility for found in solutions])),
-        "STRESS": fitted_stress(at[flat, 0], np.array([inner_stress(solutions[n]) for n in flat])),
+        "STRESS": np.linalg.lstsq(terms, factors - 1.0, rcond=None)[0],
     }
     with np.printoptions(precision=9, linewidth=110, threshold=sys.maxsize, suppress=False):
         lines = [f"{name} = {np.array2string(table, separator=', ')}\n" for name, table in tables.items()]

@@ -111,10 +111,8 @@ def rod_numbers() -> Iterator[tuple[str, str, str, float]]:
     exact = EXACT_ROD["spring-b-no-contact"]
     tips = {"exact rod": np.array([exact[time][1] for time in (0.5, 1.0)])}
     tips |= {name: equivbeam.solve(scene, **chosen).tips[:, 1] for name, chosen in options.items()}
-    for name, values in tips.items():
-        yield from (
-            ("rod", name, load, float(uy)) for load, uy in zip(("100 N", "200 N"), values, strict=True)
-        )
+    for name, (half, whole) in tips.items():
+        yield from (("rod", name, "100 N", float(half)), ("rod", name, "200 N", float(whole)))
 
 
 def outside_share(path: EquilibriumPath) -> float:
@@ -141,16 +139,12 @@ class Cases:
     """The numbers of the four cases by table, row and case."""
 
     def __init__(self, data: pd.DataFrame) -> None:
-        self._values = data.set_index(["table", "row", "case"])["value"].to_dict()
-        self.titles = [case for table, row, case in self._values if (table, row) == ("law", "helix law")]
-
-    def value(self, table: str, row: str, case: str) -> float:
-        """Any number."""
-        return self._values[table, row, case]
+        self.values = data.set_index(["table", "row", "case"])["value"].to_dict()
+        self.titles = [case for table, row, case in self.values if (table, row) == ("law", "helix law")]
 
     def law(self, case: str, without: str = "") -> float:
         """Error of the law, or of the law without a refinement, per cent."""
-        return self.value("law", f"without `{without}`" if without else "helix law", case)
+        return self.values["law", f"without `{without}`" if without else "helix law", case]
 
     def needed(self, case: str) -> str:
         """Refinements without which the error at least doubles."""
@@ -163,7 +157,7 @@ class Cases:
 
     def off_the_rod(self, row: str, load: str) -> float:
         """Error of a law against the exact rod, per cent."""
-        return 100.0 * (self.value("rod", row, load) / self.value("rod", "exact rod", load) - 1.0)
+        return 100.0 * (self.values["rod", row, load] / self.values["rod", "exact rod", load] - 1.0)
 
 
 def tables(data: pd.DataFrame) -> dict[str, Table]:
@@ -186,14 +180,15 @@ def page(four: pd.DataFrame, springs: pd.DataFrame) -> str:
 
 def main(arguments: Sequence[str] | None = None) -> None:
     """Solve everything, unless only the page is wanted; write numbers, figure and page."""
-    parser = argparse.ArgumentParser(prog="python -m validation.verification.ablation", description=__doc__)
+    command = "python -m validation.verification.ablation"
+    parser = argparse.ArgumentParser(prog=command, description=__doc__)
     words = "write the page of the recorded numbers, solve nothing"
     parser.add_argument("--page", action="store_true", help=words)
     if not parser.parse_args(arguments).page:
         FOUR.parent.mkdir(parents=True, exist_ok=True)
         write_csv(measured(), FOUR)
         write_csv(randomsprings.study(), randomsprings.CSV, digits=4)
-        write_provenance("python -m validation.verification.ablation", FOUR.parent)
+        write_provenance(command, FOUR.parent)
     springs = pd.read_csv(randomsprings.CSV)
     randompage.write_figure(springs)
     write_facts(randompage.facts(springs), FOUR.parent)

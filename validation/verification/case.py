@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -18,45 +19,25 @@ class Case:
     source: str
     tolerance: float  # of the largest component's error over the largest component of the target
     limits: str  # what the case cannot show
-    solve: Callable[
-        [int], Sequence[float] | np.ndarray
-    ]  # from a number of elements to components of the result
-    mesh: int  # number of elements
+    solve: Callable[[int], Sequence[float] | np.ndarray]  # components of the result, by a number of elements
+    mesh: int  # that number
     meshes: tuple[int, ...] = ()  # each twice as fine as the one before, which tell the order of convergence
     fine: int = 0  # mesh that stands in place of the target there
     components: int = 3  # whose error tells the order
 
-    def checked(self) -> Check:
-        """The case, solved."""
+    def checked(self) -> dict[str, Any]:
+        """The case, solved: a row of the page."""
         order = None
         if self.meshes:
-            exact = np.array(self.solve(self.fine) if self.fine else self.target)[: self.components]
-            found = [np.array(self.solve(count))[: self.components] for count in self.meshes]
-            order = observed_order([float(np.abs(one - exact).max()) for one in found])
-        return Check(self, tuple(map(float, self.solve(self.mesh))), order)
+            exact = np.array(self.solve(self.fine) if self.fine else self.target)
+            off = [np.abs(np.array(self.solve(count)) - exact)[: self.components] for count in self.meshes]
+            order = observed_order([float(each.max()) for each in off])
+        result, target = np.array(self.solve(self.mesh)), np.array(self.target)
+        error = float(np.abs(result - target).max() / np.abs(target).max())
+        row = {"result": result.tolist(), "error": error, "passed": error <= self.tolerance, "order": order}
+        return vars(self) | row
 
 
-@dataclass(frozen=True)
-class Check:
-    """What a case found."""
-
-    case: Case
-    result: tuple[float, ...]
-    order: float | None = None
-
-    @property
-    def error(self) -> float:
-        """Largest component's error over the largest component of the target."""
-        target, result = np.array(self.case.target), np.array(self.result)
-        return float(np.abs(result - target).max() / np.abs(target).max())
-
-    @property
-    def passed(self) -> bool:
-        """Whether the error is within the tolerance."""
-        return self.error <= self.case.tolerance
-
-
-def observed_order(errors: Iterable[float]) -> float:
+def observed_order(errors: Sequence[float]) -> float:
     """Order from the errors of meshes that are each twice as fine, by the first and the last."""
-    all_errors = list(errors)
-    return float(np.log2(all_errors[0] / all_errors[-1]) / (len(all_errors) - 1))
+    return float(np.log2(errors[0] / errors[-1]) / (len(errors) - 1))

@@ -22,16 +22,13 @@ from wirefe.model import ContactArrays
 from wirefe.shape import contact_centres
 
 NONE = np.inf  # no sliding
-CYCLE = Path("examples/stages.toml")
 TIPS = ("UX", "UY", "ROTZ")
 HELD = 1e-9  # tips below are the rounding of fixed degrees of freedom
-
-
+CYCLE = Load(stages=((0.0, -80.0), (0.0, 0.0)), steps=100)  # of a progressive valve spring
 SPRINGS: dict[str, Callable[[], Scene]] = {
     "A": spring_a,
     "B": spring_b,
-    # a progressive valve spring, its load put on and taken off
-    "cycle": lambda: replace(load_scene(CYCLE), load=Load(stages=((0.0, -80.0), (0.0, 0.0)), steps=100)),
+    "cycle": lambda: replace(load_scene("examples/stages.toml"), load=CYCLE),
 }
 PAGE, RECORD = Path("docs/contact.md"), Path("reports/contact")
 CATALOGUE = {"A": 0.0, "B": NONE}  # coefficients of the catalogue's springs
@@ -144,16 +141,14 @@ def difference(tips: pd.DataFrame, reference: pd.Series) -> pd.Series:
 def overlap(path: EquilibriumPath, points_per_turn: int = 160) -> float:
     """Largest overlap of wires of neighbouring coils anywhere at the last step, mm.
 
-    Distances of points of the centreline from the straight pieces half a turn to one and a half turns on;
-    points of one rigid end turn do not count with each other.
+    Distances of points of the centreline from the straight pieces half a turn to one and a half turns on.
     """
     line = path.centreline(-1, points_per_turn)
     ends, half = round(path.scene.spring.end_turns * points_per_turn), points_per_turn // 2
     least = np.inf
     for ahead in range(half, 3 * half):
         distance = to_pieces(line[: -ahead - 1], line[ahead:-1], line[ahead + 1 :])
-        inside = np.arange(len(distance))
-        active = (inside + ahead >= ends) & (inside < len(line) - ends)
+        active = slice(max(ends - ahead, 0), len(line) - ends)  # not both points on one rigid end turn
         least = min(least, float(distance[active].min()))
     return max(path.scene.spring.wire_diameter - least, 0.0)
 
@@ -202,10 +197,8 @@ def limit_point() -> dict[str, Any]:
     most = int(np.argmax(np.linalg.norm(moved, axis=1) * (path.gaps[limit + 1] < 0.0)))
     along = np.cross([0.0, 1.0, 0.0], after[lower[most]])
     share = abs(moved[most] @ along) / np.linalg.norm(along) / np.linalg.norm(moved[most])
-    return {
-        **{"traced": path.options["pairs_found"], "limit": path.times[limit]},
-        **{"first": lower[most], "second": upper[most], "circ": 100.0 * share},
-    }
+    found = {"traced": path.options["pairs_found"], "limit": path.times[limit], "circ": 100.0 * share}
+    return found | {"first": lower[most], "second": upper[most]}
 
 
 def percent(share: float) -> str:
@@ -225,6 +218,9 @@ def coefficient(mu: float) -> str:
 
 
 WORDS = template.template(Path(__file__).with_name("contact.md"), [percent, tip, coefficient, pd.notna])
+WORDS.globals.update(
+    force=FORCE, like=LIKE, steps=STEPS, least_work=SLIDES, d=spring_a().spring.wire_diameter
+)
 
 
 def beside(data: pd.DataFrame, by: str | list[str], reference: int = -1) -> pd.DataFrame:
@@ -238,69 +234,59 @@ def beside(data: pd.DataFrame, by: str | list[str], reference: int = -1) -> pd.D
 def friction_row(runs: pd.DataFrame) -> dict[str, Any]:
     """Of runs in several numbers of steps the last, in the most, and by what the others differ."""
     last = runs.iloc[-1]
-    row = last.to_dict() | {"change": difference(runs, last).max()}
-    if last["work"] > SLIDES:
-        row["work change"] = (runs["work"] / last["work"] - 1.0).abs().max()
-    return row
+    change = (runs["work"] / last["work"] - 1.0).abs().max() if last["work"] > SLIDES else np.nan
+    return {**last, "change": difference(runs, last).max(), "work change": change}
+
+
+def tables(runs: Runs) -> dict[str, pd.DataFrame]:
+    """The runs by table, with their difference from one of their group; of wires, from 64 stations."""
+    pairs, cycles = beside(runs["pairs"], "spring"), runs["cycles"]
+    friction = runs["friction"].groupby(["spring", "mu"], sort=False)
+    return {
+        "pairs": pairs.assign(time=pairs["seconds"] / pairs.groupby("spring")["seconds"].transform("first")),
+        "exponents": beside(runs["exponents"], "spring", 0),
+        "friction": pd.DataFrame([friction_row(group) for _, group in friction]),
+        "search": runs["search"],
+        "geometry": beside(runs["geometry"], ["spring", "mu"]),
+        "phases": beside(runs["phases"], "degrees"),
+        "cycles": cycles.assign(difference=cycles["work"] / cycles["work"].iloc[-1] - 1.0),
+    }
 
 
 def page(runs: Runs, limit: Mapping[str, Any]) -> str:
     """The page, a view of the runs."""
-    pairs, friction = beside(runs["pairs"], "spring"), runs["friction"]
-    pairs["time"] = pairs["seconds"] / pairs.groupby("spring")["seconds"].transform("first")
+    found = tables(runs)
+    pairs, a = found["pairs"], found["friction"].query("spring == 'A'").set_index("mu")
     few, many = (pairs[pairs["pairs"] == count].set_index("spring") for count in (4, 40))
     costs = few.assign(many=many["overlap"])[["overlap", "many", "difference"]].reset_index()
-    last = _last(friction)
     return template.page(
         WORDS,
-        pairs=pairs.to_dict("records"),
-        exponents=beside(runs["exponents"], "spring", 0).to_dict("records"),
-        friction=[friction_row(group) for _, group in friction.groupby(["spring", "mu"], sort=False)],
-        search=runs["search"].to_dict("records"),
-        wires=against_wires(runs),
-        costs=costs.to_dict("records"),
+        **{name: table.to_dict("records") for name, table in (found | {"costs": costs}).items()},
         still=pairs.loc[(pairs["spring"] == "A") & (pairs["pairs"] == 20), "difference"].item(),
-        slip=friction.query("spring == 'A' and mu == 0.05 and steps == 50")["last slip"].item(),
-        couples=[last["couple"][mu] for mu in (0.1, 0.3, NONE)],
-        moment=last["moment"][NONE],
+        slip=runs["friction"].query("spring == 'A' and mu == 0.05 and steps == 50")["last slip"].item(),
+        couples=[a["couple"][mu] for mu in (0.1, 0.3, NONE)],
+        moment=a["moment"][NONE],
         listed=int(pairs["pairs found"].sum()),
-        d=spring_a().spring.wire_diameter,
-        **{"force": FORCE, "like": LIKE, "steps": STEPS, "limit": limit, "least_work": SLIDES},
+        limit=limit,
     )
-
-
-def _last(friction: pd.DataFrame) -> pd.DataFrame:
-    """Runs of Spring A in the most steps, by their coefficients."""
-    return friction[(friction["spring"] == "A") & (friction["steps"] == STEPS[-1])].set_index("mu")
-
-
-def against_wires(runs: Runs) -> dict[str, list[dict[str, Any]]]:
-    """Rows of spheres and of wires, each with its difference from the 64 stations of the same case."""
-    cycles = runs["cycles"]
-    tables = {
-        "friction": beside(runs["geometry"], ["spring", "mu"]),
-        "phases": beside(runs["phases"], "degrees"),
-        "cycles": cycles.assign(difference=cycles["work"] / cycles["work"].iloc[-1] - 1.0),
-    }
-    return {name: table.to_dict("records") for name, table in tables.items()}
 
 
 def facts(runs: Runs, limit: Mapping[str, Any]) -> dict[str, object]:
     """What findings are computed from: mm, and shares in per cent."""
-    pairs, last, most = beside(runs["pairs"], "spring"), _last(runs["friction"]), runs["search"].iloc[-1]
+    tabled, most = tables(runs), runs["search"].iloc[-1]
+    pairs, a = tabled["pairs"], tabled["friction"].query("spring == 'A'").set_index("mu")
     found: dict[str, object] = {"pairs.count": int(pairs["pairs"].iloc[0])}
     for row in pairs.groupby("spring", sort=False).head(1).itertuples():
-        found[f"pairs.{row.spring}.overlap"] = row.overlap
-        found[f"pairs.{row.spring}.difference"] = 100.0 * row.difference
-    found["friction.couples"] = 100.0 * last["couple"][NONE] / last["moment"][NONE]
-    found |= {"friction.free": last["UY"][0.0], "friction.held": last["UY"][NONE]}
+        key = f"pairs.{row.spring}"
+        found |= {f"{key}.overlap": row.overlap, f"{key}.difference": 100.0 * row.difference}
+    found["friction.couples"] = 100.0 * a["couple"][NONE] / a["moment"][NONE]
+    found |= {"friction.free": a["UY"][0.0], "friction.held": a["UY"][NONE]}
     found |= {"search.pairs": int(most["pairs"]), "search.outcome": most["outcome"]}
-    rows = against_wires(runs)
-    for row in rows["friction"]:
+    for row in tabled["geometry"].to_dict("records"):
         key = f"{row['geometry']}.{row['spring']}.{row['mu']:g}.{row['pairs']}"
         found |= {f"{key}.outcome": row["outcome"], f"{key}.time": row["critical time"]}
         found |= {f"{key}.UY": row["UY"], f"{key}.difference": 100.0 * row["difference"]}
-    found |= {f"cycle.{row['geometry']}.{row['pairs']}": row["work"] for row in rows["cycles"]}
+    found |= {f"cycle.{row.geometry}.{row.pairs}": row.work for row in tabled["cycles"].itertuples()}
     return found | {"search.along": limit["circ"]}
 
 

@@ -15,7 +15,6 @@ from matplotlib.lines import Line2D
 from scipy.stats import binom
 
 from validation.study import template
-from validation.study.document import Table
 from validation.study.frames import frame_table
 from validation.study.output import write_bytes
 from validation.study.plots import png
@@ -28,7 +27,11 @@ CLASSES = ("without contact", "none closes", "up to 3 close", "more than 3 close
 NAMES = {"helix": "helix law", "haringx": "paper's law"}
 FEW = 20  # springs, below which the largest error stands in place of a percentile
 CONFIDENCE = 0.95
-WORST = 10
+WORST = 10  # springs in the table of the worst, whose columns are:
+TITLES = {name: name for name in ("seed", "number", "kind", "shape", "index", "coils")}
+TITLES |= {"slenderness": "L/D", "phase": "phase", "closed": "closed", "wire": "wire"}
+TITLES |= {"reference": "half the pairs", "helix_steps": "steps"}
+TITLES |= {f"{law}_vector": law for law in LAWS}
 FILE = Path("reports/errorbudget/randomsprings.png")
 LOOKS: dict[str, dict[str, Any]] = {
     "helix": {"color": NAVY, "marker": "D", "label": "helix law, median to 95th percentile"},
@@ -96,10 +99,8 @@ def over_seeds(rows: pd.DataFrame, column: str, closing: int, share: float) -> s
     return f"{number(found.min())} to {number(found.max())}"
 
 
-WORDS = template.template(
-    Path(__file__).with_name("randomsprings.md"),
-    (errors, number, percent, cell, both, in_words, percentile_bound, over_seeds),
-)
+SAID = (errors, number, percent, cell, both, in_words, percentile_bound, over_seeds)
+WORDS = template.template(Path(__file__).with_name("randomsprings.md"), SAID)
 WORDS.globals.update(
     **{"drawn": randomscenes, "study": randomsprings, "few": FEW, "confidence": CONFIDENCE},
     **{"classes": CLASSES, "names": NAMES, "kinds": [kind.name for kind in KINDS]},
@@ -107,9 +108,19 @@ WORDS.globals.update(
 
 
 def page(data: pd.DataFrame) -> str:
-    """The part of the page on random springs."""
-    rows = classified(data)
-    return template.page(WORDS, f=rows, ends=_ends(rows), worst=_worst(rows))
+    """The part of the page on random springs: sentences, and tables of early ends and of the worst."""
+    rows, models = classified(data), ["wire", *LAWS]
+    early = rows[(rows[models] != "completed").any(axis=1)]
+    counts = early.groupby([*models, "closing"]).size().unstack(fill_value=0)
+    counts = counts.reindex(columns=CLASSES, fill_value=0).reset_index()
+    worst = rows.nlargest(WORST, "helix_vector")[list(TITLES)]
+    formats = {TITLES[name]: number for name in worst.select_dtypes("float")}
+    return template.page(
+        WORDS,
+        f=rows,
+        ends=frame_table(counts.rename(columns=NAMES | {"wire": "wire model"})),
+        worst=frame_table(worst.rename(columns=TITLES), formats),
+    )
 
 
 def facts(data: pd.DataFrame) -> dict[str, float]:
@@ -122,24 +133,6 @@ def facts(data: pd.DataFrame) -> dict[str, float]:
         values |= {"percentile": known.quantile(0.95), "bound": percentile_bound(known)}
         found |= {f"{law}.{name}.{key}": value for key, value in values.items()}
     return found
-
-
-def _ends(rows: pd.DataFrame) -> Table:
-    """How many springs have a path that ends early, by outcomes and contact."""
-    models = ["wire", *LAWS]
-    early = rows[(rows[models] != "completed").any(axis=1)]
-    counts = early.groupby([*models, "closing"]).size().unstack(fill_value=0)
-    counts = counts.reindex(columns=CLASSES, fill_value=0).reset_index()
-    return frame_table(counts.rename(columns=NAMES | {"wire": "wire model"}))
-
-
-def _worst(rows: pd.DataFrame) -> Table:
-    drawn = ("seed", "number", "kind", "shape", "index", "coils", "slenderness", "phase", "closed", "wire")
-    titles = dict(zip(drawn, drawn, strict=True)) | {"slenderness": "L/D", "reference": "half the pairs"}
-    titles |= {"helix_steps": "steps", "helix_vector": "helix", "haringx_vector": "haringx"}
-    worst = rows.nlargest(WORST, "helix_vector")[list(titles)]
-    formats = {titles[name]: number for name in worst.select_dtypes("float")}
-    return frame_table(worst.rename(columns=titles), formats)
 
 
 def write_figure(data: pd.DataFrame) -> None:

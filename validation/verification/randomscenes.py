@@ -84,7 +84,12 @@ def _scene(rng: np.random.Generator, kind: Kind, name: str) -> tuple[str, Scene]
         wanted = rng.uniform(ABOVE * first, several) if deep else rng.uniform(*BELOW) * first
         if wanted <= most or not deep:
             break
-    return shape, replace(scene, load=_load(scene, kind, min(wanted, most) * direction))
+    x, y = (min(wanted, most) * direction).tolist()
+    if not kind.displacement:
+        return shape, replace(scene, load=Load((x, y), STEPS))
+    spring = sizes(scene)  # the shortening under the load, mm
+    shortening = min(shortened(along(scene), spring.rate, -y), SOLID * spring.travel)
+    return shape, replace(scene, load=Load(steps=STEPS, displacement=(-shortening,)))
 
 
 def _spring(rng: np.random.Generator, shape: str) -> Spring:
@@ -114,8 +119,8 @@ def _bounds(scene: Scene, direction: np.ndarray) -> tuple[float, float, float]:
     if direction[0] == 0.0:
         return first, first + LAST * (last - first), most
     probe = PROBE * first
-    load = Load((float(probe * direction[0]), float(probe * direction[1])), 2)
-    path = equivbeam.solve(replace(scene, load=load, contact=Contact()))
+    x, y = (probe * direction).tolist()
+    path = equivbeam.solve(replace(scene, load=Load((x, y), 2), contact=Contact()))
     half, whole = path.gaps
     rest, rate = 2.0 * half - whole, half - whole
     closing = rate > 1e-9 * rest
@@ -134,12 +139,3 @@ def _buckling_force(scene: Scene) -> float:
     rate = sizes(scene).rate
     shortenings = [shortened(coils, rate, force) for force in forces]
     return float(np.interp(BUCKLING * shortening, shortenings, forces, right=math.inf))
-
-
-def _load(scene: Scene, kind: Kind, force: np.ndarray) -> Load:
-    """The load, N; or the shortening under it where UY is prescribed, mm."""
-    if not kind.displacement:
-        return Load((float(force[0]), float(force[1])), STEPS)
-    coils, spring = along(scene), sizes(scene)
-    most = min(shortened(coils, spring.rate, -float(force[1])), SOLID * spring.travel)
-    return Load(steps=STEPS, displacement=(-most,))

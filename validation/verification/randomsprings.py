@@ -46,7 +46,7 @@ def row(drawn: Drawn) -> dict[str, Any]:
         **{"index": diameter / spring.wire_diameter, "coils": spring.active_coils},
         **{"slenderness": spring.active_height / diameter, "phase": math.degrees(spring.start_phase)},
         **{"contact": scene.contact.enabled, "closed": closed(wire), "wire": wire.outcome},
-        "reference": errors(other, wire)["vector"],
+        "reference": curve_errors(Curve.of(other), Curve.of(wire))["vector"],
     }
     for law in LAWS:
         found |= law_row(law, law, scene, Curve.of(wire))
@@ -81,11 +81,6 @@ class Curve(NamedTuple):
         return cls(path.scene, path.times, answered(path))
 
 
-def errors(path: EquilibriumPath, wire: EquilibriumPath) -> dict[str, float]:
-    """Errors of a path; see `curve_errors`."""
-    return curve_errors(Curve.of(path), Curve.of(wire))
-
-
 def law_row(name: str, law: str | UserLaw, scene: Scene, wire: Curve) -> dict[str, Any]:
     """Outcome and errors of a law on a spring, by columns of the law's name."""
     path = partial_path(equivbeam.solve, scene, law=law)
@@ -103,13 +98,11 @@ def curve_errors(path: Curve, wire: Curve) -> dict[str, float]:
     found = dict.fromkeys(("vector", *COMPONENTS), math.nan) | {"steps": common}
     if common == 0:
         return found
-    mine, theirs = (
-        np.column_stack([each.answers[name][:common] for name in COMPONENTS]) for each in (path, wire)
-    )
-    peaks = np.abs(theirs).max(axis=0)
+    mine, theirs = (np.column_stack(list(each.answers.values()))[:common] for each in (path, wire))
+    off, peaks = np.abs(mine - theirs), np.abs(theirs).max(axis=0)
     sizes = peaks * (1.0, 1.0, 0.5 * middle_diameter(wire.scene.spring))
     for place, name in enumerate(COMPONENTS):
         if sizes[place] > NEGLIGIBLE * sizes.max():
-            found[name] = 100.0 * float(np.abs(mine - theirs)[:, place].max() / peaks[place])
-    largest, size = (np.linalg.norm(values[:, :2], axis=1).max() for values in (mine - theirs, theirs))
+            found[name] = 100.0 * float(off[:, place].max() / peaks[place])
+    largest, size = (np.linalg.norm(values[:, :2], axis=1).max() for values in (off, theirs))
     return found | {"vector": 100.0 * float(largest / size)}

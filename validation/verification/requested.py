@@ -41,19 +41,14 @@ CONTACTS: tuple[tuple[str, str, float | None], ...] = (
     ("spheres", "coulomb", 0.1),
     ("spheres", "none", None),
 )
-REFUSED = "refused"
+REFUSED, NUMBERS = "refused", ("stations", "estimated", "true", "seconds", "cheapest")
 
 
 def springs(each: int, coils: float = COILS, seed: int = SEED) -> Iterator[tuple[Drawn, Scene]]:
     """Random springs of at most so many coils, `each` of every kind of load; kinds take turns."""
-    kinds = [
-        filter(
-            lambda drawn: drawn.scene.spring.active_coils <= coils, population(seed, 100 * each, {kind.name})
-        )
-        for kind in KINDS
-    ]
-    for place, kind in product(range(each), kinds):
-        drawn = next(kind)
+    drawn_of = [population(seed, 100 * each, {kind.name}) for kind in KINDS]
+    for place, kind in product(range(each), drawn_of):
+        drawn = next(found for found in kind if found.scene.spring.active_coils <= coils)
         geometry, sliding, friction = CONTACTS[place % len(CONTACTS)]
         contact = replace(drawn.scene.contact, geometry=geometry, sliding=sliding, friction=friction)
         yield drawn, replace(drawn.scene, contact=contact)
@@ -65,25 +60,22 @@ def rows(drawn: Drawn, scene: Scene, accuracies: Iterable[float] = ACCURACIES) -
     exact = _reference(scene, levels)
     answers = {asked: _timed(wirefe.solve_to, scene, accuracy=asked) for asked in accuracies}
     ladder = _ladder(scene, levels, exact, min(accuracies))
+    head = {
+        **{"kind": drawn.kind, "number": drawn.number, "coils": scene.spring.active_coils},
+        "contact": f"{contact.geometry} {contact.sliding}" if contact.enabled else "none",
+        "closed": int(exact.active_contacts.max(initial=0)),
+        "reference": exact.outcome,
+    }
     found = []
     for asked, (path, seconds) in answers.items():
-        enough = [cost for error, cost in ladder if error <= asked]
-        found.append({
-            "kind": drawn.kind,
-            "number": drawn.number,
-            "coils": scene.spring.active_coils,
-            "contact": f"{contact.geometry} {contact.sliding}" if contact.enabled else "none",
-            "closed": int(exact.active_contacts.max(initial=0)),
-            "reference": exact.outcome,
-            "asked": asked,
-            "outcome": path.outcome if path else REFUSED,
-            "level": path.options["elements_per_turn"] if path else 0,
-            "stations": path.options["pairs_per_turn"] if path else math.nan,
-            "estimated": path.estimated_error if path else math.nan,
-            "true": difference(path, exact) if path else math.nan,
-            "seconds": seconds if path else math.nan,
-            "cheapest": min(enough, default=math.nan) if path else math.nan,
-        })  # fmt: skip
+        row = {"asked": asked, "outcome": REFUSED, "level": 0} | dict.fromkeys(NUMBERS, math.nan)
+        if path:
+            options, enough = path.options, [cost for error, cost in ladder if error <= asked]
+            row |= {"outcome": path.outcome, "level": options["elements_per_turn"]}
+            row |= {"stations": options["pairs_per_turn"], "estimated": path.estimated_error}
+            row |= {"true": difference(path, exact), "seconds": seconds}
+            row |= {"cheapest": min(enough, default=math.nan)}
+        found.append(head | row)
     return found
 
 
@@ -147,15 +139,10 @@ def study(folder: Path, each: int = EACH) -> pd.DataFrame:
     return pd.read_csv(target)
 
 
-def main() -> None:
-    """Write the rows and print the table."""
+if __name__ == "__main__":
     parser = argparse.ArgumentParser(description=(__doc__ or "").partition("\n")[0])
     parser.add_argument("--out", type=Path, default=Path("coilcheck-out/requested"))
     parser.add_argument("--each", type=int, default=EACH, help="springs of every kind of load")
     arguments = parser.parse_args()
     with np.errstate(divide="ignore"):
         print(summary(study(arguments.out, arguments.each)).to_string(index=False, float_format="%.3g"))
-
-
-if __name__ == "__main__":
-    main()

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from functools import partial
 from itertools import product
 from pathlib import Path
 
@@ -30,7 +29,9 @@ def by_case() -> pd.DataFrame:
     rows = []
     for case in CASES:
         scene = load_scene(case)
-        runs = {name: partial(_seconds, scene, name) for name in TANGENTS}
+        runs = {
+            name: lambda scene=scene, name=name: follow(scene, name, 50).solve_seconds for name in TANGENTS
+        }
         times = pd.DataFrame(interleaved(runs, range(ROUNDS)))
         ratios = times.div(times["exact"], axis=0).median()
         for tangent in TANGENTS:
@@ -39,10 +40,6 @@ def by_case() -> pd.DataFrame:
             numbers |= {"CPU, ms": 1e3 * times[tangent].median(), "over exact": ratios[tangent]}
             rows.append({"case": case, "tangent": tangent, **numbers})
     return pd.DataFrame(rows)
-
-
-def _seconds(scene: Scene, tangent: str) -> float:
-    return follow(scene, tangent, 50).solve_seconds
 
 
 def by_steps() -> pd.DataFrame:
@@ -64,8 +61,7 @@ def result(path: EquilibriumPath) -> str:
     """Iterations of a completed path, or its outcome."""
     if path.outcome == "completed":
         return str(path.total_iterations)
-    last = path.times[-1] if len(path.times) else 0.0
-    return f"**{path.outcome.replace('_', ' ')}** at {path.critical_time or last:.3f}"
+    return f"**{path.outcome.replace('_', ' ')}** at {path.critical_time or path.times.max(initial=0.0):.3f}"
 
 
 if __name__ == "__main__":
