@@ -53,7 +53,7 @@ def predict(system, task, work, path, bend, target):
 @part
 def continues(system, task, work, trouble, judged):
     """Whether the trial state continues the branch; the share by which the path turned, less where the
-    turn is small at all; a bound on how far any point moved; how far near pairs are from the prediction, mm."""
+    turn is small at all; a bound on all motion; and how far near pairs are from the prediction, mm."""
     # no pair moves by more than its two ends do
     distance, pair, _ = displacement_bound(system, work.state, work.trial, 0.5 * PAIR_MOTION * task.diameter)
     if pair > PAIR_MOTION:

@@ -16,8 +16,8 @@ from validation.campaign.poses import TINY, assembled, differences, rotated, ste
 from validation.campaign.wireparts import Points
 
 SMALL_CHORD = 1e-4  # square of a chord below which a series stands for the arc
-# Wire diameters of slip that are left at least: the direction of a slip of 1e-9, as stiff pairs allow, is
-LEAST_SLIP = 1e-4  # rounding, and all that is across it, next to nothing, decides the sign of the determinant.
+# Wire diameters of slip left at least: the direction of 1e-9, as stiff pairs allow, is rounding, which would
+LEAST_SLIP = 1e-4  # decide the sign of the determinant.
 SLIDES = 1e-6  # of its slip: by so much less than the law of sticking says, a pair slides
 Poses = list[tuple[np.ndarray, np.ndarray]]
 
