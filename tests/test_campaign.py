@@ -173,7 +173,7 @@ def test_limit_point_is_bracketed():
     time = path.critical_time * (1.0 - 1e-3)
     before = reached(case, under(case.scene, time))
     found = bracket(energy, before.states[-1], time, path.critical_time)
-    assert found.least[0] > 0.0 > found.least[1]
+    assert found.stable.least > 0.0 > found.unstable.least
     assert found.offset(path.critical_time) <= 2e-3
 
 

@@ -1,7 +1,7 @@
 """Forces and stiffness of the equivalent beam in plain numpy, for the verifier: nothing is the solver's.
 
-Written from docs/theory.md, section 2. The stiffness is the derivative of the forces by complex steps, which
-is exact to rounding. A state holds x, y, theta of all nodes, flat.
+Written from docs/theory.md, section 2. The stiffness is the derivative of the forces by complex steps. A
+state holds x, y, theta of all nodes, flat.
 """
 
 from __future__ import annotations
@@ -16,8 +16,7 @@ from scipy.linalg import solve_triangular
 
 from coilspring import Scene, Spring
 from equivbeam.laws.userlaw import KNOWN
-from validation.campaign.laws import Law, haringx_law, helix_law
-from validation.campaign.plainlaw import plain_law
+from validation.campaign.laws import Law, haringx_law, helix_law, plain_law
 
 LAWS: dict[str, Callable[[Scene], Law]] = {"haringx": haringx_law, "helix": helix_law}
 TINY = 1e-30  # of a complex step
@@ -71,11 +70,8 @@ class BeamEnergy:
         return -self.displacement * self.tangent(state, closed)[self.free, self.top]
 
     def forces(self, states: np.ndarray, closed: Closed = None) -> np.ndarray:
-        """Internal forces on all degrees of freedom, of one or many states.
-
-        Pairs that count as `closed` push where they overlap and pull where they do not, so that nothing has
-        a kink there; by default those that touch are closed.
-        """
+        """Internal forces on all degrees of freedom, of one or many states. Pairs that count as `closed` pull
+        where they do not overlap, so that nothing has a kink there."""
         total = np.zeros(states.shape)
         for places, forces in self._parts(closed):
             values = forces(np.moveaxis(states.T[places], 1, -1))  # (coordinate, state, item)

@@ -9,7 +9,6 @@ from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 import pandas as pd
 
 from coilspring import EquilibriumPath
@@ -65,11 +64,10 @@ def row_of(case: Case, path: EquilibriumPath | None, verdict: Verdict, **known: 
         if reached:
             values |= zip(TIP, (*path.tips[-1], float(path.active_contacts[-1])), strict=True)
     values |= verdict.numbers | known
-    return {name: _text(values.get(name, "")) for name in COLUMNS}
-
-
-def _text(value: Any) -> str:
-    return f"{value:.6g}" if isinstance(value, float | np.floating) else str(value).replace("\n", " ")
+    texts = dict.fromkeys(COLUMNS, "")
+    for name, value in values.items():
+        texts[name] = f"{value:.6g}" if isinstance(value, float) else str(value).replace("\n", " ")
+    return texts
 
 
 def row_text(row: Row) -> str:
