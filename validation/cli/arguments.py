@@ -154,11 +154,11 @@ def refuse_other_models(arguments: argparse.Namespace) -> None:
 
 
 def scenes_of(arguments: argparse.Namespace) -> dict[str, Scene]:
-    """Scenes of a study by name, their catalogue's or their file's; that of the geometry asked for is added.
+    """Scenes of a study by name (their catalogue's or their file's, and the geometry); empty for the paper's.
 
-    Raises `InputError`: a file that cannot be read, or two of one name.
+    Raises `InputError`: two of one name, scenes beside --only, or a geometry without scenes.
     """
-    geometry = arguments.geometry
+    geometry, only = arguments.geometry, getattr(arguments, "only", None)
     found: dict[str, Scene] = {}
     for file in arguments.scenes:
         name = file if file in CATALOGUE else Path(file).stem
@@ -166,4 +166,8 @@ def scenes_of(arguments: argparse.Namespace) -> dict[str, Scene]:
         if name in found:
             raise InputError(f"SCENE must be files of different names, got {name} twice")
         found[name] = replace(load_scene(file).overridden(geometry=geometry), name=name)
+    if found and only:
+        raise InputError(f"SCENE or --only, not both, got {', '.join(found)} and {','.join(only)}")
+    if geometry and not found:
+        raise InputError(f"--geometry must go with SCENE, got {geometry} alone")
     return found

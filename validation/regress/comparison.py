@@ -21,7 +21,7 @@ ELSEWHERE = 10.0  # times wider on another kind of processor
 PATH_DEPENDENT = 1e-4  # of tips, without sliding, on another kind of processor
 FIXED = 1e-9  # of the largest peak; a component with a smaller one is fixed
 ROUNDING = 1e-12  # mm or N; what is smaller is 0
-Texts = tuple[str, str, str, str]  # fields of a `Move`, without the run
+Texts = Iterator[tuple[str, str, str, str]]  # fields of a `Move`, without the run
 
 
 class Move(NamedTuple):
@@ -40,10 +40,8 @@ class Move(NamedTuple):
 def compare(
     kept: Mapping[str, Mapping[str, Any]], found: Mapping[str, Mapping[str, Quantities]], processor: str
 ) -> tuple[Move, ...]:
-    """What moved since the baselines `kept`; a run without a baseline, or the reverse, counts as moved.
-
-    `found` has by model the quantities of every run, computed on the `processor`.
-    """
+    """What moved in runs `found` on a processor since the baselines `kept`; a run that only one of them has
+    counts as moved."""
     moves: list[Move] = []
     for model in MODELS:
         here = kept[model]["made"]["processor"] == processor
@@ -59,7 +57,7 @@ def compare(
     return tuple(moves)
 
 
-def _moved(before: Quantities, now: Quantities, here: bool) -> Iterator[Texts]:
+def _moved(before: Quantities, now: Quantities, here: bool) -> Texts:
     """What moved in one run."""
     missing = sorted(now.keys() ^ before.keys())
     if missing:
@@ -89,14 +87,14 @@ def _moved(before: Quantities, now: Quantities, here: bool) -> Iterator[Texts]:
         yield "total_iterations", str(a), str(b), f"{b - a:+d}, {extra} allowed"
 
 
-def _value(what: str, before: float, now: float, scale: float, unit: str, allowed: float) -> Iterator[Texts]:
+def _value(what: str, before: float, now: float, scale: float, unit: str, allowed: float) -> Texts:
     """A number that moved by more than the allowed part of a scale."""
     if abs(now - before) > allowed * scale + ROUNDING:
         by = f"{(now - before) / scale:+.2g} {unit}, {allowed:.0e} allowed"
         yield what, f"{before:.9g}", f"{now:.9g}", by
 
 
-def _curve(name: str, before: Quantities, now: Quantities, allowed: float) -> Iterator[Texts]:
+def _curve(name: str, before: Quantities, now: Quantities, allowed: float) -> Texts:
     """The time at which a tip component moved most."""
     peak, largest = before["peaks"][name], max(before["peaks"].values())
     rows = zip(now["times"], before[name], now[name], strict=True)
@@ -105,7 +103,7 @@ def _curve(name: str, before: Quantities, now: Quantities, allowed: float) -> It
     yield from _value(f"{name} at time {time:g}", a, b, scale, "of the peak", allowed)
 
 
-def _counts(name: str, before: list[int], now: list[int], allowed: int) -> Iterator[Texts]:
+def _counts(name: str, before: list[int], now: list[int], allowed: int) -> Texts:
     """The first step whose count moved, and how many did."""
     pairs = enumerate(zip_longest(before, now, fillvalue=0), start=1)
     moved = [(step, a, b) for step, (a, b) in pairs if abs(b - a) > allowed]

@@ -26,6 +26,12 @@ class Finding:
     accepted: bool  # whether the baselines were written anew
     left_out: tuple[str, ...] = ()  # a sentence on each thing that cannot be had of these scenes
 
+    @property
+    def verdict(self) -> str:
+        """The outcome in a few words."""
+        found = f"{len(self.moves)} quantities moved" if self.moves else "nothing moved"
+        return f"{self.compared} runs: {found}{'; accepted as the new baselines' if self.accepted else ''}"
+
 
 def regress(
     out: Path,
@@ -76,19 +82,11 @@ def regress(
         return finding
 
 
-def verdict(finding: Finding) -> str:
-    """The outcome in a few words."""
-    found = f"{len(finding.moves)} quantities moved" if finding.moves else "nothing moved"
-    ending = "; accepted as the new baselines" if finding.accepted else ""
-    return f"{finding.compared} runs: {found}{ending}"
-
-
 def _report(finding: Finding, kept: dict[str, dict[str, Any]] | None) -> str:
-    parts = ["# Regression", f"**{verdict(finding)}.**", *(f"{line}." for line in finding.left_out)]
+    parts = ["# Regression", f"**{finding.verdict}.**", *(f"{line}." for line in finding.left_out)]
     if kept:
         origin = ("{date} on {processor}".format(**each) for each in (kept[MODELS[0]]["made"], made()))
         parts.append("Baselines of {}; compared {}.".format(*origin))
     if finding.moves:
-        header = ("run", "quantity", "was", "is", "by how much")
-        parts.append(str(Table(header, finding.moves)))
+        parts.append(str(Table(("run", "quantity", "was", "is", "by how much"), finding.moves)))
     return "\n\n".join(parts) + "\n"

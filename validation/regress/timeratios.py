@@ -22,18 +22,17 @@ ROUNDS, REPEATS = 5, 5
 ALLOWED = 1.5  # factor by which a ratio may change
 
 
-def _seconds(solve: Callable[..., EquilibriumPath], scene: Scene, repeats: int = 1, **options: Any) -> float:
-    """CPU seconds of a model; the median of several solves."""
+def _seconds(solve: Callable[..., EquilibriumPath], scene: Scene, **options: Any) -> float:
+    """CPU seconds of a model; of the beam, which takes about a millisecond, the median of several solves."""
+    repeats = REPEATS if solve is solve_beam else 1
     return median_of(repeats, lambda: solve(scene, **options).solve_seconds)
 
 
-RUNS: dict[str, Callable[[Scene], float]] = {  # the beam takes about a millisecond
+RUNS: dict[str, Callable[[Scene], float]] = {
     "straight": partial(_seconds, solve_wire),
     "curved": partial(_seconds, solve_wire, element="curved", elements_per_turn=8),
-    "haringx": partial(_seconds, solve_beam, repeats=REPEATS),
-    "helix": partial(
-        _seconds, solve_beam, repeats=REPEATS, law="helix", sliding="scene"
-    ),  # free, B ends early
+    "haringx": partial(_seconds, solve_beam),
+    "helix": partial(_seconds, solve_beam, law="helix", sliding="scene"),  # free, B ends early
 }
 RATIOS = {
     "wirefe straight 40 / equivbeam haringx": ("straight", "haringx"),

@@ -6,7 +6,6 @@ import io
 import os
 import sys
 from collections.abc import Callable
-from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -25,18 +24,13 @@ MOST_PICTURES = 60  # of a movie
 PACE, LAST = 80, 1500  # ms, each picture and the last
 
 
-def require_display() -> None:
-    """Raise `InputError` where a window could not be opened."""
-    if sys.platform.startswith("linux") and not (
-        os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY")
-    ):
+def require(movie: Path | None) -> None:
+    """Raise `InputError` for a movie that is no GIF, and without one where a window could not be opened."""
+    if movie is not None:
+        if movie.suffix.lower() != ".gif":
+            raise InputError(f"--movie must be the name of a .gif file, got {str(movie)!r}")
+    elif sys.platform.startswith("linux") and not any(map(os.environ.get, ("DISPLAY", "WAYLAND_DISPLAY"))):
         raise InputError("view needs a display, and there is none: --movie FILE.gif draws without one")
-
-
-def require_gif(movie: Path) -> None:
-    """Raise `InputError` for what is not the name of a GIF."""
-    if movie.suffix.lower() != ".gif":
-        raise InputError(f"--movie must be the name of a .gif file, got {str(movie)!r}")
 
 
 def show(load: Callable[[], Frames]) -> None:
@@ -45,7 +39,7 @@ def show(load: Callable[[], Frames]) -> None:
     Raises `InputError`: the window could not be opened.
     """
     with Drawing(COMMAND, "window") as drawing:
-        drawing.give(asdict(load()))
+        drawing.give(load())
         status = drawing.failure(None)
     if status:
         raise InputError(f"no window could be opened ({status}): --movie FILE.gif draws without one")
@@ -57,7 +51,7 @@ def film(load: Callable[[], Frames], movie: Path, progress: Callable[[str], None
         frames = load()
         chosen = np.unique(np.linspace(0, len(frames.times) - 1, MOST_PICTURES).round().astype(int))
         frames = Frames(frames.diameter, frames.times[chosen], frames.points[chosen], frames.forces[chosen])
-        drawing.give(asdict(frames))
+        drawing.give(frames)
         files = [drawing.folder / f"{i:04d}.png" for i in range(len(frames.times))]
 
         def announce(drawn: int) -> None:

@@ -2,26 +2,25 @@
 
 from __future__ import annotations
 
+import pickle
 import subprocess
 import sys
 import tempfile
 import time
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from contextlib import suppress
 from pathlib import Path
-from typing import Self
+from typing import Any, Self
 
-import numpy as np
-
-ARRAYS = "arrays.npz"
+GIVEN = "given.pickle"
 POLL = 0.05  # s, between looks at what a drawing has written
 
 
 class Drawing:
-    """A command that draws arrays, and whose output is dropped; as a context it cleans up after itself.
+    """A command that draws, and whose output is dropped; as a context it cleans up after itself.
 
-    It is given a folder, which holds the arrays and takes what is drawn, and further `words`; it starts at
-    once, and waits for the arrays (`give`).
+    Its arguments are a folder, which takes what is drawn, and `words`; it starts at once, and waits for what
+    is to be drawn (`give`).
     """
 
     def __init__(self, command: Sequence[str], *words: str) -> None:
@@ -33,16 +32,16 @@ class Drawing:
             self._process = subprocess.Popen(
                 (*command, str(self.folder), *words),
                 cwd=Path(__file__).parents[2],  # `-m` finds the package there, installed or not
-                stdin=subprocess.PIPE,  # which ends when the arrays are there
+                stdin=subprocess.PIPE,  # which ends when all is there that is to be drawn
                 stdout=subprocess.DEVNULL,
                 stderr=subprocess.DEVNULL,
             )
         except OSError as error:
             self._failure = f"it could not be started ({error.strerror or error})"
 
-    def give(self, arrays: Mapping[str, object]) -> None:
-        """Hand over what is drawn, by name."""
-        np.savez(self.folder / ARRAYS, **arrays)  # type: ignore[arg-type]
+    def give(self, drawn: object) -> None:
+        """Hand over what is to be drawn."""
+        (self.folder / GIVEN).write_bytes(pickle.dumps(drawn))
         self._end_input()
         self._began = time.monotonic()
 
@@ -60,7 +59,7 @@ class Drawing:
     ) -> str:
         """In a few words why it failed, empty where it did not and the files are there; waited for.
 
-        At most `timeout` s since it has its arrays (None: for ever), with `written` called with the number of
+        At most `timeout` s since it was given all (None: for ever), with `written` called with the number of
         files that are there, whenever it has changed.
         """
         if self._process is None:
@@ -89,8 +88,7 @@ class Drawing:
         self._temporary.cleanup()
 
 
-def arrays(folder: Path) -> dict[str, np.ndarray]:
-    """Arrays that a drawing was given, by name; waited for."""
+def given(folder: Path) -> Any:
+    """What a drawing was given; waited for."""
     sys.stdin.read()
-    with np.load(folder / ARRAYS) as stored:
-        return dict(stored)
+    return pickle.loads((folder / GIVEN).read_bytes())

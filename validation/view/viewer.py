@@ -10,7 +10,7 @@ import numpy as np
 
 from validation.study.style import GREY
 from validation.view.frames import Frames
-from validation.view.process import arrays
+from validation.view.process import given
 from validation.view.render3d import aim, tubes
 from validation.view.shapes import picture_frame, view
 
@@ -30,7 +30,7 @@ ROOM = 0.8  # of the window's height, which leaves the slider clear of the wire
 
 
 def main(folder: Path, what: str) -> None:
-    """Show the frames in `folder` in a window, or draw them as PNG files beside it."""
+    """Show the frames given in `folder` in a window, or draw them as PNG files there."""
     import pyvista
 
     window = what == "window"
@@ -38,7 +38,7 @@ def main(folder: Path, what: str) -> None:
     plotter.set_background("white")
     if not window:
         plotter.show(auto_close=False)  # OpenGL gets ready while the scene is solved
-    frames = Frames(**arrays(folder))  # type: ignore[arg-type]
+    frames = given(folder)
     draw(plotter, frames, len(frames.times) - 1)
     _scale(plotter, frames)
     aim(plotter, frames.points.reshape(-1, 3), 2.0 * frames.diameter)
