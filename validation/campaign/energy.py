@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass, replace
 from functools import cached_property, partial
 
 import numpy as np
@@ -24,33 +23,38 @@ Closed = np.ndarray | bool | None  # which pairs count as closed; None: those th
 PAIRS_A_TURN = 2  # in the plane; the scene's stiffness is that of a pair at 4 a turn
 
 
-@dataclass(frozen=True, kw_only=True)
 class BeamEnergy:
-    """Gradient and Hessian of one scene's energy at load factor t: U + C - t f . u."""
+    """Gradient and Hessian of one scene's energy by a law at load factor t: U + C - t f . u."""
 
-    rest: np.ndarray  # (3 nodes,) state at rest
-    law: Law  # (l, v, dtheta) of all half coils -> N, T, M of each
-    d: float  # of the contact, as are stiffness and exponent
-    stiffness: float
-    exponent: float
-    free: np.ndarray  # indices of the free degrees of freedom
-    force: np.ndarray  # (free,) load at time 1
-    attached: np.ndarray  # (2, pairs) nodes to which the circles of each pair are attached
-    offsets: np.ndarray  # (2, pairs, 2) from the nodes to the circles' centres at rest
-    # UY of the top that is prescribed at time 1, mm; 0 under a force. `force` then is what this motion does
-    # to the spring at rest, linearly, and measures residuals alone.
-    displacement: float = 0.0
-
-    @property
-    def top(self) -> int:
-        """Degree of freedom of the top's y."""
-        return self.rest.size - 2
-
-    def driven(self, displacement: float) -> BeamEnergy:
-        """The same spring with UY of its top prescribed."""
-        free = self.free[self.free != self.top]
-        made = replace(self, free=free, force=np.zeros(free.size), displacement=displacement)
-        return replace(made, force=made.rate(self.rest, False))
+    def __init__(self, scene: Scene, law: str) -> None:
+        spring, contact = scene.spring, scene.contact
+        count = round(2 * spring.active_coils)
+        rest = np.zeros((count + 1, 3))
+        rest[:, 1] = np.linspace(0.0, spring.active_height, count + 1)
+        self.rest = rest.ravel()
+        self.top = self.rest.size - 2  # degree of freedom of the top's y
+        # (l, v, dtheta) of all half coils -> N, T, M of each
+        self.law = LAWS[law](scene) if law in LAWS else plain_law(scene, KNOWN[law])
+        self.d, self.exponent = spring.wire_diameter, contact.exponent
+        self.stiffness = contact.stiffness * 4.0 / PAIRS_A_TURN
+        node, offset = circles(spring)
+        # circles i and i + 2 are pairs, those of one rigid end left out
+        low = np.flatnonzero(node[:-2] != node[2:]) if contact.enabled else np.zeros(0, int)
+        pairs = np.stack((low, low + 2))
+        self.attached = node[pairs]  # (2, pairs) nodes to which the circles of each pair are attached
+        self.offsets = offset[pairs]  # (2, pairs, 2) from the nodes to the circles' centres at rest
+        held = [3 * count + {"ux": 0, "rotz": 2}[name] for name in scene.supports.top_held]
+        self.free = np.setdiff1d(np.arange(3, 3 * count + 3), held)
+        self.displacement = 0.0  # prescribed UY of the top at time 1, mm
+        if scene.load.displacement:
+            (self.displacement,) = scene.load.displacement
+            # what this motion does to the spring at rest, linearly: it measures residuals alone
+            self.free = self.free[self.free != self.top]
+            self.force = self.rate(self.rest, False)
+        else:
+            force = np.zeros(self.rest.size)
+            force[-3:-1] = scene.load.force
+            self.force = force[self.free]  # load at time 1
 
     def placed(self, state: np.ndarray, time: float) -> np.ndarray:
         """The state with the top where it is prescribed."""
@@ -152,34 +156,6 @@ class BeamEnergy:
         size = -sign * self.stiffness * (sign * (self.d - h)) ** self.exponent / h
         px, py = np.where(h.real < self.d if closed is None else closed, size, 0.0) * g
         return np.stack((-px, -py, low[1] * px - low[0] * py, px, py, high[0] * py - high[1] * px))
-
-
-def beam_energy(scene: Scene, law: str) -> BeamEnergy:
-    """The scene's equivalent beam by a law."""
-    spring, contact = scene.spring, scene.contact
-    count = round(2 * spring.active_coils)
-    rest = np.zeros((count + 1, 3))
-    rest[:, 1] = np.linspace(0.0, spring.active_height, count + 1)
-    node, offset = circles(spring)
-    # circles i and i + 2 are pairs, those of one rigid end left out
-    low = np.flatnonzero(node[:-2] != node[2:]) if contact.enabled else np.zeros(0, int)
-    pairs = np.stack((low, low + 2))
-    held = [3 * count + {"ux": 0, "rotz": 2}[name] for name in scene.supports.top_held]
-    free = np.setdiff1d(np.arange(3, 3 * count + 3), held)
-    force = np.zeros(rest.size)
-    force[-3:-1] = scene.load.force
-    energy = BeamEnergy(
-        rest=rest.ravel(),
-        law=LAWS[law](scene) if law in LAWS else plain_law(scene, KNOWN[law]),
-        attached=node[pairs],
-        offsets=offset[pairs],
-        d=spring.wire_diameter,
-        stiffness=contact.stiffness * 4.0 / PAIRS_A_TURN,
-        exponent=contact.exponent,
-        free=free,
-        force=force[free],
-    )
-    return energy.driven(*scene.load.displacement) if scene.load.displacement else energy
 
 
 def circles(spring: Spring) -> tuple[np.ndarray, np.ndarray]:

@@ -17,14 +17,14 @@ from coilspring.workers import processes
 from equivbeam.laws.userlaw import UserLaw
 from validation.campaign import wireverifier
 from validation.campaign.beamverifier import verify_critical, verify_states
-from validation.campaign.energy import beam_energy
+from validation.campaign.energy import BeamEnergy
 from validation.campaign.overlap import verify_overlap
 from validation.campaign.page import write_page
 from validation.campaign.runs import verified_rows, verify_invariance, verify_steps
 from validation.campaign.scenes import Case, case_id, make_case
 from validation.campaign.table import Key, Row, Table, row_of, row_text, version
 from validation.campaign.verdict import CRITICAL, JUMP, REFUSED, UNEXPLAINED, VERIFIED, Verdict, reached
-from validation.campaign.wire import wire_forces
+from validation.campaign.wire import WireForces
 from validation.study.output import prepare
 from validation.study.provenance import write_provenance
 
@@ -119,11 +119,11 @@ def verify(case: Case, path: EquilibriumPath) -> Verdict:
         verdict.complain(f"{path.outcome}: {path.message}")
         return verdict
     if case.model == "equivbeam":
-        energy = beam_energy(case.scene, str(path.options["law"]))
+        energy = BeamEnergy(case.scene, str(path.options["law"]))
         critical = partial(verify_critical, verdict, energy)
         verify_states(verdict, energy, path)
     else:
-        forces = wire_forces(case.scene, **case.options)
+        forces = WireForces(case.scene, **case.options)
         critical = partial(wireverifier.verify_wire_critical, verdict, forces)
         for row in sorted(verified_rows(path)):
             wireverifier.verify_row(verdict, forces, path, row)
