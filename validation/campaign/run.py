@@ -138,12 +138,10 @@ def verify(case: Case, path: EquilibriumPath) -> Verdict:
 
 def _results(keys: list[Key], workers: int, scheduler: str | None) -> Iterator[list[Row]]:
     """Rows of the cases, in chunks as they come."""
-    chunks = [
-        part[i : i + size]
-        for letter, size in CHUNK.items()
-        for part in [[key for key in keys if key[1][0] == letter]]
-        for i in range(0, len(part), size)
-    ]
+    chunks = []
+    for letter, size in CHUNK.items():
+        some = [key for key in keys if key[1][0] == letter]
+        chunks += [some[i : i + size] for i in range(0, len(some), size)]
     if not keys or (workers == 0 and scheduler is None):
         yield from map(_verified_all, chunks)
         return
