@@ -12,14 +12,13 @@ import pytest
 import equivbeam
 from coilspring import Contact, InputError, Load, Scene, Spring, Supports, load_scene, spring_b
 from coilspring.path import OUTCOMES
-from validation.campaign import page, run, runs
+from validation.campaign import page, run, runs, table
 from validation.campaign.beamverifier import bracket, verify_critical, verify_states
 from validation.campaign.energy import BeamEnergy
 from validation.campaign.poses import moved
 from validation.campaign.run import verify
 from validation.campaign.runs import (
     KINDS,
-    bounds_of,
     force_grain,
     grain,
     verify_branch,
@@ -27,7 +26,7 @@ from validation.campaign.runs import (
     verify_steps,
 )
 from validation.campaign.scenes import Case, case_id, in_units, make_case, pressed
-from validation.campaign.table import COLUMNS, Table, read_rows, row_text
+from validation.campaign.table import COLUMNS, read_rows, row_text
 from validation.campaign.verdict import CLASSES, THROUGH, UNEXPLAINED, Verdict, reached, under
 from validation.campaign.wire import WireForces
 from validation.campaign.wireverifier import (
@@ -156,7 +155,7 @@ def test_another_branch_is_caught():
     path = reached(case)
     fine = replace(path, shape=reached(beam("spring-a-no-contact")).shape, states=path.states * 1.0001)
     verdict = Verdict()
-    verify_branch(verdict, path, fine, "fine run", bounds_of(case))
+    verify_branch(verdict, path, fine, "fine run")
     assert "off the branch" in verdict.complaints[0]
 
 
@@ -387,10 +386,10 @@ def test_interrupted_campaign_goes_on_where_it_was(tmp_path, monkeypatch):
 
     with pytest.raises(Killed):
         run.campaign(parts, beams=20, wires=1, seeds=(SEED,), workers=0, progress=kill)
-    table = parts / "stability.csv"
-    kept = table.read_text()
-    assert 0 < len(read_rows(table)) < 21
-    table.write_text(kept + "b0000")  # a line cut while it was written
+    file = parts / "stability.csv"
+    kept = file.read_text()
+    assert 0 < len(read_rows(file)) < 21
+    file.write_text(kept + "b0000")  # a line cut while it was written
     computed = []
     verified = run.verified
     monkeypatch.setattr(run, "verified", lambda name, seed: computed.append(name) or verified(name, seed))
@@ -456,10 +455,17 @@ def test_without_dask_a_sentence_names_the_extra(tmp_path, monkeypatch):
 
 def test_rows_of_another_seed_or_version_are_not_kept(tmp_path):
     row = run.verified("b000000", SEED)
-    Table(tmp_path / "t.csv", (SEED,), row["version"]).append([row])
-    assert (SEED, "b000000") in Table(tmp_path / "t.csv", (SEED,), row["version"])
-    assert (SEED, "b000000") not in Table(tmp_path / "t.csv", (SEED,), "other")
-    assert (SEED, "b000000") not in Table(tmp_path / "t.csv", (7,), row["version"])
+    file = tmp_path / "t.csv"
+    for seeds, version, keys in (
+        ((SEED,), row["version"], {(SEED, "b000000")}),
+        ((SEED,), "other", set()),
+        ((7,), row["version"], set()),
+    ):
+        file.unlink(missing_ok=True)
+        assert table.kept(file, (SEED,), row["version"]) == set()
+        table.append([row], file)
+        assert table.kept(file, seeds, version) == keys
+        assert len(read_rows(file)) == len(keys)
 
 
 def test_crash_is_an_unexplained_outcome(monkeypatch):

@@ -15,14 +15,14 @@ from time import process_time
 from coilspring import EquilibriumPath, InputError
 from coilspring.workers import processes
 from equivbeam.laws.userlaw import UserLaw
-from validation.campaign import wireverifier
+from validation.campaign import table, wireverifier
 from validation.campaign.beamverifier import verify_critical, verify_states
 from validation.campaign.energy import BeamEnergy
 from validation.campaign.overlap import verify_overlap
 from validation.campaign.page import write_page
 from validation.campaign.runs import verified_rows, verify_invariance, verify_steps
 from validation.campaign.scenes import Case, case_id, make_case
-from validation.campaign.table import Key, Row, Table, row_of, row_text, version
+from validation.campaign.table import Key, Row, row_of, row_text, version
 from validation.campaign.verdict import CRITICAL, JUMP, REFUSED, UNEXPLAINED, VERIFIED, Verdict, reached
 from validation.campaign.wire import WireForces
 from validation.study.output import prepare
@@ -74,16 +74,17 @@ def campaign(
         print("\n\n".join(map(row_text, rows)))
         return int(any(row["class"] == UNEXPLAINED for row in rows))
     prepare(out)
-    table = Table(out / "stability.csv", seeds, version())
+    file = out / "stability.csv"
     names = [case_id("b", i) for i in range(beams)] + [case_id("w", i) for i in range(wires)]
     wanted = [(seed, name) for seed in seeds for name in names]
-    missing = [key for key in wanted if key not in table]
+    known = table.kept(file, seeds, version())
+    missing = [key for key in wanted if key not in known]
     done = len(wanted) - len(missing)
     for rows in _results(missing, os.cpu_count() or 1 if workers is None else workers, scheduler):
-        table.append(rows)
+        table.append(rows, file)
         done += len(rows)
         progress(done, len(wanted))
-    chosen = table.sort(wanted)
+    chosen = table.sort(file, wanted)
     write_page(chosen, out)
     options = f"--beams {beams} --wires {wires} --seeds {','.join(map(str, seeds))}"
     write_provenance(f"coilcheck stability {options}", out)

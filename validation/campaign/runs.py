@@ -43,11 +43,11 @@ class Bounds(NamedTuple):
     between: float  # tips before
 
 
-def bounds_of(case: Case) -> Bounds:
-    """Bounds of a case."""
-    if path_dependent(case):
+def bounds_of(run: Case | EquilibriumPath) -> Bounds:
+    """Bounds for a scene by a model."""
+    if path_dependent(run):
         return Bounds(FRICTION, FRICTION_TIME, FRICTION)
-    return Bounds(BRANCH, LOAD, 0.0 if case.model == "equivbeam" else BETWEEN)
+    return Bounds(BRANCH, LOAD, 0.0 if run.model == "equivbeam" else BETWEEN)
 
 
 def path_dependent(run: Case | EquilibriumPath) -> bool:
@@ -98,10 +98,9 @@ def largest_load(path: EquilibriumPath, row: int) -> float:
     return float(np.hypot(*path.loads[: row % len(path.times) + 1].T).max())
 
 
-def verify_branch(
-    verdict: Verdict, path: EquilibriumPath, other: EquilibriumPath, name: str, bounds: Bounds
-) -> None:
+def verify_branch(verdict: Verdict, path: EquilibriumPath, other: EquilibriumPath, name: str) -> None:
     """The path must be the other run's, and end as that does, but for what ends by the iteration."""
+    bounds = bounds_of(path)
     most = max(bounds.branch, SOLVER / max(verdict.numbers.get("least", 1.0), 1e-12) ** 0.5, grain(path))
     last, largest = deviation(path, other)
     verdict.ask("branch", last, most, f"off the branch of the {name}")
@@ -122,7 +121,7 @@ def verify_steps(verdict: Verdict, case: Case, path: EquilibriumPath) -> None:
 
     Neither run may go on beyond a critical point at which the other ends.
     """
-    bounds, steps = bounds_of(case), case.scene.load.steps
+    beyond, steps = max(STEPPED, bounds_of(case).critical), case.scene.load.steps
     fine = steps * max(round(MANY / steps), 2)  # so that the path's times are among its own
     for name, count in (("run in one step", 1), ("fine run", fine)):
         if count == steps:
@@ -133,10 +132,10 @@ def verify_steps(verdict: Verdict, case: Case, path: EquilibriumPath) -> None:
         for stops, who, goes in ((other, "the path", path), (path, f"the {name}", other)):
             if stops.outcome in CRITICAL and stops.critical_time is not None:
                 end = max([0.0, *goes.times[-1:], *(goes.end_bracket or ())[:1]])
-                if end > stops.critical_time * (1.0 + max(STEPPED, bounds.critical)):
+                if end > stops.critical_time * (1.0 + beyond):
                     verdict.numbers["stepped"] = 1.0
                     verdict.complain(f"{who} stepped over a critical point at {stops.critical_time:.6g}")
-        verify_branch(verdict, path, other, name, bounds)
+        verify_branch(verdict, path, other, name)
 
 
 def verified_rows(path: EquilibriumPath) -> set[int]:

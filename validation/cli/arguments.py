@@ -85,22 +85,19 @@ def _add(home: argparse._ActionsContainer, options: list, words: dict, changes: 
             group = words["group"][name]
             _add(home.add_argument_group(group["title"]), group["options"], words, changes)
         else:
-            _add_option(home, name, words["option"][name] | changes.get(name, {}))
-
-
-def _add_option(home: argparse._ActionsContainer, name: str, keywords: dict) -> None:
-    """Add one option."""
-    if isinstance(choices := keywords.get("choices"), str):
-        keywords["choices"] = NAMES[choices]
-    if keywords.get("type") == "some":
-        names = keywords.pop("choices")
-        keywords |= {"type": partial(_some, names), "help": f"some of {','.join(names)}"}
-    elif "type" in keywords:
-        keywords["type"] = READERS[keywords["type"]]
-    keywords["help"] = keywords["help"].format(**{key: ", ".join(each) for key, each in NAMES.items()})
-    if not keywords.keys() & {"metavar", "choices"}:
-        keywords["action"] = "store_true"
-    home.add_argument(name, *keywords.pop("also", ()), **keywords)
+            keywords = words["option"][name] | changes.get(name, {})
+            if isinstance(choices := keywords.get("choices"), str):
+                keywords["choices"] = NAMES[choices]
+            if keywords.get("type") == "some":
+                names = keywords.pop("choices")
+                keywords |= {"type": partial(_some, names), "help": f"some of {','.join(names)}"}
+            elif "type" in keywords:
+                keywords["type"] = READERS[keywords["type"]]
+            listed = {key: ", ".join(each) for key, each in NAMES.items()}
+            keywords["help"] = keywords["help"].format(**listed)
+            if not keywords.keys() & {"metavar", "choices"}:
+                keywords["action"] = "store_true"
+            home.add_argument(name, *keywords.pop("also", ()), **keywords)
 
 
 def _some(names: tuple[str, ...], text: str) -> tuple[str, ...]:

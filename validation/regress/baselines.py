@@ -22,8 +22,6 @@ SHIPPED = Path(__file__).with_name("baseline")  # of the runs on the catalogue's
 SHARES = (0.2, 0.4, 0.6, 0.8, 1.0)  # of the steps reached, at which the tips are kept
 
 CURVES = ("ux", "uy", "rotz")
-FORCES = ("contact_force", "contact_moment", "max_penetration")
-COUNTS = ("iterations", "active_contacts")
 LAWS = ("haringx", "helix")
 STRAIGHT = {"element": "straight", "elements_per_turn": 40}
 COARSE, CURVED = ({"element": "curved", "elements_per_turn": count} for count in (4, 8))

@@ -12,7 +12,6 @@ import numpy as np
 
 from coilspring import EquilibriumNotFound, EquilibriumPath, InputError, Scene
 from validation.regress.baselines import made
-from validation.regress.comparison import Move
 from validation.study.cases import CASES, solve_beam, solve_wire
 from validation.study.output import write_json
 from validation.study.timing import announced, interleaved, median_of
@@ -67,16 +66,16 @@ def write(ratios: Mapping[str, float], folder: Path) -> None:
     write_json(folder / FILE, {"made": made(), "ratios": {name: round(r, 3) for name, r in ratios.items()}})
 
 
-def compare(folder: Path, ratios: Mapping[str, float]) -> tuple[Move, ...]:
-    """Ratios that changed by more than `ALLOWED`; `InputError` where none are kept."""
+def compare(folder: Path, ratios: Mapping[str, float]) -> list[tuple[str, str, str, str]]:
+    """Ratios that changed by more than `ALLOWED`, as what moves; `InputError` where none are kept."""
     file = folder / FILE
     try:
         kept = json.loads(file.read_text(encoding="utf-8"))["ratios"]
         pairs = [(name, float(kept.get(name, np.nan)), ratio) for name, ratio in ratios.items()]
     except (OSError, ValueError, KeyError, TypeError, AttributeError) as error:
         raise InputError(f"{file} holds no ratios of times; write them by --accept") from error
-    return tuple(
-        Move("times", name, f"{before:.3g}", f"{now:.3g}", f"factor {now / before:.3g}, {ALLOWED:g} allowed")
+    return [
+        (name, f"{before:.3g}", f"{now:.3g}", f"factor {now / before:.3g}, {ALLOWED:g} allowed")
         for name, before, now in pairs
         if not 1.0 / ALLOWED <= now / before <= ALLOWED
-    )
+    ]

@@ -7,7 +7,7 @@ import os
 import sys
 from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import Any
 
 import numpy as np
 
@@ -15,9 +15,6 @@ from coilspring import InputError
 from validation.study.output import write_bytes
 from validation.view.frames import Frames
 from validation.view.process import Drawing
-
-if TYPE_CHECKING:
-    from PIL import Image
 
 COMMAND = (sys.executable, "-m", "validation.view.viewer")
 MOST_PICTURES = 60  # of a movie
@@ -47,6 +44,8 @@ def show(load: Callable[[], Frames]) -> None:
 
 def film(load: Callable[[], Frames], movie: Path, progress: Callable[[str], None]) -> str:
     """Write a GIF of what `load` gives; a sentence where matplotlib had to draw it, else nothing."""
+    from PIL import Image
+
     with Drawing(COMMAND, "pictures") as drawing:
         frames = load()
         chosen = np.unique(np.linspace(0, len(frames.times) - 1, MOST_PICTURES).round().astype(int))
@@ -62,23 +61,15 @@ def film(load: Callable[[], Frames], movie: Path, progress: Callable[[str], None
         if status:
             _draw_flat(frames, files)
         progress("writing the movie")
-        pictures = _pictures(files)
+        *others, last = (Image.open(file).convert("RGB") for file in files)
+    # in the colours of the last one, which has all of the scale: as many as a GIF holds
+    colours = last.quantize(256, Image.Quantize.MAXCOVERAGE, dither=Image.Dither.NONE)
+    pictures = [*(each.quantize(palette=colours, dither=Image.Dither.NONE) for each in others), colours]
+    more: dict[str, Any] = {"append_images": pictures[1:], "duration": [PACE] * len(others) + [LAST]}
     stream = io.BytesIO()
-    durations = [PACE] * (len(pictures) - 1) + [LAST]
-    pictures[0].save(
-        stream, "GIF", save_all=True, append_images=pictures[1:], duration=durations, loop=0, optimize=False
-    )
+    pictures[0].save(stream, "GIF", save_all=True, loop=0, optimize=False, **more)
     write_bytes(movie, stream.getvalue())
     return f"drawn by matplotlib: pyvista could not draw off screen ({status})" if status else ""
-
-
-def _pictures(files: list[Path]) -> list[Image.Image]:
-    """Pictures in the colours of the last one, which has all of the scale: as many as a GIF holds."""
-    from PIL import Image
-
-    *others, last = (Image.open(file).convert("RGB") for file in files)
-    colours = last.quantize(256, Image.Quantize.MAXCOVERAGE, dither=Image.Dither.NONE)
-    return [*(each.quantize(palette=colours, dither=Image.Dither.NONE) for each in others), colours]
 
 
 def _draw_flat(frames: Frames, files: list[Path]) -> None:

@@ -8,15 +8,15 @@ import sys
 import tempfile
 import time
 from collections.abc import Callable, Sequence
-from contextlib import suppress
+from contextlib import ExitStack, suppress
 from pathlib import Path
-from typing import Any, Self
+from typing import Any
 
 GIVEN = "given.pickle"
 POLL = 0.05  # s, between looks at what a drawing has written
 
 
-class Drawing:
+class Drawing(ExitStack):
     """A command that draws, and whose output is dropped; as a context it cleans up after itself.
 
     Its arguments are a folder, which takes what is drawn, and `words`; it starts at once, and waits for what
@@ -24,12 +24,12 @@ class Drawing:
     """
 
     def __init__(self, command: Sequence[str], *words: str) -> None:
-        self._temporary = tempfile.TemporaryDirectory(prefix="coilcheck-")
-        self.folder = Path(self._temporary.name)
+        super().__init__()
+        self.folder = Path(self.enter_context(tempfile.TemporaryDirectory(prefix="coilcheck-")))
         self._process: subprocess.Popen | None = None
         self._failure = ""
         try:
-            self._process = subprocess.Popen(
+            process = subprocess.Popen(
                 (*command, str(self.folder), *words),
                 cwd=Path(__file__).parents[2],  # `-m` finds the package there, installed or not
                 stdin=subprocess.PIPE,  # which ends when all is there that is to be drawn
@@ -38,17 +38,16 @@ class Drawing:
             )
         except OSError as error:
             self._failure = f"it could not be started ({error.strerror or error})"
+        else:
+            self._process = self.enter_context(process)
+            self.callback(process.kill)  # before it is waited for
 
     def give(self, drawn: object) -> None:
         """Hand over what is to be drawn."""
         (self.folder / GIVEN).write_bytes(pickle.dumps(drawn))
-        self._end_input()
-        self._began = time.monotonic()
-
-    def _end_input(self) -> None:
         if self._process is not None and self._process.stdin is not None:
-            with suppress(BrokenPipeError):
-                self._process.stdin.close()
+            self._process.stdin.close()
+        self._began = time.monotonic()
 
     def failure(
         self,
@@ -76,16 +75,6 @@ class Drawing:
         if self._process.returncode:
             return f"it ended with status {self._process.returncode}"
         return "" if all(file.is_file() for file in files) else missing
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(self, *error: object) -> None:
-        if self._process is not None:
-            self._process.kill()
-            self._process.wait()
-        self._end_input()
-        self._temporary.cleanup()
 
 
 def given(folder: Path) -> Any:

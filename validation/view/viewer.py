@@ -43,8 +43,14 @@ def main(folder: Path, what: str) -> None:
     _scale(plotter, frames)
     aim(plotter, frames.points.reshape(-1, 3), 2.0 * frames.diameter)
     if window:
+        last = len(frames.times) - 1
+
+        def go_to(step: float) -> None:
+            draw(plotter, frames, round(step))
+            plotter.render()
+
         plotter.camera.zoom(ROOM)
-        _slider(plotter, frames)
+        plotter.add_slider_widget(go_to, (0, last), value=last, **SLIDER)
         plotter.show(title="coilcheck view")
         return
     plotter.enable_anti_aliasing("ssaa")
@@ -97,16 +103,6 @@ def _scale(plotter: pyvista.Plotter, frames: Frames) -> None:
         [0.5 * (start + end)], [f"{length:g} mm"], font_size=16, text_color="black", **look
     )
     plotter.add_axes(color="black", viewport=(0.0, 0.1, 0.2, 0.34))
-
-
-def _slider(plotter: pyvista.Plotter, frames: Frames) -> None:
-    last = len(frames.times) - 1
-
-    def go_to(step: float) -> None:
-        draw(plotter, frames, round(step))
-        plotter.render()
-
-    plotter.add_slider_widget(go_to, (0, last), value=last, **SLIDER)
 
 
 if __name__ == "__main__":
