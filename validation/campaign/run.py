@@ -161,12 +161,7 @@ def _verified_all(keys: list[Key]) -> list[Row]:
 
 @contextmanager
 def cluster(scheduler: str) -> Iterator[Executor]:
-    """Workers of the Dask cluster at an address.
-
-    Raises
-    ------
-    InputError : Dask is not installed, nothing answers at the address, or the cluster has no workers.
-    """
+    """Workers of the Dask cluster at an address; `InputError` where there are none to be had."""
     try:
         from distributed import Client
     except ModuleNotFoundError:

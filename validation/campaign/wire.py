@@ -59,8 +59,7 @@ class WireForces:
         self.free = np.flatnonzero(~fixed)  # those that are neither held nor prescribed
 
     def residual(self, rows: np.ndarray, load: np.ndarray, pairs: Pairs) -> np.ndarray:
-        """Force and moment (nodes, 6) that are out of balance under a load, or the reaction to a prescribed
-        displacement."""
+        """Force and moment (nodes, 6) that are out of balance under a load or a reaction."""
         total = self.element_forces(rows) + pairs.gradient(rows)
         total[-1, :2] -= load
         return np.where(self.fixed, 0.0, total)

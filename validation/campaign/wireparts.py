@@ -117,8 +117,7 @@ class Points:
         return self._elastic(pairs[pairs[:, 1] - pairs[:, 0] > self.per_turn // 2])
 
     def missing(self, rows: np.ndarray, known: np.ndarray, d: float) -> np.ndarray:
-        """Pairs (n, 2) that touch and are none of those known: of spheres all, of stations those of the same
-        place one coil apart."""
+        """Pairs (n, 2) that touch and are not known: of spheres all, of stations those one coil apart."""
         count = len(self.node)
         low = np.arange(max(count - self.per_turn, 0))
         beside = np.stack((low, low + self.per_turn), axis=1)

@@ -41,8 +41,7 @@ OPEN = 1e-3  # wire diameters of penetration at most that are left of a pair jus
 
 
 def verify_row(verdict: Verdict, forces: WireForces, path: EquilibriumPath, row: int) -> None:
-    """Forces and moments of one state must balance at every node, contact be as reported, and the state be
-    stable."""
+    """One state must balance at every node and be stable, and contact be as reported."""
     # in a mode as stiff as a held pair, what solvers leave in the energy norm is this share of the load
     contact = path.scene.contact
     held = contact.stiffness * float(np.hypot(*path.tips[row, :2])) / runs.largest_load(path, row)
@@ -92,8 +91,8 @@ def verify_balance(
 
 
 def verify_wire_critical(verdict: Verdict, forces: WireForces, case: Case, path: EquilibriumPath) -> None:
-    """Balanced states just before the critical time must tend to a fold there, or the least stiffness must
-    vanish, or arc length turn."""
+    """Balanced states just before must tend to a fold there, or the least stiffness vanish, or arc length
+    turn."""
     critical = runs.sharp_critical(verdict, path)
     if critical is None:
         return

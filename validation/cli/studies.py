@@ -119,10 +119,7 @@ def stability(arguments: argparse.Namespace, folder: Path, progress: Progress) -
 
 
 def _seeds(one: int | None, listed: str | None) -> tuple[int, ...]:
-    """Seeds of a campaign, each once.
-
-    Raises `InputError`: both options are given, or the list is none of whole numbers.
-    """
+    """Seeds of a campaign, each once; `InputError` for both options, or a list that is none of numbers."""
     if listed is None:
         return (1 if one is None else one,)
     if one is not None:

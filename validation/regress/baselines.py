@@ -110,10 +110,8 @@ def quantities(path: EquilibriumPath, sensitive: bool = False) -> Quantities:
 def find(
     chosen: Sequence[Run], progress: Callable[[str], None], out: Path | None = None
 ) -> tuple[dict[str, dict[str, Quantities]], tuple[str, ...]]:
-    """Quantities of every run, by model and name, and a sentence on each that its model refuses.
-
-    They are written to `out`, whatever ends this. `InputError` where all runs are refused.
-    """
+    """Quantities of every run, by model and name, and a sentence on each that its model refuses; `InputError`
+    where all are refused. What was found is written to `out`, whatever ends this."""
     found: dict[str, dict[str, Quantities]] = {model: {} for model in MODELS}
     refused: dict[str, str] = {}
     try:

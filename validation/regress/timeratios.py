@@ -43,10 +43,8 @@ RATIOS = {
 def measure(
     progress: Callable[[str], None], scene: Scene | None = None
 ) -> tuple[dict[str, float], tuple[str, ...]]:
-    """Medians of ratios that are formed within each round, by name, and a sentence on those left out.
-
-    They are of a user's scene, by default of those of the paper's cases.
-    """
+    """Medians of ratios that are formed within each round, by name, and a sentence on those left out; of a
+    user's scene, by default of the paper's cases."""
     found: dict[str, float] = {}
     left_out: list[str] = []
     for each in [case.scene for case in CASES] if scene is None else [scene]:

@@ -31,10 +31,8 @@ def require(movie: Path | None) -> None:
 
 
 def show(load: Callable[[], Frames]) -> None:
-    """Open a window with a slider over the steps of what `load` gives meanwhile, until it is closed.
-
-    Raises `InputError`: the window could not be opened.
-    """
+    """Show what `load` gives in a window with a slider over the steps, until it is closed; `InputError` where
+    it could not be opened."""
     with Drawing(COMMAND, "window") as drawing:
         drawing.give(load())
         status = drawing.failure(None)

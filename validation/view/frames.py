@@ -47,10 +47,7 @@ def of_scene(scene: Scene, progress: Callable[[str], None] = lambda line: None) 
 
 
 def of_run(folder: Path) -> Frames:
-    """Read the series of VTU files of a run.
-
-    Raises `InputError`: the folder holds none, or files that are not those of a run.
-    """
+    """Read the series of VTU files of a run; `InputError` where the folder does not hold one."""
     import meshio
 
     if not (folder / "wire.pvd").is_file():
