@@ -78,6 +78,6 @@ class Drawing(ExitStack):
 
 
 def given(folder: Path) -> Any:
-    """What a drawing was given; waited for."""
+    """What a drawing was given, in a folder that is this user's alone; waited for."""
     sys.stdin.read()
     return pickle.loads((folder / GIVEN).read_bytes())
