@@ -14,7 +14,7 @@ from equivbeam.model import matrix_size
 from equivbeam.solve import KERNELS
 from validation.campaign.scenes import make_case
 from validation.campaign.verdict import SOLVERS, Verdict, reached, under
-from validation.campaign.wire import wire_forces
+from validation.campaign.wire import WireForces
 from validation.campaign.wireverifier import verify_wire_critical
 
 
@@ -78,7 +78,7 @@ def test_coils_that_slide_off_each_other_reach_a_limit_point(name, time):
 def test_limit_point_is_that_of_coulombs_own_tangent(name):
     """Unsymmetric, in plain numpy: it becomes singular there and nowhere else."""
     case = make_case(name, 1, "spheres")
-    path, forces = reached(case), wire_forces(case.scene, **case.options)
+    path, forces = reached(case), WireForces(case.scene, **case.options)
     assert forces.pairs(reached(case, under(case.scene, 0.999 * path.critical_time)), -1).slides.any()
     for share in (1.0, 0.99):
         verdict = Verdict()

@@ -12,7 +12,7 @@ import pytest
 from coilspring import spring_b
 from equivbeam.laws import law_of
 from equivbeam.laws.userlaw import spring_coils
-from validation.campaign.plainlaw import PlainEnergy, coils_of, plain_law
+from validation.campaign.laws import PlainEnergy, coils_of, plain_law
 from validation.campaign.run import verified
 from validation.cli import main
 from validation.lawstudy import checks, page, run, springs

@@ -23,8 +23,7 @@ from validation.cli import main
 from validation.cli.arguments import command_line
 from validation.regress import timeratios
 from validation.regress.baselines import MODELS, SHIPPED, Run, find, read, runs, runs_of
-from validation.regress.comparison import compare
-from validation.regress.run import regress
+from validation.regress.run import compare, regress
 from validation.study import cases
 from validation.study.cases import CASES
 

@@ -1,7 +1,6 @@
 """The deforming wire: a series of VTU files, a movie of it, and words where there is no window."""
 
 import sys
-from dataclasses import asdict
 
 import numpy as np
 import pytest
@@ -67,7 +66,7 @@ viewer.main(Path(sys.argv[1]), sys.argv[2])
 """
     found = frames.of_run(run)
     with Drawing((sys.executable, "-c", code), "pictures") as drawing:
-        drawing.give(asdict(found))
+        drawing.give(found)
         files = [drawing.folder / f"{step:04d}.png" for step in range(len(found.times))]
         counts = []
         assert drawing.failure(60.0, files, written=counts.append) == ""

@@ -72,25 +72,23 @@ def verify_critical(verdict: Verdict, energy: BeamEnergy, case: Case, path: Equi
             verdict.ask("confirmed", found.offset(critical), runs.LOAD, "eigenvalue changes sign elsewhere")
 
 
-class Bracket(NamedTuple):
-    """Times and least eigenvalues, in units of those at rest, of a stable and of an unstable equilibrium next
-    to each other."""
-
-    stable: float
-    unstable: float
-    least: tuple[float, float]
-
-    def offset(self, time: float) -> float:
-        """Offset of `time` from the farther end, over `time`."""
-        return max(abs(self.stable - time), abs(self.unstable - time)) / time
-
-
-class _Point(NamedTuple):
-    """An equilibrium, and its least eigenvalue."""
+class Point(NamedTuple):
+    """An equilibrium, and its least eigenvalue in units of that at rest."""
 
     state: np.ndarray
     time: float
     least: float
+
+
+class Bracket(NamedTuple):
+    """A stable and an unstable equilibrium next to each other."""
+
+    stable: Point
+    unstable: Point
+
+    def offset(self, time: float) -> float:
+        """Offset of `time` from the farther end, over `time`."""
+        return max(abs(end.time - time) for end in self) / time
 
 
 def bracket(energy: BeamEnergy, state: np.ndarray, time: float, critical: float) -> Bracket | None:
@@ -100,7 +98,7 @@ def bracket(energy: BeamEnergy, state: np.ndarray, time: float, critical: float)
     that mode does no work (a bifurcation) the same branch is continued by the load.
     """
     H = energy.hessian(state)
-    start = _Point(state, time, energy.least(H))
+    start = Point(state, time, energy.least(H))
     if start.least <= 0.0:
         return None
     found = _along_mode(energy, start, H, critical)
@@ -109,7 +107,7 @@ def bracket(energy: BeamEnergy, state: np.ndarray, time: float, critical: float)
     return _by_load(energy, start, H, critical) or found
 
 
-def _along_mode(energy: BeamEnergy, start: _Point, H: np.ndarray, critical: float) -> Bracket | None:
+def _along_mode(energy: BeamEnergy, start: Point, H: np.ndarray, critical: float) -> Bracket | None:
     """Narrow the sign change of the least eigenvalue over the distance along the softest mode."""
     soft = np.linalg.eigh(energy.relative(H))[1][:, 0]
     mode = solve_triangular(energy.rest_factor, soft, lower=True, trans="T")
@@ -120,7 +118,7 @@ def _along_mode(energy: BeamEnergy, start: _Point, H: np.ndarray, critical: floa
     distance = 3.0 * (critical - start.time) * abs(work) / start.least  # a parabola has its top at 2
     low, nearest, high, farthest = start, 0.0, None, np.inf
     for _ in range(MOST_TRIALS):
-        point = _settled(energy, start, low.state, low.time, row, distance)
+        point = _settled(energy, start, low, row, distance)
         if point is None:
             distance = 0.5 * (nearest + distance)
             continue
@@ -135,33 +133,31 @@ def _along_mode(energy: BeamEnergy, start: _Point, H: np.ndarray, critical: floa
             break
         share = low.least / (low.least - high.least)
         distance = nearest + min(max(share, 0.1), 0.9) * (farthest - nearest)
-    return None if high is None else Bracket(low.time, high.time, (low.least, high.least))
+    return None if high is None else Bracket(low, high)
 
 
-def _by_load(energy: BeamEnergy, start: _Point, H: np.ndarray, critical: float) -> Bracket | None:
+def _by_load(energy: BeamEnergy, start: Point, H: np.ndarray, critical: float) -> Bracket | None:
     """Continue the branch by the load to as far beyond the critical point as `start` lies before it."""
     beyond = 2.0 * (critical - start.time)
     tangent = np.linalg.solve(H, energy.rate(start.state)) * beyond
     ahead = start.state.copy()
     ahead[energy.free] += tangent
     row = np.append(np.zeros(energy.free.size), 1.0)
-    found = _settled(energy, start, ahead, start.time + beyond, row, beyond)
+    found = _settled(energy, start, Point(ahead, start.time + beyond, np.nan), row, beyond)
     if found is None or found.least > 0.0:
         return None
     moved = np.linalg.norm((found.state - start.state)[energy.free])
-    if moved > FAR * np.linalg.norm(tangent):
-        return None
-    return Bracket(start.time, found.time, (start.least, found.least))
+    return None if moved > FAR * np.linalg.norm(tangent) else Bracket(start, found)
 
 
 def _settled(
-    energy: BeamEnergy, start: _Point, guess: np.ndarray, begin: float, row: np.ndarray, distance: float
-) -> _Point | None:
+    energy: BeamEnergy, start: Point, guess: Point, row: np.ndarray, distance: float
+) -> Point | None:
     """Equilibrium near a guess, where `row` times the change of displacements and time since `start` is a
     distance: by Newton's method with the closed pairs held closed, which leaves no kinks, until they are."""
-    free, closed = energy.free, energy.closed(guess)
+    free, closed = energy.free, energy.closed(guess.state)
     for _ in range(MOST_SETS):
-        state, time, before = energy.placed(guess.copy(), begin), begin, np.inf
+        state, time, before = energy.placed(guess.state.copy(), guess.time), guess.time, np.inf
         for _ in range(MOST_CORRECTIONS):
             column = -energy.rate(state, closed)[:, None]
             matrix = np.vstack((np.hstack((energy.hessian(state, closed), column)), row))
@@ -185,6 +181,6 @@ def _settled(
             return None
         now = energy.closed(state)
         if (now == closed).all():
-            return _Point(state, time, energy.least(energy.hessian(state)))
+            return Point(state, time, energy.least(energy.hessian(state)))
         closed = now
     return None

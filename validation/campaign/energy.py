@@ -1,14 +1,13 @@
 """Forces and stiffness of the equivalent beam in plain numpy, for the verifier: nothing is the solver's.
 
-Written from docs/theory.md, section 2. The stiffness is the derivative of the forces by complex steps, which
-is exact to rounding. A state holds x, y, theta of all nodes, flat.
+Written from docs/theory.md, section 2. The stiffness is the derivative of the forces by complex steps. A
+state holds x, y, theta of all nodes, flat.
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass, replace
 from functools import cached_property, partial
 
 import numpy as np
@@ -16,8 +15,7 @@ from scipy.linalg import solve_triangular
 
 from coilspring import Scene, Spring
 from equivbeam.laws.userlaw import KNOWN
-from validation.campaign.laws import Law, haringx_law, helix_law
-from validation.campaign.plainlaw import plain_law
+from validation.campaign.laws import Law, haringx_law, helix_law, plain_law
 
 LAWS: dict[str, Callable[[Scene], Law]] = {"haringx": haringx_law, "helix": helix_law}
 TINY = 1e-30  # of a complex step
@@ -25,33 +23,38 @@ Closed = np.ndarray | bool | None  # which pairs count as closed; None: those th
 PAIRS_A_TURN = 2  # in the plane; the scene's stiffness is that of a pair at 4 a turn
 
 
-@dataclass(frozen=True, kw_only=True)
 class BeamEnergy:
-    """Gradient and Hessian of one scene's energy at load factor t: U + C - t f . u."""
+    """Gradient and Hessian of one scene's energy by a law at load factor t: U + C - t f . u."""
 
-    rest: np.ndarray  # (3 nodes,) state at rest
-    law: Law  # (l, v, dtheta) of all half coils -> N, T, M of each
-    d: float  # of the contact, as are stiffness and exponent
-    stiffness: float
-    exponent: float
-    free: np.ndarray  # indices of the free degrees of freedom
-    force: np.ndarray  # (free,) load at time 1
-    attached: np.ndarray  # (2, pairs) nodes to which the circles of each pair are attached
-    offsets: np.ndarray  # (2, pairs, 2) from the nodes to the circles' centres at rest
-    # UY of the top that is prescribed at time 1, mm; 0 under a force. `force` then is what this motion does
-    # to the spring at rest, linearly, and measures residuals alone.
-    displacement: float = 0.0
-
-    @property
-    def top(self) -> int:
-        """Degree of freedom of the top's y."""
-        return self.rest.size - 2
-
-    def driven(self, displacement: float) -> BeamEnergy:
-        """The same spring with UY of its top prescribed."""
-        free = self.free[self.free != self.top]
-        made = replace(self, free=free, force=np.zeros(free.size), displacement=displacement)
-        return replace(made, force=made.rate(self.rest, False))
+    def __init__(self, scene: Scene, law: str) -> None:
+        spring, contact = scene.spring, scene.contact
+        count = round(2 * spring.active_coils)
+        rest = np.zeros((count + 1, 3))
+        rest[:, 1] = np.linspace(0.0, spring.active_height, count + 1)
+        self.rest = rest.ravel()
+        self.top = self.rest.size - 2  # degree of freedom of the top's y
+        # (l, v, dtheta) of all half coils -> N, T, M of each
+        self.law = LAWS[law](scene) if law in LAWS else plain_law(scene, KNOWN[law])
+        self.d, self.exponent = spring.wire_diameter, contact.exponent
+        self.stiffness = contact.stiffness * 4.0 / PAIRS_A_TURN
+        node, offset = circles(spring)
+        # circles i and i + 2 are pairs, those of one rigid end left out
+        low = np.flatnonzero(node[:-2] != node[2:]) if contact.enabled else np.zeros(0, int)
+        pairs = np.stack((low, low + 2))
+        self.attached = node[pairs]  # (2, pairs) nodes to which the circles of each pair are attached
+        self.offsets = offset[pairs]  # (2, pairs, 2) from the nodes to the circles' centres at rest
+        held = [3 * count + {"ux": 0, "rotz": 2}[name] for name in scene.supports.top_held]
+        self.free = np.setdiff1d(np.arange(3, 3 * count + 3), held)
+        self.displacement = 0.0  # prescribed UY of the top at time 1, mm
+        if scene.load.displacement:
+            (self.displacement,) = scene.load.displacement
+            # what this motion does to the spring at rest, linearly: it measures residuals alone
+            self.free = self.free[self.free != self.top]
+            self.force = self.rate(self.rest, False)
+        else:
+            force = np.zeros(self.rest.size)
+            force[-3:-1] = scene.load.force
+            self.force = force[self.free]  # load at time 1
 
     def placed(self, state: np.ndarray, time: float) -> np.ndarray:
         """The state with the top where it is prescribed."""
@@ -71,11 +74,8 @@ class BeamEnergy:
         return -self.displacement * self.tangent(state, closed)[self.free, self.top]
 
     def forces(self, states: np.ndarray, closed: Closed = None) -> np.ndarray:
-        """Internal forces on all degrees of freedom, of one or many states.
-
-        Pairs that count as `closed` push where they overlap and pull where they do not, so that nothing has
-        a kink there; by default those that touch are closed.
-        """
+        """Internal forces on all degrees of freedom, of one or many states. Pairs that count as `closed` pull
+        where they do not overlap, so that nothing has a kink there."""
         total = np.zeros(states.shape)
         for places, forces in self._parts(closed):
             values = forces(np.moveaxis(states.T[places], 1, -1))  # (coordinate, state, item)
@@ -156,34 +156,6 @@ class BeamEnergy:
         size = -sign * self.stiffness * (sign * (self.d - h)) ** self.exponent / h
         px, py = np.where(h.real < self.d if closed is None else closed, size, 0.0) * g
         return np.stack((-px, -py, low[1] * px - low[0] * py, px, py, high[0] * py - high[1] * px))
-
-
-def beam_energy(scene: Scene, law: str) -> BeamEnergy:
-    """The scene's equivalent beam by a law."""
-    spring, contact = scene.spring, scene.contact
-    count = round(2 * spring.active_coils)
-    rest = np.zeros((count + 1, 3))
-    rest[:, 1] = np.linspace(0.0, spring.active_height, count + 1)
-    node, offset = circles(spring)
-    # circles i and i + 2 are pairs, those of one rigid end left out
-    low = np.flatnonzero(node[:-2] != node[2:]) if contact.enabled else np.zeros(0, int)
-    pairs = np.stack((low, low + 2))
-    held = [3 * count + {"ux": 0, "rotz": 2}[name] for name in scene.supports.top_held]
-    free = np.setdiff1d(np.arange(3, 3 * count + 3), held)
-    force = np.zeros(rest.size)
-    force[-3:-1] = scene.load.force
-    energy = BeamEnergy(
-        rest=rest.ravel(),
-        law=LAWS[law](scene) if law in LAWS else plain_law(scene, KNOWN[law]),
-        attached=node[pairs],
-        offsets=offset[pairs],
-        d=spring.wire_diameter,
-        stiffness=contact.stiffness * 4.0 / PAIRS_A_TURN,
-        exponent=contact.exponent,
-        free=free,
-        force=force[free],
-    )
-    return energy.driven(*scene.load.displacement) if scene.load.displacement else energy
 
 
 def circles(spring: Spring) -> tuple[np.ndarray, np.ndarray]:

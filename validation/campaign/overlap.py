@@ -13,7 +13,7 @@ import numpy as np
 from coilspring import EquilibriumPath, Spring
 from validation.campaign.energy import circles, turned
 from validation.campaign.verdict import THROUGH, Verdict
-from validation.campaign.wireparts import contact_points, helix
+from validation.campaign.wireparts import Points, helix
 
 ALLOWED = 0.1  # wire diameters of overlap beyond that of the deepest pair
 SEEN = 0.03  # of them: what the solver's stations and these points see differently
@@ -48,7 +48,7 @@ def _wire_overlap(spring: Spring, state: np.ndarray) -> float:
     d, rows = spring.wire_diameter, state.reshape(-1, 7)
     nodes = helix(spring, np.linspace(0.0, 2.0 * math.pi * spring.active_coils, len(rows)))
     per_turn = math.ceil(math.pi * max(spring.mean_diameter) / (SPACING * d))
-    wire = contact_points(spring, nodes, per_turn, wires=True)
+    wire = Points(spring, nodes, per_turn, wires=True)
     low, high = wire.places(rows)[wire.touching(rows, d).T]
     return d - float(np.linalg.norm(high - low, axis=1).min(initial=d))
 

@@ -73,8 +73,7 @@ def stepped(near: np.ndarray) -> list[tuple[np.ndarray, np.ndarray]]:
 
 
 def differences(function: Callable[[np.ndarray], np.ndarray], near: np.ndarray, d: float) -> np.ndarray:
-    """Derivatives (6 slots, ...) of a function of the nodes of items, (slots, items, 7), by central
-    differences."""
+    """Central differences (6 slots, ...) of a function of the nodes of items, (slots, items, 7)."""
     found = []
     for slot, i in np.ndindex(len(near), 6):
         move, sides = np.zeros((near.shape[1], 6)), []

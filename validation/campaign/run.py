@@ -15,16 +15,16 @@ from time import process_time
 from coilspring import EquilibriumPath, InputError
 from coilspring.workers import processes
 from equivbeam.laws.userlaw import UserLaw
-from validation.campaign import wireverifier
+from validation.campaign import table, wireverifier
 from validation.campaign.beamverifier import verify_critical, verify_states
-from validation.campaign.energy import beam_energy
+from validation.campaign.energy import BeamEnergy
 from validation.campaign.overlap import verify_overlap
 from validation.campaign.page import write_page
 from validation.campaign.runs import verified_rows, verify_invariance, verify_steps
 from validation.campaign.scenes import Case, case_id, make_case
-from validation.campaign.table import Key, Row, Table, row_of, row_text, version
+from validation.campaign.table import Key, Row, row_of, row_text, version
 from validation.campaign.verdict import CRITICAL, JUMP, REFUSED, UNEXPLAINED, VERIFIED, Verdict, reached
-from validation.campaign.wire import wire_forces
+from validation.campaign.wire import WireForces
 from validation.study.output import prepare
 from validation.study.provenance import write_provenance
 
@@ -74,16 +74,17 @@ def campaign(
         print("\n\n".join(map(row_text, rows)))
         return int(any(row["class"] == UNEXPLAINED for row in rows))
     prepare(out)
-    table = Table(out / "stability.csv", seeds, version())
+    file = out / "stability.csv"
     names = [case_id("b", i) for i in range(beams)] + [case_id("w", i) for i in range(wires)]
     wanted = [(seed, name) for seed in seeds for name in names]
-    missing = [key for key in wanted if key not in table]
+    known = table.kept(file, seeds, version())
+    missing = [key for key in wanted if key not in known]
     done = len(wanted) - len(missing)
     for rows in _results(missing, os.cpu_count() or 1 if workers is None else workers, scheduler):
-        table.append(rows)
+        table.append(rows, file)
         done += len(rows)
         progress(done, len(wanted))
-    chosen = table.sort(wanted)
+    chosen = table.sort(file, wanted)
     write_page(chosen, out)
     options = f"--beams {beams} --wires {wires} --seeds {','.join(map(str, seeds))}"
     write_provenance(f"coilcheck stability {options}", out)
@@ -119,11 +120,11 @@ def verify(case: Case, path: EquilibriumPath) -> Verdict:
         verdict.complain(f"{path.outcome}: {path.message}")
         return verdict
     if case.model == "equivbeam":
-        energy = beam_energy(case.scene, str(path.options["law"]))
+        energy = BeamEnergy(case.scene, str(path.options["law"]))
         critical = partial(verify_critical, verdict, energy)
         verify_states(verdict, energy, path)
     else:
-        forces = wire_forces(case.scene, **case.options)
+        forces = WireForces(case.scene, **case.options)
         critical = partial(wireverifier.verify_wire_critical, verdict, forces)
         for row in sorted(verified_rows(path)):
             wireverifier.verify_row(verdict, forces, path, row)
@@ -138,12 +139,10 @@ def verify(case: Case, path: EquilibriumPath) -> Verdict:
 
 def _results(keys: list[Key], workers: int, scheduler: str | None) -> Iterator[list[Row]]:
     """Rows of the cases, in chunks as they come."""
-    chunks = [
-        part[i : i + size]
-        for letter, size in CHUNK.items()
-        for part in [[key for key in keys if key[1][0] == letter]]
-        for i in range(0, len(part), size)
-    ]
+    chunks = []
+    for letter, size in CHUNK.items():
+        some = [key for key in keys if key[1][0] == letter]
+        chunks += [some[i : i + size] for i in range(0, len(some), size)]
     if not keys or (workers == 0 and scheduler is None):
         yield from map(_verified_all, chunks)
         return
@@ -162,12 +161,7 @@ def _verified_all(keys: list[Key]) -> list[Row]:
 
 @contextmanager
 def cluster(scheduler: str) -> Iterator[Executor]:
-    """Workers of the Dask cluster at an address.
-
-    Raises
-    ------
-    InputError : Dask is not installed, nothing answers at the address, or the cluster has no workers.
-    """
+    """Workers of the Dask cluster at an address; `InputError` where there are none to be had."""
     try:
         from distributed import Client
     except ModuleNotFoundError:

@@ -13,7 +13,7 @@ import numpy as np
 
 from coilspring import EquilibriumPath, Scene
 from validation.campaign.scenes import EVERY, Case, in_units
-from validation.campaign.verdict import CRITICAL, STUCK, Verdict, fine_steps, reached, under
+from validation.campaign.verdict import CRITICAL, STUCK, Verdict, reached, under
 
 BRANCH = 1e-6  # difference from the fine run over the largest displacement,
 SOLVER = 1e-8  # or this over the root of the least stiffness: what solvers leave, in the energy norm
@@ -24,6 +24,7 @@ BETWEEN = 1e-4  # where a column passes its buckling load all but neutral, befor
 LOAD = 1e-4  # within which a critical point is bracketed
 UNCHANGED = (1.0, 1.0, 1.0)
 ROWS = 3  # states of a path that are verified
+MANY = 200  # steps of the fine run, nearly
 PLACE = 1e-10  # of the prescribed displacement: the top is there to what rounding sums up to
 STEPPED = 1e-3  # of its time, by which a run goes beyond a critical point that it stepped over
 KINDS = ("mirror", "binary", "units", "perturbed")
@@ -35,39 +36,38 @@ CRITICAL_SHIFT = 1e-7  # of a critical time; its bracket is 2e-9 wide
 
 
 class Bounds(NamedTuple):
-    """What other steps may change: tips at the last common state over the largest displacement, the critical
-    time, and tips before."""
+    """What other steps may change."""
 
-    branch: float
-    critical: float
-    between: float
+    branch: float  # tips at the last common state, over the largest displacement
+    critical: float  # the critical time
+    between: float  # tips before
 
 
-def bounds_of(case: Case) -> Bounds:
-    """Bounds of a case: what contact remembers follows from the path."""
-    if case.model == "equivbeam":
-        return Bounds(BRANCH, LOAD, 0.0)
-    if path_dependent(case.scene, case.model):
+def bounds_of(run: Case | EquilibriumPath) -> Bounds:
+    """Bounds for a scene by a model."""
+    if path_dependent(run):
         return Bounds(FRICTION, FRICTION_TIME, FRICTION)
-    return Bounds(BRANCH, LOAD, BETWEEN)
+    return Bounds(BRANCH, LOAD, 0.0 if run.model == "equivbeam" else BETWEEN)
 
 
-def path_dependent(scene: Scene, model: str) -> bool:
+def path_dependent(run: Case | EquilibriumPath) -> bool:
     """Whether contact remembers something: friction or no sliding, in the wire model."""
-    return model == "wirefe" and scene.contact.enabled and scene.contact.sliding != "free"
+    contact = run.scene.contact
+    return run.model == "wirefe" and contact.enabled and contact.sliding != "free"
 
 
 def deviation(
-    path: EquilibriumPath,
-    other: EquilibriumPath,
-    back: Sequence[float] = UNCHANGED,
-    until: float = np.inf,
+    path: EquilibriumPath, other: EquilibriumPath, back: Sequence[float] = UNCHANGED
 ) -> tuple[float, float]:
-    """Difference of the tips over the largest displacement: at the last common time, and the largest up to
-    the time `until`.
+    """Difference of the tips over the largest displacement: at the last common time, and the largest.
 
     Rotations count as displacements at the coil's diameter; `back` are factors of the other path's tips.
+    Near a critical point runs with friction are too soft to be compared.
     """
+    until = np.inf
+    if path_dependent(path):
+        ends = [run.critical_time for run in (path, other) if run.critical_time is not None]
+        until = (1.0 - NEAR_CRITICAL) * min(ends, default=np.inf)
     times, mine, theirs = np.intersect1d(path.times, other.times, return_indices=True)
     mine, theirs = mine[times <= until], theirs[times <= until]
     if not mine.size:
@@ -85,10 +85,7 @@ def grain(path: EquilibriumPath) -> float:
 
 
 def force_grain(path: EquilibriumPath) -> float:
-    """What the rounding of the positions makes of a contact force, as a share of the load.
-
-    A hard pair's force is its stiffness times a difference of positions that are as large as the spring.
-    """
+    """What the rounding of the positions makes of a hard pair's force, as a share of the load."""
     contact, depth = path.scene.contact, path.max_penetration.max(initial=0.0)
     if not depth > 0.0:
         return 0.0
@@ -101,12 +98,11 @@ def largest_load(path: EquilibriumPath, row: int) -> float:
     return float(np.hypot(*path.loads[: row % len(path.times) + 1].T).max())
 
 
-def verify_branch(
-    verdict: Verdict, path: EquilibriumPath, other: EquilibriumPath, name: str, bounds: Bounds
-) -> None:
+def verify_branch(verdict: Verdict, path: EquilibriumPath, other: EquilibriumPath, name: str) -> None:
     """The path must be the other run's, and end as that does, but for what ends by the iteration."""
+    bounds = bounds_of(path)
     most = max(bounds.branch, SOLVER / max(verdict.numbers.get("least", 1.0), 1e-12) ** 0.5, grain(path))
-    last, largest = deviation(path, other, until=common_end(path, other))
+    last, largest = deviation(path, other)
     verdict.ask("branch", last, most, f"off the branch of the {name}")
     verdict.ask("branch", largest, max(most, bounds.between), f"off the branch of the {name} before the end")
     if STUCK in (path.outcome, other.outcome):
@@ -120,38 +116,26 @@ def verify_branch(
         verdict.ask("critical_shift", shift, bounds.critical, f"another critical time than the {name}'s")
 
 
-def common_end(path: EquilibriumPath, other: EquilibriumPath) -> float:
-    """Time up to which runs with friction must agree: near a critical point they are too soft."""
-    if not path_dependent(path.scene, path.model):
-        return np.inf
-    times = [run.critical_time for run in (path, other) if run.critical_time is not None]
-    return (1.0 - NEAR_CRITICAL) * min(times, default=np.inf)
-
-
-def verify_passed(
-    verdict: Verdict, path: EquilibriumPath, other: EquilibriumPath, name: str, most: float
-) -> None:
-    """Neither run may go on beyond a critical point at which the other ends."""
-    verdict.numbers.setdefault("stepped", 0.0)
-    for stops, who, goes in ((other, "the path", path), (path, f"the {name}", other)):
-        if stops.outcome not in CRITICAL or stops.critical_time is None:
-            continue
-        reached_time = max([0.0, *goes.times[-1:], *(goes.end_bracket or ())[:1]])
-        if reached_time > stops.critical_time * (1.0 + max(STEPPED, most)):
-            verdict.numbers["stepped"] = 1.0
-            verdict.complain(f"{who} stepped over a critical point at {stops.critical_time:.6g}")
-
-
 def verify_steps(verdict: Verdict, case: Case, path: EquilibriumPath) -> None:
-    """The path must be that of one step and that of 200: one outcome, one critical time, the same tips."""
-    bounds = bounds_of(case)
-    for name, steps in (("run in one step", 1), ("fine run", fine_steps(case))):
-        if steps == case.scene.load.steps:
+    """The path must be that of one step and that of 200: one outcome, one critical time, the same tips.
+
+    Neither run may go on beyond a critical point at which the other ends.
+    """
+    beyond, steps = max(STEPPED, bounds_of(case).critical), case.scene.load.steps
+    fine = steps * max(round(MANY / steps), 2)  # so that the path's times are among its own
+    for name, count in (("run in one step", 1), ("fine run", fine)):
+        if count == steps:
             continue
-        other = reached(case, steps=steps)
+        other = reached(case, steps=count)
         verdict.stop(name, other)
-        verify_passed(verdict, path, other, name, bounds.critical)
-        verify_branch(verdict, path, other, name, bounds)
+        verdict.numbers.setdefault("stepped", 0.0)
+        for stops, who, goes in ((other, "the path", path), (path, f"the {name}", other)):
+            if stops.outcome in CRITICAL and stops.critical_time is not None:
+                end = max([0.0, *goes.times[-1:], *(goes.end_bracket or ())[:1]])
+                if end > stops.critical_time * (1.0 + beyond):
+                    verdict.numbers["stepped"] = 1.0
+                    verdict.complain(f"{who} stepped over a critical point at {stops.critical_time:.6g}")
+        verify_branch(verdict, path, other, name)
 
 
 def verified_rows(path: EquilibriumPath) -> set[int]:
@@ -170,15 +154,15 @@ def verify_place(verdict: Verdict, path: EquilibriumPath, row: int, y: float) ->
 
 def sharp_critical(verdict: Verdict, path: EquilibriumPath) -> float | None:
     """Critical time, whose bracket must be small; None where the path has none."""
-    if path.critical_time is None or path.critical_bracket is None:
+    critical, width = path.critical_time, path.critical_bracket
+    if critical is None or width is None:
         verdict.complain(f"{path.outcome} without a critical time")
         return None
-    if not path.critical_time > 0.0:
+    if not critical > 0.0:
         verdict.complain(f"{path.outcome} at rest")
         return None
-    share = path.critical_bracket / path.critical_time
-    verdict.ask("bracket", share, LOAD, "critical time is not that sharp")
-    return path.critical_time
+    verdict.ask("bracket", width / critical, LOAD, "critical time is not that sharp")
+    return critical
 
 
 def just_before(
@@ -235,10 +219,9 @@ def verify_invariance(verdict: Verdict, case: Case, path: EquilibriumPath) -> st
         verdict.complain(f"{kind}: {ends[0]}, but changed it ends as {ends[1]}")
     elif kind != "perturbed" or least > SOFT:
         answer = ANSWER[kind] / (least if kind in KINDS[:2] else 1.0)
-        loose = bounds_of(case) if path_dependent(case.scene, case.model) else Bounds(0.0, 0.0, 0.0)
-        found = deviation(path, other, back, common_end(path, other))[1]
+        loose = bounds_of(case) if path_dependent(case) else Bounds(0.0, 0.0, 0.0)
         most = max(answer, loose.branch, grain(path))
-        verdict.ask("invariance", found, most, f"{kind} changes the answer")
+        verdict.ask("invariance", deviation(path, other, back)[1], most, f"{kind} changes the answer")
         if path.critical_time is not None and other.critical_time is not None:
             shift = abs(path.critical_time - other.critical_time) / max(path.critical_time, LOAD)
             most = max(CRITICAL_SHIFT, loose.critical, force_grain(path))

@@ -19,8 +19,7 @@ from scipy.stats import qmc
 from coilspring import Contact, InputError, Load, Scene, Spring, Supports
 from coilspring.scene.sizing import solid_height
 
-DIMENSIONS = 20
-BLOCK = 1024
+BLOCK = 1024  # of the sequence
 CORNERS = ("touching", "solid", "buckling", "telescoping", "tiny", "huge", "hard")
 EVERY = 8  # scenes, one of which is a corner
 HELD: tuple[tuple[str, ...], ...] = ((), (), ("rotz",), ("ux",), ("ux", "rotz"))
@@ -62,12 +61,8 @@ def case_id(letter: str, number: int) -> str:
 
 
 def make_case(name: str, seed: int, geometry: str | None = None) -> Case:
-    """The case of an id; a wire's contact with the geometry drawn, unless one is given.
-
-    Raises
-    ------
-    InputError : the id is none.
-    """
+    """The case of an id (`InputError` where it is none); a wire's contact with the geometry drawn, unless one
+    is given."""
     letter, digits = name[:1], name[1:]
     if letter not in MODELS or not digits.isdecimal():
         raise InputError(f"case must be b or w with a number, as b000123, got {name!r}")
@@ -85,7 +80,11 @@ def make_case(name: str, seed: int, geometry: str | None = None) -> Case:
         geometry = geometry or ("wires" if _chosen((seed, 2), SILVER, number, WIRES) else "spheres")
         contact = replace(scene.contact, sliding=sliding, friction=friction, geometry=geometry)
         scene = replace(scene, contact=contact)
-        options = _mesh(draw, spring.active_coils, geometry)
+        element = draw.of("law", *COUNTS)  # long wires take the coarser meshes
+        counts = [count for count in COUNTS[element] if count * spring.active_coils <= MOST_ELEMENTS]
+        count = draw.of("mesh", *(counts or COUNTS[element][:1]))
+        pairs = draw.of("pairs", 2, 4) if geometry == "spheres" else draw.whole("pairs", *STATIONS)
+        options = {"element": element, "elements_per_turn": count, "pairs_per_turn": pairs}
     scene = in_units(scene, *UNITS.get(corner, (1.0, 1.0)))
     if is_driven(letter, number, seed):
         size *= OF_SIZE
@@ -114,7 +113,7 @@ def pressed(scene: Scene, share: float) -> Scene:
 @lru_cache(maxsize=4)
 def _block(letter: str, seed: int, block: int) -> np.ndarray:
     """A block of the sequence; the prefix of a Sobol sequence does not depend on its length."""
-    sobol = qmc.Sobol(DIMENSIONS, rng=seed + (letter == "w"))
+    sobol = qmc.Sobol(len(Draw.NAMES), rng=seed + (letter == "w"))
     if block:
         sobol.fast_forward(block * BLOCK)
     return sobol.random(BLOCK)
@@ -148,16 +147,6 @@ class Draw:
         return choices[self.whole(name, 0, len(choices) - 1)]
 
 
-def _mesh(draw: Draw, coils: float, geometry: str) -> dict[str, object]:
-    """Curved elements 4 to 16 a turn, or straight ones 8 to 40; long wires take the coarser ones. Spheres are
-    at nodes, stations anywhere."""
-    element = draw.of("law", *COUNTS)
-    fitting = [count for count in COUNTS[element] if count * coils <= MOST_ELEMENTS] or COUNTS[element][:1]
-    count = draw.of("mesh", *fitting)
-    pairs = draw.of("pairs", 2, 4) if geometry == "spheres" else draw.whole("pairs", *STATIONS)
-    return {"element": element, "elements_per_turn": count, "pairs_per_turn": pairs}
-
-
 def _spring(draw: Draw, corner: str, half_coils: int) -> Spring:
     """A cylinder or a cone whose coils do not overlap at rest."""
     d, coils = draw.log("d", 0.4, 5.0), 0.5 * half_coils
@@ -180,7 +169,13 @@ def _scene(name: str, draw: Draw, corner: str, spring: Spring) -> tuple[Scene, f
     """A scene and the size of its load."""
     held = draw.of("held", *HELD)
     size = draw.even("size", 1.0, 1.5) if corner == "solid" else draw.even("size", 0.05, 1.3)
-    angle = 0.0 if "ux" in held or corner in ("buckling", "solid", "telescoping") else _angle(draw)
+    angle, third = 0.0, draw.point["angle"] * 3.0
+    if "ux" not in held and corner not in ("buckling", "solid", "telescoping"):
+        # from the axis downwards: a third nearly axial, a third lateral, the rest between; beyond 90 degrees
+        # the spring is drawn out
+        nearly_axial, between = LEAST_ANGLE + 0.1 * third, (third - 2.0) * math.pi * 0.75
+        angle = nearly_axial if third < 1.0 else math.pi / 2.0 if third < 2.0 else between
+        angle *= 1.0 if draw.point["side"] * 2.0 % 1.0 < 0.5 else -1.0
     if corner == "buckling":
         held = ()
     contact = Contact(
@@ -192,22 +187,9 @@ def _scene(name: str, draw: Draw, corner: str, spring: Spring) -> tuple[Scene, f
     return Scene(name, spring, load, supports=Supports(held), contact=contact), size
 
 
-def _angle(draw: Draw) -> float:
-    """Angle of the load from the axis downwards: a third nearly axial, a third lateral, the rest between."""
-    third = draw.point["angle"] * 3.0
-    sign = 1.0 if draw.point["side"] * 2.0 % 1.0 < 0.5 else -1.0
-    if third < 1.0:
-        return sign * (LEAST_ANGLE + 0.1 * third)
-    if third < 2.0:
-        return sign * math.pi / 2.0
-    return sign * (third - 2.0) * math.pi * 0.75  # beyond 90 degrees the spring is drawn out
-
-
 def _force(spring: Spring, size: float, angle: float, held: tuple[str, ...]) -> tuple[float, float]:
-    """Load that takes up `size` of the spring's free travel, or bends it that far, in the linear range.
-
-    Rigidities of a helical spring with G = E / 2.6, by which loads are scaled.
-    """
+    """Load that takes up `size` of the spring's free travel, or bends it that far, in the linear range; by
+    rigidities of a helical spring with G = E / 2.6."""
     d, n, D = spring.wire_diameter, spring.active_coils, sum(spring.mean_diameter) / 2.0
     E, G, height = 206_000.0, 206_000.0 / 2.6, spring.active_height
     bottom, top = spring.mean_diameter

@@ -4,12 +4,11 @@ from __future__ import annotations
 
 import io
 import os
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 import pandas as pd
 
 from coilspring import EquilibriumPath
@@ -65,11 +64,10 @@ def row_of(case: Case, path: EquilibriumPath | None, verdict: Verdict, **known: 
         if reached:
             values |= zip(TIP, (*path.tips[-1], float(path.active_contacts[-1])), strict=True)
     values |= verdict.numbers | known
-    return {name: _text(values.get(name, "")) for name in COLUMNS}
-
-
-def _text(value: Any) -> str:
-    return f"{value:.6g}" if isinstance(value, float | np.floating) else str(value).replace("\n", " ")
+    texts = dict.fromkeys(COLUMNS, "")
+    for name, value in values.items():
+        texts[name] = f"{value:.6g}" if isinstance(value, float) else str(value).replace("\n", " ")
+    return texts
 
 
 def row_text(row: Row) -> str:
@@ -77,42 +75,32 @@ def row_text(row: Row) -> str:
     return "\n".join(f"{name:15} {value}" for name, value in row.items() if value)
 
 
-class Table:
-    """Rows of some seeds and one version, in a file."""
-
-    def __init__(self, target: Path, seeds: Sequence[int], version: str) -> None:
-        self.target = target
-        data = read_rows(target)
-        kept = data[data["seed"].isin([str(seed) for seed in seeds]) & (data["version"] == version)]
-        self.rows: dict[Key, Row] = {}
-        self._keep(kept.to_dict("records"))
-        # what belongs to another seed or version, and a last line that was cut, are left out
-        write_text(target, _csv(self.rows.values()))
-
-    def __contains__(self, key: Key) -> bool:
-        return key in self.rows
-
-    def append(self, rows: list[Row]) -> None:
-        """Add rows at the end of the file; they are on disk when this returns."""
-        with writing(self.target), self.target.open("a", encoding="utf-8", newline="") as stream:
-            stream.write(_csv(rows, header=False))
-            stream.flush()
-            os.fsync(stream.fileno())
-        self._keep(rows)
-
-    def sort(self, wanted: list[Key]) -> pd.DataFrame:
-        """Write the file in the order of seeds and ids, and return the rows of those wanted."""
-        write_text(self.target, _csv(self.rows[key] for key in sorted(self.rows)))
-        return pd.DataFrame([self.rows[key] for key in wanted], columns=list(COLUMNS))
-
-    def _keep(self, rows: list[Row]) -> None:
-        self.rows |= {(int(row["seed"]), row["id"]): row for row in rows}
+def kept(target: Path, seeds: Sequence[int], version: str) -> set[Key]:
+    """Keys of a file's rows of some seeds and one version; the others, and a last line that was cut, go."""
+    data = read_rows(target)
+    data = data[data["seed"].isin([str(seed) for seed in seeds]) & (data["version"] == version)]
+    write_text(target, _csv(data))
+    return set(zip(data["seed"].astype(int), data["id"], strict=True))
 
 
-def _csv(rows: Iterable[Row], header: bool = True) -> str:
-    return pd.DataFrame(list(rows), columns=list(COLUMNS)).to_csv(
-        index=False, header=header, lineterminator="\n"
-    )
+def append(rows: list[Row], target: Path) -> None:
+    """Add rows at the end of a file; they are on disk when this returns."""
+    with writing(target), target.open("a", encoding="utf-8", newline="") as stream:
+        stream.write(_csv(pd.DataFrame(rows, columns=list(COLUMNS)), header=False))
+        stream.flush()
+        os.fsync(stream.fileno())
+
+
+def sort(target: Path, wanted: list[Key]) -> pd.DataFrame:
+    """Write a file in the order of seeds and ids, and return the rows of those wanted."""
+    data = read_rows(target)
+    data = data.set_index([data["seed"].astype(int), data["id"]]).sort_index()
+    write_text(target, _csv(data))
+    return data.loc[wanted].reset_index(drop=True)
+
+
+def _csv(data: pd.DataFrame, header: bool = True) -> str:
+    return data.to_csv(index=False, header=header, lineterminator="\n")
 
 
 def read_rows(target: Path) -> pd.DataFrame:

@@ -18,7 +18,6 @@ VERIFIED = (RIGHT, *CRITICAL, JUMP, THROUGH)  # outcomes that the verifier finds
 CLASSES = (*VERIFIED, ITERATION, REFUSED, UNEXPLAINED)
 STUCK = "not_converged"  # outcome of a run that ends for reasons of the iteration
 SOLVERS: dict[str, Callable[..., EquilibriumPath]] = {"equivbeam": equivbeam.solve, "wirefe": wirefe.solve}
-MANY = 200  # steps of the fine run, nearly
 
 
 @dataclass
@@ -42,7 +41,7 @@ class Verdict:
             self.complain(f"unstable at time {time:.6g}: least stiffness {least:.2e} of that at rest")
 
     def complain(self, what: str) -> None:
-        """Something is wrong."""
+        """Keep what is wrong."""
         self.complaints.append(what)
 
     def class_of(self, outcome: str) -> str:
@@ -50,7 +49,7 @@ class Verdict:
         return UNEXPLAINED if self.complaints else ITERATION if self.stops else outcome
 
     def stop(self, name: str, path: EquilibriumPath) -> bool:
-        """Note a run that ends for reasons of the iteration; returns whether it does."""
+        """Whether a run ends for reasons of the iteration, which is kept."""
         if path.outcome == STUCK:
             self.stops.append(f"{name}: {path.message}")
         return path.outcome == STUCK
@@ -59,12 +58,6 @@ class Verdict:
 def reached(case: Case, scene: Scene | None = None, **options: object) -> EquilibriumPath:
     """Path of the case, complete or not; in another scene or with other options where given."""
     return partial_path(SOLVERS[case.model], scene or case.scene, **(dict(case.options) | options))
-
-
-def fine_steps(case: Case) -> int:
-    """Steps of the fine run: the multiple of the case's next to 200, whose times so are among its own."""
-    steps = case.scene.load.steps
-    return steps * max(round(MANY / steps), 2)
 
 
 def under(scene: Scene, share: float) -> Scene:

@@ -7,7 +7,6 @@ central differences of the forces.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
@@ -18,38 +17,52 @@ from scipy.sparse.linalg import ArpackNoConvergence, eigs, eigsh
 from coilspring import EquilibriumPath, Scene
 from validation.campaign.poses import TINY, assembled, differences, product, rotated, stepped, strain, summed
 from validation.campaign.wirepairs import Law, Pairs, known_pairs
-from validation.campaign.wireparts import Points, contact_points, curved, end_frames, helix, straight
+from validation.campaign.wireparts import Points, curved, end_frames, helix, straight
 
 PAIRS_A_TURN = 4  # that the scene's stiffness belongs to
 SETTLED = 1e-8  # of an eigenvalue
 
 
-@dataclass(frozen=True)
 class WireForces:
-    """A scene's wire: elements and contact."""
+    """A scene's wire on a mesh: elements and contact."""
 
-    rest: np.ndarray  # (nodes, 7) positions and quaternions at rest
-    frames: np.ndarray  # (4, 2, elements) quaternions of the end triads at rest
-    arms: np.ndarray  # (2, 3, elements) from nodes to ends, at rest: from the top reference point, else zero
-    stiffness: np.ndarray  # (6, 6, elements)
-    strain0: np.ndarray  # (6, elements)
-    points: Points  # of the contact, as are law and enabled
-    law: Law
-    enabled: bool
-    fixed: np.ndarray  # (nodes, 6) degrees of freedom, where nothing must balance
-    driven: bool  # a displacement of the top is prescribed
+    def __init__(self, scene: Scene, element: str, elements_per_turn: int, pairs_per_turn: int) -> None:
+        spring, contact = scene.spring, scene.contact
+        count = round(spring.active_coils * elements_per_turn)
+        self.nodes = np.stack((np.arange(count), np.arange(1, count + 1)))  # (2, elements)
+        phases = np.linspace(0.0, 2.0 * math.pi * spring.active_coils, count + 1)
+        points = helix(spring, phases)
+        reference = np.array([0.0, spring.active_height, 0.0])
+        self.rest = np.zeros((count + 1, 7))  # positions and quaternions
+        self.rest[:, :3], self.rest[:, 3] = points, 1.0
+        self.rest[-1, :3] = reference
+        # (4, 2, elements) quaternions of the end triads at rest
+        self.frames = end_frames(spring, phases, points, element == "curved")
+        # (2, 3, elements) from nodes to ends: from the top reference point, else zero
+        self.arms = np.zeros((2, 3, count))
+        self.arms[1, :, -1] = points[-1] - reference
+        poses = ((points[:-1].T, self.frames[:, 0]), (points[1:].T, self.frames[:, 1]))
+        self.strain0 = strain(*poses)
+        self.stiffness = (  # (6, 6, elements)
+            curved(scene, phases, points, poses) if element == "curved" else straight(scene, points)
+        )
+        self.points = Points(spring, points, pairs_per_turn, contact.geometry == "wires")
+        penalty = contact.stiffness * PAIRS_A_TURN / pairs_per_turn
+        self.law = Law(spring.wire_diameter, penalty, contact.exponent, contact.coefficient)
+        self.enabled = contact.enabled
+        fixed = np.zeros((count + 1, 6), dtype=bool)
+        fixed[0] = fixed[-1, 2:5] = True
+        for name in scene.supports.top_held:
+            fixed[-1, {"ux": 0, "rotz": 5}[name]] = True
+        self.fixed = fixed.copy()  # degrees of freedom where nothing must balance
+        fixed[-1, 1] |= bool(scene.load.displacement)
+        self.free = np.flatnonzero(~fixed)  # those that are neither held nor prescribed
 
     def residual(self, rows: np.ndarray, load: np.ndarray, pairs: Pairs) -> np.ndarray:
-        """Force and moment (nodes, 6) that are out of balance under a load, or the reaction to a prescribed
-        displacement."""
+        """Force and moment (nodes, 6) that are out of balance under a load or a reaction."""
         total = self.element_forces(rows) + pairs.gradient(rows)
         total[-1, :2] -= load
         return np.where(self.fixed, 0.0, total)
-
-    @property
-    def nodes(self) -> np.ndarray:
-        """Nodes (2, elements) of the elements."""
-        return np.stack((np.arange(len(self.rest) - 1), np.arange(1, len(self.rest))))
 
     def element_forces(self, rows: np.ndarray) -> np.ndarray:
         """Gradient (nodes, 6) of the strain energy in displacements and spins."""
@@ -75,13 +88,6 @@ class WireForces:
         K = differences(self._slopes, rows[self.nodes], self.law.d).swapaxes(0, 1)
         J = assembled(self.nodes, K, len(rows)) + (0.0 if pairs is None else pairs.tangent(rows))
         return J[np.ix_(self.free, self.free)]
-
-    @property
-    def free(self) -> np.ndarray:
-        """Degrees of freedom that are neither held nor prescribed."""
-        free = ~self.fixed
-        free[-1, 1] &= not self.driven
-        return np.flatnonzero(free)
 
     @cached_property
     def at_rest(self) -> np.ndarray:
@@ -115,38 +121,3 @@ class WireForces:
         except ArpackNoConvergence:  # two of nearly the same size
             least = np.abs(eigvals(J, rest)).min()
         return float(sign * abs(least))
-
-
-def wire_forces(scene: Scene, element: str, elements_per_turn: int, pairs_per_turn: int) -> WireForces:
-    """The scene's wire on a mesh."""
-    spring, contact = scene.spring, scene.contact
-    count = round(spring.active_coils * elements_per_turn)
-    phases = np.linspace(0.0, 2.0 * math.pi * spring.active_coils, count + 1)
-    points = helix(spring, phases)
-    frames = end_frames(spring, phases, points, element == "curved")
-    poses = ((points[:-1].T, frames[:, 0]), (points[1:].T, frames[:, 1]))
-    reference = np.array([0.0, spring.active_height, 0.0])
-    penalty = contact.stiffness * PAIRS_A_TURN / pairs_per_turn
-    law = Law(spring.wire_diameter, penalty, contact.exponent, contact.coefficient)
-    fixed = np.zeros((count + 1, 6), dtype=bool)
-    fixed[0] = True
-    fixed[-1, 2:5] = True
-    for name in scene.supports.top_held:
-        fixed[-1, {"ux": 0, "rotz": 5}[name]] = True
-    arms = np.zeros((2, 3, count))
-    arms[1, :, -1] = points[-1] - reference
-    rest = np.zeros((count + 1, 7))
-    rest[:, :3], rest[:, 3] = points, 1.0
-    rest[-1, :3] = reference
-    return WireForces(
-        rest=rest,
-        frames=frames,
-        arms=arms,
-        stiffness=curved(scene, phases, points, poses) if element == "curved" else straight(scene, points),
-        strain0=strain(*poses),
-        points=contact_points(spring, points, pairs_per_turn, contact.geometry == "wires"),
-        law=law,
-        enabled=contact.enabled,
-        fixed=fixed,
-        driven=bool(scene.load.displacement),
-    )

@@ -149,8 +149,7 @@ class Pairs:
         return replace(self, two=normal.T)
 
     def _slopes(self, near: np.ndarray) -> np.ndarray:
-        """Derivatives (2, 24, pairs) of the gaps and of the slips' squares over 2 in the moves and spins of
-        the pairs' nodes (4, pairs, 7)."""
+        """Derivatives (2, 24, pairs) of gaps and half the slips' squares in moves and spins of the nodes."""
         poses = stepped(near)
         h = self.gap(poses)[0]
         half = 0.5 * (self.slip(poses) ** 2).sum(axis=0) if self.held.any() else 0.0 * h

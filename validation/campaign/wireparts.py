@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 
 import numpy as np
 from scipy.spatial import cKDTree
@@ -63,18 +62,49 @@ def curved(scene: Scene, phases: np.ndarray, points: np.ndarray, poses: Poses) -
     return np.linalg.inv(J @ flexibility @ J.transpose(0, 2, 1)).transpose(1, 2, 0)
 
 
-@dataclass(frozen=True)
 class Points:
-    """Contact points: where they are is a sum over two nodes of weighted positions and turned arms."""
+    """Contact points: spheres at nodes, or stations along the wire. Each is a sum over two nodes of weighted
+    positions and turned arms.
 
-    wires: bool  # stations of a wire with tangents, in place of spheres
-    per_turn: int  # their number; up to half a turn along the wire nothing touches
-    node: np.ndarray  # (points, 2), the same node twice where there is one alone
-    weight: np.ndarray  # (points, 2) of the positions
-    arm: np.ndarray  # (points, 2, 3) of the positions
-    slope_weight: np.ndarray  # the same of the tangents; zero for spheres
-    slope_arm: np.ndarray
-    turn: np.ndarray  # (points, 2) shares of both rotations in that of the wire's section
+    Between the nodes, at `points`, the wire is a cubic along the turned tangents at rest. With T(P) the place
+    of a point P that moves with a node, and s the share between the nodes A and B,
+
+        (1 - s) Ta(P) + s Tb(P) - s (1 - s)^2 (Tb(A) - Ta(A)) + s^2 (1 - s) (Tb(B) - Ta(B)).
+    """
+
+    def __init__(self, spring: Spring, points: np.ndarray, per_turn: int, wires: bool) -> None:
+        self.wires = wires  # stations of a wire with tangents, in place of spheres
+        self.per_turn = per_turn  # their number; up to half a turn along the wire nothing touches
+        count, last = len(points) - 1, TURN * spring.active_coils
+        first = math.ceil(-spring.end_turns * per_turn - 1e-9)
+        end = math.floor((spring.active_coils + spring.end_turns) * per_turn + 1e-9)
+        phases = np.arange(first, end + 1) * TURN / per_turn
+        place = np.clip(phases, 0.0, last) / last * count
+        low = np.minimum(place.astype(int), count - 1)
+        s = np.where(np.abs(place - np.rint(place)) < AT_NODE, np.rint(place), place) - low
+        # (points, 2), the same node twice where there is one alone
+        self.node = np.stack((np.where(s == 1.0, low + 1, low), np.where(s == 0.0, low, low + 1)), axis=1)
+        P, A, B = helix(spring, phases), points[low], points[low + 1]
+        origins = np.concatenate((points[:-1], [[0.0, spring.active_height, 0.0]]))[np.stack((low, low + 1))]
+        arms = np.stack((P, A, B))[None] - origins[:, None]  # (node, of P A B, points, 3)
+        # by node: the shares of P, A and B, and their derivatives in s
+        one, dip, rise = np.ones_like(s), s * (1.0 - s) ** 2, s**2 * (1.0 - s)
+        shares = np.array([[1.0 - s, dip, -rise], [s, -dip, rise]])
+        ddip, drise = (1.0 - s) * (1.0 - 3.0 * s), s * (2.0 - 3.0 * s)
+        changes = np.array([[-one, ddip, -drise], [one, -ddip, drise]])
+        self.turn = np.stack((1.0 - s, s), axis=1)  # (points, 2) shares of both rotations in the section's
+        self.weight = shares.sum(axis=1).T  # (points, 2) of the positions
+        self.arm = np.einsum("njp,njpi->pni", shares, arms)  # (points, 2, 3) of the positions
+        before, after = (helix(spring, phases + side * NUDGE) for side in (-1.0, 1.0))
+        slope = (after - before) / (2.0 * NUDGE)  # where pieces meet at a rest angle, their mean
+        speed = np.linalg.norm(slope, axis=1, keepdims=True)
+        inside = (phases > 0.0) & (phases < last)
+        per_length = np.where(inside, count / last, 0.0)[:, None] / speed
+        slope_arm = per_length * np.einsum("njp,njpi->npi", changes, arms)
+        slope_arm += self.turn.T[..., None] * (slope / speed)
+        # the same of the tangents
+        self.slope_weight = (per_length[:, 0] * changes.sum(axis=1)).T
+        self.slope_arm = slope_arm.swapaxes(0, 1)
 
     def places(self, rows: np.ndarray) -> np.ndarray:
         """Where they are in a state, (points, 3)."""
@@ -87,8 +117,7 @@ class Points:
         return self._elastic(pairs[pairs[:, 1] - pairs[:, 0] > self.per_turn // 2])
 
     def missing(self, rows: np.ndarray, known: np.ndarray, d: float) -> np.ndarray:
-        """Pairs (n, 2) that touch and are none of those known: of spheres all, of stations those of the same
-        place one coil apart."""
+        """Pairs (n, 2) that touch and are not known: of spheres all, of stations those one coil apart."""
         count = len(self.node)
         low = np.arange(max(count - self.per_turn, 0))
         beside = np.stack((low, low + self.per_turn), axis=1)
@@ -99,50 +128,6 @@ class Points:
         """The pairs of which not both points are of one rigid end."""
         low, high = self.node[pairs.T]
         return pairs[(low[:, 0] != low[:, 1]) | (low.sum(axis=1) != high.sum(axis=1))]
-
-
-def contact_points(spring: Spring, points: np.ndarray, per_turn: int, wires: bool) -> Points:
-    """Spheres at nodes, or stations along the wire: between the nodes, at `points`, it is a cubic along the
-    turned tangents at rest.
-
-    With T(P) the place of a point P that moves with a node, and s the share between the nodes A and B,
-
-        (1 - s) Ta(P) + s Tb(P) - s (1 - s)^2 (Tb(A) - Ta(A)) + s^2 (1 - s) (Tb(B) - Ta(B)).
-    """
-    count, last = len(points) - 1, TURN * spring.active_coils
-    first = math.ceil(-spring.end_turns * per_turn - 1e-9)
-    end = math.floor((spring.active_coils + spring.end_turns) * per_turn + 1e-9)
-    phases = np.arange(first, end + 1) * TURN / per_turn
-    place = np.clip(phases, 0.0, last) / last * count
-    low = np.minimum(place.astype(int), count - 1)
-    s = np.where(np.abs(place - np.rint(place)) < AT_NODE, np.rint(place), place) - low
-    node = np.stack((np.where(s == 1.0, low + 1, low), np.where(s == 0.0, low, low + 1)))  # one node alone
-    P, A, B = helix(spring, phases), points[low], points[low + 1]
-    origins = np.concatenate((points[:-1], [[0.0, spring.active_height, 0.0]]))[np.stack((low, low + 1))]
-    # by node: the shares of P, A and B, and their derivatives in s
-    dip, rise = s * (1.0 - s) ** 2, s**2 * (1.0 - s)
-    shares = np.array([[1.0 - s, dip, -rise], [s, -dip, rise]])
-    ddip, drise = (1.0 - s) * (1.0 - 3.0 * s), s * (2.0 - 3.0 * s)
-    one = np.ones_like(s)
-    changes = np.array([[-one, ddip, -drise], [one, -ddip, drise]])
-    arms = np.stack((P, A, B))[None] - origins[:, None]  # (node, of P A B, points, 3)
-    before, after = (helix(spring, phases + side * NUDGE) for side in (-1.0, 1.0))
-    slope = (after - before) / (2.0 * NUDGE)  # where pieces meet at a rest angle, their mean
-    speed = np.linalg.norm(slope, axis=1, keepdims=True)
-    inside = (phases > 0.0) & (phases < last)
-    per_length = np.where(inside, count / last, 0.0)[:, None] / speed
-    slope_arm = per_length * np.einsum("njp,njpi->npi", changes, arms)
-    slope_arm += np.stack((1.0 - s, s))[..., None] * (slope / speed)
-    return Points(
-        wires=wires,
-        per_turn=per_turn,
-        node=node.T,
-        weight=shares.sum(axis=1).T,
-        arm=np.einsum("njp,njpi->pni", shares, arms),
-        slope_weight=(per_length[:, 0] * changes.sum(axis=1)).T,
-        slope_arm=slope_arm.swapaxes(0, 1),
-        turn=np.stack((1.0 - s, s), axis=1),
-    )
 
 
 def rigidities(scene: Scene) -> tuple[float, float, float, float]:

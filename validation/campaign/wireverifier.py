@@ -41,8 +41,7 @@ OPEN = 1e-3  # wire diameters of penetration at most that are left of a pair jus
 
 
 def verify_row(verdict: Verdict, forces: WireForces, path: EquilibriumPath, row: int) -> None:
-    """Forces and moments of one state must balance at every node, contact be as reported, and the state be
-    stable."""
+    """One state must balance at every node and be stable, and contact be as reported."""
     # in a mode as stiff as a held pair, what solvers leave in the energy norm is this share of the load
     contact = path.scene.contact
     held = contact.stiffness * float(np.hypot(*path.tips[row, :2])) / runs.largest_load(path, row)
@@ -61,7 +60,7 @@ def verify_contact(verdict: Verdict, forces: WireForces, path: EquilibriumPath, 
     if (normal[count:] > 0.0).any():
         verdict.complain(f"pairs that touch are left out at time {time:.6g}")
     for name, mine, theirs, what in (
-        ("normal", normal[:count, None], path.contact_forces[row][:, None], "normal forces"),
+        ("normal", normal[:count], path.contact_forces[row], "normal forces"),
         ("friction", tangential[:count], path.friction.force[row], "friction"),
     ):
         size = max(runs.largest_load(path, row), float(np.abs(mine).max(initial=0.0)))
@@ -74,17 +73,12 @@ def verify_balance(
 ) -> None:
     """One state's balance under the load, or with the reaction that the path reports."""
     rows, load, time = path.states[row].reshape(-1, 7), runs.largest_load(path, row), path.times[row]
-    arm, pairs, contact = (
-        float(np.abs(forces.arms[1, [0, 2], -1]).max()),
-        forces.pairs(path, row),
-        path.scene.contact,
-    )
+    arm = float(np.abs(forces.arms[1, [0, 2], -1]).max())
+    pairs, contact = forces.pairs(path, row), path.scene.contact
     left = forces.residual(rows, path.loads[row], pairs)
     left[:, 3:] /= arm
-    most = max(most, runs.force_grain(path))
-    verdict.ask(
-        "residual", float(np.abs(left).max()) / load, most, f"forces out of balance at time {time:.6g}"
-    )
+    share, most = float(np.abs(left).max()) / load, max(most, runs.force_grain(path))
+    verdict.ask("residual", share, most, f"forces out of balance at time {time:.6g}")
     if contact.enabled and (contact.geometry == "wires" or contact.sliding == "free"):
         # tangential forces of spheres act at their centres, and leave a couple
         force, moment = np.split(pairs.gradient(rows), 2, axis=1)
@@ -97,12 +91,12 @@ def verify_balance(
 
 
 def verify_wire_critical(verdict: Verdict, forces: WireForces, case: Case, path: EquilibriumPath) -> None:
-    """Balanced states just before the critical time must tend to a fold there, or the least stiffness must
-    vanish, or arc length turn."""
+    """Balanced states just before must tend to a fold there, or the least stiffness vanish, or arc length
+    turn."""
     critical = runs.sharp_critical(verdict, path)
     if critical is None:
         return
-    if runs.path_dependent(case.scene, case.model):
+    if runs.path_dependent(case):
         _verify_softening(verdict, forces, case, critical)
         return
     before = runs.just_before(verdict, case, critical, BEFORE)
@@ -125,15 +119,15 @@ def _verify_softening(verdict: Verdict, forces: WireForces, case: Case, critical
     prescribed, and of one whose coils stick or slide, by Coulomb's unsymmetric tangent."""
     found = [math.inf]
     # the critical time of a path with friction itself depends on its substeps by as much
-    most = runs.FRICTION_TIME if runs.path_dependent(case.scene, case.model) else SOFTENED
+    most = runs.FRICTION_TIME if runs.path_dependent(case) else SOFTENED
     for shares in BEFORE_SOFT:
         before = runs.just_before(verdict, case, critical, shares)
         if not before:
             return
         least = [forces.stiffness_of(near) for near in before]
         if min(least) <= 0.0:
-            what = f"unstable before the critical time {critical:.6g}: least stiffness {min(least):.2e}"
-            verdict.complain(what)
+            where = f"the critical time {critical:.6g}"
+            verdict.complain(f"unstable before {where}: least stiffness {min(least):.2e}")
             return
         place = vanishing([critical * (1.0 - share) for share in shares], least)
         found += [] if place is None else [abs(place / critical - 1.0)]
@@ -187,9 +181,8 @@ def vanishing(times: Sequence[float], least: Sequence[float]) -> float | None:
 
 def _verify_turn(verdict: Verdict, case: Case, critical: float) -> None:
     """The traced path must be stable up to the critical time and not beyond."""
-    traced = partial_path(
-        wirefe.trace, under(case.scene, 1.05 * critical), points=POINTS, **dict(case.options)
-    )
+    scene = under(case.scene, 1.05 * critical)
+    traced = partial_path(wirefe.trace, scene, points=POINTS, **dict(case.options))
     times = 1.05 * critical * traced.times
     assert traced.negative_pivots is not None
     unstable = np.flatnonzero(traced.negative_pivots)

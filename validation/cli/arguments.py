@@ -85,22 +85,19 @@ def _add(home: argparse._ActionsContainer, options: list, words: dict, changes: 
             group = words["group"][name]
             _add(home.add_argument_group(group["title"]), group["options"], words, changes)
         else:
-            _add_option(home, name, words["option"][name] | changes.get(name, {}))
-
-
-def _add_option(home: argparse._ActionsContainer, name: str, keywords: dict) -> None:
-    """Add one option."""
-    if isinstance(choices := keywords.get("choices"), str):
-        keywords["choices"] = NAMES[choices]
-    if keywords.get("type") == "some":
-        names = keywords.pop("choices")
-        keywords |= {"type": partial(_some, names), "help": f"some of {','.join(names)}"}
-    elif "type" in keywords:
-        keywords["type"] = READERS[keywords["type"]]
-    keywords["help"] = keywords["help"].format(**{key: ", ".join(each) for key, each in NAMES.items()})
-    if not keywords.keys() & {"metavar", "choices"}:
-        keywords["action"] = "store_true"
-    home.add_argument(name, *keywords.pop("also", ()), **keywords)
+            keywords = words["option"][name] | changes.get(name, {})
+            if isinstance(choices := keywords.get("choices"), str):
+                keywords["choices"] = NAMES[choices]
+            if keywords.get("type") == "some":
+                names = keywords.pop("choices")
+                keywords |= {"type": partial(_some, names), "help": f"some of {','.join(names)}"}
+            elif "type" in keywords:
+                keywords["type"] = READERS[keywords["type"]]
+            listed = {key: ", ".join(each) for key, each in NAMES.items()}
+            keywords["help"] = keywords["help"].format(**listed)
+            if not keywords.keys() & {"metavar", "choices"}:
+                keywords["action"] = "store_true"
+            home.add_argument(name, *keywords.pop("also", ()), **keywords)
 
 
 def _some(names: tuple[str, ...], text: str) -> tuple[str, ...]:
@@ -154,11 +151,11 @@ def refuse_other_models(arguments: argparse.Namespace) -> None:
 
 
 def scenes_of(arguments: argparse.Namespace) -> dict[str, Scene]:
-    """Scenes of a study by name, their catalogue's or their file's; that of the geometry asked for is added.
+    """Scenes of a study by name (their catalogue's or their file's, and the geometry); empty for the paper's.
 
-    Raises `InputError`: a file that cannot be read, or two of one name.
+    Raises `InputError`: two of one name, scenes beside --only, or a geometry without scenes.
     """
-    geometry = arguments.geometry
+    geometry, only = arguments.geometry, getattr(arguments, "only", None)
     found: dict[str, Scene] = {}
     for file in arguments.scenes:
         name = file if file in CATALOGUE else Path(file).stem
@@ -166,4 +163,8 @@ def scenes_of(arguments: argparse.Namespace) -> dict[str, Scene]:
         if name in found:
             raise InputError(f"SCENE must be files of different names, got {name} twice")
         found[name] = replace(load_scene(file).overridden(geometry=geometry), name=name)
+    if found and only:
+        raise InputError(f"SCENE or --only, not both, got {', '.join(found)} and {','.join(only)}")
+    if geometry and not found:
+        raise InputError(f"--geometry must go with SCENE, got {geometry} alone")
     return found

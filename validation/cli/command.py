@@ -12,7 +12,7 @@ from pathlib import Path
 
 from coilspring import CATALOGUE, EquilibriumNotFound, EquilibriumPath, InputError, Scene, load_scene
 from coilspring.errors import require_integer
-from coilspring.measured import Measured, measured
+from coilspring.measured import measured
 from coilspring.scene.toml import SECTIONS, scene_text
 from validation.calibration import difference
 from validation.cli import studies
@@ -129,7 +129,15 @@ def compare(arguments: argparse.Namespace) -> int:
         }
         if curve is not None:
             found["measured"] = {"file": arguments.measured, **difference.summary(paths, curve)}
-        files = {"compare.json": output.json_bytes(found), **_pictures(paths, arguments.draw, curve)}
+        files = {"compare.json": output.json_bytes(found)}
+        if arguments.draw:
+            from validation.view.overlay import overlay
+
+            files["compare.png"] = overlay(*paths.values())
+        if curve is not None or (arguments.draw and difference.has_direction(scene)):
+            from validation.calibration.figure import load_curves
+
+            files["curve.png"] = load_curves(paths, curve)
         for model, path in paths.items():
             files |= {f"{model}/{name}": data for name, data in output.path_files(path).items()}
         output.write_files(files, folder)
@@ -143,29 +151,15 @@ def compare(arguments: argparse.Namespace) -> int:
     return _concluded(arguments, found, [*lines, f"written to {folder}"], *paths.values())
 
 
-def _pictures(paths: dict[str, EquilibriumPath], drawn: bool, curve: Measured | None) -> dict[str, bytes]:
-    """Pictures of a comparison by name."""
-    files = {}
-    if drawn:
-        from validation.view.overlay import overlay
-
-        files["compare.png"] = overlay(*paths.values())
-    if curve is not None or (drawn and difference.has_direction(next(iter(paths.values())).scene)):
-        from validation.calibration.figure import load_curves
-
-        files["curve.png"] = load_curves(paths, curve)
-    return files
-
-
 def long_command(arguments: argparse.Namespace) -> int:
     """Run a study, or hand a scene to another program or to the eye."""
     with progress_shown() as progress:
         lines, failure = studies.COMMANDS[arguments.command](arguments, _folder(arguments), progress)
     say(*lines)
-    return _fail(FAILED.get(arguments.command, REGRESSED), failure) if failure else COMPLETED
+    code = NOT_COMPLETED if arguments.command == "sweep" else REGRESSED
+    return _fail(code, failure) if failure else COMPLETED
 
 
-FAILED = {"sweep": NOT_COMPLETED}
 COMMANDS = {each.__name__: each for each in (new, check, solve, compare)}
 COMMANDS |= dict.fromkeys(studies.COMMANDS, long_command)
 

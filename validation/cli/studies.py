@@ -9,7 +9,6 @@ import argparse
 from collections.abc import Callable
 from contextlib import nullcontext
 from pathlib import Path
-from typing import Any
 
 from coilspring import InputError, Scene, load_scene
 from coilspring.errors import require_integer
@@ -42,7 +41,7 @@ def reproduce(arguments: argparse.Namespace, folder: Path, progress: Progress) -
 def workprecision(arguments: argparse.Namespace, folder: Path, progress: Progress) -> Answer:
     """Measure run time against error of both models."""
     extent = next((name for name in ("quick", "full") if getattr(arguments, name)), "normal")
-    scenes = _own_scenes(arguments)
+    scenes = scenes_of(arguments)
     if scenes and arguments.page:
         raise InputError("--page takes the scenes recorded in the folder: leave out SCENE")
     progress(LOADING)
@@ -70,22 +69,9 @@ def calibrate(arguments: argparse.Namespace, folder: Path, progress: Progress) -
     return [*lines, f"written to {folder}"], ""
 
 
-def _own_scenes(arguments: argparse.Namespace) -> dict[str, Scene]:
-    """The scenes of a study by name; empty for those of the paper.
-
-    Raises `InputError`: scenes beside --only, or a geometry without scenes.
-    """
-    scenes = scenes_of(arguments)
-    if scenes and getattr(arguments, "only", None):
-        raise InputError(f"SCENE or --only, not both, got {', '.join(scenes)} and {','.join(arguments.only)}")
-    if arguments.geometry and not scenes:
-        raise InputError(f"--geometry must go with SCENE, got {arguments.geometry} alone")
-    return scenes
-
-
 def sensitivity(arguments: argparse.Namespace, folder: Path, progress: Progress) -> Answer:
     """Vary what the paper leaves open, or inputs of scenes, in both models."""
-    scenes = _own_scenes(arguments)
+    scenes = scenes_of(arguments)
     progress(LOADING)
     from validation.sensitivity import run
 
@@ -96,7 +82,7 @@ def sensitivity(arguments: argparse.Namespace, folder: Path, progress: Progress)
 
 def regress(arguments: argparse.Namespace, folder: Path, progress: Progress) -> Answer:
     """Compare what both models find with stored baselines."""
-    scenes, kept = _own_scenes(arguments), arguments.baselines
+    scenes, kept = scenes_of(arguments), arguments.baselines
     if scenes and kept is None:
         raise InputError("--baselines DIR must name a folder of yours where scenes are given")
     progress(LOADING)
@@ -109,7 +95,7 @@ def regress(arguments: argparse.Namespace, folder: Path, progress: Progress) -> 
         for name, scene in scenes.items() or [("", None)]:
             out = folder / name if len(scenes) > 1 else folder
             finding = run.regress(out, (kept or SHIPPED) / name, accept, times, progress, scene)
-            verdict = f"{name}: {run.verdict(finding)}" if name else run.verdict(finding)
+            verdict = f"{name}: {finding.verdict}" if name else finding.verdict
             lines += [*map(str, finding.moves), *finding.left_out, verdict]
             verdicts += [verdict] if finding.moves and not accept else []
     moved = f"{'; '.join(verdicts)}; where that is meant: regress --accept" if verdicts else ""
@@ -127,16 +113,13 @@ def stability(arguments: argparse.Namespace, folder: Path, progress: Progress) -
     from validation.campaign.run import campaign
 
     with claimed(folder) if writes else nullcontext(), writing(folder):
-        code = campaign(folder, **options, progress=lambda done, of: progress(f"{done} of {of} scenes"))
+        code = campaign(folder, **options, progress=_counted(progress))
     lines = [f"written to {folder}"] if writes else []
     return lines, "not every outcome is explained" if code else ""
 
 
 def _seeds(one: int | None, listed: str | None) -> tuple[int, ...]:
-    """Seeds of a campaign, each once.
-
-    Raises `InputError`: both options are given, or the list is none of whole numbers.
-    """
+    """Seeds of a campaign, each once; `InputError` for both options, or a list that is none of numbers."""
     if listed is None:
         return (1 if one is None else one,)
     if one is not None:
@@ -146,6 +129,11 @@ def _seeds(one: int | None, listed: str | None) -> tuple[int, ...]:
         raise InputError(f"seeds must be whole numbers with commas between, as 1,2,3, got {listed!r}")
     limits = CAMPAIGN_RANGES["seed"]
     return tuple(dict.fromkeys(require_integer("seeds", int(part), *limits) for part in parts))
+
+
+def _counted(progress: Progress) -> Callable[[int, int], None]:
+    """Progress by the number of scenes done."""
+    return lambda done, of: progress(f"{done} of {of} scenes")
 
 
 def study_law(arguments: argparse.Namespace, folder: Path, progress: Progress) -> Answer:
@@ -166,42 +154,26 @@ def sweep(arguments: argparse.Namespace, folder: Path, progress: Progress) -> An
     if arguments.accuracy is None:
         refuse_other_models(arguments)
     refuse_chosen(arguments, tuple(name for names in MODEL_OPTIONS.values() for name in names))
-    model = arguments.model
-    options = given(arguments, (*MODEL_OPTIONS[model], "workers"))
-    workers = options.pop("workers", None)
+    model, workers, accuracy = arguments.model, arguments.workers, arguments.accuracy
     if workers is not None:
         require_integer("workers", workers, *CAMPAIGN_RANGES["workers"])
     scene = scene_of(arguments)
-    from validation.sweep import run
-    from validation.sweep.grid import read_varied
+    from validation.sweep import grid, run
 
-    varied = read_varied(arguments.vary, scene)
+    varied = grid.read_varied(arguments.vary, scene)
     progress(f"loading {model}")
+    asked, lines, found = run.Choice.of(model, given(arguments, MODEL_OPTIONS[model])), [], None
     with claimed(folder), writing(folder):
-        choose, chosen = _choice(arguments, scene, varied, progress, run.Choice.of(model, options))
-        rows = run.sweep(
-            folder,
-            scene,
-            varied,
-            choose,
-            workers=workers,
-            progress=lambda done, of: progress(f"{done} of {of} scenes"),
-        )
-        run.write_picture(folder, rows, [each.key for each in varied], scene, choose(scene).model)
-    return [*chosen, *run.digest(rows), f"written to {folder}"], run.ended_early(rows)
+        if accuracy is not None:
+            from validation.sweep.choice import choose
 
-
-def _choice(
-    arguments: argparse.Namespace, scene: Scene, varied: list, progress: Progress, asked: Any
-) -> tuple[Callable[[Scene], Any], list[str]]:
-    """What solves each scene of a sweep, and a line on it: what is asked for, or what an accuracy needs."""
-    if arguments.accuracy is None:
-        return lambda scene: asked, []
-    from validation.sweep.choice import choose
-    from validation.sweep.grid import points
-
-    found = choose(list(points(scene, varied)), varied, arguments.accuracy, progress)
-    return found.candidate, [found.line]
+            found = choose(list(grid.points(scene, varied)), varied, accuracy, progress)
+            lines.append(found.line)
+        solver = found.candidate if found else lambda scene: asked
+        counted = _counted(progress)
+        rows = run.sweep(folder, scene, varied, solver, workers=workers, progress=counted)
+        run.write_picture(folder, rows, [each.key for each in varied], scene, solver(scene).model)
+    return [*lines, *run.digest(rows), f"written to {folder}"], run.ended_early(rows)
 
 
 def export(arguments: argparse.Namespace, folder: Path, progress: Progress) -> Answer:
@@ -260,10 +232,8 @@ def view(arguments: argparse.Namespace, folder: Path, progress: Progress) -> Ans
     movie = arguments.movie
     run = Path(arguments.scene)
     source = frames.of_run(run) if run.is_dir() else load_scene(arguments.scene)
-    if movie is None:
-        animation.require_display()
-    else:
-        animation.require_gif(movie)
+    animation.require(movie)
+    if movie is not None:
         prepare(movie.parent)
 
     def load() -> frames.Frames:

@@ -47,23 +47,17 @@ def digest(path: EquilibriumPath) -> list[str]:
             lines.append(f"  stress {stress} (torsion, with Bergstraesser's factor)")
     lines += [f"  {note}" for note in notes(path)]
     if path.accuracy is not None:
-        lines += [f"  {line}" for line in choice(path)]
+        options, contact = path.options, path.scene.contact
+        mesh = f"{options['elements_per_turn']} {options['element']} elements per turn"
+        if contact.enabled:
+            kind = "spheres" if contact.geometry == "spheres" else "stations"
+            mesh += f", {options['pairs_per_turn']} {kind} per turn"
+        chosen = f"chosen for an accuracy of {path.accuracy:g}: {mesh}"
+        lines.append(f"  {chosen}; estimated error {path.estimated_error:.2g}")
+        lines.append(f"  {path.other_seconds:.2g} s CPU more for the choice and the estimate")
     count = f"{path.total_iterations} iteration{'' if path.total_iterations == 1 else 's'}"
     ready = f"{path.compile_seconds:.2g} s to make the kernels ready"
     return [*lines, f"  {count}, {path.solve_seconds:.2g} s CPU (and {ready})"]
-
-
-def choice(path: EquilibriumPath) -> list[str]:
-    """What an accuracy has chosen, the estimated error, and the cost of both."""
-    options = path.options
-    mesh = f"{options['elements_per_turn']} {options['element']} elements per turn"
-    if path.scene.contact.enabled:
-        kind = "spheres" if path.scene.contact.geometry == "spheres" else "stations"
-        mesh += f", {options['pairs_per_turn']} {kind} per turn"
-    return [
-        f"chosen for an accuracy of {path.accuracy:g}: {mesh}; estimated error {path.estimated_error:.2g}",
-        f"{path.other_seconds:.2g} s CPU more for the choice and the estimate",
-    ]
 
 
 def notes(path: EquilibriumPath) -> list[str]:

@@ -13,7 +13,7 @@ from equivbeam.column import lateral_stiffness
 from equivbeam.laws.haringx import KAX, L0, haringx_rows
 from equivbeam.laws.lawchecks import SECOND, U
 from equivbeam.laws.userlaw import UserLaw, spring_coils
-from validation.campaign.plainlaw import PlainEnergy
+from validation.campaign.laws import PlainEnergy
 
 STATES = 40  # random ones of every half coil
 SPREAD = (0.2, 0.15, 0.1)  # of l and v over l0, and of dtheta, rad

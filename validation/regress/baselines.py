@@ -22,9 +22,15 @@ SHIPPED = Path(__file__).with_name("baseline")  # of the runs on the catalogue's
 SHARES = (0.2, 0.4, 0.6, 0.8, 1.0)  # of the steps reached, at which the tips are kept
 
 CURVES = ("ux", "uy", "rotz")
-FORCES = ("contact_force", "contact_moment", "max_penetration")
-COUNTS = ("iterations", "active_contacts")
 LAWS = ("haringx", "helix")
+STRAIGHT = {"element": "straight", "elements_per_turn": 40}
+COARSE, CURVED = ({"element": "curved", "elements_per_turn": count} for count in (4, 8))
+USUAL: tuple[tuple[str, dict[str, Any]], ...] = (  # models and options by which every scene is solved
+    *(("equivbeam", {"law": law}) for law in LAWS),
+    *(("equivbeam", {"tangent": tangent}) for tangent in ("paper", "paper-printed")),
+    *(("equivbeam", {"law": law, "steps": 1}) for law in LAWS),
+    *(("wirefe", mesh) for mesh in (STRAIGHT, COARSE, CURVED)),
+)
 SOLVES = {"equivbeam": solve_beam, "wirefe": solve_wire}
 Quantities = dict[str, Any]
 
@@ -40,7 +46,7 @@ class Run:
 
     @property
     def name(self) -> str:
-        """The scene and the options, by which a run is kept."""
+        """Name by which a run is kept."""
         return ", ".join([self.scene.name, *(f"{name}={value}" for name, value in self.options.items())])
 
     def solve(self) -> EquilibriumPath:
@@ -51,23 +57,8 @@ class Run:
 def runs_of(scene: Scene) -> tuple[Run, ...]:
     """Every run of a user's scene that is watched; a model may refuse some."""
     sticks = scene.contact.enabled and scene.contact.sliding != "free"
-    return (*_usual(scene), *(_beam(scene, law, sliding="scene") for law in LAWS if sticks))
-
-
-def _beam(scene: Scene, law: str, **options: object) -> Run:
-    return Run("equivbeam", scene, {"law": law, **options})
-
-
-def _wire(scene: Scene, element: str, mesh: int, **options: object) -> Run:
-    return Run("wirefe", scene, {"element": element, "elements_per_turn": mesh, **options})
-
-
-def _usual(scene: Scene) -> list[Run]:
-    """Both laws, also in one step, the paper's matrices, and three meshes."""
-    matrices = [Run("equivbeam", scene, {"tangent": tangent}) for tangent in ("paper", "paper-printed")]
-    meshes = [_wire(scene, *mesh) for mesh in (("straight", 40), ("curved", 4), ("curved", 8))]
-    once = [_beam(scene, law, steps=1) for law in LAWS]
-    return [*(_beam(scene, law) for law in LAWS), *matrices, *once, *meshes]
+    sticking = [("equivbeam", {"law": law, "sliding": "scene"}) for law in LAWS if sticks]
+    return tuple(Run(model, scene, options) for model, options in (*USUAL, *sticking))
 
 
 def runs() -> tuple[Run, ...]:
@@ -77,24 +68,20 @@ def runs() -> tuple[Run, ...]:
     free = replace(free, name="spring-b-free", contact=replace(free.contact, sliding="free"))
     slender = study_scenes()["slender-axial"]
     slender = replace(slender, name="slender-column", load=replace(slender.load, force=(0.0, -20.0)))
-    found = [run for scene in cases.values() for run in _usual(scene)]
+    found = [Run(model, scene, options) for scene in cases.values() for model, options in USUAL]
     for law in LAWS:
-        found.append(_beam(cases["spring-b"], law, sliding="scene"))
+        found.append(Run("equivbeam", cases["spring-b"], {"law": law, "sliding": "scene"}))
         # soft circles let it telescope, at a limit point
-        found += [_beam(free, law, penalty=penalty) for penalty in (400.0, 600.0)]
-    found.append(_wire(cases["spring-a"], "curved", 8, pairs_per_turn=8))
-    found += [_wire(free, "straight", 40), _wire(free, "curved", 8)]
-    found += [_beam(slender, law) for law in LAWS]
+        found += [Run("equivbeam", free, {"law": law, "penalty": penalty}) for penalty in (400.0, 600.0)]
+    found.append(Run("wirefe", cases["spring-a"], CURVED | {"pairs_per_turn": 8}))
+    found += [Run("wirefe", free, mesh) for mesh in (STRAIGHT, CURVED)]
+    found += [Run("equivbeam", slender, {"law": law}) for law in LAWS]
     # it bends gradually before it buckles: equal sources, compiled twice, differed by 2e-5 of time
-    return (*found, replace(_wire(slender, "curved", 4), sensitive=True))
+    return (*found, Run("wirefe", slender, COARSE, sensitive=True))
 
 
 def quantities(path: EquilibriumPath, sensitive: bool = False) -> Quantities:
-    """What is kept of a path; `sensitive` is that of its `Run`.
-
-    ``contact_moment`` is the sum of force times number of the pair, which tells where coils touch;
-    ``remembers`` whether closed pairs stick, so that the answer depends on the substeps.
-    """
+    """What is kept of a path; `sensitive` is that of its `Run`."""
     reached, contact = len(path.times), path.scene.contact
     obeyed = path.model == "wirefe" or path.options["sliding"] == "scene"
     rows = sorted({max(round(share * reached) - 1, 0) for share in SHARES}) if reached else []
@@ -104,12 +91,14 @@ def quantities(path: EquilibriumPath, sensitive: bool = False) -> Quantities:
         "outcome": path.outcome,
         "steps_reached": reached,
         "critical_time": path.critical_time,
+        # whether closed pairs stick, so that the answer depends on the substeps
         "remembers": contact.enabled and obeyed and contact.sliding != "free",
         "sensitive": sensitive,
         "times": path.times[rows].tolist(),
         **dict(zip(CURVES, path.tips[rows].T.tolist(), strict=True)),
         "peaks": dict(zip(CURVES, peaks.tolist(), strict=True)),
         "contact_force": float(forces.sum()),
+        # force times number of the pair, which tells where coils touch
         "contact_moment": float(forces @ np.arange(1, forces.size + 1)),
         "max_penetration": float(path.max_penetration[-1]) if reached else 0.0,
         "total_iterations": int(path.total_iterations),
@@ -121,10 +110,8 @@ def quantities(path: EquilibriumPath, sensitive: bool = False) -> Quantities:
 def find(
     chosen: Sequence[Run], progress: Callable[[str], None], out: Path | None = None
 ) -> tuple[dict[str, dict[str, Quantities]], tuple[str, ...]]:
-    """Quantities of every run, by model and name, and a sentence on each that its model refuses.
-
-    They are written to `out`, whatever ends this. `InputError` where all runs are refused.
-    """
+    """Quantities of every run, by model and name, and a sentence on each that its model refuses; `InputError`
+    where all are refused. What was found is written to `out`, whatever ends this."""
     found: dict[str, dict[str, Quantities]] = {model: {} for model in MODELS}
     refused: dict[str, str] = {}
     try:
@@ -158,15 +145,16 @@ def made() -> dict[str, object]:
 
 def read(folder: Path) -> dict[str, dict[str, Any]]:
     """Baselines by model, each with "made" and "runs"; `InputError` where they cannot be read."""
-    return {model: _read(folder / f"{model}.json") for model in MODELS}
-
-
-def _read(file: Path) -> dict[str, Any]:
-    if not file.is_file():
-        raise InputError(f"no baseline at {file}: name its folder by --baselines, or write it by --accept")
-    try:
-        kept = json.loads(file.read_text(encoding="utf-8"))
-        kept["made"]["processor"], kept["runs"].items()
-    except (OSError, ValueError, KeyError, TypeError, AttributeError) as error:
-        raise InputError(f"{file} is no baseline: {error}; write it anew by --accept") from error
+    kept = {}
+    for model in MODELS:
+        file = folder / f"{model}.json"
+        if not file.is_file():
+            raise InputError(
+                f"no baseline at {file}: name its folder by --baselines, or write it by --accept"
+            )
+        try:
+            kept[model] = json.loads(file.read_text(encoding="utf-8"))
+            kept[model]["made"]["processor"], kept[model]["runs"].items()
+        except (OSError, ValueError, KeyError, TypeError, AttributeError) as error:
+            raise InputError(f"{file} is no baseline: {error}; write it anew by --accept") from error
     return kept

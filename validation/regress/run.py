@@ -1,20 +1,50 @@
-"""Regressions: what both models find now against baselines (``coilcheck regress``)."""
+"""Regressions: what both models find now against baselines (``coilcheck regress``).
+
+Tolerances are those of repeated solves: equilibria are converged to rounding, so that what moves more
+was changed. Paths with sticking contact depend on the accepted substeps, which another processor may choose
+differently. Counts are exact on the same kind of processor and within one a step elsewhere.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass
+from itertools import zip_longest
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 from coilspring import Scene
 from validation.regress import baselines, timeratios
-from validation.regress.baselines import MODELS, Run, find, made, read, runs, runs_of
-from validation.regress.comparison import Move, compare
+from validation.regress.baselines import CURVES, MODELS, Quantities, Run, find, made, read, runs, runs_of
 from validation.study.cases import make_ready
 from validation.study.document import Table
 from validation.study.output import claimed, write_text
+
+FORCES = ("contact_force", "contact_moment", "max_penetration")
+COUNTS = ("iterations", "active_contacts")
+TIP = 1e-7  # of the component's peak, or of the largest one's where it is fixed
+FORCE = 1e-5  # of the value: a penalty turns rounding of positions into forces
+CRITICAL = 1e-7  # of time: brackets of critical points are about 1e-9
+SENSITIVE = 1e-4  # of time, where rounding decides where the critical point is found
+ELSEWHERE = 10.0  # times wider on another kind of processor
+PATH_DEPENDENT = 1e-4  # of tips, without sliding, on another kind of processor
+FIXED = 1e-9  # of the largest peak; a component with a smaller one is fixed
+ROUNDING = 1e-12  # mm or N; what is smaller is 0
+Texts = Iterator[tuple[str, str, str, str]]  # fields of a `Move`, without the run
+
+
+class Move(NamedTuple):
+    """One quantity that is not what it was."""
+
+    run: str  # model and name of the run
+    quantity: str  # what moved, and where
+    before: str  # its value in the baselines
+    now: str  # its value now
+    measure: str  # by how much, and how much is allowed
+
+    def __str__(self) -> str:
+        return f"{self.run}: {self.quantity} was {self.before}, is {self.now} ({self.measure})"
 
 
 @dataclass(frozen=True)
@@ -25,6 +55,12 @@ class Finding:
     compared: int  # number of runs
     accepted: bool  # whether the baselines were written anew
     left_out: tuple[str, ...] = ()  # a sentence on each thing that cannot be had of these scenes
+
+    @property
+    def verdict(self) -> str:
+        """The outcome in a few words."""
+        found = f"{len(self.moves)} quantities moved" if self.moves else "nothing moved"
+        return f"{self.compared} runs: {found}{'; accepted as the new baselines' if self.accepted else ''}"
 
 
 def regress(
@@ -67,28 +103,93 @@ def regress(
             ratios, untimed = timeratios.measure(progress, scene)
             left_out += untimed
             timeratios.write(ratios, out)
-            moves += timeratios.compare(baseline, ratios) if times and kept else ()
+            changed = timeratios.compare(baseline, ratios) if times and kept else ()
+            moves += tuple(Move("times", *each) for each in changed)
         if accept:
             baselines.write(found, baseline)
             timeratios.write(ratios, baseline)
         finding = Finding(moves, sum(map(len, found.values())), accept, left_out)
-        write_text(out / "regress.md", _report(finding, kept))
+        parts = ["# Regression", f"**{finding.verdict}.**", *(f"{line}." for line in left_out)]
+        if kept:
+            origin = ("{date} on {processor}".format(**each) for each in (kept[MODELS[0]]["made"], made()))
+            parts.append("Baselines of {}; compared {}.".format(*origin))
+        if moves:
+            parts.append(str(Table(("run", "quantity", "was", "is", "by how much"), moves)))
+        write_text(out / "regress.md", "\n\n".join(parts) + "\n")
         return finding
 
 
-def verdict(finding: Finding) -> str:
-    """The outcome in a few words."""
-    found = f"{len(finding.moves)} quantities moved" if finding.moves else "nothing moved"
-    ending = "; accepted as the new baselines" if finding.accepted else ""
-    return f"{finding.compared} runs: {found}{ending}"
+def compare(
+    kept: Mapping[str, Mapping[str, Any]], found: Mapping[str, Mapping[str, Quantities]], processor: str
+) -> tuple[Move, ...]:
+    """What moved in runs `found` on a processor since the baselines `kept`; a run that only one of them has
+    counts as moved."""
+    moves: list[Move] = []
+    for model in MODELS:
+        here = kept[model]["made"]["processor"] == processor
+        before, now = kept[model]["runs"], found[model]
+        for name in dict.fromkeys((*before, *now)):
+            run = f"{model}, {name}"
+            if name not in now:
+                moves.append(Move(run, "the run", "in the baselines", "missing", "accept to forget it"))
+            elif name not in before:
+                moves.append(Move(run, "the run", "not in the baselines", "new", "accept to keep it"))
+            else:
+                moves += [Move(run, *each) for each in _moved(before[name], now[name], here)]
+    return tuple(moves)
 
 
-def _report(finding: Finding, kept: dict[str, dict[str, Any]] | None) -> str:
-    parts = ["# Regression", f"**{verdict(finding)}.**", *(f"{line}." for line in finding.left_out)]
-    if kept:
-        origin = ("{date} on {processor}".format(**each) for each in (kept[MODELS[0]]["made"], made()))
-        parts.append("Baselines of {}; compared {}.".format(*origin))
-    if finding.moves:
-        header = ("run", "quantity", "was", "is", "by how much")
-        parts.append(str(Table(header, finding.moves)))
-    return "\n\n".join(parts) + "\n"
+def _moved(before: Quantities, now: Quantities, here: bool) -> Texts:
+    """What moved in one run."""
+    missing = sorted(now.keys() ^ before.keys())
+    if missing:
+        yield "the list of quantities", "without", ", ".join(missing), "accept the new list"
+        return
+    a, b = before["critical_time"], now["critical_time"]
+    both = a is not None and b is not None
+    for name in ("outcome", "steps_reached", *(() if both else ("critical_time",))):
+        if before[name] != now[name]:
+            yield name, str(before[name]), str(now[name]), "exact"
+    if both:
+        allowed = SENSITIVE if now["sensitive"] else CRITICAL * (1.0 if here else ELSEWHERE)
+        yield from _value("critical_time", a, b, 1.0, "of time", allowed)
+    wider = 1.0 if here else (PATH_DEPENDENT / TIP if now["remembers"] else ELSEWHERE)
+    if before["times"] == now["times"]:
+        for name in CURVES:
+            yield from _curve(name, before, now, TIP * wider)
+        for name in FORCES:
+            a, b = before[name], now[name]
+            scale = max(abs(a), abs(b))
+            yield from _value(f"{name} at the last step", a, b, scale, "of the value", FORCE * wider)
+    for name in COUNTS:
+        yield from _counts(name, before[name], now[name], 0 if here else 1)
+    a, b = before["total_iterations"], now["total_iterations"]  # those after the last step included
+    extra = 0 if here else now["steps_reached"] + a // 10  # cut-backs before a critical point may differ
+    if not now["sensitive"] and abs(b - a) > extra:
+        yield "total_iterations", str(a), str(b), f"{b - a:+d}, {extra} allowed"
+
+
+def _value(what: str, before: float, now: float, scale: float, unit: str, allowed: float) -> Texts:
+    """A number that moved by more than the allowed part of a scale."""
+    if abs(now - before) > allowed * scale + ROUNDING:
+        by = f"{(now - before) / scale:+.2g} {unit}, {allowed:.0e} allowed"
+        yield what, f"{before:.9g}", f"{now:.9g}", by
+
+
+def _curve(name: str, before: Quantities, now: Quantities, allowed: float) -> Texts:
+    """The time at which a tip component moved most."""
+    peak, largest = before["peaks"][name], max(before["peaks"].values())
+    rows = zip(now["times"], before[name], now[name], strict=True)
+    time, a, b = max(rows, key=lambda row: abs(row[2] - row[1]), default=(0.0, 0.0, 0.0))
+    scale = peak if peak > FIXED * largest else largest
+    yield from _value(f"{name} at time {time:g}", a, b, scale, "of the peak", allowed)
+
+
+def _counts(name: str, before: list[int], now: list[int], allowed: int) -> Texts:
+    """The first step whose count moved, and how many did."""
+    pairs = enumerate(zip_longest(before, now, fillvalue=0), start=1)
+    moved = [(step, a, b) for step, (a, b) in pairs if abs(b - a) > allowed]
+    if moved:
+        step, a, b = moved[0]
+        measure = f"{sum(now) - sum(before):+d} in all, {len(moved)} steps moved, {allowed} allowed a step"
+        yield f"{name} at step {step}", str(a), str(b), measure

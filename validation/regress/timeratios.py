@@ -12,7 +12,6 @@ import numpy as np
 
 from coilspring import EquilibriumNotFound, EquilibriumPath, InputError, Scene
 from validation.regress.baselines import made
-from validation.regress.comparison import Move
 from validation.study.cases import CASES, solve_beam, solve_wire
 from validation.study.output import write_json
 from validation.study.timing import announced, interleaved, median_of
@@ -22,18 +21,17 @@ ROUNDS, REPEATS = 5, 5
 ALLOWED = 1.5  # factor by which a ratio may change
 
 
-def _seconds(solve: Callable[..., EquilibriumPath], scene: Scene, repeats: int = 1, **options: Any) -> float:
-    """CPU seconds of a model; the median of several solves."""
+def _seconds(solve: Callable[..., EquilibriumPath], scene: Scene, **options: Any) -> float:
+    """CPU seconds of a model; of the beam, which takes about a millisecond, the median of several solves."""
+    repeats = REPEATS if solve is solve_beam else 1
     return median_of(repeats, lambda: solve(scene, **options).solve_seconds)
 
 
-RUNS: dict[str, Callable[[Scene], float]] = {  # the beam takes about a millisecond
+RUNS: dict[str, Callable[[Scene], float]] = {
     "straight": partial(_seconds, solve_wire),
     "curved": partial(_seconds, solve_wire, element="curved", elements_per_turn=8),
-    "haringx": partial(_seconds, solve_beam, repeats=REPEATS),
-    "helix": partial(
-        _seconds, solve_beam, repeats=REPEATS, law="helix", sliding="scene"
-    ),  # free, B ends early
+    "haringx": partial(_seconds, solve_beam),
+    "helix": partial(_seconds, solve_beam, law="helix", sliding="scene"),  # free, B ends early
 }
 RATIOS = {
     "wirefe straight 40 / equivbeam haringx": ("straight", "haringx"),
@@ -45,10 +43,8 @@ RATIOS = {
 def measure(
     progress: Callable[[str], None], scene: Scene | None = None
 ) -> tuple[dict[str, float], tuple[str, ...]]:
-    """Medians of ratios that are formed within each round, by name, and a sentence on those left out.
-
-    They are of a user's scene, by default of those of the paper's cases.
-    """
+    """Medians of ratios that are formed within each round, by name, and a sentence on those left out; of a
+    user's scene, by default of the paper's cases."""
     found: dict[str, float] = {}
     left_out: list[str] = []
     for each in [case.scene for case in CASES] if scene is None else [scene]:
@@ -68,16 +64,16 @@ def write(ratios: Mapping[str, float], folder: Path) -> None:
     write_json(folder / FILE, {"made": made(), "ratios": {name: round(r, 3) for name, r in ratios.items()}})
 
 
-def compare(folder: Path, ratios: Mapping[str, float]) -> tuple[Move, ...]:
-    """Ratios that changed by more than `ALLOWED`; `InputError` where none are kept."""
+def compare(folder: Path, ratios: Mapping[str, float]) -> list[tuple[str, str, str, str]]:
+    """Ratios that changed by more than `ALLOWED`, as what moves; `InputError` where none are kept."""
     file = folder / FILE
     try:
         kept = json.loads(file.read_text(encoding="utf-8"))["ratios"]
         pairs = [(name, float(kept.get(name, np.nan)), ratio) for name, ratio in ratios.items()]
     except (OSError, ValueError, KeyError, TypeError, AttributeError) as error:
         raise InputError(f"{file} holds no ratios of times; write them by --accept") from error
-    return tuple(
-        Move("times", name, f"{before:.3g}", f"{now:.3g}", f"factor {now / before:.3g}, {ALLOWED:g} allowed")
+    return [
+        (name, f"{before:.3g}", f"{now:.3g}", f"factor {now / before:.3g}, {ALLOWED:g} allowed")
         for name, before, now in pairs
         if not 1.0 / ALLOWED <= now / before <= ALLOWED
-    )
+    ]

@@ -6,9 +6,8 @@ import io
 import os
 import sys
 from collections.abc import Callable
-from dataclasses import asdict
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import Any
 
 import numpy as np
 
@@ -17,35 +16,25 @@ from validation.study.output import write_bytes
 from validation.view.frames import Frames
 from validation.view.process import Drawing
 
-if TYPE_CHECKING:
-    from PIL import Image
-
 COMMAND = (sys.executable, "-m", "validation.view.viewer")
 MOST_PICTURES = 60  # of a movie
 PACE, LAST = 80, 1500  # ms, each picture and the last
 
 
-def require_display() -> None:
-    """Raise `InputError` where a window could not be opened."""
-    if sys.platform.startswith("linux") and not (
-        os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY")
-    ):
+def require(movie: Path | None) -> None:
+    """Raise `InputError` for a movie that is no GIF, and without one where a window could not be opened."""
+    if movie is not None:
+        if movie.suffix.lower() != ".gif":
+            raise InputError(f"--movie must be the name of a .gif file, got {str(movie)!r}")
+    elif sys.platform.startswith("linux") and not any(map(os.environ.get, ("DISPLAY", "WAYLAND_DISPLAY"))):
         raise InputError("view needs a display, and there is none: --movie FILE.gif draws without one")
 
 
-def require_gif(movie: Path) -> None:
-    """Raise `InputError` for what is not the name of a GIF."""
-    if movie.suffix.lower() != ".gif":
-        raise InputError(f"--movie must be the name of a .gif file, got {str(movie)!r}")
-
-
 def show(load: Callable[[], Frames]) -> None:
-    """Open a window with a slider over the steps of what `load` gives meanwhile, until it is closed.
-
-    Raises `InputError`: the window could not be opened.
-    """
+    """Show what `load` gives in a window with a slider over the steps, until it is closed; `InputError` where
+    it could not be opened."""
     with Drawing(COMMAND, "window") as drawing:
-        drawing.give(asdict(load()))
+        drawing.give(load())
         status = drawing.failure(None)
     if status:
         raise InputError(f"no window could be opened ({status}): --movie FILE.gif draws without one")
@@ -53,11 +42,13 @@ def show(load: Callable[[], Frames]) -> None:
 
 def film(load: Callable[[], Frames], movie: Path, progress: Callable[[str], None]) -> str:
     """Write a GIF of what `load` gives; a sentence where matplotlib had to draw it, else nothing."""
+    from PIL import Image
+
     with Drawing(COMMAND, "pictures") as drawing:
         frames = load()
         chosen = np.unique(np.linspace(0, len(frames.times) - 1, MOST_PICTURES).round().astype(int))
         frames = Frames(frames.diameter, frames.times[chosen], frames.points[chosen], frames.forces[chosen])
-        drawing.give(asdict(frames))
+        drawing.give(frames)
         files = [drawing.folder / f"{i:04d}.png" for i in range(len(frames.times))]
 
         def announce(drawn: int) -> None:
@@ -68,23 +59,15 @@ def film(load: Callable[[], Frames], movie: Path, progress: Callable[[str], None
         if status:
             _draw_flat(frames, files)
         progress("writing the movie")
-        pictures = _pictures(files)
+        *others, last = (Image.open(file).convert("RGB") for file in files)
+    # in the colours of the last one, which has all of the scale: as many as a GIF holds
+    colours = last.quantize(256, Image.Quantize.MAXCOVERAGE, dither=Image.Dither.NONE)
+    pictures = [*(each.quantize(palette=colours, dither=Image.Dither.NONE) for each in others), colours]
+    more: dict[str, Any] = {"append_images": pictures[1:], "duration": [PACE] * len(others) + [LAST]}
     stream = io.BytesIO()
-    durations = [PACE] * (len(pictures) - 1) + [LAST]
-    pictures[0].save(
-        stream, "GIF", save_all=True, append_images=pictures[1:], duration=durations, loop=0, optimize=False
-    )
+    pictures[0].save(stream, "GIF", save_all=True, loop=0, optimize=False, **more)
     write_bytes(movie, stream.getvalue())
     return f"drawn by matplotlib: pyvista could not draw off screen ({status})" if status else ""
-
-
-def _pictures(files: list[Path]) -> list[Image.Image]:
-    """Pictures in the colours of the last one, which has all of the scale: as many as a GIF holds."""
-    from PIL import Image
-
-    *others, last = (Image.open(file).convert("RGB") for file in files)
-    colours = last.quantize(256, Image.Quantize.MAXCOVERAGE, dither=Image.Dither.NONE)
-    return [*(each.quantize(palette=colours, dither=Image.Dither.NONE) for each in others), colours]
 
 
 def _draw_flat(frames: Frames, files: list[Path]) -> None:

@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
 from pathlib import Path
 
 from coilspring import InputError, Scene
 from coilspring.scene import SEATS
-from coilspring.scene.sizing import Sizes, sizes
+from coilspring.scene.sizing import sizes
 from equivbeam.model import build_model
 from validation.study.scenewarnings import warnings
 from validation.study.template import template
@@ -17,49 +16,40 @@ from wirefe.mesh import mesh_wire
 STEEPEST = 7.5  # degrees; EN 13906-1:2013, to which its formulas apply
 LEFT_OUT = "; what keeps its coils from sliding with --sliding scene alone"
 ELEMENTS_PER_TURN = 40  # of the wire model, where nothing is said
-
-
 WORDS = template(Path(__file__).with_name("check.txt"))
 
 
 def report(scene: Scene) -> tuple[list[str], list[str]]:
     """Lines that say what a scene is, and warnings."""
     found = sizes(scene)
-    low, high = found.index
+    (low, high), angle = found.index, math.degrees(found.helix_angle)
     text = WORDS.render(
         name="".join(c if c.isprintable() else repr(c)[1:-1] for c in scene.name),
         **{"scene": scene, "spring": scene.spring, "sizes": found, "solid": math.isinf(found.force)},
         index=f"{low:.3g}" if math.isclose(low, high) else f"{low:.3g} to {high:.3g}",
         index_varies=not math.isclose(low, high),
-        angle=math.degrees(found.helix_angle),
+        angle=angle,
         unknown=math.isnan(found.wire_rates[1]),
     )
-    models = (f"  {model:<13} {verdict}" for model, verdict in _models(scene))
-    return [*text.rstrip("\n").split("\n"), *models], [*warnings(scene), *_of_formulas(found)]
-
-
-def _of_formulas(found: Sizes) -> Iterator[str]:
-    """What the numbers of this report leave out."""
-    angle = math.degrees(found.helix_angle)
+    models = (f"  {model:<13} {_verdict(model, scene)}" for model in ("equivbeam", "wirefe"))
+    doubts = warnings(scene)
     if angle > STEEPEST:
-        yield f"helix angle up to {angle:.3g} degrees, above {STEEPEST:g}: the formulas leave it out"
+        doubts.append(f"helix angle up to {angle:.3g} degrees, above {STEEPEST:g}: the formulas leave it out")
     if found.force < 0.0:
-        yield "the axial load pulls: the formulas are those of a compression spring"
+        doubts.append("the axial load pulls: the formulas are those of a compression spring")
+    return [*text.rstrip("\n").split("\n"), *models], doubts
 
 
-def _models(scene: Scene) -> Iterator[tuple[str, str]]:
-    """What each model says to a scene, with its usual mesh."""
-    sticks = scene.contact.enabled and scene.contact.sliding != "free"
-    for model, accept in (("equivbeam", build_model), ("wirefe", _mesh)):
-        try:
-            accept(scene)
-            left_out = LEFT_OUT if model == "equivbeam" and sticks else ""
-            yield model, f"represents it{left_out}"
-        except InputError as error:
-            yield model, str(error)
-
-
-def _mesh(scene: Scene) -> None:
-    """The wire model's part that may refuse a scene; its spheres are many where coils are."""
-    seat = scene.supports.require_supported("wirefe", SEATS)
-    mesh_wire(scene.spring, ELEMENTS_PER_TURN, seat == "plate")
+def _verdict(model: str, scene: Scene) -> str:
+    """What a model says to a scene, with its usual mesh."""
+    try:
+        if model == "equivbeam":
+            build_model(scene)
+            sticks = scene.contact.enabled and scene.contact.sliding != "free"
+            return f"represents it{LEFT_OUT if sticks else ''}"
+        # the part that may refuse a scene; its spheres are many where coils are
+        seat = scene.supports.require_supported("wirefe", SEATS)
+        mesh_wire(scene.spring, ELEMENTS_PER_TURN, seat == "plate")
+        return "represents it"
+    except InputError as error:
+        return str(error)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping
 from pathlib import Path
 
 import matplotlib
@@ -31,7 +31,7 @@ def draw(scene: Scene, target: Path) -> None:
             [["side", "diameter"], ["side", "pitch"], ["side", "closing"]], width_ratios=(1.0, 1.1)
         )
         _side(plots["side"], scene.spring)
-        _coils([plots[name] for name in ("diameter", "pitch", "closing")], scene)
+        _coils(plots, scene)
         write_bytes(target, png(figure))
 
 
@@ -49,20 +49,19 @@ def _side(axes: Axes, spring: Spring) -> None:
     to_scale(axes, points, 0.55 * d, title="at rest, with the reference points")
 
 
-def _coils(plots: Sequence[Axes], scene: Scene) -> None:
+def _coils(plots: Mapping[str, Axes], scene: Scene) -> None:
     """Diameter, pitch and closing force along the active coils."""
     coils, force = along(scene), sizes(scene).force
-    load = force if math.isfinite(force) else None
-    for axes, values, limit, label in (
-        (plots[0], coils.diameter, None, "coil diameter (mm)"),
-        (plots[1], coils.pitch, scene.spring.wire_diameter, "pitch; wire, dashed (mm)"),
-        (plots[2], coils.closing, load, "closes at; load, dashed (N)"),
+    for name, limit, title in (
+        ("diameter", math.inf, "coil diameter (mm)"),
+        ("pitch", scene.spring.wire_diameter, "pitch; wire, dashed (mm)"),
+        ("closing", force, "closes at; load, dashed (N)"),
     ):
+        axes, values = plots[name], getattr(coils, name)
         axes.plot(coils.turns, values, color=BLUE)
         top = float(values.max())
-        if limit is not None:
+        if math.isfinite(limit):
             axes.axhline(limit, color=RED, linewidth=0.8, linestyle="--")
             top = max(top, limit)
-        axes.set_title(label)
-        axes.set(xlim=(0.0, coils.turns[-1]), ylim=(0.0, 1.1 * top if top > 0.0 else 1.0))
-    plots[-1].set_xlabel("active coil, from the bottom")
+        axes.set(title=title, xlim=(0.0, coils.turns[-1]), ylim=(0.0, 1.1 * top if top > 0.0 else 1.0))
+    plots["closing"].set_xlabel("active coil, from the bottom")

@@ -32,7 +32,7 @@ class Frames:
 
 
 def of_scene(scene: Scene, progress: Callable[[str], None] = lambda line: None) -> Frames:
-    """Solve a scene with the wire model, as far as it goes; `progress` is called with what is being done."""
+    """Solve a scene with the wire model, as far as it goes."""
     progress("loading wirefe")
     import wirefe
     from wirefe.export import section_results
@@ -47,10 +47,7 @@ def of_scene(scene: Scene, progress: Callable[[str], None] = lambda line: None) 
 
 
 def of_run(folder: Path) -> Frames:
-    """Read the series of VTU files of a run.
-
-    Raises `InputError`: the folder holds none, or files that are not those of a run.
-    """
+    """Read the series of VTU files of a run; `InputError` where the folder does not hold one."""
     import meshio
 
     if not (folder / "wire.pvd").is_file():
@@ -71,7 +68,5 @@ def of_run(folder: Path) -> Frames:
 def _frames(diameter: float, times: Iterable[float], steps: Iterable[tuple[np.ndarray, ...]]) -> Frames:
     """Points, displacements and forces of the steps, behind a frame at rest."""
     points, displacements, forces = (np.stack(part) for part in zip(*steps, strict=True))
-    rest, none = points[:1] - displacements[:1], np.zeros((1, points.shape[1]))
-    return Frames(
-        diameter, np.array([0.0, *times]), np.concatenate((rest, points)), np.concatenate((none, forces))
-    )
+    points = np.concatenate((points[:1] - displacements[:1], points))
+    return Frames(diameter, np.array([0.0, *times]), points, np.pad(forces, ((1, 0), (0, 0))))

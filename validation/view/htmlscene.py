@@ -12,9 +12,9 @@ import numpy as np
 
 from coilspring import InputError
 from validation.study.style import BLUE, GREY, RED
-from validation.view.process import Drawing, arrays
+from validation.view.process import Drawing, given
 from validation.view.render3d import add_spring
-from validation.view.shapes import Shapes, panel_arrays, panel_parts
+from validation.view.shapes import Shapes
 
 if TYPE_CHECKING:
     import pyvista
@@ -24,6 +24,7 @@ NEEDED = ("trame_pyvista", "nest_asyncio2")
 MISSING = "--interactive needs {}, which is missing: pip install -e '.[interactive]'"
 TITLE = "Springs of Figures 4 and 6 at full load, by both models"
 COMMAND = (sys.executable, "-m", "validation.view.htmlscene")
+SIGNATURE = "<!-- coilcheck {} -->\n"  # last line of the file, with what it was made from
 TIMEOUT = 120.0  # s; it takes a few
 GAP, LETTER = 6.0, 1.6  # mm between springs; height of the words
 EYE = (0.12, 0.3, 1.4)  # from where it is seen at first, over the width of what is seen
@@ -41,36 +42,31 @@ def require_extra() -> None:
 def is_made(folder: Path, mark: str) -> bool:
     """Whether the file in a folder is there, and was made from what `mark` stands for."""
     file = folder / FILE
-    return file.is_file() and file.read_bytes().endswith(_signature(mark))
-
-
-def _signature(mark: str) -> bytes:
-    """Last line of the file; `mark` stands for what it was made from."""
-    return f"<!-- coilcheck {mark} -->\n".encode()
+    return file.is_file() and file.read_bytes().endswith(SIGNATURE.format(mark).encode())
 
 
 def page(panels: Sequence[Shapes], mark: str) -> bytes | str:
     """The page of springs side by side, which `is_made` knows by its `mark`; or in a few words why not."""
     with Drawing(COMMAND) as drawing:
-        drawing.give(panel_arrays(panels))
+        drawing.give(panels)
         file = drawing.folder / FILE
         trouble = drawing.failure(TIMEOUT, [file])
         if trouble:
             return trouble
         text = file.read_text(encoding="utf-8")
     head, _, rest = text.partition("<title>")  # of the viewer
-    return f"{head}<title>{TITLE}{rest[rest.index('</title>') :]}\n".encode() + _signature(mark)
+    return f"{head}<title>{TITLE}{rest[rest.index('</title>') :]}\n{SIGNATURE.format(mark)}".encode()
 
 
 def main(folder: Path) -> None:
-    """Export the panels stored in `folder`; what the subprocess runs."""
+    """Export the panels given in `folder`; what the subprocess runs."""
     import pyvista
 
     # a viewer that is not used, but would be downloaded
     sys.modules["trame.widgets.vtklocal"] = None  # type: ignore[assignment]
     plotter = pyvista.Plotter(off_screen=True, window_size=[1200, 800])
     plotter.set_background("white")
-    low, high = _springs(plotter, arrays(folder))
+    low, high = _springs(plotter, given(folder))
     for i, (words, colour) in enumerate(KEY):
         place = low[0] + (i + 0.5) / len(KEY) * (high[0] - low[0])
         _write(plotter, words, place, low[1] - 5.0 * LETTER, colour)
@@ -81,19 +77,17 @@ def main(folder: Path) -> None:
     plotter.trame.export_html(folder / FILE)
 
 
-def _springs(plotter: pyvista.Plotter, data: dict[str, np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
+def _springs(plotter: pyvista.Plotter, panels: Sequence[Shapes]) -> tuple[np.ndarray, np.ndarray]:
     """Springs side by side with their names below; corners of the box that holds them."""
-    springs = panel_parts(data)
-    lows, highs = (
-        np.array([bound(np.concatenate(parts), axis=0) for parts in springs]) for bound in (np.min, np.max)
-    )
+    springs = [np.concatenate(panel.parts) for panel in panels]
+    lows, highs = (np.array([bound(points, axis=0) for points in springs]) for bound in (np.min, np.max))
     widths = (highs - lows)[:, 0]
     lefts = np.cumsum(widths + GAP) - widths - GAP
     low = lows.min(axis=0)
-    for title, parts, move in zip(data["titles"], springs, lefts - lows[:, 0], strict=True):
-        moved = [part + np.array((move, 0.0, 0.0)) for part in parts]
-        add_spring(plotter, moved, float(data["diameter"]), SIDES)
-        _write(plotter, str(title), moved[0][:, 0].mean(), low[1] - 2.0 * LETTER, "black")
+    for panel, move in zip(panels, lefts - lows[:, 0], strict=True):
+        moved = [part + np.array((move, 0.0, 0.0)) for part in panel.parts]
+        add_spring(plotter, moved, panel.diameter, SIDES)
+        _write(plotter, panel.spring, moved[0][:, 0].mean(), low[1] - 2.0 * LETTER, "black")
     low[0], high = 0.0, highs.max(axis=0)
     high[0] = lefts[-1] + widths[-1]
     return low, high

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from typing import Any
 
 import matplotlib
@@ -41,28 +40,21 @@ def picture(beam: EquilibriumPath, wire: EquilibriumPath) -> Figure:
     most = np.max([np.abs(path.tips).max(axis=0, initial=0.0) for path in (beam, wire)], axis=0)
     moved = [name for name, size in zip(COMPONENTS, most, strict=True) if size > HELD]
     figure = Figure(figsize=(style.DOUBLE, 4.4), layout="constrained")
-    if moved == ["uy"]:
-        plots = _panels(figure, ("curve", "difference"), (2.2, 1.0))
-        _axial(plots["curve"], plots["difference"], beam, wire)
-    else:
-        names = moved or list(COMPONENTS)
-        plots = _panels(figure, names, [1.0] * len(names))
-        for name in names:
-            _curve(plots[name], beam, wire, name)
-        plots[names[-1]].set_xlabel(_abscissa(beam)[1])
-    _shape(plots["shape"], beam, wire)
-    figure.legend(handles=[Line2D([], [], **look) for look in KEY], loc="outside lower center", ncols=3)
-    return figure
-
-
-def _panels(figure: Figure, names: Sequence[str], heights: Sequence[float]) -> dict[str, Axes]:
-    """Plots with one abscissa, one above the other, beside that of the shape."""
+    axial = moved == ["uy"]
+    names = ["curve", "difference"] if axial else moved or list(COMPONENTS)
+    heights = (2.2, 1.0) if axial else [1.0] * len(names)
     rows: Any = [[name, "shape"] for name in names]
     plots = figure.subplot_mosaic(rows, width_ratios=(1.15, 1.0), height_ratios=heights)
     for name in names[:-1]:
         plots[name].sharex(plots[names[-1]])
         plots[name].tick_params(labelbottom=False)
-    return plots
+    if axial:
+        _axial(plots["curve"], plots["difference"], beam, wire)
+    else:
+        _curves([plots[name] for name in names], names, beam, wire)
+    _shape(plots["shape"], beam, wire)
+    figure.legend(handles=[Line2D([], [], **look) for look in KEY], loc="outside lower center", ncols=3)
+    return figure
 
 
 def _axial(above: Axes, below: Axes, beam: EquilibriumPath, wire: EquilibriumPath) -> None:
@@ -81,20 +73,16 @@ def _axial(above: Axes, below: Axes, beam: EquilibriumPath, wire: EquilibriumPat
     below.set(xlabel="deflection −UY (mm)", ylabel=f"beam − wire model,\n{what} (% of peak)")
 
 
-def _abscissa(path: EquilibriumPath) -> tuple[np.ndarray, str]:
-    """What grows along a path: its load, or the time of its history."""
-    load = path.scene.load
-    if load.stages or load.displacement:
-        return path.times, "time"
-    return np.hypot(*path.loads.T), "load |F| (N)"
-
-
-def _curve(axes: Axes, beam: EquilibriumPath, wire: EquilibriumPath, name: str) -> None:
-    """One component of both models."""
-    values = [answered(path)[name] for path in (beam, wire)]
-    both(axes, (_abscissa(beam)[0], values[0]), (_abscissa(wire)[0], values[1]))
-    driven = name == "uy" and beam.scene.load.displacement
-    axes.set(ylabel="force FY (N)" if driven else LABELS[name], xlim=(0.0, None))
+def _curves(plots: list[Axes], names: list[str], beam: EquilibriumPath, wire: EquilibriumPath) -> None:
+    """Components of both models over the load, or over time where the load has a history."""
+    load, paths = beam.scene.load, (beam, wire)
+    by_time = load.stages or load.displacement
+    along = [path.times if by_time else np.hypot(*path.loads.T) for path in paths]
+    for axes, name in zip(plots, names, strict=True):
+        both(axes, *((x, answered(path)[name]) for x, path in zip(along, paths, strict=True)))
+        driven = name == "uy" and load.displacement
+        axes.set(ylabel="force FY (N)" if driven else LABELS[name], xlim=(0.0, None))
+    plots[-1].set_xlabel("time" if by_time else "load |F| (N)")
 
 
 def _shape(axes: Axes, beam: EquilibriumPath, wire: EquilibriumPath) -> None:

@@ -2,54 +2,52 @@
 
 from __future__ import annotations
 
+import pickle
 import subprocess
 import sys
 import tempfile
 import time
-from collections.abc import Callable, Mapping, Sequence
-from contextlib import suppress
+from collections.abc import Callable, Sequence
+from contextlib import ExitStack, suppress
 from pathlib import Path
-from typing import Self
+from typing import Any
 
-import numpy as np
-
-ARRAYS = "arrays.npz"
+GIVEN = "given.pickle"
 POLL = 0.05  # s, between looks at what a drawing has written
 
 
-class Drawing:
-    """A command that draws arrays, and whose output is dropped; as a context it cleans up after itself.
+class Drawing(ExitStack):
+    """A command that draws, and whose output is dropped; as a context it cleans up after itself.
 
-    It is given a folder, which holds the arrays and takes what is drawn, and further `words`; it starts at
-    once, and waits for the arrays (`give`).
+    Its arguments are a folder, which takes what is drawn, and `words`; it starts at once, and waits for what
+    is to be drawn (`give`).
     """
 
     def __init__(self, command: Sequence[str], *words: str) -> None:
-        self._temporary = tempfile.TemporaryDirectory(prefix="coilcheck-")
-        self.folder = Path(self._temporary.name)
+        super().__init__()
+        self.folder = Path(self.enter_context(tempfile.TemporaryDirectory(prefix="coilcheck-")))
         self._process: subprocess.Popen | None = None
         self._failure = ""
         try:
-            self._process = subprocess.Popen(
+            process = subprocess.Popen(
                 (*command, str(self.folder), *words),
                 cwd=Path(__file__).parents[2],  # `-m` finds the package there, installed or not
-                stdin=subprocess.PIPE,  # which ends when the arrays are there
+                stdin=subprocess.PIPE,  # which ends when all is there that is to be drawn
                 stdout=subprocess.DEVNULL,
                 stderr=subprocess.DEVNULL,
             )
         except OSError as error:
             self._failure = f"it could not be started ({error.strerror or error})"
+        else:
+            self._process = self.enter_context(process)
+            self.callback(process.kill)  # before it is waited for
 
-    def give(self, arrays: Mapping[str, object]) -> None:
-        """Hand over what is drawn, by name."""
-        np.savez(self.folder / ARRAYS, **arrays)  # type: ignore[arg-type]
-        self._end_input()
-        self._began = time.monotonic()
-
-    def _end_input(self) -> None:
+    def give(self, drawn: object) -> None:
+        """Hand over what is to be drawn."""
+        (self.folder / GIVEN).write_bytes(pickle.dumps(drawn))
         if self._process is not None and self._process.stdin is not None:
-            with suppress(BrokenPipeError):
-                self._process.stdin.close()
+            self._process.stdin.close()
+        self._began = time.monotonic()
 
     def failure(
         self,
@@ -60,7 +58,7 @@ class Drawing:
     ) -> str:
         """In a few words why it failed, empty where it did not and the files are there; waited for.
 
-        At most `timeout` s since it has its arrays (None: for ever), with `written` called with the number of
+        At most `timeout` s since it was given all (None: for ever), with `written` called with the number of
         files that are there, whenever it has changed.
         """
         if self._process is None:
@@ -78,19 +76,8 @@ class Drawing:
             return f"it ended with status {self._process.returncode}"
         return "" if all(file.is_file() for file in files) else missing
 
-    def __enter__(self) -> Self:
-        return self
 
-    def __exit__(self, *error: object) -> None:
-        if self._process is not None:
-            self._process.kill()
-            self._process.wait()
-        self._end_input()
-        self._temporary.cleanup()
-
-
-def arrays(folder: Path) -> dict[str, np.ndarray]:
-    """Arrays that a drawing was given, by name; waited for."""
+def given(folder: Path) -> Any:
+    """What a drawing was given, in a folder that is this user's alone; waited for."""
     sys.stdin.read()
-    with np.load(folder / ARRAYS) as stored:
-        return dict(stored)
+    return pickle.loads((folder / GIVEN).read_bytes())

@@ -13,8 +13,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from validation.study.style import BLUE, GREY, RED
-from validation.view.process import Drawing, arrays
-from validation.view.shapes import Shapes, bands, panel_arrays, panel_parts, picture_frame, spaces, view
+from validation.view.process import Drawing, given
+from validation.view.shapes import Shapes, bands, picture_frame, spaces, view
 
 if TYPE_CHECKING:
     import pyvista
@@ -31,7 +31,7 @@ class Rendering(Drawing):
 
     def __init__(self, panels: tuple[Shapes, ...]) -> None:
         super().__init__(COMMAND)
-        self.give(panel_arrays(panels))
+        self.give(panels)
         self._files = [self.folder / f"panel{i}.png" for i in range(len(panels))]
 
     def result(self) -> list[Path] | str:
@@ -40,17 +40,17 @@ class Rendering(Drawing):
 
 
 def main(folder: Path) -> None:
-    """Draw the panels stored in `folder`; what the subprocess runs."""
+    """Draw the panels given in `folder`; what the subprocess runs."""
     import pyvista
 
-    data = arrays(folder)
-    panels, diameter = panel_parts(data), float(data["diameter"])
-    every = np.concatenate([part for parts in panels for part in parts])  # what the frame has to hold
+    panels = given(folder)
+    diameter = panels[0].diameter
+    every = np.concatenate([part for panel in panels for part in panel.parts])  # what the frame has to hold
     behind = 2.0 * np.ptp(every, axis=0).max() * view()[2]  # which a parallel projection does not show
-    for i, (rest, beam, wire) in enumerate(panels):
+    for i, panel in enumerate(panels):
         plotter = pyvista.Plotter(off_screen=True, window_size=[PIXELS, PIXELS], lighting="light kit")
         plotter.set_background("white")
-        add_spring(plotter, (rest - behind, beam, wire), diameter)
+        add_spring(plotter, (panel.rest - behind, panel.beam, panel.wire), diameter)
         aim(plotter, every, diameter)
         plotter.enable_anti_aliasing("ssaa")
         plotter.screenshot(folder / f"panel{i}.png")

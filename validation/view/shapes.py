@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -36,6 +35,11 @@ class Shapes:
     rest_circles: np.ndarray  # (circles, 2) where the wire crosses the working plane
     beam_circles: np.ndarray
     wire_circles: np.ndarray
+
+    @property
+    def parts(self) -> list[np.ndarray]:
+        """What a picture in space shows, by `PARTS`."""
+        return [getattr(self, part) for part in PARTS]
 
 
 def overlaps(circles: np.ndarray, diameter: float) -> np.ndarray:
@@ -104,14 +108,13 @@ def _ends(count: int) -> np.ndarray:
 
 def centreline_table(panels: tuple[Shapes, ...]) -> Table:
     """Centrelines of all panels, one row a point."""
-    header = ("scene", "model", "turn", "x_mm", "y_mm", "z_mm")
     rows = [
         (panel.name, label, f"{index * DATA_STRIDE / POINTS_PER_TURN:g}", *(f"{x:.5f}" for x in point))
         for panel in panels
         for label, points in (("at rest", panel.rest), ("equivbeam", panel.beam), ("wirefe", panel.wire))
         for index, point in enumerate(points[::DATA_STRIDE])
     ]
-    return Table(header, tuple(rows))
+    return Table(("scene", "model", "turn", "x_mm", "y_mm", "z_mm"), tuple(rows))
 
 
 def circle_table(panels: tuple[Shapes, ...]) -> Table:
@@ -125,14 +128,3 @@ def circle_table(panels: tuple[Shapes, ...]) -> Table:
         )
     ]
     return Table(("scene", "model", "circle", "x_mm", "y_mm", "overlap_mm"), tuple(rows))
-
-
-def panel_arrays(panels: Sequence[Shapes]) -> dict[str, object]:
-    """What a subprocess is given of panels to draw."""
-    parts = {f"{part}{i}": getattr(panel, part) for i, panel in enumerate(panels) for part in PARTS}
-    return {"diameter": panels[0].diameter, "titles": [panel.spring for panel in panels]} | parts
-
-
-def panel_parts(arrays: Mapping[str, np.ndarray]) -> list[list[np.ndarray]]:
-    """The `PARTS` of each panel from these arrays."""
-    return [[arrays[f"{part}{i}"] for part in PARTS] for i in range(len(arrays["titles"]))]

@@ -10,7 +10,7 @@ import numpy as np
 
 from validation.study.style import GREY
 from validation.view.frames import Frames
-from validation.view.process import arrays
+from validation.view.process import given
 from validation.view.render3d import aim, tubes
 from validation.view.shapes import picture_frame, view
 
@@ -30,7 +30,7 @@ ROOM = 0.8  # of the window's height, which leaves the slider clear of the wire
 
 
 def main(folder: Path, what: str) -> None:
-    """Show the frames in `folder` in a window, or draw them as PNG files beside it."""
+    """Show the frames given in `folder` in a window, or draw them as PNG files there."""
     import pyvista
 
     window = what == "window"
@@ -38,13 +38,19 @@ def main(folder: Path, what: str) -> None:
     plotter.set_background("white")
     if not window:
         plotter.show(auto_close=False)  # OpenGL gets ready while the scene is solved
-    frames = Frames(**arrays(folder))  # type: ignore[arg-type]
+    frames = given(folder)
     draw(plotter, frames, len(frames.times) - 1)
     _scale(plotter, frames)
     aim(plotter, frames.points.reshape(-1, 3), 2.0 * frames.diameter)
     if window:
+        last = len(frames.times) - 1
+
+        def go_to(step: float) -> None:
+            draw(plotter, frames, round(step))
+            plotter.render()
+
         plotter.camera.zoom(ROOM)
-        _slider(plotter, frames)
+        plotter.add_slider_widget(go_to, (0, last), value=last, **SLIDER)
         plotter.show(title="coilcheck view")
         return
     plotter.enable_anti_aliasing("ssaa")
@@ -97,16 +103,6 @@ def _scale(plotter: pyvista.Plotter, frames: Frames) -> None:
         [0.5 * (start + end)], [f"{length:g} mm"], font_size=16, text_color="black", **look
     )
     plotter.add_axes(color="black", viewport=(0.0, 0.1, 0.2, 0.34))
-
-
-def _slider(plotter: pyvista.Plotter, frames: Frames) -> None:
-    last = len(frames.times) - 1
-
-    def go_to(step: float) -> None:
-        draw(plotter, frames, round(step))
-        plotter.render()
-
-    plotter.add_slider_widget(go_to, (0, last), value=last, **SLIDER)
 
 
 if __name__ == "__main__":
