@@ -46,7 +46,7 @@ EDITS = {
     "equivbeam": [("equivbeam/laws/haringx.py", "= rows[i, KAX], rows", "= 2.0 * rows[i, KAX], rows")],
     "wirefe": [
         ("wirefe/beam.py", "e0[n], K[n])", "e0[n], 2.0 * K[n])"),
-        ("wirefe/beam.py", "C, X, K[n], H[n])", "C, X, 2.0 * K[n], H[n])"),
+        ("wirefe/beam.py", "forces, K[n], H[n])", "forces, 2.0 * K[n], H[n])"),
     ],
 }
 

@@ -11,6 +11,8 @@ plates push and do not pull, and the wire slides on them. With n = exp(phi) n al
 
 from __future__ import annotations
 
+from typing import Any, NamedTuple
+
 import numpy as np
 
 from coilspring.compiling.compiled import kernel, part
@@ -33,6 +35,15 @@ def _view(reals, ints):
     )  # fmt: skip
 
 
+class Gap(NamedTuple):
+    """Derivatives of the gap between a node and the top plate."""
+
+    n: Any  # (3,) normal of the plate
+    a: Any  # (6,) gradient at the node
+    b: Any  # (6,) and at the top end
+    C: Any  # (3, 3) second derivative in the spin of the top end
+
+
 @part
 def _press_low(plates, state, g, H):
     """Potential of the bottom plate; adds its gradient and Hessian."""
@@ -53,8 +64,7 @@ def _press_low(plates, state, g, H):
 def _press_high(plates, state, g, H):
     """Potential of the top plate; adds its gradient and Hessian."""
     energy, k = 0.0, plates.stiffness
-    n, w, C = np.empty(3), np.empty(3), np.empty((3, 3))
-    a, b = np.zeros(6), np.empty(6)  # gradient of the gap: at the node, at the top end
+    n, w, a, b, C = np.empty(3), np.empty(3), np.zeros(6), np.empty(6), np.empty((3, 3))
     top = state.size // ROW - 1
     n[0], n[1], n[2] = turned(four(state, ROW * top + 3), (0.0, 1.0, 0.0))
     for m in range(plates.high.size):
@@ -76,17 +86,14 @@ def _press_high(plates, state, g, H):
             g[6 * top + i] += k * gap * b[i]
         if len(H) > 0:
             put(C, 0, 0, lever(three(n, 0), three(w, 0)))
-            _add_hessian(plates, m, top, k, k * gap, n, a, b, C, H)
+            _add_hessian(plates, m, top, k * gap, Gap(n, a, b, C), H)
     return energy
 
 
 @part
-def _add_hessian(plates, m, top, k, force, n, a, b, C, H):
-    """k dg dg^T + force d2g of the node m of the top plate.
-
-    Ten arguments: the node and its plate, the gap's derivatives, and what is filled.
-    """
-    node, free = plates.high[m], plates.free
+def _add_hessian(plates, m, top, force, gap, H):
+    """k dg dg^T + force d2g of the node m of the top plate."""
+    node, free, k, (n, a, b, C) = plates.high[m], plates.free, plates.stiffness, gap
     B, flip = H[plates.block[m]], plates.flip[m]
     for i in range(6):
         for j in range(6):

@@ -25,6 +25,7 @@ All of it depends on the wires' motion relative to each other alone: forces and 
 from __future__ import annotations
 
 import math
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -242,6 +243,25 @@ def update_wires(contact, accepted, predicted, state, history):
     return change / most if change > 0.0 else 0.0
 
 
+class Frame(NamedTuple):
+    """Directions of a pair, and how many forms it needs."""
+
+    n: Any
+    b: Any
+    u: Any
+    sigma: Any
+    length: Any  # |tau|
+    count: Any
+
+
+class Forms(NamedTuple):
+    """Forms of the nodes of a pair: two slots of each station."""
+
+    L: Any  # (ALL, SLOTS, 6)
+    arms: Any  # (SLOTS, 9) rv, q, x of each node
+    nodes: Any  # (SLOTS,) their numbers, -1 where there is none
+
+
 @arithmetic
 def _put(row, c, r, direction):
     """A form ``direction . (c dx + phi x r)`` in the six dofs of a node."""
@@ -251,10 +271,7 @@ def _put(row, c, r, direction):
 
 @arithmetic
 def _node_forms(L, slot, c, e, r, q, x, frame):
-    """Forms of a node; it moves w by ``c dx + phi x r``, tau by ``e dx + phi x q``, xi by ``c dx + phi x x``.
-
-    `frame` is n, b, u, sigma, |tau| and the number of forms.
-    """
+    """Forms of a node; it moves w by c dx + phi x r, tau by e dx + phi x q and xi by c dx + phi x x."""
     n, b, u, sigma, length, count = frame
     cv, rv = c - sigma * e, plus(r, -sigma, q)
     e, q = e / length, (q[0] / length, q[1] / length, q[2] / length)
@@ -271,12 +288,12 @@ def _node_forms(L, slot, c, e, r, q, x, frame):
 
 
 @arithmetic
-def _station_forms(contact, state, k, rho, frame, L, arms, nodes, first):
-    """Fill the forms of a station's nodes, their arms rv, q, x as rows of `arms`, and their numbers.
+def _station_forms(contact, state, k, rho, frame, forms, first):
+    """Fill the `Forms` of a station's nodes.
 
     The slots are `first` (0 for the pair's first station, which w leads away from) and the next one.
-    Nine arguments: the station, the pair, and what is filled.
     """
+    L, arms, nodes = forms
     node, parts, sign = contact.attached[k], contact.parts[k], -1.0 if first == 0 else 1.0
     r0, r1 = arms_of(parts, state, node, ARMS)
     q0, q1 = arms_of(parts, state, node, SLOPES)
@@ -424,15 +441,16 @@ def add_wires(contact, history, state, g, H):
     energy, points = 0.0, placed(contact, state)
     L, Q, G = np.empty((ALL, SLOTS, 6)), np.empty((ALL, ALL)), np.empty((1, ALL))
     arms, f, nodes = np.empty((SLOTS, 9)), np.empty((1, 9)), np.empty(SLOTS, np.int64)
+    forms = Forms(L, arms, nodes)
     for m in range(contact.pairs.shape[0]):
         h, n, u, s, length = gap(contact, points, m)
         row, depth = history[m], contact.d - h - contact.clearance[m]
         if depth <= 0.0 and not row.closed:
             continue
         b, count = cross(u, n), ALL if row.closed else FRICTIONLESS
-        frame = (n, b, u, s / length, length, count)
-        _station_forms(contact, state, contact.pairs[m, 0], three(row.arms, 0), frame, L, arms, nodes, 0)
-        _station_forms(contact, state, contact.pairs[m, 1], three(row.arms, 3), frame, L, arms, nodes, 2)
+        frame = Frame(n, b, u, s / length, length, count)
+        _station_forms(contact, state, contact.pairs[m, 0], three(row.arms, 0), frame, forms, 0)
+        _station_forms(contact, state, contact.pairs[m, 1], three(row.arms, 3), frame, forms, 2)
         clear_table(G)
         clear_table(Q)
         clear_table(f)
