@@ -6,10 +6,10 @@ from scipy.spatial.transform import Rotation
 
 from coilspring import Material
 from coilspring.scene.wire import round_section
-from wirefe.beam import beams, deformations
-from wirefe.elements import straight_stiffness
-from wirefe.quaternions import exponential, times
-from wirefe.rotations import stretch_functions
+from wirefe.element.beam import beams, deformations
+from wirefe.element.quaternions import exponential, times
+from wirefe.element.rest import straight_stiffness
+from wirefe.element.rotations import stretch_functions
 
 UNIT = np.array([1.0, 0.0, 0.0, 0.0])
 

@@ -45,8 +45,8 @@ if __name__ == "__main__":
 EDITS = {
     "equivbeam": [("equivbeam/laws/haringx.py", "= rows[i, KAX], rows", "= 2.0 * rows[i, KAX], rows")],
     "wirefe": [
-        ("wirefe/beam.py", "e0[n], K[n])", "e0[n], 2.0 * K[n])"),
-        ("wirefe/beam.py", "forces, K[n], H[n])", "forces, 2.0 * K[n], H[n])"),
+        ("wirefe/element/beam.py", "e0[n], K[n])", "e0[n], 2.0 * K[n])"),
+        ("wirefe/element/beam.py", "forces, K[n], H[n])", "forces, 2.0 * K[n], H[n])"),
     ],
 }
 

@@ -20,7 +20,7 @@ from coilspring import (
 )
 from equivbeam.contact import circle_overlap
 from validation.cli import main
-from wirefe.overlap import _between, _bulge
+from wirefe.contact.overlap import _between, _bulge
 
 GUIDED = Supports(("ux", "rotz"))
 SPHERES = Contact(geometry="spheres")

@@ -16,7 +16,7 @@ from validation.cli import main
 from validation.peers import calculix, page
 from validation.peers.comparison import PeerComparison
 from validation.peers.layout import Curve, layout
-from wirefe.contactpoints import contact_points
+from wirefe.contact.points import contact_points
 from wirefe.mesh import mesh_wire
 
 ROOT = Path(__file__).parents[1]

@@ -16,9 +16,9 @@ from coilspring.contact.law import PAIR_HISTORY
 from coilspring.scene.wire import round_section
 from equivbeam import kernels, model
 from equivbeam.options import BeamOptions
-from wirefe.elements import curved_elements
-from wirefe.modes import linear_stiffness
-from wirefe.stations import turned_rows as turned
+from wirefe.contact.stations import turned_rows as turned
+from wirefe.element.rest import curved_elements
+from wirefe.results.modes import linear_stiffness
 
 BARREL = load_scene(Path(__file__).parents[1] / "examples" / "barrel.toml")
 PLAIN = Spring(1.5, 10.0, 6.5, 19.5)

@@ -14,14 +14,14 @@ from coilspring.scene.wire import Section
 from validation.campaign.scenes import make_case
 from validation.campaign.verdict import reached
 from wirefe import kernels
-from wirefe.beam import beams
-from wirefe.contactpoints import ContactPoints
+from wirefe.contact.points import ContactPoints
+from wirefe.contact.stations import SLOPES, WIDTH
+from wirefe.contact.wires import add_wires
+from wirefe.element.beam import beams
+from wirefe.element.poses import ROW
 from wirefe.model import rod_model
-from wirefe.poses import ROW
 from wirefe.rod import straight_rod
 from wirefe.solve import scene_problem
-from wirefe.stations import SLOPES, WIDTH
-from wirefe.wirecontact import add_wires
 
 WIRES = Contact(geometry="wires")
 CURVED = {"element": "curved", "elements_per_turn": 8}

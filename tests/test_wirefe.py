@@ -25,10 +25,10 @@ from coilspring.scene.wire import round_section
 from validation.study.partialsolve import partial_path
 from validation.study.scenes import EXACT_ROD
 from wirefe import kernels, model
-from wirefe.beam import beams, deformations
-from wirefe.elements import _flexibility, curved_elements
-from wirefe.poses import at_rest
-from wirefe.quaternions import exponential, times
+from wirefe.element.beam import beams, deformations
+from wirefe.element.poses import at_rest
+from wirefe.element.quaternions import exponential, times
+from wirefe.element.rest import _flexibility, curved_elements
 from wirestates import dense
 
 EXACT = {name: tips[1.0] for name, tips in EXACT_ROD.items()}  # G13: UX, UY, ROTZ

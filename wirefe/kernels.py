@@ -11,17 +11,17 @@ from coilspring.contact.kinematics import OVERLAP_ALLOWED, approach, remember
 from coilspring.contact.kinematics import update_pairs as update_spheres
 from coilspring.contact.law import pair_potential
 from coilspring.solver.interface import FIXED
-from wirefe.algebra import dot, plus
-from wirefe.beam import beams
 from wirefe.chain import eliminate, substitute
-from wirefe.contact import onto_reference, pair_matrix
+from wirefe.contact.overlap import wire_overlap
+from wirefe.contact.spheres import onto_reference, pair_matrix
+from wirefe.contact.stations import ARMS, POSITION, ROTATION, of_wires, station
+from wirefe.contact.wires import across, add_wires, placed, remember_wires, update_wires
+from wirefe.element.algebra import dot, plus
+from wirefe.element.beam import beams
+from wirefe.element.poses import ROW, four, three
+from wirefe.element.quaternions import turned
+from wirefe.element.retraction import Move, close, place, spin_between, turn_along
 from wirefe.model import view_contact, view_elements, view_held, view_plan, view_stations
-from wirefe.overlap import wire_overlap
-from wirefe.poses import ROW, four, three
-from wirefe.quaternions import turned
-from wirefe.retraction import Move, close, place, spin_between, turn_along
-from wirefe.stations import ARMS, POSITION, ROTATION, of_wires, station
-from wirefe.wirecontact import across, add_wires, placed, remember_wires, update_wires
 
 
 @part
@@ -179,7 +179,7 @@ def solve(reals, ints, flat, b):
 
 @kernel
 def retract(reals, ints, state, step, factor, before, second, out):
-    """See `coilspring.solver.interface`; what moves are the wire's deformations (`wirefe.retraction`)."""
+    """See `coilspring.solver.interface`; its deformations move the wire (`wirefe.element.retraction`)."""
     move = Move(before, step, factor, second)
     chain = view_elements(reals, ints)
     place(chain.triads, chain.arm, state, move, out)

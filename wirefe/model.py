@@ -20,14 +20,14 @@ from coilspring.scene.solidwire import wire_flexibility
 from coilspring.scene.wire import round_section
 from coilspring.solver.stages import Top
 from wirefe.chain import ChainPlan, plan_chain
-from wirefe.contactpoints import ContactPoints, contact_points, no_contact
+from wirefe.contact.overlap import NO_STATIONS, Stations, place_stations
+from wirefe.contact.plates import NO_PLATES, PlateArrays, join_top, place_plates
+from wirefe.contact.points import ContactPoints, contact_points, no_contact
+from wirefe.contact.stations import ROTATION, of_wires
+from wirefe.contact.wires import COUPLINGS
+from wirefe.element.poses import ROW, at_rest
 from wirefe.mesh import WireMesh, mesh_wire, refuse_kinks
-from wirefe.overlap import NO_STATIONS, Stations, place_stations
-from wirefe.plates import NO_PLATES, PlateArrays, join_top, place_plates
-from wirefe.poses import ROW, at_rest
 from wirefe.rod import Rod, curved_rod, straight_rod, straight_solid_rod
-from wirefe.stations import ROTATION, of_wires
-from wirefe.wirecontact import COUPLINGS
 
 
 class ElementArrays(NamedTuple):
@@ -55,7 +55,7 @@ class ContactArrays(NamedTuple):
     """Spheres, or stations along the wire, the pairs that may touch, and their law."""
 
     attached: Wholes  # (points,) node to which each is attached; of stations the lower one
-    parts: Table  # (points, 3) arm of a sphere at rest, or (points, 15): see `wirefe.stations`
+    parts: Table  # (points, 3) arm of a sphere at rest, or (points, 15): see `wirefe.contact.stations`
     pairs: WholeTable  # (pairs, 2)
     clearance: Vector  # (pairs,) of wires that run into each other at rest, by that: they touch there
     reach: float  # largest arm about the top end

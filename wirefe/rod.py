@@ -9,9 +9,9 @@ import numpy as np
 
 from coilspring.errors import InputError, require_choice
 from coilspring.scene.wire import Section
-from wirefe.beam import deformations
-from wirefe.elements import Flexibility, curved_elements, straight_elements, straight_solid_elements
-from wirefe.poses import at_rest
+from wirefe.element.beam import deformations
+from wirefe.element.poses import at_rest
+from wirefe.element.rest import Flexibility, curved_elements, straight_elements, straight_solid_elements
 
 FREEDOMS = ("ux", "uy", "uz", "rotx", "roty", "rotz")
 
@@ -36,7 +36,7 @@ class Rod:
     ----------
     points : (nodes, 3) at rest.
     triads : (nodes - 1, 2, 4) end frames of the elements, unit quaternions.
-    stiffness : (nodes - 1, 6, 6) of the elements in (v, theta), see `wirefe.beam`.
+    stiffness : (nodes - 1, 6, 6) of the elements in (v, theta), see `wirefe.element.beam`.
     held : (nodes, 6) dofs that are held.
     loads : (nodes, 6) dead forces and moments at time 1. Moments keep their direction in space; in
         space (not in a plane) such a load has no potential: equilibria are right, statements on

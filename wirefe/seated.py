@@ -18,12 +18,12 @@ import numpy as np
 from coilspring.compiling.compiled import kernel, part
 from coilspring.compiling.packing import heads, vector
 from wirefe import kernels
-from wirefe.algebra import put
-from wirefe.contact import lever
+from wirefe.contact.plates import PlateArrays
+from wirefe.contact.spheres import lever
+from wirefe.element.algebra import put
+from wirefe.element.poses import ROW, four, three
+from wirefe.element.quaternions import turned
 from wirefe.model import PLATES
-from wirefe.plates import PlateArrays
-from wirefe.poses import ROW, four, three
-from wirefe.quaternions import turned
 
 
 @part

@@ -19,11 +19,11 @@ from coilspring.solver.solve import follow_load, follow_problem, scene_path
 from coilspring.solver.startup import store
 from coilspring.sweep import Outcome, jobs, outcomes
 from wirefe import kernels, model, seated
-from wirefe.contactpoints import PER_TURN, near_points
-from wirefe.elements import ELEMENTS
+from wirefe.contact.points import PER_TURN, near_points
+from wirefe.element.rest import ELEMENTS
 from wirefe.mesh import WireMesh
+from wirefe.results.shape import WireShape, contact_centres
 from wirefe.rod import Rod, RodPath
-from wirefe.shape import WireShape, contact_centres
 
 # Moves of a rod without contact are compared with this part of its length, as with a wire's diameter.
 LENGTHS_OF_A_WIRE = 50.0

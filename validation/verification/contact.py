@@ -19,7 +19,7 @@ from validation.study import template
 from validation.study.output import write_facts, write_text
 from validation.study.partialsolve import partial_path
 from wirefe.model import ContactArrays
-from wirefe.shape import contact_centres
+from wirefe.results.shape import contact_centres
 
 NONE = np.inf  # no sliding
 CYCLE = Path("examples/stages.toml")

@@ -1,7 +1,7 @@
 """How far the wire runs into itself: all of it against all of it, whatever its contact spheres see.
 
 The wire is followed by stations, points of it at equal phases that move with the nodes about them (as
-`wirefe.shape` draws it), and the pieces between them. Contact spheres are not asked: between them,
+`wirefe.results.shape` draws it), and the pieces between them. Contact spheres are not asked: between them,
 wires could pass through each other unseen.
 """
 
@@ -15,10 +15,10 @@ import numpy as np
 from coilspring.compiling.compiled import arithmetic, part
 from coilspring.compiling.packing import Table, Wholes
 from coilspring.scene.spring import Spring
-from wirefe.algebra import dot, mixed, plus
+from wirefe.contact.stations import ARMS, POSITION, SLOPES, carried_points, on_one_node, station
+from wirefe.element.algebra import dot, mixed, plus
+from wirefe.element.poses import three
 from wirefe.mesh import WireMesh
-from wirefe.poses import three
-from wirefe.stations import ARMS, POSITION, SLOPES, carried_points, on_one_node, station
 
 # A chord lies 0.6 % of the wire's diameter per unit of the coil index beside the wire.
 PER_TURN, HALF = 20, 10
@@ -35,7 +35,7 @@ class Stations(NamedTuple):
     """Points along the wire, end turns included, from bottom to top."""
 
     node: Wholes  # (stations,) node at or below each
-    parts: Table  # (stations, 9) what each takes of it and of the next one, see `wirefe.stations`
+    parts: Table  # (stations, 9) what each takes of it and of the next one, see `wirefe.contact.stations`
     stride: float  # largest distance of neighbours, mm
     low: int  # last station of the rigid bottom end
     high: int  # first station of the rigid top end

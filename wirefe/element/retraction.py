@@ -3,7 +3,7 @@
 A step (dx, phi) of all nodes, taken literally, would stretch the wire by squares of its rotations: the
 stiffest way to deform it. Here each element's deformation follows the step instead, and the nodes are
 placed one after the other, each element standing on the end of the one before. In the half-way frame M of
-an element with the relative rotation exp(theta) = h h (see `wirefe.beam`)
+an element with the relative rotation exp(theta) = h h (see `wirefe.element.beam`)
 
     u' = u + du,   exp(theta') = h exp(w) h,   du = rho + u x mu
 
@@ -19,9 +19,9 @@ from typing import NamedTuple
 import numpy as np
 
 from coilspring.compiling.compiled import arithmetic, clear, zeros
-from wirefe.algebra import cross, plus
-from wirefe.poses import ROW, four, pose, three
-from wirefe.quaternions import (
+from wirefe.element.algebra import cross, plus
+from wirefe.element.poses import ROW, four, pose, three
+from wirefe.element.quaternions import (
     conjugate,
     exponential,
     half_way,

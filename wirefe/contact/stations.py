@@ -15,11 +15,11 @@ import numpy as np
 
 from coilspring.compiling.compiled import arithmetic, part
 from coilspring.scene.spring import Spring
-from wirefe.algebra import plus
+from wirefe.element.algebra import plus
+from wirefe.element.poses import ROW, four, three
+from wirefe.element.quaternions import turned
+from wirefe.element.rotations import cross_rows
 from wirefe.mesh import WireMesh
-from wirefe.poses import ROW, four, three
-from wirefe.quaternions import turned
-from wirefe.rotations import cross_rows
 
 # What a station takes of its two nodes, by columns: the second node's share of the position, of the tangent,
 # of the section's rotation; then arms (3) of the position and of the tangent, of the first and second node.
@@ -103,7 +103,7 @@ def turned_rows(q: np.ndarray, v: np.ndarray) -> np.ndarray:
 
 def interpolated(nodes: np.ndarray, node: np.ndarray, parts: np.ndarray, share: int, arms: int) -> np.ndarray:
     """Positions (`POSITION`, `ARMS`) or tangents (`TANGENT`, `SLOPES`) of stations, shape (..., stations, 3),
-    from rows (..., nodes, 7); see `wirefe.stations`."""
+    from rows (..., nodes, 7); see `wirefe.contact.stations`."""
     low = nodes[..., node, :]
     high = nodes[..., np.minimum(node + 1, nodes.shape[-2] - 1), :]
     turn = turned_rows(low[..., 3:], parts[:, arms : arms + 3])

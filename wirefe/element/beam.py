@@ -24,7 +24,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from coilspring.compiling.compiled import arithmetic, kernel
-from wirefe.algebra import (
+from wirefe.element.algebra import (
     added,
     applied,
     block,
@@ -40,9 +40,9 @@ from wirefe.algebra import (
     skew,
     transposed,
 )
-from wirefe.poses import pose, three
-from wirefe.quaternions import conjugate, matrix, times, turned
-from wirefe.rotations import stretch_functions
+from wirefe.element.poses import pose, three
+from wirefe.element.quaternions import conjugate, matrix, times, turned
+from wirefe.element.rotations import stretch_functions
 
 
 class Strain(NamedTuple):
@@ -135,7 +135,7 @@ def beams(state, arm, triads, e0, K, g, H):
 
     Parameters
     ----------
-    state : a row for each node, see `wirefe.poses`.
+    state : a row for each node, see `wirefe.element.poses`.
     arm : (3,) from the last node to the last element's end, at rest.
     triads : (n, 2, 4) end frames at rest, unit quaternions.
     e0 : (n, 6) deformation measures at rest.

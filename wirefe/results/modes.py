@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from coilspring.errors import InputError, require_integer, require_number
-from wirefe.beam import beams
-from wirefe.poses import at_rest
+from wirefe.contact.stations import turned_rows
+from wirefe.element.beam import beams
+from wirefe.element.poses import at_rest
 from wirefe.rod import Rod
-from wirefe.stations import turned_rows
 
 if TYPE_CHECKING:
     from scipy.sparse import csr_array

@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from coilspring.scene.wire import Section
-from wirefe.beam import deformation_rates
-from wirefe.poses import at_rest
-from wirefe.rotations import cross_rows, quaternion_from_matrix
+from wirefe.element.beam import deformation_rates
+from wirefe.element.poses import at_rest
+from wirefe.element.rotations import cross_rows, quaternion_from_matrix
 
 if TYPE_CHECKING:
     from wirefe.rod import Curve

@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from coilspring.scene.spring import Spring
-from wirefe.contactpoints import PAIRS_OF_PENALTY
+from wirefe.contact.points import PAIRS_OF_PENALTY
 from wirefe.mesh import TWO_PI, WireMesh
 from wirefe.rod import Rod
 

@@ -45,11 +45,11 @@ from coilspring.contact.law import (
     touches_again,
     touches_first,
 )
-from wirefe.algebra import added, cross, dot, plus
-from wirefe.contact import lever
-from wirefe.poses import ROW, four, three
-from wirefe.quaternions import conjugate, turned
-from wirefe.stations import ARMS, POSITION, ROTATION, SLOPES, TANGENT, arms_of, station
+from wirefe.contact.spheres import lever
+from wirefe.contact.stations import ARMS, POSITION, ROTATION, SLOPES, TANGENT, arms_of, station
+from wirefe.element.algebra import added, cross, dot, plus
+from wirefe.element.poses import ROW, four, three
+from wirefe.element.quaternions import conjugate, turned
 
 # Rows of the linear forms above in the degrees of freedom of a pair's nodes: two of each station.
 ALPHA, BETA, GAMMA, DELTA, EPSILON, LAMBDA, XN, XB, XU = range(9)

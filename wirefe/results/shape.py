@@ -14,10 +14,7 @@ from coilspring.path import Friction
 from coilspring.scene import Scene
 from coilspring.solver.stages import rates, reactions
 from wirefe import kernels, seated
-from wirefe.mesh import WireMesh
-from wirefe.model import ContactArrays, WireModel, matrix_size
-from wirefe.poses import ROW
-from wirefe.stations import (
+from wirefe.contact.stations import (
     ARMS,
     POSITION,
     SLOPES,
@@ -30,7 +27,10 @@ from wirefe.stations import (
     rows,
     turned_rows,
 )
-from wirefe.stress import stresses
+from wirefe.element.poses import ROW
+from wirefe.mesh import WireMesh
+from wirefe.model import ContactArrays, WireModel, matrix_size
+from wirefe.results.stress import stresses
 
 
 def contact_vectors(contact: ContactArrays, states: np.ndarray) -> np.ndarray:

@@ -10,9 +10,7 @@ import numpy as np
 
 from coilspring.errors import InputError, require_integer
 from coilspring.scene import Scene
-from wirefe.mesh import TWO_PI, WireMesh
-from wirefe.poses import at_rest
-from wirefe.stations import (
+from wirefe.contact.stations import (
     ARMS,
     ROTATION,
     SLOPES,
@@ -23,6 +21,8 @@ from wirefe.stations import (
     of_wires,
     on_one_node,
 )
+from wirefe.element.poses import at_rest
+from wirefe.mesh import TWO_PI, WireMesh
 
 PAIRS_OF_PENALTY = 4  # the scene's stiffness is that of a pair at 4 pairs per turn
 FEW = 200  # contact points, all pairs of which are looked at; of more, those that a tree finds near
@@ -34,7 +34,7 @@ class ContactPoints:
     """Points that stand for the wire in contact, the pairs that may touch, and their law."""
 
     attached: np.ndarray  # (points,) node to which each is attached; of stations the lower one
-    parts: np.ndarray  # (points, 3) arm of a sphere at rest, or (points, 15): see `wirefe.stations`
+    parts: np.ndarray  # (points, 3) arm of a sphere at rest, or (points, 15): see `wirefe.contact.stations`
     pairs: np.ndarray  # (pairs, 2), from bottom to top
     clearance: np.ndarray  # (pairs,) by how much wires run into each other at rest: they touch there
     diameter: float

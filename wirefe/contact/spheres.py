@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from coilspring.compiling.compiled import arithmetic
-from wirefe.algebra import added, block, cross, diagonal, dot, outer, product, put, scaled, skew
-from wirefe.poses import three
+from wirefe.element.algebra import added, block, cross, diagonal, dot, outer, product, put, scaled, skew
+from wirefe.element.poses import three
 
 
 @arithmetic

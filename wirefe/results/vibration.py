@@ -1,7 +1,7 @@
 """Natural frequencies of the wire about an equilibrium: small vibrations of a loaded spring.
 
 The stiffness is the tangent of the equilibrium, with closed contact pairs and what holds them. The mass is
-consistent: the wire moves with its nodes as its stations do (`wirefe.stations`), end turns included.
+consistent: the wire moves with its nodes as its stations do (`wirefe.contact.stations`), end turns included.
 """
 
 from __future__ import annotations
@@ -14,10 +14,7 @@ import numpy as np
 from coilspring.compiling.packing import pack
 from coilspring.errors import InputError, require_choice, require_integer
 from coilspring.path import EquilibriumPath
-from wirefe.model import matrix_size
-from wirefe.modes import lowest_frequencies, scattered
-from wirefe.shape import WireShape
-from wirefe.stations import (
+from wirefe.contact.stations import (
     ARMS,
     NUDGE,
     POSITION,
@@ -29,6 +26,9 @@ from wirefe.stations import (
     rows,
     turned_rows,
 )
+from wirefe.model import matrix_size
+from wirefe.results.modes import lowest_frequencies, scattered
+from wirefe.results.shape import WireShape
 
 if TYPE_CHECKING:
     from scipy.sparse import csr_array

@@ -15,11 +15,20 @@ import numpy as np
 from coilspring.errors import InputError
 from coilspring.path import EquilibriumPath
 from coilspring.scene.sizing import bending_factor, stress_factor
-from wirefe.beam import end_forces
-from wirefe.stations import ARMS, POSITION, SLOPES, TANGENT, carried, fixed_to_sections, interpolated, rows
+from wirefe.contact.stations import (
+    ARMS,
+    POSITION,
+    SLOPES,
+    TANGENT,
+    carried,
+    fixed_to_sections,
+    interpolated,
+    rows,
+)
+from wirefe.element.beam import end_forces
 
 if TYPE_CHECKING:
-    from wirefe.shape import WireShape
+    from wirefe.results.shape import WireShape
 
 PER_TURN = 32  # sections of a turn, at least
 TWO_PI = 2.0 * math.pi
