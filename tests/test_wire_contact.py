@@ -16,7 +16,7 @@ from validation.campaign.verdict import reached
 from wirefe import kernels
 from wirefe.contact.points import ContactPoints
 from wirefe.contact.stations import SLOPES, WIDTH
-from wirefe.contact.wires import add_wires
+from wirefe.contact.wireforces import add_wires
 from wirefe.element.beam import beams
 from wirefe.element.poses import ROW
 from wirefe.model import rod_model

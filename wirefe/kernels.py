@@ -15,7 +15,9 @@ from wirefe.chain import eliminate, substitute
 from wirefe.contact.overlap import wire_overlap
 from wirefe.contact.spheres import onto_reference, pair_matrix
 from wirefe.contact.stations import ARMS, POSITION, ROTATION, of_wires, station
-from wirefe.contact.wires import across, add_wires, placed, remember_wires, update_wires
+from wirefe.contact.wireforces import add_wires
+from wirefe.contact.wirehistory import remember_wires, update_wires
+from wirefe.contact.wires import across, placed
 from wirefe.element.algebra import dot, plus
 from wirefe.element.beam import beams
 from wirefe.element.poses import ROW, four, three

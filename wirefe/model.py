@@ -24,7 +24,7 @@ from wirefe.contact.overlap import NO_STATIONS, Stations, place_stations
 from wirefe.contact.plates import NO_PLATES, PlateArrays, join_top, place_plates
 from wirefe.contact.points import ContactPoints, contact_points, no_contact
 from wirefe.contact.stations import ROTATION, of_wires
-from wirefe.contact.wires import COUPLINGS
+from wirefe.contact.wireforces import COUPLINGS
 from wirefe.element.poses import ROW, at_rest
 from wirefe.mesh import WireMesh, mesh_wire, refuse_kinks
 from wirefe.rod import Rod, curved_rod, straight_rod, straight_solid_rod
