@@ -12,7 +12,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from coilspring.compiling.packing import Stack, Table, Vector, Wholes, WholeTable, viewer
+from coilspring.compiling.packing import Stack, Table, Vector, Wholes, viewer
 from coilspring.contact.law import tangential_stiffness
 from coilspring.errors import InputError
 from coilspring.scene import SEATS, Scene
@@ -22,7 +22,7 @@ from coilspring.solver.stages import Top
 from wirefe.chain import ChainPlan, plan_chain
 from wirefe.contact.overlap import NO_STATIONS, Stations, place_stations
 from wirefe.contact.plates import NO_PLATES, PlateArrays, join_top, place_plates
-from wirefe.contact.points import ContactPoints, contact_points, no_contact
+from wirefe.contact.points import NO_CONTACT, ContactArrays, contact_points
 from wirefe.contact.stations import ROTATION, of_wires
 from wirefe.contact.wireforces import COUPLINGS
 from wirefe.element.poses import ROW, at_rest
@@ -49,27 +49,6 @@ class HeldArrays(NamedTuple):
     place: Wholes  # row or column in the block
     row: Wholes  # 1 where it is a row
     placed: Wholes  # dofs that are held, and those that move as prescribed
-
-
-class ContactArrays(NamedTuple):
-    """Spheres, or stations along the wire, the pairs that may touch, and their law."""
-
-    attached: Wholes  # (points,) node to which each is attached; of stations the lower one
-    parts: Table  # (points, 3) arm of a sphere at rest, or (points, 15): see `wirefe.contact.stations`
-    pairs: WholeTable  # (pairs, 2)
-    clearance: Vector  # (pairs,) of wires that run into each other at rest, by that: they touch there
-    reach: float  # largest arm about the top end
-    span: float  # the same about other nodes, 0 where spheres stand on them
-    d: float
-    kc: float
-    kt: float
-    k: float
-    mu: float  # coefficient of friction; infinite where closed pairs do not slide
-    block: Wholes  # (pairs,) block of each pair's coupling; of stations (6 pairs,), see `COUPLINGS`
-    flip: Wholes
-    near: int  # points so near each other along the wire do not touch
-    rest: Vector  # state at rest, flat
-    apart: float  # least gap at rest of points that are no pair
 
 
 class WireModel(NamedTuple):
@@ -148,38 +127,22 @@ def _wire(scene: Scene, mesh: WireMesh, element: str) -> Rod:
 
 
 def rod_model(
-    rod: Rod, arm: np.ndarray, contact: ContactPoints | None = None, plates: PlateArrays = NO_PLATES
+    rod: Rod, arm: np.ndarray, contact: ContactArrays = NO_CONTACT, plates: PlateArrays = NO_PLATES
 ) -> WireModel:
     """Arrays of a rod whose last point stands off from its last node by `arm`, with contact points."""
-    points = no_contact() if contact is None else contact
     count = len(rod.stiffness)
     chain = np.stack((np.arange(count), np.arange(1, count + 1)), axis=1)
-    touching = _pair_couplings(points)
+    touching = _pair_couplings(contact)
     resting = np.stack((plates.high, np.full_like(plates.high, count)), axis=1)
     couplings = np.concatenate((chain, touching, resting))
     plan, held, block, flip = _topology(count, couplings.tobytes(), rod.held.tobytes())
     high = count + len(touching)  # number of the first coupling with the top plate
-    inner, outer = points.span(count)
+    reach, span = contact.reaches(count)
     return WireModel(
         ElementArrays(rod.stiffness, rod.strain0, rod.triads, arm, block[:count], flip[:count]),
         held,
-        ContactArrays(
-            attached=points.attached,
-            parts=points.parts,
-            pairs=np.ascontiguousarray(points.pairs),
-            clearance=points.clearance,
-            reach=outer,
-            span=inner,
-            d=points.diameter,
-            kc=points.stiffness,
-            kt=tangential_stiffness(points.stiffness, points.exponent, points.diameter),
-            k=points.exponent,
-            mu=points.friction,
-            block=block[count:high],
-            flip=flip[count:high],
-            near=points.near,
-            rest=rest_state(rod, arm),
-            apart=points.apart,
+        contact._replace(
+            reach=reach, span=span, block=block[count:high], flip=flip[count:high], rest=rest_state(rod, arm)
         ),
         plan,
         plates._replace(block=block[high:], flip=flip[high:]),
@@ -204,13 +167,13 @@ def _topology(
     return plan, arrays, block, flip
 
 
-def _pair_couplings(points: ContactPoints) -> np.ndarray:
+def _pair_couplings(contact: ContactArrays) -> np.ndarray:
     """Couplings of the pairs' nodes: one of two spheres, six of two stations, some perhaps of one node with
     itself."""
-    nodes = points.attached[points.pairs]
-    if not of_wires(points.parts):
+    nodes = contact.attached[contact.pairs]
+    if not of_wires(contact.parts):
         return nodes
-    second = nodes + (points.parts[points.pairs, ROTATION] > 0.0)
+    second = nodes + (contact.parts[contact.pairs, ROTATION] > 0.0)
     four = np.stack((nodes[:, 0], second[:, 0], nodes[:, 1], second[:, 1]), axis=1)
     return four[:, COUPLINGS].reshape(-1, 2)
 

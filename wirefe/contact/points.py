@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 from functools import lru_cache
+from typing import NamedTuple
 
 import numpy as np
 
+from coilspring.compiling.packing import Table, Vector, Wholes, WholeTable
+from coilspring.contact.law import tangential_stiffness
 from coilspring.errors import InputError, require_integer
 from coilspring.scene import Scene
 from wirefe.contact.stations import (
@@ -27,40 +29,44 @@ from wirefe.mesh import TWO_PI, WireMesh
 PAIRS_OF_PENALTY = 4  # the scene's stiffness is that of a pair at 4 pairs per turn
 FEW = 200  # contact points, all pairs of which are looked at; of more, those that a tree finds near
 PER_TURN = {"spheres": 4, "wires": 32}  # contact points, unless asked otherwise
+NONE = np.zeros(0, dtype=np.int64)
 
 
-@dataclass(frozen=True)
-class ContactPoints:
+class ContactArrays(NamedTuple):
     """Points that stand for the wire in contact, the pairs that may touch, and their law."""
 
-    attached: np.ndarray  # (points,) node to which each is attached; of stations the lower one
-    parts: np.ndarray  # (points, 3) arm of a sphere at rest, or (points, 15): see `wirefe.contact.stations`
-    pairs: np.ndarray  # (pairs, 2), from bottom to top
-    clearance: np.ndarray  # (pairs,) by how much wires run into each other at rest: they touch there
-    diameter: float
-    stiffness: float  # of a pair
-    exponent: float
+    attached: Wholes  # (points,) node to which each is attached; of stations the lower one
+    parts: Table  # (points, 3) arm of a sphere at rest, or (points, 15): see `wirefe.contact.stations`
+    pairs: WholeTable  # (pairs, 2), from bottom to top
+    clearance: Vector  # (pairs,) by how much wires run into each other at rest: they touch there
+    d: float
+    kc: float  # of a pair
+    kt: float
+    k: float
+    mu: float  # coefficient of friction: 0 without, infinite where closed pairs do not slide
     near: int  # points so near each other along the wire do not touch: half a turn
     apart: float  # least gap at rest of points that are no pair
-    friction: float  # coefficient: 0 without friction, infinite where closed pairs do not slide
+    # of a model with these points:
+    reach: float = 0.0  # largest arm about the top end
+    span: float = 0.0  # the same about other nodes, 0 where spheres stand on them
+    block: Wholes = NONE  # (pairs,) block of each pair's coupling; of stations (6 pairs,), see `COUPLINGS`
+    flip: Wholes = NONE
+    rest: Vector = np.zeros(0)  # state at rest, flat
 
-    def span(self, top: int) -> tuple[float, float]:
-        """Largest arms of points about nodes other than the last, `top`, and about that one, mm."""
+    def reaches(self, top: int) -> tuple[float, float]:
+        """Largest arms of points about the last node, `top`, and about the others, mm."""
         arms = self.parts[:, ARMS:SLOPES] if of_wires(self.parts) else self.parts
         first = np.linalg.norm(arms[:, :3], axis=1)
         second = np.linalg.norm(arms[:, 3:], axis=1)
         ends = self.attached == top
         fixed = (self.attached == 0) & (second == 0.0)  # at the bottom end
         inner = np.where(ends | fixed, 0.0, np.maximum(first, second)).max(initial=0.0)
-        return float(inner), float(np.where(ends, first, second).max(initial=0.0))
+        return float(np.where(ends, first, second).max(initial=0.0)), float(inner)
 
 
-def no_contact() -> ContactPoints:
-    """A wire that touches nothing."""
-    whole = np.zeros(0, dtype=np.int64)
-    return ContactPoints(
-        whole, np.zeros((0, 3)), whole.reshape(0, 2), np.zeros(0), 1.0, 1.0, 1.0, 0, math.inf, 0.0
-    )
+NO_CONTACT = ContactArrays(
+    NONE, np.zeros((0, 3)), NONE.reshape(0, 2), np.zeros(0), 1.0, 1.0, 1.0, 1.0, 0.0, 0, math.inf
+)
 
 
 def contact_points(
@@ -69,7 +75,7 @@ def contact_points(
     elements_per_turn: int,
     pairs_per_turn: int,
     found: np.ndarray | None = None,
-) -> ContactPoints:
+) -> ContactArrays:
     """Contact points at `pairs_per_turn` phases a turn, end turns included, each paired one turn above.
 
     The stiffness per length of wire is kept: K * 4 / pairs. Pairs inside one rigid end are left out;
@@ -109,17 +115,19 @@ def contact_points(
         low, high = pairs.T
         gap = across_wires(points[high] - points[low], t[low] + t[high], overlap)
         overlap = spring.wire_diameter - np.linalg.norm(gap, axis=1)
-    return ContactPoints(
+    stiffness, exponent = scene.contact.stiffness * PAIRS_OF_PENALTY / pairs_per_turn, scene.contact.exponent
+    return ContactArrays(
         attached=attached,
         parts=parts,
-        pairs=pairs,
+        pairs=np.ascontiguousarray(pairs),
         clearance=np.maximum(overlap, 0.0),
-        diameter=spring.wire_diameter,
-        stiffness=scene.contact.stiffness * PAIRS_OF_PENALTY / pairs_per_turn,
-        exponent=float(scene.contact.exponent),
+        d=spring.wire_diameter,
+        kc=stiffness,
+        kt=tangential_stiffness(stiffness, exponent, spring.wire_diameter),
+        k=exponent,
+        mu=scene.contact.coefficient,
         near=near,
         apart=apart,
-        friction=scene.contact.coefficient,
     )
 
 

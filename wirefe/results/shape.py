@@ -14,6 +14,7 @@ from coilspring.path import Friction
 from coilspring.scene import Scene
 from coilspring.solver.stages import rates, reactions
 from wirefe import kernels, seated
+from wirefe.contact.points import ContactArrays
 from wirefe.contact.stations import (
     ARMS,
     POSITION,
@@ -29,7 +30,7 @@ from wirefe.contact.stations import (
 )
 from wirefe.element.poses import ROW
 from wirefe.mesh import WireMesh
-from wirefe.model import ContactArrays, WireModel, matrix_size
+from wirefe.model import WireModel, matrix_size
 from wirefe.results.stress import stresses
 
 
