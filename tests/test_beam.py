@@ -7,9 +7,8 @@ from scipy.spatial.transform import Rotation
 from coilspring import Material
 from coilspring.scene.wire import round_section
 from wirefe.element.beam import beams, deformations
-from wirefe.element.quaternions import exponential, times
 from wirefe.element.rest import straight_stiffness
-from wirefe.element.rotations import stretch_functions
+from wirefe.element.rotations import exponential, stretch_functions, times
 
 UNIT = np.array([1.0, 0.0, 0.0, 0.0])
 

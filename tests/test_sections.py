@@ -18,7 +18,7 @@ from equivbeam import kernels, model
 from equivbeam.options import BeamOptions
 from wirefe.contact.stations import turned_rows as turned
 from wirefe.element.rest import curved_elements
-from wirefe.results.modes import linear_stiffness
+from wirefe.results.vibration import linear_stiffness
 
 BARREL = load_scene(Path(__file__).parents[1] / "examples" / "barrel.toml")
 PLAIN = Spring(1.5, 10.0, 6.5, 19.5)

@@ -27,8 +27,8 @@ from validation.study.scenes import EXACT_ROD
 from wirefe import kernels, model
 from wirefe.element.beam import beams, deformations
 from wirefe.element.poses import at_rest
-from wirefe.element.quaternions import exponential, times
 from wirefe.element.rest import _flexibility, curved_elements
+from wirefe.element.rotations import exponential, times
 from wirestates import dense
 
 EXACT = {name: tips[1.0] for name, tips in EXACT_ROD.items()}  # G13: UX, UY, ROTZ

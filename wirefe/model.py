@@ -70,6 +70,7 @@ view_elements = viewer(ElementArrays)
 view_held = viewer(HeldArrays, HELD)
 view_contact = viewer(ContactArrays, CONTACT)
 view_plan = viewer(ChainPlan, PLAN)
+view_plates = viewer(PlateArrays, PLATES)
 view_stations = viewer(Stations, STATIONS)
 
 

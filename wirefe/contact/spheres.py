@@ -1,16 +1,17 @@
-"""A contact pair of spheres in the degrees of freedom of their nodes; its law is `coilspring.contact.law`."""
+"""Contact of spheres that move with nodes; the law of a pair is `coilspring.contact.law`."""
 
 from __future__ import annotations
 
+import math
+
+import numpy as np
+
 from coilspring.compiling.compiled import arithmetic
-from wirefe.element.algebra import added, block, cross, diagonal, dot, outer, product, put, scaled, skew
-from wirefe.element.poses import three
-
-
-@arithmetic
-def lever(f, r):
-    """Second derivative of f . exp(phi) r in the spin phi: 1/2 (f r^T + r f^T) - (f . r) I."""
-    return diagonal(added(outer(0.5, f, r), 1.0, outer(0.5, r, f)), -dot(f, r))
+from coilspring.contact.law import pair_potential
+from wirefe.chain import add_block, add_gradient, add_nodes
+from wirefe.element.algebra import added, block, cross, dot, lever, plus, product, put, scaled, skew
+from wirefe.element.poses import ROW, four, three
+from wirefe.element.rotations import turned
 
 
 @arithmetic
@@ -41,18 +42,38 @@ def pair_matrix(f, Hg, ra, rb, g, K):
 
 
 @arithmetic
-def onto_reference(r, g, K):
-    """Carry an element's gradient (12,) and Hessian (1, 12, 12), or none, from its second end over to a node
-    from which that stands off by `r`: dx = dX - r x phi, and the lever of the force."""
-    F = three(g, 6)
-    x, y, z = cross(r, F)
-    g[9], g[10], g[11] = g[9] + x, g[10] + y, g[11] + z
-    if len(K) == 0:
-        return
-    R, H = skew(r, -1.0), K[0]
-    moved = added(block(H, 6, 9), 1.0, product(block(H, 6, 6), R))
-    turned = added(block(H, 9, 9), 1.0, product(block(H, 9, 6), R))
-    put(H, 9, 9, added(added(turned, -1.0, product(R, moved)), 1.0, lever(F, r)))
-    put(H, 6, 9, moved)
-    put(H, 0, 9, added(block(H, 0, 9), 1.0, product(block(H, 0, 6), R)))
-    put(H, 3, 9, added(block(H, 3, 9), 1.0, product(block(H, 3, 6), R)))
+def centre(contact, state, sphere):
+    """Centre of a sphere, and its arm from its node as turned now."""
+    i = ROW * contact.attached[sphere]
+    r = turned(four(state, i + 3), three(contact.parts[sphere], 0))
+    return plus(three(state, i), 1.0, r), r
+
+
+@arithmetic
+def between(contact, state, m):
+    """Vector between the centres of a pair, and their arms from their nodes as turned now."""
+    a, ra = centre(contact, state, contact.pairs[m, 0])
+    b, rb = centre(contact, state, contact.pairs[m, 1])
+    return plus(b, -1.0, a), ra, rb
+
+
+@arithmetic
+def add_spheres(contact, history, state, g, H):
+    """Contact energy of spheres; adds its gradient and Hessian. Only pairs that touch are scattered."""
+    energy = 0.0
+    w, e, f, Hg = np.empty(3), np.empty(3), np.empty(3), np.empty((3, 3))
+    ge, Ke = np.empty(12), np.empty((12, 12))
+    for m in range(contact.pairs.shape[0]):
+        v, ra, rb = between(contact, state, m)
+        h2 = dot(v, v)
+        if h2 >= contact.d * contact.d and not history[m].closed:
+            continue
+        w[0], w[1], w[2] = v
+        energy += pair_potential(w, math.sqrt(h2), contact, history[m], e, f, Hg)
+        pair_matrix(f, Hg, ra, rb, ge, Ke)
+        a, b = contact.attached[contact.pairs[m, 0]], contact.attached[contact.pairs[m, 1]]
+        add_gradient(g, a, b, ge)
+        if len(H) > 0:
+            add_nodes(H, a, b, Ke)
+            add_block(H, contact.block[m], contact.flip[m], Ke)
+    return energy

@@ -17,8 +17,7 @@ from coilspring.compiling.compiled import arithmetic, part
 from coilspring.scene.spring import Spring
 from wirefe.element.algebra import plus
 from wirefe.element.poses import ROW, four, three
-from wirefe.element.quaternions import turned
-from wirefe.element.rotations import cross_rows
+from wirefe.element.rotations import cross_rows, turned
 from wirefe.mesh import WireMesh
 
 # What a station takes of its two nodes, by columns: the second node's share of the position, of the tangent,

@@ -27,12 +27,11 @@ import numpy as np
 
 from coilspring.compiling.compiled import arithmetic, clear_table
 from coilspring.contact.law import normal_law, tangential_law
-from wirefe.contact.spheres import lever
 from wirefe.contact.stations import ARMS, POSITION, ROTATION, SLOPES, TANGENT, arms_of
 from wirefe.contact.wires import gap, placed, slip
-from wirefe.element.algebra import added, cross, dot, plus
+from wirefe.element.algebra import added, cross, dot, lever, plus
 from wirefe.element.poses import ROW, four, three
-from wirefe.element.quaternions import turned
+from wirefe.element.rotations import turned
 
 # Rows of the linear forms above in the degrees of freedom of a pair's nodes: two of each station.
 ALPHA, BETA, GAMMA, DELTA, EPSILON, LAMBDA, XN, XB, XU = range(9)

@@ -18,7 +18,7 @@ from coilspring.compiling.compiled import arithmetic, part
 from wirefe.contact.stations import ARMS, POSITION, ROTATION, SLOPES, TANGENT, station
 from wirefe.element.algebra import dot, plus
 from wirefe.element.poses import ROW, four, three
-from wirefe.element.quaternions import conjugate, turned
+from wirefe.element.rotations import conjugate, turned
 
 ROUNDS = 4  # to find a section's vector: rotations of its two nodes differ little
 

@@ -31,6 +31,7 @@ from wirefe.element.algebra import (
     cross,
     diagonal,
     dot,
+    lever,
     mixed,
     outer,
     plus,
@@ -41,8 +42,7 @@ from wirefe.element.algebra import (
     transposed,
 )
 from wirefe.element.poses import pose, three
-from wirefe.element.quaternions import conjugate, matrix, times, turned
-from wirefe.element.rotations import stretch_functions
+from wirefe.element.rotations import conjugate, matrix, stretch_functions, times, turned
 
 
 class Strain(NamedTuple):
@@ -276,3 +276,21 @@ def _spread(M, S, blocks, H):
     put(H, 3, 3, added(added(same, -0.5, mw), -0.5, turn))
     put(H, 9, 9, added(added(same, 0.5, mw), 0.5, turn))
     put(H, 3, 9, added(added(apart, 0.5, mw), -0.5, turn))
+
+
+@arithmetic
+def onto_reference(r, g, K):
+    """Carry an element's gradient (12,) and Hessian (1, 12, 12), or none, from its second end over to a node
+    from which that stands off by `r`: dx = dX - r x phi, and the lever of the force."""
+    F = three(g, 6)
+    x, y, z = cross(r, F)
+    g[9], g[10], g[11] = g[9] + x, g[10] + y, g[11] + z
+    if len(K) == 0:
+        return
+    R, H = skew(r, -1.0), K[0]
+    moved = added(block(H, 6, 9), 1.0, product(block(H, 6, 6), R))
+    own = added(block(H, 9, 9), 1.0, product(block(H, 9, 6), R))
+    put(H, 9, 9, added(added(own, -1.0, product(R, moved)), 1.0, lever(F, r)))
+    put(H, 6, 9, moved)
+    put(H, 0, 9, added(block(H, 0, 9), 1.0, product(block(H, 0, 6), R)))
+    put(H, 3, 9, added(block(H, 3, 9), 1.0, product(block(H, 3, 6), R)))

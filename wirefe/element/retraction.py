@@ -21,7 +21,7 @@ import numpy as np
 from coilspring.compiling.compiled import arithmetic, clear, zeros
 from wirefe.element.algebra import cross, plus
 from wirefe.element.poses import ROW, four, pose, three
-from wirefe.element.quaternions import (
+from wirefe.element.rotations import (
     conjugate,
     exponential,
     half_way,
