@@ -15,7 +15,7 @@ import numpy as np
 from coilspring.compiling.compiled import arithmetic, part
 from coilspring.compiling.packing import Table, Wholes
 from coilspring.scene.spring import Spring
-from wirefe.contact.stations import ARMS, POSITION, SLOPES, carried_points, on_one_node, station
+from wirefe.contact.stations import POSITION, SLOPES, carried_points, on_one_node, point_of
 from wirefe.element.algebra import dot, mixed, plus
 from wirefe.element.poses import three
 from wirefe.mesh import WireMesh
@@ -67,7 +67,7 @@ def station_points(stations, state):
     """Where the stations are, three numbers each, flat."""
     out = np.empty(3 * stations.node.size)
     for k in range(stations.node.size):
-        place = station(stations.parts[k], state, stations.node[k], POSITION, ARMS)
+        place = point_of(stations.parts[k], state, stations.node[k])
         out[3 * k], out[3 * k + 1], out[3 * k + 2] = place
     return out
 

@@ -16,12 +16,11 @@ from wirefe.contact.stations import (
     ARMS,
     ROTATION,
     SLOPES,
-    TANGENT,
     across_wires,
     carried,
-    interpolated,
     of_wires,
     on_one_node,
+    tangents,
 )
 from wirefe.element.poses import at_rest
 from wirefe.mesh import TWO_PI, WireMesh
@@ -111,7 +110,7 @@ def contact_points(
     overlap = np.zeros(len(pairs))
     if not spheres:
         nodes = at_rest(np.concatenate((mesh.points[:-1], mesh.reference[None])))
-        t = interpolated(nodes, attached, parts, TANGENT, SLOPES)
+        t = tangents(nodes, attached, parts)
         low, high = pairs.T
         gap = across_wires(points[high] - points[low], t[low] + t[high], overlap)
         overlap = spring.wire_diameter - np.linalg.norm(gap, axis=1)

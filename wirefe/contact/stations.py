@@ -100,9 +100,20 @@ def turned_rows(q: np.ndarray, v: np.ndarray) -> np.ndarray:
     return v + q[..., :1] * t + cross_rows(q[..., 1:], t)
 
 
-def interpolated(nodes: np.ndarray, node: np.ndarray, parts: np.ndarray, share: int, arms: int) -> np.ndarray:
-    """Positions (`POSITION`, `ARMS`) or tangents (`TANGENT`, `SLOPES`) of stations, shape (..., stations, 3),
-    from rows (..., nodes, 7); see `wirefe.contact.stations`."""
+def positions(nodes: np.ndarray, node: np.ndarray, parts: np.ndarray) -> np.ndarray:
+    """Positions of stations, shape (..., stations, 3), from rows (..., nodes, 7)."""
+    return _interpolated(nodes, node, parts, POSITION, ARMS)
+
+
+def tangents(nodes: np.ndarray, node: np.ndarray, parts: np.ndarray) -> np.ndarray:
+    """Tangents of stations, shape (..., stations, 3), from rows (..., nodes, 7)."""
+    return _interpolated(nodes, node, parts, TANGENT, SLOPES)
+
+
+def _interpolated(
+    nodes: np.ndarray, node: np.ndarray, parts: np.ndarray, share: int, arms: int
+) -> np.ndarray:
+    """The sum of both nodes' shares and of the arms that turn with them."""
     low = nodes[..., node, :]
     high = nodes[..., np.minimum(node + 1, nodes.shape[-2] - 1), :]
     turn = turned_rows(low[..., 3:], parts[:, arms : arms + 3])
@@ -140,8 +151,19 @@ def arms_of(parts, state, node, first):
 
 
 @arithmetic
-def station(parts, state, node, share, first):
-    """Position (`POSITION`, `ARMS`) or tangent (`TANGENT`, `SLOPES`) of a station."""
+def point_of(parts, state, node):
+    """Position of a station."""
+    return _point(parts, state, node, POSITION, ARMS)
+
+
+@arithmetic
+def tangent_of(parts, state, node):
+    """Tangent of a station."""
+    return _point(parts, state, node, TANGENT, SLOPES)
+
+
+@arithmetic
+def _point(parts, state, node, share, first):
     i = ROW * node
     a, b = arms_of(parts, state, node, first)
     x = plus(a, 1.0, b)

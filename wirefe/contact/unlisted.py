@@ -6,7 +6,7 @@ import numpy as np
 
 from coilspring.compiling.compiled import arithmetic, part
 from wirefe.contact.spheres import centre
-from wirefe.contact.stations import ARMS, POSITION, ROTATION, of_wires, station
+from wirefe.contact.stations import ROTATION, of_wires, point_of
 
 
 @part
@@ -31,7 +31,7 @@ def _one_body(contact, A, B):
 def _contact_point(contact, state, k):
     """Where a sphere or a station is."""
     if of_wires(contact.parts):
-        return station(contact.parts[k], state, contact.attached[k], POSITION, ARMS)
+        return point_of(contact.parts[k], state, contact.attached[k])
     x, _ = centre(contact, state, k)
     return x
 

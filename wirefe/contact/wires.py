@@ -15,7 +15,7 @@ import math
 import numpy as np
 
 from coilspring.compiling.compiled import arithmetic, part
-from wirefe.contact.stations import ARMS, POSITION, ROTATION, SLOPES, TANGENT, station
+from wirefe.contact.stations import ROTATION, point_of, tangent_of
 from wirefe.element.algebra import dot, plus
 from wirefe.element.poses import ROW, four, three
 from wirefe.element.rotations import conjugate, turned
@@ -29,8 +29,8 @@ def placed(contact, state):
     points = np.empty((contact.attached.size, 6))
     for k in range(contact.attached.size):
         parts, node, out = contact.parts[k], contact.attached[k], points[k]
-        out[0], out[1], out[2] = station(parts, state, node, POSITION, ARMS)
-        out[3], out[4], out[5] = station(parts, state, node, TANGENT, SLOPES)
+        out[0], out[1], out[2] = point_of(parts, state, node)
+        out[3], out[4], out[5] = tangent_of(parts, state, node)
     return points
 
 

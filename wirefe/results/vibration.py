@@ -15,18 +15,7 @@ import numpy as np
 from coilspring.compiling.packing import pack
 from coilspring.errors import InputError, require_choice, require_integer, require_number
 from coilspring.path import EquilibriumPath
-from wirefe.contact.stations import (
-    ARMS,
-    NUDGE,
-    POSITION,
-    ROTATION,
-    SLOPES,
-    TANGENT,
-    carried,
-    interpolated,
-    rows,
-    turned_rows,
-)
+from wirefe.contact.stations import ARMS, NUDGE, POSITION, ROTATION, carried, rows, tangents, turned_rows
 from wirefe.element.beam import beams
 from wirefe.element.poses import at_rest
 from wirefe.model import matrix_size
@@ -146,7 +135,7 @@ def _motions(
         move[:, :, first : first + 3] = share[:, None, None] * np.eye(3)
         move[:, :, first + 3 : first + 6] = np.cross(np.eye(3), arm[:, None]).swapaxes(1, 2)
         spin[:, :, first + 3 : first + 6] = turn[:, None, None] * np.eye(3)
-    t = interpolated(nodes, node, parts, TANGENT, SLOPES)
+    t = tangents(nodes, node, parts)
     return move, spin, t / np.linalg.norm(t, axis=-1, keepdims=True)
 
 
