@@ -14,10 +14,9 @@ import numpy as np
 
 from coilspring.scene.load import Load
 from coilspring.scene.profile import TWO_PI, CoilSection, closest
-from coilspring.scene.scene import Scene
+from coilspring.scene.scene import HELD_CHOICES, Scene
 from coilspring.scene.solidwire import FITTED, inner_stress_factor, wire_flexibility
 from coilspring.scene.spring import Spring
-from coilspring.scene.supports import HELD_CHOICES
 
 POINTS = 129  # of a section, at which nonlinear quantities are evaluated
 POINTS_PER_TURN = 72
