@@ -138,10 +138,10 @@ def test_entries_that_nobody_uses_go(tmp_path, monkeypatch):
         for end in (".nbi", ".1.nbc"):
             (tmp_path / (name + end)).write_text("")
             os.utime(tmp_path / (name + end), (time.time() - days * 86_400,) * 2)
-    kernelcache._trim(tmp_path)
+    kernelcache.trim(tmp_path)
     assert {file.name[:49] for file in tmp_path.iterdir()} == {name[:49] for name in names[:2]}
     monkeypatch.setattr(kernelcache, "MOST_ENTRIES", 1)
-    kernelcache._trim(tmp_path)
+    kernelcache.trim(tmp_path)
     assert {file.name[:49] for file in tmp_path.iterdir()} == {names[0][:49]}
 
 

@@ -27,7 +27,7 @@ from validation.study.scenes import EXACT_ROD
 from wirefe import kernels, model
 from wirefe.element.beam import beams, deformations
 from wirefe.element.poses import at_rest
-from wirefe.element.rest import _flexibility, curved_elements
+from wirefe.element.rest import curved_elements, end_flexibility
 from wirefe.element.rotations import exponential, times
 from wirestates import dense
 
@@ -337,5 +337,5 @@ def test_curved_element_carries_the_linear_flexibility_of_its_helix():
     deformations(state, still, triads, e0)
     beams(state, still, triads, e0, K, g, H)
     np.testing.assert_allclose(g, 0.0, atol=1e-9)
-    expected = _flexibility(spring, section, phases, spring.points(phases))[0]
+    expected = end_flexibility(spring, section, phases, spring.points(phases))[0]
     np.testing.assert_allclose(np.linalg.inv(H[0, 6:, 6:]), expected, rtol=1e-8, atol=1e-16)

@@ -154,8 +154,7 @@ def rod_model(
 def _topology(
     count: int, couplings: bytes, held: bytes
 ) -> tuple[ChainPlan, HeldArrays, np.ndarray, np.ndarray]:
-    """Plan, held dofs, and block and flip of each coupling, for `count` elements: the same for many springs
-    of a sweep."""
+    """Plan, held dofs, block and flip of each coupling of `count` elements: the same in most of a sweep."""
     nodes = np.frombuffer(couplings, dtype=np.int64).reshape(-1, 2)
     coupled = nodes[:, 0] != nodes[:, 1]
     last = np.union1d(nodes[count:], [count])
@@ -169,8 +168,7 @@ def _topology(
 
 
 def _pair_couplings(contact: ContactArrays) -> np.ndarray:
-    """Couplings of the pairs' nodes: one of two spheres, six of two stations, some perhaps of one node with
-    itself."""
+    """Couplings of the pairs' nodes: one of two spheres, six of two stations, some of a node with itself."""
     nodes = contact.attached[contact.pairs]
     if not of_wires(contact.parts):
         return nodes

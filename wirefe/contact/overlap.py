@@ -80,9 +80,8 @@ def _square(points, i, j):
 
 
 @arithmetic
-def _bulge(points, i):
-    """From the middle of the chord of the piece i to the wire: that of the parabola with the mean second
-    difference at both ends, or with the one that there is at the end of the wire."""
+def bulge(points, i):
+    """From the chord's middle of the piece i to the wire, a parabola of the ends' mean second difference."""
     low, high = max(3 * i, 3), min(3 * i + 3, len(points) - 6)
     ends = plus(three(points, low - 3), 1.0, three(points, high + 3))
     after, before = plus(three(points, low + 3), 1.0, three(points, high - 3)), three(points, low)
@@ -91,7 +90,7 @@ def _bulge(points, i):
 
 
 @arithmetic
-def _between(points, i, j, near):
+def square_between(points, i, j, near):
     """Square of the distance of the piece of wire from the station i to the next from that at j.
 
     Arc to arc where the chords are nearest (Ericson 2005, Real-Time Collision Detection, section 5.1.9).
@@ -109,7 +108,7 @@ def _between(points, i, j, near):
     s = min(max((uw * vv - vw * uv) / det, 0.0), 1.0) if det > PARALLEL * uu * vv else 0.5
     t = min(max((s * uv - vw) / vv, 0.0), 1.0)
     s = min(max((t * uv + uw) / uu, 0.0), 1.0)
-    p, q = _bulge(points, i), _bulge(points, j)
+    p, q = bulge(points, i), bulge(points, j)
     least = _square_at(u, v, w, p, q, s, t)
     if least < near:
         for share in SHARES:
@@ -143,16 +142,15 @@ def _next_coil(stations, points, least):
             here = _square(points, i, j)
         if here < least + reach:
             if j > first:
-                least = min(least, _between(points, i, j - 1, near))
+                least = min(least, square_between(points, i, j - 1, near))
             if j + 1 < count:
-                least = min(least, _between(points, i, j, near))
+                least = min(least, square_between(points, i, j, near))
     return least
 
 
 @part
 def _far_coils(stations, points, least):
-    """The same for coils farther along the wire: pairs of every second station first, and where the wire
-    between these could be nearer than `least`, all pieces about them."""
+    """The same for coils farther along: every second station, and all pieces about those that are near."""
     count, low, high = len(points) // 3, stations.low, stations.high
     # points nearest each other lie within a stride of such stations, each along its wire
     reach, near = 2.0 * stations.stride**2, stations.diameter**2
@@ -161,15 +159,8 @@ def _far_coils(stations, points, least):
             if _square(points, i, j) < least + reach:
                 for a in range(max(i - 1, 0), min(i + 1, high)):
                     for b in range(max(j - 2, low if a <= low else 0), min(j + 2, count - 1)):
-                        least = min(least, _between(points, a, b, near))
+                        least = min(least, square_between(points, a, b, near))
     return least
-
-
-@part
-def least_distance(stations, points):
-    """Least distance between pieces of wire half a turn apart or more; `REACH` diameters where it is more."""
-    least = (REACH * stations.diameter) ** 2
-    return math.sqrt(_far_coils(stations, points, _next_coil(stations, points, least)))
 
 
 @part
@@ -177,4 +168,5 @@ def wire_overlap(stations, state):
     """By how much the wire runs into itself, mm; negative where it is free, infinitely without stations."""
     if stations.node.size == 0:
         return -math.inf
-    return stations.diameter - least_distance(stations, station_points(stations, state))
+    points, least = station_points(stations, state), (REACH * stations.diameter) ** 2
+    return stations.diameter - math.sqrt(_far_coils(stations, points, _next_coil(stations, points, least)))

@@ -95,7 +95,7 @@ def contact_points(
     if spheres:
         start = round(mesh.phases[0] / TWO_PI * elements_per_turn)
         attached = np.clip(index * (elements_per_turn // pairs_per_turn) - start, 0, len(mesh.phases) - 1)
-        parts = points - np.concatenate((mesh.points[:-1], mesh.reference[None]))[attached]
+        parts = points - mesh.nodes[attached]
     else:
         attached, parts = on_one_node(*carried(spring, mesh, phases))
     body = bodies(attached, parts)
@@ -109,7 +109,7 @@ def contact_points(
         pairs = pairs[:0]
     overlap = np.zeros(len(pairs))
     if not spheres:
-        nodes = at_rest(np.concatenate((mesh.points[:-1], mesh.reference[None])))
+        nodes = at_rest(mesh.nodes)
         t = tangents(nodes, attached, parts)
         low, high = pairs.T
         gap = across_wires(points[high] - points[low], t[low] + t[high], overlap)
@@ -177,8 +177,7 @@ def near_pairs(
 
 @lru_cache(16)
 def _candidates(body: bytes, pairs: bytes, near: int) -> tuple[np.ndarray, np.ndarray]:
-    """Points farther apart along the wire than `near`, of two bodies and no pair: the same for many springs
-    of a sweep."""
+    """Candidates of few points, `_new_pairs` of all: the same for many springs of a sweep."""
     bodies, known = np.frombuffer(body), np.frombuffer(pairs, dtype=np.int64).reshape(-1, 2)
     return _new_pairs(*np.triu_indices(len(bodies), near + 1), bodies, known)
 
@@ -206,8 +205,7 @@ def _neighbours(centres: np.ndarray, near: int, reach: float) -> tuple[np.ndarra
 def near_wires(
     centres: np.ndarray, body: np.ndarray, pairs: np.ndarray, near: int, reach: float
 ) -> tuple[np.ndarray, np.ndarray]:
-    """The same of stations: each with the nearest one of every coil farther than the next that it has no
-    pair with."""
+    """The same of stations: each with the nearest one of every coil beyond the next without a pair of it."""
     found, distance = near_pairs(centres, body, pairs, 3 * near, reach)
     listed = np.zeros((len(centres), len(centres) // (2 * near) + 2), dtype=bool)
     listed[pairs[:, 0], _coils(pairs, near)] = True

@@ -61,9 +61,8 @@ def carried_points(mesh: WireMesh, phases: np.ndarray, rest: np.ndarray) -> tupl
 
 
 def _neighbours(mesh: WireMesh, phases: np.ndarray, node: np.ndarray) -> tuple[np.ndarray, ...]:
-    """Of the element above each node: the phase as a part of it, and that within it, (phases, 1); the wire's
-    points at its ends, and the nodes there, (phases, 3)."""
-    homes = np.concatenate((mesh.points[:-1], mesh.reference[None]))
+    """Of the element above each node: phase as a part of it, and within it; points and nodes at its ends."""
+    homes = mesh.nodes
     step = mesh.phases[1] - mesh.phases[0]
     whole = (phases - mesh.phases[node]) / step
     whole = np.where(np.abs(whole - np.rint(whole)) < SAME, np.rint(whole), whole)

@@ -128,10 +128,7 @@ def _normal(F, slope, h, G, Q):
 
 @arithmetic
 def _tangential(force, slope, xi, rho, h, G, Q):
-    """The same of the tangential one, with its force and slope at the length `rho` of the slip.
-
-    Returns the force over the length.
-    """
+    """The same of the tangential one, by its force and slope at the slip's length; returns force / rho."""
     z, x, y = xi
     ratio = force / rho if rho > 0.0 else slope
     more = (slope - ratio) / rho**2 if rho > 0.0 else 0.0
@@ -162,11 +159,10 @@ def _tangential(force, slope, xi, rho, h, G, Q):
 
 
 @arithmetic
-def _levers(arms, slot, f):
-    """Second derivative of what a node's arms do under the forces f (9,) on them."""
-    A = lever(three(f, 0), three(arms[slot], 0))
-    A = added(A, 1.0, lever(three(f, 3), three(arms[slot], 3)))
-    return added(A, 1.0, lever(three(f, 6), three(arms[slot], 6)))
+def _levers(arms, on_gap, on_tangent, on_slip):
+    """Second derivative of what a node's arms (9,) do under the forces on them."""
+    A = added(lever(on_gap, three(arms, 0)), 1.0, lever(on_tangent, three(arms, 3)))
+    return added(A, 1.0, lever(on_slip, three(arms, 6)))
 
 
 @arithmetic
@@ -236,7 +232,7 @@ def add_wires(contact, history, state, g, H):
     """Contact energy of the wires; adds its gradient and Hessian. Only pairs that touch, or stick, are."""
     energy, points = 0.0, placed(contact, state)
     L, Q, G = np.empty((ALL, SLOTS, 6)), np.empty((ALL, ALL)), np.empty((1, ALL))
-    arms, f, nodes = np.empty((SLOTS, 9)), np.empty((1, 9)), np.empty(SLOTS, np.int64)
+    arms, nodes = np.empty((SLOTS, 9)), np.empty(SLOTS, np.int64)
     forms = Forms(L, arms, nodes)
     for m in range(contact.pairs.shape[0]):
         h, n, u, s, length = gap(contact, points, m)
@@ -249,7 +245,6 @@ def add_wires(contact, history, state, g, H):
         _station_forms(contact, state, contact.pairs[m, 1], three(row.arms, 3), frame, forms, 2)
         clear_table(G)
         clear_table(Q)
-        clear_table(f)
         F = 0.0
         if depth > 0.0:
             stored, F, slope = normal_law(depth, contact.kc, contact.k)
@@ -270,13 +265,10 @@ def add_wires(contact, history, state, g, H):
             on_slip = plus(on_slip, ratio * xi[2], u)
         _add_gradient(nodes, L, G[0], count, g)
         if len(H) > 0:
-            f[0, 0], f[0, 1], f[0, 2] = on_gap
-            f[0, 3], f[0, 4], f[0, 5] = on_tangent
-            f[0, 6], f[0, 7], f[0, 8] = on_slip
             _add_hessian(contact, m, nodes, L, Q, count, H)
             for slot in range(SLOTS):
                 if nodes[slot] >= 0:
-                    B, A = H[nodes[slot]], _levers(arms, slot, f[0])
+                    B, A = H[nodes[slot]], _levers(arms[slot], on_gap, on_tangent, on_slip)
                     for i in range(3):
                         for j in range(3):
                             B[3 + i, 3 + j] += A[3 * i + j]

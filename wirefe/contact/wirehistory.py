@@ -27,8 +27,7 @@ from wirefe.element.algebra import dot, plus
 
 @part
 def _touch(contact, states, m, row):
-    """See `coilspring.contact.kinematics`; `states` are the accepted, the predicted and the trial one, with
-    their stations."""
+    """See `coilspring.contact.kinematics`; `states`: accepted, predicted, trial one, with their stations."""
     there, d = np.empty((3, 6)), contact.d - contact.clearance[m]
     v = np.empty((3, 3))
     for i in range(3):

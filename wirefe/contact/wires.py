@@ -81,8 +81,7 @@ def section_at_rest(contact, state, k, v):
 
 @arithmetic
 def touching_points(contact, points, state, m, back, out):
-    """Write to `out` (6,) the material points of both stations, in their sections at rest, that face each
-    other half way between them now, less a slip `back` (3)."""
+    """Write to `out` (6,) the material points at rest that face each other now, less a slip `back` (3)."""
     h, n, u, s, _ = gap(contact, points, m)
     half = plus((0.5 * h * n[0], 0.5 * h * n[1], 0.5 * h * n[2]), 0.5 * s, u)
     half = plus(half, -0.5, back)

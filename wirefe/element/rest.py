@@ -26,7 +26,11 @@ KINK = 1e-13  # of the largest parameter, well above its rounding: how far insid
 def straight_elements(points: np.ndarray, section: Section) -> tuple[np.ndarray, np.ndarray]:
     """End triads (elements, 2, 4) and stiffness (elements, 6, 6) in (v, theta) between points."""
     t, lengths = _chords(points)
-    triads = _chord_frames(t)
+    # The section is round: any second axis will do, here the one across the tangent and the coordinate axis
+    # that is least along it.
+    second = np.cross(np.eye(3)[np.abs(t).argmin(axis=1)], t)
+    second /= np.linalg.norm(second, axis=1)[:, None]
+    triads = quaternion_from_matrix(np.stack((t, second, np.cross(t, second)), axis=-1))
     return np.stack((triads, triads), axis=1), straight_stiffness(section, lengths)
 
 
@@ -53,13 +57,7 @@ def straight_stiffness(section: Section, lengths: np.ndarray) -> np.ndarray:
 def straight_solid_elements(
     points: np.ndarray, flexibility: np.ndarray, inward: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
-    """As `straight_elements`, of a wire that is not the same in all directions of its section.
-
-    Parameters
-    ----------
-    flexibility : (elements, 6, 6) per length, in Frenet's axes.
-    inward : (elements, 3) towards the centre of curvature.
-    """
+    """As `straight_elements`, of a wire that is not the same in all directions; see `straight_solid_rod`."""
     t, lengths = _chords(points)
     b = np.cross(t, inward)
     b /= np.linalg.norm(b, axis=1)[:, None]
@@ -80,10 +78,10 @@ def curved_elements(
     """
     # at each end from within the element: the curve may have kinks between elements
     inset = KINK * np.abs(phases).max()
-    frames = _frenet_frames(curve, np.stack((phases[:-1] + inset, phases[1:] - inset), axis=1).ravel())
+    frames = frenet_frames(curve, np.stack((phases[:-1] + inset, phases[1:] - inset), axis=1).ravel())
     triads = quaternion_from_matrix(frames).reshape(-1, 2, 4)
     points = curve.points(phases)
-    flexibility = _flexibility(curve, section, phases, points)
+    flexibility = end_flexibility(curve, section, phases, points)
     # K in (v, theta) from the flexibility of the second end's motion: d(v, theta) = J d
     J = np.empty((len(triads), 6, 6))
     deformation_rates(at_rest(points).ravel(), triads, J)
@@ -92,20 +90,17 @@ def curved_elements(
     return triads, 0.5 * (K + np.swapaxes(K, 1, 2))
 
 
-def _flexibility(
+def end_flexibility(
     curve: Curve, section: Section | Flexibility, phases: np.ndarray, points: np.ndarray
 ) -> np.ndarray:
-    """Motion (dx, spin) of each element's second end under a force and a moment there, the first held.
-
-    Shape (elements, 6, 6). At a section the force n carries the moment m + r x n, r being the vector to the
-    second end.
-    """
+    """Motion (dx, spin) of each element's second end by a wrench there, the first held, (elements, 6, 6)."""
     nodes, weights = GAUSS
     half = 0.5 * np.diff(phases)[:, None]
     at = phases[:-1, None] + half * (1.0 + nodes)
     first, _ = curve.derivatives(at.ravel())
     speed = np.linalg.norm(first, axis=1)
     along = (half * weights) * speed.reshape(at.shape)
+    # a section carries the force n and the moment m + r x n, with r from it to the second end
     r = points[1:, None] - curve.points(at.ravel()).reshape(*at.shape, 3)
     R = cross_rows(np.eye(3), r[..., None, :])  # R x = r x x
     F = np.empty((*at.shape, 6, 6))
@@ -116,7 +111,7 @@ def _flexibility(
         bend = np.eye(3) / section.EI + (1.0 / section.GJ - 1.0 / section.EI) * tt
         mutual = np.float64(0.0)
     else:
-        axes = _frenet_frames(curve, at.ravel()).reshape(*at.shape, 3, 3)
+        axes = frenet_frames(curve, at.ravel()).reshape(*at.shape, 3, 3)
         back, local = np.swapaxes(axes, -1, -2), section(at.ravel()).reshape(F.shape)
         stretch, mutual, bend = (
             axes @ local[..., i : i + 3, j : j + 3] @ back for i, j in ((0, 0), (0, 3), (3, 3))
@@ -130,20 +125,10 @@ def _flexibility(
     return np.einsum("eq,eqij->eij", along, F)
 
 
-def _frenet_frames(curve: Curve, phases: np.ndarray) -> np.ndarray:
+def frenet_frames(curve: Curve, phases: np.ndarray) -> np.ndarray:
     """Tangent, normal and binormal as columns, shape (len(phases), 3, 3)."""
     first, second = curve.derivatives(phases)
     t = first / np.linalg.norm(first, axis=1)[:, None]
     b = cross_rows(first, second)
     b /= np.linalg.norm(b, axis=1)[:, None]
     return np.stack((t, cross_rows(b, t), b), axis=-1)
-
-
-def _chord_frames(tangents: np.ndarray) -> np.ndarray:
-    """Quaternions of frames whose first axis is the tangent; the section is round, so any will do."""
-    # the second axis is across the tangent and the coordinate axis that is least along it
-    axis = np.eye(3)[np.abs(tangents).argmin(axis=1)]
-    second = np.cross(axis, tangents)
-    second /= np.linalg.norm(second, axis=1)[:, None]
-    third = np.cross(tangents, second)
-    return quaternion_from_matrix(np.stack((tangents, second, third), axis=-1))

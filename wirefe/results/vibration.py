@@ -57,24 +57,18 @@ def frequencies(path: EquilibriumPath, step: int = -1, *, count: int = 6, top: s
     require_choice("top", top, TOPS)
     state = path.states[step]
     histories = None if path.histories is None else path.histories[[step]]
-    free = _free(shape, top)
+    fixed = np.zeros(shape.size, dtype=bool)
+    fixed[shape.data.held.placed] = True
+    if top == "held":
+        fixed[-6:] = True
+    free = np.flatnonzero(~fixed)
     require_integer("count", count, 1, len(free) - 1)
     K = tangent_stiffness(shape, state, shape.histories(histories, state[None])[0])
     return lowest_frequencies(K, mass(shape, state), free, count)
 
 
-def _free(shape: WireShape, top: str) -> np.ndarray:
-    """Numbers of the free dofs, 6 node + dof."""
-    fixed = np.zeros(shape.size, dtype=bool)
-    fixed[shape.data.held.placed] = True
-    if top == "held":
-        fixed[-6:] = True
-    return np.flatnonzero(~fixed)
-
-
 def tangent_stiffness(shape: WireShape, state: np.ndarray, history: np.ndarray) -> csr_array:
-    """Tangent stiffness at a state found with a contact history, dofs 6 node + (dx, spin), held ones without
-    coupling."""
+    """Tangent stiffness at a state and its contact history, dofs 6 node + (dx, spin), held ones uncoupled."""
     plan, size = shape.data.plan, shape.size
     flat = np.empty(matrix_size(shape.data))
     shape.assemble(*pack(shape.data), state, 0.0, history, state, np.empty(size), flat)
@@ -122,8 +116,7 @@ def _quadrature(shape: WireShape) -> tuple[np.ndarray, np.ndarray]:
 def _motions(
     nodes: np.ndarray, node: np.ndarray, parts: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """How points of the wire move and turn with (dx, spin) of their two nodes, (points, 3, 12) each, and the
-    wire's tangents, (points, 3)."""
+    """Motion and spin of points by (dx, spin) of their nodes, (points, 3, 12), and tangents, (points, 3)."""
     move, spin = np.zeros((2, len(node), 3, 12))
     upper = np.minimum(node + 1, len(nodes) - 1)
     for side, own in ((0, node), (1, upper)):
@@ -193,16 +186,16 @@ def scattered(values: np.ndarray, rows: np.ndarray, columns: np.ndarray, size: i
 
 
 def consistent_mass(rod: Rod, density: float, diameter: float) -> csr_array:
-    """Consistent mass matrix: translation, rotary inertia of bending and of torsion.
-
-    Displacements and rotations are linear in the arc length; scikit-fem integrates.
-    """
+    """Consistent mass matrix with rotary inertia; displacements and rotations are linear along elements."""
     from scipy.sparse import csr_array
     from skfem import Basis, BilinearForm, ElementLineP1, ElementVector, MeshLine
     from skfem.helpers import dot
 
     lengths = np.linalg.norm(rod.strain0[:, :3], axis=1)
-    t = _tangents(rod)
+    first, second = rod.triads[:, 0], rod.triads[:, 1]
+    middle = first + np.sign(np.einsum("ei,ei->e", first, second))[:, None] * second
+    middle /= np.linalg.norm(middle, axis=1)[:, None]
+    t = turned_rows(middle, np.array([1.0, 0.0, 0.0]))  # first axis of the elements' frames half way
     area, inertia = math.pi * diameter**2 / 4.0, math.pi * diameter**4 / 64.0
     rotary = inertia * (np.eye(3) + t[:, :, None] * t[:, None, :])  # polar, 2 I, about the tangent
 
@@ -213,15 +206,6 @@ def consistent_mass(rod: Rod, density: float, diameter: float) -> csr_array:
 
     line = MeshLine(np.concatenate(([0.0], np.cumsum(lengths))))
     return csr_array(kinetic.assemble(Basis(line, ElementVector(ElementLineP1(), 6))))
-
-
-def _tangents(rod: Rod) -> np.ndarray:
-    """First axis of the elements' frames half way, shape (elements, 3)."""
-    first, second = rod.triads[:, 0], rod.triads[:, 1]
-    sign = np.sign(np.einsum("ei,ei->e", first, second))[:, None]
-    middle = first + sign * second
-    middle /= np.linalg.norm(middle, axis=1)[:, None]
-    return turned_rows(middle, np.array([1.0, 0.0, 0.0]))
 
 
 def _refuse_loose(rod: Rod) -> None:
