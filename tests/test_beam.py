@@ -7,8 +7,8 @@ from scipy.spatial.transform import Rotation
 from coilspring import Material
 from coilspring.scene.wire import round_section
 from wirefe.element.beam import beams, deformations
-from wirefe.element.rest import straight_stiffness
 from wirefe.element.rotations import exponential, stretch_functions, times
+from wirefe.rod import straight_stiffness
 
 UNIT = np.array([1.0, 0.0, 0.0, 0.0])
 

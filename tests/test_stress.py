@@ -12,9 +12,9 @@ import wirefe
 from coilspring import Contact, InputError, Load, Scene, Spring, Supports, spring_a, spring_b
 from coilspring.scene.sizing import sizes
 from validation.cli.command import main
-from wirefe.element.rest import frenet_frames
 from wirefe.element.rotations import quaternion_from_matrix
 from wirefe.results.stress import stresses
+from wirefe.rod import frenet_frames
 
 D, WIRE, FORCE = 20.0, 1.5, 1e-2
 AXIAL = Scene(

@@ -20,10 +20,9 @@ from coilspring.solver.startup import store
 from coilspring.sweep import Outcome, jobs, outcomes
 from wirefe import kernels, model, seated
 from wirefe.contact.points import PER_TURN, ContactArrays, near_points
-from wirefe.element.rest import ELEMENTS
 from wirefe.mesh import WireMesh
 from wirefe.results.shape import WireShape, contact_centres
-from wirefe.rod import Rod, RodPath
+from wirefe.rod import ELEMENTS, Rod, RodPath
 
 # Moves of a rod without contact are compared with this part of its length, as with a wire's diameter.
 LENGTHS_OF_A_WIRE = 50.0
