@@ -171,9 +171,7 @@ def scene_kernels(scene: Scene) -> Kernels:
 def new_pairs(contact: ContactArrays, state: np.ndarray) -> np.ndarray:
     """Pairs of contact points that are near in `state` and not in the model yet, shape (pairs, 2)."""
     centres = contact_centres(contact, state[None])[0]
-    found, _ = near_points(
-        centres, contact.attached, contact.parts, contact.pairs, contact.near, PAIR_REACH * contact.d
-    )
+    found, _ = near_points(contact, centres, PAIR_REACH * contact.d)
     return found
 
 

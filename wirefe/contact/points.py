@@ -103,31 +103,30 @@ def contact_points(
     pairs = pairs[body[pairs[:, 0]] != body[pairs[:, 1]]]
     if found is not None:
         pairs = np.concatenate((pairs, found))
-    near = pairs_per_turn // 2
-    apart = _least_distance(points, attached, parts, pairs, near) - spring.wire_diameter
-    if not scene.contact.enabled:
-        pairs = pairs[:0]
-    overlap = np.zeros(len(pairs))
-    if not spheres:
-        nodes = at_rest(mesh.nodes)
-        t = tangents(nodes, attached, parts)
-        low, high = pairs.T
-        gap = across_wires(points[high] - points[low], t[low] + t[high], overlap)
-        overlap = spring.wire_diameter - np.linalg.norm(gap, axis=1)
+    d = spring.wire_diameter
     stiffness, exponent = scene.contact.stiffness * PAIRS_OF_PENALTY / pairs_per_turn, scene.contact.exponent
-    return ContactArrays(
+    contact = ContactArrays(
         attached=attached,
         parts=parts,
-        pairs=np.ascontiguousarray(pairs),
-        clearance=np.maximum(overlap, 0.0),
-        d=spring.wire_diameter,
+        pairs=pairs,
+        clearance=np.zeros(len(pairs)),
+        d=d,
         kc=stiffness,
-        kt=tangential_stiffness(stiffness, exponent, spring.wire_diameter),
+        kt=tangential_stiffness(stiffness, exponent, d),
         k=exponent,
         mu=scene.contact.coefficient,
-        near=near,
-        apart=apart,
+        near=pairs_per_turn // 2,
+        apart=math.inf,
     )
+    contact = contact._replace(apart=_least_distance(contact, points) - d)
+    if not scene.contact.enabled:
+        return contact._replace(pairs=pairs[:0], clearance=np.zeros(0))
+    if spheres:
+        return contact
+    t = tangents(at_rest(mesh.nodes), attached, parts)
+    low, high = pairs.T
+    gap = across_wires(points[high] - points[low], t[low] + t[high], contact.clearance)
+    return contact._replace(clearance=np.maximum(d - np.linalg.norm(gap, axis=1), 0.0))
 
 
 def bodies(attached: np.ndarray, parts: np.ndarray) -> np.ndarray:
@@ -136,27 +135,23 @@ def bodies(attached: np.ndarray, parts: np.ndarray) -> np.ndarray:
     return attached + 0.5 * between
 
 
-def _least_distance(
-    centres: np.ndarray, attached: np.ndarray, parts: np.ndarray, pairs: np.ndarray, near: int
-) -> float:
+def _least_distance(contact: ContactArrays, centres: np.ndarray) -> float:
     """Least distance of contact points that are no pair, infinite where there are none."""
     extent = float(np.linalg.norm(np.ptp(centres, axis=0)))
     reach = np.inf if len(centres) <= FEW else extent / len(centres)
     gaps = np.zeros(0)
     while not gaps.size:
-        _, gaps = near_points(centres, attached, parts, pairs, near, reach)
+        _, gaps = near_points(contact, centres, reach)
         if reach > extent:
             break
         reach *= 2.0
     return float(gaps.min(initial=np.inf))
 
 
-def near_points(
-    centres: np.ndarray, attached: np.ndarray, parts: np.ndarray, pairs: np.ndarray, near: int, reach: float
-) -> tuple[np.ndarray, np.ndarray]:
+def near_points(contact: ContactArrays, centres: np.ndarray, reach: float) -> tuple[np.ndarray, np.ndarray]:
     """Contact points that are no pair, nearer than `reach`: `near_wires` or `near_pairs`."""
-    find = near_wires if of_wires(parts) else near_pairs
-    return find(centres, bodies(attached, parts), pairs, near, reach)
+    find = near_wires if of_wires(contact.parts) else near_pairs
+    return find(centres, bodies(contact.attached, contact.parts), contact.pairs, contact.near, reach)
 
 
 def near_pairs(
