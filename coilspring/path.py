@@ -220,19 +220,11 @@ class EquilibriumPath:
         """
         mu, directions = self.shape.pair_law.mu, load_directions(self.scene, self.times)
         if self.histories is not None and 0.0 < mu < np.inf and self.scene.contact.enabled:
-            return self._differences(directions)
+            return secants(self, directions)
         try:
             return self.shape.rates(self.states, self.histories, directions)
         except InputError:
-            return self._differences(directions)
-
-    def _differences(self, directions: np.ndarray) -> np.ndarray:
-        """Change of the force over that of the deflection since the row before; nan where nothing moved."""
-        force, deflection = (
-            np.einsum("ij,ij->i", np.diff(values[:, :2], axis=0, prepend=0.0), directions)
-            for values in (self.loads, self.tips)
-        )
-        return np.divide(force, deflection, out=np.full_like(force, np.nan), where=deflection != 0.0)
+            return secants(self, directions)
 
     @cached_property
     def max_stress(self) -> np.ndarray | None:
@@ -295,3 +287,12 @@ def load_path(file: str | Path | BinaryIO) -> EquilibriumPath:
     InputError : no such file, or one that is no path.
     """
     return EquilibriumPath(**read_fields(file))
+
+
+def secants(path: EquilibriumPath, directions: np.ndarray) -> np.ndarray:
+    """Change of the force over that of the deflection since the row before; nan where nothing moved."""
+    force, deflection = (
+        np.einsum("ij,ij->i", np.diff(values[:, :2], axis=0, prepend=0.0), directions)
+        for values in (path.loads, path.tips)
+    )
+    return np.divide(force, deflection, out=np.full_like(force, np.nan), where=deflection != 0.0)

@@ -6,10 +6,9 @@ from scipy.spatial.transform import Rotation
 
 from coilspring import Material
 from coilspring.scene.wire import round_section
-from wirefe.beam import beams, deformations
-from wirefe.elements import straight_stiffness
-from wirefe.quaternions import exponential, times
-from wirefe.rotations import stretch_functions
+from wirefe.element.beam import beams, deformations
+from wirefe.element.rotations import exponential, stretch_functions, times
+from wirefe.rod import straight_stiffness
 
 UNIT = np.array([1.0, 0.0, 0.0, 0.0])
 

@@ -21,6 +21,7 @@ from coilspring import (
     spring_b,
 )
 from coilspring.measured import measured, table_of
+from coilspring.path import secants
 from coilspring.scene.scene import load_directions
 from validation.calibration.difference import along_load, difference
 from validation.calibration.figure import picture
@@ -218,7 +219,7 @@ def test_rate_is_the_slope_of_the_curve(case):
     turned = (np.diff(load_directions(scene, path.times), axis=0) != 0.0).any(axis=1)
     mean, slope = (
         0.5 * (path.rates[1:] + path.rates[:-1]),
-        path._differences(load_directions(scene, path.times))[1:],
+        secants(path, load_directions(scene, path.times))[1:],
     )
     np.testing.assert_allclose(mean[smooth & ~turned], slope[smooth & ~turned], rtol=5e-3)
     assert np.count_nonzero(smooth & ~turned) > 30

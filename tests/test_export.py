@@ -8,7 +8,7 @@ import equivbeam
 import wirefe
 from coilspring import Contact, InputError, Load, Scene, Spring, Supports, load_scene, spring_a, spring_b
 from validation.cli import main
-from wirefe.export import section_results, write_vtu
+from wirefe.results.export import section_results, write_vtu
 
 POINT_DATA = {"displacement", "rotation", "contact_force", "pair_force"}
 CELL_DATA = {"axial_force", "shear_force", "torsion", "bending_moment", "curvature", "twist"}

@@ -45,8 +45,8 @@ if __name__ == "__main__":
 EDITS = {
     "equivbeam": [("equivbeam/laws/haringx.py", "= rows[i, KAX], rows", "= 2.0 * rows[i, KAX], rows")],
     "wirefe": [
-        ("wirefe/beam.py", "e0[n], K[n])", "e0[n], 2.0 * K[n])"),
-        ("wirefe/beam.py", "C, X, K[n], H[n])", "C, X, 2.0 * K[n], H[n])"),
+        ("wirefe/element/beam.py", "e0[n], K[n])", "e0[n], 2.0 * K[n])"),
+        ("wirefe/element/beam.py", "forces, K[n], H[n])", "forces, 2.0 * K[n], H[n])"),
     ],
 }
 
@@ -138,10 +138,10 @@ def test_entries_that_nobody_uses_go(tmp_path, monkeypatch):
         for end in (".nbi", ".1.nbc"):
             (tmp_path / (name + end)).write_text("")
             os.utime(tmp_path / (name + end), (time.time() - days * 86_400,) * 2)
-    kernelcache._trim(tmp_path)
+    kernelcache.trim(tmp_path)
     assert {file.name[:49] for file in tmp_path.iterdir()} == {name[:49] for name in names[:2]}
     monkeypatch.setattr(kernelcache, "MOST_ENTRIES", 1)
-    kernelcache._trim(tmp_path)
+    kernelcache.trim(tmp_path)
     assert {file.name[:49] for file in tmp_path.iterdir()} == {names[0][:49]}
 
 

@@ -9,7 +9,7 @@ from scipy.sparse.linalg import spsolve
 import wirefe
 from coilspring import Material, spring_a
 from coilspring.scene.wire import Section, round_section
-from wirefe.modes import linear_stiffness
+from wirefe.results.vibration import linear_stiffness
 
 SPRING = replace(spring_a().spring, end_turns=0.0)
 ROUND = round_section(1.5, Material())

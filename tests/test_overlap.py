@@ -20,7 +20,7 @@ from coilspring import (
 )
 from equivbeam.contact import circle_overlap
 from validation.cli import main
-from wirefe.overlap import _between, _bulge
+from wirefe.contact.overlap import bulge, square_between
 
 GUIDED = Supports(("ux", "rotz"))
 SPHERES = Contact(geometry="spheres")
@@ -70,15 +70,15 @@ def test_wires_that_bend_towards_each_other_are_nearest_between_stations():
     lower = np.column_stack((x, -0.04 * middle**2, 0.0 * x))
     upper = np.column_stack((x, 0.9 + 0.04 * middle**2, 0.0 * x))
     points = np.concatenate((lower, upper)).ravel()
-    assert np.sqrt(_between(points, 1, 5, 0.0)) > 0.915
-    np.testing.assert_allclose(np.sqrt(_between(points, 1, 5, 1.0)), 0.9, atol=1e-3)
+    assert np.sqrt(square_between(points, 1, 5, 0.0)) > 0.915
+    np.testing.assert_allclose(np.sqrt(square_between(points, 1, 5, 1.0)), 0.9, atol=1e-3)
 
 
 def test_a_parabola_is_followed_to_the_ends_of_the_wire():
     x = np.arange(5.0)
     points = np.column_stack((x, 0.1 * x**2, 0.0 * x)).ravel()
     for i in range(4):
-        np.testing.assert_allclose(_bulge(points, i), (0.0, -0.025, 0.0), atol=1e-15)
+        np.testing.assert_allclose(bulge(points, i), (0.0, -0.025, 0.0), atol=1e-15)
 
 
 @pytest.mark.parametrize(("scene", "steps"), [(PRESSED_B, (10, 60)), (CONE, (10, 60))])

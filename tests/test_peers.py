@@ -16,7 +16,7 @@ from validation.cli import main
 from validation.peers import calculix, page
 from validation.peers.comparison import PeerComparison
 from validation.peers.layout import Curve, layout
-from wirefe.contactpoints import contact_points
+from wirefe.contact.points import contact_points
 from wirefe.mesh import mesh_wire
 
 ROOT = Path(__file__).parents[1]
@@ -31,8 +31,7 @@ def test_the_peers_get_the_spheres_and_pairs_of_the_wire_model(scene):
     ours = layout(scene, 40)
     mesh = mesh_wire(scene.spring, 40)
     theirs = contact_points(scene, mesh, 40, 4)
-    rest = np.concatenate((mesh.points[:-1], mesh.reference[None]))
-    centres = rest[theirs.attached] + theirs.parts
+    centres = mesh.nodes[theirs.attached] + theirs.parts
     np.testing.assert_allclose(ours.spheres[ours.pairs], centres[theirs.pairs], atol=1e-12)
     np.testing.assert_allclose(ours.points, mesh.points, atol=1e-12)
     assert len(layout(scene.without_contact(), 40).pairs) == 0

@@ -11,10 +11,10 @@ from coilspring.compiling.packing import pack
 from coilspring.contact.law import PAIR_HISTORY
 from coilspring.scene.sizing import axial_rate
 from wirefe import kernels, seated
-from wirefe.export import section_results
 from wirefe.model import build_model, matrix_size, rest_state
-from wirefe.modes import linear_stiffness
-from wirefe.shape import WireShape
+from wirefe.results.export import section_results
+from wirefe.results.shape import WireShape
+from wirefe.results.vibration import linear_stiffness
 from wirestates import dense
 
 SPRING = Spring(1.5, 10.0, 5.0, 20.0)

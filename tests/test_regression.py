@@ -16,6 +16,7 @@ import equivbeam.laws.helix
 import equivbeam.model
 import validation.regress.baselines
 import validation.regress.run
+import wirefe.contact.points
 import wirefe.model
 from coilspring import CATALOGUE, EquilibriumNotFound, InputError, load_scene, scene_text, spring_a
 from equivbeam import Refinements
@@ -118,7 +119,7 @@ def off(section, part):
     ("module", "chosen", "field"),
     [
         (equivbeam.model, [run for run in LAWS if run.name.startswith("spring-b, ")], "kc"),
-        (wirefe.model, [run for run in CURVED if run.name.startswith("spring-b, ")], "kc"),
+        (wirefe.contact.points, [run for run in CURVED if run.name.startswith("spring-b, ")], "kc"),
     ],
     ids=MODELS,
 )

@@ -12,7 +12,7 @@ from coilspring.compiling.packing import pack
 from coilspring.contact.law import PAIR_HISTORY
 from validation.study.partialsolve import partial_path
 from wirefe import kernels, model
-from wirefe.contactpoints import near_pairs
+from wirefe.contact.points import near_pairs
 from wirestates import centres
 
 FREE_B = replace(spring_b(), contact=Contact(geometry="spheres"))

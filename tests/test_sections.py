@@ -16,9 +16,8 @@ from coilspring.contact.law import PAIR_HISTORY
 from coilspring.scene.wire import round_section
 from equivbeam import kernels, model
 from equivbeam.options import BeamOptions
-from wirefe.elements import curved_elements
-from wirefe.modes import linear_stiffness
-from wirefe.stations import turned_rows as turned
+from wirefe.contact.stations import turned_rows as turned
+from wirefe.results.vibration import linear_stiffness
 
 BARREL = load_scene(Path(__file__).parents[1] / "examples" / "barrel.toml")
 PLAIN = Spring(1.5, 10.0, 6.5, 19.5)
@@ -205,7 +204,7 @@ def test_elements_see_their_own_side_of_a_kink():
     """At a knot of the pitch the wire has two tangents."""
     spring = Spring.of_sections(1.5, [CoilSection(1.0, 2.0, 10.0), CoilSection(1.0, 5.0, 10.0)])
     phases = np.linspace(0.0, spring.phase_end, 9)
-    triads, _ = curved_elements(spring, round_section(1.5, Material()), phases)
+    triads = wirefe.curved_rod(spring, phases, round_section(1.5, Material())).triads
     up = np.array([turned(triads[e, end], np.array([1.0, 0.0, 0.0]))[1] for e, end in ((3, 1), (4, 0))])
     np.testing.assert_allclose(up, [p / np.hypot(p, 10.0 * np.pi) for p in (2.0, 5.0)], rtol=1e-9)
     first, _ = spring.derivatives(np.array([2.0 * np.pi]))

@@ -50,10 +50,10 @@ from validation.sensitivity.topheight import TipCurve, raised
 from validation.study.cases import PAPER_MESH, case, solve_beam, solve_wire
 from validation.study.metrics import compare_paths
 from wirefe import model as wire
-from wirefe.contactpoints import contact_points
+from wirefe.contact.points import contact_points
 from wirefe.mesh import mesh_wire
+from wirefe.results.shape import WireShape
 from wirefe.rod import straight_rod
-from wirefe.shape import WireShape
 from wirefe.solve import KERNELS as WIRE_KERNELS
 
 BARE, CONTACT = "spring-b-no-contact", "spring-b"

@@ -19,7 +19,7 @@ from coilspring.contact.law import (
 )
 from coilspring.contact.results import PairReader
 from pairrecords import held, pair_records
-from wirefe.contact import pair_matrix
+from wirefe.contact.spheres import pair_matrix
 
 D, K = 1.5, 1.0e4
 

@@ -12,9 +12,9 @@ import wirefe
 from coilspring import Contact, InputError, Load, Scene, Spring, Supports, spring_a, spring_b
 from coilspring.scene.sizing import sizes
 from validation.cli.command import main
-from wirefe.elements import _frenet_frames
-from wirefe.rotations import quaternion_from_matrix
-from wirefe.stress import stresses
+from wirefe.element.rotations import quaternion_from_matrix
+from wirefe.results.stress import stresses
+from wirefe.rod import frenet_frames
 
 D, WIRE, FORCE = 20.0, 1.5, 1e-2
 AXIAL = Scene(
@@ -58,7 +58,7 @@ def test_pure_bending():
     pitch = 2.0 * math.pi * tau / rate**2
     bent = Spring(WIRE, 2.0 * (k + more) / rate**2, 11.0, 11.0 * pitch, end_turns=0.0)
     turned = mesh.phases * math.sqrt(square) * rate
-    before, after = _frenet_frames(spring, mesh.phases), _frenet_frames(bent, turned)
+    before, after = frenet_frames(spring, mesh.phases), frenet_frames(bent, turned)
     turns = after @ np.swapaxes(before, 1, 2)
     rows = np.concatenate((bent.points(turned), quaternion_from_matrix(turns)), axis=1)
     rows[-1, :3] -= turns[-1] @ mesh.arm

@@ -24,7 +24,7 @@ from coilspring.compiling.packing import pack
 from coilspring.scene.sizing import sizes, wire_length
 from validation.cli.command import main
 from wirefe import kernels
-from wirefe.vibration import mass, tangent_stiffness
+from wirefe.results.vibration import mass, tangent_stiffness
 
 FREE = Contact(enabled=False)
 SMALL = Load((0.0, -1e-6), 1)

@@ -14,14 +14,14 @@ from coilspring.scene.wire import Section
 from validation.campaign.scenes import make_case
 from validation.campaign.verdict import reached
 from wirefe import kernels
-from wirefe.beam import beams
-from wirefe.contactpoints import ContactPoints
+from wirefe.contact.points import ContactArrays
+from wirefe.contact.stations import SLOPES, WIDTH
+from wirefe.contact.wireforces import add_wires
+from wirefe.element.beam import beams
+from wirefe.element.poses import ROW
 from wirefe.model import rod_model
-from wirefe.poses import ROW
 from wirefe.rod import straight_rod
 from wirefe.solve import scene_problem
-from wirefe.stations import SLOPES, WIDTH
-from wirefe.wirecontact import add_wires
 
 WIRES = Contact(geometry="wires")
 CURVED = {"element": "curved", "elements_per_turn": 8}
@@ -153,8 +153,8 @@ def twisted_pair(count):
     parts[:, SLOPES + 1] = 1.0
     pairs = np.stack((nodes[: count + 1], nodes[count + 1 :]), axis=1)
     weight = PENALTY * L / count
-    contact = ContactPoints(
-        nodes, parts, pairs, np.zeros(len(pairs)), 2 * RADIUS, weight, 1.0, 0, np.inf, 0.0
+    contact = ContactArrays(
+        nodes, parts, pairs, np.zeros(len(pairs)), 2 * RADIUS, weight, weight, 1.0, 0.0, 0, np.inf
     )
     return rod_model(rod, np.zeros(3), contact), np.array(rows).ravel()
 

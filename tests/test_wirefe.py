@@ -25,10 +25,10 @@ from coilspring.scene.wire import round_section
 from validation.study.partialsolve import partial_path
 from validation.study.scenes import EXACT_ROD
 from wirefe import kernels, model
-from wirefe.beam import beams, deformations
-from wirefe.elements import _flexibility, curved_elements
-from wirefe.poses import at_rest
-from wirefe.quaternions import exponential, times
+from wirefe.element.beam import beams
+from wirefe.element.poses import at_rest
+from wirefe.element.rotations import exponential, times
+from wirefe.rod import end_flexibility
 from wirestates import dense
 
 EXACT = {name: tips[1.0] for name, tips in EXACT_ROD.items()}  # G13: UX, UY, ROTZ
@@ -331,11 +331,10 @@ def test_curved_element_carries_the_linear_flexibility_of_its_helix():
     """Tip motion of one element of a quarter turn under small end loads, by quadrature of the rod."""
     spring, section = spring_b().spring, round_section(1.5, Material())
     phases = np.array([1.0, 1.0 + 0.5 * np.pi])
-    triads, K = curved_elements(spring, section, phases)
+    rod = wirefe.curved_rod(spring, phases, section)
     state, still = at_rest(spring.points(phases)).ravel(), np.zeros(3)
-    e0, g, H = np.empty((1, 6)), np.empty((1, 12)), np.empty((1, 12, 12))
-    deformations(state, still, triads, e0)
-    beams(state, still, triads, e0, K, g, H)
+    g, H = np.empty((1, 12)), np.empty((1, 12, 12))
+    beams(state, still, rod.triads, rod.strain0, rod.stiffness, g, H)
     np.testing.assert_allclose(g, 0.0, atol=1e-9)
-    expected = _flexibility(spring, section, phases, spring.points(phases))[0]
+    expected = end_flexibility(spring, section, phases, spring.points(phases))[0]
     np.testing.assert_allclose(np.linalg.inv(H[0, 6:, 6:]), expected, rtol=1e-8, atol=1e-16)

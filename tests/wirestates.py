@@ -2,9 +2,9 @@
 
 import numpy as np
 
-from wirefe.beam import beams
-from wirefe.poses import ROW
-from wirefe.stations import turned_rows as turned
+from wirefe.contact.stations import turned_rows as turned
+from wirefe.element.beam import beams
+from wirefe.element.poses import ROW
 
 
 def elements(path, step):

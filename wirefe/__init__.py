@@ -1,11 +1,11 @@
 """3D beam-FE model of the coiled wire with contact of wires or spheres: the reference; and of any wire."""
 
 from wirefe.adaptive import solve_to
+from wirefe.results.stress import WireStress, stress
+from wirefe.results.vibration import frequencies
 from wirefe.rod import Rod, RodPath, curved_rod, straight_rod
 from wirefe.solve import Outcome, path_shape, solve, solve_rod, sweep
-from wirefe.stress import WireStress, stress
 from wirefe.tracing import trace, trace_rod
-from wirefe.vibration import frequencies
 
 __all__ = [
     "Outcome",

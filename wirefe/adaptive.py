@@ -19,7 +19,7 @@ from coilspring.errors import EquilibriumNotFound, InputError, require_number
 from coilspring.path import EquilibriumPath
 from coilspring.scene import Scene, require_scene
 from coilspring.scene.profile import TWO_PI
-from wirefe.contactpoints import PER_TURN
+from wirefe.contact.points import PER_TURN
 from wirefe.solve import solve
 
 ACCURACIES = (1e-5, 1e-2)

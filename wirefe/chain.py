@@ -201,3 +201,32 @@ def substitute(plan, F, b):
             for j in range(i + 1, N6):
                 total -= D[j, i] * b[p + j]
             b[p + i] = total
+
+
+@part
+def add_gradient(g, a, b, ge):
+    """Add a gradient (12,) at two nodes."""
+    for i in range(6):
+        g[6 * a + i] += ge[i]
+        g[6 * b + i] += ge[6 + i]
+
+
+@part
+def add_nodes(H, a, b, Ke):
+    """Add a Hessian's (12, 12) diagonal blocks at two nodes."""
+    for i in range(6):
+        for j in range(6):
+            H[a, i, j] += Ke[i, j]
+            H[b, i, j] += Ke[6 + i, 6 + j]
+
+
+@part
+def add_block(H, block, flip, K):
+    """Add the coupling K[:6, 6:] of a first and a second node."""
+    B = H[block]
+    for i in range(6):
+        for j in range(6):
+            if flip:
+                B[i, j] += K[i, 6 + j]
+            else:
+                B[i, j] += K[6 + i, j]

@@ -9,64 +9,21 @@ import numpy as np
 from coilspring.compiling.compiled import arithmetic, clear, kernel, part
 from coilspring.contact.kinematics import OVERLAP_ALLOWED, approach, remember
 from coilspring.contact.kinematics import update_pairs as update_spheres
-from coilspring.contact.law import pair_potential
 from coilspring.solver.interface import FIXED
-from wirefe.algebra import dot, plus
-from wirefe.beam import beams
-from wirefe.chain import eliminate, substitute
-from wirefe.contact import onto_reference, pair_matrix
+from wirefe.chain import add_block, add_gradient, add_nodes, eliminate, substitute
+from wirefe.contact.overlap import wire_overlap
+from wirefe.contact.spheres import add_spheres, between
+from wirefe.contact.stations import of_wires
+from wirefe.contact.unlisted import touch_unlisted
+from wirefe.contact.wireforces import add_wires
+from wirefe.contact.wirehistory import remember_wires, update_wires
+from wirefe.contact.wires import across, placed
+from wirefe.element.algebra import dot
+from wirefe.element.beam import beams, onto_reference
+from wirefe.element.poses import ROW, four, three
+from wirefe.element.retraction import Move, close, place, spin_between, turn_along
+from wirefe.element.rotations import turned
 from wirefe.model import view_contact, view_elements, view_held, view_plan, view_stations
-from wirefe.overlap import wire_overlap
-from wirefe.poses import ROW, four, three
-from wirefe.quaternions import turned
-from wirefe.retraction import Move, close, place, spin_between, turn_along
-from wirefe.stations import ARMS, POSITION, ROTATION, of_wires, station
-from wirefe.wirecontact import across, add_wires, placed, remember_wires, update_wires
-
-
-@part
-def _add_gradient(g, a, b, ge):
-    """Add a gradient (12,) at two nodes."""
-    for i in range(6):
-        g[6 * a + i] += ge[i]
-        g[6 * b + i] += ge[6 + i]
-
-
-@part
-def _add_nodes(H, a, b, Ke):
-    """Add a Hessian's (12, 12) diagonal blocks at two nodes."""
-    for i in range(6):
-        for j in range(6):
-            H[a, i, j] += Ke[i, j]
-            H[b, i, j] += Ke[6 + i, 6 + j]
-
-
-@part
-def _add_block(H, block, flip, K):
-    """Add the coupling K[:6, 6:] of a first and a second node."""
-    B = H[block]
-    for i in range(6):
-        for j in range(6):
-            if flip:
-                B[i, j] += K[i, 6 + j]
-            else:
-                B[i, j] += K[6 + i, j]
-
-
-@arithmetic
-def centre(contact, state, sphere):
-    """Centre of a sphere, and its arm from its node as turned now."""
-    i = ROW * contact.attached[sphere]
-    r = turned(four(state, i + 3), three(contact.parts[sphere], 0))
-    return plus(three(state, i), 1.0, r), r
-
-
-@arithmetic
-def _between(contact, state, m):
-    """Vector between the centres of a pair, and their arms from their nodes as turned now."""
-    a, ra = centre(contact, state, contact.pairs[m, 0])
-    b, rb = centre(contact, state, contact.pairs[m, 1])
-    return plus(b, -1.0, a), ra, rb
 
 
 @arithmetic
@@ -79,8 +36,7 @@ def _vectors(contact, state):
             w[m, 0], w[m, 1], w[m, 2] = across(contact, points, m)
         return w
     for m in range(contact.pairs.shape[0]):
-        between, _, _ = _between(contact, state, m)
-        w[m, 0], w[m, 1], w[m, 2] = between
+        w[m, 0], w[m, 1], w[m, 2] = between(contact, state, m)[0]
     return w
 
 
@@ -91,32 +47,10 @@ def _scatter(chain, state, ge, Ke, g, H):
     r = turned(four(state, ROW * last + ROW + 3), three(chain.arm, 0))
     onto_reference(r, ge[last], Ke[last:])
     for e in range(len(ge)):
-        _add_gradient(g, e, e + 1, ge[e])
+        add_gradient(g, e, e + 1, ge[e])
     for e in range(len(Ke)):
-        _add_nodes(H, e, e + 1, Ke[e])
-        _add_block(H, chain.block[e], chain.flip[e], Ke[e])
-
-
-@arithmetic
-def _add_spheres(contact, history, state, g, H):
-    """Contact energy of spheres; adds its gradient and Hessian. Only pairs that touch are scattered."""
-    energy = 0.0
-    w, e, f, Hg = np.empty(3), np.empty(3), np.empty(3), np.empty((3, 3))
-    ge, Ke = np.empty(12), np.empty((12, 12))
-    for m in range(contact.pairs.shape[0]):
-        between, ra, rb = _between(contact, state, m)
-        h2 = dot(between, between)
-        if h2 >= contact.d * contact.d and not history[m].closed:
-            continue
-        w[0], w[1], w[2] = between
-        energy += pair_potential(w, math.sqrt(h2), contact, history[m], e, f, Hg)
-        pair_matrix(f, Hg, ra, rb, ge, Ke)
-        a, b = contact.attached[contact.pairs[m, 0]], contact.attached[contact.pairs[m, 1]]
-        _add_gradient(g, a, b, ge)
-        if len(H) > 0:
-            _add_nodes(H, a, b, Ke)
-            _add_block(H, contact.block[m], contact.flip[m], Ke)
-    return energy
+        add_nodes(H, e, e + 1, Ke[e])
+        add_block(H, chain.block[e], chain.flip[e], Ke[e])
 
 
 @part
@@ -156,7 +90,7 @@ def assemble(reals, ints, accepted, least_gap, history, state, g, flat):
         if of_wires(contact.parts):
             energy += add_wires(contact, history, state, g, H)
         else:
-            energy += _add_spheres(contact, history, state, g, H)
+            energy += add_spheres(contact, history, state, g, H)
     held = view_held(ints)
     for m in range(held.dof.size):
         g[held.dof[m]] = 0.0
@@ -179,7 +113,7 @@ def solve(reals, ints, flat, b):
 
 @kernel
 def retract(reals, ints, state, step, factor, before, second, out):
-    """See `coilspring.solver.interface`; what moves are the wire's deformations (`wirefe.retraction`)."""
+    """See `coilspring.solver.interface`; its deformations move the wire (`wirefe.element.retraction`)."""
     move = Move(before, step, factor, second)
     chain = view_elements(reals, ints)
     place(chain.triads, chain.arm, state, move, out)
@@ -246,58 +180,13 @@ def displacement_bound(reals, ints, a, b, least):
     return distance, most / contact.d, free
 
 
-@part
-def _is_pair(contact, A, B):
-    """Whether two contact points are a pair; of stations, whether the first has one on the second's coil."""
-    near = contact.near if of_wires(contact.parts) else 0
-    for m in range(contact.pairs.shape[0]):
-        if contact.pairs[m, 0] == A and abs(contact.pairs[m, 1] - B) <= near:
-            return True
-    return False
-
-
-@part
-def _one_body(contact, A, B):
-    """Whether two contact points move with one node."""
-    if contact.attached[A] != contact.attached[B]:
-        return False
-    return not of_wires(contact.parts) or contact.parts[A, ROTATION] == contact.parts[B, ROTATION] == 0.0
-
-
-@arithmetic
-def _contact_point(contact, state, k):
-    """Where a sphere or a station is."""
-    if of_wires(contact.parts):
-        return station(contact.parts[k], state, contact.attached[k], POSITION, ARMS)
-    x, _ = centre(contact, state, k)
-    return x
-
-
-@arithmetic
-def _touch_unlisted(contact, state):
-    """Whether contact points touch that are no pair."""
-    count = contact.attached.size
-    centres = np.empty((count, 3))
-    for A in range(count):
-        centres[A, 0], centres[A, 1], centres[A, 2] = _contact_point(contact, state, A)
-    for A in range(count):
-        for B in range(A + contact.near + 1, count):
-            y = centres[B, 1] - centres[A, 1]
-            if abs(y) >= contact.d:
-                continue
-            square = (centres[B, 0] - centres[A, 0]) ** 2 + y * y + (centres[B, 2] - centres[A, 2]) ** 2
-            if square < contact.d**2 and not _one_body(contact, A, B) and not _is_pair(contact, A, B):
-                return True
-    return False
-
-
 @kernel
 def update_history(reals, ints, state, history):
     """See `coilspring.contact.kinematics`; minus infinity says that spheres touch which are no pair."""
     contact = view_contact(reals, ints)
     # spheres that are no pair are checked once they may have come near
     near = contact.pairs.shape[0] > 0 and 2.0 * _bound(contact, contact.rest, state) >= contact.apart
-    if near and _touch_unlisted(contact, state):
+    if near and touch_unlisted(contact, state):
         return -np.inf
     if of_wires(contact.parts) and contact.mu > 0.0:
         return remember_wires(contact, state, history)
@@ -330,6 +219,6 @@ def overlap(reals, ints, state):
     nearest = contact.d
     vectors = _vectors(contact, state)
     for m in range(vectors.shape[0]):
-        between = three(vectors[m], 0)
-        nearest = min(nearest, math.sqrt(dot(between, between)))
+        w = three(vectors[m], 0)
+        nearest = min(nearest, math.sqrt(dot(w, w)))
     return whole, whole - (contact.d - nearest)

@@ -26,6 +26,11 @@ class WireMesh:
     reference: np.ndarray  # (3,) top reference point at rest
     arm: np.ndarray  # (3,)
 
+    @property
+    def nodes(self) -> np.ndarray:
+        """Nodes at rest, (nodes, 3): the points, but for the last one, which is the reference point."""
+        return np.concatenate((self.points[:-1], self.reference[None]))
+
 
 def mesh_wire(spring: Spring, elements_per_turn: int, on_plates: bool = False) -> WireMesh:
     """Nodes along the elastic wire, in equal elements.

@@ -12,7 +12,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from coilspring.compiling.packing import Stack, Table, Vector, Wholes, WholeTable, viewer
+from coilspring.compiling.packing import Stack, Table, Vector, Wholes, viewer
 from coilspring.contact.law import tangential_stiffness
 from coilspring.errors import InputError
 from coilspring.scene import SEATS, Scene
@@ -20,14 +20,14 @@ from coilspring.scene.solidwire import wire_flexibility
 from coilspring.scene.wire import round_section
 from coilspring.solver.stages import Top
 from wirefe.chain import ChainPlan, plan_chain
-from wirefe.contactpoints import ContactPoints, contact_points, no_contact
+from wirefe.contact.overlap import NO_STATIONS, Stations, place_stations
+from wirefe.contact.plates import NO_PLATES, PlateArrays, join_top, place_plates
+from wirefe.contact.points import NO_CONTACT, ContactArrays, contact_points
+from wirefe.contact.stations import ROTATION, of_wires
+from wirefe.contact.wireforces import COUPLINGS
+from wirefe.element.poses import ROW, at_rest
 from wirefe.mesh import WireMesh, mesh_wire, refuse_kinks
-from wirefe.overlap import NO_STATIONS, Stations, place_stations
-from wirefe.plates import NO_PLATES, PlateArrays, join_top, place_plates
-from wirefe.poses import ROW, at_rest
 from wirefe.rod import Rod, curved_rod, straight_rod, straight_solid_rod
-from wirefe.stations import ROTATION, of_wires
-from wirefe.wirecontact import COUPLINGS
 
 
 class ElementArrays(NamedTuple):
@@ -51,27 +51,6 @@ class HeldArrays(NamedTuple):
     placed: Wholes  # dofs that are held, and those that move as prescribed
 
 
-class ContactArrays(NamedTuple):
-    """Spheres, or stations along the wire, the pairs that may touch, and their law."""
-
-    attached: Wholes  # (points,) node to which each is attached; of stations the lower one
-    parts: Table  # (points, 3) arm of a sphere at rest, or (points, 15): see `wirefe.stations`
-    pairs: WholeTable  # (pairs, 2)
-    clearance: Vector  # (pairs,) of wires that run into each other at rest, by that: they touch there
-    reach: float  # largest arm about the top end
-    span: float  # the same about other nodes, 0 where spheres stand on them
-    d: float
-    kc: float
-    kt: float
-    k: float
-    mu: float  # coefficient of friction; infinite where closed pairs do not slide
-    block: Wholes  # (pairs,) block of each pair's coupling; of stations (6 pairs,), see `COUPLINGS`
-    flip: Wholes
-    near: int  # points so near each other along the wire do not touch
-    rest: Vector  # state at rest, flat
-    apart: float  # least gap at rest of points that are no pair
-
-
 class WireModel(NamedTuple):
     """Arrays of one wire; kernels view only the part they need."""
 
@@ -91,6 +70,7 @@ view_elements = viewer(ElementArrays)
 view_held = viewer(HeldArrays, HELD)
 view_contact = viewer(ContactArrays, CONTACT)
 view_plan = viewer(ChainPlan, PLAN)
+view_plates = viewer(PlateArrays, PLATES)
 view_stations = viewer(Stations, STATIONS)
 
 
@@ -148,38 +128,22 @@ def _wire(scene: Scene, mesh: WireMesh, element: str) -> Rod:
 
 
 def rod_model(
-    rod: Rod, arm: np.ndarray, contact: ContactPoints | None = None, plates: PlateArrays = NO_PLATES
+    rod: Rod, arm: np.ndarray, contact: ContactArrays = NO_CONTACT, plates: PlateArrays = NO_PLATES
 ) -> WireModel:
     """Arrays of a rod whose last point stands off from its last node by `arm`, with contact points."""
-    points = no_contact() if contact is None else contact
     count = len(rod.stiffness)
     chain = np.stack((np.arange(count), np.arange(1, count + 1)), axis=1)
-    touching = _pair_couplings(points)
+    touching = _pair_couplings(contact)
     resting = np.stack((plates.high, np.full_like(plates.high, count)), axis=1)
     couplings = np.concatenate((chain, touching, resting))
     plan, held, block, flip = _topology(count, couplings.tobytes(), rod.held.tobytes())
     high = count + len(touching)  # number of the first coupling with the top plate
-    inner, outer = points.span(count)
+    reach, span = contact.reaches(count)
     return WireModel(
         ElementArrays(rod.stiffness, rod.strain0, rod.triads, arm, block[:count], flip[:count]),
         held,
-        ContactArrays(
-            attached=points.attached,
-            parts=points.parts,
-            pairs=np.ascontiguousarray(points.pairs),
-            clearance=points.clearance,
-            reach=outer,
-            span=inner,
-            d=points.diameter,
-            kc=points.stiffness,
-            kt=tangential_stiffness(points.stiffness, points.exponent, points.diameter),
-            k=points.exponent,
-            mu=points.friction,
-            block=block[count:high],
-            flip=flip[count:high],
-            near=points.near,
-            rest=rest_state(rod, arm),
-            apart=points.apart,
+        contact._replace(
+            reach=reach, span=span, block=block[count:high], flip=flip[count:high], rest=rest_state(rod, arm)
         ),
         plan,
         plates._replace(block=block[high:], flip=flip[high:]),
@@ -190,8 +154,7 @@ def rod_model(
 def _topology(
     count: int, couplings: bytes, held: bytes
 ) -> tuple[ChainPlan, HeldArrays, np.ndarray, np.ndarray]:
-    """Plan, held dofs, and block and flip of each coupling, for `count` elements: the same for many springs
-    of a sweep."""
+    """Plan, held dofs, block and flip of each coupling of `count` elements: the same in most of a sweep."""
     nodes = np.frombuffer(couplings, dtype=np.int64).reshape(-1, 2)
     coupled = nodes[:, 0] != nodes[:, 1]
     last = np.union1d(nodes[count:], [count])
@@ -204,13 +167,12 @@ def _topology(
     return plan, arrays, block, flip
 
 
-def _pair_couplings(points: ContactPoints) -> np.ndarray:
-    """Couplings of the pairs' nodes: one of two spheres, six of two stations, some perhaps of one node with
-    itself."""
-    nodes = points.attached[points.pairs]
-    if not of_wires(points.parts):
+def _pair_couplings(contact: ContactArrays) -> np.ndarray:
+    """Couplings of the pairs' nodes: one of two spheres, six of two stations, some of a node with itself."""
+    nodes = contact.attached[contact.pairs]
+    if not of_wires(contact.parts):
         return nodes
-    second = nodes + (points.parts[points.pairs, ROTATION] > 0.0)
+    second = nodes + (contact.parts[contact.pairs, ROTATION] > 0.0)
     four = np.stack((nodes[:, 0], second[:, 0], nodes[:, 1], second[:, 1]), axis=1)
     return four[:, COUPLINGS].reshape(-1, 2)
 

@@ -1,7 +1,8 @@
-"""Any wire: a chain of beam elements with held dofs and dead loads, and its equilibrium path."""
+"""Any wire: a chain of straight or curved elements, held and under dead loads, and its equilibrium path."""
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Any, Protocol
 
@@ -9,11 +10,17 @@ import numpy as np
 
 from coilspring.errors import InputError, require_choice
 from coilspring.scene.wire import Section
-from wirefe.beam import deformations
-from wirefe.elements import Flexibility, curved_elements, straight_elements, straight_solid_elements
-from wirefe.poses import at_rest
+from wirefe.element.beam import deformation_rates, deformations
+from wirefe.element.poses import at_rest
+from wirefe.element.rotations import cross_rows, quaternion_from_matrix
 
 FREEDOMS = ("ux", "uy", "uz", "rotx", "roty", "rotz")
+# Of a wire whose flexibility varies: at parameters of its curve, (n, 6, 6) in Frenet's axes there.
+Flexibility = Callable[[np.ndarray], np.ndarray]
+ELEMENTS = ("straight", "curved")
+# Gauss points of the flexibility along an element: exact to rounding up to a quarter of a turn.
+GAUSS = np.polynomial.legendre.leggauss(12)
+KINK = 1e-13  # of the largest parameter, well above its rounding: how far inside its ends an element begins
 
 
 class Curve(Protocol):
@@ -36,7 +43,7 @@ class Rod:
     ----------
     points : (nodes, 3) at rest.
     triads : (nodes - 1, 2, 4) end frames of the elements, unit quaternions.
-    stiffness : (nodes - 1, 6, 6) of the elements in (v, theta), see `wirefe.beam`.
+    stiffness : (nodes - 1, 6, 6) of the elements in (v, theta), see `wirefe.element.beam`.
     held : (nodes, 6) dofs that are held.
     loads : (nodes, 6) dead forces and moments at time 1. Moments keep their direction in space; in
         space (not in a plane) such a load has no potential: equilibria are right, statements on
@@ -89,7 +96,13 @@ class Rod:
 def straight_rod(points: np.ndarray, section: Section) -> Rod:
     """Straight elements between points, shape (nodes, 3); rigid joints where they meet at an angle."""
     points = _checked(points)
-    return _rod(points, *straight_elements(points, section))
+    t, lengths = _chords(points)
+    # The section is round: any second axis will do, here the one across the tangent and the coordinate axis
+    # that is least along it.
+    second = np.cross(np.eye(3)[np.abs(t).argmin(axis=1)], t)
+    second /= np.linalg.norm(second, axis=1)[:, None]
+    triads = quaternion_from_matrix(np.stack((t, second, np.cross(t, second)), axis=-1))
+    return _rod(points, np.stack((triads, triads), axis=1), straight_stiffness(section, lengths))
 
 
 def straight_solid_rod(points: np.ndarray, flexibility: np.ndarray, inward: np.ndarray) -> Rod:
@@ -101,18 +114,36 @@ def straight_solid_rod(points: np.ndarray, flexibility: np.ndarray, inward: np.n
     inward : (elements, 3) towards the centre of curvature.
     """
     points = _checked(points)
-    return _rod(points, *straight_solid_elements(points, flexibility, inward))
+    t, lengths = _chords(points)
+    b = np.cross(t, inward)
+    b /= np.linalg.norm(b, axis=1)[:, None]
+    triads = quaternion_from_matrix(np.stack((t, np.cross(b, t), b), axis=-1))
+    bent = flexibility.copy()
+    for shear, moment in ((1, 5), (2, 4)):
+        bent[:, shear, shear] += lengths**2 / 12.0 * flexibility[:, moment, moment]
+    return _rod(points, np.stack((triads, triads), axis=1), np.linalg.inv(lengths[:, None, None] * bent))
 
 
 def curved_rod(curve: Curve, parameters: np.ndarray, section: Section | Flexibility) -> Rod:
     """Elements with the exact linear flexibility of the curve's pieces between the parameters.
 
-    Instead of a section, a function of parameters gives the wire's flexibility per length there, (n, 6, 6)
-    in Frenet's axes.
+    Their triads are Frenet's, in which a uniform helix is a constant strain: a spring that deforms into
+    another helix is then represented exactly. Instead of a section, a function of parameters gives the wire's
+    flexibility per length there, (n, 6, 6) in Frenet's axes.
     """
-    parameters = np.asarray(parameters, dtype=float)
-    points = _checked(curve.points(parameters))
-    return _rod(points, *curved_elements(curve, section, parameters))
+    phases = np.asarray(parameters, dtype=float)
+    points = _checked(curve.points(phases))
+    # at each end from within the element: the curve may have kinks between elements
+    inset = KINK * np.abs(phases).max()
+    frames = frenet_frames(curve, np.stack((phases[:-1] + inset, phases[1:] - inset), axis=1).ravel())
+    triads = quaternion_from_matrix(frames).reshape(-1, 2, 4)
+    flexibility = end_flexibility(curve, section, phases, points)
+    # K in (v, theta) from the flexibility of the second end's motion: d(v, theta) = J d
+    J = np.empty((len(triads), 6, 6))
+    deformation_rates(at_rest(points).ravel(), triads, J)
+    inverse = np.linalg.inv(J)
+    K = np.swapaxes(inverse, 1, 2) @ np.linalg.inv(flexibility) @ inverse
+    return _rod(points, triads, 0.5 * (K + np.swapaxes(K, 1, 2)))
 
 
 def _rod(points: np.ndarray, triads: np.ndarray, stiffness: np.ndarray) -> Rod:
@@ -127,6 +158,70 @@ def _checked(points: np.ndarray) -> np.ndarray:
     if (np.linalg.norm(np.diff(points, axis=0), axis=1) == 0.0).any():
         raise InputError("points must differ from their neighbours, got two in one place")
     return points
+
+
+def _chords(points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Unit vectors between points, and their distances."""
+    chords = np.diff(points, axis=0)
+    lengths = np.linalg.norm(chords, axis=1)
+    return chords / lengths[:, None], lengths
+
+
+def straight_stiffness(section: Section, lengths: np.ndarray) -> np.ndarray:
+    """Stiffness of straight elements in (v, theta), shape (elements, 6, 6).
+
+    Shear carries the bending flexibility L^2/(12 EI) that constant strains leave out, which makes
+    the element exact for small loads at its ends (MacNeal 1978, residual bending flexibility).
+    """
+    K = np.zeros((len(lengths), 6, 6))
+    shear = 1.0 / (1.0 / section.GA + lengths**2 / (12.0 * section.EI))
+    for i, rigidity in enumerate((section.EA, shear, shear, section.GJ, section.EI, section.EI)):
+        K[:, i, i] = rigidity / lengths
+    return K
+
+
+def end_flexibility(
+    curve: Curve, section: Section | Flexibility, phases: np.ndarray, points: np.ndarray
+) -> np.ndarray:
+    """Motion (dx, spin) of each element's second end by a wrench there, the first held, (elements, 6, 6)."""
+    nodes, weights = GAUSS
+    half = 0.5 * np.diff(phases)[:, None]
+    at = phases[:-1, None] + half * (1.0 + nodes)
+    first, _ = curve.derivatives(at.ravel())
+    speed = np.linalg.norm(first, axis=1)
+    along = (half * weights) * speed.reshape(at.shape)
+    # a section carries the force n and the moment m + r x n, with r from it to the second end
+    r = points[1:, None] - curve.points(at.ravel()).reshape(*at.shape, 3)
+    R = cross_rows(np.eye(3), r[..., None, :])  # R x = r x x
+    F = np.empty((*at.shape, 6, 6))
+    if isinstance(section, Section):
+        t = (first / speed[:, None]).reshape(*at.shape, 3)
+        tt = t[..., :, None] * t[..., None, :]
+        stretch = np.eye(3) / section.GA + (1.0 / section.EA - 1.0 / section.GA) * tt
+        bend = np.eye(3) / section.EI + (1.0 / section.GJ - 1.0 / section.EI) * tt
+        mutual = np.float64(0.0)
+    else:
+        axes = frenet_frames(curve, at.ravel()).reshape(*at.shape, 3, 3)
+        back, local = np.swapaxes(axes, -1, -2), section(at.ravel()).reshape(F.shape)
+        stretch, mutual, bend = (
+            axes @ local[..., i : i + 3, j : j + 3] @ back for i, j in ((0, 0), (0, 3), (3, 3))
+        )
+    F[..., :3, 3:] = mutual - R @ bend
+    F[..., 3:, :3] = np.swapaxes(F[..., :3, 3:], -1, -2)
+    if mutual.ndim:
+        stretch = stretch + mutual @ R
+    F[..., :3, :3] = stretch - R @ F[..., 3:, :3]
+    F[..., 3:, 3:] = bend
+    return np.einsum("eq,eqij->eij", along, F)
+
+
+def frenet_frames(curve: Curve, phases: np.ndarray) -> np.ndarray:
+    """Tangent, normal and binormal as columns, shape (len(phases), 3, 3)."""
+    first, second = curve.derivatives(phases)
+    t = first / np.linalg.norm(first, axis=1)[:, None]
+    b = cross_rows(first, second)
+    b /= np.linalg.norm(b, axis=1)[:, None]
+    return np.stack((t, cross_rows(b, t), b), axis=-1)
 
 
 @dataclass(frozen=True)

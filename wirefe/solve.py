@@ -19,11 +19,10 @@ from coilspring.solver.solve import follow_load, follow_problem, scene_path
 from coilspring.solver.startup import store
 from coilspring.sweep import Outcome, jobs, outcomes
 from wirefe import kernels, model, seated
-from wirefe.contactpoints import PER_TURN, near_points
-from wirefe.elements import ELEMENTS
+from wirefe.contact.points import PER_TURN, ContactArrays, near_points
 from wirefe.mesh import WireMesh
-from wirefe.rod import Rod, RodPath
-from wirefe.shape import WireShape, contact_centres
+from wirefe.results.shape import WireShape, contact_centres
+from wirefe.rod import ELEMENTS, Rod, RodPath
 
 # Moves of a rod without contact are compared with this part of its length, as with a wire's diameter.
 LENGTHS_OF_A_WIRE = 50.0
@@ -169,12 +168,10 @@ def scene_kernels(scene: Scene) -> Kernels:
     return SEATED if scene.supports.seat == "plate" else KERNELS
 
 
-def new_pairs(contact: model.ContactArrays, state: np.ndarray) -> np.ndarray:
+def new_pairs(contact: ContactArrays, state: np.ndarray) -> np.ndarray:
     """Pairs of contact points that are near in `state` and not in the model yet, shape (pairs, 2)."""
     centres = contact_centres(contact, state[None])[0]
-    found, _ = near_points(
-        centres, contact.attached, contact.parts, contact.pairs, contact.near, PAIR_REACH * contact.d
-    )
+    found, _ = near_points(contact, centres, PAIR_REACH * contact.d)
     return found
 
 

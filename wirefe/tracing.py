@@ -20,8 +20,8 @@ from coilspring.solver.outcome import THROUGH
 from coilspring.solver.problem import Problem
 from coilspring.solver.startup import compile_kernels
 from coilspring.solver.system import bundled
+from wirefe.results.shape import WireShape
 from wirefe.rod import Rod, RodPath
-from wirefe.shape import WireShape
 from wirefe.solve import KERNELS, NO_PAIRS, new_pairs, rod_problem, scene_kernels, scene_problem
 
 

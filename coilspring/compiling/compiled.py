@@ -64,10 +64,9 @@ def kernel(function: Callable) -> Any:
 
 
 def signed(function: Callable, *arguments: Any) -> Any:
-    """A kernel for arguments of the types given, compiled or read from the disk here and now.
+    """A kernel for arguments of these types alone, compiled or read from the disk here and now.
 
-    What is returned takes no others, and does not look at their types: that of a record takes longer to
-    tell than a small spring to solve. It lets other threads run: it calls nothing of Python's.
+    It does not look at their types, which takes longer than a small spring to solve, and lets threads run.
     """
     return _stored(function, ENTRY | {"nogil": True}).compile(arguments)
 

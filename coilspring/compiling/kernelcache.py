@@ -99,15 +99,16 @@ class KernelCache(FunctionCache):
     def load_overload(self, sig: Any, target_context: Any) -> Any:
         """The compiled kernel for a signature, or None."""
         found = super().load_overload(sig, target_context)
-        if found is not None:
-            _touch(self.index)
+        with suppress(OSError):  # note that the entry is in use, once a day
+            if found is not None and time.time() - self.index.stat().st_mtime > DAY:
+                os.utime(self.index)
         return found
 
     def save_overload(self, sig: Any, data: Any) -> None:
         """Keep a compiled kernel; entries that nobody has used for long go. A full disk costs time only."""
         with suppress(OSError):
             super().save_overload(sig, data)
-            _trim(folder())
+            trim(folder())
 
     def _index_key(self, sig: Any, codegen: Any) -> tuple:
         """Without what a closure holds: the digest has it, and pickles of it differ by process."""
@@ -142,14 +143,7 @@ def _places() -> Iterator[Path]:
         yield shared
 
 
-def _touch(file: Path) -> None:
-    """Note that an entry is in use, once a day."""
-    with suppress(OSError):
-        if time.time() - file.stat().st_mtime > DAY:
-            os.utime(file)
-
-
-def _trim(place: Path) -> None:
+def trim(place: Path) -> None:
     """Remove the entries that have not been used for long, and the oldest of too many."""
     ages: dict[str, float] = {}
     for file in place.glob("*.nb[ic]*"):

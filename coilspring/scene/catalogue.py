@@ -4,11 +4,9 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from coilspring.scene.contact import Contact
 from coilspring.scene.load import Load
-from coilspring.scene.scene import Scene
+from coilspring.scene.scene import Contact, Scene, Supports
 from coilspring.scene.spring import Spring
-from coilspring.scene.supports import Supports
 
 
 def spring_a() -> Scene:

@@ -1,21 +1,127 @@
-"""A scene: the physics of one experiment on one spring, and nothing of how it is solved."""
+"""A scene: the physics of one experiment on one spring, with its supports and the law of its contact."""
 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field, replace
+from collections.abc import Sequence
+from dataclasses import astuple, dataclass, field, replace
 
 import numpy as np
 
-from coilspring.errors import InputError, shown
-from coilspring.scene.contact import Contact
-from coilspring.scene.factors import Factors
+from coilspring.errors import InputError, require_number, shown
 from coilspring.scene.load import Load, stage_ends
 from coilspring.scene.material import Material
 from coilspring.scene.profile import SAME
+from coilspring.scene.schema import KEYS, keep_checked
 from coilspring.scene.solidwire import FITTED
 from coilspring.scene.spring import Spring
-from coilspring.scene.supports import Supports
+
+HELD_CHOICES: tuple[str, ...] = KEYS["supports"]["top_held"].checks["some"]
+SEATS: tuple[str, ...] = KEYS["supports"]["seat"].checks["choice"]
+
+
+@dataclass(frozen=True)
+class Contact:
+    """Penalty law of the coil contact, F = K max(0, d - h)^exponent between neighbouring coils.
+
+    Attributes
+    ----------
+    enabled : False lets coils pass through each other.
+    stiffness : K of each pair at 4 pairs per turn, N/mm^exponent; more pairs share it.
+    exponent : of the penetration.
+    sliding : "free", "none" (sticking contact), or "coulomb" (with friction).
+    friction : coefficient, with "coulomb" alone.
+    geometry : of the wire model's contact: the "wires" themselves, whose gap is taken across both, or
+        "spheres" on them, as the paper has it; the equivalent beam has circles either way.
+    """
+
+    enabled: bool = True
+    stiffness: float = 1.0e4
+    exponent: float = 1.0
+    sliding: str = "free"
+    geometry: str = "wires"
+    friction: float | None = None
+
+    def __post_init__(self) -> None:
+        keep_checked(self, "contact")
+        if self.sliding == "coulomb":
+            value = require_number("contact.friction", self.friction, 1e-6, 10.0)
+            object.__setattr__(self, "friction", value)
+        elif self.friction is not None:
+            raise InputError(
+                f'contact.friction goes with contact.sliding = "coulomb" alone, got {shown(self.friction)} '
+                f"with {shown(self.sliding)}"
+            )
+
+    @property
+    def coefficient(self) -> float:
+        """Coefficient of friction: 0 for sliding "free", infinite for "none"."""
+        return {"free": 0.0, "none": math.inf}.get(self.sliding, self.friction or 0.0)
+
+
+@dataclass(frozen=True)
+class Supports:
+    """What holds the two ends in the plane; UZ = ROTX = ROTY = 0 at both reference points always.
+
+    Attributes
+    ----------
+    top_held : of "ux", "uy", "rotz".
+    bottom_held : the same; less than all is in no model.
+    seat : with "rigid" the end turns move with their ends. With "plate" they are elastic, ground flat, and
+        rest on plates, which move with the ends and press without friction; the wire's tips are fixed along
+        their plates and against turning on them.
+    """
+
+    top_held: tuple[str, ...] = ()
+    bottom_held: tuple[str, ...] = HELD_CHOICES
+    seat: str = "rigid"
+
+    def __post_init__(self) -> None:
+        keep_checked(self, "supports")
+
+    @property
+    def free(self) -> tuple[float, float]:
+        """1 for each of X and Y in which the top can move, else 0."""
+        return float("ux" not in self.top_held), float("uy" not in self.top_held)
+
+    def require_supported(self, model: str, seats: tuple[str, ...] = ("rigid",)) -> str:
+        """The seat, if `model` can represent these supports with one of its `seats`, else `InputError`."""
+        if self.bottom_held != HELD_CHOICES:
+            raise InputError(
+                f"supports.bottom_held is unsupported by {model} unless it is all of "
+                f"{', '.join(HELD_CHOICES)}, got {shown(list(self.bottom_held))}; the end that may move must "
+                f"be the top: turn the spring over"
+            )
+        if self.seat not in seats:
+            raise InputError(
+                f"supports.seat is unsupported by {model} unless it is {' or '.join(seats)}, got "
+                f"{shown(self.seat)}: end turns move with their end, there is no contact with a plate"
+            )
+        return self.seat
+
+
+@dataclass(frozen=True)
+class Factors:
+    """Factors of the paper's three stiffnesses of a half coil; the wire model has no use for them."""
+
+    axial: float = 1.0
+    shearing: float = 1.0
+    bending: float = 1.0
+
+    def __post_init__(self) -> None:
+        keep_checked(self, "factors")
+
+    @classmethod
+    def of(cls, three: Sequence[float]) -> Factors:
+        """Factors of three numbers: axial, shearing, bending."""
+        if not isinstance(three, list | tuple) or len(three) != 3:
+            raise InputError(f"factors must be three numbers, got {shown(three)}")
+        return cls(*three)
+
+    @property
+    def given(self) -> bool:
+        """Whether one of them is not 1."""
+        return astuple(self) != (1.0, 1.0, 1.0)
 
 
 @dataclass(frozen=True)

@@ -14,10 +14,9 @@ import numpy as np
 
 from coilspring.scene.load import Load
 from coilspring.scene.profile import TWO_PI, CoilSection, closest
-from coilspring.scene.scene import Scene
+from coilspring.scene.scene import HELD_CHOICES, Scene
 from coilspring.scene.solidwire import FITTED, inner_stress_factor, wire_flexibility
 from coilspring.scene.spring import Spring
-from coilspring.scene.supports import HELD_CHOICES
 
 POINTS = 129  # of a section, at which nonlinear quantities are evaluated
 POINTS_PER_TURN = 72
@@ -97,6 +96,8 @@ def sizes(scene: Scene) -> Sizes:
     carried = np.minimum(abs(force), np.where(force > 0.0, coils.closing, np.inf))
     stress = stress_factor(index) * 8.0 * carried * coils.diameter / (math.pi * d**3)
     worst = float(index[np.argmax(stress)])
+    active = wire_length(replace(spring, end_turns=0.0))
+    mass = scene.material.density * 1e-12 * math.pi / 4.0 * d**2 * active  # t
     low, high = spring.height(np.array(spring.phase_range)).tolist()
     free = high - low + (0.0 if scene.supports.seat == "plate" else d)
     return Sizes(
@@ -116,7 +117,7 @@ def sizes(scene: Scene) -> Sizes:
         stressed_at=float(coils.turns[np.argmax(stress)]),
         stress_factor=float(stress_factor(worst)),
         inner_factors=(wahl_factor(worst), inner_stress_factor(worst)),
-        surge=surge_frequency(scene),
+        surge=0.5 * math.sqrt(rate / mass),
         buckling=buckling_shortening(scene),
     )
 
@@ -128,16 +129,11 @@ def solid_height(spring: Spring) -> float:
 
 def axial_rate(scene: Scene) -> float:
     """Axial rate while no coils touch, N/mm."""
-    spring = scene.spring
-    return scene.material.G * spring.wire_diameter**4 / 8.0 / sum(map(_cubes, spring.coils))
-
-
-def surge_frequency(scene: Scene) -> float:
-    """Lowest natural frequency of the active wire along the axis, both ends held, Hz; see `Sizes`."""
-    spring = scene.spring
-    length = wire_length(replace(spring, end_turns=0.0))
-    mass = scene.material.density * 1e-12 * math.pi / 4.0 * spring.wire_diameter**2 * length  # t
-    return 0.5 * math.sqrt(axial_rate(scene) / mass)
+    cubes = 0.0  # integral of D^3 over the coils, by Simpson's rule, which is exact
+    for section in scene.spring.coils:
+        bottom, top = section.mean_diameter
+        cubes += section.coils * (bottom**3 + 4.0 * (0.5 * (bottom + top)) ** 3 + top**3) / 6.0
+    return scene.material.G * scene.spring.wire_diameter**4 / 8.0 / cubes
 
 
 def wire_rate(scene: Scene, wire_rigidity: str) -> float:
@@ -199,8 +195,7 @@ def wahl_factor(index: float) -> float:
 
 def middle_diameter(spring: Spring) -> float:
     """Mean over the coils of their diameter, mm."""
-    doubled = sum(sum(section.mean_diameter) * section.coils for section in spring.coils)
-    return doubled / 2.0 / spring.active_coils
+    return sum(sum(each.mean_diameter) * each.coils for each in spring.coils) / 2.0 / spring.active_coils
 
 
 def wire_length(spring: Spring) -> float:
@@ -257,9 +252,3 @@ def _solid_pitch(section: CoilSection, wire_diameter: float) -> float:
     """Pitch of a section's coils where they touch, mm."""
     bottom, top = section.mean_diameter
     return closest(wire_diameter, abs(top - bottom) / 2.0 / section.coils)
-
-
-def _cubes(section: CoilSection) -> float:
-    """Integral of D^3 over a section's coils, mm^3; Simpson's rule is exact."""
-    bottom, top = section.mean_diameter
-    return section.coils * (bottom**3 + 4.0 * (0.5 * (bottom + top)) ** 3 + top**3) / 6.0

@@ -13,15 +13,12 @@ from typing import Any
 
 from coilspring.errors import InputError, shown
 from coilspring.scene.catalogue import CATALOGUE
-from coilspring.scene.contact import Contact
-from coilspring.scene.factors import Factors
 from coilspring.scene.load import Load
 from coilspring.scene.material import Material
 from coilspring.scene.profile import CoilSection
-from coilspring.scene.scene import Scene
+from coilspring.scene.scene import Contact, Factors, Scene, Supports
 from coilspring.scene.schema import keys_of, missing, required
 from coilspring.scene.spring import Spring
-from coilspring.scene.supports import Supports
 
 SECTIONS: dict[str, type] = {  # in the order of a file
     "material": Material,

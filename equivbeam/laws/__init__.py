@@ -10,7 +10,7 @@ import numpy as np
 
 from coilspring.compiling.compiled import part
 from coilspring.errors import InputError, shown
-from coilspring.scene.factors import Factors
+from coilspring.scene import Factors
 from coilspring.scene.material import Material
 from coilspring.scene.spring import Spring
 from equivbeam.laws.haringx import KAX, KFL, KSH, haringx_response, haringx_rows

@@ -11,7 +11,7 @@ from typing import Any
 
 from coilspring import Scene
 from validation.study.cases import turned
-from wirefe.contactpoints import PER_TURN
+from wirefe.contact.points import PER_TURN
 
 BEAM, WIRE = "equivbeam", "wirefe"
 MODELS = (BEAM, WIRE)

@@ -21,7 +21,7 @@ from equivbeam.solve import KERNELS as BEAM_KERNELS
 from validation.study.cases import paper_mesh
 from validation.study.metrics import answered
 from validation.study.partialsolve import partial_path
-from wirefe.shape import WireShape
+from wirefe.results.shape import WireShape
 from wirefe.solve import KERNELS as WIRE_KERNELS
 from wirefe.solve import scene_problem
 

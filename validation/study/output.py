@@ -181,7 +181,7 @@ def series_files(path: EquilibriumPath) -> dict[str, bytes]:
 
 def _vtu_files(path: EquilibriumPath, steps: Mapping[str, int]) -> dict[str, bytes]:
     """VTU files of the deformed wire at steps by name; meshio writes them to a disk alone."""
-    from wirefe.export import write_vtu
+    from wirefe.results.export import write_vtu
 
     found = {}
     with writing("the folder for temporary files"), tempfile.TemporaryDirectory(prefix="coilcheck-") as made:

@@ -18,8 +18,8 @@ from coilspring import Contact, EquilibriumPath, Load, Scene, load_scene, spring
 from validation.study import template
 from validation.study.output import write_facts, write_text
 from validation.study.partialsolve import partial_path
-from wirefe.model import ContactArrays
-from wirefe.shape import contact_centres
+from wirefe.contact.points import ContactArrays
+from wirefe.results.shape import contact_centres
 
 NONE = np.inf  # no sliding
 TIPS = ("UX", "UY", "ROTZ")

@@ -18,8 +18,8 @@ from coilspring.scene.wire import Section
 from coilspring.solver.problem import Problem
 from validation.verification.case import Case
 from wirefe import kernels
+from wirefe.contact.stations import turned_rows as turned
 from wirefe.solve import rod_problem
-from wirefe.stations import turned_rows as turned
 
 RADIUS, HEIGHT, COILS = 10.0, 50.0, 2  # of the helix of G8
 FIRST_STEP, LEAST_STEP = 1e-3, 1e-9  # of its moment

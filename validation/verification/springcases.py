@@ -15,7 +15,7 @@ from coilspring import Material, Spring, load_scene, spring_a, spring_b
 from coilspring.scene.wire import Section, round_section
 from validation.study.scenes import EXACT_ROD
 from validation.verification.case import Case
-from wirefe.modes import linear_stiffness, natural_frequencies
+from wirefe.results.vibration import linear_stiffness, natural_frequencies
 
 ROUND = round_section(1.5, Material())
 HELIX = replace(spring_a().spring, end_turns=0.0)

@@ -35,7 +35,7 @@ def of_scene(scene: Scene, progress: Callable[[str], None] = lambda line: None) 
     """Solve a scene with the wire model, as far as it goes."""
     progress("loading wirefe")
     import wirefe
-    from wirefe.export import section_results
+    from wirefe.results.export import section_results
 
     progress("solving with wirefe")
     path = partial_path(wirefe.solve, scene)

@@ -23,7 +23,7 @@ from validation.study.timing import spread
 from validation.workprecision import results
 from validation.workprecision.results import by_scene, fastest, of_paper, setting_of, usual_pairs
 from validation.workprecision.settings import PAPER_LAW, PEER, STEPS, title
-from wirefe.contactpoints import PER_TURN
+from wirefe.contact.points import PER_TURN
 
 PAGE = template(Path(__file__).with_name("page.md"))
 PAPER_REDUCTION = {case.name: f"{case.paper_reduction:g}" for case in CASES}

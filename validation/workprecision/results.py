@@ -20,7 +20,7 @@ from coilspring import Scene
 from validation.study import frames
 from validation.study.metrics import Comparison
 from validation.workprecision.settings import PAPER_MODEL, STEPS, Setting
-from wirefe.contactpoints import PER_TURN
+from wirefe.contact.points import PER_TURN
 
 TIE = 1.1  # times nearer to each other than about this factor are one
 GAIN = 0.9  # a slower setting is on the front where its error is below this part of the faster ones'

@@ -7,7 +7,7 @@ from dataclasses import asdict, dataclass, replace
 
 from coilspring import InputError, Scene
 from equivbeam.laws import LAWS
-from wirefe.contactpoints import PER_TURN
+from wirefe.contact.points import PER_TURN
 from wirefe.mesh import mesh_wire
 
 STEPS = 50  # of the paper, and of every scene here

@@ -15,11 +15,10 @@ import numpy as np
 
 from coilspring.compiling.compiled import arithmetic, part
 from coilspring.scene.spring import Spring
-from wirefe.algebra import plus
+from wirefe.element.algebra import plus
+from wirefe.element.poses import ROW, four, three
+from wirefe.element.rotations import cross_rows, turned
 from wirefe.mesh import WireMesh
-from wirefe.poses import ROW, four, three
-from wirefe.quaternions import turned
-from wirefe.rotations import cross_rows
 
 # What a station takes of its two nodes, by columns: the second node's share of the position, of the tangent,
 # of the section's rotation; then arms (3) of the position and of the tangent, of the first and second node.
@@ -62,9 +61,8 @@ def carried_points(mesh: WireMesh, phases: np.ndarray, rest: np.ndarray) -> tupl
 
 
 def _neighbours(mesh: WireMesh, phases: np.ndarray, node: np.ndarray) -> tuple[np.ndarray, ...]:
-    """Of the element above each node: the phase as a part of it, and that within it, (phases, 1); the wire's
-    points at its ends, and the nodes there, (phases, 3)."""
-    homes = np.concatenate((mesh.points[:-1], mesh.reference[None]))
+    """Of the element above each node: phase as a part of it, and within it; points and nodes at its ends."""
+    homes = mesh.nodes
     step = mesh.phases[1] - mesh.phases[0]
     whole = (phases - mesh.phases[node]) / step
     whole = np.where(np.abs(whole - np.rint(whole)) < SAME, np.rint(whole), whole)
@@ -101,9 +99,20 @@ def turned_rows(q: np.ndarray, v: np.ndarray) -> np.ndarray:
     return v + q[..., :1] * t + cross_rows(q[..., 1:], t)
 
 
-def interpolated(nodes: np.ndarray, node: np.ndarray, parts: np.ndarray, share: int, arms: int) -> np.ndarray:
-    """Positions (`POSITION`, `ARMS`) or tangents (`TANGENT`, `SLOPES`) of stations, shape (..., stations, 3),
-    from rows (..., nodes, 7); see `wirefe.stations`."""
+def positions(nodes: np.ndarray, node: np.ndarray, parts: np.ndarray) -> np.ndarray:
+    """Positions of stations, shape (..., stations, 3), from rows (..., nodes, 7)."""
+    return _interpolated(nodes, node, parts, POSITION, ARMS)
+
+
+def tangents(nodes: np.ndarray, node: np.ndarray, parts: np.ndarray) -> np.ndarray:
+    """Tangents of stations, shape (..., stations, 3), from rows (..., nodes, 7)."""
+    return _interpolated(nodes, node, parts, TANGENT, SLOPES)
+
+
+def _interpolated(
+    nodes: np.ndarray, node: np.ndarray, parts: np.ndarray, share: int, arms: int
+) -> np.ndarray:
+    """The sum of both nodes' shares and of the arms that turn with them."""
     low = nodes[..., node, :]
     high = nodes[..., np.minimum(node + 1, nodes.shape[-2] - 1), :]
     turn = turned_rows(low[..., 3:], parts[:, arms : arms + 3])
@@ -141,8 +150,19 @@ def arms_of(parts, state, node, first):
 
 
 @arithmetic
-def station(parts, state, node, share, first):
-    """Position (`POSITION`, `ARMS`) or tangent (`TANGENT`, `SLOPES`) of a station."""
+def point_of(parts, state, node):
+    """Position of a station."""
+    return _point(parts, state, node, POSITION, ARMS)
+
+
+@arithmetic
+def tangent_of(parts, state, node):
+    """Tangent of a station."""
+    return _point(parts, state, node, TANGENT, SLOPES)
+
+
+@arithmetic
+def _point(parts, state, node, share, first):
     i = ROW * node
     a, b = arms_of(parts, state, node, first)
     x = plus(a, 1.0, b)

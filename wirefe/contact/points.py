@@ -3,64 +3,69 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 from functools import lru_cache
+from typing import NamedTuple
 
 import numpy as np
 
+from coilspring.compiling.packing import Table, Vector, Wholes, WholeTable
+from coilspring.contact.law import tangential_stiffness
 from coilspring.errors import InputError, require_integer
 from coilspring.scene import Scene
-from wirefe.mesh import TWO_PI, WireMesh
-from wirefe.poses import at_rest
-from wirefe.stations import (
+from wirefe.contact.stations import (
     ARMS,
     ROTATION,
     SLOPES,
-    TANGENT,
     across_wires,
     carried,
-    interpolated,
     of_wires,
     on_one_node,
+    tangents,
 )
+from wirefe.element.poses import at_rest
+from wirefe.mesh import TWO_PI, WireMesh
 
 PAIRS_OF_PENALTY = 4  # the scene's stiffness is that of a pair at 4 pairs per turn
 FEW = 200  # contact points, all pairs of which are looked at; of more, those that a tree finds near
 PER_TURN = {"spheres": 4, "wires": 32}  # contact points, unless asked otherwise
+NONE = np.zeros(0, dtype=np.int64)
 
 
-@dataclass(frozen=True)
-class ContactPoints:
+class ContactArrays(NamedTuple):
     """Points that stand for the wire in contact, the pairs that may touch, and their law."""
 
-    attached: np.ndarray  # (points,) node to which each is attached; of stations the lower one
-    parts: np.ndarray  # (points, 3) arm of a sphere at rest, or (points, 15): see `wirefe.stations`
-    pairs: np.ndarray  # (pairs, 2), from bottom to top
-    clearance: np.ndarray  # (pairs,) by how much wires run into each other at rest: they touch there
-    diameter: float
-    stiffness: float  # of a pair
-    exponent: float
+    attached: Wholes  # (points,) node to which each is attached; of stations the lower one
+    parts: Table  # (points, 3) arm of a sphere at rest, or (points, 15): see `wirefe.contact.stations`
+    pairs: WholeTable  # (pairs, 2), from bottom to top
+    clearance: Vector  # (pairs,) by how much wires run into each other at rest: they touch there
+    d: float
+    kc: float  # of a pair
+    kt: float
+    k: float
+    mu: float  # coefficient of friction: 0 without, infinite where closed pairs do not slide
     near: int  # points so near each other along the wire do not touch: half a turn
     apart: float  # least gap at rest of points that are no pair
-    friction: float  # coefficient: 0 without friction, infinite where closed pairs do not slide
+    # of a model with these points:
+    reach: float = 0.0  # largest arm about the top end
+    span: float = 0.0  # the same about other nodes, 0 where spheres stand on them
+    block: Wholes = NONE  # (pairs,) block of each pair's coupling; of stations (6 pairs,), see `COUPLINGS`
+    flip: Wholes = NONE
+    rest: Vector = np.zeros(0)  # state at rest, flat
 
-    def span(self, top: int) -> tuple[float, float]:
-        """Largest arms of points about nodes other than the last, `top`, and about that one, mm."""
+    def reaches(self, top: int) -> tuple[float, float]:
+        """Largest arms of points about the last node, `top`, and about the others, mm."""
         arms = self.parts[:, ARMS:SLOPES] if of_wires(self.parts) else self.parts
         first = np.linalg.norm(arms[:, :3], axis=1)
         second = np.linalg.norm(arms[:, 3:], axis=1)
         ends = self.attached == top
         fixed = (self.attached == 0) & (second == 0.0)  # at the bottom end
         inner = np.where(ends | fixed, 0.0, np.maximum(first, second)).max(initial=0.0)
-        return float(inner), float(np.where(ends, first, second).max(initial=0.0))
+        return float(np.where(ends, first, second).max(initial=0.0)), float(inner)
 
 
-def no_contact() -> ContactPoints:
-    """A wire that touches nothing."""
-    whole = np.zeros(0, dtype=np.int64)
-    return ContactPoints(
-        whole, np.zeros((0, 3)), whole.reshape(0, 2), np.zeros(0), 1.0, 1.0, 1.0, 0, math.inf, 0.0
-    )
+NO_CONTACT = ContactArrays(
+    NONE, np.zeros((0, 3)), NONE.reshape(0, 2), np.zeros(0), 1.0, 1.0, 1.0, 1.0, 0.0, 0, math.inf
+)
 
 
 def contact_points(
@@ -69,7 +74,7 @@ def contact_points(
     elements_per_turn: int,
     pairs_per_turn: int,
     found: np.ndarray | None = None,
-) -> ContactPoints:
+) -> ContactArrays:
     """Contact points at `pairs_per_turn` phases a turn, end turns included, each paired one turn above.
 
     The stiffness per length of wire is kept: K * 4 / pairs. Pairs inside one rigid end are left out;
@@ -90,7 +95,7 @@ def contact_points(
     if spheres:
         start = round(mesh.phases[0] / TWO_PI * elements_per_turn)
         attached = np.clip(index * (elements_per_turn // pairs_per_turn) - start, 0, len(mesh.phases) - 1)
-        parts = points - np.concatenate((mesh.points[:-1], mesh.reference[None]))[attached]
+        parts = points - mesh.nodes[attached]
     else:
         attached, parts = on_one_node(*carried(spring, mesh, phases))
     body = bodies(attached, parts)
@@ -98,29 +103,30 @@ def contact_points(
     pairs = pairs[body[pairs[:, 0]] != body[pairs[:, 1]]]
     if found is not None:
         pairs = np.concatenate((pairs, found))
-    near = pairs_per_turn // 2
-    apart = _least_distance(points, attached, parts, pairs, near) - spring.wire_diameter
-    if not scene.contact.enabled:
-        pairs = pairs[:0]
-    overlap = np.zeros(len(pairs))
-    if not spheres:
-        nodes = at_rest(np.concatenate((mesh.points[:-1], mesh.reference[None])))
-        t = interpolated(nodes, attached, parts, TANGENT, SLOPES)
-        low, high = pairs.T
-        gap = across_wires(points[high] - points[low], t[low] + t[high], overlap)
-        overlap = spring.wire_diameter - np.linalg.norm(gap, axis=1)
-    return ContactPoints(
+    d = spring.wire_diameter
+    stiffness, exponent = scene.contact.stiffness * PAIRS_OF_PENALTY / pairs_per_turn, scene.contact.exponent
+    contact = ContactArrays(
         attached=attached,
         parts=parts,
         pairs=pairs,
-        clearance=np.maximum(overlap, 0.0),
-        diameter=spring.wire_diameter,
-        stiffness=scene.contact.stiffness * PAIRS_OF_PENALTY / pairs_per_turn,
-        exponent=float(scene.contact.exponent),
-        near=near,
-        apart=apart,
-        friction=scene.contact.coefficient,
+        clearance=np.zeros(len(pairs)),
+        d=d,
+        kc=stiffness,
+        kt=tangential_stiffness(stiffness, exponent, d),
+        k=exponent,
+        mu=scene.contact.coefficient,
+        near=pairs_per_turn // 2,
+        apart=math.inf,
     )
+    contact = contact._replace(apart=_least_distance(contact, points) - d)
+    if not scene.contact.enabled:
+        return contact._replace(pairs=pairs[:0], clearance=np.zeros(0))
+    if spheres:
+        return contact
+    t = tangents(at_rest(mesh.nodes), attached, parts)
+    low, high = pairs.T
+    gap = across_wires(points[high] - points[low], t[low] + t[high], contact.clearance)
+    return contact._replace(clearance=np.maximum(d - np.linalg.norm(gap, axis=1), 0.0))
 
 
 def bodies(attached: np.ndarray, parts: np.ndarray) -> np.ndarray:
@@ -129,27 +135,23 @@ def bodies(attached: np.ndarray, parts: np.ndarray) -> np.ndarray:
     return attached + 0.5 * between
 
 
-def _least_distance(
-    centres: np.ndarray, attached: np.ndarray, parts: np.ndarray, pairs: np.ndarray, near: int
-) -> float:
+def _least_distance(contact: ContactArrays, centres: np.ndarray) -> float:
     """Least distance of contact points that are no pair, infinite where there are none."""
     extent = float(np.linalg.norm(np.ptp(centres, axis=0)))
     reach = np.inf if len(centres) <= FEW else extent / len(centres)
     gaps = np.zeros(0)
     while not gaps.size:
-        _, gaps = near_points(centres, attached, parts, pairs, near, reach)
+        _, gaps = near_points(contact, centres, reach)
         if reach > extent:
             break
         reach *= 2.0
     return float(gaps.min(initial=np.inf))
 
 
-def near_points(
-    centres: np.ndarray, attached: np.ndarray, parts: np.ndarray, pairs: np.ndarray, near: int, reach: float
-) -> tuple[np.ndarray, np.ndarray]:
+def near_points(contact: ContactArrays, centres: np.ndarray, reach: float) -> tuple[np.ndarray, np.ndarray]:
     """Contact points that are no pair, nearer than `reach`: `near_wires` or `near_pairs`."""
-    find = near_wires if of_wires(parts) else near_pairs
-    return find(centres, bodies(attached, parts), pairs, near, reach)
+    find = near_wires if of_wires(contact.parts) else near_pairs
+    return find(centres, bodies(contact.attached, contact.parts), contact.pairs, contact.near, reach)
 
 
 def near_pairs(
@@ -170,8 +172,7 @@ def near_pairs(
 
 @lru_cache(16)
 def _candidates(body: bytes, pairs: bytes, near: int) -> tuple[np.ndarray, np.ndarray]:
-    """Points farther apart along the wire than `near`, of two bodies and no pair: the same for many springs
-    of a sweep."""
+    """Candidates of few points, `_new_pairs` of all: the same for many springs of a sweep."""
     bodies, known = np.frombuffer(body), np.frombuffer(pairs, dtype=np.int64).reshape(-1, 2)
     return _new_pairs(*np.triu_indices(len(bodies), near + 1), bodies, known)
 
@@ -199,8 +200,7 @@ def _neighbours(centres: np.ndarray, near: int, reach: float) -> tuple[np.ndarra
 def near_wires(
     centres: np.ndarray, body: np.ndarray, pairs: np.ndarray, near: int, reach: float
 ) -> tuple[np.ndarray, np.ndarray]:
-    """The same of stations: each with the nearest one of every coil farther than the next that it has no
-    pair with."""
+    """The same of stations: each with the nearest one of every coil beyond the next without a pair of it."""
     found, distance = near_pairs(centres, body, pairs, 3 * near, reach)
     listed = np.zeros((len(centres), len(centres) // (2 * near) + 2), dtype=bool)
     listed[pairs[:, 0], _coils(pairs, near)] = True

@@ -15,11 +15,11 @@ import numpy as np
 from coilspring.errors import InputError
 from coilspring.path import EquilibriumPath
 from coilspring.scene.sizing import bending_factor, stress_factor
-from wirefe.beam import end_forces
-from wirefe.stations import ARMS, POSITION, SLOPES, TANGENT, carried, fixed_to_sections, interpolated, rows
+from wirefe.contact.stations import carried, fixed_to_sections, positions, rows, tangents
+from wirefe.element.beam import end_forces
 
 if TYPE_CHECKING:
-    from wirefe.shape import WireShape
+    from wirefe.results.shape import WireShape
 
 PER_TURN = 32  # sections of a turn, at least
 TWO_PI = 2.0 * math.pi
@@ -134,12 +134,12 @@ def _resultants(
     for state, row in zip(states, ends, strict=True):
         end_forces(state, data.arm, data.triads, data.strain0, data.stiffness, row)
     node, parts = carried(spring, shape.mesh, phases)
-    x = interpolated(nodes, node, parts, POSITION, ARMS)
+    x = positions(nodes, node, parts)
     top, upper = carried(spring, shape.mesh, shape.mesh.phases[element + 1])
-    above = interpolated(nodes, top, upper, POSITION, ARMS)
+    above = positions(nodes, top, upper)
     force = ends[:, element, 6:9]
     moment = ends[:, element, 9:12] + np.cross(above - x, force)
-    t = interpolated(nodes, node, parts, TANGENT, SLOPES)
+    t = tangents(nodes, node, parts)
     t /= np.linalg.norm(t, axis=-1, keepdims=True)
     inward = fixed_to_sections(nodes, node, parts, -spring.points(phases) * (1.0, 0.0, 1.0))
     b = np.cross(t, inward)

@@ -1,7 +1,7 @@
 """How far the wire runs into itself: all of it against all of it, whatever its contact spheres see.
 
 The wire is followed by stations, points of it at equal phases that move with the nodes about them (as
-`wirefe.shape` draws it), and the pieces between them. Contact spheres are not asked: between them,
+`wirefe.results.shape` draws it), and the pieces between them. Contact spheres are not asked: between them,
 wires could pass through each other unseen.
 """
 
@@ -15,10 +15,10 @@ import numpy as np
 from coilspring.compiling.compiled import arithmetic, part
 from coilspring.compiling.packing import Table, Wholes
 from coilspring.scene.spring import Spring
-from wirefe.algebra import dot, mixed, plus
+from wirefe.contact.stations import POSITION, SLOPES, carried_points, on_one_node, point_of
+from wirefe.element.algebra import dot, mixed, plus
+from wirefe.element.poses import three
 from wirefe.mesh import WireMesh
-from wirefe.poses import three
-from wirefe.stations import ARMS, POSITION, SLOPES, carried_points, on_one_node, station
 
 # A chord lies 0.6 % of the wire's diameter per unit of the coil index beside the wire.
 PER_TURN, HALF = 20, 10
@@ -35,7 +35,7 @@ class Stations(NamedTuple):
     """Points along the wire, end turns included, from bottom to top."""
 
     node: Wholes  # (stations,) node at or below each
-    parts: Table  # (stations, 9) what each takes of it and of the next one, see `wirefe.stations`
+    parts: Table  # (stations, 9) what each takes of it and of the next one, see `wirefe.contact.stations`
     stride: float  # largest distance of neighbours, mm
     low: int  # last station of the rigid bottom end
     high: int  # first station of the rigid top end
@@ -67,7 +67,7 @@ def station_points(stations, state):
     """Where the stations are, three numbers each, flat."""
     out = np.empty(3 * stations.node.size)
     for k in range(stations.node.size):
-        place = station(stations.parts[k], state, stations.node[k], POSITION, ARMS)
+        place = point_of(stations.parts[k], state, stations.node[k])
         out[3 * k], out[3 * k + 1], out[3 * k + 2] = place
     return out
 
@@ -80,9 +80,8 @@ def _square(points, i, j):
 
 
 @arithmetic
-def _bulge(points, i):
-    """From the middle of the chord of the piece i to the wire: that of the parabola with the mean second
-    difference at both ends, or with the one that there is at the end of the wire."""
+def bulge(points, i):
+    """From the chord's middle of the piece i to the wire, a parabola of the ends' mean second difference."""
     low, high = max(3 * i, 3), min(3 * i + 3, len(points) - 6)
     ends = plus(three(points, low - 3), 1.0, three(points, high + 3))
     after, before = plus(three(points, low + 3), 1.0, three(points, high - 3)), three(points, low)
@@ -91,7 +90,7 @@ def _bulge(points, i):
 
 
 @arithmetic
-def _between(points, i, j, near):
+def square_between(points, i, j, near):
     """Square of the distance of the piece of wire from the station i to the next from that at j.
 
     Arc to arc where the chords are nearest (Ericson 2005, Real-Time Collision Detection, section 5.1.9).
@@ -109,7 +108,7 @@ def _between(points, i, j, near):
     s = min(max((uw * vv - vw * uv) / det, 0.0), 1.0) if det > PARALLEL * uu * vv else 0.5
     t = min(max((s * uv - vw) / vv, 0.0), 1.0)
     s = min(max((t * uv + uw) / uu, 0.0), 1.0)
-    p, q = _bulge(points, i), _bulge(points, j)
+    p, q = bulge(points, i), bulge(points, j)
     least = _square_at(u, v, w, p, q, s, t)
     if least < near:
         for share in SHARES:
@@ -143,16 +142,15 @@ def _next_coil(stations, points, least):
             here = _square(points, i, j)
         if here < least + reach:
             if j > first:
-                least = min(least, _between(points, i, j - 1, near))
+                least = min(least, square_between(points, i, j - 1, near))
             if j + 1 < count:
-                least = min(least, _between(points, i, j, near))
+                least = min(least, square_between(points, i, j, near))
     return least
 
 
 @part
 def _far_coils(stations, points, least):
-    """The same for coils farther along the wire: pairs of every second station first, and where the wire
-    between these could be nearer than `least`, all pieces about them."""
+    """The same for coils farther along: every second station, and all pieces about those that are near."""
     count, low, high = len(points) // 3, stations.low, stations.high
     # points nearest each other lie within a stride of such stations, each along its wire
     reach, near = 2.0 * stations.stride**2, stations.diameter**2
@@ -161,15 +159,8 @@ def _far_coils(stations, points, least):
             if _square(points, i, j) < least + reach:
                 for a in range(max(i - 1, 0), min(i + 1, high)):
                     for b in range(max(j - 2, low if a <= low else 0), min(j + 2, count - 1)):
-                        least = min(least, _between(points, a, b, near))
+                        least = min(least, square_between(points, a, b, near))
     return least
-
-
-@part
-def least_distance(stations, points):
-    """Least distance between pieces of wire half a turn apart or more; `REACH` diameters where it is more."""
-    least = (REACH * stations.diameter) ** 2
-    return math.sqrt(_far_coils(stations, points, _next_coil(stations, points, least)))
 
 
 @part
@@ -177,4 +168,5 @@ def wire_overlap(stations, state):
     """By how much the wire runs into itself, mm; negative where it is free, infinitely without stations."""
     if stations.node.size == 0:
         return -math.inf
-    return stations.diameter - least_distance(stations, station_points(stations, state))
+    points, least = station_points(stations, state), (REACH * stations.diameter) ** 2
+    return stations.diameter - math.sqrt(_far_coils(stations, points, _next_coil(stations, points, least)))

@@ -95,6 +95,12 @@ def product(A, B):
 
 
 @arithmetic
+def lever(f, r):
+    """Second derivative of f . exp(phi) r in the spin phi: 1/2 (f r^T + r f^T) - (f . r) I."""
+    return diagonal(added(outer(0.5, f, r), 1.0, outer(0.5, r, f)), -dot(f, r))
+
+
+@arithmetic
 def block(K, i, j):
     """The matrix whose first entry is K[i, j]."""
     return (

@@ -9,11 +9,11 @@ import numpy as np
 
 from coilspring.errors import InputError
 from coilspring.path import EquilibriumPath
-from wirefe.beam import deformations
-from wirefe.model import ContactArrays
-from wirefe.poses import ROW
-from wirefe.shape import WireShape, contact_vectors
-from wirefe.stations import ARMS, POSITION, SLOPES, of_wires, turned_rows
+from wirefe.contact.points import ContactArrays
+from wirefe.contact.stations import ARMS, POSITION, SLOPES, of_wires, turned_rows
+from wirefe.element.beam import deformations
+from wirefe.element.poses import ROW
+from wirefe.results.shape import WireShape, contact_vectors
 
 POINT_DATA = ("displacement", "rotation", "contact_force", "pair_force")  # of a VTU file
 

@@ -19,17 +19,19 @@ The Hessian is that along the exponential map, hence symmetric; docs/theory.md d
 from __future__ import annotations
 
 import math
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from coilspring.compiling.compiled import arithmetic, kernel
-from wirefe.algebra import (
+from wirefe.element.algebra import (
     added,
     applied,
     block,
     cross,
     diagonal,
     dot,
+    lever,
     mixed,
     outer,
     plus,
@@ -39,16 +41,47 @@ from wirefe.algebra import (
     skew,
     transposed,
 )
-from wirefe.poses import pose, three
-from wirefe.quaternions import conjugate, matrix, times, turned
-from wirefe.rotations import stretch_functions
+from wirefe.element.poses import pose, three
+from wirefe.element.rotations import conjugate, matrix, stretch_functions, times, turned
+
+
+class Strain(NamedTuple):
+    """How an element is deformed; vectors and matrices are tuples, which stay in registers."""
+
+    M: Any  # half-way frame, a quaternion
+    q: Any  # theta^2
+    f: Any  # `stretch_functions`
+    th: Any  # theta
+    u: Any
+
+
+class Forces(NamedTuple):
+    """Forces of an element, conjugate to the variations."""
+
+    s: Any  # K e in v
+    N: Any  # to u
+    m: Any  # to theta
+    Pm: Any  # to w
+    C: Any  # N x u, to mu
+    X: Any  # theta x C
+
+
+class Blocks(NamedTuple):
+    """Blocks of a Hessian in (rho, mu, w)."""
+
+    rr: Any
+    rm: Any
+    rw: Any
+    mm: Any
+    mw: Any
+    ww: Any
 
 
 @arithmetic
 def _strain(state, n, triads, arm):
-    """Half-way frame (a quaternion), theta, u, theta^2 and `stretch_functions` of the n-th element.
+    """`Strain` of the n-th element; relative rotations reach to 180 degrees.
 
-    Relative rotations reach to 180 degrees. The wire's end stands off from the last node by `arm`.
+    The wire's end stands off from the last node by `arm`.
     """
     last = n == len(triads) - 1
     p1, p2, M, u, _ = pose(state, n, triads[n], three(arm, 0) if last else (0.0, 0.0, 0.0))
@@ -58,7 +91,8 @@ def _strain(state, n, triads, arm):
     a = math.atan2(sin_a, h[0])
     twice = 2.0 * a / sin_a if sin_a > 0.0 else 2.0
     q = 4.0 * a * a
-    return M, (twice * h[1], twice * h[2], twice * h[3]), u, q, stretch_functions(q, a, sin_a, h[0])
+    th = (twice * h[1], twice * h[2], twice * h[3])
+    return Strain(M, q, stretch_functions(q, a, sin_a, h[0]), th, u)
 
 
 @arithmetic
@@ -71,7 +105,7 @@ def _stretched(q, f, th, x):
 def deformations(state, arm, triads, e):
     """Deformation measures (v, theta) of all elements, shape (n, 6), before e0 is taken off."""
     for n in range(len(triads)):
-        _, th, u, q, f = _strain(state, n, triads, arm)
+        _, q, f, th, u = _strain(state, n, triads, arm)
         e[n, 0], e[n, 1], e[n, 2] = _stretched(q, f, th, u)
         e[n, 3], e[n, 4], e[n, 5] = th
 
@@ -81,7 +115,7 @@ def deformation_rates(state, triads, J):
     """d(v, theta) at rest for a motion (dx, spin) of each element's second end, shape (n, 6, 6)."""
     still = np.zeros(3)
     for n in range(len(triads)):
-        M, th, u, q, f = _strain(state, n, triads, still)
+        M, q, f, th, u = _strain(state, n, triads, still)
         P, V, _, _ = _derivatives(q, f, th, u, three(still, 0))
         # spin of the half-way frame, with the first end held: (I - tau theta x) w / 2
         T = product(P, product(skew(u, 1.0), diagonal(skew(th, -0.5 * f[3]), 0.5)))
@@ -101,7 +135,7 @@ def beams(state, arm, triads, e0, K, g, H):
 
     Parameters
     ----------
-    state : a row for each node, see `wirefe.poses`.
+    state : a row for each node, see `wirefe.element.poses`.
     arm : (3,) from the last node to the last element's end, at rest.
     triads : (n, 2, 4) end frames at rest, unit quaternions.
     e0 : (n, 6) deformation measures at rest.
@@ -109,12 +143,13 @@ def beams(state, arm, triads, e0, K, g, H):
     """
     energy = 0.0
     for n in range(len(triads)):
-        M, th, u, q, f = _strain(state, n, triads, arm)
-        work, s, N, m, Pm, C, X = _forces(q, f, th, u, e0[n], K[n])
+        strain = _strain(state, n, triads, arm)
+        M, q, f, th, u = strain
+        work, forces = _forces(q, f, th, u, e0[n], K[n])
         energy += work
-        _gradient(M, N, C, Pm, X, f[3], g[n])
+        _gradient(M, forces.N, forces.C, forces.Pm, forces.X, f[3], g[n])
         if n < len(H):
-            _hessian(M, q, f, th, u, s, N, m, Pm, C, X, K[n], H[n])
+            _hessian(strain, forces, K[n], H[n])
     return energy
 
 
@@ -122,17 +157,14 @@ def beams(state, arm, triads, e0, K, g, H):
 def end_forces(state, arm, triads, e0, K, g):
     """Fill the gradients g (n, 12) of all elements: what acts on their ends; see `beams`."""
     for n in range(len(triads)):
-        M, th, u, q, f = _strain(state, n, triads, arm)
-        _, _, N, _, Pm, C, X = _forces(q, f, th, u, e0[n], K[n])
-        _gradient(M, N, C, Pm, X, f[3], g[n])
+        M, q, f, th, u = _strain(state, n, triads, arm)
+        _, forces = _forces(q, f, th, u, e0[n], K[n])
+        _gradient(M, forces.N, forces.C, forces.Pm, forces.X, f[3], g[n])
 
 
 @arithmetic
 def _forces(q, f, th, u, e0, K):
-    """Energy of one element; s = K e in v, and the forces conjugate to the variations.
-
-    N to u, m to theta, P m to w, C = N x u to mu; X = theta x C.
-    """
+    """Energy of one element, and its `Forces`."""
     c, c1 = f[0], f[1]
     al, al1 = 1.0 + c * q, c1 * q + c
     v = plus(_stretched(q, f, th, u), -1.0, three(e0, 0))
@@ -145,7 +177,7 @@ def _forces(q, f, th, u, e0, K):
     m = plus(m, -c, mixed(B, s, A, u))
     N = mixed(al, s, -c * A, th)
     C = cross(N, u)
-    return 0.5 * (dot(s, v) + dot(y, k)), s, N, m, _stretched(q, f, th, m), C, cross(th, C)
+    return 0.5 * (dot(s, v) + dot(y, k)), Forces(s, N, m, _stretched(q, f, th, m), C, cross(th, C))
 
 
 @arithmetic
@@ -176,11 +208,10 @@ def _derivatives(q, f, th, u, s):
 
 
 @arithmetic
-def _hessian(M, q, f, th, u, s, N, m, Pm, C, X, K, H):
-    """Hessian (12, 12): blocks in the half-way frame's (rho, mu, w), then in the dofs of the ends.
-
-    Thirteen arguments, the terms of (W6) and (W8): tuples of numbers stay in registers.
-    """
+def _hessian(strain, forces, K, H):
+    """Hessian (12, 12): blocks in the half-way frame's (rho, mu, w), then in the dofs of the ends."""
+    M, q, f, th, u = strain
+    s, N, m, Pm, C, X = forces
     c, c1, tau, tau1 = f[0], f[1], f[3], f[4]
     P, V, W, G = _derivatives(q, f, th, u, s)
     S = skew(u, 1.0)
@@ -198,7 +229,7 @@ def _hessian(M, q, f, th, u, s, N, m, Pm, C, X, K, H):
     half = added(half, 1.0, outer(1.0, th, bend))
     ww = added(added(ww, 1.0, half), 1.0, transposed(half))
     ww = added(added(ww, 1.0, G), -c * dot(m, th), P)
-    _spread(matrix(M), skew(th, -0.5 * tau), rr, rm, rw, mm, mw, ww, H)
+    _spread(matrix(M), skew(th, -0.5 * tau), Blocks(rr, rm, rw, mm, mw, ww), H)
 
 
 @arithmetic
@@ -210,7 +241,7 @@ def _material(P, T, V, K):
     moment = added(product(transposed(mutual), V), 1.0, product(block(K, 3, 3), P))
     Tt = transposed(T)
     ww = added(product(transposed(V), force), 1.0, product(P, moment))
-    return (
+    return Blocks(
         product(P, product(stiff, P)),
         product(P, slide),
         product(P, force),
@@ -221,11 +252,9 @@ def _material(P, T, V, K):
 
 
 @arithmetic
-def _spread(M, S, rr, rm, rw, mm, mw, ww, H):
-    """Hessian (12, 12) of the ends' dofs from the blocks in (rho, mu, w): mu = mean + S w.
-
-    Nine arguments: the six blocks, the frame, S and what is filled.
-    """
+def _spread(M, S, blocks, H):
+    """Hessian (12, 12) of the ends' dofs from the blocks in (rho, mu, w): mu = mean + S w."""
+    rr, rm, rw, mm, mw, ww = blocks
     T = product(mm, S)
     rw = added(rw, 1.0, product(rm, S))
     half = product(transposed(S), added(mw, 0.5, T))
@@ -247,3 +276,21 @@ def _spread(M, S, rr, rm, rw, mm, mw, ww, H):
     put(H, 3, 3, added(added(same, -0.5, mw), -0.5, turn))
     put(H, 9, 9, added(added(same, 0.5, mw), 0.5, turn))
     put(H, 3, 9, added(added(apart, 0.5, mw), -0.5, turn))
+
+
+@arithmetic
+def onto_reference(r, g, K):
+    """Carry an element's gradient (12,) and Hessian (1, 12, 12), or none, from its second end over to a node
+    from which that stands off by `r`: dx = dX - r x phi, and the lever of the force."""
+    F = three(g, 6)
+    x, y, z = cross(r, F)
+    g[9], g[10], g[11] = g[9] + x, g[10] + y, g[11] + z
+    if len(K) == 0:
+        return
+    R, H = skew(r, -1.0), K[0]
+    moved = added(block(H, 6, 9), 1.0, product(block(H, 6, 6), R))
+    own = added(block(H, 9, 9), 1.0, product(block(H, 9, 6), R))
+    put(H, 9, 9, added(added(own, -1.0, product(R, moved)), 1.0, lever(F, r)))
+    put(H, 6, 9, moved)
+    put(H, 0, 9, added(block(H, 0, 9), 1.0, product(block(H, 0, 6), R)))
+    put(H, 3, 9, added(block(H, 3, 9), 1.0, product(block(H, 3, 6), R)))

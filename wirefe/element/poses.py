@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from coilspring.compiling.compiled import arithmetic
-from wirefe.algebra import plus
-from wirefe.quaternions import conjugate, half_way, times, turned
+from wirefe.element.algebra import plus
+from wirefe.element.rotations import conjugate, half_way, times, turned
 
 ROW = 7  # numbers of a node in the state: position and rotation, a unit quaternion (w, x, y, z)
 

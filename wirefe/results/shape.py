@@ -14,23 +14,21 @@ from coilspring.path import Friction
 from coilspring.scene import Scene
 from coilspring.solver.stages import rates, reactions
 from wirefe import kernels, seated
-from wirefe.mesh import WireMesh
-from wirefe.model import ContactArrays, WireModel, matrix_size
-from wirefe.poses import ROW
-from wirefe.stations import (
-    ARMS,
-    POSITION,
-    SLOPES,
-    TANGENT,
+from wirefe.contact.points import ContactArrays
+from wirefe.contact.stations import (
     across_wires,
     carried_points,
     fixed_to_sections,
-    interpolated,
     of_wires,
+    positions,
     rows,
+    tangents,
     turned_rows,
 )
-from wirefe.stress import stresses
+from wirefe.element.poses import ROW
+from wirefe.mesh import WireMesh
+from wirefe.model import WireModel, matrix_size
+from wirefe.results.stress import stresses
 
 
 def contact_vectors(contact: ContactArrays, states: np.ndarray) -> np.ndarray:
@@ -41,7 +39,7 @@ def contact_vectors(contact: ContactArrays, states: np.ndarray) -> np.ndarray:
     w = centres[:, second] - centres[:, first]
     if not of_wires(contact.parts):
         return w
-    t = interpolated(nodes, contact.attached, contact.parts, TANGENT, SLOPES)
+    t = tangents(nodes, contact.attached, contact.parts)
     return across_wires(w, t[:, first] + t[:, second], contact.clearance)
 
 
@@ -49,7 +47,7 @@ def contact_centres(contact: ContactArrays, states: np.ndarray) -> np.ndarray:
     """Contact points, shape (states, points, 3), in states (states, n), mm."""
     nodes = rows(states)
     if of_wires(contact.parts):
-        return interpolated(nodes, contact.attached, contact.parts, POSITION, ARMS)
+        return positions(nodes, contact.attached, contact.parts)
     own = nodes[:, contact.attached]
     return own[..., :3] + turned_rows(own[..., 3:], contact.parts)
 
@@ -144,4 +142,4 @@ class WireShape(PairReader):
     def centreline(self, state: np.ndarray, phases: np.ndarray) -> np.ndarray:
         """Wire at the phases given, shape (phases, 3), mm."""
         node, parts = carried_points(self.mesh, phases, self.scene.spring.points(phases))
-        return interpolated(state.reshape(-1, ROW), node, parts, POSITION, ARMS)
+        return positions(state.reshape(-1, ROW), node, parts)

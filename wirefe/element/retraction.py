@@ -3,7 +3,7 @@
 A step (dx, phi) of all nodes, taken literally, would stretch the wire by squares of its rotations: the
 stiffest way to deform it. Here each element's deformation follows the step instead, and the nodes are
 placed one after the other, each element standing on the end of the one before. In the half-way frame M of
-an element with the relative rotation exp(theta) = h h (see `wirefe.beam`)
+an element with the relative rotation exp(theta) = h h (see `wirefe.element.beam`)
 
     u' = u + du,   exp(theta') = h exp(w) h,   du = rho + u x mu
 
@@ -19,9 +19,9 @@ from typing import NamedTuple
 import numpy as np
 
 from coilspring.compiling.compiled import arithmetic, clear, zeros
-from wirefe.algebra import cross, plus
-from wirefe.poses import ROW, four, pose, three
-from wirefe.quaternions import (
+from wirefe.element.algebra import cross, plus
+from wirefe.element.poses import ROW, four, pose, three
+from wirefe.element.rotations import (
     conjugate,
     exponential,
     half_way,
@@ -87,8 +87,7 @@ def _literal(state, move, n):
 
 @arithmetic
 def _deformation(state, e, triads, arm):
-    """Half-way frame of an element, turned back, its relative rotation by halves, its chord in that frame,
-    and the arm from its second node to its end."""
+    """Half-way frame of an element, turned back; half its relative rotation; chord there; arm: see `pose`."""
     p1, _, m, u, r = pose(state, e, triads, arm)
     return conjugate(m), times(conjugate(p1), m), u, r
 
@@ -109,11 +108,7 @@ def _rates(step, e, back, h, u, r):
 
 @arithmetic
 def place(triads, arm, state, move, out):
-    """Place all nodes in `out`, as if none were held but the first.
-
-    `triads` (n, 2, 4) are the elements' end frames at rest; the last point of the wire stands off from the
-    last node by `arm` at rest.
-    """
+    """Place all nodes in `out`, as if none were held but the first; see `beams` for `triads` and `arm`."""
     count = len(triads)
     x, q = _literal(state, move, 0)
     _put(out, 0, x, q)

@@ -1,0 +1,122 @@
+"""Contact history of wires: what `coilspring.contact.kinematics` does for spheres, by material points."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from coilspring.compiling.compiled import part
+from coilspring.contact.kinematics import SLIGHT
+from coilspring.contact.law import (
+    first_touch,
+    gave_way,
+    goes_on,
+    located_to,
+    normal_law,
+    opens_after,
+    predicted_badly,
+    renewed,
+    slid,
+    touches_again,
+    touches_first,
+)
+from wirefe.contact.wires import gap, placed, tangential_slip, touching_points
+from wirefe.element.algebra import dot, plus
+
+
+@part
+def _touch(contact, states, m, row):
+    """See `coilspring.contact.kinematics`; `states`: accepted, predicted, trial one, with their stations."""
+    there, d = np.empty((3, 6)), contact.d - contact.clearance[m]
+    v = np.empty((3, 3))
+    for i in range(3):
+        state, points = states[i]
+        h, n, _, _, _ = gap(contact, points, m)
+        v[i, 0], v[i, 1], v[i, 2] = h * n[0], h * n[1], h * n[2]
+        touching_points(contact, points, state, m, (0.0, 0.0, 0.0), there[i])
+    predicted = v[1, 0] ** 2 + v[1, 1] ** 2 + v[1, 2] ** 2 < d * d
+    far = 1 if predicted else 2
+    at, other = first_touch(v[0], v[far], d), first_touch(v[0], v[2], d)
+    doubt, apart = np.zeros(3), 0.0
+    for i in range(6):
+        way = there[2, i] - there[0, i]
+        row.arms[i] = there[0, i] + at * (there[far, i] - there[0, i])
+        left = there[0, i] + other * way - row.arms[i] if predicted else (1.0 - at) * way
+        doubt[i % 3] += left if i < 3 else -left
+    for i in range(3):
+        apart += doubt[i] * doubt[i]
+        row.normal[i] = v[2, i]
+    touches_first(row, at, math.sqrt(apart), located_to(contact.mu) * d)
+
+
+@part
+def remember_wires(contact, state, history):
+    """See `coilspring.contact.kinematics.remember`."""
+    least, points = np.inf, placed(contact, state)
+    here = (state, points)
+    for m in range(history.shape[0]):
+        row = history[m]
+        h, n, _, _, _ = gap(contact, points, m)
+        gap_left = h + contact.clearance[m] - contact.d
+        least = min(least, gap_left)
+        if not (row.closed or gap_left < 0.0):
+            continue
+        if not row.closed:
+            _touch(contact, (here, here, here), m, row)
+        row.fresh = False
+        row.normal[0], row.normal[1], row.normal[2] = n
+        length, way = tangential_slip(contact, points, state, m, row)
+        left = length
+        if contact.mu == np.inf:
+            left = gave_way(length, contact.kt, row, gap_left)
+            if goes_on(row, left, contact.kt, gap_left, contact.d):
+                least = min(least, 0.0)
+        elif slid(length, contact.kt, row, gap_left):
+            left = row.bound / contact.kt
+        if left < length:
+            share = left / length
+            touching_points(
+                contact, points, state, m, (share * way[0], share * way[1], share * way[2]), row.arms
+            )
+    return least
+
+
+@part
+def update_wires(contact, accepted, predicted, state, history):
+    """See `coilspring.contact.kinematics.update_pairs`."""
+    points, before = placed(contact, state), placed(contact, accepted)
+    ahead = placed(contact, predicted)
+    states = ((accepted, before), (predicted, ahead), (state, points))
+    least_bound = min(contact.mu, 1.0)
+    change, most = 0.0, least_bound * normal_law(SLIGHT * contact.d, contact.kc, contact.k)[1]
+    for m in range(history.shape[0]):
+        row = history[m]
+        h, _, _, _, _ = gap(contact, points, m)
+        d = contact.d - contact.clearance[m]
+        if row.opening:
+            far, _, _, _, _ = gap(contact, before, m)
+            touches_again(row, far, h, d)
+        elif row.creeps:
+            length, _ = tangential_slip(contact, points, state, m, row)
+            row.gap, row.sticking = h - d, contact.kt * length
+        if row.opening or row.creeps or not (row.closed or h < d):
+            continue
+        new = not row.closed
+        if new:
+            _touch(contact, states, m, row)
+        length, way = tangential_slip(contact, points, state, m, row)
+        if new:
+            change = max(change, contact.kt * length)
+        elif row.fresh and gap(contact, ahead, m)[0] < d:
+            _, expected = tangential_slip(contact, ahead, predicted, m, row)
+            error = plus(way, -1.0, expected)
+            predicted_badly(row, math.sqrt(dot(error, error)), located_to(contact.mu) * d)
+        normal = normal_law(max(d - h, 0.0), contact.kc, contact.k)[1]
+        most = max(most, least_bound * normal)
+        if contact.mu == np.inf:
+            far, _, _, _, _ = gap(contact, before, m)
+            opens_after(row, far, gap(contact, ahead, m)[0], h, d)
+        else:
+            change = max(change, renewed(length, contact.mu * normal, contact.kt, row))
+    return change / most if change > 0.0 else 0.0

@@ -1,0 +1,1 @@
+"""What is read off equilibria: forces, stresses, natural frequencies, files."""

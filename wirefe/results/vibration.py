@@ -1,0 +1,220 @@
+"""Natural frequencies of a loaded spring about an equilibrium, and of any wire at rest.
+
+The stiffness of a spring is the tangent of the equilibrium, with closed contact pairs and what holds them.
+The mass is consistent: the wire moves with its nodes as its stations do (`wirefe.contact.stations`), end
+turns included.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from coilspring.compiling.packing import pack
+from coilspring.errors import InputError, require_choice, require_integer, require_number
+from coilspring.path import EquilibriumPath
+from wirefe.contact.stations import ARMS, NUDGE, POSITION, ROTATION, carried, rows, tangents, turned_rows
+from wirefe.element.beam import beams
+from wirefe.element.poses import at_rest
+from wirefe.model import matrix_size
+from wirefe.results.shape import WireShape
+from wirefe.rod import Rod
+
+if TYPE_CHECKING:
+    from scipy.sparse import csr_array
+
+POINTS = 4  # Gauss points of an element
+TOPS = ("held", "scene")
+
+
+def frequencies(path: EquilibriumPath, step: int = -1, *, count: int = 6, top: str = "held") -> np.ndarray:
+    """Lowest natural frequencies about a stored equilibrium of the wire model.
+
+    Parameters
+    ----------
+    path : of `wirefe.solve` or `wirefe.trace`; its material has the density.
+    step : which of its equilibria.
+    count : how many, fewer than the free degrees of freedom.
+    top : {"held", "scene"}
+        "held" between plates that do not move, or free where the scene leaves it free: with the mass of the
+        top end turn alone, under a dead load that has none. A prescribed displacement is held either way.
+
+    Returns
+    -------
+    (count,) frequencies in Hz, the lowest first; nan of modes in which the equilibrium is unstable.
+
+    Raises
+    ------
+    InputError : the path is not of the wire model, or bad input, in one sentence.
+    """
+    shape = path.shape
+    if not isinstance(shape, WireShape):
+        raise InputError(f"frequencies needs a path of the model wirefe, got {path.model}")
+    if not -len(path.states) <= step < len(path.states):
+        raise InputError(f"step must be one of the {len(path.states)} of the path, got {step}")
+    require_choice("top", top, TOPS)
+    state = path.states[step]
+    histories = None if path.histories is None else path.histories[[step]]
+    fixed = np.zeros(shape.size, dtype=bool)
+    fixed[shape.data.held.placed] = True
+    if top == "held":
+        fixed[-6:] = True
+    free = np.flatnonzero(~fixed)
+    require_integer("count", count, 1, len(free) - 1)
+    K = tangent_stiffness(shape, state, shape.histories(histories, state[None])[0])
+    return lowest_frequencies(K, mass(shape, state), free, count)
+
+
+def tangent_stiffness(shape: WireShape, state: np.ndarray, history: np.ndarray) -> csr_array:
+    """Tangent stiffness at a state and its contact history, dofs 6 node + (dx, spin), held ones uncoupled."""
+    plan, size = shape.data.plan, shape.size
+    flat = np.empty(matrix_size(shape.data))
+    shape.assemble(*pack(shape.data), state, 0.0, history, state, np.empty(size), flat)
+    blocks = flat.reshape(-1, 6, 6)
+    first = np.repeat(plan.order, np.diff(plan.start))  # the node eliminated first has the rows
+    nodes = np.arange(len(plan.order))
+    across = blocks[plan.block]
+    values = np.concatenate((blocks[nodes], across, np.swapaxes(across, 1, 2)))
+    row = 6 * np.concatenate((nodes, first, plan.column))
+    column = 6 * np.concatenate((nodes, plan.column, first))
+    return scattered(values, row[:, None] + np.arange(6), column[:, None] + np.arange(6), size)
+
+
+def mass(shape: WireShape, state: np.ndarray) -> csr_array:
+    """Consistent mass matrix at a state, t: translation, and rotary inertia of bending and of torsion."""
+    scene, spring = shape.scene, shape.scene.spring
+    phases, weights = _quadrature(shape)
+    node, parts = carried(spring, shape.mesh, phases)
+    move, spin, t = _motions(rows(state[None])[0], node, parts)
+    d = spring.wire_diameter
+    line = scene.material.density * 1e-12 * math.pi * d**2 / 4.0 * weights  # t
+    rotary = d**2 / 16.0 * (np.eye(3) + t[:, :, None] * t[:, None, :])  # polar, twice as much, about the wire
+    values = np.einsum("p,pij,pik->pjk", line, move, move)
+    values += np.einsum("p,pij,pil,plk->pjk", line, spin, rotary, spin)
+    dofs = 6 * node[:, None] + np.arange(12)
+    return scattered(values, dofs, dofs, shape.size)
+
+
+def _quadrature(shape: WireShape) -> tuple[np.ndarray, np.ndarray]:
+    """Phases along the whole wire, and the length of wire that each stands for, mm."""
+    spring, mesh = shape.scene.spring, shape.mesh
+    step = mesh.phases[1] - mesh.phases[0]
+    low, high = spring.phase_range
+    ends = [
+        np.linspace(a, b, math.ceil((b - a) / step) + 1) for a, b in ((low, 0.0), (spring.phase_end, high))
+    ]
+    edges = np.unique(np.concatenate((mesh.phases, *ends)))
+    nodes, weights = np.polynomial.legendre.leggauss(POINTS)
+    half = 0.5 * np.diff(edges)[:, None]
+    phases = (edges[:-1, None] + half * (1.0 + nodes)).ravel()
+    slant = (spring.points(phases + NUDGE) - spring.points(phases - NUDGE)) / (2.0 * NUDGE)
+    return phases, (half * weights).ravel() * np.linalg.norm(slant, axis=1)
+
+
+def _motions(
+    nodes: np.ndarray, node: np.ndarray, parts: np.ndarray
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Motion and spin of points by (dx, spin) of their nodes, (points, 3, 12), and tangents, (points, 3)."""
+    move, spin = np.zeros((2, len(node), 3, 12))
+    upper = np.minimum(node + 1, len(nodes) - 1)
+    for side, own in ((0, node), (1, upper)):
+        first = 6 * side
+        share, turn = (
+            parts[:, column] if side else 1.0 - parts[:, column] for column in (POSITION, ROTATION)
+        )
+        arm = turned_rows(nodes[own, 3:], parts[:, ARMS + 3 * side : ARMS + 3 * side + 3])
+        move[:, :, first : first + 3] = share[:, None, None] * np.eye(3)
+        move[:, :, first + 3 : first + 6] = np.cross(np.eye(3), arm[:, None]).swapaxes(1, 2)
+        spin[:, :, first + 3 : first + 6] = turn[:, None, None] * np.eye(3)
+    t = tangents(nodes, node, parts)
+    return move, spin, t / np.linalg.norm(t, axis=-1, keepdims=True)
+
+
+def natural_frequencies(rod: Rod, density: float, diameter: float, count: int) -> np.ndarray:
+    """Lowest natural frequencies of small vibrations about the state at rest.
+
+    Parameters
+    ----------
+    rod : a round wire, held against every rigid motion; its loads play no part.
+    density : t/mm^3 (steel: 7.9e-9), which goes with mm, N, MPa.
+    diameter : of the wire, mm.
+    count : how many, fewer than the free dofs.
+
+    Returns
+    -------
+    (count,) frequencies in Hz, the lowest first.
+
+    Raises
+    ------
+    InputError : bad input, in one sentence.
+    """
+    require_number("density", density, 1e-15, 1e3)
+    require_number("diameter", diameter, 1e-6, 1e6)
+    free = np.flatnonzero(~rod.held)
+    require_integer("count", count, 1, len(free) - 1)
+    _refuse_loose(rod)
+    return lowest_frequencies(linear_stiffness(rod), consistent_mass(rod, density, diameter), free, count)
+
+
+def lowest_frequencies(K: csr_array, M: csr_array, free: np.ndarray, count: int) -> np.ndarray:
+    """The lowest `count` in Hz by stiffness and mass of the `free` dofs; nan of modes that are unstable."""
+    from scipy.sparse.linalg import eigsh
+
+    K, M = (matrix[free][:, free].tocsc() for matrix in (K, M))
+    squares = eigsh(K, k=count, M=M, sigma=0.0, v0=np.ones(len(free)), return_eigenvectors=False)
+    with np.errstate(invalid="ignore"):
+        return np.sqrt(np.sort(squares)) / (2.0 * math.pi)
+
+
+def linear_stiffness(rod: Rod) -> csr_array:
+    """Stiffness matrix at rest, dofs 6 node + (ux, uy, uz, rotx, roty, rotz), held ones included."""
+    count = len(rod.stiffness)
+    g, H = np.empty((count, 12)), np.empty((count, 12, 12))
+    beams(at_rest(rod.points).ravel(), np.zeros(3), rod.triads, rod.strain0, rod.stiffness, g, H)
+    dofs = 6 * np.arange(count)[:, None] + np.arange(12)
+    return scattered(H, dofs, dofs, rod.held.size)
+
+
+def scattered(values: np.ndarray, rows: np.ndarray, columns: np.ndarray, size: int) -> csr_array:
+    """A sparse matrix (size, size) of dense blocks, by the rows and columns of each."""
+    from scipy.sparse import coo_array
+
+    row, column = np.broadcast_arrays(rows[:, :, None], columns[:, None, :])
+    return coo_array((values.ravel(), (row.ravel(), column.ravel())), shape=(size, size)).tocsr()
+
+
+def consistent_mass(rod: Rod, density: float, diameter: float) -> csr_array:
+    """Consistent mass matrix with rotary inertia; displacements and rotations are linear along elements."""
+    from scipy.sparse import csr_array
+    from skfem import Basis, BilinearForm, ElementLineP1, ElementVector, MeshLine
+    from skfem.helpers import dot
+
+    lengths = np.linalg.norm(rod.strain0[:, :3], axis=1)
+    first, second = rod.triads[:, 0], rod.triads[:, 1]
+    middle = first + np.sign(np.einsum("ei,ei->e", first, second))[:, None] * second
+    middle /= np.linalg.norm(middle, axis=1)[:, None]
+    t = turned_rows(middle, np.array([1.0, 0.0, 0.0]))  # first axis of the elements' frames half way
+    area, inertia = math.pi * diameter**2 / 4.0, math.pi * diameter**4 / 64.0
+    rotary = inertia * (np.eye(3) + t[:, :, None] * t[:, None, :])  # polar, 2 I, about the tangent
+
+    @BilinearForm
+    def kinetic(u, v, _):
+        turning = np.einsum("eij,ieq,jeq->eq", rotary, u[3:], v[3:])
+        return density * (area * dot(u[:3], v[:3]) + turning)
+
+    line = MeshLine(np.concatenate(([0.0], np.cumsum(lengths))))
+    return csr_array(kinetic.assemble(Basis(line, ElementVector(ElementLineP1(), 6))))
+
+
+def _refuse_loose(rod: Rod) -> None:
+    """Refuse a rod that can move without strain: a rigid motion that is zero in all held dofs."""
+    middle = rod.points.mean(axis=0)
+    offset = (rod.points - middle) / max(np.ptp(rod.points, axis=0).max(), 1e-300)
+    motions = np.zeros((len(offset), 6, 6))
+    motions[:] = np.eye(6)
+    for axis in range(3):
+        motions[:, :3, 3 + axis] = np.cross(np.eye(3)[axis], offset)
+    if np.linalg.matrix_rank(motions[rod.held]) < 6:
+        raise InputError("rod must be held against every rigid motion, got one that can move freely")
