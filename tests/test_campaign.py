@@ -665,5 +665,5 @@ def test_the_page_says_how_well_the_verifier_finds_what_passes_through():
 
 
 def test_direction_of_a_tiny_slip_decides_nothing():
-    """Sliding pairs of high stiffness slip elastically by 1e-9 d: its rounding made the state look unstable."""
+    """Stiff pairs that slide are stretched by 1e-9 d: its rounding made the state look unstable."""
     assert run.verified("w00503", 41)["class"] == "completed"
