@@ -667,3 +667,37 @@ def test_the_page_says_how_well_the_verifier_finds_what_passes_through():
 def test_direction_of_a_tiny_slip_decides_nothing():
     """Stiff pairs that slide are stretched by 1e-9 d: its rounding made the state look unstable."""
     assert run.verified("w00503", 41)["class"] == "completed"
+
+
+@pytest.mark.parametrize(
+    ("name", "outcome"),
+    [
+        ("w00031", "completed"),
+        ("w00615", "completed"),
+        ("b004849", "limit_point"),
+        ("b002527", "bifurcation"),
+    ],
+    ids=[
+        "coils beyond the next touch between their stations",
+        "residual of hard contact",
+        "the stiffness jumps where a pair opens",
+        "critical times are as exact as their brackets",
+    ],
+)
+def test_outcomes_that_were_unexplained(name, outcome):
+    assert run.verified(name, 71)["class"] == outcome
+
+
+def test_the_verifier_finds_wires_that_touch_beyond_the_next_coil():
+    case = make_case("w00031", 71)
+    path = reached(case)
+    assert path.options["pairs_found"] > 0
+    forces, rows = WireForces(case.scene, **dict(case.options)), path.states[-1].reshape(-1, 7)
+    index = path.shape.data.contact.pairs
+    beside = index[: len(index) - path.options["pairs_found"]]
+    assert not len(forces.points.missing(rows, index, forces.law.d))
+    missing = forces.points.missing(rows, beside, forces.law.d)
+    touching = index[path.shape.pair_gaps(path.states[-1:])[0] < 0.0]
+    assert {tuple(pair) for pair in touching[touching[:, 1] - touching[:, 0] > 30]} <= set(
+        map(tuple, missing)
+    )

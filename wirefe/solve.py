@@ -19,7 +19,7 @@ from coilspring.solver.solve import follow_load, follow_problem, scene_path
 from coilspring.solver.startup import store
 from coilspring.sweep import Outcome, jobs, outcomes
 from wirefe import kernels, model, seated
-from wirefe.contact.points import PER_TURN, ContactArrays, near_points
+from wirefe.contact.points import PER_TURN, ContactArrays, near_points, reach
 from wirefe.mesh import WireMesh
 from wirefe.results.shape import WireShape, contact_centres
 from wirefe.rod import ELEMENTS, Rod, RodPath
@@ -171,7 +171,7 @@ def scene_kernels(scene: Scene) -> Kernels:
 def new_pairs(contact: ContactArrays, state: np.ndarray) -> np.ndarray:
     """Pairs of contact points that are near in `state` and not in the model yet, shape (pairs, 2)."""
     centres = contact_centres(contact, state[None])[0]
-    found, _ = near_points(contact, centres, PAIR_REACH * contact.d)
+    found, _ = near_points(contact, centres, reach(contact, centres, PAIR_REACH))
     return found
 
 

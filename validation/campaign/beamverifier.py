@@ -26,6 +26,7 @@ MOST_TRIALS = 40
 MOST_SETS = 6  # of closed pairs that are tried
 TIGHT = 5e-5  # of the load: where an unstable equilibrium is that near, the bracket is not narrowed further
 SHARP = 1e-4  # of the load: a bracket within it needs no other
+SHALLOW = 1e-7  # wire diameters of penetration, below which a pair is about to open
 FAR = 20.0  # moves beyond this multiple of the tangent's belong to another branch
 
 
@@ -66,10 +67,21 @@ def verify_critical(verdict: Verdict, energy: BeamEnergy, case: Case, path: Equi
         state, time = before.states[-1], critical * (1.0 - BEFORE)
         verify_state(verdict, energy, state, time)
         found = bracket(energy, state, time, critical)
-        if found is None:
+        if found is None and opens_there(energy, path):
+            verdict.numbers["confirmed"] = path.critical_bracket / critical
+        elif found is None:
             verdict.complain(f"no eigenvalue changes sign near the critical time {critical:.6g}")
         else:
             verdict.ask("confirmed", found.offset(critical), runs.LOAD, "eigenvalue changes sign elsewhere")
+
+
+def opens_there(energy: BeamEnergy, path: EquilibriumPath) -> bool:
+    """Whether the stiffness jumps across zero where the path ends: with the pairs that touch there the spring
+    is stable, without those about to open it is not."""
+    state = path.last_state
+    assert state is not None
+    touching, firm = energy.closed(state), energy.closed(state, SHALLOW)
+    return energy.least(energy.hessian(state, touching)) > 0.0 > energy.least(energy.hessian(state, firm))
 
 
 class Point(NamedTuple):

@@ -96,9 +96,9 @@ class BeamEnergy:
         dense = self.tangent(state, closed)[np.ix_(self.free, self.free)]
         return 0.5 * (dense + dense.T)
 
-    def closed(self, state: np.ndarray) -> np.ndarray:
-        """Which pairs touch."""
-        return np.linalg.norm(self._gaps(state[self._pair_places])[0], axis=0) < self.d
+    def closed(self, state: np.ndarray, depth: float = 0.0) -> np.ndarray:
+        """Which pairs touch, by more than a depth in wire diameters."""
+        return np.linalg.norm(self._gaps(state[self._pair_places])[0], axis=0) < (1.0 - depth) * self.d
 
     @cached_property
     def rest_factor(self) -> np.ndarray:

@@ -108,7 +108,11 @@ class Points:
 
     def places(self, rows: np.ndarray) -> np.ndarray:
         """Where they are in a state, (points, 3)."""
-        slots = zip(self.node.T, self.weight.T, self.arm.swapaxes(0, 1), strict=True)
+        return self._summed(rows, self.weight, self.arm)
+
+    def _summed(self, rows: np.ndarray, weight: np.ndarray, arm: np.ndarray) -> np.ndarray:
+        """Sums (points, 3) over the two nodes of weighted positions and turned arms."""
+        slots = zip(self.node.T, weight.T, arm.swapaxes(0, 1), strict=True)
         return sum(w[:, None] * rows[i, :3] + rotated(rows[i, 3:].T, arm.T).T for i, w, arm in slots)
 
     def touching(self, rows: np.ndarray, d: float) -> np.ndarray:
@@ -117,12 +121,31 @@ class Points:
         return self._elastic(pairs[pairs[:, 1] - pairs[:, 0] > self.per_turn // 2])
 
     def missing(self, rows: np.ndarray, known: np.ndarray, d: float) -> np.ndarray:
-        """Pairs (n, 2) that touch and are not known: of spheres all, of stations those one coil apart."""
+        """Pairs (n, 2) that touch and are not known: of stations those one coil apart, and those that touch
+        on farther coils."""
         count = len(self.node)
         low = np.arange(max(count - self.per_turn, 0))
         beside = np.stack((low, low + self.per_turn), axis=1)
         pairs = self._elastic(beside) if self.wires else self.touching(rows, d)
-        return pairs[~np.isin(pairs @ [count, 1], known @ [count, 1])]
+        pairs = pairs[~np.isin(pairs @ [count, 1], known @ [count, 1])]
+        return np.concatenate((pairs, self._farther(rows, known, d))) if self.wires else pairs
+
+    def _farther(self, rows: np.ndarray, known: np.ndarray, d: float) -> np.ndarray:
+        """Stations between which wires touch, beyond the next coil; each without a known pair on that one."""
+        places, slopes = self.places(rows), self._summed(rows, self.slope_weight, self.slope_arm)
+        half = 0.5 * float(np.linalg.norm(np.diff(places, axis=0), axis=1).max())
+        found = cKDTree(places).query_pairs(math.hypot(d, half), output_type="ndarray")
+        low, high = found[found[:, 1] - found[:, 0] > 1.5 * self.per_turn].T
+        w, tau = places[high] - places[low], slopes[low] + slopes[high]
+        along = (w * tau).sum(axis=1) / np.linalg.norm(tau, axis=1)
+        touch = (np.abs(along) <= half) & ((w * w).sum(axis=1) - along**2 < d**2)
+        found = self._elastic(np.stack((low[touch], high[touch]), axis=1))
+        return found[~np.isin(self._coil(found), self._coil(known))]
+
+    def _coil(self, pairs: np.ndarray) -> np.ndarray:
+        """One number of the first point and of the coil on which the second is, of each pair."""
+        coils = np.rint((pairs[:, 1] - pairs[:, 0]) / self.per_turn)
+        return pairs[:, 0] * len(self.node) + coils
 
     def _elastic(self, pairs: np.ndarray) -> np.ndarray:
         """The pairs of which not both points are of one rigid end."""

@@ -42,10 +42,10 @@ OPEN = 1e-3  # wire diameters of penetration at most that are left of a pair jus
 
 def verify_row(verdict: Verdict, forces: WireForces, path: EquilibriumPath, row: int) -> None:
     """One state must balance at every node and be stable, and contact be as reported."""
-    # in a mode as stiff as a held pair, what solvers leave in the energy norm is this share of the load
+    # in a mode as stiff as contact, what solvers leave in the energy norm is this share of the load
     contact = path.scene.contact
-    held = contact.stiffness * float(np.hypot(*path.tips[row, :2])) / runs.largest_load(path, row)
-    most = BALANCE if contact.sliding == "free" else max(BALANCE, runs.SOLVER * math.sqrt(held))
+    stiff = contact.stiffness * float(np.hypot(*path.tips[row, :2])) / runs.largest_load(path, row)
+    most = max(BALANCE, runs.SOLVER * math.sqrt(stiff)) if contact.enabled else BALANCE
     verify_balance(verdict, forces, path, row, most)
     if contact.enabled:
         verify_contact(verdict, forces, path, row)

@@ -118,7 +118,7 @@ def contact_points(
         near=pairs_per_turn // 2,
         apart=math.inf,
     )
-    contact = contact._replace(apart=_least_distance(contact, points) - d)
+    contact = contact._replace(apart=_least_distance(contact, points) - reach(contact, points, 1.0))
     if not scene.contact.enabled:
         return contact._replace(pairs=pairs[:0], clearance=np.zeros(0))
     if spheres:
@@ -133,6 +133,15 @@ def bodies(attached: np.ndarray, parts: np.ndarray) -> np.ndarray:
     """Number of the rigid body with which each contact point moves; one between two nodes has its own."""
     between = parts[:, ROTATION] > 0.0 if of_wires(parts) else np.zeros(len(parts), dtype=bool)
     return attached + 0.5 * between
+
+
+def reach(contact: ContactArrays, centres: np.ndarray, diameters: float) -> float:
+    """Distance of two contact points within which wires may be so many diameters near: the nearest stations
+    may be half their spacing apart along the wire."""
+    half = 0.0
+    if of_wires(contact.parts):
+        half = 0.5 * float(np.linalg.norm(np.diff(centres, axis=0), axis=1).max(initial=0.0))
+    return math.hypot(diameters * contact.d, half)
 
 
 def _least_distance(contact: ContactArrays, centres: np.ndarray) -> float:

@@ -6,7 +6,9 @@ import numpy as np
 
 from coilspring.compiling.compiled import arithmetic, part
 from wirefe.contact.spheres import centre
-from wirefe.contact.stations import ROTATION, of_wires, point_of
+from wirefe.contact.stations import ROTATION, of_wires, point_of, tangent_of
+from wirefe.element.algebra import dot, plus
+from wirefe.element.poses import three
 
 
 @part
@@ -37,18 +39,38 @@ def _contact_point(contact, state, k):
 
 
 @arithmetic
+def _wires_touch(contact, state, A, B, w, most):
+    """Whether wires touch between stations, with `w` from A to B: across the gap, and no farther along the
+    wire than the square `most`."""
+    tau = plus(
+        tangent_of(contact.parts[A], state, contact.attached[A]),
+        1.0,
+        tangent_of(contact.parts[B], state, contact.attached[B]),
+    )
+    along = dot(w, tau) ** 2 / dot(tau, tau)
+    return along <= most and dot(w, w) - along < contact.d**2
+
+
+@arithmetic
 def touch_unlisted(contact, state):
-    """Whether contact points touch that are no pair."""
-    count = contact.attached.size
+    """Whether contact points touch that are no pair; of wires, whether these touch anywhere between two
+    stations. Stations of neighbouring coils are pairs."""
+    count, wires, most = contact.attached.size, of_wires(contact.parts), 0.0
     centres = np.empty((count, 3))
     for A in range(count):
         centres[A, 0], centres[A, 1], centres[A, 2] = _contact_point(contact, state, A)
+        if wires and A > 0:
+            step = plus(three(centres[A], 0), -1.0, three(centres[A - 1], 0))
+            most = max(most, 0.25 * dot(step, step))
+    reach = contact.d**2 + most
     for A in range(count):
-        for B in range(A + contact.near + 1, count):
+        for B in range(A + (3 if wires else 1) * contact.near + 1, count):
             y = centres[B, 1] - centres[A, 1]
-            if abs(y) >= contact.d:
+            if y * y >= reach:
                 continue
-            square = (centres[B, 0] - centres[A, 0]) ** 2 + y * y + (centres[B, 2] - centres[A, 2]) ** 2
-            if square < contact.d**2 and not _one_body(contact, A, B) and not _is_pair(contact, A, B):
+            w = plus(three(centres[B], 0), -1.0, three(centres[A], 0))
+            if dot(w, w) >= reach or _one_body(contact, A, B) or _is_pair(contact, A, B):
+                continue
+            if not wires or _wires_touch(contact, state, A, B, w, most):
                 return True
     return False
