@@ -11,7 +11,7 @@ import equivbeam
 import wirefe
 from coilspring import Contact, EquilibriumNotFound, Load, Material, Scene, Spring, Supports, load_scene
 from validation.campaign.scenes import case_id, is_driven, make_case, pressed
-from validation.campaign.verdict import SOLVERS
+from validation.campaign.verdict import SOLVERS, reached
 
 STEPS = (1, 3, 10, 50, 200)
 TIPS, TIMES = 1e-6, 1e-3  # of the largest displacement, and of the critical time
@@ -156,3 +156,12 @@ def test_random_springs_have_one_answer(driven):
 def test_many_random_springs_have_one_answer(name, driven):
     solve, scene, options = random_case(name, 4, driven)
     same_answer(paths(solve, scene, STEPS, **options))
+
+
+def test_rounding_of_hard_contact_does_not_stop_the_iteration():
+    """All coils of a cylinder close at once: of 5 step counts 4 ended there, 200 factorisations a substep."""
+    case = make_case("b000704", 72)
+    paths = [reached(case, steps=steps) for steps in (1, 5, 20)]
+    same_answer(paths)
+    assert paths[0].outcome == "completed"
+    assert max(path.total_iterations for path in paths) < 2_000

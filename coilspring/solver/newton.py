@@ -36,6 +36,8 @@ FAR = 1e-7  # of the reference work: from such a decrement, another factorisatio
 CUT = 0.5  # a damped step that the line search cuts below this asks for more damping
 MOST_SHIFT = 1e8
 TRUST = 1e-2  # share of the decrement that a good Newton step from a predicted state leaves at most
+STALLED = 0.1  # share of the decrement `DECREMENTS` factorisations ago: more is no progress
+LOOSE = 1e-12  # share of the reference work that is enough then: 1e-6 of the displacements
 DECREMENTS = 64  # Newton decrements kept as evidence
 
 
@@ -220,11 +222,21 @@ def make_positive(system, work, it):
 
 
 @part
+def stalled(target, work, it):
+    """Whether no iteration comes nearer: rounding decides which pairs of hard contact touch."""
+    decrement = -it.slope / target.reference
+    return it.count > DECREMENTS and STALLED * work.decrements[0] <= decrement <= LOOSE
+
+
+@part
 def move(system, target, work, state, it):
     """Stop within the tolerance; else take the step, shortened until the potential falls."""
-    if -it.slope <= it.tolerance:
+    if -it.slope <= it.tolerance or stalled(target, work, it):
         if it.shift > 0.0:
             return SADDLE
+        it.looks += 1
+        if it.looks > MOST_LOOKS:
+            return CONVERGED  # rounding decides which pairs touch: a step opens some and closes others
         advance(system, work, state)
         if it.near == 0:
             return CONVERGED

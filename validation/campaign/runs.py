@@ -16,6 +16,7 @@ from validation.campaign.scenes import EVERY, Case, in_units
 from validation.campaign.verdict import CRITICAL, STUCK, Verdict, reached, under
 
 BRANCH = 1e-6  # difference from the fine run over the largest displacement,
+LEAST_WIDTH = 4e-9  # of the time 0..1: no critical time is bracketed closer
 SOLVER = 1e-8  # or this over the root of the least stiffness: what solvers leave, in the energy norm
 ROUNDING = 4.0 * 2.0**-52  # of the spring's height: positions are no finer
 FRICTION, FRICTION_TIME = 1e-3, 5e-3  # the same with friction, which follows the path; of a critical time
@@ -161,7 +162,8 @@ def sharp_critical(verdict: Verdict, path: EquilibriumPath) -> float | None:
     if not critical > 0.0:
         verdict.complain(f"{path.outcome} at rest")
         return None
-    verdict.ask("bracket", width / critical, LOAD, "critical time is not that sharp")
+    most = max(LOAD, LEAST_WIDTH / critical)
+    verdict.ask("bracket", width / critical, most, "critical time is not that sharp")
     return critical
 
 
