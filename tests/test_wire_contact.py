@@ -7,7 +7,18 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 import wirefe
-from coilspring import CoilSection, Contact, Load, Scene, Spring, Supports, load_scene, spring_a, spring_b
+from coilspring import (
+    CoilSection,
+    Contact,
+    InputError,
+    Load,
+    Scene,
+    Spring,
+    Supports,
+    load_scene,
+    spring_a,
+    spring_b,
+)
 from coilspring.compiling.packing import pack
 from coilspring.contact.law import PAIR_HISTORY, first_touch
 from coilspring.scene.wire import Section
@@ -318,3 +329,8 @@ def test_plates_and_traces_take_wires():
 def test_a_scene_without_contact_has_no_stations():
     path = solved(replace(spring_a(), contact=Contact(enabled=False, geometry="wires")), steps=5)
     assert path.pair_evaluations == 0
+
+
+def test_one_station_a_turn_is_refused():
+    with pytest.raises(InputError, match=r"pairs_per_turn must be an integer in \[2, 1000\], got 1"):
+        wirefe.solve(load_scene("spring-a"), geometry="wires", pairs_per_turn=1)

@@ -171,6 +171,7 @@ def predict_trial(system, task, work, path, substep):
         error = max(path.error, LEAST_ERROR * task.located) * (left / path.last_step) ** order
         if error > task.located:
             left /= 1.0 + (task.located / error) ** (1.0 / order)
+            substep.shortened = False  # nothing closes yet
         substep.duration = max(left, LEAST_LEFT)
         substep.target = path.time + substep.duration
         predict(system, task, work, path, bend, substep.target)
@@ -199,8 +200,10 @@ def shorten(system, task, work, path, substep, softest):
     else:
         path.failed, path.next_step = True, HALF * substep.duration
     lets_go = creeping(work.history) and softest.value > JUMPS * path.rest_stiffness
-    if substep.duration < (LEAST_CREEP if lets_go else 2.0 * LEAST_STEP):
-        path.bracket = 2.0 * substep.duration
+    # one that is only cut, to where a pair touches or opens, does not stall
+    stalls = lets_go and substep.cut == 1.0
+    if substep.duration < (LEAST_CREEP if stalls else 2.0 * LEAST_STEP):
+        path.bracket = 2.0 * max(substep.duration, LEAST_STEP)
         if lets_go:
             # it is no mode that has become soft: a pair that creeps lets go, once
             path.outcome = COMPLETED if path.time > path.let_go else JUMP
@@ -314,6 +317,7 @@ def accept_release(work, path):
     copy(work.ahead, work.tangent)
     path.releasing = opening(work.history)
     path.release *= 2.0
+    path.error /= path.last_step**2  # as of a step of length 1, along a straight line
     path.reuse, path.last_step, work.old[0] = True, 1.0, np.inf  # no turn known
 
 

@@ -111,7 +111,7 @@ def renew_held(system, task, work, path, substep, before):
     if change <= BOUND_CHANGE and left <= CREEP:
         missed = stuck_from(work.history) * substep.duration / path.last_step
         if missed > MISSED * task.diameter and substep.duration >= 2.0 * LEAST_STEP and not path.snapping:
-            substep.cut = HALF
+            substep.cut = max(LEAST_CUT, min(HALF, MISSED * task.diameter / missed))
         return 0.0
     newton = left == 0.0 and substep.rounds > RENEWED and not path.snapping
     slow = newton and substep.rounds > RENEWED + SLOW and change > GAIN * before

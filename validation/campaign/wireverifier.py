@@ -44,7 +44,8 @@ def verify_row(verdict: Verdict, forces: WireForces, path: EquilibriumPath, row:
     """One state must balance at every node and be stable, and contact be as reported."""
     # in a mode as stiff as contact, what solvers leave in the energy norm is this share of the load
     contact = path.scene.contact
-    stiff = contact.stiffness * float(np.hypot(*path.tips[row, :2])) / runs.largest_load(path, row)
+    stiffness = contact.stiffness * forces.law.d ** (contact.exponent - 1.0)
+    stiff = stiffness * float(np.hypot(*path.tips[row, :2])) / runs.largest_load(path, row)
     most = max(BALANCE, runs.SOLVER * math.sqrt(stiff)) if contact.enabled else BALANCE
     verify_balance(verdict, forces, path, row, most)
     if contact.enabled:

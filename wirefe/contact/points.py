@@ -80,8 +80,9 @@ def contact_points(
     The stiffness per length of wire is kept: K * 4 / pairs. Pairs inside one rigid end are left out;
     the pairs `found` are added.
     """
-    require_integer("pairs_per_turn", pairs_per_turn, 1, 1000)
     spheres = scene.contact.geometry == "spheres"
+    # a station must be nearer to one coil than to the next
+    require_integer("pairs_per_turn", pairs_per_turn, 1 if spheres else 2, 1000)
     if spheres and elements_per_turn % pairs_per_turn:
         raise InputError(
             f"elements_per_turn must be a multiple of pairs_per_turn = {pairs_per_turn}, "
