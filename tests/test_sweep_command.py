@@ -10,6 +10,7 @@ import equivbeam
 import wirefe
 from coilspring import InputError, Load, Material, Scene, Spring, load_scene, spring_a, spring_b
 from coilspring.scene.profile import CoilSection
+from coilspring.scene.toml import written_table
 from coilspring.sweep import CRASHED
 from validation.cli import main
 from validation.sweep import run
@@ -241,3 +242,17 @@ def test_a_scene_file_is_found_again_by_its_content(tmp_path):
     assert load_scene(file).material.E == 207000.0
     assert main(call) == 0
     assert not set(keys) & {row["key"] for row in rows(tmp_path / "out")}
+
+
+def test_the_outer_diameter_of_a_file_stays_where_the_wire_varies(tmp_path):
+    """It was the mean diameter that stayed: uy at d 2.2 was off by 2 %."""
+    target = tmp_path / "own.toml"
+    target.write_text(
+        "[spring]\nwire_diameter = 2.0\nouter_diameter = [26.0, 16.0]\nactive_coils = 5.5\n"
+        "active_height = 40.0\n[load]\nforce = [0.0, -60.0]\n",
+        encoding="utf-8",
+    )
+    scene, written = load_scene(target), written_table(target)
+    varied = read_varied(["spring.wire_diameter=2.0,2.2", "spring.outer_diameter.1=14,16"], scene, written)
+    found = [point.scene.spring.mean_diameter for point in points(scene, varied, written)]
+    assert found == [(24.0, 12.0), (24.0, 14.0), (23.8, 11.8), (23.8, 13.8)]

@@ -6,7 +6,8 @@ import sys
 from dataclasses import replace
 
 import equivbeam
-from coilspring import spring_a
+import wirefe
+from coilspring import load_scene, spring_a
 from validation.cli.terminal import digest, progress_shown
 
 
@@ -54,3 +55,12 @@ def test_one_iteration_is_singular():
     for steps, words in ((1, " 1 iteration,"), (2, "iterations,")):
         path = replace(equivbeam.solve(scene, steps=steps), total_iterations=steps)
         assert words in digest(path)[-1]
+
+
+def test_the_largest_stress_is_that_of_the_whole_path():
+    """A load that is taken back ends without stress."""
+    path = wirefe.solve(load_scene("examples/stages.toml"), element="curved", elements_per_turn=4, steps=5)
+    most = path.max_stress.argmax()
+    assert path.max_stress[-1] < 0.5 * path.max_stress[most]
+    said = f"stress {path.max_stress[most]:.4g} MPa at most, at time {path.times[most]:g}"
+    assert any(said in line for line in digest(path))

@@ -55,6 +55,9 @@ class Case:
         return MODELS[self.id[0]]
 
 
+MOST_DIGITS = 9  # of a case's number
+
+
 def case_id(letter: str, number: int) -> str:
     """Id of a case."""
     return f"{letter}{number:0{DIGITS[letter]}d}"
@@ -64,8 +67,10 @@ def make_case(name: str, seed: int, geometry: str | None = None) -> Case:
     """The case of an id (`InputError` where it is none); a wire's contact with the geometry drawn, unless one
     is given."""
     letter, digits = name[:1], name[1:]
-    if letter not in MODELS or not digits.isdecimal():
-        raise InputError(f"case must be b or w with a number, as b000123, got {name!r}")
+    if letter not in MODELS or not digits.isdecimal() or len(digits) > MOST_DIGITS:
+        raise InputError(
+            f"case must be b or w with a number of at most {MOST_DIGITS} digits, as b000123, got {name!r}"
+        )
     number = int(digits)
     draw = Draw(_block(letter, seed, number // BLOCK)[number % BLOCK])
     corner = CORNERS[number // EVERY % len(CORNERS)] if number % EVERY == EVERY - 1 else ""

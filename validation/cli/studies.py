@@ -12,6 +12,7 @@ from pathlib import Path
 
 from coilspring import InputError, Scene, load_scene
 from coilspring.errors import require_integer
+from coilspring.scene.toml import written_table
 from validation.cli.arguments import (
     CAMPAIGN_RANGES,
     MODEL_OPTIONS,
@@ -160,18 +161,19 @@ def sweep(arguments: argparse.Namespace, folder: Path, progress: Progress) -> An
     scene = scene_of(arguments)
     from validation.sweep import grid, run
 
-    varied = grid.read_varied(arguments.vary, scene)
+    written = written_table(arguments.scene)
+    varied = grid.read_varied(arguments.vary, scene, written)
     progress(f"loading {model}")
     asked, lines, found = run.Choice.of(model, given(arguments, MODEL_OPTIONS[model])), [], None
     with claimed(folder), writing(folder):
         if accuracy is not None:
             from validation.sweep.choice import choose
 
-            found = choose(list(grid.points(scene, varied)), varied, accuracy, progress)
+            found = choose(list(grid.points(scene, varied, written)), varied, accuracy, progress)
             lines.append(found.line)
         solver = found.candidate if found else lambda scene: asked
         counted = _counted(progress)
-        rows = run.sweep(folder, scene, varied, solver, workers=workers, progress=counted)
+        rows = run.sweep(folder, scene, varied, solver, written=written, workers=workers, progress=counted)
         run.write_picture(folder, rows, [each.key for each in varied], scene, solver(scene).model)
     return [*lines, *run.digest(rows), f"written to {folder}"], run.ended_early(rows)
 

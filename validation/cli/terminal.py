@@ -43,7 +43,8 @@ def digest(path: EquilibriumPath) -> list[str]:
         tip = f"ux {ux:.6g} mm, uy {uy:.6g} mm, rotz {rotz:.6g} rad"
         lines.append(f"  tip at time {path.times[-1]:g}: {tip}{force}")
         if path.max_stress is not None:
-            stress = f"{path.max_stress[-1]:.4g} MPa at most"
+            most = int(path.max_stress.argmax())
+            stress = f"{path.max_stress[most]:.4g} MPa at most, at time {path.times[most]:g}"
             lines.append(f"  stress {stress} (torsion, with Bergstraesser's factor)")
     lines += [f"  {note}" for note in notes(path)]
     if path.accuracy is not None:

@@ -57,16 +57,17 @@ def sweep(
     varied: Sequence[Varied],
     choose: Callable[[Scene], Choice],
     *,
+    written: Mapping[str, Any] | None = None,
     workers: int | None = None,
     progress: Callable[[int, int], None] = lambda done, of: None,
 ) -> list[Row]:
     """Solve all combinations of the values, and write ``sweep.csv``: a row for each, in their order.
 
     A row is on disk as soon as its scene is solved. Rows that are there already from the same scenes,
-    options and sources are not solved again. `workers`: see `coilspring.sweep.outcomes`; `progress` is
-    called with the number of scenes done and of all.
+    options and sources are not solved again. `written`: see `grid.base`; `workers`: see
+    `coilspring.sweep.outcomes`; `progress` is called with the number of scenes done and of all.
     """
-    grid = list(points(scene, varied))
+    grid = list(points(scene, varied, written))
     tasks = [(point.scene, choose(point.scene)) if point.scene else None for point in grid]
     keys = [_key(point, task) for point, task in zip(grid, tasks, strict=True)]
     target, columns = folder / FILE, (*(each.key for each in varied), *RESULTS)
