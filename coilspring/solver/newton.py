@@ -234,8 +234,7 @@ def move(system, target, work, state, it):
     if -it.slope <= it.tolerance or stalled(target, work, it):
         if it.shift > 0.0:
             return SADDLE
-        it.looks += 1
-        if it.looks > MOST_LOOKS:
+        if it.count > DECREMENTS:
             return CONVERGED  # rounding decides which pairs touch: a step opens some and closes others
         advance(system, work, state)
         if it.near == 0:
