@@ -163,7 +163,8 @@ def test_mutants_give_a_scene_or_a_sentence(tmp_path):
 @pytest.mark.parametrize("options", [("equivbeam", ()), ("wirefe", ("--elements-per-turn", "8"))])
 def test_mutants_are_solved_or_refused_and_written_whole(options, capsys):
     codes = {0: 0, 2: 0, 3: 0}
-    main(["solve", "spring-a", "--model", options[0], "--steps", "1"])  # compiles: the deadline is a solve's
+    for scene in ("spring-a", "examples/plates.toml"):  # compiles: the deadline is a solve's
+        main(["solve", scene, "--model", options[0], "--steps", "1"])
 
     @FEW
     @given(mutants(MILD))
