@@ -148,7 +148,7 @@ def reach(contact: ContactArrays, centres: np.ndarray, diameters: float) -> floa
 def _least_distance(contact: ContactArrays, centres: np.ndarray) -> float:
     """Least distance of contact points that are no pair, infinite where there are none."""
     extent = float(np.linalg.norm(np.ptp(centres, axis=0)))
-    reach = np.inf if len(centres) <= FEW else extent / len(centres)
+    reach = np.inf if len(centres) <= FEW else 2.0 * contact.d
     gaps = np.zeros(0)
     while not gaps.size:
         _, gaps = near_points(contact, centres, reach)

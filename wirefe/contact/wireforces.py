@@ -27,10 +27,10 @@ import numpy as np
 
 from coilspring.compiling.compiled import arithmetic, clear_table
 from coilspring.contact.law import normal_law, tangential_law
-from wirefe.contact.stations import ARMS, POSITION, ROTATION, SLOPES, TANGENT, arms_of
-from wirefe.contact.wires import gap, placed, slip
+from wirefe.contact.stations import ARMS, POSITION, ROTATION, SLOPES, TANGENT
+from wirefe.contact.wires import gap, placed, slip, touches
 from wirefe.element.algebra import added, cross, dot, lever, plus
-from wirefe.element.poses import ROW, four, three
+from wirefe.element.poses import ROW, four, three, three_of
 from wirefe.element.rotations import turned
 
 # Rows of the linear forms above in the degrees of freedom of a pair's nodes: two of each station.
@@ -56,13 +56,15 @@ class Forms(NamedTuple):
     L: Any  # (ALL, SLOTS, 6)
     arms: Any  # (SLOTS, 9) rv, q, x of each node
     nodes: Any  # (SLOTS,) their numbers, -1 where there is none
+    M: Any  # scratch: (ALL, 6)
+    K: Any  # and (6, 6)
 
 
 @arithmetic
-def _put(row, c, r, direction):
-    """A form ``direction . (c dx + phi x r)`` in the six dofs of a node."""
-    row[0], row[1], row[2] = c * direction[0], c * direction[1], c * direction[2]
-    row[3], row[4], row[5] = cross(r, direction)
+def _put(L, k, slot, c, r, direction):
+    """The form k, ``direction . (c dx + phi x r)``, in the six dofs of a node."""
+    L[k, slot, 0], L[k, slot, 1], L[k, slot, 2] = c * direction[0], c * direction[1], c * direction[2]
+    L[k, slot, 3], L[k, slot, 4], L[k, slot, 5] = cross(r, direction)
 
 
 @arithmetic
@@ -71,16 +73,16 @@ def _node_forms(L, slot, c, e, r, q, x, frame):
     n, b, u, sigma, length, count = frame
     cv, rv = c - sigma * e, plus(r, -sigma, q)
     e, q = e / length, (q[0] / length, q[1] / length, q[2] / length)
-    _put(L[ALPHA, slot], cv, rv, n)
-    _put(L[BETA, slot], cv, rv, b)
-    _put(L[GAMMA, slot], cv, rv, u)
-    _put(L[DELTA, slot], e, q, n)
+    _put(L, ALPHA, slot, cv, rv, n)
+    _put(L, BETA, slot, cv, rv, b)
+    _put(L, GAMMA, slot, cv, rv, u)
+    _put(L, DELTA, slot, e, q, n)
     if count > FRICTIONLESS:
-        _put(L[EPSILON, slot], e, q, b)
-        _put(L[LAMBDA, slot], e, q, u)
-        _put(L[XN, slot], c, x, n)
-        _put(L[XB, slot], c, x, b)
-        _put(L[XU, slot], c, x, u)
+        _put(L, EPSILON, slot, e, q, b)
+        _put(L, LAMBDA, slot, e, q, u)
+        _put(L, XN, slot, c, x, n)
+        _put(L, XB, slot, c, x, b)
+        _put(L, XU, slot, c, x, u)
 
 
 @arithmetic
@@ -89,23 +91,24 @@ def _station_forms(contact, state, k, rho, frame, forms, first):
 
     The slots are `first` (0 for the pair's first station, which w leads away from) and the next one.
     """
-    L, arms, nodes = forms
-    node, parts, sign = contact.attached[k], contact.parts[k], -1.0 if first == 0 else 1.0
-    r0, r1 = arms_of(parts, state, node, ARMS)
-    q0, q1 = arms_of(parts, state, node, SLOPES)
+    L, arms, nodes, _, _ = forms
+    node, parts, sign = contact.attached[k], contact.parts, -1.0 if first == 0 else 1.0
     nodes[first + 1] = -1
-    for slot in range(1 if parts[ROTATION] == 0.0 else 2):
-        c, e, turn, r, q = parts[POSITION], parts[TANGENT], parts[ROTATION], r1, q1
+    for slot in range(1 if parts[k, ROTATION] == 0.0 else 2):
+        c, e, turn = parts[k, POSITION], parts[k, TANGENT], parts[k, ROTATION]
         if slot == 0:
-            c, e, turn, r, q = 1.0 - c, -e, 1.0 - turn, r0, q0
-        x = plus(r, turn, turned(four(state, ROW * (node + slot) + 3), rho))
+            c, e, turn = 1.0 - c, -e, 1.0 - turn
+        p = four(state, ROW * (node + slot) + 3)
+        r = turned(p, three_of(parts, k, ARMS + 3 * slot))
+        q = turned(p, three_of(parts, k, SLOPES + 3 * slot))
+        x = plus(r, turn, turned(p, rho))
         r, x = (sign * r[0], sign * r[1], sign * r[2]), (sign * x[0], sign * x[1], sign * x[2])
         _node_forms(L, first + slot, sign * c, e, r, q, x, frame)
-        a = arms[first + slot]
-        a[0], a[1], a[2] = plus(r, -frame[3], q)
-        a[3], a[4], a[5] = q
-        a[6], a[7], a[8] = x
-        nodes[first + slot] = node + slot
+        i = first + slot
+        arms[i, 0], arms[i, 1], arms[i, 2] = plus(r, -frame[3], q)
+        arms[i, 3], arms[i, 4], arms[i, 5] = q
+        arms[i, 6], arms[i, 7], arms[i, 8] = x
+        nodes[i] = node + slot
 
 
 @arithmetic
@@ -159,10 +162,10 @@ def _tangential(force, slope, xi, rho, h, G, Q):
 
 
 @arithmetic
-def _levers(arms, on_gap, on_tangent, on_slip):
-    """Second derivative of what a node's arms (9,) do under the forces on them."""
-    A = added(lever(on_gap, three(arms, 0)), 1.0, lever(on_tangent, three(arms, 3)))
-    return added(A, 1.0, lever(on_slip, three(arms, 6)))
+def _levers(arms, slot, on_gap, on_tangent, on_slip):
+    """Second derivative of what a node's arms do under the forces on them."""
+    A = added(lever(on_gap, three_of(arms, slot, 0)), 1.0, lever(on_tangent, three_of(arms, slot, 3)))
+    return added(A, 1.0, lever(on_slip, three_of(arms, slot, 6)))
 
 
 @arithmetic
@@ -191,9 +194,24 @@ def _forms_hessian(L, Q, M, count, j):
 
 
 @arithmetic
-def _add_hessian(contact, m, nodes, L, Q, count, H):
+def _product_row(L, i, r, M, count, K):
+    """Row r of K = L_i^T M, M (forms, 6): summed in registers."""
+    t0, t1, t2, t3, t4, t5 = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+    for k in range(count):
+        x = L[k, i, r]
+        t0 += x * M[k, 0]
+        t1 += x * M[k, 1]
+        t2 += x * M[k, 2]
+        t3 += x * M[k, 3]
+        t4 += x * M[k, 4]
+        t5 += x * M[k, 5]
+    K[r, 0], K[r, 1], K[r, 2], K[r, 3], K[r, 4], K[r, 5] = t0, t1, t2, t3, t4, t5
+
+
+@arithmetic
+def _add_hessian(contact, m, forms, Q, count, H):
     """Add L^T Q L, block by block of the pair's nodes."""
-    M, K = np.empty((ALL, 6)), np.empty((6, 6))
+    L, _, nodes, M, K = forms
     for j in range(SLOTS):
         if nodes[j] < 0:
             continue
@@ -201,12 +219,8 @@ def _add_hessian(contact, m, nodes, L, Q, count, H):
         for i in range(j + 1):
             if nodes[i] < 0:
                 continue
-            clear_table(K)
-            for k in range(count):
-                for r in range(6):
-                    x = L[k, i, r]
-                    for c in range(6):
-                        K[r, c] += x * M[k, c]
+            for r in range(6):
+                _product_row(L, i, r, M, count, K)
             same = nodes[i] == nodes[j]
             if same:
                 _add_table(H[nodes[i]], K, True)
@@ -233,12 +247,13 @@ def add_wires(contact, history, state, g, H):
     energy, points = 0.0, placed(contact, state)
     L, Q, G = np.empty((ALL, SLOTS, 6)), np.empty((ALL, ALL)), np.empty((1, ALL))
     arms, nodes = np.empty((SLOTS, 9)), np.empty(SLOTS, np.int64)
-    forms = Forms(L, arms, nodes)
+    forms = Forms(L, arms, nodes, np.empty((ALL, 6)), np.empty((6, 6)))
     for m in range(contact.pairs.shape[0]):
-        h, n, u, s, length = gap(contact, points, m)
-        row, depth = history[m], contact.d - h - contact.clearance[m]
-        if depth <= 0.0 and not row.closed:
+        row = history[m]
+        if not (row.closed or touches(contact, points, m)):
             continue
+        h, n, u, s, length = gap(contact, points, m)
+        depth = contact.d - h - contact.clearance[m]
         b, count = cross(u, n), ALL if row.closed else FRICTIONLESS
         frame = Frame(n, b, u, s / length, length, count)
         _station_forms(contact, state, contact.pairs[m, 0], three(row.arms, 0), frame, forms, 0)
@@ -265,10 +280,10 @@ def add_wires(contact, history, state, g, H):
             on_slip = plus(on_slip, ratio * xi[2], u)
         _add_gradient(nodes, L, G[0], count, g)
         if len(H) > 0:
-            _add_hessian(contact, m, nodes, L, Q, count, H)
+            _add_hessian(contact, m, forms, Q, count, H)
             for slot in range(SLOTS):
                 if nodes[slot] >= 0:
-                    B, A = H[nodes[slot]], _levers(arms[slot], on_gap, on_tangent, on_slip)
+                    B, A = H[nodes[slot]], _levers(arms, slot, on_gap, on_tangent, on_slip)
                     for i in range(3):
                         for j in range(3):
                             B[3 + i, 3 + j] += A[3 * i + j]

@@ -21,7 +21,7 @@ from coilspring.contact.law import (
     touches_again,
     touches_first,
 )
-from wirefe.contact.wires import gap, placed, tangential_slip, touching_points
+from wirefe.contact.wires import gap, placed, tangential_slip, touches, touching_points
 from wirefe.element.algebra import dot, plus
 
 
@@ -92,6 +92,8 @@ def update_wires(contact, accepted, predicted, state, history):
     change, most = 0.0, least_bound * normal_law(SLIGHT * contact.d, contact.kc, contact.k)[1]
     for m in range(history.shape[0]):
         row = history[m]
+        if not (row.opening or row.closed or row.creeps or touches(contact, points, m)):
+            continue
         h, _, _, _, _ = gap(contact, points, m)
         d = contact.d - contact.clearance[m]
         if row.opening:
@@ -100,7 +102,7 @@ def update_wires(contact, accepted, predicted, state, history):
         elif row.creeps:
             length, _ = tangential_slip(contact, points, state, m, row)
             row.gap, row.sticking = h - d, contact.kt * length
-        if row.opening or row.creeps or not (row.closed or h < d):
+        if row.opening or row.creeps:
             continue
         new = not row.closed
         if new:

@@ -15,10 +15,10 @@ import math
 import numpy as np
 
 from coilspring.compiling.compiled import arithmetic, part
-from wirefe.contact.stations import ROTATION, point_of, tangent_of
-from wirefe.element.algebra import dot, plus
-from wirefe.element.poses import ROW, four, three
-from wirefe.element.rotations import conjugate, turned
+from wirefe.contact.stations import ARMS, POSITION, ROTATION, SLOPES, TANGENT
+from wirefe.element.algebra import applied, dot, plus
+from wirefe.element.poses import ROW, four, three, three_of
+from wirefe.element.rotations import conjugate, matrix, turned
 
 ROUNDS = 4  # to find a section's vector: rotations of its two nodes differ little
 
@@ -26,19 +26,38 @@ ROUNDS = 4  # to find a section's vector: rotations of its two nodes differ litt
 @arithmetic
 def placed(contact, state):
     """Positions and tangents of all stations, shape (stations, 6)."""
-    points = np.empty((contact.attached.size, 6))
+    parts, points, of = contact.parts, np.empty((contact.attached.size, 6)), -1
+    A = B = matrix((1.0, 0.0, 0.0, 0.0))
     for k in range(contact.attached.size):
-        parts, node, out = contact.parts[k], contact.attached[k], points[k]
-        out[0], out[1], out[2] = point_of(parts, state, node)
-        out[3], out[4], out[5] = tangent_of(parts, state, node)
+        node = contact.attached[k]
+        i = ROW * node
+        if node != of:  # many stations have the same two nodes
+            of, A = node, matrix(four(state, i + 3))
+            if i + ROW < state.size:
+                B = matrix(four(state, i + ROW + 3))
+        x = plus(applied(A, three_of(parts, k, ARMS)), 1.0 - parts[k, POSITION], three(state, i))
+        t = plus(applied(A, three_of(parts, k, SLOPES)), -parts[k, TANGENT], three(state, i))
+        if parts[k, ROTATION] != 0.0:
+            other = three(state, i + ROW)
+            x = plus(plus(x, 1.0, applied(B, three_of(parts, k, ARMS + 3))), parts[k, POSITION], other)
+            t = plus(plus(t, 1.0, applied(B, three_of(parts, k, SLOPES + 3))), parts[k, TANGENT], other)
+        points[k, 0], points[k, 1], points[k, 2] = x
+        points[k, 3], points[k, 4], points[k, 5] = t
     return points
+
+
+@arithmetic
+def _facing(contact, points, m):
+    """w and tau of a pair."""
+    a, b = contact.pairs[m, 0], contact.pairs[m, 1]
+    w = plus(three_of(points, b, 0), -1.0, three_of(points, a, 0))
+    return w, plus(three_of(points, b, 3), 1.0, three_of(points, a, 3))
 
 
 @arithmetic
 def gap(contact, points, m):
     """h, n, u, s and |tau| of a pair."""
-    a, b = points[contact.pairs[m, 0]], points[contact.pairs[m, 1]]
-    w, tau = plus(three(b, 0), -1.0, three(a, 0)), plus(three(b, 3), 1.0, three(a, 3))
+    w, tau = _facing(contact, points, m)
     length = math.sqrt(dot(tau, tau))
     u = (tau[0] / length, tau[1] / length, tau[2] / length)
     s = dot(w, u)
@@ -50,9 +69,18 @@ def gap(contact, points, m):
 @arithmetic
 def across(contact, points, m):
     """Vector across the gap of a pair, of the length of the gap and d."""
-    h, n, _, _, _ = gap(contact, points, m)
-    h += contact.clearance[m]
-    return h * n[0], h * n[1], h * n[2]
+    w, tau = _facing(contact, points, m)
+    v = plus(w, -dot(w, tau) / dot(tau, tau), tau)
+    if contact.clearance[m] == 0.0:
+        return v
+    return plus(v, contact.clearance[m] / math.sqrt(dot(v, v)), v)
+
+
+@arithmetic
+def touches(contact, points, m):
+    """Whether a pair's gap is below d."""
+    v = across(contact, points, m)
+    return dot(v, v) < contact.d**2
 
 
 @arithmetic

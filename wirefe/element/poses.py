@@ -26,6 +26,12 @@ def three(a, i):
 
 
 @arithmetic
+def three_of(table, k, i):
+    """Three numbers of a row of a table: a view of the row would be counted."""
+    return table[k, i], table[k, i + 1], table[k, i + 2]
+
+
+@arithmetic
 def four(a, i):
     """Four numbers of a vector, from the i-th on."""
     return a[i], a[i + 1], a[i + 2], a[i + 3]
