@@ -186,6 +186,13 @@ def test_fold_is_found_where_states_tend_to_it(shift):
     assert found is None or found == pytest.approx(1.0, abs=1e-5)
 
 
+def test_a_fold_is_found_where_a_pair_closes_just_before_it():
+    """At 6e-6 of the load before: states farther away do not tend to the fold."""
+    row = run.verified("w00606", 81)
+    assert row["class"] == "limit_point"
+    assert float(row["confirmed"]) < 1e-6
+
+
 @pytest.mark.parametrize("share", [0.999, 1.001])
 def test_critical_time_elsewhere_is_caught(share):
     case = soft_b()
@@ -487,10 +494,10 @@ def test_no_answer_is_asked_to_be_finer_than_its_positions():
     path = equivbeam.solve(load_scene("spring-a"), steps=1)
     assert grain(path) == pytest.approx(4 * 2.0**-52 * 28.6 / np.abs(path.tips[:, :2]).max())
     assert grain(path) < 1e-14
-    # a pair of stiffness 2 K, with which positions 28.6 mm apart make a force, over the load
+    # a pair of stiffness 2 K, with which gaps of positions 28.6 mm apart make a force, over the load
     assert force_grain(equivbeam.solve(load_scene("spring-a-no-contact"), steps=1)) == 0.0
     hard = equivbeam.solve(spring_b(), penalty=1e9, steps=10)
-    assert force_grain(hard) == pytest.approx(4 * 2.0**-52 * 28.6 * 2e9 / 200.0)
+    assert force_grain(hard) == pytest.approx(32 * 2.0**-52 * 28.6 * 2e9 / 200.0)
 
 
 def test_contact_histories_are_no_excuse():

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from coilspring.solver.snap import LARGEST
-from validation.campaign.scenes import make_case
-from validation.campaign.verdict import reached
+from validation.campaign.scenes import in_units, make_case
+from validation.campaign.verdict import reached, under
 
 
 def snaps(path):
@@ -43,3 +43,12 @@ def test_a_snap_that_leads_far_ends_the_path():
     assert max(snaps(path) for path in paths) == (1, pytest.approx(0.035, abs=0.002))
     assert paths[0].critical_time == pytest.approx(paths[1].critical_time, rel=1e-7)
     assert paths[0].critical_time == pytest.approx(0.34194, abs=1e-5)
+
+
+@pytest.mark.parametrize("length", [1e-3, 1e3])
+def test_snaps_are_the_same_in_other_units(length):
+    """A mode mixes mm and rad: which share of it the load works on must not depend on the unit."""
+    case = make_case("w00116", 81)
+    for scene in (case.scene, in_units(case.scene, length, length**2)):
+        path = reached(case, under(scene, 0.54))
+        assert (path.outcome, snaps(path)) == ("completed", (1, pytest.approx(0.045, abs=0.002)))

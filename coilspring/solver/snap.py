@@ -13,15 +13,17 @@ import math
 import numpy as np
 
 from coilspring.compiling.compiled import part
+from coilspring.solver.branch import displacement_bound
 from coilspring.solver.linesearch import dot
-from coilspring.solver.operations import factor_state
+from coilspring.solver.operations import factor_state, moved
 from coilspring.solver.stability import PROBE, least_stiffness
 
 AHEAD = 1e-6  # of the time 0..1: so far beyond a limit point an equilibrium is looked for
 LARGEST = 0.25  # wire diameters: so far it may be
 ROUNDS = 300  # of renewed bounds: as it slides, friction gives way step by step
 SHIFT = 1e-6  # least shift of an indefinite matrix: at a limit point next to nothing is negative
-NO_WORK = 1e-4  # share of the load that does work with a mode; less is a bifurcation that is not quite one
+SMALL = 1e-3  # of a mode of length 1, which is moved along
+NO_WORK = 1e-4  # of the load times a mode's largest motion: less work is a bifurcation that is not quite one
 
 
 @part
@@ -40,8 +42,10 @@ def is_limit_point(system, task, work, path):
     factor_state(system, work, work.state, work.history)
     path.spent, path.reuse = path.spent + 1, False
     least_stiffness(system, work, np.inf)
-    load, mode = task.load, work.mode
-    return abs(dot(load, mode)) > NO_WORK * math.sqrt(dot(load, load) * dot(mode, mode))
+    moved(system, work.state, work.mode, SMALL, work.scratch)
+    work_done = system.work(system.reals, system.ints, task.load, work.state, work.scratch)
+    distance, _, _ = displacement_bound(system, work.state, work.scratch, np.inf)
+    return abs(work_done) > NO_WORK * math.sqrt(dot(task.load, task.load)) * distance
 
 
 @part

@@ -18,7 +18,8 @@ from validation.campaign.verdict import CRITICAL, STUCK, Verdict, reached, under
 BRANCH = 1e-6  # difference from the fine run over the largest displacement,
 LEAST_WIDTH = 4e-9  # of the time 0..1: no critical time is bracketed closer
 SOLVER = 1e-8  # or this over the root of the least stiffness: what solvers leave, in the energy norm
-ROUNDING = 4.0 * 2.0**-52  # of the spring's height: positions are no finer
+ROUNDING = 4.0 * 2.0**-52  # of the spring's height: positions are no finer,
+GAPS = 8.0  # and by so much more may gaps differ, after some dozens of operations
 FRICTION, FRICTION_TIME = 1e-3, 5e-3  # the same with friction, which follows the path; of a critical time
 NEAR_CRITICAL = 0.01  # of its time: so near before a critical point paths with friction are not compared
 BETWEEN = 1e-4  # where a column passes its buckling load all but neutral, before the last common state
@@ -91,7 +92,7 @@ def force_grain(path: EquilibriumPath) -> float:
     if not depth > 0.0:
         return 0.0
     stiffness = 2.0 * contact.stiffness * contact.exponent * depth ** (contact.exponent - 1.0)
-    return ROUNDING * path.scene.spring.active_height * stiffness / float(np.abs(path.loads).max())
+    return GAPS * ROUNDING * path.scene.spring.active_height * stiffness / float(np.abs(path.loads).max())
 
 
 def largest_load(path: EquilibriumPath, row: int) -> float:

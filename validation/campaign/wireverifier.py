@@ -20,7 +20,8 @@ from validation.campaign.wirepairs import Pairs, known_pairs
 from validation.study.partialsolve import partial_path
 
 BALANCE = 1e-5  # of the load at the worst node; the wire stretches up to 1e6 times less than the spring
-BEFORE = (1e-6, 4e-6, 1.6e-5)  # shares of the load by which states lie before their critical point
+# Shares of the load by which states lie before their critical point: a pair may close or open near it.
+BEFORE = ((1e-6, 4e-6, 1.6e-5), (1e-7, 4e-7, 1.6e-6), (3e-8, 1.2e-7, 4.8e-7))
 # The same for the least stiffness, which is smooth there: until a pair opens or closes.
 BEFORE_SOFT = ((2e-3, 8e-3, 1.8e-2), (5e-4, 2e-3, 4.5e-3), (1e-4, 4e-4, 9e-4))
 WHOLE = 1e-8  # of the largest force: contact must not pull or turn the whole wire
@@ -100,13 +101,17 @@ def verify_wire_critical(verdict: Verdict, forces: WireForces, case: Case, path:
     if runs.path_dependent(case):
         _verify_softening(verdict, forces, case, critical)
         return
-    before = runs.just_before(verdict, case, critical, BEFORE)
-    for near in before:
-        verify_balance(verdict, forces, near)
-    if not before:
-        return
-    positions = [near.states[-1].reshape(-1, 7)[:, :3].ravel() for near in before]
-    found = fold(positions, [critical * (1.0 - share) for share in BEFORE])
+    found = None
+    for shares in BEFORE:
+        if found is not None or shares[0] * critical < (path.critical_bracket or 0.0):
+            continue
+        before = runs.just_before(verdict, case, critical, shares)
+        for near in before:
+            verify_balance(verdict, forces, near)
+        if not before:
+            return
+        positions = [near.states[-1].reshape(-1, 7)[:, :3].ravel() for near in before]
+        found = fold(positions, [critical * (1.0 - share) for share in shares])
     if found is not None:
         verdict.ask("confirmed", abs(found / critical - 1.0), runs.LOAD, "states tend to a fold elsewhere")
     elif case.scene.load.displacement:
