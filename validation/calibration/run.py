@@ -6,10 +6,11 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 import equivbeam
 from coilspring import Scene, scene_text
 from coilspring.measured import measured, table_of
-from equivbeam.parameters import values
 from validation.study.machine import versions
 from validation.study.output import json_bytes
 from validation.study.partialsolve import partial_path
@@ -24,18 +25,26 @@ def calibrate(
     """
     table = table_of(file)
     found = equivbeam.calibrate(scene, table, names, **options)
-    columns = zip(found.names, found.values, found.errors, values(scene, found.names), strict=True)
+    columns = zip(found.names, found.values, found.errors, found.intervals, found.start, strict=True)
     summary = {
         "scene": scene.name,
         "options": {name: str(value) for name, value in options.items()},
         "parameters": {
             # no standard error where the curve does not determine a value
-            name: {"value": value, "standard_error": error, "start": start, "fitted": name not in found.fixed}
-            for name, value, error, start in columns
+            name: {
+                "value": value,
+                "standard_error": error,
+                "interval": None if np.isnan(error) else interval,
+                "start": start,
+                "fitted": name not in found.fixed,
+            }
+            for name, value, error, interval, start in columns
         },
         "rank": found.rank,
         "residual": found.rms_after,
         "residual_before": found.rms_before,
+        "scatter": found.scatter,
+        "misfit": found.misfit or None,
         "evaluations": found.evaluations,
         "versions": versions(),
     }

@@ -25,7 +25,7 @@ CHOSEN = ("law", "element", "elements_per_turn")  # by an accuracy, besides the 
 LAWS = ("haringx", "helix")  # of a half coil; or a file
 FITTED = (  # by calibrate
     *("axial", "shearing", "bending", "wire_diameter", "mean_diameter", "bottom_diameter", "top_diameter"),
-    *("pitch", "E", "G", "penalty", "exponent"),
+    *("pitch", "E", "G", "penalty", "exponent", "offset"),
 )
 COMMON_OPTIONS = ("steps", "penalty", "geometry")
 CAMPAIGN_RANGES = dict.fromkeys(("beams", "wires"), (0, 10_000_000))  # of the options of stability
