@@ -163,13 +163,13 @@ def test_command(tmp_path, capsys):
         ("solve spring-a --accuracy 1e-6", "accuracy must be a finite number in [1e-05, 0.01], got 1e-06"),
         ("solve spring-a --accuracy few", "accuracy must be a number in [1e-05, 0.01], got 'few'"),
         ("solve spring-a --accuracy 1e-3 --model wirefe", "--model"),
-        ("solve spring-a --accuracy 1e-3 --law helix", "--law is chosen by --accuracy"),
-        ("solve spring-a --accuracy 1e-3 --element curved", "--element is chosen by --accuracy"),
-        ("compare spring-a --accuracy 1e-3 --elements-per-turn 8", "--elements-per-turn is chosen"),
+        ("solve spring-a --accuracy 1e-3 --law helix", "--law cannot stand beside --accuracy, which chooses"),
+        ("solve spring-a --accuracy 1e-3 --element curved", "leave out --element; or leave out --accuracy"),
+        ("compare spring-a --accuracy 1e-3 --elements-per-turn 8", "--elements-per-turn cannot stand"),
         ("solve spring-a --accuracy 1e-3 --tangent exact", "--tangent belongs to --model equivbeam"),
         ("solve spring-a --accuracy 1e-3 --geometry wires --pairs-per-turn 8", "spheres alone, got 8"),
         ("sweep spring-a --vary load.steps=1,2 --accuracy 1 ", "accuracy must be a finite number"),
-        ("sweep spring-a --vary load.steps=1,2 --accuracy 1e-2 --sliding scene", "--sliding is chosen"),
+        ("sweep spring-a --vary load.steps=1,2 --accuracy 1e-2 --sliding scene", "--sliding cannot stand"),
     ],
 )
 def test_what_is_refused(line, said, capsys, tmp_path):

@@ -136,7 +136,10 @@ def refuse_chosen(arguments: argparse.Namespace, names: Sequence[str] = CHOSEN) 
     """Refuse options that an accuracy chooses."""
     for name in given(arguments, names) if arguments.accuracy is not None else ():
         flag = "--" + name.replace("_", "-")
-        raise InputError(f"{flag} is chosen by --accuracy: give one of them")
+        raise InputError(
+            f"{flag} cannot stand beside --accuracy, which chooses law and mesh: leave out {flag}; or leave out "
+            "--accuracy and give the wire model a mesh, as --element curved --elements-per-turn 8"
+        )
 
 
 def refuse_other_models(arguments: argparse.Namespace) -> None:
