@@ -23,7 +23,7 @@ from coilspring import (
 from coilspring.measured import measured, table_of
 from coilspring.path import secants
 from coilspring.scene.scene import load_directions
-from validation.calibration.difference import along_load, difference
+from validation.calibration.difference import along_load, difference, doubts
 from validation.calibration.figure import picture
 from validation.cli.command import main
 
@@ -127,6 +127,9 @@ FORMATS = {
     },
     "tabs, a preamble": {"separator": "\t", "head": "F (N)\ts (mm)", "above": ("Prüfung 7", "Date\t1.2.26")},
     "a line of units": {"head": "Force,Deflection\nN,mm"},
+    "Zwick": {"separator": ";", "decimal": ",", "head": "Standardkraft [N];Standardweg [mm]"},
+    "Instron": {"head": "Load (N),Compressive extension (mm)"},
+    "a displacement": {"head": "Force [N],Displacement [mm]"},
     "underscores": {"head": "force_N,deflection_mm"},
 }
 
@@ -148,7 +151,8 @@ def test_units_and_points_without_load():
 
 
 BAD = {
-    "force,length\n1,2": "curve must have a line with the names",
+    "force,length\n1,2": "line 1 has no column deflection",
+    "time,length\n1,2": "curve must have a line with the names",
     "": "curve must have a line with the names",
     "force,deflection\n": "at least one line of numbers",
     "force,deflection\n1,x": "line 2 must have a number in column 2, got 'x'",
@@ -156,9 +160,26 @@ BAD = {
     "force,deflection\n1,5,2,5": "decimal commas the columns must be separated by semicolons",
     "force [lbf],deflection\n1,2": "column force must be in n or kn, got 'lbf'",
     "force,load,deflection\n1,2,3": "one column force, got several",
-    "force,deflection\n1,nan": "finite numbers",
+    "force,deflection\n1,nan": "bad.csv: line 2 must have a finite number in column 2, got 'nan'",
+    "Time,Standardkraft [N]\n1,2": "bad.csv: line 1 has no column deflection (deflection, travel,",
+    "Weg [mm],t\n1,2": "force, kraft, standardkraft, prüfkraft, federkraft), found 'Weg [mm], t'",
+    "force,deflection\n1,9\n2,8": "bad.csv: deflection must grow with the force",
+    "force,deflection\n1,-1\n2,8": "deflection must not be negative, got -1 to 8 mm",
+    "force,deflection\n1,9\n2,80": "deflection must be below spring.active_height = 28.6 mm, got 80 mm",
     "force,deflection\n1,0\n2,0": "not zero throughout",
 }
+
+
+def test_doubtful_curves():
+    """Coils are solid, and the spring is another one: a warning each."""
+    found = equivbeam.solve(GUIDED, steps=10)
+    deflection, force = along_load(found)
+    assert doubts({"equivbeam": found}, measured({"force": force, "deflection": deflection}, GUIDED)) == []
+    solid, other = doubts(
+        {"equivbeam": found}, measured({"force": force, "deflection": 2.5 * deflection}, GUIDED)
+    )
+    assert "is beyond solid: the spring has 24 mm" in solid
+    assert "equivbeam and the measured curve differ by" in other
 
 
 @pytest.mark.parametrize("text", BAD)

@@ -24,7 +24,7 @@ def calibrate(
     `file`: see `coilspring.measured`; `names`: see `equivbeam.calibrate`; `options`: of `equivbeam.solve`.
     """
     table = table_of(file)
-    found = equivbeam.calibrate(scene, table, names, **options)
+    found = equivbeam.calibrate(scene, file, names, **options)
     columns = zip(found.names, found.values, found.errors, found.intervals, found.start, strict=True)
     summary = {
         "scene": scene.name,
@@ -59,10 +59,11 @@ def calibrate(
     if "force" in table or "load_y" in table:
         from validation.calibration.figure import FIT, load_curves
 
-        curve = measured(table, scene)
+        curve = measured(file, scene)
         start = replace(scene, load=found.path.scene.load)
         paths = {"given": partial_path(equivbeam.solve, start, **options), "calibrated": found.path}
         files["calibration.png"] = load_curves(paths, curve, FIT)
+        lines += [f"warning: {doubt}" for doubt in curve.doubts]
         if curve.left_out:
             lines.append(f"{curve.left_out} points without load left out")
     return files, lines

@@ -137,8 +137,8 @@ def refuse_chosen(arguments: argparse.Namespace, names: Sequence[str] = CHOSEN) 
     for name in given(arguments, names) if arguments.accuracy is not None else ():
         flag = "--" + name.replace("_", "-")
         raise InputError(
-            f"{flag} cannot stand beside --accuracy, which chooses law and mesh: leave out {flag}; or leave out "
-            "--accuracy and give the wire model a mesh, as --element curved --elements-per-turn 8"
+            f"{flag} cannot stand beside --accuracy, which chooses law and mesh: leave out {flag}; or leave "
+            "out --accuracy and give the wire model a mesh, as --element curved --elements-per-turn 8"
         )
 
 

@@ -122,7 +122,7 @@ def compare(arguments: argparse.Namespace) -> int:
             "scene": scene.name,
             **asdict(comparison),
             **{model: str((folder / model).resolve()) for model in paths},
-            "warnings": warnings(scene),
+            "warnings": [*warnings(scene), *(difference.doubts(paths, curve) if curve else [])],
             **{name: getattr(paths[ADAPTIVE], name) for name in ("accuracy", "estimated_error")},
             "outcomes": {model: path.outcome for model, path in paths.items()},
             "notes": [f"{model}: {note}" for model, path in paths.items() for note in notes(path)],
@@ -204,7 +204,7 @@ def _concluded(arguments: argparse.Namespace, found: dict, lines: list[str], *pa
     if arguments.json:
         say(output.json_text(found))
     elif not arguments.quiet:
-        for warning in warnings(paths[0].scene):
+        for warning in found["warnings"]:
             print(f"coilcheck: warning: {warning}", file=sys.stderr)
         say(*lines)
     missed = [f"{path.model}: {path.message}" for path in paths if path.outcome != "completed"]
