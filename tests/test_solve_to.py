@@ -139,6 +139,15 @@ def test_two_levels_that_agree_by_chance_are_confirmed():
     assert [level for level, _ in trials.paths] == [4, 6, 8]
 
 
+def test_progress_says_what_is_solved_and_the_estimate_so_far():
+    lines = []
+    path = wirefe.solve_to(touching(), 1e-3, progress=lines.append)
+    assert lines[0] == f"4 elements per turn, {few(path.scene.load.steps)} steps"
+    assert lines[1].startswith("8 elements per turn,")
+    assert lines[1].endswith(" s CPU")
+    assert "s CPU, estimated error 0.0" in lines[2]
+
+
 def test_the_estimate_is_kept_with_the_path(tmp_path):
     path = wirefe.solve_to(touching(geometry="spheres"), 1e-2)
     path.save(tmp_path / "path.npz")

@@ -184,12 +184,13 @@ def _run(
     progress(f"loading {model}")
     package = import_module(model)  # it alone: numba takes its time
     names: Sequence[str] = MODEL_OPTIONS[model]
-    solver = package.solve
+    solver, options = package.solve, given(arguments, names)
     if model == ADAPTIVE and arguments.accuracy is not None:
-        solver, names = package.solve_to, ("accuracy", "pairs_per_turn")
+        solver, options = package.solve_to, given(arguments, ("accuracy", "pairs_per_turn"))
+        options["progress"] = lambda line: progress(f"solving with {model}: {line}")
     progress(f"solving with {model}")
     try:
-        return partial_path(solver, scene, **given(arguments, names))
+        return partial_path(solver, scene, **options)
     except InputError as error:
         if arguments.scene in CATALOGUE or str(error).partition(".")[0] not in SECTIONS:
             raise
