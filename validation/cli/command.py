@@ -156,7 +156,7 @@ def long_command(arguments: argparse.Namespace) -> int:
     with progress_shown() as progress:
         lines, failure = studies.COMMANDS[arguments.command](arguments, _folder(arguments), progress)
     say(*lines)
-    code = NOT_COMPLETED if arguments.command == "sweep" else REGRESSED
+    code = NOT_COMPLETED if arguments.command in ("sweep", "referee") else REGRESSED
     return _fail(code, failure) if failure else COMPLETED
 
 
