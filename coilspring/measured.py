@@ -30,7 +30,9 @@ KNOWN = {  # names of measured columns, in lower case
 }
 NAMES = {name: kind for kind, names in KNOWN.items() for name in names}
 UNITS = {"force": {"n": 1.0, "kn": 1e3}, "deflection": {"mm": 1.0, "m": 1e3, "um": 1e-3, "µm": 1e-3}}
-HEADER = re.compile(r"(?P<name>[a-zäöüß]+(?: [a-z]+)?)(?:\s*[\[(/_]\s*(?P<unit>[^\])]+?)\s*[\])]?)?")
+HEADER = re.compile(
+    r"(?P<name>[a-zäöüß]+(?: [a-z]+)?)(?:\s*(?:[\[(/_]|\bin\b)\s*(?P<unit>[^\])]+?)\s*[\])]?)?"
+)
 BACKWARDS = 0.05  # of the largest deflection: more of a negative one is no scatter
 EXAMPLE = "a line with the names of the columns, as force,deflection, or those of path.csv"
 

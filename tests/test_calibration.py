@@ -23,6 +23,7 @@ from coilspring import (
 from coilspring.measured import measured, table_of
 from coilspring.path import secants
 from coilspring.scene.scene import load_directions
+from validation.calibration import run
 from validation.calibration.difference import along_load, difference, doubts
 from validation.calibration.figure import picture
 from validation.cli.command import main
@@ -72,6 +73,9 @@ def test_a_bench_curve_gives_back_what_was_put_in(bench, tmp_path, capsys):
         assert found["parameters"][name]["value"] == 1.0
     assert found["rank"] == 1
     assert "bending 1, left at its start" in capsys.readouterr().out
+    soft = replace(GUIDED, factors=Factors(axial=0.5))
+    _, said = run.calibrate(soft, curve, ("axial",))
+    assert "the scene as given is far from the curve, " in said[-1]
     calibrated = load_scene(out / "calibrated.toml")
     assert calibrated == replace(GUIDED, factors=Factors(axial=axial["value"]))
     assert (out / "calibration.png").read_bytes()[:4] == b"\x89PNG"
@@ -130,6 +134,7 @@ FORMATS = {
     "Zwick": {"separator": ";", "decimal": ",", "head": "Standardkraft [N];Standardweg [mm]"},
     "Instron": {"head": "Load (N),Compressive extension (mm)"},
     "a displacement": {"head": "Force [N],Displacement [mm]"},
+    "in": {"head": "Kraft in N,Weg in mm"},
     "underscores": {"head": "force_N,deflection_mm"},
 }
 

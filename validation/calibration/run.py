@@ -15,6 +15,8 @@ from validation.study.machine import versions
 from validation.study.output import json_bytes
 from validation.study.partialsolve import partial_path
 
+FAR = 0.5  # rms difference, over the peaks, of a curve that may not be of this spring
+
 
 def calibrate(
     scene: Scene, file: str | Path, names: tuple[str, ...], **options: Any
@@ -53,6 +55,11 @@ def calibrate(
         "calibrated.toml": scene_text(found.scene).encode(),
     }
     lines = str(found).splitlines()
+    if found.rms_before > FAR:
+        far = f"{100 * found.rms_before:.2g} % of the peaks rms"
+        lines.append(
+            f"warning: the scene as given is far from the curve, {far}: are its spring and the units right?"
+        )
     sliding = scene.contact.sliding
     if scene.contact.enabled and sliding != "free":
         lines.append(f"fitted without the scene's sliding = \"{sliding}\", as the paper's model")

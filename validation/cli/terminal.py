@@ -83,7 +83,7 @@ def notes(path: EquilibriumPath) -> list[str]:
     if path.model == "wirefe" and path.scene.factors.given:
         said.append("without the scene's [factors], which are of the equivalent beam's stiffnesses alone")
     if path.outcome == "completed" and "; " in path.message:
-        said.append(path.message.partition("; ")[2])
+        said.append(path.message.partition("; ")[2].removeprefix("but "))
     return said
 
 
