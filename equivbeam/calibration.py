@@ -172,7 +172,7 @@ def _misfit(rms: float, scatter: float, constant: float) -> str:
     if not (poor or systematic):
         return ""
     what = "the model does not fit the curve" if poor else "the error left is systematic"
-    cure = f"; an offset of the deflection takes {100 * constant:.0f} % of its square away: --fit ...,offset"
+    cure = f"; an offset of the deflection takes {100 * constant:.0f} % of its square away: fit offset too"
     sizes = f"{100 * rms:.2g} % of the peaks rms, where neighbouring points scatter by {100 * scatter:.2g} %"
     return f"{what}: {sizes}{cure if constant > HELPS else ''}"
 
@@ -250,34 +250,30 @@ class CurveFit:
             new[fitted] = x
             return new
 
-        low, high = self.bounds
+        low = np.where(self.lowest > 0.0, np.minimum(self.lowest / self.scale, 1.0 - 1e-9), FAR[0])
         found = least_squares(
             lambda x: self.residuals(shares(x)),
             ones[fitted],
             jac=lambda x: self.rates(shares(x))[:, fitted],
-            bounds=(low[fitted], high[fitted]),
+            bounds=(low[fitted], np.full(fitted.size, FAR[1])),
             xtol=1e-10,
             ftol=1e-12,
         )
         return shares(found.x)
-
-    @property
-    def bounds(self) -> tuple[np.ndarray, np.ndarray]:
-        """Least and largest shares that are searched."""
-        low = np.where(self.lowest > 0.0, np.minimum(self.lowest / self.scale, 1.0 - 1e-9), FAR[0])
-        return low, np.full(low.size, FAR[1])
 
     def doubt(self, shares: np.ndarray, J: np.ndarray, spread: np.ndarray, fitted: np.ndarray) -> str:
         """Why standard errors would mislead, in one sentence; empty where they hold.
 
         One error off in a parameter, the residuals must have changed as their derivatives say.
         """
-        for name, share, low, high in zip(self.names, shares, *self.bounds, strict=True):
-            if min(share - low, high - share) < CLOSE and name in np.array(self.names)[fitted]:
+        for name, share in zip(self.names, shares, strict=True):
+            if np.abs(share - FAR).min() < CLOSE:
                 return f"the search ended at {FAR[0]:g} or {FAR[1]:g} times the start of {name}: begin nearer"
         before = self.residuals(shares)
         for i in fitted if np.isfinite(spread).any() else ():
             for step in (spread[:, i], -spread[:, i]):
+                if (self.scale * (shares + step) < self.lowest)[~self.lag].any():
+                    continue  # out of its range, as an exponent below 1
                 change = self.residuals(shares + step) - before - J @ step
                 if self.path is None or np.linalg.norm(change) > CURVED * np.linalg.norm(J @ step) + ROUNDING:
                     return (

@@ -54,8 +54,8 @@ def spread(
     if slow.size and slow @ slow / slow.size > variance:
         variance, freedom = slow @ slow / slow.size, slow.size
     inverse = np.linalg.pinv(J[:, fitted])
-    covariance = variance * inverse @ inverse.T
-    found[np.ix_(fitted, fitted)] = covariance / np.sqrt(np.diag(covariance))
+    covariance = inverse @ inverse.T  # of residuals with the variance 1
+    found[np.ix_(fitted, fitted)] = np.sqrt(variance / np.diag(covariance)) * covariance
     return found, freedom
 
 

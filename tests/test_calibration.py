@@ -101,11 +101,21 @@ def test_standard_errors_hold_with_scatter_and_with_an_offset(lag):
         noise = np.random.default_rng(seed).normal(scale=0.1, size=forces.size)
         curve = forces, np.interp(forces, force, deflection) + lag + noise
         alone, both = fit(curve, ["axial"]), fit(curve, ["axial", "offset"])
-        assert ("--fit ...,offset" in alone.misfit) == bool(lag)
+        assert ("fit offset too" in alone.misfit) == bool(lag)
         assert not both.misfit
         truths, found = [1.06, 1.06, lag], np.concatenate((alone.intervals, both.intervals))
         held.append([low <= truth <= high for truth, (low, high) in zip(truths, found, strict=True)])
     assert (np.mean(held, axis=0) >= 0.95).all()
+
+
+def test_an_exponent_of_one_has_an_error():
+    """It is at the end of its range, which no step can pass, not at that of the search."""
+    scene = replace(spring_b(), contact=replace(spring_b().contact, sliding="free", stiffness=2e3))
+    force, deflection = measured_of(scene)
+    noise = np.random.default_rng(0).normal(scale=NOISE, size=force.size)
+    found = fit((force, deflection + noise), ["axial", "exponent", "offset"], scene)
+    assert np.isfinite(found.errors).all()
+    assert found.misfit == ""
 
 
 def test_no_standard_error_at_the_edge_of_what_a_model_reaches():
