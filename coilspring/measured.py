@@ -56,9 +56,9 @@ def measured(source: Mapping[str, np.ndarray] | pd.DataFrame | str | Path, scene
     ------
     InputError : what is no measured curve, or a scene whose load has several directions, in one sentence.
     """
-    columns = table_of(source)
+    columns, direction = table_of(source), scene.direction
     with _named(source):
-        return _along_load(columns, scene)
+        return _along_load(columns, direction, scene)
 
 
 @contextmanager
@@ -70,9 +70,9 @@ def _named(source: object) -> Iterator[None]:
         raise InputError(f"{source}: {error}" if isinstance(source, str | Path) else str(error)) from None
 
 
-def _along_load(columns: Mapping[str, np.ndarray], scene: Scene) -> Measured:
-    """Force and deflection of columns, along a scene's load."""
-    x, y = scene.direction
+def _along_load(columns: Mapping[str, np.ndarray], direction: tuple[float, float], scene: Scene) -> Measured:
+    """Force and deflection of columns, along the direction of a scene's load."""
+    x, y = direction
     if "force" in columns:
         force, deflection = columns["force"], columns["deflection"]
     else:
@@ -95,16 +95,14 @@ def _along_load(columns: Mapping[str, np.ndarray], scene: Scene) -> Measured:
     rest = "it counts from the spring at rest, along the load"
     if not np.allclose(force, force[0]) and np.polyfit(force, deflection, 1)[0] <= 0.0:
         raise InputError(f"deflection must grow with the force: {rest}")
-    if deflection.min() < -BACKWARDS * deflection.max():
-        least, most = deflection.min(), deflection.max()
+    least, most, height = deflection.min(), deflection.max(), scene.spring.active_height
+    if least < -BACKWARDS * most:
         raise InputError(f"deflection must not be negative, got {least:.4g} to {most:.4g} mm: {rest}")
-    doubts, most, height = [], float(deflection.max()), scene.spring.active_height
     if y == -1.0 and most > height:
         raise InputError(f"deflection must be below spring.active_height = {height:g} mm, got {most:.4g} mm")
+    doubts = []
     if y == -1.0 and most > (travel := sizes(scene).travel):
-        doubts.append(
-            f"the measured deflection, {most:.4g} mm, is beyond solid: the spring has {travel:.4g} mm"
-        )
+        doubts.append(f"the measured deflection of {most:.4g} mm is beyond solid: there are {travel:.4g} mm")
     return Measured(force, deflection, int(np.count_nonzero(~loaded)), tuple(doubts))
 
 

@@ -193,7 +193,7 @@ def test_doubtful_curves():
     solid, other = doubts(
         {"equivbeam": found}, measured({"force": force, "deflection": 2.5 * deflection}, GUIDED)
     )
-    assert "is beyond solid: the spring has 24 mm" in solid
+    assert "is beyond solid: there are 24 mm" in solid
     assert "equivbeam and the measured curve differ by" in other
 
 
@@ -221,6 +221,8 @@ def test_bad_requests(tmp_path, capsys):
     stages = replace(GUIDED, load=Load(stages=((0.0, -4.0), (3.0, -4.0))), supports=Supports())
     with pytest.raises(InputError, match="stages must be in one direction"):
         measured(table_of(curve), stages)
+    with pytest.raises(InputError, match=r"^load.stages"):
+        measured(curve, stages)  # the scene's mistake, not the file's
 
 
 def test_a_force_that_the_spring_does_not_reach(tmp_path, capsys):
