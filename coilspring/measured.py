@@ -5,7 +5,8 @@ from __future__ import annotations
 import csv
 import math
 import re
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -14,19 +15,25 @@ import numpy as np
 
 from coilspring.errors import InputError, shown
 from coilspring.scene import Scene
+from coilspring.scene.sizing import sizes
 
 if TYPE_CHECKING:
     import pandas as pd
 
 PATH_COLUMNS = ("time", "load_x", "load_y", "ux", "uy", "rotz")
-NAMES = {  # of a measured column, in lower case
-    **dict.fromkeys(("force", "load", "f", "kraft"), "force"),
-    **dict.fromkeys(
-        ("deflection", "travel", "stroke", "compression", "displacement", "s", "weg"), "deflection"
+KNOWN = {  # names of measured columns, in lower case
+    "force": ("force", "load", "f", "standard force", "kraft", "standardkraft", "prüfkraft", "federkraft"),
+    "deflection": (
+        *("deflection", "travel", "stroke", "compression", "displacement", "extension", "s"),
+        *("compressive extension", "standard travel", "weg", "standardweg", "federweg"),
     ),
 }
+NAMES = {name: kind for kind, names in KNOWN.items() for name in names}
 UNITS = {"force": {"n": 1.0, "kn": 1e3}, "deflection": {"mm": 1.0, "m": 1e3, "um": 1e-3, "µm": 1e-3}}
-HEADER = re.compile(r"(?P<name>[a-z]+)(?:\s*[\[(/_]\s*(?P<unit>[^\])]+?)\s*[\])]?)?")
+HEADER = re.compile(
+    r"(?P<name>[a-zäöüß]+(?: [a-z]+)?)(?:\s*(?:[\[(/_]|\bin\b)\s*(?P<unit>[^\])]+?)\s*[\])]?)?"
+)
+BACKWARDS = 0.05  # of the largest deflection: more of a negative one is no scatter
 EXAMPLE = "a line with the names of the columns, as force,deflection, or those of path.csv"
 
 
@@ -37,6 +44,7 @@ class Measured:
     force: np.ndarray  # (points,) N; in the file's order, which need not be monotone
     deflection: np.ndarray  # (points,) mm
     left_out: int  # points without load, which say nothing
+    doubts: tuple[str, ...] = ()  # sentences on what is possible, but far off
 
 
 def measured(source: Mapping[str, np.ndarray] | pd.DataFrame | str | Path, scene: Scene) -> Measured:
@@ -48,8 +56,23 @@ def measured(source: Mapping[str, np.ndarray] | pd.DataFrame | str | Path, scene
     ------
     InputError : what is no measured curve, or a scene whose load has several directions, in one sentence.
     """
-    columns = table_of(source)
-    x, y = scene.direction
+    columns, direction = table_of(source), scene.direction
+    with _named(source):
+        return _along_load(columns, direction, scene)
+
+
+@contextmanager
+def _named(source: object) -> Iterator[None]:
+    """Put a file's name before what is wrong with it."""
+    try:
+        yield
+    except InputError as error:
+        raise InputError(f"{source}: {error}" if isinstance(source, str | Path) else str(error)) from None
+
+
+def _along_load(columns: Mapping[str, np.ndarray], direction: tuple[float, float], scene: Scene) -> Measured:
+    """Force and deflection of columns, along the direction of a scene's load."""
+    x, y = direction
     if "force" in columns:
         force, deflection = columns["force"], columns["deflection"]
     else:
@@ -68,7 +91,19 @@ def measured(source: Mapping[str, np.ndarray] | pd.DataFrame | str | Path, scene
     loaded = force > 0.0
     if not loaded.any() or not (deflection[loaded] != 0.0).any():
         raise InputError("curve must have forces and deflections that are not zero throughout")
-    return Measured(force[loaded], deflection[loaded], int(np.count_nonzero(~loaded)))
+    force, deflection = force[loaded], deflection[loaded]
+    rest = "it counts from the spring at rest, along the load"
+    if not np.allclose(force, force[0]) and np.polyfit(force, deflection, 1)[0] <= 0.0:
+        raise InputError(f"deflection must grow with the force: {rest}")
+    least, most, height = deflection.min(), deflection.max(), scene.spring.active_height
+    if least < -BACKWARDS * most:
+        raise InputError(f"deflection must not be negative, got {least:.4g} to {most:.4g} mm: {rest}")
+    if y == -1.0 and most > height:
+        raise InputError(f"deflection must be below spring.active_height = {height:g} mm, got {most:.4g} mm")
+    doubts = []
+    if y == -1.0 and most > (travel := sizes(scene).travel):
+        doubts.append(f"the measured deflection of {most:.4g} mm is beyond solid: there are {travel:.4g} mm")
+    return Measured(force, deflection, int(np.count_nonzero(~loaded)), tuple(doubts))
 
 
 def table_of(source: Mapping[str, np.ndarray] | pd.DataFrame | str | Path) -> dict[str, np.ndarray]:
@@ -80,10 +115,8 @@ def table_of(source: Mapping[str, np.ndarray] | pd.DataFrame | str | Path) -> di
     """
     if isinstance(source, str | Path):
         text = _text(Path(source))
-        try:
+        with _named(source):
             found = _parsed(text)
-        except InputError as error:
-            raise InputError(f"{source}: {error}") from None
     else:
         heads = _heads([str(name) for name in source])
         try:
@@ -127,14 +160,19 @@ def _parsed(text: str) -> dict[str, np.ndarray]:
 
 def _header(lines: list[tuple[int, str]]) -> tuple[list[tuple[str, float]], str, list[tuple[int, list[str]]]]:
     """Names and units of the columns, what separates them, and the cells of the lines below, numbered."""
-    for place, (_, line) in enumerate(lines):
+    half = ""  # what is wrong with the first line that has one column of the two
+    for place, (number, line) in enumerate(lines):
         separator = next((mark for mark in ";\t" if mark in line), ",")
         cells = next(csv.reader([line], delimiter=separator))
         names = {name for name, _ in map(_head, cells)}
+        for kind in KNOWN if names & KNOWN.keys() and not half else ():
+            if kind not in names:
+                found = ", ".join(cell.strip() for cell in cells)
+                half = f"line {number} has no column {kind} ({', '.join(KNOWN[kind])}), found {shown(found)}"
         if names >= {"force", "deflection"} or ("time" in names and names & {"ux", "uy", "rotz"}):
             rows = [(i, next(csv.reader([row], delimiter=separator))) for i, row in lines[place + 1 :]]
             return _heads(cells), separator, rows
-    raise InputError(f"curve must have {EXAMPLE}, got {shown(lines[0][1] if lines else '')}")
+    raise InputError(half or f"curve must have {EXAMPLE}, got {shown(lines[0][1] if lines else '')}")
 
 
 def _head(cell: str) -> tuple[str, str | None]:
@@ -185,4 +223,6 @@ def _number(line: int, cells: list[str], column: int, separator: str, columns: i
         raise InputError(
             f"line {line} must have a number in column {column + 1}, got {shown(cell)}"
         ) from None
-    return value if math.isfinite(value) else math.nan
+    if not math.isfinite(value):
+        raise InputError(f"line {line} must have a finite number in column {column + 1}, got {shown(cell)}")
+    return value

@@ -218,13 +218,18 @@ class EquilibriumPath:
         With friction, in which the tangent is that of one direction of sliding, and of a law that this
         process does not know, it is the difference from the row before.
         """
+        return self.rates_at(slice(None))
+
+    def rates_at(self, rows: slice) -> np.ndarray:
+        """The `rates` of some steps."""
         mu, directions = self.shape.pair_law.mu, load_directions(self.scene, self.times)
-        if self.histories is not None and 0.0 < mu < np.inf and self.scene.contact.enabled:
-            return secants(self, directions)
+        histories = None if self.histories is None else self.histories[rows]
+        if histories is not None and 0.0 < mu < np.inf and self.scene.contact.enabled:
+            return secants(self, directions)[rows]
         try:
-            return self.shape.rates(self.states, self.histories, directions)
+            return self.shape.rates(self.states[rows], histories, directions[rows])
         except InputError:
-            return secants(self, directions)
+            return secants(self, directions)[rows]
 
     @cached_property
     def max_stress(self) -> np.ndarray | None:

@@ -38,6 +38,8 @@ class Outcome:
     tip : UX, UY, ROTZ at the last time reached, mm, rad; None where there is none.
     load : Fx, Fy at the top there, N; of a prescribed displacement the reaction; None where there is none.
     active_contacts, max_penetration, max_contact_force : there; pairs, mm, N.
+    rate : dF/du along the load there, N/mm, or None; see `EquilibriumPath.rates`.
+    max_stress : of the wire there, MPa; None of the equivalent beam; see `EquilibriumPath.max_stress`.
     critical_time : of a critical point, or None.
     total_iterations : factorisations.
     """
@@ -52,6 +54,8 @@ class Outcome:
     total_iterations: int = 0
     load: tuple[float, float] | None = None
     max_contact_force: float = 0.0
+    rate: float | None = None
+    max_stress: float | None = None
 
 
 def jobs(
@@ -129,7 +133,8 @@ def _outcome(path: EquilibriumPath) -> Outcome:
     spent: dict[str, Any] = {"critical_time": path.critical_time, "total_iterations": path.total_iterations}
     if not len(path.times):
         return Outcome(path.outcome, path.message, **spent)
-    law, gaps = path.shape.pair_law, path.shape.pair_gaps(path.states[-1:])
+    law, last = path.shape.pair_law, path.states[-1:]
+    gaps, stress = path.shape.pair_gaps(last), path.shape.largest_stresses(last)
     return Outcome(
         path.outcome,
         path.message,
@@ -139,5 +144,7 @@ def _outcome(path: EquilibriumPath) -> Outcome:
         active_contacts=int(np.count_nonzero(gaps < 0.0)),
         max_penetration=float(np.maximum(-gaps, 0.0).max(initial=0.0)),
         max_contact_force=float(normal_forces(-gaps, law.kc, law.k).max(initial=0.0)),
+        rate=float(path.rates_at(slice(-1, None))[0]),
+        max_stress=None if stress is None else float(stress[0]),
         **spent,
     )

@@ -12,6 +12,8 @@ import numpy as np
 from coilspring.errors import EquilibriumNotFound, InputError, shown
 from coilspring.path import EquilibriumPath
 from coilspring.scene import Factors, Scene, require_scene
+from equivbeam import fiterrors
+from equivbeam.fiterrors import constant_part, independent, undetermined
 from equivbeam.loadcurve import LoadCurve, read_curve
 from equivbeam.parameters import FACTORS, values, varied
 from equivbeam.sensitivity import sensitivities
@@ -20,14 +22,17 @@ from equivbeam.solve import solve
 if TYPE_CHECKING:
     import pandas as pd
 
-# Singular values of the derivatives, of residuals over peaks by relative changes, over the largest one or 1:
-# differences leave up to 6e-10 of what is zero; the weakest direction that was met in the paper's springs
-# and in guided ones is 2e-7 (an exponent beside a penalty).
-RESOLVED = 1e-8
 SCATTER = 0.5  # standard error over the value, above which it is not told from 0 with 95 % confidence
 FAR = (0.2, 5.0)  # share of its value at the start between which a parameter is searched
+OFFSET = "offset"  # of the curve's deflection, mm: a parameter beside those of the scene
+CLOSE = 1e-3  # to a bound of the search: the fit has stopped at it
+CURVED = 1.0  # relative error of the derivatives over a step of one standard error, at most
+ROUNDING = 1e-6  # of the residuals, over the peaks
+HELPS = 0.5  # share of the square of the error left that an offset takes away, to be named
 LOST = 1.0  # error, over the peak, of rows that a trial does not reach
-TRADED = 1e-3  # relative change of a parameter, for another's by its whole value, that counts
+POOR = 0.03  # rms error, over the peaks, above which a model does not fit
+SYSTEMATIC = 1.5  # times the scatter between neighbouring points, above which an rms error is no scatter
+CONFIDENCE = 0.95
 
 
 @dataclass(frozen=True)
@@ -37,43 +42,61 @@ class Calibration:
     Attributes
     ----------
     scene : the one given, with the fitted parameters.
-    names, values : of the parameters.
-    errors : their standard errors, from the residuals and the curve's derivatives, if the model is right;
-        nan for undetermined parameters, and for all where the curve has no more numbers than `rank`.
+    names, values, start : of the parameters; those at which the search began.
+    errors : their standard errors, from the residuals and the curve's derivatives; nan for undetermined
+        parameters, and for all where the curve has no more numbers than `rank` or `misfit` says why.
+    freedom : degrees of freedom of Student's distribution of the errors.
     rank : of the curve's derivatives by the parameters: so many were fitted.
     undetermined : names of parameters that can change, some together, without moving the curve, or whose
         standard error is more than half of the value.
     fixed : those of them that stay at their start; the values of the others hold for these.
+    misfit : what tells that the model does not follow the curve, in one sentence; empty where it does.
     path : of the fitted scene, under the curve's load.
     rms_before, rms_after : root mean square error over the peaks of the columns.
+    scatter : of the curve's points from their neighbours, in the same measure.
     evaluations : paths followed.
     """
 
     scene: Scene
     names: tuple[str, ...]
     values: np.ndarray
+    start: np.ndarray
     errors: np.ndarray
+    freedom: int
     rank: int
     undetermined: tuple[str, ...]
     fixed: tuple[str, ...]
+    misfit: str
     path: EquilibriumPath
     rms_before: float
     rms_after: float
+    scatter: float
     evaluations: int
+
+    @property
+    def intervals(self) -> np.ndarray:
+        """Confidence intervals of 95 %, (parameters, 2); nan without a standard error."""
+        from scipy.special import stdtrit
+
+        half = self.errors * stdtrit(max(self.freedom, 1), 0.5 + 0.5 * CONFIDENCE)
+        return np.stack((self.values - half, self.values + half), axis=1)
 
     def __str__(self) -> str:
         """A line for each parameter, and one for the fit."""
         lines = []
-        for name, value, error in zip(self.names, self.values, self.errors, strict=True):
+        columns = (self.names, self.values, self.errors, self.intervals)
+        for name, value, error, (low, high) in zip(*columns, strict=True):
             if name in self.fixed:
                 what = "left at its start: the curve does not determine it"
             elif name in self.undetermined:
                 what = "with those left that can stand for it: the curve does not determine it alone"
             else:
-                what = "standard error unknown" if np.isnan(error) else f"+- {error:.2g}"
+                known = f"standard error {error:.2g}, 95 % interval {low:.6g} to {high:.6g}"
+                what = "standard error unknown" if np.isnan(error) else known
             lines.append(f"{name} {value:.6g}, {what}")
         fit = f"rms error {self.rms_before:.2g} -> {self.rms_after:.2g} of the curve's peaks"
-        return "\n".join((*lines, f"{self.rank} of {len(self.names)} parameters fitted; {fit}"))
+        lines.append(f"{self.rank} of {len(self.names)} parameters fitted; {fit}")
+        return "\n".join([*lines, *([f"warning: {self.misfit}"] if self.misfit else [])])
 
 
 def calibrate(
@@ -98,7 +121,7 @@ def calibrate(
     parameters : sequence of str
         penalty, exponent, E, G, the dimensions, and with the paper's law the factors axial, shearing,
         bending; names as in `equivbeam.sensitivities`. Of those that stand for each other the first is
-        fitted.
+        fitted. Besides, ``offset``: the curve's deflection of the spring at rest, mm.
     **options
         Those of `equivbeam.solve`.
 
@@ -115,27 +138,43 @@ def calibrate(
     law, factor = options.get("law", "haringx"), next((name for name in names if name in FACTORS), None)
     if factor and law != "haringx":
         raise InputError(f"{factor} can be fitted with the law haringx alone, got {shown(law)}")
-    start = values(scene, names)
-    fit = CurveFit(names, start, read_curve(curve, scene), options)
+    fit = CurveFit(names, read_curve(curve, scene), options)
     before = fit.at_start()
     shares, J, fitted, doubtful = fit.solved()
-    after = fit.residuals(shares)
-    assert fit.path is not None  # the best point is one that was reached
-    undetermined = _undetermined(J, fitted, doubtful)
-    errors = np.where(undetermined, np.nan, start * _errors(J, fitted, after))
+    after, path, evaluations = fit.residuals(shares), fit.path, fit.evaluations
+    assert path is not None  # the best point is one that was reached
+    lost = undetermined(J, fitted, doubtful)
+    spread, freedom = fiterrors.spread(J, fitted, after, fit.curve.times)
+    doubt = fit.doubt(shares, J, spread, fitted)
+    rms, scatter = float(np.sqrt(np.mean(after**2))), fiterrors.scatter(after, fit.curve.times)
     return Calibration(
-        scene=varied(scene, names, start * shares),
+        scene=fit.scene_of(shares, scene),
         names=names,
-        values=start * shares,
-        errors=errors,
+        values=fit.values(shares),
+        start=fit.values(np.ones(len(names))),
+        errors=np.where(lost | bool(doubt), np.nan, fit.scale * np.diag(spread)),
+        freedom=freedom,
         rank=fitted.size,
-        undetermined=tuple(name for name, lost in zip(names, undetermined, strict=True) if lost),
+        undetermined=tuple(name for name, gone in zip(names, lost, strict=True) if gone),
         fixed=tuple(name for i, name in enumerate(names) if i not in fitted),
-        path=fit.path,
+        misfit="; ".join(filter(None, (_misfit(rms, scatter, constant_part(J[:, fitted], after)), doubt))),
+        path=path,
         rms_before=float(np.sqrt(np.mean(before**2))),
-        rms_after=float(np.sqrt(np.mean(after**2))),
-        evaluations=fit.evaluations,
+        rms_after=rms,
+        scatter=scatter,
+        evaluations=evaluations,
     )
+
+
+def _misfit(rms: float, scatter: float, constant: float) -> str:
+    """In words that the error left is no scatter, or nothing; `constant`: the share of an offset in it."""
+    poor, systematic = rms > POOR, rms > SYSTEMATIC * scatter
+    if not (poor or systematic):
+        return ""
+    what = "the model does not fit the curve" if poor else "the error left is systematic"
+    cure = f"; an offset of the deflection takes {100 * constant:.0f} % of its square away: fit offset too"
+    sizes = f"{100 * rms:.2g} % of the peaks rms, where neighbouring points scatter by {100 * scatter:.2g} %"
+    return f"{what}: {sizes}{cure if constant > HELPS else ''}"
 
 
 class CurveFit:
@@ -145,15 +184,27 @@ class CurveFit:
     why. `evaluations` counts the paths followed.
     """
 
-    def __init__(
-        self, names: tuple[str, ...], start: np.ndarray, curve: LoadCurve, options: Mapping[str, Any]
-    ) -> None:
-        self.names, self.start, self.curve, self.options = names, start, curve, options
+    def __init__(self, names: tuple[str, ...], curve: LoadCurve, options: Mapping[str, Any]) -> None:
+        if OFFSET in names and curve.peaks.size > 1:
+            raise InputError(f"{OFFSET} can be fitted to force and deflection, got a curve in ux, uy or rotz")
+        self.names, self.curve, self.options = names, curve, options
+        self.of_scene = tuple(name for name in names if name != OFFSET)
+        self.lag = np.array([name == OFFSET for name in names])  # of these parameters the one, if any
+        self.scale = np.full(len(names), curve.peaks[0])  # of the shares
+        self.scale[~self.lag] = values(curve.scene, self.of_scene)
         self.lowest = np.array([1.0 if name == "exponent" else 0.0 for name in names])  # of the values
         self.path: EquilibriumPath | None = None
         self.failure: EquilibriumNotFound | InputError | None = None
         self.evaluations = 0
         self._at: np.ndarray | None = None
+
+    def values(self, shares: np.ndarray) -> np.ndarray:
+        """Values of the parameters; an offset starts at 0, with a share of 1."""
+        return np.maximum(self.scale * (shares - self.lag), np.where(self.lag, -np.inf, self.lowest))
+
+    def scene_of(self, shares: np.ndarray, scene: Scene) -> Scene:
+        """A scene with the values of its parameters."""
+        return varied(scene, self.of_scene, self.values(shares)[~self.lag])
 
     def at_start(self) -> np.ndarray:
         """Residuals of the scene as given; raises why it does not reach the curve's end."""
@@ -175,12 +226,13 @@ class CurveFit:
         while True:
             shares = self.best(fitted)
             J = self.rates(shares)
-            known = fitted[_independent(J[:, fitted])]
+            known = fitted[independent(J[:, fitted])]
             if known.size == fitted.size:
-                scatter = (_errors(J, fitted, self.residuals(shares)) / shares)[fitted]
-                if not (scatter > SCATTER).any():
+                spread, _ = fiterrors.spread(J, fitted, self.residuals(shares), self.curve.times)
+                relative = (np.diag(spread) / shares)[fitted]
+                if not (relative > SCATTER).any():
                     return shares, J, fitted, doubtful
-                worst = int(np.nanargmax(scatter))
+                worst = int(np.nanargmax(relative))
                 doubtful.append(int(fitted[worst]))
                 known = np.delete(fitted, worst)
             fitted = known
@@ -198,7 +250,7 @@ class CurveFit:
             new[fitted] = x
             return new
 
-        low = np.where(self.lowest > 0.0, np.minimum(self.lowest / self.start, 1.0 - 1e-9), FAR[0])
+        low = np.where(self.lowest > 0.0, np.minimum(self.lowest / self.scale, 1.0 - 1e-9), FAR[0])
         found = least_squares(
             lambda x: self.residuals(shares(x)),
             ones[fitted],
@@ -209,62 +261,52 @@ class CurveFit:
         )
         return shares(found.x)
 
+    def doubt(self, shares: np.ndarray, J: np.ndarray, spread: np.ndarray, fitted: np.ndarray) -> str:
+        """Why standard errors would mislead, in one sentence; empty where they hold.
+
+        One error off in a parameter, the residuals must have changed as their derivatives say.
+        """
+        for name, share in zip(self.names, shares, strict=True):
+            if np.abs(share - FAR).min() < CLOSE:
+                return f"the search ended at {FAR[0]:g} or {FAR[1]:g} times the start of {name}: begin nearer"
+        before = self.residuals(shares)
+        for i in fitted if np.isfinite(spread).any() else ():
+            for step in (spread[:, i], -spread[:, i]):
+                if (self.scale * (shares + step) < self.lowest)[~self.lag].any():
+                    continue  # out of its range, as an exponent below 1
+                change = self.residuals(shares + step) - before - J @ step
+                if self.path is None or np.linalg.norm(change) > CURVED * np.linalg.norm(J @ step) + ROUNDING:
+                    return (
+                        f"no standard errors: one error off in {self.names[i]}, the path ends before the "
+                        "largest force, or is no longer linear in the parameters"
+                    )
+        return ""
+
     def residuals(self, shares: np.ndarray) -> np.ndarray:
         """Differences of the columns over their peaks, flat."""
         self._follow(shares)
         if self.path is None:
             return np.full(self.curve.shares.size, LOST)
-        return (self.curve.along(self.path, self.path.tips) - self.curve.shares).ravel()
+        offset = float((shares - 1.0) @ self.lag)
+        return (self.curve.along(self.path, self.path.tips) + offset - self.curve.shares).ravel()
 
     def rates(self, shares: np.ndarray) -> np.ndarray:
         """Derivatives of the residuals, shape (residuals, parameters)."""
         self._follow(shares)
-        curve = self.curve
-        if self.path is None:
-            return np.zeros((curve.shares.size, len(self.names)))
-        found = sensitivities(self.path, self.names).tips * self.start[:, None]
-        return np.stack([curve.along(self.path, rates).ravel() for rates in found.swapaxes(0, 1)], axis=1)
+        J = np.zeros((self.curve.shares.size, len(self.names)))
+        if self.path is not None:
+            J[:, self.lag] = 1.0
+            found = sensitivities(self.path, self.of_scene).tips * self.scale[~self.lag, None]
+            for column, rates in zip(np.flatnonzero(~self.lag), found.swapaxes(0, 1), strict=True):
+                J[:, column] = self.curve.along(self.path, rates).ravel()
+        return J
 
     def _follow(self, shares: np.ndarray) -> None:
         if self._at is not None and np.array_equal(self._at, shares):
             return
         self._at, self.path, self.failure = shares.copy(), None, None
         self.evaluations += 1
-        new = np.maximum(self.start * shares, self.lowest)
         try:
-            self.path = solve(varied(self.curve.scene, self.names, new), **self.options)
+            self.path = solve(self.scene_of(shares, self.curve.scene), **self.options)
         except (EquilibriumNotFound, InputError) as failure:
             self.failure = failure
-
-
-def _independent(J: np.ndarray) -> list[int]:
-    """Columns, from the first on, that add to the rank; J are residuals over peaks by shares."""
-    kept: list[int] = []
-    least = RESOLVED * max(float(np.linalg.norm(J, 2)), 1.0) if J.size else 0.0
-    for i in range(J.shape[1]):
-        if np.linalg.matrix_rank(J[:, [*kept, i]], tol=least) > len(kept):
-            kept.append(i)
-    return kept
-
-
-def _undetermined(J: np.ndarray, fitted: np.ndarray, doubtful: list[int]) -> np.ndarray:
-    """Whether each parameter has a part in the null space, or is `doubtful`, shape (parameters,).
-
-    A parameter that was not fitted is undetermined together with those whose change makes up for its own.
-    """
-    lost = np.ones(J.shape[1], dtype=bool)
-    lost[[*fitted, *doubtful]] = False
-    instead = np.linalg.lstsq(J[:, fitted], J[:, lost], rcond=None)[0]
-    lost[fitted] = (np.abs(instead) > TRADED).any(axis=1)
-    lost[doubtful] = True
-    return lost
-
-
-def _errors(J: np.ndarray, fitted: np.ndarray, residuals: np.ndarray) -> np.ndarray:
-    """Standard errors of the shares, nan where there is none."""
-    errors = np.full(J.shape[1], np.nan)
-    spare = residuals.size - fitted.size
-    if spare > 0:
-        scatter = np.sqrt(residuals @ residuals / spare)
-        errors[fitted] = scatter * np.linalg.norm(np.linalg.pinv(J[:, fitted]), axis=1)
-    return errors

@@ -40,9 +40,10 @@ class LoadCurve(NamedTuple):
 def read_curve(curve: EquilibriumPath | pd.DataFrame | str | Path, scene: Scene) -> LoadCurve:
     """The curve of a path, a table or a CSV file, of a spring loaded as in a scene."""
     # rates and stresses of a path are not asked for
-    table = table_of(curve.curve if isinstance(curve, EquilibriumPath) else curve)
+    source = curve.curve if isinstance(curve, EquilibriumPath) else curve
+    table = table_of(source)
     if "force" in table or scene.load.displacement:
-        found = measured(table, scene)
+        found = measured(source, scene)
         peak, (x, y) = float(found.force.max()), scene.direction
         loaded = replace(scene, load=Load((x * peak, y * peak)))
         times, columns, directions = found.force / peak, [found.deflection], np.array([[x, y, 0.0]])

@@ -611,11 +611,15 @@ def test_a_jump_claimed_where_the_path_goes_on_is_caught():
 # several seeds
 
 
-def test_one_page_of_several_seeds(tmp_path):
+def test_one_page_of_several_seeds(tmp_path, capsys):
     run.campaign(tmp_path, beams=4, wires=0, seeds=(SEED,), workers=0)
     computed = read_rows(tmp_path / "stability.csv")
     assert run.campaign(tmp_path, beams=4, wires=0, seeds=(SEED, 7), workers=0) == 0
     rows = read_rows(tmp_path / "stability.csv")
+    said = capsys.readouterr().out.splitlines()
+    assert said[-1].startswith("8 scenes: ")
+    for name, count in rows["class"].value_counts().items():
+        assert f" {count} {name}" in said[-1]
     assert list(zip(rows["seed"], rows["id"], strict=True)) == [
         (seed, case_id("b", number)) for seed in ("1", "7") for number in range(4)
     ]

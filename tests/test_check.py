@@ -344,3 +344,10 @@ def test_coils_are_looked_at_along_all_sections():
     np.testing.assert_allclose(coils.turns[[0, POINTS - 1, POINTS, -1]], [0.0, 2.0, 2.0, 3.0])
     np.testing.assert_allclose(np.interp([0.5, 1.0, 2.9], coils.turns, coils.diameter), [9.0, 10.0, 12.0])
     np.testing.assert_allclose(np.interp([1.9, 2.5], coils.turns, coils.pitch), [2.0, 2.5])
+
+
+def test_a_spring_that_is_pulled_grows_longer():
+    lines, _ = report(scene_of(force=20.0))
+    (said,) = (line for line in lines if "axial load" in line)
+    assert said.startswith("  axial load    20 N, which lengthens it by ")
+    assert said.endswith(" mm, by the same formula")

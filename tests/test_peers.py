@@ -13,7 +13,7 @@ import pytest
 import wirefe
 from coilspring import Contact, InputError, Load, Scene, Spring, load_scene, spring_a, spring_b
 from validation.cli import main
-from validation.peers import calculix, page
+from validation.peers import calculix, comparison, page
 from validation.peers.comparison import PeerComparison
 from validation.peers.layout import Curve, layout
 from wirefe.contact.points import contact_points
@@ -152,6 +152,20 @@ def test_calculix_agrees_as_far_as_its_solids_are_beams(tmp_path):
     assert 1e-4 < difference("spring-b-no-contact", "calculix", "2", tmp_path) < 0.02
 
 
+def test_referee_says_that_a_path_ended_early(tmp_path, monkeypatch, capsys):
+    """Frictionless spheres of Spring B slide off each other: exit code 3, and why."""
+    curve = Curve("calculix", np.array([0.5]), np.array([[0.0, -10.0, 0.0]]), 1.0)
+    monkeypatch.setitem(comparison.PEERS, "calculix", lambda scene: curve)
+    arguments = ["referee", "spring-b", "--with", "calculix", "--steps", "2", "--out", str(tmp_path)]
+    assert main(arguments) == 3
+    said = capsys.readouterr()
+    assert "wirefe: limit point" in said.out
+    assert "wirefe: limit point" in said.err
+    early = json.loads((tmp_path / "calculix.json").read_text(encoding="utf-8"))["ended_early"]
+    assert early[0].startswith("wirefe: limit point")
+    assert early[1].startswith("calculix ended early, after 1 of 2 steps")
+
+
 def short(**load):
     """Two and a half coils, contact of spheres, which the loads here do not close; a free top."""
     spring = Spring(wire_diameter=1.5, mean_diameter=10.0, active_coils=2.5, active_height=8.0)
@@ -241,6 +255,8 @@ def test_the_difference_is_of_the_peak_as_far_as_both_go():
     nothing = compared(4, 0)
     assert np.isnan(nothing.difference)
     assert nothing.lines()[-1] == "no step in common"
+    assert nothing.lines()[-2] == "opensees ended early, after 0 of 4 steps, and does not say why"
+    assert compared(4, 4).early == []
     assert "opensees: no step reached" in nothing.lines()[1]
 
 
@@ -259,3 +275,5 @@ def test_the_page_has_both_codes_at_the_last_common_step():
     assert cells[:5] == ["spring-b", "4", "2", "0.5", "wirefe"]
     assert "| 0.1000 | 2 |" in second
     assert "steps, opensees" in text
+    assert "- spring-b does not reach full load: opensees ended early, after 2 of 4 steps" in text
+    assert "full load:" not in page.page("opensees", {"spring-b": compared(4, 4)})

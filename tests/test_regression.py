@@ -266,7 +266,7 @@ def small(monkeypatch, tmp_path):
 
 def test_the_command_accepts_and_then_passes(small, tmp_path, capsys):
     assert main([*small, "--accept"]) == 0
-    assert "2 runs: nothing moved; accepted" in capsys.readouterr().out
+    assert "2 baselines written" in capsys.readouterr().out
     assert sorted(file.name for file in (tmp_path / "base").iterdir()) == [
         "equivbeam.json",
         "times.json",
@@ -293,6 +293,7 @@ def test_the_command_says_what_moved_until_it_is_accepted(small, monkeypatch, tm
     assert "quantities moved" in output.err
     assert "| rotz at time" in (tmp_path / "out" / "regress.md").read_text()
     assert main([*small, "--accept"]) == 0
+    assert "quantities moved; accepted as the new baselines" in capsys.readouterr().out
     assert main(small) == 0
 
 
@@ -415,7 +416,7 @@ def test_a_scene_of_ones_own_from_any_folder(own, tmp_path, capsys):
     assert main([*own, "--accept"]) == 0
     said = capsys.readouterr().out
     assert said.count("left out: equivbeam, mine, law=haringx: spring.active_coils must be") == 1
-    assert "mine: 3 runs: nothing moved; accepted" in said
+    assert "mine: 3 baselines written" in said
     kept = read(tmp_path / "kept" / "mine")
     assert list(kept["wirefe"]["runs"]) == [
         "mine, element=straight, elements_per_turn=40",
@@ -432,6 +433,8 @@ def test_a_scene_of_ones_own_from_any_folder(own, tmp_path, capsys):
     assert main(own) == 1
     captured = capsys.readouterr()
     assert "wirefe, mine, element=curved, elements_per_turn=4: ux at time" in captured.out
+    scene = "the scene: material.E was 206000.0, is 206206.0 (the baselines are of another scene)\n"
+    assert captured.out.count("the scene: ") == captured.out.count(scene) == 1
     assert captured.err.startswith("coilcheck: mine: 3 runs: ")
 
 

@@ -309,7 +309,7 @@ REFUSED_VALUES = [
     ({"contact.stiffness": "inf"}, "contact.stiffness", "[1e-09, 1e+12]", "inf"),
     ({"contact.exponent": "0.5"}, "contact.exponent", "[1, 5]", "0.5"),
     ({"contact.sliding": '"stick"'}, "contact.sliding", "free, none, coulomb", "'stick'"),
-    ({"contact.sliding": '"coulomb"'}, "contact.friction", "number in [1e-06, 10]", "None"),
+    ({"contact.sliding": '"coulomb"'}, "contact.friction", "is missing", '"coulomb" requires it'),
     ({"contact.friction": "0.3"}, "contact.friction", 'sliding = "coulomb" alone', "0.3 with 'none'"),
     ({"contact.sliding": '"coulomb"', "contact.friction": "0"}, "contact.friction", "[1e-06, 10]", "got 0"),
     ({"contact.sliding": '"coulomb"', "contact.friction": "11.0"}, "contact.friction", "10]", "11.0"),

@@ -139,6 +139,15 @@ def test_two_levels_that_agree_by_chance_are_confirmed():
     assert [level for level, _ in trials.paths] == [4, 6, 8]
 
 
+def test_progress_says_what_is_solved_and_the_estimate_so_far():
+    lines = []
+    path = wirefe.solve_to(touching(), 1e-3, progress=lines.append)
+    assert lines[0] == f"4 elements per turn, {few(path.scene.load.steps)} steps"
+    assert lines[1].startswith("8 elements per turn,")
+    assert lines[1].endswith(" s CPU")
+    assert "s CPU, estimated error 0.0" in lines[2]
+
+
 def test_the_estimate_is_kept_with_the_path(tmp_path):
     path = wirefe.solve_to(touching(geometry="spheres"), 1e-2)
     path.save(tmp_path / "path.npz")
@@ -163,13 +172,13 @@ def test_command(tmp_path, capsys):
         ("solve spring-a --accuracy 1e-6", "accuracy must be a finite number in [1e-05, 0.01], got 1e-06"),
         ("solve spring-a --accuracy few", "accuracy must be a number in [1e-05, 0.01], got 'few'"),
         ("solve spring-a --accuracy 1e-3 --model wirefe", "--model"),
-        ("solve spring-a --accuracy 1e-3 --law helix", "--law is chosen by --accuracy"),
-        ("solve spring-a --accuracy 1e-3 --element curved", "--element is chosen by --accuracy"),
-        ("compare spring-a --accuracy 1e-3 --elements-per-turn 8", "--elements-per-turn is chosen"),
+        ("solve spring-a --accuracy 1e-3 --law helix", "--law cannot stand beside --accuracy, which chooses"),
+        ("solve spring-a --accuracy 1e-3 --element curved", "leave out --element; or leave out --accuracy"),
+        ("compare spring-a --accuracy 1e-3 --elements-per-turn 8", "--elements-per-turn cannot stand"),
         ("solve spring-a --accuracy 1e-3 --tangent exact", "--tangent belongs to --model equivbeam"),
         ("solve spring-a --accuracy 1e-3 --geometry wires --pairs-per-turn 8", "spheres alone, got 8"),
         ("sweep spring-a --vary load.steps=1,2 --accuracy 1 ", "accuracy must be a finite number"),
-        ("sweep spring-a --vary load.steps=1,2 --accuracy 1e-2 --sliding scene", "--sliding is chosen"),
+        ("sweep spring-a --vary load.steps=1,2 --accuracy 1e-2 --sliding scene", "--sliding cannot stand"),
     ],
 )
 def test_what_is_refused(line, said, capsys, tmp_path):

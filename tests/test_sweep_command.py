@@ -122,6 +122,8 @@ def test_a_row_for_each_scene_in_order_and_invalid_ones_say_why(tmp_path, capsys
     assert [float(row[name]) for name in ("ux", "uy", "rotz")] == path.tips[-1].tolist()
     assert float(row["load_y"]) == -100.0
     assert float(row["max_contact_force"]) == path.contact_forces[-1].max() > 0.0
+    assert float(row["rate"]) == path.rates[-1]
+    assert row["max_stress"] == ""  # of the wire model alone
     assert int(row["iterations"]) == path.total_iterations
     said = capsys.readouterr()
     assert "4 springs: 2 completed, 2 refused" in said.out

@@ -5,10 +5,13 @@ import subprocess
 import sys
 from dataclasses import replace
 
+import pytest
+
 import equivbeam
 import wirefe
-from coilspring import load_scene, spring_a
-from validation.cli.terminal import digest, progress_shown
+from coilspring import Contact, Load, load_scene, spring_a, spring_b
+from validation.cli.terminal import digest, notes, progress_shown
+from validation.study.partialsolve import partial_path
 
 
 def test_progress_is_shown_on_a_terminal_only(monkeypatch, capsys):
@@ -64,3 +67,18 @@ def test_the_largest_stress_is_that_of_the_whole_path():
     assert path.max_stress[-1] < 0.5 * path.max_stress[most]
     said = f"stress {path.max_stress[most]:.4g} MPa at most, at time {path.times[most]:g}"
     assert any(said in line for line in digest(path))
+
+
+ADVICE = {"spheres": "--geometry wires", "wires": "--pairs-per-turn"}
+
+
+@pytest.mark.parametrize("geometry", ADVICE)
+def test_advice_at_a_limit_point_is_of_the_scenes_contact(geometry):
+    """Never to make pairs stick, which is another spring; without contact none."""
+    scene = replace(spring_b(), load=Load((0.0, -400.0), 10), contact=Contact(geometry=geometry))
+    path = partial_path(wirefe.solve, scene, element="curved", elements_per_turn=8)
+    assert path.outcome == "limit_point"
+    said = "\n".join(notes(path))
+    assert "a limit point is where the load is largest" in said
+    assert [flag in said for flag in ADVICE.values()] == [kind == geometry for kind in ADVICE]
+    assert "none" not in said

@@ -8,6 +8,7 @@ where end turns rest on plates) and 4 n stations of wires; both errors then fall
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from itertools import combinations
 from typing import Any
@@ -96,6 +97,7 @@ class Trials:
     steps, few : of the path that is the answer, and of one that only serves the estimate.
     paths : each with its level.
     seconds : CPU time of all solves.
+    progress : called before each solve with one line: what is solved, the time and the estimate so far.
     """
 
     levels: Levels
@@ -103,6 +105,7 @@ class Trials:
     few: int
     paths: list[tuple[int, EquilibriumPath]] = field(default_factory=list)
     seconds: float = 0.0
+    progress: Callable[[str], None] = lambda line: None
 
     @property
     def touching(self) -> bool:
@@ -114,8 +117,13 @@ class Trials:
 
     def solve(self, level: int, steps: int) -> EquilibriumPath:
         """The path on a level in some steps, as far as it was reached."""
+        options = self.levels.options(level, self.touching)
+        so_far = f"; {self.seconds:.0f} s CPU" if self.paths else ""
+        if len(self.paths) > 1:
+            so_far += f", estimated error {self.estimate:.2g}"
+        self.progress(f"{options['elements_per_turn']} elements per turn, {steps} steps{so_far}")
         try:
-            path = solve(self.levels.scene, steps=steps, **self.levels.options(level, self.touching))
+            path = solve(self.levels.scene, steps=steps, **options)
         except EquilibriumNotFound as found:
             path = found.path
         self.seconds += path.solve_seconds
@@ -170,6 +178,7 @@ def solve_to(
     penalty: float | None = None,
     geometry: str | None = None,
     pairs_per_turn: int | None = None,
+    progress: Callable[[str], None] = lambda line: None,
 ) -> EquilibriumPath:
     """Follow the load path of `scene` with a mesh, stations and substeps for the accuracy asked for.
 
@@ -185,6 +194,8 @@ def solve_to(
     steps, penalty, geometry : as of `wirefe.solve`.
     pairs_per_turn : int, optional
         Spheres per turn; stations of wires are chosen.
+    progress : callable, optional
+        Called before each solve with a line: the mesh, and time and estimated error so far.
 
     Returns
     -------
@@ -200,7 +211,7 @@ def solve_to(
     scene = require_scene(scene).overridden(steps, penalty, geometry)
     wanted = require_number("accuracy", accuracy, *ACCURACIES)
     levels, rows = Levels.of(scene, pairs_per_turn), scene.load.steps
-    trials = Trials(levels, rows, rows if scene.contact.coefficient else few(rows))
+    trials = Trials(levels, rows, rows if scene.contact.coefficient else few(rows), progress=progress)
     trials.add(levels.at_least(COARSEST), trials.few)
     lost = _substeps(trials, wanted) if scene.contact.coefficient and trials.touching else 0.0
     _refine(trials, wanted, lost)

@@ -45,6 +45,8 @@ class Contact:
     def __post_init__(self) -> None:
         keep_checked(self, "contact")
         if self.sliding == "coulomb":
+            if self.friction is None:
+                raise InputError('contact.friction is missing; contact.sliding = "coulomb" requires it')
             value = require_number("contact.friction", self.friction, 1e-6, 10.0)
             object.__setattr__(self, "friction", value)
         elif self.friction is not None:

@@ -10,6 +10,8 @@ import numpy as np
 from coilspring import EquilibriumPath, InputError, Scene
 from coilspring.measured import Measured
 
+FAR = 0.1  # rms difference, over the peak, of curves that may not be of one spring
+
 
 def has_direction(scene: Scene) -> bool:
     """Whether the load has one direction, in which force can be drawn over deflection."""
@@ -67,4 +69,14 @@ def lines(paths: Mapping[str, EquilibriumPath], curve: Measured) -> list[str]:
         sizes = f"{100 * found['max']:.3g} % of the peak at most, {100 * found['rms']:.3g} % rms"
         beyond = f"; {found['beyond']} beyond the model's last step left out" if found["beyond"] else ""
         said.append(f"{name} minus measured, {what}: {sizes}, at {found['points']} points{beyond}")
+    return said
+
+
+def doubts(paths: Mapping[str, EquilibriumPath], curve: Measured) -> list[str]:
+    """Why the curve may not be one of this spring, in a sentence each."""
+    said = list(curve.doubts)
+    for name, path in paths.items():
+        if (rms := difference(path, curve)["rms"]) > FAR:
+            by = f"{name} and the measured curve differ by {100 * rms:.2g} % of the peak rms"
+            said.append(f"{by}: are the spring, the units and the deflection at rest those of the scene?")
     return said

@@ -6,13 +6,16 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 import equivbeam
 from coilspring import Scene, scene_text
 from coilspring.measured import measured, table_of
-from equivbeam.parameters import values
 from validation.study.machine import versions
 from validation.study.output import json_bytes
 from validation.study.partialsolve import partial_path
+
+FAR = 0.5  # rms difference, over the peaks, of a curve that may not be of this spring
 
 
 def calibrate(
@@ -23,19 +26,27 @@ def calibrate(
     `file`: see `coilspring.measured`; `names`: see `equivbeam.calibrate`; `options`: of `equivbeam.solve`.
     """
     table = table_of(file)
-    found = equivbeam.calibrate(scene, table, names, **options)
-    columns = zip(found.names, found.values, found.errors, values(scene, found.names), strict=True)
+    found = equivbeam.calibrate(scene, file, names, **options)
+    columns = zip(found.names, found.values, found.errors, found.intervals, found.start, strict=True)
     summary = {
         "scene": scene.name,
         "options": {name: str(value) for name, value in options.items()},
         "parameters": {
             # no standard error where the curve does not determine a value
-            name: {"value": value, "standard_error": error, "start": start, "fitted": name not in found.fixed}
-            for name, value, error, start in columns
+            name: {
+                "value": value,
+                "standard_error": error,
+                "interval": None if np.isnan(error) else interval,
+                "start": start,
+                "fitted": name not in found.fixed,
+            }
+            for name, value, error, interval, start in columns
         },
         "rank": found.rank,
         "residual": found.rms_after,
         "residual_before": found.rms_before,
+        "scatter": found.scatter,
+        "misfit": found.misfit or None,
         "evaluations": found.evaluations,
         "versions": versions(),
     }
@@ -44,16 +55,22 @@ def calibrate(
         "calibrated.toml": scene_text(found.scene).encode(),
     }
     lines = str(found).splitlines()
+    if found.rms_before > FAR:
+        far = f"{100 * found.rms_before:.2g} % of the peaks rms"
+        lines.append(
+            f"warning: the scene as given is far from the curve, {far}: are its spring and the units right?"
+        )
     sliding = scene.contact.sliding
     if scene.contact.enabled and sliding != "free":
         lines.append(f"fitted without the scene's sliding = \"{sliding}\", as the paper's model")
     if "force" in table or "load_y" in table:
         from validation.calibration.figure import FIT, load_curves
 
-        curve = measured(table, scene)
+        curve = measured(file, scene)
         start = replace(scene, load=found.path.scene.load)
         paths = {"given": partial_path(equivbeam.solve, start, **options), "calibrated": found.path}
         files["calibration.png"] = load_curves(paths, curve, FIT)
+        lines += [f"warning: {doubt}" for doubt in curve.doubts]
         if curve.left_out:
             lines.append(f"{curve.left_out} points without load left out")
     return files, lines

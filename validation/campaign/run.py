@@ -88,6 +88,8 @@ def campaign(
     write_page(chosen, out)
     options = f"--beams {beams} --wires {wires} --seeds {','.join(map(str, seeds))}"
     write_provenance(f"coilcheck stability {options}", out)
+    counts = (f"{count} {name}" for name, count in chosen["class"].value_counts().items())
+    print(f"{len(chosen)} scenes: {', '.join(counts)}")
     return int((chosen["class"] == UNEXPLAINED).any())
 
 

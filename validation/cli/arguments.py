@@ -25,9 +25,9 @@ CHOSEN = ("law", "element", "elements_per_turn")  # by an accuracy, besides the 
 LAWS = ("haringx", "helix")  # of a half coil; or a file
 FITTED = (  # by calibrate
     *("axial", "shearing", "bending", "wire_diameter", "mean_diameter", "bottom_diameter", "top_diameter"),
-    *("pitch", "E", "G", "penalty", "exponent"),
+    *("pitch", "E", "G", "penalty", "exponent", "offset"),
 )
-COMMON_OPTIONS = ("steps", "penalty", "geometry")
+COMMON_OPTIONS = {"steps": "load.steps", "penalty": "contact.stiffness", "geometry": "contact.geometry"}
 CAMPAIGN_RANGES = dict.fromkeys(("beams", "wires"), (0, 10_000_000))  # of the options of stability
 CAMPAIGN_RANGES |= {"seed": (0, 2**32 - 1), "workers": (0, 1000)}
 STUDY_SCENES = (*CATALOGUE, "cylinder-lateral", "slender-axial")  # of workprecision
@@ -129,14 +129,23 @@ def given(arguments: argparse.Namespace, names: Sequence[str]) -> dict:
 
 def scene_of(arguments: argparse.Namespace) -> Scene:
     """The scene with the steps and the penalty asked for."""
-    return load_scene(arguments.scene).overridden(**given(arguments, COMMON_OPTIONS))
+    scene = load_scene(arguments.scene)
+    try:
+        return scene.overridden(**given(arguments, tuple(COMMON_OPTIONS)))
+    except InputError as error:
+        key, space, why = str(error).partition(" ")
+        flags = {key: f"--{name}" for name, key in COMMON_OPTIONS.items()}
+        raise InputError(f"{flags.get(key, key)}{space}{why}") from None
 
 
 def refuse_chosen(arguments: argparse.Namespace, names: Sequence[str] = CHOSEN) -> None:
     """Refuse options that an accuracy chooses."""
     for name in given(arguments, names) if arguments.accuracy is not None else ():
         flag = "--" + name.replace("_", "-")
-        raise InputError(f"{flag} is chosen by --accuracy: give one of them")
+        raise InputError(
+            f"{flag} cannot stand beside --accuracy, which chooses law and mesh: leave out {flag}; or leave "
+            "out --accuracy and give the wire model a mesh, as --element curved --elements-per-turn 8"
+        )
 
 
 def refuse_other_models(arguments: argparse.Namespace) -> None:

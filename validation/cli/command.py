@@ -122,7 +122,7 @@ def compare(arguments: argparse.Namespace) -> int:
             "scene": scene.name,
             **asdict(comparison),
             **{model: str((folder / model).resolve()) for model in paths},
-            "warnings": warnings(scene),
+            "warnings": [*warnings(scene), *(difference.doubts(paths, curve) if curve else [])],
             **{name: getattr(paths[ADAPTIVE], name) for name in ("accuracy", "estimated_error")},
             "outcomes": {model: path.outcome for model, path in paths.items()},
             "notes": [f"{model}: {note}" for model, path in paths.items() for note in notes(path)],
@@ -156,7 +156,7 @@ def long_command(arguments: argparse.Namespace) -> int:
     with progress_shown() as progress:
         lines, failure = studies.COMMANDS[arguments.command](arguments, _folder(arguments), progress)
     say(*lines)
-    code = NOT_COMPLETED if arguments.command == "sweep" else REGRESSED
+    code = NOT_COMPLETED if arguments.command in ("sweep", "referee") else REGRESSED
     return _fail(code, failure) if failure else COMPLETED
 
 
@@ -184,12 +184,13 @@ def _run(
     progress(f"loading {model}")
     package = import_module(model)  # it alone: numba takes its time
     names: Sequence[str] = MODEL_OPTIONS[model]
-    solver = package.solve
+    solver, options = package.solve, given(arguments, names)
     if model == ADAPTIVE and arguments.accuracy is not None:
-        solver, names = package.solve_to, ("accuracy", "pairs_per_turn")
+        solver, options = package.solve_to, given(arguments, ("accuracy", "pairs_per_turn"))
+        options["progress"] = lambda line: progress(f"solving with {model}: {line}")
     progress(f"solving with {model}")
     try:
-        return partial_path(solver, scene, **given(arguments, names))
+        return partial_path(solver, scene, **options)
     except InputError as error:
         if arguments.scene in CATALOGUE or str(error).partition(".")[0] not in SECTIONS:
             raise
@@ -204,7 +205,7 @@ def _concluded(arguments: argparse.Namespace, found: dict, lines: list[str], *pa
     if arguments.json:
         say(output.json_text(found))
     elif not arguments.quiet:
-        for warning in warnings(paths[0].scene):
+        for warning in found["warnings"]:
             print(f"coilcheck: warning: {warning}", file=sys.stderr)
         say(*lines)
     missed = [f"{path.model}: {path.message}" for path in paths if path.outcome != "completed"]

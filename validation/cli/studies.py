@@ -204,9 +204,10 @@ def referee(arguments: argparse.Namespace, folder: Path, progress: Progress) -> 
         found = compare(scene, peer)
         values = {"scene": scene.name, "peer": peer, "remark": found.remark, "steps": found.rows}
         seconds = {"wirefe": found.wire.solve_seconds, peer: found.peer.seconds}
-        summary = {**values, "curve_max": found.difference, "seconds": seconds}
+        summary = {**values, "curve_max": found.difference, "ended_early": found.early, "seconds": seconds}
         write_files({f"{peer}.json": json_bytes(summary), f"{peer}.csv": found.csv().encode()}, folder)
-    return [*found.lines(), f"written to {folder}"], ""
+    failure = f"{'; '.join(found.early)}; what was reached is written" if found.early else ""
+    return [*found.lines(), f"written to {folder}"], failure
 
 
 def _solids(scene: Scene, peer: str, folder: Path, progress: Progress) -> Answer:

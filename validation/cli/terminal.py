@@ -10,6 +10,13 @@ from coilspring import EquilibriumPath
 from validation.study.metrics import Comparison
 from validation.study.output import writing
 
+LIMIT_POINT = "a limit point is where the load is largest: to go on, prescribe load.displacement"
+SLIPPING = {  # without friction, by what stands for coils that touch
+    "equivbeam": "circles may slide off one another where coils do not: see --model wirefe --geometry wires",
+    "spheres": "spheres may slide off one another where wires do not: see --geometry wires",
+    "wires": "wires may slide off early where stations are few: see --pairs-per-turn 64, --accuracy 1e-3",
+}
+
 
 def say(*lines: str) -> None:
     """Print to stdout, whatever characters its encoding lacks; nothing where there are no lines."""
@@ -69,12 +76,14 @@ def notes(path: EquilibriumPath) -> list[str]:
             f"without the scene's sliding = \"{contact.sliding}\", as the paper's model: "
             "--sliding scene has it"
         )
-    if contact.sliding == "free" and path.critical_time is not None and path.active_contacts[-1:].any():
-        said.append('coils touch, and may slide off one another: contact.sliding = "none" would hold them')
+    if path.outcome == "limit_point":
+        said.append(LIMIT_POINT)
+        if contact.sliding == "free" and path.active_contacts[-1:].any() and path.accuracy is None:
+            said.append(SLIPPING[contact.geometry if path.model == "wirefe" else path.model])
     if path.model == "wirefe" and path.scene.factors.given:
         said.append("without the scene's [factors], which are of the equivalent beam's stiffnesses alone")
     if path.outcome == "completed" and "; " in path.message:
-        said.append(path.message.partition("; ")[2])
+        said.append(path.message.partition("; ")[2].removeprefix("but "))
     return said
 
 

@@ -46,6 +46,17 @@ class PeerComparison:
         ours, theirs = (np.column_stack(list(answers.values()))[: self.rows] for answers in both)
         return float((np.abs(theirs - ours) / peaks(ours)).max())
 
+    @property
+    def early(self) -> list[str]:
+        """A sentence on each code that ended before full load."""
+        peer, steps = self.peer, self.scene.load.rows
+        said = [f"wirefe: {self.wire.message}"] if self.wire.outcome != "completed" else []
+        if len(peer.times) < steps:
+            said.append(
+                f"{peer.code} ended early, after {len(peer.times)} of {steps} steps, and does not say why"
+            )
+        return said
+
     def _named(self) -> list[tuple[str, dict[str, np.ndarray]]]:
         """Codes, and what they answer by names for a reader: UY that is prescribed is answered by a force."""
         uy = "force" if self.scene.load.displacement else "uy"
@@ -71,6 +82,7 @@ class PeerComparison:
                 last = (f"{name} {answer[-1]:.6g} {UNITS[name]}" for name, answer in answers.items())
                 reached = f"at time {times[-1]:g} {', '.join(last)};"
             lines.append(f"{code}: {reached} {seconds:.2g} s CPU")
+        lines += self.early
         if not self.rows:
             return [*lines, "no step in common"]
         share = f"{100.0 * self.difference:.2g} % of the curve's peak"

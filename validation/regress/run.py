@@ -14,13 +14,15 @@ from itertools import zip_longest
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from coilspring import Scene
+from coilspring import Scene, load_scene
+from coilspring.scene.toml import scene_table, scene_text
 from validation.regress import baselines, timeratios
 from validation.regress.baselines import CURVES, MODELS, Quantities, Run, find, made, read, runs, runs_of
 from validation.study.cases import make_ready
 from validation.study.document import Table
 from validation.study.output import claimed, write_text
 
+SCENE = "scene.toml"  # beside the baselines of a user's scene: what they are of
 FORCES = ("contact_force", "contact_moment", "max_penetration")
 COUNTS = ("iterations", "active_contacts")
 TIP = 1e-7  # of the component's peak, or of the largest one's where it is fixed
@@ -55,10 +57,13 @@ class Finding:
     compared: int  # number of runs
     accepted: bool  # whether the baselines were written anew
     left_out: tuple[str, ...] = ()  # a sentence on each thing that cannot be had of these scenes
+    first: bool = False  # whether there were no baselines before
 
     @property
     def verdict(self) -> str:
         """The outcome in a few words."""
+        if self.first:
+            return f"{self.compared} baselines written"
         found = f"{len(self.moves)} quantities moved" if self.moves else "nothing moved"
         return f"{self.compared} runs: {found}{'; accepted as the new baselines' if self.accepted else ''}"
 
@@ -99,6 +104,8 @@ def regress(
         watched = chosen or (runs() if scene is None else runs_of(scene))
         found, left_out = find(watched, progress, out)
         moves = compare(kept, found, str(made()["processor"])) if kept else ()
+        if scene is not None and kept and (baseline / SCENE).is_file():
+            moves = (*_scene_moves(load_scene(baseline / SCENE), scene), *moves)
         if times or accept:
             ratios, untimed = timeratios.measure(progress, scene)
             left_out += untimed
@@ -107,8 +114,10 @@ def regress(
             moves += tuple(Move("times", *each) for each in changed)
         if accept:
             baselines.write(found, baseline)
+            if scene is not None:
+                write_text(baseline / SCENE, scene_text(scene))
             timeratios.write(ratios, baseline)
-        finding = Finding(moves, sum(map(len, found.values())), accept, left_out)
+        finding = Finding(moves, sum(map(len, found.values())), accept, left_out, first)
         parts = ["# Regression", f"**{finding.verdict}.**", *(f"{line}." for line in left_out)]
         if kept:
             origin = ("{date} on {processor}".format(**each) for each in (kept[MODELS[0]]["made"], made()))
@@ -117,6 +126,19 @@ def regress(
             parts.append(str(Table(("run", "quantity", "was", "is", "by how much"), moves)))
         write_text(out / "regress.md", "\n\n".join(parts) + "\n")
         return finding
+
+
+def _scene_moves(before: Scene, now: Scene) -> Iterator[Move]:
+    """Keys of the scene that are not those of the baselines."""
+    sections = {name: each for name, each in scene_table(now).items() if isinstance(each, dict)}
+    others = scene_table(before)
+    for section, keys in sections.items():
+        old = others[section]
+        for key in dict.fromkeys((*old, *keys)):
+            if old.get(key) != keys.get(key):
+                was, is_now = (str(each.get(key, "not given")) for each in (old, keys))
+                name, why = f"{section}.{key}", "the baselines are of another scene"
+                yield Move("the scene", name, was, is_now, why)
 
 
 def compare(

@@ -24,8 +24,9 @@ FILE, PICTURE = "sweep.csv", "sweep.png"
 DIGITS = 16  # of a row's key
 LEAST = 3  # values that make a curve
 RESULTS = (
-    *("outcome", "time", "load_x", "load_y", "ux", "uy", "rotz", "iterations", "active_contacts"),
-    *("max_penetration", "max_contact_force", "critical_time", "message", "key"),
+    *("outcome", "time", "load_x", "load_y", "ux", "uy", "rotz", "rate"),
+    *("iterations", "active_contacts", "max_penetration", "max_contact_force", "max_stress"),
+    *("critical_time", "message", "key"),
 )
 Row = dict[str, str]  # texts by column
 

@@ -14,7 +14,7 @@ from validation.study.template import template
 from wirefe.mesh import mesh_wire
 
 STEEPEST = 7.5  # degrees; EN 13906-1:2013, to which its formulas apply
-LEFT_OUT = "; what keeps its coils from sliding with --sliding scene alone"
+LEFT_OUT = "; its friction, or what makes its coils stick, with --sliding scene alone"
 ELEMENTS_PER_TURN = 40  # of the wire model, where nothing is said
 WORDS = template(Path(__file__).with_name("check.txt"))
 
