@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from coilspring.compiling.packing import Table, Vector, Wholes, WholeTable, viewer
-from coilspring.contact.law import PAIR_HISTORY, located_to, tangential_stiffness
+from coilspring.contact.law import PAIR_HISTORY, PairLaw, tangential_stiffness
 from coilspring.errors import InputError
 from coilspring.scene import Scene
 from coilspring.solver.problem import Problem
@@ -124,6 +124,6 @@ def beam_problem(data: BeamModel, load: np.ndarray) -> Problem:
         start=rest_state(data),
         history=np.zeros(len(data.pairs), PAIR_HISTORY),  # no pair has ever closed
         matrix_size=matrix_size(data),
-        located=located_to(data.mu) * data.d,
+        law=PairLaw.of(data),
         top=Top((x, x + 1), (free, free + 1), (free + 1) * ROW),
     )

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from coilspring.contact.law import PAIR_HISTORY, located_to
+from coilspring.contact.law import PAIR_HISTORY, PairLaw
 from coilspring.errors import EquilibriumNotFound, InputError, require_choice, require_integer, shown
 from coilspring.path import EquilibriumPath
 from coilspring.scene import Scene, require_scene
@@ -218,7 +218,7 @@ def _problem(data: model.WireModel, rod: Rod, arm: np.ndarray) -> Problem:
         start=model.rest_state(rod, arm),
         history=np.zeros(len(data.contact.pairs), PAIR_HISTORY),
         matrix_size=model.matrix_size(data),
-        located=located_to(data.contact.mu) * data.contact.d,
+        law=PairLaw.of(data.contact),
         modified=True,
         top=model.top_place(rod),
     )

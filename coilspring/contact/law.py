@@ -15,7 +15,7 @@ matrix (`coilspring.solver.friction`). What slid is taken off l when the substep
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -59,6 +59,14 @@ class PairLaw(NamedTuple):
     k: float  # exponent
     mu: float  # coefficient of friction; infinite where pairs stick
 
+    @classmethod
+    def of(cls, data: Any) -> PairLaw:
+        """The law in a model's arrays."""
+        return cls(*(getattr(data, name) for name in cls._fields))
+
+
+NO_PAIRS = PairLaw(1.0, 1.0, 1.0, 1.0, 0.0)
+
 
 def tangential_stiffness(K: float, k: float, d: float) -> float:
     """Tangential stiffness of a pair, N/mm: K where the law is linear, whatever the units otherwise."""
@@ -69,7 +77,9 @@ def tangential_stiffness(K: float, k: float, d: float) -> float:
 # -1/d and a pair moves by no more than half of d in a substep.
 LEAST_LEFT = 0.5
 OPEN = 2e-5  # wire diameters of gap at most where a pair that sticks is said to open
-CREEP = 1e-6  # wire diameters of gap at most where a pair that creeps is said to touch
+CREEP = 1e-6  # wire diameters of gap at most where a pair that creeps is said to touch;
+PRESSED = 1e-4  # of the load: with less it is pressed then, but for
+FINEST_CREEP = 1e-10  # wire diameters, of what rounding leaves
 # Wire diameters, by which two ways to find where a pair touches first may differ at most: where it sticks,
 STICK_LOCATED = 2e-5
 LOCATED = 1e-4  # and with friction
@@ -160,6 +170,12 @@ def located_to(mu):
     if mu == 0.0:
         return math.inf
     return LOCATED if mu < math.inf else STICK_LOCATED
+
+
+@part
+def creep_to(force, d, K, k):
+    """Wire diameters within which a pair that creeps is said to touch, under a load of some size."""
+    return min(CREEP, max(FINEST_CREEP, (PRESSED * force / K) ** (1.0 / k) / d))
 
 
 @part

@@ -14,7 +14,6 @@ import numpy as np
 
 from coilspring.compiling.compiled import part
 from coilspring.contact.history import copy_history
-from coilspring.contact.law import CREEP
 from coilspring.solver.complementarity import GAP, HELD, SLIP, complementary
 from coilspring.solver.operations import factor_state
 from coilspring.solver.response import answer, answered
@@ -25,16 +24,16 @@ NEARLY = 0.5  # of the stiffness: where a pair opened with no share so far, all 
 
 
 @part
-def renew_creep(system, task, work):
+def renew_creep(system, task, work, enough):
     """Renew the released shares in `work.history` of pairs that creep, at the trial state found with them.
 
-    Returns the largest gap, or penetration of a pair that gives way, in wire diameters: up to
-    `coilspring.contact.law.CREEP` nothing is changed; infinity where no answer was found.
+    Returns the largest gap, or penetration of a pair that gives way, in wire diameters: where it is `enough`
+    nothing is changed; infinity where no answer was found.
     """
     history = work.history
     active, worst = _active(history)
     worst /= task.diameter
-    if worst <= CREEP:
+    if worst <= enough:
         return worst
     n = active.size
     opens, slips, rows = np.empty((n, n)), np.empty((n, n)), np.empty((3, n))

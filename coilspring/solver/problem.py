@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from coilspring.contact.law import NO_PAIRS, PairLaw
 from coilspring.solver.stages import Top
 from coilspring.solver.system import FREE
 
@@ -23,7 +24,7 @@ class Problem:
     start : state at rest.
     history : (pairs,) contact history at rest.
     matrix_size : length of the model's matrix in its own storage.
-    located : mm, so closely is found where pairs touch first; infinite where that is all one.
+    law : of the contact pairs.
     modified : the matrix is costly: see `coilspring.solver.system.Task`.
     top : where the top reference point is in the state; for loads of several stages.
     dead : (n,) load that acts from the beginning, or None.
@@ -36,7 +37,7 @@ class Problem:
     start: np.ndarray
     history: np.ndarray
     matrix_size: int
-    located: float = np.inf
+    law: PairLaw = NO_PAIRS
     modified: bool = False
     top: Top | None = None
     dead: np.ndarray | None = None

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from coilspring.compiling.packing import pack
-from coilspring.contact.law import PAIR_HISTORY
+from coilspring.contact.law import PAIR_HISTORY, located_to
 from coilspring.errors import EquilibriumNotFound
 from coilspring.path import EquilibriumPath, Shape
 from coilspring.scene import Scene
@@ -121,9 +121,11 @@ def follow_problem(
     compiled = time.perf_counter() - began
     began = time.process_time()
     dead = np.zeros_like(problem.load) if problem.dead is None else problem.dead
+    law = problem.law
     task = Task(
-        times, problem.load, dead, problem.start, length, problem.located, limit, predictor, problem.modified
-    )
+        times, problem.load, dead, problem.start, length, located_to(law.mu) * law.d, law.kc, law.k,
+        limit, predictor, problem.modified,
+    )  # fmt: skip
     walk = Walk(problem, times)
     while True:
         interruptible(

@@ -6,6 +6,7 @@ import numpy as np
 
 from coilspring.compiling.compiled import copy, part
 from coilspring.contact.kinematics import TOUCH
+from coilspring.contact.law import creep_to
 from coilspring.solver.operations import assembled, factored, solution
 from coilspring.solver.stability import least_stiffness
 from coilspring.solver.substep import free_room
@@ -85,3 +86,4 @@ def set_scales(system, task, work, path):
             reference += load[i] * (change - tangent[i])
     path.reference, path.rounding, path.dead = reference, 2.0 * EPSILON * span, standing
     path.force = force if change == 0.0 else abs(reference / change)
+    path.creep = creep_to(path.force + standing, task.diameter, task.penalty, task.exponent)

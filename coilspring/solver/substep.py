@@ -18,7 +18,6 @@ from coilspring.contact.history import (
     stuck_from,
 )
 from coilspring.contact.kinematics import OVERLAP_ALLOWED
-from coilspring.contact.law import CREEP
 from coilspring.solver import snap
 from coilspring.solver.branch import continues, jumped
 from coilspring.solver.creep import renew_creep
@@ -106,9 +105,9 @@ def renew_held(system, task, work, path, substep, before):
         return 0.0
     left = 0.0
     if creeping(work.history):
-        left = renew_creep(system, task, work)
-        path.spent += left > CREEP
-    if change <= BOUND_CHANGE and left <= CREEP:
+        left = renew_creep(system, task, work, path.creep)
+        path.spent += left > path.creep
+    if change <= BOUND_CHANGE and left <= path.creep:
         missed = stuck_from(work.history) * substep.duration / path.last_step
         if missed > MISSED * task.diameter and substep.duration >= 2.0 * LEAST_STEP and not path.snapping:
             substep.cut = max(LEAST_CUT, min(HALF, MISSED * task.diameter / missed))

@@ -50,6 +50,8 @@ class Task(NamedTuple):
     start: np.ndarray  # state at time 0
     diameter: float  # wire diameter, mm: the length with which motions are compared
     located: float  # mm, so closely is found where pairs touch first; infinite where that is all one
+    penalty: float  # K and
+    exponent: float  # k of a pair
     limit: int  # largest number of iterations of a substep
     predictor: bool  # the matrix is the tangent: predict by it, and judge the branch by it
     modified: bool  # modified Newton: factors are kept longer, the matrix left out where not factored
@@ -137,6 +139,7 @@ PATH = np.dtype(
         ("linear_from", "f8"),  # time at which the linear stretch at hand began
         ("linear", "?"),
         ("reuse", "?"),  # the last factor is tried first
+        ("creep", "f8"),  # wire diameters within which a pair that creeps is said to touch
         ("fresh", "i8"),  # short steps still to take, since a pair has closed
         ("lost", "?"),  # the last attempt found no equilibrium
         ("slid", "?"),  # a pair slid
@@ -287,7 +290,7 @@ def system_types() -> tuple[Any, ...]:
 def task_type() -> Any:
     """numba's type of `Task`."""
     vector, real = types.float64[::1], types.float64
-    fields = (vector, vector, vector, vector, real, real, types.int64, types.boolean, types.boolean)
+    fields = (vector, vector, vector, vector, *(real,) * 4, types.int64, types.boolean, types.boolean)
     return types.NamedTuple(fields, Task)
 
 
