@@ -174,8 +174,7 @@ def scenes_of(arguments: argparse.Namespace) -> dict[str, Scene]:
     geometry, only = arguments.geometry, getattr(arguments, "only", None)
     found: dict[str, Scene] = {}
     for file in arguments.scenes:
-        name = file if file in CATALOGUE else Path(file).stem
-        name += f"-{geometry}" if geometry else ""
+        name = Path(file).stem + (f"-{geometry}" if geometry else "")
         if name in found:
             raise InputError(f"SCENE must be files of different names, got {name} twice")
         found[name] = replace(load_scene(file).overridden(geometry=geometry), name=name)

@@ -173,7 +173,7 @@ def _folder(arguments: argparse.Namespace) -> Path:
     name = arguments.command
     scene, *others = getattr(arguments, "scenes", None) or [getattr(arguments, "scene", None)]
     if scene and not others:
-        name += f"-{scene if scene in CATALOGUE else Path(scene).stem}"
+        name += f"-{Path(scene).stem}"
     if arguments.command == "study-law":
         name += f"-{Path(arguments.laws[0]).stem}"
     return Path("coilcheck-out", name)
