@@ -209,12 +209,13 @@ class CurveFit:
 
     def at_start(self) -> np.ndarray:
         """Residuals of the scene as given; raises why it does not reach the curve's end."""
+        start = np.ones(len(self.names))
         try:
-            solve(self.curve.scene, **self.options)
+            solve(self.scene_of(start, self.curve.scene), **self.options)
         except EquilibriumNotFound as failure:
             message = f"the scene as given does not reach the end of the curve: {failure.message}"
             raise EquilibriumNotFound(replace(failure.path, message=message)) from None
-        return self.residuals(np.ones(len(self.names)))
+        return self.residuals(start)
 
     def solved(self) -> tuple[np.ndarray, np.ndarray, np.ndarray, list[int]]:
         """Shares of the best fit, its derivatives, which were fitted, and which were left for their scatter.
