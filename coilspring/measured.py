@@ -76,14 +76,12 @@ def _along_load(columns: Mapping[str, np.ndarray], direction: tuple[float, float
     if "force" in columns:
         force, deflection = columns["force"], columns["deflection"]
     else:
-        parts = {"load_x": x, "load_y": y, "ux": x, "uy": y}
-        needed = [name for name, part in parts.items() if part]
+        parts = [[("load_x", x), ("load_y", y)], [("ux", x), ("uy", y)]]
+        needed = [name for kind in parts for name, part in kind if part]
         if missing := [name for name in needed if name not in columns]:
             raise InputError(f"curve must have columns force and deflection, or {', '.join(needed)}; "
                              f"{missing[0]} is missing")  # fmt: skip
-        zero = np.zeros(len(columns[needed[0]]))
-        part = {name: columns.get(name, zero) for name in PATH_COLUMNS}
-        force, deflection = (x * part[a] + y * part[b] for a, b in (("load_x", "load_y"), ("ux", "uy")))
+        force, deflection = (np.sum([p * columns[name] for name, p in kind if p], axis=0) for kind in parts)
     if not len(force):
         raise InputError("curve must have at least one line of numbers, got none")
     peak = int(np.argmax(np.abs(force)))

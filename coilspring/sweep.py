@@ -39,7 +39,8 @@ class Outcome:
     load : Fx, Fy at the top there, N; of a prescribed displacement the reaction; None where there is none.
     active_contacts, max_penetration, max_contact_force : there; pairs, mm, N.
     rate : dF/du along the load there, N/mm, or None; see `EquilibriumPath.rates`.
-    max_stress : of the wire there, MPa; None of the equivalent beam; see `EquilibriumPath.max_stress`.
+    max_stress : of the wire, the largest on the path, MPa; None of the equivalent beam; see
+        `EquilibriumPath.max_stress`.
     critical_time : of a critical point, or None.
     total_iterations : factorisations.
     """
@@ -133,8 +134,7 @@ def _outcome(path: EquilibriumPath) -> Outcome:
     spent: dict[str, Any] = {"critical_time": path.critical_time, "total_iterations": path.total_iterations}
     if not len(path.times):
         return Outcome(path.outcome, path.message, **spent)
-    law, last = path.shape.pair_law, path.states[-1:]
-    gaps, stress = path.shape.pair_gaps(last), path.shape.largest_stresses(last)
+    law, gaps = path.shape.pair_law, path.shape.pair_gaps(path.states[-1:])
     return Outcome(
         path.outcome,
         path.message,
@@ -145,6 +145,6 @@ def _outcome(path: EquilibriumPath) -> Outcome:
         max_penetration=float(np.maximum(-gaps, 0.0).max(initial=0.0)),
         max_contact_force=float(normal_forces(-gaps, law.kc, law.k).max(initial=0.0)),
         rate=float(path.rates_at(slice(-1, None))[0]),
-        max_stress=None if stress is None else float(stress[0]),
+        max_stress=None if path.max_stress is None else float(path.max_stress.max()),
         **spent,
     )

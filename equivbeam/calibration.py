@@ -3,19 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from coilspring.errors import EquilibriumNotFound, InputError, shown
+from coilspring.errors import EquilibriumNotFound, InputError, require_names, shown
 from coilspring.path import EquilibriumPath
 from coilspring.scene import Factors, Scene, require_scene
 from equivbeam import fiterrors
 from equivbeam.fiterrors import constant_part, independent, undetermined
 from equivbeam.loadcurve import LoadCurve, read_curve
-from equivbeam.parameters import FACTORS, values, varied
+from equivbeam.parameters import FACTORS, NAMES, values, varied
 from equivbeam.sensitivity import sensitivities
 from equivbeam.solve import solve
 
@@ -135,6 +136,7 @@ def calibrate(
         scene = replace(scene, factors=Factors.of(options.pop("factors")))
     if isinstance(parameters, str) or not names or len(set(names)) < len(names):
         raise InputError(f"parameters must be a list of different names, got {shown(parameters)}")
+    require_names("parameters", names, (*NAMES, OFFSET))
     law, factor = options.get("law", "haringx"), next((name for name in names if name in FACTORS), None)
     if factor and law != "haringx":
         raise InputError(f"{factor} can be fitted with the law haringx alone, got {shown(law)}")
@@ -180,8 +182,8 @@ def _misfit(rms: float, scatter: float, constant: float) -> str:
 class CurveFit:
     """Residuals, their derivatives by the parameters' shares of their values at the start, and the least.
 
-    `path` is of the shares that were asked for last; where it does not reach the curve's end, `failure` says
-    why. `evaluations` counts the paths followed.
+    `path` is of the shares that were asked for last, None where it does not reach the curve's end.
+    `evaluations` counts the paths followed.
     """
 
     def __init__(self, names: tuple[str, ...], curve: LoadCurve, options: Mapping[str, Any]) -> None:
@@ -194,7 +196,6 @@ class CurveFit:
         self.scale[~self.lag] = values(curve.scene, self.of_scene)
         self.lowest = np.array([1.0 if name == "exponent" else 0.0 for name in names])  # of the values
         self.path: EquilibriumPath | None = None
-        self.failure: EquilibriumNotFound | InputError | None = None
         self.evaluations = 0
         self._at: np.ndarray | None = None
 
@@ -208,13 +209,13 @@ class CurveFit:
 
     def at_start(self) -> np.ndarray:
         """Residuals of the scene as given; raises why it does not reach the curve's end."""
-        residuals = self.residuals(np.ones(len(self.names)))
-        if isinstance(self.failure, EquilibriumNotFound):
-            message = f"the scene as given does not reach the end of the curve: {self.failure.message}"
-            raise EquilibriumNotFound(replace(self.failure.path, message=message))
-        if self.failure is not None:
-            raise self.failure
-        return residuals
+        start = np.ones(len(self.names))
+        try:
+            solve(self.scene_of(start, self.curve.scene), **self.options)
+        except EquilibriumNotFound as failure:
+            message = f"the scene as given does not reach the end of the curve: {failure.message}"
+            raise EquilibriumNotFound(replace(failure.path, message=message)) from None
+        return self.residuals(start)
 
     def solved(self) -> tuple[np.ndarray, np.ndarray, np.ndarray, list[int]]:
         """Shares of the best fit, its derivatives, which were fitted, and which were left for their scatter.
@@ -304,9 +305,7 @@ class CurveFit:
     def _follow(self, shares: np.ndarray) -> None:
         if self._at is not None and np.array_equal(self._at, shares):
             return
-        self._at, self.path, self.failure = shares.copy(), None, None
+        self._at, self.path = shares.copy(), None
         self.evaluations += 1
-        try:
+        with suppress(EquilibriumNotFound, InputError):
             self.path = solve(self.scene_of(shares, self.curve.scene), **self.options)
-        except (EquilibriumNotFound, InputError) as failure:
-            self.failure = failure

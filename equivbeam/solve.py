@@ -117,7 +117,7 @@ def _caution(scene: Scene, law: str | UserLaw, rows: np.ndarray, states: np.ndar
     if scene.contact.enabled and travel > 0.0 and shortened > TRUSTED * travel:
         said += (
             f"; but it is {shortened / travel:.0%} of the travel to solid, where coils close bit by bit and "
-            "the beam's force may be far off: use wirefe with pairs_per_turn of 16 or more"
+            "the beam's force may be far off: use wirefe with 16 or more pairs per turn"
         )
     return said
 

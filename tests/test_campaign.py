@@ -17,14 +17,7 @@ from validation.campaign.beamverifier import bracket, verify_critical, verify_st
 from validation.campaign.energy import BeamEnergy
 from validation.campaign.poses import moved
 from validation.campaign.run import verify
-from validation.campaign.runs import (
-    KINDS,
-    force_grain,
-    grain,
-    verify_branch,
-    verify_invariance,
-    verify_steps,
-)
+from validation.campaign.runs import KINDS, force_grain, grain, verify_branch, verify_invariance, verify_steps
 from validation.campaign.scenes import Case, case_id, in_units, make_case, pressed
 from validation.campaign.table import COLUMNS, read_rows, row_text
 from validation.campaign.verdict import CLASSES, THROUGH, UNEXPLAINED, Verdict, reached, under
@@ -639,7 +632,7 @@ def test_bound_of_a_rate():
 @pytest.mark.parametrize(
     ("options", "words"),
     [
-        (["--seeds", "1,x"], "seeds must be whole numbers"),
+        (["--seeds", "1,x"], "--seeds must be whole numbers"),
         (["--seeds", "1,2", "--seed", "3"], "--seed or --seeds"),
     ],
 )

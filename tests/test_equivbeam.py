@@ -128,10 +128,7 @@ def test_bold_steps_do_not_carry_coils_through_each_other():
 def test_buckling_is_a_bifurcation(height, expected):
     """Clamped-free column with Spring A's own 29 half coils: Haringx's eigenvalue, discretised."""
     scene = Scene(
-        "column",
-        Spring(1.5, 10.0, 14.5, height),
-        Load((0.0, -20.0), steps=7),
-        contact=Contact(enabled=False),
+        "column", Spring(1.5, 10.0, 14.5, height), Load((0.0, -20.0), steps=7), contact=Contact(enabled=False)
     )
     with pytest.raises(EquilibriumNotFound) as caught:
         equivbeam.solve(scene)
@@ -203,11 +200,7 @@ def test_papers_tangent_takes_one_iteration_before_contact():
 def test_mirror_image():
     """Load and sides of the circles mirrored: the answer is the mirror image, to rounding."""
     scene = spring_a()
-    mirrored = replace(
-        scene,
-        load=Load((9.0, -4.0)),
-        spring=replace(scene.spring, start_phase=np.pi),
-    )
+    mirrored = replace(scene, load=Load((9.0, -4.0)), spring=replace(scene.spring, start_phase=np.pi))
     a, b = equivbeam.solve(scene), equivbeam.solve(mirrored)
     np.testing.assert_allclose(b.tips * [-1, 1, -1], a.tips, rtol=1e-10, atol=1e-12)
     assert (a.iterations == b.iterations).all()
@@ -274,7 +267,7 @@ def test_a_law_that_leaves_its_range_says_so():
         path = equivbeam.solve(VALVE, law=law)
         assert 0.3 < 1.0 - path.loads[-1, 1] / wire.loads[-1, 1] < 0.5
         assert "but it is 98% of the travel to solid" in path.message
-        assert "use wirefe with pairs_per_turn of 16 or more" in path.message
+        assert "use wirefe with 16 or more pairs per turn" in path.message
         near = equivbeam.solve(replace(VALVE, load=Load(displacement=(-0.89 * 17.6,))), law=law)
         assert "solid" not in near.message
         assert near.loads[-1, 1] == pytest.approx(wire.loads[8, 1], rel=0.03)

@@ -50,9 +50,7 @@ def dense_overlap(path, step, per_turn=80):
 
 
 @pytest.mark.parametrize(
-    "scene",
-    [spring_a(), spring_b(), spring_b().without_contact(), CONE],
-    ids=["a", "b", "b without", "cone"],
+    "scene", [spring_a(), spring_b(), spring_b().without_contact(), CONE], ids=["a", "b", "b without", "cone"]
 )
 def test_overlap_is_that_of_a_dense_search(scene):
     path = partial_path(wirefe, scene, steps=5, **CURVED)

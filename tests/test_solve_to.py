@@ -9,6 +9,7 @@ import pytest
 
 import wirefe
 from coilspring import Contact, EquilibriumNotFound, InputError, Load, load_path, spring_a, spring_b
+from coilspring.scene.toml import scene_table
 from validation.cli import main
 from validation.study.partialsolve import partial_path
 from validation.sweep import choice, run
@@ -169,15 +170,18 @@ def test_command(tmp_path, capsys):
 @pytest.mark.parametrize(
     ("line", "said"),
     [
-        ("solve spring-a --accuracy 1e-6", "accuracy must be a finite number in [1e-05, 0.01], got 1e-06"),
-        ("solve spring-a --accuracy few", "accuracy must be a number in [1e-05, 0.01], got 'few'"),
+        ("solve spring-a --accuracy 1e-6", "--accuracy must be a finite number in [1e-05, 0.01], got 1e-06"),
+        ("solve spring-a --accuracy few", "--accuracy must be a number in [1e-05, 0.01], got 'few'"),
         ("solve spring-a --accuracy 1e-3 --model wirefe", "--model"),
         ("solve spring-a --accuracy 1e-3 --law helix", "--law cannot stand beside --accuracy, which chooses"),
         ("solve spring-a --accuracy 1e-3 --element curved", "leave out --element; or leave out --accuracy"),
         ("compare spring-a --accuracy 1e-3 --elements-per-turn 8", "--elements-per-turn cannot stand"),
         ("solve spring-a --accuracy 1e-3 --tangent exact", "--tangent belongs to --model equivbeam"),
-        ("solve spring-a --accuracy 1e-3 --geometry wires --pairs-per-turn 8", "spheres alone, got 8"),
-        ("sweep spring-a --vary load.steps=1,2 --accuracy 1 ", "accuracy must be a finite number"),
+        (
+            "solve spring-a --accuracy 1e-3 --geometry wires --pairs-per-turn 8",
+            "--pairs-per-turn goes with accuracy for",
+        ),
+        ("sweep spring-a --vary load.steps=1,2 --accuracy 1 ", "--accuracy must be a finite number"),
         ("sweep spring-a --vary load.steps=1,2 --accuracy 1e-2 --sliding scene", "--sliding cannot stand"),
     ],
 )
@@ -191,8 +195,9 @@ def test_what_is_refused(line, said, capsys, tmp_path):
 
 @pytest.mark.parametrize(("asked", "model"), [(1e-2, "equivbeam"), (1e-4, "wirefe")])
 def test_a_sweep_takes_the_cheapest_that_a_sample_supports(asked, model, tmp_path):
-    varied = read_varied(["load.force.1=-2:-4:3"], spring_a().overridden(steps=5))
-    grid = list(points(spring_a().overridden(steps=5), varied))
+    table = scene_table(spring_a().overridden(steps=5))
+    varied = read_varied(["load.force.1=-2:-4:3"], table)
+    grid = list(points(table, varied))
     found = choice.choose(grid, varied, asked, lambda text: None)
     assert "on 3 scenes of the grid" in found.line
     assert found.candidate(grid[0].scene).model == model
@@ -200,14 +205,14 @@ def test_a_sweep_takes_the_cheapest_that_a_sample_supports(asked, model, tmp_pat
     for point in grid:  # also those not in the sample
         fine = wirefe.solve(point.scene, element="curved", elements_per_turn=16)
         assert difference(found.candidate(point.scene)(point.scene), fine) <= asked
-    rows = run.sweep(tmp_path, spring_a(), varied, found.candidate, workers=0)
+    rows = run.sweep(tmp_path, scene_table(spring_a()), varied, found.candidate, workers=0)
     assert [row["outcome"] for row in rows] == ["completed"] * 3
 
 
 def test_sample_of_a_grid():
-    scene = spring_a()
-    varied = read_varied(["load.force.0=1:2:6", "load.force.1=-1:-2:6", "contact.stiffness=1e3,1e4"], scene)
-    grid = list(points(scene, varied))
+    table = scene_table(spring_a())
+    varied = read_varied(["load.force.0=1:2:6", "load.force.1=-1:-2:6", "contact.stiffness=1e3,1e4"], table)
+    grid = list(points(table, varied))
     found = choice.sample(grid, varied)
     corners = {(x, y) for x in (1.0, 2.0) for y in (-1.0, -2.0)}
     assert corners <= {scene.load.force for scene in found}

@@ -9,14 +9,7 @@ from coilspring.contact import kinematics as pairvectors
 from coilspring.contact import law as pairlaw
 from coilspring.contact.forces import pair_friction
 from coilspring.contact.kinematics import remember, update_pairs
-from coilspring.contact.law import (
-    PairLaw,
-    arc,
-    normal_law,
-    pair_potential,
-    renewed,
-    tangential_stiffness,
-)
+from coilspring.contact.law import PairLaw, arc, normal_law, pair_potential, renewed, tangential_stiffness
 from coilspring.contact.results import PairReader
 from pairrecords import held, pair_records
 from wirefe.contact.spheres import pair_matrix

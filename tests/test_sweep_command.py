@@ -10,7 +10,7 @@ import equivbeam
 import wirefe
 from coilspring import InputError, Load, Material, Scene, Spring, load_scene, spring_a, spring_b
 from coilspring.scene.profile import CoilSection
-from coilspring.scene.toml import written_table
+from coilspring.scene.toml import scene_table, written_table
 from coilspring.sweep import CRASHED
 from validation.cli import main
 from validation.sweep import run
@@ -18,6 +18,7 @@ from validation.sweep.grid import Varied, points, read_varied
 from validation.sweep.run import FILE
 
 ONE = ["--workers", "0", "--steps", "1"]
+TABLE, AT_ONCE = scene_table(spring_b()), scene_table(spring_b().with_steps(1))
 BEAM = run.Choice.of("equivbeam", {"law": "haringx"})
 WIRE = run.Choice.of("wirefe", {"element": "curved", "elements_per_turn": 4})
 
@@ -29,7 +30,7 @@ def rows(folder):
 
 def test_ranges_and_lists():
     texts = ["spring.wire_diameter=1.2:1.8:7", "load.force.1=-50,-10", "contact.enabled=true,false"]
-    found = read_varied([*texts, "contact.geometry=wires,spheres", "load.steps=2:4:3"], spring_b())
+    found = read_varied([*texts, "contact.geometry=wires,spheres", "load.steps=2:4:3"], TABLE)
     assert [each.values for each in found] == [
         (1.2, 1.3, 1.4, 1.5, 1.6, 1.7, 1.8),
         (-50, -10),
@@ -38,28 +39,27 @@ def test_ranges_and_lists():
         (2, 3, 4),
     ]
     assert isinstance(found[4].values[1], int)
-    assert [point.scene.load.steps for point in points(spring_b(), found[4:])] == [2, 3, 4]
+    assert [point.scene.load.steps for point in points(TABLE, found[4:])] == [2, 3, 4]
 
 
 def test_the_last_key_is_the_fastest_and_a_key_takes_the_place_of_those_it_excludes():
     b = spring_b()
     grid = [Varied("material.G", (79e3, 80e3)), Varied("load.displacement", (-1.0, -2.0))]
-    found = list(points(b, grid))
+    found = list(points(TABLE, grid))
     assert [point.values for point in found] == [(79e3, -1.0), (79e3, -2.0), (80e3, -1.0), (80e3, -2.0)]
     load = Load(displacement=(-2.0,))
     assert found[1].scene == replace(b, material=Material.from_moduli(b.material.E, 79e3), load=load)
 
 
 def test_an_item_of_a_list_and_of_a_table():
-    b = spring_b()
-    (point,) = points(b, [Varied("spring.mean_diameter.1", (7.0,))])
+    (point,) = points(TABLE, [Varied("spring.mean_diameter.1", (7.0,))])
     assert point.scene.spring.mean_diameter == (12.0, 7.0)
     sections = (CoilSection(2.0, (2.0, 4.0), (12.0, 12.0)), CoilSection(3.0, (4.0, 4.0), (12.0, 9.0)))
-    scene = Scene("two", Spring.of_sections(1.5, sections), Load((0.0, -10.0)))
-    (varied,) = read_varied(["spring.sections.1.coils=4"], scene)
-    (point,) = points(scene, [varied])
+    table = scene_table(Scene("two", Spring.of_sections(1.5, sections), Load((0.0, -10.0))))
+    (varied,) = read_varied(["spring.sections.1.coils=4"], table)
+    (point,) = points(table, [varied])
     assert [each.coils for each in point.scene.spring.sections] == [2.0, 4.0]
-    (point,) = points(scene, [Varied("spring.mean_diameter", (9.0,))])
+    (point,) = points(table, [Varied("spring.mean_diameter", (9.0,))])
     assert point.scene is None
     assert "[spring] takes one of " in point.refused
     assert ", got mean_diameter and sections" in point.refused
@@ -101,7 +101,7 @@ def test_what_cannot_be_varied_is_refused_with_what_can(text, words, tmp_path, c
 )
 def test_keys_that_exclude_each_other_and_grids_too_large_are_refused(texts, words):
     with pytest.raises(InputError, match="--vary") as refused:
-        read_varied(texts, spring_b())
+        read_varied(texts, TABLE)
     assert words in str(refused.value)
 
 
@@ -151,7 +151,7 @@ def test_a_picture_where_one_number_has_three_values(tmp_path):
 def test_where_no_scene_can_be_solved_the_first_reason_is_said(tmp_path, capsys):
     grid = ["--vary", "load.force.1=-100,-50", "--model", "wirefe", "--elements-per-turn", "3"]
     assert main(["sweep", "spring-b", *grid, *ONE, "--out", str(tmp_path)]) == 2
-    assert "no scene can be solved: elements_per_turn must be" in capsys.readouterr().err
+    assert "no scene can be solved: --elements-per-turn must be" in capsys.readouterr().err
     assert main(["sweep", "spring-b", *grid[:2], "--element", "curved"]) == 2
     assert "--element belongs to --model wirefe, got --model equivbeam" in capsys.readouterr().err
 
@@ -161,16 +161,9 @@ GRID = [Varied("load.force.1", (-40.0, -60.0, -80.0, -100.0))]
 
 def solved_again(folder, grid, choose=lambda scene: BEAM):
     """Rows of a sweep, and how many scenes it has solved."""
-    progress = []
-    found = run.sweep(
-        folder,
-        spring_b().with_steps(1),
-        grid,
-        choose,
-        workers=0,
-        progress=lambda done, of: progress.append(done),
-    )
-    return found, len(progress) - 1
+    done = []
+    found = run.sweep(folder, AT_ONCE, grid, choose, workers=0, progress=lambda *count: done.append(count))
+    return found, len(done) - 1
 
 
 def test_an_interrupted_sweep_keeps_its_rows_and_goes_on(tmp_path):
@@ -179,7 +172,7 @@ def test_an_interrupted_sweep_keeps_its_rows_and_goes_on(tmp_path):
             raise KeyboardInterrupt
 
     with pytest.raises(KeyboardInterrupt):
-        run.sweep(tmp_path, spring_b().with_steps(1), GRID, lambda scene: BEAM, workers=0, progress=interrupt)
+        run.sweep(tmp_path, AT_ONCE, GRID, lambda scene: BEAM, workers=0, progress=interrupt)
     assert [row["load.force.1"] for row in rows(tmp_path)] == ["-40.0", "-60.0"]
     text = (tmp_path / FILE).read_text().replace("the load path", "READ: the load path", 1)
     (tmp_path / FILE).write_text(text[:-40])  # and the last line is cut
@@ -224,8 +217,8 @@ def test_two_models_agree_on_the_stiffness_of_a_sweep(tmp_path):
     ratios = []
     for choice in (BEAM, WIRE):
         (tmp_path / choice.model).mkdir()
-        scene = replace(spring_b().without_contact(), load=Load((0.0, -0.1), 1))
-        thin, thick = run.sweep(tmp_path / choice.model, scene, grid, lambda scene, c=choice: c, workers=0)
+        table = scene_table(replace(spring_b().without_contact(), load=Load((0.0, -0.1), 1)))
+        thin, thick = run.sweep(tmp_path / choice.model, table, grid, lambda scene, c=choice: c, workers=0)
         ratios.append(float(thin["uy"]) / float(thick["uy"]))
     np.testing.assert_allclose(ratios, (1.2 / 0.9) ** 4, rtol=5e-3)
 
@@ -254,7 +247,7 @@ def test_the_outer_diameter_of_a_file_stays_where_the_wire_varies(tmp_path):
         "active_height = 40.0\n[load]\nforce = [0.0, -60.0]\n",
         encoding="utf-8",
     )
-    scene, written = load_scene(target), written_table(target)
-    varied = read_varied(["spring.wire_diameter=2.0,2.2", "spring.outer_diameter.1=14,16"], scene, written)
-    found = [point.scene.spring.mean_diameter for point in points(scene, varied, written)]
+    table = written_table(load_scene(target), str(target))
+    varied = read_varied(["spring.wire_diameter=2.0,2.2", "spring.outer_diameter.1=14,16"], table)
+    found = [point.scene.spring.mean_diameter for point in points(table, varied)]
     assert found == [(24.0, 12.0), (24.0, 14.0), (23.8, 11.8), (23.8, 13.8)]

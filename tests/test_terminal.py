@@ -10,6 +10,7 @@ import pytest
 import equivbeam
 import wirefe
 from coilspring import Contact, Load, load_scene, spring_a, spring_b
+from coilspring.sweep import outcome_of
 from validation.cli.terminal import digest, notes, progress_shown
 from validation.study.partialsolve import partial_path
 
@@ -67,6 +68,7 @@ def test_the_largest_stress_is_that_of_the_whole_path():
     assert path.max_stress[-1] < 0.5 * path.max_stress[most]
     said = f"stress {path.max_stress[most]:.4g} MPa at most, at time {path.times[most]:g}"
     assert any(said in line for line in digest(path))
+    assert outcome_of(path.scene, lambda scene: path).max_stress == path.max_stress[most]
 
 
 ADVICE = {"spheres": "--geometry wires", "wires": "--pairs-per-turn"}

@@ -10,16 +10,7 @@ from numpy.testing import assert_allclose
 
 import equivbeam
 import wirefe
-from coilspring import (
-    Contact,
-    InputError,
-    Load,
-    Material,
-    Scene,
-    Spring,
-    Supports,
-    spring_a,
-)
+from coilspring import Contact, InputError, Load, Material, Scene, Spring, Supports, spring_a
 from coilspring.compiling.packing import pack
 from coilspring.scene.sizing import sizes, wire_length
 from validation.cli.command import main

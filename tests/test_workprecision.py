@@ -18,7 +18,7 @@ import wirefe
 from coilspring import Contact, EquilibriumNotFound, InputError, Load, Scene, Spring
 from equivbeam.laws import LAWS
 from validation.cli import main
-from validation.cli.arguments import CAMPAIGN_RANGES, STUDY_SCENES, command_line
+from validation.cli.arguments import CAMPAIGN_RANGES, STUDY_SCENES
 from validation.peers.comparison import opensees
 from validation.study.cases import PAPER_MESH
 from validation.study.metrics import COMPONENTS
@@ -331,14 +331,6 @@ def test_an_unwritable_folder_is_noticed_before_solving(tmp_path, monkeypatch):
     blocked.write_text("not a folder")
     monkeypatch.setattr(work, "study", lambda *_: pytest.fail("measured in vain"))
     assert main(["workprecision", "--out", str(blocked)]) == 4
-
-
-@pytest.mark.parametrize("command", ["workprecision", "stability"])
-def test_help_has_an_example_that_parses(command, capsys):
-    with pytest.raises(SystemExit):
-        main([command, "--help"])
-    example = capsys.readouterr().out.partition("example: coilcheck ")[2].split()
-    assert command_line().parse_args(example).command == command
 
 
 def fake_campaign(monkeypatch, code):

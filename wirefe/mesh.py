@@ -57,8 +57,8 @@ def _elements(name: str, turns: float, elements_per_turn: int, most: int) -> int
     count = round(turns * elements_per_turn)
     if count < 1 or abs(turns * elements_per_turn - count) > 1e-6:
         raise InputError(
-            f"spring.{name} must be a multiple of 1/{elements_per_turn} (1/elements_per_turn) in "
-            f"[0.5, {most}] for the wire model, got {turns!r}"
+            f"spring.{name} must be a multiple of 1/{elements_per_turn} in [0.5, {most}] for the wire model "
+            f"with elements_per_turn = {elements_per_turn}, got {turns!r}"
         )
     return count
 
@@ -66,9 +66,10 @@ def _elements(name: str, turns: float, elements_per_turn: int, most: int) -> int
 def refuse_kinks(spring: Spring, mesh: WireMesh) -> None:
     """Refuse sections of the spring that meet within an element: curved ones are of one piece."""
     step = mesh.phases[1]
+    count = round(TWO_PI / step)
     for number, knot in enumerate(spring.profile.knots[1:-1], 1):
         if abs(knot / step - round(knot / step)) > 1e-6:
             raise InputError(
-                f"spring.sections[{number}] must end at a multiple of 1/{round(TWO_PI / step)} coils "
-                f"(1/elements_per_turn) with element curved, got an end at {knot / TWO_PI:g} coils"
+                f"spring.sections[{number}] must end at a multiple of 1/{count} coils with element curved "
+                f"and elements_per_turn = {count}, got an end at {knot / TWO_PI:g} coils"
             )

@@ -84,14 +84,15 @@ def scene_from_text(text: str, default_name: str = "scene") -> Scene:
     return scene_from_table(table, default_name)
 
 
-def written_table(source: str | Path) -> dict[str, Any] | None:
-    """Keys of a scene's file as they are written there; None for a scene of the catalogue."""
-    return None if str(source) in CATALOGUE else tomllib.loads(_decoded(Path(source).read_bytes()))
-
-
 def scene_table(scene: Scene) -> dict[str, Any]:
     """Keys of a scene as its file has them, which `scene_from_table` takes."""
     return tomllib.loads(scene_text(scene))
+
+
+def written_table(scene: Scene, source: str) -> dict[str, Any]:
+    """The same; keys of the spring as they are in the file `source`: the outer diameter, if it has that."""
+    written = scene_text(scene) if source in CATALOGUE else _decoded(Path(source).read_bytes())
+    return scene_table(scene) | {"spring": tomllib.loads(written)["spring"]}
 
 
 def scene_from_table(table: Mapping[str, Any], default_name: str = "scene") -> Scene:

@@ -75,7 +75,7 @@ SAFE = 0.8  # share of the turn allowed that the next substep aims at
 # Iterations in the first round, and in each that follows: with fewer, the next substep may be longer.
 EASY_COUNT, EASY_ROUND = 4, 8
 MOST_SLIP = 0.01  # wire diameters that a pair that creeps is to slip in a substep
-HALF = 0.5  # of a substep, or release, that failed is tried next
+RETRIED = 0.5  # share of a substep, or release, that failed: it is tried next
 LEAST_CREEP = 1e-7  # of the time 0..1: in less, a pair that creeps moves by no more than it is located to
 LEAST_ERROR = 1e-3  # of a prediction, over what is allowed: less may be chance
 LEAST_LEFT = 1e-6  # of the time 0..1 that is taken at least, however soon a pair closes
@@ -187,7 +187,7 @@ def shorten(system, task, work, path, substep, softest):
         path.snapping, path.outcome = False, path.ends
         return
     if path.releasing:
-        path.release = min(path.release, 2.0 * MOST_RELEASE) * HALF
+        path.release = min(path.release, 2.0 * MOST_RELEASE) * RETRIED
         if path.release < LEAST_RELEASE:
             path.outcome, path.bracket = JUMP, 2.0 * LEAST_STEP
         return
@@ -198,7 +198,7 @@ def shorten(system, task, work, path, substep, softest):
     if substep.cut < 1.0:
         path.until = substep.cut * substep.duration
     else:
-        path.failed, path.next_step = True, HALF * substep.duration
+        path.failed, path.next_step = True, RETRIED * substep.duration
     lets_go = creeping(work.history) and softest.value > JUMPS * path.rest_stiffness
     # one that is only cut, to where a pair touches or opens, does not stall
     stalls = lets_go and substep.cut == 1.0

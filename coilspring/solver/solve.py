@@ -21,17 +21,7 @@ from coilspring.solver.outcome import caution, judged, snaps, verdict
 from coilspring.solver.problem import Problem, Track
 from coilspring.solver.stages import stages
 from coilspring.solver.startup import ready
-from coilspring.solver.system import (
-    COMPLETED,
-    NEW_PAIR,
-    NEWTON,
-    PATH,
-    STUCK,
-    SUBSTEP,
-    WATCH,
-    Task,
-    Workspace,
-)
+from coilspring.solver.system import COMPLETED, NEW_PAIR, NEWTON, PATH, STUCK, SUBSTEP, WATCH, Task, Workspace
 
 # Of a substep with the exact tangent: 2 or 3 far from changes of contact, many with kinks.
 MOST_ITERATIONS = 200
@@ -223,11 +213,7 @@ def _joined(runs: list[Run], count: int) -> Run:
 
 
 def scene_path(
-    scene: Scene,
-    model: str,
-    options: Mapping[str, object],
-    run: Run,
-    shape: Shape,
+    scene: Scene, model: str, options: Mapping[str, object], run: Run, shape: Shape
 ) -> EquilibriumPath:
     """Path of a run.
 

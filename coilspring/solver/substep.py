@@ -32,8 +32,8 @@ from coilspring.solver.system import OVERLAP, ROOM, Target
 MOST_RELEASE, LEAST_RELEASE = 40.0, 1e-3
 LEAST_CUT, MOST_CUT = 0.05, 0.9  # shares at which a substep is cut where a pair touches or opens
 NEARER = 3.0  # times the bound on all motion: so much nearer may two wires come, also between nodes
-HALF = 0.5  # share at which a substep is cut in which a pair ceases to creep:
-MISSED = 5e-4  # wire diameters that it may have slipped before
+CREEP_CUT = 0.5  # share at which a substep in which a pair ceases to creep is cut, at most
+MISSED = 5e-4  # wire diameters that such a pair may have slipped before
 OVERLAP_TIME = 1e-5  # of the time 0..1: so closely is it located
 BOUND_CHANGE = 1e-6  # of the bounds of tangential forces, over the largest, where they count as found
 MOST_ROUNDS = 30
@@ -110,7 +110,7 @@ def renew_held(system, task, work, path, substep, before):
     if change <= BOUND_CHANGE and left <= path.creep:
         missed = stuck_from(work.history) * substep.duration / path.last_step
         if missed > MISSED * task.diameter and substep.duration >= 2.0 * LEAST_STEP and not path.snapping:
-            substep.cut = max(LEAST_CUT, min(HALF, MISSED * task.diameter / missed))
+            substep.cut = max(LEAST_CUT, min(CREEP_CUT, MISSED * task.diameter / missed))
         return 0.0
     newton = left == 0.0 and substep.rounds > RENEWED and not path.snapping
     slow = newton and substep.rounds > RENEWED + SLOW and change > GAIN * before

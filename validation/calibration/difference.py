@@ -61,11 +61,12 @@ def lines(paths: Mapping[str, EquilibriumPath], curve: Measured) -> list[str]:
     """The differences for a reader at the terminal."""
     said = []
     for name, path in paths.items():
-        found, words = difference(path, curve), ("deflection", "force")
+        found = difference(path, curve)
         if not found["points"]:
             said.append(f"{name} minus measured: no measured point is within the model's path")
             continue
-        what = "{} at the same {}".format(*words[:: -1 if path.scene.load.displacement else 1])
+        pressed = path.scene.load.displacement
+        what = "force at the same deflection" if pressed else "deflection at the same force"
         sizes = f"{100 * found['max']:.3g} % of the peak at most, {100 * found['rms']:.3g} % rms"
         beyond = f"; {found['beyond']} beyond the model's last step left out" if found["beyond"] else ""
         said.append(f"{name} minus measured, {what}: {sizes}, at {found['points']} points{beyond}")

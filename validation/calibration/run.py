@@ -11,6 +11,7 @@ import numpy as np
 import equivbeam
 from coilspring import Scene, scene_text
 from coilspring.measured import measured, table_of
+from validation.calibration.difference import has_direction
 from validation.study.machine import versions
 from validation.study.output import json_bytes
 from validation.study.partialsolve import partial_path
@@ -50,20 +51,15 @@ def calibrate(
         "evaluations": found.evaluations,
         "versions": versions(),
     }
-    files = {
-        "calibration.json": json_bytes(summary),
-        "calibrated.toml": scene_text(found.scene).encode(),
-    }
+    files = {"calibration.json": json_bytes(summary), "calibrated.toml": scene_text(found.scene).encode()}
     lines = str(found).splitlines()
     if found.rms_before > FAR:
-        far = f"{100 * found.rms_before:.2g} % of the peaks rms"
-        lines.append(
-            f"warning: the scene as given is far from the curve, {far}: are its spring and the units right?"
-        )
+        far = f"far from the curve, {100 * found.rms_before:.2g} % of the peaks rms"
+        lines.append(f"warning: the scene as given is {far}: are its spring and the units right?")
     sliding = scene.contact.sliding
     if scene.contact.enabled and sliding != "free":
         lines.append(f"fitted without the scene's sliding = \"{sliding}\", as the paper's model")
-    if "force" in table or "load_y" in table:
+    if has_direction(scene) and ("force" in table or "load_y" in table):
         from validation.calibration.figure import FIT, load_curves
 
         curve = measured(file, scene)

@@ -226,10 +226,9 @@ def verify_invariance(verdict: Verdict, case: Case, path: EquilibriumPath) -> st
         most = max(answer, loose.branch, grain(path))
         verdict.ask("invariance", deviation(path, other, back)[1], most, f"{kind} changes the answer")
         if path.critical_time is not None and other.critical_time is not None:
-            shift = abs(path.critical_time - other.critical_time) / max(path.critical_time, LOAD)
-            known = sum(each.critical_bracket or 0.0 for each in (path, other)) / max(
-                path.critical_time, LOAD
-            )
+            scale = max(path.critical_time, LOAD)
+            shift = abs(path.critical_time - other.critical_time) / scale
+            known = sum(each.critical_bracket or 0.0 for each in (path, other)) / scale
             most = max(CRITICAL_SHIFT, loose.critical, force_grain(path), known)
             verdict.ask("critical_shift", shift, most, f"{kind} shifts the critical time")
     return kind

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import re
 import tomllib
 from collections.abc import Callable, Sequence
 from dataclasses import replace
@@ -27,7 +28,9 @@ FITTED = (  # by calibrate
     *("axial", "shearing", "bending", "wire_diameter", "mean_diameter", "bottom_diameter", "top_diameter"),
     *("pitch", "E", "G", "penalty", "exponent", "offset"),
 )
-COMMON_OPTIONS = {"steps": "load.steps", "penalty": "contact.stiffness", "geometry": "contact.geometry"}
+COMMON_OPTIONS = ("steps", "penalty", "geometry")
+KEYWORDS = {"load.steps": "steps", "contact.stiffness": "penalty", "contact.geometry": "geometry"}
+KEYWORDS |= {"parameters": "fit", "count": "frequencies"}  # of the library, by which it names options
 CAMPAIGN_RANGES = dict.fromkeys(("beams", "wires"), (0, 10_000_000))  # of the options of stability
 CAMPAIGN_RANGES |= {"seed": (0, 2**32 - 1), "workers": (0, 1000)}
 STUDY_SCENES = (*CATALOGUE, "cylinder-lateral", "slender-axial")  # of workprecision
@@ -128,35 +131,39 @@ def given(arguments: argparse.Namespace, names: Sequence[str]) -> dict:
 
 
 def scene_of(arguments: argparse.Namespace) -> Scene:
-    """The scene with the steps and the penalty asked for."""
-    scene = load_scene(arguments.scene)
-    try:
-        return scene.overridden(**given(arguments, tuple(COMMON_OPTIONS)))
-    except InputError as error:
-        key, space, why = str(error).partition(" ")
-        flags = {key: f"--{name}" for name, key in COMMON_OPTIONS.items()}
-        raise InputError(f"{flags.get(key, key)}{space}{why}") from None
+    """The scene with the steps, the penalty and the geometry asked for."""
+    return load_scene(arguments.scene).overridden(**given(arguments, COMMON_OPTIONS))
+
+
+def flag(name: str) -> str:
+    """What a user types for an option."""
+    return "--" + name.replace("_", "-")
+
+
+def flagged(message: str, arguments: argparse.Namespace) -> str:
+    """A message of the library with what the user has typed in place of its keywords."""
+    key, space, why = message.partition(" ")
+    name = KEYWORDS.get(key, key)
+    said = flag(name) + space + why if name in arguments and given(arguments, [name]) else message
+    return re.sub(r"\b\w+_per_turn\b", lambda found: flag(found[0]), said)
 
 
 def refuse_chosen(arguments: argparse.Namespace, names: Sequence[str] = CHOSEN) -> None:
     """Refuse options that an accuracy chooses."""
     for name in given(arguments, names) if arguments.accuracy is not None else ():
-        flag = "--" + name.replace("_", "-")
-        raise InputError(
-            f"{flag} cannot stand beside --accuracy, which chooses law and mesh: leave out {flag}; or leave "
-            "out --accuracy and give the wire model a mesh, as --element curved --elements-per-turn 8"
-        )
+        said = f"{flag(name)} cannot stand beside --accuracy, which chooses law and mesh"
+        mesh = "give the wire model a mesh, as --element curved --elements-per-turn 8"
+        raise InputError(f"{said}: leave out {flag(name)}; or leave out --accuracy and {mesh}")
 
 
-def refuse_other_models(arguments: argparse.Namespace) -> None:
+def refuse_other_models(arguments: argparse.Namespace, chosen: Sequence[str] = CHOSEN) -> None:
     """Refuse options that belong to another model than the one asked for, or that an accuracy chooses."""
-    refuse_chosen(arguments)
+    refuse_chosen(arguments, chosen)
     for other, names in MODEL_OPTIONS.items():
         known = [name for name in names + FILE_OPTIONS[other] if hasattr(arguments, name)]
         for name in given(arguments, known) if other != arguments.model else ():
-            flag = "--" + name.replace("_", "-")
             got = "--accuracy" if arguments.accuracy is not None else f"--model {arguments.model}"
-            raise InputError(f"{flag} belongs to --model {other}, got {got}")
+            raise InputError(f"{flag(name)} belongs to --model {other}, got {got}")
 
 
 def scenes_of(arguments: argparse.Namespace) -> dict[str, Scene]:
@@ -167,8 +174,7 @@ def scenes_of(arguments: argparse.Namespace) -> dict[str, Scene]:
     geometry, only = arguments.geometry, getattr(arguments, "only", None)
     found: dict[str, Scene] = {}
     for file in arguments.scenes:
-        name = file if file in CATALOGUE else Path(file).stem
-        name += f"-{geometry}" if geometry else ""
+        name = Path(file).stem + (f"-{geometry}" if geometry else "")
         if name in found:
             raise InputError(f"SCENE must be files of different names, got {name} twice")
         found[name] = replace(load_scene(file).overridden(geometry=geometry), name=name)

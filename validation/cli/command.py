@@ -19,6 +19,7 @@ from validation.cli import studies
 from validation.cli.arguments import (
     MODEL_OPTIONS,
     command_line,
+    flagged,
     given,
     refuse_chosen,
     refuse_other_models,
@@ -37,11 +38,12 @@ COMPLETED, REGRESSED, BAD_INPUT, NOT_COMPLETED, NOT_WRITTEN, INTERRUPTED = 0, 1,
 
 def main(argv: Sequence[str] | None = None) -> int:
     """Run the command line and return the exit code."""
+    arguments = argparse.Namespace()
     try:
-        arguments = command_line().parse_args(argv)
+        command_line().parse_args(argv, arguments)
         return COMMANDS[arguments.command](arguments)
     except InputError as error:
-        return _fail(BAD_INPUT, str(error))
+        return _fail(BAD_INPUT, flagged(str(error), arguments))
     except EquilibriumNotFound as error:
         return _fail(NOT_COMPLETED, error.message)
     except output.OutputError as error:
@@ -85,7 +87,7 @@ def solve(arguments: argparse.Namespace) -> int:
     refuse_other_models(arguments)
     scene, count = scene_of(arguments), arguments.frequencies
     if count is not None:
-        require_integer("--frequencies", count, 1, MOST_FREQUENCIES)
+        require_integer("frequencies", count, 1, MOST_FREQUENCIES)
     folder = _folder(arguments)
     with output.claimed(folder):
         with progress_shown(arguments.quiet) as progress:
@@ -171,9 +173,9 @@ def _folder(arguments: argparse.Namespace) -> Path:
     name = arguments.command
     scene, *others = getattr(arguments, "scenes", None) or [getattr(arguments, "scene", None)]
     if scene and not others:
-        name += f"-{scene if scene in CATALOGUE else Path(scene).stem}"
+        name += f"-{Path(scene).stem}"
     if arguments.command == "study-law":
-        name += f"-{Path(arguments.law[0]).stem}"
+        name += f"-{Path(arguments.laws[0]).stem}"
     return Path("coilcheck-out", name)
 
 

@@ -17,7 +17,6 @@ from validation.cli.arguments import (
     CAMPAIGN_RANGES,
     MODEL_OPTIONS,
     given,
-    refuse_chosen,
     refuse_other_models,
     scene_of,
     scenes_of,
@@ -144,36 +143,33 @@ def study_law(arguments: argparse.Namespace, folder: Path, progress: Progress) -
 
     lines: list[str] = []
     with claimed(folder), writing(folder):
-        for law in arguments.law:
-            out = folder / Path(law).stem if len(arguments.law) > 1 else folder
+        for law in arguments.laws:
+            out = folder / Path(law).stem if len(arguments.laws) > 1 else folder
             lines += [*run(law, out, progress, quick=arguments.quick), f"written to {out}"]
     return lines, ""
 
 
 def sweep(arguments: argparse.Namespace, folder: Path, progress: Progress) -> Answer:
     """Solve a grid of scenes with one model, or as accurately as asked for."""
-    if arguments.accuracy is None:
-        refuse_other_models(arguments)
-    refuse_chosen(arguments, tuple(name for names in MODEL_OPTIONS.values() for name in names))
+    refuse_other_models(arguments, tuple(name for names in MODEL_OPTIONS.values() for name in names))
     model, workers, accuracy = arguments.model, arguments.workers, arguments.accuracy
     if workers is not None:
         require_integer("workers", workers, *CAMPAIGN_RANGES["workers"])
     scene = scene_of(arguments)
     from validation.sweep import grid, run
 
-    written = written_table(arguments.scene)
-    varied = grid.read_varied(arguments.vary, scene, written)
+    table = written_table(scene, arguments.scene)
+    varied = grid.read_varied(arguments.vary, table)
     progress(f"loading {model}")
     asked, lines, found = run.Choice.of(model, given(arguments, MODEL_OPTIONS[model])), [], None
     with claimed(folder), writing(folder):
         if accuracy is not None:
             from validation.sweep.choice import choose
 
-            found = choose(list(grid.points(scene, varied, written)), varied, accuracy, progress)
+            found = choose(list(grid.points(table, varied)), varied, accuracy, progress)
             lines.append(found.line)
         solver = found.candidate if found else lambda scene: asked
-        counted = _counted(progress)
-        rows = run.sweep(folder, scene, varied, solver, written=written, workers=workers, progress=counted)
+        rows = run.sweep(folder, table, varied, solver, workers=workers, progress=_counted(progress))
         run.write_picture(folder, rows, [each.key for each in varied], scene, solver(scene).model)
     return [*lines, *run.digest(rows), f"written to {folder}"], run.ended_early(rows)
 

@@ -15,7 +15,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from coilspring import Scene, load_scene
-from coilspring.scene.toml import scene_table, scene_text
+from coilspring.scene.toml import SECTIONS, scene_table, scene_text
 from validation.regress import baselines, timeratios
 from validation.regress.baselines import CURVES, MODELS, Quantities, Run, find, made, read, runs, runs_of
 from validation.study.cases import make_ready
@@ -130,15 +130,12 @@ def regress(
 
 def _scene_moves(before: Scene, now: Scene) -> Iterator[Move]:
     """Keys of the scene that are not those of the baselines."""
-    sections = {name: each for name, each in scene_table(now).items() if isinstance(each, dict)}
-    others = scene_table(before)
-    for section, keys in sections.items():
-        old = others[section]
-        for key in dict.fromkeys((*old, *keys)):
-            if old.get(key) != keys.get(key):
-                was, is_now = (str(each.get(key, "not given")) for each in (old, keys))
-                name, why = f"{section}.{key}", "the baselines are of another scene"
-                yield Move("the scene", name, was, is_now, why)
+    was, new = scene_table(before), scene_table(now)
+    for section in SECTIONS:
+        for key in dict.fromkeys((*was[section], *new[section])):
+            old, given = (str(table[section].get(key, "not given")) for table in (was, new))
+            if old != given:
+                yield Move("the scene", f"{section}.{key}", old, given, "the baselines are of another scene")
 
 
 def compare(

@@ -54,12 +54,9 @@ def choose(
         progress(f"sample of the grid by {name}")
         worst = _worst(candidate, wires, accuracy)
         if MARGIN * worst <= accuracy:
-            return Chosen(
-                candidate,
-                worst,
-                f"chosen for an accuracy of {accuracy:g}: {name}; error up to {worst:.2g} on "
-                f"{len(scenes)} scenes of the grid, solved by the wire model",
-            )
+            sampled = f"{len(scenes)} scenes of the grid, solved by the wire model"
+            why = f"{name}; error up to {worst:.2g} on {sampled}"
+            return Chosen(candidate, worst, f"chosen for an accuracy of {accuracy:g}: {why}")
         least = min(least, worst)
     can = f"must be at least {2.1 * least:.1g}" if MARGIN * least < ACCURACIES[1] else "cannot be met"
     raise InputError(f"accuracy {can} on this grid by one law or mesh for all its scenes, got {accuracy:g}")

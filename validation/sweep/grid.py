@@ -13,7 +13,7 @@ import numpy as np
 
 from coilspring import InputError, Scene
 from coilspring.scene.schema import keys_of
-from coilspring.scene.toml import SECTIONS, allowed_keys, refuse_unknown, scene_from_table, scene_table
+from coilspring.scene.toml import SECTIONS, allowed_keys, refuse_unknown, scene_from_table
 from validation.study.texts import number_of
 
 MOST = 100_000  # scenes of a grid
@@ -37,19 +37,11 @@ class Point:
     refused: str = ""
 
 
-def base(scene: Scene, written: Mapping[str, Any] | None) -> dict[str, Any]:
-    """Keys of a scene; those of the spring as they are `written` in its file, if it has one: what stays where
-    the wire diameter varies is the outer diameter, if that is what stands there."""
-    table = scene_table(scene)
-    return table if written is None else table | {"spring": written["spring"]}
-
-
-def read_varied(texts: Sequence[str], scene: Scene, written: Mapping[str, Any] | None = None) -> list[Varied]:
-    """Keys and values of ``KEY=FIRST:LAST:COUNT`` or ``KEY=VALUE,VALUE,...``; `written`: see `base`.
+def read_varied(texts: Sequence[str], table: Mapping[str, Any]) -> list[Varied]:
+    """Keys and values of ``KEY=FIRST:LAST:COUNT`` or ``KEY=VALUE,VALUE,...`` for a scene of these keys.
 
     Raises `InputError`: a key that scenes, or this one, do not have; a text that is no range and no list.
     """
-    table = base(scene, written)
     found: list[Varied] = []
     for text in texts:
         key, equals, values = text.partition("=")
@@ -108,11 +100,8 @@ def _values(text: str) -> tuple[Any, ...]:
     return tuple(map(int, values)) if whole else tuple(values)  # a number of steps is an integer
 
 
-def points(
-    scene: Scene, varied: Sequence[Varied], written: Mapping[str, Any] | None = None
-) -> Iterator[Point]:
-    """All combinations of values, those of the last key fastest; `written`: see `base`."""
-    table = base(scene, written)
+def points(table: Mapping[str, Any], varied: Sequence[Varied]) -> Iterator[Point]:
+    """All combinations of values in a scene of these keys, those of the last key fastest."""
     for values in product(*(each.values for each in varied)):
         try:
             yield Point(values, _changed(table, [each.key for each in varied], values))

@@ -54,21 +54,20 @@ class Choice:
 
 def sweep(
     folder: Path,
-    scene: Scene,
+    table: Mapping[str, Any],
     varied: Sequence[Varied],
     choose: Callable[[Scene], Choice],
     *,
-    written: Mapping[str, Any] | None = None,
     workers: int | None = None,
     progress: Callable[[int, int], None] = lambda done, of: None,
 ) -> list[Row]:
     """Solve all combinations of the values, and write ``sweep.csv``: a row for each, in their order.
 
     A row is on disk as soon as its scene is solved. Rows that are there already from the same scenes,
-    options and sources are not solved again. `written`: see `grid.base`; `workers`: see
+    options and sources are not solved again. `table` has the keys of the scene; `workers`: see
     `coilspring.sweep.outcomes`; `progress` is called with the number of scenes done and of all.
     """
-    grid = list(points(scene, varied, written))
+    grid = list(points(table, varied))
     tasks = [(point.scene, choose(point.scene)) if point.scene else None for point in grid]
     keys = [_key(point, task) for point, task in zip(grid, tasks, strict=True)]
     target, columns = folder / FILE, (*(each.key for each in varied), *RESULTS)
@@ -164,7 +163,7 @@ def digest(rows: Sequence[Row]) -> list[str]:
     """How many rows have which outcome, for a reader at the terminal."""
     found = Counter(row["outcome"] for row in rows)
     counts = ", ".join(f"{count} {outcome.replace('_', ' ')}" for outcome, count in found.most_common())
-    return [f"{len(rows)} springs: {counts}"]
+    return [f"{len(rows)} spring{'s' if len(rows) > 1 else ''}: {counts}"]
 
 
 def ended_early(rows: Sequence[Row]) -> str:
