@@ -174,7 +174,7 @@ def located_to(mu):
 
 @part
 def creep_to(force, d, K, k):
-    """Wire diameters within which a pair that creeps is said to touch, under a load of some size."""
+    """Wire diameters by which a pair that creeps may penetrate, under a load of some size."""
     return min(CREEP, max(FINEST_CREEP, (PRESSED * force / K) ** (1.0 / k) / d))
 
 

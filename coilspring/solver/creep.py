@@ -14,6 +14,7 @@ import numpy as np
 
 from coilspring.compiling.compiled import part
 from coilspring.contact.history import copy_history
+from coilspring.contact.law import CREEP
 from coilspring.solver.complementarity import GAP, HELD, SLIP, complementary
 from coilspring.solver.operations import factor_state
 from coilspring.solver.response import answer, answered
@@ -24,16 +25,15 @@ NEARLY = 0.5  # of the stiffness: where a pair opened with no share so far, all 
 
 
 @part
-def renew_creep(system, task, work, enough):
+def renew_creep(system, task, work, pressed):
     """Renew the released shares in `work.history` of pairs that creep, at the trial state found with them.
 
-    Returns the largest gap, or penetration of a pair that gives way, in wire diameters: where it is `enough`
-    nothing is changed; infinity where no answer was found.
+    Returns the largest gap over `coilspring.contact.law.CREEP`, or penetration of a pair that gives way over
+    `pressed`, in wire diameters: up to 1 nothing is changed; infinity where no answer was found.
     """
     history = work.history
-    active, worst = _active(history)
-    worst /= task.diameter
-    if worst <= enough:
+    active, worst = _active(history, CREEP * task.diameter, pressed * task.diameter)
+    if worst <= 1.0:
         return worst
     n = active.size
     opens, slips, rows = np.empty((n, n)), np.empty((n, n)), np.empty((3, n))
@@ -64,8 +64,9 @@ def renew_creep(system, task, work, enough):
 
 
 @part
-def _active(history):
-    """Pairs whose force decides their gap, and the largest gap that is not as it should be, mm."""
+def _active(history, wide, deep):
+    """Pairs whose force decides their gap, and the largest gap or penetration that is not as it should be, in
+    units of those that may be left."""
     active, count, worst = np.empty(history.shape[0], np.int64), 0, 0.0
     for m in range(history.shape[0]):
         row = history[m]
@@ -74,7 +75,7 @@ def _active(history):
         if row.creeps and not (sticks or free):
             active[count] = m
             count += 1
-            worst = max(worst, abs(row.gap))
+            worst = max(worst, row.gap / wide, -row.gap / deep)
     return active[:count], worst
 
 

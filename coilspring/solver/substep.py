@@ -106,8 +106,8 @@ def renew_held(system, task, work, path, substep, before):
     left = 0.0
     if creeping(work.history):
         left = renew_creep(system, task, work, path.creep)
-        path.spent += left > path.creep
-    if change <= BOUND_CHANGE and left <= path.creep:
+        path.spent += left > 1.0
+    if change <= BOUND_CHANGE and left <= 1.0:
         missed = stuck_from(work.history) * substep.duration / path.last_step
         if missed > MISSED * task.diameter and substep.duration >= 2.0 * LEAST_STEP and not path.snapping:
             substep.cut = max(LEAST_CUT, min(CREEP_CUT, MISSED * task.diameter / missed))

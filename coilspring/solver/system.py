@@ -139,7 +139,7 @@ PATH = np.dtype(
         ("linear_from", "f8"),  # time at which the linear stretch at hand began
         ("linear", "?"),
         ("reuse", "?"),  # the last factor is tried first
-        ("creep", "f8"),  # wire diameters within which a pair that creeps is said to touch
+        ("creep", "f8"),  # wire diameters by which a pair that creeps may penetrate
         ("fresh", "i8"),  # short steps still to take, since a pair has closed
         ("lost", "?"),  # the last attempt found no equilibrium
         ("slid", "?"),  # a pair slid
