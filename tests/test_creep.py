@@ -119,7 +119,7 @@ def test_what_creeps_just_touches():
 
 @pytest.mark.parametrize(("name", "seed"), [("w00029", 75), ("w00007", 76)])
 def test_hard_pairs_that_creep_are_hardly_pressed(name, seed):
-    """A penetration allowed of 1e-6 wire diameters was a normal force of 1 % of the load: tips differed by 5e-3."""
+    """Penetration of 1e-6 wire diameters was a force of 1 % of the load: tips differed by 5e-3."""
     case = make_case(name, seed)
     paths = [reached(case, steps=count) for count in (20, 100)]
     rows = [path.tips[np.isin(np.rint(100 * path.times), np.arange(5, 101, 5)), :2] for path in paths]
