@@ -140,35 +140,11 @@ def across_wires(w: np.ndarray, tau: np.ndarray, clearance: np.ndarray) -> np.nd
 
 
 @arithmetic
-def arms_of(parts, state, node, first):
-    """Two arms of a station as turned now, those from the column `first` on."""
-    i = ROW * node
-    a = turned(four(state, i + 3), three(parts, first))
-    if parts[ROTATION] == 0.0:
-        return a, (0.0, 0.0, 0.0)
-    return a, turned(four(state, i + ROW + 3), three(parts, first + 3))
-
-
-@arithmetic
 def point_of(parts, state, node):
     """Position of a station."""
-    return _point(parts, state, node, POSITION, ARMS)
-
-
-@arithmetic
-def tangent_of(parts, state, node):
-    """Tangent of a station."""
-    return _point(parts, state, node, TANGENT, SLOPES)
-
-
-@arithmetic
-def _point(parts, state, node, share, first):
     i = ROW * node
-    a, b = arms_of(parts, state, node, first)
-    x = plus(a, 1.0, b)
-    own = 1.0 if share == POSITION else 0.0
-    c = parts[share]
-    x = plus(x, own - c, three(state, i))
-    if c == 0.0:
+    x = plus(turned(four(state, i + 3), three(parts, ARMS)), 1.0 - parts[POSITION], three(state, i))
+    if parts[ROTATION] == 0.0:
         return x
-    return plus(x, c, three(state, i + ROW))
+    x = plus(x, 1.0, turned(four(state, i + ROW + 3), three(parts, ARMS + 3)))
+    return plus(x, parts[POSITION], three(state, i + ROW))

@@ -6,7 +6,8 @@ import numpy as np
 
 from coilspring.compiling.compiled import arithmetic, part
 from wirefe.contact.spheres import centre
-from wirefe.contact.stations import ROTATION, of_wires, point_of, tangent_of
+from wirefe.contact.stations import ROTATION, of_wires
+from wirefe.contact.wires import facing, placed
 from wirefe.element.algebra import dot, plus
 from wirefe.element.poses import three
 
@@ -30,23 +31,22 @@ def _one_body(contact, A, B):
 
 
 @arithmetic
-def _contact_point(contact, state, k):
-    """Where a sphere or a station is."""
+def _contact_points(contact, state):
+    """Where the centres of spheres are, or `placed` stations."""
     if of_wires(contact.parts):
-        return point_of(contact.parts[k], state, contact.attached[k])
-    x, _ = centre(contact, state, k)
-    return x
+        return placed(contact, state)
+    centres = np.empty((contact.attached.size, 3))
+    for k in range(contact.attached.size):
+        x, _ = centre(contact, state, k)
+        centres[k, 0], centres[k, 1], centres[k, 2] = x
+    return centres
 
 
 @arithmetic
-def _wires_touch(contact, state, A, B, w, most):
-    """Whether wires touch between stations, with `w` from A to B: across the gap, and no farther along the
-    wire than the square `most`."""
-    tau = plus(
-        tangent_of(contact.parts[A], state, contact.attached[A]),
-        1.0,
-        tangent_of(contact.parts[B], state, contact.attached[B]),
-    )
+def _wires_touch(contact, points, A, B, most):
+    """Whether wires touch between the stations A and B: across the gap, and no farther along the wire than
+    the square `most`."""
+    w, tau = facing(points, A, B)
     along = dot(w, tau) ** 2 / dot(tau, tau)
     return along <= most and dot(w, w) - along < contact.d**2
 
@@ -56,9 +56,8 @@ def touch_unlisted(contact, state):
     """Whether contact points touch that are no pair; of wires, whether these touch anywhere between two
     stations. Stations of neighbouring coils are pairs."""
     count, wires, most = contact.attached.size, of_wires(contact.parts), 0.0
-    centres = np.empty((count, 3))
+    centres = _contact_points(contact, state)
     for A in range(count):
-        centres[A, 0], centres[A, 1], centres[A, 2] = _contact_point(contact, state, A)
         if wires and A > 0:
             step = plus(three(centres[A], 0), -1.0, three(centres[A - 1], 0))
             most = max(most, 0.25 * dot(step, step))
@@ -71,6 +70,6 @@ def touch_unlisted(contact, state):
             w = plus(three(centres[B], 0), -1.0, three(centres[A], 0))
             if dot(w, w) >= reach or _one_body(contact, A, B) or _is_pair(contact, A, B):
                 continue
-            if not wires or _wires_touch(contact, state, A, B, w, most):
+            if not wires or _wires_touch(contact, centres, A, B, most):
                 return True
     return False

@@ -47,9 +47,8 @@ def placed(contact, state):
 
 
 @arithmetic
-def _facing(contact, points, m):
-    """w and tau of a pair."""
-    a, b = contact.pairs[m, 0], contact.pairs[m, 1]
+def facing(points, a, b):
+    """w and tau of two stations."""
     w = plus(three_of(points, b, 0), -1.0, three_of(points, a, 0))
     return w, plus(three_of(points, b, 3), 1.0, three_of(points, a, 3))
 
@@ -57,7 +56,7 @@ def _facing(contact, points, m):
 @arithmetic
 def gap(contact, points, m):
     """h, n, u, s and |tau| of a pair."""
-    w, tau = _facing(contact, points, m)
+    w, tau = facing(points, contact.pairs[m, 0], contact.pairs[m, 1])
     length = math.sqrt(dot(tau, tau))
     u = (tau[0] / length, tau[1] / length, tau[2] / length)
     s = dot(w, u)
@@ -69,7 +68,7 @@ def gap(contact, points, m):
 @arithmetic
 def across(contact, points, m):
     """Vector across the gap of a pair, of the length of the gap and d."""
-    w, tau = _facing(contact, points, m)
+    w, tau = facing(points, contact.pairs[m, 0], contact.pairs[m, 1])
     v = plus(w, -dot(w, tau) / dot(tau, tau), tau)
     if contact.clearance[m] == 0.0:
         return v
