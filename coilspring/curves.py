@@ -1,7 +1,5 @@
 """Deviation of the load curves of one scene."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass
 

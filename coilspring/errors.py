@@ -1,7 +1,5 @@
 """What goes wrong: refused input, and an equilibrium that was not found."""
 
-from __future__ import annotations
-
 import math
 import numbers
 from collections.abc import Collection, Iterable

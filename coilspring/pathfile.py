@@ -1,7 +1,5 @@
 """An equilibrium path in one npz file: its scene as TOML, numbers as JSON, arrays as they are."""
 
-from __future__ import annotations
-
 import io
 import json
 import zipfile

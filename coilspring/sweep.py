@@ -1,7 +1,5 @@
 """Many springs at once, on all processor cores: what the sweeps of both models share."""
 
-from __future__ import annotations
-
 import inspect
 import os
 from collections.abc import Callable, Iterable, Iterator

@@ -1,7 +1,5 @@
 """Worker processes that need nothing of the script which starts them: no file, no guard of its last lines."""
 
-from __future__ import annotations
-
 import signal
 from collections.abc import Iterator
 from concurrent.futures import Executor

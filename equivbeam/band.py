@@ -4,8 +4,6 @@ Row k holds the entries (k, k + m) at column m, with as many zeros behind: an in
 then runs over registers, at whatever place of the row it begins.
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 from coilspring.compiling.compiled import arithmetic, kernel, part

@@ -16,8 +16,7 @@ from coilspring.scene import Factors, Scene, require_scene
 from equivbeam import fiterrors
 from equivbeam.fiterrors import constant_part, independent, undetermined
 from equivbeam.loadcurve import LoadCurve, read_curve
-from equivbeam.parameters import FACTORS, NAMES, values, varied
-from equivbeam.sensitivity import sensitivities
+from equivbeam.sensitivity import FACTORS, NAMES, sensitivities, values, varied
 from equivbeam.solve import solve
 
 if TYPE_CHECKING:

@@ -4,8 +4,6 @@ With the paper's law, `inclined` off (no cos p) and the axis refined below half 
 column of Haringx (1948), on which the buckling formula of EN 13906-1 rests; the order is 2.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
 from typing import Any
 

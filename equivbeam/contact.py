@@ -3,8 +3,6 @@
 The force of a pair, (12), is `coilspring.contact.law.normal_law`; its moments follow (13).
 """
 
-from __future__ import annotations
-
 import math
 
 from coilspring.compiling.compiled import part

@@ -9,8 +9,6 @@ a law is an energy U(l, v, dtheta). Its gradient in the element's degrees of fre
 x2, y2, theta2) is (7)-(9), with the misprint of (7) mended (see docs/theory.md), for any law.
 """
 
-from __future__ import annotations
-
 import math
 from typing import NamedTuple
 

@@ -1,7 +1,5 @@
 """What a fit determines, and how well: of its residuals and their derivatives J by shares of parameters."""
 
-from __future__ import annotations
-
 import numpy as np
 
 # Singular values of the derivatives, of residuals over peaks by relative changes, over the largest one or 1:

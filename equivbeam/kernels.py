@@ -1,7 +1,5 @@
 """Residual, matrix and motion of the equivalent beam: the kernels that the path follower calls."""
 
-from __future__ import annotations
-
 import math
 from functools import cache
 

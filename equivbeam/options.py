@@ -1,10 +1,8 @@
 """Numerics of the equivalent beam: what `equivbeam.solve` is asked for beside the scene."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, fields
-from typing import Any
+from typing import Any, Self
 
 from coilspring.errors import InputError, require_choice, shown
 from equivbeam.laws import law_of
@@ -37,7 +35,7 @@ class BeamOptions:
             raise InputError(f"refinements must be left out unless the law is helix, got them with {law!r}")
 
     @classmethod
-    def of(cls, stored: Mapping[str, Any]) -> BeamOptions:
+    def of(cls, stored: Mapping[str, Any]) -> Self:
         """The options that a path keeps; see `stored`."""
         given = {item.name: stored[item.name] for item in fields(cls) if item.name in stored}
         if isinstance(given.get("refinements"), Mapping):

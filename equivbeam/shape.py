@@ -1,7 +1,5 @@
 """The coiled wire drawn from the equivalent beam: rendering and what is read off its states."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from dataclasses import dataclass

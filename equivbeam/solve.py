@@ -1,7 +1,5 @@
 """Solve a scene, or many, with the equivalent beam."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import suppress
 from dataclasses import replace

@@ -10,9 +10,8 @@ import pytest
 from PIL import Image
 
 from validation.reproduce import assembly
-from validation.reproduce.assembly import assemble
+from validation.reproduce.assembly import LONG, assemble, to_html
 from validation.study.document import Table
-from validation.study.html import LONG, to_html
 from validation.study.provenance import FILE, models, write_provenance
 
 REPORTS = Path(__file__).parents[1] / "reports"

@@ -65,8 +65,8 @@ def test_determinant_of_coulombs_tangent():
     ("name", "time"), [("w00182", 0.77848), ("w00139", 0.57489), ("w00263", 0.43586), ("w00691", 0.56630)]
 )
 def test_coils_that_slide_off_each_other_reach_a_limit_point(name, time):
-    """Held bounds lose their stability earlier than Coulomb's law, or later. Times of 1600 steps: of first
-    order in the substeps, as the campaign allows."""
+    """Held bounds lose their stability earlier than Coulomb's law, or later. Times of 1600 steps, to what
+    the campaign allows."""
     with pytest.raises(EquilibriumNotFound) as found:
         solve(name)
     assert found.value.outcome == "limit_point"
@@ -124,12 +124,14 @@ def test_coulomb_friction_ends_for_reasons_of_the_scene_alone(name, seed, geomet
         )
 
 
-def test_a_path_turns_where_coulombs_tangent_does():
-    """Its determinant changes sign with the direction of sliding free to turn: so ends a path of spheres that
-    slide off each other, in any number of steps at about one load."""
+def test_a_snap_where_coulombs_tangent_turns_is_found_in_any_number_of_steps():
+    """The determinant changes sign, with the direction of sliding free to turn. Friction gives way slowly:
+    bounds just renewed do not reach the equilibrium beyond, 0.06 wire diameters away, in 300 rounds."""
     case = make_case("w00017", 7)
     ends = [
         reached(case, replace(case.scene, load=replace(case.scene.load, steps=steps))) for steps in (5, 20)
     ]
-    assert {path.outcome for path in ends} == {"limit_point"}
-    assert ends[0].critical_time == pytest.approx(ends[1].critical_time, rel=1e-3)
+    for path in ends:
+        assert path.outcome == "completed"
+        assert "it snaps past a limit point, by at most 0.06" in path.message
+    np.testing.assert_allclose(ends[0].tips[-1], ends[1].tips[-1], rtol=1e-6)

@@ -8,7 +8,7 @@ import pytest
 
 from validation.cli import main
 from validation.reproduce import reproduction
-from validation.view import htmlscene
+from validation.view import htmlscene, process
 
 needs_extra = pytest.mark.skipif(
     any(importlib.util.find_spec(name) is None for name in htmlscene.NEEDED),
@@ -39,7 +39,7 @@ def test_without_the_extra_one_sentence_says_how_to_install_it(name, tmp_path, m
     ("code", "reason"), [("import os; os.abort()", "it ended with status -6"), ("pass", "it wrote no file")]
 )
 def test_where_pyvista_cannot_export_a_sentence_says_so(code, reason, extra, tmp_path, monkeypatch, capsys):
-    monkeypatch.setattr(htmlscene, "COMMAND", (sys.executable, "-c", code))
+    monkeypatch.setattr(process, "COMMAND", (sys.executable, "-c", code))
     assert main(["reproduce", *ONLY, "--out", str(tmp_path)]) == 0
     assert f"no springs.html: pyvista could not export the springs here ({reason}" in capsys.readouterr().out
     assert [file.name for file in tmp_path.iterdir()] == ["table1.csv"]
@@ -49,7 +49,7 @@ def test_it_is_made_anew_where_the_sources_changed(extra, tmp_path, monkeypatch)
     """And is linked only as long as it was made from the sources as they are."""
     made = []
     code = "import sys, pathlib; pathlib.Path(sys.argv[1], 'springs.html').write_text('<title>v</title>')"
-    monkeypatch.setattr(htmlscene, "COMMAND", (sys.executable, "-c", code))
+    monkeypatch.setattr(process, "COMMAND", (sys.executable, "-c", code))
     sound = htmlscene.page
     monkeypatch.setattr(htmlscene, "page", lambda *given: made.append(given[1]) or sound(*given))
     for _ in range(2):

@@ -72,6 +72,29 @@ def test_second_process_hits_the_cache(models, tmp_path):
     assert {file: file.stat().st_mtime_ns for file in tmp_path.rglob("*.nb*")} == written
 
 
+def test_a_campaign_that_is_terminated_leaves_no_workers(tmp_path):
+    arguments = ["stability", "--beams", "4000", "--wires", "0", "--workers", "2", "--out", str(tmp_path)]
+    command = [sys.executable, "-m", "validation.cli", *arguments]
+    with subprocess.Popen(command, cwd=ROOT, stderr=subprocess.PIPE, start_new_session=True) as child:
+        while not (tmp_path / "stability.csv").is_file():
+            time.sleep(0.1)
+        child.terminate()
+        _, words = child.communicate(timeout=30)
+    assert (child.returncode, words.splitlines()[-1]) == (130, b"coilcheck: interrupted")
+    end = time.monotonic() + 10.0
+    while _group_lives(child.pid) and time.monotonic() < end:
+        time.sleep(0.1)
+    assert not _group_lives(child.pid)
+
+
+def _group_lives(leader):
+    try:
+        os.killpg(leader, 0)
+    except ProcessLookupError:
+        return False
+    return True
+
+
 @pytest.mark.parametrize("model", ["wirefe", "equivbeam"])
 def test_interrupted_by_a_signal(model, tmp_path):
     """Ctrl-C amid compiled work: exit code 130 and one line, soon."""

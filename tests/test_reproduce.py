@@ -16,7 +16,7 @@ from validation.reproduce import ARTEFACTS, artifacts, claims, reproduction, tim
 from validation.reproduce.findings import REPRODUCTION
 from validation.study import cases
 from validation.study.machine import machine
-from validation.view import render3d
+from validation.view import process
 
 NAMES = ("table1", "table2", "table3", "fig4", "fig5", "fig6", "fig7", "fig8")
 PNG = b"\x89PNG\r\n\x1a\n"
@@ -141,8 +141,8 @@ def test_table_3_without_rendering_imports_no_drawing(tmp_path, own_store):
     ],
 )
 def test_where_rendering_fails_the_picture_is_painted(tmp_path, monkeypatch, code, timeout, reason):
-    monkeypatch.setattr(render3d, "COMMAND", (sys.executable, "-c", code))
-    monkeypatch.setattr(render3d, "TIMEOUT", timeout)
+    monkeypatch.setattr(process, "COMMAND", (sys.executable, "-c", code))
+    monkeypatch.setattr(artifacts, "RENDERING", timeout)
     lines = []
     reproduction.reproduce(tmp_path, only=("fig6",), progress=lines.append)
     notes = [line for line in lines if "pyvista could not render" in line]
@@ -154,7 +154,7 @@ def test_where_rendering_fails_the_picture_is_painted(tmp_path, monkeypatch, cod
 
 
 def test_an_interpreter_that_cannot_be_started_is_no_obstacle(tmp_path, monkeypatch):
-    monkeypatch.setattr(render3d, "COMMAND", (str(tmp_path / "missing"),))
+    monkeypatch.setattr(process, "COMMAND", (str(tmp_path / "missing"),))
     reproduction.reproduce(tmp_path, only=("fig4",))
     assert (tmp_path / "fig4.png").read_bytes().startswith(PNG)
 
@@ -169,7 +169,7 @@ def test_curves_are_drawn(tmp_path):
 
 
 def test_pictures_that_pyvista_did_not_render_are_not_kept(tmp_path, monkeypatch, own_store):
-    monkeypatch.setattr(render3d, "COMMAND", (str(tmp_path / "missing"),))
+    monkeypatch.setattr(process, "COMMAND", (str(tmp_path / "missing"),))
     for folder in ("one", "two"):
         lines = []
         reproduction.reproduce(tmp_path / folder, only=("fig4",), progress=lines.append)

@@ -9,7 +9,7 @@ import equivbeam
 import wirefe
 from coilspring import Load, Scene, Spring, Supports, spring_a, spring_b
 from coilspring.errors import InputError
-from equivbeam.parameters import NAMES, values, varied
+from equivbeam.sensitivity import NAMES, values, varied
 
 SCENES = {
     "A": (spring_a(), {"law": "haringx"}),

@@ -9,7 +9,7 @@ from PIL import Image
 import wirefe
 from coilspring import spring_b
 from validation.cli import main
-from validation.view import animation, frames
+from validation.view import animation, frames, process
 from validation.view.process import Drawing
 
 
@@ -53,19 +53,20 @@ def test_a_movie_of_a_run(run, tmp_path, capsys):
 
 
 @pytest.mark.slow
-def test_a_picture_is_rendered_once(run):
+def test_a_picture_is_rendered_once(run, monkeypatch):
     """Parts that render themselves took four times as long; counted where VTK may end the process."""
     code = """
 import sys, pyvista
 from pathlib import Path
-from validation.view import viewer
+from validation.view import pictures
 counted, render = [], pyvista.Plotter.render
 pyvista.Plotter.render = lambda self: counted.append(1) or render(self)
-viewer.main(Path(sys.argv[1]), sys.argv[2])
+pictures.main(Path(sys.argv[1]), sys.argv[2])
 (Path(sys.argv[1]) / "renders").write_text(str(len(counted)))
 """
     found = frames.of_run(run)
-    with Drawing((sys.executable, "-c", code), "pictures") as drawing:
+    monkeypatch.setattr(process, "COMMAND", (sys.executable, "-c", code))
+    with Drawing("pictures") as drawing:
         drawing.give(found)
         files = [drawing.folder / f"{step:04d}.png" for step in range(len(found.times))]
         counts = []
@@ -90,7 +91,7 @@ def test_a_movie_tells_how_far_it_is(run, tmp_path):
 @pytest.mark.parametrize("code", ["raise SystemExit(3)", "pass"])
 def test_matplotlib_draws_where_pyvista_cannot(code, run, tmp_path, monkeypatch, capsys):
     """The child fails, or ends well without pictures."""
-    monkeypatch.setattr(animation, "COMMAND", (sys.executable, "-c", code))
+    monkeypatch.setattr(process, "COMMAND", (sys.executable, "-c", code))
     movie = tmp_path / "b.gif"
     assert main(["view", str(run), "--movie", str(movie)]) == 0
     assert pictures(movie) == 4
@@ -109,7 +110,7 @@ def test_without_a_display_one_sentence_says_so(run, monkeypatch, capsys):
 
 def test_a_window_that_does_not_open_is_one_sentence(run, monkeypatch, capsys):
     monkeypatch.setenv("DISPLAY", ":0")
-    monkeypatch.setattr(animation, "COMMAND", (sys.executable, "-c", "import os; os.abort()"))
+    monkeypatch.setattr(process, "COMMAND", (sys.executable, "-c", "import os; os.abort()"))
     assert main(["view", str(run)]) == 2
     assert capsys.readouterr().err.startswith("coilcheck: no window could be opened (")
 

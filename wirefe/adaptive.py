@@ -2,7 +2,7 @@
 
 The error is that of the load curve (`coilspring.curves`), against the wire model of the same scene with a
 mesh, stations and substeps without end. A level n has n curved elements a turn (`STRAIGHT` n straight ones
-where end turns rest on plates) and 4 n stations of wires; both errors then fall with 1 / n^2.
+where end turns rest on plates) and about 4 n stations of wires; both errors then fall with 1 / n^2.
 """
 
 from __future__ import annotations
@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
-from itertools import combinations
+from itertools import count, pairwise
 from typing import Any
 
 import numpy as np
@@ -26,13 +26,17 @@ from wirefe.solve import solve
 ACCURACIES = (1e-5, 1e-2)
 COARSEST, FINEST, FINEST_STRAIGHT = 4, 128, 32  # levels
 STRAIGHT, STATIONS = 10, 4  # elements of a plate-seated spring, and stations a turn, of level 1
-ROWS = 5  # of a stage, at least, at which a coarse path is compared with a fine one
-SMOOTH, IRREGULAR = 3.0, 4.0  # safety of the estimate, without contact and where coils touch
+FEWEST, MOST = 16, 960  # stations: where nothing touches; a few more than the most have to be allowed
+ROWS = 5  # of a stage, at least, at which paths are compared whose differences are smooth
+ROUGH = 5e-3  # accuracies from here on are mostly met by the coarsest mesh
+# The errors of two paths over their difference, at most (as measured on random springs): of the coarser one;
+# of the finer one, which is less by the square of their levels' ratio; where substeps differ as well.
+COARSE, FINE, FALLING, MIXED = 2.0, 1.5, 4.0, 3.0
 CLEAR = 0.05  # wire diameters between coils that do not touch on any level
-BETWEEN = 0.75  # of the level, of a third path where coils touch: two may agree by chance
 AHEAD = 1.1  # times the level that is predicted to do
-CLOSE = 0.8  # of a level: the difference from levels beyond tells chance from error too badly
-LEAP = 4.0  # times the last level, the most without the evidence of a level between
+STRIDE = 1.4  # times the last level, at least: nearer levels differ by less than their errors
+SECOND, SECOND_ROUGH = 2.0, 1.5  # times the first level; where the error falls irregularly, for `ROUGH`
+LEAP, LEAP_IRREGULAR = 4.0, 2.0  # times the last level, at most
 HALVINGS = 3  # of the substeps, at most, where friction makes the answer depend on them
 TINY = 1e-12  # of the time 0..1
 FRACTION = 1_000  # of a coil at most, at which a spring or a section of it ends
@@ -83,7 +87,7 @@ class Levels:
         return {
             "element": "straight" if plates else "curved",
             "elements_per_turn": STRAIGHT * level if plates else level,
-            "pairs_per_turn": self.spheres or min(STATIONS * (level if touching else COARSEST), 1000),
+            "pairs_per_turn": self.spheres or (min(STATIONS * level, MOST) if touching else FEWEST),
         }
 
 
@@ -94,15 +98,18 @@ class Trials:
     Attributes
     ----------
     levels : of the scene.
-    steps, few : of the path that is the answer, and of one that only serves the estimate.
+    wanted : largest error.
+    steps : of a path that can be the answer.
+    lost : error that is left by substeps.
     paths : each with its level.
     seconds : CPU time of all solves.
     progress : called before each solve with one line: what is solved, the time and the estimate so far.
     """
 
     levels: Levels
+    wanted: float
     steps: int
-    few: int
+    lost: float = 0.0
     paths: list[tuple[int, EquilibriumPath]] = field(default_factory=list)
     seconds: float = 0.0
     progress: Callable[[str], None] = lambda line: None
@@ -115,59 +122,69 @@ class Trials:
             return scene.contact.enabled
         return float(self.paths[-1][1].gaps.min(initial=np.inf)) < CLEAR * scene.spring.wire_diameter
 
-    def solve(self, level: int, steps: int) -> EquilibriumPath:
-        """The path on a level in some steps, as far as it was reached."""
-        options = self.levels.options(level, self.touching)
-        so_far = f"; {self.seconds:.0f} s CPU" if self.paths else ""
-        if len(self.paths) > 1:
-            so_far += f", estimated error {self.estimate:.2g}"
-        self.progress(f"{options['elements_per_turn']} elements per turn, {steps} steps{so_far}")
-        try:
-            path = solve(self.levels.scene, steps=steps, **options)
-        except EquilibriumNotFound as found:
-            path = found.path
-        self.seconds += path.solve_seconds
-        return path
-
-    def add(self, level: int, steps: int) -> None:
-        """Solve on a level; the finest comes last."""
-        self.paths.append((level, self.solve(level, steps)))
-        self.paths.sort(key=lambda pair: pair[0])
-
     @property
     def irregular(self) -> bool:
         """Whether the error falls irregularly: of stations where coils touch."""
         return self.levels.spheres is None and self.touching
 
     @property
-    def estimate(self) -> float:
-        """Error of the finest path by the law C / n^2; infinite where the path before ends otherwise.
+    def substeps(self) -> bool:
+        """Whether the path depends on its substeps."""
+        return bool(self.levels.scene.contact.coefficient) and self.touching
 
-        Where it falls irregularly, C is also taken, at half the safety, from all pairs of paths.
+    @property
+    def second(self) -> int:
+        """The level after the first."""
+        factor = SECOND_ROUGH if self.irregular and self.wanted >= ROUGH else SECOND
+        return self.levels.at_least(factor * self.paths[0][0])
+
+    def mesh(self, level: int) -> dict[str, Any]:
+        """Options of `wirefe.solve`, with stations elsewhere than those of the paths so far, but for two.
+
+        Stations that two paths share make the same error in both, which their difference does not tell.
         """
-        level, path = self.paths[-1]
-        stations = self.levels.options(level, True)["pairs_per_turn"]
-        if self.irregular and path.options["pairs_per_turn"] != stations:
+        mesh = self.levels.options(level, self.touching)
+        if self.irregular:
+            known: list[Any] = [path.options["pairs_per_turn"] for _, path in self.paths]
+            numbers = count(mesh["pairs_per_turn"], 2)
+            mesh["pairs_per_turn"] = next(n for n in numbers if all(math.gcd(n, m) == 2 for m in known))
+        return mesh
+
+    def solve(self, mesh: dict[str, Any], steps: int) -> EquilibriumPath:
+        """The path on a mesh in some steps, as far as it was reached."""
+        so_far = f"; {self.seconds:.0f} s CPU" if self.paths else ""
+        if len(self.paths) > 1:
+            so_far += f", estimated error {self.estimate:.2g}"
+        self.progress(f"{mesh['elements_per_turn']} elements per turn, {steps} steps{so_far}")
+        try:
+            path = solve(self.levels.scene, steps=steps, **mesh)
+        except EquilibriumNotFound as found:
+            path = found.path
+        self.seconds += path.solve_seconds
+        return path
+
+    def add(self, level: int, steps: int) -> None:
+        """Solve on a level, the finest so far; it takes the place of a path on the same one."""
+        path = self.solve(mesh := self.mesh(level), steps)
+        if path.outcome != "completed" and steps < self.steps:
+            path = self.solve(mesh, self.steps)  # near its end differences are not smooth
+        self.paths = [*(pair for pair in self.paths if pair[0] < level), (level, path)]
+
+    @property
+    def estimate(self) -> float:
+        """Error of the finest path, by its difference from the one before; infinite if it ends otherwise.
+
+        Where it falls irregularly two paths may agree by chance: it is no less than the error of each path
+        before, fallen with the square of the level since.
+        """
+        (low, coarse), (high, fine) = self.paths[-2:]
+        if self.irregular and fine.options["pairs_per_turn"] == FEWEST:
             return math.inf  # what no level before has seen touches
-        pairs = [pair for pair in combinations(self.paths, 2) if pair[0][0] <= CLOSE * pair[1][0]]
-        last = _constant(*pairs[-1])
-        if not self.irregular:
-            return SMOOTH * last / level**2
-        all_pairs = [found for pair in pairs if math.isfinite(found := _constant(*pair))]
-        return max(IRREGULAR * last, 0.5 * IRREGULAR * max(all_pairs, default=0.0)) / level**2
-
-    def confirm(self, wanted: float) -> None:
-        """Solve on a level between where the only two paths may agree by chance."""
-        if self.irregular and len(self.paths) == 2 and self.estimate <= wanted:
-            (low, _), (high, _) = self.paths
-            between = self.levels.at_least(BETWEEN * high)
-            if low < between < high:
-                self.add(between, self.few)
-
-
-def _constant(coarse: tuple[int, EquilibriumPath], fine: tuple[int, EquilibriumPath]) -> float:
-    """C of the error C / n^2 by two levels."""
-    return difference(coarse[1], fine[1]) / (1.0 / coarse[0] ** 2 - 1.0 / fine[0] ** 2)
+        error = min(FINE, FALLING * (low / high) ** 2) * difference(coarse, fine)
+        if self.irregular:
+            fallen = (difference(a, b) * (n / high) ** 2 for (n, a), (_, b) in pairwise(self.paths[:-1]))
+            error = max([error, *(COARSE * each for each in fallen if math.isfinite(each))])
+        return error + self.lost
 
 
 def solve_to(
@@ -182,7 +199,7 @@ def solve_to(
 ) -> EquilibriumPath:
     """Follow the load path of `scene` with a mesh, stations and substeps for the accuracy asked for.
 
-    Two paths or more are solved, the coarser ones at few points; their differences give the estimate.
+    Two paths or more are solved; the estimate is taken from their differences.
 
     Parameters
     ----------
@@ -211,15 +228,16 @@ def solve_to(
     scene = require_scene(scene).overridden(steps, penalty, geometry)
     wanted = require_number("accuracy", accuracy, *ACCURACIES)
     levels, rows = Levels.of(scene, pairs_per_turn), scene.load.steps
-    trials = Trials(levels, rows, rows if scene.contact.coefficient else few(rows), progress=progress)
-    trials.add(levels.at_least(COARSEST), trials.few)
-    lost = _substeps(trials, wanted) if scene.contact.coefficient and trials.touching else 0.0
-    _refine(trials, wanted, lost)
-    _, path = trials.paths[-1]
+    trials = Trials(levels, wanted, rows, progress=progress)
+    in_full = wanted >= ROUGH or trials.irregular or trials.substeps
+    trials.add(levels.at_least(COARSEST), rows if in_full else few(rows))
+    path, estimate = _coarsest(trials) if wanted >= ROUGH else (trials.paths[0][1], math.inf)
+    if estimate > wanted:
+        path, estimate = _refined(trials)
     path = replace(
         thinned(path, scene, trials.steps // rows),
         accuracy=wanted,
-        estimated_error=trials.estimate + lost,
+        estimated_error=estimate,
         other_seconds=trials.seconds - path.solve_seconds,
     )
     if path.outcome != "completed":
@@ -227,51 +245,59 @@ def solve_to(
     return path
 
 
-def _refine(trials: Trials, wanted: float, lost: float) -> None:
-    """Solve on finer levels until the estimate, with what is lost by substeps, is what is wanted.
+def _coarsest(trials: Trials) -> tuple[EquilibriumPath, float]:
+    """The first path and its error, by one that is finer in all; infinite where two in full do as well."""
+    (_, path), second = trials.paths[0], trials.second
+    if trials.substeps:
+        return path, MIXED * difference(path, trials.solve(trials.mesh(second), 2 * trials.steps))
+    if not trials.irregular:
+        trials.add(second, few(trials.steps))
+    return path, math.inf if trials.irregular else COARSE * difference(path, trials.paths[-1][1])
 
-    Raises
-    ------
-    InputError : it would take a level beyond the finest.
-    """
-    least, finest = wanted - lost, trials.levels.finest
-    level = trials.levels.at_least(2 * trials.paths[0][0])
+
+def _refined(trials: Trials) -> tuple[EquilibriumPath, float]:
+    """A path on a level as fine as it takes, and its error; raises `InputError` beyond the finest."""
+    if len(trials.paths) == 1:
+        if trials.substeps:
+            _choose_substeps(trials)
+        trials.add(trials.second, trials.steps)
     while True:
-        trials.add(level, trials.steps)
-        trials.confirm(least)
-        estimate = trials.estimate
-        if estimate <= least:
-            return
-        predicted = AHEAD * level * math.sqrt(estimate / least) if math.isfinite(estimate) else 2.0 * level
-        if level >= finest or predicted > LEAP * finest:
-            reached = estimate * (level / finest) ** 2 + lost
-            turn = trials.levels.options(finest, True)["elements_per_turn"]
-            raise InputError(_refusal(wanted, reached, f"with {turn} elements per turn"))
-        farthest = finest if predicted <= finest else min(LEAP * level, finest)
-        level = trials.levels.at_least(min(max(predicted, level / CLOSE), farthest))
+        (level, path), estimate = trials.paths[-1], trials.estimate
+        if estimate <= trials.wanted and path.scene.load.steps == trials.steps:
+            return path, estimate
+        trials.add(_next(trials, estimate - trials.lost) if estimate > trials.wanted else level, trials.steps)
 
 
-def _substeps(trials: Trials, wanted: float) -> float:
-    """Choose substeps finer than the steps; the estimated error which that leaves.
+def _next(trials: Trials, error: float) -> int:
+    """The level that is predicted to do, from the last one's error; raises `InputError` beyond the finest."""
+    level, finest = trials.paths[-1][0], trials.levels.finest
+    growth = AHEAD * math.sqrt(error / (trials.wanted - trials.lost)) if math.isfinite(error) else 2.0
+    if level >= finest or growth * level > LEAP * finest:
+        turn = trials.levels.options(finest, True)["elements_per_turn"]
+        reached = error * (level / finest) ** 2 + trials.lost
+        raise InputError(_refusal(trials.wanted, reached, f"with {turn} elements per turn"))
+    growth = min(max(growth, STRIDE), LEAP_IRREGULAR if trials.irregular else LEAP)
+    return trials.levels.at_least(min(growth * level, finest))
+
+
+def _choose_substeps(trials: Trials) -> None:
+    """Choose substeps finer than the steps, and estimate the error that is left.
 
     It may take half of the accuracy wanted, and is estimated on the coarsest level, where it falls with the
-    length of the substeps or not at all.
-
-    Raises
-    ------
-    InputError : it takes more with the finest substeps too.
+    length of the substeps or not at all. Raises `InputError` if it takes more with the finest substeps too.
     """
     (level, coarse), least = trials.paths[0], math.inf
+    mesh = {name: coarse.options[name] for name in trials.mesh(level)}
     for _ in range(HALVINGS):
-        fine = trials.solve(level, 2 * trials.steps)
-        lost = SMOOTH * difference(coarse, fine)
-        if lost <= 0.5 * wanted:
-            trials.paths[0] = (level, coarse)
-            return lost
-        least, coarse = min(least, lost), fine
-        trials.steps = trials.few = 2 * trials.steps
+        fine = trials.solve(mesh, 2 * trials.steps)
+        trials.lost = MIXED * difference(coarse, fine)
+        if trials.lost <= 0.5 * trials.wanted:
+            trials.paths = [(level, coarse)]
+            return
+        least, coarse = min(least, trials.lost), fine
+        trials.steps = 2 * trials.steps
     why = "with friction or sticking contact the answer depends on the substeps"
-    raise InputError(_refusal(wanted, 2.0 * least, why))
+    raise InputError(_refusal(trials.wanted, 2.0 * least, why))
 
 
 def _refusal(asked: float, reached: float, why: str) -> str:

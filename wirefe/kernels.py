@@ -1,7 +1,5 @@
 """Residual, matrix and motion of the wire model: the kernels that the path follower calls."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

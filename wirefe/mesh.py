@@ -1,7 +1,5 @@
 """Mesh of the wire: nodes on the helix and the top end's reference point."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 

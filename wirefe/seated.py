@@ -1,7 +1,5 @@
 """The kernels of `wirefe.kernels` that differ where end turns rest on plates."""
 
-from __future__ import annotations
-
 from coilspring.compiling.compiled import kernel
 from wirefe import kernels
 from wirefe.contact.plates import press_high, press_low

@@ -1,7 +1,5 @@
 """Solve a scene, or many, with the 3D wire model, or any wire."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import replace
 from functools import partial

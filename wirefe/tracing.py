@@ -1,7 +1,5 @@
 """The path past its limit points, by arc-length continuation, for a scene and for any wire."""
 
-from __future__ import annotations
-
 import time
 from dataclasses import replace
 

@@ -1,7 +1,5 @@
 """How the kernels are compiled, in one place."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import Any
 

@@ -7,8 +7,6 @@ they read, how each is compiled, and by which compiler. The processor is in numb
 contents lie beside it: two checkouts share a folder, and an edit that is taken back finds the old entry.
 """
 
-from __future__ import annotations
-
 import hashlib
 import os
 import tempfile

@@ -4,8 +4,6 @@ Kernels receive `reals` and `ints` and view the fields again by their number; `i
 length of a table and the table: (offset, extents) of every field. Numbers are fields of one entry.
 """
 
-from __future__ import annotations
-
 from typing import Any, TypeAlias
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Forces, slips and work of pairs, read off states that were found: `coilspring.contact.law` on arrays."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np
@@ -30,6 +28,7 @@ def tangential_forces(length: np.ndarray, histories: np.ndarray, K: float) -> tu
     rise = bound * histories["rise"]
     slip = np.where(slides, (force - bound) / np.where(slides, stiffness + rise, 1.0), 0.0)
     force = np.where(slides, bound + rise * slip, force)
+    slip += np.where(slides, histories["ahead"], 0.0)
     work = 0.5 * (histories["held"] + force) * slip
     given = 0.5 * (histories["held"] * length + force * (length - histories["before"] - force / K))
     return force, np.where(gives, length - force / K, slip), np.where(gives, given, work)

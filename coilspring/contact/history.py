@@ -1,7 +1,5 @@
 """What contact remembers from substep to substep, whatever a model's pairs are."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from coilspring.compiling.compiled import part
@@ -17,14 +15,20 @@ def copy_history(source, target):
 
 
 @part
-def begin_attempt(history, ratio):
+def begin_attempt(history, ratio, straight):
     """Take back what an attempt made of pairs that were open, or creep; those are expected to slip by `ratio`
-    times what they did in the last substep."""
+    times what they did in the last substep.
+
+    The direction in which a pair slides at the end of a substep is that of the parabola through the last
+    three places (two-step backward differentiation): its reference is ahead on the last way by a share. Not
+    where the path went `straight` last, or jumped.
+    """
     for m in range(history.shape[0]):
         row = history[m]
         if row.fresh:
             row.closed = row.fresh = False
         row.released, row.least, row.most = 0.0, -1.0, 2.0
+        row.wanted = 0.0 if straight or row.stride == 0.0 else ratio**2 / (1.0 + 2.0 * ratio)
         slip = ratio * row.slip
         if row.creeps and slip > 0.0 and row.before > 0.0:
             row.released = slip / (row.before + slip)

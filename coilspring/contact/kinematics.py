@@ -1,7 +1,5 @@
 """What kernels do with the vectors between the centres of all pairs, (pairs, 3)."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np
@@ -12,6 +10,7 @@ from coilspring.contact.law import (
     first_touch,
     gave_way,
     goes_on,
+    leads,
     located_to,
     normal_law,
     opens_after,
@@ -112,6 +111,32 @@ def _hold(row, g, h, d, length, e):
 
 
 @part
+def _lead(row):
+    """Turn the reference of a pair on, along the great circle of its last slide, as it is wanted."""
+    size = math.sqrt(row.onward[0] ** 2 + row.onward[1] ** 2 + row.onward[2] ** 2)
+    angle = (row.wanted - row.lead) * size
+    for i in range(3):
+        n, t = row.normal[i], row.onward[i] / size
+        row.normal[i] = math.cos(angle) * n + math.sin(angle) * t
+        row.onward[i] = (math.cos(angle) * t - math.sin(angle) * n) * size
+    row.lead = row.wanted
+
+
+@part
+def _slide(row, g, h, left, t):
+    """Move the reference of a pair after its direction now, to an angle `left` behind it along `t`."""
+    if row.lead > 0.0:
+        _lead(row)
+    for i in range(3):
+        row.vector[i] = math.cos(left) * g[i] / h - math.sin(left) * t[i]
+    angle = arc(row.vector, 1.0, row, t)
+    for i in range(3):
+        row.normal[i], row.onward[i] = row.vector[i], angle * t[i]
+    if angle == 0.0:  # by no more than rounding
+        row.stride = 0.0
+
+
+@part
 def remember(vectors, history, law):
     """Update the contact history with an accepted state; returns the least gap of all pairs.
 
@@ -130,9 +155,7 @@ def remember(vectors, history, law):
         if law.mu < np.inf:
             length = d * arc(vectors[m], h, row, e)
             if slid(length, K, row, h - d):
-                left = row.bound / (K * d)
-                for i in range(3):
-                    row.normal[i] = math.cos(left) * vectors[m, i] / h - math.sin(left) * e[i]
+                _slide(row, vectors[m], h, row.bound / (K * d), e)
             continue
         crept, length = row.creeps, _stretched(vectors[m], h, d, row, e)
         left = gave_way(length, K, row, h - d)
@@ -169,7 +192,13 @@ def update_pairs(before, ahead, vectors, history, law):
         if mu == np.inf:
             opens_after(row, _distance(before, m), _distance(ahead, m), h, d)
             continue
+        if row.wanted != row.lead:
+            _lead(row)
         # at the arm d instead of h, on which arcs are measured
-        length = d * arc(vectors[m], h, row, e)
-        change = max(change, renewed(length, mu * normal * h / d, K, row))
+        bound = mu * normal * h / d
+        change = max(change, renewed(d * arc(vectors[m], h, row, e), bound, K, row))
+        if row.lead > 0.0 and not leads(row):
+            _lead(row)
+            change = max(change, bound, renewed(d * arc(vectors[m], h, row, e), bound, K, row))
+        row.ahead = row.lead * d * (e[0] * row.onward[0] + e[1] * row.onward[1] + e[2] * row.onward[2])
     return change / most if change > 0.0 else 0.0

@@ -12,10 +12,8 @@ Inelasticity, chapter 2): ``Kt l`` up to a bound. Within a substep the bound is 
 matrix (`coilspring.solver.friction`). What slid is taken off l when the substep is accepted.
 """
 
-from __future__ import annotations
-
 import math
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, Self
 
 import numpy as np
 
@@ -45,6 +43,11 @@ PAIR_HISTORY = np.dtype(
         ("cut", "f8"),  # share of the substep to try instead: to where it touches or opens
         ("held", "f8"),  # its tangential force, or the bound of it, in the last accepted state, N
         ("arms", "f8", 6),  # of wires: the material points that touched first, in their sections at rest, mm
+        ("stride", "f8"),  # what a pair with friction slid in the substep before, mm,
+        ("onward", "f8", 6),  # and how its reference moved with that: rad of n0, or mm of the arms
+        ("wanted", "f8"),  # share of that by which the reference is to be ahead in the substep at hand,
+        ("lead", "f8"),  # and by which it is;
+        ("ahead", "f8"),  # part of that along the slide at hand, mm
     ],
     align=True,
 )
@@ -60,7 +63,7 @@ class PairLaw(NamedTuple):
     mu: float  # coefficient of friction; infinite where pairs stick
 
     @classmethod
-    def of(cls, data: Any) -> PairLaw:
+    def of(cls, data: Any) -> Self:
         """The law in a model's arrays."""
         return cls(*(getattr(data, name) for name in cls._fields))
 
@@ -141,10 +144,21 @@ def slid(length, K, row, gap):
     slip = (K * length - row.bound) / (K + row.bound * row.rise)
     if slip > 0.0:
         row.bound *= 1.0 + row.rise * slip
+        slip += row.ahead
         row.slid += slip
         row.work += 0.5 * (row.held + row.bound) * slip
     row.held = row.bound if row.closed else 0.0
+    row.stride, row.wanted, row.ahead = slip if slip > 0.0 else 0.0, 0.0, 0.0
     return slip > 0.0
+
+
+@part
+def leads(row):
+    """Whether a pair slides as far as its reference is ahead, at least; else that is taken back."""
+    if row.slip >= row.lead * row.stride:
+        return True
+    row.wanted = 0.0
+    return False
 
 
 @part
@@ -186,6 +200,7 @@ def touches_first(row, at, doubt, most):
     """
     row.closed, row.fresh, row.creeps, row.bound = True, True, False, math.inf
     row.slid, row.rise, row.held, row.released = 0.0, 0.0, 0.0, 0.0
+    row.stride, row.wanted, row.lead, row.ahead = 0.0, 0.0, 0.0, 0.0
     row.cut = 1.0 if doubt <= most else at + 0.5 * (1.0 - at) * most / doubt
 
 

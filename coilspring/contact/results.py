@@ -1,7 +1,5 @@
 """What is read of contact pairs off a model's states, from the vectors between their centres."""
 
-from __future__ import annotations
-
 from abc import ABC, abstractmethod
 from typing import Any
 

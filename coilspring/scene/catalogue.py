@@ -1,7 +1,5 @@
 """The scenes of the paper (Table 1)."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 from coilspring.scene.load import Load

@@ -1,7 +1,5 @@
 """Load at the top over time: one force, several stages, or a prescribed displacement."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, field
 
 import numpy as np

@@ -1,10 +1,8 @@
 """Linear elastic isotropic material."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, Self
 
 from coilspring.errors import InputError, shown
 from coilspring.scene.schema import KEYS, keep_checked
@@ -34,14 +32,14 @@ class Material:
         return self.E / (2.0 * (1.0 + self.nu))
 
     @classmethod
-    def from_keys(cls, keys: Mapping[str, Any]) -> Material:
+    def from_keys(cls, keys: Mapping[str, Any]) -> Self:
         """Material of the keys of a scene file: E and nu, or E and G."""
         if "G" not in keys:
             return cls(**keys)
         return cls.from_moduli(keys.get("E", cls.E), keys["G"], keys.get("density", cls.density))
 
     @classmethod
-    def from_moduli(cls, E: float, G: float, density: float = 7850.0) -> Material:
+    def from_moduli(cls, E: float, G: float, density: float = 7850.0) -> Self:
         """Material given by its two moduli, MPa; their ratio must leave nu within its range."""
         E, G = MODULUS("material.E", E), MODULUS("material.G", G)
         least, most = POISSON

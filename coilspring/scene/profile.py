@@ -1,11 +1,9 @@
 """Coils of a spring from bottom to top: radius and height as piecewise functions of the phase."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, Self
 
 import numpy as np
 
@@ -43,12 +41,12 @@ class CoilSection:
         """Axial length, mm."""
         return 0.5 * self.coils * (self.pitch[0] + self.pitch[1])
 
-    def checked(self, field: str, wire_diameter: float) -> CoilSection:
+    def checked(self, field: str, wire_diameter: float) -> Self:
         """The section with its numbers as floats; `field` is its name in messages.
 
         Raises `InputError`: a number out of its range, or coils that overlap at rest.
         """
-        return CoilSection(
+        return type(self)(
             require_number(f"{field}.coils", self.coils, *SECTION_COILS),
             both_ends(f"{field}.pitch", self.pitch, wire_diameter * (1.0 - SAME)),
             both_ends(f"{field}.mean_diameter", self.mean_diameter, 2.0 * wire_diameter),  # index 2

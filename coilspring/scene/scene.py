@@ -1,10 +1,9 @@
 """A scene: the physics of one experiment on one spring, with its supports and the law of its contact."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from dataclasses import astuple, dataclass, field, replace
+from typing import Self
 
 import numpy as np
 
@@ -114,7 +113,7 @@ class Factors:
         keep_checked(self, "factors")
 
     @classmethod
-    def of(cls, three: Sequence[float]) -> Factors:
+    def of(cls, three: Sequence[float]) -> Self:
         """Factors of three numbers: axial, shearing, bending."""
         if not isinstance(three, list | tuple) or len(three) != 3:
             raise InputError(f"factors must be three numbers, got {shown(three)}")
@@ -202,21 +201,21 @@ class Scene:
             raise InputError("load.stages must be in one direction where force is taken over deflection")
         return x / size, y / size
 
-    def without_contact(self) -> Scene:
+    def without_contact(self) -> Self:
         """The same scene with contact switched off."""
         return replace(self, contact=replace(self.contact, enabled=False))
 
-    def with_steps(self, steps: int) -> Scene:
+    def with_steps(self, steps: int) -> Self:
         """The same scene with another output grid."""
         return replace(self, load=replace(self.load, steps=steps))
 
-    def with_penalty(self, stiffness: float) -> Scene:
+    def with_penalty(self, stiffness: float) -> Self:
         """The same scene with another contact stiffness K, N/mm^exponent."""
         return replace(self, contact=replace(self.contact, stiffness=stiffness))
 
     def overridden(
         self, steps: int | None = None, penalty: float | None = None, geometry: str | None = None
-    ) -> Scene:
+    ) -> Self:
         """The scene with the number of steps, the penalty and the contact geometry a caller asked for."""
         scene = self if steps is None else self.with_steps(steps)
         scene = scene if penalty is None else scene.with_penalty(penalty)

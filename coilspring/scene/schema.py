@@ -1,7 +1,5 @@
 """Keys of a scene file, as ``keys.toml`` lists them for the dataclasses that hold their values."""
 
-from __future__ import annotations
-
 import tomllib
 from collections.abc import Callable, Mapping
 from dataclasses import MISSING, dataclass, field, fields

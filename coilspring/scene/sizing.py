@@ -4,8 +4,6 @@ After EN 13906-1 (rate, stress with Bergstraesser's factor, buckling), taken coi
 hold for coils of any diameter and pitch. Of contact they know that coils which have closed give no more.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass, replace
 from typing import Any, NamedTuple

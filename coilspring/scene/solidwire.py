@@ -5,8 +5,6 @@ A curved wire is not a straight one: its flexibility per length is twice the str
 torsion and Poisson's ratio, fitted by ``python -m validation.solid.table``. Derivation: docs/theory.md.
 """
 
-from __future__ import annotations
-
 import math
 import tomllib
 from collections.abc import Callable

@@ -1,12 +1,10 @@
 """The spring at rest: a wire on a helix, end turns included."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Any
+from typing import Any, Self
 
 import numpy as np
 
@@ -78,7 +76,7 @@ class Spring:
             self._refuse_overlap()
 
     @classmethod
-    def from_keys(cls, keys: Mapping[str, Any]) -> Spring:
+    def from_keys(cls, keys: Mapping[str, Any]) -> Self:
         """Spring of the keys of a scene file: of one kind of coils, or of sections."""
         if "sections" in keys:
             return cls.of_sections(**keys)
@@ -92,7 +90,7 @@ class Spring:
         outer_diameter: float | tuple[float, float] | None = None,
         inner_diameter: float | tuple[float, float] | None = None,
         **others: Any,
-    ) -> Spring:
+    ) -> Self:
         """Spring of the outer or the inner diameter of its coils, mm: at bottom and top, or one number.
 
         `others` are `active_coils`, `active_height` and what else a spring has but `mean_diameter`.
@@ -107,7 +105,7 @@ class Spring:
         return cls(d, mean_of(d, outer_diameter=outer_diameter, inner_diameter=inner_diameter), **others)
 
     @classmethod
-    def of_sections(cls, wire_diameter: float, sections: Sequence[CoilSection], **others: Any) -> Spring:
+    def of_sections(cls, wire_diameter: float, sections: Sequence[CoilSection], **others: Any) -> Self:
         """Spring of sections from bottom to top; `others` are its end turns, start phase, hand and ends.
 
         Raises

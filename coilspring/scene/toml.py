@@ -1,7 +1,5 @@
 """Scenes as TOML files, read and written by the keys that their dataclasses declare."""
 
-from __future__ import annotations
-
 import difflib
 import json
 import re

@@ -1,7 +1,5 @@
 """Round wire: section properties and stiffnesses."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 

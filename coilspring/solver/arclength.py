@@ -9,8 +9,6 @@ The matrix may be indefinite: the path goes through unstable equilibria, and say
 negative pivots of every point.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from functools import lru_cache
 from typing import Any, NamedTuple

@@ -1,7 +1,5 @@
 """The branch: where a path is predicted to go on, and whether a state found there continues it."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from coilspring.compiling.compiled import part
@@ -14,7 +12,7 @@ from coilspring.solver.operations import moved, put_prescribed
 # (a closing contact kinks the path, so that no step is short enough for the share).
 TURN = 0.07
 SMALL = 0.05  # wire diameters
-SMALLER = 0.001  # the same, where the matrix was indefinite on the way: there a jump may begin
+SMALLER = 1e-4  # the same, where the matrix was indefinite on the way: there a jump may begin
 # A pair may not move by more in one substep: beyond, coils could pass through or over each other.
 PAIR_MOTION = 0.5  # wire diameters
 JUMP = 0.25  # of the distance, by which it may differ from that which the tangents at both ends tell

@@ -1,7 +1,5 @@
 """Contact forces of which each holds a gap closed, is zero, or holds a slip back, where all are linear."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from coilspring.compiling.compiled import part

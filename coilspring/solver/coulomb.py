@@ -6,8 +6,6 @@ determinant is that of H times ``det(I + V^T H^-1 U)`` (matrix determinant lemma
 number of pairs that slide.
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 from coilspring.solver.stability import Body

@@ -6,8 +6,6 @@ back substitution. In equilibrium a pair holds less by losing a share of its tan
 matrix keeps what is left of it.
 """
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

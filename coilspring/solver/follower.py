@@ -5,8 +5,6 @@ taken again, shorter. A stretch in which the response is linear takes no factori
 verified where it ends.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from functools import lru_cache
@@ -28,7 +26,7 @@ from coilspring.solver.branch import TURN, curvature, displacement_bound, predic
 from coilspring.solver.friction import raise_bounds
 from coilspring.solver.newton import CONVERGED, INDEFINITE, LINEAR
 from coilspring.solver.operations import moved
-from coilspring.solver.snap import AHEAD, end_or_snap, snapped
+from coilspring.solver.snap import AHEAD, end_or_snap, release_or_jump, snapped
 from coilspring.solver.stability import (
     APPROACH,
     JUMPS,
@@ -52,7 +50,6 @@ from coilspring.solver.system import (
     COMPLETED,
     CRITICAL,
     EXHAUSTED,
-    JUMP,
     NEW_PAIR,
     NEWTON,
     PATH,
@@ -79,7 +76,7 @@ RETRIED = 0.5  # share of a substep, or release, that failed: it is tried next
 LEAST_CREEP = 1e-7  # of the time 0..1: in less, a pair that creeps moves by no more than it is located to
 LEAST_ERROR = 1e-3  # of a prediction, over what is allowed: less may be chance
 LEAST_LEFT = 1e-6  # of the time 0..1 that is taken at least, however soon a pair closes
-NEAR_END = 1e-5  # of the time 0..1: a determinant that is negative so near to where a path ends is why
+NEAR_END = 1e-5  # of the time 0..1: pivots or a determinant that are negative so near to a path's end are why
 MOST_TRIES = 20_000  # equilibria besides those at requested times; far more than a path needs
 
 
@@ -110,7 +107,7 @@ def follow(reals, ints, prescribed, kernels, task, work, path_, substep_, newton
         find_equilibrium(system, kernels.equilibrium, task, work, path, substep, it)
         if not keeps_branch(system, task, work, path, substep, watch):
             shorten(system, task, work, path, substep, watch[SOFTEST])
-        elif verify_linear_stretch(system, work, path, substep) and knows_pairs(system, work, path, substep):
+        elif stable_so_far(system, task, work, path, substep) and knows_pairs(system, work, path, substep):
             watch_stiffness(system, work, path, substep, watch[SOFTEST])
             accept(task, work, path, substep, watch[ROOM])
     conclude(system, task, work, path)
@@ -172,7 +169,7 @@ def predict_trial(system, task, work, path, substep):
         if error > task.located:
             left /= 1.0 + (task.located / error) ** (1.0 / order)
             substep.shortened = False  # nothing closes yet
-        substep.duration = max(left, LEAST_LEFT)
+        substep.duration = min(max(left, LEAST_LEFT), substep.duration)
         substep.target = path.time + substep.duration
         predict(system, task, work, path, bend, substep.target)
 
@@ -184,17 +181,20 @@ def shorten(system, task, work, path, substep, softest):
         return
     path.reuse = False
     if path.snapping:
-        path.snapping, path.outcome = False, path.ends
+        path.snapping, path.outcome, path.far = False, path.ends, not path.lost
         return
     if path.releasing:
         path.release = min(path.release, 2.0 * MOST_RELEASE) * RETRIED
         if path.release < LEAST_RELEASE:
-            path.outcome, path.bracket = JUMP, 2.0 * LEAST_STEP
+            path.bracket = 2.0 * LEAST_STEP
+            release_or_jump(task, path)
         return
     if path.slid and substep.trouble == INDEFINITE:
         raise_bounds(work, path, task.diameter)
     if substep.turned:
         path.turned = substep.target
+    if substep.trouble == INDEFINITE:
+        path.indefinite = substep.target
     if substep.cut < 1.0:
         path.until = substep.cut * substep.duration
     else:
@@ -205,20 +205,23 @@ def shorten(system, task, work, path, substep, softest):
     if substep.duration < (LEAST_CREEP if stalls else 2.0 * LEAST_STEP):
         path.bracket = 2.0 * max(substep.duration, LEAST_STEP)
         if lets_go:
-            # it is no mode that has become soft: a pair that creeps lets go, once
-            path.outcome = COMPLETED if path.time > path.let_go else JUMP
+            # it is no mode that has become soft: a pair that creeps lets go, bit by bit, then at once
+            again = path.time <= path.let_go
             path.let_go, path.next_step = path.time + LEAST_STEP, FIRST_STEP
             path.releasing, path.release = True, np.inf
             let_go(work.history)
+            if again:
+                release_or_jump(task, path)
         else:
             # negative pivots however short the step: the stiffness jumps there, as where a pair opens
-            outcome = CRITICAL if substep.trouble == INDEFINITE else STUCK
-            end_or_snap(system, task, work, path, TURNED if path.time - path.turned <= NEAR_END else outcome)
+            outcome = CRITICAL if abs(path.time - path.indefinite) <= NEAR_END else STUCK
+            outcome = TURNED if abs(path.time - path.turned) <= NEAR_END else outcome
+            end_or_snap(system, task, work, path, outcome)
 
 
 @part
-def verify_linear_stretch(system, work, path, substep):
-    """Note where a linear stretch begins; verify its stability once, where it ends."""
+def stable_so_far(system, task, work, path, substep):
+    """Whether a linear stretch that ends here is stable; notes where one begins."""
     if substep.status == LINEAR:
         if not path.linear:
             copy(work.state, work.origin)
@@ -230,20 +233,25 @@ def verify_linear_stretch(system, work, path, substep):
     wide = path.least_gap > 0.0
     # a snap begins at a critical point
     end = substep.target if wide else path.time - (AHEAD if path.snapping else 0.0)
-    stable = stable_until(system, work, path, end, np.inf if wide else 0.0)
+    stable = stable_until(system, task, work, path, end, np.inf if wide else 0.0)
     path.linear = False
+    if not stable:
+        copy(work.origin, work.before)
+        end_or_snap(system, task, work, path, CRITICAL)
     return stable
 
 
 @part
-def stable_until(system, work, path, end, least_gap):
+def stable_until(system, task, work, path, end, least_gap):
     """Whether the linear stretch is stable up to the time `end`; else the path goes back to where it is."""
     critical, count = unstable_time(system, work, path.linear_from, end, least_gap)
     path.checks += count
     if critical == np.inf:
         return True
     moved(system, work.origin, work.tangent, critical - path.linear_from, work.state)
-    path.outcome, path.time, path.bracket = CRITICAL, critical, LEAST_STEP
+    path.time, path.bracket = critical, LEAST_STEP
+    while path.row > 0 and task.times[path.row - 1] > critical:
+        path.row -= 1
     return False
 
 
@@ -266,7 +274,7 @@ def knows_pairs(system, work, path, substep):
 def accept(task, work, path, substep, room):
     """Make the trial state the last accepted one."""
     if path.releasing:
-        accept_release(work, path)
+        accept_release(task, work, path, substep)
     else:
         accept_step(task, work, path, substep)
     if substep.moved == 0.0:
@@ -312,8 +320,10 @@ def accept_step(task, work, path, substep):
 
 
 @part
-def accept_release(work, path):
+def accept_release(task, work, path, substep):
     """What opening pairs held is released, or some of it: the tangent is another one now."""
+    if path.snapping:
+        snapped(task, work, path, substep)
     copy(work.ahead, work.tangent)
     path.releasing = opening(work.history)
     path.release *= 2.0
@@ -323,11 +333,9 @@ def accept_release(work, path):
 
 @part
 def conclude(system, task, work, path):
-    """Verify the last linear stretch; rows beyond a critical point found in it are none of the path's."""
-    if path.linear:
-        stable_until(system, work, path, path.time, 0.0)
-    while path.row > 0 and task.times[path.row - 1] > path.time:
-        path.row -= 1
+    """Verify the last linear stretch."""
+    if path.linear and not stable_until(system, task, work, path, path.time, 0.0):
+        path.outcome = CRITICAL
 
 
 @lru_cache(maxsize=1)

@@ -11,8 +11,6 @@ stability about where Coulomb's tangent does (with one pair that slides, just th
 found it has no effect: where H is indefinite, a larger one makes it positive, and the determinant decides.
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 from coilspring.compiling.compiled import part

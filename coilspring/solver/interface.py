@@ -38,8 +38,6 @@ the solver takes as typed first-class functions, so that it is compiled once for
     follower allows. Asked in scenes with contact alone.
 """
 
-from __future__ import annotations
-
 from typing import Any, NamedTuple
 
 import numpy as np

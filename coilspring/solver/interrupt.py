@@ -1,7 +1,5 @@
 """Compiled work that Ctrl-C can stop."""
 
-from __future__ import annotations
-
 import mmap
 import os
 import signal

@@ -1,7 +1,5 @@
 """A step shortened until the potential falls, and the residual that it needs."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Equilibrium at a fixed load: Newton's method on the energy, compiled."""
 
-from __future__ import annotations
-
 import math
 from functools import cache
 from typing import Any

@@ -1,7 +1,5 @@
 """A model's kernels with its constraint: what is prescribed has no gradient, and stays where it is put."""
 
-from __future__ import annotations
-
 from coilspring.compiling.compiled import copy, part
 from coilspring.solver.system import CHANGE, DIAGONAL, DOF, PLACE, STIFFNESS
 

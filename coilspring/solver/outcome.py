@@ -1,7 +1,5 @@
 """How a path ended, and the words that say why."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np
@@ -58,7 +56,7 @@ def judged(
         track = replace(track, outcome=CRITICAL)
     elif left <= LEFT:
         track = replace(track, outcome=CRITICAL, bracket=max(track.bracket, 2.0 * left))
-    elif friction and goes_on(*end):
+    elif friction and not track.far and goes_on(*end):
         track = replace(track, outcome=SLIDING)
     elif track.outcome == STUCK and abs(share) < SOFT:
         track = replace(track, outcome=CRITICAL)

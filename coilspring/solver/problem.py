@@ -61,5 +61,6 @@ class Track:
     last: np.ndarray  # last accepted state
     history: np.ndarray  # contact history with which a step from there was tried
     decrements: np.ndarray  # last Newton decrements over the reference work
+    far: bool  # beyond its end a snap found an equilibrium, but too far away
     snaps: int  # limit points passed, see `coilspring.solver.snap`,
     largest_snap: float  # and bound on the largest motion at one of them, wire diameters

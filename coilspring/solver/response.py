@@ -1,7 +1,5 @@
 """How a trial state, and what its pairs do, answer to a small change of what they hold."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from coilspring.compiling.compiled import part

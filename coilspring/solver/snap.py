@@ -6,22 +6,25 @@ lies beyond is not. So a path that comes to one goes on from the equilibrium bey
 wire moves far; it counts those snaps, and tells the largest.
 """
 
-from __future__ import annotations
-
 import math
 
 import numpy as np
 
 from coilspring.compiling.compiled import part
+from coilspring.contact.history import MOST_CHANGE
 from coilspring.solver.branch import displacement_bound
 from coilspring.solver.linesearch import dot
 from coilspring.solver.operations import factor_state, moved
-from coilspring.solver.stability import PROBE, least_stiffness
+from coilspring.solver.stability import JUMPS, LEAST_STEP, PROBE, least_stiffness
+from coilspring.solver.system import JUMP
 
 AHEAD = 1e-6  # of the time 0..1: so far beyond a limit point an equilibrium is looked for
 LARGEST = 0.25  # wire diameters: so far it may be
 ROUNDS = 300  # of renewed bounds: as it slides, friction gives way step by step
 SHIFT = 1e-6  # least shift of an indefinite matrix: at a limit point next to nothing is negative
+FASTER, FASTEST = 1.5, 50.0  # times as much as before bounds change in a round, and as they would, at most,
+SLOWLY = 0.9  # where they do by more than this share of the round before
+STEADY = 0.9  # share of the least stiffness in the state before: with more it does not tend to zero
 SMALL = 1e-3  # of a mode of length 1, which is moved along
 NO_WORK = 1e-4  # of the load times a mode's largest motion: less work is a bifurcation that is not quite one
 
@@ -35,13 +38,41 @@ def end_or_snap(system, task, work, path, outcome):
 
 
 @part
+def hasten(work, substep, change, before):
+    """Let bounds change faster while they settle slowly, or run away: at first friction gives way slowly."""
+    substep.pace = min(FASTER * substep.pace, FASTEST) if SLOWLY * before <= change < np.inf else 1.0
+    history, held = work.history, work.trial_history
+    for m in range(history.shape[0]):
+        bound, old = history[m].bound, held[m].bound
+        if history[m].closed and bound < np.inf and old < np.inf:
+            wanted = bound + (substep.pace - 1.0) * (bound - old)
+            history[m].bound = min(max(wanted, bound / MOST_CHANGE), MOST_CHANGE * bound)
+
+
+@part
+def release_or_jump(task, path):
+    """All that opening pairs hold is released at once, to an equilibrium nearby, or the path jumps; it does
+    where that was done just before."""
+    path.snapping, path.release, path.ends = task.predictor and path.time > path.dropped, np.inf, JUMP
+    path.dropped = path.time + LEAST_STEP
+    if not path.snapping:
+        path.outcome = JUMP
+
+
+@part
 def is_limit_point(system, task, work, path):
-    """Whether a force works on the softest mode; what a prescribed motion pulls with is not looked at."""
+    """Whether the stiffness jumps, as where a pair opens, or a force works on the softest mode; what a
+    prescribed motion pulls with is not looked at."""
+    factor_state(system, work, work.before, work.history)
+    before = least_stiffness(system, work, np.inf)
+    factor_state(system, work, work.state, work.history)
+    path.spent, path.reuse = path.spent + 2, False
+    stiffness = least_stiffness(system, work, np.inf)
+    # towards a zero it falls from state to state; a pair about to open may count as open, by rounding
+    if stiffness > STEADY * before or stiffness < -JUMPS * before:
+        return True
     if system.prescribed.size > 0:
         return False
-    factor_state(system, work, work.state, work.history)
-    path.spent, path.reuse = path.spent + 1, False
-    least_stiffness(system, work, np.inf)
     moved(system, work.state, work.mode, SMALL, work.scratch)
     work_done = system.work(system.reals, system.ints, task.load, work.state, work.scratch)
     distance, _, _ = displacement_bound(system, work.state, work.scratch, np.inf)

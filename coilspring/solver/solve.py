@@ -1,7 +1,5 @@
 """From a model's arrays and kernels to an `EquilibriumPath`, or to `EquilibriumNotFound`."""
 
-from __future__ import annotations
-
 import time
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
@@ -91,6 +89,7 @@ class Walk:
             last=work.state,
             history=work.history,
             decrements=work.decrements,
+            far=bool(path["far"]),
             snaps=int(path["snaps"]),
             largest_snap=float(path["largest_snap"]),
         )

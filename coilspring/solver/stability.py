@@ -1,7 +1,5 @@
 """Where a path loses its stability: the softest mode, and critical points of linear stretches."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass, field
 

@@ -8,8 +8,6 @@ large that pivots are those of the constrained spring. Newton's steps leave y as
 for the load FIXED dY/dt along y gives the tangent of the constrained path.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator
 from itertools import pairwise
 from typing import NamedTuple

@@ -1,7 +1,5 @@
 """Compiled code made ready: from the cache, or on two processor cores where it is not there yet."""
 
-from __future__ import annotations
-
 import gc
 import os
 import subprocess

@@ -1,7 +1,5 @@
 """One substep: the equilibria from its prediction on, and whether the one found continues the branch."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from coilspring.compiling.compiled import copy, part
@@ -59,13 +57,13 @@ def find_equilibrium(system, equilibrium, task, work, path, substep, it):
         path.rounding, task.limit, task.limit if path.snapping else MOST_DAMPED,
         snap.SHIFT if path.snapping else FIRST_SHIFT, task.modified, path.least_pivot,
     )  # fmt: skip
-    begin_attempt(work.history, substep.duration / path.last_step)
+    begin_attempt(work.history, substep.duration / path.last_step, work.old[0] == np.inf)
     if path.releasing:
         release(work.history, 2.0**-path.release if path.release <= MOST_RELEASE else 0.0)
     update_pairs(system, work, work.predicted)
     keep_bounds(work.history)
     substep.rounds, substep.iterations, substep.trouble, substep.cut = 0, 0, NONE, 1.0
-    substep.turned, change = False, np.inf
+    substep.turned, substep.pace, change = False, 1.0, np.inf
     while True:
         it.reuse = path.reuse
         substep.status = equilibrium(system, target, work, work.trial, it)
@@ -112,6 +110,8 @@ def renew_held(system, task, work, path, substep, before):
         if missed > MISSED * task.diameter and substep.duration >= 2.0 * LEAST_STEP and not path.snapping:
             substep.cut = max(LEAST_CUT, min(CREEP_CUT, MISSED * task.diameter / missed))
         return 0.0
+    if path.snapping:
+        snap.hasten(work, substep, change, before)
     newton = left == 0.0 and substep.rounds > RENEWED and not path.snapping
     slow = newton and substep.rounds > RENEWED + SLOW and change > GAIN * before
     most = snap.ROUNDS if path.snapping else MOST_ROUNDS

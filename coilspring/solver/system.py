@@ -3,8 +3,6 @@
 Compiled functions take these few bundles. What changes in place are arrays, and records of numbers.
 """
 
-from __future__ import annotations
-
 from functools import cache
 from typing import Any, NamedTuple
 
@@ -122,12 +120,14 @@ PATH = np.dtype(
         ("last_step", "f8"),
         ("error", "f8"),  # of the prediction in that
         ("snapping", "?"),  # past a limit point, see `coilspring.solver.snap`
-        ("ends", "i8"),  # outcome where that leads nowhere
+        ("ends", "i8"),  # outcome where that leads nowhere,
+        ("far", "?"),  # or too far away
         ("snaps", "i8"),  # number of those so far,
         ("largest_snap", "f8"),  # and bound on the largest motion in one of them, wire diameters
         ("releasing", "?"),  # opening pairs hold something tangentially that is still to be released
         ("release", "f8"),  # power of two by which their tangential stiffness is lowered next
-        ("let_go", "f8"),  # up to this time no pair that creeps lets go again
+        ("let_go", "f8"),  # up to this time no pair that creeps lets go again,
+        ("dropped", "f8"),  # and to this one none at once
         ("failed", "?"),  # a substep had to be shortened since the softest mode was evaluated
         ("due", "?"),  # the last accepted state is at a requested time, and not written yet
         ("least_gap", "f8"),  # least gap of the contact pairs
@@ -145,7 +145,8 @@ PATH = np.dtype(
         ("slid", "?"),  # a pair slid
         ("rise", "f8"),  # of the bounds of friction, see `coilspring.solver.friction`,
         ("raised", "f8"),  # and the least that the matrix needs
-        ("turned", "f8"),  # where the determinant of Coulomb's tangent was negative last
+        ("turned", "f8"),  # where the determinant of Coulomb's tangent was negative last,
+        ("indefinite", "f8"),  # and where the matrix had negative pivots in a substep that failed
         ("rest_stiffness", "f8"),  # least stiffness at the start
         ("moved", "f8"),  # bound on all motion since the overlap was measured
     ],
@@ -167,6 +168,7 @@ SUBSTEP = np.dtype(
         ("rounds", "i8"),  # of renewed bounds
         ("trouble", "i8"),
         ("turned", "?"),  # the determinant of Coulomb's tangent is negative
+        ("pace", "f8"),  # of the bounds of friction in a snap
         ("cut", "f8"),  # share of it after which a pair touches or opens; 1 where none does
         ("share", "f8"),  # by which the path turned
         ("distance", "f8"),  # bound on all motion, mm

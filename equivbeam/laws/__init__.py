@@ -1,7 +1,5 @@
 """Constitutive laws of a half coil: each is a table of parameters, a row a half coil, and one kernel."""
 
-from __future__ import annotations
-
 from dataclasses import astuple
 from pathlib import Path
 from typing import Any

@@ -3,8 +3,6 @@
 U = 1/2 Kax (l - l0)^2 + 1/2 Ksh v^2 + 1/2 Kfl dtheta^2                        (B2)
 """
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -32,8 +32,6 @@ the wire, moves as the coil grows. Where the wire is fixed the axis is so tilted
 of the flexibilities that the length contributes is subtracted from Cfl and Csh. Derivation: docs/theory.md.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 

@@ -9,8 +9,6 @@ The variables are l, v and dtheta of a half coil. A jet is a type of numba's: co
 (the arithmetic, comparisons and functions below) takes jets in their place.
 """
 
-from __future__ import annotations
-
 import hashlib
 import math
 import operator

@@ -1,7 +1,5 @@
 """By how much a model's load curve differs from a measured one."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from typing import Any
 

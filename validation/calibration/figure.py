@@ -1,7 +1,5 @@
 """Force and rate against deflection, of models and of a measurement."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from typing import Any
 

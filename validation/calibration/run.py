@@ -1,7 +1,5 @@
 """``coilcheck calibrate``: the equivalent beam fitted to a measured load curve."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from pathlib import Path
 from typing import Any

@@ -3,8 +3,6 @@
 A critical point is bracketed by the verifier's own Hessian: a stable and an unstable state side by side.
 """
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np
@@ -21,6 +19,7 @@ REACTION = 1e-6  # of the reaction, by the verifier's own forces in the same sta
 BEFORE = 4e-5  # share of the load by which a state lies before its critical point
 CLOSE = 1e-9  # of the displacement from rest: the last correction
 LOOSE = 1e-7  # where rounding keeps the corrections from becoming smaller
+ROUNDED = 1e-9  # the same, of the forces of the spring at rest: along a soft mode corrections are larger
 MOST_CORRECTIONS = 25
 MOST_TRIALS = 40
 MOST_SETS = 6  # of closed pairs that are tried
@@ -168,6 +167,7 @@ def _settled(
     """Equilibrium near a guess, where `row` times the change of displacements and time since `start` is a
     distance: by Newton's method with the closed pairs held closed, which leaves no kinks, until they are."""
     free, closed = energy.free, energy.closed(guess.state)
+    loose = max(LOOSE, ROUNDED / start.least)
     for _ in range(MOST_SETS):
         state, time, before = energy.placed(guess.state.copy(), guess.time), guess.time, np.inf
         for _ in range(MOST_CORRECTIONS):
@@ -186,7 +186,7 @@ def _settled(
             state = energy.placed(state, time)
             # by the step, not by the residual: hard contact turns rounding of positions into large forces
             share = float(np.linalg.norm(energy.rest_factor.T @ step[:-1])) / energy.load_norm / abs(time)
-            if share <= CLOSE or (before <= LOOSE and share > 0.5 * before):
+            if share <= CLOSE or (before <= loose and share > 0.5 * before):
                 break
             before = share
         else:

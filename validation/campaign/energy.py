@@ -4,8 +4,6 @@ Written from docs/theory.md, section 2. The stiffness is the derivative of the f
 state holds x, y, theta of all nodes, flat.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from functools import cached_property, partial

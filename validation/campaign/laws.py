@@ -4,8 +4,6 @@ Haringx: (B2), (B3). Helix: (B5)-(B13), with central differences of its coeffici
 law: central differences of its plain Python energy; of the solver's derivatives nothing is taken.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from functools import cached_property

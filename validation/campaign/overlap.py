@@ -4,8 +4,6 @@ Points of the wire, a quarter of a wire diameter apart, are compared with all ot
 circles of the equivalent beam with all others, and in their order.
 """
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Page of a campaign, ``stability.md``, and its picture; words and tables are in ``page.md``."""
 
-from __future__ import annotations
-
 from itertools import product
 from pathlib import Path
 from typing import Any, NamedTuple

@@ -1,7 +1,5 @@
 """Quaternions and the deformation of a rod's element between two poses, real or complex, in plain numpy."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 

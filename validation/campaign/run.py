@@ -1,7 +1,5 @@
 """The campaign: cases in parallel, a row each, kept as they come and not computed twice."""
 
-from __future__ import annotations
-
 import os
 import traceback
 from collections.abc import Callable, Iterator, Sequence

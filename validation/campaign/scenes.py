@@ -5,8 +5,6 @@ Sobol sequence. Every eighth scene is a pathological corner. In a fifth of all s
 top is prescribed, in place of the force; half of the wires touch as wires, the others by spheres.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace

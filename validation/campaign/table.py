@@ -1,7 +1,5 @@
 """The campaign's table: rows of texts, appended to a file and found again after an interruption."""
 
-from __future__ import annotations
-
 import io
 import os
 from collections.abc import Sequence

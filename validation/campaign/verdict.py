@@ -1,7 +1,5 @@
 """What becomes of a case: its class, the reason where it is unexplained, and the numbers behind it."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 

@@ -4,8 +4,6 @@ Written from docs/theory.md, section 3, with quaternions (scalar first), complex
 central differences of the forces.
 """
 
-from __future__ import annotations
-
 import math
 from functools import cached_property
 

@@ -5,9 +5,8 @@ presses, and a slip L from where it touched first, which sticks or rubs. Complex
 the displacements and spins of a pair's four nodes give its forces, central differences of those its tangent.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
+from typing import Self
 
 import numpy as np
 
@@ -54,7 +53,7 @@ class Pairs:
     one: np.ndarray
     two: np.ndarray
 
-    def of(self, chosen: np.ndarray) -> Pairs:
+    def of(self, chosen: np.ndarray) -> Self:
         """Some of the pairs."""
         names = ("index", "clearance", "held", "slides", "arcs", "share", "one", "two")
         return replace(self, **{name: getattr(self, name)[chosen] for name in names})
@@ -132,7 +131,7 @@ class Pairs:
             slip = np.where(self.arcs, arc, slip)
         return press, (ratio * slip).T
 
-    def renewed(self, rows: np.ndarray) -> Pairs:
+    def renewed(self, rows: np.ndarray) -> Self:
         """The pairs with what has slid taken off their references: they are at their bounds."""
         poses = self.poses(rows)
         n, slip = self.gap(poses)[1], self.slip(poses)

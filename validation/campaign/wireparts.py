@@ -1,7 +1,5 @@
 """The wire's elements and contact points for the verifier, in plain numpy."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """The verifier of the wire model's paths: forces in balance, contact as reported, critical points, jumps."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from dataclasses import replace

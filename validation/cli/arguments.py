@@ -1,7 +1,5 @@
 """Arguments of the command ``coilcheck``."""
 
-from __future__ import annotations
-
 import argparse
 import re
 import tomllib

@@ -1,9 +1,9 @@
 """The command ``coilcheck``."""
 
-from __future__ import annotations
-
 import argparse
+import signal
 import sys
+import threading
 from collections.abc import Callable, Sequence
 from contextlib import ExitStack
 from dataclasses import asdict
@@ -39,6 +39,8 @@ COMPLETED, REGRESSED, BAD_INPUT, NOT_COMPLETED, NOT_WRITTEN, INTERRUPTED = 0, 1,
 def main(argv: Sequence[str] | None = None) -> int:
     """Run the command line and return the exit code."""
     arguments = argparse.Namespace()
+    if threading.current_thread() is threading.main_thread():
+        signal.signal(signal.SIGTERM, signal.default_int_handler)  # ends like Ctrl-C, and so do its workers
     try:
         command_line().parse_args(argv, arguments)
         return COMMANDS[arguments.command](arguments)

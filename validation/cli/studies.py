@@ -3,8 +3,6 @@
 Each gives the lines to be said, and in one sentence what is wrong.
 """
 
-from __future__ import annotations
-
 import argparse
 from collections.abc import Callable
 from contextlib import nullcontext

@@ -1,7 +1,5 @@
 """What the command says: on standard output, and on a terminal while it works."""
 
-from __future__ import annotations
-
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager

@@ -1,7 +1,5 @@
 """The law by itself: derivatives against differences, closed forms, and how far a half coil holds."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

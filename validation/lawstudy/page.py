@@ -1,7 +1,5 @@
 """The page of a law, whose words are in ``page.md``: tables, what the sentences count, and the figure."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Any
 

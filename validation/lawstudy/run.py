@@ -3,8 +3,6 @@
 Work comes in pieces: each is done once, in parallel with others, and kept in the store under its key.
 """
 
-from __future__ import annotations
-
 import json
 import os
 from collections.abc import Callable, Mapping

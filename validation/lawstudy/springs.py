@@ -3,8 +3,6 @@
 The wire model's curves on random springs are stored once for all laws.
 """
 
-from __future__ import annotations
-
 from functools import partial
 from typing import Any, NamedTuple
 

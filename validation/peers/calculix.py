@@ -4,8 +4,6 @@ B32R beams with a circular section, which CalculiX expands to C3D20R solids; SPR
 centres with the penalty as a table of force over elongation; stiff beams for the rigid top.
 """
 
-from __future__ import annotations
-
 import os
 import shutil
 import subprocess

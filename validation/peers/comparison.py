@@ -1,7 +1,5 @@
 """The wire model and a peer on one scene: curves, difference and time side by side."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from types import ModuleType

@@ -1,7 +1,5 @@
 """What a peer is given, the points, spheres and pairs of a scene's wire, and what it answers."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 

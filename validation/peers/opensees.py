@@ -16,8 +16,6 @@ The choices that OpenSees leaves open:
   equilibrium is found anew. That is linear in the displacements, as `wirefe`'s law.
 """
 
-from __future__ import annotations
-
 import atexit
 import math
 import os

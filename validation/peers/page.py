@@ -3,8 +3,6 @@
 ``python -m validation.peers.page opensees`` (or ``calculix``) writes them anew.
 """
 
-from __future__ import annotations
-
 import sys
 from pathlib import Path
 

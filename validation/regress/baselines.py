@@ -1,7 +1,5 @@
 """What ``coilcheck regress`` runs, and the files in which what was found is kept."""
 
-from __future__ import annotations
-
 import json
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace

@@ -5,8 +5,6 @@ was changed. Paths with sticking contact depend on the accepted substeps, which 
 differently. Counts are exact on the same kind of processor and within one a step elsewhere.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass

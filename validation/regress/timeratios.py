@@ -1,7 +1,5 @@
 """Ratios of solution times between the models: kept beside the baselines, compared only on request."""
 
-from __future__ import annotations
-
 import json
 from collections.abc import Callable, Mapping
 from functools import partial
@@ -13,7 +11,7 @@ import numpy as np
 from coilspring import EquilibriumNotFound, EquilibriumPath, InputError, Scene
 from validation.regress.baselines import made
 from validation.study.cases import CASES, solve_beam, solve_wire
-from validation.study.output import write_json
+from validation.study.output import json_bytes, write_bytes
 from validation.study.timing import announced, interleaved, median_of
 
 FILE = "times.json"
@@ -61,7 +59,8 @@ def measure(
 
 def write(ratios: Mapping[str, float], folder: Path) -> None:
     """Write the ratios with where and when they were measured."""
-    write_json(folder / FILE, {"made": made(), "ratios": {name: round(r, 3) for name, r in ratios.items()}})
+    kept = {"made": made(), "ratios": {name: round(ratio, 3) for name, ratio in ratios.items()}}
+    write_bytes(folder / FILE, json_bytes(kept))
 
 
 def compare(folder: Path, ratios: Mapping[str, float]) -> list[tuple[str, str, str, str]]:

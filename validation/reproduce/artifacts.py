@@ -20,13 +20,14 @@ from validation.study.cases import PathStore
 from validation.study.document import Table
 from validation.study.output import FACTS, json_bytes, write_files
 from validation.study.provenance import FILE, provenance
-from validation.view import htmlscene, render3d, shapes
+from validation.view import htmlscene, shapes
+from validation.view.process import Drawing
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-
 Files = dict[str, bytes]  # by name
+RENDERING = 60.0  # s at most; a picture takes about one
 
 
 @dataclass
@@ -97,17 +98,18 @@ class Maker:
     def _springs(self, name: str, key: str) -> Files:
         """Deformed springs; the figure in space is rendered in a process of its own while work goes on."""
         panels = tuple(shapes.shapes(self.paths, scene) for scene in SPRINGS[name])
-        rendering = self.cleanup.enter_context(render3d.Rendering(panels)) if self.render else None
+        rendering = self.cleanup.enter_context(Drawing("panels").give(panels)) if self.render else None
         files = _csv(name, shapes.centreline_table(panels))
         files |= _csv(f"{name}-plane", shapes.circle_table(panels))
         files |= self.picture(f"{name}-plane", lambda figures: figures.plane_figure(panels))
         if rendering is None:
             self.paths.store.put(key, files)
             return files
+        pictures = [rendering.folder / f"panel{i}.png" for i in range(len(panels))]
 
         def finish() -> None:
             self.paths.announce(f"rendering {name}")
-            found = rendering.result()
+            found = rendering.failure(RENDERING, pictures, "it wrote no picture") or pictures
             picture = self.picture(name, lambda figures: figures.space_figure(panels, found), lines=False)
             write_files(picture, self.out)
             if isinstance(found, str):

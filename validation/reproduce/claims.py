@@ -3,8 +3,6 @@
 Their words and verdicts are in ``mechanics.md`` and ``times.md``; here is what these compute with.
 """
 
-from __future__ import annotations
-
 import re
 from collections import Counter
 from collections.abc import Mapping, Sequence

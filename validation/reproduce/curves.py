@@ -1,7 +1,5 @@
 """Data of the paper's curves, Figures 5, 7 and 8, as DataFrames that the figures draw."""
 
-from __future__ import annotations
-
 import numpy as np
 import pandas as pd
 

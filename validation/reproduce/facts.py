@@ -4,8 +4,6 @@ Paths of both models, their differences, the mesh's own error and the times are 
 ``reports/paper/facts.json`` keeps the facts for the findings.
 """
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Figures 4 to 8 of the paper, and one more on sliding; those of curves are views of their data."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np
@@ -20,8 +18,7 @@ from validation.study import style
 from validation.study.metrics import peaks
 from validation.study.plots import TIPS as LABELS
 from validation.study.plots import both, discs
-from validation.view.render3d import PIXELS
-from validation.view.shapes import PARTS, Shapes, bands, overlaps, picture_frame, spaces, view
+from validation.view.shapes import PARTS, PIXELS, Shapes, bands, overlaps, picture_frame, spaces, view
 
 DOTTED = (0, (1, 1.3))
 DIFFERENCES: dict[str, style.Look] = {

@@ -3,8 +3,6 @@
 Their words are in ``findings.md``; here is what these read of the records.
 """
 
-from __future__ import annotations
-
 import csv
 import json
 import textwrap

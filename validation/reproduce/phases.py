@@ -1,7 +1,5 @@
 """Which of the models is softer, over the start phase of the helix, which the paper does not give."""
 
-from __future__ import annotations
-
 import numpy as np
 import pandas as pd
 

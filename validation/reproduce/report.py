@@ -1,7 +1,5 @@
 """The report and its tables: Tables 1-3 of the paper, deviations, what was assumed; words: ``report.md``."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from pathlib import Path

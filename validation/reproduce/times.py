@@ -4,8 +4,6 @@ Both models run in one process, alternately, round after round; the first round 
 The time is the CPU time of the solve alone. CPU time counts every thread, so that none is hidden.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 import pandas as pd

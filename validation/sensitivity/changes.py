@@ -4,8 +4,6 @@ A change is positive where the top moves farther than with our default, in per c
 as `validation.study.metrics` has it. The size of an input is the largest of its changes at any load.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace

@@ -1,7 +1,5 @@
 """What the paper leaves open, as inputs that the study varies; ``inputs.toml`` has their ranges and why."""
 
-from __future__ import annotations
-
 import math
 import tomllib
 from collections.abc import Iterator, Mapping, Sequence

@@ -4,8 +4,6 @@ One input at a time takes its other values (`validation.sensitivity.inputs`) in 
 four cases; of a user's scenes, about their own (`validation.sensitivity.inputs.inputs_of`).
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from itertools import product
 from pathlib import Path

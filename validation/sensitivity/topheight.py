@@ -6,9 +6,8 @@ followed with three dead moments that span it; at every load the tip is interpol
 moment is found that goes with the rotation it makes. What is read off is the tip of the raised point.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
+from typing import Self
 
 import numpy as np
 
@@ -41,7 +40,7 @@ class TipCurve:
     counted: tuple[bool, ...] = (True, True, True)  # components that move as far as others, nearly
 
     @classmethod
-    def of(cls, path: EquilibriumPath) -> TipCurve:
+    def of(cls, path: EquilibriumPath) -> Self:
         """Tip curve of a path."""
         tips = np.column_stack(list(answered(path).values()))
         moved = np.abs(path.tips).max(axis=0, initial=0.0) * (1.0, 1.0, 0.5 * path.scene.spring.active_height)

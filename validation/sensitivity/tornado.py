@@ -1,7 +1,5 @@
 """Tornado figure: how far each open input moves the load curves of both models, one panel a case."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from pathlib import Path
 from string import ascii_lowercase

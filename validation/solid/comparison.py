@@ -1,7 +1,5 @@
 """Solids of CalculiX beside rods: flexibility of a few coils, and a scene in large deflection."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import replace
 from typing import Any

@@ -3,8 +3,6 @@
 The bottom section is clamped, the top one rigid with the reference point on the axis at its height.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from pathlib import Path

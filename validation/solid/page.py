@@ -3,8 +3,6 @@
 Rods are solved here; solids are those that `validation.solid.runs` has written.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import replace
 from itertools import product

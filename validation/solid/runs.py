@@ -1,7 +1,5 @@
 """Solids of CalculiX for `validation.solid.page`: ``python -m validation.solid.runs``, 15 minutes."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pandas as pd

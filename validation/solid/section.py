@@ -11,8 +11,6 @@ In the displacements of Saint-Venant w = Phi(x, y) W(s) and (gamma, k) = F W(s),
 matrices P^T, and equilibrium is a problem on the section for Phi and F. docs/theory.md derives it.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Any
 

@@ -3,8 +3,6 @@
 Writes coilspring/scene/solidtable.toml; both are numbers of a wire of diameter 1 and modulus 1.
 """
 
-from __future__ import annotations
-
 import sys
 from itertools import product
 

@@ -1,7 +1,5 @@
 """The paper's four cases, what it prints of them, and their paths, each solved once and kept."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace

@@ -1,7 +1,5 @@
 """A table of texts, as pages and CSV files hold it."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 

@@ -1,7 +1,5 @@
 """A study's result is one DataFrame, a row for each run: its CSV file and its tables are views of it."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 from io import BytesIO
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Keys of stored results: digests of all that a result follows from."""
 
-from __future__ import annotations
-
 import hashlib
 import json
 from collections.abc import Iterable, Mapping

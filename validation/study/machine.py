@@ -1,7 +1,5 @@
 """The machine that numbers come from, and the versions they were made by."""
 
-from __future__ import annotations
-
 import os
 import platform
 import re

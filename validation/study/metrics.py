@@ -1,7 +1,5 @@
 """Deviation of two equilibrium paths of one scene: load curves and shapes."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

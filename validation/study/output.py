@@ -1,7 +1,5 @@
 """Files of a run: whole or not at all, and one sentence where they cannot be written."""
 
-from __future__ import annotations
-
 import fcntl
 import json
 import math
@@ -113,19 +111,14 @@ def _whole(target: Path) -> Iterator[Path]:
             raise
 
 
-def write_json(target: Path, value: object) -> None:
-    """Write strict JSON; what is not a finite number becomes null."""
-    write_bytes(target, json_bytes(value))
-
-
 def write_facts(facts: Mapping[str, object], folder: Path) -> None:
     """Keep the numbers of a study that findings are computed from, by name."""
     folder.mkdir(parents=True, exist_ok=True)
-    write_json(folder / FACTS, facts)
+    write_bytes(folder / FACTS, json_bytes(facts))
 
 
 def json_bytes(value: object) -> bytes:
-    """A file of strict JSON."""
+    """A file of `json_text`."""
     return (json_text(value) + "\n").encode("utf-8")
 
 

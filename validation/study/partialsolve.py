@@ -1,7 +1,5 @@
 """A path as far as it was reached, where its end is a result and not an error."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 from coilspring import EquilibriumNotFound, EquilibriumPath, Scene

@@ -1,7 +1,5 @@
 """What all figures are drawn and written with."""
 
-from __future__ import annotations
-
 import io
 from typing import Any
 

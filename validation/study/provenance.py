@@ -1,7 +1,5 @@
 """Where a study's numbers come from: the command, the day, the machine, versions and sources."""
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 

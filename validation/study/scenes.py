@@ -1,7 +1,5 @@
 """The springs of the studies: the catalogue and two more; and tips of two of them as exact Cosserat rods."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 
 from coilspring import CATALOGUE, Contact, Load, Scene, Spring, Supports

@@ -1,7 +1,5 @@
 """What makes a scene doubtful before it is solved, in a sentence each."""
 
-from __future__ import annotations
-
 import math
 
 from coilspring import Scene

@@ -3,8 +3,6 @@
 An entry is some named files in one, with their digest before them: what is damaged counts as missing.
 """
 
-from __future__ import annotations
-
 import hashlib
 import io
 import os

@@ -1,7 +1,5 @@
 """Looks of the figures: a journal's columns, colours that also differ in grey and to the colour-blind."""
 
-from __future__ import annotations
-
 import tomllib
 from pathlib import Path
 from typing import Any

@@ -5,8 +5,6 @@ of a paragraph may be broken anywhere: `unwrapped` joins them. A sentence that h
 stands in a block or a macro, by whose name it can be said alone, of other facts.
 """
 
-from __future__ import annotations
-
 import re
 from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path

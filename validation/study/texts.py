@@ -1,7 +1,5 @@
 """Values in texts that a user gives."""
 
-from __future__ import annotations
-
 from contextlib import suppress
 
 

@@ -1,7 +1,5 @@
 """CPU time of solves: runs take turns in rounds, so that a disturbance of the machine falls on all."""
 
-from __future__ import annotations
-
 import time
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from typing import Any

@@ -1,7 +1,5 @@
 """The cheapest law or mesh for a grid of scenes: the first that does on a sample, by the wire model."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Iterator, Sequence
 from functools import partial

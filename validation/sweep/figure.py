@@ -1,7 +1,5 @@
 """Picture of a sweep of one number: what the top does at full load against it."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 
 from matplotlib import rc_context

@@ -1,7 +1,5 @@
 """Grids of scenes: all combinations of several values for some keys of a scene file."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from copy import deepcopy

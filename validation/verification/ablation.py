@@ -4,8 +4,6 @@
 law is worth on the paper's four cases, and in ``randomsprings.md``.
 """
 
-from __future__ import annotations
-
 import argparse
 import math
 from collections.abc import Iterator, Sequence

@@ -1,7 +1,5 @@
 """Accuracy of the wire model, as a page: ``python -m validation.verification.accuracy``."""
 
-from __future__ import annotations
-
 import sys
 from collections.abc import Iterable
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Verification cases of the wire model, described as data, and their one runner: a row of the page each."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any

@@ -1,7 +1,5 @@
 """What the wire model's contact moves and costs: ``python -m validation.verification.contact``."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import asdict, dataclass, replace

@@ -1,7 +1,5 @@
 """What the study of random springs says: figure, tables, and what sentences of ``randomsprings.md`` count."""
 
-from __future__ import annotations
-
 from itertools import product
 from pathlib import Path
 from typing import Any

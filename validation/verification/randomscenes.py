@@ -1,7 +1,5 @@
 """The random springs on which the laws are compared: kinds of load and support, shapes, size of the load."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Container, Iterator
 from dataclasses import dataclass, replace

@@ -4,8 +4,6 @@ The moment that coils the rod of G8 turns with its end. It has no potential, whi
 minima of an energy: here plain Newton drives the kernels, with the exact, unsymmetric tangent.
 """
 
-from __future__ import annotations
-
 from functools import partial
 from typing import NamedTuple
 

@@ -1,7 +1,5 @@
 """Verification cases of the wire model on springs."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from dataclasses import replace
 from functools import partial

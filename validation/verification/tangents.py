@@ -1,7 +1,5 @@
 """The paper's matrix and the exact tangent compared: ``python -m validation.verification.tangents``."""
 
-from __future__ import annotations
-
 from itertools import product
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """The deforming wire in a window or as a GIF, drawn by a subprocess: VTK can end the one it runs in."""
 
-from __future__ import annotations
-
 import io
 import os
 import sys
@@ -16,7 +14,6 @@ from validation.study.output import write_bytes
 from validation.view.frames import Frames
 from validation.view.process import Drawing
 
-COMMAND = (sys.executable, "-m", "validation.view.viewer")
 MOST_PICTURES = 60  # of a movie
 PACE, LAST = 80, 1500  # ms, each picture and the last
 
@@ -33,7 +30,7 @@ def require(movie: Path | None) -> None:
 def show(load: Callable[[], Frames]) -> None:
     """Show what `load` gives in a window with a slider over the steps, until it is closed; `InputError` where
     it could not be opened."""
-    with Drawing(COMMAND, "window") as drawing:
+    with Drawing("window") as drawing:
         drawing.give(load())
         status = drawing.failure(None)
     if status:
@@ -44,7 +41,7 @@ def film(load: Callable[[], Frames], movie: Path, progress: Callable[[str], None
     """Write a GIF of what `load` gives; a sentence where matplotlib had to draw it, else nothing."""
     from PIL import Image
 
-    with Drawing(COMMAND, "pictures") as drawing:
+    with Drawing("pictures") as drawing:
         frames = load()
         chosen = np.unique(np.linspace(0, len(frames.times) - 1, MOST_PICTURES).round().astype(int))
         frames = Frames(frames.diameter, frames.times[chosen], frames.points[chosen], frames.forces[chosen])

@@ -1,7 +1,5 @@
 """What a scene file describes: closed-form numbers, warnings, and which models can represent it."""
 
-from __future__ import annotations
-
 import math
 from pathlib import Path
 

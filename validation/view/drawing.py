@@ -1,7 +1,5 @@
 """A picture of a spring at rest."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping
 from pathlib import Path

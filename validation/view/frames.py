@@ -1,7 +1,5 @@
 """The deformed wire and its contact forces at every step, as pictures need them."""
 
-from __future__ import annotations
-
 import json
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """One spring by both models in one picture: what the top does, and where the coils are."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import matplotlib

@@ -1,7 +1,5 @@
 """Drawing in a subprocess: VTK can end the one it runs in, and graphics drivers can hang."""
 
-from __future__ import annotations
-
 import pickle
 import subprocess
 import sys
@@ -10,27 +8,28 @@ import time
 from collections.abc import Callable, Sequence
 from contextlib import ExitStack, suppress
 from pathlib import Path
-from typing import Any
+from typing import Any, Self
 
+COMMAND = (sys.executable, "-m", "validation.view.pictures")
 GIVEN = "given.pickle"
 POLL = 0.05  # s, between looks at what a drawing has written
 
 
 class Drawing(ExitStack):
-    """A command that draws, and whose output is dropped; as a context it cleans up after itself.
+    """`COMMAND`, which draws, and whose output is dropped; as a context it cleans up after itself.
 
-    Its arguments are a folder, which takes what is drawn, and `words`; it starts at once, and waits for what
-    is to be drawn (`give`).
+    Its arguments are a folder, which takes what is drawn, and `what` that is: panels, a scene, a window or
+    pictures. It starts at once, and waits for what is to be drawn (`give`).
     """
 
-    def __init__(self, command: Sequence[str], *words: str) -> None:
+    def __init__(self, what: str) -> None:
         super().__init__()
         self.folder = Path(self.enter_context(tempfile.TemporaryDirectory(prefix="coilcheck-")))
         self._process: subprocess.Popen | None = None
         self._failure = ""
         try:
             process = subprocess.Popen(
-                (*command, str(self.folder), *words),
+                (*COMMAND, str(self.folder), what),
                 cwd=Path(__file__).parents[2],  # `-m` finds the package there, installed or not
                 stdin=subprocess.PIPE,  # which ends when all is there that is to be drawn
                 stdout=subprocess.DEVNULL,
@@ -42,12 +41,13 @@ class Drawing(ExitStack):
             self._process = self.enter_context(process)
             self.callback(process.kill)  # before it is waited for
 
-    def give(self, drawn: object) -> None:
+    def give(self, drawn: object) -> Self:
         """Hand over what is to be drawn."""
         (self.folder / GIVEN).write_bytes(pickle.dumps(drawn))
         if self._process is not None and self._process.stdin is not None:
             self._process.stdin.close()
         self._began = time.monotonic()
+        return self
 
     def failure(
         self,

@@ -14,6 +14,7 @@ if TYPE_CHECKING:
 
 POINTS_PER_TURN = 80  # of the pictures
 DATA_STRIDE = 4  # of those points, in the CSV files
+PIXELS = 1300  # a side of a picture in space
 PARTS = ("rest", "beam", "wire")  # of a picture in space
 VIEW = (0.35, 0.28, 1.0)  # from where the springs are seen in space
 # In space pieces of both models alternate: coinciding surfaces would fight for the same pixels.

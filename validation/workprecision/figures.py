@@ -1,7 +1,5 @@
 """Figures of the work-precision study: error against CPU time, and the cost of the penalty."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from string import ascii_lowercase
 

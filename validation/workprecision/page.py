@@ -1,7 +1,5 @@
 """Page and tables of the work-precision study, views of its recorded result; words in ``page.md``."""
 
-from __future__ import annotations
-
 import json
 from collections.abc import Callable, Mapping
 from dataclasses import replace

@@ -6,8 +6,6 @@ solution where there is one; "left out", what a scene cannot be given, with the 
 of the part of the path that was reached.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import asdict, fields
 from pathlib import Path

@@ -8,8 +8,6 @@ The time is the CPU time of the solve alone, one thread, kernels warm. All setti
 (`validation.study.timing`); ratios to the paper's FE mesh are formed within a round.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from functools import partial

@@ -1,9 +1,8 @@
 """What the work-precision study runs: springs, and every setting of both models."""
 
-from __future__ import annotations
-
 from contextlib import suppress
 from dataclasses import asdict, dataclass, replace
+from typing import Self
 
 from coilspring import InputError, Scene
 from equivbeam.laws import LAWS
@@ -30,7 +29,7 @@ class Setting:
     geometry: str = ""  # of the wire model's contact, the scene's; empty for the equivalent beam
 
     @classmethod
-    def wire(cls, scene: Scene, series: str, mesh: int, pairs: int = 0, steps: int = STEPS) -> Setting:
+    def wire(cls, scene: Scene, series: str, mesh: int, pairs: int = 0, steps: int = STEPS) -> Self:
         """Of the wire model, or `PEER`; by default with the usual number of pairs."""
         geometry = scene.contact.geometry
         return cls(series, mesh, pairs or PER_TURN[geometry], steps=steps, geometry=geometry)

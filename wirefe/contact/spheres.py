@@ -1,7 +1,5 @@
 """Contact of spheres that move with nodes; the law of a pair is `coilspring.contact.law`."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -9,8 +9,6 @@ a sum of both positions and of an arm turned with each. So is its derivative alo
 vector fixed to the wire's section at s turns with (1 - s) Ra + s Rb.
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 from coilspring.compiling.compiled import arithmetic, part

@@ -1,7 +1,5 @@
 """Contact points that touch although they are no pair."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from coilspring.compiling.compiled import arithmetic, part

@@ -18,8 +18,6 @@ zeta = x beta / h - y delta,
 All of it depends on the wires' motion relative to each other alone: forces and moments balance.
 """
 
-from __future__ import annotations
-
 import math
 from typing import Any, NamedTuple
 

@@ -1,7 +1,5 @@
 """Contact history of wires: what `coilspring.contact.kinematics` does for spheres, by material points."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np
@@ -12,6 +10,7 @@ from coilspring.contact.law import (
     first_touch,
     gave_way,
     goes_on,
+    leads,
     located_to,
     normal_law,
     opens_after,
@@ -21,7 +20,7 @@ from coilspring.contact.law import (
     touches_again,
     touches_first,
 )
-from wirefe.contact.wires import gap, placed, tangential_slip, touches, touching_points
+from wirefe.contact.wires import between_sections, gap, placed, tangential_slip, touches, touching_points
 from wirefe.element.algebra import dot, plus
 
 
@@ -75,11 +74,22 @@ def remember_wires(contact, state, history):
         elif slid(length, contact.kt, row, gap_left):
             left = row.bound / contact.kt
         if left < length:
-            share = left / length
-            touching_points(
-                contact, points, state, m, (share * way[0], share * way[1], share * way[2]), row.arms
-            )
+            if row.lead > 0.0:
+                _lead(row)
+            for i in range(6):
+                row.onward[i] = row.arms[i]
+            touching_points(contact, points, state, m, plus(way, left / length - 1.0, way), row.arms)
+            for i in range(6):
+                row.onward[i] = row.arms[i] - row.onward[i]
     return least
+
+
+@part
+def _lead(row):
+    """Move the reference of a pair on, along its last slide, as it is wanted."""
+    for i in range(6):
+        row.arms[i] += (row.wanted - row.lead) * row.onward[i]
+    row.lead = row.wanted
 
 
 @part
@@ -107,6 +117,8 @@ def update_wires(contact, accepted, predicted, state, history):
         new = not row.closed
         if new:
             _touch(contact, states, m, row)
+        if row.wanted != row.lead:
+            _lead(row)
         length, way = tangential_slip(contact, points, state, m, row)
         if new:
             change = max(change, contact.kt * length)
@@ -120,5 +132,14 @@ def update_wires(contact, accepted, predicted, state, history):
             far, _, _, _, _ = gap(contact, before, m)
             opens_after(row, far, gap(contact, ahead, m)[0], h, d)
         else:
-            change = max(change, renewed(length, contact.mu * normal, contact.kt, row))
+            bound = contact.mu * normal
+            change = max(change, renewed(length, bound, contact.kt, row))
+            if row.lead > 0.0 and not leads(row):
+                _lead(row)
+                length, way = tangential_slip(contact, points, state, m, row)
+                change = max(change, bound, renewed(length, bound, contact.kt, row))
+            row.ahead = 0.0
+            if row.lead > 0.0 and length > 0.0:
+                led = between_sections(contact, state, m, row.onward)
+                row.ahead = -row.lead * dot(led, way) / length
     return change / most if change > 0.0 else 0.0

@@ -8,8 +8,6 @@ h is the distance of two wires that are straight and parallel, or curved alike, 
 face each other. What sticks or rubs is the slip of the two material points that touched first.
 """
 
-from __future__ import annotations
-
 import math
 
 import numpy as np
@@ -122,9 +120,15 @@ def touching_points(contact, points, state, m, back, out):
 def slip(contact, points, state, m, arms):
     """Vector xi between the material points whose places in the sections at rest are `arms` (6,)."""
     a, b = contact.pairs[m, 0], contact.pairs[m, 1]
-    xa = plus(three(points[a], 0), 1.0, section_turned(contact, state, a, three(arms, 0)))
-    xb = plus(three(points[b], 0), 1.0, section_turned(contact, state, b, three(arms, 3)))
-    return plus(xb, -1.0, xa)
+    apart = plus(three(points[b], 0), -1.0, three(points[a], 0))
+    return plus(apart, 1.0, between_sections(contact, state, m, arms))
+
+
+@arithmetic
+def between_sections(contact, state, m, arms):
+    """Vector from the first to the second of `arms` (6,), fixed to the sections of a pair, as turned now."""
+    a = section_turned(contact, state, contact.pairs[m, 0], three(arms, 0))
+    return plus(section_turned(contact, state, contact.pairs[m, 1], three(arms, 3)), -1.0, a)
 
 
 @part

@@ -1,7 +1,5 @@
 """Vectors (3) and matrices (9, by rows) as tuples: they stay in registers, and compile fast."""
 
-from __future__ import annotations
-
 from coilspring.compiling.compiled import arithmetic
 
 

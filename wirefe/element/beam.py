@@ -16,8 +16,6 @@ K may be any stiffness of a piece of wire. Variations use spatial spins phi_i of
 The Hessian is that along the exponential map, hence symmetric; docs/theory.md derives it.
 """
 
-from __future__ import annotations
-
 import math
 from typing import Any, NamedTuple
 

@@ -1,7 +1,5 @@
 """Nodes of the wire in a state, and the pose of an element between two of them."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from coilspring.compiling.compiled import arithmetic

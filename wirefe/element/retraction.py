@@ -12,8 +12,6 @@ Mahony & Sepulchre 2008, Optimization Algorithms on Matrix Manifolds, section 4.
 order at a node that is held is spread over the wire since the node held before.
 """
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np

@@ -3,8 +3,6 @@
 In kernels quaternions and vectors are tuples, which stay in registers.
 """
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

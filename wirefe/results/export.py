@@ -1,7 +1,5 @@
 """Section forces, contact forces and VTU files of the deformed wire."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from pathlib import Path
 

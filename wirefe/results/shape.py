@@ -1,7 +1,5 @@
 """What is read off the wire model's states: tips, contact forces, the deformed wire."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass
 
