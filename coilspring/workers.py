@@ -5,6 +5,8 @@ from collections.abc import Iterator
 from concurrent.futures import Executor
 from contextlib import contextmanager
 
+from coilspring.solver.interrupt import signals_noted
+
 ONE_THREAD = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")  # each, for linear algebra
 
 
@@ -15,6 +17,8 @@ def processes(count: int) -> Iterator[Executor]:
 
     pool = ProcessPoolExecutor(count, initializer=_leave_interrupts, env=dict.fromkeys(ONE_THREAD, "1"))
     try:
+        with signals_noted():  # a pool whose first task is broken off while it starts cannot be ended
+            pool.submit(int)
         yield pool
     except BaseException:
         pool.shutdown(kill_workers=True)

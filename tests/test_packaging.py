@@ -10,6 +10,8 @@ from pathlib import Path
 
 import pytest
 
+from coilspring.workers import processes
+
 ROOT = Path(__file__).parents[1]
 
 
@@ -85,6 +87,22 @@ def test_a_campaign_that_is_terminated_leaves_no_workers(tmp_path):
     while _group_lives(child.pid) and time.monotonic() < end:
         time.sleep(0.1)
     assert not _group_lives(child.pid)
+
+
+def test_a_signal_while_workers_start_ends_them(monkeypatch):
+    """The thread that minds them cannot be waited for before it runs."""
+    from loky import process_executor
+
+    start, pools = process_executor._ExecutorManagerThread.start, []
+
+    def interrupted(thread):
+        signal.raise_signal(signal.SIGINT)
+        start(thread)
+
+    monkeypatch.setattr(process_executor._ExecutorManagerThread, "start", interrupted)
+    with pytest.raises(KeyboardInterrupt), processes(1) as pool:
+        pools.append(pool)
+    assert not pools  # nothing was begun
 
 
 def _group_lives(leader):

@@ -39,21 +39,28 @@ def interruptible(function: Callable, *arguments: object) -> Any:
     Ctrl-C, is called when the function has returned: one that raised amid the conversion of the results
     would be more than numba survives. After a handler that does not raise the call is made again.
     """
-    if parent_process() is not None or threading.current_thread() is not threading.main_thread():
+    if parent_process() is not None or not _gets_signals():
         return function(*arguments, np.zeros(1, dtype=np.int64))  # signals go elsewhere
     descriptor, flag = _mailbox(os.getpid())
     while True:
         os.lseek(descriptor, 0, os.SEEK_SET)
         flag[0] = 0
-        with _signals_noted(descriptor):
+        with signals_noted(descriptor):
             result = function(*arguments, flag)
         if flag[0] == 0:
             return result
 
 
+def _gets_signals() -> bool:
+    return threading.current_thread() is threading.main_thread()
+
+
 @contextmanager
-def _signals_noted(descriptor: int) -> Iterator[None]:
-    """Signals write to the mailbox; their handlers are called at the end."""
+def signals_noted(descriptor: int = -1) -> Iterator[None]:
+    """Handlers of signals are called at the end; a signal writes to the file, if one is given."""
+    if not _gets_signals():
+        yield
+        return
     came: list[int] = []
     handlers: dict[int, Callable] = {}
     before = signal.set_wakeup_fd(descriptor)
