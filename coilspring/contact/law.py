@@ -112,14 +112,22 @@ def stretch(g, row, e):
 
 @part
 def arc(g, h, row, t):
-    """Angle from n0 to the direction of g; `t` is the unit vector along which it grows, or zero."""
-    square = 0.0
+    """Angle from n0 to the direction n of g; `t` is the unit vector along which it grows, or zero.
+
+    Both directions are rounded, and t must be perpendicular to n to the last digit: hard contact slides by
+    angles of 1e-11, and what is left of n in t would be a negative stiffness.
+    """
+    square, along, sine = 0.0, 0.0, 0.0
     for i in range(3):
         t[i] = g[i] / h - row.normal[i]
         square += t[i] * t[i]
-    sine = math.sqrt(max(square * (1.0 - 0.25 * square), 0.0))
+        along += t[i] * g[i] / h
     for i in range(3):
-        t[i] = (t[i] - 0.5 * square * g[i] / h) / sine if sine > 0.0 else 0.0
+        t[i] -= along * g[i] / h
+        sine += t[i] * t[i]
+    sine = math.sqrt(sine)
+    for i in range(3):
+        t[i] = t[i] / sine if sine > 0.0 else 0.0
     return 2.0 * math.asin(min(0.5 * math.sqrt(square), 1.0))
 
 
