@@ -49,7 +49,7 @@ def predict(system, task, work, path, bend, target):
 
 
 @part
-def continues(system, task, work, trouble, judged):
+def continues(system, task, work, trouble, judged, weak):
     """Whether the trial state continues the branch; the share by which the path turned, less where the
     turn is small at all; a bound on all motion; and how far near pairs are from the prediction, mm."""
     # no pair moves by more than its two ends do
@@ -60,7 +60,7 @@ def continues(system, task, work, trouble, judged):
         return True, 0.0, distance, 0.0
     turn, pair, _ = displacement_bound(system, work.predicted, work.trial, 0.5 * task.located)
     share = turn / distance if distance > 0.0 else 0.0
-    least = turn / (SMALL * task.diameter)
+    least = turn / ((SMALLER if weak else SMALL) * task.diameter)
     good = least <= 1.0 or (share <= TURN and trouble == NONE)
     if trouble == INDEFINITE and not has_friction(work.history):
         # a jump may end anywhere, also near the prediction; friction is predicted to slide where it sticks

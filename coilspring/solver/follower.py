@@ -76,6 +76,7 @@ RETRIED = 0.5  # share of a substep, or release, that failed: it is tried next
 LEAST_CREEP = 1e-7  # of the time 0..1: in less, a pair that creeps moves by no more than it is located to
 LEAST_ERROR = 1e-3  # of a prediction, over what is allowed: less may be chance
 LEAST_LEFT = 1e-6  # of the time 0..1 that is taken at least, however soon a pair closes
+CAREFUL = 2.0  # times the last substep, at most, where next to nothing is left of the stiffness
 NEAR_END = 1e-5  # of the time 0..1: pivots or a determinant that are negative so near to a path's end are why
 MOST_TRIES = 20_000  # equilibria besides those at requested times; far more than a path needs
 
@@ -139,6 +140,8 @@ def plan(system, task, work, path, substep, watch):
         substep.near_critical, substep.duration = True, AHEAD
     else:
         wanted = min(path.next_step, path.until)
+        if softest.value < JUMPS * path.rest_stiffness:
+            wanted = min(wanted, CAREFUL * path.last_step)
         substep.near_critical = path.fresh > 0 or to_critical < wanted
         substep.duration = min(wanted, to_critical, to_overlap, PROBE if path.fresh > 0 else np.inf)
         path.bracket = 2.0 * substep.duration

@@ -10,7 +10,7 @@ import math
 
 import numpy as np
 
-from coilspring.compiling.compiled import part
+from coilspring.compiling.compiled import copy, part
 from coilspring.contact.history import MOST_CHANGE
 from coilspring.solver.branch import displacement_bound
 from coilspring.solver.linesearch import dot
@@ -25,6 +25,7 @@ SHIFT = 1e-6  # least shift of an indefinite matrix: at a limit point next to no
 FASTER, FASTEST = 1.5, 50.0  # times as much as before bounds change in a round, and as they would, at most,
 SLOWLY = 0.9  # where they do by more than this share of the round before
 STEADY = 0.9  # share of the least stiffness in the state before: with more it does not tend to zero
+SADDLES, LEAVE = 3, 1e-3  # times that an unstable equilibrium is left, and wire diameters by which at first
 SMALL = 1e-3  # of a mode of length 1, which is moved along
 NO_WORK = 1e-4  # of the load times a mode's largest motion: less work is a bifurcation that is not quite one
 
@@ -50,6 +51,16 @@ def hasten(work, substep, change, before):
 
 
 @part
+def leave_saddle(system, work, diameter):
+    """Move the trial state off an unstable equilibrium, with `work.F` the factor of its matrix made positive:
+    along its softest mode, the way the load pulls."""
+    least_stiffness(system, work, np.inf)
+    size = LEAVE * diameter if dot(work.load, work.mode) >= 0.0 else -LEAVE * diameter
+    moved(system, work.trial, work.mode, size, work.scratch)
+    copy(work.scratch, work.trial)
+
+
+@part
 def release_or_jump(task, path):
     """All that opening pairs hold is released at once, to an equilibrium nearby, or the path jumps; it does
     where that was done just before."""
@@ -69,7 +80,7 @@ def is_limit_point(system, task, work, path):
     path.spent, path.reuse = path.spent + 2, False
     stiffness = least_stiffness(system, work, np.inf)
     # towards a zero it falls from state to state; a pair about to open may count as open, by rounding
-    if stiffness > STEADY * before or stiffness < -JUMPS * before:
+    if stiffness > max(STEADY * before, JUMPS * path.rest_stiffness) or stiffness < -JUMPS * before:
         return True
     if system.prescribed.size > 0:
         return False

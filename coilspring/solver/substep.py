@@ -20,10 +20,10 @@ from coilspring.solver import snap
 from coilspring.solver.branch import continues, jumped
 from coilspring.solver.creep import renew_creep
 from coilspring.solver.friction import slides_stably, solve_bounds
-from coilspring.solver.newton import CONVERGED, FAILED, LINEAR, NONE
+from coilspring.solver.newton import CONVERGED, FAILED, LINEAR, NONE, SADDLE
 from coilspring.solver.operations import assembled, factored, put_prescribed, stale_solution
-from coilspring.solver.stability import LEAST_STEP
-from coilspring.solver.system import OVERLAP, ROOM, Target
+from coilspring.solver.stability import LEAST_STEP, WEAK
+from coilspring.solver.system import OVERLAP, ROOM, SOFTEST, Target
 
 # Powers of two by which the tangential stiffness of opening pairs is lowered: all of it beyond the largest;
 # where the least finds no place nearby, the path jumps.
@@ -75,6 +75,10 @@ def find_equilibrium(system, equilibrium, task, work, path, substep, it):
             substep.status = CONVERGED
         substep.rounds += 1
         copy_history(work.history, work.trial_history)  # with the bounds that this state was found with
+        if path.snapping and substep.status == SADDLE and substep.rounds <= snap.SADDLES:
+            snap.leave_saddle(system, work, task.diameter)
+            path.reuse = False
+            continue
         if substep.status > LINEAR:
             break
         change = renew_held(system, task, work, path, substep, change)
@@ -136,8 +140,9 @@ def keeps_branch(system, task, work, path, substep, watch):
     """Whether the trial state continues the branch; sets the outcome where wires overlap just ahead."""
     if path.lost or substep.cut < 1.0:
         return False
+    weak = watch[SOFTEST].value < WEAK * path.rest_stiffness
     good, substep.share, substep.distance, substep.error = continues(
-        system, task, work, substep.trouble, (task.predictor or path.releasing) and not path.snapping
+        system, task, work, substep.trouble, (task.predictor or path.releasing) and not path.snapping, weak
     )
     good = good and (substep.distance <= snap.LARGEST * task.diameter or not path.snapping)
     substep.room, substep.moved = watch[ROOM].value, path.moved + substep.distance
