@@ -258,7 +258,7 @@ def test_a_pair_that_touches_again_creeps_with_what_it_holds():
 def test_renewed_bound_is_met_at_the_slip_found(rise):
     """However the bound rises: the force at this very state is then the bound asked for."""
     row, g, e, f = sliding(rise=rise), tilted(0.1 / D, D), np.empty(3), np.empty(3)
-    assert renewed(D * arc(g, D, row, e), 250.0, K, row) > 0.0
+    assert renewed(D * arc(g, D, row, e), 250.0, LAW, row) > 0.0
     pair_potential(g, D, LAW, row, e, f, np.empty((3, 3)))
     assert np.linalg.norm(f) == pytest.approx(250.0)
-    assert renewed(D * arc(g, D, row, e), 250.0, K, row) == pytest.approx(0.0, abs=1e-10)
+    assert renewed(D * arc(g, D, row, e), 250.0, LAW, row) == pytest.approx(0.0, abs=1e-10)

@@ -17,10 +17,11 @@ def normal_forces(penetrations: np.ndarray, K: float, k: float) -> np.ndarray:
     return forces
 
 
-def tangential_forces(length: np.ndarray, histories: np.ndarray, K: float) -> tuple[np.ndarray, ...]:
+def tangential_forces(length: np.ndarray, histories: np.ndarray) -> tuple[np.ndarray, ...]:
     """Tangential forces of pairs at lengths of slip, N; by how much they slip in the substep at hand, mm, and
     the work that takes, N mm.
     """
+    K = histories["stiffness"]
     stiffness = K * histories["closed"] * (1.0 - histories["released"])
     force = stiffness * length
     slides, gives = force > histories["bound"], histories["released"] > 0.0
@@ -30,8 +31,9 @@ def tangential_forces(length: np.ndarray, histories: np.ndarray, K: float) -> tu
     force = np.where(slides, bound + rise * slip, force)
     slip += np.where(slides, histories["ahead"], 0.0)
     work = 0.5 * (histories["held"] + force) * slip
-    given = 0.5 * (histories["held"] * length + force * (length - histories["before"] - force / K))
-    return force, np.where(gives, length - force / K, slip), np.where(gives, given, work)
+    stretch = force / np.where(gives, K, 1.0)
+    given = 0.5 * (histories["held"] * length + force * (length - histories["before"] - stretch))
+    return force, np.where(gives, length - stretch, slip), np.where(gives, given, work)
 
 
 def pair_friction(vectors: np.ndarray, histories: np.ndarray, law: Any) -> Friction:
@@ -39,7 +41,7 @@ def pair_friction(vectors: np.ndarray, histories: np.ndarray, law: Any) -> Frict
 
     `law` is a `PairLaw`.
     """
-    d, K = law.d, law.kt
+    d = law.d
     held, normal = histories["closed"], histories["normal"]
     arcs = np.isfinite(histories["bound"]) | histories["creeps"]
     g = vectors - histories["vector"]
@@ -51,7 +53,7 @@ def pair_friction(vectors: np.ndarray, histories: np.ndarray, law: Any) -> Frict
     sine = np.sqrt(square * (1.0 - 0.25 * square))
     angle = 2.0 * np.arcsin(np.minimum(0.5 * np.sqrt(square), 1.0))
     length = np.where(arcs, d * angle, np.linalg.norm(stuck, axis=-1))
-    force, slip, work = tangential_forces(length, histories, K)
+    force, slip, work = tangential_forces(length, histories)
     along = np.where(arcs[..., None], chord - 0.5 * square[..., None] * n, stuck)
     # of an arc on its arm d, over the size of the vector along it
     share = np.where(arcs, force * d / h, force) / np.where(force > 0.0, np.where(arcs, sine, length), 1.0)

@@ -74,7 +74,7 @@ def _touch(row, before, ahead, after, law):
     for i in range(3):
         row.vector[i] = e[i]
         row.normal[i] = e[i] / h
-    touches_first(row, at, math.sqrt(doubt), located_to(law.mu) * d)
+    touches_first(row, law, at, math.sqrt(doubt))
 
 
 @part
@@ -143,7 +143,7 @@ def remember(vectors, history, law):
     With sticking contact or friction a pair that touches is held from where it touched first. One that slid
     keeps the stretch that its bound allows. One that has opened releases what it holds.
     """
-    least, d, K, e = np.inf, law.d, law.kt, np.empty(3)
+    least, d, e = np.inf, law.d, np.empty(3)
     for m in range(vectors.shape[0]):
         h, row = _distance(vectors, m), history[m]
         least = min(least, h - d)
@@ -154,12 +154,12 @@ def remember(vectors, history, law):
         row.fresh = False
         if law.mu < np.inf:
             length = d * arc(vectors[m], h, row, e)
-            if slid(length, K, row, h - d):
-                _slide(row, vectors[m], h, row.bound / (K * d), e)
+            if slid(length, row, h - d):
+                _slide(row, vectors[m], h, row.bound / (row.stiffness * d), e)
             continue
         crept, length = row.creeps, _stretched(vectors[m], h, d, row, e)
-        left = gave_way(length, K, row, h - d)
-        if goes_on(row, left, K, h - d, d):
+        left = gave_way(length, row, h - d)
+        if goes_on(row, left, h - d, d):
             least = min(least, 0.0)
         if left < length or crept or row.creeps:
             _hold(row, vectors[m], h, d, left, e)
@@ -172,19 +172,19 @@ def update_pairs(before, ahead, vectors, history, law):
     and the trial state: which pairs touch since, and where they did first; and the bounds of the tangential
     forces. Returns the largest change over the largest force.
     """
-    mu, d, K, e = law.mu, law.d, law.kt, np.empty(3)
+    mu, d, e = law.mu, law.d, np.empty(3)
     change, most = 0.0, min(mu, 1.0) * normal_law(SLIGHT * d, law.kc, law.k)[1]
     for m in range(vectors.shape[0]):
         h, row = _distance(vectors, m), history[m]
         if row.opening:
             touches_again(row, _distance(before, m), h, d)
         elif row.creeps:
-            row.gap, row.sticking = h - d, K * _stretched(vectors[m], h, d, row, e)
+            row.gap, row.sticking = h - d, row.stiffness * _stretched(vectors[m], h, d, row, e)
         if row.opening or row.creeps or not (row.closed or h < d):
             continue
         if not row.closed:
             _touch(row, before[m], ahead[m], vectors[m], law)
-            change = max(change, K * stretch(vectors[m], row, e))
+            change = max(change, row.stiffness * stretch(vectors[m], row, e))
         elif row.fresh and _distance(ahead, m) < d:
             predicted_badly(row, _across(row.normal, ahead[m], vectors[m]), located_to(mu) * d)
         normal = normal_law(max(d - h, 0.0), law.kc, law.k)[1]
@@ -196,9 +196,9 @@ def update_pairs(before, ahead, vectors, history, law):
             _lead(row)
         # at the arm d instead of h, on which arcs are measured
         bound = mu * normal * h / d
-        change = max(change, renewed(d * arc(vectors[m], h, row, e), bound, K, row))
+        change = max(change, renewed(d * arc(vectors[m], h, row, e), bound, law, row))
         if row.lead > 0.0 and not leads(row):
             _lead(row)
-            change = max(change, bound, renewed(d * arc(vectors[m], h, row, e), bound, K, row))
+            change = max(change, bound, renewed(d * arc(vectors[m], h, row, e), bound, law, row))
         row.ahead = row.lead * d * (e[0] * row.onward[0] + e[1] * row.onward[1] + e[2] * row.onward[2])
     return change / most if change > 0.0 else 0.0

@@ -25,6 +25,7 @@ PAIR_HISTORY = np.dtype(
         ("closed", "?"),  # the pair is held
         ("vector", "f8", 3),  # g0, mm
         ("normal", "f8", 3),  # n0
+        ("stiffness", "f8"),  # tangential, N/mm
         ("bound", "f8"),  # of its tangential force before it slides in the substep at hand, N
         ("slid", "f8"),  # length it has slid, mm
         ("work", "f8"),  # that friction and releases have taken on the path, N mm
@@ -83,6 +84,7 @@ OPEN = 2e-5  # wire diameters of gap at most where a pair that sticks is said to
 CREEP = 1e-6  # wire diameters of gap at most where a pair that creeps is said to touch;
 PRESSED = 1e-4  # of the load: with less it is pressed then, but for
 FINEST_CREEP = 1e-10  # wire diameters, of what rounding leaves
+FINEST = 1e-10  # wire diameters of slip, before which no pair reaches its bound
 # Wire diameters, by which two ways to find where a pair touches first may differ at most: where it sticks,
 STICK_LOCATED = 2e-5
 LOCATED = 1e-4  # and with friction
@@ -132,9 +134,9 @@ def arc(g, h, row, t):
 
 
 @part
-def tangential_law(length, K, row):
+def tangential_law(length, row):
     """Energy, force and its derivative of a held pair at a slip of the length given, from its reference."""
-    K *= 1.0 - row.released
+    K = row.stiffness * (1.0 - row.released)
     force, slope, energy = K * length, K, 0.5 * K * length**2
     if force > row.bound:
         rise = row.bound * row.rise
@@ -146,10 +148,10 @@ def tangential_law(length, K, row):
 
 
 @part
-def slid(length, K, row, gap):
+def slid(length, row, gap):
     """Take what a pair with friction slid in a substep into its history; returns whether it did."""
     row.closed = gap < 0.0
-    slip = (K * length - row.bound) / (K + row.bound * row.rise)
+    slip = (row.stiffness * length - row.bound) / (row.stiffness + row.bound * row.rise)
     if slip > 0.0:
         row.bound *= 1.0 + row.rise * slip
         slip += row.ahead
@@ -201,11 +203,13 @@ def creep_to(force, d, K, k):
 
 
 @part
-def touches_first(row, at, doubt, most):
+def touches_first(row, law, at, doubt):
     """A pair is held from after the share `at` of a substep on: there it touches first, but for a `doubt`.
 
-    A shorter substep is asked for where that is more than `most`.
+    A shorter substep is asked for where that is too much.
     """
+    most = located_to(law.mu) * law.d
+    row.stiffness = law.kt
     row.closed, row.fresh, row.creeps, row.bound = True, True, False, math.inf
     row.slid, row.rise, row.held, row.released = 0.0, 0.0, 0.0, 0.0
     row.stride, row.wanted, row.lead, row.ahead = 0.0, 0.0, 0.0, 0.0
@@ -243,7 +247,7 @@ def touches_again(row, before, after, d):
 
 
 @part
-def goes_on(row, length, K, gap, d):
+def goes_on(row, length, gap, d):
     """What a pair that sticks does after an accepted state, in which it is stretched by a length.
 
     Where it has opened it is released. Where it then touches again it creeps: it gives way so that it just
@@ -257,19 +261,19 @@ def goes_on(row, length, K, gap, d):
     elif gap >= 0.0:
         row.closed = row.opening = length > 0.0
     row.kept, row.before = 1.0 - row.released, length
-    row.held = row.kept * K * length if row.opening or row.creeps else 0.0
+    row.held = row.kept * row.stiffness * length if row.opening or row.creeps else 0.0
     return row.closed and gap >= 0.0
 
 
 @part
-def gave_way(length, K, row, gap):
+def gave_way(length, row, gap):
     """Take what a pair that sticks gave way into its history; returns how far it is stretched.
 
     What was lost on the way from the force and stretch (T0, s0) to (T1, s1), on which one falls as the other
     grows, is the area (T0 s1 - T1 s0) / 2. A pair that touches then sticks with the whole stiffness: the
     stretch that its force needs no more is slip, and its energy lost.
     """
-    row.slip = 0.0
+    row.slip, K = 0.0, row.stiffness
     if row.released == 0.0:
         return length
     force = (1.0 - row.released) * K * length
@@ -284,14 +288,17 @@ def gave_way(length, K, row, gap):
 
 
 @part
-def renewed(length, bound, K, row):
+def renewed(length, bound, law, row):
     """Set the bound of a held pair so that it is `bound` at its present slip.
 
-    Returns the change, where the pair slides with one of the two.
+    Returns the change, where the pair slides with one of the two. Where hard contact just touches, the slip
+    at the bound would be less than rounding leaves of positions: the pair is softer there.
     """
-    slides = K * length > row.bound
+    slides = row.stiffness * length > row.bound
     if bound < math.inf:
-        row.slip = length - bound / K
+        finest = FINEST * law.d
+        row.stiffness = min(law.kt, bound / finest) if bound > 0.0 else law.kt
+        row.slip = length - bound / row.stiffness
         slides = slides or row.slip > 0.0
         bound /= max(1.0 + row.rise * max(row.slip, 0.0), LEAST_LEFT)
     change = abs(bound - row.bound) if slides and bound != row.bound else 0.0
@@ -300,10 +307,10 @@ def renewed(length, bound, K, row):
 
 
 @part
-def _add_stuck(g, K, row, e, f, H):
+def _add_stuck(g, row, e, f, H):
     """Energy of a pair that sticks; adds its gradient and Hessian."""
     length = stretch(g, row, e)
-    energy, force, slope = tangential_law(length, K, row)
+    energy, force, slope = tangential_law(length, row)
     ratio = force / length if length > 0.0 else slope
     more = (slope - ratio) / length**2 if length > 0.0 else 0.0
     for i in range(3):
@@ -315,10 +322,10 @@ def _add_stuck(g, K, row, e, f, H):
 
 
 @part
-def _add_friction(g, h, d, K, row, t, f, H):
+def _add_friction(g, h, d, row, t, f, H):
     """Energy of a pair with a bounded tangential force; adds its gradient and Hessian."""
     angle = arc(g, h, row, t)
-    energy, force, slope = tangential_law(d * angle, K, row)
+    energy, force, slope = tangential_law(d * angle, row)
     # force over the tangent of the angle
     across = force / math.tan(angle) if angle > 0.0 else slope * d
     force, across, slope = force * d / h, across * d / h**2, slope * (d / h) ** 2
@@ -353,7 +360,7 @@ def pair_potential(g, h, law, row, e, f, H):
                 H[i, j] += (slope + turn) * ni * g[j] / h
     if row.closed:
         if row.bound == math.inf and not row.creeps:
-            energy += _add_stuck(g, law.kt, row, e, f, H)
+            energy += _add_stuck(g, row, e, f, H)
         else:
-            energy += _add_friction(g, h, law.d, law.kt, row, e, f, H)
+            energy += _add_friction(g, h, law.d, row, e, f, H)
     return energy

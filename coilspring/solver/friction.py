@@ -25,6 +25,9 @@ LESS = 1e-4  # share by which friction is taken back
 MOST_RISE = 1.0
 RAISED = 4.0  # times as much where H is indefinite,
 HIGHEST = 1e5  # up to this
+# Steps along the flow of bounds are 1 / damping long: from round to round by so much longer, and shorter
+# where one would go beyond what is stable.
+LONGER, SHORTER, LEAST_DAMPING = 2.0, 8.0, 1e-9
 
 
 @part
@@ -66,10 +69,40 @@ def solve_bounds(system, task, work):
 
     Returns the sign of the determinant of Coulomb's tangent; 0 where it is singular, and nothing is changed.
     """
+    sliding, rises, negative = _rises(system, task, work)
+    sign = _step(work, sliding, rises, 0.0)
+    return sign if negative % 2 == 0 else -sign
+
+
+@part
+def let_flow(system, task, work, substep):
+    """Let the bounds go where those of the normal forces lead them: they follow db/ds = B(b) - b.
+
+    A step of the implicit Euler method, longer from round to round (pseudo-transient continuation): far from
+    a solution that is stable it goes no farther than the flow does, near it it is one of Newton's method.
+    Returns whether a solution near would be stable.
+    """
+    sliding, rises, negative = _rises(system, task, work)
+    copy_history(work.history, work.low)
+    sign = _step(work, sliding, rises, 0.0)
+    stable = negative == 0 and sign > 0
+    substep.damping = max(substep.damping / LONGER, LEAST_DAMPING)
+    while substep.damping > LEAST_DAMPING or not stable:
+        copy_history(work.low, work.history)
+        if _step(work, sliding, rises, substep.damping) > 0:
+            break
+        substep.damping *= SHORTER
+    return stable
+
+
+@part
+def _rises(system, task, work):
+    """Pairs that slide in the trial state, how the bounds of all pairs change with theirs (pairs, sliding),
+    and the negative pivots of its matrix."""
     history, held = work.history, work.trial_history
     sliding = _sliding(history, held)
     n, pairs = sliding.size, history.shape[0]
-    rises, M, rates = np.empty((pairs, n)), np.empty((n, n + 1)), np.empty((pairs, 2))
+    rises, rates = np.empty((pairs, n)), np.empty((pairs, 2))
     copy_history(held, work.low)
     negative = factor_state(system, work, work.trial, work.low)
     for p in range(n):
@@ -82,23 +115,31 @@ def solve_bounds(system, task, work):
             slides_on = rates[m, 1] if slip > 0.0 else 0.0
             change = rates[m, 0] - history[m].bound * held[m].rise * slides_on
             rises[m, p] = -change / (1.0 + held[m].rise * slip) / less if held[m].closed else 0.0
+    return sliding, rises, negative
+
+
+@part
+def _step(work, sliding, rises, damping):
+    """Solve (1 + damping - dB/db) step = B - b, and take the step; returns the sign of the determinant, 0
+    where it vanishes, and nothing is changed."""
+    history, held, n = work.history, work.trial_history, sliding.size
+    M = np.empty((n, n + 1))
     for q in range(n):
         m = sliding[q]
         for p in range(n):
-            M[q, p] = (1.0 if p == q else 0.0) - rises[m, p]
+            M[q, p] = (1.0 + damping if p == q else 0.0) - rises[m, p]
         M[q, n] = history[m].bound - held[m].bound
     sign = eliminated(M)
     if sign == 0:
         return 0
     for p in range(n):
-        history[sliding[p]].bound = held[sliding[p]].bound
-        rises[sliding[p], :] = 0.0
-        rises[sliding[p], p] = 1.0
-    for m in range(pairs):
-        for p in range(n):
-            history[m].bound += rises[m, p] * M[p, n]
+        history[sliding[p]].bound = held[sliding[p]].bound + M[p, n]
+    for m in range(history.shape[0]):
+        if not (held[m].closed and held[m].bound > 0.0 and history[m].slip > 0.0):
+            for p in range(n):
+                history[m].bound += rises[m, p] * M[p, n]
         history[m].bound = max(history[m].bound, 0.0)
-    return sign if negative % 2 == 0 else -sign
+    return sign
 
 
 @part

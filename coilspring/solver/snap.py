@@ -11,7 +11,6 @@ import math
 import numpy as np
 
 from coilspring.compiling.compiled import copy, part
-from coilspring.contact.history import MOST_CHANGE
 from coilspring.solver.branch import displacement_bound
 from coilspring.solver.linesearch import dot
 from coilspring.solver.operations import factor_state, moved
@@ -19,11 +18,10 @@ from coilspring.solver.stability import JUMPS, LEAST_STEP, PROBE, least_stiffnes
 from coilspring.solver.system import JUMP
 
 AHEAD = 1e-6  # of the time 0..1: so far beyond a limit point an equilibrium is looked for
+NO_TIME = 2.0 * AHEAD
 LARGEST = 0.25  # wire diameters: so far it may be
-ROUNDS = 300  # of renewed bounds: as it slides, friction gives way step by step
+ROUNDS = 100  # of renewed bounds: as it slides, friction gives way step by step
 SHIFT = 1e-6  # least shift of an indefinite matrix: at a limit point next to nothing is negative
-FASTER, FASTEST = 1.5, 50.0  # times as much as before bounds change in a round, and as they would, at most,
-SLOWLY = 0.9  # where they do by more than this share of the round before
 STEADY = 0.9  # share of the least stiffness in the state before: with more it does not tend to zero
 SADDLES, LEAVE = 3, 1e-3  # times that an unstable equilibrium is left, and wire diameters by which at first
 SMALL = 1e-3  # of a mode of length 1, which is moved along
@@ -36,18 +34,6 @@ def end_or_snap(system, task, work, path, outcome):
     path.snapping, path.ends = task.predictor and is_limit_point(system, task, work, path), outcome
     if not path.snapping:
         path.outcome = outcome
-
-
-@part
-def hasten(work, substep, change, before):
-    """Let bounds change faster while they settle slowly, or run away: at first friction gives way slowly."""
-    substep.pace = min(FASTER * substep.pace, FASTEST) if SLOWLY * before <= change < np.inf else 1.0
-    history, held = work.history, work.trial_history
-    for m in range(history.shape[0]):
-        bound, old = history[m].bound, held[m].bound
-        if history[m].closed and bound < np.inf and old < np.inf:
-            wanted = bound + (substep.pace - 1.0) * (bound - old)
-            history[m].bound = min(max(wanted, bound / MOST_CHANGE), MOST_CHANGE * bound)
 
 
 @part

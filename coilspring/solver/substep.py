@@ -19,7 +19,7 @@ from coilspring.contact.kinematics import OVERLAP_ALLOWED
 from coilspring.solver import snap
 from coilspring.solver.branch import continues, jumped
 from coilspring.solver.creep import renew_creep
-from coilspring.solver.friction import slides_stably, solve_bounds
+from coilspring.solver.friction import let_flow, slides_stably, solve_bounds
 from coilspring.solver.newton import CONVERGED, FAILED, LINEAR, NONE, SADDLE
 from coilspring.solver.operations import assembled, factored, put_prescribed, stale_solution
 from coilspring.solver.stability import LEAST_STEP, WEAK
@@ -63,7 +63,7 @@ def find_equilibrium(system, equilibrium, task, work, path, substep, it):
     update_pairs(system, work, work.predicted)
     keep_bounds(work.history)
     substep.rounds, substep.iterations, substep.trouble, substep.cut = 0, 0, NONE, 1.0
-    substep.turned, substep.pace, change = False, 1.0, np.inf
+    substep.turned, substep.damping, change = False, 1.0, np.inf
     while True:
         it.reuse = path.reuse
         substep.status = equilibrium(system, target, work, work.trial, it)
@@ -109,13 +109,15 @@ def renew_held(system, task, work, path, substep, before):
     if creeping(work.history):
         left = renew_creep(system, task, work, path.creep)
         path.spent += left > 1.0
-    if change <= BOUND_CHANGE and left <= 1.0:
+    stable = True
+    if path.snapping and has_friction(work.history):
+        stable = let_flow(system, task, work, substep)
+        path.spent += 1
+    if change <= BOUND_CHANGE and left <= 1.0 and stable:
         missed = stuck_from(work.history) * substep.duration / path.last_step
         if missed > MISSED * task.diameter and substep.duration >= 2.0 * LEAST_STEP and not path.snapping:
             substep.cut = max(LEAST_CUT, min(CREEP_CUT, MISSED * task.diameter / missed))
         return 0.0
-    if path.snapping:
-        snap.hasten(work, substep, change, before)
     newton = left == 0.0 and substep.rounds > RENEWED and not path.snapping
     slow = newton and substep.rounds > RENEWED + SLOW and change > GAIN * before
     most = snap.ROUNDS if path.snapping else MOST_ROUNDS
@@ -144,7 +146,9 @@ def keeps_branch(system, task, work, path, substep, watch):
     good, substep.share, substep.distance, substep.error = continues(
         system, task, work, substep.trouble, (task.predictor or path.releasing) and not path.snapping, weak
     )
-    good = good and (substep.distance <= snap.LARGEST * task.diameter or not path.snapping)
+    # so far in no time is a snap too
+    snaps = substep.duration <= snap.NO_TIME and not path.releasing
+    good = good and (substep.distance <= snap.LARGEST * task.diameter or not snaps)
     substep.room, substep.moved = watch[ROOM].value, path.moved + substep.distance
     if good and (NEARER * substep.moved >= substep.room or substep.near_overlap):
         substep.room, substep.moved = free_room(system, task, work.trial), 0.0

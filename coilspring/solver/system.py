@@ -168,7 +168,7 @@ SUBSTEP = np.dtype(
         ("rounds", "i8"),  # of renewed bounds
         ("trouble", "i8"),
         ("turned", "?"),  # the determinant of Coulomb's tangent is negative
-        ("pace", "f8"),  # of the bounds of friction in a snap
+        ("damping", "f8"),  # of the flow of friction's bounds in a snap
         ("cut", "f8"),  # share of it after which a pair touches or opens; 1 where none does
         ("share", "f8"),  # by which the path turned
         ("distance", "f8"),  # bound on all motion, mm

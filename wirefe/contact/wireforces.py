@@ -268,7 +268,7 @@ def add_wires(contact, history, state, g, H):
             way = slip(contact, points, state, m, row.arms)
             xi = (dot(way, n), dot(way, b), dot(way, u))
             rho = math.sqrt(xi[1] ** 2 + xi[2] ** 2)
-            stored, force, slope = tangential_law(rho, contact.kt, row)
+            stored, force, slope = tangential_law(rho, row)
             energy += stored
             ratio = _tangential(force, slope, xi, rho, h, G[0], Q)
             on_gap = plus(on_gap, -ratio * xi[0] * xi[1] / h, b)

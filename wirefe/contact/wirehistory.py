@@ -46,7 +46,7 @@ def _touch(contact, states, m, row):
     for i in range(3):
         apart += doubt[i] * doubt[i]
         row.normal[i] = v[2, i]
-    touches_first(row, at, math.sqrt(apart), located_to(contact.mu) * d)
+    touches_first(row, contact, at, math.sqrt(apart))
 
 
 @part
@@ -68,11 +68,11 @@ def remember_wires(contact, state, history):
         length, way = tangential_slip(contact, points, state, m, row)
         left = length
         if contact.mu == np.inf:
-            left = gave_way(length, contact.kt, row, gap_left)
-            if goes_on(row, left, contact.kt, gap_left, contact.d):
+            left = gave_way(length, row, gap_left)
+            if goes_on(row, left, gap_left, contact.d):
                 least = min(least, 0.0)
-        elif slid(length, contact.kt, row, gap_left):
-            left = row.bound / contact.kt
+        elif slid(length, row, gap_left):
+            left = row.bound / row.stiffness
         if left < length:
             if row.lead > 0.0:
                 _lead(row)
@@ -111,7 +111,7 @@ def update_wires(contact, accepted, predicted, state, history):
             touches_again(row, far, h, d)
         elif row.creeps:
             length, _ = tangential_slip(contact, points, state, m, row)
-            row.gap, row.sticking = h - d, contact.kt * length
+            row.gap, row.sticking = h - d, row.stiffness * length
         if row.opening or row.creeps:
             continue
         new = not row.closed
@@ -121,7 +121,7 @@ def update_wires(contact, accepted, predicted, state, history):
             _lead(row)
         length, way = tangential_slip(contact, points, state, m, row)
         if new:
-            change = max(change, contact.kt * length)
+            change = max(change, row.stiffness * length)
         elif row.fresh and gap(contact, ahead, m)[0] < d:
             _, expected = tangential_slip(contact, ahead, predicted, m, row)
             error = plus(way, -1.0, expected)
@@ -133,11 +133,11 @@ def update_wires(contact, accepted, predicted, state, history):
             opens_after(row, far, gap(contact, ahead, m)[0], h, d)
         else:
             bound = contact.mu * normal
-            change = max(change, renewed(length, bound, contact.kt, row))
+            change = max(change, renewed(length, bound, contact, row))
             if row.lead > 0.0 and not leads(row):
                 _lead(row)
                 length, way = tangential_slip(contact, points, state, m, row)
-                change = max(change, bound, renewed(length, bound, contact.kt, row))
+                change = max(change, bound, renewed(length, bound, contact, row))
             row.ahead = 0.0
             if row.lead > 0.0 and length > 0.0:
                 led = between_sections(contact, state, m, row.onward)

@@ -90,7 +90,7 @@ class WireShape(PairReader):
         slip = second - first
         slip -= (slip * n).sum(axis=-1, keepdims=True) * n
         length = np.linalg.norm(slip, axis=-1)
-        force, more, work = tangential_forces(length, histories, contact.kt)
+        force, more, work = tangential_forces(length, histories)
         share = np.divide(force, length, out=np.zeros_like(force), where=length > 0.0)
         return Friction(
             force=share[..., None] * slip,
