@@ -52,3 +52,16 @@ def test_snaps_are_the_same_in_other_units(length):
     for scene in (case.scene, in_units(case.scene, length, length**2)):
         path = reached(case, under(scene, 0.54))
         assert (path.outcome, snaps(path)) == ("completed", (1, pytest.approx(0.045, abs=0.002)))
+
+
+def test_a_snap_leaves_unstable_equilibria():
+    """One next to the limit point ended this path in 10 steps, and not in 20."""
+    assert reached(make_case("b001623", 101), steps=10).outcome == "completed"
+
+
+@pytest.mark.parametrize(("case", "seed"), [("b001127", 99), ("b001847", 99), ("b000791", 71)])
+def test_no_step_is_taken_over_a_bifurcation_that_is_all_but_perfect(case, seed):
+    """A long step found the branch that bifurcates, by rounding, and passed for small."""
+    ends = [reached(make_case(case, seed), steps=steps) for steps in (1, 5, 20)]
+    assert {path.outcome for path in ends} == {"bifurcation"}
+    np.testing.assert_allclose([path.critical_time for path in ends], ends[0].critical_time, rtol=1e-4)

@@ -262,3 +262,22 @@ def test_renewed_bound_is_met_at_the_slip_found(rise):
     pair_potential(g, D, LAW, row, e, f, np.empty((3, 3)))
     assert np.linalg.norm(f) == pytest.approx(250.0)
     assert renewed(D * arc(g, D, row, e), 250.0, LAW, row) == pytest.approx(0.0, abs=1e-10)
+
+
+def test_a_slide_of_rounding_size_is_perpendicular_to_the_pair():
+    """What is left of the pair's direction would be a stiffness below zero, of hard contact a large one."""
+    rng, t = np.random.default_rng(1), np.empty(3)
+    for _ in range(20):
+        row = held(rng.normal(size=3))
+        g = np.asarray(row.normal) + 5e-12 * rng.normal(size=3)
+        arc(g, np.linalg.norm(g), row, t)
+        assert np.linalg.norm(t) == pytest.approx(1.0)
+        assert abs(t @ g) < 1e-15
+
+
+def test_a_pair_that_just_touches_slides_no_sooner_than_positions_are_rounded():
+    hard = PairLaw(D, 1e9, 1e9, 1.0, 0.3)
+    row = held(np.array([0.0, D, 0.0]))
+    for bound, stiffness in ((1.0, 1e9), (1e-6, 1e-6 / (pairlaw.FINEST * D))):
+        renewed(0.0, bound, hard, row)
+        assert row.stiffness == pytest.approx(stiffness)
