@@ -1,8 +1,7 @@
 """Where paths with friction end: limit points of Coulomb's law, and its own tangent."""
 
-from dataclasses import replace
-
 import re
+from dataclasses import replace
 
 import numpy as np
 import pytest

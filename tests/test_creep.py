@@ -5,7 +5,7 @@ from itertools import product
 import numpy as np
 import pytest
 
-from coilspring.contact.law import CREEP
+from coilspring.contact.touching import CREEP
 from coilspring.solver.complementarity import FREE, GAP, HELD, SLIP, STICKS, TOUCHES, complementary
 from validation.campaign.scenes import make_case
 from validation.campaign.verdict import reached

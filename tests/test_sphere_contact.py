@@ -9,8 +9,9 @@ from coilspring.contact import kinematics as pairvectors
 from coilspring.contact import law as pairlaw
 from coilspring.contact.forces import pair_friction
 from coilspring.contact.kinematics import remember, update_pairs
-from coilspring.contact.law import PairLaw, arc, normal_law, pair_potential, renewed, tangential_stiffness
+from coilspring.contact.law import PairLaw, arc, normal_law, pair_potential, tangential_stiffness
 from coilspring.contact.results import PairReader
+from coilspring.contact.touching import FINEST, renewed
 from pairrecords import held, pair_records
 from wirefe.contact.spheres import pair_matrix
 
@@ -278,6 +279,6 @@ def test_a_slide_of_rounding_size_is_perpendicular_to_the_pair():
 def test_a_pair_that_just_touches_slides_no_sooner_than_positions_are_rounded():
     hard = PairLaw(D, 1e9, 1e9, 1.0, 0.3)
     row = held(np.array([0.0, D, 0.0]))
-    for bound, stiffness in ((1.0, 1e9), (1e-6, 1e-6 / (pairlaw.FINEST * D))):
+    for bound, stiffness in ((1.0, 1e9), (1e-6, 1e-6 / (FINEST * D))):
         renewed(0.0, bound, hard, row)
         assert row.stiffness == pytest.approx(stiffness)

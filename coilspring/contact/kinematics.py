@@ -5,19 +5,17 @@ import math
 import numpy as np
 
 from coilspring.compiling.compiled import part
-from coilspring.contact.law import (
-    arc,
+from coilspring.contact.law import arc, normal_law, stretch
+from coilspring.contact.touching import (
     first_touch,
     gave_way,
     goes_on,
     leads,
     located_to,
-    normal_law,
     opens_after,
     predicted_badly,
     renewed,
     slid,
-    stretch,
     touches_again,
     touches_first,
 )

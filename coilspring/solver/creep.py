@@ -12,7 +12,7 @@ import numpy as np
 
 from coilspring.compiling.compiled import part
 from coilspring.contact.history import copy_history
-from coilspring.contact.law import CREEP
+from coilspring.contact.touching import CREEP
 from coilspring.solver.complementarity import GAP, HELD, SLIP, complementary
 from coilspring.solver.operations import factor_state
 from coilspring.solver.response import answer, answered
@@ -26,8 +26,8 @@ NEARLY = 0.5  # of the stiffness: where a pair opened with no share so far, all 
 def renew_creep(system, task, work, pressed):
     """Renew the released shares in `work.history` of pairs that creep, at the trial state found with them.
 
-    Returns the largest gap over `coilspring.contact.law.CREEP`, or penetration of a pair that gives way over
-    `pressed`, in wire diameters: up to 1 nothing is changed; infinity where no answer was found.
+    Returns the largest gap over `coilspring.contact.touching.CREEP`, or penetration of a pair that gives way
+    over `pressed`, in wire diameters: up to 1 nothing is changed; infinity where no answer was found.
     """
     history = work.history
     active, worst = _active(history, CREEP * task.diameter, pressed * task.diameter)

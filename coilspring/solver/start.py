@@ -4,7 +4,7 @@ import numpy as np
 
 from coilspring.compiling.compiled import copy, part
 from coilspring.contact.kinematics import TOUCH
-from coilspring.contact.law import creep_to
+from coilspring.contact.touching import creep_to
 from coilspring.solver.operations import assembled, factored, solution
 from coilspring.solver.stability import least_stiffness
 from coilspring.solver.substep import free_room

@@ -6,13 +6,13 @@ import numpy as np
 
 from coilspring.compiling.compiled import part
 from coilspring.contact.kinematics import SLIGHT
-from coilspring.contact.law import (
+from coilspring.contact.law import normal_law
+from coilspring.contact.touching import (
     first_touch,
     gave_way,
     goes_on,
     leads,
     located_to,
-    normal_law,
     opens_after,
     predicted_badly,
     renewed,

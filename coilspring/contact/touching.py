@@ -1,0 +1,176 @@
+"""How what a pair remembers changes: it touches, slides, opens, is released, creeps, and touches again."""
+
+import math
+
+from coilspring.compiling.compiled import part
+
+# Share of a bound that is left when it falls with the slip: less is out of reach, since the rise is at least
+# -1/d and a pair moves by no more than half of d in a substep.
+LEAST_LEFT = 0.5
+OPEN = 2e-5  # wire diameters of gap at most where a pair that sticks is said to open
+CREEP = 1e-6  # wire diameters of gap at most where a pair that creeps is said to touch;
+PRESSED = 1e-4  # of the load: with less it is pressed then, but for
+FINEST_CREEP = 1e-10  # wire diameters, of what rounding leaves
+FINEST = 1e-10  # wire diameters of slip, before which no pair reaches its bound
+# Wire diameters, by which two ways to find where a pair touches first may differ at most: where it sticks,
+STICK_LOCATED = 2e-5
+LOCATED = 1e-4  # and with friction
+
+
+@part
+def slid(length, row, gap):
+    """Take what a pair with friction slid in a substep into its history; returns whether it did."""
+    row.closed = gap < 0.0
+    slip = (row.stiffness * length - row.bound) / (row.stiffness + row.bound * row.rise)
+    if slip > 0.0:
+        row.bound *= 1.0 + row.rise * slip
+        slip += row.ahead
+        row.slid += slip
+        row.work += 0.5 * (row.held + row.bound) * slip
+    row.held = row.bound if row.closed else 0.0
+    row.stride, row.wanted, row.ahead = slip if slip > 0.0 else 0.0, 0.0, 0.0
+    return slip > 0.0
+
+
+@part
+def leads(row):
+    """Whether a pair slides as far as its reference is ahead, at least; else that is taken back."""
+    if row.slip >= row.lead * row.stride:
+        return True
+    row.wanted = 0.0
+    return False
+
+
+@part
+def first_touch(before, after, d):
+    """Share of the way from one vector of a pair to another after which it touches first: where h = d.
+
+    0 for vectors that touch, and for one and the same that does so but for rounding.
+    """
+    start, along, square = 0.0, 0.0, 0.0
+    for i in range(3):
+        change = after[i] - before[i]
+        start += before[i] ** 2
+        along -= before[i] * change
+        square += change**2
+    outside = start - d * d
+    way = along + math.sqrt(max(along**2 - square * outside, 0.0))
+    return outside / way if outside > 0.0 and way > 0.0 else 0.0
+
+
+@part
+def located_to(mu):
+    """Wire diameters, by which two ways to find where a pair touches first may differ at most."""
+    if mu == 0.0:
+        return math.inf
+    return LOCATED if mu < math.inf else STICK_LOCATED
+
+
+@part
+def creep_to(force, d, K, k):
+    """Wire diameters by which a pair that creeps may penetrate, under a load of some size."""
+    return min(CREEP, max(FINEST_CREEP, (PRESSED * force / K) ** (1.0 / k) / d))
+
+
+@part
+def touches_first(row, law, at, doubt):
+    """A pair is held from after the share `at` of a substep on: there it touches first, but for a `doubt`.
+
+    A shorter substep is asked for where that is too much.
+    """
+    most = located_to(law.mu) * law.d
+    row.stiffness = law.kt
+    row.closed, row.fresh, row.creeps, row.bound = True, True, False, math.inf
+    row.slid, row.rise, row.held, row.released = 0.0, 0.0, 0.0, 0.0
+    row.stride, row.wanted, row.lead, row.ahead = 0.0, 0.0, 0.0, 0.0
+    row.cut = 1.0 if doubt <= most else at + 0.5 * (1.0 - at) * most / doubt
+
+
+@part
+def predicted_badly(row, error, most):
+    """Ask for a shorter substep where a pair that touched first was predicted with an error above `most`."""
+    if error > most:
+        row.cut = min(row.cut, 0.8 * math.sqrt(most / error))
+
+
+@part
+def opens_after(row, before, ahead, after, d):
+    """Set the share of the substep after which a sticking pair is just open.
+
+    Up to where it opens it follows the prediction, and from there on it is faster: its stiffness held it.
+    """
+    if row.fresh:
+        row.cut = row.cut if after <= (1.0 + OPEN) * d else 0.5
+    elif after <= (1.0 + OPEN) * d:
+        row.cut = 1.0
+    else:
+        opens = (d - before) / (ahead - before) if before < d < ahead else 0.0
+        start = d if opens > 0.0 else before
+        row.cut = opens + (1.0 - opens) * ((1.0 + 0.5 * OPEN) * d - start) / (after - start)
+
+
+@part
+def touches_again(row, before, after, d):
+    """Set the share of a release after which an opening pair just touches again."""
+    near = (1.0 - 0.5 * OPEN) * d
+    row.cut = (before - near) / (before - after) if after < (1.0 - OPEN) * d else 1.0
+
+
+@part
+def goes_on(row, length, gap, d):
+    """What a pair that sticks does after an accepted state, in which it is stretched by a length.
+
+    Where it has opened it is released. Where it then touches again it creeps: it gives way so that it just
+    touches, until it is pressed and sticks. Returns whether it is held without touching.
+    """
+    if row.creeps:
+        row.closed = gap < CREEP * d
+        row.creeps = row.closed and gap >= -OPEN * d
+    elif row.opening and gap < 0.0:
+        row.opening, row.creeps = False, True
+    elif gap >= 0.0:
+        row.closed = row.opening = length > 0.0
+    row.kept, row.before = 1.0 - row.released, length
+    row.held = row.kept * row.stiffness * length if row.opening or row.creeps else 0.0
+    return row.closed and gap >= 0.0
+
+
+@part
+def gave_way(length, row, gap):
+    """Take what a pair that sticks gave way into its history; returns how far it is stretched.
+
+    What was lost on the way from the force and stretch (T0, s0) to (T1, s1), on which one falls as the other
+    grows, is the area (T0 s1 - T1 s0) / 2. A pair that touches then sticks with the whole stiffness: the
+    stretch that its force needs no more is slip, and its energy lost.
+    """
+    row.slip, K = 0.0, row.stiffness
+    if row.released == 0.0:
+        return length
+    force = (1.0 - row.released) * K * length
+    row.work += 0.5 * (row.held * length - force * row.before)
+    if row.opening and gap >= 0.0 and force > 0.0:
+        return length
+    row.work += 0.5 * force * (length - force / K)
+    row.slip = length - force / K
+    row.slid += row.slip
+    row.released = 0.0
+    return force / K
+
+
+@part
+def renewed(length, bound, law, row):
+    """Set the bound of a held pair so that it is `bound` at its present slip.
+
+    Returns the change, where the pair slides with one of the two. Where hard contact just touches, the slip
+    at the bound would be less than rounding leaves of positions: the pair is softer there.
+    """
+    slides = row.stiffness * length > row.bound
+    if bound < math.inf:
+        finest = FINEST * law.d
+        row.stiffness = min(law.kt, bound / finest) if bound > 0.0 else law.kt
+        row.slip = length - bound / row.stiffness
+        slides = slides or row.slip > 0.0
+        bound /= max(1.0 + row.rise * max(row.slip, 0.0), LEAST_LEFT)
+    change = abs(bound - row.bound) if slides and bound != row.bound else 0.0
+    row.bound = bound
+    return change
