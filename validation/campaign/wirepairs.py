@@ -17,6 +17,7 @@ from validation.campaign.wireparts import Points
 SMALL_CHORD = 1e-4  # square of a chord below which a series stands for the arc
 # Wire diameters of slip left at least: the direction of 1e-9, as stiff pairs allow, is rounding, which would
 LEAST_SLIP = 1e-4  # decide the sign of the determinant.
+FINEST = 1e-10  # wire diameters of slip, before which no pair reaches its bound
 SLIDES = 1e-6  # of its slip: by so much less than the law of sticking says, a pair slides
 Poses = list[tuple[np.ndarray, np.ndarray]]
 
@@ -47,7 +48,8 @@ class Pairs:
     held: np.ndarray  # (pairs,) whether there is a tangential force
     slides: np.ndarray  # (pairs,) whether it is at its bound
     arcs: np.ndarray  # (pairs,) whether spheres resist the arc: under friction, and where they creep
-    share: np.ndarray  # (pairs,) of the stiffness of sticking that is left; 1 but for pairs that are released
+    # (pairs,) of the stiffness of sticking that is left; 1 but for pairs that are released, or just touch
+    share: np.ndarray
     # (pairs, 3) of wires: the material points that touched first, from the stations, in their sections at
     # rest; of spheres: the vector between the centres when they did, and the normal
     one: np.ndarray
@@ -137,7 +139,9 @@ class Pairs:
         n, slip = self.gap(poses)[1], self.slip(poses)
         length = np.sqrt((slip * slip).sum(axis=0))
         least = LEAST_SLIP * self.law.d / np.maximum(length, LEAST_SLIP * self.law.d)
-        left = np.where(self.slides, np.maximum(self._sizes(rows)[2] / self.law.sticking, least), 1.0)
+        left = np.where(
+            self.slides, np.maximum(self._sizes(rows)[2] / (self.law.sticking * self.share), least), 1.0
+        )
         if self.points.wires:
             half = 0.5 * (1.0 - left) * slip
             one = self.one + self._at_rest(0, poses, half)
@@ -239,7 +243,10 @@ def known_pairs(points: Points, law: Law, rest: np.ndarray, path: EquilibriumPat
         made = replace(made, clearance=np.maximum(made.depth(rest), 0.0))
     if not held.any() or not np.isfinite(law.mu):
         return made
-    # by Coulomb's law those slide of which sticking would take more than the bound
+    # by Coulomb's law those slide of which sticking would take more than the bound; none in less than FINEST
     normal, force = made.forces(rows)
+    softer = np.where(normal > 0.0, np.minimum(law.mu * normal / (FINEST * law.d * law.sticking), 1.0), 1.0)
+    made = replace(made, share=made.share * softer)
+    force = made.forces(rows)[1]
     slides = made.held & (np.linalg.norm(force, axis=1) > (1.0 - SLIDES) * law.mu * normal)
     return replace(made, slides=slides)
