@@ -26,12 +26,12 @@ def displacement_bound(system, a, b, least):
 
 
 @part
-def curvature(tangent, old, last, step):
+def curvature(task, work, last, step):
     """1 where a step follows the path's curvature, 0 where the tangent turned too much in the last one."""
-    bend, size = 0.0, 0.0
+    bend, size, tangent, old, arms = 0.0, 0.0, work.tangent, work.old, task.arms
     for i in range(tangent.size):
-        bend += (tangent[i] - old[i]) ** 2
-        size += tangent[i] ** 2
+        bend += (arms[i] * (tangent[i] - old[i])) ** 2
+        size += (arms[i] * tangent[i]) ** 2
     return 1.0 if (0.5 * step / last) ** 2 * bend <= TURN**2 * size else 0.0
 
 

@@ -109,7 +109,7 @@ def follow(reals, ints, prescribed, kernels, task, work, path_, substep_, newton
         if not keeps_branch(system, task, work, path, substep, watch):
             shorten(system, task, work, path, substep, watch[SOFTEST])
         elif stable_so_far(system, task, work, path, substep) and knows_pairs(system, work, path, substep):
-            watch_stiffness(system, work, path, substep, watch[SOFTEST])
+            watch_stiffness(system, task, work, path, substep, watch[SOFTEST])
             accept(task, work, path, substep, watch[ROOM])
     conclude(system, task, work, path)
 
@@ -160,7 +160,7 @@ def predict_trial(system, task, work, path, substep):
     if path.snapping or not task.predictor:
         copy(work.state, work.predicted)
         return
-    bend = curvature(work.tangent, work.old, path.last_step, substep.duration)
+    bend = curvature(task, work, path.last_step, substep.duration)
     predict(system, task, work, path, bend, substep.target)
     _, _, free = displacement_bound(system, work.state, work.predicted, 0.5 * path.least_gap)
     if free < 1.0:

@@ -24,7 +24,7 @@ ROUNDS = 100  # of renewed bounds: as it slides, friction gives way step by step
 SHIFT = 1e-6  # least shift of an indefinite matrix: at a limit point next to nothing is negative
 STEADY = 0.9  # share of the least stiffness in the state before: with more it does not tend to zero
 SADDLES, LEAVE = 3, 1e-3  # times that an unstable equilibrium is left, and wire diameters by which at first
-SMALL = 1e-3  # of a mode of length 1, which is moved along
+SMALL = 1e-3  # wire diameters that are moved along a mode
 NO_WORK = 1e-4  # of the load times a mode's largest motion: less work is a bifurcation that is not quite one
 
 
@@ -37,11 +37,12 @@ def end_or_snap(system, task, work, path, outcome):
 
 
 @part
-def leave_saddle(system, work, diameter):
+def leave_saddle(system, task, work):
     """Move the trial state off an unstable equilibrium, with `work.F` the factor of its matrix made positive:
     along its softest mode, the way the load pulls."""
-    least_stiffness(system, work, np.inf)
-    size = LEAVE * diameter if dot(work.load, work.mode) >= 0.0 else -LEAVE * diameter
+    least_stiffness(system, task, work, np.inf)
+    size = LEAVE * task.diameter
+    size = size if dot(work.load, work.mode) >= 0.0 else -size
     moved(system, work.trial, work.mode, size, work.scratch)
     copy(work.scratch, work.trial)
 
@@ -61,16 +62,16 @@ def is_limit_point(system, task, work, path):
     """Whether the stiffness jumps, as where a pair opens, or a force works on the softest mode; what a
     prescribed motion pulls with is not looked at."""
     factor_state(system, work, work.before, work.history)
-    before = least_stiffness(system, work, np.inf)
+    before = least_stiffness(system, task, work, np.inf)
     factor_state(system, work, work.state, work.history)
     path.spent, path.reuse = path.spent + 2, False
-    stiffness = least_stiffness(system, work, np.inf)
+    stiffness = least_stiffness(system, task, work, np.inf)
     # towards a zero it falls from state to state; a pair about to open may count as open, by rounding
     if stiffness > max(STEADY * before, JUMPS * path.rest_stiffness) or stiffness < -JUMPS * before:
         return True
     if system.prescribed.size > 0:
         return False
-    moved(system, work.state, work.mode, SMALL, work.scratch)
+    moved(system, work.state, work.mode, SMALL * task.diameter, work.scratch)
     work_done = system.work(system.reals, system.ints, task.load, work.state, work.scratch)
     distance, _, _ = displacement_bound(system, work.state, work.scratch, np.inf)
     return abs(work_done) > NO_WORK * math.sqrt(dot(task.load, task.load)) * distance

@@ -111,9 +111,10 @@ def follow_problem(
     compiled = time.perf_counter() - began
     began = time.process_time()
     dead = np.zeros_like(problem.load) if problem.dead is None else problem.dead
-    law = problem.law
+    law, (moves, turns) = problem.law, problem.freedoms
+    arms = np.resize([1.0] * moves + [length] * turns, problem.load.size)
     task = Task(
-        times, problem.load, dead, problem.start, length, located_to(law.mu) * law.d, law.kc, law.k,
+        times, problem.load, dead, problem.start, arms, length, located_to(law.mu) * law.d, law.kc, law.k,
         limit, predictor, problem.modified,
     )  # fmt: skip
     walk = Walk(problem, times)

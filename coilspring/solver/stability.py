@@ -56,21 +56,25 @@ def unstable_time(system, work, begin, end, least_gap):
 
 
 @part
-def least_stiffness(system, work, last):
-    """Stiffness of the softest mode by inverse iteration with the last factor, from `work.mode`, which is
-    improved.
+def least_stiffness(system, task, work, last):
+    """Stiffness, N/mm, of the softest mode by inverse iteration with the last factor, from `work.mode`, which
+    is improved. Rotations are measured at the arm of a wire diameter.
 
     From state to state the mode changes little, so that a few steps are enough: one, where the stiffness is
     still about the `last` one. A share of all other modes is
     put in before, or one that has become the softest would be missed where symmetry hides it.
     """
-    mode, new = work.mode, work.step
+    mode, new, arms = work.mode, work.step, task.arms
     for i in range(mode.size):
-        mode[i] += OTHERS * (1.0 + i / mode.size) / math.sqrt(mode.size)
+        mode[i] += OTHERS * (1.0 + i / mode.size) / (math.sqrt(mode.size) * arms[i])
     value = 0.0
     for _ in range(FEW_ITERATIONS):
+        for i in range(mode.size):
+            mode[i] *= arms[i] ** 2
         solution(system, work.F, mode, 1.0, new)
-        square = dot(new, new)
+        square = 0.0
+        for i in range(mode.size):
+            square += (arms[i] * new[i]) ** 2
         value = dot(new, mode) / square
         size = math.sqrt(square)
         for i in range(mode.size):
@@ -90,7 +94,7 @@ def predicted_zero(time, value, before, value_before):
 
 
 @part
-def watch_stiffness(system, work, path, substep, softest):
+def watch_stiffness(system, task, work, path, substep, softest):
     """Evaluate the softest mode where little is left of its stiffness, and now and then; predict its zero.
 
     A pair that closes turns the slope of the stiffness, and steeply where a displacement is prescribed: it is
@@ -109,7 +113,7 @@ def watch_stiffness(system, work, path, substep, softest):
     if substep.iterations == 0:
         factor_state(system, work, work.trial, work.trial_history)
         path.spent += 1
-    value = least_stiffness(system, work, softest.value)
+    value = least_stiffness(system, task, work, softest.value)
     if value > NEUTRAL * path.rest_stiffness or value < softest.value:
         softest.zero = predicted_zero(substep.target, value, softest.time, softest.value)
     if value > JUMPS * path.rest_stiffness and APPROACH * (softest.zero - substep.target) < LEAST_STEP:

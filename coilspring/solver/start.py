@@ -30,7 +30,7 @@ def begin(system, task, work, path, watch):
     factor_start(system, task, work, path)
     set_scales(system, task, work, path)
     softest, room = watch[SOFTEST], watch[ROOM]
-    softest.value = least_stiffness(system, work, np.inf)
+    softest.value = least_stiffness(system, task, work, np.inf)
     softest.time, softest.zero = 0.0, np.inf
     path.rest_stiffness = softest.value
     if path.least_gap <= TOUCH * task.diameter:

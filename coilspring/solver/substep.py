@@ -76,7 +76,7 @@ def find_equilibrium(system, equilibrium, task, work, path, substep, it):
         substep.rounds += 1
         copy_history(work.history, work.trial_history)  # with the bounds that this state was found with
         if path.snapping and substep.status == SADDLE and substep.rounds <= snap.SADDLES:
-            snap.leave_saddle(system, work, task.diameter)
+            snap.leave_saddle(system, task, work)
             path.reuse = False
             continue
         if substep.status > LINEAR:
