@@ -161,16 +161,17 @@ def gave_way(length, row, gap):
 def renewed(length, bound, law, row):
     """Set the bound of a held pair so that it is `bound` at its present slip.
 
-    Returns the change, where the pair slides with one of the two. Where hard contact just touches, the slip
-    at the bound would be less than rounding leaves of positions: the pair is softer there.
+    Returns the change: of the bound where the pair slides with one of the two, else of the force. Where hard
+    contact just touches, the slip at the bound would be less than rounding leaves of positions: the pair is
+    softer there.
     """
-    slides = row.stiffness * length > row.bound
+    before, slides = row.stiffness, row.stiffness * length > row.bound
     if bound < math.inf:
         finest = FINEST * law.d
         row.stiffness = min(law.kt, bound / finest) if bound > 0.0 else law.kt
         row.slip = length - bound / row.stiffness
         slides = slides or row.slip > 0.0
         bound /= max(1.0 + row.rise * max(row.slip, 0.0), LEAST_LEFT)
-    change = abs(bound - row.bound) if slides and bound != row.bound else 0.0
+    change = abs(bound - row.bound) if slides and bound != row.bound else abs(row.stiffness - before) * length
     row.bound = bound
     return change
