@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 
 from coilspring.solver.snap import LARGEST
+from validation.campaign.run import verified
 from validation.campaign.scenes import in_units, make_case
-from validation.campaign.verdict import reached, under
+from validation.campaign.verdict import VERIFIED, reached, under
 
 
 def snaps(path):
@@ -65,3 +66,9 @@ def test_no_step_is_taken_over_a_bifurcation_that_is_all_but_perfect(case, seed)
     ends = [reached(make_case(case, seed), steps=steps) for steps in (1, 5, 20)]
     assert {path.outcome for path in ends} == {"bifurcation"}
     np.testing.assert_allclose([path.critical_time for path in ends], ends[0].critical_time, rtol=1e-4)
+
+
+@pytest.mark.parametrize("name", ["b003199", "b000225"])
+def test_what_is_soft_is_judged_alike_in_all_units(name):
+    """Rotations count on the arm of a wire diameter; with mm and rad mixed, other units had other outcomes."""
+    assert verified(name, 106)["class"] in VERIFIED
