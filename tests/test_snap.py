@@ -70,5 +70,5 @@ def test_no_step_is_taken_over_a_bifurcation_that_is_all_but_perfect(case, seed)
 
 @pytest.mark.parametrize("name", ["b003199", "b000225"])
 def test_what_is_soft_is_judged_alike_in_all_units(name):
-    """Rotations count on the arm of a wire diameter; with mm and rad mixed, other units had other outcomes."""
+    """Rotations count on the arm of a wire diameter: with mm and rad mixed, units decided some outcomes."""
     assert verified(name, 106)["class"] in VERIFIED
