@@ -27,7 +27,8 @@ RAISED = 4.0  # times as much where H is indefinite,
 HIGHEST = 1e5  # up to this
 # Steps along the flow of bounds are 1 / damping long: from round to round by so much longer, and shorter
 # where one would go beyond what is stable.
-LONGER, SHORTER, LEAST_DAMPING = 2.0, 8.0, 1e-9
+LONGER, SHORTER = 2.0, 8.0
+LEAST_DAMPING, MOST_DAMPING = 1e-9, 1e12  # with more, rises are no numbers: bounds are just renewed
 
 
 @part
@@ -87,7 +88,7 @@ def let_flow(system, task, work, substep):
     sign = _step(work, sliding, rises, 0.0)
     stable = negative == 0 and sign > 0
     substep.damping = max(substep.damping / LONGER, LEAST_DAMPING)
-    while substep.damping > LEAST_DAMPING or not stable:
+    while (substep.damping > LEAST_DAMPING or not stable) and substep.damping < MOST_DAMPING:
         copy_history(work.low, work.history)
         if _step(work, sliding, rises, substep.damping) > 0:
             break
