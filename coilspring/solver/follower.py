@@ -108,7 +108,7 @@ def follow(reals, ints, prescribed, kernels, task, work, path_, substep_, newton
         find_equilibrium(system, kernels.equilibrium, task, work, path, substep, it)
         if not keeps_branch(system, task, work, path, substep, watch):
             shorten(system, task, work, path, substep, watch[SOFTEST])
-        elif stable_so_far(system, task, work, path, substep) and knows_pairs(system, work, path, substep):
+        elif stable_so_far(system, task, work, path, substep, watch[SOFTEST]) and knows_pairs(system, work, path, substep):
             watch_stiffness(system, task, work, path, substep, watch[SOFTEST])
             accept(task, work, path, substep, watch[ROOM])
     conclude(system, task, work, path)
@@ -132,7 +132,7 @@ def plan(system, task, work, path, substep, watch):
     to_overlap = max(APPROACH * (room.zero - path.time), OVERLAP_TIME)
     if not path.snapping and (softest.value <= NEUTRAL * path.rest_stiffness or to_critical < LEAST_STEP):
         path.bracket = 2.0 * max(softest.zero - path.time, LEAST_STEP)
-        end_or_snap(system, task, work, path, CRITICAL)
+        end_or_snap(system, task, work, path, softest, CRITICAL)
         if path.outcome != COMPLETED:
             return
     substep.weak = softest.value < WEAK * path.rest_stiffness
@@ -219,11 +219,11 @@ def shorten(system, task, work, path, substep, softest):
             # negative pivots however short the step: the stiffness jumps there, as where a pair opens
             outcome = CRITICAL if abs(path.time - path.indefinite) <= NEAR_END else STUCK
             outcome = TURNED if abs(path.time - path.turned) <= NEAR_END else outcome
-            end_or_snap(system, task, work, path, outcome)
+            end_or_snap(system, task, work, path, softest, outcome)
 
 
 @part
-def stable_so_far(system, task, work, path, substep):
+def stable_so_far(system, task, work, path, substep, softest):
     """Whether a linear stretch that ends here is stable; notes where one begins."""
     if substep.status == LINEAR:
         if not path.linear:
@@ -239,8 +239,7 @@ def stable_so_far(system, task, work, path, substep):
     stable = stable_until(system, task, work, path, end, np.inf if wide else 0.0)
     path.linear = False
     if not stable:
-        copy(work.origin, work.before)
-        end_or_snap(system, task, work, path, CRITICAL)
+        end_or_snap(system, task, work, path, softest, CRITICAL)
     return stable
 
 

@@ -14,7 +14,7 @@ from coilspring.compiling.compiled import copy, part
 from coilspring.solver.branch import displacement_bound
 from coilspring.solver.linesearch import dot
 from coilspring.solver.operations import factor_state, moved
-from coilspring.solver.stability import JUMPS, LEAST_STEP, PROBE, least_stiffness
+from coilspring.solver.stability import FALLS, JUMPS, LEAST_STEP, PROBE, SUDDEN, least_stiffness
 from coilspring.solver.system import JUMP
 
 AHEAD = 1e-6  # of the time 0..1: so far beyond a limit point an equilibrium is looked for
@@ -22,16 +22,15 @@ NO_TIME = 2.0 * AHEAD
 LARGEST = 0.25  # wire diameters: so far it may be
 ROUNDS = 100  # of renewed bounds: as it slides, friction gives way step by step
 SHIFT = 1e-6  # least shift of an indefinite matrix: at a limit point next to nothing is negative
-STEADY = 0.9  # share of the least stiffness in the state before: with more it does not tend to zero
 SADDLES, LEAVE = 3, 1e-3  # times that an unstable equilibrium is left, and wire diameters by which at first
 SMALL = 1e-3  # wire diameters that are moved along a mode
 NO_WORK = 1e-4  # of the load times a mode's largest motion: less work is a bifurcation that is not quite one
 
 
 @part
-def end_or_snap(system, task, work, path, outcome):
+def end_or_snap(system, task, work, path, softest, outcome):
     """The path ends with an outcome, unless at a limit point: there a snap is tried first."""
-    path.snapping, path.ends = task.predictor and is_limit_point(system, task, work, path), outcome
+    path.snapping, path.ends = task.predictor and is_limit_point(system, task, work, path, softest), outcome
     if not path.snapping:
         path.outcome = outcome
 
@@ -58,16 +57,17 @@ def release_or_jump(task, path):
 
 
 @part
-def is_limit_point(system, task, work, path):
+def is_limit_point(system, task, work, path, softest):
     """Whether the stiffness jumps, as where a pair opens, or a force works on the softest mode; what a
     prescribed motion pulls with is not looked at."""
-    factor_state(system, work, work.before, work.history)
-    before = least_stiffness(system, task, work, np.inf)
-    factor_state(system, work, work.state, work.history)
-    path.spent, path.reuse = path.spent + 2, False
-    stiffness = least_stiffness(system, task, work, np.inf)
-    # towards a zero it falls from state to state; a pair about to open may count as open, by rounding
-    if stiffness > max(STEADY * before, JUMPS * path.rest_stiffness) or stiffness < -JUMPS * before:
+    stiffness = softest.value
+    if softest.time != path.time:
+        factor_state(system, work, work.state, work.history)
+        path.spent, path.reuse = path.spent + 1, False
+        stiffness = least_stiffness(system, task, work, np.inf)
+    # a pair about to open may count as open, by rounding
+    fallen = (softest.past - stiffness) * SUDDEN / max(path.time - softest.past_time, SUDDEN)
+    if stiffness > JUMPS * path.rest_stiffness or fallen > FALLS * path.rest_stiffness:
         return True
     if system.prescribed.size > 0:
         return False

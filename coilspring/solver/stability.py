@@ -26,6 +26,8 @@ SOONER = 0.25  # and after this share of the time to its predicted zero
 WEAK = 0.1  # of the least stiffness at rest: below, it is evaluated wherever the matrix is factored,
 PROBE = 1e-3  # and after so short a step where a pair has closed
 JUMPS = 1e-3  # of the least stiffness at rest: where it is more and its predicted zero is at hand, it jumps
+# What falls by so much of the least stiffness at rest in so little of the time 0..1 jumps.
+FALLS, SUDDEN = 5e-3, 2e-7
 NEUTRAL = 1e-6  # of the least stiffness at rest: what is left of it counts as none, rounding is not far below
 SAMPLES = 16  # of a linear stretch at which its stability is verified
 
@@ -119,6 +121,9 @@ def watch_stiffness(system, task, work, path, substep, softest):
     if value > JUMPS * path.rest_stiffness and APPROACH * (softest.zero - substep.target) < LEAST_STEP:
         softest.zero = np.inf  # the stiffness jumps here, as where a pair opens
     softest.value, softest.time, path.failed = value, substep.target, False
+    if substep.target >= softest.mark_time + SUDDEN:
+        softest.past, softest.past_time = softest.mark, softest.mark_time
+        softest.mark, softest.mark_time = value, substep.target
 
 
 @dataclass(frozen=True)

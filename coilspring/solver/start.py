@@ -32,6 +32,8 @@ def begin(system, task, work, path, watch):
     softest, room = watch[SOFTEST], watch[ROOM]
     softest.value = least_stiffness(system, task, work, np.inf)
     softest.time, softest.zero = 0.0, np.inf
+    softest.past, softest.past_time = softest.value, -np.inf
+    softest.mark, softest.mark_time = softest.value, -np.inf
     path.rest_stiffness = softest.value
     if path.least_gap <= TOUCH * task.diameter:
         # what touches at rest is no part of the tangent, nor of the stiffness

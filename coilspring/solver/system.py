@@ -206,7 +206,18 @@ NEWTON = np.dtype(
 )
 
 # A number that ends the path where it falls to zero.
-WATCH = np.dtype([("value", "f8"), ("time", "f8"), ("zero", "f8")], align=True)
+WATCH = np.dtype(
+    [
+        ("value", "f8"),
+        ("time", "f8"),
+        ("zero", "f8"),  # time at which it is predicted to be zero
+        ("mark", "f8"),  # a value, to be
+        ("mark_time", "f8"),
+        ("past", "f8"),  # the value some time ago, see `coilspring.solver.stability.SUDDEN`
+        ("past_time", "f8"),
+    ],
+    align=True,
+)
 SOFTEST, ROOM = 0, 1  # rows: the least stiffness; how much nearer wires may come
 
 

@@ -91,8 +91,8 @@ def verify_balance(
 
 
 def verify_wire_critical(verdict: Verdict, forces: WireForces, case: Case, path: EquilibriumPath) -> None:
-    """Balanced states just before must tend to a fold there, or the least stiffness vanish, or arc length
-    turn."""
+    """Balanced states just before must tend to a fold there, or a pair open without which the wire is
+    unstable, or the least stiffness vanish, or arc length turn."""
     critical = runs.sharp_critical(verdict, path)
     if critical is None:
         return
@@ -109,7 +109,10 @@ def verify_wire_critical(verdict: Verdict, forces: WireForces, case: Case, path:
         if not before:
             return
         positions = [near.states[-1].reshape(-1, 7)[:, :3].ravel() for near in before]
-        found = fold(positions, [critical * (1.0 - share) for share in shares])
+        times = [critical * (1.0 - share) for share in shares]
+        found = fold(positions, times)
+        if found is None:
+            found = kink(forces, before, times, critical * (1.0 + shares[0]))
     if found is not None:
         verdict.ask("confirmed", abs(found / critical - 1.0), runs.LOAD, "states tend to a fold elsewhere")
     elif case.scene.load.displacement:
@@ -161,6 +164,26 @@ def fold(positions: Sequence[np.ndarray], times: Sequence[float]) -> float | Non
     if excess(low) * excess(high) > 0.0:
         return None
     return float(brentq(excess, low, high))
+
+
+def kink(
+    forces: WireForces, before: Sequence[EquilibriumPath], times: Sequence[float], end: float
+) -> float | None:
+    """Time, up to an `end` just ahead, at which pairs open without which the wire is unstable; None where none do.
+
+    There the path has a kink, beyond which it goes back. A pair's force falls to zero in proportion to the
+    time left: it is extrapolated from two equilibria, the latest first.
+    """
+    pairs = forces.pairs(before[0], -1)
+    rows = [near.states[-1].reshape(-1, 7) for near in before[:2]]
+    last, first = (np.maximum(pairs.depth(each), 0.0) ** forces.law.exponent for each in rows)
+    falls = (last > 0.0) & (last < first)
+    left = np.full(len(last), np.inf)
+    left[falls] = (times[0] - times[1]) * last[falls] / (first - last)[falls]
+    opens = times[0] + left <= end
+    if not opens.any() or forces.least_stiffness(rows[0], pairs.of(~opens)) >= 0.0:
+        return None
+    return times[0] + float(left.min())
 
 
 def vanishing(times: Sequence[float], least: Sequence[float]) -> float | None:
@@ -215,15 +238,15 @@ def verify_jump(verdict: Verdict, forces: WireForces, case: Case, path: Equilibr
     assert path.last_state is not None
     pairs, rows = forces.pairs(near, -1, forces.law.d), near.states[-1].reshape(-1, 7)
     depth = np.minimum(pairs.depth(rows), pairs.depth(path.last_state.reshape(-1, 7)))
-    opening = pairs.held & (depth < OPEN * forces.law.d)
-    if not opening.any():
+    opens = pairs.held & (depth < OPEN * forces.law.d)
+    if not opens.any():
         verdict.complain(f"no sticking pair opens at the jump at {critical:.6g}")
     elif not forces.least_stiffness(rows, pairs) > 0.0:
         verdict.complain(f"unstable before the jump at {critical:.6g}")
     else:
         load = near.loads[-1] if case.scene.load.displacement else critical * np.array(case.scene.load.force)
         held = _settled(forces, pairs, rows, load)
-        left = released(forces, pairs, opening, rows if held is None else held, load)
+        left = released(forces, pairs, opens, rows if held is None else held, load)
         verdict.numbers["jump"] = left
         if left == 0.0:
             verdict.complain(f"a release leads from the jump at {critical:.6g} to an equilibrium nearby")
