@@ -88,9 +88,15 @@ def touches_first(row, law, at, doubt):
 
 @part
 def predicted_badly(row, error, most):
-    """Ask for a shorter substep where a pair that touched first was predicted with an error above `most`."""
+    """Ask for a shorter substep where a pair that touched first was predicted with an error above `most`.
+
+    One that is to stick was left free to find that: from here on it is held. Returns whether it was free.
+    """
     if error > most:
         row.cut = min(row.cut, 0.8 * math.sqrt(most / error))
+    free = row.released > 0.0
+    row.released = 0.0
+    return free
 
 
 @part

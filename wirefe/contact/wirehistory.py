@@ -122,10 +122,12 @@ def update_wires(contact, accepted, predicted, state, history):
         length, way = tangential_slip(contact, points, state, m, row)
         if new:
             change = max(change, row.stiffness * length)
+            row.released = 1.0 if contact.mu == np.inf and gap(contact, ahead, m)[0] < d else 0.0
         elif row.fresh and gap(contact, ahead, m)[0] < d:
             _, expected = tangential_slip(contact, ahead, predicted, m, row)
             error = plus(way, -1.0, expected)
-            predicted_badly(row, math.sqrt(dot(error, error)), located_to(contact.mu) * d)
+            if predicted_badly(row, math.sqrt(dot(error, error)), located_to(contact.mu) * d):
+                change = max(change, row.stiffness * d)
         normal = normal_law(max(d - h, 0.0), contact.kc, contact.k)[1]
         most = max(most, least_bound * normal)
         if contact.mu == np.inf:
