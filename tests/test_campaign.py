@@ -686,6 +686,8 @@ def test_direction_of_a_tiny_slip_decides_nothing():
         ("w00119", 89, "completed"),
         ("w00116", 84, "completed"),
         ("w00157", 99, "completed"),
+        ("w00162", 111, "limit_point"),
+        ("w00378", 111, "limit_point"),
     ],
     ids=[
         "coils beyond the next touch between their stations",
@@ -698,6 +700,8 @@ def test_direction_of_a_tiny_slip_decides_nothing():
         "a slide turns in its substep",
         "what an opening pair holds is released at once",
         "a predicted touch that fails is approached in shorter substeps",
+        "a pair opens without which the wire is unstable",
+        "the same with an exponent, after a snap",
     ],
 )
 def test_outcomes_that_were_unexplained(name, seed, outcome):

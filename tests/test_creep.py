@@ -82,11 +82,16 @@ def test_tips_do_not_depend_on_the_steps(name):
 
 @pytest.mark.parametrize(
     ("name", "seed", "steps"),
-    [("w00159", 60, (5, 20, 100)), ("w00007", 61, (1, 5, 20))],
-    ids=["a pair ceases to creep", "coils touch one after the other, after a long linear stretch"],
+    [("w00159", 60, (5, 20, 100)), ("w00007", 61, (1, 5, 20)), ("w00183", 109, (1, 5, 20))],
+    ids=[
+        "a pair ceases to creep",
+        "coils touch one after the other, after a long linear stretch",
+        "spheres of a solid spring",
+    ],
 )
 def test_what_sticks_is_held_from_where_it_touches(name, seed, steps):
-    """Within 1e-4; it was 1.4e-3 where the end of creep, or the error of a long prediction, was left out."""
+    """Within 1e-4. It was 1.4e-3 where the end of creep, or the error of a long prediction, was left out; and
+    9e-3 where a pair was held before that error was looked at, so that it could not be seen."""
     tips = np.array([reached(make_case(name, seed), steps=count).tips[-1, :2] for count in steps])
     assert np.ptp(tips, axis=0).max() <= 2e-4 * np.abs(tips).max()
 

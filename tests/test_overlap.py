@@ -19,6 +19,8 @@ from coilspring import (
     spring_b,
 )
 from equivbeam.contact import circle_overlap
+from validation.campaign.scenes import make_case
+from validation.campaign.verdict import reached
 from validation.cli import main
 from wirefe.contact.overlap import bulge, square_between
 
@@ -94,6 +96,12 @@ def test_wires_that_pass_between_spheres_end_the_path(scene, steps):
     for low, high in ends:
         assert high - low < 2.1e-5
     np.testing.assert_allclose(*ends, atol=4e-5)
+
+
+def test_no_step_goes_over_an_overlap():
+    """Coils slip past each other within a substep: with 1 or 5 steps this scene completed."""
+    for steps in (1, 20):
+        assert reached(make_case("w00954", 105), steps=steps).outcome == "interpenetration"
 
 
 def test_more_pairs_keep_wires_apart():

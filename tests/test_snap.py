@@ -60,12 +60,29 @@ def test_a_snap_leaves_unstable_equilibria():
     assert reached(make_case("b001623", 101), steps=10).outcome == "completed"
 
 
-@pytest.mark.parametrize(("case", "seed"), [("b001127", 99), ("b001847", 99), ("b000791", 71)])
+@pytest.mark.parametrize(("case", "seed"), [("b001127", 99), ("b000791", 71)])
 def test_no_step_is_taken_over_a_bifurcation_that_is_all_but_perfect(case, seed):
     """A long step found the branch that bifurcates, by rounding, and passed for small."""
     ends = [reached(make_case(case, seed), steps=steps) for steps in (1, 5, 20)]
     assert {path.outcome for path in ends} == {"bifurcation"}
     np.testing.assert_allclose([path.critical_time for path in ends], ends[0].critical_time, rtol=1e-4)
+
+
+@pytest.mark.parametrize(
+    ("case", "seed", "outcome"),
+    [("b001847", 99, "completed"), ("w00465", 111, "bifurcation")],
+    ids=["a pair opens within 1e-6 of the load", "towards a fold, by friction"],
+)
+def test_a_stiffness_that_jumps_is_told_from_one_that_falls_in_any_number_of_steps(case, seed, outcome):
+    """Told by the last substep alone it snapped in some numbers of steps, and in others ended."""
+    assert {reached(make_case(case, seed), steps=steps).outcome for steps in (1, 2, 5)} == {outcome}
+
+
+def test_no_snap_is_larger_than_said():
+    """What a sticking pair held is released at once: it leads 0.3 wire diameters away."""
+    path = reached(make_case("w00476", 81), steps=5)
+    assert path.outcome == "jump"
+    assert snaps(path)[1] <= LARGEST
 
 
 @pytest.mark.parametrize("name", ["b003199", "b000225"])

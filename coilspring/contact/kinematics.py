@@ -185,8 +185,9 @@ def update_pairs(before, ahead, vectors, history, law):
             change = max(change, row.stiffness * stretch(vectors[m], row, e))
             row.released = 1.0 if mu == np.inf and _distance(ahead, m) < d else 0.0
         elif row.fresh and _distance(ahead, m) < d:
-            if predicted_badly(row, _across(row.normal, ahead[m], vectors[m]), located_to(mu) * d):
-                change = max(change, row.stiffness * d)
+            error = _across(row.normal, ahead[m], vectors[m])
+            was_free = predicted_badly(row, error, located_to(mu) * d)
+            change = max(change, was_free * row.stiffness * d)
         normal = normal_law(max(d - h, 0.0), law.kc, law.k)[1]
         most = max(most, min(mu, 1.0) * normal)
         if mu == np.inf:

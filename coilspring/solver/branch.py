@@ -1,5 +1,7 @@
 """The branch: where a path is predicted to go on, and whether a state found there continues it."""
 
+import math
+
 import numpy as np
 
 from coilspring.compiling.compiled import part
@@ -12,7 +14,10 @@ from coilspring.solver.operations import moved, put_prescribed
 # (a closing contact kinks the path, so that no step is short enough for the share).
 TURN = 0.07
 SMALL = 0.05  # wire diameters
-SMALLER = 1e-4  # the same, where the matrix was indefinite on the way: there a jump may begin
+# The same, where next to nothing is left of the stiffness or the matrix was indefinite on the way: there a
+# jump may begin; but no less than what the iteration leaves along the softest mode.
+SMALLER = 1e-4
+LEFT = 2.0  # times that, the root of the tolerance over the stiffness
 # A pair may not move by more in one substep: beyond, coils could pass through or over each other.
 PAIR_MOTION = 0.5  # wire diameters
 JUMP = 0.25  # of the distance, by which it may differ from that which the tangents at both ends tell
@@ -49,9 +54,17 @@ def predict(system, task, work, path, bend, target):
 
 
 @part
-def continues(system, task, work, trouble, judged, weak):
-    """Whether the trial state continues the branch; the share by which the path turned, less where the
-    turn is small at all; a bound on all motion; and how far near pairs are from the prediction, mm."""
+def small_turn(task, stiffness, tolerance):
+    """Turn up to which a state continues the branch at all, mm, where little `stiffness`, N/mm, is left."""
+    left = LEFT * math.sqrt(tolerance / stiffness) if stiffness > 0.0 else np.inf
+    return min(max(SMALLER * task.diameter, left), SMALL * task.diameter)
+
+
+@part
+def continues(system, task, work, trouble, judged, small):
+    """Whether the trial state continues the branch, as after turns of up to `small`, mm, at all; the share by
+    which the path turned, less where the turn is small; a bound on all motion; and how far near pairs are
+    from the prediction, mm."""
     # no pair moves by more than its two ends do
     distance, pair, _ = displacement_bound(system, work.state, work.trial, 0.5 * PAIR_MOTION * task.diameter)
     if pair > PAIR_MOTION:
@@ -60,7 +73,7 @@ def continues(system, task, work, trouble, judged, weak):
         return True, 0.0, distance, 0.0
     turn, pair, _ = displacement_bound(system, work.predicted, work.trial, 0.5 * task.located)
     share = turn / distance if distance > 0.0 else 0.0
-    least = turn / ((SMALLER if weak else SMALL) * task.diameter)
+    least = turn / small
     good = least <= 1.0 or (share <= TURN and trouble == NONE)
     if trouble == INDEFINITE and not has_friction(work.history):
         # a jump may end anywhere, also near the prediction; friction is predicted to slide where it sticks

@@ -95,7 +95,7 @@ def follow(reals, ints, prescribed, kernels, task, work, path_, substep_, newton
     """
     system = system_of(reals, ints, prescribed, kernels)
     task, work = TaskRef(*task), WorkRef(*work)
-    path, substep, it = path_[0], substep_[0], newton_[0]
+    path, substep, it, softest = path_[0], substep_[0], newton_[0], watch[SOFTEST]
     if path.tries == 0:
         begin(system, task, work, path, watch)
     elif path.outcome == NEW_PAIR:
@@ -107,9 +107,11 @@ def follow(reals, ints, prescribed, kernels, task, work, path_, substep_, newton
         predict_trial(system, task, work, path, substep)
         find_equilibrium(system, kernels.equilibrium, task, work, path, substep, it)
         if not keeps_branch(system, task, work, path, substep, watch):
-            shorten(system, task, work, path, substep, watch[SOFTEST])
-        elif stable_so_far(system, task, work, path, substep, watch[SOFTEST]) and knows_pairs(system, work, path, substep):
-            watch_stiffness(system, task, work, path, substep, watch[SOFTEST])
+            shorten(system, task, work, path, substep, softest)
+            continue
+        good = stable_so_far(system, task, work, path, substep, softest)
+        if good and knows_pairs(system, work, path, substep):
+            watch_stiffness(system, task, work, path, substep, softest)
             accept(task, work, path, substep, watch[ROOM])
     conclude(system, task, work, path)
 

@@ -14,7 +14,7 @@ from coilspring.compiling.compiled import copy, part
 from coilspring.solver.branch import displacement_bound
 from coilspring.solver.linesearch import dot
 from coilspring.solver.operations import factor_state, moved
-from coilspring.solver.stability import FALLS, JUMPS, LEAST_STEP, PROBE, SUDDEN, least_stiffness
+from coilspring.solver.stability import LEAST_STEP, PROBE, jumps, least_stiffness
 from coilspring.solver.system import JUMP
 
 AHEAD = 1e-6  # of the time 0..1: so far beyond a limit point an equilibrium is looked for
@@ -65,9 +65,7 @@ def is_limit_point(system, task, work, path, softest):
         factor_state(system, work, work.state, work.history)
         path.spent, path.reuse = path.spent + 1, False
         stiffness = least_stiffness(system, task, work, np.inf)
-    # a pair about to open may count as open, by rounding
-    fallen = (softest.past - stiffness) * SUDDEN / max(path.time - softest.past_time, SUDDEN)
-    if stiffness > JUMPS * path.rest_stiffness or fallen > FALLS * path.rest_stiffness:
+    if jumps(path, softest, stiffness):
         return True
     if system.prescribed.size > 0:
         return False

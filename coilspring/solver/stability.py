@@ -26,8 +26,9 @@ SOONER = 0.25  # and after this share of the time to its predicted zero
 WEAK = 0.1  # of the least stiffness at rest: below, it is evaluated wherever the matrix is factored,
 PROBE = 1e-3  # and after so short a step where a pair has closed
 JUMPS = 1e-3  # of the least stiffness at rest: where it is more and its predicted zero is at hand, it jumps
-# What falls by so much of the least stiffness at rest in so little of the time 0..1 jumps.
-FALLS, SUDDEN = 5e-3, 2e-7
+# What falls by so much of the least stiffness at rest in so little of the time so far jumps; or in so many of
+# the least steps.
+FALLS, SUDDEN, FEW_STEPS = 5e-3, 2e-7, 5.0
 NEUTRAL = 1e-6  # of the least stiffness at rest: what is left of it counts as none, rounding is not far below
 SAMPLES = 16  # of a linear stretch at which its stability is verified
 
@@ -96,6 +97,20 @@ def predicted_zero(time, value, before, value_before):
 
 
 @part
+def no_time(time):
+    """Time within which what changes jumps, of the time 0..1."""
+    return max(SUDDEN * time, FEW_STEPS * LEAST_STEP)
+
+
+@part
+def jumps(path, softest, stiffness):
+    """Whether the least stiffness, now of a value, does not tend to zero but jumps, as where a pair opens."""
+    fallen = (softest.past - stiffness) / max((path.time - softest.past_time) / no_time(path.time), 1.0)
+    # a pair about to open may count as open, by rounding
+    return stiffness > JUMPS * path.rest_stiffness or fallen > FALLS * path.rest_stiffness
+
+
+@part
 def watch_stiffness(system, task, work, path, substep, softest):
     """Evaluate the softest mode where little is left of its stiffness, and now and then; predict its zero.
 
@@ -121,7 +136,7 @@ def watch_stiffness(system, task, work, path, substep, softest):
     if value > JUMPS * path.rest_stiffness and APPROACH * (softest.zero - substep.target) < LEAST_STEP:
         softest.zero = np.inf  # the stiffness jumps here, as where a pair opens
     softest.value, softest.time, path.failed = value, substep.target, False
-    if substep.target >= softest.mark_time + SUDDEN:
+    if substep.target >= softest.mark_time + no_time(substep.target):
         softest.past, softest.past_time = softest.mark, softest.mark_time
         softest.mark, softest.mark_time = value, substep.target
 

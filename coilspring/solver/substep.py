@@ -17,11 +17,11 @@ from coilspring.contact.history import (
 )
 from coilspring.contact.kinematics import OVERLAP_ALLOWED
 from coilspring.solver import snap
-from coilspring.solver.branch import continues, jumped
+from coilspring.solver.branch import SMALL, continues, jumped, small_turn
 from coilspring.solver.creep import renew_creep
 from coilspring.solver.friction import let_flow, slides_stably, solve_bounds
 from coilspring.solver.newton import CONVERGED, FAILED, LINEAR, NONE, SADDLE
-from coilspring.solver.operations import assembled, factored, put_prescribed, stale_solution
+from coilspring.solver.operations import assembled, factored, moved, put_prescribed, stale_solution
 from coilspring.solver.stability import LEAST_STEP, WEAK
 from coilspring.solver.system import OVERLAP, ROOM, SOFTEST, Target
 
@@ -68,7 +68,7 @@ def find_equilibrium(system, equilibrium, task, work, path, substep, it):
         it.reuse = path.reuse
         substep.status = equilibrium(system, target, work, work.trial, it)
         substep.iterations += it.count
-        substep.trouble = max(substep.trouble, it.trouble)
+        substep.trouble, substep.tolerance = max(substep.trouble, it.trouble), it.tolerance
         path.spent += it.count
         path.pairs += it.pairs
         if substep.status == LINEAR and (substep.rounds > 0 or path.releasing):
@@ -142,17 +142,20 @@ def keeps_branch(system, task, work, path, substep, watch):
     """Whether the trial state continues the branch; sets the outcome where wires overlap just ahead."""
     if path.lost or substep.cut < 1.0:
         return False
-    weak = watch[SOFTEST].value < WEAK * path.rest_stiffness
+    stiffness, small = watch[SOFTEST].value, SMALL * task.diameter
+    if stiffness < WEAK * path.rest_stiffness:
+        small = small_turn(task, stiffness, substep.tolerance)
+    judged = (task.predictor or path.releasing) and not path.snapping
     good, substep.share, substep.distance, substep.error = continues(
-        system, task, work, substep.trouble, (task.predictor or path.releasing) and not path.snapping, weak
+        system, task, work, substep.trouble, judged, small
     )
     # so far in no time is a snap too
-    snaps = substep.duration <= snap.NO_TIME and not path.releasing
+    snaps = path.snapping or (substep.duration <= snap.NO_TIME and not path.releasing)
     good = good and (substep.distance <= snap.LARGEST * task.diameter or not snaps)
     substep.room, substep.moved = watch[ROOM].value, path.moved + substep.distance
     if good and (NEARER * substep.moved >= substep.room or substep.near_overlap):
         substep.room, substep.moved = free_room(system, task, work.trial), 0.0
-        good = substep.room >= 0.0
+        good = substep.room >= 0.0 and clear_between(system, task, work, path, substep)
         if not (good or path.snapping) and substep.duration < OVERLAP_TIME:
             path.outcome = OVERLAP
     if not good or substep.status == LINEAR:
@@ -178,6 +181,17 @@ def hides_instability(system, work, path):
     negative, _ = factored(system, work.H)
     path.checks += 1
     return negative > 0
+
+
+@part
+def clear_between(system, task, work, path, substep):
+    """Whether wires overlap by no more than allowed half way, too: coils that slip past each other may do so
+    only there."""
+    if path.snapping or path.releasing:
+        return True
+    moved(system, work.state, work.tangent, 0.5 * substep.duration, work.scratch)
+    put_prescribed(system, task.start, substep.target - 0.5 * substep.duration, work.scratch)
+    return free_room(system, task, work.scratch) >= 0.0
 
 
 @part

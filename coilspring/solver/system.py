@@ -168,6 +168,7 @@ SUBSTEP = np.dtype(
         ("iterations", "i8"),  # factorisations
         ("rounds", "i8"),  # of renewed bounds
         ("trouble", "i8"),
+        ("tolerance", "f8"),  # of the energy that the iteration leaves, N mm
         ("turned", "?"),  # the determinant of Coulomb's tangent is negative
         ("damping", "f8"),  # of the flow of friction's bounds in a snap
         ("cut", "f8"),  # share of it after which a pair touches or opens; 1 where none does

@@ -32,8 +32,9 @@ JUST_BEFORE = (1e-6, 1e-5, 1e-4, 1e-3)  # shares of the load by which a state ma
 # Powers of two by which the stiffness is lowered that holds opening pairs, at first, at least and at most;
 # and the share of it that counts as none: it may be that much stiffer than the spring.
 FIRST_STEP, LEAST_STEP, MOST_STEP, NONE = 0.5, 1e-3, 4.0, 1e-10
-NEAR = 0.05  # wire diameters that such a step may move: more is no release but a jump
-MOST_CORRECTIONS = 15
+# Wire diameters that such a step may move, and all of them: more is no release but a jump.
+NEAR, NEARBY = 0.05, 0.25
+MOST_RELEASES, MOST_CORRECTIONS = 100, 15
 CLOSE = 1e-8  # wire diameters or rad: the last correction
 FAR = 0.5  # wire diameters or rad that a step may move: more is no neighbour
 OPEN = 1e-3  # wire diameters of penetration at most that are left of a pair just before it opens
@@ -169,7 +170,7 @@ def fold(positions: Sequence[np.ndarray], times: Sequence[float]) -> float | Non
 def kink(
     forces: WireForces, before: Sequence[EquilibriumPath], times: Sequence[float], end: float
 ) -> float | None:
-    """Time, up to an `end` just ahead, at which pairs open without which the wire is unstable; None where none do.
+    """Time, up to an `end` just ahead, at which pairs open without which the wire is unstable; else None.
 
     There the path has a kink, beyond which it goes back. A pair's force falls to zero in proportion to the
     time left: it is extrapolated from two equilibria, the latest first.
@@ -250,19 +251,21 @@ def verify_jump(verdict: Verdict, forces: WireForces, case: Case, path: Equilibr
         verdict.numbers["jump"] = left
         if left == 0.0:
             verdict.complain(f"a release leads from the jump at {critical:.6g} to an equilibrium nearby")
+        elif math.isnan(left):
+            verdict.complain(f"the release at the jump at {critical:.6g} was not followed to its end")
 
 
 def released(
     forces: WireForces, pairs: Pairs, opening: np.ndarray, rows: np.ndarray, load: np.ndarray
 ) -> float:
     """Share that is left of the stiffness that holds opening pairs where lowering it further loses the stable
-    equilibrium, or leads away from it; else 0.
+    equilibrium, or leads away from it; else 0, or NaN where too many steps do not tell.
 
     Pairs that open on the way are released from there on.
     """
-    left, step = 1.0, FIRST_STEP
+    left, step, start = 1.0, FIRST_STEP, rows
     begins = np.where(opening, 1.0, np.nan)  # what was left of the others when a pair began to open
-    while left > 0.0:
+    for _ in range(MOST_RELEASES):
         ahead = left * 2.0**-step if left > NONE else 0.0
         share = np.where(np.isnan(begins), 1.0, ahead / begins)
         found = _settled(forces, replace(pairs, share=pairs.share * share), rows, load)
@@ -271,10 +274,14 @@ def released(
             if ahead == 0.0 or step < LEAST_STEP:
                 return left
             continue
+        if np.abs(found - start)[:, :3].max() > NEARBY * forces.law.d:
+            return left
         rows, left, step = found, ahead, min(2.0 * step, MOST_STEP)
         opens = pairs.held & np.isnan(begins) & (pairs.depth(rows) < 0.0)
         begins[opens] = max(left, NONE)
-    return 0.0
+        if left == 0.0:
+            return 0.0
+    return math.nan
 
 
 def _settled(forces: WireForces, pairs: Pairs, rows: np.ndarray, load: np.ndarray) -> np.ndarray | None:

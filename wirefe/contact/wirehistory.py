@@ -126,8 +126,8 @@ def update_wires(contact, accepted, predicted, state, history):
         elif row.fresh and gap(contact, ahead, m)[0] < d:
             _, expected = tangential_slip(contact, ahead, predicted, m, row)
             error = plus(way, -1.0, expected)
-            if predicted_badly(row, math.sqrt(dot(error, error)), located_to(contact.mu) * d):
-                change = max(change, row.stiffness * d)
+            was_free = predicted_badly(row, math.sqrt(dot(error, error)), located_to(contact.mu) * d)
+            change = max(change, was_free * row.stiffness * d)
         normal = normal_law(max(d - h, 0.0), contact.kc, contact.k)[1]
         most = max(most, least_bound * normal)
         if contact.mu == np.inf:
