@@ -42,13 +42,8 @@ OPEN = 1e-3  # wire diameters of penetration at most that are left of a pair jus
 
 def verify_row(verdict: Verdict, forces: WireForces, path: EquilibriumPath, row: int) -> None:
     """One state must balance at every node and be stable, and contact be as reported."""
-    # in a mode as stiff as contact, what solvers leave in the energy norm is this share of the load
-    contact = path.scene.contact
-    stiffness = contact.stiffness * forces.law.d ** (contact.exponent - 1.0)
-    stiff = stiffness * float(np.hypot(*path.tips[row, :2])) / runs.largest_load(path, row)
-    most = max(BALANCE, runs.SOLVER * math.sqrt(stiff)) if contact.enabled else BALANCE
-    verify_balance(verdict, forces, path, row, most)
-    if contact.enabled:
+    verify_balance(verdict, forces, path, row)
+    if path.scene.contact.enabled:
         verify_contact(verdict, forces, path, row)
     verdict.stable(forces.stiffness_of(path, row), float(path.times[row]))
 
@@ -69,11 +64,14 @@ def verify_contact(verdict: Verdict, forces: WireForces, path: EquilibriumPath, 
         verdict.ask(name, share, max(AS_REPORTED, runs.force_grain(path)), f"other {what} at time {time:.6g}")
 
 
-def verify_balance(
-    verdict: Verdict, forces: WireForces, path: EquilibriumPath, row: int = -1, most: float = BALANCE
-) -> None:
+def verify_balance(verdict: Verdict, forces: WireForces, path: EquilibriumPath, row: int = -1) -> None:
     """One state's balance under the load, or with the reaction that the path reports."""
     rows, load, time = path.states[row].reshape(-1, 7), runs.largest_load(path, row), path.times[row]
+    most = BALANCE
+    if path.scene.contact.enabled:
+        # in a mode as stiff as contact, what solvers leave in the energy norm is this share of the load
+        stiff = forces.law.sticking * float(np.hypot(*path.tips[row, :2])) / load
+        most = max(BALANCE, runs.SOLVER * math.sqrt(stiff))
     arm = float(np.abs(forces.arms[1, [0, 2], -1]).max())
     pairs, contact = forces.pairs(path, row), path.scene.contact
     left = forces.residual(rows, path.loads[row], pairs)
