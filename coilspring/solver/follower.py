@@ -71,6 +71,7 @@ from coilspring.solver.system import (
 SAFE = 0.8  # share of the turn allowed that the next substep aims at
 # Iterations in the first round, and in each that follows: with fewer, the next substep may be longer.
 EASY_COUNT, EASY_ROUND = 4, 8
+GROWTH, SLOW_GROWTH = 2.0, 1.2  # of the substep; with friction of hard contact iterations are many in any substep
 MOST_SLIP = 0.01  # wire diameters that a pair that creeps is to slip in a substep
 RETRIED = 0.5  # share of a substep, or release, that failed: it is tried next
 LEAST_CREEP = 1e-7  # of the time 0..1: in less, a pair that creeps moves by no more than it is located to
@@ -314,10 +315,11 @@ def accept_step(task, work, path, substep):
     if path.until < np.inf and not (touched(work.trial_history) or opening(work.history)):
         path.next_step = substep.duration  # what is looked for is still ahead
     path.until = np.inf
-    if substep.iterations < EASY_COUNT + EASY_ROUND * (substep.rounds - 1) or creeping(work.history):
-        # the turn grows with the square of the step
-        growth = min(2.0, math.sqrt(SAFE * TURN / substep.share)) if substep.share > 0.0 else 2.0
-        path.next_step = max(path.next_step, substep.duration * growth)
+    easy = substep.iterations < EASY_COUNT + EASY_ROUND * (substep.rounds - 1) or creeping(work.history)
+    growth = GROWTH if easy else SLOW_GROWTH if substep.rounds > 1 else 1.0
+    # the turn grows with the square of the step
+    growth = min(growth, math.sqrt(SAFE * TURN / substep.share)) if substep.share > 0.0 else growth
+    path.next_step = max(path.next_step, substep.duration * growth)
     slip = largest_slip(work.history)
     if slip > 0.0:
         path.next_step = min(path.next_step, substep.duration * MOST_SLIP * task.diameter / slip)
