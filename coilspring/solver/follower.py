@@ -71,7 +71,7 @@ from coilspring.solver.system import (
 SAFE = 0.8  # share of the turn allowed that the next substep aims at
 # Iterations in the first round, and in each that follows: with fewer, the next substep may be longer.
 EASY_COUNT, EASY_ROUND = 4, 8
-GROWTH, SLOW_GROWTH = 2.0, 1.2  # of the substep; with friction of hard contact iterations are many in any substep
+GROWTH, SLOW_GROWTH = 2.0, 1.2  # of the substep; the slow one with friction, whose rounds may be many in any
 MOST_SLIP = 0.01  # wire diameters that a pair that creeps is to slip in a substep
 RETRIED = 0.5  # share of a substep, or release, that failed: it is tried next
 LEAST_CREEP = 1e-7  # of the time 0..1: in less, a pair that creeps moves by no more than it is located to
