@@ -212,9 +212,9 @@ WATCH = np.dtype(
         ("value", "f8"),
         ("time", "f8"),
         ("zero", "f8"),  # time at which it is predicted to be zero
-        ("mark", "f8"),  # a value, to be
+        ("mark", "f8"),  # a value found on the way, which is to become `past`
         ("mark_time", "f8"),
-        ("past", "f8"),  # the value some time ago, see `coilspring.solver.stability.SUDDEN`
+        ("past", "f8"),  # the value some time ago: `coilspring.solver.stability.no_time` at least
         ("past_time", "f8"),
     ],
     align=True,

@@ -67,13 +67,13 @@ def verify_contact(verdict: Verdict, forces: WireForces, path: EquilibriumPath, 
 def verify_balance(verdict: Verdict, forces: WireForces, path: EquilibriumPath, row: int = -1) -> None:
     """One state's balance under the load, or with the reaction that the path reports."""
     rows, load, time = path.states[row].reshape(-1, 7), runs.largest_load(path, row), path.times[row]
-    most = BALANCE
-    if path.scene.contact.enabled:
+    contact, most = path.scene.contact, BALANCE
+    if contact.enabled:
         # in a mode as stiff as contact, what solvers leave in the energy norm is this share of the load
         stiff = forces.law.sticking * float(np.hypot(*path.tips[row, :2])) / load
         most = max(BALANCE, runs.SOLVER * math.sqrt(stiff))
     arm = float(np.abs(forces.arms[1, [0, 2], -1]).max())
-    pairs, contact = forces.pairs(path, row), path.scene.contact
+    pairs = forces.pairs(path, row)
     left = forces.residual(rows, path.loads[row], pairs)
     left[:, 3:] /= arm
     share, most = float(np.abs(left).max()) / load, max(most, runs.force_grain(path))
