@@ -15,9 +15,9 @@ def copy_history(source, target):
 
 
 @part
-def begin_attempt(history, ratio, straight):
-    """Take back what an attempt made of pairs that were open, or creep; those are expected to slip by `ratio`
-    times what they did in the last substep.
+def begin_attempt(history, duration, ratio, straight):
+    """Take back what an attempt made of pairs that were open, or creep; in its `duration` those are expected
+    to slip by `ratio` times what they did in the last substep.
 
     The direction in which a pair slides at the end of a substep is that of the parabola through the last
     three places (two-step backward differentiation): its reference is ahead on the last way by a share. Not
@@ -31,7 +31,8 @@ def begin_attempt(history, ratio, straight):
         row.wanted = 0.0 if straight or row.stride == 0.0 else ratio**2 / (1.0 + 2.0 * ratio)
         slip = ratio * row.slip
         if row.creeps and slip > 0.0 and row.before > 0.0:
-            row.released = slip / (row.before + slip)
+            more = max(row.growth * duration / row.stiffness, -row.before)
+            row.released = max(slip - more, 0.0) / (row.before + slip)
 
 
 @part

@@ -57,8 +57,9 @@ def approach(before, after, d, mu):
 
 @part
 def _touch(row, before, ahead, after, law):
-    """Hold a pair from where it touches first: on the predicted way where that touches, else on the straight
-    one; what the two differ by, or the rest of the way, is in doubt."""
+    """Hold a pair from where it touches first: on the predicted way where that touches, and what the straight
+    one differs from it there is in doubt. Else anywhere on the way: contact bends it, so that the straight one
+    tells nothing."""
     d = law.d
     e, doubt = np.empty(3), 0.0
     predicted = ahead[0] ** 2 + ahead[1] ** 2 + ahead[2] ** 2 < d * d
@@ -66,13 +67,13 @@ def _touch(row, before, ahead, after, law):
     for i in range(3):
         way = after[i] - before[i]
         e[i] = before[i] + at * ((ahead[i] if predicted else after[i]) - before[i])
-        left = before[i] + other * way - e[i] if predicted else (1.0 - at) * way
+        left = before[i] + other * way - e[i] if predicted else way
         doubt += left * left
     h = math.sqrt(e[0] ** 2 + e[1] ** 2 + e[2] ** 2)
     for i in range(3):
         row.vector[i] = e[i]
         row.normal[i] = e[i] / h
-    touches_first(row, law, at, math.sqrt(doubt))
+    touches_first(row, law, at, math.sqrt(doubt), predicted)
 
 
 @part

@@ -43,6 +43,7 @@ PAIR_HISTORY = np.dtype(
         ("gap", "f8"),  # of such a pair, in the trial state, mm,
         ("sticking", "f8"),  # and the tangential force that would hold all of it, N
         ("cut", "f8"),  # share of the substep to try instead: to where it touches or opens
+        ("growth", "f8"),  # rate at which the force of one that creeps grows, N
         ("held", "f8"),  # its tangential force, or the bound of it, in the last accepted state, N
         ("arms", "f8", 6),  # of wires: the material points that touched first, in their sections at rest, mm
         ("stride", "f8"),  # what a pair with friction slid in the substep before, mm,

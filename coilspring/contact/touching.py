@@ -73,17 +73,18 @@ def creep_to(force, d, K, k):
 
 
 @part
-def touches_first(row, law, at, doubt):
+def touches_first(row, law, at, doubt, predicted):
     """A pair is held from after the share `at` of a substep on: there it touches first, but for a `doubt`.
 
-    A shorter substep is asked for where that is too much.
+    A shorter substep is asked for where that is too much: to where it was `predicted`, else half of it.
     """
     most = located_to(law.mu) * law.d
     row.stiffness = law.kt
     row.closed, row.fresh, row.creeps, row.bound = True, True, False, math.inf
     row.slid, row.rise, row.held, row.released = 0.0, 0.0, 0.0, 0.0
     row.stride, row.wanted, row.lead, row.ahead = 0.0, 0.0, 0.0, 0.0
-    row.cut = 1.0 if doubt <= most else at + 0.5 * (1.0 - at) * most / doubt
+    soon = at + 0.5 * (1.0 - at) * most / doubt if predicted else 0.5
+    row.cut = 1.0 if doubt <= most else soon
 
 
 @part

@@ -10,12 +10,12 @@ import math
 
 import numpy as np
 
-from coilspring.compiling.compiled import part
+from coilspring.compiling.compiled import copy, part
 from coilspring.contact.history import copy_history
 from coilspring.contact.touching import CREEP
-from coilspring.solver.complementarity import GAP, HELD, SLIP, complementary
-from coilspring.solver.operations import factor_state
-from coilspring.solver.response import answer, answered
+from coilspring.solver.complementarity import GAP, HELD, SLIP, complementary, eliminated
+from coilspring.solver.operations import factor_state, solution
+from coilspring.solver.response import answer, answered, nearby
 
 LESS = 1e-4  # share of a force that is changed, to see what it does
 LEAST_SHARE = 1e-12  # of the stiffness: less counts as none between two shares
@@ -35,14 +35,9 @@ def renew_creep(system, task, work, pressed):
         return worst
     n = active.size
     opens, slips, rows = np.empty((n, n)), np.empty((n, n)), np.empty((3, n))
-    _factor_sliding(system, work, active)
+    _factor_sliding(system, work, active, False)
     for p in range(n):
-        row = work.low[active[p]]
-        more = LESS * row.sticking
-        more = -more if row.bound > 0.5 * row.sticking else more
-        copy_history(work.low, work.high)
-        work.high[active[p]].bound += more
-        small = answer(system, task, work)
+        small, more = _forced(system, task, work, active[p])
         answered(system, work, small)
         more *= small
         for q in range(n):
@@ -62,6 +57,56 @@ def renew_creep(system, task, work, pressed):
 
 
 @part
+def creep_tangent(system, task, work):
+    """Set `work.tangent` at a state just accepted, where pairs creep: their forces change so that they go on
+    touching. With the forces as they are, or the share of the stiffness that is left, they would not.
+    """
+    history = work.history
+    active = _slipping(history)
+    n = active.size
+    if n == 0:
+        return
+    _factor_sliding(system, work, active, True)
+    copy_history(work.low, work.high)
+    answered(system, work, 0.0)  # the gaps, which history has of the round before
+    gaps = np.empty(n)
+    for q in range(n):
+        gaps[q] = work.high[active[q]].gap
+    M, motions = np.empty((n, n + 1)), np.empty((n, task.load.size))
+    for p in range(n):
+        small, more = _forced(system, task, work, active[p])
+        answered(system, work, small)
+        for q in range(n):
+            M[q, p] = (work.high[active[q]].gap - gaps[q]) / (small * more)
+        for i in range(task.load.size):
+            motions[p, i] = work.ahead[i] / more
+    solution(system, work.F, task.load, 1.0, work.ahead)
+    small = nearby(system, task, work)
+    answered(system, work, small)
+    for q in range(n):
+        M[q, n] = (gaps[q] - work.high[active[q]].gap) / small
+    if eliminated(M) == 0:
+        return
+    copy(work.ahead, work.tangent)
+    for p in range(n):
+        history[active[p]].growth = M[p, n]
+        for i in range(task.load.size):
+            work.tangent[i] += M[p, n] * motions[p, i]
+
+
+@part
+def _forced(system, task, work, m):
+    """Motion `work.ahead` by which the trial state answers to more of a pair's force; returns the share of it
+    over which what pairs do is nearly linear, and how much more, N."""
+    row = work.low[m]
+    more = LESS * row.sticking
+    more = -more if row.bound > 0.5 * row.sticking else more
+    copy_history(work.low, work.high)
+    work.high[m].bound += more
+    return answer(system, task, work), more
+
+
+@part
 def _active(history, wide, deep):
     """Pairs whose force decides their gap, and the largest gap or penetration that is not as it should be, in
     units of those that may be left."""
@@ -78,19 +123,33 @@ def _active(history, wide, deep):
 
 
 @part
+def _slipping(history):
+    """Pairs that crept in the last substep and hold a force."""
+    slipping, count = np.empty(history.shape[0], np.int64), 0
+    for m in range(history.shape[0]):
+        history[m].growth = 0.0
+        if history[m].creeps and history[m].slip > 0.0 and history[m].held > 0.0:
+            slipping[count] = m
+            count += 1
+    return slipping[:count]
+
+
+@part
 def _held(row):
     """The tangential force of a pair that creeps."""
     return (1.0 - row.released) * row.sticking
 
 
 @part
-def _factor_sliding(system, work, active):
+def _factor_sliding(system, work, active, accepted):
     """Gradient and factor of the trial state with the active pairs, in `work.low`, at the bounds of their
-    forces."""
+    forces; of a state that is `accepted`, those it has."""
     low = work.low
     copy_history(work.history, low)
     for m in active:
-        low[m].bound, low[m].released, low[m].rise = _held(low[m]) * (1.0 - LESS), 0.0, 0.0
+        low[m].sticking = low[m].held if accepted else low[m].sticking
+        force = low[m].held if accepted else _held(low[m])
+        low[m].bound, low[m].released, low[m].rise = force * (1.0 - LESS), 0.0, 0.0
     factor_state(system, work, work.trial, low)
 
 

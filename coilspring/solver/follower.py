@@ -23,6 +23,7 @@ from coilspring.contact.history import (
     touched,
 )
 from coilspring.solver.branch import TURN, curvature, displacement_bound, predict
+from coilspring.solver.creep import creep_tangent
 from coilspring.solver.friction import raise_bounds
 from coilspring.solver.newton import CONVERGED, INDEFINITE, LINEAR
 from coilspring.solver.operations import moved
@@ -113,7 +114,7 @@ def follow(reals, ints, prescribed, kernels, task, work, path_, substep_, newton
         good = stable_so_far(system, task, work, path, substep, softest)
         if good and knows_pairs(system, work, path, substep):
             watch_stiffness(system, task, work, path, substep, softest)
-            accept(task, work, path, substep, watch[ROOM])
+            accept(system, task, work, path, substep, watch[ROOM])
     conclude(system, task, work, path)
 
 
@@ -276,12 +277,12 @@ def knows_pairs(system, work, path, substep):
 
 
 @part
-def accept(task, work, path, substep, room):
+def accept(system, task, work, path, substep, room):
     """Make the trial state the last accepted one."""
     if path.releasing:
         accept_release(task, work, path, substep)
     else:
-        accept_step(task, work, path, substep)
+        accept_step(system, task, work, path, substep)
     if substep.moved == 0.0:
         room.zero = predicted_zero(path.time, substep.room, room.time, room.value)
         room.time = path.time
@@ -302,13 +303,16 @@ def accept(task, work, path, substep, room):
 
 
 @part
-def accept_step(task, work, path, substep):
+def accept_step(system, task, work, path, substep):
     """Go on in time, with a step as long as the path's curvature lets the next one be."""
     copy(work.tangent, work.old)
     if path.snapping:
         snapped(task, work, path, substep)
     if substep.status == CONVERGED:
         copy(work.ahead, work.tangent)
+        if creeping(work.history):
+            creep_tangent(system, task, work)
+            path.spent += 1
     path.reuse, path.last_step, path.time = True, substep.duration, substep.target
     path.error = substep.error
     path.due = substep.landing

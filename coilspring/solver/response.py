@@ -17,10 +17,17 @@ def answer(system, task, work):
 
     `work.F` is the factor at the trial state with `work.low`, and `work.g` its gradient.
     """
-    step, there = work.step, work.scratch
+    step = work.step
     assembled(system, work.trial, 0.0, work.high, work.trial, step, work.F[:0])
     subtract(work.g, step)
     solution(system, work.F, step, -1.0, work.ahead)
+    return nearby(system, task, work)
+
+
+@part
+def nearby(system, task, work):
+    """Share of the motion `work.ahead` from the trial state over which what pairs do is nearly linear."""
+    there = work.scratch
     moved(system, work.trial, work.ahead, 1.0, there)
     distance, _, _ = system.displacement_bound(system.reals, system.ints, work.trial, there, np.inf)
     return NEARBY * task.diameter / distance if distance > 0.0 else 1.0

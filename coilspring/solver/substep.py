@@ -57,7 +57,8 @@ def find_equilibrium(system, equilibrium, task, work, path, substep, it):
         path.rounding, task.limit, task.limit if path.snapping else MOST_DAMPED,
         snap.SHIFT if path.snapping else FIRST_SHIFT, task.modified, path.least_pivot,
     )  # fmt: skip
-    begin_attempt(work.history, substep.duration / path.last_step, work.old[0] == np.inf)
+    ratio = substep.duration / path.last_step
+    begin_attempt(work.history, substep.duration, ratio, work.old[0] == np.inf)
     if path.releasing:
         release(work.history, 2.0**-path.release if path.release <= MOST_RELEASE else 0.0)
     update_pairs(system, work, work.predicted)

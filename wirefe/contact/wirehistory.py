@@ -41,12 +41,12 @@ def _touch(contact, states, m, row):
     for i in range(6):
         way = there[2, i] - there[0, i]
         row.arms[i] = there[0, i] + at * (there[far, i] - there[0, i])
-        left = there[0, i] + other * way - row.arms[i] if predicted else (1.0 - at) * way
+        left = there[0, i] + other * way - row.arms[i] if predicted else way
         doubt[i % 3] += left if i < 3 else -left
     for i in range(3):
         apart += doubt[i] * doubt[i]
         row.normal[i] = v[2, i]
-    touches_first(row, contact, at, math.sqrt(apart))
+    touches_first(row, contact, at, math.sqrt(apart), predicted)
 
 
 @part
