@@ -28,8 +28,9 @@ def begin_attempt(history, duration, ratio, straight):
         if row.fresh:
             row.closed = row.fresh = False
         row.released, row.least, row.most = 0.0, -1.0, 2.0
-        row.wanted = 0.0 if straight or row.stride == 0.0 else ratio**2 / (1.0 + 2.0 * ratio)
-        slip = ratio * row.slip
+        slides = row.stride > 0.0 and (row.creeps or row.bound < np.inf)
+        row.wanted = 0.0 if straight or not slides else ratio**2 / (1.0 + 2.0 * ratio)
+        slip = ratio * row.slip - row.wanted * row.stride
         if row.creeps and slip > 0.0 and row.before > 0.0:
             more = max(row.growth * duration / row.stiffness, -row.before)
             row.released = max(slip - more, 0.0) / (row.before + slip)

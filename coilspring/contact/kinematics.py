@@ -7,6 +7,7 @@ import numpy as np
 from coilspring.compiling.compiled import part
 from coilspring.contact.law import arc, normal_law, stretch
 from coilspring.contact.touching import (
+    creeps_as_far,
     first_touch,
     gave_way,
     goes_on,
@@ -58,8 +59,7 @@ def approach(before, after, d, mu):
 @part
 def _touch(row, before, ahead, after, law):
     """Hold a pair from where it touches first: on the predicted way where that touches, and what the straight
-    one differs from it there is in doubt. Else anywhere on the way: contact bends it, so that the straight one
-    tells nothing."""
+    one differs from it there is in doubt. Else it may be anywhere on the way: contact bends that."""
     d = law.d
     e, doubt = np.empty(3), 0.0
     predicted = ahead[0] ** 2 + ahead[1] ** 2 + ahead[2] ** 2 < d * d
@@ -105,8 +105,9 @@ def _hold(row, g, h, d, length, e):
     size = math.sqrt(square) if square > 0.0 else 1.0
     angle = length / d if row.creeps else 0.0
     for i in range(3):
-        row.normal[i] = math.cos(angle) * g[i] / h - math.sin(angle) * e[i] / size
+        row.onward[i] = math.cos(angle) * g[i] / h - math.sin(angle) * e[i] / size
         row.vector[i] = g[i] - length * e[i] / size
+    _turn(row, row.onward, e)
 
 
 @part
@@ -128,9 +129,15 @@ def _slide(row, g, h, left, t):
         _lead(row)
     for i in range(3):
         row.vector[i] = math.cos(left) * g[i] / h - math.sin(left) * t[i]
-    angle = arc(row.vector, 1.0, row, t)
+    _turn(row, row.vector, t)
+
+
+@part
+def _turn(row, normal, t):
+    """Turn the reference of a pair to a direction."""
+    angle = arc(normal, 1.0, row, t)
     for i in range(3):
-        row.normal[i], row.onward[i] = row.vector[i], angle * t[i]
+        row.normal[i], row.onward[i] = normal[i], angle * t[i]
     if angle == 0.0:  # by no more than rounding
         row.stride = 0.0
 
@@ -160,6 +167,8 @@ def remember(vectors, history, law):
         left = gave_way(length, row, h - d)
         if goes_on(row, left, h - d, d):
             least = min(least, 0.0)
+        if row.lead > 0.0:
+            _lead(row)
         if left < length or crept or row.creeps:
             _hold(row, vectors[m], h, d, left, e)
     return least
@@ -175,10 +184,17 @@ def update_pairs(before, ahead, vectors, history, law):
     change, most = 0.0, min(mu, 1.0) * normal_law(SLIGHT * d, law.kc, law.k)[1]
     for m in range(vectors.shape[0]):
         h, row = _distance(vectors, m), history[m]
+        if (row.opening or row.creeps) and row.wanted != row.lead:
+            _lead(row)
         if row.opening:
             touches_again(row, _distance(before, m), h, d)
         elif row.creeps:
             row.gap, row.sticking = h - d, row.stiffness * _stretched(vectors[m], h, d, row, e)
+            if row.lead > 0.0 and not creeps_as_far(row):
+                change = max(change, row.stiffness * row.lead * row.stride)
+                _lead(row)
+                row.sticking = row.stiffness * _stretched(vectors[m], h, d, row, e)
+            row.ahead = row.lead * d * (e[0] * row.onward[0] + e[1] * row.onward[1] + e[2] * row.onward[2])
         if row.opening or row.creeps or not (row.closed or h < d):
             continue
         if not row.closed:

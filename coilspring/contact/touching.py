@@ -42,6 +42,16 @@ def leads(row):
 
 
 @part
+def creeps_as_far(row):
+    """Whether a pair that creeps slips as far as its reference is ahead; else that is taken back."""
+    force = min((1.0 - row.released) * row.sticking, row.bound)
+    if row.sticking - force >= row.stiffness * row.lead * row.stride:
+        return True
+    row.wanted = 0.0
+    return False
+
+
+@part
 def first_touch(before, after, d):
     """Share of the way from one vector of a pair to another after which it touches first: where h = d.
 
@@ -150,16 +160,18 @@ def gave_way(length, row, gap):
     grows, is the area (T0 s1 - T1 s0) / 2. A pair that touches then sticks with the whole stiffness: the
     stretch that its force needs no more is slip, and its energy lost.
     """
-    row.slip, K = 0.0, row.stiffness
+    row.slip, K, ahead = 0.0, row.stiffness, row.ahead
+    row.stride, row.wanted, row.ahead = 0.0, 0.0, 0.0
     if row.released == 0.0:
         return length
     force = (1.0 - row.released) * K * length
     row.work += 0.5 * (row.held * length - force * row.before)
     if row.opening and gap >= 0.0 and force > 0.0:
         return length
-    row.work += 0.5 * force * (length - force / K)
-    row.slip = length - force / K
+    row.work += 0.5 * force * (length - force / K) + 0.5 * (row.held + force) * ahead
+    row.slip = length - force / K + ahead
     row.slid += row.slip
+    row.stride = row.slip if row.creeps else 0.0
     row.released = 0.0
     return force / K
 

@@ -8,6 +8,7 @@ from coilspring.compiling.compiled import part
 from coilspring.contact.kinematics import SLIGHT
 from coilspring.contact.law import normal_law
 from coilspring.contact.touching import (
+    creeps_as_far,
     first_touch,
     gave_way,
     goes_on,
@@ -73,9 +74,9 @@ def remember_wires(contact, state, history):
                 least = min(least, 0.0)
         elif slid(length, row, gap_left):
             left = row.bound / row.stiffness
+        if row.lead > 0.0:
+            _lead(row)
         if left < length:
-            if row.lead > 0.0:
-                _lead(row)
             for i in range(6):
                 row.onward[i] = row.arms[i]
             touching_points(contact, points, state, m, plus(way, left / length - 1.0, way), row.arms)
@@ -93,6 +94,14 @@ def _lead(row):
 
 
 @part
+def _ahead(contact, state, m, row, way, length):
+    """By how much the reference of a pair is ahead, along the slide at hand."""
+    if row.lead == 0.0 or length == 0.0:
+        return 0.0
+    return -row.lead * dot(between_sections(contact, state, m, row.onward), way) / length
+
+
+@part
 def update_wires(contact, accepted, predicted, state, history):
     """See `coilspring.contact.kinematics.update_pairs`."""
     points, before = placed(contact, state), placed(contact, accepted)
@@ -106,12 +115,20 @@ def update_wires(contact, accepted, predicted, state, history):
             continue
         h, _, _, _, _ = gap(contact, points, m)
         d = contact.d - contact.clearance[m]
+        if (row.opening or row.creeps) and row.wanted != row.lead:
+            _lead(row)
         if row.opening:
             far, _, _, _, _ = gap(contact, before, m)
             touches_again(row, far, h, d)
         elif row.creeps:
-            length, _ = tangential_slip(contact, points, state, m, row)
+            length, way = tangential_slip(contact, points, state, m, row)
             row.gap, row.sticking = h - d, row.stiffness * length
+            if row.lead > 0.0 and not creeps_as_far(row):
+                change = max(change, row.stiffness * row.lead * row.stride)
+                _lead(row)
+                length, way = tangential_slip(contact, points, state, m, row)
+                row.sticking = row.stiffness * length
+            row.ahead = _ahead(contact, state, m, row, way, length)
         if row.opening or row.creeps:
             continue
         new = not row.closed
@@ -140,8 +157,5 @@ def update_wires(contact, accepted, predicted, state, history):
                 _lead(row)
                 length, way = tangential_slip(contact, points, state, m, row)
                 change = max(change, bound, renewed(length, bound, contact, row))
-            row.ahead = 0.0
-            if row.lead > 0.0 and length > 0.0:
-                led = between_sections(contact, state, m, row.onward)
-                row.ahead = -row.lead * dot(led, way) / length
+            row.ahead = _ahead(contact, state, m, row, way, length)
     return change / most if change > 0.0 else 0.0
