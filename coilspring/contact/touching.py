@@ -7,13 +7,13 @@ from coilspring.compiling.compiled import part
 # Share of a bound that is left when it falls with the slip: less is out of reach, since the rise is at least
 # -1/d and a pair moves by no more than half of d in a substep.
 LEAST_LEFT = 0.5
-OPEN = 2e-5  # wire diameters of gap at most where a pair that sticks is said to open
-CREEP = 1e-6  # wire diameters of gap at most where a pair that creeps is said to touch;
+OPEN = 2e-6  # wire diameters of gap at most where a pair that sticks is said to open
+CREEP = 1e-7  # wire diameters of gap at most where a pair that creeps is said to touch;
 PRESSED = 1e-4  # of the load: with less it is pressed then, but for
 FINEST_CREEP = 1e-10  # wire diameters, of what rounding leaves
 FINEST = 1e-10  # wire diameters of slip, before which no pair reaches its bound
 # Wire diameters, by which two ways to find where a pair touches first may differ at most: where it sticks,
-STICK_LOCATED = 2e-5
+STICK_LOCATED = 2e-6
 LOCATED = 1e-4  # and with friction
 
 
@@ -93,8 +93,9 @@ def touches_first(row, law, at, doubt, predicted):
     row.closed, row.fresh, row.creeps, row.bound = True, True, False, math.inf
     row.slid, row.rise, row.held, row.released = 0.0, 0.0, 0.0, 0.0
     row.stride, row.wanted, row.lead, row.ahead = 0.0, 0.0, 0.0, 0.0
-    soon = at + 0.5 * (1.0 - at) * most / doubt if predicted else 0.5
-    row.cut = 1.0 if doubt <= most else soon
+    row.cut = 1.0
+    if doubt > most:
+        row.cut = at + 0.5 * (1.0 - at) * most / doubt if predicted else 0.5
 
 
 @part
