@@ -14,7 +14,8 @@ from wirefe.element.rotations import turned
 
 @arithmetic
 def pair_matrix(f, Hg, ra, rb, g, K):
-    """Gradient (12,) and Hessian (12, 12) of a pair in the dofs of its nodes; `ra`, `rb` as turned now.
+    """Gradient (12,) and Hessian (12, 12) of a pair in the dofs of its nodes, left out where `K` is empty;
+    `ra`, `rb` as turned now.
 
     `f` and `Hg` are those in the vector from one centre to the other, whose change is
     dxb - rb x phib - dxa + ra x phia.
@@ -24,6 +25,8 @@ def pair_matrix(f, Hg, ra, rb, g, K):
     g[3], g[4], g[5] = cross(F, ra)
     g[6], g[7], g[8] = F[0], F[1], F[2]
     g[9], g[10], g[11] = cross(rb, F)
+    if len(K) == 0:
+        return
     Ra, Rb = skew(ra, -1.0), skew(rb, -1.0)
     Ba, Bb = product(A, Ra), product(A, Rb)
     put(K, 0, 0, A)
@@ -60,7 +63,7 @@ def add_spheres(contact, history, state, g, H):
     """Contact energy of spheres; adds its gradient and Hessian. Only pairs that touch are scattered."""
     energy = 0.0
     w, e, f, Hg = np.empty(3), np.empty(3), np.empty(3), np.empty((3, 3))
-    ge, Ke = np.empty(12), np.empty((12, 12))
+    ge, Ke = np.empty(12), np.empty((12 if len(H) > 0 else 0, 12))
     for m in range(contact.pairs.shape[0]):
         v, ra, rb = between(contact, state, m)
         h2 = dot(v, v)

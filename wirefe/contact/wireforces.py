@@ -27,7 +27,7 @@ from coilspring.compiling.compiled import arithmetic, clear_table
 from coilspring.contact.law import normal_law, tangential_law
 from wirefe.contact.stations import ARMS, POSITION, ROTATION, SLOPES, TANGENT
 from wirefe.contact.wires import gap, placed, slip, touches
-from wirefe.element.algebra import added, cross, dot, lever, plus
+from wirefe.element.algebra import added, cross, dot, lever, mixed, plus
 from wirefe.element.poses import ROW, four, three, three_of
 from wirefe.element.rotations import turned
 
@@ -46,6 +46,14 @@ class Frame(NamedTuple):
     sigma: Any
     length: Any  # |tau|
     count: Any
+
+
+class Forces(NamedTuple):
+    """Forces of a pair on the motions dv, dtau and dxi."""
+
+    gap: Any
+    tangent: Any
+    slip: Any
 
 
 class Forms(NamedTuple):
@@ -84,10 +92,11 @@ def _node_forms(L, slot, c, e, r, q, x, frame):
 
 
 @arithmetic
-def _station_forms(contact, state, k, rho, frame, forms, first):
-    """Fill the `Forms` of a station's nodes.
+def _put_station(contact, state, k, rho, frame, forces, forms, first, g):
+    """Add the gradient of a station's nodes, and fill their `Forms` unless these are empty.
 
-    The slots are `first` (0 for the pair's first station, which w leads away from) and the next one.
+    The slots are `first` (0 for the pair's first station, which w leads away from) and the next one. Nine
+    arguments: where the wire is, what acts on it, and where that goes.
     """
     L, arms, nodes, _, _ = forms
     node, parts, sign = contact.attached[k], contact.parts, -1.0 if first == 0 else 1.0
@@ -96,17 +105,30 @@ def _station_forms(contact, state, k, rho, frame, forms, first):
         c, e, turn = parts[k, POSITION], parts[k, TANGENT], parts[k, ROTATION]
         if slot == 0:
             c, e, turn = 1.0 - c, -e, 1.0 - turn
-        p = four(state, ROW * (node + slot) + 3)
+        p, i = four(state, ROW * (node + slot) + 3), first + slot
         r = turned(p, three_of(parts, k, ARMS + 3 * slot))
         q = turned(p, three_of(parts, k, SLOPES + 3 * slot))
-        x = plus(r, turn, turned(p, rho))
-        r, x = (sign * r[0], sign * r[1], sign * r[2]), (sign * x[0], sign * x[1], sign * x[2])
-        _node_forms(L, first + slot, sign * c, e, r, q, x, frame)
-        i = first + slot
-        arms[i, 0], arms[i, 1], arms[i, 2] = plus(r, -frame[3], q)
-        arms[i, 3], arms[i, 4], arms[i, 5] = q
-        arms[i, 6], arms[i, 7], arms[i, 8] = x
+        x = plus(r, turn, turned(p, rho)) if frame.count > FRICTIONLESS else r
+        c, r, x = sign * c, (sign * r[0], sign * r[1], sign * r[2]), (sign * x[0], sign * x[1], sign * x[2])
         nodes[i] = node + slot
+        cv, rv = c - frame.sigma * e, plus(r, -frame.sigma, q)
+        _add_gradient(g, 6 * nodes[i], cv, rv, forces.gap)
+        if frame.count > FRICTIONLESS:
+            _add_gradient(g, 6 * nodes[i], e, q, forces.tangent)
+            _add_gradient(g, 6 * nodes[i], c, x, forces.slip)
+        if len(L) > 0:
+            _node_forms(L, i, c, e, r, q, x, frame)
+            arms[i, 0], arms[i, 1], arms[i, 2] = rv
+            arms[i, 3], arms[i, 4], arms[i, 5] = q
+            arms[i, 6], arms[i, 7], arms[i, 8] = x
+
+
+@arithmetic
+def _add_gradient(g, p, c, r, F):
+    """Add the force F, by which a node of which the dofs begin at p moves something by c dx + phi x r."""
+    x, y, z = cross(r, F)
+    g[p], g[p + 1], g[p + 2] = g[p] + c * F[0], g[p + 1] + c * F[1], g[p + 2] + c * F[2]
+    g[p + 3], g[p + 4], g[p + 5] = g[p + 3] + x, g[p + 4] + y, g[p + 5] + z
 
 
 @arithmetic
@@ -118,9 +140,8 @@ def _add(Q, i, j, value):
 
 
 @arithmetic
-def _normal(F, slope, h, G, Q):
-    """Gradient (forms,) and Hessian (forms, forms) of the normal potential in the forms."""
-    G[ALPHA] -= F
+def _normal(F, slope, h, Q):
+    """Hessian (forms, forms) of the normal potential in the forms."""
     _add(Q, ALPHA, ALPHA, slope)
     _add(Q, BETA, BETA, -F / h)
     _add(Q, GAMMA, DELTA, F)
@@ -128,15 +149,10 @@ def _normal(F, slope, h, G, Q):
 
 
 @arithmetic
-def _tangential(force, slope, xi, rho, h, G, Q):
-    """The same of the tangential one, by its force and slope at the slip's length; returns force / rho."""
+def _tangential(ratio, more, xi, h, Q):
+    """The same of the tangential one: by its force over the slip's length and, over that again, the rate of
+    this ratio."""
     z, x, y = xi
-    ratio = force / rho if rho > 0.0 else slope
-    more = (slope - ratio) / rho**2 if rho > 0.0 else 0.0
-    G[BETA] -= ratio * x * z / h
-    G[DELTA] += ratio * y * z
-    G[XB] += ratio * x
-    G[XU] += ratio * y
     change = (-x * z / h, y * z, x, y)  # of rho^2 / 2
     forms = (BETA, DELTA, XB, XU)
     for i in range(4):
@@ -156,26 +172,13 @@ def _tangential(force, slope, xi, rho, h, G, Q):
     _add(Q, DELTA, EPSILON, ratio * z * x)
     _add(Q, EPSILON, BETA, ratio * z * y / h)
     _add(Q, DELTA, LAMBDA, -ratio * z * y)
-    return ratio
 
 
 @arithmetic
-def _levers(arms, slot, on_gap, on_tangent, on_slip):
+def _levers(arms, slot, forces):
     """Second derivative of what a node's arms do under the forces on them."""
-    A = added(lever(on_gap, three_of(arms, slot, 0)), 1.0, lever(on_tangent, three_of(arms, slot, 3)))
-    return added(A, 1.0, lever(on_slip, three_of(arms, slot, 6)))
-
-
-@arithmetic
-def _add_gradient(nodes, L, G, count, g):
-    """Add the gradient of the forms' coefficients `G` (9,)."""
-    for i in range(SLOTS):
-        if nodes[i] >= 0:
-            for r in range(6):
-                value = 0.0
-                for k in range(count):
-                    value += G[k] * L[k, i, r]
-                g[6 * nodes[i] + r] += value
+    A = added(lever(forces.gap, three_of(arms, slot, 0)), 1.0, lever(forces.tangent, three_of(arms, slot, 3)))
+    return added(A, 1.0, lever(forces.slip, three_of(arms, slot, 6)))
 
 
 @arithmetic
@@ -242,47 +245,54 @@ def _add_table(B, K, upright):
 @arithmetic
 def add_wires(contact, history, state, g, H):
     """Contact energy of the wires; adds its gradient and Hessian. Only pairs that touch, or stick, are."""
-    energy, points = 0.0, placed(contact, state)
-    L, Q, G = np.empty((ALL, SLOTS, 6)), np.empty((ALL, ALL)), np.empty((1, ALL))
+    energy, points, whole = 0.0, placed(contact, state), len(H) > 0
+    L, Q = np.empty((ALL if whole else 0, SLOTS, 6)), np.empty((ALL, ALL))
     arms, nodes = np.empty((SLOTS, 9)), np.empty(SLOTS, np.int64)
-    forms = Forms(L, arms, nodes, np.empty((ALL, 6)), np.empty((6, 6)))
+    forms, none = Forms(L, arms, nodes, np.empty((ALL, 6)), np.empty((6, 6))), (0.0, 0.0, 0.0)
     for m in range(contact.pairs.shape[0]):
         row = history[m]
         if not (row.closed or touches(contact, points, m)):
             continue
         h, n, u, s, length = gap(contact, points, m)
-        depth = contact.d - h - contact.clearance[m]
         b, count = cross(u, n), ALL if row.closed else FRICTIONLESS
         frame = Frame(n, b, u, s / length, length, count)
-        _station_forms(contact, state, contact.pairs[m, 0], three(row.arms, 0), frame, forms, 0)
-        _station_forms(contact, state, contact.pairs[m, 1], three(row.arms, 3), frame, forms, 2)
-        clear_table(G)
-        clear_table(Q)
-        F = 0.0
-        if depth > 0.0:
-            stored, F, slope = normal_law(depth, contact.kc, contact.k)
-            energy += stored
-            _normal(F, slope, h, G[0], Q)
-        on_gap, on_tangent, on_slip = (-F * n[0], -F * n[1], -F * n[2]), (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
+        depth = contact.d - h - contact.clearance[m]
+        stored, F, slope = normal_law(depth, contact.kc, contact.k) if depth > 0.0 else none
+        energy += stored
+        forces = Forces((-F * n[0], -F * n[1], -F * n[2]), none, none)
+        if whole:
+            clear_table(Q)
+            _normal(F, slope, h, Q)
         if row.closed:
             way = slip(contact, points, state, m, row.arms)
             xi = (dot(way, n), dot(way, b), dot(way, u))
             rho = math.sqrt(xi[1] ** 2 + xi[2] ** 2)
             stored, force, slope = tangential_law(rho, row)
             energy += stored
-            ratio = _tangential(force, slope, xi, rho, h, G[0], Q)
-            on_gap = plus(on_gap, -ratio * xi[0] * xi[1] / h, b)
+            ratio = force / rho if rho > 0.0 else slope
             across = ratio * xi[0] * xi[2] / length
-            on_tangent = (across * n[0], across * n[1], across * n[2])
-            on_slip = plus((0.0, 0.0, 0.0), ratio * xi[1], b)
-            on_slip = plus(on_slip, ratio * xi[2], u)
-        _add_gradient(nodes, L, G[0], count, g)
-        if len(H) > 0:
+            forces = Forces(
+                plus(forces.gap, -ratio * xi[0] * xi[1] / h, b),
+                (across * n[0], across * n[1], across * n[2]),
+                mixed(ratio * xi[1], b, ratio * xi[2], u),
+            )
+            if whole:
+                _tangential(ratio, (slope - ratio) / rho**2 if rho > 0.0 else 0.0, xi, h, Q)
+        _put_station(contact, state, contact.pairs[m, 0], three(row.arms, 0), frame, forces, forms, 0, g)
+        _put_station(contact, state, contact.pairs[m, 1], three(row.arms, 3), frame, forces, forms, 2, g)
+        if whole:
             _add_hessian(contact, m, forms, Q, count, H)
-            for slot in range(SLOTS):
-                if nodes[slot] >= 0:
-                    B, A = H[nodes[slot]], _levers(arms, slot, on_gap, on_tangent, on_slip)
-                    for i in range(3):
-                        for j in range(3):
-                            B[3 + i, 3 + j] += A[3 * i + j]
+            _add_levers(forms, forces, H)
     return energy
+
+
+@arithmetic
+def _add_levers(forms, forces, H):
+    """Add what the arms of a pair's nodes do to their own blocks."""
+    for slot in range(SLOTS):
+        node = forms.nodes[slot]
+        if node >= 0:
+            A = _levers(forms.arms, slot, forces)
+            for i in range(3):
+                for j in range(3):
+                    H[node, 3 + i, 3 + j] += A[3 * i + j]
