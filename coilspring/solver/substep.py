@@ -188,7 +188,7 @@ def hides_instability(system, work, path):
 def clear_between(system, task, work, path, substep):
     """Whether wires overlap by no more than allowed half way, too: coils that slip past each other may do so
     only there."""
-    if path.snapping or path.releasing:
+    if path.snapping or path.releasing or 0.5 * NEARER * substep.distance < substep.room:
         return True
     moved(system, work.state, work.tangent, 0.5 * substep.duration, work.scratch)
     put_prescribed(system, task.start, substep.target - 0.5 * substep.duration, work.scratch)
