@@ -7,6 +7,7 @@ import pytest
 
 from coilspring.contact.touching import CREEP
 from coilspring.solver.complementarity import FREE, GAP, HELD, SLIP, STICKS, TOUCHES, complementary
+from validation.campaign.runs import deviation
 from validation.campaign.scenes import make_case
 from validation.campaign.verdict import reached
 
@@ -78,6 +79,20 @@ def test_tips_do_not_depend_on_the_steps(name):
     assert np.ptp(tips, axis=0)[:2].max() <= 1e-3 * np.abs(tips[:, :2]).max()
     crept = [path.histories["creeps"] & (path.histories["slid"] > 0.0) for path in paths]
     assert any(each.any() for each in crept)
+
+
+@pytest.mark.parametrize(("name", "seed"), [("w00441", 116), ("w00088", 104)])
+def test_the_path_of_pairs_that_creep_is_predicted(name, seed):
+    """All rows agree to 4e-5. It was 1.3e-2 and 2e-3: along a tangent with the stiffness that was left, the next
+    pair touched later; and a touch that was not predicted was located on the straight line."""
+    paths = [reached(make_case(name, seed), steps=count) for count in (20, 100)]
+    assert max(deviation(*paths)) <= 3e-4
+
+
+def test_creep_follows_its_path_to_second_order():
+    """Where the slide turns: 1.5e-3 of the time at which coils pass through each other, 6e-3 to first order."""
+    ends = [reached(make_case("w00545", 115), steps=count).end_bracket[0] for count in (5, 400)]
+    assert ends[0] == pytest.approx(ends[1], rel=3e-3)
 
 
 @pytest.mark.parametrize(
