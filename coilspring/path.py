@@ -86,6 +86,8 @@ class EquilibriumPath:
         each pair when the state was found; None for traced paths.
     critical_time : middle of the time bracket of a critical point, or None.
     critical_bracket : length of that bracket, or None.
+    undecided_time : time from which on sticking pairs can hold each other by other forces as well: beyond
+        it the answer may depend on the steps; or None.
     end_bracket : times between which a path ends that did not complete, or None.
     last_state : (n,) the last equilibrium of such a path, at the first of these times, or None.
     total_iterations : factorisations in all, those after the last row included.
@@ -112,6 +114,7 @@ class EquilibriumPath:
     histories: np.ndarray | None = None
     critical_time: float | None = None
     critical_bracket: float | None = None
+    undecided_time: float | None = None
     end_bracket: tuple[float, float] | None = None
     last_state: np.ndarray | None = None
     total_iterations: int = 0

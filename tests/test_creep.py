@@ -83,14 +83,14 @@ def test_tips_do_not_depend_on_the_steps(name):
 
 @pytest.mark.parametrize(("name", "seed"), [("w00441", 116), ("w00088", 104)])
 def test_the_path_of_pairs_that_creep_is_predicted(name, seed):
-    """All rows agree to 4e-5. It was 1.3e-2 and 2e-3: along a tangent with the stiffness that was left, the next
-    pair touched later; and a touch that was not predicted was located on the straight line."""
+    """All rows agree to 4e-5. It was 1.3e-2 and 2e-3: along a tangent with the stiffness that was left the
+    next pair touched later; and a touch that was not predicted was located on the straight line."""
     paths = [reached(make_case(name, seed), steps=count) for count in (20, 100)]
     assert max(deviation(*paths)) <= 3e-4
 
 
 def test_creep_follows_its_path_to_second_order():
-    """Where the slide turns: 1.5e-3 of the time at which coils pass through each other, 6e-3 to first order."""
+    """Where the slide turns: 1.5e-3 of the time at which coils pass through each other; 6e-3 to first."""
     ends = [reached(make_case("w00545", 115), steps=count).end_bracket[0] for count in (5, 400)]
     assert ends[0] == pytest.approx(ends[1], rel=3e-3)
 

@@ -8,6 +8,8 @@ TOUCHES, FREE, STICKS = 0, 1, 2
 GAP, SLIP, HELD = range(3)
 SOLVED, OTHER, SINGULAR = range(3)
 MOST_TURNS = 10  # of each pair
+MOST_COMBINED = 5  # pairs, of which every combination is tried
+SAME = 1e-3  # of the largest force of sticking, by which the forces of two solutions differ at least
 
 
 @part
@@ -46,6 +48,35 @@ def complementary(opens, slips, rows):
         if state[p] != TOUCHES:
             rows[HELD if state[p] == FREE else SLIP, p] = 0.0
     return True
+
+
+@part
+def several(opens, slips, rows):
+    """Whether other forces would do as well; of more than `MOST_COMBINED` pairs it is not known.
+
+    Sticking is friction without a bound: what a pair holds may press it, and then holds it.
+    """
+    n = opens.shape[0]
+    if n > MOST_COMBINED:
+        return False
+    state, M, first, count, largest = np.zeros(n, np.int64), np.empty((n, n + 1)), np.empty(n), 0, 0.0
+    for p in range(n):
+        largest = max(largest, rows[HELD, p] + rows[SLIP, p])
+    for combination in range(3**n):
+        rest = combination
+        for p in range(n):
+            state[p] = rest % 3
+            rest //= 3
+        for p in range(n):
+            _equation(state[p], p, opens, slips, rows, M)
+        if eliminated(M) == 0 or _next(state, opens, slips, rows, M) < n:
+            continue
+        for p in range(n):
+            if count > 0 and abs(M[p, n] - first[p]) > SAME * largest:
+                return True
+            first[p] = M[p, n]
+        count += 1
+    return False
 
 
 @part

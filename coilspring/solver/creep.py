@@ -13,7 +13,7 @@ import numpy as np
 from coilspring.compiling.compiled import copy, part
 from coilspring.contact.history import copy_history
 from coilspring.contact.touching import CREEP
-from coilspring.solver.complementarity import GAP, HELD, SLIP, complementary, eliminated
+from coilspring.solver.complementarity import GAP, HELD, SLIP, complementary, eliminated, several
 from coilspring.solver.operations import factor_state, solution
 from coilspring.solver.response import answer, answered, nearby
 
@@ -23,7 +23,7 @@ NEARLY = 0.5  # of the stiffness: where a pair opened with no share so far, all 
 
 
 @part
-def renew_creep(system, task, work, pressed):
+def renew_creep(system, task, work, substep, pressed):
     """Renew the released shares in `work.history` of pairs that creep, at the trial state found with them.
 
     Returns the largest gap over `coilspring.contact.touching.CREEP`, or penetration of a pair that gives way
@@ -46,6 +46,7 @@ def renew_creep(system, task, work, pressed):
             slips[q, p] = (there.sticking - row.sticking) / more - (1.0 if p == q else 0.0)
         row = history[active[p]]
         rows[GAP, p], rows[SLIP, p], rows[HELD, p] = row.gap, row.sticking - _held(row), _held(row)
+    substep.several = several(opens, slips, rows)
     if not complementary(opens, slips, rows):
         return np.inf
     for p in range(n):

@@ -279,6 +279,8 @@ def knows_pairs(system, work, path, substep):
 @part
 def accept(system, task, work, path, substep, room):
     """Make the trial state the last accepted one."""
+    if substep.several:
+        path.undecided = min(path.undecided, path.time)
     if path.releasing:
         accept_release(task, work, path, substep)
     else:

@@ -91,6 +91,16 @@ def snaps(track: Track) -> str:
     return f"; on the way it snaps past {points}, by at most {track.largest_snap:.2g} wire diameters"
 
 
+def undecided(track: Track) -> str:
+    """That sticking pairs could hold other forces as well, or nothing."""
+    if track.undecided == np.inf:
+        return ""
+    return (
+        f"; from time {track.undecided:.6f} on sticking pairs can hold each other by other forces as well: "
+        "another number of steps may find those"
+    )
+
+
 def caution(scene: Scene, shape: Shape, states: np.ndarray) -> str:
     """What makes the last state an equilibrium of the model rather than of a spring, or nothing."""
     if not len(states):

@@ -66,3 +66,4 @@ class Track:
     far: bool  # beyond its end a snap found an equilibrium, but too far away
     snaps: int  # limit points passed, see `coilspring.solver.snap`,
     largest_snap: float  # and bound on the largest motion at one of them, wire diameters
+    undecided: float  # time from which on pairs that creep could hold other forces, or infinite

@@ -16,7 +16,7 @@ from coilspring.scene import Scene
 from coilspring.solver.interface import Kernels
 from coilspring.solver.interrupt import interruptible
 from coilspring.solver.newton import DECREMENTS
-from coilspring.solver.outcome import caution, judged, snaps, verdict
+from coilspring.solver.outcome import caution, judged, snaps, undecided, verdict
 from coilspring.solver.problem import Problem, Track
 from coilspring.solver.stages import stages
 from coilspring.solver.startup import ready
@@ -93,6 +93,7 @@ class Walk:
             far=bool(path["far"]),
             snaps=int(path["snaps"]),
             largest_snap=float(path["largest_snap"]),
+            undecided=float(path["undecided"]),
         )
 
 
@@ -200,6 +201,7 @@ def _joined(runs: list[Run], count: int) -> Run:
         pairs=sum(track.pairs for track in tracks),
         snaps=sum(track.snaps for track in tracks),
         largest_snap=max(track.largest_snap for track in tracks),
+        undecided=min((stage + track.undecided) / count for stage, track in enumerate(tracks)),
     )
     outcome, message, critical = verdict(track, runs[-1].work)
     return replace(
@@ -232,10 +234,11 @@ def scene_path(
         histories=track.histories,
         iterations=track.iterations,
         outcome=run.outcome,
-        message=run.message + snaps(track) + caution(scene, shape, track.states),
+        message=run.message + snaps(track) + undecided(track) + caution(scene, shape, track.states),
         shape=shape,
         critical_time=run.critical_time,
         critical_bracket=None if run.critical_time is None else track.bracket,
+        undecided_time=track.undecided if track.undecided < np.inf else None,
         end_bracket=None if track.outcome == COMPLETED else (track.time, track.time + track.bracket),
         last_state=None if track.outcome == COMPLETED else track.last,
         total_iterations=run.spent,

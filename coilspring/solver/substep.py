@@ -64,7 +64,7 @@ def find_equilibrium(system, equilibrium, task, work, path, substep, it):
     update_pairs(system, work, work.predicted)
     keep_bounds(work.history)
     substep.rounds, substep.iterations, substep.trouble, substep.cut = 0, 0, NONE, 1.0
-    substep.turned, substep.damping, change = False, 1.0, np.inf
+    substep.turned, substep.several, substep.damping, change = False, False, 1.0, np.inf
     while True:
         it.reuse = path.reuse
         substep.status = equilibrium(system, target, work, work.trial, it)
@@ -108,7 +108,7 @@ def renew_held(system, task, work, path, substep, before):
         return 0.0
     left = 0.0
     if creeping(work.history):
-        left = renew_creep(system, task, work, path.creep)
+        left = renew_creep(system, task, work, substep, path.creep)
         path.spent += left > 1.0
     stable = True
     if path.snapping and has_friction(work.history):

@@ -129,6 +129,7 @@ PATH = np.dtype(
         ("release", "f8"),  # power of two by which their tangential stiffness is lowered next
         ("let_go", "f8"),  # up to this time no pair that creeps lets go again,
         ("dropped", "f8"),  # and to this one none at once
+        ("undecided", "f8"),  # time of the first state beyond which pairs that creep could hold other forces
         ("failed", "?"),  # a substep had to be shortened since the softest mode was evaluated
         ("due", "?"),  # the last accepted state is at a requested time, and not written yet
         ("least_gap", "f8"),  # least gap of the contact pairs
@@ -170,6 +171,7 @@ SUBSTEP = np.dtype(
         ("trouble", "i8"),
         ("tolerance", "f8"),  # of the energy that the iteration leaves, N mm
         ("turned", "?"),  # the determinant of Coulomb's tangent is negative
+        ("several", "?"),  # pairs that creep could hold other forces, too
         ("damping", "f8"),  # of the flow of friction's bounds in a snap
         ("cut", "f8"),  # share of it after which a pair touches or opens; 1 where none does
         ("share", "f8"),  # by which the path turned

@@ -101,6 +101,7 @@ def verified(name: str, seed: int, law: UserLaw | None = None) -> Row:
         path = reached(case)
         verdict = verify(case, path)
         known = {"kind": verify_invariance(verdict, case, path)}
+        verify_others(verdict, case)
     except InputError as error:
         known = {"message": str(error)}
         if path is not None:
@@ -135,6 +136,14 @@ def verify(case: Case, path: EquilibriumPath) -> Verdict:
     elif path.outcome == JUMP:
         wireverifier.verify_jump(verdict, forces, case, path)
     return verdict
+
+
+def verify_others(verdict: Verdict, case: Case) -> None:
+    """Runs that differ where sticking pairs can hold other forces must be stable equilibria as well."""
+    for other in verdict.others:
+        forces = WireForces(other.scene, **case.options)
+        for row in sorted(verified_rows(other)):
+            wireverifier.verify_row(verdict, forces, other, row)
 
 
 def _results(keys: list[Key], workers: int, scheduler: str | None) -> Iterator[list[Row]]:

@@ -3,7 +3,7 @@
 Runs in other steps, of the mirror image, in other units, or with other last digits of the input."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import NamedTuple
 
@@ -17,6 +17,7 @@ BRANCH = 1e-6  # difference from the fine run over the largest displacement,
 LEAST_WIDTH = 4e-9  # of the time 0..1: no critical time is bracketed closer
 SOLVER = 1e-8  # or this over the root of the least stiffness: what solvers leave, in the energy norm
 ROUNDING = 4.0 * 2.0**-52  # of the spring's height: positions are no finer,
+STICKS = 2e-6  # wire diameters: so closely it is known where pairs that stick touch and open
 GAPS = 8.0  # and by so much more may gaps differ, after some dozens of operations
 FRICTION, FRICTION_TIME = 1e-3, 5e-3  # the same with friction, which follows the path; of a critical time
 NEAR_CRITICAL = 0.01  # of its time: so near before a critical point paths with friction are not compared
@@ -57,17 +58,19 @@ def path_dependent(run: Case | EquilibriumPath) -> bool:
 
 
 def deviation(
-    path: EquilibriumPath, other: EquilibriumPath, back: Sequence[float] = UNCHANGED
+    path: EquilibriumPath,
+    other: EquilibriumPath,
+    back: Sequence[float] = UNCHANGED,
+    until: float = np.inf,
 ) -> tuple[float, float]:
     """Difference of the tips over the largest displacement: at the last common time, and the largest.
 
-    Rotations count as displacements at the coil's diameter; `back` are factors of the other path's tips.
-    Near a critical point runs with friction are too soft to be compared.
+    Rotations count as displacements at the coil's diameter; `back` are factors of the other path's tips;
+    times beyond `until` are left out. Near a critical point runs with friction are too soft to be compared.
     """
-    until = np.inf
     if path_dependent(path):
         ends = [run.critical_time for run in (path, other) if run.critical_time is not None]
-        until = (1.0 - NEAR_CRITICAL) * min(ends, default=np.inf)
+        until = min(until, (1.0 - NEAR_CRITICAL) * min(ends, default=np.inf))
     times, mine, theirs = np.intersect1d(path.times, other.times, return_indices=True)
     mine, theirs = mine[times <= until], theirs[times <= until]
     if not mine.size:
@@ -79,9 +82,12 @@ def deviation(
 
 
 def grain(path: EquilibriumPath) -> float:
-    """What the rounding of the positions makes of the largest displacement, as a share of it."""
-    largest = np.abs(path.tips[:, :2]).max(initial=0.0)
-    return ROUNDING * path.scene.spring.active_height / largest if largest > 0.0 else 0.0
+    """What the rounding of the positions, and the place where pairs that stick touch and open, make of the largest
+    displacement, as a share of it."""
+    largest, spring = np.abs(path.tips[:, :2]).max(initial=0.0), path.scene.spring
+    sticks = path_dependent(path) and path.scene.contact.sliding == "none"
+    finest = max(ROUNDING * spring.active_height, STICKS * spring.wire_diameter * sticks)
+    return finest / largest if largest > 0.0 else 0.0
 
 
 def force_grain(path: EquilibriumPath) -> float:
@@ -102,14 +108,37 @@ def largest_load(path: EquilibriumPath, row: int) -> float:
     return float(np.hypot(*path.loads[: row % len(path.times) + 1].T).max())
 
 
-def verify_branch(verdict: Verdict, path: EquilibriumPath, other: EquilibriumPath, name: str) -> None:
-    """The path must be the other run's, and end as that does, but for what ends by the iteration."""
+def compare(
+    verdict: Verdict,
+    path: EquilibriumPath,
+    other: EquilibriumPath,
+    verify: Callable[[Verdict, float], None],
+) -> None:
+    """Take what `verify` finds of two runs; where they differ, and one says that from some time on sticking
+    pairs can hold other forces, they are compared up to there."""
+    times = [run.undecided_time for run in (path, other) if run.undecided_time is not None]
+    for until in (np.inf, *sorted(times)[:1]):
+        found = Verdict(numbers=dict(verdict.numbers))
+        verify(found, until)
+        if not found.complaints:
+            break
+    if until < np.inf and not found.complaints:
+        verdict.others.append(other)
+    verdict.numbers = found.numbers
+    verdict.complaints += found.complaints
+
+
+def verify_branch(
+    verdict: Verdict, path: EquilibriumPath, other: EquilibriumPath, name: str, until: float = np.inf
+) -> None:
+    """The path must be the other run's, and end as that does, but for what ends by the iteration, or beyond
+    `until`."""
     bounds = bounds_of(path)
     most = max(bounds.branch, SOLVER / max(verdict.numbers.get("least", 1.0), 1e-12) ** 0.5, grain(path))
-    last, largest = deviation(path, other)
+    last, largest = deviation(path, other, until=until)
     verdict.ask("branch", last, most, f"off the branch of the {name}")
     verdict.ask("branch", largest, max(most, bounds.between), f"off the branch of the {name} before the end")
-    if STUCK in (path.outcome, other.outcome):
+    if STUCK in (path.outcome, other.outcome) or until < np.inf:
         return
     kinds = {CRITICAL[0] if run.outcome in CRITICAL else run.outcome for run in (path, other)}
     if len(kinds) > 1:  # which kind of critical point it is may depend on rounding alone
@@ -133,13 +162,17 @@ def verify_steps(verdict: Verdict, case: Case, path: EquilibriumPath) -> None:
         other = reached(case, steps=count)
         verdict.stop(name, other)
         verdict.numbers.setdefault("stepped", 0.0)
-        for stops, who, goes in ((other, "the path", path), (path, f"the {name}", other)):
-            if stops.outcome in CRITICAL and stops.critical_time is not None:
-                end = max([0.0, *goes.times[-1:], *(goes.end_bracket or ())[:1]])
-                if end > stops.critical_time * (1.0 + beyond):
-                    verdict.numbers["stepped"] = 1.0
-                    verdict.complain(f"{who} stepped over a critical point at {stops.critical_time:.6g}")
-        verify_branch(verdict, path, other, name)
+
+        def verify(found: Verdict, until: float, name: str = name, other: EquilibriumPath = other) -> None:
+            for stops, who, goes in ((other, "the path", path), (path, f"the {name}", other)):
+                if stops.outcome in CRITICAL and stops.critical_time is not None and until == np.inf:
+                    end = max([0.0, *goes.times[-1:], *(goes.end_bracket or ())[:1]])
+                    if end > stops.critical_time * (1.0 + beyond):
+                        found.numbers["stepped"] = 1.0
+                        found.complain(f"{who} stepped over a critical point at {stops.critical_time:.6g}")
+            verify_branch(found, path, other, name, until)
+
+        compare(verdict, path, other, verify)
 
 
 def verified_rows(path: EquilibriumPath) -> set[int]:
@@ -217,10 +250,28 @@ def verify_invariance(verdict: Verdict, case: Case, path: EquilibriumPath) -> st
     """Verify the case's turn of the invariances, and return its kind."""
     kind = KINDS[(case.number + case.number // EVERY) % len(KINDS)]  # so that corners take all in turn
     scene, back = changed(case, kind)
-    other, least = reached(case, scene), verdict.numbers.get("least", 1.0)
+    other = reached(case, scene)
     verdict.stop(kind, other)
+
+    def verify(found: Verdict, until: float) -> None:
+        _verify_changed(found, case, path, other, (kind, back, until))
+
+    compare(verdict, path, other, verify)
+    return kind
+
+
+def _verify_changed(
+    verdict: Verdict,
+    case: Case,
+    path: EquilibriumPath,
+    other: EquilibriumPath,
+    change: tuple[str, Sequence[float], float],
+) -> None:
+    """The path must be that of the changed scene, up to a time; `change`: its kind, the factors that bring
+    its tips back, and that time."""
+    (kind, back, until), least = change, verdict.numbers.get("least", 1.0)
     ends = path.outcome, other.outcome
-    if STUCK not in ends and (ends[0] in CRITICAL) != (ends[1] in CRITICAL):
+    if until == np.inf and STUCK not in ends and (ends[0] in CRITICAL) != (ends[1] in CRITICAL):
         verdict.complain(f"{kind}: {ends[0]}, but changed it ends as {ends[1]}")
     elif kind != "perturbed" or least > SOFT:
         answer = ANSWER[kind] / (least if kind in KINDS[:2] else 1.0)
@@ -228,11 +279,10 @@ def verify_invariance(verdict: Verdict, case: Case, path: EquilibriumPath) -> st
         # two runs may end a step of Newton's method apart: what the verified states are from equilibrium
         missing = 2.0 * verdict.numbers.get("residual", 0.0) / max(least, 1e-12) ** 0.5
         most = max(answer, loose.branch, grain(path), missing)
-        verdict.ask("invariance", deviation(path, other, back)[1], most, f"{kind} changes the answer")
-        if path.critical_time is not None and other.critical_time is not None:
+        verdict.ask("invariance", deviation(path, other, back, until)[1], most, f"{kind} changes the answer")
+        if path.critical_time is not None and other.critical_time is not None and until == np.inf:
             scale = max(path.critical_time, LOAD)
             shift = abs(path.critical_time - other.critical_time) / scale
             known = sum(each.critical_bracket or 0.0 for each in (path, other)) / scale
             most = max(CRITICAL_SHIFT, loose.critical, force_grain(path) + force_grain(other), known)
             verdict.ask("critical_shift", shift, most, f"{kind} shifts the critical time")
-    return kind

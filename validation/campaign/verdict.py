@@ -10,10 +10,10 @@ from validation.campaign.scenes import Case, scaled_load
 from validation.study.partialsolve import partial_path
 
 CRITICAL = ("limit_point", "bifurcation")
-RIGHT, JUMP, THROUGH = "completed", "jump", "interpenetration"
+RIGHT, JUMP, THROUGH, UNDECIDED = "completed", "jump", "interpenetration", "undecided"
 ITERATION, REFUSED, UNEXPLAINED = "iteration", "refused", "unexplained"
 VERIFIED = (RIGHT, *CRITICAL, JUMP, THROUGH)  # outcomes that the verifier finds by its own means
-CLASSES = (*VERIFIED, ITERATION, REFUSED, UNEXPLAINED)
+CLASSES = (*VERIFIED, UNDECIDED, ITERATION, REFUSED, UNEXPLAINED)
 STUCK = "not_converged"  # outcome of a run that ends for reasons of the iteration
 SOLVERS: dict[str, Callable[..., EquilibriumPath]] = {"equivbeam": equivbeam.solve, "wirefe": wirefe.solve}
 
@@ -25,6 +25,8 @@ class Verdict:
     complaints: list[str] = field(default_factory=list)
     stops: list[str] = field(default_factory=list)  # runs that end for reasons of the iteration
     numbers: dict[str, float] = field(default_factory=dict)
+    # runs that differ from the path beyond a time from which on one of the two says that others are possible
+    others: list[EquilibriumPath] = field(default_factory=list)
 
     def ask(self, name: str, value: float, most: float, what: str) -> None:
         """Keep the largest value of a name; complain where it is above the bound or no number."""
@@ -43,8 +45,11 @@ class Verdict:
         self.complaints.append(what)
 
     def class_of(self, outcome: str) -> str:
-        """Class of a case: its outcome, unless something is wrong or a run stops by the iteration."""
-        return UNEXPLAINED if self.complaints else ITERATION if self.stops else outcome
+        """Class of a case: its outcome, unless something is wrong, a run stops by the iteration, or there are
+        others."""
+        if self.complaints:
+            return UNEXPLAINED
+        return ITERATION if self.stops else UNDECIDED if self.others else outcome
 
     def stop(self, name: str, path: EquilibriumPath) -> bool:
         """Whether a run ends for reasons of the iteration, which is kept."""

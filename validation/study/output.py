@@ -17,8 +17,8 @@ from validation.study.scenewarnings import warnings
 
 # attributes of a path that its summary has
 SUMMARY = (
-    *("critical_time", "critical_bracket", "end_bracket", "total_iterations", "stability_checks"),
-    *("pair_evaluations", "residual_history", "solve_seconds", "compile_seconds"),
+    *("critical_time", "critical_bracket", "undecided_time", "end_bracket", "total_iterations"),
+    *("stability_checks", "pair_evaluations", "residual_history", "solve_seconds", "compile_seconds"),
     *("accuracy", "estimated_error", "other_seconds"),
 )
 OPTIONAL = ("compare.png", "curve.png", "stress.csv", "wire.pvd", "wire.vtu")  # files of a run
