@@ -13,7 +13,7 @@ from scipy.sparse import csc_array
 from scipy.sparse.linalg import ArpackNoConvergence, eigs, eigsh
 
 from coilspring import EquilibriumPath, Scene
-from validation.campaign.poses import TINY, assembled, differences, product, rotated, stepped, strain, summed
+from validation.campaign.poses import TINY, assembled, differences, like, product, rotated, stepped, strain, summed
 from validation.campaign.wirepairs import Law, Pairs, known_pairs
 from validation.campaign.wireparts import Points, curved, end_frames, helix, straight
 
@@ -67,13 +67,15 @@ class WireForces:
         return summed(self.nodes, self._slopes(rows[self.nodes]), len(rows))
 
     def _slopes(self, near: np.ndarray) -> np.ndarray:
-        """Derivatives (12, elements) of their energies in the moves and spins of their nodes."""
+        """Derivatives (12, ..., elements) of their energies in the moves and spins of their nodes."""
         poses = [
-            (x + rotated(q, arm[:, None]), product(q, frame[:, None]))
+            (x + rotated(q, like(x, arm)), product(q, like(x, frame)))
             for (x, q), arm, frame in zip(stepped(near), self.arms, self.frames.swapaxes(0, 1), strict=True)
         ]
-        e = strain(*poses) - self.strain0[:, None]
-        return 0.5 * np.einsum("ike,ije,jke->ke", e, self.stiffness, e).imag / TINY
+        e = strain(*poses)
+        e -= like(e, self.strain0)
+        force = np.einsum("ije,j...e->i...e", self.stiffness, e[:, 0].real)  # the same in all steps
+        return np.einsum("i...,ik...->k...", force, e.imag) / TINY
 
     def pairs(self, path: EquilibriumPath, row: int, reach: float = 0.0) -> Pairs:
         """Pairs that are held in a path's row or nearer than `reach`; none where contact is not enabled."""
