@@ -13,7 +13,8 @@ from scipy.sparse import csc_array
 from scipy.sparse.linalg import ArpackNoConvergence, eigs, eigsh
 
 from coilspring import EquilibriumPath, Scene
-from validation.campaign.poses import TINY, assembled, differences, like, product, rotated, stepped, strain, summed
+from validation.campaign import poses
+from validation.campaign.poses import TINY, like, product, rotated, strain
 from validation.campaign.wirepairs import Law, Pairs, known_pairs
 from validation.campaign.wireparts import Points, curved, end_frames, helix, straight
 
@@ -39,10 +40,10 @@ class WireForces:
         # (2, 3, elements) from nodes to ends: from the top reference point, else zero
         self.arms = np.zeros((2, 3, count))
         self.arms[1, :, -1] = points[-1] - reference
-        poses = ((points[:-1].T, self.frames[:, 0]), (points[1:].T, self.frames[:, 1]))
-        self.strain0 = strain(*poses)
+        ends = ((points[:-1].T, self.frames[:, 0]), (points[1:].T, self.frames[:, 1]))
+        self.strain0 = strain(*ends)
         self.stiffness = (  # (6, 6, elements)
-            curved(scene, phases, points, poses) if element == "curved" else straight(scene, points)
+            curved(scene, phases, points, ends) if element == "curved" else straight(scene, points)
         )
         self.points = Points(spring, points, pairs_per_turn, contact.geometry == "wires")
         penalty = contact.stiffness * PAIRS_A_TURN / pairs_per_turn
@@ -64,17 +65,16 @@ class WireForces:
 
     def element_forces(self, rows: np.ndarray) -> np.ndarray:
         """Gradient (nodes, 6) of the strain energy in displacements and spins."""
-        return summed(self.nodes, self._slopes(rows[self.nodes]), len(rows))
+        return poses.summed(self.nodes, self._slopes(rows[self.nodes]), len(rows))
 
     def _slopes(self, near: np.ndarray) -> np.ndarray:
         """Derivatives (12, ..., elements) of their energies in the moves and spins of their nodes."""
-        poses = [
-            (x + rotated(q, like(x, arm)), product(q, like(x, frame)))
-            for (x, q), arm, frame in zip(stepped(near), self.arms, self.frames.swapaxes(0, 1), strict=True)
-        ]
-        e = strain(*poses)
+        slots = zip(poses.stepped(near), self.arms, self.frames.swapaxes(0, 1), strict=True)
+        ends = [(x + rotated(q, like(x, arm)), product(q, like(x, frame))) for (x, q), arm, frame in slots]
+        e = strain(*ends)
         e -= like(e, self.strain0)
-        force = np.einsum("ije,j...e->i...e", self.stiffness, e[:, 0].real)  # the same in all steps
+        # of symmetric stiffness; what is real is the same in all steps
+        force = np.einsum("ije,j...e->i...e", self.stiffness, e[:, 0].real)
         return np.einsum("i...,ik...->k...", force, e.imag) / TINY
 
     def pairs(self, path: EquilibriumPath, row: int, reach: float = 0.0) -> Pairs:
@@ -85,8 +85,8 @@ class WireForces:
 
     def tangent(self, rows: np.ndarray, pairs: Pairs | None = None) -> np.ndarray:
         """Derivative of all forces in the degrees of freedom that are free; by default the elements'."""
-        K = differences(self._slopes, rows[self.nodes], self.law.d).swapaxes(0, 1)
-        J = assembled(self.nodes, K, len(rows)) + (0.0 if pairs is None else pairs.tangent(rows))
+        K = poses.differences(self._slopes, rows[self.nodes], self.law.d).swapaxes(0, 1)
+        J = poses.assembled(self.nodes, K, len(rows)) + (0.0 if pairs is None else pairs.tangent(rows))
         return J[np.ix_(self.free, self.free)]
 
     @cached_property
