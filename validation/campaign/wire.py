@@ -10,7 +10,7 @@ from functools import cached_property
 import numpy as np
 from scipy.linalg import eigh, eigvals
 from scipy.sparse import csc_array
-from scipy.sparse.linalg import ArpackNoConvergence, eigs, eigsh
+from scipy.sparse.linalg import ArpackNoConvergence, LinearOperator, SuperLU, eigs, eigsh, splu
 
 from coilspring import EquilibriumPath, Scene
 from validation.campaign import poses
@@ -90,10 +90,10 @@ class WireForces:
         return J[np.ix_(self.free, self.free)]
 
     @cached_property
-    def at_rest(self) -> np.ndarray:
+    def at_rest(self) -> csc_array:
         """Tangent at rest without contact, in units of which stiffness is measured."""
         J = self.tangent(self.rest)
-        return 0.5 * (J + J.T)
+        return csc_array(0.5 * (J + J.T))
 
     def stiffness_of(self, path: EquilibriumPath, row: int = -1) -> float:
         """Least stiffness of a path's row."""
@@ -107,17 +107,28 @@ class WireForces:
         """
         J, rest = self.tangent(rows, pairs), self.at_rest
         if pairs.slides.any():
-            sign, find = np.linalg.slogdet(J)[0], eigs
+            sign, find, factors = np.linalg.slogdet(J)[0], eigs, splu(csc_array(J))
         else:
             J, sign, find = 0.5 * (J + J.T), 1.0, eigsh
-            try:
-                np.linalg.cholesky(J)
-            except np.linalg.LinAlgError:
-                return float(eigh(J, rest, subset_by_index=(0, 0), eigvals_only=True)[0])
-        start = np.random.default_rng(1).standard_normal(len(rest))
-        known = {"k": 1, "sigma": 0.0, "tol": SETTLED, "return_eigenvectors": False}
+            factors = definite_factors(J)
+            if factors is None:
+                return float(eigh(J, rest.toarray(), subset_by_index=(0, 0), eigvals_only=True)[0])
+        start = np.random.default_rng(1).standard_normal(len(J))
+        solve = LinearOperator(J.shape, factors.solve, dtype=float)
+        known = {"M": rest, "OPinv": solve, "v0": start, "tol": SETTLED, "return_eigenvectors": False}
         try:
-            least = find(csc_array(J), M=csc_array(rest), v0=start, **known)[0].real
+            least = find(J, k=1, sigma=0.0, **known)[0].real
         except ArpackNoConvergence:  # two of nearly the same size
-            least = np.abs(eigvals(J, rest)).min()
+            least = np.abs(eigvals(J, rest.toarray())).min()
         return float(sign * abs(least))
+
+
+def definite_factors(J: np.ndarray) -> SuperLU | None:
+    """Factors L U of a symmetric matrix by pivots on its diagonal; None where one is not positive: then the
+    matrix is not positive definite."""
+    try:
+        factors = splu(csc_array(J), "MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True})
+    except RuntimeError:  # a pivot is zero
+        return None
+    diagonal = (factors.perm_r == factors.perm_c).all()
+    return factors if diagonal and (factors.U.diagonal() > 0.0).all() else None
