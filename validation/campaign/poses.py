@@ -63,10 +63,13 @@ def stepped(near: np.ndarray) -> list[tuple[np.ndarray, np.ndarray]]:
     """Positions and quaternions (3 or 4, steps, ..., items) of the nodes of items, (slots, ..., items, 7):
     each step moves, or turns about, one direction of one node by a complex number."""
     count = len(near)
-    shift = 1j * TINY * np.eye(6 * count).reshape(count, 6, -1, *(1,) * (near.ndim - 2))
-    spin = np.concatenate((np.ones_like(shift[:, :1]), 0.5 * shift[:, 3:]), axis=1)
+    step = TINY * np.eye(6 * count).reshape(count, 6, -1, *(1,) * (near.ndim - 2))
+    spin = np.concatenate((np.zeros_like(step[:, :1]), 0.5 * step[:, 3:]), axis=1)
     rows = np.moveaxis(near, -1, 1)[:, :, None]
-    return [(row[:3] + shift[slot, :3], product(spin[slot], row[3:])) for slot, row in enumerate(rows)]
+    return [
+        (row[:3] + 1j * step[slot, :3], row[3:] + 1j * product(spin[slot], row[3:]))
+        for slot, row in enumerate(rows)
+    ]
 
 
 def differences(function: Callable[[np.ndarray], np.ndarray], near: np.ndarray, d: float) -> np.ndarray:

@@ -86,7 +86,9 @@ class WireForces:
     def tangent(self, rows: np.ndarray, pairs: Pairs | None = None) -> np.ndarray:
         """Derivative of all forces in the degrees of freedom that are free; by default the elements'."""
         K = poses.differences(self._slopes, rows[self.nodes], self.law.d).swapaxes(0, 1)
-        J = poses.assembled(self.nodes, K, len(rows)) + (0.0 if pairs is None else pairs.tangent(rows))
+        J = poses.assembled(self.nodes, K, len(rows))
+        if pairs is not None and len(pairs.index):
+            J += pairs.tangent(rows)
         return J[np.ix_(self.free, self.free)]
 
     @cached_property
