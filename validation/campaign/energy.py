@@ -166,7 +166,7 @@ class BeamEnergy:
         l, v = ay * c - ax * s, ax * c + ay * s  # noqa: E741
         N, T, M = self.law(l, v, x[5] - x[2])
         fx, fy, moment = T * c - N * s, T * s + N * c, 0.5 * (T * l - N * v)
-        return np.stack((-fx, -fy, moment - M, fx, fy, moment + M))
+        return np.array((-fx, -fy, moment - M, fx, fy, moment + M))
 
     def _gaps(self, x: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Vectors (2, ...) between the centres of the pairs, and from both nodes to the centres."""
@@ -180,7 +180,7 @@ class BeamEnergy:
         sign = np.where(h.real < self.d, 1.0, -1.0)
         size = -sign * self.stiffness * (sign * (self.d - h)) ** self.exponent / h
         px, py = np.where(h.real < self.d if closed is None else closed, size, 0.0) * g
-        return np.stack((-px, -py, low[1] * px - low[0] * py, px, py, high[0] * py - high[1] * px))
+        return np.array((-px, -py, low[1] * px - low[0] * py, px, py, high[0] * py - high[1] * px))
 
 
 def circles(spring: Spring) -> tuple[np.ndarray, np.ndarray]:
@@ -198,4 +198,4 @@ def circles(spring: Spring) -> tuple[np.ndarray, np.ndarray]:
 def turned(angle: np.ndarray, x: np.ndarray, y: np.ndarray) -> np.ndarray:
     """Vectors (2, ...) turned by an angle, real or complex."""
     c, s = np.cos(angle), np.sin(angle)
-    return np.stack((c * x - s * y, s * x + c * y))
+    return np.array((c * x - s * y, s * x + c * y))
