@@ -104,7 +104,7 @@ class BeamEnergy:
         return forces, np.bincount(self._cells, found.imag.ravel() / TINY, size**2).reshape(size, size)
 
     def _hessian(self, tangent: np.ndarray) -> np.ndarray:
-        dense = tangent[np.ix_(self.free, self.free)]
+        dense = tangent[self.free][:, self.free]
         return 0.5 * (dense + dense.T)
 
     def _rate(self, tangent: np.ndarray) -> np.ndarray:

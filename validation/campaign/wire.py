@@ -89,7 +89,7 @@ class WireForces:
         J = poses.assembled(self.nodes, K, len(rows))
         if pairs is not None and len(pairs.index):
             J += pairs.tangent(rows)
-        return J[np.ix_(self.free, self.free)]
+        return J[self.free][:, self.free]
 
     @cached_property
     def at_rest(self) -> csc_array:
