@@ -167,14 +167,14 @@ def _settled(
     """Equilibrium near a guess, where `row` times the change of displacements and time since `start` is a
     distance: by Newton's method with the closed pairs held closed, which leaves no kinks, until they are."""
     free, closed = energy.free, energy.closed(guess.state)
-    loose = max(LOOSE, ROUNDED / start.least)
+    loose, matrix = max(LOOSE, ROUNDED / start.least), np.tile(row, (len(row), 1))
     for _ in range(MOST_SETS):
         state, time, before = energy.placed(guess.state.copy(), guess.time), guess.time, np.inf
         for _ in range(MOST_CORRECTIONS):
-            column = -energy.rate(state, closed)[:, None]
-            matrix = np.vstack((np.hstack((energy.hessian(state, closed), column)), row))
+            left, matrix[:-1, :-1], rate = energy.linearized(state, time, closed)
+            matrix[:-1, -1] = -rate
             change = np.append((state - start.state)[free], time - start.time)
-            missing = np.append(-energy.residual(state, time, closed), distance - row @ change)
+            missing = np.append(-left, distance - row @ change)
             try:
                 step = np.linalg.solve(matrix, missing)
             except np.linalg.LinAlgError:

@@ -6,7 +6,7 @@ state holds x, y, theta of all nodes, flat.
 
 import math
 from collections.abc import Callable
-from functools import cached_property, partial
+from functools import cached_property
 
 import numpy as np
 from scipy.linalg import solve_triangular
@@ -67,32 +67,48 @@ class BeamEnergy:
 
     def rate(self, state: np.ndarray, closed: Closed = None) -> np.ndarray:
         """What time does to the free degrees of freedom: less the derivative of the residual."""
-        if not self.displacement:
-            return self.force
-        return -self.displacement * self.tangent(state, closed)[self.free, self.top]
+        return self.force if not self.displacement else self._rate(self.tangent(state, closed))
 
     def forces(self, states: np.ndarray, closed: Closed = None) -> np.ndarray:
         """Internal forces on all degrees of freedom, of one or many states. Pairs that count as `closed` pull
         where they do not overlap, so that nothing has a kink there."""
         total = np.zeros(states.shape)
-        for places, forces in self._parts(closed):
-            values = forces(np.moveaxis(states.T[places], 1, -1))  # (coordinate, state, item)
-            np.add.at(total.T, places, np.moveaxis(values, -1, 1))
+        values = self._item_forces(np.moveaxis(states.T[self._places], 1, -1), closed)
+        np.add.at(total.T, self._places, np.moveaxis(values, -1, 1))
         return total
 
     def tangent(self, state: np.ndarray, closed: Closed = None) -> np.ndarray:
         """Derivative of the forces in all degrees of freedom, dense."""
-        total = np.zeros((self.rest.size, self.rest.size))
-        for places, forces in self._parts(closed):
-            moved = np.repeat(state[places][:, None].astype(complex), 6, axis=1)  # (coordinate, step, item)
-            moved[np.arange(6), np.arange(6)] += 1j * TINY
-            np.add.at(total, (places[:, None], places[None]), forces(moved).imag / TINY)
-        return total
+        return self._expanded(state, closed)[1]
 
     def hessian(self, state: np.ndarray, closed: Closed = None) -> np.ndarray:
         """The tangent in the free degrees of freedom, which is symmetric."""
-        dense = self.tangent(state, closed)[np.ix_(self.free, self.free)]
+        return self._hessian(self.tangent(state, closed))
+
+    def linearized(
+        self, state: np.ndarray, time: float, closed: Closed = None
+    ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Residual, Hessian and rate of one state, together."""
+        forces, tangent = self._expanded(state, closed)
+        left, H = forces[self.free], self._hessian(tangent)
+        if self.displacement:
+            return left, H, self._rate(tangent)
+        return left - time * self.force, H, self.force
+
+    def _expanded(self, state: np.ndarray, closed: Closed) -> tuple[np.ndarray, np.ndarray]:
+        """Forces on all degrees of freedom, and their dense derivative."""
+        x = np.repeat(state[self._places][:, None].astype(complex), 6, axis=1)  # (coordinate, step, item)
+        x[np.arange(6), np.arange(6)] += 1j * TINY
+        found, size = self._item_forces(x, closed), self.rest.size
+        forces = np.bincount(self._places.ravel(), found[:, 0].real.ravel(), size)
+        return forces, np.bincount(self._cells, found.imag.ravel() / TINY, size**2).reshape(size, size)
+
+    def _hessian(self, tangent: np.ndarray) -> np.ndarray:
+        dense = tangent[self.free][:, self.free]
         return 0.5 * (dense + dense.T)
+
+    def _rate(self, tangent: np.ndarray) -> np.ndarray:
+        return -self.displacement * tangent[self.free, self.top]
 
     def closed(self, state: np.ndarray, depth: float = 0.0) -> np.ndarray:
         """Which pairs touch, by more than a depth in wire diameters."""
@@ -121,15 +137,26 @@ class BeamEnergy:
         """Least eigenvalue of a Hessian in units of that at rest; positive where stable."""
         return float(np.linalg.eigvalsh(self.relative(matrix))[0])
 
-    def _parts(self, closed: Closed) -> tuple[tuple[np.ndarray, Callable], ...]:
-        """Half coils and pairs: places (6, items) of their coordinates, and their forces by these."""
+    @cached_property
+    def _places(self) -> np.ndarray:
+        """Degrees of freedom (6, items) of the half coils, then of the pairs."""
         elements = np.arange(6)[:, None] + 3 * np.arange(self.rest.size // 3 - 1)
-        pairs = partial(self._pair_forces, closed=closed)
-        return (elements, self._element_forces), (self._pair_places, pairs)
+        return np.concatenate((elements, self._pair_places), axis=1)
+
+    @cached_property
+    def _cells(self) -> np.ndarray:
+        """Where the derivatives of the items' forces, (6, 6, items), stand in the tangent, all flat."""
+        return (self._places[:, None] * self.rest.size + self._places).ravel()
 
     @cached_property
     def _pair_places(self) -> np.ndarray:
         return np.concatenate(3 * self.attached[:, None] + np.arange(3)[:, None])
+
+    def _item_forces(self, x: np.ndarray, closed: Closed) -> np.ndarray:
+        """Forces (6, ..., items) of the half coils and the pairs by their coordinates."""
+        count = self.rest.size // 3 - 1
+        pairs = self._pair_forces(x[..., count:], closed)
+        return np.concatenate((self._element_forces(x[..., :count]), pairs), axis=-1)
 
     def _element_forces(self, x: np.ndarray) -> np.ndarray:
         """Forces (6, ...) of the half coils by (B1) and (7)-(9), from l, v, dtheta."""
@@ -139,7 +166,7 @@ class BeamEnergy:
         l, v = ay * c - ax * s, ax * c + ay * s  # noqa: E741
         N, T, M = self.law(l, v, x[5] - x[2])
         fx, fy, moment = T * c - N * s, T * s + N * c, 0.5 * (T * l - N * v)
-        return np.stack((-fx, -fy, moment - M, fx, fy, moment + M))
+        return np.array((-fx, -fy, moment - M, fx, fy, moment + M))
 
     def _gaps(self, x: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Vectors (2, ...) between the centres of the pairs, and from both nodes to the centres."""
@@ -153,7 +180,7 @@ class BeamEnergy:
         sign = np.where(h.real < self.d, 1.0, -1.0)
         size = -sign * self.stiffness * (sign * (self.d - h)) ** self.exponent / h
         px, py = np.where(h.real < self.d if closed is None else closed, size, 0.0) * g
-        return np.stack((-px, -py, low[1] * px - low[0] * py, px, py, high[0] * py - high[1] * px))
+        return np.array((-px, -py, low[1] * px - low[0] * py, px, py, high[0] * py - high[1] * px))
 
 
 def circles(spring: Spring) -> tuple[np.ndarray, np.ndarray]:
@@ -171,4 +198,4 @@ def circles(spring: Spring) -> tuple[np.ndarray, np.ndarray]:
 def turned(angle: np.ndarray, x: np.ndarray, y: np.ndarray) -> np.ndarray:
     """Vectors (2, ...) turned by an angle, real or complex."""
     c, s = np.cos(angle), np.sin(angle)
-    return np.stack((c * x - s * y, s * x + c * y))
+    return np.array((c * x - s * y, s * x + c * y))

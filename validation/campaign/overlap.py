@@ -20,10 +20,10 @@ SPACING = 0.25  # wire diameters between points
 
 def excess(path: EquilibriumPath, states: np.ndarray) -> np.ndarray:
     """Overlap of the wire or the circles in states, less that of the deepest pair, in wire diameters."""
-    find = _wire_overlap if path.model == "wirefe" else _beam_overlap
+    find = _wire_overlaps if path.model == "wirefe" else _beam_overlaps
     deepest = np.maximum(-path.shape.pair_gaps(states).min(axis=1, initial=0.0), 0.0)
     spring = path.scene.spring
-    return (np.array([find(spring, state) for state in states]) - deepest) / spring.wire_diameter
+    return (find(spring, states) - deepest) / spring.wire_diameter
 
 
 def verify_overlap(verdict: Verdict, path: EquilibriumPath) -> None:
@@ -41,25 +41,31 @@ def verify_overlap(verdict: Verdict, path: EquilibriumPath) -> None:
         verdict.ask("overlap", abs(last - ALLOWED), SEEN, "wires overlap otherwise where the path ends")
 
 
-def _wire_overlap(spring: Spring, state: np.ndarray) -> float:
-    """Overlap of a wire of equal elements, mm; not of what is half a turn apart, or in one end."""
-    d, rows = spring.wire_diameter, state.reshape(-1, 7)
-    nodes = helix(spring, np.linspace(0.0, 2.0 * math.pi * spring.active_coils, len(rows)))
+def _wire_overlaps(spring: Spring, states: np.ndarray) -> np.ndarray:
+    """Overlaps of a wire of equal elements in states, mm; not of what is half a turn apart, or in one end."""
+    d, count, least = spring.wire_diameter, states.shape[1] // 7, []
+    nodes = helix(spring, np.linspace(0.0, 2.0 * math.pi * spring.active_coils, count))
     per_turn = math.ceil(math.pi * max(spring.mean_diameter) / (SPACING * d))
     wire = Points(spring, nodes, per_turn, wires=True)
-    low, high = wire.places(rows)[wire.touching(rows, d).T]
-    return d - float(np.linalg.norm(high - low, axis=1).min(initial=d))
+    for state in states:
+        places = wire.places(state.reshape(-1, 7))
+        low, high = places[wire.touching(places, d).T]
+        least.append(np.linalg.norm(high - low, axis=1).min(initial=d))
+    return d - np.array(least)
 
 
-def _beam_overlap(spring: Spring, state: np.ndarray) -> float:
-    """Overlap of a beam's circles, mm; those that have changed places on the axis overlap side by side."""
+def _beam_overlaps(spring: Spring, states: np.ndarray) -> np.ndarray:
+    """Overlaps of a beam's circles in states, mm; those that have changed places on the axis overlap side by
+    side."""
     node, offset = circles(spring)
-    x, y, theta = state.reshape(-1, 3)[node].T
+    x, y, theta = (states[:, i::3][:, node] for i in range(3))
     centre = np.stack((x, y)) + turned(theta, *offset.T)
     first, second = np.triu_indices(len(node), 1)
     keep = node[first] != node[second]
     first, second = first[keep], second[keep]
-    gap = centre[:, second] - centre[:, first]
-    beside, along = turned(-0.5 * (theta[first] + theta[second]), *gap)
-    passed = (second - first == 2) & (along < 0.0)
-    return spring.wire_diameter - float(np.where(passed, np.abs(beside), np.hypot(*gap)).min())
+    gap = centre[..., second] - centre[..., first]
+    distance, next_coil = np.hypot(*gap), second - first == 2
+    mean = 0.5 * (theta[:, first] + theta[:, second])[:, next_coil]
+    beside, along = turned(-mean, *gap[..., next_coil])
+    distance[:, next_coil] = np.where(along < 0.0, np.abs(beside), distance[:, next_coil])
+    return spring.wire_diameter - distance.min(axis=1)

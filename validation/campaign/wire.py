@@ -10,10 +10,11 @@ from functools import cached_property
 import numpy as np
 from scipy.linalg import eigh, eigvals
 from scipy.sparse import csc_array
-from scipy.sparse.linalg import ArpackNoConvergence, eigs, eigsh
+from scipy.sparse.linalg import ArpackNoConvergence, LinearOperator, SuperLU, eigs, eigsh, splu
 
 from coilspring import EquilibriumPath, Scene
-from validation.campaign.poses import TINY, assembled, differences, product, rotated, stepped, strain, summed
+from validation.campaign import poses
+from validation.campaign.poses import TINY, like, product, rotated, strain
 from validation.campaign.wirepairs import Law, Pairs, known_pairs
 from validation.campaign.wireparts import Points, curved, end_frames, helix, straight
 
@@ -39,10 +40,10 @@ class WireForces:
         # (2, 3, elements) from nodes to ends: from the top reference point, else zero
         self.arms = np.zeros((2, 3, count))
         self.arms[1, :, -1] = points[-1] - reference
-        poses = ((points[:-1].T, self.frames[:, 0]), (points[1:].T, self.frames[:, 1]))
-        self.strain0 = strain(*poses)
+        ends = ((points[:-1].T, self.frames[:, 0]), (points[1:].T, self.frames[:, 1]))
+        self.strain0 = strain(*ends)
         self.stiffness = (  # (6, 6, elements)
-            curved(scene, phases, points, poses) if element == "curved" else straight(scene, points)
+            curved(scene, phases, points, ends) if element == "curved" else straight(scene, points)
         )
         self.points = Points(spring, points, pairs_per_turn, contact.geometry == "wires")
         penalty = contact.stiffness * PAIRS_A_TURN / pairs_per_turn
@@ -64,16 +65,17 @@ class WireForces:
 
     def element_forces(self, rows: np.ndarray) -> np.ndarray:
         """Gradient (nodes, 6) of the strain energy in displacements and spins."""
-        return summed(self.nodes, self._slopes(rows[self.nodes]), len(rows))
+        return poses.summed(self.nodes, self._slopes(rows[self.nodes]), len(rows))
 
     def _slopes(self, near: np.ndarray) -> np.ndarray:
-        """Derivatives (12, elements) of their energies in the moves and spins of their nodes."""
-        poses = [
-            (x + rotated(q, arm[:, None]), product(q, frame[:, None]))
-            for (x, q), arm, frame in zip(stepped(near), self.arms, self.frames.swapaxes(0, 1), strict=True)
-        ]
-        e = strain(*poses) - self.strain0[:, None]
-        return 0.5 * np.einsum("ike,ije,jke->ke", e, self.stiffness, e).imag / TINY
+        """Derivatives (12, ..., elements) of their energies in the moves and spins of their nodes."""
+        slots = zip(poses.stepped(near), self.arms, self.frames.swapaxes(0, 1), strict=True)
+        ends = [(x + rotated(q, like(x, arm)), product(q, like(x, frame))) for (x, q), arm, frame in slots]
+        e = strain(*ends)
+        e -= like(e, self.strain0)
+        # of symmetric stiffness; what is real is the same in all steps
+        force = np.einsum("ije,j...e->i...e", self.stiffness, e[:, 0].real)
+        return np.einsum("i...,ik...->k...", force, e.imag) / TINY
 
     def pairs(self, path: EquilibriumPath, row: int, reach: float = 0.0) -> Pairs:
         """Pairs that are held in a path's row or nearer than `reach`; none where contact is not enabled."""
@@ -83,15 +85,17 @@ class WireForces:
 
     def tangent(self, rows: np.ndarray, pairs: Pairs | None = None) -> np.ndarray:
         """Derivative of all forces in the degrees of freedom that are free; by default the elements'."""
-        K = differences(self._slopes, rows[self.nodes], self.law.d).swapaxes(0, 1)
-        J = assembled(self.nodes, K, len(rows)) + (0.0 if pairs is None else pairs.tangent(rows))
-        return J[np.ix_(self.free, self.free)]
+        K = poses.differences(self._slopes, rows[self.nodes], self.law.d).swapaxes(0, 1)
+        J = poses.assembled(self.nodes, K, len(rows))
+        if pairs is not None and len(pairs.index):
+            J += pairs.tangent(rows)
+        return J[self.free][:, self.free]
 
     @cached_property
-    def at_rest(self) -> np.ndarray:
+    def at_rest(self) -> csc_array:
         """Tangent at rest without contact, in units of which stiffness is measured."""
         J = self.tangent(self.rest)
-        return 0.5 * (J + J.T)
+        return csc_array(0.5 * (J + J.T))
 
     def stiffness_of(self, path: EquilibriumPath, row: int = -1) -> float:
         """Least stiffness of a path's row."""
@@ -105,17 +109,28 @@ class WireForces:
         """
         J, rest = self.tangent(rows, pairs), self.at_rest
         if pairs.slides.any():
-            sign, find = np.linalg.slogdet(J)[0], eigs
+            sign, find, factors = np.linalg.slogdet(J)[0], eigs, splu(csc_array(J))
         else:
             J, sign, find = 0.5 * (J + J.T), 1.0, eigsh
-            try:
-                np.linalg.cholesky(J)
-            except np.linalg.LinAlgError:
-                return float(eigh(J, rest, subset_by_index=(0, 0), eigvals_only=True)[0])
-        start = np.random.default_rng(1).standard_normal(len(rest))
-        known = {"k": 1, "sigma": 0.0, "tol": SETTLED, "return_eigenvectors": False}
+            factors = definite_factors(J)
+            if factors is None:
+                return float(eigh(J, rest.toarray(), subset_by_index=(0, 0), eigvals_only=True)[0])
+        start = np.random.default_rng(1).standard_normal(len(J))
+        solve = LinearOperator(J.shape, factors.solve, dtype=float)
+        known = {"M": rest, "OPinv": solve, "v0": start, "tol": SETTLED, "return_eigenvectors": False}
         try:
-            least = find(csc_array(J), M=csc_array(rest), v0=start, **known)[0].real
+            least = find(J, k=1, sigma=0.0, **known)[0].real
         except ArpackNoConvergence:  # two of nearly the same size
-            least = np.abs(eigvals(J, rest)).min()
+            least = np.abs(eigvals(J, rest.toarray())).min()
         return float(sign * abs(least))
+
+
+def definite_factors(J: np.ndarray) -> SuperLU | None:
+    """Factors L U of a symmetric matrix by pivots on its diagonal; None where one is not positive: then the
+    matrix is not positive definite."""
+    try:
+        factors = splu(csc_array(J), "MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True})
+    except RuntimeError:  # a pivot is zero
+        return None
+    diagonal = (factors.perm_r == factors.perm_c).all()
+    return factors if diagonal and (factors.U.diagonal() > 0.0).all() else None

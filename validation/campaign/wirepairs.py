@@ -11,7 +11,7 @@ from typing import Self
 import numpy as np
 
 from coilspring import EquilibriumPath
-from validation.campaign.poses import TINY, assembled, differences, rotated, stepped, summed
+from validation.campaign.poses import TINY, assembled, differences, like, rotated, stepped, summed
 from validation.campaign.wireparts import Points
 
 SMALL_CHORD = 1e-4  # square of a chord below which a series stands for the arc
@@ -91,8 +91,8 @@ class Pairs:
         _, n, w = self.gap(poses)
         if self.points.wires:
             return _across(w + self._section(1, poses, self.two.T) - self._section(0, poses, self.one.T), n)
-        reference = _like(w, self.two.T)
-        stuck = _across(w - _like(w, self.one.T), reference)
+        reference = like(w, self.two.T)
+        stuck = _across(w - like(w, self.one.T), reference)
         if not self.arcs.any():
             return stuck
         chord = n - reference
@@ -152,7 +152,8 @@ class Pairs:
         return replace(self, two=normal.T)
 
     def _slopes(self, near: np.ndarray) -> np.ndarray:
-        """Derivatives (2, 24, pairs) of gaps and half the slips' squares in moves and spins of the nodes."""
+        """Derivatives (2, 24, ..., pairs) of gaps and half the slips' squares in moves and spins of
+        the nodes."""
         poses = stepped(near)
         h = self.gap(poses)[0]
         half = 0.5 * (self.slip(poses) ** 2).sum(axis=0) if self.held.any() else 0.0 * h
@@ -185,14 +186,14 @@ class Pairs:
         """Sum over the two nodes of a point of weighted positions and arms turned with the node."""
         k = self.index[:, side]
         return np.add(*(
-            weight[k, slot] * x + rotated(q, _like(x, arm[k, slot].T))
+            weight[k, slot] * x + rotated(q, like(x, arm[k, slot].T))
             for slot, (x, q) in enumerate(poses[2 * side : 2 * side + 2])
         ))  # fmt: skip
 
     def _section(self, side: int, poses: Poses, vectors: np.ndarray) -> np.ndarray:
         """Vectors (3, pairs) fixed to sections at rest, as turned now."""
         turn = self.points.turn[self.index[:, side]].T
-        one, two = (rotated(q, _like(x, vectors)) for x, q in poses[2 * side : 2 * side + 2])
+        one, two = (rotated(q, like(x, vectors)) for x, q in poses[2 * side : 2 * side + 2])
         return turn[0] * one + turn[1] * two
 
     def _at_rest(self, side: int, poses: Poses, vectors: np.ndarray) -> np.ndarray:
@@ -200,11 +201,6 @@ class Pairs:
         count = vectors.shape[1]
         columns = [self._section(side, poses, np.repeat(one[:, None], count, axis=1)) for one in np.eye(3)]
         return np.linalg.solve(np.stack(columns).transpose(2, 1, 0), vectors.T[..., None])[..., 0]
-
-
-def _like(x: np.ndarray, vectors: np.ndarray) -> np.ndarray:
-    """Vectors (3, pairs) beside `x`, (3, ..., pairs)."""
-    return vectors.reshape(3, *(1,) * (x.ndim - 2), -1)
 
 
 def _across(vectors: np.ndarray, n: np.ndarray) -> np.ndarray:

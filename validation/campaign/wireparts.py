@@ -113,9 +113,9 @@ class Points:
         slots = zip(self.node.T, weight.T, arm.swapaxes(0, 1), strict=True)
         return sum(w[:, None] * rows[i, :3] + rotated(rows[i, 3:].T, arm.T).T for i, w, arm in slots)
 
-    def touching(self, rows: np.ndarray, d: float) -> np.ndarray:
+    def touching(self, places: np.ndarray, d: float) -> np.ndarray:
         """Pairs (n, 2) of points as near as d, more than half a turn apart along the wire."""
-        pairs = cKDTree(self.places(rows)).query_pairs(d, output_type="ndarray")
+        pairs = cKDTree(places).query_pairs(d, output_type="ndarray")
         return self._elastic(pairs[pairs[:, 1] - pairs[:, 0] > self.per_turn // 2])
 
     def missing(self, rows: np.ndarray, known: np.ndarray, d: float) -> np.ndarray:
@@ -124,7 +124,7 @@ class Points:
         count = len(self.node)
         low = np.arange(max(count - self.per_turn, 0))
         beside = np.stack((low, low + self.per_turn), axis=1)
-        pairs = self._elastic(beside) if self.wires else self.touching(rows, d)
+        pairs = self._elastic(beside) if self.wires else self.touching(self.places(rows), d)
         pairs = pairs[~np.isin(pairs @ [count, 1], known @ [count, 1])]
         return np.concatenate((pairs, self._farther(rows, known, d))) if self.wires else pairs
 

@@ -288,9 +288,9 @@ def _settled(forces: WireForces, pairs: Pairs, rows: np.ndarray, load: np.ndarra
     for _ in range(MOST_CORRECTIONS):
         left = forces.residual(rows, load, pairs).ravel()[free]
         J = forces.tangent(rows, pairs)
-        move = np.zeros(6 * len(rows))
-        move[free] = np.linalg.solve(J, -left)
-        size = np.abs(move.reshape(-1, 6) / [*[pairs.law.d] * 3, 1.0, 1.0, 1.0]).max()
+        move = np.zeros((len(rows), 6))
+        move.ravel()[free] = np.linalg.solve(J, -left)
+        size = np.abs(move / [*[pairs.law.d] * 3, 1.0, 1.0, 1.0]).max()
         if not size < FAR:
             return None
         rows = moved(rows, move)
