@@ -59,21 +59,23 @@ def approach(before, after, d, mu):
 @part
 def _touch(row, before, ahead, after, law):
     """Hold a pair from where it touches first: on the predicted way where that touches, and what the straight
-    one differs from it there is in doubt. Else it may be anywhere on the way: contact bends that."""
+    one differs from it there is in doubt. Else the rest of the way is; all of it where the pair sticks, since
+    contact bends it."""
     d = law.d
     e, doubt = np.empty(3), 0.0
     predicted = ahead[0] ** 2 + ahead[1] ** 2 + ahead[2] ** 2 < d * d
     at, other = first_touch(before, ahead if predicted else after, d), first_touch(before, after, d)
+    unknown = 1.0 if law.mu == math.inf else 1.0 - at
     for i in range(3):
         way = after[i] - before[i]
         e[i] = before[i] + at * ((ahead[i] if predicted else after[i]) - before[i])
-        left = before[i] + other * way - e[i] if predicted else way
+        left = before[i] + other * way - e[i] if predicted else way * unknown
         doubt += left * left
     h = math.sqrt(e[0] ** 2 + e[1] ** 2 + e[2] ** 2)
     for i in range(3):
         row.vector[i] = e[i]
         row.normal[i] = e[i] / h
-    touches_first(row, law, at, math.sqrt(doubt), predicted)
+    touches_first(row, law, at, math.sqrt(doubt), predicted or law.mu < math.inf)
 
 
 @part

@@ -83,10 +83,10 @@ def creep_to(force, d, K, k):
 
 
 @part
-def touches_first(row, law, at, doubt, predicted):
+def touches_first(row, law, at, doubt, known):
     """A pair is held from after the share `at` of a substep on: there it touches first, but for a `doubt`.
 
-    A shorter substep is asked for where that is too much: to where it was `predicted`, else half of it.
+    A shorter substep is asked for where that is too much: to that place where it is `known`, else half of it.
     """
     most = located_to(law.mu) * law.d
     row.stiffness = law.kt
@@ -95,7 +95,7 @@ def touches_first(row, law, at, doubt, predicted):
     row.stride, row.wanted, row.lead, row.ahead = 0.0, 0.0, 0.0, 0.0
     row.cut = 1.0
     if doubt > most:
-        row.cut = at + 0.5 * (1.0 - at) * most / doubt if predicted else 0.5
+        row.cut = at + 0.5 * (1.0 - at) * most / doubt if known else 0.5
 
 
 @part

@@ -61,12 +61,13 @@ def renew_creep(system, task, work, substep, pressed):
 def creep_tangent(system, task, work):
     """Set `work.tangent` at a state just accepted, where pairs creep: their forces change so that they go on
     touching. With the forces as they are, or the share of the stiffness that is left, they would not.
+    Returns the number of factorisations.
     """
     history = work.history
     active = _slipping(history)
     n = active.size
     if n == 0:
-        return
+        return 0
     _factor_sliding(system, work, active, True)
     copy_history(work.low, work.high)
     answered(system, work, 0.0)  # the gaps, which history has of the round before
@@ -87,12 +88,13 @@ def creep_tangent(system, task, work):
     for q in range(n):
         M[q, n] = (gaps[q] - work.high[active[q]].gap) / small
     if eliminated(M) == 0:
-        return
+        return 1
     copy(work.ahead, work.tangent)
     for p in range(n):
         history[active[p]].growth = M[p, n]
         for i in range(task.load.size):
             work.tangent[i] += M[p, n] * motions[p, i]
+    return 1
 
 
 @part

@@ -5,7 +5,6 @@ taken again, shorter. A stretch in which the response is linear takes no factori
 verified where it ends.
 """
 
-import math
 from collections.abc import Callable
 from functools import lru_cache
 
@@ -13,21 +12,13 @@ import numpy as np
 from numba import types
 
 from coilspring.compiling.compiled import copy, part, signed
-from coilspring.contact.history import (
-    copy_history,
-    creeping,
-    largest_slip,
-    let_go,
-    opening,
-    set_rise,
-    touched,
-)
-from coilspring.solver.branch import TURN, curvature, displacement_bound, predict
-from coilspring.solver.creep import creep_tangent
+from coilspring.contact.history import copy_history, creeping, let_go
+from coilspring.solver.accept import accept
+from coilspring.solver.branch import curvature, displacement_bound, predict
 from coilspring.solver.friction import raise_bounds
-from coilspring.solver.newton import CONVERGED, INDEFINITE, LINEAR
+from coilspring.solver.newton import INDEFINITE, LINEAR
 from coilspring.solver.operations import moved
-from coilspring.solver.snap import AHEAD, end_or_snap, release_or_jump, snapped
+from coilspring.solver.snap import AHEAD, end_or_snap, release_or_jump
 from coilspring.solver.stability import (
     APPROACH,
     JUMPS,
@@ -35,7 +26,6 @@ from coilspring.solver.stability import (
     NEUTRAL,
     PROBE,
     WEAK,
-    predicted_zero,
     unstable_time,
     watch_stiffness,
 )
@@ -69,11 +59,6 @@ from coilspring.solver.system import (
     workspace_type,
 )
 
-SAFE = 0.8  # share of the turn allowed that the next substep aims at
-# Iterations in the first round, and in each that follows: with fewer, the next substep may be longer.
-EASY_COUNT, EASY_ROUND = 4, 8
-GROWTH, SLOW_GROWTH = 2.0, 1.2  # of the substep; the slow one with friction, whose rounds may be many in any
-MOST_SLIP = 0.01  # wire diameters that a pair that creeps is to slip in a substep
 RETRIED = 0.5  # share of a substep, or release, that failed: it is tried next
 LEAST_CREEP = 1e-7  # of the time 0..1: in less, a pair that creeps moves by no more than it is located to
 LEAST_ERROR = 1e-3  # of a prediction, over what is allowed: less may be chance
@@ -274,73 +259,6 @@ def knows_pairs(system, work, path, substep):
     copy_history(work.trial_history, work.history)
     path.outcome = NEW_PAIR
     return False
-
-
-@part
-def accept(system, task, work, path, substep, room):
-    """Make the trial state the last accepted one."""
-    if substep.several:
-        path.undecided = min(path.undecided, path.time)
-    if path.releasing:
-        accept_release(task, work, path, substep)
-    else:
-        accept_step(system, task, work, path, substep)
-    if substep.moved == 0.0:
-        room.zero = predicted_zero(path.time, substep.room, room.time, room.value)
-        room.time = path.time
-    room.value, path.moved = substep.room, substep.moved
-    copy(work.state, work.before)
-    copy(work.trial, work.state)
-    path.least_gap = substep.least_gap
-    if path.slid:
-        set_rise(work.history, path.rise)
-    if not path.releasing and opening(work.history):
-        path.releasing, path.release = True, np.inf
-    if path.due and not path.releasing:
-        copy(work.state, work.states[path.row])
-        copy_history(work.trial_history, work.histories[path.row])
-        work.iterations[path.row] = path.spent
-        path.spent, path.due = 0, False
-        path.row += 1
-
-
-@part
-def accept_step(system, task, work, path, substep):
-    """Go on in time, with a step as long as the path's curvature lets the next one be."""
-    copy(work.tangent, work.old)
-    if path.snapping:
-        snapped(task, work, path, substep)
-    if substep.status == CONVERGED:
-        copy(work.ahead, work.tangent)
-        if creeping(work.history):
-            creep_tangent(system, task, work)
-            path.spent += 1
-    path.reuse, path.last_step, path.time = True, substep.duration, substep.target
-    path.error = substep.error
-    path.due = substep.landing
-    if path.until < np.inf and not (touched(work.trial_history) or opening(work.history)):
-        path.next_step = substep.duration  # what is looked for is still ahead
-    path.until = np.inf
-    easy = substep.iterations < EASY_COUNT + EASY_ROUND * (substep.rounds - 1) or creeping(work.history)
-    growth = GROWTH if easy else SLOW_GROWTH if substep.rounds > 1 else 1.0
-    # the turn grows with the square of the step
-    growth = min(growth, math.sqrt(SAFE * TURN / substep.share)) if substep.share > 0.0 else growth
-    path.next_step = max(path.next_step, substep.duration * growth)
-    slip = largest_slip(work.history)
-    if slip > 0.0:
-        path.next_step = min(path.next_step, substep.duration * MOST_SLIP * task.diameter / slip)
-
-
-@part
-def accept_release(task, work, path, substep):
-    """What opening pairs held is released, or some of it: the tangent is another one now."""
-    if path.snapping:
-        snapped(task, work, path, substep)
-    copy(work.ahead, work.tangent)
-    path.releasing = opening(work.history)
-    path.release *= 2.0
-    path.error /= path.last_step**2  # as of a step of length 1, along a straight line
-    path.reuse, path.last_step, work.old[0] = True, 1.0, np.inf  # no turn known
 
 
 @part

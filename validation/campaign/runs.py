@@ -82,8 +82,8 @@ def deviation(
 
 
 def grain(path: EquilibriumPath) -> float:
-    """What the rounding of the positions, and the place where pairs that stick touch and open, make of the largest
-    displacement, as a share of it."""
+    """What is unknown of the largest displacement, as a share of it: positions are rounded, and the places
+    where sticking pairs touch and open are located so closely."""
     largest, spring = np.abs(path.tips[:, :2]).max(initial=0.0), path.scene.spring
     sticks = path_dependent(path) and path.scene.contact.sliding == "none"
     finest = max(ROUNDING * spring.active_height, STICKS * spring.wire_diameter * sticks)

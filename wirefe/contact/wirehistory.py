@@ -38,16 +38,17 @@ def _touch(contact, states, m, row):
     predicted = v[1, 0] ** 2 + v[1, 1] ** 2 + v[1, 2] ** 2 < d * d
     far = 1 if predicted else 2
     at, other = first_touch(v[0], v[far], d), first_touch(v[0], v[2], d)
+    unknown = 1.0 if contact.mu == math.inf else 1.0 - at
     doubt, apart = np.zeros(3), 0.0
     for i in range(6):
         way = there[2, i] - there[0, i]
         row.arms[i] = there[0, i] + at * (there[far, i] - there[0, i])
-        left = there[0, i] + other * way - row.arms[i] if predicted else way
+        left = there[0, i] + other * way - row.arms[i] if predicted else way * unknown
         doubt[i % 3] += left if i < 3 else -left
     for i in range(3):
         apart += doubt[i] * doubt[i]
         row.normal[i] = v[2, i]
-    touches_first(row, contact, at, math.sqrt(apart), predicted)
+    touches_first(row, contact, at, math.sqrt(apart), predicted or contact.mu < math.inf)
 
 
 @part
