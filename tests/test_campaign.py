@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import sys
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pandas as pd
@@ -17,7 +18,15 @@ from validation.campaign.beamverifier import bracket, verify_critical, verify_st
 from validation.campaign.energy import BeamEnergy
 from validation.campaign.poses import moved
 from validation.campaign.run import verify
-from validation.campaign.runs import KINDS, force_grain, grain, verify_branch, verify_invariance, verify_steps
+from validation.campaign.runs import (
+    KINDS,
+    compare,
+    force_grain,
+    grain,
+    verify_branch,
+    verify_invariance,
+    verify_steps,
+)
 from validation.campaign.scenes import Case, case_id, in_units, make_case, pressed
 from validation.campaign.table import COLUMNS, read_rows, row_text
 from validation.campaign.verdict import CLASSES, THROUGH, UNEXPLAINED, Verdict, reached, under
@@ -478,6 +487,22 @@ def test_crash_is_an_unexplained_outcome(monkeypatch):
     assert "planted" in row["reason"]
     others = {"undecided", "iteration", "refused", UNEXPLAINED}
     assert {*OUTCOMES} - {"not_converged", "unsupported"} | others == set(CLASSES)
+
+
+@pytest.mark.parametrize(
+    ("time", "until", "found"),
+    [(None, 0.5, "unexplained"), (0.5, 0.5, "undecided"), (0.5, 0.4, "unexplained"), (0.5, 1.0, "completed")],
+    ids=["decided", "alike up to there", "not alike before", "alike"],
+)
+def test_runs_may_differ_from_when_on_other_forces_are_possible(time, until, found):
+    verdict, runs = Verdict(), [SimpleNamespace(undecided_time=each) for each in (None, time)]
+
+    def verify(found, end):
+        found.ask("branch", 0.0 if min(end, 1.0) <= until else 1.0, 0.5, "off the branch")
+
+    compare(verdict, *runs, verify)
+    assert verdict.class_of("completed") == found
+    assert len(verdict.others) == (found == "undecided")
 
 
 def test_no_answer_is_asked_to_be_finer_than_its_positions():

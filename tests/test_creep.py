@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from coilspring.contact.touching import CREEP
-from coilspring.solver.complementarity import FREE, GAP, HELD, SLIP, STICKS, TOUCHES, complementary
+from coilspring.solver.complementarity import FREE, GAP, HELD, SLIP, STICKS, TOUCHES, complementary, several
 from validation.campaign.runs import deviation
 from validation.campaign.scenes import make_case
 from validation.campaign.verdict import reached
@@ -67,6 +67,19 @@ def test_a_pair_that_opens_however_much_it_holds_lets_go():
     assert complementary(np.array([[-0.01]]), np.array([[-2.0]]), rows)
     assert rows[SLIP, 0] == 0.0
     assert rows[GAP, 0] == -0.1  # gaps are left alone
+
+
+@pytest.mark.parametrize(("opens", "more"), [(-0.5, True), (0.5, False)])
+def test_a_force_that_closes_its_own_pair_is_not_the_only_one(opens, more):
+    """Open without it, it is pressed where it sticks, and just touches with a force in between."""
+    assert several(np.array([[opens]]), np.array([[-2.0]]), np.array([[0.1], [1.0], [0.0]])) == more
+
+
+@pytest.mark.parametrize(("name", "seed", "more"), [("w00085", 94, True), ("w00052", 31, False)])
+def test_a_path_says_that_sticking_pairs_could_hold_other_forces(name, seed, more):
+    path = reached(make_case(name, seed), steps=20)
+    assert (path.undecided_time is not None) == more
+    assert ("can hold each other by other forces" in path.message) == more
 
 
 @pytest.mark.parametrize("name", ["w00052", "w00170"])

@@ -14,7 +14,15 @@ from matplotlib.figure import Figure
 from validation.campaign.runs import KINDS
 from validation.campaign.scenes import CORNERS, MODELS
 from validation.campaign.table import DISPLACEMENT, FORCE, NUMBERS, version
-from validation.campaign.verdict import CLASSES, CRITICAL, ITERATION, REFUSED, UNEXPLAINED, VERIFIED
+from validation.campaign.verdict import (
+    CLASSES,
+    CRITICAL,
+    ITERATION,
+    REFUSED,
+    UNDECIDED,
+    UNEXPLAINED,
+    VERIFIED,
+)
 from validation.study import template
 from validation.study.document import Table
 from validation.study.frames import frame_table
@@ -45,6 +53,7 @@ SCALES = {
     "load": Scale("relative load", np.linspace(0.0, 1.6, 9), (0, 0.4, 0.8, 1.2, 1.6), "linear"),
 }
 OTHER_UNITS = ("tiny", "huge")  # whose penalties say nothing beside the others'
+OTHER_FORCES = "by other forces as well"  # in the message of a path that says so
 FEWEST = 3  # scenes of a cell that is coloured
 DARK, SMALL, NO_DATA = 25.0, 5.5, "#dcdcdc"  # %: numbers on darker cells are white; pt; cells without data
 
@@ -79,6 +88,7 @@ def page(data: pd.DataFrame) -> str:
     listed = data.loc[data["class"].isin((UNEXPLAINED, ITERATION, REFUSED))]
     listed = listed.assign(reason=listed["reason"].where(listed["reason"] != "", listed["message"]))
     listed = listed[["seed", "id", "class", "corner", "outcome", "reason"]].rename(columns={"id": "case"})
+    sticking = data[(data["id"].str[0] == "w") & (data["sliding"] == "none")]
     kinds = {kind: data[data["kind"] == kind] for kind in KINDS}
     return template.page(
         PAGE,
@@ -90,6 +100,9 @@ def page(data: pd.DataFrame) -> str:
         counts={title: frame_table(counted) for title, counted in counts.items()},
         stepped=[f"{row.id} of seed {row.seed}" for row in compared.itertuples() if float(row.stepped) > 0.0],
         compared=len(compared),
+        sticking=len(sticking),
+        possible=int(sticking["message"].str.contains(OTHER_FORCES, regex=False).sum()),
+        undecided=int((data["class"] == UNDECIDED).sum()),
         titles=models,
         largest={name: _largest(data, name) for name in NUMBERS},
         invariances={kind: [len(rows), *_largest(rows, "invariance")] for kind, rows in kinds.items()},
