@@ -9,8 +9,8 @@ from coilspring.compiling.compiled import part
 LEAST_LEFT = 0.5
 OPEN = 2e-6  # wire diameters of gap at most where a pair that sticks is said to open
 CREEP = 1e-7  # wire diameters of gap at most where a pair that creeps is said to touch;
-PRESSED = 1e-4  # of the load: with less it is pressed then, but for
-FINEST_CREEP = 1e-10  # wire diameters, of what rounding leaves
+PRESSED = 1e-4  # of the load: with less it is pressed then, between
+FINEST_CREEP, MOST_PRESSED = 1e-10, 1e-6  # wire diameters: what rounding leaves, and the most
 FINEST = 1e-10  # wire diameters of slip, before which no pair reaches its bound
 # Wire diameters, by which two ways to find where a pair touches first may differ at most: where it sticks,
 STICK_LOCATED = 2e-6
@@ -79,7 +79,7 @@ def located_to(mu):
 @part
 def creep_to(force, d, K, k):
     """Wire diameters by which a pair that creeps may penetrate, under a load of some size."""
-    return min(CREEP, max(FINEST_CREEP, (PRESSED * force / K) ** (1.0 / k) / d))
+    return min(MOST_PRESSED, max(FINEST_CREEP, (PRESSED * force / K) ** (1.0 / k) / d))
 
 
 @part
