@@ -75,7 +75,7 @@ def test_a_force_that_closes_its_own_pair_is_not_the_only_one(opens, more):
     assert several(np.array([[opens]]), np.array([[-2.0]]), np.array([[0.1], [1.0], [0.0]])) == more
 
 
-@pytest.mark.parametrize(("name", "seed", "more"), [("w00085", 94, True), ("w00052", 31, False)])
+@pytest.mark.parametrize(("name", "seed", "more"), [("w00085", 94, True), ("w00170", 31, False)])
 def test_a_path_says_that_sticking_pairs_could_hold_other_forces(name, seed, more):
     path = reached(make_case(name, seed), steps=20)
     assert (path.undecided_time is not None) == more
