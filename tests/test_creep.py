@@ -96,9 +96,9 @@ def test_tips_do_not_depend_on_the_steps(name):
 
 @pytest.mark.parametrize(("name", "seed"), [("w00441", 116), ("w00088", 104)])
 def test_the_path_of_pairs_that_creep_is_predicted(name, seed):
-    """All rows agree to 4e-5. It was 1.3e-2 and 2e-3: along a tangent with the stiffness that was left the
+    """All rows agree to 4e-5. It was 3e-3 and 2e-3: along a tangent with the stiffness that was left the
     next pair touched later; and a touch that was not predicted was located on the straight line."""
-    paths = [reached(make_case(name, seed), steps=count) for count in (20, 100)]
+    paths = [reached(make_case(name, seed), steps=count) for count in (20, 400)]
     assert max(deviation(*paths)) <= 3e-4
 
 
