@@ -18,7 +18,9 @@ NONE, LONG, INDEFINITE = 0, 1, 2  # trouble
 # Stop when the Newton decrement g H^-1 g, twice the energy still to gain, is below this share of
 # the reference work: 1e-8 of the displacements in the energy norm, before the last step is applied.
 DECREMENT = 1e-16
-MEASURED = 1e-6  # of that, where contact is near: a last step could open or close a pair
+# Of the potential's rounding: the decrement is no difference of energies, and known so much better.
+DECREMENT_NOISE = 1e-3
+MEASURED = 1e-6  # of the tolerance, where contact is near: a last step could open or close a pair
 # The same, for a factor kept from an earlier state: only a linear response is let through.
 LINEAR_DECREMENT = 1e-22
 # Stability is decided by the pivots at the equilibrium itself where the least of the last factor, over the
@@ -76,7 +78,8 @@ def look_at(system, target, work, state, it, with_matrix):
     H = work.H if with_matrix else work.H[:0]
     it.energy, it.near = residual(system, target, state, work.g, H)
     it.rounding = max(target.rounding, target.grain * abs(system.reaction[0]))
-    it.tolerance = max(DECREMENT * target.reference, it.rounding)  # less cannot be asked for
+    # less cannot be asked for
+    it.tolerance = max(DECREMENT * target.reference, DECREMENT_NOISE * it.rounding)
     it.pairs += it.near
 
 
@@ -221,8 +224,11 @@ def make_positive(system, work, it):
 
 @part
 def stalled(target, work, it):
-    """Whether no iteration comes nearer: rounding decides which pairs of hard contact touch."""
+    """Whether no iteration comes nearer: rounding is what is left, or decides which pairs of hard contact
+    touch."""
     decrement = -it.slope / target.reference
+    if -it.slope <= it.rounding and it.count > 1 and STALLED * work.decrements[DECREMENTS - 2] <= decrement:
+        return True
     return it.count > DECREMENTS and STALLED * work.decrements[0] <= decrement <= LOOSE
 
 
