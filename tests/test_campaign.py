@@ -195,6 +195,11 @@ def test_a_fold_is_found_where_a_pair_closes_just_before_it():
     assert float(row["confirmed"]) < 1e-6
 
 
+def test_a_bifurcation_is_confirmed_where_pairs_of_hard_contact_hardly_touch():
+    """One of 21 opens along the tangent."""
+    assert run.verified("b004935", 603)["class"] == "bifurcation"
+
+
 @pytest.mark.parametrize("share", [0.999, 1.001])
 def test_critical_time_elsewhere_is_caught(share):
     case = soft_b()

@@ -129,7 +129,7 @@ def _along_mode(energy: BeamEnergy, start: Point, H: np.ndarray, critical: float
     distance = 3.0 * (critical - start.time) * abs(work) / start.least  # a parabola has its top at 2
     low, nearest, high, farthest = start, 0.0, None, np.inf
     for _ in range(MOST_TRIALS):
-        point = _settled(energy, start, low, row, distance)
+        point = _settled(energy, start, low, row, distance, energy.closed(low.state))
         if point is None:
             distance = 0.5 * (nearest + distance)
             continue
@@ -154,7 +154,9 @@ def _by_load(energy: BeamEnergy, start: Point, H: np.ndarray, critical: float) -
     ahead = start.state.copy()
     ahead[energy.free] += tangent
     row = np.append(np.zeros(energy.free.size), 1.0)
-    found = _settled(energy, start, Point(ahead, start.time + beyond, np.nan), row, beyond)
+    # the pairs are those that touch at the start: the tangent may open some that hardly do
+    guess, closed = Point(ahead, start.time + beyond, np.nan), energy.closed(start.state)
+    found = _settled(energy, start, guess, row, beyond, closed)
     if found is None or found.least > 0.0:
         return None
     moved = np.linalg.norm((found.state - start.state)[energy.free])
@@ -162,11 +164,11 @@ def _by_load(energy: BeamEnergy, start: Point, H: np.ndarray, critical: float) -
 
 
 def _settled(
-    energy: BeamEnergy, start: Point, guess: Point, row: np.ndarray, distance: float
+    energy: BeamEnergy, start: Point, guess: Point, row: np.ndarray, distance: float, closed: np.ndarray
 ) -> Point | None:
     """Equilibrium near a guess, where `row` times the change of displacements and time since `start` is a
-    distance: by Newton's method with the closed pairs held closed, which leaves no kinks, until they are."""
-    free, closed = energy.free, energy.closed(guess.state)
+    distance: by Newton's method with `closed` pairs held closed, which leaves no kinks, until they are."""
+    free = energy.free
     loose, matrix = max(LOOSE, ROUNDED / start.least), np.tile(row, (len(row), 1))
     for _ in range(MOST_SETS):
         state, time, before = energy.placed(guess.state.copy(), guess.time), guess.time, np.inf
