@@ -223,9 +223,10 @@ def stable_so_far(system, task, work, path, substep, softest):
         return True
     # up to where the first pair closes, if none is closed: there the substep landed
     wide = path.least_gap > 0.0
-    # a snap begins at a critical point
-    end = substep.target if wide else path.time - (AHEAD if path.snapping else 0.0)
-    stable = stable_until(system, task, work, path, end, np.inf if wide else 0.0)
+    end = substep.target if wide else path.time
+    if path.snapping:  # it begins at a critical point
+        end = path.time - AHEAD
+    stable = end < path.linear_from or stable_until(system, task, work, path, end, np.inf if wide else 0.0)
     path.linear = False
     if not stable:
         end_or_snap(system, task, work, path, softest, CRITICAL)

@@ -13,7 +13,7 @@ import numpy as np
 from coilspring.compiling.compiled import copy, part
 from coilspring.solver.branch import displacement_bound
 from coilspring.solver.linesearch import dot
-from coilspring.solver.operations import factor_state, moved
+from coilspring.solver.operations import factor_state, moved, solution
 from coilspring.solver.stability import LEAST_STEP, PROBE, jumps, least_stiffness
 from coilspring.solver.system import JUMP
 
@@ -58,21 +58,33 @@ def release_or_jump(task, path):
 
 @part
 def is_limit_point(system, task, work, path, softest):
-    """Whether the stiffness jumps, as where a pair opens, or a force works on the softest mode; what a
-    prescribed motion pulls with is not looked at."""
-    stiffness = softest.value
-    if softest.time != path.time:
+    """Whether the stiffness jumps, as where a pair opens, or what drives the path works on the softest
+    mode."""
+    stiffness, prescribed = softest.value, system.prescribed.size > 0
+    if softest.time != path.time or prescribed:
         factor_state(system, work, work.state, work.history)
         path.spent, path.reuse = path.spent + 1, False
         stiffness = least_stiffness(system, task, work, np.inf)
     if jumps(path, softest, stiffness):
         return True
-    if system.prescribed.size > 0:
-        return False
+    if prescribed:
+        return driven(system, task, work, stiffness, path.rest_stiffness)
     moved(system, work.state, work.mode, SMALL * task.diameter, work.scratch)
     work_done = system.work(system.reals, system.ints, task.load, work.state, work.scratch)
     distance, _, _ = displacement_bound(system, work.state, work.scratch, np.inf)
     return abs(work_done) > NO_WORK * math.sqrt(dot(task.load, task.load)) * distance
+
+
+@part
+def driven(system, task, work, stiffness, rest):
+    """Whether a prescribed motion works on the softest mode: by that mode's share of the path's tangent,
+    times its stiffness."""
+    solution(system, work.F, task.load, 1.0, work.step)
+    along, size, arms = 0.0, 0.0, task.arms
+    for i in range(arms.size):
+        along += arms[i] ** 2 * work.mode[i] * work.step[i]
+        size += (arms[i] * work.step[i]) ** 2
+    return abs(stiffness * along) > NO_WORK * rest * math.sqrt(max(size - along**2, 0.0))
 
 
 @part

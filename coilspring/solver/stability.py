@@ -105,7 +105,10 @@ def no_time(time):
 @part
 def jumps(path, softest, stiffness):
     """Whether the least stiffness, now of a value, does not tend to zero but jumps, as where a pair opens."""
-    fallen = (softest.past - stiffness) / max((path.time - softest.past_time) / no_time(path.time), 1.0)
+    least = no_time(path.time)
+    fallen = (softest.past - stiffness) / max((path.time - softest.past_time) / least, 1.0)
+    if path.time <= softest.time + least:
+        fallen = max(fallen, softest.value - stiffness)
     # a pair about to open may count as open, by rounding
     return stiffness > JUMPS * path.rest_stiffness or fallen > FALLS * path.rest_stiffness
 

@@ -161,7 +161,7 @@ def keeps_branch(system, task, work, path, substep, watch):
             path.outcome = OVERLAP
     if not good or substep.status == LINEAR:
         return good
-    if path.least_gap > 0.0 and hides_instability(system, work, path):
+    if path.least_gap > 0.0 and not path.snapping and hides_instability(system, work, path):
         return False
     if slides(work.history) and not slides_stably(system, task, work, path, substep):
         return False
