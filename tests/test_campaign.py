@@ -200,6 +200,11 @@ def test_a_bifurcation_is_confirmed_where_pairs_of_hard_contact_hardly_touch():
     assert run.verified("b004935", 603)["class"] == "bifurcation"
 
 
+def test_how_far_a_release_leads_is_the_way_of_a_point():
+    """0.249 wire diameters in one direction, 0.256 in all."""
+    assert run.verified("w00408", 502)["class"] == "jump"
+
+
 @pytest.mark.parametrize("share", [0.999, 1.001])
 def test_critical_time_elsewhere_is_caught(share):
     case = soft_b()

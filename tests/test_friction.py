@@ -11,7 +11,8 @@ import wirefe
 from coilspring import Contact, InputError, Load, Scene, Spring, Supports, load_scene
 from coilspring.compiling.packing import pack
 from coilspring.scene.toml import scene_from_text
-from validation.campaign.scenes import in_units
+from validation.campaign.scenes import in_units, make_case
+from validation.campaign.verdict import reached
 from wirefe import kernels, model
 from wirestates import add, centres, elements
 
@@ -180,6 +181,18 @@ def test_spread_over_the_steps(mu, bound):
     """Measured over 5, 10, 20, 50 steps: 9e-6 of UX with mu = 0.1, 4e-5 with 0.3."""
     tips = np.array([solved("spring-a", mu, steps).tips[-1] for steps in (5, 10, 20, 50)])
     assert (np.ptp(tips, axis=0) <= bound * np.abs(tips[-1])).all()
+
+
+def test_a_substep_in_which_pairs_stray_from_their_prediction_is_cut():
+    """The second touch lay within the last of 7 substeps, which passed for good: 2.4e-3."""
+    case = make_case("w00487", 501)
+    tips = [reached(case, steps=steps).tips[-1] for steps in (1, 400)]
+    np.testing.assert_allclose(*tips, rtol=0.0, atol=1e-4 * np.abs(tips[1]).max())
+
+
+def test_bounds_that_had_to_rise_are_not_lowered_at_once():
+    """Each of some ten thousand substeps was taken in vain, then at half its length: 170 000 factorisations."""
+    assert reached(make_case("w00044", 621), steps=1).total_iterations < 40_000
 
 
 @pytest.mark.parametrize(("geometry", "count"), [("spheres", 4), ("wires", 12)])

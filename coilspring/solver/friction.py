@@ -24,6 +24,7 @@ LESS = 1e-4  # share by which friction is taken back
 # Share of the bounds, up or down, over a slip of a wire diameter; more is seen only where slips are stiff.
 MOST_RISE = 1.0
 RAISED = 4.0  # times as much where H is indefinite,
+LOWERED = 2.0  # and less by so much where it no longer is,
 HIGHEST = 1e5  # up to this
 # Steps along the flow of bounds are 1 / damping long: from round to round by so much longer, and shorter
 # where one would go beyond what is stable.
@@ -46,7 +47,9 @@ def slides_stably(system, task, work, path, substep):
     set_rise(work.low, path.rise)
     path.spent += 1
     if factor_state(system, work, work.trial, work.low) == 0:
-        path.raised = 0.0
+        # the next prediction may be as far off as this one was
+        path.raised = path.raised / LOWERED if path.raised * task.diameter > MOST_RISE / RAISED else 0.0
+        path.rise = max(path.rise, path.raised)
         return True
     path.rise = max(path.rise, path.raised)
     path.spent += 1

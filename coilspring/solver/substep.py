@@ -33,6 +33,8 @@ NEARER = 3.0  # times the bound on all motion: so much nearer may two wires come
 CREEP_CUT = 0.5  # share at which a substep in which a pair ceases to creep is cut, at most
 MISSED = 5e-4  # wire diameters that such a pair may have slipped before
 OVERLAP_TIME = 1e-5  # of the time 0..1: so closely is it located
+MOST_ERROR = 1e-2  # of the way of the path: so far pairs may be from where they were predicted with friction
+LEAST_RATED = 1e-3  # of the time 0..1: in less they may always be
 BOUND_CHANGE = 1e-6  # of the bounds of tangential forces, over the largest, where they count as found
 MOST_ROUNDS = 30
 FIRST_SHIFT = 0.1  # with which an indefinite matrix is made positive, in units of that at rest
@@ -153,6 +155,7 @@ def keeps_branch(system, task, work, path, substep, watch):
     # so far in no time is a snap too
     snaps = path.snapping or (substep.duration <= snap.NO_TIME and not path.releasing)
     good = good and (substep.distance <= snap.LARGEST * task.diameter or not snaps)
+    good = good and (path.releasing or not strays(work, substep))
     substep.room, substep.moved = watch[ROOM].value, path.moved + substep.distance
     if good and (NEARER * substep.moved >= substep.room or substep.near_overlap):
         substep.room, substep.moved = free_room(system, task, work.trial), 0.0
@@ -169,6 +172,14 @@ def keeps_branch(system, task, work, path, substep, watch):
     if not task.predictor or path.snapping or has_history(work.history):
         return True
     return not jumped(system, task, work, substep.distance, substep.duration)
+
+
+@part
+def strays(work, substep):
+    """Whether pairs moved so far from where they were predicted that what friction remembers is not known."""
+    reach = substep.distance * substep.target / substep.duration  # of the path so far, about
+    far = substep.error > MOST_ERROR * reach and substep.duration > LEAST_RATED
+    return far and has_friction(work.history)
 
 
 @part

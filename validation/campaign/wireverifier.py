@@ -69,8 +69,9 @@ def verify_balance(verdict: Verdict, forces: WireForces, path: EquilibriumPath, 
     rows, load, time = path.states[row].reshape(-1, 7), runs.largest_load(path, row), path.times[row]
     contact, most = path.scene.contact, BALANCE
     if contact.enabled:
-        # in a mode as stiff as contact, what solvers leave in the energy norm is this share of the load
-        stiff = forces.law.sticking * float(np.hypot(*path.tips[row, :2])) / load
+        # in a mode as stiff as contact with the coils on both sides, what solvers leave in the energy norm is
+        # this share of the load
+        stiff = 2.0 * forces.law.sticking * float(np.hypot(*path.tips[row, :2])) / load
         most = max(BALANCE, runs.SOLVER * math.sqrt(stiff))
     arm = float(np.abs(forces.arms[1, [0, 2], -1]).max())
     pairs = forces.pairs(path, row)
@@ -267,12 +268,12 @@ def released(
         ahead = left * 2.0**-step if left > NONE else 0.0
         share = np.where(np.isnan(begins), 1.0, ahead / begins)
         found = _settled(forces, replace(pairs, share=pairs.share * share), rows, load)
-        if found is None or np.abs(found - rows)[:, :3].max() > NEAR * forces.law.d:
+        if found is None or _motion(found, rows, forces.law.d) > NEAR * forces.law.d:
             step *= 0.5
             if ahead == 0.0 or step < LEAST_STEP:
                 return left
             continue
-        if np.abs(found - start)[:, :3].max() > NEARBY * forces.law.d:
+        if _motion(found, start, forces.law.d) > NEARBY * forces.law.d:
             return left
         rows, left, step = found, ahead, min(2.0 * step, MOST_STEP)
         opens = pairs.held & np.isnan(begins) & (pairs.depth(rows) < 0.0)
@@ -280,6 +281,12 @@ def released(
         if left == 0.0:
             return 0.0
     return math.nan
+
+
+def _motion(one: np.ndarray, two: np.ndarray, d: float) -> float:
+    """How far any point of the wire's surface moves between two states, at most, next to the nodes."""
+    turned = np.minimum(*(np.linalg.norm(one[:, 3:] + sign * two[:, 3:], axis=1) for sign in (1.0, -1.0)))
+    return float((np.linalg.norm((one - two)[:, :3], axis=1) + turned * d).max())  # 2 |q - q'| d/2
 
 
 def _settled(forces: WireForces, pairs: Pairs, rows: np.ndarray, load: np.ndarray) -> np.ndarray | None:
