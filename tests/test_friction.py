@@ -191,7 +191,7 @@ def test_a_substep_in_which_pairs_stray_from_their_prediction_is_cut():
 
 
 def test_bounds_that_had_to_rise_are_not_lowered_at_once():
-    """Each of some ten thousand substeps was taken in vain, then at half its length: 170 000 factorisations."""
+    """Each of ten thousand substeps was taken in vain, then at half its length: 170 000 factorisations."""
     assert reached(make_case("w00044", 621), steps=1).total_iterations < 40_000
 
 

@@ -7,7 +7,7 @@ import numpy as np
 from coilspring.compiling.compiled import part
 from coilspring.contact.law import arc, normal_law, stretch
 from coilspring.contact.touching import (
-    creeps_as_far,
+    creep_slip,
     first_touch,
     gave_way,
     goes_on,
@@ -125,6 +125,12 @@ def _lead(row):
 
 
 @part
+def _ahead(row, d, e):
+    """Part along a slide `e`, mm, of how far the reference of a pair is ahead."""
+    return row.lead * d * (e[0] * row.onward[0] + e[1] * row.onward[1] + e[2] * row.onward[2])
+
+
+@part
 def _slide(row, g, h, left, t):
     """Move the reference of a pair after its direction now, to an angle `left` behind it along `t`."""
     if row.lead > 0.0:
@@ -192,11 +198,11 @@ def update_pairs(before, ahead, vectors, history, law):
             touches_again(row, _distance(before, m), h, d)
         elif row.creeps:
             row.gap, row.sticking = h - d, row.stiffness * _stretched(vectors[m], h, d, row, e)
-            if row.lead > 0.0 and not creeps_as_far(row):
+            if row.lead > 0.0 and not leads(row, creep_slip(row)):
                 change = max(change, row.stiffness * row.lead * row.stride)
                 _lead(row)
                 row.sticking = row.stiffness * _stretched(vectors[m], h, d, row, e)
-            row.ahead = row.lead * d * (e[0] * row.onward[0] + e[1] * row.onward[1] + e[2] * row.onward[2])
+            row.ahead = _ahead(row, d, e)
         if row.opening or row.creeps or not (row.closed or h < d):
             continue
         if not row.closed:
@@ -217,8 +223,8 @@ def update_pairs(before, ahead, vectors, history, law):
         # at the arm d instead of h, on which arcs are measured
         bound = mu * normal * h / d
         change = max(change, renewed(d * arc(vectors[m], h, row, e), bound, law, row))
-        if row.lead > 0.0 and not leads(row):
+        if row.lead > 0.0 and not leads(row, row.slip):
             _lead(row)
             change = max(change, bound, renewed(d * arc(vectors[m], h, row, e), bound, law, row))
-        row.ahead = row.lead * d * (e[0] * row.onward[0] + e[1] * row.onward[1] + e[2] * row.onward[2])
+        row.ahead = _ahead(row, d, e)
     return change / most if change > 0.0 else 0.0

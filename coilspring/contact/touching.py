@@ -33,19 +33,15 @@ def slid(length, row, gap):
 
 
 @part
-def leads(row):
-    """Whether a pair slides as far as its reference is ahead, at least; else that is taken back."""
-    if row.slip >= row.lead * row.stride:
-        return True
-    row.wanted = 0.0
-    return False
+def creep_slip(row):
+    """What a pair that creeps slips in the trial state, mm."""
+    return (row.sticking - min((1.0 - row.released) * row.sticking, row.bound)) / row.stiffness
 
 
 @part
-def creeps_as_far(row):
-    """Whether a pair that creeps slips as far as its reference is ahead; else that is taken back."""
-    force = min((1.0 - row.released) * row.sticking, row.bound)
-    if row.sticking - force >= row.stiffness * row.lead * row.stride:
+def leads(row, slip):
+    """Whether a pair slips as far as its reference is ahead, at least; else that is taken back."""
+    if slip >= row.lead * row.stride:
         return True
     row.wanted = 0.0
     return False

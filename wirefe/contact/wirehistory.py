@@ -8,7 +8,7 @@ from coilspring.compiling.compiled import part
 from coilspring.contact.kinematics import SLIGHT
 from coilspring.contact.law import normal_law
 from coilspring.contact.touching import (
-    creeps_as_far,
+    creep_slip,
     first_touch,
     gave_way,
     goes_on,
@@ -124,7 +124,7 @@ def update_wires(contact, accepted, predicted, state, history):
         elif row.creeps:
             length, way = tangential_slip(contact, points, state, m, row)
             row.gap, row.sticking = h - d, row.stiffness * length
-            if row.lead > 0.0 and not creeps_as_far(row):
+            if row.lead > 0.0 and not leads(row, creep_slip(row)):
                 change = max(change, row.stiffness * row.lead * row.stride)
                 _lead(row)
                 length, way = tangential_slip(contact, points, state, m, row)
@@ -154,7 +154,7 @@ def update_wires(contact, accepted, predicted, state, history):
         else:
             bound = contact.mu * normal
             change = max(change, renewed(length, bound, contact, row))
-            if row.lead > 0.0 and not leads(row):
+            if row.lead > 0.0 and not leads(row, row.slip):
                 _lead(row)
                 length, way = tangential_slip(contact, points, state, m, row)
                 change = max(change, bound, renewed(length, bound, contact, row))
