@@ -164,6 +164,11 @@ def test_a_pair_that_has_just_closed_costs_no_digits():
     np.testing.assert_allclose(few.tips, many.tips[1::2], rtol=0.0, atol=1e-11 * np.abs(few.tips).max())
 
 
+def test_rounding_of_a_small_potential_does_not_stop_the_iteration():
+    """It is more than the decrement that is asked for: the line search finds nothing lower."""
+    assert {reached(make_case("w00511", 622), steps=steps).outcome for steps in (1, 5)} == {"completed"}
+
+
 def test_rounding_of_hard_contact_does_not_stop_the_iteration():
     """All coils of a cylinder close at once: of 5 step counts 4 ended there, 200 factorisations a substep."""
     case = make_case("b000704", 72)

@@ -257,7 +257,8 @@ def move(system, target, work, state, it):
         length = line_search(system, target, work, state, it, gain)
         it.current = False
     if length == 0.0:
-        return FAILED
+        # rounding may be all that is left
+        return CONVERGED if it.shift == 0.0 and -it.slope <= it.rounding else FAILED
     if length < LONG_SEARCH:
         it.trouble = max(it.trouble, LONG)
     if it.shift > 0.0:
