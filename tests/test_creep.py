@@ -77,6 +77,7 @@ def test_a_force_that_closes_its_own_pair_is_not_the_only_one(opens, more):
 
 @pytest.mark.parametrize(("name", "seed", "more"), [("w00085", 94, True), ("w00170", 31, False)])
 def test_a_path_says_that_sticking_pairs_could_hold_other_forces(name, seed, more):
+    """In some numbers of steps: it is told of states as they are accepted."""
     paths = [reached(make_case(name, seed), steps=steps) for steps in (5, 20)]
     assert any(path.undecided_time is not None for path in paths) == more
     assert any("can hold each other by other forces" in path.message for path in paths) == more

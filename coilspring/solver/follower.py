@@ -226,7 +226,8 @@ def stable_so_far(system, task, work, path, substep, softest):
     end = substep.target if wide else path.time
     if path.snapping:  # it begins at a critical point
         end = path.time - AHEAD
-    stable = end < path.linear_from or stable_until(system, task, work, path, end, np.inf if wide else 0.0)
+    unsampled = end < path.linear_from
+    stable = unsampled or stable_until(system, task, work, path, end, np.inf if wide else 0.0)
     path.linear = False
     if not stable:
         end_or_snap(system, task, work, path, softest, CRITICAL)

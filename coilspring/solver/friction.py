@@ -24,8 +24,8 @@ LESS = 1e-4  # share by which friction is taken back
 # Share of the bounds, up or down, over a slip of a wire diameter; more is seen only where slips are stiff.
 MOST_RISE = 1.0
 RAISED = 4.0  # times as much where H is indefinite,
-LOWERED = 2.0  # and less by so much where it no longer is,
 HIGHEST = 1e5  # up to this
+LOWERED = 2.0  # and less by so much where it no longer is
 # Steps along the flow of bounds are 1 / damping long: from round to round by so much longer, and shorter
 # where one would go beyond what is stable.
 LONGER, SHORTER = 2.0, 8.0

@@ -18,7 +18,7 @@ NONE, LONG, INDEFINITE = 0, 1, 2  # trouble
 # Stop when the Newton decrement g H^-1 g, twice the energy still to gain, is below this share of
 # the reference work: 1e-8 of the displacements in the energy norm, before the last step is applied.
 DECREMENT = 1e-16
-# Of the potential's rounding: the decrement is no difference of energies, and known so much better.
+# Of the potential's rounding: the decrement is no difference of energies, and is known better than these.
 DECREMENT_NOISE = 1e-3
 MEASURED = 1e-6  # of the tolerance, where contact is near: a last step could open or close a pair
 # The same, for a factor kept from an earlier state: only a linear response is let through.
@@ -49,7 +49,7 @@ def equilibrium(system, target, work, state, it):
 
     Returns one of CONVERGED, LINEAR, SADDLE and FAILED.
     """
-    it.pairs, it.count, it.trouble, it.looks = 0, 0, NONE, 0
+    it.pairs, it.count, it.trouble, it.looks, it.directions = 0, 0, NONE, 0, 0
     it.doubtful, it.current = False, not (target.modified and it.reuse)
     it.least_pivot, it.decrement, it.last, it.damping = np.inf, 0.0, np.inf, target.shift
     look_at(system, target, work, state, it, it.current or not target.modified)
@@ -77,10 +77,15 @@ def look_at(system, target, work, state, it, with_matrix):
     """Energy and residual at a state, and its matrix if asked for."""
     H = work.H if with_matrix else work.H[:0]
     it.energy, it.near = residual(system, target, state, work.g, H)
-    it.rounding = max(target.rounding, target.grain * abs(system.reaction[0]))
-    # less cannot be asked for
-    it.tolerance = max(DECREMENT * target.reference, DECREMENT_NOISE * it.rounding)
+    set_tolerance(system, target, it)
     it.pairs += it.near
+
+
+@part
+def set_tolerance(system, target, it):
+    """Rounding of the potential at the state that was evaluated last, and the decrement that is asked for."""
+    it.rounding = max(target.rounding, target.grain * abs(system.reaction[0]))
+    it.tolerance = max(DECREMENT * target.reference, DECREMENT_NOISE * it.rounding)
 
 
 @part
@@ -188,6 +193,7 @@ def newton_direction(system, target, work, state, it, first):
     for j in range(DECREMENTS - 1):
         decrements[j] = decrements[j + 1]
     decrements[DECREMENTS - 1] = -it.slope / target.reference
+    it.directions += 1
     if not np.isfinite(it.slope) or it.slope > 0.0:
         return FAILED
     return GO_ON
@@ -226,8 +232,8 @@ def make_positive(system, work, it):
 def stalled(target, work, it):
     """Whether no iteration comes nearer: rounding is what is left, or decides which pairs of hard contact
     touch."""
-    decrement = -it.slope / target.reference
-    if -it.slope <= it.rounding and it.count > 1 and STALLED * work.decrements[DECREMENTS - 2] <= decrement:
+    decrement, before = -it.slope / target.reference, work.decrements[DECREMENTS - 2]
+    if it.directions > 1 and -it.slope <= it.rounding and STALLED * before <= decrement:
         return True
     return it.count > DECREMENTS and STALLED * work.decrements[0] <= decrement <= LOOSE
 
@@ -235,10 +241,11 @@ def stalled(target, work, it):
 @part
 def move(system, target, work, state, it):
     """Stop within the tolerance; else take the step, shortened until the potential falls."""
-    if -it.slope <= it.tolerance or stalled(target, work, it):
+    ends = stalled(target, work, it)
+    if -it.slope <= it.tolerance or ends:
         if it.shift > 0.0:
             return SADDLE
-        if it.count > DECREMENTS:
+        if ends or it.count > DECREMENTS:
             return CONVERGED  # rounding decides which pairs touch: a step opens some and closes others
         advance(system, work, state)
         if it.near == 0:
@@ -246,7 +253,7 @@ def move(system, target, work, state, it):
         look_at(system, target, work, state, it, not target.modified)
         it.reuse, it.decrement, it.last = True, -it.slope, np.inf
         return AGAIN
-    energy = it.energy
+    energy, rounding = it.energy, it.rounding
     moved(system, state, work.step, 1.0, work.scratch)
     it.current = -it.slope > FAR * target.reference
     look_at(system, target, work, work.scratch, it, it.current or not target.modified)
@@ -256,9 +263,10 @@ def move(system, target, work, state, it):
         it.energy = energy
         length = line_search(system, target, work, state, it, gain)
         it.current = False
+        set_tolerance(system, target, it)
     if length == 0.0:
         # rounding may be all that is left
-        return CONVERGED if it.shift == 0.0 and -it.slope <= it.rounding else FAILED
+        return CONVERGED if it.shift == 0.0 and -it.slope <= rounding else FAILED
     if length < LONG_SEARCH:
         it.trouble = max(it.trouble, LONG)
     if it.shift > 0.0:

@@ -38,10 +38,10 @@ def end_or_snap(system, task, work, path, softest, outcome):
 @part
 def leave_saddle(system, task, work):
     """Move the trial state off an unstable equilibrium, with `work.F` the factor of its matrix made positive:
-    along its softest mode, the way the load pulls."""
+    along its softest mode, the way the path came."""
     least_stiffness(system, task, work, np.inf)
     size = LEAVE * task.diameter
-    size = size if dot(work.load, work.mode) >= 0.0 else -size
+    size = size if along(task, work.mode, work.tangent) >= 0.0 else -size
     moved(system, work.trial, work.mode, size, work.scratch)
     copy(work.scratch, work.trial)
 
@@ -60,14 +60,12 @@ def release_or_jump(task, path):
 def is_limit_point(system, task, work, path, softest):
     """Whether the stiffness jumps, as where a pair opens, or what drives the path works on the softest
     mode."""
-    stiffness, prescribed = softest.value, system.prescribed.size > 0
-    if softest.time != path.time or prescribed:
-        factor_state(system, work, work.state, work.history)
-        path.spent, path.reuse = path.spent + 1, False
-        stiffness = least_stiffness(system, task, work, np.inf)
+    factor_state(system, work, work.state, work.history)
+    path.spent, path.reuse = path.spent + 1, False
+    stiffness = least_stiffness(system, task, work, np.inf)
     if jumps(path, softest, stiffness):
         return True
-    if prescribed:
+    if system.prescribed.size > 0:
         return driven(system, task, work, stiffness, path.rest_stiffness)
     moved(system, work.state, work.mode, SMALL * task.diameter, work.scratch)
     work_done = system.work(system.reals, system.ints, task.load, work.state, work.scratch)
@@ -77,14 +75,20 @@ def is_limit_point(system, task, work, path, softest):
 
 @part
 def driven(system, task, work, stiffness, rest):
-    """Whether a prescribed motion works on the softest mode: by that mode's share of the path's tangent,
-    times its stiffness."""
+    """Whether a prescribed motion works on the softest mode: by that mode's part of the path's tangent, times
+    its stiffness."""
     solution(system, work.F, task.load, 1.0, work.step)
-    along, size, arms = 0.0, 0.0, task.arms
-    for i in range(arms.size):
-        along += arms[i] ** 2 * work.mode[i] * work.step[i]
-        size += (arms[i] * work.step[i]) ** 2
-    return abs(stiffness * along) > NO_WORK * rest * math.sqrt(max(size - along**2, 0.0))
+    part, square = along(task, work.mode, work.step), along(task, work.step, work.step)
+    return abs(stiffness * part) > NO_WORK * rest * math.sqrt(max(square - part**2, 0.0))
+
+
+@part
+def along(task, a, b):
+    """Scalar product of two motions, rotations measured at the arm of a wire diameter."""
+    total = 0.0
+    for i in range(a.size):
+        total += task.arms[i] ** 2 * a[i] * b[i]
+    return total
 
 
 @part

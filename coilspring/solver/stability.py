@@ -107,7 +107,7 @@ def jumps(path, softest, stiffness):
     """Whether the least stiffness, now of a value, does not tend to zero but jumps, as where a pair opens."""
     least = no_time(path.time)
     fallen = (softest.past - stiffness) / max((path.time - softest.past_time) / least, 1.0)
-    if path.time <= softest.time + least:
+    if abs(path.time - softest.time) <= least:
         fallen = max(fallen, softest.value - stiffness)
     # a pair about to open may count as open, by rounding
     return stiffness > JUMPS * path.rest_stiffness or fallen > FALLS * path.rest_stiffness

@@ -17,7 +17,7 @@ from coilspring.contact.history import (
 )
 from coilspring.contact.kinematics import OVERLAP_ALLOWED
 from coilspring.solver import snap
-from coilspring.solver.branch import SMALL, continues, jumped, small_turn
+from coilspring.solver.branch import SMALL, continues, displacement_bound, jumped, small_turn
 from coilspring.solver.creep import renew_creep
 from coilspring.solver.friction import let_flow, slides_stably, solve_bounds
 from coilspring.solver.newton import CONVERGED, FAILED, LINEAR, NONE, SADDLE
@@ -33,7 +33,8 @@ NEARER = 3.0  # times the bound on all motion: so much nearer may two wires come
 CREEP_CUT = 0.5  # share at which a substep in which a pair ceases to creep is cut, at most
 MISSED = 5e-4  # wire diameters that such a pair may have slipped before
 OVERLAP_TIME = 1e-5  # of the time 0..1: so closely is it located
-MOST_ERROR = 1e-2  # of the way of the path: so far pairs may be from where they were predicted with friction
+# Of the way of the path: so far, with friction, may pairs be from where they were predicted.
+MOST_ERROR = 1e-2
 LEAST_RATED = 1e-3  # of the time 0..1: in less they may always be
 BOUND_CHANGE = 1e-6  # of the bounds of tangential forces, over the largest, where they count as found
 MOST_ROUNDS = 30
@@ -71,7 +72,7 @@ def find_equilibrium(system, equilibrium, task, work, path, substep, it):
         it.reuse = path.reuse
         substep.status = equilibrium(system, target, work, work.trial, it)
         substep.iterations += it.count
-        substep.trouble, substep.tolerance = max(substep.trouble, it.trouble), it.tolerance
+        substep.trouble, substep.tolerance = max(substep.trouble, it.trouble), max(it.tolerance, it.rounding)
         path.spent += it.count
         path.pairs += it.pairs
         if substep.status == LINEAR and (substep.rounds > 0 or path.releasing):
@@ -155,7 +156,7 @@ def keeps_branch(system, task, work, path, substep, watch):
     # so far in no time is a snap too
     snaps = path.snapping or (substep.duration <= snap.NO_TIME and not path.releasing)
     good = good and (substep.distance <= snap.LARGEST * task.diameter or not snaps)
-    good = good and (path.releasing or not strays(work, substep))
+    good = good and (path.releasing or not strays(system, task, work, substep))
     substep.room, substep.moved = watch[ROOM].value, path.moved + substep.distance
     if good and (NEARER * substep.moved >= substep.room or substep.near_overlap):
         substep.room, substep.moved = free_room(system, task, work.trial), 0.0
@@ -175,11 +176,12 @@ def keeps_branch(system, task, work, path, substep, watch):
 
 
 @part
-def strays(work, substep):
+def strays(system, task, work, substep):
     """Whether pairs moved so far from where they were predicted that what friction remembers is not known."""
-    reach = substep.distance * substep.target / substep.duration  # of the path so far, about
-    far = substep.error > MOST_ERROR * reach and substep.duration > LEAST_RATED
-    return far and has_friction(work.history)
+    if substep.duration <= LEAST_RATED or not has_friction(work.history):
+        return False
+    way, _, _ = displacement_bound(system, task.start, work.trial, np.inf)
+    return substep.error > MOST_ERROR * way
 
 
 @part

@@ -201,6 +201,7 @@ NEWTON = np.dtype(
         ("decrement", "f8"),  # of the last step with a factor of its own
         ("last", "f8"),  # of the last step at all, or infinite
         ("looks", "i8"),  # at states within the tolerance
+        ("directions", "i8"),  # found with a factor of their own
         ("doubtful", "?"),
         ("reuse", "?"),
         ("current", "?"),  # the matrix is that of the state

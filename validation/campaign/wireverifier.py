@@ -69,8 +69,8 @@ def verify_balance(verdict: Verdict, forces: WireForces, path: EquilibriumPath, 
     rows, load, time = path.states[row].reshape(-1, 7), runs.largest_load(path, row), path.times[row]
     contact, most = path.scene.contact, BALANCE
     if contact.enabled:
-        # in a mode as stiff as contact with the coils on both sides, what solvers leave in the energy norm is
-        # this share of the load
+        # at a node that the coils on both sides touch, what solvers leave in the energy norm is this share of
+        # the load
         stiff = 2.0 * forces.law.sticking * float(np.hypot(*path.tips[row, :2])) / load
         most = max(BALANCE, runs.SOLVER * math.sqrt(stiff))
     arm = float(np.abs(forces.arms[1, [0, 2], -1]).max())
@@ -284,9 +284,10 @@ def released(
 
 
 def _motion(one: np.ndarray, two: np.ndarray, d: float) -> float:
-    """How far any point of the wire's surface moves between two states, at most, next to the nodes."""
+    """Upper bound on the motion of the wire's surface at the nodes between two states."""
     turned = np.minimum(*(np.linalg.norm(one[:, 3:] + sign * two[:, 3:], axis=1) for sign in (1.0, -1.0)))
-    return float((np.linalg.norm((one - two)[:, :3], axis=1) + turned * d).max())  # 2 |q - q'| d/2
+    # |q - q'| d >= d sin(angle / 2)
+    return float((np.linalg.norm((one - two)[:, :3], axis=1) + turned * d).max())
 
 
 def _settled(forces: WireForces, pairs: Pairs, rows: np.ndarray, load: np.ndarray) -> np.ndarray | None:
