@@ -92,7 +92,7 @@ def test_a_prescribed_motion_snaps_past_limit_points(case, seed, count):
 
 
 def test_the_branch_off_a_bifurcation_is_not_followed_in_some_steps_only():
-    """The soft mode is all but normal to the path; in 3 of 9 numbers of steps the path went along it."""
+    """The soft mode is all but normal to the path: in 8 of 18 numbers of steps the path went along it."""
     ends = [reached(make_case("b004144", 501), steps=steps) for steps in (2, 5, 20)]
     assert {path.outcome for path in ends} == {"completed"}
     np.testing.assert_allclose([path.tips[-1] for path in ends], [ends[0].tips[-1]] * 3, rtol=1e-7)
