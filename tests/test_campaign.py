@@ -31,14 +31,8 @@ from validation.campaign.scenes import Case, case_id, in_units, make_case, press
 from validation.campaign.table import COLUMNS, read_rows, row_text
 from validation.campaign.verdict import CLASSES, THROUGH, UNEXPLAINED, Verdict, reached, under
 from validation.campaign.wire import WireForces
-from validation.campaign.wireverifier import (
-    fold,
-    released,
-    vanishing,
-    verify_balance,
-    verify_jump,
-    verify_row,
-)
+from validation.campaign.wirejump import released, verify_jump
+from validation.campaign.wireverifier import fold, vanishing, verify_balance, verify_row
 from validation.cli import main
 
 SEED = 1

@@ -23,6 +23,7 @@ from validation.campaign.scenes import Case, case_id, make_case
 from validation.campaign.table import Key, Row, row_of, row_text, version
 from validation.campaign.verdict import CRITICAL, JUMP, REFUSED, UNEXPLAINED, VERIFIED, Verdict, reached
 from validation.campaign.wire import WireForces
+from validation.campaign.wirejump import verify_jump
 from validation.study.output import prepare
 from validation.study.provenance import write_provenance
 
@@ -134,7 +135,7 @@ def verify(case: Case, path: EquilibriumPath) -> Verdict:
     if path.outcome in CRITICAL:
         critical(case, path)
     elif path.outcome == JUMP:
-        wireverifier.verify_jump(verdict, forces, case, path)
+        verify_jump(verdict, forces, case, path)
     return verdict
 
 
