@@ -199,6 +199,12 @@ def test_how_far_a_release_leads_is_the_way_of_a_point():
     assert run.verified("w00408", 502)["class"] == "jump"
 
 
+@pytest.mark.slow
+def test_a_release_is_followed_while_hard_pairs_close_and_open():
+    """By whole steps of Newton's method it ended after 100 steps."""
+    assert run.verified("w00413", 533)["class"] == "jump"
+
+
 @pytest.mark.parametrize("share", [0.999, 1.001])
 def test_critical_time_elsewhere_is_caught(share):
     case = soft_b()

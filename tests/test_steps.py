@@ -10,6 +10,7 @@ import pytest
 import equivbeam
 import wirefe
 from coilspring import Contact, EquilibriumNotFound, Load, Material, Scene, Spring, Supports, load_scene
+from validation.campaign.runs import changed
 from validation.campaign.scenes import case_id, is_driven, make_case, pressed
 from validation.campaign.verdict import SOLVERS, reached
 
@@ -169,6 +170,14 @@ def test_rounding_of_a_small_potential_does_not_stop_the_iteration():
     paths = [reached(make_case("w00511", 622), steps=steps) for steps in (1, 5)]
     assert [path.outcome for path in paths] == ["completed"] * 2
     np.testing.assert_allclose(paths[0].tips[-1], paths[1].tips[-1], atol=1e-9)
+
+
+def test_rounding_of_a_small_potential_does_not_shorten_steps():
+    """Seen in a mirror: the second row was 6.5e-9 off, as rounding was taken for a rise of the potential."""
+    case = make_case("w00850", 531)
+    path, image = reached(case), reached(case, changed(case, "mirror")[0])
+    size = np.abs(path.tips).max()
+    np.testing.assert_allclose(path.tips, image.tips * (-1.0, 1.0, -1.0), rtol=0.0, atol=1e-11 * size)
 
 
 def test_rounding_of_hard_contact_does_not_stop_the_iteration():

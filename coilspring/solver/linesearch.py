@@ -48,6 +48,13 @@ def falls(energy, gain, slope, length, rounding):
 
 
 @part
+def levels(work, it):
+    """Whether the potential has levelled out at the end of the whole step, by its slope there: where its fall
+    is lost in the rounding of energies (Hager & Zhang 2005)."""
+    return -it.slope <= it.rounding and abs(dot(work.g, work.step)) <= FLAT * abs(it.slope)
+
+
+@part
 def shorter(low, high, farther, before, behind, beyond, gain, slope, cut):
     """Length between `low` and `high`: where the potential's slope, linear between its values there, is
     zero; where it still falls at `high`, the minimum of the parabola through the potential's `gain`.

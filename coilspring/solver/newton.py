@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from coilspring.compiling.compiled import copy, part, typed
-from coilspring.solver.linesearch import dot, falls, line_search, residual
+from coilspring.solver.linesearch import dot, falls, levels, line_search, residual
 from coilspring.solver.operations import assembled, factored, moved, solution, stale_solution
 from coilspring.solver.system import equilibrium_signature
 
@@ -259,7 +259,7 @@ def move(system, target, work, state, it):
     look_at(system, target, work, work.scratch, it, it.current or not target.modified)
     gain = it.energy - energy - system.work(system.reals, system.ints, target.load, state, work.scratch)
     length = 1.0
-    if not falls(abs(energy) + abs(it.energy), gain, it.slope, 1.0, it.rounding):
+    if not (falls(abs(energy) + abs(it.energy), gain, it.slope, 1.0, it.rounding) or levels(work, it)):
         it.energy = energy
         length = line_search(system, target, work, state, it, gain)
         it.current = False

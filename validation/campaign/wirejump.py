@@ -1,9 +1,11 @@
 """The verifier of the wire model's jumps: a sticking pair that opens leads to no equilibrium nearby."""
 
 import math
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
+from scipy.optimize import brentq
 
 from coilspring import EquilibriumPath
 from validation.campaign import runs
@@ -20,7 +22,8 @@ JUST_BEFORE = (1e-6, 1e-5, 1e-4, 1e-3)  # shares of the load by which a state ma
 FIRST_STEP, LEAST_STEP, MOST_STEP, NONE = 0.5, 1e-3, 4.0, 1e-10
 # Wire diameters that such a step may move, and all of them: more is no release but a jump.
 NEAR, NEARBY = 0.05, 0.25
-MOST_RELEASES, MOST_CORRECTIONS = 100, 15
+MOST_RELEASES, MOST_CORRECTIONS = 100, 40
+LEVEL, LENGTH = 0.5, 1e-3  # share of the energy's slope that a whole step may leave; of a step, so exact
 CLOSE = 1e-8  # wire diameters or rad: the last correction
 FAR = 0.5  # wire diameters or rad that a step may move: more is no neighbour
 OPEN = 1e-3  # wire diameters of penetration at most that are left of a pair just before it opens
@@ -94,18 +97,33 @@ def _motion(one: np.ndarray, two: np.ndarray, d: float) -> float:
 
 
 def _settled(forces: WireForces, pairs: Pairs, rows: np.ndarray, load: np.ndarray) -> np.ndarray | None:
-    """Stable equilibrium next to a state, or None."""
+    """Stable equilibrium next to a state, or None, by Newton's method.
+
+    Within a step hard pairs close and open: each goes down to the least energy along it. No pair slides here.
+    """
     start, free = rows, forces.free
+
+    def unbalanced(state: np.ndarray) -> np.ndarray:
+        return forces.residual(state, load, pairs)
+
     for _ in range(MOST_CORRECTIONS):
-        left = forces.residual(rows, load, pairs).ravel()[free]
-        J = forces.tangent(rows, pairs)
-        move = np.zeros((len(rows), 6))
-        move.ravel()[free] = np.linalg.solve(J, -left)
+        left, move = unbalanced(rows), np.zeros((len(rows), 6))
+        move.ravel()[free] = np.linalg.solve(forces.tangent(rows, pairs), -left.ravel()[free])
         size = np.abs(move / [*[pairs.law.d] * 3, 1.0, 1.0, 1.0]).max()
-        if not size < FAR:
-            return None
-        rows = moved(rows, move)
         if size <= CLOSE:
+            rows = moved(rows, move)
             far = np.linalg.norm(rows[:, :3] - start[:, :3], axis=1).max() > FAR * pairs.law.d
             return None if far or not forces.least_stiffness(rows, pairs) > 0.0 else rows
+        if not size < FAR or (left * move).sum() >= 0.0:
+            return None
+        rows = moved(rows, _length(unbalanced, rows, move) * move)
     return None
+
+
+def _length(unbalanced: Callable[[np.ndarray], np.ndarray], rows: np.ndarray, move: np.ndarray) -> float:
+    """Share of a step, along which the energy falls at first, where it is least; 1 where it all but is."""
+
+    def slope(share: float) -> float:
+        return float((unbalanced(moved(rows, share * move)) * move).sum())
+
+    return 1.0 if slope(1.0) <= LEVEL * abs(slope(0.0)) else float(brentq(slope, 0.0, 1.0, rtol=LENGTH))
