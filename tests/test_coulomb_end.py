@@ -13,6 +13,8 @@ from coilspring.solver.coulomb import SLACK, coulomb
 from coilspring.solver.stability import Body
 from equivbeam.model import matrix_size
 from equivbeam.solve import KERNELS
+from validation.campaign import runs
+from validation.campaign.coulombend import loses_stability
 from validation.campaign.scenes import make_case
 from validation.campaign.verdict import SOLVERS, Verdict, reached, under
 from validation.campaign.wire import WireForces
@@ -86,6 +88,21 @@ def test_limit_point_is_that_of_coulombs_own_tangent(name):
         claimed = replace(path, critical_time=share * path.critical_time)
         verify_wire_critical(verdict, forces, case, claimed)
         assert bool(verdict.complaints) == (share < 1.0)
+    before = reached(case, under(case.scene, 0.998 * path.critical_time))
+    assert loses_stability(forces, before, 1.01) == pytest.approx(1.0 / 0.998, abs=runs.FRICTION_TIME)
+    assert loses_stability(forces, before, 1.001) is None
+
+
+@pytest.mark.slow
+def test_a_limit_point_that_the_stiffness_shows_only_just_before_is_confirmed():
+    """It falls in the last 1.6e-3 of the load: by steps of the verifier's own. Farther on it is not found."""
+    case = make_case("w00126", 521)
+    path, forces = reached(case), WireForces(case.scene, **case.options)
+    assert path.outcome == "limit_point"
+    before = reached(case, under(case.scene, 0.998 * path.critical_time))
+    factor = loses_stability(forces, before, 1.01)
+    assert factor == pytest.approx(1.0 / 0.998, abs=runs.FRICTION_TIME)
+    assert loses_stability(forces, before, 1.001) is None
 
 
 def test_a_path_is_followed_to_the_limit_point_of_coulombs_law():

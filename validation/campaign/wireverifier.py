@@ -9,6 +9,7 @@ from scipy.optimize import brentq
 import wirefe
 from coilspring import EquilibriumPath
 from validation.campaign import runs
+from validation.campaign.coulombend import loses_stability
 from validation.campaign.scenes import Case
 from validation.campaign.verdict import Verdict, under
 from validation.campaign.wire import WireForces
@@ -111,8 +112,9 @@ def verify_wire_critical(verdict: Verdict, forces: WireForces, case: Case, path:
 
 def _verify_softening(verdict: Verdict, forces: WireForces, case: Case, critical: float) -> None:
     """The least stiffness must tend to zero at the critical time: of the wire with its top where it is
-    prescribed, and of one whose coils stick or slide, by Coulomb's unsymmetric tangent."""
-    found = [math.inf]
+    prescribed, and of one whose coils stick or slide, by Coulomb's unsymmetric tangent. Where it does not,
+    with friction, the verifier's own steps must come to where it vanishes."""
+    found, starts = [math.inf], []
     # the critical time of a path with friction itself depends on its substeps by as much
     most = runs.FRICTION_TIME if runs.path_dependent(case) else SOFTENED
     for shares in BEFORE_SOFT:
@@ -128,6 +130,12 @@ def _verify_softening(verdict: Verdict, forces: WireForces, case: Case, critical
         found += [] if place is None else [abs(place / critical - 1.0)]
         if min(found) <= most:
             break
+        starts.append((before[0], 1.0 - shares[0]))
+    else:
+        if case.scene.contact.sliding == "coulomb":
+            start, share = starts[0]
+            factor = loses_stability(forces, start, (1.0 + most) / share)
+            found += [] if factor is None else [abs(factor * share - 1.0)]
     if min(found) < math.inf:
         verdict.ask("confirmed", min(found), most, "the least stiffness vanishes elsewhere")
     else:

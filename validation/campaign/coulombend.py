@@ -1,0 +1,71 @@
+"""The verifier's own steps along a path with Coulomb friction, to where the wire loses its stability.
+
+Next to such a point the directions in which pairs slide turn ever faster, and the stiffness falls within the
+last thousandth of the load: it cannot be extrapolated from farther away.
+"""
+
+from dataclasses import replace
+
+import numpy as np
+
+from coilspring import EquilibriumPath
+from validation.campaign.poses import moved
+from validation.campaign.wire import WireForces
+from validation.campaign.wirepairs import Pairs
+
+# Shares of the load: of the first step and the least; and the share of a step that fails which is tried next.
+FIRST_STEP, LEAST_STEP, SHORTER = 2e-4, 1e-7, 0.25
+MOST_STEPS, MOST_CORRECTIONS = 80, 12
+CLOSE, FAR = 1e-9, 0.05  # wire diameters or rad: the last correction, and the most of one
+REACH = 0.3  # wire diameters: in so few steps no pair that is farther touches
+OVER = 1e-9  # of its bound: with so much more a pair slides
+SOFTENED = 0.2  # of the stiffness at the start: no more is left before it vanishes
+
+
+def loses_stability(forces: WireForces, path: EquilibriumPath, most: float) -> float | None:
+    """Factor of a path's last load or displacement at which Coulomb's law loses its stable equilibrium; None
+    where that is not seen up to the factor `most`.
+
+    Steps of the implicit Euler method, shorter where one fails. At the end little is left of the stiffness,
+    or the next step, however short, makes it negative.
+    """
+    rows, pairs = path.states[-1].reshape(-1, 7), forces.pairs(path, -1, REACH * forces.law.d)
+    factor, step, left = 1.0, FIRST_STEP, [forces.least_stiffness(rows, pairs.renewed(rows))]
+    for _ in range(MOST_STEPS):
+        ahead = rows.copy()
+        ahead[-1, 1] += step * sum(path.scene.load.displacement)
+        found = _settled(forces, pairs.renewed(rows), ahead, (factor + step) * path.loads[-1])
+        beyond = -np.inf if found is None else forces.least_stiffness(found[0], found[1].renewed(found[0]))
+        if found is not None and beyond > 0.0:
+            (rows, pairs), factor = found, factor + step
+            left.append(beyond)
+            if factor > most:
+                return None
+        elif step < LEAST_STEP:
+            return factor if found is not None or left[-1] <= SOFTENED * left[0] else None
+        else:
+            step *= SHORTER
+    return None
+
+
+def _settled(
+    forces: WireForces, pairs: Pairs, rows: np.ndarray, load: np.ndarray
+) -> tuple[np.ndarray, Pairs] | None:
+    """Equilibrium near a state, and which pairs slide in it, or None where Newton's method finds none."""
+    for _ in range(MOST_CORRECTIONS):
+        pairs = replace(pairs, slides=_slides(pairs, rows))
+        move = np.zeros((len(rows), 6))
+        left = forces.residual(rows, load, pairs).ravel()[forces.free]
+        move.ravel()[forces.free] = np.linalg.solve(forces.tangent(rows, pairs), -left)
+        size = float(np.abs(move / [*[pairs.law.d] * 3, 1.0, 1.0, 1.0]).max())
+        rows = moved(rows, min(1.0, FAR / size) * move)
+        if size <= CLOSE:
+            return rows, replace(pairs, slides=_slides(pairs, rows))
+    return None
+
+
+def _slides(pairs: Pairs, rows: np.ndarray) -> np.ndarray:
+    """Pairs of which sticking, from where they are renewed, would take more than the bound."""
+    normal, force = replace(pairs, slides=np.zeros_like(pairs.slides)).forces(rows)
+    bound = pairs.law.mu * normal
+    return pairs.held & (np.linalg.norm(force, axis=1) > (1.0 + OVER) * bound)
