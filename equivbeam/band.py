@@ -6,7 +6,7 @@ then runs over registers, at whatever place of the row it begins.
 
 import numpy as np
 
-from coilspring.compiling.compiled import arithmetic, kernel, part
+from coilspring.compiling.compiled import arithmetic, inlined, kernel
 from coilspring.solver.interface import FIXED
 
 BAND = 8  # half bandwidth: a pair couples the nodes i and i + 2, three degrees of freedom each
@@ -36,7 +36,7 @@ def eliminate(F, width):
     return negative, least
 
 
-@part
+@inlined
 def fix(g, H, p):
     """Fix the degree of freedom `p`: no force; in the matrix, unless it is empty, nothing but FIXED."""
     g[p] = 0.0

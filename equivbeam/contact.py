@@ -5,17 +5,17 @@ The force of a pair, (12), is `coilspring.contact.law.normal_law`; its moments f
 
 import math
 
-from coilspring.compiling.compiled import part
+from coilspring.compiling.compiled import inlined
 
 
-@part
+@inlined
 def circle_centre(x, y, theta, ox, oy):
     """Centre of a circle attached to a node: the node's position and the turned offset."""
     c, s = math.cos(theta), math.sin(theta)
     return x + c * ox - s * oy, y + s * ox + c * oy
 
 
-@part
+@inlined
 def pair_forces(f, H, rax, ray, rbx, rby, g, K):
     """Gradient (6,) and Hessian (6, 6) in the dofs of the two nodes from those in the vector g (3,).
 
@@ -35,7 +35,7 @@ def pair_forces(f, H, rax, ray, rbx, rby, g, K):
     K[5, 5] -= f[0] * rbx + f[1] * rby
 
 
-@part
+@inlined
 def circle_overlap(centres, attached, state, d):
     """By how much circles of diameter d overlap, at most, and beyond those one turn apart; mm.
 

@@ -12,7 +12,7 @@ x2, y2, theta2) is (7)-(9), with the misprint of (7) mended (see docs/theory.md)
 import math
 from typing import NamedTuple
 
-from coilspring.compiling.compiled import part
+from coilspring.compiling.compiled import inlined
 
 
 class Response(NamedTuple):
@@ -30,7 +30,7 @@ class Response(NamedTuple):
     T_m: float
 
 
-@part
+@inlined
 def measures(x1, y1, th1, x2, y2, th2):
     """Cosine and sine of the mean rotation, length, shear and relative rotation of a half coil."""
     thb = 0.5 * (th1 + th2)
@@ -39,14 +39,14 @@ def measures(x1, y1, th1, x2, y2, th2):
     return c, s, ay * c - ax * s, ax * c + ay * s, th2 - th1
 
 
-@part
+@inlined
 def measures_at(state, e):
     """`measures` of the element between the nodes e and e + 1 of a state."""
     i = 3 * e
     return measures(state[i], state[i + 1], state[i + 2], state[i + 3], state[i + 4], state[i + 5])
 
 
-@part
+@inlined
 def gradient(r, c, s, l, v, g):  # noqa: E741
     """Gradient `g` (6,) of a half coil in its degrees of freedom, from its response `r`."""
     fx = r.T * c - r.N * s
@@ -56,7 +56,7 @@ def gradient(r, c, s, l, v, g):  # noqa: E741
     g[3], g[4], g[5] = fx, fy, 0.5 * fb + r.M
 
 
-@part
+@inlined
 def hessian(r, c, s, l, v, K):  # noqa: E741
     """Hessian `K` (6, 6) of a half coil in its degrees of freedom, from its response `r`."""
     N, T = r.N, r.T
@@ -77,7 +77,7 @@ def hessian(r, c, s, l, v, K):  # noqa: E741
         _scatter_relative(r.N_m * lx + r.T_m * vx, r.N_m * ly + r.T_m * vy, r.N_m * lb + r.T_m * vb, K)
 
 
-@part
+@inlined
 def _scatter(kxx, kxy, kyy, kxb, kyb, same, cross, K):
     """6 x 6 matrix from the second derivatives in (ax, ay), with a node's rotation, and of the rotations."""
     for i in range(2):
@@ -97,7 +97,7 @@ def _scatter(kxx, kxy, kyy, kxb, kyb, same, cross, K):
             K[p + 2, q + 1] = side * kyb
 
 
-@part
+@inlined
 def _scatter_relative(kxm, kym, kbm, K):
     """Add the second derivatives in dtheta with ax, ay and theta_b."""
     for i in range(2):
@@ -112,7 +112,7 @@ def _scatter_relative(kxm, kym, kbm, K):
     K[5, 5] += kbm
 
 
-@part
+@inlined
 def paper_matrix(c, s, kax, ksh, kfl, L, factor, K):
     """The paper's element matrix (section 2.3), which stands in for the tangent, turned by theta_b.
 

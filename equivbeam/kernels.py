@@ -5,7 +5,7 @@ from functools import cache
 
 import numpy as np
 
-from coilspring.compiling.compiled import clear, copy, kernel, part
+from coilspring.compiling.compiled import clear, copy, inlined, kernel
 from coilspring.contact.kinematics import approach, remember
 from coilspring.contact.kinematics import update_pairs as update_pairs_of
 from coilspring.contact.law import pair_potential
@@ -20,7 +20,7 @@ from equivbeam.model import view
 from equivbeam.options import EXACT, PAPER
 
 
-@part
+@inlined
 def _add_nodes(g, H, ge, Ke, a, b):
     """Scatter the 6 degrees of freedom of the nodes `a` <= `b`; node 0 is clamped."""
     p, q = 3 * (a - 1), 3 * (b - 1)
@@ -42,7 +42,7 @@ def _add_nodes(g, H, ge, Ke, a, b):
             H[q + i, j - i] += Ke[3 + i, 3 + j]
 
 
-@part
+@inlined
 def _centres(model, state):
     """Centres of all circles, shape (circles, 2)."""
     attached, offset = model.attached, model.offset
@@ -53,7 +53,7 @@ def _centres(model, state):
     return c
 
 
-@part
+@inlined
 def _vectors(model, state):
     """Vectors between the centres of all pairs, in the working plane, shape (pairs, 3)."""
     c, pairs = _centres(model, state), model.pairs
@@ -64,7 +64,7 @@ def _vectors(model, state):
     return w
 
 
-@part
+@inlined
 def _bound(reach, a, b):
     """Bound on how far any circle's centre moved between two states."""
     most = 0.0
@@ -74,7 +74,7 @@ def _bound(reach, a, b):
     return most
 
 
-@part
+@inlined
 def _add_pairs(model, history, state, g, H, ge, Ke):
     """Contact energy; adds its gradient and Hessian. Only pairs that touch are scattered."""
     energy = 0.0

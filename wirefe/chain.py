@@ -12,7 +12,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from coilspring.compiling.compiled import clear, part, zeros
+from coilspring.compiling.compiled import clear, inlined, zeros
 from coilspring.compiling.packing import Wholes
 
 N6 = 6
@@ -81,7 +81,7 @@ def plan_chain(
     return plan, np.array(found, dtype=np.int64), flipped
 
 
-@part
+@inlined
 def _factor_diagonal(D):
     """LDL^T of one block in place; returns its number of negative pivots and the least."""
     negative, least = 0, np.inf
@@ -101,7 +101,7 @@ def _factor_diagonal(D):
     return negative, least
 
 
-@part
+@inlined
 def _forward(D, U):
     """U <- L^-1 U, row by row."""
     for c in range(1, N6):
@@ -111,7 +111,7 @@ def _forward(D, U):
                 U[c, r] -= l * U[m, r]
 
 
-@part
+@inlined
 def _subtract(T, V, U):
     """T -= V^T U for 6 x 6 blocks; a row of T is kept in registers."""
     for r in range(N6):
@@ -127,7 +127,7 @@ def _subtract(T, V, U):
         T[r, 0], T[r, 1], T[r, 2], T[r, 3], T[r, 4], T[r, 5] = t0, t1, t2, t3, t4, t5
 
 
-@part
+@inlined
 def _is_zero(U):
     """Whether a block is empty, as those of open pairs and of their fill are."""
     for i in range(N6):
@@ -137,7 +137,7 @@ def _is_zero(U):
     return True
 
 
-@part
+@inlined
 def eliminate(plan, F):
     """LDL^T of the blocks (blocks, 6, 6) in place; returns the number of negative pivots and the least.
 
@@ -170,7 +170,7 @@ def eliminate(plan, F):
     return negative, least
 
 
-@part
+@inlined
 def substitute(plan, F, b):
     """Solve in place for the right-hand side `b` (nodes * 6,)."""
     order, start, block, column = plan.order, plan.start, plan.block, plan.column
@@ -203,7 +203,7 @@ def substitute(plan, F, b):
             b[p + i] = total
 
 
-@part
+@inlined
 def add_gradient(g, a, b, ge):
     """Add a gradient (12,) at two nodes."""
     for i in range(6):
@@ -211,7 +211,7 @@ def add_gradient(g, a, b, ge):
         g[6 * b + i] += ge[6 + i]
 
 
-@part
+@inlined
 def add_nodes(H, a, b, Ke):
     """Add a Hessian's (12, 12) diagonal blocks at two nodes."""
     for i in range(6):
@@ -220,7 +220,7 @@ def add_nodes(H, a, b, Ke):
             H[b, i, j] += Ke[6 + i, 6 + j]
 
 
-@part
+@inlined
 def add_block(H, block, flip, K):
     """Add the coupling K[:6, 6:] of a first and a second node."""
     B = H[block]

@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 
-from coilspring.compiling.compiled import arithmetic, clear, kernel, part
+from coilspring.compiling.compiled import arithmetic, clear, inlined, kernel, lent
 from coilspring.contact.kinematics import OVERLAP_ALLOWED, approach, remember
 from coilspring.contact.kinematics import update_pairs as update_spheres
 from coilspring.solver.interface import FIXED
@@ -51,7 +51,7 @@ def _scatter(chain, state, ge, Ke, g, H):
         add_block(H, chain.block[e], chain.flip[e], Ke[e])
 
 
-@part
+@inlined
 def _hold(held, H):
     """Take the held dofs out: nothing but FIXED in their rows and columns."""
     for m in range(held.block.size):
@@ -72,6 +72,7 @@ def _hold(held, H):
 @kernel
 def assemble(reals, ints, accepted, least_gap, history, state, g, flat):
     """Strain and contact energy, gradient and matrix; see `coilspring.solver.interface` for the contract."""
+    accepted, history, state, g, flat = lent(accepted), lent(history), lent(state), lent(g), lent(flat)
     contact = view_contact(reals, ints)
     H = flat.reshape((flat.size // 36, 6, 6))
     clear(g)
@@ -100,18 +101,21 @@ def assemble(reals, ints, accepted, least_gap, history, state, g, flat):
 @kernel
 def factor(reals, ints, flat):
     """Block LDL^T in place; returns the number of negative pivots and the least pivot."""
+    flat = lent(flat)
     return eliminate(view_plan(ints), flat.reshape((flat.size // 36, 6, 6)))
 
 
 @kernel
 def solve(reals, ints, flat, b):
     """Back substitution in place."""
+    flat, b = lent(flat), lent(b)
     substitute(view_plan(ints), flat.reshape((flat.size // 36, 6, 6)), b)
 
 
 @kernel
 def retract(reals, ints, state, step, factor, before, second, out):
     """See `coilspring.solver.interface`; its deformations move the wire (`wirefe.element.retraction`)."""
+    state, step, before, out = lent(state), lent(step), lent(before), lent(out)
     move = Move(before, step, factor, second)
     chain = view_elements(reals, ints)
     place(chain.triads, chain.arm, state, move, out)
@@ -121,6 +125,7 @@ def retract(reals, ints, state, step, factor, before, second, out):
 @kernel
 def work(reals, ints, load, a, b):
     """Work of a dead load between two states: of forces, and of moments about one axis each."""
+    load, a, b = lent(load), lent(a), lent(b)
     total = 0.0
     for n in range(load.size // 6):
         p = 6 * n
@@ -138,6 +143,7 @@ def work(reals, ints, load, a, b):
 @kernel
 def rotate(reals, ints, a, b, v):
     """See the interface: forces and moments, or motions and spins, turned with their nodes."""
+    a, b, v = lent(a), lent(b), lent(v)
     held = view_held(ints)
     p = v.size - 6
     top = three(v, p)
@@ -148,7 +154,7 @@ def rotate(reals, ints, a, b, v):
         v[held.dof[m]] = 0.0
 
 
-@part
+@inlined
 def _bound(contact, a, b):
     """Bound on how far any point of the wire's nodes or any contact point moved between two states."""
     most = 0.0
@@ -170,6 +176,7 @@ def _bound(contact, a, b):
 @kernel
 def displacement_bound(reals, ints, a, b, least):
     """See the interface: bound on all motion, pair motion, share of it before the first touch."""
+    a, b = lent(a), lent(b)
     contact = view_contact(reals, ints)
     distance = _bound(contact, a, b)
     if contact.pairs.shape[0] == 0 or distance <= least:
@@ -181,6 +188,7 @@ def displacement_bound(reals, ints, a, b, least):
 @kernel
 def update_history(reals, ints, state, history):
     """See `coilspring.contact.kinematics`; minus infinity says that spheres touch which are no pair."""
+    state, history = lent(state), lent(history)
     contact = view_contact(reals, ints)
     # spheres that are no pair are checked once they may have come near
     near = contact.pairs.shape[0] > 0 and 2.0 * _bound(contact, contact.rest, state) >= contact.apart
@@ -194,6 +202,7 @@ def update_history(reals, ints, state, history):
 @kernel
 def update_pairs(reals, ints, accepted, predicted, state, history):
     """See `coilspring.contact.kinematics.update_pairs`."""
+    accepted, predicted, state, history = lent(accepted), lent(predicted), lent(state), lent(history)
     contact = view_contact(reals, ints)
     if contact.mu == 0.0:
         return 0.0
@@ -210,6 +219,7 @@ def update_pairs(reals, ints, accepted, predicted, state, history):
 @kernel
 def overlap(reals, ints, state):
     """See `coilspring.solver.interface`: of the whole wire, and beyond the deepest pair of spheres."""
+    state = lent(state)
     contact = view_contact(reals, ints)
     whole = wire_overlap(view_stations(reals, ints), state)
     if whole <= OVERLAP_ALLOWED * contact.d:

@@ -5,9 +5,10 @@ from typing import Any
 
 import numpy as np
 from numba import njit
+from numba.core import cgutils
 from numba.core.codegen import JITCodeLibrary
 from numba.core.compiler import Compiler
-from numba.extending import overload, register_jitable
+from numba.extending import intrinsic, overload, register_jitable
 
 from coilspring.compiling.kernelcache import OPTIONS, KernelCache
 
@@ -53,7 +54,8 @@ class PartCompiler(Compiler):
 KERNEL = {"error_model": "numpy"}
 ENTRY = KERNEL | {"no_cfunc_wrapper": True}
 PART = ENTRY | {"pipeline_class": PartCompiler}
-ARITHMETIC = PART | {"fastmath": {"contract", "reassoc", "nsz", "arcp"}}
+INLINED = PART | {"forceinline": True}
+ARITHMETIC = INLINED | {"fastmath": {"contract", "reassoc", "nsz", "arcp"}}
 
 
 def kernel(function: Callable) -> Any:
@@ -95,24 +97,53 @@ def _part(options: dict[str, Any]) -> Callable[[Callable], Any]:
 # the kernel only. Called from Python it is plain Python.
 part = _part(PART)
 
+# The same, put wherever it is called: a call hands over each array as ten numbers or so, and counts it, which
+# takes longer than a row of a matrix. Not for what the path follower is made of, which would take minutes to
+# compile.
+inlined = _part(INLINED)
+
+# Inlined plain arithmetic: sums may be reordered and multiplied on the fly.
+arithmetic = _part(ARITHMETIC)
+
 
 def overloaded(function: Callable) -> Any:
     """Decorator: gives for types of arguments the part that compiled code runs where it calls `function`."""
     return overload(function, jit_options=PART, strict=False)  # type: ignore[arg-type]
 
 
-# The same for plain arithmetic: sums may be reordered and multiplied on the fly.
-arithmetic = _part(ARITHMETIC)
+def lent(array: Any) -> Any:
+    """The array as its caller holds it: views of it are not counted.
+
+    numba counts every view of an array that may own its memory, in calls that cost as much as a row of a
+    matrix. What a kernel is given belongs to its caller until the kernel returns.
+    """
+    return array
 
 
-@part
+@overloaded(lent)
+def _lent(array: Any) -> Callable:
+    return lambda array: _without_owner(array)
+
+
+@intrinsic
+def _without_owner(typingctx, array):
+    def lowered(context: Any, builder: Any, signature: Any, given: Any) -> Any:
+        found = context.make_array(array)(context, builder, value=given[0])
+        for owner in ("meminfo", "parent"):
+            setattr(found, owner, cgutils.get_null_value(getattr(found, owner).type))
+        return found._getvalue()
+
+    return array(array), lowered
+
+
+@inlined
 def clear(vector):
     """vector[:] = 0; slice assignment compiles seconds of error messages."""
     for i in range(vector.size):
         vector[i] = 0.0
 
 
-@part
+@inlined
 def clear_table(table):
     """table[:] = 0."""
     for i in range(table.shape[0]):
@@ -120,14 +151,14 @@ def clear_table(table):
             table[i, j] = 0.0
 
 
-@part
+@inlined
 def copy(source, target):
     """target[:] = source for vectors."""
     for i in range(source.size):
         target[i] = source[i]
 
 
-@part
+@inlined
 def zeros(size):
     """Vector of zeros: one way to make a vector is compiled once, each of numpy's by itself."""
     out = np.empty(size)
@@ -135,7 +166,7 @@ def zeros(size):
     return out
 
 
-@part
+@inlined
 def copied(source):
     """Copy of a vector."""
     out = zeros(source.size)

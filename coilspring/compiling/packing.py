@@ -8,7 +8,7 @@ from typing import Any, TypeAlias
 
 import numpy as np
 
-from coilspring.compiling.compiled import part
+from coilspring.compiling.compiled import inlined, lent
 
 HEAD = 4  # offset and three extents
 
@@ -58,31 +58,31 @@ def pack(model: tuple) -> tuple[np.ndarray, np.ndarray]:
     return np.concatenate([empty, *reals]), packed
 
 
-@part
+@inlined
 def heads(ints):
     """Table of (offset, extents) of all fields; a row of it is what the functions below take."""
     count = ints[0] // HEAD  # the first integer is the length of the table
-    return ints[1 : 1 + HEAD * count].reshape((count, HEAD))
+    return lent(ints)[1 : 1 + HEAD * count].reshape((count, HEAD))
 
 
-@part
+@inlined
 def vector(flat, head):
     """Field as a vector."""
-    return flat[head[0] : head[0] + head[1]]
+    return lent(flat)[head[0] : head[0] + head[1]]
 
 
-@part
+@inlined
 def table(flat, head):
     """Field as a table."""
     n, m = head[1], head[2]
-    return flat[head[0] : head[0] + n * m].reshape((n, m))
+    return lent(flat)[head[0] : head[0] + n * m].reshape((n, m))
 
 
-@part
+@inlined
 def stack(flat, head):
     """Field as a stack of tables."""
     n, m, p = head[1], head[2], head[3]
-    return flat[head[0] : head[0] + n * m * p].reshape((n, m, p))
+    return lent(flat)[head[0] : head[0] + n * m * p].reshape((n, m, p))
 
 
 def viewer(record: Any, first: int = 0) -> Any:
@@ -97,4 +97,4 @@ def viewer(record: Any, first: int = 0) -> Any:
     text = f"def view({arguments}):\n    head = heads(ints)\n    return record({fields})\n"
     exec(compile(text, f"<view of {record.__name__}>", "exec"), space)
     space["view"].__qualname__ = f"view_{record.__name__}"
-    return part(space["view"])
+    return inlined(space["view"])

@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 
-from coilspring.compiling.compiled import part
+from coilspring.compiling.compiled import inlined
 from coilspring.contact.law import arc, normal_law, stretch
 from coilspring.contact.touching import (
     creep_slip,
@@ -27,12 +27,12 @@ OVERLAP_ALLOWED = 0.1  # wire diameters by which wires may overlap more than the
 NEAR = 1.5  # wire diameters between centres, within which a pair's motion in a substep is watched
 
 
-@part
+@inlined
 def _distance(vectors, m):
     return math.sqrt(vectors[m, 0] ** 2 + vectors[m, 1] ** 2 + vectors[m, 2] ** 2)
 
 
-@part
+@inlined
 def approach(before, after, d, mu):
     """Largest motion of a pair that comes near, and the share of it to where the first one touches.
 
@@ -56,7 +56,7 @@ def approach(before, after, d, mu):
     return most, free
 
 
-@part
+@inlined
 def _touch(row, before, ahead, after, law):
     """Hold a pair from where it touches first: on the predicted way where that touches, and what the straight
     one differs from it there is in doubt. Else the rest of the way is; all of it where the pair sticks, since
@@ -78,7 +78,7 @@ def _touch(row, before, ahead, after, law):
     touches_first(row, law, at, math.sqrt(doubt), predicted or law.mu < math.inf)
 
 
-@part
+@inlined
 def _across(normal, a, b):
     """Distance of two vectors across a direction."""
     along, square = 0.0, 0.0
@@ -89,13 +89,13 @@ def _across(normal, a, b):
     return math.sqrt(square)
 
 
-@part
+@inlined
 def _stretched(g, h, d, row, e):
     """How far a pair that sticks is stretched, and `e` along that: of one that creeps the arc."""
     return d * arc(g, h, row, e) if row.creeps else stretch(g, row, e)
 
 
-@part
+@inlined
 def _hold(row, g, h, d, length, e):
     """Hold a pair so that it is stretched by a length across its direction now, as it is along `e`."""
     along, square = 0.0, 0.0
@@ -112,7 +112,7 @@ def _hold(row, g, h, d, length, e):
     _turn(row, row.onward, e)
 
 
-@part
+@inlined
 def _lead(row):
     """Turn the reference of a pair on, along the great circle of its last slide, as it is wanted."""
     size = math.sqrt(row.onward[0] ** 2 + row.onward[1] ** 2 + row.onward[2] ** 2)
@@ -124,13 +124,13 @@ def _lead(row):
     row.lead = row.wanted
 
 
-@part
+@inlined
 def _ahead(row, d, e):
     """Part along a slide `e`, mm, of how far the reference of a pair is ahead."""
     return row.lead * d * (e[0] * row.onward[0] + e[1] * row.onward[1] + e[2] * row.onward[2])
 
 
-@part
+@inlined
 def _slide(row, g, h, left, t):
     """Move the reference of a pair after its direction now, to an angle `left` behind it along `t`."""
     if row.lead > 0.0:
@@ -140,7 +140,7 @@ def _slide(row, g, h, left, t):
     _turn(row, row.vector, t)
 
 
-@part
+@inlined
 def _turn(row, normal, t):
     """Turn the reference of a pair to a direction."""
     angle = arc(normal, 1.0, row, t)
@@ -150,7 +150,7 @@ def _turn(row, normal, t):
         row.stride = 0.0
 
 
-@part
+@inlined
 def remember(vectors, history, law):
     """Update the contact history with an accepted state; returns the least gap of all pairs.
 
@@ -182,7 +182,7 @@ def remember(vectors, history, law):
     return least
 
 
-@part
+@inlined
 def update_pairs(before, ahead, vectors, history, law):
     """Update the contact history with a trial state, from the pairs' vectors in the accepted, the predicted
     and the trial state: which pairs touch since, and where they did first; and the bounds of the tangential

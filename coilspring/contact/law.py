@@ -18,7 +18,7 @@ from typing import Any, NamedTuple, Self
 
 import numpy as np
 
-from coilspring.compiling.compiled import clear, clear_table, part
+from coilspring.compiling.compiled import clear, clear_table, inlined
 
 # What contact remembers of a pair.
 PAIR_HISTORY = np.dtype(
@@ -79,7 +79,7 @@ def tangential_stiffness(K: float, k: float, d: float) -> float:
     return K * d ** (k - 1.0)
 
 
-@part
+@inlined
 def normal_law(penetration, K, k):
     """Energy, normal force and its derivative by the penetration (>= 0): F = K penetration^k, (12).
 
@@ -89,7 +89,7 @@ def normal_law(penetration, K, k):
     return F * penetration / (k + 1.0), F, K * k * penetration ** (k - 1.0)
 
 
-@part
+@inlined
 def stretch(g, row, e):
     """Tangential vector e = (I - n0 n0^T)(g - g0) of a held pair; returns its length."""
     along, square = 0.0, 0.0
@@ -101,7 +101,7 @@ def stretch(g, row, e):
     return math.sqrt(square)
 
 
-@part
+@inlined
 def arc(g, h, row, t):
     """Angle from n0 to the direction n of g; `t` is the unit vector along which it grows, or zero.
 
@@ -122,7 +122,7 @@ def arc(g, h, row, t):
     return 2.0 * math.asin(min(0.5 * math.sqrt(square), 1.0))
 
 
-@part
+@inlined
 def tangential_law(length, row):
     """Energy, force and its derivative of a held pair at a slip of the length given, from its reference."""
     K = row.stiffness * (1.0 - row.released)
@@ -136,7 +136,7 @@ def tangential_law(length, row):
     return energy, force, slope
 
 
-@part
+@inlined
 def _add_stuck(g, row, e, f, H):
     """Energy of a pair that sticks; adds its gradient and Hessian."""
     length = stretch(g, row, e)
@@ -151,7 +151,7 @@ def _add_stuck(g, row, e, f, H):
     return energy
 
 
-@part
+@inlined
 def _add_friction(g, h, d, row, t, f, H):
     """Energy of a pair with a bounded tangential force; adds its gradient and Hessian."""
     angle = arc(g, h, row, t)
@@ -170,7 +170,7 @@ def _add_friction(g, h, d, row, t, f, H):
     return energy
 
 
-@part
+@inlined
 def pair_potential(g, h, law, row, e, f, H):
     """Energy of a pair as a function of g; fills its gradient f (3,) and Hessian H (3, 3).
 

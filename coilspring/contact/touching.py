@@ -2,7 +2,7 @@
 
 import math
 
-from coilspring.compiling.compiled import part
+from coilspring.compiling.compiled import inlined
 
 # Share of a bound that is left when it falls with the slip: less is out of reach, since the rise is at least
 # -1/d and a pair moves by no more than half of d in a substep.
@@ -17,7 +17,7 @@ STICK_LOCATED = 2e-6
 LOCATED = 1e-4  # and with friction
 
 
-@part
+@inlined
 def slid(length, row, gap):
     """Take what a pair with friction slid in a substep into its history; returns whether it did."""
     row.closed = gap < 0.0
@@ -32,13 +32,13 @@ def slid(length, row, gap):
     return slip > 0.0
 
 
-@part
+@inlined
 def creep_slip(row):
     """What a pair that creeps slips in the trial state, mm."""
     return (row.sticking - min((1.0 - row.released) * row.sticking, row.bound)) / row.stiffness
 
 
-@part
+@inlined
 def leads(row, slip):
     """Whether a pair slips as far as its reference is ahead, at least; else that is taken back."""
     if slip >= row.lead * row.stride:
@@ -47,7 +47,7 @@ def leads(row, slip):
     return False
 
 
-@part
+@inlined
 def first_touch(before, after, d):
     """Share of the way from one vector of a pair to another after which it touches first: where h = d.
 
@@ -64,7 +64,7 @@ def first_touch(before, after, d):
     return outside / way if outside > 0.0 and way > 0.0 else 0.0
 
 
-@part
+@inlined
 def located_to(mu):
     """Wire diameters, by which two ways to find where a pair touches first may differ at most."""
     if mu == 0.0:
@@ -72,13 +72,13 @@ def located_to(mu):
     return LOCATED if mu < math.inf else STICK_LOCATED
 
 
-@part
+@inlined
 def creep_to(force, d, K, k):
     """Wire diameters by which a pair that creeps may penetrate, under a load of some size."""
     return min(MOST_PRESSED, max(FINEST_CREEP, (PRESSED * force / K) ** (1.0 / k) / d))
 
 
-@part
+@inlined
 def touches_first(row, law, at, doubt, known):
     """A pair is held from after the share `at` of a substep on: there it touches first, but for a `doubt`.
 
@@ -94,7 +94,7 @@ def touches_first(row, law, at, doubt, known):
         row.cut = at + 0.5 * (1.0 - at) * most / doubt if known else 0.5
 
 
-@part
+@inlined
 def predicted_badly(row, error, most):
     """Ask for a shorter substep where a pair that touched first was predicted with an error above `most`.
 
@@ -107,7 +107,7 @@ def predicted_badly(row, error, most):
     return free
 
 
-@part
+@inlined
 def opens_after(row, before, ahead, after, d):
     """Set the share of the substep after which a sticking pair is just open.
 
@@ -123,14 +123,14 @@ def opens_after(row, before, ahead, after, d):
         row.cut = opens + (1.0 - opens) * ((1.0 + 0.5 * OPEN) * d - start) / (after - start)
 
 
-@part
+@inlined
 def touches_again(row, before, after, d):
     """Set the share of a release after which an opening pair just touches again."""
     near = (1.0 - 0.5 * OPEN) * d
     row.cut = (before - near) / (before - after) if after < (1.0 - OPEN) * d else 1.0
 
 
-@part
+@inlined
 def goes_on(row, length, gap, d):
     """What a pair that sticks does after an accepted state, in which it is stretched by a length.
 
@@ -149,7 +149,7 @@ def goes_on(row, length, gap, d):
     return row.closed and gap >= 0.0
 
 
-@part
+@inlined
 def gave_way(length, row, gap):
     """Take what a pair that sticks gave way into its history; returns how far it is stretched.
 
@@ -173,7 +173,7 @@ def gave_way(length, row, gap):
     return force / K
 
 
-@part
+@inlined
 def renewed(length, bound, law, row):
     """Set the bound of a held pair so that it is `bound` at its present slip.
 

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from coilspring.compiling.compiled import part
+from coilspring.compiling.compiled import inlined
 from coilspring.errors import InputError, shown
 from coilspring.scene import Factors
 from coilspring.scene.material import Material
@@ -54,7 +54,7 @@ def law_rows(
     return rows
 
 
-@part
+@inlined
 def response(law, rows, i, l, v, dth):  # noqa: E741
     """Response of the half coil `i` by a built-in law; a user's brings its own (`UserLaw.response`)."""
     return haringx_response(rows, i, l, v, dth) if law == HARINGX else helix_response(rows, i, l, v, dth)

@@ -7,7 +7,7 @@ import math
 
 import numpy as np
 
-from coilspring.compiling.compiled import part
+from coilspring.compiling.compiled import inlined
 from coilspring.scene.material import Material
 from coilspring.scene.solidwire import coil_section, half_ring
 from coilspring.scene.spring import Spring
@@ -42,7 +42,7 @@ def haringx_rows(spring: Spring, material: Material) -> np.ndarray:
     return np.column_stack((haringx_stiffness(spring, material), half_coils(spring).lengths))
 
 
-@part
+@inlined
 def haringx_response(rows, i, l, v, dth):  # noqa: E741
     """Response of the half coil `i`."""
     kax, ksh, kfl = rows[i, KAX], rows[i, KSH], rows[i, KFL]

@@ -37,7 +37,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from coilspring.compiling.compiled import kernel, part
+from coilspring.compiling.compiled import inlined, kernel
 from coilspring.errors import InputError, shown
 from coilspring.scene.material import Material
 from coilspring.scene.solidwire import coil_section
@@ -66,7 +66,7 @@ POINTS = 16  # of Gauss's rule for (B12)
 MOST_TAKEN = 0.5  # share of a flexibility, at most, that the length contributes and that is subtracted
 
 
-@part
+@inlined
 def _wound(rows, i, u):
     """(B6): e, e', e'' at the sine u."""
     gj, ei, t0, k0 = rows[i, GJ], rows[i, EI], rows[i, TAU0], rows[i, KAPPA0]
@@ -88,7 +88,7 @@ def _wound(rows, i, u):
     return 0.5 * gj * ei * q, 0.5 * gj * ei * q1, 0.5 * gj * ei * q2
 
 
-@part
+@inlined
 def _section(rows, i, u):
     """(B7)-(B9) at the sine u: l / s, its rate in u, and E / s, F, F_u."""
     e, e1, e2 = _wound(rows, i, u)
@@ -100,7 +100,7 @@ def _section(rows, i, u):
     return u + F * f, 1.0 + F_u * f + F * f1, e + 0.5 * F * F * f, F, F_u
 
 
-@part
+@inlined
 def axial(rows, i, l):  # noqa: E741
     """E, E', E'' at the length l; beyond the range of the law a parabola of the same curvature."""
     if rows[i, RATE] > 0.0:
@@ -145,7 +145,7 @@ def set_range(rows):
             rows[i, U_LOW + side], rows[i, LOW + side] = u, rows[i, S] * at
 
 
-@part
+@inlined
 def _set_series(rows, i, h):
     """Inverse of the series of (B8) at rest, whose second and third term are by differences over `h`."""
     u0 = rows[i, U0]
@@ -158,7 +158,7 @@ def _set_series(rows, i, h):
     rows[i, G3] = (0.5 * second * second - third / 6.0) / first**3
 
 
-@part
+@inlined
 def _square(rows, i, l):  # noqa: E741
     """x = (l/s)^2 and its derivatives; beyond the range it tends to 1 (or 0) without leaving [0, 1]."""
     curve = 2.0 * rows[i, PER_S] * rows[i, PER_S]
@@ -173,7 +173,7 @@ def _square(rows, i, l):  # noqa: E741
     return far - (far - x) * decay, x1, -math.copysign(rate, l - end) * x1
 
 
-@part
+@inlined
 def winding(rows, i, l):  # noqa: E741
     """chi and rho - rho0 at the length l, each with its derivatives; beyond the range straight lines."""
     per, slant = rows[i, PER_S], 1.0 / rows[i, OMEGA]
@@ -186,7 +186,7 @@ def winding(rows, i, l):  # noqa: E741
     return chi, rate, y * bend, slant * (c - c0 - (l - end) * y * rate), -slant * y * rate, -slant * bend
 
 
-@part
+@inlined
 def helix_response(rows, i, l, v, dth):  # noqa: E741
     """Response of one half coil: (B5)."""
     E, N, N_l = axial(rows, i, l)

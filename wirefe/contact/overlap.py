@@ -12,7 +12,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from coilspring.compiling.compiled import arithmetic, part
+from coilspring.compiling.compiled import arithmetic, inlined
 from coilspring.compiling.packing import Table, Wholes
 from coilspring.scene.spring import Spring
 from wirefe.contact.stations import POSITION, SLOPES, carried_points, on_one_node, point_of
@@ -125,7 +125,7 @@ def _square_at(u, v, w, p, q, s, t):
     return dot(apart, apart)
 
 
-@part
+@inlined
 def _next_coil(stations, points, least):
     """Least square of the distance of any piece from the coil above it, if less than `least`."""
     count, reach = len(points) // 3, (ASIDE * stations.stride) ** 2
@@ -148,7 +148,7 @@ def _next_coil(stations, points, least):
     return least
 
 
-@part
+@inlined
 def _far_coils(stations, points, least):
     """The same for coils farther along: every second station, and all pieces about those that are near."""
     count, low, high = len(points) // 3, stations.low, stations.high
@@ -163,7 +163,7 @@ def _far_coils(stations, points, least):
     return least
 
 
-@part
+@inlined
 def wire_overlap(stations, state):
     """By how much the wire runs into itself, mm; negative where it is free, infinitely without stations."""
     if stations.node.size == 0:

@@ -18,7 +18,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from coilspring.compiling.compiled import part
+from coilspring.compiling.compiled import inlined
 from coilspring.compiling.packing import Vector, Wholes
 from coilspring.scene.spring import Spring
 from wirefe.contact.points import NONE, PAIRS_OF_PENALTY
@@ -93,7 +93,7 @@ class Gap(NamedTuple):
     C: Any  # (3, 3) second derivative in the spin of the top end
 
 
-@part
+@inlined
 def press_low(plates, state, g, H):
     """Potential of the bottom plate; adds its gradient and Hessian."""
     energy, k = 0.0, plates.stiffness
@@ -109,7 +109,7 @@ def press_low(plates, state, g, H):
     return energy
 
 
-@part
+@inlined
 def press_high(plates, state, g, H):
     """Potential of the top plate; adds its gradient and Hessian."""
     energy, k = 0.0, plates.stiffness
@@ -139,7 +139,7 @@ def press_high(plates, state, g, H):
     return energy
 
 
-@part
+@inlined
 def _add_hessian(plates, m, top, force, gap, H):
     """k dg dg^T + force d2g of the node m of the top plate."""
     node, free, k, (n, a, b, C) = plates.high[m], plates.free, plates.stiffness, gap

@@ -11,7 +11,7 @@ vector fixed to the wire's section at s turns with (1 - s) Ra + s Rb.
 
 import numpy as np
 
-from coilspring.compiling.compiled import arithmetic, part
+from coilspring.compiling.compiled import arithmetic, inlined
 from coilspring.scene.spring import Spring
 from wirefe.element.algebra import plus
 from wirefe.element.poses import ROW, four, three
@@ -80,7 +80,7 @@ def on_one_node(node: np.ndarray, parts: np.ndarray) -> tuple[np.ndarray, np.nda
     return node + second, single
 
 
-@part
+@inlined
 def of_wires(parts):
     """Whether these are the parts of stations, not the arms of spheres."""
     return parts.shape[1] == WIDTH

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from coilspring.compiling.compiled import arithmetic, part
+from coilspring.compiling.compiled import arithmetic, inlined
 from wirefe.contact.spheres import centre
 from wirefe.contact.stations import ROTATION, of_wires
 from wirefe.contact.wires import facing, placed
@@ -10,7 +10,7 @@ from wirefe.element.algebra import dot, plus
 from wirefe.element.poses import three
 
 
-@part
+@inlined
 def _is_pair(contact, A, B):
     """Whether two contact points are a pair; of stations, whether the first has one on the second's coil."""
     near = contact.near if of_wires(contact.parts) else 0
@@ -20,7 +20,7 @@ def _is_pair(contact, A, B):
     return False
 
 
-@part
+@inlined
 def _one_body(contact, A, B):
     """Whether two contact points move with one node."""
     if contact.attached[A] != contact.attached[B]:

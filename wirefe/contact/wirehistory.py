@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 
-from coilspring.compiling.compiled import part
+from coilspring.compiling.compiled import inlined
 from coilspring.contact.kinematics import SLIGHT
 from coilspring.contact.law import normal_law
 from coilspring.contact.touching import (
@@ -25,7 +25,7 @@ from wirefe.contact.wires import between_sections, gap, placed, tangential_slip,
 from wirefe.element.algebra import dot, plus
 
 
-@part
+@inlined
 def _touch(contact, states, m, row):
     """See `coilspring.contact.kinematics`; `states`: accepted, predicted, trial one, with their stations."""
     there, d = np.empty((3, 6)), contact.d - contact.clearance[m]
@@ -51,7 +51,7 @@ def _touch(contact, states, m, row):
     touches_first(row, contact, at, math.sqrt(apart), predicted or contact.mu < math.inf)
 
 
-@part
+@inlined
 def remember_wires(contact, state, history):
     """See `coilspring.contact.kinematics.remember`."""
     least, points = np.inf, placed(contact, state)
@@ -86,7 +86,7 @@ def remember_wires(contact, state, history):
     return least
 
 
-@part
+@inlined
 def _lead(row):
     """Move the reference of a pair on, along its last slide, as it is wanted."""
     for i in range(6):
@@ -94,7 +94,7 @@ def _lead(row):
     row.lead = row.wanted
 
 
-@part
+@inlined
 def _ahead(contact, state, m, row, way, length):
     """By how much the reference of a pair is ahead, along the slide at hand."""
     if row.lead == 0.0 or length == 0.0:
@@ -102,7 +102,7 @@ def _ahead(contact, state, m, row, way, length):
     return -row.lead * dot(between_sections(contact, state, m, row.onward), way) / length
 
 
-@part
+@inlined
 def update_wires(contact, accepted, predicted, state, history):
     """See `coilspring.contact.kinematics.update_pairs`."""
     points, before = placed(contact, state), placed(contact, accepted)

@@ -12,7 +12,7 @@ import math
 
 import numpy as np
 
-from coilspring.compiling.compiled import arithmetic, part
+from coilspring.compiling.compiled import arithmetic, inlined
 from wirefe.contact.stations import ARMS, POSITION, ROTATION, SLOPES, TANGENT
 from wirefe.element.algebra import applied, dot, plus
 from wirefe.element.poses import ROW, four, three, three_of
@@ -131,7 +131,7 @@ def between_sections(contact, state, m, arms):
     return plus(section_turned(contact, state, contact.pairs[m, 1], three(arms, 3)), -1.0, a)
 
 
-@part
+@inlined
 def tangential_slip(contact, points, state, m, row):
     """Length of the part of a pair's slip across n, and that part."""
     _, n, _, _, _ = gap(contact, points, m)
