@@ -12,7 +12,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from coilspring.compiling.compiled import clear, inlined, zeros
+from coilspring.compiling.compiled import arithmetic, inlined, zeros
 from coilspring.compiling.packing import Wholes
 
 N6 = 6
@@ -81,50 +81,106 @@ def plan_chain(
     return plan, np.array(found, dtype=np.int64), flipped
 
 
-@inlined
+@arithmetic
 def _factor_diagonal(D):
-    """LDL^T of one block in place; returns its number of negative pivots and the least."""
+    """LDL^T of one block in place, on and below its diagonal; returns its number of negative pivots and the
+    least."""
     negative, least = 0, np.inf
     for j in range(N6):
         pivot = D[j, j]
-        for m in range(j):
-            pivot -= D[j, m] * D[j, m] * D[m, m]
-        D[j, j] = pivot
         least = min(least, pivot)
         if not pivot > 0.0:
             negative += 1
+        w = 1.0 / pivot
         for i in range(j + 1, N6):
-            total = D[i, j]
-            for m in range(j):
-                total -= D[i, m] * D[j, m] * D[m, m]
-            D[i, j] = total / pivot
+            l = w * D[i, j]  # noqa: E741
+            for k in range(j + 1, i + 1):
+                D[i, k] -= l * D[k, j]
+        for i in range(j + 1, N6):
+            D[i, j] *= w
     return negative, least
 
 
-@inlined
-def _forward(D, U):
-    """U <- L^-1 U, row by row."""
-    for c in range(1, N6):
-        for m in range(c):
-            l = D[c, m]  # noqa: E741
-            for r in range(N6):
-                U[c, r] -= l * U[m, r]
+@arithmetic
+def _lower(D, x):
+    """L^-1 x of six numbers, which stay in registers."""
+    x0, x1, x2, x3, x4, x5 = x
+    x1 -= D[1, 0] * x0
+    x2 -= D[2, 0] * x0 + D[2, 1] * x1
+    x3 -= D[3, 0] * x0 + D[3, 1] * x1 + D[3, 2] * x2
+    x4 -= D[4, 0] * x0 + D[4, 1] * x1 + D[4, 2] * x2 + D[4, 3] * x3
+    x5 -= D[5, 0] * x0 + D[5, 1] * x1 + D[5, 2] * x2 + D[5, 3] * x3 + D[5, 4] * x4
+    return x0, x1, x2, x3, x4, x5
 
 
-@inlined
-def _subtract(T, V, U):
-    """T -= V^T U for 6 x 6 blocks; a row of T is kept in registers."""
+@arithmetic
+def _upper(D, x):
+    """L^-T x of six numbers."""
+    x0, x1, x2, x3, x4, x5 = x
+    x4 -= D[5, 4] * x5
+    x3 -= D[5, 3] * x5 + D[4, 3] * x4
+    x2 -= D[5, 2] * x5 + D[4, 2] * x4 + D[3, 2] * x3
+    x1 -= D[5, 1] * x5 + D[4, 1] * x4 + D[3, 1] * x3 + D[2, 1] * x2
+    x0 -= D[5, 0] * x5 + D[4, 0] * x4 + D[3, 0] * x3 + D[2, 0] * x2 + D[1, 0] * x1
+    return x0, x1, x2, x3, x4, x5
+
+
+@arithmetic
+def _over(D, x):
+    """Six numbers over the pivots."""
+    return x[0] / D[0, 0], x[1] / D[1, 1], x[2] / D[2, 2], x[3] / D[3, 3], x[4] / D[4, 4], x[5] / D[5, 5]
+
+
+@arithmetic
+def _column(U, r):
+    """A column of a block."""
+    return U[0, r], U[1, r], U[2, r], U[3, r], U[4, r], U[5, r]
+
+
+@arithmetic
+def _put_column(U, r, x):
+    """Write a column of a block."""
+    U[0, r], U[1, r], U[2, r], U[3, r], U[4, r], U[5, r] = x
+
+
+@arithmetic
+def _six(b, p):
+    """Six numbers of a vector."""
+    return b[p], b[p + 1], b[p + 2], b[p + 3], b[p + 4], b[p + 5]
+
+
+@arithmetic
+def _put_six(b, p, x):
+    """Write six numbers of a vector."""
+    b[p], b[p + 1], b[p + 2], b[p + 3], b[p + 4], b[p + 5] = x
+
+
+@arithmetic
+def _sum_of(x, y):
+    """x . y of six numbers."""
+    return x[0] * y[0] + x[1] * y[1] + x[2] * y[2] + x[3] * y[3] + x[4] * y[4] + x[5] * y[5]
+
+
+@arithmetic
+def _added_product(y, U, z):
+    """y + U z of six numbers."""
+    return (
+        y[0] + _sum_of(_six(U[0], 0), z),
+        y[1] + _sum_of(_six(U[1], 0), z),
+        y[2] + _sum_of(_six(U[2], 0), z),
+        y[3] + _sum_of(_six(U[3], 0), z),
+        y[4] + _sum_of(_six(U[4], 0), z),
+        y[5] + _sum_of(_six(U[5], 0), z),
+    )
+
+
+@arithmetic
+def _subtract(T, V, U, lower):
+    """T -= V^T U for 6 x 6 blocks, or of T what is on and below its diagonal."""
     for r in range(N6):
-        t0, t1, t2, t3, t4, t5 = T[r, 0], T[r, 1], T[r, 2], T[r, 3], T[r, 4], T[r, 5]
-        for k in range(N6):
-            v = V[k, r]
-            t0 -= v * U[k, 0]
-            t1 -= v * U[k, 1]
-            t2 -= v * U[k, 2]
-            t3 -= v * U[k, 3]
-            t4 -= v * U[k, 4]
-            t5 -= v * U[k, 5]
-        T[r, 0], T[r, 1], T[r, 2], T[r, 3], T[r, 4], T[r, 5] = t0, t1, t2, t3, t4, t5
+        v = _column(V, r)
+        for c in range(r + 1 if lower else N6):
+            T[r, c] -= _sum_of(v, _column(U, c))
 
 
 @inlined
@@ -158,14 +214,13 @@ def eliminate(plan, F):
                 t += a - begin + 1
                 continue
             full[a] = 1.0
-            _forward(D, U)
-            for k in range(N6):
-                w = 1.0 / D[k, k]
-                for r in range(N6):
-                    scaled[k, r] = w * U[k, r]
+            for r in range(N6):
+                x = _lower(D, _column(U, r))
+                _put_column(U, r, x)
+                _put_column(scaled, r, _over(D, x))
             for b in range(begin, a + 1):
                 if full[b] > 0.0:
-                    _subtract(F[plan.target[t]], F[plan.block[b]], scaled)
+                    _subtract(F[plan.target[t]], F[plan.block[b]], scaled, b == a)
                 t += 1
     return negative, least
 
@@ -174,33 +229,23 @@ def eliminate(plan, F):
 def substitute(plan, F, b):
     """Solve in place for the right-hand side `b` (nodes * 6,)."""
     order, start, block, column = plan.order, plan.start, plan.block, plan.column
-    y = zeros(N6)
     for step in range(order.size):
         D, p = F[order[step]], N6 * order[step]
-        for i in range(N6):
-            total = b[p + i]
-            for j in range(i):
-                total -= D[i, j] * b[p + j]
-            b[p + i] = total
-            y[i] = total / D[i, i]
+        x = _lower(D, _six(b, p))
+        _put_six(b, p, x)
+        y = _over(D, x)
         for a in range(start[step], start[step + 1]):
             U, q = F[block[a]], N6 * column[a]
-            for i in range(N6):
-                for j in range(N6):
-                    b[q + j] -= U[i, j] * y[i]
+            for j in range(N6):
+                b[q + j] -= _sum_of(_column(U, j), y)
     for step in range(order.size - 1, -1, -1):
         D, p = F[order[step]], N6 * order[step]
-        clear(y)
+        x, y = _over(D, _six(b, p)), (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
         for a in range(start[step], start[step + 1]):
-            U, q = F[block[a]], N6 * column[a]
-            for i in range(N6):
-                for j in range(N6):
-                    y[i] += U[i, j] * b[q + j]
-        for i in range(N6 - 1, -1, -1):
-            total = (b[p + i] - y[i]) / D[i, i]
-            for j in range(i + 1, N6):
-                total -= D[j, i] * b[p + j]
-            b[p + i] = total
+            y = _added_product(y, F[block[a]], _six(b, N6 * column[a]))
+        y = _over(D, y)
+        x = (x[0] - y[0], x[1] - y[1], x[2] - y[2], x[3] - y[3], x[4] - y[4], x[5] - y[5])
+        _put_six(b, p, _upper(D, x))
 
 
 @inlined
