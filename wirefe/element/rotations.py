@@ -147,7 +147,14 @@ def cross_rows(a: np.ndarray, b: np.ndarray) -> np.ndarray:
 
 def quaternion_from_matrix(R: np.ndarray) -> np.ndarray:
     """Unit quaternions of rotation matrices, shape (..., 3, 3) -> (..., 4), with w >= 0."""
-    from scipy.spatial.transform import Rotation
-
-    xyzw = Rotation.from_matrix(R).as_quat(canonical=True)
-    return np.concatenate((xyzw[..., 3:], xyzw[..., :3]), axis=-1)
+    products = np.empty((*R.shape[:-2], 4, 4))  # of all components, times 4
+    trace = R[..., 0, 0] + R[..., 1, 1] + R[..., 2, 2]
+    products[..., 0, 0] = 1.0 + trace
+    for i, (j, k) in enumerate(((1, 2), (2, 0), (0, 1))):
+        products[..., i + 1, i + 1] = 1.0 + 2.0 * R[..., i, i] - trace
+        products[..., 0, i + 1] = products[..., i + 1, 0] = R[..., k, j] - R[..., j, k]
+        products[..., j + 1, k + 1] = products[..., k + 1, j + 1] = R[..., j, k] + R[..., k, j]
+    # the row of the largest component loses no digits
+    largest = np.argmax(np.diagonal(products, axis1=-2, axis2=-1), axis=-1)
+    q = np.take_along_axis(products, largest[..., None, None], axis=-2)[..., 0, :]
+    return q * (np.where(q[..., :1] < 0.0, -1.0, 1.0) / np.linalg.norm(q, axis=-1, keepdims=True))

@@ -15,8 +15,9 @@ import numpy as np
 from coilspring.errors import InputError
 from coilspring.path import EquilibriumPath
 from coilspring.scene.sizing import bending_factor, stress_factor
-from wirefe.contact.stations import carried, fixed_to_sections, positions, rows, tangents
+from wirefe.contact.stations import carried, fixed_to_sections, positions, rows, tangents, turned_rows
 from wirefe.element.beam import end_forces
+from wirefe.element.rotations import cross_rows
 
 if TYPE_CHECKING:
     from wirefe.results.shape import WireShape
@@ -135,13 +136,13 @@ def _resultants(
         end_forces(state, data.arm, data.triads, data.strain0, data.stiffness, row)
     node, parts = carried(spring, shape.mesh, phases)
     x = positions(nodes, node, parts)
-    top, upper = carried(spring, shape.mesh, shape.mesh.phases[element + 1])
-    above = positions(nodes, top, upper)
+    above = nodes[:, 1:, :3].copy()  # the elements' second ends
+    above[:, -1] += turned_rows(nodes[:, -1, 3:], data.arm)
     force = ends[:, element, 6:9]
-    moment = ends[:, element, 9:12] + np.cross(above - x, force)
+    moment = ends[:, element, 9:12] + cross_rows(above[:, element] - x, force)
     t = tangents(nodes, node, parts)
     t /= np.linalg.norm(t, axis=-1, keepdims=True)
     inward = fixed_to_sections(nodes, node, parts, -spring.points(phases) * (1.0, 0.0, 1.0))
-    b = np.cross(t, inward)
+    b = cross_rows(t, inward)
     b /= np.linalg.norm(b, axis=-1, keepdims=True)
-    return force, moment, np.stack((t, np.cross(b, t), b), axis=-2)
+    return force, moment, np.stack((t, cross_rows(b, t), b), axis=-2)
