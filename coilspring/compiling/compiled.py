@@ -120,13 +120,7 @@ def lent(array: Any) -> Any:
     return array
 
 
-@overloaded(lent)
-def _lent(array: Any) -> Callable:
-    return lambda array: _without_owner(array)
-
-
-@intrinsic
-def _without_owner(typingctx, array):
+def _unowned(typingctx, array):
     def lowered(context: Any, builder: Any, signature: Any, given: Any) -> Any:
         found = context.make_array(array)(context, builder, value=given[0])
         for owner in ("meminfo", "parent"):
@@ -134,6 +128,14 @@ def _without_owner(typingctx, array):
         return found._getvalue()
 
     return array(array), lowered
+
+
+_without_owner: Any = intrinsic(_unowned)
+
+
+@overloaded(lent)
+def _lent(array: Any) -> Callable:
+    return lambda array: _without_owner(array)
 
 
 @inlined
