@@ -139,9 +139,8 @@ class Pairs:
         n, slip = self.gap(poses)[1], self.slip(poses)
         length = np.sqrt((slip * slip).sum(axis=0))
         least = LEAST_SLIP * self.law.d / np.maximum(length, LEAST_SLIP * self.law.d)
-        left = np.where(
-            self.slides, np.maximum(self._sizes(rows)[2] / (self.law.sticking * self.share), least), 1.0
-        )
+        stiffness = self.law.sticking * np.where(self.slides, self.share, 1.0)
+        left = np.where(self.slides, np.maximum(self._sizes(rows)[2] / stiffness, least), 1.0)
         if self.points.wires:
             half = 0.5 * (1.0 - left) * slip
             one = self.one + self._at_rest(0, poses, half)
