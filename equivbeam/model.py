@@ -118,10 +118,12 @@ def matrix_size(model: BeamModel) -> int:
 def beam_problem(data: BeamModel, load: np.ndarray) -> Problem:
     """The beam at rest under a load vector at time 1, as the path follower takes it."""
     x, free = 3 * len(data.rows), 3 * (len(data.rows) - 1)  # of the last node
+    start = rest_state(data)
     return Problem(
         data=data,
         load=load,
-        start=rest_state(data),
+        start=start,
+        span=float(np.abs(start.reshape(-1, 3)[:, :2]).max()),
         history=np.zeros(len(data.pairs), PAIR_HISTORY),  # no pair has ever closed
         matrix_size=matrix_size(data),
         law=PairLaw.of(data),

@@ -199,6 +199,23 @@ def test_how_far_a_release_leads_is_the_way_of_a_point():
     assert run.verified("w00408", 502)["class"] == "jump"
 
 
+@pytest.mark.parametrize(
+    ("name", "seed", "outcome"),
+    [
+        # rounding of hard contact is measured by the load of the row, not by the largest, 200 times as large;
+        ("b000175", 542, "completed"),
+        # that of positions by their size in metres, not by 1, which stands in quaternions;
+        ("w00767", 541, "completed"),
+        # wires overlap 4e-4 of the load before a limit point, where friction is known to 5e-3;
+        ("w00048", 542, "interpenetration"),
+        # an equilibrium in which wires overlap is none that a release leads to
+        ("w00091", 542, "jump"),
+    ],
+)
+def test_outcomes_that_were_unexplained(name, seed, outcome):
+    assert run.verified(name, seed)["class"] == outcome
+
+
 @pytest.mark.slow
 def test_a_release_is_followed_while_hard_pairs_close_and_open():
     """By whole steps of Newton's method it ended after 100 steps."""
@@ -619,7 +636,7 @@ def test_a_release_finds_the_equilibrium_without_sticking_where_there_is_one(geo
     case = Case("w00000", "", scene, 1.0, 0, SMALL)
     path, forces = reached(case), WireForces(scene, **SMALL)
     pairs, rows = forces.pairs(path, -1, forces.law.d), path.states[-1].reshape(-1, 7)
-    assert (released(forces, pairs, pairs.held, rows, path.loads[-1]) == 0.0) == goes_on
+    assert (released(forces, pairs, pairs.held, rows, path.loads[-1])[0] == 0.0) == goes_on
 
 
 def test_a_jump_claimed_where_the_path_goes_on_is_caught():

@@ -128,7 +128,10 @@ def by_shifted_mesh(scene, height):
     data = wire.rod_model(rod, mesh.arm, contact_points(scene, mesh, 40, 4))
     start, pairs = wire.rest_state(rod, mesh.arm), len(data.contact.pairs)
     history = np.zeros(pairs, PAIR_HISTORY)
-    problem = Problem(data, wire.load_vector(rod), start, history, wire.matrix_size(data), modified=True)
+    size = wire.matrix_size(data)
+    problem = Problem(
+        data, wire.load_vector(rod), start, float(np.abs(start).max()), history, size, modified=True
+    )
     return scene_path(scene, WIRE, {}, _followed(scene, problem, WIRE_KERNELS), WireShape(scene, data, mesh))
 
 

@@ -210,10 +210,12 @@ def rod_problem(rod: Rod) -> Problem:
 
 
 def _problem(data: model.WireModel, rod: Rod, arm: np.ndarray) -> Problem:
+    start = model.rest_state(rod, arm)
     return Problem(
         data=data,
         load=model.load_vector(rod),
-        start=model.rest_state(rod, arm),
+        start=start,
+        span=float(np.abs(start.reshape(-1, 7)[:, :3]).max()),
         history=np.zeros(len(data.contact.pairs), PAIR_HISTORY),
         matrix_size=model.matrix_size(data),
         law=PairLaw.of(data.contact),

@@ -25,7 +25,8 @@ UNFOLLOWED = (
     "Coulomb's law has a solution beyond, but the iteration on friction bounds found no stable equilibrium"
 )
 JUMPS = (
-    "a sticking pair opens, and the path jumps: no equilibrium is near as its tangential force is released,"
+    "a sticking pair opens, and the path jumps: no equilibrium without overlap is near as its tangential "
+    "force is released,"
 )
 THROUGH = (
     f"coils pass through each other: the wire overlaps by {OVERLAP_ALLOWED:g} wire diameters more than any "

@@ -22,6 +22,7 @@ class Problem:
     data : the model's arrays (NamedTuple).
     load : (n,) load vector at time 1 in the model's free degrees of freedom.
     start : state at rest.
+    span : largest coordinate of a node there, mm, whose rounding is that of positions.
     history : (pairs,) contact history at rest.
     matrix_size : length of the model's matrix in its own storage.
     law : of the contact pairs.
@@ -36,6 +37,7 @@ class Problem:
     data: Any
     load: np.ndarray
     start: np.ndarray
+    span: float
     history: np.ndarray
     matrix_size: int
     law: PairLaw = NO_PAIRS

@@ -115,8 +115,8 @@ def follow_problem(
     law, (moves, turns) = problem.law, problem.freedoms
     arms = np.resize([1.0] * moves + [length] * turns, problem.load.size)
     task = Task(
-        times, problem.load, dead, problem.start, arms, length, located_to(law.mu) * law.d, law.kc, law.k,
-        limit, predictor, problem.modified,
+        times, problem.load, dead, problem.start, arms, problem.span, length, located_to(law.mu) * law.d,
+        law.kc, law.k, limit, predictor, problem.modified,
     )  # fmt: skip
     walk = Walk(problem, times)
     while True:

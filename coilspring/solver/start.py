@@ -70,10 +70,7 @@ def resume(system, task, work, path):
 def set_scales(system, task, work, path):
     """Work of the whole load along the tangent at rest, and what rounding makes of the potential: the
     rounding of positions times a force."""
-    start, load, dead, tangent = task.start, task.load, task.dead, work.tangent
-    span = 0.0
-    for i in range(start.size):
-        span = max(span, abs(start[i]))
+    load, dead, tangent = task.load, task.dead, work.tangent
     change = system.prescribed[CHANGE] if system.prescribed.size > 0 else 0.0
     reference, force, standing = 0.0, 0.0, 0.0
     for i in range(load.size):
@@ -84,6 +81,6 @@ def set_scales(system, task, work, path):
         elif load[i] != 0.0:
             # the load that fixes the top less the tangent's last digits, in which the reaction is
             reference += load[i] * (change - tangent[i])
-    path.reference, path.rounding, path.dead = reference, 2.0 * EPSILON * span, standing
+    path.reference, path.rounding, path.dead = reference, 2.0 * EPSILON * task.span, standing
     path.force = force if change == 0.0 else abs(reference / change)
     path.creep = creep_to(path.force + standing, task.diameter, task.penalty, task.exponent)

@@ -47,6 +47,7 @@ class Task(NamedTuple):
     dead: np.ndarray  # (n,) load that is there from the beginning
     start: np.ndarray  # state at time 0
     arms: np.ndarray  # (n,) on which motions are measured, mm: 1 of displacements, of rotations the diameter
+    span: float  # largest coordinate at rest, mm, whose rounding is that of positions
     diameter: float  # wire diameter, mm: the length with which motions are compared
     located: float  # mm, so closely is found where pairs touch first; infinite where that is all one
     penalty: float  # K and
@@ -308,7 +309,7 @@ def system_types() -> tuple[Any, ...]:
 def task_type() -> Any:
     """numba's type of `Task`."""
     vector, real = types.float64[::1], types.float64
-    fields = (*(vector,) * 5, *(real,) * 4, types.int64, types.boolean, types.boolean)
+    fields = (*(vector,) * 5, *(real,) * 5, types.int64, types.boolean, types.boolean)
     return types.NamedTuple(fields, Task)
 
 

@@ -41,7 +41,7 @@ def verify_states(verdict: Verdict, energy: BeamEnergy, path: EquilibriumPath) -
         if energy.displacement:  # the top must be there, and be held by the force that the path reports
             runs.verify_place(verdict, path, row, float(state[energy.top]))
             off = abs(float(energy.forces(state)[energy.top]) - float(path.loads[row, 1]))
-            most = max(REACTION, runs.force_grain(path))
+            most = max(REACTION, runs.force_grain(path, row))
             share = off / runs.largest_load(path, row)
             verdict.ask("reaction", share, most, f"another reaction at time {time:.6g}")
 

@@ -11,7 +11,7 @@ import numpy as np
 
 from coilspring import EquilibriumPath, Scene
 from validation.campaign.scenes import EVERY, Case, in_units
-from validation.campaign.verdict import CRITICAL, STUCK, Verdict, reached, under
+from validation.campaign.verdict import CRITICAL, STUCK, THROUGH, Verdict, reached, under
 
 BRANCH = 1e-6  # difference from the fine run over the largest displacement,
 LEAST_WIDTH = 4e-9  # of the time 0..1: no critical time is bracketed closer
@@ -90,11 +90,12 @@ def grain(path: EquilibriumPath) -> float:
     return finest / largest if largest > 0.0 else 0.0
 
 
-def force_grain(path: EquilibriumPath) -> float:
-    """What the rounding of the positions makes of a hard pair's force, as a share of the load."""
+def force_grain(path: EquilibriumPath, row: int | None = None) -> float:
+    """What the rounding of the positions makes of a hard pair's force, as a share of the largest load up to a
+    row, or up to the path's end."""
     contact, depth = path.scene.contact, path.max_penetration.max(initial=0.0)
-    load = float(np.abs(path.loads).max(initial=0.0))
-    if path.last_state is not None and path.end_bracket is not None:  # maybe no requested time is reached
+    load = float(np.abs(path.loads).max(initial=0.0)) if row is None else largest_load(path, row)
+    if row is None and path.last_state is not None and path.end_bracket is not None:  # beyond the last row
         depth = max(depth, -float(path.shape.pair_gaps(path.last_state[None]).min(initial=0.0)))
         load = max(load, path.end_bracket[0] * float(np.abs(path.scene.load.force).max()))
     if not (depth > 0.0 and load > 0.0):
@@ -128,6 +129,16 @@ def compare(
     verdict.complaints += found.complaints
 
 
+def end_alike(path: EquilibriumPath, other: EquilibriumPath) -> bool:
+    """Whether two runs have one outcome, or two of which rounding or friction decides.
+
+    Which kind of critical point it is may depend on rounding alone. Next to one the state moves without
+    bound: with friction, whether wires overlap before is known no better than the critical time.
+    """
+    kinds = {CRITICAL[0] if run.outcome in CRITICAL else run.outcome for run in (path, other)}
+    return len(kinds) == 1 or (path_dependent(path) and kinds == {CRITICAL[0], THROUGH})
+
+
 def verify_branch(
     verdict: Verdict, path: EquilibriumPath, other: EquilibriumPath, name: str, until: float = np.inf
 ) -> None:
@@ -140,10 +151,9 @@ def verify_branch(
     verdict.ask("branch", largest, max(most, bounds.between), f"off the branch of the {name} before the end")
     if STUCK in (path.outcome, other.outcome) or until < np.inf:
         return
-    kinds = {CRITICAL[0] if run.outcome in CRITICAL else run.outcome for run in (path, other)}
-    if len(kinds) > 1:  # which kind of critical point it is may depend on rounding alone
+    if not end_alike(path, other):
         verdict.complain(f"{path.outcome}, but the {name} ends as {other.outcome}: {other.message}")
-    elif path.end_bracket is not None and other.end_bracket is not None:
+    if path.end_bracket is not None and other.end_bracket is not None:
         mine, theirs = sum(path.end_bracket), sum(other.end_bracket)
         shift = abs(mine - theirs) / max(mine, theirs, LOAD)
         verdict.ask("critical_shift", shift, bounds.critical, f"another critical time than the {name}'s")
@@ -271,7 +281,7 @@ def _verify_changed(
     its tips back, and that time."""
     (kind, back, until), least = change, verdict.numbers.get("least", 1.0)
     ends = path.outcome, other.outcome
-    if until == np.inf and STUCK not in ends and (ends[0] in CRITICAL) != (ends[1] in CRITICAL):
+    if until == np.inf and STUCK not in ends and not end_alike(path, other):
         verdict.complain(f"{kind}: {ends[0]}, but changed it ends as {ends[1]}")
     elif kind != "perturbed" or least > SOFT:
         answer = ANSWER[kind] / (least if kind in KINDS[:2] else 1.0)

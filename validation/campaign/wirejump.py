@@ -9,6 +9,7 @@ from scipy.optimize import brentq
 
 from coilspring import EquilibriumPath
 from validation.campaign import runs
+from validation.campaign.overlap import ALLOWED, SEEN, excess
 from validation.campaign.poses import moved
 from validation.campaign.scenes import Case
 from validation.campaign.verdict import Verdict, reached, under
@@ -52,9 +53,10 @@ def verify_jump(verdict: Verdict, forces: WireForces, case: Case, path: Equilibr
     else:
         load = near.loads[-1] if case.scene.load.displacement else critical * np.array(case.scene.load.force)
         held = _settled(forces, pairs, rows, load)
-        left = released(forces, pairs, opens, rows if held is None else held, load)
+        left, last = released(forces, pairs, opens, rows if held is None else held, load)
         verdict.numbers["jump"] = left
-        if left == 0.0:
+        apart = excess(near, last.reshape(1, -1))[0] <= ALLOWED - SEEN  # else it is no state of a spring
+        if left == 0.0 and apart:
             verdict.complain(f"a release leads from the jump at {critical:.6g} to an equilibrium nearby")
         elif math.isnan(left):
             verdict.complain(f"the release at the jump at {critical:.6g} was not followed to its end")
@@ -62,9 +64,9 @@ def verify_jump(verdict: Verdict, forces: WireForces, case: Case, path: Equilibr
 
 def released(
     forces: WireForces, pairs: Pairs, opening: np.ndarray, rows: np.ndarray, load: np.ndarray
-) -> float:
+) -> tuple[float, np.ndarray]:
     """Share that is left of the stiffness that holds opening pairs where lowering it further loses the stable
-    equilibrium, or leads away from it; else 0, or NaN where too many steps do not tell.
+    equilibrium, or leads away from it; else 0, or NaN where too many steps do not tell. And the state there.
 
     Pairs that open on the way are released from there on.
     """
@@ -77,16 +79,16 @@ def released(
         if found is None or _motion(found, rows, forces.law.d) > NEAR * forces.law.d:
             step *= 0.5
             if ahead == 0.0 or step < LEAST_STEP:
-                return left
+                return left, rows
             continue
         if _motion(found, start, forces.law.d) > NEARBY * forces.law.d:
-            return left
+            return left, rows
         rows, left, step = found, ahead, min(2.0 * step, MOST_STEP)
         opens = pairs.held & np.isnan(begins) & (pairs.depth(rows) < 0.0)
         begins[opens] = max(left, NONE)
         if left == 0.0:
-            return 0.0
-    return math.nan
+            return 0.0, rows
+    return math.nan, rows
 
 
 def _motion(one: np.ndarray, two: np.ndarray, d: float) -> float:

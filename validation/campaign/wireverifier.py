@@ -50,7 +50,9 @@ def verify_contact(verdict: Verdict, forces: WireForces, path: EquilibriumPath, 
     ):
         size = max(runs.largest_load(path, row), float(np.abs(mine).max(initial=0.0)))
         share = float(np.abs(mine - theirs).max(initial=0.0)) / size
-        verdict.ask(name, share, max(AS_REPORTED, runs.force_grain(path)), f"other {what} at time {time:.6g}")
+        verdict.ask(
+            name, share, max(AS_REPORTED, runs.force_grain(path, row)), f"other {what} at time {time:.6g}"
+        )
 
 
 def verify_balance(verdict: Verdict, forces: WireForces, path: EquilibriumPath, row: int = -1) -> None:
@@ -66,7 +68,7 @@ def verify_balance(verdict: Verdict, forces: WireForces, path: EquilibriumPath, 
     pairs = forces.pairs(path, row)
     left = forces.residual(rows, path.loads[row], pairs)
     left[:, 3:] /= arm
-    share, most = float(np.abs(left).max()) / load, max(most, runs.force_grain(path))
+    share, most = float(np.abs(left).max()) / load, max(most, runs.force_grain(path, row))
     verdict.ask("residual", share, most, f"forces out of balance at time {time:.6g}")
     if contact.enabled and (contact.geometry == "wires" or contact.sliding == "free"):
         # tangential forces of spheres act at their centres, and leave a couple
