@@ -199,23 +199,6 @@ def test_how_far_a_release_leads_is_the_way_of_a_point():
     assert run.verified("w00408", 502)["class"] == "jump"
 
 
-@pytest.mark.parametrize(
-    ("name", "seed", "outcome"),
-    [
-        # rounding of hard contact is measured by the load of the row, not by the largest, 200 times as large;
-        ("b000175", 542, "completed"),
-        # that of positions by their size in metres, not by 1, which stands in quaternions;
-        ("w00767", 541, "completed"),
-        # wires overlap 4e-4 of the load before a limit point, where friction is known to 5e-3;
-        ("w00048", 542, "interpenetration"),
-        # an equilibrium in which wires overlap is none that a release leads to
-        ("w00091", 542, "jump"),
-    ],
-)
-def test_outcomes_that_were_unexplained(name, seed, outcome):
-    assert run.verified(name, seed)["class"] == outcome
-
-
 @pytest.mark.slow
 def test_a_release_is_followed_while_hard_pairs_close_and_open():
     """By whole steps of Newton's method it ended after 100 steps."""
@@ -739,6 +722,10 @@ def test_direction_of_a_tiny_slip_decides_nothing():
         ("w00157", 99, "completed"),
         ("w00162", 111, "limit_point"),
         ("w00378", 111, "limit_point"),
+        ("b000175", 542, "completed"),
+        ("w00767", 541, "completed"),
+        ("w00048", 542, "interpenetration"),
+        ("w00091", 542, "jump"),
     ],
     ids=[
         "coils beyond the next touch between their stations",
@@ -753,6 +740,10 @@ def test_direction_of_a_tiny_slip_decides_nothing():
         "a predicted touch that fails is approached in shorter substeps",
         "a pair opens without which the wire is unstable",
         "the same with an exponent, after a snap",
+        "rounding of hard contact is measured by the load of a row",
+        "that of positions by their size in metres",
+        "wires overlap just before a limit point, where friction decides which comes first",
+        "a release leads to where wires overlap",
     ],
 )
 def test_outcomes_that_were_unexplained(name, seed, outcome):
