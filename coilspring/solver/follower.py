@@ -150,8 +150,7 @@ def predict_trial(system, task, work, path, substep):
         copy(work.state, work.predicted)
         return
     bend = curvature(task, work, path.last_step, substep.duration)
-    predict(system, task, work, path, bend, substep.target)
-    _, _, free = displacement_bound(system, work.state, work.predicted, 0.5 * path.least_gap)
+    free = free_share(system, task, work, path, bend, substep)
     if free < 1.0:
         substep.shortened, substep.landing = True, False
         left = free * substep.duration
@@ -164,6 +163,22 @@ def predict_trial(system, task, work, path, substep):
         substep.duration = min(max(left, LEAST_LEFT), substep.duration)
         substep.target = path.time + substep.duration
         predict(system, task, work, path, bend, substep.target)
+
+
+@part
+def free_share(system, task, work, path, bend, substep):
+    """Share of a substep before a pair is predicted to touch; predicts its end, or half of it.
+
+    A pair that remembers where it touched may do so and open again within the substep.
+    """
+    if bend > 0.0 and task.located < np.inf:
+        predict(system, task, work, path, bend, substep.target - 0.5 * substep.duration)
+        _, _, free = displacement_bound(system, work.state, work.predicted, 0.5 * path.least_gap)
+        if free < 1.0:
+            return 0.5 * free
+    predict(system, task, work, path, bend, substep.target)
+    _, _, free = displacement_bound(system, work.state, work.predicted, 0.5 * path.least_gap)
+    return free
 
 
 @part
