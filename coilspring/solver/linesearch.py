@@ -49,8 +49,11 @@ def falls(energy, gain, slope, length, rounding):
 
 @part
 def levels(work, it):
-    """Whether the potential has levelled out at the end of the whole step, by its slope there: where its fall
-    is lost in the rounding of energies (Hager & Zhang 2005)."""
+    """Whether the potential has levelled out at the end of the whole step, by its slope there.
+
+    Asked where its fall is lost in rounding: the approximate Wolfe condition of Hager & Zhang (2005), without
+    a bound on the rise.
+    """
     return -it.slope <= it.rounding and abs(dot(work.g, work.step)) <= FLAT * abs(it.slope)
 
 

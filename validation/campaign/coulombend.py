@@ -9,40 +9,46 @@ from dataclasses import replace
 import numpy as np
 
 from coilspring import EquilibriumPath
-from validation.campaign.poses import moved
+from validation.campaign.poses import motion, moved
 from validation.campaign.wire import WireForces
 from validation.campaign.wirepairs import Pairs
 
-# Shares of the load: of the first step and the least; and the share of a step that fails which is tried next.
-FIRST_STEP, LEAST_STEP, SHORTER = 2e-4, 1e-7, 0.25
+# Shares of the load: the longest step, and that below which none is tried; how one that fails is shortened.
+LONGEST, SHORTEST, SHORTER = 2e-4, 1e-7, 0.25
 MOST_STEPS, MOST_CORRECTIONS = 80, 12
 CLOSE, FAR = 1e-9, 0.05  # wire diameters or rad: the last correction, and the most of one
-REACH = 0.3  # wire diameters: in so few steps no pair that is farther touches
+REACH = 1.0  # wire diameters: farther pairs are not looked at,
+NEARBY = 0.05  # and by so much a step may move the wire
 OVER = 1e-9  # of its bound: with so much more a pair slides
 SOFTENED = 0.2  # of the stiffness at the start: no more is left before it vanishes
 
 
 def loses_stability(forces: WireForces, path: EquilibriumPath, most: float) -> float | None:
     """Factor of a path's last load or displacement at which Coulomb's law loses its stable equilibrium; None
-    where that is not seen up to the factor `most`.
+    where that is not seen up to the factor `most`, or another pair touches before.
 
     Steps of the implicit Euler method, shorter where one fails. At the end little is left of the stiffness,
     or the next step, however short, makes it negative.
     """
-    rows, pairs = path.states[-1].reshape(-1, 7), forces.pairs(path, -1, REACH * forces.law.d)
-    factor, step, left = 1.0, FIRST_STEP, [forces.least_stiffness(rows, pairs.renewed(rows))]
+    start = rows = path.states[-1].reshape(-1, 7)
+    pairs = forces.pairs(path, -1, REACH * forces.law.d)
+    factor, step, left = 1.0, LONGEST, [forces.least_stiffness(rows, pairs.renewed(rows))]
     for _ in range(MOST_STEPS):
         ahead = rows.copy()
         ahead[-1, 1] += step * sum(path.scene.load.displacement)
         found = _settled(forces, pairs.renewed(rows), ahead, (factor + step) * path.loads[-1])
+        if found is not None and motion(found[0], rows, forces.law.d) > NEARBY * forces.law.d:
+            found = None
         beyond = -np.inf if found is None else forces.least_stiffness(found[0], found[1].renewed(found[0]))
         if found is not None and beyond > 0.0:
-            (rows, pairs), factor = found, factor + step
+            (rows, pairs), factor, step = found, factor + step, min(2.0 * step, LONGEST)
             left.append(beyond)
-            if factor > most:
+            far = motion(rows, start, forces.law.d) > 0.5 * REACH * forces.law.d
+            if factor > most or far or (~pairs.held & (pairs.depth(rows) > 0.0)).any():
                 return None
-        elif step < LEAST_STEP:
-            return factor if found is not None or left[-1] <= SOFTENED * left[0] else None
+        elif step < SHORTEST:
+            ends = len(left) > 1 and (found is not None or left[-1] <= SOFTENED * left[0])
+            return factor if ends else None
         else:
             step *= SHORTER
     return None
@@ -58,7 +64,7 @@ def _settled(
         left = forces.residual(rows, load, pairs).ravel()[forces.free]
         move.ravel()[forces.free] = np.linalg.solve(forces.tangent(rows, pairs), -left)
         size = float(np.abs(move / [*[pairs.law.d] * 3, 1.0, 1.0, 1.0]).max())
-        rows = moved(rows, min(1.0, FAR / size) * move)
+        rows = moved(rows, FAR / max(size, FAR) * move)
         if size <= CLOSE:
             return rows, replace(pairs, slides=_slides(pairs, rows))
     return None

@@ -114,3 +114,10 @@ def moved(rows: np.ndarray, move: np.ndarray) -> np.ndarray:
     q = np.moveaxis(product(np.moveaxis(turn, -1, 0), np.moveaxis(rows[..., 3:], -1, 0)), 0, -1)
     q /= np.linalg.norm(q, axis=-1, keepdims=True)
     return np.concatenate((rows[..., :3] + move[..., :3], q), axis=-1)
+
+
+def motion(one: np.ndarray, two: np.ndarray, d: float) -> float:
+    """Upper bound on the motion of the wire's surface at the nodes between two states."""
+    turned = np.minimum(*(np.linalg.norm(one[:, 3:] + sign * two[:, 3:], axis=1) for sign in (1.0, -1.0)))
+    # |q - q'| d >= d sin(angle / 2)
+    return float((np.linalg.norm((one - two)[:, :3], axis=1) + turned * d).max())

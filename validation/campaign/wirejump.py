@@ -10,7 +10,7 @@ from scipy.optimize import brentq
 from coilspring import EquilibriumPath
 from validation.campaign import runs
 from validation.campaign.overlap import ALLOWED, SEEN, excess
-from validation.campaign.poses import moved
+from validation.campaign.poses import motion, moved
 from validation.campaign.scenes import Case
 from validation.campaign.verdict import Verdict, reached, under
 from validation.campaign.wire import WireForces
@@ -76,12 +76,12 @@ def released(
         ahead = left * 2.0**-step if left > NONE else 0.0
         share = np.where(np.isnan(begins), 1.0, ahead / begins)
         found = _settled(forces, replace(pairs, share=pairs.share * share), rows, load)
-        if found is None or _motion(found, rows, forces.law.d) > NEAR * forces.law.d:
+        if found is None or motion(found, rows, forces.law.d) > NEAR * forces.law.d:
             step *= 0.5
             if ahead == 0.0 or step < LEAST_STEP:
                 return left, rows
             continue
-        if _motion(found, start, forces.law.d) > NEARBY * forces.law.d:
+        if motion(found, start, forces.law.d) > NEARBY * forces.law.d:
             return left, rows
         rows, left, step = found, ahead, min(2.0 * step, MOST_STEP)
         opens = pairs.held & np.isnan(begins) & (pairs.depth(rows) < 0.0)
@@ -89,13 +89,6 @@ def released(
         if left == 0.0:
             return 0.0, rows
     return math.nan, rows
-
-
-def _motion(one: np.ndarray, two: np.ndarray, d: float) -> float:
-    """Upper bound on the motion of the wire's surface at the nodes between two states."""
-    turned = np.minimum(*(np.linalg.norm(one[:, 3:] + sign * two[:, 3:], axis=1) for sign in (1.0, -1.0)))
-    # |q - q'| d >= d sin(angle / 2)
-    return float((np.linalg.norm((one - two)[:, :3], axis=1) + turned * d).max())
 
 
 def _settled(forces: WireForces, pairs: Pairs, rows: np.ndarray, load: np.ndarray) -> np.ndarray | None:
@@ -116,16 +109,20 @@ def _settled(forces: WireForces, pairs: Pairs, rows: np.ndarray, load: np.ndarra
             rows = moved(rows, move)
             far = np.linalg.norm(rows[:, :3] - start[:, :3], axis=1).max() > FAR * pairs.law.d
             return None if far or not forces.least_stiffness(rows, pairs) > 0.0 else rows
-        if not size < FAR or (left * move).sum() >= 0.0:
+        if not size < FAR:
             return None
         rows = moved(rows, _length(unbalanced, rows, move) * move)
     return None
 
 
 def _length(unbalanced: Callable[[np.ndarray], np.ndarray], rows: np.ndarray, move: np.ndarray) -> float:
-    """Share of a step, along which the energy falls at first, where it is least; 1 where it all but is."""
+    """Share of a step where the energy along it is least; 1 where no more than half of its slope is left at
+    the end, or it rises from the start."""
 
     def slope(share: float) -> float:
         return float((unbalanced(moved(rows, share * move)) * move).sum())
 
-    return 1.0 if slope(1.0) <= LEVEL * abs(slope(0.0)) else float(brentq(slope, 0.0, 1.0, rtol=LENGTH))
+    start, end = slope(0.0), slope(1.0)
+    if not start < 0.0 or not end > -LEVEL * start:
+        return 1.0
+    return float(brentq(slope, 0.0, 1.0, rtol=LENGTH, disp=False))

@@ -115,8 +115,8 @@ def verify_wire_critical(verdict: Verdict, forces: WireForces, case: Case, path:
 def _verify_softening(verdict: Verdict, forces: WireForces, case: Case, critical: float) -> None:
     """The least stiffness must tend to zero at the critical time: of the wire with its top where it is
     prescribed, and of one whose coils stick or slide, by Coulomb's unsymmetric tangent. Where it does not,
-    with friction, the verifier's own steps must come to where it vanishes."""
-    found, starts = [math.inf], []
+    with friction, the verifier's own steps from just before must lose it as near."""
+    found, start = [math.inf], None
     # the critical time of a path with friction itself depends on its substeps by as much
     most = runs.FRICTION_TIME if runs.path_dependent(case) else SOFTENED
     for shares in BEFORE_SOFT:
@@ -132,10 +132,10 @@ def _verify_softening(verdict: Verdict, forces: WireForces, case: Case, critical
         found += [] if place is None else [abs(place / critical - 1.0)]
         if min(found) <= most:
             break
-        starts.append((before[0], 1.0 - shares[0]))
+        start = start or before[0]
     else:
-        if case.scene.contact.sliding == "coulomb":
-            start, share = starts[0]
+        share = 1.0 - BEFORE_SOFT[0][0]
+        if start and case.scene.contact.sliding == "coulomb":
             factor = loses_stability(forces, start, (1.0 + most) / share)
             found += [] if factor is None else [abs(factor * share - 1.0)]
     if min(found) < math.inf:
