@@ -6,7 +6,7 @@ import numpy as np
 
 from coilspring.compiling.compiled import copy, part
 from coilspring.contact.history import copy_history, creeping, largest_slip, opening, set_rise, touched
-from coilspring.solver.branch import TURN
+from coilspring.solver.branch import most_turn
 from coilspring.solver.creep import creep_tangent
 from coilspring.solver.newton import CONVERGED
 from coilspring.solver.snap import snapped
@@ -66,7 +66,8 @@ def accept_step(system, task, work, path, substep):
     easy = substep.iterations < EASY_COUNT + EASY_ROUND * (substep.rounds - 1) or creeping(work.history)
     growth = GROWTH if easy else SLOW_GROWTH if substep.rounds > 1 else 1.0
     # the turn grows with the square of the step
-    growth = min(growth, math.sqrt(SAFE * TURN / substep.share)) if substep.share > 0.0 else growth
+    if substep.share > 0.0:
+        growth = min(growth, math.sqrt(SAFE * most_turn(work.history) / substep.share))
     path.next_step = max(path.next_step, substep.duration * growth)
     slip = largest_slip(work.history)
     if slip > 0.0:

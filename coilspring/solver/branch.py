@@ -13,6 +13,8 @@ from coilspring.solver.operations import moved, put_prescribed
 # of the distance it came (a fold or a jump turns the path by more), or within a small distance at all
 # (a closing contact kinks the path, so that no step is short enough for the share).
 TURN = 0.07
+# The same with friction, which acts along the way: a force in another direction stays wrong along the path.
+FRICTION_TURN = 3e-3
 SMALL = 0.05  # wire diameters
 # The same, where next to nothing is left of the stiffness or the matrix was indefinite on the way: there a
 # jump may begin; but no less than what the iteration leaves along the softest mode.
@@ -51,6 +53,12 @@ def predict(system, task, work, path, bend, target):
         work.predicted,
     )  # fmt: skip
     put_prescribed(system, task.start, target, work.predicted)
+
+
+@part
+def most_turn(history):
+    """Share by which a path may turn in a substep."""
+    return FRICTION_TURN if has_friction(history) else TURN
 
 
 @part

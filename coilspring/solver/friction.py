@@ -17,8 +17,8 @@ from coilspring.compiling.compiled import part
 from coilspring.contact.history import copy_history, set_rise
 from coilspring.solver.complementarity import eliminated
 from coilspring.solver.newton import INDEFINITE
-from coilspring.solver.operations import factor_state
-from coilspring.solver.response import answer, answered
+from coilspring.solver.operations import factor_state, solution
+from coilspring.solver.response import answer, answered, nearby
 
 LESS = 1e-4  # share by which friction is taken back
 # Share of the bounds, up or down, over a slip of a wire diameter; more is seen only where slips are stiff.
@@ -34,27 +34,23 @@ LEAST_DAMPING, MOST_DAMPING = 1e-9, 1e12  # with more, rises are no numbers: bou
 
 @part
 def slides_stably(system, task, work, path, substep):
-    """Stability where pairs slide, and how their bounds rise with the slips."""
+    """Whether the trial state, where pairs slide, is stable; sets how their bounds rise, and the tangent."""
     path.slid = True
     path.spent += 1
     if factor_state(system, work, work.trial, work.trial_history) > 0:
         substep.trouble = INDEFINITE
         return False
     path.rise = rise_of_bounds(system, task, work)
-    if path.raised == 0.0:
-        return True
-    copy_history(work.trial_history, work.low)
-    set_rise(work.low, path.rise)
-    path.spent += 1
-    if factor_state(system, work, work.trial, work.low) == 0:
-        # the next prediction may be as far off as this one was
-        path.raised = path.raised / LOWERED if path.raised * task.diameter > MOST_RISE / RAISED else 0.0
+    if path.raised > 0.0:
+        copy_history(work.trial_history, work.low)
+        set_rise(work.low, path.rise)
+        path.spent += 1
+        if factor_state(system, work, work.trial, work.low) == 0:
+            # the next prediction may be as far off as this one was
+            path.raised = path.raised / LOWERED if path.raised * task.diameter > MOST_RISE / RAISED else 0.0
         path.rise = max(path.rise, path.raised)
-        return True
-    path.rise = max(path.rise, path.raised)
     path.spent += 1
-    system.update_pairs(system.reals, system.ints, work.state, work.predicted, work.trial, work.history)
-    substep.turned = solve_bounds(system, task, work) < 0
+    substep.turned = slide_tangent(system, task, work) < 0
     return not substep.turned
 
 
@@ -73,7 +69,7 @@ def solve_bounds(system, task, work):
 
     Returns the sign of the determinant of Coulomb's tangent; 0 where it is singular, and nothing is changed.
     """
-    sliding, rises, negative = _rises(system, task, work)
+    sliding, rises, _, negative = _rises(system, task, work)
     sign = _step(work, sliding, rises, 0.0)
     return sign if negative % 2 == 0 else -sign
 
@@ -86,7 +82,7 @@ def let_flow(system, task, work, substep):
     a solution that is stable it goes no farther than the flow does, near it it is one of Newton's method.
     Returns whether a solution near would be stable.
     """
-    sliding, rises, negative = _rises(system, task, work)
+    sliding, rises, _, negative = _rises(system, task, work)
     copy_history(work.history, work.low)
     sign = _step(work, sliding, rises, 0.0)
     stable = negative == 0 and sign > 0
@@ -101,25 +97,69 @@ def let_flow(system, task, work, substep):
 
 @part
 def _rises(system, task, work):
-    """Pairs that slide in the trial state, how the bounds of all pairs change with theirs (pairs, sliding),
-    and the negative pivots of its matrix."""
+    """Pairs that slide in the trial state; how the bounds of all pairs change with theirs (pairs, sliding),
+    and the state (sliding, dofs); and the negative pivots of its matrix, which `work.F` factors."""
     history, held = work.history, work.trial_history
     sliding = _sliding(history, held)
     n, pairs = sliding.size, history.shape[0]
-    rises, rates = np.empty((pairs, n)), np.empty((pairs, 2))
+    rises, rates, motions = np.empty((pairs, n)), np.empty((pairs, 2)), np.empty((n, task.load.size))
     copy_history(held, work.low)
     negative = factor_state(system, work, work.trial, work.low)
     for p in range(n):
         copy_history(work.low, work.high)
         less = LESS * held[sliding[p]].bound
         work.high[sliding[p]].bound -= less
-        _find_rates(system, work, answer(system, task, work), rates)
+        small = answer(system, task, work)
+        for i in range(task.load.size):
+            motions[p, i] = -work.ahead[i] / less
+        _find_rates(system, work, small, rates)
         for m in range(pairs):
-            slip = max(history[m].slip, 0.0)
-            slides_on = rates[m, 1] if slip > 0.0 else 0.0
-            change = rates[m, 0] - history[m].bound * held[m].rise * slides_on
-            rises[m, p] = -change / (1.0 + held[m].rise * slip) / less if held[m].closed else 0.0
-    return sliding, rises, negative
+            rises[m, p] = -_rate_of_bound(history[m], held[m], rates[m]) / less
+    return sliding, rises, motions, negative
+
+
+@part
+def _rate_of_bound(row, held, rates):
+    """Rate of a pair's bound b by the `rates` of mu F and of the slip: b (1 + r s) = mu F."""
+    if not held.closed:
+        return 0.0
+    slip = max(row.slip, 0.0)
+    slides_on = rates[1] if slip > 0.0 else 0.0
+    return (rates[0] - row.bound * held.rise * slides_on) / (1.0 + held.rise * slip)
+
+
+@part
+def slide_tangent(system, task, work):
+    """Set `work.ahead` to the tangent of the path by Coulomb's law at the trial state, where pairs slide.
+
+    Along it their bounds change with the normal forces; with bounds that stay it would be another one.
+    Returns the sign of the determinant of the law's tangent, 0 where that is singular.
+    """
+    history, held = work.history, work.trial_history
+    sliding, rises, motions, negative = _rises(system, task, work)
+    n, rates = sliding.size, np.empty((history.shape[0], 2))
+    solution(system, work.F, task.load, 1.0, work.ahead)
+    _find_rates(system, work, nearby(system, task, work), rates)
+    M = _bounds_matrix(sliding, rises, 0.0)
+    for q in range(n):
+        M[q, n] = _rate_of_bound(history[sliding[q]], held[sliding[q]], rates[sliding[q]])
+    sign = eliminated(M)
+    if sign != 0:
+        for p in range(n):
+            for i in range(task.load.size):
+                work.ahead[i] += M[p, n] * motions[p, i]
+    return sign if negative % 2 == 0 else -sign
+
+
+@part
+def _bounds_matrix(sliding, rises, damping):
+    """1 + damping - dB/db, with room for a right side: (n, n + 1)."""
+    n = sliding.size
+    M = np.empty((n, n + 1))
+    for q in range(n):
+        for p in range(n):
+            M[q, p] = (1.0 + damping if p == q else 0.0) - rises[sliding[q], p]
+    return M
 
 
 @part
@@ -127,11 +167,9 @@ def _step(work, sliding, rises, damping):
     """Solve (1 + damping - dB/db) step = B - b, and take the step; returns the sign of the determinant, 0
     where it vanishes, and nothing is changed."""
     history, held, n = work.history, work.trial_history, sliding.size
-    M = np.empty((n, n + 1))
+    M = _bounds_matrix(sliding, rises, damping)
     for q in range(n):
         m = sliding[q]
-        for p in range(n):
-            M[q, p] = (1.0 + damping if p == q else 0.0) - rises[m, p]
         M[q, n] = history[m].bound - held[m].bound
     sign = eliminated(M)
     if sign == 0:

@@ -17,7 +17,7 @@ from coilspring.contact.history import (
 )
 from coilspring.contact.kinematics import OVERLAP_ALLOWED
 from coilspring.solver import snap
-from coilspring.solver.branch import SMALL, continues, displacement_bound, jumped, small_turn
+from coilspring.solver.branch import SMALL, continues, jumped, most_turn, small_turn
 from coilspring.solver.creep import renew_creep
 from coilspring.solver.friction import let_flow, slides_stably, solve_bounds
 from coilspring.solver.newton import CONVERGED, FAILED, LINEAR, NONE, SADDLE
@@ -33,9 +33,7 @@ NEARER = 3.0  # times the bound on all motion: so much nearer may two wires come
 CREEP_CUT = 0.5  # share at which a substep in which a pair ceases to creep is cut, at most
 MISSED = 5e-4  # wire diameters that such a pair may have slipped before
 OVERLAP_TIME = 1e-5  # of the time 0..1: so closely is it located
-# Of the way of the path: so far, with friction, may pairs be from where they were predicted.
-MOST_ERROR = 1e-2
-LEAST_RATED = 1e-3  # of the time 0..1: in less they may always be
+LEAST_RATED = 1e-3  # of the time 0..1: in less a path with friction may turn as any other
 BOUND_CHANGE = 1e-6  # of the bounds of tangential forces, over the largest, where they count as found
 MOST_ROUNDS = 30
 FIRST_SHIFT = 0.1  # with which an indefinite matrix is made positive, in units of that at rest
@@ -156,7 +154,7 @@ def keeps_branch(system, task, work, path, substep, watch):
     # so far in no time is a snap too
     snaps = path.snapping or (substep.duration <= snap.NO_TIME and not path.releasing)
     good = good and (substep.distance <= snap.LARGEST * task.diameter or not snaps)
-    good = good and (path.releasing or not strays(system, task, work, substep))
+    good = good and (path.releasing or not strays(work, substep))
     substep.room, substep.moved = watch[ROOM].value, path.moved + substep.distance
     if good and (NEARER * substep.moved >= substep.room or substep.near_overlap):
         substep.room, substep.moved = free_room(system, task, work.trial), 0.0
@@ -167,8 +165,8 @@ def keeps_branch(system, task, work, path, substep, watch):
         return good
     if path.least_gap > 0.0 and not path.snapping and hides_instability(system, work, path):
         return False
-    if slides(work.history) and not slides_stably(system, task, work, path, substep):
-        return False
+    if slides(work.history):
+        return slides_stably(system, task, work, path, substep)
     stale_solution(system, work, work.trial, task.load, 1.0, work.ahead)
     if not task.predictor or path.snapping or has_history(work.history):
         return True
@@ -176,12 +174,9 @@ def keeps_branch(system, task, work, path, substep, watch):
 
 
 @part
-def strays(system, task, work, substep):
-    """Whether pairs moved so far from where they were predicted that what friction remembers is not known."""
-    if substep.duration <= LEAST_RATED or not has_friction(work.history):
-        return False
-    way, _, _ = displacement_bound(system, task.start, work.trial, np.inf)
-    return substep.error > MOST_ERROR * way
+def strays(work, substep):
+    """Whether the path turned so far that friction would act in wrong directions."""
+    return substep.duration > LEAST_RATED and substep.share > most_turn(work.history)
 
 
 @part
