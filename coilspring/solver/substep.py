@@ -54,7 +54,7 @@ def find_equilibrium(system, equilibrium, task, work, path, substep, it):
     put_prescribed(system, task.start, substep.target, work.trial)
     target = Target(
         work.state, path.least_gap, work.history, work.load, path.reference * substep.target**2,
-        path.reference * substep.duration**2, path.rounding * (path.dead + path.force * substep.target),
+        path.reference, path.reference * substep.duration**2, path.rounding * (path.dead + path.force * substep.target),
         path.rounding, task.limit, task.limit if path.snapping else MOST_DAMPED,
         snap.SHIFT if path.snapping else FIRST_SHIFT, task.modified, path.least_pivot,
     )  # fmt: skip

@@ -64,7 +64,8 @@ class Target(NamedTuple):
     least_gap: Any  # and the least gap of its pairs
     history: Any  # contact history
     load: Any
-    reference: Any  # work with which decrements are compared
+    reference: Any  # work with which decrements are compared,
+    whole: Any  # and that of the whole load
     predicted: Any  # energy of the predicted motion
     rounding: Any  # noise of the potential,
     grain: Any  # and for each newton of the force on what is prescribed, mm
@@ -293,7 +294,7 @@ def equilibrium_signature() -> Any:
     data = (vector, types.int64[::1], vector, vector)
     system = _Fields(tuple(zip(System._fields, (*data, *_kernel_types()), strict=True)))
     work = _Fields(tuple(zip(Workspace._fields, workspace_type().types, strict=True)))
-    numbers = (*(real,) * 4, types.int64, types.int64, real, types.boolean, real)
+    numbers = (*(real,) * 5, types.int64, types.int64, real, types.boolean, real)
     target = types.NamedTuple((vector, real, history, vector, *numbers), Target)
     return types.int64(system, target, work, vector, from_dtype(NEWTON))
 
