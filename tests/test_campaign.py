@@ -723,7 +723,7 @@ def test_direction_of_a_tiny_slip_decides_nothing():
         ("w00378", 111, "limit_point"),
         ("b000175", 542, "completed"),
         ("w00767", 541, "completed"),
-        ("w00048", 542, "interpenetration"),
+        ("w00048", 542, "limit_point"),
         ("w00091", 542, "jump"),
     ],
     ids=[

@@ -319,6 +319,12 @@ def test_a_pair_that_touches_at_rest_but_for_rounding():
         assert reached(make_case(name, seed)).outcome == "completed"
 
 
+@pytest.mark.parametrize(("name", "seed"), [("w00735", 563), ("w00399", 561)], ids=["wires", "spheres"])
+def test_hard_coils_that_touch_at_rest_take_a_first_step(name, seed):
+    """Under 1e-5 of the load rounding left more than 1e-8 of its displacements, and the paths ended there."""
+    assert reached(make_case(name, seed)).outcome == "completed"
+
+
 def test_plates_and_traces_take_wires():
     ends = Supports(top_held=("ux", "rotz"), seat="plate")
     scene = replace(wired(spring_a()), supports=ends, load=Load((0.0, -10.0), 5))
