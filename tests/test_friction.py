@@ -197,8 +197,8 @@ def test_bounds_that_had_to_rise_are_not_lowered_at_once():
 
 @pytest.mark.parametrize(("geometry", "count"), [("spheres", 4), ("wires", 12)])
 def test_substeps_converge_at_second_order_where_the_slide_turns(geometry, count):
-    """Measured: errors fall 3.5 and 8 times with each halving; at first order it would be 2 times. Fewer steps
-    than these are cut, by how far slides may turn."""
+    """Measured: errors fall 3.5 and 8 times with each halving; at first order it would be 2 times. Fewer
+    steps than these are cut, by how far slides may turn."""
     leaning = Scene(
         name="leaning cone",
         spring=Spring(
