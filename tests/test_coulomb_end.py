@@ -115,8 +115,12 @@ def test_a_path_is_followed_to_the_limit_point_of_coulombs_law():
     ("name", "seed", "geometry", "outcome"),
     [
         # each ended by the iteration with one of these left out: bounds that begin with the accepted ones,
-        # (overlap and limit point lie so near that the steps decide)
-        ("w00106", 11, "spheres", "interpenetration or limit_point"),
+        pytest.param(
+            *("w00106", 11, "spheres", "interpenetration"),
+            marks=pytest.mark.xfail(
+                strict=True, reason="a limit point at 0.1047 in 20 and 100 steps, passed in 1, 5 and 400"
+            ),
+        ),
         # Newton's method for bounds,
         ("w00053", 5, "wires", "completed"),
         # iterations for pairs that change between sticking and sliding,
@@ -132,7 +136,7 @@ def test_coulomb_friction_ends_for_reasons_of_the_scene_alone(name, seed, geomet
     few, many = (
         reached(case, replace(case.scene, load=replace(case.scene.load, steps=steps))) for steps in (5, 20)
     )
-    assert {few.outcome, many.outcome} <= set(outcome.split(" or "))
+    assert few.outcome == many.outcome == outcome
     assert max(few.total_iterations, many.total_iterations) < 10_000
     if outcome == "completed":
         np.testing.assert_allclose(
