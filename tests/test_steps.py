@@ -186,13 +186,12 @@ def test_a_pair_that_touches_and_opens_again_within_a_substep_is_not_missed():
     np.testing.assert_allclose(few.tips, many.tips[4::5], rtol=0.0, atol=1e-6 * np.abs(many.tips).max())
 
 
-def test_a_slide_that_turns_within_substeps_is_of_second_order():
-    """In 5 steps 1.2e-3 off, in 100 4e-5. As the force acted along the whole slide, it was of first order."""
-    paths = [reached(make_case("w00119", 89), steps=steps) for steps in (5, 100, 400)]
-    size = np.abs(paths[-1].tips[-1, :2]).max()
-    errors = [np.abs(path.tips[-1] - paths[-1].tips[-1])[:2].max() / size for path in paths[:2]]
-    assert errors[0] < 2e-3
-    assert errors[1] < 0.1 * errors[0]
+def test_a_slide_that_turns_is_followed_in_any_number_of_steps():
+    """5 steps were 1.2e-3 off, until the turn of slides limited substeps. Measured: 1.0e-5 at most."""
+    case = make_case("w00119", 89)
+    *tips, fine = (reached(case, steps=steps).tips[-1] for steps in (1, 5, 20, 100, 400))
+    errors = [np.abs(tip - fine)[:2].max() for tip in tips]
+    assert max(errors) < 5e-5 * np.abs(fine[:2]).max()
 
 
 def test_rounding_of_hard_contact_does_not_stop_the_iteration():
