@@ -40,8 +40,9 @@ PAIR_HISTORY = np.dtype(
         ("before", "f8"),  # how far it was stretched tangentially in that, mm
         ("least", "f8"),  # share that is left to a pair that creeps: with this it is pressed,
         ("most", "f8"),  # and with this it opens, in the substep at hand
-        ("gap", "f8"),  # of such a pair, in the trial state, mm,
+        ("gap", "f8"),  # of such a pair, or one with friction, in the trial state, mm,
         ("sticking", "f8"),  # and the tangential force that would hold all of it, N
+        ("steepness", "f8"),  # of the bound of one with friction, by how far it penetrates, N/mm
         ("cut", "f8"),  # share of the substep to try instead: to where it touches or opens
         ("growth", "f8"),  # rate at which the force of one that creeps grows, N
         ("held", "f8"),  # its tangential force, or the bound of it, in the last accepted state, N

@@ -72,7 +72,7 @@ def coulomb(
         for end, factor in zip(ends, (size, -size), strict=True):
             there = body.moved(state, step, factor)
             body.kernels.update_pairs(*body.data, there, there, there, end)
-        return (ends[0]["bound"] - ends[1]["bound"]) / (2.0 * size)
+        return history["steepness"] * (ends[1]["gap"] - ends[0]["gap"]) / (2.0 * size)
 
     H, negative = body.factored(state, history)
     rate, here = body.solved(H, load), body.gradient(state, history)

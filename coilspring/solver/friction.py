@@ -199,18 +199,18 @@ def _sliding(history, held):
 def _find_rates(system, work, small, rates):
     """Fill the rates (pairs, 2) of the bounds of the normal forces and of the slips with `work.ahead`.
 
-    Over so small a motion bounds of hard contact are no straight lines, and backwards pairs stick: they are
-    taken from three states onwards.
+    Bounds are no straight lines over the motion, since hard contact may open on it: they follow from the
+    gaps. Backwards pairs stick: rates are taken from three states onwards.
     """
-    for i in range(3):
+    rates[:] = 0.0
+    for i in (2, 1, 0):
         weight = (-1.5, 2.0, -0.5)[i] / small
         answered(system, work, i * small)
         for m in range(rates.shape[0]):
-            row = work.high[m]
-            if i == 0:
-                rates[m, 0], rates[m, 1] = 0.0, 0.0
-            rates[m, 0] += weight * row.bound * (1.0 + row.rise * max(row.slip, 0.0))
-            rates[m, 1] += weight * row.slip
+            rates[m, 0] -= weight * work.high[m].gap
+            rates[m, 1] += weight * work.high[m].slip
+    for m in range(rates.shape[0]):
+        rates[m, 0] *= work.high[m].steepness if work.high[m].closed else 0.0
 
 
 @part
