@@ -265,8 +265,8 @@ def move(system, target, work, state, it):
         it.current = False
         set_tolerance(system, target, it)
     if length == 0.0:
-        # rounding may be all that is left, or next to nothing of the whole load
-        left = max(rounding, DECREMENT * target.whole)
+        # rounding may be all that is left, or as good as nothing of the whole load
+        left = max(rounding, LOOSE * target.whole)
         return CONVERGED if it.shift == 0.0 and -it.slope <= left else FAILED
     if length < LONG_SEARCH:
         it.trouble = max(it.trouble, LONG)

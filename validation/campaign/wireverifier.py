@@ -83,7 +83,7 @@ def verify_balance(verdict: Verdict, forces: WireForces, path: EquilibriumPath, 
 
 def verify_wire_critical(verdict: Verdict, forces: WireForces, case: Case, path: EquilibriumPath) -> None:
     """Balanced states just before must tend to a fold there, or a pair open without which the wire is
-    unstable, or the least stiffness vanish, or arc length turn."""
+    unstable, or arc length turn, or the least stiffness vanish."""
     critical = runs.sharp_critical(verdict, path)
     if critical is None:
         return
@@ -109,7 +109,7 @@ def verify_wire_critical(verdict: Verdict, forces: WireForces, case: Case, path:
     elif case.scene.load.displacement:
         _verify_softening(verdict, forces, case, critical)
     else:
-        _verify_turn(verdict, case, critical)
+        _verify_turn(verdict, forces, case, critical)
 
 
 def _verify_softening(verdict: Verdict, forces: WireForces, case: Case, critical: float) -> None:
@@ -204,13 +204,17 @@ def vanishing(times: Sequence[float], least: Sequence[float]) -> float | None:
     return min(found)[1] if found else None
 
 
-def _verify_turn(verdict: Verdict, case: Case, critical: float) -> None:
-    """The traced path must be stable up to the critical time and not beyond."""
+def _verify_turn(verdict: Verdict, forces: WireForces, case: Case, critical: float) -> None:
+    """The traced path must be stable up to the critical time and not beyond; where it cannot be traced so
+    far, the least stiffness must tend to zero."""
     scene = under(case.scene, 1.05 * critical)
     traced = partial_path(wirefe.trace, scene, points=POINTS, **dict(case.options))
     times = 1.05 * critical * traced.times
     assert traced.negative_pivots is not None
     unstable = np.flatnonzero(traced.negative_pivots)
+    if not unstable.size and times.max(initial=0.0) < critical:
+        _verify_softening(verdict, forces, case, critical)
+        return
     if not unstable.size:
         verdict.complain(f"arc length finds no critical point near {critical:.6g}, last time {times[-1]:.6g}")
         return
