@@ -201,7 +201,7 @@ def test_how_far_a_release_leads_is_the_way_of_a_point():
 
 @pytest.mark.slow
 def test_a_limit_point_that_arc_length_does_not_come_to_is_confirmed_by_the_stiffness():
-    """Hard beads kink the path so often that 400 points reach time 0.08 of 0.46."""
+    """Hard beads kink the path so often that 300 points reach time 0.08 of 0.46."""
     row = run.verified("w00662", 591)
     assert (row["class"], row["reason"]) == ("limit_point", "")
 

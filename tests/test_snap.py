@@ -60,6 +60,14 @@ def test_a_snap_leaves_unstable_equilibria():
     assert reached(make_case("b001623", 101), steps=10).outcome == "completed"
 
 
+def test_a_snap_through_hard_contact_is_found_in_any_number_of_steps():
+    """It takes more than 200 iterations. In one step the limit point is not seen."""
+    paths = [reached(make_case("b004143", 553), steps=steps) for steps in (1, 5, 20)]
+    assert {path.outcome for path in paths} == {"completed"}
+    assert [snaps(path) for path in paths[1:]] == [(1, pytest.approx(0.24, abs=0.006))] * 2
+    np.testing.assert_allclose([path.tips[-1] for path in paths[1:]], [paths[0].tips[-1]] * 2, rtol=1e-6)
+
+
 @pytest.mark.parametrize(("case", "seed"), [("b001127", 99), ("b000791", 71)])
 def test_no_step_is_taken_over_a_bifurcation_that_is_all_but_perfect(case, seed):
     """A long step found the branch that bifurcates, by rounding, and passed for small."""

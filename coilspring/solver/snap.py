@@ -21,6 +21,7 @@ AHEAD = 1e-6  # of the time 0..1: so far beyond a limit point an equilibrium is 
 NO_TIME = 2.0 * AHEAD
 LARGEST = 0.25  # wire diameters: so far it may be
 ROUNDS = 100  # of renewed bounds: as it slides, friction gives way step by step
+LONGER = 5  # times as many iterations as of a substep: hard pairs close and open all the way
 SHIFT = 1e-6  # least shift of an indefinite matrix: at a limit point next to nothing is negative
 SADDLES, LEAVE = 3, 1e-3  # times that an unstable equilibrium is left, and wire diameters by which at first
 SMALL = 1e-3  # wire diameters that are moved along a mode

@@ -53,10 +53,11 @@ def find_equilibrium(system, equilibrium, task, work, path, substep, it):
         load[i] = dead[i] + time * growing[i]
     put_prescribed(system, task.start, substep.target, work.trial)
     loaded = path.dead + path.force * substep.target
+    limit = task.limit * snap.LONGER if path.snapping else task.limit
     target = Target(
         work.state, path.least_gap, work.history, work.load, path.reference * substep.target**2,
         path.reference, path.reference * substep.duration**2, path.rounding * loaded, path.rounding,
-        task.limit, task.limit if path.snapping else MOST_DAMPED,
+        limit, limit if path.snapping else MOST_DAMPED,
         snap.SHIFT if path.snapping else FIRST_SHIFT, task.modified, path.least_pivot,
     )  # fmt: skip
     ratio = substep.duration / path.last_step
