@@ -201,3 +201,11 @@ def test_rounding_of_hard_contact_does_not_stop_the_iteration():
     same_answer(paths)
     assert paths[0].outcome == "completed"
     assert max(path.total_iterations for path in paths) < 2_000
+
+
+def test_the_angle_of_the_top_does_not_depend_on_the_steps():
+    """3.143 rad, more than half a turn: in one step it was 2 pi less."""
+    few, many = (reached(make_case("w00359", 701), steps=steps) for steps in (1, 10))
+    assert few.tips[-1, 2] == pytest.approx(many.tips[-1, 2], abs=1e-6)
+    assert few.tips[-1, 2] == pytest.approx(3.14293, abs=1e-5)
+    np.testing.assert_allclose(many.shape.tips(many.states[-1:]), many.tips[-1:], rtol=1e-12)

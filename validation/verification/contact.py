@@ -232,8 +232,8 @@ def beside(data: pd.DataFrame, by: str | list[str], reference: int = -1) -> pd.D
 def friction_row(runs: pd.DataFrame) -> dict[str, Any]:
     """Of runs in several numbers of steps the last, in the most, and by what the others differ."""
     last = runs.iloc[-1]
-    change = (runs["work"] / last["work"] - 1.0).abs().max() if last["work"] > SLIDES else np.nan
-    return {**last, "change": difference(runs, last).max(), "work change": change}
+    work = (runs["work"] - last["work"]).abs().max()
+    return {**last, "change": difference(runs, last).max(), "work change": work}
 
 
 def tables(runs: Runs) -> dict[str, pd.DataFrame]:

@@ -60,10 +60,15 @@ class WireShape(PairReader):
 
     def tips(self, states: np.ndarray) -> np.ndarray:
         """UX, UY, ROTZ of the top reference point, shape (states, 3); mm, rad."""
-        top = rows(states)[:, -1]
+        nodes = rows(states)
+        top, turned = nodes[:, -1], nodes[..., 3:]
         moved = top[:, :3] - self.mesh.reference
-        # the top turns about Z alone; from state to state by less than half a turn
-        angle = np.unwrap(np.concatenate(([0.0], 2.0 * np.arctan2(top[:, 6], top[:, 3]))))[1:]
+        # q and -q are one orientation; along the wire, which turns little from node to node, one follows
+        same = np.column_stack((turned[:, 0, 0], (turned[:, 1:] * turned[:, :-1]).sum(axis=-1))) >= 0.0
+        sign = np.where(same, 1.0, -1.0).prod(axis=1)
+        # the top turns about Z alone: that is its angle but for two whole turns, from state to state by less
+        angle = 2.0 * np.arctan2(sign * top[:, 6], sign * top[:, 3])
+        angle = np.unwrap(np.concatenate(([0.0], angle)), period=4.0 * np.pi)[1:]
         return np.column_stack((moved[:, 0], moved[:, 1], angle))
 
     @property
