@@ -9,9 +9,12 @@ import equivbeam
 import wirefe
 from coilspring import Contact, Spring, Supports, spring_a, spring_b
 from coilspring.compiling.packing import pack
+from coilspring.solver.outcome import SOFT
 from coilspring.solver.stability import Body, softest
 from equivbeam.model import beam_problem, build_model, load_vector
 from equivbeam.solve import KERNELS as BEAM_KERNELS
+from validation.campaign.scenes import in_units, make_case
+from validation.campaign.verdict import reached
 from wirefe.solve import KERNELS as WIRE_KERNELS
 from wirefe.solve import scene_problem
 
@@ -39,6 +42,19 @@ def test_the_softest_mode_at_rest_is_as_stiff_as_at_rest(model, held):
     body = Body(kernels, pack(problem.data), problem.load.size, problem.matrix_size)
     share, _ = softest(body, problem.start, problem.history, problem.start)
     assert share == pytest.approx(1.0, rel=1e-5)
+
+
+def test_the_softest_mode_has_no_units():
+    """Its stiffness over that at rest, at a limit point where hard coils touch: the same in mm and in m."""
+    case, shares = make_case("b000327", 713), []
+    for length, force in ((1.0, 1.0), (1e-3, 1e-6)):
+        path = reached(case, in_units(case.scene, length, force))
+        assert path.outcome == "limit_point"
+        kernels, problem = kernels_of("equivbeam", path.scene)
+        body = Body(kernels, pack(problem.data), problem.load.size, problem.matrix_size)
+        shares.append(softest(body, path.last_state, problem.history, problem.start)[0])
+    assert shares[1] == pytest.approx(shares[0], rel=0.01)
+    assert abs(shares[0]) < 0.01 * SOFT
 
 
 @pytest.mark.parametrize("model", MODELS)

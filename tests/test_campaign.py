@@ -682,14 +682,6 @@ def test_wrong_seeds_are_refused(options, words, capsys, tmp_path):
     assert words in capsys.readouterr().err
 
 
-@pytest.mark.parametrize("units", [(1.0, 1.0), (1e-3, 1e-6)])
-def test_the_softest_mode_has_no_units(units):
-    """Its stiffness over that at rest: a limit point at a closing pair, told in mm and in m."""
-    case = make_case("b014872", SEED)
-    path = reached(replace(case, scene=in_units(case.scene, *units)))
-    assert path.outcome == "limit_point"
-
-
 def test_one_case_is_printed(tmp_path, capsys):
     assert run.campaign(tmp_path / "none", case="b000001", seeds=(SEED,)) == 0
     assert "b000001" in capsys.readouterr().out

@@ -106,7 +106,7 @@ def test_friction_that_ends_early_has_no_number():
     rows = table(text, "spring | mu").set_index(["spring", "mu"])
     assert rows.loc[("B", "0"), "UX"] == "limit point at t = 0.6500"
     assert rows.loc[("B", "0"), "change of the tips"] == ""
-    assert rows.loc[("A", "0.1"), "of the work, N mm"] == "0.095"
+    assert rows.loc[("A", "0.1"), "change of the work, N mm"] == "0.095"
     assert rows.loc[("A", "no sliding"), "work of friction, N mm"] == "0"
     assert "a moment of 250 N mm" in text
     assert "10 % of it with mu = 0.1, 20 % with 0.3 and 50 % with no sliding" in text
