@@ -49,3 +49,24 @@ def test_start_phase_turns_the_helix():
     turned = Spring(1.5, 10.0, 14.5, 28.6, start_phase=0.5 * np.pi)
     np.testing.assert_allclose(turned.points(np.zeros(1)), [[0.0, 0.0, 5.0]], atol=1e-12)
     np.testing.assert_allclose(turned.points(turned.circle_phases())[:, 2], 0.0, atol=1e-12)
+
+
+@pytest.mark.parametrize("ends", ["closed", "open"])
+def test_tangents_are_exact(ends):
+    """Differences of points, 1e-5 rad apart, were off by 1e-10: a gap of two hard wires by 1e-13 mm."""
+    spring = Spring(1.5, (12.0, 6.0), 7.5, 28.6, end_turns=1.0, ends=ends, start_phase=0.3)
+    phases, h = np.array([-3.0, 0.5, 20.0, 46.0, 49.0]), 1e-3
+    p = [spring.points(phases + step * h) for step in (-2, -1, 1, 2)]
+    np.testing.assert_allclose(
+        spring.tangents(phases), (8 * (p[2] - p[1]) - (p[3] - p[0])) / (12 * h), atol=1e-10
+    )
+    inner = phases[1:4]
+    np.testing.assert_allclose(spring.tangents(inner), spring.derivatives(inner)[0], rtol=1e-13, atol=1e-14)
+
+
+def test_the_tangent_where_end_turns_begin_is_the_mean_of_both_sides():
+    spring = Spring(1.5, (12.0, 6.0), 7.5, 28.6, end_turns=1.0)
+    end = spring.phase_end
+    for phase in (0.0, end):
+        beside = spring.tangents(np.array([phase - 1e-6, phase + 1e-6]))
+        np.testing.assert_allclose(spring.tangents(np.array([phase]))[0], beside.mean(axis=0), atol=1e-10)

@@ -26,6 +26,7 @@ from coilspring.scene.profile import (
 from coilspring.scene.schema import KEYS, keep_checked
 
 WIRE = KEYS["spring"]["wire_diameter"].check
+BESIDE = 1e-9  # rad: so far on both sides of a phase are the tangents whose mean is taken
 
 
 @dataclass(frozen=True)
@@ -208,9 +209,26 @@ class Spring:
         radius = self.radius(phi)
         c, s = np.cos(phi + self.start_phase), np.sin(phi + self.start_phase)
         sign = 1.0 if self.hand == "left" else -1.0
-        first = np.stack((slope * c - radius * s, rise, sign * (slope * s + radius * c)), axis=-1)
+        first = self._first(phi, slope, rise)
         second = (-2.0 * slope * s - radius * c, bend, sign * (2.0 * slope * c - radius * s))
         return first, np.stack(second, axis=-1)
+
+    def tangents(self, phi: np.ndarray) -> np.ndarray:
+        """First derivative of `points` in `phi`, end turns included, (len(phi), 3), mm.
+
+        Where two sections meet, or the end turns begin, the mean of both sides.
+        """
+        beside = np.asarray(phi, dtype=float) + np.array([[-BESIDE], [BESIDE]])
+        active = np.clip(beside, 0.0, self.phase_end)
+        slope = self.profile.rates(active)[0] * (beside == active)
+        return self._first(beside, slope, self.rise(beside)).mean(axis=0)
+
+    def _first(self, phi: np.ndarray, slope: np.ndarray, rise: np.ndarray) -> np.ndarray:
+        """First derivative of `points`, of those of the radius and of the height."""
+        radius, angle = self.radius(phi), phi + self.start_phase
+        c, s = np.cos(angle), np.sin(angle)
+        sign = 1.0 if self.hand == "left" else -1.0
+        return np.stack((slope * c - radius * s, rise, sign * (slope * s + radius * c)), axis=-1)
 
     def circle_phases(self) -> np.ndarray:
         """Phases at which the wire crosses the working plane X-Y, end turns included, rad."""

@@ -12,7 +12,7 @@ from validation.campaign.poses import TINY, rotated, stepped, strain
 SHEAR_FACTOR = 0.9
 TURN = 2.0 * math.pi
 AT_NODE = 1e-9  # elements: a station that near to a node moves with it alone
-NUDGE = 1e-5  # rad: half of a difference that is the tangent
+NUDGE = 1e-9  # rad: so far beside a point are the tangents whose mean it has
 GAUSS = np.polynomial.legendre.leggauss(16)
 Poses = tuple[tuple[np.ndarray, np.ndarray], tuple[np.ndarray, np.ndarray]]
 
@@ -22,11 +22,14 @@ def helix(spring: Spring, phases: np.ndarray, order: int = 0) -> np.ndarray:
     end = 2.0 * math.pi * spring.active_coils
     inner = np.clip(phases, 0.0, end)
     bottom, top = spring.mean_diameter
-    slope = 0.5 * (top - bottom) / end
+    active = np.abs(phases - inner) < 0.5 * NUDGE
+    slope = 0.5 * (top - bottom) / end * active
     rise = inner / end * spring.active_height + (phases - inner) / (2.0 * math.pi) * spring.wire_diameter
     if order:
-        rise = np.full(phases.shape, spring.active_height / end if order == 1 else 0.0)
-    spiral = 1j**order * (0.5 * bottom + slope * inner) + order * 1j ** (order - 1) * slope
+        pitch = np.where(active, spring.active_height / spring.active_coils, spring.wire_diameter)
+        rise = pitch / (2.0 * math.pi) * (order == 1)
+    radius = 0.5 * bottom + 0.5 * (top - bottom) * inner / end
+    spiral = 1j**order * radius + order * 1j ** (order - 1) * slope
     point = spiral * np.exp(1j * (phases + spring.start_phase))
     return np.stack((point.real, rise, (1.0 if spring.hand == "left" else -1.0) * point.imag), axis=-1)
 
@@ -93,8 +96,8 @@ class Points:
         self.turn = np.stack((1.0 - s, s), axis=1)  # (points, 2) shares of both rotations in the section's
         self.weight = shares.sum(axis=1).T  # (points, 2) of the positions
         self.arm = np.einsum("njp,njpi->pni", shares, arms)  # (points, 2, 3) of the positions
-        before, after = (helix(spring, phases + side * NUDGE) for side in (-1.0, 1.0))
-        slope = (after - before) / (2.0 * NUDGE)  # where pieces meet at a rest angle, their mean
+        before, after = (helix(spring, phases + side * NUDGE, 1) for side in (-1.0, 1.0))
+        slope = 0.5 * (before + after)  # pieces meet at an angle
         speed = np.linalg.norm(slope, axis=1, keepdims=True)
         inside = (phases > 0.0) & (phases < last)
         per_length = np.where(inside, count / last, 0.0)[:, None] / speed

@@ -22,16 +22,15 @@ from wirefe.mesh import WireMesh
 # of the section's rotation; then arms (3) of the position and of the tangent, of the first and second node.
 POSITION, TANGENT, ROTATION, ARMS, SLOPES, WIDTH = 0, 1, 2, 3, 9, 15
 SAME = 1e-9  # of an element: so near to a node a station is at it
-NUDGE = 1e-5  # rad: half of the difference that is the wire's tangent at rest, where sections meet its mean
 
 
 def carried(spring: Spring, mesh: WireMesh, phases: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Node at or below the wire at some phases, and what the station there takes of it and of the next one,
     shape (phases, 15). End turns that are rigid move with their node alone."""
-    rest, ahead, back = spring.points(np.stack((phases, phases + NUDGE, phases - NUDGE)))
+    rest = spring.points(phases)
     node, position = carried_points(mesh, phases, rest)
     whole, s, A, B, a, b = _neighbours(mesh, phases, node)
-    tangent = (ahead - back) / (2.0 * NUDGE)
+    tangent = spring.tangents(phases)
     length = np.linalg.norm(tangent, axis=1, keepdims=True)
     step = mesh.phases[1] - mesh.phases[0]
     per_length = np.where((whole == s[:, 0])[:, None], 1.0 / (step * length), 0.0)

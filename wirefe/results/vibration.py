@@ -15,7 +15,7 @@ import numpy as np
 from coilspring.compiling.packing import pack
 from coilspring.errors import InputError, require_choice, require_integer, require_number
 from coilspring.path import EquilibriumPath
-from wirefe.contact.stations import ARMS, NUDGE, POSITION, ROTATION, carried, rows, tangents, turned_rows
+from wirefe.contact.stations import ARMS, POSITION, ROTATION, carried, rows, tangents, turned_rows
 from wirefe.element.beam import beams
 from wirefe.element.poses import at_rest
 from wirefe.model import matrix_size
@@ -109,7 +109,7 @@ def _quadrature(shape: WireShape) -> tuple[np.ndarray, np.ndarray]:
     nodes, weights = np.polynomial.legendre.leggauss(POINTS)
     half = 0.5 * np.diff(edges)[:, None]
     phases = (edges[:-1, None] + half * (1.0 + nodes)).ravel()
-    slant = (spring.points(phases + NUDGE) - spring.points(phases - NUDGE)) / (2.0 * NUDGE)
+    slant = spring.tangents(phases)
     return phases, (half * weights).ravel() * np.linalg.norm(slant, axis=1)
 
 
