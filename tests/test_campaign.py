@@ -724,6 +724,12 @@ def test_direction_of_a_tiny_slip_decides_nothing():
         ("w00767", 541, "completed"),
         ("w00048", 542, "limit_point"),
         ("w00091", 542, "jump"),
+        ("b001511", 713, "limit_point"),
+        ("b001007", 581, "limit_point"),
+        ("w00279", 711, "completed"),
+        ("w00959", 701, "completed"),
+        ("w00067", 701, "completed"),
+        ("w00174", 712, "interpenetration"),
     ],
     ids=[
         "coils beyond the next touch between their stations",
@@ -741,6 +747,12 @@ def test_direction_of_a_tiny_slip_decides_nothing():
         "that of positions by their size in metres",
         "wires overlap just before a limit point, where friction decides which comes first",
         "a release leads to where wires overlap",
+        "a hard pair out of balance just before a fold",
+        "the same of two pairs",
+        "tangents of stations were differences of points",
+        "rounding of hard pairs that stick",
+        "two runs are each within their tolerance",
+        "the verifier's points were too far apart",
     ],
 )
 def test_outcomes_that_were_unexplained(name, seed, outcome):

@@ -27,7 +27,7 @@ def searched(energy, slope_at):
     )  # fmt: skip
     target = SimpleNamespace(accepted=None, least_gap=0.0, history=None, load=np.zeros(1), modified=True)
     work = SimpleNamespace(H=nothing, g=np.array([slope_at(1.0)]), step=np.ones(1), scratch=np.zeros(1))
-    it = SimpleNamespace(slope=-1.0, energy=energy(0.0), rounding=0.0, pairs=0, near=1)
+    it = SimpleNamespace(slope=-1.0, energy=energy(0.0), noise=0.0, pairs=0, near=1)
     gain = energy(1.0) - energy(0.0)
     return line_search(system, target, work, np.zeros(1), it, gain), len(count)
 

@@ -12,7 +12,7 @@ import wirefe
 from coilspring import Contact, EquilibriumNotFound, Load, Material, Scene, Spring, Supports, load_scene
 from validation.campaign.runs import changed
 from validation.campaign.scenes import case_id, is_driven, make_case, pressed
-from validation.campaign.verdict import SOLVERS, reached
+from validation.campaign.verdict import SOLVERS, reached, under
 
 STEPS = (1, 3, 10, 50, 200)
 TIPS, TIMES = 1e-6, 1e-3  # of the largest displacement, and of the critical time
@@ -201,6 +201,17 @@ def test_rounding_of_hard_contact_does_not_stop_the_iteration():
     same_answer(paths)
     assert paths[0].outcome == "completed"
     assert max(path.total_iterations for path in paths) < 2_000
+
+
+def test_a_hard_pair_near_a_fold_is_in_balance():
+    """4e-5 of the load before it, the path went on with half of the pair's force, 14 to 38 N nearer to it."""
+    case = make_case("b001511", 713)
+    critical = reached(case).critical_time
+    forces = [
+        reached(case, under(case.scene, critical * (1.0 - share))).contact_forces[-1].max()
+        for share in (1e-4, 4e-5, 2e-5)
+    ]
+    np.testing.assert_allclose(forces, 52.0, rtol=0.01)
 
 
 def test_the_angle_of_the_top_does_not_depend_on_the_steps():

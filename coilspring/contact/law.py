@@ -75,6 +75,7 @@ class PairLaw(NamedTuple):
 NO_PAIRS = PairLaw(1.0, 1.0, 1.0, 1.0, 0.0)
 
 
+@inlined
 def tangential_stiffness(K: float, k: float, d: float) -> float:
     """Tangential stiffness of a pair, N/mm: K where the law is linear, whatever the units otherwise."""
     return K * d ** (k - 1.0)

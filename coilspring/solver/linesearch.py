@@ -42,9 +42,9 @@ def residual(system, target, state, g, H):
 
 
 @part
-def falls(energy, gain, slope, length, rounding):
+def falls(energy, gain, slope, length, noise):
     """Whether the potential changed by `gain` has fallen enough, to the rounding of the energy."""
-    return gain <= ARMIJO * length * slope + rounding + ENERGY_NOISE * abs(energy)
+    return gain <= ARMIJO * length * slope + noise + ENERGY_NOISE * abs(energy)
 
 
 @part
@@ -54,7 +54,7 @@ def levels(work, it):
     Asked where its fall is lost in rounding: the approximate Wolfe condition of Hager & Zhang (2005), without
     a bound on the rise.
     """
-    return -it.slope <= it.rounding and abs(dot(work.g, work.step)) <= FLAT * abs(it.slope)
+    return -it.slope <= it.noise and abs(dot(work.g, work.step)) <= FLAT * abs(it.slope)
 
 
 @part
@@ -103,7 +103,7 @@ def line_search(system, target, work, state, it, gain):
         it.pairs += near
         gain = value - it.energy - system.work(system.reals, system.ints, target.load, state, work.scratch)
         tilt = dot(work.g, work.step)
-        if falls(abs(it.energy) + abs(value), gain, it.slope, length, it.rounding):
+        if falls(abs(it.energy) + abs(value), gain, it.slope, length, it.noise):
             if near == 0 or abs(tilt) <= FLAT * abs(it.slope) or i >= MOST_FLAT:
                 it.energy, it.near = value, near
                 return length

@@ -36,8 +36,8 @@ FAR = 1e-7  # of the reference work: from such a decrement, another factorisatio
 CUT = 0.5  # a damped step that the line search cuts below this asks for more damping
 MOST_SHIFT = 1e8
 TRUST = 1e-2  # share of the decrement that a good Newton step from a predicted state leaves at most
-STALLED = 0.1  # share of the decrement `DECREMENTS` factorisations ago: more is no progress
-LOOSE = 1e-12  # share of the reference work that is enough then: 1e-6 of the displacements
+GAPS = 8.0  # times the rounding of positions is that of gaps, after some dozens of operations
+STALLED = 0.1  # share of the decrement before: more is no progress
 DECREMENTS = 64  # Newton decrements kept as evidence
 
 
@@ -233,14 +233,14 @@ def stalled(target, work, it):
     """Whether no iteration comes nearer: rounding is what is left, or decides which pairs of hard contact
     touch."""
     decrement, before = -it.slope / target.reference, work.decrements[DECREMENTS - 2]
-    if it.directions > 1 and -it.slope <= it.rounding and STALLED * before <= decrement:
-        return True
-    return it.count > DECREMENTS and STALLED * work.decrements[0] <= decrement <= LOOSE
+    return it.directions > 1 and -it.slope <= it.noise and STALLED * before <= decrement
 
 
 @part
 def move(system, target, work, state, it):
     """Stop within the tolerance; else take the step, shortened until the potential falls."""
+    # pairs that are off by the step hold a force, of which the rounding of their gaps is noise
+    it.noise = GAPS * max(it.rounding, target.grain * math.sqrt(-it.slope * target.hardness))
     ends = stalled(target, work, it)
     if -it.slope <= it.tolerance or ends:
         if it.shift > 0.0:
@@ -253,21 +253,19 @@ def move(system, target, work, state, it):
         look_at(system, target, work, state, it, not target.modified)
         it.reuse, it.decrement, it.last = True, -it.slope, np.inf
         return AGAIN
-    energy, rounding = it.energy, it.rounding
+    energy = it.energy
     moved(system, state, work.step, 1.0, work.scratch)
     it.current = -it.slope > FAR * target.reference
     look_at(system, target, work, work.scratch, it, it.current or not target.modified)
     gain = it.energy - energy - system.work(system.reals, system.ints, target.load, state, work.scratch)
     length = 1.0
-    if not (falls(abs(energy) + abs(it.energy), gain, it.slope, 1.0, it.rounding) or levels(work, it)):
+    if not (falls(abs(energy) + abs(it.energy), gain, it.slope, 1.0, it.noise) or levels(work, it)):
         it.energy = energy
         length = line_search(system, target, work, state, it, gain)
         it.current = False
         set_tolerance(system, target, it)
     if length == 0.0:
-        # rounding may be all that is left, or as good as nothing of the whole load
-        left = max(rounding, LOOSE * target.whole)
-        return CONVERGED if it.shift == 0.0 and -it.slope <= left else FAILED
+        return CONVERGED if it.shift == 0.0 and -it.slope <= it.noise else FAILED  # rounding is left
     if length < LONG_SEARCH:
         it.trouble = max(it.trouble, LONG)
     if it.shift > 0.0:

@@ -16,6 +16,7 @@ from coilspring.contact.history import (
     stuck_from,
 )
 from coilspring.contact.kinematics import OVERLAP_ALLOWED
+from coilspring.contact.law import tangential_stiffness
 from coilspring.solver import snap
 from coilspring.solver.branch import SMALL, continues, jumped, most_turn, small_turn
 from coilspring.solver.creep import renew_creep
@@ -56,7 +57,8 @@ def find_equilibrium(system, equilibrium, task, work, path, substep, it):
     limit = task.limit * snap.LONGER if path.snapping else task.limit
     target = Target(
         work.state, path.least_gap, work.history, work.load, path.reference * substep.target**2,
-        path.reference, path.reference * substep.duration**2, path.rounding * loaded, path.rounding,
+        path.reference * substep.duration**2, path.rounding * loaded, path.rounding,
+        tangential_stiffness(task.penalty, task.exponent, task.diameter),
         limit, limit if path.snapping else MOST_DAMPED,
         snap.SHIFT if path.snapping else FIRST_SHIFT, task.modified, path.least_pivot,
     )  # fmt: skip

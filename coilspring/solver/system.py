@@ -65,10 +65,10 @@ class Target(NamedTuple):
     history: Any  # contact history
     load: Any
     reference: Any  # work with which decrements are compared,
-    whole: Any  # and that of the whole load
     predicted: Any  # energy of the predicted motion
     rounding: Any  # noise of the potential,
-    grain: Any  # and for each newton of the force on what is prescribed, mm
+    grain: Any  # and for each newton of a force, mm
+    hardness: Any  # stiffness of a pair, N/mm
     limit: Any  # largest number of iterations,
     damped: Any  # and of those through an indefinite matrix
     shift: Any  # with which that is made positive, at least, in units of the matrix at rest
@@ -194,7 +194,8 @@ NEWTON = np.dtype(
         ("pairs", "i8"),
         ("count", "i8"),  # factorisations
         ("trouble", "i8"),
-        ("rounding", "f8"),  # noise of the potential
+        ("rounding", "f8"),  # noise of the potential at equilibrium,
+        ("noise", "f8"),  # and where pairs are off by a step
         ("tolerance", "f8"),  # of the decrement
         ("slope", "f8"),  # of the potential along the step
         ("shift", "f8"),  # with which an indefinite matrix was made positive

@@ -15,7 +15,7 @@ from validation.campaign.wireparts import Points, helix
 
 ALLOWED = 0.1  # wire diameters of overlap beyond that of the deepest pair
 SEEN = 0.03  # of them: what the solver's stations and these points see differently
-SPACING = 0.25  # wire diameters between points
+SPACING = 0.1  # wire diameters between points
 
 
 def excess(path: EquilibriumPath, states: np.ndarray) -> np.ndarray:
