@@ -114,6 +114,19 @@ def test_no_snap_is_larger_than_said():
         assert snaps(path)[1] <= LARGEST
 
 
+def test_what_friction_and_sticking_leave_open_is_no_larger_snap_either():
+    """The last digits of E decide how far friction snaps, 0.06 to 0.14 d; where sticking leaves forces open,
+    steps decide whether w00476 jumps, and it says from which time on."""
+    for steps in (1, 5, 16):
+        path = reached(make_case("w00061", 33), steps=steps)
+        assert path.outcome == "completed"
+        assert snaps(path)[0] <= 1
+        assert snaps(path)[1] <= LARGEST
+    path = reached(make_case("w00476", 81), steps=5)
+    assert 0.0 < path.undecided_time < 1.0
+    assert snaps(path)[1] <= LARGEST
+
+
 @pytest.mark.parametrize("name", ["b003199", "b000225"])
 def test_what_is_soft_is_judged_alike_in_all_units(name):
     """Rotations count on the arm of a wire diameter: with mm and rad mixed, units decided some outcomes."""
