@@ -730,6 +730,10 @@ def test_direction_of_a_tiny_slip_decides_nothing():
         ("w00959", 701, "completed"),
         ("w00067", 701, "completed"),
         ("w00174", 712, "interpenetration"),
+        ("b003927", 733, "bifurcation"),
+        ("b001183", 701, "bifurcation"),
+        ("b003064", 703, "completed"),
+        ("b004905", 761, "completed"),
     ],
     ids=[
         "coils beyond the next touch between their stations",
@@ -753,6 +757,10 @@ def test_direction_of_a_tiny_slip_decides_nothing():
         "rounding of hard pairs that stick",
         "two runs are each within their tolerance",
         "the verifier's points were too far apart",
+        "Newton's method stopped on its way along a soft mode",
+        "so did the verifier's",
+        "a solid column whose stiffness rises again next to zero leans to its side",
+        "it falls so steeply that its zero passed for a jump",
     ],
 )
 def test_outcomes_that_were_unexplained(name, seed, outcome):

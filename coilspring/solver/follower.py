@@ -21,6 +21,7 @@ from coilspring.solver.operations import moved
 from coilspring.solver.snap import AHEAD, end_or_snap, release_or_jump
 from coilspring.solver.stability import (
     APPROACH,
+    FINEST,
     JUMPS,
     LEAST_STEP,
     NEUTRAL,
@@ -119,7 +120,7 @@ def plan(system, task, work, path, substep, watch):
         return
     to_critical = APPROACH * (softest.zero - path.time)
     to_overlap = max(APPROACH * (room.zero - path.time), OVERLAP_TIME)
-    if not path.snapping and (softest.value <= NEUTRAL * path.rest_stiffness or to_critical < LEAST_STEP):
+    if not path.snapping and (softest.value <= NEUTRAL * path.rest_stiffness or to_critical < FINEST):
         path.bracket = 2.0 * max(softest.zero - path.time, LEAST_STEP)
         end_or_snap(system, task, work, path, softest, CRITICAL)
         if path.outcome != COMPLETED:
@@ -188,7 +189,9 @@ def shorten(system, task, work, path, substep, softest):
         return
     path.reuse = False
     if path.snapping:
-        path.snapping, path.outcome, path.far = False, path.ends, not path.lost
+        # negative pivots just ahead are why no substep was short enough
+        unstable = path.ends == STUCK and substep.trouble == INDEFINITE
+        path.snapping, path.outcome, path.far = False, CRITICAL if unstable else path.ends, not path.lost
         return
     if path.releasing:
         path.release = min(path.release, 2.0 * MOST_RELEASE) * RETRIED

@@ -48,13 +48,16 @@ def falls(energy, gain, slope, length, noise):
 
 
 @part
-def levels(work, it):
-    """Whether the potential has levelled out at the end of the whole step, by its slope there.
+def whole_step(work, it, energy, gain):
+    """Whether the whole step is taken: the potential falls; where its fall is lost in rounding, its slope
+    levels out.
 
-    Asked where its fall is lost in rounding: the approximate Wolfe condition of Hager & Zhang (2005), without
-    a bound on the rise.
+    The second is the approximate Wolfe condition of Hager & Zhang (2005), without a bound on the rise. The
+    rounded potential alone would take steps between which hard pairs open and close for ever.
     """
-    return -it.slope <= it.noise and abs(dot(work.g, work.step)) <= FLAT * abs(it.slope)
+    if -it.slope > it.noise + ENERGY_NOISE * energy:
+        return falls(energy, gain, it.slope, 1.0, it.noise)
+    return abs(dot(work.g, work.step)) <= FLAT * abs(it.slope)
 
 
 @part

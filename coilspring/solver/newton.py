@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from coilspring.compiling.compiled import copy, part, typed
-from coilspring.solver.linesearch import dot, falls, levels, line_search, residual
+from coilspring.solver.linesearch import dot, line_search, residual, whole_step
 from coilspring.solver.operations import assembled, factored, moved, solution, stale_solution
 from coilspring.solver.system import equilibrium_signature
 
@@ -19,7 +19,7 @@ NONE, LONG, INDEFINITE = 0, 1, 2  # trouble
 # the reference work: 1e-8 of the displacements in the energy norm, before the last step is applied.
 DECREMENT = 1e-16
 # Of the potential's rounding: the decrement is no difference of energies, and is known better than these.
-DECREMENT_NOISE = 1e-3
+DECREMENT_NOISE = 1e-5
 MEASURED = 1e-6  # of the tolerance, where contact is near: a last step could open or close a pair
 # The same, for a factor kept from an earlier state: only a linear response is let through.
 LINEAR_DECREMENT = 1e-22
@@ -37,6 +37,7 @@ CUT = 0.5  # a damped step that the line search cuts below this asks for more da
 MOST_SHIFT = 1e8
 TRUST = 1e-2  # share of the decrement that a good Newton step from a predicted state leaves at most
 GAPS = 8.0  # times the rounding of positions is that of gaps, after some dozens of operations
+PATIENCE = 3  # steps that bring no progress, before Newton's method is said to have stalled
 STALLED = 0.1  # share of the decrement before: more is no progress
 DECREMENTS = 64  # Newton decrements kept as evidence
 
@@ -229,11 +230,16 @@ def make_positive(system, work, it):
 
 
 @part
-def stalled(target, work, it):
-    """Whether no iteration comes nearer: rounding is what is left, or decides which pairs of hard contact
+def stalled(work, it):
+    """Whether the last steps came no nearer: rounding is what is left, or decides which pairs of hard contact
     touch."""
-    decrement, before = -it.slope / target.reference, work.decrements[DECREMENTS - 2]
-    return it.directions > 1 and -it.slope <= it.noise and STALLED * before <= decrement
+    last, before = np.inf, np.inf
+    for j in range(max(DECREMENTS - it.directions, 0), DECREMENTS):
+        if j < DECREMENTS - PATIENCE:
+            before = min(before, work.decrements[j])
+        else:
+            last = min(last, work.decrements[j])
+    return it.directions > PATIENCE and -it.slope <= it.noise and STALLED * before <= last
 
 
 @part
@@ -241,7 +247,7 @@ def move(system, target, work, state, it):
     """Stop within the tolerance; else take the step, shortened until the potential falls."""
     # pairs that are off by the step hold a force, of which the rounding of their gaps is noise
     it.noise = GAPS * max(it.rounding, target.grain * math.sqrt(-it.slope * target.hardness))
-    ends = stalled(target, work, it)
+    ends = stalled(work, it)
     if -it.slope <= it.tolerance or ends:
         if it.shift > 0.0:
             return SADDLE
@@ -259,7 +265,7 @@ def move(system, target, work, state, it):
     look_at(system, target, work, work.scratch, it, it.current or not target.modified)
     gain = it.energy - energy - system.work(system.reals, system.ints, target.load, state, work.scratch)
     length = 1.0
-    if not (falls(abs(energy) + abs(it.energy), gain, it.slope, 1.0, it.noise) or levels(work, it)):
+    if not whole_step(work, it, abs(energy) + abs(it.energy), gain):
         it.energy = energy
         length = line_search(system, target, work, state, it, gain)
         it.current = False

@@ -17,6 +17,7 @@ FEW_ITERATIONS = 8
 OTHERS = 0.05  # share of all modes that is put into the softest one before it is looked for anew
 SETTLED = 0.05  # relative change of the least stiffness by a step of inverse iteration, that ends it
 LEAST_STEP = 1e-9  # of the time 0..1: below it, what cannot be passed is called a critical point
+FINEST = 1e-12  # of the time 0..1: so near to a predicted zero of the least stiffness it is followed
 DIFFERENCE = 1e-6  # of the span of the state's numbers, with which a difference is taken
 # Share of the time to the predicted zero of the least stiffness: at a limit point, where it falls with
 # the root of the time that is left, the straight line meets zero twice as far as the path goes.
@@ -136,7 +137,7 @@ def watch_stiffness(system, task, work, path, substep, softest):
     value = least_stiffness(system, task, work, softest.value)
     if value > NEUTRAL * path.rest_stiffness or value < softest.value:
         softest.zero = predicted_zero(substep.target, value, softest.time, softest.value)
-    if value > JUMPS * path.rest_stiffness and APPROACH * (softest.zero - substep.target) < LEAST_STEP:
+    if value > JUMPS * path.rest_stiffness and APPROACH * (softest.zero - substep.target) < FINEST:
         softest.zero = np.inf  # the stiffness jumps here, as where a pair opens
     softest.value, softest.time, path.failed = value, substep.target, False
     if substep.target >= softest.mark_time + no_time(substep.target):

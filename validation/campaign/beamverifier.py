@@ -20,6 +20,7 @@ BEFORE = 4e-5  # share of the load by which a state lies before its critical poi
 CLOSE = 1e-9  # of the displacement from rest: the last correction
 LOOSE = 1e-7  # where rounding keeps the corrections from becoming smaller
 ROUNDED = 1e-9  # the same, of the forces of the spring at rest: along a soft mode corrections are larger
+IDLE = 3  # corrections that became no smaller
 MOST_CORRECTIONS = 25
 MOST_TRIALS = 40
 MOST_SETS = 6  # of closed pairs that are tried
@@ -171,7 +172,8 @@ def _settled(
     free = energy.free
     loose, matrix = max(LOOSE, ROUNDED / start.least), np.tile(row, (len(row), 1))
     for _ in range(MOST_SETS):
-        state, time, before = energy.placed(guess.state.copy(), guess.time), guess.time, np.inf
+        state, time = energy.placed(guess.state.copy(), guess.time), guess.time
+        shares: list[float] = []
         for _ in range(MOST_CORRECTIONS):
             left, matrix[:-1, :-1], rate = energy.linearized(state, time, closed)
             matrix[:-1, -1] = -rate
@@ -188,9 +190,10 @@ def _settled(
             state = energy.placed(state, time)
             # by the step, not by the residual: hard contact turns rounding of positions into large forces
             share = float(np.linalg.norm(energy.rest_factor.T @ step[:-1])) / energy.load_norm / abs(time)
-            if share <= CLOSE or (before <= loose and share > 0.5 * before):
+            idle = len(shares) > IDLE and min(shares[-IDLE:]) > 0.5 * min(shares[:-IDLE])
+            if share <= CLOSE or (share <= loose and idle):
                 break
-            before = share
+            shares.append(share)
         else:
             return None
         now = energy.closed(state)
