@@ -30,12 +30,14 @@ FEWEST, MOST = 16, 960  # stations: where nothing touches; a few more than the m
 ROWS = 5  # of a stage, at least, at which paths are compared whose differences are smooth
 ROUGH = 5e-3  # accuracies from here on are mostly met by the coarsest mesh
 # The errors of two paths over their difference, at most (as measured on random springs): of the coarser one;
-# of the finer one, which is less by the square of their levels' ratio; where substeps differ as well.
-COARSE, FINE, FALLING, MIXED = 2.0, 1.5, 4.0, 3.0
+# of the finer one; where substeps differ. That of the finer one, over what it is where errors fall with the
+# square of the level: at most, and where they fall irregularly.
+COARSE, FINE, MIXED = 2.0, 1.5, 3.0
+SAFE, SAFE_IRREGULAR = 2.0, 3.0
 CLEAR = 0.05  # wire diameters between coils that do not touch on any level
 AHEAD = 1.1  # times the level that is predicted to do
 STRIDE = 1.4  # times the last level, at least: nearer levels differ by less than their errors
-SECOND, SECOND_ROUGH = 2.0, 1.5  # times the first level; where the error falls irregularly, for `ROUGH`
+SECOND = 2.0  # times the first level
 LEAP, LEAP_IRREGULAR = 4.0, 2.0  # times the last level, at most
 HALVINGS = 3  # of the substeps, at most, where friction makes the answer depend on them
 TINY = 1e-12  # of the time 0..1
@@ -135,8 +137,7 @@ class Trials:
     @property
     def second(self) -> int:
         """The level after the first."""
-        factor = SECOND_ROUGH if self.irregular and self.wanted >= ROUGH else SECOND
-        return self.levels.at_least(factor * self.paths[0][0])
+        return self.levels.at_least(SECOND * self.paths[0][0])
 
     def mesh(self, level: int) -> dict[str, Any]:
         """Options of `wirefe.solve`, with stations elsewhere than those of the paths so far, but for two.
@@ -180,7 +181,8 @@ class Trials:
         (low, coarse), (high, fine) = self.paths[-2:]
         if self.irregular and fine.options["pairs_per_turn"] == FEWEST:
             return math.inf  # what no level before has seen touches
-        error = min(FINE, FALLING * (low / high) ** 2) * difference(coarse, fine)
+        safe = SAFE_IRREGULAR if self.irregular else SAFE
+        error = min(FINE, safe / ((high / low) ** 2 - 1.0)) * difference(coarse, fine)
         if self.irregular:
             fallen = (difference(a, b) * (n / high) ** 2 for (n, a), (_, b) in pairwise(self.paths[:-1]))
             error = max([error, *(COARSE * each for each in fallen if math.isfinite(each))])
@@ -229,7 +231,7 @@ def solve_to(
     wanted = require_number("accuracy", accuracy, *ACCURACIES)
     levels, rows = Levels.of(scene, pairs_per_turn), scene.load.steps
     trials = Trials(levels, wanted, rows, progress=progress)
-    in_full = wanted >= ROUGH or trials.irregular or trials.substeps
+    in_full = wanted >= ROUGH or (trials.irregular and not trials.substeps)
     trials.add(levels.at_least(COARSEST), rows if in_full else few(rows))
     path, estimate = _coarsest(trials) if wanted >= ROUGH else (trials.paths[0][1], math.inf)
     if estimate > wanted:
@@ -246,20 +248,19 @@ def solve_to(
 
 
 def _coarsest(trials: Trials) -> tuple[EquilibriumPath, float]:
-    """The first path and its error, by one that is finer in all; infinite where two in full do as well."""
-    (_, path), second = trials.paths[0], trials.second
-    if trials.substeps:
-        return path, MIXED * difference(path, trials.solve(trials.mesh(second), 2 * trials.steps))
-    if not trials.irregular:
-        trials.add(second, few(trials.steps))
-    return path, math.inf if trials.irregular else COARSE * difference(path, trials.paths[-1][1])
+    """The first path and its error, by one with a finer mesh and, where that tells as much, in fewer steps;
+    infinite where two in full do as well."""
+    in_full, factor = trials.irregular, MIXED if trials.substeps else COARSE
+    trials.add(trials.second, trials.steps if in_full else few(trials.steps))
+    (_, path), (_, fine) = trials.paths
+    return path, math.inf if in_full else factor * difference(path, fine)
 
 
 def _refined(trials: Trials) -> tuple[EquilibriumPath, float]:
     """A path on a level as fine as it takes, and its error; raises `InputError` beyond the finest."""
+    if trials.substeps:
+        _choose_substeps(trials)
     if len(trials.paths) == 1:
-        if trials.substeps:
-            _choose_substeps(trials)
         trials.add(trials.second, trials.steps)
     while True:
         (level, path), estimate = trials.paths[-1], trials.estimate
@@ -281,21 +282,23 @@ def _next(trials: Trials, error: float) -> int:
 
 
 def _choose_substeps(trials: Trials) -> None:
-    """Choose substeps finer than the steps, and estimate the error that is left.
+    """Choose steps, those of the scene or finer, and estimate the error that their substeps leave.
 
-    It may take half of the accuracy wanted, and is estimated on the coarsest level, where it falls with the
-    length of the substeps or not at all. Raises `InputError` if it takes more with the finest substeps too.
+    It may take half of the accuracy wanted, and is estimated on the coarsest level by fewer steps. Raises
+    `InputError` if it takes more in the most steps too.
     """
-    (level, coarse), least = trials.paths[0], math.inf
-    mesh = {name: coarse.options[name] for name in trials.mesh(level)}
-    for _ in range(HALVINGS):
-        fine = trials.solve(mesh, 2 * trials.steps)
-        trials.lost = MIXED * difference(coarse, fine)
-        if trials.lost <= 0.5 * trials.wanted:
-            trials.paths = [(level, coarse)]
-            return
-        least, coarse = min(least, trials.lost), fine
-        trials.steps = 2 * trials.steps
+    (level, first), rows, coarse, least = trials.paths[0], trials.steps, None, math.inf
+    mesh = {name: first.options[name] for name in trials.mesh(level)}
+    for steps in dict.fromkeys((few(rows), *(rows * 2**halving for halving in range(HALVINGS + 1)))):
+        path = first if steps == first.scene.load.steps else trials.solve(mesh, steps)
+        if coarse is not None:
+            trials.lost = MIXED * difference(coarse, path)
+            least = min(least, trials.lost)
+            if trials.lost <= 0.5 * trials.wanted:
+                if path is not first:
+                    trials.steps, trials.paths = steps, [(level, path)]
+                return
+        coarse = path
     why = "with friction or sticking contact the answer depends on the substeps"
     raise InputError(_refusal(trials.wanted, 2.0 * least, why))
 
