@@ -108,7 +108,7 @@ def quadratic_form(data, H, v):
     for place, node in enumerate(plan.order):
         total += v[node] @ blocks[node] @ v[node]
         for a in range(plan.start[place], plan.start[place + 1]):
-            total += 2.0 * v[node] @ blocks[plan.block[a]] @ v[plan.column[a]]
+            total += 2.0 * v[node] @ blocks[plan.order.size + a] @ v[plan.column[a]]
     return total
 
 

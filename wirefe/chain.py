@@ -22,9 +22,8 @@ class ChainPlan(NamedTuple):
     """Elimination plan; a coupling's block has the dofs of the node eliminated first as rows."""
 
     order: Wholes  # (nodes,) node eliminated at each step; its diagonal block has its number
-    start: Wholes  # (nodes + 1,) first entry of each step in `block` and `column`
-    block: Wholes  # blocks right of the diagonal of each step
-    column: Wholes  # node of their columns
+    start: Wholes  # (nodes + 1,) first entry of each step in `column`
+    column: Wholes  # node of each block right of the diagonal, step by step; they follow the diagonal blocks
     target: Wholes  # blocks updated by each step, in the order of `eliminate`
     blocks: int  # number of blocks
 
@@ -50,35 +49,29 @@ def plan_chain(
     order = np.concatenate((np.flatnonzero(~late), np.flatnonzero(late)))
     place = np.empty(nodes, dtype=np.int64)
     place[order] = np.arange(nodes)
+    flipped = place[couplings[:, 0]] < place[couplings[:, 1]]
+    coupled = np.where(flipped, couplings.T, couplings.T[::-1]).T.tolist()  # the earlier node first
     below: list[set[int]] = [set() for _ in range(nodes)]  # later nodes coupled to a node
-    for a, b in couplings:
-        first, second = (a, b) if place[a] < place[b] else (b, a)
-        below[first].add(int(second))
-    number: dict[tuple[int, int], int] = {}
-    start, block, column, target = [0], [], [], []
+    for earlier, later in coupled:
+        below[earlier].add(later)
+    number: list[dict[int, int]] = [{} for _ in range(nodes)]  # blocks of a node's column, by their row
+    start, column, target = [0], [], []
     for node in order.tolist():
         rows = sorted(below[node], key=place.__getitem__)
         for i, later in enumerate(rows):
-            number.setdefault((later, node), nodes + len(number))
-            below_i = rows[i + 1 :]
-            below[later].update(below_i)
+            below[later].update(rows[i + 1 :])
+        number[node] = {later: nodes + start[-1] + i for i, later in enumerate(rows)}
         column += rows
-        block += [number[later, node] for later in rows]
         start.append(len(column))
     for step in range(nodes):
         rows = column[start[step] : start[step + 1]]
+        blocks = [number[row] for row in rows]
         for i, later in enumerate(rows):
-            target += [number[later, other] for other in rows[:i]] + [later]
-    plan = ChainPlan(
-        order, np.array(start), np.array(block, dtype=np.int64), np.array(column, dtype=np.int64),
-        np.array(target, dtype=np.int64), nodes + len(number),
-    )  # fmt: skip
-    flipped = place[couplings[:, 0]] < place[couplings[:, 1]] if len(couplings) else np.zeros(0, dtype=bool)
-    found = [
-        number[(int(b), int(a)) if flip else (int(a), int(b))]
-        for (a, b), flip in zip(couplings, flipped, strict=True)
-    ]
-    return plan, np.array(found, dtype=np.int64), flipped
+            target += [known[later] for known in blocks[:i]]
+            target.append(later)
+    entries, targets = np.array(column, dtype=np.int64), np.array(target, dtype=np.int64)
+    plan = ChainPlan(order, np.array(start), entries, targets, nodes + len(column))
+    return plan, np.array([number[earlier][later] for earlier, later in coupled], dtype=np.int64), flipped
 
 
 @arithmetic
@@ -201,15 +194,15 @@ def eliminate(plan, F):
     """
     negative, least = 0, np.inf
     scaled = np.empty((N6, N6))
-    full = zeros(plan.block.size)
+    nodes, full = plan.order.size, zeros(plan.column.size)
     t = 0
-    for step in range(plan.order.size):
+    for step in range(nodes):
         D = F[plan.order[step]]
         below, low = _factor_diagonal(D)
         negative, least = negative + below, min(least, low)
         begin, end = plan.start[step], plan.start[step + 1]
         for a in range(begin, end):
-            U = F[plan.block[a]]
+            U = F[nodes + a]
             if _is_zero(U):
                 t += a - begin + 1
                 continue
@@ -220,7 +213,7 @@ def eliminate(plan, F):
                 _put_column(scaled, r, _over(D, x))
             for b in range(begin, a + 1):
                 if full[b] > 0.0:
-                    _subtract(F[plan.target[t]], F[plan.block[b]], scaled, b == a)
+                    _subtract(F[plan.target[t]], F[nodes + b], scaled, b == a)
                 t += 1
     return negative, least
 
@@ -228,21 +221,22 @@ def eliminate(plan, F):
 @inlined
 def substitute(plan, F, b):
     """Solve in place for the right-hand side `b` (nodes * 6,)."""
-    order, start, block, column = plan.order, plan.start, plan.block, plan.column
-    for step in range(order.size):
+    order, start, column = plan.order, plan.start, plan.column
+    nodes = order.size
+    for step in range(nodes):
         D, p = F[order[step]], N6 * order[step]
         x = _lower(D, _six(b, p))
         _put_six(b, p, x)
         y = _over(D, x)
         for a in range(start[step], start[step + 1]):
-            U, q = F[block[a]], N6 * column[a]
+            U, q = F[nodes + a], N6 * column[a]
             for j in range(N6):
                 b[q + j] -= _sum_of(_column(U, j), y)
-    for step in range(order.size - 1, -1, -1):
+    for step in range(nodes - 1, -1, -1):
         D, p = F[order[step]], N6 * order[step]
         x, y = _over(D, _six(b, p)), (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
         for a in range(start[step], start[step + 1]):
-            y = _added_product(y, F[block[a]], _six(b, N6 * column[a]))
+            y = _added_product(y, F[nodes + a], _six(b, N6 * column[a]))
         y = _over(D, y)
         x = (x[0] - y[0], x[1] - y[1], x[2] - y[2], x[3] - y[3], x[4] - y[4], x[5] - y[5])
         _put_six(b, p, _upper(D, x))

@@ -190,9 +190,7 @@ def update_history(reals, ints, state, history):
     """See `coilspring.contact.kinematics`; minus infinity says that spheres touch which are no pair."""
     state, history = lent(state), lent(history)
     contact = view_contact(reals, ints)
-    # spheres that are no pair are checked once they may have come near
-    near = contact.pairs.shape[0] > 0 and 2.0 * _bound(contact, contact.rest, state) >= contact.apart
-    if near and touch_unlisted(contact, state):
+    if contact.pairs.shape[0] > 0 and touch_unlisted(contact, state):
         return -np.inf
     if of_wires(contact.parts) and contact.mu > 0.0:
         return remember_wires(contact, state, history)

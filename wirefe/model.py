@@ -142,9 +142,7 @@ def rod_model(
     return WireModel(
         ElementArrays(rod.stiffness, rod.strain0, rod.triads, arm, block[:count], flip[:count]),
         held,
-        contact._replace(
-            reach=reach, span=span, block=block[count:high], flip=flip[count:high], rest=rest_state(rod, arm)
-        ),
+        contact._replace(reach=reach, span=span, block=block[count:high], flip=flip[count:high]),
         plan,
         plates._replace(block=block[high:], flip=flip[high:]),
     )

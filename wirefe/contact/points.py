@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
@@ -44,13 +43,11 @@ class ContactArrays(NamedTuple):
     k: float
     mu: float  # coefficient of friction: 0 without, infinite where closed pairs do not slide
     near: int  # points so near each other along the wire do not touch: half a turn
-    apart: float  # least gap at rest of points that are no pair
     # of a model with these points:
     reach: float = 0.0  # largest arm about the top end
     span: float = 0.0  # the same about other nodes, 0 where spheres stand on them
     block: Wholes = NONE  # (pairs,) block of each pair's coupling; of stations (6 pairs,), see `COUPLINGS`
     flip: Wholes = NONE
-    rest: Vector = np.zeros(0)  # state at rest, flat
 
     def reaches(self, top: int) -> tuple[float, float]:
         """Largest arms of points about the last node, `top`, and about the others, mm."""
@@ -64,7 +61,7 @@ class ContactArrays(NamedTuple):
 
 
 NO_CONTACT = ContactArrays(
-    NONE, np.zeros((0, 3)), NONE.reshape(0, 2), np.zeros(0), 1.0, 1.0, 1.0, 1.0, 0.0, 0, math.inf
+    NONE, np.zeros((0, 3)), NONE.reshape(0, 2), np.zeros(0), 1.0, 1.0, 1.0, 1.0, 0.0, 0
 )
 
 
@@ -117,9 +114,7 @@ def contact_points(
         k=exponent,
         mu=scene.contact.coefficient,
         near=pairs_per_turn // 2,
-        apart=math.inf,
     )
-    contact = contact._replace(apart=_least_distance(contact, points) - reach(contact, points, 1.0))
     if not scene.contact.enabled:
         return contact._replace(pairs=pairs[:0], clearance=np.zeros(0))
     if spheres:
@@ -145,19 +140,6 @@ def reach(contact: ContactArrays, centres: np.ndarray, diameters: float) -> floa
     return math.hypot(diameters * contact.d, half)
 
 
-def _least_distance(contact: ContactArrays, centres: np.ndarray) -> float:
-    """Least distance of contact points that are no pair, infinite where there are none."""
-    extent = float(np.linalg.norm(np.ptp(centres, axis=0)))
-    reach = np.inf if len(centres) <= FEW else 2.0 * contact.d
-    gaps = np.zeros(0)
-    while not gaps.size:
-        _, gaps = near_points(contact, centres, reach)
-        if reach > extent:
-            break
-        reach *= 2.0
-    return float(gaps.min(initial=np.inf))
-
-
 def near_points(contact: ContactArrays, centres: np.ndarray, reach: float) -> tuple[np.ndarray, np.ndarray]:
     """Contact points that are no pair, nearer than `reach`: `near_wires` or `near_pairs`."""
     find = near_wires if of_wires(contact.parts) else near_pairs
@@ -172,19 +154,13 @@ def near_pairs(
     Spheres up to `near` apart along the wire, or of one rigid body, do not touch.
     """
     if len(centres) <= FEW:
-        first, second = _candidates(body.astype(float).tobytes(), pairs.tobytes(), near)
+        first, second = np.triu_indices(len(centres), near + 1)
     else:
-        first, second = _new_pairs(*_neighbours(centres, near, reach), body, pairs)
+        first, second = _neighbours(centres, near, reach)
+    first, second = _new_pairs(first, second, body, pairs)
     distance = np.linalg.norm(centres[second] - centres[first], axis=1)
     keep = distance < reach
     return np.stack((first[keep], second[keep]), axis=1), distance[keep]
-
-
-@lru_cache(16)
-def _candidates(body: bytes, pairs: bytes, near: int) -> tuple[np.ndarray, np.ndarray]:
-    """Candidates of few points, `_new_pairs` of all: the same for many springs of a sweep."""
-    bodies, known = np.frombuffer(body), np.frombuffer(pairs, dtype=np.int64).reshape(-1, 2)
-    return _new_pairs(*np.triu_indices(len(bodies), near + 1), bodies, known)
 
 
 def _new_pairs(

@@ -1,5 +1,7 @@
 """Contact points that touch although they are no pair."""
 
+import math
+
 import numpy as np
 
 from coilspring.compiling.compiled import arithmetic, inlined
@@ -52,22 +54,27 @@ def _wires_touch(contact, points, A, B, most):
 @arithmetic
 def touch_unlisted(contact, state):
     """Whether contact points touch that are no pair; of wires, whether these touch anywhere between two
-    stations. Stations of neighbouring coils are pairs."""
-    count, wires, most = contact.attached.size, of_wires(contact.parts), 0.0
+    stations. Stations of neighbouring coils are pairs.
+
+    Where points are too far apart along the axis, as many are passed over as cannot be nearer.
+    """
+    count, wires, most, rise = contact.attached.size, of_wires(contact.parts), 0.0, 0.0
     centres = _contact_points(contact, state)
+    for A in range(1, count):
+        step = plus(three(centres[A], 0), -1.0, three(centres[A - 1], 0))
+        most = max(most, 0.25 * dot(step, step) if wires else 0.0)
+        rise = max(rise, abs(step[1]))
+    reach = math.sqrt(contact.d**2 + most)
     for A in range(count):
-        if wires and A > 0:
-            step = plus(three(centres[A], 0), -1.0, three(centres[A - 1], 0))
-            most = max(most, 0.25 * dot(step, step))
-    reach = contact.d**2 + most
-    for A in range(count):
-        for B in range(A + (3 if wires else 1) * contact.near + 1, count):
-            y = centres[B, 1] - centres[A, 1]
-            if y * y >= reach:
-                continue
+        B = A + (3 if wires else 1) * contact.near + 1
+        while count > B:
             w = plus(three(centres[B], 0), -1.0, three(centres[A], 0))
-            if dot(w, w) >= reach or _one_body(contact, A, B) or _is_pair(contact, A, B):
+            beyond = abs(w[1]) - reach
+            if beyond > 0.0:
+                B += 1 + int(min(beyond / rise, float(count)))
                 continue
-            if not wires or _wires_touch(contact, centres, A, B, most):
+            near = dot(w, w) < reach**2 and not (_one_body(contact, A, B) or _is_pair(contact, A, B))
+            if near and (not wires or _wires_touch(contact, centres, A, B, most)):
                 return True
+            B += 1
     return False

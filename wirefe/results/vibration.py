@@ -75,8 +75,8 @@ def tangent_stiffness(shape: WireShape, state: np.ndarray, history: np.ndarray) 
     blocks = flat.reshape(-1, 6, 6)
     first = np.repeat(plan.order, np.diff(plan.start))  # the node eliminated first has the rows
     nodes = np.arange(len(plan.order))
-    across = blocks[plan.block]
-    values = np.concatenate((blocks[nodes], across, np.swapaxes(across, 1, 2)))
+    diagonal, across = np.split(blocks, [len(nodes)])
+    values = np.concatenate((diagonal, across, np.swapaxes(across, 1, 2)))
     row = 6 * np.concatenate((nodes, first, plan.column))
     column = 6 * np.concatenate((nodes, plan.column, first))
     return scattered(values, row[:, None] + np.arange(6), column[:, None] + np.arange(6), size)
