@@ -7,6 +7,7 @@ import pytest
 
 from coilspring.solver.snap import LARGEST
 from validation.campaign.run import verified
+from validation.campaign.runs import changed, deviation
 from validation.campaign.scenes import in_units, make_case
 from validation.campaign.verdict import VERIFIED, reached, under
 
@@ -131,3 +132,20 @@ def test_what_friction_and_sticking_leave_open_is_no_larger_snap_either():
 def test_what_is_soft_is_judged_alike_in_all_units(name):
     """Rotations count on the arm of a wire diameter: with mm and rad mixed, units decided some outcomes."""
     assert verified(name, 106)["class"] in VERIFIED
+
+
+@pytest.mark.parametrize(
+    ("name", "seed"), [("w00063", 583), ("w00343", 782), ("w00231", 905), ("w00119", 908)]
+)
+def test_coils_that_touch_at_rest_and_stick_do_so_whatever_rounding_says(name, seed):
+    """Gaps at rest of 1e-16 wire diameters of either sign: the first two ended at time 1e-9, or did so as the
+    mirror image; the tip of the others was another one in other units."""
+    case = make_case(name, seed)
+    path = reached(case)
+    assert path.outcome == "completed"
+    for kind in ("mirror", "binary", "units"):
+        scene, back = changed(case, kind)
+        other = reached(case, scene)
+        assert other.outcome == "completed"
+        assert deviation(path, other, back)[1] < 1e-8
+    assert deviation(path, reached(case, steps=1))[1] < 1e-8

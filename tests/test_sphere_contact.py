@@ -11,7 +11,7 @@ from coilspring.contact.forces import pair_friction
 from coilspring.contact.kinematics import remember, update_pairs
 from coilspring.contact.law import PairLaw, arc, normal_law, pair_potential, tangential_stiffness
 from coilspring.contact.results import PairReader
-from coilspring.contact.touching import FINEST, renewed
+from coilspring.contact.touching import FINEST, TOUCHES, renewed
 from pairrecords import held, pair_records
 from wirefe.contact.spheres import pair_matrix
 
@@ -205,6 +205,22 @@ def test_a_pair_is_held_from_where_it_touches_first_on_the_predicted_way():
     history = pair_records(1)
     update_pairs(vectors(near)[0] * 0.98, ahead, trial, history, law(mu=np.inf))
     assert history[0].vector == pytest.approx(near * 0.98)  # it touched there already
+
+
+@pytest.mark.parametrize("share", [-1.0, 0.0, 0.5, 2.0])
+def test_a_pair_that_touches_but_for_rounding_sticks(share):
+    """Whichever sign rounding gives its gap at rest; one with friction holds nothing while it is open."""
+    gap = share * TOUCHES * D
+    history = pair_records(1)
+    for _ in range(2):  # it stays so
+        least = remember(vectors([0.0, D + gap, 0.0])[0], history, law(mu=np.inf))
+        assert history[0].closed == (share < 1.0)
+        assert not history[0].opening
+        assert least <= 0.0 or share > 1.0
+    if gap >= 0.0:
+        history = pair_records(1)
+        remember(vectors([0.0, D + gap, 0.0])[0], history, law(mu=0.3))
+        assert not history[0].closed
 
 
 def test_an_opening_pair_that_sticks_gives_back_what_it_held_as_dissipated():

@@ -19,6 +19,7 @@ from coilspring.contact.touching import (
     slid,
     touches_again,
     touches_first,
+    touching_gap,
 )
 
 SLIGHT = 1e-7  # wire diameters of penetration: its force is the least that friction bounds are compared with
@@ -161,7 +162,7 @@ def remember(vectors, history, law):
     for m in range(vectors.shape[0]):
         h, row = _distance(vectors, m), history[m]
         least = min(least, h - d)
-        if law.mu == 0.0 or not (row.closed or h < d):
+        if law.mu == 0.0 or not (row.closed or h - d < touching_gap(law)):
             continue
         if not row.closed:
             _touch(row, vectors[m], vectors[m], vectors[m], law)

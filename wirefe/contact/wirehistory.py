@@ -20,6 +20,7 @@ from coilspring.contact.touching import (
     slid,
     touches_again,
     touches_first,
+    touching_gap,
 )
 from wirefe.contact.wires import between_sections, gap, placed, tangential_slip, touches, touching_points
 from wirefe.element.algebra import dot, plus
@@ -61,7 +62,7 @@ def remember_wires(contact, state, history):
         h, n, _, _, _ = gap(contact, points, m)
         gap_left = h + contact.clearance[m] - contact.d
         least = min(least, gap_left)
-        if not (row.closed or gap_left < 0.0):
+        if not (row.closed or gap_left < touching_gap(contact)):
             continue
         if not row.closed:
             _touch(contact, (here, here, here), m, row)
