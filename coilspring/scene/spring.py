@@ -194,10 +194,7 @@ class Spring:
     def points(self, phi: np.ndarray) -> np.ndarray:
         """Wire centreline at rest, shape (len(phi), 3), mm."""
         phi = np.asarray(phi, dtype=float)
-        radius = self.radius(phi)
-        angle = phi + self.start_phase
-        sign = 1.0 if self.hand == "left" else -1.0
-        return np.stack((radius * np.cos(angle), self.height(phi), sign * radius * np.sin(angle)), axis=-1)
+        return self._turned(phi, self.radius(phi), 0.0, self.height(phi))
 
     def derivatives(self, phi: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """First and second derivative of the active wire's `points` in `phi`, each (len(phi), 3), mm.
@@ -207,11 +204,7 @@ class Spring:
         phi = np.asarray(phi, dtype=float)
         slope, rise, bend = self.profile.rates(phi)
         radius = self.radius(phi)
-        c, s = np.cos(phi + self.start_phase), np.sin(phi + self.start_phase)
-        sign = 1.0 if self.hand == "left" else -1.0
-        first = self._first(phi, slope, rise)
-        second = (-2.0 * slope * s - radius * c, bend, sign * (2.0 * slope * c - radius * s))
-        return first, np.stack(second, axis=-1)
+        return self._turned(phi, slope, radius, rise), self._turned(phi, -radius, 2.0 * slope, bend)
 
     def tangents(self, phi: np.ndarray) -> np.ndarray:
         """First derivative of `points` in `phi`, end turns included, (len(phi), 3), mm.
@@ -221,14 +214,16 @@ class Spring:
         beside = np.asarray(phi, dtype=float) + np.array([[-BESIDE], [BESIDE]])
         active = np.clip(beside, 0.0, self.phase_end)
         slope = self.profile.rates(active)[0] * (beside == active)
-        return self._first(beside, slope, self.rise(beside)).mean(axis=0)
+        return self._turned(beside, slope, self.radius(beside), self.rise(beside)).mean(axis=0)
 
-    def _first(self, phi: np.ndarray, slope: np.ndarray, rise: np.ndarray) -> np.ndarray:
-        """First derivative of `points`, of those of the radius and of the height."""
-        radius, angle = self.radius(phi), phi + self.start_phase
+    def _turned(
+        self, phi: np.ndarray, along: np.ndarray, across: np.ndarray | float, axial: np.ndarray
+    ) -> np.ndarray:
+        """Vectors of parts along the radius at the phases `phi`, across it as the wire turns, and axial."""
+        angle = phi + self.start_phase
         c, s = np.cos(angle), np.sin(angle)
         sign = 1.0 if self.hand == "left" else -1.0
-        return np.stack((slope * c - radius * s, rise, sign * (slope * s + radius * c)), axis=-1)
+        return np.stack((along * c - across * s, axial, sign * (along * s + across * c)), axis=-1)
 
     def circle_phases(self) -> np.ndarray:
         """Phases at which the wire crosses the working plane X-Y, end turns included, rad."""
