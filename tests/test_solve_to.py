@@ -146,6 +146,16 @@ def test_two_paths_that_agree_by_chance_are_not_believed():
     assert trials.estimate == pytest.approx(2.0 * difference(path[4], path[16]) / 16.0) != 0.0
 
 
+@pytest.mark.parametrize(
+    ("geometry", "asked", "paths"), [("wires", 3e-3, 3), ("wires", 1e-2, 2), ("spheres", 3e-3, 2)]
+)
+def test_where_errors_fall_irregularly_three_paths_are_compared(geometry, asked, paths):
+    """But for the coarsest accuracies; two would have been said to be exact enough here."""
+    lines = []
+    wirefe.solve_to(touching(geometry=geometry), asked, progress=lines.append)
+    assert len(lines) == paths
+
+
 def test_what_no_level_before_has_seen_touch_is_no_estimate():
     levels = Levels.of(touching(), None)
     paths = [(n, wirefe.solve(touching(), **levels.options(n, False))) for n in (4, 8)]

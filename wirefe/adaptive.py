@@ -135,6 +135,11 @@ class Trials:
         return bool(self.levels.scene.contact.coefficient) and self.touching
 
     @property
+    def fewest(self) -> int:
+        """Paths that an estimate takes at least: where errors fall irregularly two may agree by chance."""
+        return 3 if self.irregular and self.wanted < ROUGH else 2
+
+    @property
     def second(self) -> int:
         """The level after the first."""
         return self.levels.at_least(SECOND * self.paths[0][0])
@@ -264,9 +269,10 @@ def _refined(trials: Trials) -> tuple[EquilibriumPath, float]:
         trials.add(trials.second, trials.steps)
     while True:
         (level, path), estimate = trials.paths[-1], trials.estimate
-        if estimate <= trials.wanted and path.scene.load.steps == trials.steps:
+        enough = estimate <= trials.wanted and len(trials.paths) >= trials.fewest
+        if enough and path.scene.load.steps == trials.steps:
             return path, estimate
-        trials.add(_next(trials, estimate - trials.lost) if estimate > trials.wanted else level, trials.steps)
+        trials.add(level if enough else _next(trials, estimate - trials.lost), trials.steps)
 
 
 def _next(trials: Trials, error: float) -> int:
