@@ -132,6 +132,14 @@ def test_creep_that_stalls_lets_go():
     assert path.total_iterations < 5_000
 
 
+def test_a_release_goes_on_where_the_pair_just_touches_again():
+    """Creep stalls at a fold, at 0.3156; released a little, the pair is pressed by 2e-14 mm in one step, and
+    is open by rounding in more: it was said to jump in one."""
+    paths = [reached(make_case("w00182", 781), steps=steps) for steps in (1, 5)]
+    assert {path.outcome for path in paths} == {"completed"}
+    assert paths[0].tips[-1] == pytest.approx(paths[1].tips[-1], rel=1e-6)
+
+
 def test_a_pair_that_opens_in_the_substep_of_its_touch_is_found():
     """It was missed in 5 steps, which then jumped at 0.12 of the load."""
     case = make_case("w00097", 29)

@@ -101,6 +101,16 @@ def let_go(history):
 
 
 @part
+def let_go_on(history, pressed):
+    """Have pairs that were let go released further where they just touch again: no more pressed, mm, than
+    those that creep may be."""
+    for m in range(history.shape[0]):
+        row = history[m]
+        if row.creeps and row.held > 0.0 and row.gap > -pressed:
+            row.creeps, row.opening = False, True
+
+
+@part
 def has_history(history):
     """Whether contact remembers anything of any pair."""
     for m in range(history.shape[0]):

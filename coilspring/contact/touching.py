@@ -149,7 +149,7 @@ def goes_on(row, length, gap, d):
         row.closed = gap < CREEP * d
         row.creeps = row.closed and gap >= -OPEN * d
     elif row.opening and gap < 0.0:
-        row.opening, row.creeps = False, True
+        row.opening, row.creeps, row.gap = False, True, gap
     elif gap >= (0.0 if row.opening else TOUCHES * d):
         row.closed = row.opening = length > 0.0
     row.kept, row.before = 1.0 - row.released, length

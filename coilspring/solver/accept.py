@@ -5,7 +5,15 @@ import math
 import numpy as np
 
 from coilspring.compiling.compiled import copy, part
-from coilspring.contact.history import copy_history, creeping, largest_slip, opening, set_rise, touched
+from coilspring.contact.history import (
+    copy_history,
+    creeping,
+    largest_slip,
+    let_go_on,
+    opening,
+    set_rise,
+    touched,
+)
 from coilspring.solver.branch import most_turn
 from coilspring.solver.creep import creep_tangent
 from coilspring.solver.newton import CONVERGED
@@ -80,6 +88,9 @@ def accept_release(task, work, path, substep):
     if path.snapping:
         snapped(task, work, path, substep)
     copy(work.ahead, work.tangent)
+    if path.time <= path.let_go:
+        # that they creep leads nowhere from here: how much of it a release leaves, rounding may decide
+        let_go_on(work.history, path.creep * task.diameter)
     path.releasing = opening(work.history)
     path.release *= 2.0
     path.error /= path.last_step**2  # as of a step of length 1, along a straight line
