@@ -223,6 +223,12 @@ def test_a_pair_that_touches_but_for_rounding_sticks(share):
         assert not history[0].closed
 
 
+def test_a_pair_that_has_touched_at_rest_alone_has_done_no_work():
+    """The bound of its friction is not known yet."""
+    row = held(np.array([0.0, D, 0.0]), held=np.inf)
+    assert pair_friction(vectors([0.0, D, 0.0])[0], row, law(mu=0.3)).work == 0.0
+
+
 def test_an_opening_pair_that_sticks_gives_back_what_it_held_as_dissipated():
     """K e = 500 N are held at 0.05 mm of slip; released over 0.02 mm more, half of them work."""
     row = held(np.array([0.0, D, 0.0]))

@@ -30,9 +30,10 @@ def tangential_forces(length: np.ndarray, histories: np.ndarray) -> tuple[np.nda
     slip = np.where(slides, (force - bound) / np.where(slides, stiffness + rise, 1.0), 0.0)
     force = np.where(slides, bound + rise * slip, force)
     slip += np.where(slides, histories["ahead"], 0.0)
-    work = 0.5 * (histories["held"] + force) * slip
+    held = np.where(histories["held"] < np.inf, histories["held"], 0.0)  # not known of what touched at rest
+    work = 0.5 * (held + force) * slip
     stretch = force / np.where(gives, K, 1.0)
-    given = 0.5 * (histories["held"] * length + force * (length - histories["before"] - stretch))
+    given = 0.5 * (held * length + force * (length - histories["before"] - stretch))
     return force, np.where(gives, length - stretch, slip), np.where(gives, given, work)
 
 
