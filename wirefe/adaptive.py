@@ -30,10 +30,8 @@ FEWEST, MOST = 16, 960  # stations: where nothing touches; a few more than the m
 ROWS = 5  # of a stage, at least, at which paths are compared whose differences are smooth
 ROUGH = 5e-3  # accuracies from here on are mostly met by the coarsest mesh
 # The errors of two paths over their difference, at most (as measured on random springs): of the coarser one;
-# of the finer one; where substeps differ. That of the finer one, over what it is where errors fall with the
-# square of the level: at most, and where they fall irregularly.
-COARSE, FINE, MIXED = 2.0, 1.5, 3.0
-SAFE, SAFE_IRREGULAR = 2.0, 3.0
+# of the finer one, and over what it is where errors fall with the square of the level; where substeps differ.
+COARSE, FINE, SAFE, MIXED = 2.0, 1.5, 3.0, 3.0
 CLEAR = 0.05  # wire diameters between coils that do not touch on any level
 AHEAD = 1.1  # times the level that is predicted to do
 STRIDE = 1.4  # times the last level, at least: nearer levels differ by less than their errors
@@ -186,8 +184,7 @@ class Trials:
         (low, coarse), (high, fine) = self.paths[-2:]
         if self.irregular and fine.options["pairs_per_turn"] == FEWEST:
             return math.inf  # what no level before has seen touches
-        safe = SAFE_IRREGULAR if self.irregular else SAFE
-        error = min(FINE, safe / ((high / low) ** 2 - 1.0)) * difference(coarse, fine)
+        error = min(FINE, SAFE / ((high / low) ** 2 - 1.0)) * difference(coarse, fine)
         if self.irregular:
             fallen = (difference(a, b) * (n / high) ** 2 for (n, a), (_, b) in pairwise(self.paths[:-1]))
             error = max([error, *(COARSE * each for each in fallen if math.isfinite(each))])
