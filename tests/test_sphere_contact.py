@@ -11,7 +11,7 @@ from coilspring.contact.forces import pair_friction
 from coilspring.contact.kinematics import remember, update_pairs
 from coilspring.contact.law import PairLaw, arc, normal_law, pair_potential, tangential_stiffness
 from coilspring.contact.results import PairReader
-from coilspring.contact.touching import FINEST, TOUCHES, renewed
+from coilspring.contact.touching import FINEST, TOUCHING, renewed
 from pairrecords import held, pair_records
 from wirefe.contact.spheres import pair_matrix
 
@@ -210,7 +210,7 @@ def test_a_pair_is_held_from_where_it_touches_first_on_the_predicted_way():
 @pytest.mark.parametrize("share", [-1.0, 0.0, 0.5, 2.0])
 def test_a_pair_that_touches_but_for_rounding_sticks(share):
     """Whichever sign rounding gives its gap at rest; one with friction holds nothing while it is open."""
-    gap = share * TOUCHES * D
+    gap = share * TOUCHING * D
     history = pair_records(1)
     for _ in range(2):  # it stays so
         least = remember(vectors([0.0, D + gap, 0.0])[0], history, law(mu=np.inf))

@@ -7,7 +7,7 @@ from coilspring.compiling.compiled import inlined
 # Share of a bound that is left when it falls with the slip: less is out of reach, since the rise is at least
 # -1/d and a pair moves by no more than half of d in a substep.
 LEAST_LEFT = 0.5
-TOUCHES = 1e-10  # wire diameters of gap, no more than rounding leaves: with less, a pair that sticks touches
+TOUCHING = 1e-10  # wire diameters of gap, no more than rounding leaves: with less, a pair that sticks touches
 OPEN = 2e-6  # wire diameters of gap at most where a pair that sticks is said to open
 CREEP = 1e-7  # wire diameters of gap at most where a pair that creeps is said to touch;
 PRESSED = 1e-4  # of the load: with less it is pressed then, between
@@ -112,7 +112,7 @@ def predicted_badly(row, error, most):
 def touching_gap(law):
     """Gap, mm, below which a pair is held from an accepted state on: one that sticks, where it touches but
     for rounding. Else the last digits of a spring whose coils touch at rest would decide which of them do."""
-    return TOUCHES * law.d if law.mu == math.inf else 0.0
+    return TOUCHING * law.d if law.mu == math.inf else 0.0
 
 
 @inlined
@@ -150,7 +150,7 @@ def goes_on(row, length, gap, d):
         row.creeps = row.closed and gap >= -OPEN * d
     elif row.opening and gap < 0.0:
         row.opening, row.creeps, row.gap = False, True, gap
-    elif gap >= (0.0 if row.opening else TOUCHES * d):
+    elif gap >= (0.0 if row.opening else TOUCHING * d):
         row.closed = row.opening = length > 0.0
     row.kept, row.before = 1.0 - row.released, length
     row.held = row.kept * row.stiffness * length if row.opening or row.creeps else 0.0
