@@ -7,6 +7,7 @@ import pytest
 
 from coilspring.contact.touching import CREEP
 from coilspring.solver.complementarity import FREE, GAP, HELD, SLIP, STICKS, TOUCHES, complementary, several
+from validation.campaign.run import verified
 from validation.campaign.runs import deviation
 from validation.campaign.scenes import make_case
 from validation.campaign.verdict import reached
@@ -97,8 +98,9 @@ def test_tips_do_not_depend_on_the_steps(name):
 
 @pytest.mark.parametrize(("name", "seed"), [("w00441", 116), ("w00088", 104)])
 def test_the_path_of_pairs_that_creep_is_predicted(name, seed):
-    """All rows agree to 4e-5. It was 3e-3 and 2e-3: along a tangent with the stiffness that was left the
-    next pair touched later; and a touch that was not predicted was located on the straight line."""
+    """All rows agree to 2.2e-4 and 2e-6. It was 3e-3 and 2e-3: along a tangent with the stiffness that was
+    left the next pair touched later; and a touch that was not predicted was located on the straight line.
+    And 5e-4 and 1e-3 in symmetric springs: gaps up to 1e-7 d let twins creep apart, which grew."""
     paths = [reached(make_case(name, seed), steps=count) for count in (20, 400)]
     assert max(deviation(*paths)) <= 3e-4
 
@@ -167,3 +169,28 @@ def test_hard_pairs_that_creep_are_hardly_pressed(name, seed):
     rows = [path.tips[np.isin(np.rint(100 * path.times), np.arange(5, 101, 5)), :2] for path in paths]
     assert [len(tips) for tips in rows] == [20, 20]
     assert np.abs(rows[0] - rows[1]).max() <= 5e-4 * np.abs(rows[1]).max()
+
+
+@pytest.mark.parametrize(("name", "seed", "most"), [("w00391", 792, 1e-4), ("w00391", 811, 5e-4)])
+def test_hard_pairs_creep_along_one_path(name, seed, most):
+    """Within 5e-6 and 7e-5; it was 1e-3 and 1.5e-3. They slid although they were pressed, by up to 1e-4 of
+    the load in each substep: differences over 1e-5 wire diameters to one side took the square of that motion
+    for what the gap of a hard pair changes, and the shares that were released did not converge."""
+    case = make_case(name, seed)
+    paths = [reached(case, steps=count) for count in (50, 800)]
+    assert max(deviation(*paths)) <= most
+    if seed == 792:
+        assert paths[0].total_iterations < 1_000  # 3188 with the bound alone
+
+
+def test_a_jump_after_which_other_forces_were_possible_is_undecided():
+    """From 0.8973 on; runs to just before the jump, at 0.9334, find the others, and jump there."""
+    row = verified("w00742", 812)
+    assert (row["outcome"], row["class"]) == ("jump", "undecided")
+
+
+def test_a_pair_that_has_just_touched_does_not_open_by_what_it_is_located_to():
+    """It touched in the substep at hand, and was open by less than 2e-6 d at its end. Released there, it
+    crept and could stick as well, unlike its twin at the other end: the path said so from 0.5329 on."""
+    for steps in (100, 400):
+        assert reached(make_case("w00441", 116), steps=steps).undecided_time is None

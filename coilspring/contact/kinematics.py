@@ -166,7 +166,6 @@ def remember(vectors, history, law):
             continue
         if not row.closed:
             _touch(row, vectors[m], vectors[m], vectors[m], law)
-        row.fresh = False
         if law.mu < np.inf:
             length = d * arc(vectors[m], h, row, e)
             if slid(length, row, h - d):

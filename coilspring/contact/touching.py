@@ -9,9 +9,9 @@ from coilspring.compiling.compiled import inlined
 LEAST_LEFT = 0.5
 TOUCHING = 1e-10  # wire diameters of gap, no more than rounding leaves: with less, a pair that sticks touches
 OPEN = 2e-6  # wire diameters of gap at most where a pair that sticks is said to open
-CREEP = 1e-7  # wire diameters of gap at most where a pair that creeps is said to touch;
-PRESSED = 1e-4  # of the load: with less it is pressed then, between
-FINEST_CREEP, MOST_PRESSED = 1e-10, 1e-6  # wire diameters: what rounding leaves, and the most
+CREEP = 1e-9  # wire diameters of gap at most where a pair that creeps is said to touch;
+PRESSED = 1e-6  # of the load: with less, which adds up over substeps, it is pressed then, between
+FINEST_CREEP, MOST_PRESSED = 1e-12, 1e-6  # wire diameters: what rounding leaves, and the most
 FINEST = 1e-10  # wire diameters of slip, before which no pair reaches its bound
 # Wire diameters, by which two ways to find where a pair touches first may differ at most: where it sticks,
 STICK_LOCATED = 2e-6
@@ -21,7 +21,7 @@ LOCATED = 1e-4  # and with friction
 @inlined
 def slid(length, row, gap):
     """Take what a pair with friction slid in a substep into its history; returns whether it did."""
-    row.closed = gap < 0.0
+    row.closed, row.fresh = gap < 0.0, False
     slip = (row.stiffness * length - row.bound) / (row.stiffness + row.bound * row.rise)
     if slip > 0.0:
         row.bound *= 1.0 + row.rise * slip
@@ -142,17 +142,18 @@ def touches_again(row, before, after, d):
 def goes_on(row, length, gap, d):
     """What a pair that sticks does after an accepted state, in which it is stretched by a length.
 
-    Where it has opened it is released. Where it then touches again it creeps: it gives way so that it just
-    touches, until it is pressed and sticks. Returns whether it is held without touching.
+    Where it has opened it is released, unless it has touched just now: it is no better located. Where it then
+    touches again it creeps: it gives way so that it just touches, until it is pressed and sticks. Returns
+    whether it is held without touching.
     """
     if row.creeps:
         row.closed = gap < CREEP * d
         row.creeps = row.closed and gap >= -OPEN * d
     elif row.opening and gap < 0.0:
         row.opening, row.creeps, row.gap = False, True, gap
-    elif gap >= (0.0 if row.opening else TOUCHING * d):
+    elif not row.fresh and gap >= (0.0 if row.opening else TOUCHING * d):
         row.closed = row.opening = length > 0.0
-    row.kept, row.before = 1.0 - row.released, length
+    row.fresh, row.kept, row.before = False, 1.0 - row.released, length
     row.held = row.kept * row.stiffness * length if row.opening or row.creeps else 0.0
     return row.closed and gap >= 0.0
 

@@ -34,16 +34,14 @@ def renew_creep(system, task, work, substep, pressed):
     if worst <= 1.0:
         return worst
     n = active.size
-    opens, slips, rows = np.empty((n, n)), np.empty((n, n)), np.empty((3, n))
+    opens, slips, rows, change = np.empty((n, n)), np.empty((n, n)), np.empty((3, n)), np.empty((2, n))
     _factor_sliding(system, work, active, False)
     for p in range(n):
         small, more = _forced(system, task, work, active[p])
-        answered(system, work, small)
-        more *= small
+        _differences(system, work, small, active, change)
         for q in range(n):
-            row, there = history[active[q]], work.high[active[q]]
-            opens[q, p] = (there.gap - row.gap) / more
-            slips[q, p] = (there.sticking - row.sticking) / more - (1.0 if p == q else 0.0)
+            opens[q, p] = change[0, q] / more
+            slips[q, p] = change[1, q] / more - (1.0 if p == q else 0.0)
         row = history[active[p]]
         rows[GAP, p], rows[SLIP, p], rows[HELD, p] = row.gap, row.sticking - _held(row), _held(row)
     substep.several = several(opens, slips, rows)
@@ -70,23 +68,18 @@ def creep_tangent(system, task, work):
         return 0
     _factor_sliding(system, work, active, True)
     copy_history(work.low, work.high)
-    answered(system, work, 0.0)  # the gaps, which history has of the round before
-    gaps = np.empty(n)
-    for q in range(n):
-        gaps[q] = work.high[active[q]].gap
-    M, motions = np.empty((n, n + 1)), np.empty((n, task.load.size))
+    M, motions, change = np.empty((n, n + 1)), np.empty((n, task.load.size)), np.empty((2, n))
     for p in range(n):
         small, more = _forced(system, task, work, active[p])
-        answered(system, work, small)
+        _differences(system, work, small, active, change)
         for q in range(n):
-            M[q, p] = (work.high[active[q]].gap - gaps[q]) / (small * more)
+            M[q, p] = change[0, q] / more
         for i in range(task.load.size):
             motions[p, i] = work.ahead[i] / more
     solution(system, work.F, task.load, 1.0, work.ahead)
-    small = nearby(system, task, work)
-    answered(system, work, small)
+    _differences(system, work, nearby(system, task, work), active, change)
     for q in range(n):
-        M[q, n] = (gaps[q] - work.high[active[q]].gap) / small
+        M[q, n] = -change[0, q]
     if eliminated(M) == 0:
         return 1
     copy(work.ahead, work.tangent)
@@ -95,6 +88,26 @@ def creep_tangent(system, task, work):
         for i in range(task.load.size):
             work.tangent[i] += M[p, n] * motions[p, i]
     return 1
+
+
+@part
+def _differences(system, work, share, active, change):
+    """Fill the derivatives, along the motion `work.ahead`, of the gaps and of the forces of sticking.
+
+    The gaps' by central differences: they change with the square of a motion along the wire, too, and hard
+    pairs that are pressed have gaps no larger than that. What would stick is stretched by far less than the
+    motion where it is hard: its derivative is that of the side on which the stretch grows.
+    """
+    answered(system, work, share)
+    for q in range(active.size):
+        there = work.high[active[q]]
+        change[0, q], change[1, q] = there.gap, there.sticking
+    answered(system, work, -share)
+    for q in range(active.size):
+        there, sticking = work.high[active[q]], work.history[active[q]].sticking
+        change[0, q] = (change[0, q] - there.gap) / (2.0 * share)
+        grows = change[1, q] >= there.sticking
+        change[1, q] = (change[1, q] - sticking if grows else sticking - there.sticking) / share
 
 
 @part

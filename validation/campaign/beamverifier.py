@@ -63,7 +63,7 @@ def verify_critical(verdict: Verdict, energy: BeamEnergy, case: Case, path: Equi
     assert path.critical_bracket is not None
     if len(path.times) and path.times[-1] > critical + path.critical_bracket:
         verdict.complain(f"continued to time {path.times[-1]:.6g} past the critical {critical:.6g}")
-    for before in runs.just_before(verdict, case, critical, [BEFORE]):
+    for before in runs.just_before(verdict, case, path, [BEFORE]):
         state, time = before.states[-1], critical * (1.0 - BEFORE)
         verify_state(verdict, energy, state, time)
         found = bracket(energy, state, time, critical)

@@ -216,16 +216,27 @@ def sharp_critical(verdict: Verdict, path: EquilibriumPath) -> float | None:
 
 
 def just_before(
-    verdict: Verdict, case: Case, critical: float, shares: Sequence[float]
+    verdict: Verdict, case: Case, path: EquilibriumPath, shares: Sequence[float]
 ) -> list[EquilibriumPath]:
-    """Paths of the case up to shares before a critical time; none where one is not reached."""
-    paths = []
+    """Paths of the case up to shares before a path's critical time; none where one is not reached."""
+    paths, critical = [], path.critical_time or 0.0
     for share in shares:
-        paths.append(reached(case, under(case.scene, critical * (1.0 - share))))
+        time = critical * (1.0 - share)
+        paths.append(reached(case, under(case.scene, time)))
         if paths[-1].outcome != "completed":
-            verdict.complain(f"just before the critical time {critical:.6g}: {paths[-1].outcome}")
+            ends_early(verdict, path, paths[-1], time)
             return []
     return paths
+
+
+def ends_early(verdict: Verdict, path: EquilibriumPath, other: EquilibriumPath, time: float) -> None:
+    """Complain of a run, to a `time` before a path's critical one, that ends on the way, unless the path says
+    that from before there on sticking pairs can hold other forces."""
+    ended = time * (other.end_bracket or (0.0,))[0]
+    if path.undecided_time is not None and ended >= path.undecided_time * (1.0 - FRICTION_TIME):
+        verdict.others.append(other)
+    else:
+        verdict.complain(f"just before the critical time {path.critical_time:.6g}: {other.outcome}")
 
 
 def changed(case: Case, kind: str) -> tuple[Scene, tuple[float, ...]]:

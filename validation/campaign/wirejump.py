@@ -36,10 +36,13 @@ def verify_jump(verdict: Verdict, forces: WireForces, case: Case, path: Equilibr
     if critical is None:
         return
     # other substeps may jump a little earlier
-    tried = (reached(case, under(case.scene, critical * (1.0 - share))) for share in JUST_BEFORE)
-    near = next((each for each in tried if each.outcome == "completed"), None)
-    if near is None:
-        verdict.complain(f"no equilibrium just before the jump at {critical:.6g}")
+    for share in JUST_BEFORE:
+        time = critical * (1.0 - share)
+        near = reached(case, under(case.scene, time))
+        if near.outcome == "completed":
+            break
+    else:
+        runs.ends_early(verdict, path, near, time)
         return
     verify_balance(verdict, forces, near)
     assert path.last_state is not None

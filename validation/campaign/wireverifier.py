@@ -88,13 +88,13 @@ def verify_wire_critical(verdict: Verdict, forces: WireForces, case: Case, path:
     if critical is None:
         return
     if runs.path_dependent(case):
-        _verify_softening(verdict, forces, case, critical)
+        _verify_softening(verdict, forces, case, path)
         return
     found = None
     for shares in BEFORE:
         if found is not None or shares[0] * critical < (path.critical_bracket or 0.0):
             continue
-        before = runs.just_before(verdict, case, critical, shares)
+        before = runs.just_before(verdict, case, path, shares)
         for near in before:
             verify_balance(verdict, forces, near)
         if not before:
@@ -107,20 +107,20 @@ def verify_wire_critical(verdict: Verdict, forces: WireForces, case: Case, path:
     if found is not None:
         verdict.ask("confirmed", abs(found / critical - 1.0), runs.LOAD, "states tend to a fold elsewhere")
     elif case.scene.load.displacement:
-        _verify_softening(verdict, forces, case, critical)
+        _verify_softening(verdict, forces, case, path)
     else:
-        _verify_turn(verdict, forces, case, critical)
+        _verify_turn(verdict, forces, case, path)
 
 
-def _verify_softening(verdict: Verdict, forces: WireForces, case: Case, critical: float) -> None:
+def _verify_softening(verdict: Verdict, forces: WireForces, case: Case, path: EquilibriumPath) -> None:
     """The least stiffness must tend to zero at the critical time: of the wire with its top where it is
     prescribed, and of one whose coils stick or slide, by Coulomb's unsymmetric tangent. Where it does not,
     with friction, the verifier's own steps from just before must lose it as near."""
-    found, start = [math.inf], None
+    found, start, critical = [math.inf], None, path.critical_time or 0.0
     # the critical time of a path with friction itself depends on its substeps by as much
     most = runs.FRICTION_TIME if runs.path_dependent(case) else SOFTENED
     for shares in BEFORE_SOFT:
-        before = runs.just_before(verdict, case, critical, shares)
+        before = runs.just_before(verdict, case, path, shares)
         if not before:
             return
         least = [forces.stiffness_of(near) for near in before]
@@ -204,16 +204,17 @@ def vanishing(times: Sequence[float], least: Sequence[float]) -> float | None:
     return min(found)[1] if found else None
 
 
-def _verify_turn(verdict: Verdict, forces: WireForces, case: Case, critical: float) -> None:
+def _verify_turn(verdict: Verdict, forces: WireForces, case: Case, path: EquilibriumPath) -> None:
     """The traced path must be stable up to the critical time and not beyond; where it cannot be traced so
     far, the least stiffness must tend to zero."""
+    critical = path.critical_time or 0.0
     scene = under(case.scene, 1.05 * critical)
     traced = partial_path(wirefe.trace, scene, points=POINTS, **dict(case.options))
     times = 1.05 * critical * traced.times
     assert traced.negative_pivots is not None
     unstable = np.flatnonzero(traced.negative_pivots)
     if not unstable.size and times.max(initial=0.0) < critical:
-        _verify_softening(verdict, forces, case, critical)
+        _verify_softening(verdict, forces, case, path)
         return
     if not unstable.size:
         verdict.complain(f"arc length finds no critical point near {critical:.6g}, last time {times[-1]:.6g}")

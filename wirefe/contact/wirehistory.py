@@ -66,7 +66,6 @@ def remember_wires(contact, state, history):
             continue
         if not row.closed:
             _touch(contact, (here, here, here), m, row)
-        row.fresh = False
         row.normal[0], row.normal[1], row.normal[2] = n
         length, way = tangential_slip(contact, points, state, m, row)
         left = length
