@@ -10,7 +10,7 @@ LEAST_LEFT = 0.5
 TOUCHING = 1e-10  # wire diameters of gap, no more than rounding leaves: with less, a pair that sticks touches
 OPEN = 2e-6  # wire diameters of gap at most where a pair that sticks is said to open
 CREEP = 1e-9  # wire diameters of gap at most where a pair that creeps is said to touch;
-PRESSED = 1e-6  # of the load: with less, which adds up over substeps, it is pressed then, between
+PRESSED = 1e-6  # of the load at most by which it is pressed then (that adds up over substeps), between
 FINEST_CREEP, MOST_PRESSED = 1e-12, 1e-6  # wire diameters: what rounding leaves, and the most
 FINEST = 1e-10  # wire diameters of slip, before which no pair reaches its bound
 # Wire diameters, by which two ways to find where a pair touches first may differ at most: where it sticks,

@@ -38,7 +38,7 @@ def renew_creep(system, task, work, substep, pressed):
     _factor_sliding(system, work, active, False)
     for p in range(n):
         small, more = _forced(system, task, work, active[p])
-        _differences(system, work, small, active, change)
+        _derivatives(system, work, small, active, change)
         for q in range(n):
             opens[q, p] = change[0, q] / more
             slips[q, p] = change[1, q] / more - (1.0 if p == q else 0.0)
@@ -67,17 +67,16 @@ def creep_tangent(system, task, work):
     if n == 0:
         return 0
     _factor_sliding(system, work, active, True)
-    copy_history(work.low, work.high)
     M, motions, change = np.empty((n, n + 1)), np.empty((n, task.load.size)), np.empty((2, n))
     for p in range(n):
         small, more = _forced(system, task, work, active[p])
-        _differences(system, work, small, active, change)
+        _derivatives(system, work, small, active, change)
         for q in range(n):
             M[q, p] = change[0, q] / more
         for i in range(task.load.size):
             motions[p, i] = work.ahead[i] / more
     solution(system, work.F, task.load, 1.0, work.ahead)
-    _differences(system, work, nearby(system, task, work), active, change)
+    _derivatives(system, work, nearby(system, task, work), active, change)
     for q in range(n):
         M[q, n] = -change[0, q]
     if eliminated(M) == 0:
@@ -91,7 +90,7 @@ def creep_tangent(system, task, work):
 
 
 @part
-def _differences(system, work, share, active, change):
+def _derivatives(system, work, share, active, change):
     """Fill the derivatives, along the motion `work.ahead`, of the gaps and of the forces of sticking.
 
     The gaps' by central differences: they change with the square of a motion along the wire, too, and hard

@@ -219,9 +219,10 @@ def just_before(
     verdict: Verdict, case: Case, path: EquilibriumPath, shares: Sequence[float]
 ) -> list[EquilibriumPath]:
     """Paths of the case up to shares before a path's critical time; none where one is not reached."""
-    paths, critical = [], path.critical_time or 0.0
+    assert path.critical_time is not None
+    paths: list[EquilibriumPath] = []
     for share in shares:
-        time = critical * (1.0 - share)
+        time = path.critical_time * (1.0 - share)
         paths.append(reached(case, under(case.scene, time)))
         if paths[-1].outcome != "completed":
             ends_early(verdict, path, paths[-1], time)
@@ -232,7 +233,8 @@ def just_before(
 def ends_early(verdict: Verdict, path: EquilibriumPath, other: EquilibriumPath, time: float) -> None:
     """Complain of a run, to a `time` before a path's critical one, that ends on the way, unless the path says
     that from before there on sticking pairs can hold other forces."""
-    ended = time * (other.end_bracket or (0.0,))[0]
+    assert other.end_bracket is not None
+    ended = time * other.end_bracket[0]
     if path.undecided_time is not None and ended >= path.undecided_time * (1.0 - FRICTION_TIME):
         verdict.others.append(other)
     else:

@@ -116,7 +116,8 @@ def _verify_softening(verdict: Verdict, forces: WireForces, case: Case, path: Eq
     """The least stiffness must tend to zero at the critical time: of the wire with its top where it is
     prescribed, and of one whose coils stick or slide, by Coulomb's unsymmetric tangent. Where it does not,
     with friction, the verifier's own steps from just before must lose it as near."""
-    found, start, critical = [math.inf], None, path.critical_time or 0.0
+    assert path.critical_time is not None
+    found, start, critical = [math.inf], None, path.critical_time
     # the critical time of a path with friction itself depends on its substeps by as much
     most = runs.FRICTION_TIME if runs.path_dependent(case) else SOFTENED
     for shares in BEFORE_SOFT:
@@ -207,7 +208,8 @@ def vanishing(times: Sequence[float], least: Sequence[float]) -> float | None:
 def _verify_turn(verdict: Verdict, forces: WireForces, case: Case, path: EquilibriumPath) -> None:
     """The traced path must be stable up to the critical time and not beyond; where it cannot be traced so
     far, the least stiffness must tend to zero."""
-    critical = path.critical_time or 0.0
+    assert path.critical_time is not None
+    critical = path.critical_time
     scene = under(case.scene, 1.05 * critical)
     traced = partial_path(wirefe.trace, scene, points=POINTS, **dict(case.options))
     times = 1.05 * critical * traced.times
