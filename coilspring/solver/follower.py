@@ -125,7 +125,7 @@ def plan(system, task, work, path, substep, watch):
         end_or_snap(system, task, work, path, softest, CRITICAL)
         if path.outcome != COMPLETED:
             return
-    substep.weak = softest.value < WEAK * path.rest_stiffness
+    substep.left = softest.value / (WEAK * path.rest_stiffness)
     if path.snapping:
         substep.near_critical, substep.duration = True, AHEAD
     else:

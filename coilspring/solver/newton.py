@@ -86,7 +86,7 @@ def look_at(system, target, work, state, it, with_matrix):
 def set_tolerance(system, target, it):
     """Rounding of the potential at the state that was evaluated last, and the decrement that is asked for."""
     it.rounding = max(target.rounding, target.grain * abs(system.reaction[0]))
-    it.tolerance = max(DECREMENT * target.reference, DECREMENT_NOISE * it.rounding)
+    it.tolerance = max(DECREMENT * target.precision * target.reference, DECREMENT_NOISE * it.rounding)
 
 
 @part

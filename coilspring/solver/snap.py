@@ -14,8 +14,8 @@ from coilspring.compiling.compiled import copy, part
 from coilspring.solver.branch import displacement_bound
 from coilspring.solver.linesearch import dot
 from coilspring.solver.operations import factor_state, moved, solution
-from coilspring.solver.stability import LEAST_STEP, PROBE, jumps, least_stiffness
-from coilspring.solver.system import JUMP
+from coilspring.solver.stability import FINEST, LEAST_STEP, PROBE, SETTLED, jumps, least_stiffness, vanishes
+from coilspring.solver.system import CRITICAL, JUMP
 
 AHEAD = 1e-6  # of the time 0..1: so far beyond a limit point an equilibrium is looked for
 NO_TIME = 2.0 * AHEAD
@@ -31,6 +31,9 @@ NO_WORK = 1e-4  # of the load times a mode's largest motion: less work is a bifu
 @part
 def end_or_snap(system, task, work, path, softest, outcome):
     """The path ends with an outcome, unless at a limit point: there a snap is tried first."""
+    if vanishes(path, softest):
+        path.outcome, path.bracket = CRITICAL, 2.0 * max(softest.zero - path.time, FINEST)
+        return
     path.snapping, path.ends = task.predictor and is_limit_point(system, task, work, path, softest), outcome
     if not path.snapping:
         path.outcome = outcome
@@ -40,7 +43,7 @@ def end_or_snap(system, task, work, path, softest, outcome):
 def leave_saddle(system, task, work):
     """Move the trial state off an unstable equilibrium, with `work.F` the factor of its matrix made positive:
     along its softest mode, the way the path came."""
-    least_stiffness(system, task, work, np.inf)
+    least_stiffness(system, task, work, np.inf, SETTLED)
     size = LEAVE * task.diameter
     size = size if along(task, work.mode, work.tangent) >= 0.0 else -size
     moved(system, work.trial, work.mode, size, work.scratch)
@@ -63,7 +66,7 @@ def is_limit_point(system, task, work, path, softest):
     mode."""
     factor_state(system, work, work.state, work.history)
     path.spent, path.reuse = path.spent + 1, False
-    stiffness = least_stiffness(system, task, work, np.inf)
+    stiffness = least_stiffness(system, task, work, np.inf, SETTLED)
     if jumps(path, softest, stiffness):
         return True
     if system.prescribed.size > 0:

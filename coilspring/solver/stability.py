@@ -15,13 +15,17 @@ from coilspring.solver.system import DIAGONAL, DOF, FREE, PLACE, STIFFNESS
 INVERSE_ITERATIONS = 30
 FEW_ITERATIONS = 8
 OTHERS = 0.05  # share of all modes that is put into the softest one before it is looked for anew
-SETTLED = 0.05  # relative change of the least stiffness by a step of inverse iteration, that ends it
+SETTLED, EXACT = 0.05, 1e-3  # relative change of the least stiffness by a step of inverse iteration, that ends it:
+# along the path; where it tends to zero
 LEAST_STEP = 1e-9  # of the time 0..1: below it, what cannot be passed is called a critical point
 FINEST = 1e-12  # of the time 0..1: so near to a predicted zero of the least stiffness it is followed
 DIFFERENCE = 1e-6  # of the span of the state's numbers, with which a difference is taken
 # Share of the time to the predicted zero of the least stiffness: at a limit point, where it falls with
 # the root of the time that is left, the straight line meets zero twice as far as the path goes.
 APPROACH = 0.5
+# Of that time, by which two predictions differ: towards a limit point by about the share by which the stiffness fell
+# from one to the next, on a straight line by so little of that; by rounding, where a line has been found.
+STRAIGHT, ROUNDED = 0.02, 0.2
 LOOK = 0.05  # of the time 0..1: so often at least the softest mode is evaluated,
 SOONER = 0.25  # and after this share of the time to its predicted zero
 WEAK = 0.1  # of the least stiffness at rest: below, it is evaluated wherever the matrix is factored,
@@ -60,7 +64,7 @@ def unstable_time(system, work, begin, end, least_gap):
 
 
 @part
-def least_stiffness(system, task, work, last):
+def least_stiffness(system, task, work, last, settled):
     """Stiffness, N/mm, of the softest mode by inverse iteration with the last factor, from `work.mode`, which
     is improved. Rotations are measured at the arm of a wire diameter.
 
@@ -83,7 +87,7 @@ def least_stiffness(system, task, work, last):
         size = math.sqrt(square)
         for i in range(mode.size):
             mode[i] = new[i] / size
-        if abs(value - last) <= SETTLED * abs(value):
+        if abs(value - last) <= settled * abs(value):
             break
         last = value
     return value
@@ -101,6 +105,13 @@ def predicted_zero(time, value, before, value_before):
 def no_time(time):
     """Time within which what changes jumps, of the time 0..1."""
     return max(SUDDEN * time, FEW_STEPS * LEAST_STEP)
+
+
+@part
+def vanishes(path, softest):
+    """Whether the least stiffness tends to zero along a straight line, just ahead: at a bifurcation. Towards a
+    limit point it falls as the root of the time that is left."""
+    return softest.linear and softest.zero - path.time <= no_time(path.time)
 
 
 @part
@@ -125,24 +136,36 @@ def watch_stiffness(system, task, work, path, substep, softest):
         path.fresh = 1
         return
     first = substep.least_gap <= 0.0 < path.least_gap
-    closing = (substep.shortened or first) and (substep.weak or system.prescribed.size > 0)
+    closing = (substep.shortened or first) and (substep.left < 1.0 or system.prescribed.size > 0)
     path.fresh = 1 if closing else max(path.fresh - 1, 0)
     due = softest.time + min(LOOK, SOONER * (softest.zero - softest.time))
     wanted = first or closing or substep.near_critical or path.failed
-    if not wanted and (substep.status == LINEAR or not (substep.weak or substep.target >= due)):
+    if not wanted and (substep.status == LINEAR or not (substep.left < 1.0 or substep.target >= due)):
         return
-    if substep.iterations == 0:
+    # the last factor may be of the predicted state; towards a zero it is to be that of the state itself
+    near = substep.left < 1.0 and substep.near_critical
+    if substep.iterations == 0 or near:
         factor_state(system, work, work.trial, work.trial_history)
         path.spent += 1
-    value = least_stiffness(system, task, work, softest.value)
+    value = least_stiffness(system, task, work, softest.value, EXACT if near else SETTLED)
     if value > NEUTRAL * path.rest_stiffness or value < softest.value:
-        softest.zero = predicted_zero(substep.target, value, softest.time, softest.value)
+        zero = predicted_zero(substep.target, value, softest.time, softest.value)
+        follow_line(softest, value, zero, substep.target)
     if value > JUMPS * path.rest_stiffness and APPROACH * (softest.zero - substep.target) < FINEST:
-        softest.zero = np.inf  # the stiffness jumps here, as where a pair opens
+        softest.zero, softest.linear = np.inf, False  # the stiffness jumps here, as where a pair opens
     softest.value, softest.time, path.failed = value, substep.target, False
     if substep.target >= softest.mark_time + no_time(substep.target):
         softest.past, softest.past_time = softest.mark, softest.mark_time
         softest.mark, softest.mark_time = value, substep.target
+
+
+@part
+def follow_line(softest, value, zero, time):
+    """Take a new prediction of the zero, from a value at a time, and note whether it is on a straight line with
+    the one before."""
+    most = ROUNDED if softest.linear else STRAIGHT * (1.0 - value / softest.value)
+    softest.linear = abs(zero - softest.zero) < most * (zero - time) < np.inf
+    softest.zero = zero
 
 
 @dataclass(frozen=True)

@@ -6,7 +6,7 @@ from coilspring.compiling.compiled import copy, part
 from coilspring.contact.kinematics import TOUCH
 from coilspring.contact.touching import creep_to
 from coilspring.solver.operations import assembled, factored, solution
-from coilspring.solver.stability import least_stiffness
+from coilspring.solver.stability import SETTLED, least_stiffness
 from coilspring.solver.substep import free_room
 from coilspring.solver.system import CHANGE, COMPLETED, CRITICAL, NEW_PAIR, ROOM, SOFTEST
 
@@ -30,8 +30,8 @@ def begin(system, task, work, path, watch):
     factor_start(system, task, work, path)
     set_scales(system, task, work, path)
     softest, room = watch[SOFTEST], watch[ROOM]
-    softest.value = least_stiffness(system, task, work, np.inf)
-    softest.time, softest.zero = 0.0, np.inf
+    softest.value = least_stiffness(system, task, work, np.inf, SETTLED)
+    softest.time, softest.zero, softest.linear = 0.0, np.inf, False
     softest.past, softest.past_time = softest.value, -np.inf
     softest.mark, softest.mark_time = softest.value, -np.inf
     path.rest_stiffness = softest.value

@@ -29,6 +29,7 @@ from coilspring.solver.system import OVERLAP, ROOM, SOFTEST, Target
 # Powers of two by which the tangential stiffness of opening pairs is lowered: all of it beyond the largest;
 # where the least finds no place nearby, the path jumps.
 MOST_RELEASE, LEAST_RELEASE = 40.0, 1e-3
+FINEST = 1e-5  # share of the decrement that is asked for at least, where little is left of the stiffness
 LEAST_CUT, MOST_CUT = 0.05, 0.9  # shares at which a substep is cut where a pair touches or opens
 NEARER = 3.0  # times the bound on all motion: so much nearer may two wires come, also between nodes
 CREEP_CUT = 0.5  # share at which a substep in which a pair ceases to creep is cut, at most
@@ -54,9 +55,11 @@ def find_equilibrium(system, equilibrium, task, work, path, substep, it):
         load[i] = dead[i] + time * growing[i]
     put_prescribed(system, task.start, substep.target, work.trial)
     loaded = path.dead + path.force * substep.target
+    # so that along a soft mode, too, states are found as exactly as along a stiff one
+    precision = 1.0 if path.snapping else min(max(substep.left, FINEST), 1.0)
     limit = task.limit * snap.LONGER if path.snapping else task.limit
     target = Target(
-        work.state, path.least_gap, work.history, work.load, path.reference * substep.target**2,
+        work.state, path.least_gap, work.history, work.load, path.reference * substep.target**2, precision,
         path.reference * substep.duration**2, path.rounding * loaded, path.rounding,
         tangential_stiffness(task.penalty, task.exponent, task.diameter),
         limit, limit if path.snapping else MOST_DAMPED,

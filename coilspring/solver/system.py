@@ -65,6 +65,7 @@ class Target(NamedTuple):
     history: Any  # contact history
     load: Any
     reference: Any  # work with which decrements are compared,
+    precision: Any  # share of the decrement that is asked for
     predicted: Any  # energy of the predicted motion
     rounding: Any  # noise of the potential,
     grain: Any  # and for each newton of a force, mm
@@ -166,7 +167,7 @@ SUBSTEP = np.dtype(
         ("shortened", "?"),  # to where a pair is about to close
         ("near_critical", "?"),  # it approaches the predicted zero of the least stiffness
         ("near_overlap", "?"),  # it approaches the predicted overlap
-        ("weak", "?"),  # little is left of the least stiffness
+        ("left", "f8"),  # of the least stiffness, over what counts as weak: below 1 where little is left
         ("status", "i8"),
         ("iterations", "i8"),  # factorisations
         ("rounds", "i8"),  # of renewed bounds
@@ -217,7 +218,8 @@ WATCH = np.dtype(
     [
         ("value", "f8"),
         ("time", "f8"),
-        ("zero", "f8"),  # time at which it is predicted to be zero
+        ("zero", "f8"),  # time at which it is predicted to be zero,
+        ("linear", "?"),  # as it was before, so that it falls along a straight line
         ("mark", "f8"),  # a value found on the way, which is to become `past`
         ("mark_time", "f8"),
         ("past", "f8"),  # the value some time ago: `coilspring.solver.stability.no_time` at least
@@ -295,7 +297,7 @@ def equilibrium_signature() -> Any:
     data = (vector, types.int64[::1], vector, vector)
     system = _Fields(tuple(zip(System._fields, (*data, *_kernel_types()), strict=True)))
     work = _Fields(tuple(zip(Workspace._fields, workspace_type().types, strict=True)))
-    numbers = (*(real,) * 5, types.int64, types.int64, real, types.boolean, real)
+    numbers = (*(real,) * 6, types.int64, types.int64, real, types.boolean, real)
     target = types.NamedTuple((vector, real, history, vector, *numbers), Target)
     return types.int64(system, target, work, vector, from_dtype(NEWTON))
 
