@@ -21,6 +21,7 @@ from validation.campaign.run import verify
 from validation.campaign.runs import (
     KINDS,
     compare,
+    ends_early,
     force_grain,
     grain,
     verify_branch,
@@ -522,6 +523,28 @@ def test_runs_may_differ_from_when_on_other_forces_are_possible(time, until, fou
     assert len(verdict.others) == (found == "undecided")
 
 
+@pytest.mark.parametrize(
+    ("sliding", "outcome", "ended", "complaints"),
+    [
+        ("coulomb", "limit_point", 0.999, 0),
+        ("coulomb", "limit_point", 0.99, 1),
+        ("coulomb", "completed", 0.999, 1),
+        ("free", "limit_point", 0.999, 1),
+    ],
+    ids=["as near as is known", "farther", "another end", "known more exactly"],
+)
+def test_a_run_to_just_before_a_critical_time_may_end_as_near_as_that_is_known(
+    sliding, outcome, ended, complaints
+):
+    scene = SimpleNamespace(contact=SimpleNamespace(enabled=True, sliding=sliding))
+    common = {"model": "wirefe", "scene": scene, "undecided_time": None}
+    path = SimpleNamespace(outcome="limit_point", critical_time=0.5, **common)
+    other = SimpleNamespace(outcome=outcome, end_bracket=(ended, 1.0), **common)
+    verdict = Verdict()
+    ends_early(verdict, path, other, 0.5)
+    assert len(verdict.complaints) == complaints
+
+
 def test_no_answer_is_asked_to_be_finer_than_its_positions():
     """Coils that touch at rest, hard contact: 2e-8 mm of displacement, known to 3e-15 mm."""
     assert run.verified("b007119", SEED)["class"] == "completed"
@@ -734,6 +757,9 @@ def test_direction_of_a_tiny_slip_decides_nothing():
         ("b001183", 701, "bifurcation"),
         ("b003064", 703, "completed"),
         ("b004905", 761, "completed"),
+        ("b000735", 791, "bifurcation"),
+        ("b003759", 821, "bifurcation"),
+        ("w00449", 821, "limit_point"),
     ],
     ids=[
         "coils beyond the next touch between their stations",
@@ -761,6 +787,9 @@ def test_direction_of_a_tiny_slip_decides_nothing():
         "so did the verifier's",
         "a solid column whose stiffness rises again next to zero leans to its side",
         "it falls so steeply that its zero passed for a jump",
+        "units decided between a bifurcation and a fold",
+        "a bifurcation within 3e-6 of the load",
+        "a critical time with friction, nearer than which none is known",
     ],
 )
 def test_outcomes_that_were_unexplained(name, seed, outcome):

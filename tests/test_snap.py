@@ -100,6 +100,28 @@ def test_a_prescribed_motion_snaps_past_limit_points(case, seed, count):
     np.testing.assert_allclose([path.tips[-1] for path in paths[1:]], [paths[0].tips[-1]] * 2, rtol=1e-7)
 
 
+@pytest.mark.parametrize(
+    ("case", "seed", "counts"),
+    [
+        ("b001124", 822, (10, 20)),
+        ("b004374", 811, (10, 200)),
+        ("b000127", 823, (1, 2)),
+        ("b003754", 821, (1, 28)),
+    ],
+    ids=[
+        "all modes within 1e-7 of the load",
+        "it falls fast",
+        "a stiffness that is hardly known",
+        "stepped over",
+    ],
+)
+def test_a_bifurcation_is_told_by_the_line_along_which_the_stiffness_falls(case, seed, counts):
+    """In some numbers of steps, or in all, the path snapped past it or went along the branch off it."""
+    ends = [reached(make_case(case, seed), steps=steps) for steps in counts]
+    assert [path.outcome for path in ends] == ["bifurcation"] * 2
+    assert ends[0].critical_time == pytest.approx(ends[1].critical_time, rel=1e-9)
+
+
 def test_the_branch_off_a_bifurcation_is_not_followed_in_some_steps_only():
     """The soft mode is all but normal to the path: in 8 of 18 numbers of steps the path went along it."""
     ends = [reached(make_case("b004144", 501), steps=steps) for steps in (2, 5, 20)]

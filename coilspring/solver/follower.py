@@ -212,7 +212,7 @@ def shorten(system, task, work, path, substep, softest):
     lets_go = creeping(work.history) and softest.value > JUMPS * path.rest_stiffness
     # one that is only cut, to where a pair touches or opens, does not stall
     stalls = lets_go and substep.cut == 1.0
-    if substep.duration < (LEAST_CREEP if stalls else 2.0 * LEAST_STEP):
+    if substep.duration < (LEAST_CREEP if stalls else LEAST_STEP):
         path.bracket = 2.0 * max(substep.duration, LEAST_STEP)
         if lets_go:
             # it is no mode that has become soft: a pair that creeps lets go, bit by bit, then at once

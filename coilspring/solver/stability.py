@@ -15,16 +15,17 @@ from coilspring.solver.system import DIAGONAL, DOF, FREE, PLACE, STIFFNESS
 INVERSE_ITERATIONS = 30
 FEW_ITERATIONS = 8
 OTHERS = 0.05  # share of all modes that is put into the softest one before it is looked for anew
-SETTLED, EXACT = 0.05, 1e-3  # relative change of the least stiffness by a step of inverse iteration, that ends it:
-# along the path; where it tends to zero
+# Relative change of the least stiffness by a step of inverse iteration, that ends it: along the path, and
+# where the stiffness tends to zero.
+SETTLED, EXACT = 0.05, 1e-3
 LEAST_STEP = 1e-9  # of the time 0..1: below it, what cannot be passed is called a critical point
 FINEST = 1e-12  # of the time 0..1: so near to a predicted zero of the least stiffness it is followed
 DIFFERENCE = 1e-6  # of the span of the state's numbers, with which a difference is taken
 # Share of the time to the predicted zero of the least stiffness: at a limit point, where it falls with
 # the root of the time that is left, the straight line meets zero twice as far as the path goes.
 APPROACH = 0.5
-# Of that time, by which two predictions differ: towards a limit point by about the share by which the stiffness fell
-# from one to the next, on a straight line by so little of that; by rounding, where a line has been found.
+# Of the time that is left, by which two predictions differ: towards a limit point by about the share by which
+# the stiffness fell in between, on a straight line by so little of that; by rounding, where a line was found.
 STRAIGHT, ROUNDED = 0.02, 0.2
 LOOK = 0.05  # of the time 0..1: so often at least the softest mode is evaluated,
 SOONER = 0.25  # and after this share of the time to its predicted zero
@@ -109,8 +110,8 @@ def no_time(time):
 
 @part
 def vanishes(path, softest):
-    """Whether the least stiffness tends to zero along a straight line, just ahead: at a bifurcation. Towards a
-    limit point it falls as the root of the time that is left."""
+    """Whether the least stiffness tends to zero along a straight line, just ahead: at a bifurcation. Towards
+    a limit point it falls as the root of the time that is left."""
     return softest.linear and softest.zero - path.time <= no_time(path.time)
 
 
@@ -161,8 +162,8 @@ def watch_stiffness(system, task, work, path, substep, softest):
 
 @part
 def follow_line(softest, value, zero, time):
-    """Take a new prediction of the zero, from a value at a time, and note whether it is on a straight line with
-    the one before."""
+    """Take a new prediction of the zero, from a value at a time, and note whether it is on a straight line
+    with the one before."""
     most = ROUNDED if softest.linear else STRAIGHT * (1.0 - value / softest.value)
     softest.linear = abs(zero - softest.zero) < most * (zero - time) < np.inf
     softest.zero = zero

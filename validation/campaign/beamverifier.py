@@ -16,8 +16,8 @@ from validation.campaign.verdict import Verdict
 
 RESIDUAL = 1e-6  # distance to the equilibrium over that from rest, both in the energy norm
 REACTION = 1e-6  # of the reaction, by the verifier's own forces in the same state
-# Shares of the load by which a state lies before its critical point; the next where none is found from the last,
-# as where hard pairs change the stiffness on the way.
+# Shares of the load by which a state lies before its critical point: the next where it is not found from
+# there, since hard pairs change the stiffness on the way.
 BEFORE = (4e-5, 4e-6, 4e-7)
 CLOSE = 1e-9  # of the displacement from rest: the last correction
 LOOSE = 1e-7  # where rounding keeps the corrections from becoming smaller
@@ -40,7 +40,7 @@ def verify_states(verdict: Verdict, energy: BeamEnergy, path: EquilibriumPath) -
     worst = int(np.argmax(np.linalg.norm(residuals, axis=0) / path.times))
     for row in sorted({worst} | runs.verified_rows(path)):
         state, time = path.states[row], float(path.times[row])
-        verify_state(verdict, energy, state, time)
+        verify_state(verdict, energy, state, time, runs.force_grain(path, row))
         if energy.displacement:  # the top must be there, and be held by the force that the path reports
             runs.verify_place(verdict, path, row, float(state[energy.top]))
             off = abs(float(energy.forces(state)[energy.top]) - float(path.loads[row, 1]))
@@ -49,12 +49,15 @@ def verify_states(verdict: Verdict, energy: BeamEnergy, path: EquilibriumPath) -
             verdict.ask("reaction", share, most, f"another reaction at time {time:.6g}")
 
 
-def verify_state(verdict: Verdict, energy: BeamEnergy, state: np.ndarray, time: float) -> None:
-    """One state must be a stable equilibrium at its time."""
+def verify_state(verdict: Verdict, energy: BeamEnergy, state: np.ndarray, time: float, grain: float) -> None:
+    """One state must be a stable equilibrium at its time. Where the load has hardly begun more is left along
+    the softest mode: `grain` is what rounding makes of a hard pair's force, as a share of the load."""
     H, residual = energy.hessian(state), energy.residual(state, time)
-    verdict.stable(energy.least(H), time)
+    least = energy.least(H)
+    verdict.stable(least, time)
     distance = float(np.sqrt(abs(residual @ np.linalg.solve(H, residual)))) / energy.load_norm / time
-    verdict.ask("residual", distance, RESIDUAL, f"no equilibrium at time {time:.6g}")
+    most = max(RESIDUAL, grain / max(least, 1e-12) ** 0.5)
+    verdict.ask("residual", distance, most, f"no equilibrium at time {time:.6g}")
 
 
 def verify_critical(verdict: Verdict, energy: BeamEnergy, case: Case, path: EquilibriumPath) -> None:
@@ -69,7 +72,7 @@ def verify_critical(verdict: Verdict, energy: BeamEnergy, case: Case, path: Equi
     for share in BEFORE:
         for before in runs.just_before(verdict, case, path, [share]):
             state, time = before.states[-1], critical * (1.0 - share)
-            verify_state(verdict, energy, state, time)
+            verify_state(verdict, energy, state, time, runs.force_grain(before))
             found = bracket(energy, state, time, critical)
         if found is not None:
             verdict.ask("confirmed", found.offset(critical), runs.LOAD, "eigenvalue changes sign elsewhere")

@@ -232,12 +232,14 @@ def just_before(
 
 def ends_early(verdict: Verdict, path: EquilibriumPath, other: EquilibriumPath, time: float) -> None:
     """Complain of a run, to a `time` before a path's critical one, that ends on the way, unless the path says
-    that from before there on sticking pairs can hold other forces."""
+    that from before there on sticking pairs can hold other forces, or it is as near as the critical time of a
+    path with friction is known."""
     assert other.end_bracket is not None
-    ended = time * other.end_bracket[0]
+    assert path.critical_time is not None
+    ended, known = time * other.end_bracket[0], path.critical_time * (1.0 - FRICTION_TIME)
     if path.undecided_time is not None and ended >= path.undecided_time * (1.0 - FRICTION_TIME):
         verdict.others.append(other)
-    else:
+    elif not (path_dependent(path) and end_alike(path, other) and ended >= known):
         verdict.complain(f"just before the critical time {path.critical_time:.6g}: {other.outcome}")
 
 
