@@ -40,7 +40,7 @@ def verify_states(verdict: Verdict, energy: BeamEnergy, path: EquilibriumPath) -
     worst = int(np.argmax(np.linalg.norm(residuals, axis=0) / path.times))
     for row in sorted({worst} | runs.verified_rows(path)):
         state, time = path.states[row], float(path.times[row])
-        verify_state(verdict, energy, state, time, runs.force_grain(path, row))
+        verify_state(verdict, energy, state, time)
         if energy.displacement:  # the top must be there, and be held by the force that the path reports
             runs.verify_place(verdict, path, row, float(state[energy.top]))
             off = abs(float(energy.forces(state)[energy.top]) - float(path.loads[row, 1]))
@@ -49,9 +49,11 @@ def verify_states(verdict: Verdict, energy: BeamEnergy, path: EquilibriumPath) -
             verdict.ask("reaction", share, most, f"another reaction at time {time:.6g}")
 
 
-def verify_state(verdict: Verdict, energy: BeamEnergy, state: np.ndarray, time: float, grain: float) -> None:
-    """One state must be a stable equilibrium at its time. Where the load has hardly begun more is left along
-    the softest mode: `grain` is what rounding makes of a hard pair's force, as a share of the load."""
+def verify_state(
+    verdict: Verdict, energy: BeamEnergy, state: np.ndarray, time: float, grain: float = 0.0
+) -> None:
+    """One state must be a stable equilibrium at its time. Just before a critical point more is left along the
+    softest mode: `grain` is what rounding makes of a hard pair's force, as a share of the load."""
     H, residual = energy.hessian(state), energy.residual(state, time)
     least = energy.least(H)
     verdict.stable(least, time)
