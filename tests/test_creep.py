@@ -84,6 +84,15 @@ def test_a_path_says_that_sticking_pairs_could_hold_other_forces(name, seed, mor
     assert any("can hold each other by other forces" in path.message for path in paths) == more
 
 
+def test_runs_that_differ_since_a_creeping_pair_had_to_let_go_say_so():
+    """Of two pairs that just touch one lets go, or both creep: tips differ by 1.6e-3 for a while."""
+    paths = [reached(make_case("w00872", 833), steps=steps) for steps in (50, 100, 400)]
+    until = min(path.undecided_time or 1.0 for path in paths)
+    assert 0.7 < until <= 1.0
+    for path in paths[:2]:
+        assert deviation(path, paths[2], until=until)[1] < 1e-4
+
+
 @pytest.mark.parametrize("name", ["w00052", "w00170"])
 def test_tips_do_not_depend_on_the_steps(name):
     """Of wires and of spheres that creep: 1e-6 and 8e-4; it was 1e-2 where they opened and stuck in turn."""
@@ -171,16 +180,16 @@ def test_hard_pairs_that_creep_are_hardly_pressed(name, seed):
     assert np.abs(rows[0] - rows[1]).max() <= 5e-4 * np.abs(rows[1]).max()
 
 
-@pytest.mark.parametrize(("name", "seed", "most"), [("w00391", 792, 1e-4), ("w00391", 811, 5e-4)])
-def test_hard_pairs_creep_along_one_path(name, seed, most):
+@pytest.mark.parametrize(("seed", "most", "work"), [(792, 1e-4, 1_000), (811, 5e-4, 20_000)])
+def test_hard_pairs_creep_along_one_path(seed, most, work):
     """Within 5e-6 and 7e-5; it was 1e-3 and 1.5e-3. They slid although they were pressed, by up to 1e-4 of
     the load in each substep: differences over 1e-5 wire diameters to one side took the square of that motion
-    for what the gap of a hard pair changes, and the shares that were released did not converge."""
-    case = make_case(name, seed)
+    for what the gap of a hard pair changes, and the shares that were released did not converge. With a bound
+    on the pressure alone the first took 3188 factorisations, not 460."""
+    case = make_case("w00391", seed)
     paths = [reached(case, steps=count) for count in (50, 800)]
     assert max(deviation(*paths)) <= most
-    if seed == 792:
-        assert paths[0].total_iterations < 1_000  # 3188 with the bound alone
+    assert paths[0].total_iterations < work
 
 
 def test_a_jump_after_which_other_forces_were_possible_is_undecided():

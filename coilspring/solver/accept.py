@@ -17,7 +17,7 @@ from coilspring.contact.history import (
 from coilspring.solver.branch import most_turn
 from coilspring.solver.creep import creep_tangent
 from coilspring.solver.newton import CONVERGED
-from coilspring.solver.snap import snapped
+from coilspring.solver.snap import count_snap, passes_snap, snapped
 from coilspring.solver.stability import predicted_zero
 
 SAFE = 0.8  # share of the turn allowed that the next substep aims at
@@ -59,12 +59,14 @@ def accept(system, task, work, path, substep, room):
 def accept_step(system, task, work, path, substep):
     """Go on in time, with a step as long as the path's curvature lets the next one be."""
     copy(work.tangent, work.old)
-    if path.snapping:
-        snapped(task, work, path, substep)
     if substep.status == CONVERGED:
         copy(work.ahead, work.tangent)
         if creeping(work.history):
             path.spent += creep_tangent(system, task, work)
+    if path.snapping:
+        snapped(task, work, path, substep)
+    elif passes_snap(system, task, work, substep):
+        count_snap(task, work, path, substep)
     path.reuse, path.last_step, path.time = True, substep.duration, substep.target
     path.error = substep.error
     path.due = substep.landing

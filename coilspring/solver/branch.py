@@ -72,15 +72,15 @@ def small_turn(task, stiffness, tolerance):
 
 @part
 def continues(system, task, work, trouble, judged, small):
-    """Whether the trial state continues the branch, as after turns of up to `small`, mm, at all; the share by
-    which the path turned, less where the turn is small; a bound on all motion; and how far near pairs are
-    from the prediction, mm."""
+    """Whether the trial state continues the branch, as after turns of up to `small`, mm, at all; by how much
+    the path turned, mm; as a share of the way, less where the turn is small; a bound on all motion; and how
+    far near pairs are from the prediction, mm."""
     # no pair moves by more than its two ends do
     distance, pair, _ = displacement_bound(system, work.state, work.trial, 0.5 * PAIR_MOTION * task.diameter)
     if pair > PAIR_MOTION:
-        return False, 1.0, distance, np.inf
+        return False, np.inf, 1.0, distance, np.inf
     if not judged:
-        return True, 0.0, distance, 0.0
+        return True, 0.0, 0.0, distance, 0.0
     turn, pair, _ = displacement_bound(system, work.predicted, work.trial, 0.5 * task.located)
     share = turn / distance if distance > 0.0 else 0.0
     least = turn / small
@@ -91,7 +91,7 @@ def continues(system, task, work, trouble, judged, small):
     if has_friction(work.history):
         whole, _, _ = displacement_bound(system, task.start, work.trial, np.inf)
         least = max(least, turn / (SMALL_SHARE * whole)) if whole > 0.0 else least
-    return good, min(share, TURN * least), distance, pair * task.diameter
+    return good, turn, min(share, TURN * least), distance, pair * task.diameter
 
 
 @part

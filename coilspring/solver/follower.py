@@ -218,6 +218,7 @@ def shorten(system, task, work, path, substep, softest):
             # it is no mode that has become soft: a pair that creeps lets go, bit by bit, then at once
             again = path.time <= path.let_go
             path.let_go, path.next_step = path.time + LEAST_STEP, FIRST_STEP
+            path.undecided = min(path.undecided, path.time)
             path.releasing, path.release = True, np.inf
             let_go(work.history)
             if again:

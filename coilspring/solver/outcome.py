@@ -70,7 +70,7 @@ def verdict(track: Track, work: float) -> tuple[str, str, float | None]:
     """Outcome, message and critical time."""
     if track.outcome == COMPLETED:
         return "completed", "the load path was followed to time 1", None
-    begin, end = f"{track.time:.6f}", f"{track.time + track.bracket:.6f}"
+    begin, end = f"{track.time:.6g}", f"{track.time + track.bracket:.6g}"
     where = f"between time {begin} and {end}" if begin != end else f"at time {begin}"
     if track.outcome == OVERLAP:
         return "interpenetration", f"{THROUGH} {where}", None
@@ -93,11 +93,11 @@ def snaps(track: Track) -> str:
 
 
 def undecided(track: Track) -> str:
-    """That sticking pairs could hold other forces as well, or nothing."""
+    """That pairs could hold other forces as well, or nothing."""
     if track.undecided == np.inf:
         return ""
     return (
-        f"; from time {track.undecided:.6f} on sticking pairs can hold each other by other forces as well: "
+        f"; from time {track.undecided:.6g} on coils can hold each other by other forces as well: "
         "another number of steps may find those"
     )
 

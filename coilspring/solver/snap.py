@@ -3,7 +3,8 @@
 Coils touch at points, be they of spheres or stations of the wire. As one opens and the next closes, a path
 may fold by hundredths of a wire diameter. Which of these folds a substep sees is a matter of its length; what
 lies beyond is not. So a path that comes to one goes on from the equilibrium beyond, where no point of the
-wire moves far; it counts those snaps, and tells the largest.
+wire moves far; it counts those snaps, and tells the largest. So it does with those within a substep, which
+moves farther then than the tangents at both of its ends tell.
 """
 
 import math
@@ -11,6 +12,7 @@ import math
 import numpy as np
 
 from coilspring.compiling.compiled import copy, part
+from coilspring.contact.history import has_history
 from coilspring.solver.branch import displacement_bound
 from coilspring.solver.linesearch import dot
 from coilspring.solver.operations import factor_state, moved, solution
@@ -25,6 +27,8 @@ LONGER = 5  # times as many iterations as of a substep: hard pairs close and ope
 SHIFT = 1e-6  # least shift of an indefinite matrix: at a limit point next to nothing is negative
 SADDLES, LEAVE = 3, 1e-3  # times that an unstable equilibrium is left, and wire diameters by which at first
 SMALL = 1e-3  # wire diameters that are moved along a mode
+FASTER = 2.0  # times what the tangents tell, at least, a substep moves in which it snapped
+LEAST_TOLD = 2e-3  # wire diameters off the prediction, and of a snap after which friction may hold otherwise
 NO_WORK = 1e-4  # of the load times a mode's largest motion: less work is a bifurcation that is not quite one
 
 
@@ -97,7 +101,33 @@ def along(task, a, b):
 
 @part
 def snapped(task, work, path, substep):
-    """Count a snap, and go on from where it led as from a start."""
-    path.snapping, path.snaps = False, path.snaps + 1
-    path.largest_snap = max(path.largest_snap, substep.distance / task.diameter)
-    path.next_step, work.old[0] = PROBE, np.inf  # no turn known
+    """Go on from where a snap led as from a start."""
+    count_snap(task, work, path, substep)
+    path.snapping, path.next_step, work.old[0] = False, PROBE, np.inf  # no turn known
+
+
+@part
+def count_snap(task, work, path, substep):
+    """Count a snap in the substep from the path's time on, or the last one's going on; what remembers where
+    it slid may be held otherwise beyond."""
+    size = substep.distance / task.diameter
+    if path.time > path.snapped:
+        path.snaps, path.snap = path.snaps + 1, 0.0
+    path.snap, path.snapped = path.snap + size, substep.target
+    path.largest_snap = max(path.largest_snap, path.snap)
+    if size > LEAST_TOLD and has_history(work.history):
+        path.undecided = min(path.undecided, path.time)
+
+
+@part
+def passes_snap(system, task, work, substep):
+    """Whether a substep moved much farther than the tangents tell, `work.old` at its begin and `work.tangent`
+    at its end: past a limit point, or as pairs began to slide."""
+    if substep.turn <= LEAST_TOLD * task.diameter:
+        return False
+    most = 0.0
+    for tangent in (work.old, work.tangent):
+        moved(system, work.state, tangent, substep.duration, work.scratch)
+        distance, _, _ = displacement_bound(system, work.state, work.scratch, np.inf)
+        most = max(most, distance)
+    return substep.distance > FASTER * most

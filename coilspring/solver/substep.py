@@ -29,7 +29,7 @@ from coilspring.solver.system import OVERLAP, ROOM, SOFTEST, Target
 # Powers of two by which the tangential stiffness of opening pairs is lowered: all of it beyond the largest;
 # where the least finds no place nearby, the path jumps.
 MOST_RELEASE, LEAST_RELEASE = 40.0, 1e-3
-FINEST = 1e-5  # share of the decrement that is asked for at least, where little is left of the stiffness
+LEAST_PRECISION = 1e-5  # of the decrement that is asked for, where little is left of the stiffness
 LEAST_CUT, MOST_CUT = 0.05, 0.9  # shares at which a substep is cut where a pair touches or opens
 NEARER = 3.0  # times the bound on all motion: so much nearer may two wires come, also between nodes
 CREEP_CUT = 0.5  # share at which a substep in which a pair ceases to creep is cut, at most
@@ -56,7 +56,7 @@ def find_equilibrium(system, equilibrium, task, work, path, substep, it):
     put_prescribed(system, task.start, substep.target, work.trial)
     loaded = path.dead + path.force * substep.target
     # so that along a soft mode, too, states are found as exactly as along a stiff one
-    precision = 1.0 if path.snapping else min(max(substep.left, FINEST), 1.0)
+    precision = 1.0 if path.snapping else min(max(substep.left, LEAST_PRECISION), 1.0)
     limit = task.limit * snap.LONGER if path.snapping else task.limit
     target = Target(
         work.state, path.least_gap, work.history, work.load, path.reference * substep.target**2, precision,
@@ -155,7 +155,7 @@ def keeps_branch(system, task, work, path, substep, watch):
     if stiffness < WEAK * path.rest_stiffness:
         small = small_turn(task, stiffness, substep.tolerance)
     judged = (task.predictor or path.releasing) and not path.snapping
-    good, substep.share, substep.distance, substep.error = continues(
+    good, substep.turn, substep.share, substep.distance, substep.error = continues(
         system, task, work, substep.trouble, judged, small
     )
     # so far in no time is a snap too

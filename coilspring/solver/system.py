@@ -127,12 +127,14 @@ PATH = np.dtype(
         ("ends", "i8"),  # outcome where that leads nowhere,
         ("far", "?"),  # or too far away
         ("snaps", "i8"),  # number of those so far,
-        ("largest_snap", "f8"),  # and bound on the largest motion in one of them, wire diameters
+        ("largest_snap", "f8"),  # and bound on the largest motion in one of them, wire diameters;
+        ("snap", "f8"),  # that of the last one,
+        ("snapped", "f8"),  # which went on up to this time
         ("releasing", "?"),  # opening pairs hold something tangentially that is still to be released
         ("release", "f8"),  # power of two by which their tangential stiffness is lowered next
         ("let_go", "f8"),  # up to this time no pair that creeps lets go again,
         ("dropped", "f8"),  # and to this one none at once
-        ("undecided", "f8"),  # time of the first state beyond which pairs that creep could hold other forces
+        ("undecided", "f8"),  # time of the first state beyond which pairs could hold other forces
         ("failed", "?"),  # a substep had to be shortened since the softest mode was evaluated
         ("due", "?"),  # the last accepted state is at a requested time, and not written yet
         ("least_gap", "f8"),  # least gap of the contact pairs
@@ -177,7 +179,8 @@ SUBSTEP = np.dtype(
         ("several", "?"),  # pairs that creep could hold other forces, too
         ("damping", "f8"),  # of the flow of friction's bounds in a snap
         ("cut", "f8"),  # share of it after which a pair touches or opens; 1 where none does
-        ("share", "f8"),  # by which the path turned
+        ("turn", "f8"),  # from the prediction, mm,
+        ("share", "f8"),  # and over the way
         ("distance", "f8"),  # bound on all motion, mm
         ("error", "f8"),  # of the prediction
         ("room", "f8"),  # see `ROOM`

@@ -70,12 +70,13 @@ def verify_critical(verdict: Verdict, energy: BeamEnergy, case: Case, path: Equi
     assert path.critical_bracket is not None
     if len(path.times) and path.times[-1] > critical + path.critical_bracket:
         verdict.complain(f"continued to time {path.times[-1]:.6g} past the critical {critical:.6g}")
-    found = None
     for share in BEFORE:
-        for before in runs.just_before(verdict, case, path, [share]):
-            state, time = before.states[-1], critical * (1.0 - share)
-            verify_state(verdict, energy, state, time, runs.force_grain(before))
-            found = bracket(energy, state, time, critical)
+        paths = runs.just_before(verdict, case, path, [share])
+        if not paths:
+            return
+        state, time = paths[0].states[-1], critical * (1.0 - share)
+        verify_state(verdict, energy, state, time, runs.force_grain(paths[0]))
+        found = bracket(energy, state, time, critical)
         if found is not None:
             verdict.ask("confirmed", found.offset(critical), runs.LOAD, "eigenvalue changes sign elsewhere")
             return

@@ -88,7 +88,7 @@ def page(data: pd.DataFrame) -> str:
     listed = data.loc[data["class"].isin((UNEXPLAINED, ITERATION, REFUSED))]
     listed = listed.assign(reason=listed["reason"].where(listed["reason"] != "", listed["message"]))
     listed = listed[["seed", "id", "class", "corner", "outcome", "reason"]].rename(columns={"id": "case"})
-    sticking = data[(data["id"].str[0] == "w") & (data["sliding"] == "none")]
+    held = data[(data["id"].str[0] == "w") & data["sliding"].isin(["none", "coulomb"])]
     kinds = {kind: data[data["kind"] == kind] for kind in KINDS}
     return template.page(
         PAGE,
@@ -100,8 +100,8 @@ def page(data: pd.DataFrame) -> str:
         counts={title: frame_table(counted) for title, counted in counts.items()},
         stepped=[f"{row.id} of seed {row.seed}" for row in compared.itertuples() if float(row.stepped) > 0.0],
         compared=len(compared),
-        sticking=len(sticking),
-        possible=int(sticking["message"].str.contains(OTHER_FORCES, regex=False).sum()),
+        held=len(held),
+        possible=int(held["message"].str.contains(OTHER_FORCES, regex=False).sum()),
         undecided=int((data["class"] == UNDECIDED).sum()),
         titles=models,
         largest={name: _largest(data, name) for name in NUMBERS},

@@ -140,7 +140,7 @@ def verify(case: Case, path: EquilibriumPath) -> Verdict:
 
 
 def verify_others(verdict: Verdict, case: Case) -> None:
-    """Runs that differ where sticking pairs can hold other forces must be stable equilibria as well."""
+    """Runs that differ where coils can hold other forces must be stable equilibria as well."""
     for other in verdict.others:
         forces = WireForces(other.scene, **case.options)
         for row in sorted(verified_rows(other)):

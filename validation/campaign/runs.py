@@ -117,8 +117,8 @@ def compare(
     other: EquilibriumPath,
     verify: Callable[[Verdict, float], None],
 ) -> None:
-    """Take what `verify` finds of two runs; where they differ, and one says that from some time on sticking
-    pairs can hold other forces, they are compared up to there."""
+    """Take what `verify` finds of two runs; where they differ, and one says that from some time on coils
+    can hold other forces, they are compared up to there."""
     times = [run.undecided_time for run in (path, other) if run.undecided_time is not None]
     for until in (np.inf, *sorted(times)[:1]):
         found = Verdict(numbers=dict(verdict.numbers))
@@ -232,7 +232,7 @@ def just_before(
 
 def ends_early(verdict: Verdict, path: EquilibriumPath, other: EquilibriumPath, time: float) -> None:
     """Complain of a run, to a `time` before a path's critical one, that ends on the way, unless the path says
-    that from before there on sticking pairs can hold other forces, or it is as near as the critical time of a
+    that from before there on coils can hold other forces, or it is as near as the critical time of a
     path with friction is known."""
     assert other.end_bracket is not None
     assert path.critical_time is not None
