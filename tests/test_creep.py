@@ -158,6 +158,15 @@ def test_a_pair_that_opens_in_the_substep_of_its_touch_is_found():
     assert ends[0] == pytest.approx(ends[1], rel=1e-4)
 
 
+def test_a_pair_that_opens_as_soon_as_it_has_touched_is_found():
+    """It opened at once, crept, and was pressed again within 1e-3 of the load. Longer substeps, in 1, 5 and 7
+    steps, let it stick where it first touched: tips differed by 1.2e-3, and the paths ended at 0.950."""
+    paths = [reached(make_case("w00785", 862), steps=steps) for steps in (5, 7, 20)]
+    assert {path.outcome for path in paths} == {"interpenetration"}
+    assert [path.end_bracket[0] for path in paths] == pytest.approx([0.96302] * 3, rel=1e-4)
+    assert max(deviation(paths[0], paths[2])) <= 1e-4
+
+
 def test_what_creeps_just_touches():
     path = reached(make_case("w00170", 31), steps=100)
     slides = (

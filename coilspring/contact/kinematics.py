@@ -214,7 +214,7 @@ def update_pairs(before, ahead, vectors, history, law):
             was_free = predicted_badly(row, error, located_to(mu) * d)
             change = max(change, was_free * row.stiffness * d)
         _, normal, slope = normal_law(max(d - h, 0.0), law.kc, law.k)
-        most = max(most, min(mu, 1.0) * normal)
+        most, row.gap = max(most, min(mu, 1.0) * normal), h - d
         if mu == np.inf:
             opens_after(row, _distance(before, m), _distance(ahead, m), h, d)
             continue
@@ -222,7 +222,7 @@ def update_pairs(before, ahead, vectors, history, law):
             _lead(row)
         # at the arm d instead of h, on which arcs are measured
         bound = mu * normal * h / d
-        row.gap, row.steepness = h - d, mu * (slope * h - normal) / d if h < d else 0.0
+        row.steepness = mu * (slope * h - normal) / d if h < d else 0.0
         change = max(change, renewed(d * arc(vectors[m], h, row, e), bound, law, row))
         if row.lead > 0.0 and not leads(row, row.slip):
             _lead(row)

@@ -8,15 +8,18 @@ from coilspring.compiling.compiled import copy, part
 from coilspring.contact.history import (
     copy_history,
     creeping,
+    has_friction,
     largest_slip,
     let_go_on,
     opening,
     set_rise,
     touched,
 )
+from coilspring.contact.touching import OPEN
 from coilspring.solver.branch import most_turn
 from coilspring.solver.creep import creep_tangent
 from coilspring.solver.newton import CONVERGED
+from coilspring.solver.response import answered, nearby
 from coilspring.solver.snap import count_snap, passes_snap, snapped
 from coilspring.solver.stability import predicted_zero
 
@@ -24,6 +27,8 @@ SAFE = 0.8  # share of the turn allowed that the next substep aims at
 # Iterations in the first round, and in each that follows: with fewer, the next substep may be longer.
 EASY_COUNT, EASY_ROUND = 4, 8
 GROWTH, SLOW_GROWTH = 2.0, 1.2  # of the substep; the slow one with friction, whose rounds may be many in any
+LEAST_LEFT = 1e-6  # of the time 0..1 that is taken at least, however soon a pair closes or opens
+AT_ONCE = 1e-5  # of that time: longer substeps do not see that a pair opens within less after its touch
 MOST_SLIP = 0.01  # wire diameters that a pair that creeps is to slip in a substep
 
 
@@ -72,7 +77,8 @@ def accept_step(system, task, work, path, substep):
     path.due = substep.landing
     if path.until < np.inf and not (touched(work.trial_history) or opening(work.history)):
         path.next_step = substep.duration  # what is looked for is still ahead
-    path.until = np.inf
+    sticks = touched(work.trial_history) and not has_friction(work.history)
+    path.until, path.opens = np.inf, opens_again(system, task, work) if sticks else np.inf
     easy = substep.iterations < EASY_COUNT + EASY_ROUND * (substep.rounds - 1) or creeping(work.history)
     growth = GROWTH if easy else SLOW_GROWTH if substep.rounds > 1 else 1.0
     # the turn grows with the square of the step
@@ -82,6 +88,26 @@ def accept_step(system, task, work, path, substep):
     slip = largest_slip(work.history)
     if slip > 0.0:
         path.next_step = min(path.next_step, substep.duration * MOST_SLIP * task.diameter / slip)
+
+
+@part
+def opens_again(system, task, work):
+    """Time, along the tangent, after which a sticking pair opens that touched first in the substep at hand;
+    infinite where none does. It may be pressed again at the end of a longer substep."""
+    history, fresh, gaps, until = work.history, work.trial_history, np.empty(work.history.size), np.inf
+    copy_history(history, work.low)
+    copy(work.tangent, work.ahead)
+    share = nearby(system, task, work)
+    answered(system, work, share)
+    for m in range(history.size):
+        gaps[m] = work.high[m].gap
+    answered(system, work, -share)
+    for m in range(history.size):
+        rate = (gaps[m] - work.high[m].gap) / (2.0 * share)
+        if fresh[m].fresh and history[m].closed and rate > 0.0:
+            gap = 0.5 * (gaps[m] + work.high[m].gap)
+            until = min(until, max(OPEN * task.diameter - gap, 0.0) / rate)
+    return max(until, LEAST_LEFT) if until < AT_ONCE else np.inf
 
 
 @part

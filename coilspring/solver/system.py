@@ -121,6 +121,7 @@ PATH = np.dtype(
         ("tries", "i8"),  # equilibria looked for
         ("next_step", "f8"),
         ("until", "f8"),  # duration after which a pair touches or opens; infinite where that is not known
+        ("opens", "f8"),  # duration after which a pair that touched last is predicted to open; or infinite
         ("last_step", "f8"),
         ("error", "f8"),  # of the prediction in that
         ("snapping", "?"),  # past a limit point, see `coilspring.solver.snap`

@@ -147,13 +147,13 @@ def update_wires(contact, accepted, predicted, state, history):
             was_free = predicted_badly(row, math.sqrt(dot(error, error)), located_to(contact.mu) * d)
             change = max(change, was_free * row.stiffness * d)
         _, normal, slope = normal_law(max(d - h, 0.0), contact.kc, contact.k)
-        most = max(most, least_bound * normal)
+        most, row.gap = max(most, least_bound * normal), h - d
         if contact.mu == np.inf:
             far, _, _, _, _ = gap(contact, before, m)
             opens_after(row, far, gap(contact, ahead, m)[0], h, d)
         else:
             bound = contact.mu * normal
-            row.gap, row.steepness = h - d, contact.mu * slope if h < d else 0.0
+            row.steepness = contact.mu * slope if h < d else 0.0
             change = max(change, renewed(length, bound, contact, row))
             if row.lead > 0.0 and not leads(row, row.slip):
                 _lead(row)
