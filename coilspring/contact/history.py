@@ -57,6 +57,17 @@ def touched(history):
 
 
 @part
+def touched_first(history):
+    """The pairs that touched first in the substep at hand."""
+    pairs, count = np.empty(history.shape[0], np.int64), 0
+    for m in range(history.shape[0]):
+        if history[m].fresh:
+            pairs[count] = m
+            count += 1
+    return pairs[:count]
+
+
+@part
 def opening(history):
     """Whether a pair that has opened still holds something tangentially."""
     for m in range(history.shape[0]):  # noqa: SIM110

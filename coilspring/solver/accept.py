@@ -14,12 +14,13 @@ from coilspring.contact.history import (
     opening,
     set_rise,
     touched,
+    touched_first,
 )
 from coilspring.contact.touching import OPEN
 from coilspring.solver.branch import most_turn
 from coilspring.solver.creep import creep_tangent
 from coilspring.solver.newton import CONVERGED
-from coilspring.solver.response import answered, nearby
+from coilspring.solver.response import derivatives, nearby
 from coilspring.solver.snap import count_snap, passes_snap, snapped
 from coilspring.solver.stability import predicted_zero
 
@@ -35,6 +36,7 @@ MOST_SLIP = 0.01  # wire diameters that a pair that creeps is to slip in a subst
 @part
 def accept(system, task, work, path, substep, room):
     """Make the trial state the last accepted one."""
+    path.travel += substep.distance
     if substep.several:
         path.undecided = min(path.undecided, path.time)
     if path.releasing:
@@ -70,7 +72,7 @@ def accept_step(system, task, work, path, substep):
             path.spent += creep_tangent(system, task, work)
     if path.snapping:
         snapped(task, work, path, substep)
-    elif passes_snap(system, task, work, substep):
+    elif passes_snap(system, task, work, path, substep):
         count_snap(task, work, path, substep)
     path.reuse, path.last_step, path.time = True, substep.duration, substep.target
     path.error = substep.error
@@ -94,19 +96,15 @@ def accept_step(system, task, work, path, substep):
 def opens_again(system, task, work):
     """Time, along the tangent, after which a sticking pair opens that touched first in the substep at hand;
     infinite where none does. It may be pressed again at the end of a longer substep."""
-    history, fresh, gaps, until = work.history, work.trial_history, np.empty(work.history.size), np.inf
+    history, fresh, until = work.history, touched_first(work.trial_history), np.inf
+    rates = np.empty((2, fresh.size))
     copy_history(history, work.low)
     copy(work.tangent, work.ahead)
-    share = nearby(system, task, work)
-    answered(system, work, share)
-    for m in range(history.size):
-        gaps[m] = work.high[m].gap
-    answered(system, work, -share)
-    for m in range(history.size):
-        rate = (gaps[m] - work.high[m].gap) / (2.0 * share)
-        if fresh[m].fresh and history[m].closed and rate > 0.0:
-            gap = 0.5 * (gaps[m] + work.high[m].gap)
-            until = min(until, max(OPEN * task.diameter - gap, 0.0) / rate)
+    derivatives(system, work, nearby(system, task, work), fresh, rates)
+    for p in range(fresh.size):
+        row, rate = history[fresh[p]], rates[0, p]
+        if row.closed and rate > 0.0:
+            until = min(until, max(OPEN * task.diameter - row.gap, 0.0) / rate)
     return max(until, LEAST_LEFT) if until < AT_ONCE else np.inf
 
 

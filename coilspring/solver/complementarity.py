@@ -28,38 +28,42 @@ def complementary(opens, slips, rows):
 
     Returns
     -------
-    bool
-        Whether there was a regular system to solve.
+    bool, bool
+        Whether there was a regular system to solve, and whether other forces would do as well: sticking is
+        friction without a bound, so what a pair holds may press it, and then holds it. Of more than
+        `MOST_COMBINED` pairs that is not known.
     """
     n = opens.shape[0]
-    state, M = np.zeros(n, np.int64), np.empty((n, n + 1))
+    state, M, count = np.zeros(n, np.int64), np.empty((n, n + 1)), 0
     found = _turned(state, opens, slips, rows, M)
-    if found == OTHER:
+    if found != SOLVED:
         # the ones that what they hold closes rather are open however much they hold, or pressed
         for p in range(n):
             state[p] = TOUCHES if opens[p, p] > 0.0 else FREE if rows[GAP, p] > 0.0 else STICKS
         found = _turned(state, opens, slips, rows, M)
-    if found == SINGULAR:
-        return False
+    if n <= MOST_COMBINED:
+        first, count = _combined(opens, slips, rows, M)
+        if found != SOLVED and count > 0:
+            state[:] = first
+    for p in range(n):
+        _equation(state[p], p, opens, slips, rows, M)
+    if eliminated(M) == 0:
+        return False, count > 1
     for p in range(n):
         for q in range(n):
             rows[SLIP, p] += slips[p, q] * M[q, n]
         rows[HELD, p] += M[p, n]
         if state[p] != TOUCHES:
             rows[HELD if state[p] == FREE else SLIP, p] = 0.0
-    return True
+    return True, count > 1
 
 
 @part
-def several(opens, slips, rows):
-    """Whether other forces would do as well; of more than `MOST_COMBINED` pairs it is not known.
-
-    Sticking is friction without a bound: what a pair holds may press it, and then holds it.
-    """
-    n = opens.shape[0]
-    if n > MOST_COMBINED:
-        return False
-    state, M, first, count, largest = np.zeros(n, np.int64), np.empty((n, n + 1)), np.empty(n), 0, 0.0
+def _combined(opens, slips, rows, M):
+    """What pairs are in the first of all combinations that is a solution, and the number of solutions: 2 where
+    there are more."""
+    n, largest, count = opens.shape[0], 0.0, 0
+    state, first, forces = np.zeros(n, np.int64), np.zeros(n, np.int64), np.empty(n)
     for p in range(n):
         largest = max(largest, rows[HELD, p] + rows[SLIP, p])
     for combination in range(3**n):
@@ -67,16 +71,15 @@ def several(opens, slips, rows):
         for p in range(n):
             state[p] = rest % 3
             rest //= 3
-        for p in range(n):
             _equation(state[p], p, opens, slips, rows, M)
         if eliminated(M) == 0 or _next(state, opens, slips, rows, M) < n:
             continue
         for p in range(n):
-            if count > 0 and abs(M[p, n] - first[p]) > SAME * largest:
-                return True
-            first[p] = M[p, n]
-        count += 1
-    return False
+            if count > 0 and abs(M[p, n] - forces[p]) > SAME * largest:
+                return first, 2
+        if count == 0:
+            first[:], forces[:], count = state, M[:, n], 1
+    return first, count
 
 
 @part

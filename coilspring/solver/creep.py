@@ -13,12 +13,14 @@ import numpy as np
 from coilspring.compiling.compiled import copy, part
 from coilspring.contact.history import copy_history
 from coilspring.contact.touching import CREEP
-from coilspring.solver.complementarity import GAP, HELD, SLIP, complementary, eliminated, several
+from coilspring.solver.complementarity import GAP, HELD, SLIP, complementary, eliminated
 from coilspring.solver.operations import factor_state, solution
-from coilspring.solver.response import answer, answered, nearby
+from coilspring.solver.response import answer, derivatives, nearby
 
 LESS = 1e-4  # share of a force that is changed, to see what it does
 LEAST_SHARE = 1e-12  # of the stiffness: less counts as none between two shares
+FULL_ROUNDS = 6  # rounds in which the whole change of the forces is taken: mostly they suffice
+SHORTER, LONGER, LEAST_STEP = 0.25, 2.0, 1e-4
 NEARLY = 0.5  # of the stiffness: where a pair opened with no share so far, all of it is tried from here on
 
 
@@ -30,7 +32,9 @@ def renew_creep(system, task, work, substep, pressed):
     over `pressed`, in wire diameters: up to 1 nothing is changed; infinity where no answer was found.
     """
     history = work.history
-    active, worst = _active(history, CREEP * task.diameter, pressed * task.diameter)
+    # rounds that go to and fro leave out a pair at a time
+    every = substep.rounds > FULL_ROUNDS
+    active, worst = _active(history, CREEP * task.diameter, pressed * task.diameter, every)
     if worst <= 1.0:
         return worst
     n = active.size
@@ -38,21 +42,33 @@ def renew_creep(system, task, work, substep, pressed):
     _factor_sliding(system, work, active, False)
     for p in range(n):
         small, more = _forced(system, task, work, active[p])
-        _derivatives(system, work, small, active, change)
+        derivatives(system, work, small, active, change)
         for q in range(n):
             opens[q, p] = change[0, q] / more
             slips[q, p] = change[1, q] / more - (1.0 if p == q else 0.0)
         row = history[active[p]]
         rows[GAP, p], rows[SLIP, p], rows[HELD, p] = row.gap, row.sticking - _held(row), _held(row)
-    substep.several = several(opens, slips, rows)
-    if not complementary(opens, slips, rows):
+    before = rows.copy()
+    solved, substep.several = complementary(opens, slips, rows)
+    if not solved:
         return np.inf
+    _shorten_step(substep, worst)
     for p in range(n):
-        row, held = history[active[p]], max(rows[HELD, p], 0.0)
-        sticking = held + max(rows[SLIP, p], 0.0)
-        share = held / sticking if sticking > 0.0 else 1.0
+        row = history[active[p]]
+        held = before[HELD, p] + substep.step * (max(rows[HELD, p], 0.0) - before[HELD, p])
+        slip = before[SLIP, p] + substep.step * (max(rows[SLIP, p], 0.0) - before[SLIP, p])
+        share = held / (held + slip) if held + slip > 0.0 else 1.0
         row.released = 1.0 - (_between(row, share) if n == 1 else share)
     return worst
+
+
+@part
+def _shorten_step(substep, worst):
+    """Take less of the change of the forces where rounds go to and fro: no longer nearer to gaps of zero."""
+    if substep.rounds > FULL_ROUNDS:
+        nearer = worst < substep.worst
+        substep.step = min(LONGER * substep.step, 1.0) if nearer else max(SHORTER * substep.step, LEAST_STEP)
+    substep.worst = worst
 
 
 @part
@@ -70,13 +86,13 @@ def creep_tangent(system, task, work):
     M, motions, change = np.empty((n, n + 1)), np.empty((n, task.load.size)), np.empty((2, n))
     for p in range(n):
         small, more = _forced(system, task, work, active[p])
-        _derivatives(system, work, small, active, change)
+        derivatives(system, work, small, active, change)
         for q in range(n):
             M[q, p] = change[0, q] / more
         for i in range(task.load.size):
             motions[p, i] = work.ahead[i] / more
     solution(system, work.F, task.load, 1.0, work.ahead)
-    _derivatives(system, work, nearby(system, task, work), active, change)
+    derivatives(system, work, nearby(system, task, work), active, change)
     for q in range(n):
         M[q, n] = -change[0, q]
     if eliminated(M) == 0:
@@ -87,26 +103,6 @@ def creep_tangent(system, task, work):
         for i in range(task.load.size):
             work.tangent[i] += M[p, n] * motions[p, i]
     return 1
-
-
-@part
-def _derivatives(system, work, share, active, change):
-    """Fill the derivatives, along the motion `work.ahead`, of the gaps and of the forces of sticking.
-
-    The gaps' by central differences: they change with the square of a motion along the wire, too, and hard
-    pairs that are pressed have gaps no larger than that. What would stick is stretched by far less than the
-    motion where it is hard: its derivative is that of the side on which the stretch grows.
-    """
-    answered(system, work, share)
-    for q in range(active.size):
-        there = work.high[active[q]]
-        change[0, q], change[1, q] = there.gap, there.sticking
-    answered(system, work, -share)
-    for q in range(active.size):
-        there, sticking = work.high[active[q]], work.history[active[q]].sticking
-        change[0, q] = (change[0, q] - there.gap) / (2.0 * share)
-        grows = change[1, q] >= there.sticking
-        change[1, q] = (change[1, q] - sticking if grows else sticking - there.sticking) / share
 
 
 @part
@@ -122,17 +118,19 @@ def _forced(system, task, work, m):
 
 
 @part
-def _active(history, wide, deep):
-    """Pairs whose force decides their gap, and the largest gap or penetration that is not as it should be, in
-    units of those that may be left."""
+def _active(history, wide, deep, every):
+    """Pairs whose force decides their gap, or `every` one that creeps, and the largest gap or penetration that
+    is not as it should be, in units of those that may be left."""
     active, count, worst = np.empty(history.shape[0], np.int64), 0, 0.0
     for m in range(history.shape[0]):
         row = history[m]
         sticks = row.released == 0.0 and row.gap <= 0.0
         free = row.released == 1.0 and row.gap >= 0.0
-        if row.creeps and not (sticks or free):
+        right = sticks or free
+        if row.creeps and not (right and (not every or row.sticking == 0.0)):
             active[count] = m
             count += 1
+        if row.creeps and not right:
             worst = max(worst, row.gap / wide, -row.gap / deep)
     return active[:count], worst
 

@@ -40,3 +40,24 @@ def answered(system, work, share):
     moved(system, work.trial, work.ahead, share, there)
     copy_history(work.low, work.high)
     system.update_pairs(system.reals, system.ints, there, there, there, work.high)
+
+
+@part
+def derivatives(system, work, share, pairs, change):
+    """Fill the derivatives, along the motion `work.ahead`, of the gaps of some pairs and of the forces with
+    which they would stick: (2, pairs).
+
+    The gaps' by central differences: they change with the square of a motion along the wire, too, and hard
+    pairs that are pressed have gaps no larger than that. What would stick is stretched by far less than the
+    motion where it is hard: its derivative is that of the side on which the stretch grows.
+    """
+    answered(system, work, share)
+    for q in range(pairs.size):
+        there = work.high[pairs[q]]
+        change[0, q], change[1, q] = there.gap, there.sticking
+    answered(system, work, -share)
+    for q in range(pairs.size):
+        there, sticking = work.high[pairs[q]], work.history[pairs[q]].sticking
+        change[0, q] = (change[0, q] - there.gap) / (2.0 * share)
+        grows = change[1, q] >= there.sticking
+        change[1, q] = (change[1, q] - sticking if grows else sticking - there.sticking) / share

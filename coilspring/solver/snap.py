@@ -28,7 +28,9 @@ SHIFT = 1e-6  # least shift of an indefinite matrix: at a limit point next to no
 SADDLES, LEAVE = 3, 1e-3  # times that an unstable equilibrium is left, and wire diameters by which at first
 SMALL = 1e-3  # wire diameters that are moved along a mode
 FASTER = 2.0  # times what the tangents tell, at least, a substep moves in which it snapped
-LEAST_TOLD = 2e-3  # wire diameters off the prediction, and of a snap after which friction may hold otherwise
+# Wire diameters, and share of the path so far: by less off the prediction is no snap; after one that is
+# larger, friction may hold otherwise.
+LEAST_TOLD, SHARE_TOLD = 2e-3, 5e-3
 NO_WORK = 1e-4  # of the load times a mode's largest motion: less work is a bifurcation that is not quite one
 
 
@@ -115,15 +117,22 @@ def count_snap(task, work, path, substep):
         path.snaps, path.snap = path.snaps + 1, 0.0
     path.snap, path.snapped = path.snap + size, substep.target
     path.largest_snap = max(path.largest_snap, path.snap)
-    if size > LEAST_TOLD and has_history(work.history):
+    if substep.distance > least_told(task, path) and has_history(work.history):
         path.undecided = min(path.undecided, path.time)
 
 
 @part
-def passes_snap(system, task, work, substep):
+def least_told(task, path):
+    """Motion, mm, from which on a snap changes the answer: of a stack of coils that touch all of it may be as
+    small."""
+    return min(LEAST_TOLD * task.diameter, SHARE_TOLD * path.travel)
+
+
+@part
+def passes_snap(system, task, work, path, substep):
     """Whether a substep moved much farther than the tangents tell, `work.old` at its begin and `work.tangent`
     at its end: past a limit point, or as pairs began to slide."""
-    if substep.turn <= LEAST_TOLD * task.diameter:
+    if substep.turn <= least_told(task, path):
         return False
     most = 0.0
     for tangent in (work.old, work.tangent):

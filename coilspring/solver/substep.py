@@ -73,6 +73,7 @@ def find_equilibrium(system, equilibrium, task, work, path, substep, it):
     keep_bounds(work.history)
     substep.rounds, substep.iterations, substep.trouble, substep.cut = 0, 0, NONE, 1.0
     substep.turned, substep.several, substep.damping, change = False, False, 1.0, np.inf
+    substep.step, substep.worst = 1.0, np.inf
     while True:
         it.reuse = path.reuse
         substep.status = equilibrium(system, target, work, work.trial, it)

@@ -131,6 +131,7 @@ PATH = np.dtype(
         ("largest_snap", "f8"),  # and bound on the largest motion in one of them, wire diameters;
         ("snap", "f8"),  # that of the last one,
         ("snapped", "f8"),  # which went on up to this time
+        ("travel", "f8"),  # bound on all motion so far, mm
         ("releasing", "?"),  # opening pairs hold something tangentially that is still to be released
         ("release", "f8"),  # power of two by which their tangential stiffness is lowered next
         ("let_go", "f8"),  # up to this time no pair that creeps lets go again,
@@ -179,6 +180,8 @@ SUBSTEP = np.dtype(
         ("turned", "?"),  # the determinant of Coulomb's tangent is negative
         ("several", "?"),  # pairs that creep could hold other forces, too
         ("damping", "f8"),  # of the flow of friction's bounds in a snap
+        ("step", "f8"),  # share of the change of the forces of pairs that creep that is taken in a round,
+        ("worst", "f8"),  # and the largest gap or penetration that they had in the last one
         ("cut", "f8"),  # share of it after which a pair touches or opens; 1 where none does
         ("turn", "f8"),  # from the prediction, mm,
         ("share", "f8"),  # and over the way
