@@ -78,7 +78,7 @@ def test_a_force_that_closes_its_own_pair_is_not_the_only_one(opens, more):
 
 
 def test_forces_that_turning_pairs_one_at_a_time_does_not_find():
-    """Both open though they stick, and each holds itself and the other open: one lets go, the other touches."""
+    """Both open though they stick, and each holds itself and the other open: one lets go, one touches."""
     opens = np.array([[0.030759973, 0.015968874], [0.027726446, 0.013891508]])
     slips = np.array([[-2104.1375, -2113.6215], [-2113.6219, -2157.9427]])
     rows = np.array([[2.85066e-6, 6.03218e-6], [0.0, 0.0], [0.01200916, 0.0395974]])
@@ -228,7 +228,7 @@ def test_a_pair_that_has_just_touched_does_not_open_by_what_it_is_located_to():
 
 
 def test_rounds_that_go_to_and_fro_take_shorter_steps():
-    """Two pairs in turn were pressed and opened, 30 rounds long, in each of the 20 000 attempts of this path."""
+    """Two pairs in turn were pressed and opened, 30 rounds long, in each of this path's 20 000 attempts."""
     path = reached(make_case("w00371", 832), steps=21)
     assert path.outcome == "completed"
 

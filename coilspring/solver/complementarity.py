@@ -60,8 +60,8 @@ def complementary(opens, slips, rows):
 
 @part
 def _combined(opens, slips, rows, M):
-    """What pairs are in the first of all combinations that is a solution, and the number of solutions: 2 where
-    there are more."""
+    """What pairs are in the first of all combinations that is a solution, and the number of solutions, 2 at
+    most."""
     n, largest, count = opens.shape[0], 0.0, 0
     state, first, forces = np.zeros(n, np.int64), np.zeros(n, np.int64), np.empty(n)
     for p in range(n):

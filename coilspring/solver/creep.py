@@ -64,7 +64,7 @@ def renew_creep(system, task, work, substep, pressed):
 
 @part
 def _shorten_step(substep, worst):
-    """Take less of the change of the forces where rounds go to and fro: no longer nearer to gaps of zero."""
+    """Take less of the change of the forces where rounds go to and fro: gaps are no nearer to zero."""
     if substep.rounds > FULL_ROUNDS:
         nearer = worst < substep.worst
         substep.step = min(LONGER * substep.step, 1.0) if nearer else max(SHORTER * substep.step, LEAST_STEP)
@@ -119,8 +119,8 @@ def _forced(system, task, work, m):
 
 @part
 def _active(history, wide, deep, every):
-    """Pairs whose force decides their gap, or `every` one that creeps, and the largest gap or penetration that
-    is not as it should be, in units of those that may be left."""
+    """Pairs whose force decides their gap, or `every` one that creeps, and the largest gap or penetration
+    that is not as it should be, in units of those that may be left."""
     active, count, worst = np.empty(history.shape[0], np.int64), 0, 0.0
     for m in range(history.shape[0]):
         row = history[m]

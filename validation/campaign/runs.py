@@ -82,9 +82,9 @@ def deviation(
 
 
 def grain(path: EquilibriumPath) -> float:
-    """What is unknown of the largest displacement, as a share of it: positions are rounded, gaps of coils that
-    touch too, and the places where sticking pairs touch and open are located so closely. Gaps of coils that
-    lie on each other add up."""
+    """What is unknown of the largest displacement, as a share of it: positions are rounded, gaps of coils
+    that touch too, and the places where sticking pairs touch and open are located so closely. Gaps of coils
+    that lie on each other add up."""
     largest, spring = np.abs(path.tips[:, :2]).max(initial=0.0), path.scene.spring
     touches = path.max_penetration.max(initial=0.0) > 0.0
     sticks = path_dependent(path) and path.scene.contact.sliding == "none"
