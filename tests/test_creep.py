@@ -228,9 +228,8 @@ def test_a_pair_that_has_just_touched_does_not_open_by_what_it_is_located_to():
 
 
 def test_rounds_that_go_to_and_fro_take_shorter_steps():
-    """Two pairs in turn were pressed and opened, 30 rounds long, in each of this path's 20 000 attempts."""
-    path = reached(make_case("w00371", 832), steps=21)
-    assert path.outcome == "completed"
+    """Two pairs were open and pressed in turn, 30 rounds long: it ended in a jump at 0.1151 of the load."""
+    assert reached(make_case("w00735", 873), steps=50).outcome == "completed"
 
 
 def test_a_small_snap_of_a_stack_is_told():
