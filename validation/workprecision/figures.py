@@ -4,11 +4,13 @@ from collections.abc import Sequence
 from string import ascii_lowercase
 
 import matplotlib
+import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
+from matplotlib.ticker import NullFormatter
 
 from coilspring import Contact
 from validation.study.plots import drawn
@@ -148,6 +150,9 @@ def draw_penalties(rows: pd.DataFrame) -> Figure:
         axes.set(xscale="log", yscale="log", xlabel="penalty K (N/mm)")
         axes.axvline(Contact().stiffness, **USUAL)
         axes.yaxis.set_major_formatter("{x:g}")
+        axes.yaxis.set_minor_formatter(NullFormatter())
+        low, high = np.log10(axes.get_ylim())
+        axes.set_ylim(10.0 ** np.floor(low), 10.0 ** np.ceil(high))  # whole ones: two at least have a label
     handles, _ = error.get_legend_handles_labels()
     handles.append(Line2D([], [], **USUAL, label="K of the scenes"))
     if (rows["outcome"] != "completed").any():
