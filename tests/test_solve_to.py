@@ -17,7 +17,7 @@ from validation.study.partialsolve import partial_path
 from validation.sweep import choice, run
 from validation.sweep.grid import points, read_varied
 from validation.verification import requested
-from wirefe.adaptive import Levels, Trials, difference, few, thinned
+from wirefe.adaptive import Errors, Levels, Trial, Trials, difference, few, thinned
 
 SHORT = replace(spring_a(), spring=replace(spring_a().spring, active_coils=4.0, active_height=7.0))
 
@@ -33,11 +33,27 @@ def test_stations_and_mesh_are_as_fine_as_asked_for(asked):
     assert path.active_contacts.any()
     assert difference(path, finest) <= min(asked, 3.0 * path.estimated_error)
     assert path.estimated_error <= asked == path.accuracy
-    assert 0 <= path.options["pairs_per_turn"] - 4 * path.options["elements_per_turn"] < 8
+    assert 4.0 <= path.options["pairs_per_turn"] / path.options["elements_per_turn"] <= 16.0
+
+
+def trials_of(scene, *meshes):
+    """Trials with paths on levels with stations."""
+    trials = Trials(Levels.of(scene, None), 1e-3, 10)
+    for level, stations in meshes:
+        trials.take(Trial(level, stations, wirefe.solve(scene, **trials.levels.options(level, stations))))
+    return trials
 
 
 def test_finer_is_asked_finer_is_solved():
-    levels = [wirefe.solve_to(touching(), asked).options["elements_per_turn"] for asked in (1e-2, 3e-4, 1e-4)]
+    """In stations, which leave the larger part of the error here, and in elements where there are none."""
+    wanted = (1e-2, 1e-3, 3e-4, 1e-4, 3e-5)
+    found = [wirefe.solve_to(touching(), asked).options for asked in wanted]
+    stations, levels = ([mesh[name] for mesh in found] for name in ("pairs_per_turn", "elements_per_turn"))
+    assert stations == sorted(set(stations))
+    assert levels == sorted(levels)
+    assert levels[-1] > levels[0]
+    spheres = [wirefe.solve_to(touching(geometry="spheres"), asked).options for asked in (1e-2, 1e-3, 1e-5)]
+    levels = [mesh["elements_per_turn"] for mesh in spheres]
     assert levels[0] < levels[1] < levels[2]
 
 
@@ -125,24 +141,59 @@ def test_what_no_mesh_reaches_is_refused_with_what_can_be_reached(monkeypatch):
         wirefe.solve_to(touching(), 1e-5)
 
 
-@pytest.mark.parametrize("geometry", ["wires", "spheres"])
-@pytest.mark.parametrize(("low", "high", "ratio"), [(8, 12, 1.5), (4, 8, 1.0), (4, 16, 0.2)])
-def test_the_error_falls_with_the_square_of_the_level_or_is_that_of_the_one_before(
-    geometry, low, high, ratio
-):
-    scene = touching(geometry=geometry)
-    levels = Levels.of(scene, None)
-    paths = [(n, wirefe.solve(scene, **levels.options(n, True))) for n in (4, low, high)]
-    found = Trials(levels, 1e-3, 10, paths=paths).estimate
-    assert found == pytest.approx(ratio * difference(paths[1][1], paths[2][1]))
+@pytest.mark.parametrize(("low", "high", "ratio"), [(8, 12, 4.0), (4, 8, 5 / 3), (4, 16, 1 / 3)])
+def test_the_error_falls_with_the_square_of_the_level(low, high, ratio):
+    """As two paths tell it; what two tell is taken five times."""
+    trials = trials_of(touching(geometry="spheres"), (low, 16), (high, 16))
+    assert trials.estimate == pytest.approx(ratio * difference(*(trial.path for trial in trials.found)))
+
+
+def test_what_elements_and_stations_leave_is_told_apart():
+    trials = trials_of(touching(), (4, 32), (8, 32), (8, 66))
+    a, b, c = (trial.path for trial in trials.found)
+    assert trials.errors.elements == pytest.approx(difference(a, b) / (1 / 16 - 1 / 64))
+    assert trials.errors.stations == pytest.approx(difference(b, c) / (1 / 32**2 - 1 / 66**2))
+    told = trials.errors.at(8, 66)
+    assert told == pytest.approx(difference(a, b) / 3.0 + difference(b, c) / ((66 / 32) ** 2 - 1.0))
+    assert trials.estimate == pytest.approx(3.0 * told)
+
+
+def test_what_two_paths_tell_of_both_is_half_for_each():
+    trials = trials_of(touching(), (4, 16), (8, 34))
+    half = 0.5 * difference(*(trial.path for trial in trials.found))
+    assert trials.errors.elements == pytest.approx(half / (1 / 16 - 1 / 64))
+    assert trials.errors.stations == pytest.approx(half / (1 / 16**2 - 1 / 34**2))
+    assert trials.estimate == pytest.approx(5.0 * trials.errors.at(8, 34))
+    assert trials.estimate > half
 
 
 def test_two_paths_that_agree_by_chance_are_not_believed():
-    """The last two paths are one: what the first differs by, fallen with the square of the level, is left."""
-    levels = Levels.of(touching(), None)
-    path = {n: wirefe.solve(touching(), **levels.options(n, True)) for n in (4, 8, 16)}
-    trials = Trials(levels, 1e-3, 10, paths=[(4, path[4]), (8, path[16]), (16, path[16])])
-    assert trials.estimate == pytest.approx(2.0 * difference(path[4], path[16]) / 16.0) != 0.0
+    """The last two paths are one: half of what those before have told is left."""
+    trials = trials_of(touching(), (4, 32), (8, 32), (8, 66))
+    told, last = trials.errors, trials.found[-1]
+    trials.take(replace(last, level=16, stations=134))
+    assert trials.errors.at(16, 134) == pytest.approx(0.5 * told.at(16, 134)) != 0.0
+    trials = trials_of(touching(geometry="spheres"), (4, 16), (8, 16))
+    told = trials.errors
+    trials.take(replace(trials.found[-1], level=16))
+    assert trials.errors.elements == pytest.approx(0.5 * told.elements) != 0.0
+
+
+def test_a_path_farther_off_than_was_told_makes_the_errors_larger(monkeypatch):
+    trials = trials_of(touching(), (4, 32), (8, 32), (8, 66))
+    told, last = trials.errors, trials.found[-1]
+    monkeypatch.setattr("wirefe.adaptive.difference", lambda coarse, fine: 7.0 * told.at(8, 66))
+    found = told.seen(last, replace(last, level=16, stations=134))
+    assert (found.elements, found.stations) == pytest.approx((7.0 * told.elements, 7.0 * told.stations))
+
+
+def test_the_mesh_predicted_is_the_cheapest_that_does():
+    errors = Errors(0.3, 7.0)
+    level, stations = errors.cheapest(1e-4)
+    assert errors.elements / level**2 + errors.stations / stations**2 == pytest.approx(1e-4)
+    for other in (0.9 * level, 1.1 * level):
+        more = math.sqrt(errors.stations / (1e-4 - errors.elements / other**2))
+        assert other + more / 10.0 > level + stations / 10.0
 
 
 @pytest.mark.parametrize(
@@ -156,9 +207,7 @@ def test_where_errors_fall_irregularly_three_paths_are_compared(geometry, asked,
 
 
 def test_what_no_level_before_has_seen_touch_is_no_estimate():
-    levels = Levels.of(touching(), None)
-    paths = [(n, wirefe.solve(touching(), **levels.options(n, False))) for n in (4, 8)]
-    assert Trials(levels, 1e-3, 10, paths=paths).estimate == np.inf
+    assert trials_of(touching(), (4, 16), (8, 16)).estimate == np.inf
 
 
 def test_meshes_that_end_otherwise_are_no_answer(monkeypatch):
@@ -171,8 +220,8 @@ def test_meshes_that_end_otherwise_are_no_answer(monkeypatch):
 def test_a_path_that_ends_early_has_all_rows():
     scene = replace(spring_b(), contact=Contact(geometry="spheres"), load=Load((0.0, -200.0), 10))
     trials = Trials(Levels.of(scene, None), 1e-2, 10)
-    trials.add(4, few(10))
-    path = trials.paths[0][1]
+    trials.add(4, 16, few(10))
+    path = trials.found[0].path
     assert path.outcome == "limit_point"
     assert path.scene.load.steps == 10
 
@@ -199,20 +248,20 @@ def test_coarse_paths_have_few_rows_of_the_fine_ones():
 
 
 def test_stations_of_two_levels_stand_elsewhere():
-    levels = Levels.of(touching(), None)
-    trials = Trials(levels, 1e-3, 10)
+    trials = Trials(Levels.of(touching(), None), 1e-3, 10)
     for level in (4, 6, 8, 12):
-        trials.add(level, 1)
-    stations = [path.options["pairs_per_turn"] for _, path in trials.paths]
+        trials.add(level, trials.others(4 * level), 1)
+    stations = [trial.path.options["pairs_per_turn"] for trial in trials.found]
     assert stations[0] == 16
     assert {math.gcd(*pair) for pair in combinations(stations, 2)} == {2}
 
 
-def test_a_path_takes_the_place_of_one_on_the_same_level():
-    trials = Trials(Levels.of(touching(geometry="spheres"), None), 1e-3, 10)
-    for level, steps in ((4, 1), (8, 1), (8, 2)):
-        trials.add(level, steps)
-    assert [(level, len(path.times)) for level, path in trials.paths] == [(4, 1), (8, 2)]
+def test_paths_that_end_otherwise_tell_nothing_and_later_ones_do():
+    a, b = trials_of(touching(geometry="spheres"), (4, 16), (8, 16)).found
+    unknown = Errors().seen(replace(a, path=replace(a.path, outcome="limit_point")), b)
+    assert unknown.elements == np.inf
+    assert unknown.seen(a, b) == Errors().seen(a, b)
+    assert Errors().seen(a, b).elements < np.inf
 
 
 def test_progress_says_what_is_solved_and_the_estimate_so_far():
@@ -221,7 +270,8 @@ def test_progress_says_what_is_solved_and_the_estimate_so_far():
     assert lines[0] == f"4 elements per turn, {path.scene.load.steps} steps"
     assert lines[1].startswith("8 elements per turn,")
     assert lines[1].endswith(" s CPU")
-    assert "s CPU, estimated error 0.0" in lines[2]
+    assert lines[2].endswith(" s CPU")  # of the stations nothing is known yet
+    assert "s CPU, estimated error 0.0" in lines[3]
 
 
 def test_the_estimate_is_kept_with_the_path(tmp_path):

@@ -2,7 +2,9 @@
 
 The error is that of the load curve (`coilspring.curves`), against the wire model of the same scene with a
 mesh, stations and substeps without end. A level n has n curved elements a turn (`STRAIGHT` n straight ones
-where end turns rest on plates) and about 4 n stations of wires; both errors then fall with 1 / n^2.
+where end turns rest on plates). What elements leave of the error falls with the square of the level, and what
+stations of wires leave with the square of their number, irregularly. Each is estimated by itself, and so many
+of both are taken as do and cost least.
 """
 
 from __future__ import annotations
@@ -10,7 +12,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
-from itertools import count, pairwise
+from itertools import count
 from typing import Any
 
 import numpy as np
@@ -25,18 +27,21 @@ from wirefe.solve import solve
 
 ACCURACIES = (1e-5, 1e-2)
 COARSEST, FINEST, FINEST_STRAIGHT = 4, 128, 32  # levels
-STRAIGHT, STATIONS = 10, 4  # elements of a plate-seated spring, and stations a turn, of level 1
+STRAIGHT, STATIONS = 10, 8  # elements of a plate-seated spring, and stations at first, of level 1
 FEWEST, MOST = 16, 960  # stations: where nothing touches; a few more than the most have to be allowed
 ROWS = 5  # of a stage, at least, at which paths are compared whose differences are smooth
 ROUGH = 5e-3  # accuracies from here on are mostly met by the coarsest mesh
-# The errors of two paths over their difference, at most (as measured on random springs): of the coarser one;
-# of the finer one, and over what it is where errors fall with the square of the level; where substeps differ.
-COARSE, FINE, SAFE, MIXED = 2.0, 1.5, 3.0, 3.0
+# Errors over what differences tell, at most (as measured on random springs): of the coarser of two paths;
+# where substeps differ; of the last path, as two tell it, three, or more (from `ROUGH` on one less).
+COARSE, MIXED, SAFE = 2.0, 3.0, {2: 5.0, 3: 3.0, 4: 2.5}
+FALL = 0.5  # of what paths before have told is what two tell, at least: they may agree by chance
 CLEAR = 0.05  # wire diameters between coils that do not touch on any level
-AHEAD = 1.1  # times the level that is predicted to do
-STRIDE = 1.4  # times the last level, at least: nearer levels differ by less than their errors
-SECOND = 2.0  # times the first level
-LEAP, LEAP_IRREGULAR = 4.0, 2.0  # times the last level, at most
+ELEMENT = 10.0  # stations take as long as one element
+AHEAD = 1.1  # below the error wanted is that of the mesh that is predicted to do
+STRIDE = 1.4  # times the last mesh, at least: nearer ones differ by less than their errors
+SECOND = 2.0  # times the first mesh
+FAR = 3.0  # times the last mesh, at most, where errors fall irregularly
+BEYOND = 1.5  # times the finest mesh: what is predicted to take more is refused
 HALVINGS = 3  # of the substeps, at most, where friction makes the answer depend on them
 TINY = 1e-12  # of the time 0..1
 FRACTION = 1_000  # of a coil at most, at which a spring or a section of it ends
@@ -81,19 +86,67 @@ class Levels:
         """The next level from here."""
         return self.multiple * math.ceil(level / self.multiple - 1e-9)
 
-    def options(self, level: int, touching: bool) -> dict[str, Any]:
-        """Options of `wirefe.solve`; stations where nothing touches are the fewest."""
+    def options(self, level: int, stations: int | None = None) -> dict[str, Any]:
+        """Options of `wirefe.solve`; `STATIONS` a level unless given."""
         plates = self.scene.supports.seat == "plate"
         return {
             "element": "straight" if plates else "curved",
             "elements_per_turn": STRAIGHT * level if plates else level,
-            "pairs_per_turn": self.spheres or (min(STATIONS * level, MOST) if touching else FEWEST),
+            "pairs_per_turn": self.spheres or stations or min(STATIONS * level, MOST),
         }
+
+
+@dataclass(frozen=True)
+class Trial:
+    """A path on a level with stations; `FEWEST` where these make no error: of spheres, or nothing touches."""
+
+    level: int
+    stations: int
+    path: EquilibriumPath
+
+
+@dataclass(frozen=True)
+class Errors:
+    """What elements leave, times the square of the level, and stations, times the square of their number."""
+
+    elements: float = 0.0
+    stations: float = 0.0
+
+    def at(self, level: int, stations: int) -> float:
+        """Error of a mesh."""
+        return self.elements / level**2 + self.stations / stations**2
+
+    def seen(self, a: Trial, b: Trial) -> Errors:
+        """The errors as a finer path tells them, too.
+
+        Where its elements and its stations are more, it scales both errors if they are known; else each is
+        half of the difference. Where paths have ended otherwise nothing is known.
+        """
+        apart = difference(a.path, b.path)
+        known = self if math.isfinite(apart + self.elements + self.stations) else Errors()
+        finer, denser = b.level > a.level, b.stations > a.stations
+        if finer and denser and known.elements and known.stations:
+            scale = max(FALL, apart / known.at(a.level, a.stations))
+            return Errors(scale * known.elements, scale * known.stations)
+        elements, stations = known.elements, known.stations
+        if finer and denser:
+            apart *= 0.5
+        if finer:
+            elements = max(FALL * elements, apart / (a.level**-2 - b.level**-2))
+        if denser:
+            stations = max(FALL * stations, apart / (a.stations**-2 - b.stations**-2))
+        return Errors(elements, stations)
+
+    def cheapest(self, wanted: float) -> tuple[float, float]:
+        """Level and stations that leave no more than the error wanted and take the least time."""
+        a, b = (each ** (1.0 / 3.0) for each in (self.elements, self.stations * ELEMENT**-2))
+        both = math.sqrt((a + b) / wanted)
+        return a * both, ELEMENT * b * both
 
 
 @dataclass
 class Trials:
-    """Paths of a scene on several levels, coarse to fine.
+    """Paths of a scene, each on a mesh finer than the one before in elements or stations.
 
     Attributes
     ----------
@@ -101,7 +154,8 @@ class Trials:
     wanted : largest error.
     steps : of a path that can be the answer.
     lost : error that is left by substeps.
-    paths : each with its level.
+    found : paths with their meshes.
+    errors : what they tell.
     seconds : CPU time of all solves.
     progress : called before each solve with one line: what is solved, the time and the estimate so far.
     """
@@ -110,21 +164,22 @@ class Trials:
     wanted: float
     steps: int
     lost: float = 0.0
-    paths: list[tuple[int, EquilibriumPath]] = field(default_factory=list)
+    found: list[Trial] = field(default_factory=list)
+    errors: Errors = Errors()
     seconds: float = 0.0
     progress: Callable[[str], None] = lambda line: None
 
     @property
     def touching(self) -> bool:
-        """Whether coils touch, or come near it, on the finest level so far; if none, whether they may."""
+        """Whether coils touch, or come near it, on the last mesh so far; if none, whether they may."""
         scene = self.levels.scene
-        if not scene.contact.enabled or not self.paths:
+        if not scene.contact.enabled or not self.found:
             return scene.contact.enabled
-        return float(self.paths[-1][1].gaps.min(initial=np.inf)) < CLEAR * scene.spring.wire_diameter
+        return float(self.found[-1].path.gaps.min(initial=np.inf)) < CLEAR * scene.spring.wire_diameter
 
     @property
     def irregular(self) -> bool:
-        """Whether the error falls irregularly: of stations where coils touch."""
+        """Whether there is an error of stations, which falls irregularly: where coils touch."""
         return self.levels.spheres is None and self.touching
 
     @property
@@ -133,31 +188,14 @@ class Trials:
         return bool(self.levels.scene.contact.coefficient) and self.touching
 
     @property
-    def fewest(self) -> int:
-        """Paths that an estimate takes at least: where errors fall irregularly two may agree by chance."""
-        return 3 if self.irregular and self.wanted < ROUGH else 2
-
-    @property
     def second(self) -> int:
         """The level after the first."""
-        return self.levels.at_least(SECOND * self.paths[0][0])
-
-    def mesh(self, level: int) -> dict[str, Any]:
-        """Options of `wirefe.solve`, with stations elsewhere than those of the paths so far, but for two.
-
-        Stations that two paths share make the same error in both, which their difference does not tell.
-        """
-        mesh = self.levels.options(level, self.touching)
-        if self.irregular:
-            known: list[Any] = [path.options["pairs_per_turn"] for _, path in self.paths]
-            numbers = count(mesh["pairs_per_turn"], 2)
-            mesh["pairs_per_turn"] = next(n for n in numbers if all(math.gcd(n, m) == 2 for m in known))
-        return mesh
+        return self.levels.at_least(SECOND * self.found[0].level)
 
     def solve(self, mesh: dict[str, Any], steps: int) -> EquilibriumPath:
         """The path on a mesh in some steps, as far as it was reached."""
-        so_far = f"; {self.seconds:.0f} s CPU" if self.paths else ""
-        if len(self.paths) > 1:
+        so_far = f"; {self.seconds:.0f} s CPU" if self.found else ""
+        if len(self.found) > 1 and math.isfinite(self.estimate):
             so_far += f", estimated error {self.estimate:.2g}"
         self.progress(f"{mesh['elements_per_turn']} elements per turn, {steps} steps{so_far}")
         try:
@@ -167,28 +205,36 @@ class Trials:
         self.seconds += path.solve_seconds
         return path
 
-    def add(self, level: int, steps: int) -> None:
-        """Solve on a level, the finest so far; it takes the place of a path on the same one."""
-        path = self.solve(mesh := self.mesh(level), steps)
+    def add(self, level: int, stations: int, steps: int) -> None:
+        """Solve on a mesh; where nothing touches its stations are the fewest."""
+        stations = stations if self.irregular else FEWEST
+        path = self.solve(mesh := self.levels.options(level, stations), steps)
         if path.outcome != "completed" and steps < self.steps:
             path = self.solve(mesh, self.steps)  # near its end differences are not smooth
-        self.paths = [*(pair for pair in self.paths if pair[0] < level), (level, path)]
+        self.take(Trial(level, stations, path))
+
+    def take(self, trial: Trial) -> None:
+        """Compare a path with the last one."""
+        if self.found:
+            self.errors = self.errors.seen(self.found[-1], trial)
+        self.found.append(trial)
+
+    def others(self, stations: float) -> int:
+        """Stations, at least so many, elsewhere than those of the paths so far, but for two.
+
+        Stations that two paths share make the same error in both, which their difference does not tell.
+        """
+        numbers = count(2 * math.ceil(0.5 * stations), 2)
+        return next(n for n in numbers if all(math.gcd(n, each.stations) == 2 for each in self.found))
 
     @property
     def estimate(self) -> float:
-        """Error of the finest path, by its difference from the one before; infinite if it ends otherwise.
-
-        Where it falls irregularly two paths may agree by chance: it is no less than the error of each path
-        before, fallen with the square of the level since.
-        """
-        (low, coarse), (high, fine) = self.paths[-2:]
-        if self.irregular and fine.options["pairs_per_turn"] == FEWEST:
-            return math.inf  # what no level before has seen touches
-        error = min(FINE, SAFE / ((high / low) ** 2 - 1.0)) * difference(coarse, fine)
-        if self.irregular:
-            fallen = (difference(a, b) * (n / high) ** 2 for (n, a), (_, b) in pairwise(self.paths[:-1]))
-            error = max([error, *(COARSE * each for each in fallen if math.isfinite(each))])
-        return error + self.lost
+        """Error of the last path; infinite if it ends otherwise, or if none before has seen coils touch."""
+        last = self.found[-1]
+        if self.irregular and not self.errors.stations:
+            return math.inf
+        paths = len(self.found) + (self.wanted >= ROUGH)
+        return SAFE[min(paths, 4)] * self.errors.at(last.level, last.stations) + self.lost
 
 
 def solve_to(
@@ -233,9 +279,13 @@ def solve_to(
     wanted = require_number("accuracy", accuracy, *ACCURACIES)
     levels, rows = Levels.of(scene, pairs_per_turn), scene.load.steps
     trials = Trials(levels, wanted, rows, progress=progress)
-    in_full = wanted >= ROUGH or (trials.irregular and not trials.substeps)
-    trials.add(levels.at_least(COARSEST), rows if in_full else few(rows))
-    path, estimate = _coarsest(trials) if wanted >= ROUGH else (trials.paths[0][1], math.inf)
+    rough = wanted >= ROUGH
+    in_full = rough or (trials.irregular and not trials.substeps)
+    stations = FEWEST if rough else STATIONS * COARSEST
+    trials.add(levels.at_least(COARSEST), stations, rows if in_full else few(rows))
+    path, estimate = trials.found[0].path, math.inf
+    if rough and (trials.substeps or not trials.irregular):
+        path, estimate = _coarsest(trials)
     if estimate > wanted:
         path, estimate = _refined(trials)
     path = replace(
@@ -250,38 +300,49 @@ def solve_to(
 
 
 def _coarsest(trials: Trials) -> tuple[EquilibriumPath, float]:
-    """The first path and its error, by one with a finer mesh and, where that tells as much, in fewer steps;
-    infinite where two in full do as well."""
-    in_full, factor = trials.irregular, MIXED if trials.substeps else COARSE
-    trials.add(trials.second, trials.steps if in_full else few(trials.steps))
-    (_, path), (_, fine) = trials.paths
-    return path, math.inf if in_full else factor * difference(path, fine)
+    """The first path and its error, by one on a finer mesh in fewer steps."""
+    (first,), factor = trials.found, MIXED if trials.substeps else COARSE
+    trials.add(trials.second, trials.others(SECOND * first.stations), few(trials.steps))
+    return first.path, factor * difference(first.path, trials.found[1].path)
 
 
 def _refined(trials: Trials) -> tuple[EquilibriumPath, float]:
-    """A path on a level as fine as it takes, and its error; raises `InputError` beyond the finest."""
+    """A path on a mesh as fine as it takes, and its error; raises `InputError` beyond the finest."""
     if trials.substeps:
         _choose_substeps(trials)
-    if len(trials.paths) == 1:
-        trials.add(trials.second, trials.steps)
+    first = trials.found[0]
+    if len(trials.found) == 1:
+        if trials.irregular and trials.wanted < ROUGH:
+            trials.add(trials.second, first.stations, trials.steps)
+        trials.add(trials.second, trials.others(SECOND * first.stations), trials.steps)
     while True:
-        (level, path), estimate = trials.paths[-1], trials.estimate
-        enough = estimate <= trials.wanted and len(trials.paths) >= trials.fewest
-        if enough and path.scene.load.steps == trials.steps:
-            return path, estimate
-        trials.add(level if enough else _next(trials, estimate - trials.lost), trials.steps)
+        last, estimate = trials.found[-1], trials.estimate
+        if estimate > trials.wanted:
+            trials.add(*_next(trials), trials.steps)
+        elif last.path.scene.load.steps == trials.steps:
+            return last.path, estimate
+        else:
+            trials.found.pop()
+            trials.add(last.level, last.stations, trials.steps)
 
 
-def _next(trials: Trials, error: float) -> int:
-    """The level that is predicted to do, from the last one's error; raises `InputError` beyond the finest."""
-    level, finest = trials.paths[-1][0], trials.levels.finest
-    growth = AHEAD * math.sqrt(error / (trials.wanted - trials.lost)) if math.isfinite(error) else 2.0
-    if level >= finest or growth * level > LEAP * finest:
-        turn = trials.levels.options(finest, True)["elements_per_turn"]
-        reached = error * (level / finest) ** 2 + trials.lost
+def _next(trials: Trials) -> tuple[int, int]:
+    """The mesh that is predicted to do, or one on the way; raises `InputError` beyond the finest."""
+    last, errors, finest = trials.found[-1], trials.errors, trials.levels.finest
+    known = math.isfinite(errors.elements + errors.stations)
+    share = (trials.wanted - trials.lost) / (AHEAD * SAFE[4])
+    level, stations = errors.cheapest(share) if known else (0.0, 0.0)
+    at_end = last.level >= finest and (last.stations >= MOST or not (trials.irregular and known))
+    if at_end or max(level / finest, stations / MOST) > BEYOND:
+        turn = trials.levels.options(finest)["elements_per_turn"]
+        reached = SAFE[4] * errors.at(finest, MOST) + trials.lost
         raise InputError(_refusal(trials.wanted, reached, f"with {turn} elements per turn"))
-    growth = min(max(growth, STRIDE), LEAP_IRREGULAR if trials.irregular else LEAP)
-    return trials.levels.at_least(min(growth * level, finest))
+    most = FAR if trials.irregular else math.inf
+    level, stations = (
+        min(max(wanted, STRIDE * mine), most * mine)
+        for wanted, mine in ((level, last.level), (stations, last.stations))
+    )
+    return min(trials.levels.at_least(level), finest), trials.others(min(stations, MOST))
 
 
 def _choose_substeps(trials: Trials) -> None:
@@ -290,16 +351,16 @@ def _choose_substeps(trials: Trials) -> None:
     It may take half of the accuracy wanted, and is estimated on the coarsest level by fewer steps. Raises
     `InputError` if it takes more in the most steps too.
     """
-    (level, first), rows, coarse, least = trials.paths[0], trials.steps, None, math.inf
-    mesh = {name: first.options[name] for name in trials.mesh(level)}
+    (first, *_), rows, coarse, least = trials.found, trials.steps, None, math.inf
+    mesh = trials.levels.options(first.level, first.stations)
     for steps in dict.fromkeys((few(rows), *(rows * 2**halving for halving in range(HALVINGS + 1)))):
-        path = first if steps == first.scene.load.steps else trials.solve(mesh, steps)
+        path = first.path if steps == first.path.scene.load.steps else trials.solve(mesh, steps)
         if coarse is not None:
             trials.lost = MIXED * difference(coarse, path)
             least = min(least, trials.lost)
             if trials.lost <= 0.5 * trials.wanted:
-                if path is not first:
-                    trials.steps, trials.paths = steps, [(level, path)]
+                if path is not first.path:
+                    trials.steps, trials.found, trials.errors = steps, [replace(first, path=path)], Errors()
                 return
         coarse = path
     why = "with friction or sticking contact the answer depends on the substeps"

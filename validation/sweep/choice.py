@@ -78,7 +78,7 @@ def _candidates(grid: Sequence[Point]) -> Iterator[tuple[str, Candidate]]:
         return Choice.of("equivbeam", {"law": law, "sliding": "scene"})
 
     def wire(scene: Scene, level: int) -> Choice:
-        return Choice("wirefe", Levels.of(scene, None).options(level, True))
+        return Choice("wirefe", Levels.of(scene, None).options(level))
 
     for law in LAWS:
         yield f"equivbeam, law {law}", partial(beam, law=law)

@@ -4,7 +4,8 @@
 and accuracy as it comes, and prints a table by kind of load. The error is measured against the wire model
 with `REFERENCE` elements and `STATIONS` stations a turn, and four times the steps where there is friction.
 Time is CPU time, of `wirefe.solve_to` and of the cheapest of single runs
-on the levels of `LADDER` whose error is small enough, all else included.
+on the levels of `LADDER`, with `DENSITIES` stations for each element, whose error is small enough, all else
+included.
 """
 
 import argparse
@@ -34,6 +35,7 @@ SEED, EACH = 20, 38  # springs of every kind
 COILS = 5.0  # at most: the reference takes seconds
 REFERENCE, STATIONS = 64, 768  # elements and stations a turn
 LADDER = (4, 6, 8, 12, 16, 24, 32, 48, 64, 96)  # levels among which the cheapest sufficient one is
+DENSITIES, MOST = (4, 8), 960  # stations for each element there, and stations a turn at most
 # What the coils of a kind's springs do in contact, one after the other: geometry, sliding, friction.
 CONTACTS: tuple[tuple[str, str, float | None], ...] = (
     *[("wires", "free", None)] * 4,
@@ -99,9 +101,7 @@ def _timed(solve: Any, scene: Scene, **options: Any) -> tuple[EquilibriumPath | 
 
 def _reference(scene: Scene, levels: Levels) -> EquilibriumPath:
     """The path that errors are measured from."""
-    options = levels.options(levels.at_least(REFERENCE), True)
-    if levels.spheres is None:
-        options["pairs_per_turn"] = STATIONS
+    options = levels.options(levels.at_least(REFERENCE), STATIONS)
     steps = scene.load.steps * (4 if scene.contact.coefficient else 1)
     return partial_path(wirefe.solve, scene, steps=steps, **options)
 
@@ -109,12 +109,15 @@ def _reference(scene: Scene, levels: Levels) -> EquilibriumPath:
 def _ladder(scene: Scene, levels: Levels, exact: EquilibriumPath, least: float) -> list[tuple[float, float]]:
     """Error and CPU time of single runs, coarse to fine, up to one whose error is the least wanted."""
     found: list[tuple[float, float]] = []
-    for level in sorted({levels.at_least(level) for level in LADDER}):
-        path, seconds = _timed(wirefe.solve, scene, **levels.options(level, True))
-        assert path is not None
-        found.append((difference(path, exact), seconds))
-        if found[-1][0] <= least:
-            break
+    touching = scene.contact.enabled and levels.spheres is None
+    for density in DENSITIES if touching else DENSITIES[:1]:
+        for level in sorted({levels.at_least(level) for level in LADDER}):
+            mesh = levels.options(level, min(density * level, MOST))
+            path, seconds = _timed(wirefe.solve, scene, **mesh)
+            assert path is not None
+            found.append((difference(path, exact), seconds))
+            if found[-1][0] <= least:
+                break
     return found
 
 
