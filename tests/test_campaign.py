@@ -548,14 +548,9 @@ def test_a_run_to_just_before_a_critical_time_may_end_as_near_as_that_is_known(
 def test_no_answer_is_asked_to_be_finer_than_its_positions():
     """Coils that touch at rest, hard contact: 2e-8 mm of displacement, known to 3e-15 mm."""
     assert run.verified("b007119", SEED)["class"] == "completed"
-    path = equivbeam.solve(load_scene("spring-a-no-contact"), steps=1)
+    path = equivbeam.solve(load_scene("spring-a"), steps=1)
     assert grain(path) == pytest.approx(4 * 2.0**-52 * 28.6 / np.abs(path.tips[:, :2]).max())
     assert grain(path) < 1e-14
-    # where coils touch, the gaps of as many coils as lie on each other add up
-    path = equivbeam.solve(load_scene("spring-a"), steps=1)
-    coils = path.scene.spring.active_coils
-    assert grain(path) == pytest.approx(32 * coils * 2.0**-52 * 28.6 / np.abs(path.tips[:, :2]).max())
-    assert grain(path) < 1e-12
     # a pair of stiffness 2 K, with which gaps of positions 28.6 mm apart make a force, over the load
     assert force_grain(equivbeam.solve(load_scene("spring-a-no-contact"), steps=1)) == 0.0
     hard = equivbeam.solve(spring_b(), penalty=1e9, steps=10)

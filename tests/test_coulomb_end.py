@@ -74,6 +74,8 @@ def test_coils_that_slide_off_each_other_reach_a_limit_point(name, time):
     assert found.value.outcome == "limit_point"
     assert found.value.critical_time == pytest.approx(time, rel=5e-3)
     assert found.value.path.critical_bracket <= 2e-6
+    # the law's determinant tends to zero, it does not change as a pair begins to slide
+    assert found.value.path.undecided_time is None
 
 
 @pytest.mark.parametrize("name", ["w00186", pytest.param("w00474", marks=pytest.mark.slow)])
@@ -178,3 +180,15 @@ def test_a_path_along_coulombs_tangent_takes_no_thousands_of_substeps():
     path = reached(make_case("w00751", 562), steps=5)
     assert path.outcome == "completed"
     assert path.total_iterations < 10_000
+
+
+@pytest.mark.parametrize(
+    ("case", "seed", "counts", "time"),
+    [("w00892", 953, (2, 10), 0.93247), ("w00904", 861, (184,), 0.99829)],
+    ids=["passed or ended, by the steps", "ended in some numbers of steps only"],
+)
+def test_a_path_says_where_the_steps_decide_which_pairs_slide(case, seed, counts, time):
+    """Just ahead Coulomb's law was unstable, however short the substep: some paths ended, others went on."""
+    for path in [reached(make_case(case, seed), steps=steps) for steps in counts]:
+        assert path.undecided_time == pytest.approx(time, abs=2e-5)
+        assert "by other forces as well" in path.message

@@ -144,6 +144,14 @@ def test_a_bifurcation_is_told_by_the_line_along_which_the_stiffness_falls(case,
     assert ends[0].critical_time == pytest.approx(ends[1].critical_time, rel=1e-9)
 
 
+def test_a_limit_point_is_no_bifurcation_however_straight_the_stiffness_falls():
+    """In one step the last predictions of its zero agreed by chance, and the path ended there."""
+    paths = [reached(make_case("w00664", 953), steps=steps) for steps in (1, 7)]
+    assert [path.outcome for path in paths] == ["interpenetration"] * 2
+    assert [snaps(path) for path in paths] == [(1, pytest.approx(0.11, abs=0.01))] * 2
+    assert paths[0].end_bracket[0] == pytest.approx(paths[1].end_bracket[0], abs=2e-5)
+
+
 def test_the_branch_off_a_bifurcation_is_not_followed_in_some_steps_only():
     """The soft mode is all but normal to the path: in 8 of 18 numbers of steps the path went along it."""
     ends = [reached(make_case("b004144", 501), steps=steps) for steps in (2, 5, 20)]

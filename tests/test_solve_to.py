@@ -155,7 +155,7 @@ def test_what_elements_and_stations_leave_is_told_apart():
     assert trials.errors.stations == pytest.approx(difference(b, c) / (1 / 32**2 - 1 / 66**2))
     told = trials.errors.at(8, 66)
     assert told == pytest.approx(difference(a, b) / 3.0 + difference(b, c) / ((66 / 32) ** 2 - 1.0))
-    assert trials.estimate == pytest.approx(3.0 * told)
+    assert trials.estimate == pytest.approx(4.0 * told)
 
 
 def test_what_two_paths_tell_of_both_is_half_for_each():

@@ -33,7 +33,7 @@ ROWS = 5  # of a stage, at least, at which paths are compared whose differences 
 ROUGH = 5e-3  # accuracies from here on are mostly met by the coarsest mesh
 # Errors over what differences tell, at most (as measured on random springs): of the coarser of two paths;
 # where substeps differ; of the last path, as two tell it, three, or more (from `ROUGH` on one less).
-COARSE, MIXED, SAFE = 2.0, 3.0, {2: 5.0, 3: 3.0, 4: 2.5}
+COARSE, MIXED, SAFE = 2.0, 3.0, {2: 5.0, 3: 4.0, 4: 3.0}
 FALL = 0.5  # of what paths before have told is what two tell, at least: they may agree by chance
 CLEAR = 0.05  # wire diameters between coils that do not touch on any level
 ELEMENT = 10.0  # stations take as long as one element

@@ -48,15 +48,6 @@ def keep_bounds(history):
 
 
 @part
-def touched(history):
-    """Whether a pair touched first in the substep at hand."""
-    for m in range(history.shape[0]):  # noqa: SIM110
-        if history[m].fresh:
-            return True
-    return False
-
-
-@part
 def touched_first(history):
     """The pairs that touched first in the substep at hand."""
     pairs, count = np.empty(history.shape[0], np.int64), 0

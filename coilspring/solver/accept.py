@@ -13,7 +13,6 @@ from coilspring.contact.history import (
     let_go_on,
     opening,
     set_rise,
-    touched,
     touched_first,
 )
 from coilspring.contact.touching import OPEN
@@ -29,6 +28,7 @@ SAFE = 0.8  # share of the turn allowed that the next substep aims at
 EASY_COUNT, EASY_ROUND = 4, 8
 GROWTH, SLOW_GROWTH = 2.0, 1.2  # of the substep; the slow one with friction, whose rounds may be many in any
 LEAST_LEFT = 1e-6  # of the time 0..1 that is taken at least, however soon a pair closes or opens
+NEAR_END = 1e-5  # of the time 0..1: what is unstable so near to where a path stands decides how it goes on
 AT_ONCE = 1e-5  # of that time: longer substeps do not see that a pair opens within less after its touch
 MOST_SLIP = 0.01  # wire diameters that a pair that creeps is to slip in a substep
 
@@ -37,7 +37,7 @@ MOST_SLIP = 0.01  # wire diameters that a pair that creeps is to slip in a subst
 def accept(system, task, work, path, substep, room):
     """Make the trial state the last accepted one."""
     path.travel += substep.distance
-    if substep.several:
+    if substep.several or passes_turn(path, substep):
         path.undecided = min(path.undecided, path.time)
     if path.releasing:
         accept_release(task, work, path, substep)
@@ -63,6 +63,13 @@ def accept(system, task, work, path, substep, room):
 
 
 @part
+def passes_turn(path, substep):
+    """Whether a path with friction goes on past states just ahead that Coulomb's law made unstable: which of
+    its pairs slide there, the length of a substep decides."""
+    return path.time <= path.turned < substep.target and path.turned - path.time <= NEAR_END
+
+
+@part
 def accept_step(system, task, work, path, substep):
     """Go on in time, with a step as long as the path's curvature lets the next one be."""
     copy(work.tangent, work.old)
@@ -77,10 +84,12 @@ def accept_step(system, task, work, path, substep):
     path.reuse, path.last_step, path.time = True, substep.duration, substep.target
     path.error = substep.error
     path.due = substep.landing
-    if path.until < np.inf and not (touched(work.trial_history) or opening(work.history)):
+    fresh = touched_first(work.trial_history)
+    if path.until < np.inf and fresh.size == 0 and not opening(work.history):
         path.next_step = substep.duration  # what is looked for is still ahead
-    sticks = touched(work.trial_history) and not has_friction(work.history)
-    path.until, path.opens = np.inf, opens_again(system, task, work) if sticks else np.inf
+    path.until, path.opens = np.inf, np.inf
+    if fresh.size > 0 and not has_friction(work.history):
+        path.opens = opens_again(system, task, work, fresh)
     easy = substep.iterations < EASY_COUNT + EASY_ROUND * (substep.rounds - 1) or creeping(work.history)
     growth = GROWTH if easy else SLOW_GROWTH if substep.rounds > 1 else 1.0
     # the turn grows with the square of the step
@@ -93,10 +102,10 @@ def accept_step(system, task, work, path, substep):
 
 
 @part
-def opens_again(system, task, work):
-    """Time, along the tangent, after which a sticking pair opens that touched first in the substep at hand;
-    infinite where none does. It may be pressed again at the end of a longer substep."""
-    history, fresh, until = work.history, touched_first(work.trial_history), np.inf
+def opens_again(system, task, work, fresh):
+    """Time, along the tangent, after which one of the sticking pairs opens that touched first in the substep
+    at hand; infinite where none does. It may be pressed again at the end of a longer substep."""
+    history, until = work.history, np.inf
     rates = np.empty((2, fresh.size))
     copy_history(history, work.low)
     copy(work.tangent, work.ahead)

@@ -6,7 +6,6 @@ from coilspring.compiling.compiled import part
 
 TOUCHES, FREE, STICKS = 0, 1, 2
 GAP, SLIP, HELD = range(3)
-SOLVED, OTHER, SINGULAR = range(3)
 MOST_TURNS = 10  # of each pair
 MOST_COMBINED = 5  # pairs, of which every combination is tried
 SAME = 1e-3  # of the largest force of sticking, by which the forces of two solutions differ at least
@@ -36,14 +35,14 @@ def complementary(opens, slips, rows):
     n = opens.shape[0]
     state, M, count = np.zeros(n, np.int64), np.empty((n, n + 1)), 0
     found = _turned(state, opens, slips, rows, M)
-    if found != SOLVED:
+    if not found:
         # the ones that what they hold closes rather are open however much they hold, or pressed
         for p in range(n):
             state[p] = TOUCHES if opens[p, p] > 0.0 else FREE if rows[GAP, p] > 0.0 else STICKS
         found = _turned(state, opens, slips, rows, M)
     if n <= MOST_COMBINED:
         first, count = _combined(opens, slips, rows, M)
-        if found != SOLVED and count > 0:
+        if not found and count > 0:
             state[:] = first
     for p in range(n):
         _equation(state[p], p, opens, slips, rows, M)
@@ -84,20 +83,20 @@ def _combined(opens, slips, rows, M):
 
 @part
 def _turned(state, opens, slips, rows, M):
-    """Turn pairs until all are what they are said to be: `SOLVED` where they are at last."""
+    """Turn pairs until all are what they are said to be; whether they are at last."""
     n = opens.shape[0]
     for turn in range(MOST_TURNS * n + 1):
         for p in range(n):
             _equation(state[p], p, opens, slips, rows, M)
         if eliminated(M) == 0:
-            return SINGULAR
+            return False
         p = _next(state, opens, slips, rows, M)
         if p == n:
-            return SOLVED
+            return True
         if turn == MOST_TURNS * n:
             break
         state[p] = TOUCHES if state[p] != TOUCHES else FREE if rows[HELD, p] + M[p, n] < 0.0 else STICKS
-    return OTHER
+    return False
 
 
 @part

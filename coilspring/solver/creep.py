@@ -127,7 +127,8 @@ def _active(history, wide, deep, every):
         sticks = row.released == 0.0 and row.gap <= 0.0
         free = row.released == 1.0 and row.gap >= 0.0
         right = sticks or free
-        if row.creeps and not (right and (not every or row.sticking == 0.0)):
+        known = right and (not every or row.sticking == 0.0)
+        if row.creeps and not known:
             active[count] = m
             count += 1
         if row.creeps and not right:

@@ -13,7 +13,7 @@ from numba import types
 
 from coilspring.compiling.compiled import copy, part, signed
 from coilspring.contact.history import copy_history, creeping, let_go
-from coilspring.solver.accept import LEAST_LEFT, accept
+from coilspring.solver.accept import LEAST_LEFT, NEAR_END, accept
 from coilspring.solver.branch import curvature, displacement_bound, predict
 from coilspring.solver.friction import raise_bounds
 from coilspring.solver.newton import INDEFINITE, LINEAR
@@ -64,7 +64,6 @@ RETRIED = 0.5  # share of a substep, or release, that failed: it is tried next
 LEAST_CREEP = 1e-7  # of the time 0..1: in less, a pair that creeps moves by no more than it is located to
 LEAST_ERROR = 1e-3  # of a prediction, over what is allowed: less may be chance
 CAREFUL = 2.0  # times the last substep, at most, where next to nothing is left of the stiffness
-NEAR_END = 1e-5  # of the time 0..1: pivots or a determinant that are negative so near to a path's end are why
 MOST_TRIES = 20_000  # equilibria besides those at requested times; far more than a path needs
 
 

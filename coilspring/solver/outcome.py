@@ -54,7 +54,8 @@ def judged(
     friction = has_friction(track.history.view(np.recarray))
     left = time_left(*end) if friction else np.inf
     if track.outcome == TURNED:
-        track = replace(track, outcome=CRITICAL)
+        undecided = track.undecided if left <= LEFT else min(track.undecided, track.time)
+        track = replace(track, outcome=CRITICAL, undecided=undecided)
     elif left <= LEFT:
         track = replace(track, outcome=CRITICAL, bracket=max(track.bracket, 2.0 * left))
     elif friction and not track.far and goes_on(*end):

@@ -37,12 +37,12 @@ NO_WORK = 1e-4  # of the load times a mode's largest motion: less work is a bifu
 @part
 def end_or_snap(system, task, work, path, softest, outcome):
     """The path ends with an outcome, unless at a limit point: there a snap is tried first."""
+    path.ends = outcome
     if vanishes(path, softest):
-        path.outcome, path.bracket = CRITICAL, 2.0 * max(softest.zero - path.time, FINEST)
-        return
-    path.snapping, path.ends = task.predictor and is_limit_point(system, task, work, path, softest), outcome
+        path.ends, path.bracket = CRITICAL, 2.0 * max(softest.zero - path.time, FINEST)
+    path.snapping = task.predictor and is_limit_point(system, task, work, path, softest)
     if not path.snapping:
-        path.outcome = outcome
+        path.outcome = path.ends
 
 
 @part
@@ -68,15 +68,17 @@ def release_or_jump(task, path):
 
 @part
 def is_limit_point(system, task, work, path, softest):
-    """Whether the stiffness jumps, as where a pair opens, or what drives the path works on the softest
-    mode."""
+    """Whether the load works on the softest mode, or the stiffness does not tend to zero along a straight
+    line: it jumps, as where a pair opens, or a prescribed motion works on the mode."""
     factor_state(system, work, work.state, work.history)
     path.spent, path.reuse = path.spent + 1, False
     stiffness = least_stiffness(system, task, work, np.inf, SETTLED)
-    if jumps(path, softest, stiffness):
+    straight = vanishes(path, softest)
+    if not straight and jumps(path, softest, stiffness):
         return True
     if system.prescribed.size > 0:
-        return driven(system, task, work, stiffness, path.rest_stiffness)
+        # a state that leans by rounding is driven as well, but along a straight line
+        return not straight and driven(system, task, work, stiffness, path.rest_stiffness)
     moved(system, work.state, work.mode, SMALL * task.diameter, work.scratch)
     work_done = system.work(system.reals, system.ints, task.load, work.state, work.scratch)
     distance, _, _ = displacement_bound(system, work.state, work.scratch, np.inf)

@@ -82,14 +82,11 @@ def deviation(
 
 
 def grain(path: EquilibriumPath) -> float:
-    """What is unknown of the largest displacement, as a share of it: positions are rounded, gaps of coils
-    that touch too, and the places where sticking pairs touch and open are located so closely. Gaps of coils
-    that lie on each other add up."""
+    """What is unknown of the largest displacement, as a share of it: positions are rounded, and the places
+    where sticking pairs touch and open are located so closely."""
     largest, spring = np.abs(path.tips[:, :2]).max(initial=0.0), path.scene.spring
-    touches = path.max_penetration.max(initial=0.0) > 0.0
     sticks = path_dependent(path) and path.scene.contact.sliding == "none"
-    gap = max(GAPS * ROUNDING * spring.active_height, STICKS * spring.wire_diameter * sticks)
-    finest = max(ROUNDING * spring.active_height, gap * max(spring.active_coils, 1.0) * touches)
+    finest = max(ROUNDING * spring.active_height, STICKS * spring.wire_diameter * sticks)
     return finest / largest if largest > 0.0 else 0.0
 
 
