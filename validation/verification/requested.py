@@ -27,7 +27,7 @@ from validation.study.metrics import upper_bound
 from validation.study.partialsolve import partial_path
 from validation.verification.randomscenes import KINDS, Drawn, population
 from wirefe import model
-from wirefe.adaptive import Levels, difference
+from wirefe.adaptive import MOST, Levels, difference
 
 CSV = "requested.csv"
 ACCURACIES = (1e-2, 1e-3, 1e-4)
@@ -35,7 +35,7 @@ SEED, EACH = 20, 38  # springs of every kind
 COILS = 5.0  # at most: the reference takes seconds
 REFERENCE, STATIONS = 64, 768  # elements and stations a turn
 LADDER = (4, 6, 8, 12, 16, 24, 32, 48, 64, 96)  # levels among which the cheapest sufficient one is
-DENSITIES, MOST = (4, 8), 960  # stations for each element there, and stations a turn at most
+DENSITIES = (4, 8)  # stations for each element there, up to `MOST`
 # What the coils of a kind's springs do in contact, one after the other: geometry, sliding, friction.
 CONTACTS: tuple[tuple[str, str, float | None], ...] = (
     *[("wires", "free", None)] * 4,
