@@ -22,7 +22,8 @@ from equivbeam.contact import circle_overlap
 from validation.campaign.scenes import make_case
 from validation.campaign.verdict import reached
 from validation.cli import main
-from wirefe.contact.overlap import bulge, square_between
+from wirefe.contact.overlap import bulge, place_stations, square_between, wire_overlap
+from wirefe.mesh import mesh_wire
 
 GUIDED = Supports(("ux", "rotz"))
 SPHERES = Contact(geometry="spheres")
@@ -72,6 +73,26 @@ def test_wires_that_bend_towards_each_other_are_nearest_between_stations():
     points = np.concatenate((lower, upper)).ravel()
     assert np.sqrt(square_between(points, 1, 5, 0.0)) > 0.915
     np.testing.assert_allclose(np.sqrt(square_between(points, 1, 5, 1.0)), 0.9, atol=1e-3)
+
+
+def test_coils_that_cross_are_searched_as_all_pieces_against_all():
+    """Four coils, bent by random waves of up to eight a turn; where they cross, the nearest piece of the other
+    coil is not beside the station that is nearest to a piece's lower end."""
+    spring, draw = Spring(2.0, 30.0, 4.0, 12.0, end_turns=0.0), np.random.default_rng(5)
+    stations = place_stations(spring, mesh_wire(spring, 20))
+    phases = np.arange(81) * np.pi / 10.0
+    state = np.zeros((81, 7))
+    state[:, 3] = 1.0
+    pieces = [(i, j) for i in range(80) for j in range(i + 10, 80)]
+    for size in np.linspace(0.1, 0.7, 40):
+        waves, shift = draw.normal(0.0, size, (3, 3)), draw.uniform(0.0, 2.0 * np.pi, (3, 3))
+        often = np.array([1.3, 3.1, 7.7])
+        bend = (waves * np.sin(often * phases[:, None, None] + shift)).sum(axis=-1)
+        state[:, :3] = spring.points(phases) + bend
+        points = state[:, :3].ravel()
+        least = min(square_between(points, i, j, 4.0) for i, j in pieces)
+        expected = max(2.0 - np.sqrt(least), -0.2)
+        assert wire_overlap(stations, state.ravel()) == pytest.approx(expected, abs=1e-12)
 
 
 def test_a_parabola_is_followed_to_the_ends_of_the_wire():

@@ -167,7 +167,10 @@ def keeps_branch(system, task, work, path, substep, watch):
     if good and (NEARER * substep.moved >= substep.room or substep.near_overlap):
         substep.room, substep.moved = free_room(system, task, work.trial), 0.0
         good = substep.room >= 0.0 and clear_between(system, task, work, path, substep)
-        if not (good or path.snapping) and substep.duration < OVERLAP_TIME:
+        left, least = substep.duration, OVERLAP_TIME
+        if path.releasing:
+            left, least = path.release, 2.0 * LEAST_RELEASE
+        if not (good or path.snapping) and left < least:
             path.outcome = OVERLAP
     if not good or substep.status == LINEAR:
         return good

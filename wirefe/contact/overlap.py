@@ -26,7 +26,7 @@ PER_TURN, HALF = 20, 10
 STRETCH = 1.05
 SAME = 1e-9
 PARALLEL = 1e-9  # square of the sine between chords, below which they count as parallel
-ASIDE = 0.6  # of the distance of neighbours, at most: from a station to the nearest of a coil beside it
+NEAR = 2.0  # of the square of that distance: by so much the square between stations may exceed the least one
 REACH = 1.1  # wire diameters between centrelines beyond which no distance is evaluated
 SHARES = (0.25, 0.5, 0.75)  # of a piece, at which those that touch are evaluated more closely
 
@@ -128,8 +128,7 @@ def _square_at(u, v, w, p, q, s, t):
 @inlined
 def _next_coil(stations, points, least):
     """Least square of the distance of any piece from the coil above it, if less than `least`."""
-    count, reach = len(points) // 3, (ASIDE * stations.stride) ** 2
-    near = stations.diameter**2
+    count, reach, near = len(points) // 3, NEAR * stations.stride**2, stations.diameter**2
     for i in range(min(stations.high, count - HALF - 1)):
         first = max(i + HALF, stations.low if i <= stations.low else 0)
         j = min(max(i + PER_TURN, first), count - 1)
@@ -141,10 +140,9 @@ def _next_coil(stations, points, least):
             j += 1
             here = _square(points, i, j)
         if here < least + reach:
-            if j > first:
-                least = min(least, square_between(points, i, j - 1, near))
-            if j + 1 < count:
-                least = min(least, square_between(points, i, j, near))
+            # of coils that cross, the piece from i is nearest to one that need not begin or end at j
+            for b in range(max(j - 1, first), min(j + 2, count - 1)):
+                least = min(least, square_between(points, i, b, near))
     return least
 
 
@@ -153,7 +151,7 @@ def _far_coils(stations, points, least):
     """The same for coils farther along: every second station, and all pieces about those that are near."""
     count, low, high = len(points) // 3, stations.low, stations.high
     # points nearest each other lie within a stride of such stations, each along its wire
-    reach, near = 2.0 * stations.stride**2, stations.diameter**2
+    reach, near = NEAR * stations.stride**2, stations.diameter**2
     for i in range(0, min(high, count), 2):
         for j in range(i + PER_TURN + HALF, count, 2):
             if _square(points, i, j) < least + reach:
