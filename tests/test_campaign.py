@@ -557,6 +557,16 @@ def test_no_answer_is_asked_to_be_finer_than_its_positions():
     assert force_grain(hard) == pytest.approx(32 * 2.0**-52 * 28.6 * 2e9 / 200.0)
 
 
+def test_rounding_of_a_flat_spring_is_that_of_its_radius():
+    """A solid stack 1.2 mm high, of radius 4 mm, moves by 2e-9 mm; it has two pairs a turn in place of four,
+    which are twice as stiff, and a node between two of them."""
+    case = make_case("w00455", 952)
+    path = reached(case, steps=9)
+    radius, K, load = 0.5 * path.scene.spring.mean_diameter[0], case.scene.contact.stiffness, 0.1105651330616729
+    assert force_grain(path) == pytest.approx(32 * 2.0**-52 * radius * 4.0 * K / load)
+    assert run.verified("w00455", 952)["class"] == "completed"
+
+
 def test_contact_histories_are_no_excuse():
     """Sticking spheres: other substeps change the answer, and nothing explains that away."""
     row = run.verified("w00819", SEED)

@@ -1,6 +1,6 @@
 """Whether coils pass through each other, by code that shares nothing with the solver.
 
-Points of the wire, a quarter of a wire diameter apart, are compared with all others by a k-d tree; the
+Points of the wire, a tenth of a wire diameter apart, are compared with all others by a k-d tree; the
 circles of the equivalent beam with all others, and in their order.
 """
 

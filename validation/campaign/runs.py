@@ -9,14 +9,14 @@ from typing import NamedTuple
 
 import numpy as np
 
-from coilspring import EquilibriumPath, Scene
+from coilspring import EquilibriumPath, Scene, Spring
 from validation.campaign.scenes import EVERY, Case, in_units
 from validation.campaign.verdict import CRITICAL, STUCK, THROUGH, Verdict, reached, under
 
 BRANCH = 1e-6  # difference from the fine run over the largest displacement,
 LEAST_WIDTH = 4e-9  # of the time 0..1: no critical time is bracketed closer
 SOLVER = 1e-8  # or this over the root of the least stiffness: what solvers leave, in the energy norm
-ROUNDING = 4.0 * 2.0**-52  # of the spring's height: positions are no finer,
+ROUNDING = 4.0 * 2.0**-52  # of the spring's size: positions are no finer,
 STICKS = 2e-6  # wire diameters: so closely it is known where pairs that stick touch and open
 GAPS = 8.0  # and by so much more may gaps differ, after some dozens of operations
 FRICTION, FRICTION_TIME = 1e-3, 5e-3  # the same with friction, which follows the path; of a critical time
@@ -86,7 +86,7 @@ def grain(path: EquilibriumPath) -> float:
     where sticking pairs touch and open are located so closely."""
     largest, spring = np.abs(path.tips[:, :2]).max(initial=0.0), path.scene.spring
     sticks = path_dependent(path) and path.scene.contact.sliding == "none"
-    finest = max(ROUNDING * spring.active_height, STICKS * spring.wire_diameter * sticks)
+    finest = max(_rounding(spring), STICKS * spring.wire_diameter * sticks)
     return finest / largest if largest > 0.0 else 0.0
 
 
@@ -100,10 +100,17 @@ def force_grain(path: EquilibriumPath, row: int | None = None) -> float:
         load = max(load, path.end_bracket[0] * float(np.abs(path.scene.load.force).max()))
     if not (depth > 0.0 and load > 0.0):
         return 0.0
-    spring, K, k = path.scene.spring, contact.stiffness, contact.exponent
+    spring, K, k = path.scene.spring, path.shape.pair_law.kc, contact.exponent
+    if path.model == "wirefe":
+        K *= 2.0  # a node of the wire may be touched from both sides
     across = K * k * depth ** (k - 1.0)
     along = K * spring.wire_diameter ** (k - 1.0) * (contact.sliding != "free")
-    return GAPS * ROUNDING * spring.active_height * 2.0 * max(across, along) / load
+    return GAPS * _rounding(spring) * max(across, along) / load
+
+
+def _rounding(spring: Spring) -> float:
+    """How fine positions are, mm: the height, or the radius, is the largest of them."""
+    return ROUNDING * max(spring.active_height, 0.5 * max(spring.mean_diameter))
 
 
 def largest_load(path: EquilibriumPath, row: int) -> float:
