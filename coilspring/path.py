@@ -87,7 +87,8 @@ class EquilibriumPath:
     critical_time : middle of the time bracket of a critical point, or None.
     critical_bracket : length of that bracket, or None.
     undecided_time : time from which on coils can hold each other by other forces as well, since sticking
-        pairs creep or friction snapped: beyond it the answer may depend on the steps; or None.
+        pairs creep, friction snapped, or Coulomb's law is unstable just ahead: beyond it the answer may
+        depend on the steps; or None.
     end_bracket : times between which a path ends that did not complete, or None.
     last_state : (n,) the last equilibrium of such a path, at the first of these times, or None.
     total_iterations : factorisations in all, those after the last row included.
