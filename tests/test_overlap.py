@@ -76,8 +76,8 @@ def test_wires_that_bend_towards_each_other_are_nearest_between_stations():
 
 
 def test_coils_that_cross_are_searched_as_all_pieces_against_all():
-    """Four coils, bent by random waves of up to eight a turn; where they cross, the nearest piece of the other
-    coil is not beside the station that is nearest to a piece's lower end."""
+    """Four coils, bent by random waves of up to eight a turn; where they cross, the nearest piece of the
+    other coil need not be beside the station that is nearest to a piece's lower end."""
     spring, draw = Spring(2.0, 30.0, 4.0, 12.0, end_turns=0.0), np.random.default_rng(5)
     stations = place_stations(spring, mesh_wire(spring, 20))
     phases = np.arange(81) * np.pi / 10.0

@@ -17,7 +17,8 @@ from validation.study.partialsolve import partial_path
 from validation.sweep import choice, run
 from validation.sweep.grid import points, read_varied
 from validation.verification import requested
-from wirefe.adaptive import Errors, Levels, Trial, Trials, difference, few, thinned
+from wirefe.adaptive import Trials, few, thinned
+from wirefe.meshes import Errors, Levels, Trial, difference
 
 SHORT = replace(spring_a(), spring=replace(spring_a().spring, active_coils=4.0, active_height=7.0))
 
@@ -136,7 +137,7 @@ def test_what_friction_leaves_open_is_refused_with_what_can_be_reached(monkeypat
 
 
 def test_what_no_mesh_reaches_is_refused_with_what_can_be_reached(monkeypatch):
-    monkeypatch.setattr("wirefe.adaptive.FINEST", 8)
+    monkeypatch.setattr("wirefe.meshes.FINEST", 8)
     with pytest.raises(InputError, match=r"accuracy must be at least .* got 1e-05: with 8 elements per turn"):
         wirefe.solve_to(touching(), 1e-5)
 
@@ -182,7 +183,7 @@ def test_two_paths_that_agree_by_chance_are_not_believed():
 def test_a_path_farther_off_than_was_told_makes_the_errors_larger(monkeypatch):
     trials = trials_of(touching(), (4, 32), (8, 32), (8, 66))
     told, last = trials.errors, trials.found[-1]
-    monkeypatch.setattr("wirefe.adaptive.difference", lambda coarse, fine: 7.0 * told.at(8, 66))
+    monkeypatch.setattr("wirefe.meshes.difference", lambda coarse, fine: 7.0 * told.at(8, 66))
     found = told.seen(last, replace(last, level=16, stations=134))
     assert (found.elements, found.stations) == pytest.approx((7.0 * told.elements, 7.0 * told.stations))
 
@@ -211,8 +212,9 @@ def test_what_no_level_before_has_seen_touch_is_no_estimate():
 
 
 def test_meshes_that_end_otherwise_are_no_answer(monkeypatch):
-    monkeypatch.setattr("wirefe.adaptive.FINEST", 8)
-    monkeypatch.setattr("wirefe.adaptive.difference", lambda coarse, fine: np.inf)
+    monkeypatch.setattr("wirefe.meshes.FINEST", 8)
+    for module in ("adaptive", "meshes"):
+        monkeypatch.setattr(f"wirefe.{module}.difference", lambda coarse, fine: np.inf)
     with pytest.raises(InputError, match="with 8 elements per turn the path ends otherwise"):
         wirefe.solve_to(touching(), 1e-2)
 

@@ -14,7 +14,8 @@ from coilspring.errors import require_number
 from validation.study.partialsolve import partial_path
 from validation.sweep.grid import Point, Varied
 from validation.sweep.run import Choice
-from wirefe.adaptive import ACCURACIES, Levels, difference
+from wirefe.adaptive import ACCURACIES
+from wirefe.meshes import Levels, difference
 
 LAWS = ("haringx", "helix")  # cheap to dear, and cheaper than any mesh
 LEVELS = (4, 6, 8, 12, 16, 24, 32, 48, 64, 96, 128)

@@ -27,7 +27,7 @@ from validation.study.metrics import upper_bound
 from validation.study.partialsolve import partial_path
 from validation.verification.randomscenes import KINDS, Drawn, population
 from wirefe import model
-from wirefe.adaptive import MOST, Levels, difference
+from wirefe.meshes import MOST, Levels, difference
 
 CSV = "requested.csv"
 ACCURACIES = (1e-2, 1e-3, 1e-4)
