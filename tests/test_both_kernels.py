@@ -9,8 +9,8 @@ import equivbeam
 import wirefe
 from coilspring import Contact, Spring, Supports, spring_a, spring_b
 from coilspring.compiling.packing import pack
+from coilspring.solver.continuation.stability import Body, softest
 from coilspring.solver.outcome import SOFT
-from coilspring.solver.stability import Body, softest
 from equivbeam.model import beam_problem, build_model, load_vector
 from equivbeam.solve import KERNELS as BEAM_KERNELS
 from validation.campaign.scenes import in_units, make_case

@@ -9,8 +9,8 @@ import pytest
 import equivbeam
 from coilspring import Contact, EquilibriumNotFound, spring_a
 from coilspring.compiling.packing import pack
+from coilspring.solver.continuation.stability import Body
 from coilspring.solver.coulomb import SLACK, coulomb
-from coilspring.solver.stability import Body
 from equivbeam.model import matrix_size
 from equivbeam.solve import KERNELS
 from validation.campaign.coulombend import loses_stability

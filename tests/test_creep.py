@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from coilspring.contact.touching import CREEP
-from coilspring.solver.complementarity import FREE, GAP, HELD, SLIP, STICKS, TOUCHES, complementary
+from coilspring.solver.tangential.complementarity import FREE, GAP, HELD, SLIP, STICKS, TOUCHES, complementary
 from validation.campaign.run import verified
 from validation.campaign.runs import deviation
 from validation.campaign.scenes import make_case

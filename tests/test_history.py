@@ -10,7 +10,7 @@ import wirefe
 from coilspring import Contact, EquilibriumNotFound, InputError, Load, Supports, spring_a, spring_b
 from coilspring.compiling.packing import pack
 from coilspring.scene.load import given_loads
-from coilspring.solver.operations import assembled, factored, moved, put_prescribed, solution
+from coilspring.solver.equilibrium.operations import assembled, factored, moved, put_prescribed, solution
 from coilspring.solver.system import System
 from equivbeam.model import beam_problem
 from equivbeam.solve import KERNELS as BEAM_KERNELS

@@ -5,7 +5,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from coilspring.solver.linesearch import FLAT, line_search
+from coilspring.solver.equilibrium.linesearch import FLAT, line_search
 
 
 def searched(energy, slope_at):

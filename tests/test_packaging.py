@@ -52,7 +52,7 @@ def test_house_rules(command):
 
 MISSES = """
 import coilspring, equivbeam, wirefe
-from coilspring.solver.newton import compiled_equilibrium
+from coilspring.solver.equilibrium.newton import compiled_equilibrium
 scene = coilspring.spring_b()
 for model in models:
     model.solve(scene, steps=2)

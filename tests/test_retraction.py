@@ -10,7 +10,7 @@ import wirefe
 from coilspring import Material, load_scene
 from coilspring.compiling.packing import pack
 from coilspring.scene.wire import round_section
-from coilspring.solver.branch import predict
+from coilspring.solver.continuation.branch import predict
 from coilspring.solver.system import System
 from wirefe import kernels, model
 from wirefe.solve import KERNELS, scene_problem

@@ -5,7 +5,7 @@ import re
 import numpy as np
 import pytest
 
-from coilspring.solver.snap import LARGEST
+from coilspring.solver.continuation.snap import LARGEST
 from validation.campaign.run import verified
 from validation.campaign.runs import FRICTION_TIME, changed, deviation
 from validation.campaign.scenes import in_units, make_case

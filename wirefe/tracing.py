@@ -10,10 +10,10 @@ from coilspring.contact.kinematics import OVERLAP_ALLOWED
 from coilspring.errors import EquilibriumNotFound, InputError, require_integer
 from coilspring.path import EquilibriumPath
 from coilspring.scene import Scene, require_scene
-from coilspring.solver.arclength import Trace, compiled_trace
+from coilspring.solver.continuation.arclength import Trace, compiled_trace
+from coilspring.solver.equilibrium.newton import compiled_equilibrium
 from coilspring.solver.interface import Kernels
 from coilspring.solver.interrupt import interruptible
-from coilspring.solver.newton import compiled_equilibrium
 from coilspring.solver.outcome import THROUGH
 from coilspring.solver.problem import Problem
 from coilspring.solver.startup import compile_kernels

@@ -9,11 +9,11 @@ from coilspring.contact.history import has_friction
 from coilspring.contact.kinematics import OVERLAP_ALLOWED
 from coilspring.path import Shape
 from coilspring.scene import Scene
+from coilspring.solver.continuation.follower import MOST_TRIES
+from coilspring.solver.continuation.stability import Body, softest
 from coilspring.solver.coulomb import goes_on, time_left
-from coilspring.solver.follower import MOST_TRIES
 from coilspring.solver.interface import Kernels
 from coilspring.solver.problem import Problem, Track
-from coilspring.solver.stability import Body, softest
 from coilspring.solver.system import COMPLETED, CRITICAL, EXHAUSTED, JUMP, OVERLAP, STUCK, TURNED
 
 # Null modes of a bifurcation do no work with the load; rounding leaves far less than this share.

@@ -13,9 +13,9 @@ from coilspring.contact.touching import located_to
 from coilspring.errors import EquilibriumNotFound
 from coilspring.path import EquilibriumPath, Shape
 from coilspring.scene import Scene
+from coilspring.solver.equilibrium.newton import DECREMENTS
 from coilspring.solver.interface import Kernels
 from coilspring.solver.interrupt import interruptible
-from coilspring.solver.newton import DECREMENTS
 from coilspring.solver.outcome import caution, judged, snaps, undecided, verdict
 from coilspring.solver.problem import Problem, Track
 from coilspring.solver.stages import stages

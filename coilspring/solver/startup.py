@@ -10,9 +10,9 @@ from functools import cache
 from importlib import import_module
 from typing import Any
 
-from coilspring.solver.follower import compiled_follow
+from coilspring.solver.continuation.follower import compiled_follow
+from coilspring.solver.equilibrium.newton import compiled_equilibrium
 from coilspring.solver.interface import SIGNATURES, Kernels
-from coilspring.solver.newton import compiled_equilibrium
 from coilspring.solver.system import bundled, compiled_bundle
 
 # About half the work, Newton's method included; a child has the others and the follower.

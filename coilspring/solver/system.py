@@ -124,7 +124,7 @@ PATH = np.dtype(
         ("opens", "f8"),  # duration after which a pair that touched last is predicted to open; or infinite
         ("last_step", "f8"),
         ("error", "f8"),  # of the prediction in that
-        ("snapping", "?"),  # past a limit point, see `coilspring.solver.snap`
+        ("snapping", "?"),  # past a limit point, see `coilspring.solver.continuation.snap`
         ("ends", "i8"),  # outcome where that leads nowhere,
         ("far", "?"),  # or too far away
         ("snaps", "i8"),  # number of those so far,
@@ -152,7 +152,7 @@ PATH = np.dtype(
         ("fresh", "i8"),  # short steps still to take, since a pair has closed
         ("lost", "?"),  # the last attempt found no equilibrium
         ("slid", "?"),  # a pair slid
-        ("rise", "f8"),  # of the bounds of friction, see `coilspring.solver.friction`,
+        ("rise", "f8"),  # of the bounds of friction, see `coilspring.solver.tangential.friction`,
         ("raised", "f8"),  # and the least that the matrix needs
         ("turned", "f8"),  # where the determinant of Coulomb's tangent was negative last,
         ("indefinite", "f8"),  # and where the matrix had negative pivots in a substep that failed
@@ -229,7 +229,7 @@ WATCH = np.dtype(
         ("linear", "?"),  # as it was before, so that it falls along a straight line
         ("mark", "f8"),  # a value found on the way, which is to become `past`
         ("mark_time", "f8"),
-        ("past", "f8"),  # the value some time ago: `coilspring.solver.stability.no_time` at least
+        ("past", "f8"),  # the value some time ago: `no_time` of `solver.continuation.stability` at least
         ("past_time", "f8"),
     ],
     align=True,
@@ -284,7 +284,7 @@ def _bundle(
 
 @cache
 def bundled(kernels: Kernels, equilibrium: Any) -> Any:
-    """A model's kernels and `coilspring.solver.newton.equilibrium` as the follower takes them."""
+    """A model's kernels and `coilspring.solver.equilibrium.newton.equilibrium` as the follower takes them."""
     return compiled_bundle()(*kernels, equilibrium)
 
 
@@ -299,7 +299,7 @@ def _kernel_types() -> tuple[Any, ...]:
 
 
 def equilibrium_signature() -> Any:
-    """numba's signature of `coilspring.solver.newton.equilibrium`."""
+    """numba's signature of `coilspring.solver.equilibrium.newton.equilibrium`."""
     vector, history, real = types.float64[::1], record_type(PAIR_HISTORY), types.float64
     data = (vector, types.int64[::1], vector, vector)
     system = _Fields(tuple(zip(System._fields, (*data, *_kernel_types()), strict=True)))

@@ -5,9 +5,9 @@ import numpy as np
 from coilspring.compiling.compiled import copy, part
 from coilspring.contact.kinematics import TOUCH
 from coilspring.contact.touching import creep_to
-from coilspring.solver.operations import assembled, factored, solution
-from coilspring.solver.stability import SETTLED, least_stiffness
-from coilspring.solver.substep import free_room
+from coilspring.solver.continuation.stability import SETTLED, least_stiffness
+from coilspring.solver.continuation.substep import free_room
+from coilspring.solver.equilibrium.operations import assembled, factored, solution
 from coilspring.solver.system import CHANGE, COMPLETED, CRITICAL, NEW_PAIR, ROOM, SOFTEST
 
 FIRST_STEP = 0.1  # largest first substep: the tangent at rest knows nothing of the contact to come

@@ -5,7 +5,7 @@ import math
 import numpy as np
 
 from coilspring.compiling.compiled import part
-from coilspring.solver.operations import assembled, moved
+from coilspring.solver.equilibrium.operations import assembled, moved
 
 ARMIJO = 1e-4  # usual sufficient-decrease constant (Nocedal & Wright, section 3.1)
 ENERGY_NOISE = 1e-13  # relative rounding of the energy: smaller decreases cannot be asked for

@@ -16,12 +16,12 @@ from coilspring.contact.history import (
     touched_first,
 )
 from coilspring.contact.touching import OPEN
-from coilspring.solver.branch import most_turn
-from coilspring.solver.creep import creep_tangent
-from coilspring.solver.newton import CONVERGED
-from coilspring.solver.response import derivatives, nearby
-from coilspring.solver.snap import count_snap, passes_snap, snapped
-from coilspring.solver.stability import predicted_zero
+from coilspring.solver.continuation.branch import most_turn
+from coilspring.solver.continuation.snap import count_snap, passes_snap, snapped
+from coilspring.solver.continuation.stability import predicted_zero
+from coilspring.solver.equilibrium.newton import CONVERGED
+from coilspring.solver.tangential.creep import creep_tangent
+from coilspring.solver.tangential.response import derivatives, nearby
 
 SAFE = 0.8  # share of the turn allowed that the next substep aims at
 # Iterations in the first round, and in each that follows: with fewer, the next substep may be longer.

@@ -13,10 +13,18 @@ import numpy as np
 
 from coilspring.compiling.compiled import copy, part
 from coilspring.contact.history import has_history
-from coilspring.solver.branch import displacement_bound
-from coilspring.solver.linesearch import dot
-from coilspring.solver.operations import factor_state, moved, solution
-from coilspring.solver.stability import FINEST, LEAST_STEP, PROBE, SETTLED, jumps, least_stiffness, vanishes
+from coilspring.solver.continuation.branch import displacement_bound
+from coilspring.solver.continuation.stability import (
+    FINEST,
+    LEAST_STEP,
+    PROBE,
+    SETTLED,
+    jumps,
+    least_stiffness,
+    vanishes,
+)
+from coilspring.solver.equilibrium.linesearch import dot
+from coilspring.solver.equilibrium.operations import factor_state, moved, solution
 from coilspring.solver.system import CRITICAL, JUMP
 
 AHEAD = 1e-6  # of the time 0..1: so far beyond a limit point an equilibrium is looked for

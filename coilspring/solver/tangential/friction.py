@@ -15,10 +15,10 @@ import numpy as np
 
 from coilspring.compiling.compiled import part
 from coilspring.contact.history import copy_history, set_rise
-from coilspring.solver.complementarity import eliminated
-from coilspring.solver.newton import INDEFINITE
-from coilspring.solver.operations import factor_state, solution
-from coilspring.solver.response import answer, answered, nearby
+from coilspring.solver.equilibrium.newton import INDEFINITE
+from coilspring.solver.equilibrium.operations import factor_state, solution
+from coilspring.solver.tangential.complementarity import eliminated
+from coilspring.solver.tangential.response import answer, answered, nearby
 
 LESS = 1e-4  # share by which friction is taken back
 # Share of the bounds, up or down, over a slip of a wire diameter; more is seen only where slips are stiff.

@@ -13,13 +13,10 @@ from numba import types
 
 from coilspring.compiling.compiled import copy, part, signed
 from coilspring.contact.history import copy_history, creeping, let_go
-from coilspring.solver.accept import LEAST_LEFT, NEAR_END, accept
-from coilspring.solver.branch import curvature, displacement_bound, predict
-from coilspring.solver.friction import raise_bounds
-from coilspring.solver.newton import INDEFINITE, LINEAR
-from coilspring.solver.operations import moved
-from coilspring.solver.snap import AHEAD, end_or_snap, release_or_jump
-from coilspring.solver.stability import (
+from coilspring.solver.continuation.accept import LEAST_LEFT, NEAR_END, accept
+from coilspring.solver.continuation.branch import curvature, displacement_bound, predict
+from coilspring.solver.continuation.snap import AHEAD, end_or_snap, release_or_jump
+from coilspring.solver.continuation.stability import (
     APPROACH,
     FINEST,
     JUMPS,
@@ -30,14 +27,16 @@ from coilspring.solver.stability import (
     unstable_time,
     watch_stiffness,
 )
-from coilspring.solver.start import FIRST_STEP, begin, resume
-from coilspring.solver.substep import (
+from coilspring.solver.continuation.start import FIRST_STEP, begin, resume
+from coilspring.solver.continuation.substep import (
     LEAST_RELEASE,
     MOST_RELEASE,
     OVERLAP_TIME,
     find_equilibrium,
     keeps_branch,
 )
+from coilspring.solver.equilibrium.newton import INDEFINITE, LINEAR
+from coilspring.solver.equilibrium.operations import moved
 from coilspring.solver.system import (
     COMPLETED,
     CRITICAL,
@@ -59,6 +58,7 @@ from coilspring.solver.system import (
     task_type,
     workspace_type,
 )
+from coilspring.solver.tangential.friction import raise_bounds
 
 RETRIED = 0.5  # share of a substep, or release, that failed: it is tried next
 LEAST_CREEP = 1e-7  # of the time 0..1: in less, a pair that creeps moves by no more than it is located to

@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 
 from coilspring.compiling.compiled import copy, part, typed
-from coilspring.solver.linesearch import dot, line_search, residual, whole_step
-from coilspring.solver.operations import assembled, factored, moved, solution, stale_solution
+from coilspring.solver.equilibrium.linesearch import dot, line_search, residual, whole_step
+from coilspring.solver.equilibrium.operations import assembled, factored, moved, solution, stale_solution
 from coilspring.solver.system import equilibrium_signature
 
 CONVERGED, LINEAR, SADDLE, FAILED = 0, 1, 2, 3  # to LINEAR: an equilibrium was found

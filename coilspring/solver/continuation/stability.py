@@ -6,10 +6,10 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from coilspring.compiling.compiled import part
+from coilspring.solver.equilibrium.linesearch import dot
+from coilspring.solver.equilibrium.newton import LINEAR
+from coilspring.solver.equilibrium.operations import assembled, factor_state, factored, moved, solution
 from coilspring.solver.interface import Kernels
-from coilspring.solver.linesearch import dot
-from coilspring.solver.newton import LINEAR
-from coilspring.solver.operations import assembled, factor_state, factored, moved, solution
 from coilspring.solver.system import DIAGONAL, DOF, FREE, PLACE, STIFFNESS
 
 INVERSE_ITERATIONS = 30

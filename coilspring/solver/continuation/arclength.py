@@ -19,10 +19,10 @@ from numba import types
 from coilspring.compiling.compiled import copied, copy, part, signed, zeros
 from coilspring.contact.history import drop_opening
 from coilspring.contact.law import PAIR_HISTORY
-from coilspring.solver.branch import PAIR_MOTION, displacement_bound
+from coilspring.solver.continuation.branch import PAIR_MOTION, displacement_bound
+from coilspring.solver.equilibrium.linesearch import dot
+from coilspring.solver.equilibrium.operations import assembled, factored, moved, solution
 from coilspring.solver.interface import record_type
-from coilspring.solver.linesearch import dot
-from coilspring.solver.operations import assembled, factored, moved, solution
 from coilspring.solver.system import system_of, system_types
 
 FIRST_ARC = 0.02  # of the arc that the tangent at rest would take to full load
@@ -115,7 +115,8 @@ def trace(reals, ints, prescribed, kernels, load, points, start, history, size, 
     """Trace at most `points` points of the path from rest, or to time 1.
 
     `history` is overwritten. `size` is the length of the matrix, `stop` as in
-    `coilspring.solver.follower.follow`. Ten arguments: compiled code is entered here, bundles begin inside.
+    `coilspring.solver.continuation.follower.follow`. Ten arguments: compiled code is entered here, bundles
+    begin inside.
     """
     system = system_of(reals, ints, prescribed, kernels)
     times, states = np.empty(points), np.empty((points, start.size))

@@ -13,9 +13,9 @@ import numpy as np
 from coilspring.compiling.compiled import copy, part
 from coilspring.contact.history import copy_history
 from coilspring.contact.touching import CREEP
-from coilspring.solver.complementarity import GAP, HELD, SLIP, complementary, eliminated
-from coilspring.solver.operations import factor_state, solution
-from coilspring.solver.response import answer, derivatives, nearby
+from coilspring.solver.equilibrium.operations import factor_state, solution
+from coilspring.solver.tangential.complementarity import GAP, HELD, SLIP, complementary, eliminated
+from coilspring.solver.tangential.response import answer, derivatives, nearby
 
 LESS = 1e-4  # share of a force that is changed, to see what it does
 LEAST_SHARE = 1e-12  # of the stiffness: less counts as none between two shares

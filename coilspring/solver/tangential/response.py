@@ -4,8 +4,8 @@ import numpy as np
 
 from coilspring.compiling.compiled import part
 from coilspring.contact.history import copy_history
-from coilspring.solver.linesearch import subtract
-from coilspring.solver.operations import assembled, moved, solution
+from coilspring.solver.equilibrium.linesearch import subtract
+from coilspring.solver.equilibrium.operations import assembled, moved, solution
 
 NEARBY = 1e-5  # wire diameters of motion over which gaps are differentiated
 

@@ -17,14 +17,20 @@ from coilspring.contact.history import (
 )
 from coilspring.contact.kinematics import OVERLAP_ALLOWED
 from coilspring.contact.law import tangential_stiffness
-from coilspring.solver import snap
-from coilspring.solver.branch import SMALL, continues, jumped, most_turn, small_turn
-from coilspring.solver.creep import renew_creep
-from coilspring.solver.friction import let_flow, slides_stably, solve_bounds
-from coilspring.solver.newton import CONVERGED, FAILED, LINEAR, NONE, SADDLE
-from coilspring.solver.operations import assembled, factored, moved, put_prescribed, stale_solution
-from coilspring.solver.stability import LEAST_STEP, WEAK
+from coilspring.solver.continuation import snap
+from coilspring.solver.continuation.branch import SMALL, continues, jumped, most_turn, small_turn
+from coilspring.solver.continuation.stability import LEAST_STEP, WEAK
+from coilspring.solver.equilibrium.newton import CONVERGED, FAILED, LINEAR, NONE, SADDLE
+from coilspring.solver.equilibrium.operations import (
+    assembled,
+    factored,
+    moved,
+    put_prescribed,
+    stale_solution,
+)
 from coilspring.solver.system import OVERLAP, ROOM, SOFTEST, Target
+from coilspring.solver.tangential.creep import renew_creep
+from coilspring.solver.tangential.friction import let_flow, slides_stably, solve_bounds
 
 # Powers of two by which the tangential stiffness of opening pairs is lowered: all of it beyond the largest;
 # where the least finds no place nearby, the path jumps.

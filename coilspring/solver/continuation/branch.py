@@ -6,8 +6,8 @@ import numpy as np
 
 from coilspring.compiling.compiled import part
 from coilspring.contact.history import has_friction
-from coilspring.solver.newton import INDEFINITE, NONE
-from coilspring.solver.operations import moved, put_prescribed
+from coilspring.solver.equilibrium.newton import INDEFINITE, NONE
+from coilspring.solver.equilibrium.operations import moved, put_prescribed
 
 # A converged state continues the branch when it lies near the straight prediction: within this share
 # of the distance it came (a fold or a jump turns the path by more), or within a small distance at all

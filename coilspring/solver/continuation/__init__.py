@@ -1,0 +1,1 @@
+"""The path from equilibrium to equilibrium, its substeps, critical points and branches."""

@@ -1,0 +1,1 @@
+"""An equilibrium at a fixed load."""

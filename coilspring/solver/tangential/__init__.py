@@ -1,0 +1,1 @@
+"""What touching pairs hold tangentially: sticking, creep and friction."""
