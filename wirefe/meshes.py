@@ -2,7 +2,7 @@
 
 A level n has n curved elements a turn (`STRAIGHT` n straight ones where end turns rest on plates). What
 elements leave falls with the square of the level, and what stations of wires leave with the square of their
-number, irregularly.
+number; where coils touch, both do so irregularly.
 """
 
 from __future__ import annotations

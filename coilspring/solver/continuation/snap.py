@@ -45,10 +45,10 @@ NO_WORK = 1e-4  # of the load times a mode's largest motion: less work is a bifu
 @part
 def end_or_snap(system, task, work, path, softest, outcome):
     """The path ends with an outcome, unless at a limit point: there a snap is tried first."""
-    path.ends = outcome
-    if vanishes(path, softest):
+    path.ends, straight = outcome, vanishes(path, softest)
+    if straight:
         path.ends, path.bracket = CRITICAL, 2.0 * max(softest.zero - path.time, FINEST)
-    path.snapping = task.predictor and is_limit_point(system, task, work, path, softest)
+    path.snapping = task.predictor and is_limit_point(system, task, work, path, softest, straight)
     if not path.snapping:
         path.outcome = path.ends
 
@@ -75,13 +75,12 @@ def release_or_jump(task, path):
 
 
 @part
-def is_limit_point(system, task, work, path, softest):
-    """Whether the load works on the softest mode, or the stiffness does not tend to zero along a straight
+def is_limit_point(system, task, work, path, softest, straight):
+    """Whether the load works on the softest mode, or the stiffness does not tend to zero along a `straight`
     line: it jumps, as where a pair opens, or a prescribed motion works on the mode."""
     factor_state(system, work, work.state, work.history)
     path.spent, path.reuse = path.spent + 1, False
     stiffness = least_stiffness(system, task, work, np.inf, SETTLED)
-    straight = vanishes(path, softest)
     if not straight and jumps(path, softest, stiffness):
         return True
     if system.prescribed.size > 0:

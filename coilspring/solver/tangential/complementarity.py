@@ -44,9 +44,7 @@ def complementary(opens, slips, rows):
         first, count = _combined(opens, slips, rows, M)
         if not found and count > 0:
             state[:] = first
-    for p in range(n):
-        _equation(state[p], p, opens, slips, rows, M)
-    if eliminated(M) == 0:
+    if not _solved(state, opens, slips, rows, M):
         return False, count > 1
     for p in range(n):
         for q in range(n):
@@ -70,8 +68,7 @@ def _combined(opens, slips, rows, M):
         for p in range(n):
             state[p] = rest % 3
             rest //= 3
-            _equation(state[p], p, opens, slips, rows, M)
-        if eliminated(M) == 0 or _next(state, opens, slips, rows, M) < n:
+        if not _solved(state, opens, slips, rows, M) or _next(state, opens, slips, rows, M) < n:
             continue
         for p in range(n):
             if count > 0 and abs(M[p, n] - forces[p]) > SAME * largest:
@@ -86,9 +83,7 @@ def _turned(state, opens, slips, rows, M):
     """Turn pairs until all are what they are said to be; whether they are at last."""
     n = opens.shape[0]
     for turn in range(MOST_TURNS * n + 1):
-        for p in range(n):
-            _equation(state[p], p, opens, slips, rows, M)
-        if eliminated(M) == 0:
+        if not _solved(state, opens, slips, rows, M):
             return False
         p = _next(state, opens, slips, rows, M)
         if p == n:
@@ -97,6 +92,15 @@ def _turned(state, opens, slips, rows, M):
             break
         state[p] = TOUCHES if state[p] != TOUCHES else FREE if rows[HELD, p] + M[p, n] < 0.0 else STICKS
     return False
+
+
+@part
+def _solved(state, opens, slips, rows, M):
+    """Find the forces of pairs that are what they are said to be, the last column of `M`; whether there are
+    such."""
+    for p in range(opens.shape[0]):
+        _equation(state[p], p, opens, slips, rows, M)
+    return eliminated(M) != 0
 
 
 @part
