@@ -14,6 +14,7 @@ from coilspring.solver.coulomb import SLACK, coulomb
 from equivbeam.model import matrix_size
 from equivbeam.solve import KERNELS
 from validation.campaign.coulombend import loses_stability
+from validation.campaign.run import verified
 from validation.campaign.scenes import make_case
 from validation.campaign.verdict import SOLVERS, Verdict, reached, under
 from validation.campaign.wire import WireForces
@@ -192,3 +193,9 @@ def test_a_path_says_where_the_steps_decide_which_pairs_slide(case, seed, counts
     for path in [reached(make_case(case, seed), steps=steps) for steps in counts]:
         assert path.undecided_time == pytest.approx(time, abs=2e-5)
         assert "by other forces as well" in path.message
+
+
+def test_the_verifier_steps_to_a_limit_point_from_the_nearest_state_before():
+    """The path snaps 0.3 % before its limit point, where the stiffness jumps: steps from 0.2 % before do not
+    come to it, those from 0.01 % do."""
+    assert verified("w00445", 982)["class"] == "limit_point"

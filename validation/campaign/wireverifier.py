@@ -115,9 +115,11 @@ def verify_wire_critical(verdict: Verdict, forces: WireForces, case: Case, path:
 def _verify_softening(verdict: Verdict, forces: WireForces, case: Case, path: EquilibriumPath) -> None:
     """The least stiffness must tend to zero at the critical time: of the wire with its top where it is
     prescribed, and of one whose coils stick or slide, by Coulomb's unsymmetric tangent. Where it does not,
-    with friction, the verifier's own steps from just before must lose it as near."""
+    with friction, the verifier's own steps must lose it as near: from the nearest state before, or one
+    farther."""
     assert path.critical_time is not None
-    found, start, critical = [math.inf], None, path.critical_time
+    found, critical = [math.inf], path.critical_time
+    nearest: list[tuple[float, EquilibriumPath]] = []  # the last states, each a share of the time before
     # the critical time of a path with friction itself depends on its substeps by as much
     most = runs.FRICTION_TIME if runs.path_dependent(case) else SOFTENED
     for shares in BEFORE_SOFT:
@@ -135,11 +137,13 @@ def _verify_softening(verdict: Verdict, forces: WireForces, case: Case, path: Eq
         found += [] if place is None else [abs(place / critical - 1.0)]
         if min(found) <= most:
             break
-        start = start or before[0]
-    if min(found) > most and start and case.scene.contact.sliding == "coulomb":
-        share = 1.0 - BEFORE_SOFT[0][0]
-        factor = loses_stability(forces, start, (1.0 + most) / share)
-        found += [] if factor is None else [abs(factor * share - 1.0)]
+        nearest.insert(0, (shares[0], before[0]))
+    if case.scene.contact.sliding == "coulomb":
+        for share, near in nearest:
+            if min(found) <= most:
+                break
+            factor = loses_stability(forces, near, (1.0 + most) / (1.0 - share))
+            found += [] if factor is None else [abs(factor * (1.0 - share) - 1.0)]
     if min(found) < math.inf:
         verdict.ask("confirmed", min(found), most, "the least stiffness vanishes elsewhere")
     else:
