@@ -195,6 +195,18 @@ def test_a_path_says_where_the_steps_decide_which_pairs_slide(case, seed, counts
         assert "by other forces as well" in path.message
 
 
+@pytest.mark.parametrize(("said", "complains"), [(1.0, False), (0.999, True), (None, True)])
+def test_a_path_that_says_at_its_end_that_it_may_go_on_is_undecided(said, complains):
+    """Where the least stiffness does not vanish at the end; earlier words do not excuse that."""
+    case = make_case("w00186", 1, "spheres")
+    path, verdict = reached(case), Verdict()
+    early = 0.9 * path.critical_time
+    claimed = replace(path, critical_time=early, undecided_time=None if said is None else said * early)
+    verify_wire_critical(verdict, WireForces(case.scene, **case.options), case, claimed)
+    assert bool(verdict.complaints) == complains
+    assert bool(verdict.others) != complains
+
+
 def test_the_verifier_steps_to_a_limit_point_from_the_nearest_state_before():
     """The path snaps 0.3 % before its limit point, where the stiffness jumps: steps from 0.2 % before do not
     come to it, those from 0.01 % do."""

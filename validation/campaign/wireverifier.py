@@ -144,7 +144,10 @@ def _verify_softening(verdict: Verdict, forces: WireForces, case: Case, path: Eq
                 break
             factor = loses_stability(forces, near, (1.0 + most) / (1.0 - share))
             found += [] if factor is None else [abs(factor * (1.0 - share) - 1.0)]
-    if min(found) < math.inf:
+    said = path.undecided_time
+    if min(found) > most and said is not None and abs(said / critical - 1.0) <= runs.LOAD:
+        verdict.others.append(path)  # it says that it may go on from there, with other forces
+    elif min(found) < math.inf:
         verdict.ask("confirmed", min(found), most, "the least stiffness vanishes elsewhere")
     else:
         verdict.complain(f"the least stiffness does not tend to zero near {critical:.6g}")
