@@ -545,6 +545,23 @@ def test_a_run_to_just_before_a_critical_time_may_end_as_near_as_that_is_known(
     assert len(verdict.complaints) == complaints
 
 
+@pytest.mark.parametrize("says", [0, 1], ids=["the path", "the run"])
+def test_a_run_may_end_early_from_where_one_of_the_two_says_so(says):
+    """The run's times are shares of the load to which it goes; it ends at 0.3 of the path's."""
+    scene = SimpleNamespace(contact=SimpleNamespace(enabled=True, sliding="coulomb"))
+    for mine, excused in ((0.29, True), (0.31, False)):
+        said = [mine if says == 0 else None, mine / 0.5 if says == 1 else None]
+        path = SimpleNamespace(
+            model="wirefe", scene=scene, outcome="limit_point", critical_time=0.5, undecided_time=said[0]
+        )
+        other = SimpleNamespace(
+            model="wirefe", scene=scene, outcome="limit_point", end_bracket=(0.6, 1.0), undecided_time=said[1]
+        )
+        verdict = Verdict()
+        ends_early(verdict, path, other, 0.5)
+        assert (verdict.others == [other], not verdict.complaints) == (excused, excused)
+
+
 def test_no_answer_is_asked_to_be_finer_than_its_positions():
     """Coils that touch at rest, hard contact: 2e-8 mm of displacement, known to 3e-15 mm."""
     assert run.verified("b007119", SEED)["class"] == "completed"

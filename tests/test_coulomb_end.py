@@ -207,6 +207,17 @@ def test_a_path_that_says_at_its_end_that_it_may_go_on_is_undecided(said, compla
     assert bool(verdict.others) != complains
 
 
+def test_the_verifiers_steps_lose_stability_where_sticking_coils_reach_a_limit_point():
+    """The least stiffness does not tend to zero there; a point 1 % before is not confirmed."""
+    case = make_case("w00523", 973)
+    path, forces = reached(case), WireForces(case.scene, **case.options)
+    for share in (1.0, 0.99):
+        verdict = Verdict()
+        claimed = replace(path, critical_time=share * path.critical_time)
+        verify_wire_critical(verdict, forces, case, claimed)
+        assert bool(verdict.complaints) == (share < 1.0)
+
+
 def test_the_verifier_steps_to_a_limit_point_from_the_nearest_state_before():
     """The path snaps 0.3 % before its limit point, where the stiffness jumps: steps from 0.2 % before do not
     come to it, those from 0.01 % do."""

@@ -238,13 +238,14 @@ def just_before(
 
 
 def ends_early(verdict: Verdict, path: EquilibriumPath, other: EquilibriumPath, time: float) -> None:
-    """Complain of a run, to a `time` before a path's critical one, that ends on the way, unless the path says
-    that from before there on coils can hold other forces, or it is as near as the critical time of a
-    path with friction is known."""
+    """Complain of a run, to a `time` before a path's critical one, that ends on the way, unless one of the
+    two says that from before there on coils can hold other forces, or it is as near as the critical time of
+    a path with friction is known."""
     assert other.end_bracket is not None
     assert path.critical_time is not None
     ended, known = time * other.end_bracket[0], path.critical_time * (1.0 - FRICTION_TIME)
-    if path.undecided_time is not None and ended >= path.undecided_time * (1.0 - FRICTION_TIME):
+    said = [share * run.undecided_time for share, run in ((1.0, path), (time, other)) if run.undecided_time]
+    if said and ended >= min(said) * (1.0 - FRICTION_TIME):
         verdict.others.append(other)
     elif not (path_dependent(path) and end_alike(path, other) and ended >= known):
         verdict.complain(f"just before the critical time {path.critical_time:.6g}: {other.outcome}")

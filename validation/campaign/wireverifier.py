@@ -115,8 +115,8 @@ def verify_wire_critical(verdict: Verdict, forces: WireForces, case: Case, path:
 def _verify_softening(verdict: Verdict, forces: WireForces, case: Case, path: EquilibriumPath) -> None:
     """The least stiffness must tend to zero at the critical time: of the wire with its top where it is
     prescribed, and of one whose coils stick or slide, by Coulomb's unsymmetric tangent. Where it does not,
-    with friction, the verifier's own steps must lose it as near: from the nearest state before, or one
-    farther."""
+    the verifier's own steps, with pairs that stick or slide, must lose it as near: from the nearest state
+    before, or one farther."""
     assert path.critical_time is not None
     found, critical = [math.inf], path.critical_time
     nearest: list[tuple[float, EquilibriumPath]] = []  # the last states, each a share of the time before
@@ -138,7 +138,7 @@ def _verify_softening(verdict: Verdict, forces: WireForces, case: Case, path: Eq
         if min(found) <= most:
             break
         nearest.insert(0, (shares[0], before[0]))
-    if case.scene.contact.sliding == "coulomb":
+    if runs.path_dependent(case):
         for share, near in nearest:
             if min(found) <= most:
                 break
