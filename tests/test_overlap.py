@@ -19,6 +19,7 @@ from coilspring import (
     spring_b,
 )
 from equivbeam.contact import circle_overlap
+from validation.campaign.overlap import excess
 from validation.campaign.scenes import make_case
 from validation.campaign.verdict import reached
 from validation.cli import main
@@ -123,6 +124,16 @@ def test_no_step_goes_over_an_overlap():
     """Coils slip past each other within a substep: with 1 or 5 steps this scene completed."""
     for steps in (1, 20):
         assert reached(make_case("w00954", 105), steps=steps).outcome == "interpenetration"
+
+
+def test_an_overlap_met_in_a_release_is_located_in_it():
+    """A sticking pair is let go at constant load, and the coils pass through each other as it gives way."""
+    path = reached(make_case("w00589", 962), steps=1)
+    assert path.outcome == "interpenetration"
+    last, d = path.last_state[None], path.scene.spring.wire_diameter
+    depth = max(-path.shape.pair_gaps(last).min(), 0.0)
+    assert path.shape.overlaps(last)[0] - depth == pytest.approx(0.1 * d, abs=1e-3 * d)
+    np.testing.assert_allclose(excess(path, last), 0.1, atol=0.01)  # by the verifier's own points
 
 
 def test_more_pairs_keep_wires_apart():
