@@ -549,7 +549,7 @@ def test_a_run_to_just_before_a_critical_time_may_end_as_near_as_that_is_known(
 def test_a_run_may_end_early_from_where_one_of_the_two_says_so(says):
     """The run's times are shares of the load to which it goes; it ends at 0.3 of the path's."""
     scene = SimpleNamespace(contact=SimpleNamespace(enabled=True, sliding="coulomb"))
-    for mine, excused in ((0.29, True), (0.31, False)):
+    for mine, excused in ((0.0, True), (0.29, True), (0.31, False)):
         said = [mine if says == 0 else None, mine / 0.5 if says == 1 else None]
         path = SimpleNamespace(
             model="wirefe", scene=scene, outcome="limit_point", critical_time=0.5, undecided_time=said[0]
@@ -572,6 +572,11 @@ def test_no_answer_is_asked_to_be_finer_than_its_positions():
     assert force_grain(equivbeam.solve(load_scene("spring-a-no-contact"), steps=1)) == 0.0
     hard = equivbeam.solve(spring_b(), penalty=1e9, steps=10)
     assert force_grain(hard) == pytest.approx(32 * 2.0**-52 * 28.6 * 2e9 / 200.0)
+
+
+def test_a_prescribed_place_is_known_to_the_rounding_of_positions():
+    """A displacement of 4.5e-7 mm, of a spring 5 mm high."""
+    assert run.verified("w00399", 974)["class"] == "bifurcation"
 
 
 def test_rounding_of_a_flat_spring_is_that_of_its_radius():

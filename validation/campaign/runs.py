@@ -205,7 +205,8 @@ def verify_place(verdict: Verdict, path: EquilibriumPath, row: int, y: float) ->
     scene, time = path.scene, float(path.times[row])
     (displacement,) = scene.load.displacement
     share = abs(y - scene.spring.active_height - time * displacement) / abs(displacement)
-    verdict.ask("place", share, PLACE, f"top elsewhere at time {time:.6g}")
+    most = max(PLACE, _rounding(scene.spring) / abs(displacement))
+    verdict.ask("place", share, most, f"top elsewhere at time {time:.6g}")
 
 
 def sharp_critical(verdict: Verdict, path: EquilibriumPath) -> float | None:
@@ -244,8 +245,9 @@ def ends_early(verdict: Verdict, path: EquilibriumPath, other: EquilibriumPath, 
     assert other.end_bracket is not None
     assert path.critical_time is not None
     ended, known = time * other.end_bracket[0], path.critical_time * (1.0 - FRICTION_TIME)
-    said = [share * run.undecided_time for share, run in ((1.0, path), (time, other)) if run.undecided_time]
-    if said and ended >= min(said) * (1.0 - FRICTION_TIME):
+    both = (1.0, path.undecided_time), (time, other.undecided_time)
+    said = min((share * since for share, since in both if since is not None), default=np.inf)
+    if ended >= said * (1.0 - FRICTION_TIME):
         verdict.others.append(other)
     elif not (path_dependent(path) and end_alike(path, other) and ended >= known):
         verdict.complain(f"just before the critical time {path.critical_time:.6g}: {other.outcome}")
