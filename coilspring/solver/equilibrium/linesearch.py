@@ -55,8 +55,8 @@ def whole_step(work, it, energy, gain):
     The second is the approximate Wolfe condition of Hager & Zhang (2005), without a bound on the rise. The
     rounded potential alone would take steps between which hard pairs open and close for ever.
     """
-    if -it.slope > it.noise + ENERGY_NOISE * energy:
-        return falls(energy, gain, it.slope, 1.0, it.noise)
+    if abs(gain) > it.noise + ENERGY_NOISE * energy:
+        return gain <= ARMIJO * it.slope
     return abs(dot(work.g, work.step)) <= FLAT * abs(it.slope)
 
 
