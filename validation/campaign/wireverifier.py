@@ -1,7 +1,7 @@
 """The verifier of the wire model's paths: forces in balance, contact as reported, critical points."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 from scipy.optimize import brentq
@@ -113,44 +113,55 @@ def verify_wire_critical(verdict: Verdict, forces: WireForces, case: Case, path:
 
 
 def _verify_softening(verdict: Verdict, forces: WireForces, case: Case, path: EquilibriumPath) -> None:
-    """The least stiffness must tend to zero at the critical time: of the wire with its top where it is
-    prescribed, and of one whose coils stick or slide, by Coulomb's unsymmetric tangent. Where it does not,
-    the verifier's own steps, with pairs that stick or slide, must lose it as near: from the nearest state
-    before, or one farther."""
+    """The wire, with its top where it is prescribed, must lose its stability at the critical time: by
+    Coulomb's unsymmetric tangent where its coils stick or slide."""
     assert path.critical_time is not None
-    found, critical = [math.inf], path.critical_time
-    nearest: list[tuple[float, EquilibriumPath]] = []  # the last states, each a share of the time before
+    critical, off = path.critical_time, math.inf
     # the critical time of a path with friction itself depends on its substeps by as much
     most = runs.FRICTION_TIME if runs.path_dependent(case) else SOFTENED
+    before = len(verdict.complaints) + len(verdict.others)
+    for time in _unstable_times(verdict, forces, case, path, most):
+        off = min(off, abs(time / critical - 1.0))
+        if off <= most:
+            break
+    if len(verdict.complaints) + len(verdict.others) > before:
+        return
+    said = path.undecided_time
+    if off > most and said is not None and abs(said / critical - 1.0) <= runs.LOAD:
+        verdict.others.append(path)  # it says that it may go on from there, with other forces
+    elif off < math.inf:
+        verdict.ask("confirmed", off, most, "the wire loses its stability elsewhere")
+    else:
+        verdict.complain(f"the least stiffness does not tend to zero near {critical:.6g}")
+
+
+def _unstable_times(
+    verdict: Verdict, forces: WireForces, case: Case, path: EquilibriumPath, most: float
+) -> Iterator[float]:
+    """Times at which the wire loses its stability, as states tell up to a share `most` before the critical
+    time, farther ones first: the least stiffness vanishes, or pairs open without which it is unstable, or,
+    where coils stick or slide, it is lost in the verifier's own steps."""
+    assert path.critical_time is not None
+    critical = path.critical_time
+    nearest: list[tuple[float, EquilibriumPath]] = []  # the last states, each a share of the time before
     for shares in BEFORE_SOFT:
         before = runs.just_before(verdict, case, path, shares)
         if not before:
-            if verdict.complaints or verdict.others:
-                return
-            break  # no nearer: with friction one of them ends before
+            break  # with friction one of them ends before
         least = [forces.stiffness_of(near) for near in before]
         if min(least) <= 0.0:
             where = f"the critical time {critical:.6g}"
             verdict.complain(f"unstable before {where}: least stiffness {min(least):.2e}")
             return
-        place = vanishing([critical * (1.0 - share) for share in shares], least)
-        found += [] if place is None else [abs(place / critical - 1.0)]
-        if min(found) <= most:
-            break
+        times = [critical * (1.0 - share) for share in shares]
+        found = (vanishing(times, least), kink(forces, before, times, critical * (1.0 + most)))
+        yield from (time for time in found if time is not None)
         nearest.insert(0, (shares[0], before[0]))
     if runs.path_dependent(case):
         for share, near in nearest:
-            if min(found) <= most:
-                break
             factor = loses_stability(forces, near, (1.0 + most) / (1.0 - share))
-            found += [] if factor is None else [abs(factor * (1.0 - share) - 1.0)]
-    said = path.undecided_time
-    if min(found) > most and said is not None and abs(said / critical - 1.0) <= runs.LOAD:
-        verdict.others.append(path)  # it says that it may go on from there, with other forces
-    elif min(found) < math.inf:
-        verdict.ask("confirmed", min(found), most, "the least stiffness vanishes elsewhere")
-    else:
-        verdict.complain(f"the least stiffness does not tend to zero near {critical:.6g}")
+            if factor is not None:
+                yield critical * factor * (1.0 - share)
 
 
 def fold(positions: Sequence[np.ndarray], times: Sequence[float]) -> float | None:
@@ -188,7 +199,7 @@ def kink(
     left = np.full(len(last), np.inf)
     left[falls] = (times[0] - times[1]) * last[falls] / (first - last)[falls]
     opens = times[0] + left <= end
-    if not opens.any() or forces.least_stiffness(rows[0], pairs.of(~opens)) >= 0.0:
+    if not opens.any() or forces.least_stiffness(rows[0], pairs.of(~opens).renewed(rows[0])) >= 0.0:
         return None
     return times[0] + float(left.min())
 
