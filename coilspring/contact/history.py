@@ -95,11 +95,18 @@ def release(history, share):
 
 
 @part
-def let_go(history):
-    """Have pairs that creep released."""
+def let_go(history, touching):
+    """Have pairs released that creep, or that stick and are about to open: with less than `touching`, mm, of
+    penetration. Returns whether there is one."""
+    found = False
     for m in range(history.shape[0]):
-        if history[m].creeps:
-            history[m].creeps, history[m].opening = False, True
+        row = history[m]
+        sticks = row.closed and row.bound == np.inf and not (row.fresh or row.opening)
+        if row.creeps or (sticks and -touching < row.gap <= 0.0):
+            if not row.creeps:
+                row.held = row.kept * row.stiffness * row.before
+            row.creeps, row.opening, found = False, True, True
+    return found
 
 
 @part

@@ -134,6 +134,7 @@ PATH = np.dtype(
         ("travel", "f8"),  # bound on all motion so far, mm
         ("releasing", "?"),  # opening pairs hold something tangentially that is still to be released
         ("release", "f8"),  # power of two by which their tangential stiffness is lowered next
+        ("released", "f8"),  # and that of the last release, 0 where it began with none
         ("let_go", "f8"),  # up to this time no pair that creeps lets go again,
         ("dropped", "f8"),  # and to this one none at once
         ("undecided", "f8"),  # time of the first state beyond which pairs could hold other forces

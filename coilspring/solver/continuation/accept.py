@@ -82,7 +82,7 @@ def accept_step(system, task, work, path, substep):
     elif passes_snap(system, task, work, path, substep):
         count_snap(task, work, path, substep)
     path.reuse, path.last_step, path.time = True, substep.duration, substep.target
-    path.error = substep.error
+    path.error, path.released = substep.error, 0.0
     path.due = substep.landing
     fresh = touched_first(work.trial_history)
     if path.until < np.inf and fresh.size == 0 and not opening(work.history):
@@ -126,7 +126,7 @@ def accept_release(task, work, path, substep):
     if path.time <= path.let_go:
         # that they creep leads nowhere from here: how much of it a release leaves, rounding may decide
         let_go_on(work.history, path.creep * task.diameter)
-    path.releasing = opening(work.history)
+    path.releasing, path.released = opening(work.history), path.release
     path.release *= 2.0
     path.error /= path.last_step**2  # as of a step of length 1, along a straight line
     path.reuse, path.last_step, work.old[0] = True, 1.0, np.inf  # no turn known

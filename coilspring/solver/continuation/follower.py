@@ -13,6 +13,7 @@ from numba import types
 
 from coilspring.compiling.compiled import copy, part, signed
 from coilspring.contact.history import copy_history, creeping, let_go
+from coilspring.contact.touching import OPEN
 from coilspring.solver.continuation.accept import LEAST_LEFT, NEAR_END, accept
 from coilspring.solver.continuation.branch import curvature, displacement_bound, predict
 from coilspring.solver.continuation.snap import AHEAD, end_or_snap, release_or_jump
@@ -36,7 +37,7 @@ from coilspring.solver.continuation.substep import (
     keeps_branch,
 )
 from coilspring.solver.equilibrium.newton import INDEFINITE, LINEAR
-from coilspring.solver.equilibrium.operations import moved
+from coilspring.solver.equilibrium.operations import moved, put_prescribed
 from coilspring.solver.system import (
     COMPLETED,
     CRITICAL,
@@ -148,6 +149,9 @@ def predict_trial(system, task, work, path, substep):
     if path.snapping or not task.predictor:
         copy(work.state, work.predicted)
         return
+    if path.releasing:
+        predict_release(system, task, work, path, substep)
+        return
     bend = curvature(task, work, path.last_step, substep.duration)
     free = free_share(system, task, work, path, bend, substep)
     if free < 1.0:
@@ -162,6 +166,17 @@ def predict_trial(system, task, work, path, substep):
         substep.duration = min(max(left, LEAST_LEFT), substep.duration)
         substep.target = path.time + substep.duration
         predict(system, task, work, path, bend, substep.target)
+
+
+@part
+def predict_release(system, task, work, path, substep):
+    """Predict what a release leads to: as far again as the last one, for each power of two."""
+    known = path.released > 0.0 and path.release <= MOST_RELEASE
+    onward = path.release / path.released if known else 0.0
+    system.retract(
+        system.reals, system.ints, work.state, work.tangent, 0.0, work.before, -onward, work.predicted
+    )
+    put_prescribed(system, task.start, substep.target, work.predicted)
 
 
 @part
@@ -207,25 +222,28 @@ def shorten(system, task, work, path, substep, softest):
         path.until = substep.cut * substep.duration
     else:
         path.failed, path.next_step = True, RETRIED * substep.duration
-    lets_go = creeping(work.history) and softest.value > JUMPS * path.rest_stiffness
+    hard = softest.value > JUMPS * path.rest_stiffness  # it is no mode that has become soft
     # one that is only cut, to where a pair touches or opens, does not stall
-    stalls = lets_go and substep.cut == 1.0
-    if substep.duration < (LEAST_CREEP if stalls else LEAST_STEP):
-        path.bracket = 2.0 * max(substep.duration, LEAST_STEP)
-        if lets_go:
-            # it is no mode that has become soft: a pair that creeps lets go, bit by bit, then at once
-            again = path.time <= path.let_go
-            path.let_go, path.next_step = path.time + LEAST_STEP, FIRST_STEP
+    stalls = hard and creeping(work.history) and substep.cut == 1.0
+    if substep.duration >= (LEAST_CREEP if stalls else LEAST_STEP):
+        return
+    path.bracket = 2.0 * max(substep.duration, LEAST_STEP)
+    creeps = creeping(work.history)
+    system.update_pairs(system.reals, system.ints, work.state, work.state, work.state, work.history)
+    if hard and let_go(work.history, OPEN * task.diameter):
+        # what a pair holds that creeps, or opens, leads nowhere: it lets go, bit by bit, then at once
+        again = path.time <= path.let_go
+        path.let_go, path.next_step = path.time + LEAST_STEP, FIRST_STEP
+        if creeps:
             path.undecided = min(path.undecided, path.time)
-            path.releasing, path.release = True, np.inf
-            let_go(work.history)
-            if again:
-                release_or_jump(task, path)
-        else:
-            # negative pivots however short the step: the stiffness jumps there, as where a pair opens
-            outcome = CRITICAL if abs(path.time - path.indefinite) <= NEAR_END else STUCK
-            outcome = TURNED if abs(path.time - path.turned) <= NEAR_END else outcome
-            end_or_snap(system, task, work, path, softest, outcome)
+        path.releasing, path.release, path.released = True, np.inf, 0.0
+        if again:
+            release_or_jump(task, path)
+    else:
+        # negative pivots however short the step: the stiffness jumps there, as where a pair opens
+        outcome = CRITICAL if abs(path.time - path.indefinite) <= NEAR_END else STUCK
+        outcome = TURNED if abs(path.time - path.turned) <= NEAR_END else outcome
+        end_or_snap(system, task, work, path, softest, outcome)
 
 
 @part
