@@ -126,8 +126,7 @@ def compare(
 ) -> None:
     """Take what `verify` finds of two runs; where they differ, and one says that from some time on coils
     can hold other forces, they are compared up to there."""
-    times = [run.undecided_time for run in (path, other) if run.undecided_time is not None]
-    for until in (np.inf, *sorted(times)[:1]):
+    for until in dict.fromkeys((np.inf, _undecided(path, other))):
         found = Verdict(numbers=dict(verdict.numbers))
         verify(found, until)
         if not found.complaints:
@@ -136,6 +135,13 @@ def compare(
         verdict.others.append(other)
     verdict.numbers = found.numbers
     verdict.complaints += found.complaints
+
+
+def _undecided(path: EquilibriumPath, other: EquilibriumPath, time: float = 1.0) -> float:
+    """Time from which on one of two runs says that others are possible; the second ends at a `time` of the
+    first. Infinite where neither does."""
+    both = (1.0, path.undecided_time), (time, other.undecided_time)
+    return min((share * since for share, since in both if since is not None), default=np.inf)
 
 
 def end_alike(path: EquilibriumPath, other: EquilibriumPath) -> bool:
@@ -245,9 +251,7 @@ def ends_early(verdict: Verdict, path: EquilibriumPath, other: EquilibriumPath, 
     assert other.end_bracket is not None
     assert path.critical_time is not None
     ended, known = time * other.end_bracket[0], path.critical_time * (1.0 - FRICTION_TIME)
-    both = (1.0, path.undecided_time), (time, other.undecided_time)
-    said = min((share * since for share, since in both if since is not None), default=np.inf)
-    if ended >= said * (1.0 - FRICTION_TIME):
+    if ended >= _undecided(path, other, time) * (1.0 - FRICTION_TIME):
         verdict.others.append(other)
     elif not (path_dependent(path) and end_alike(path, other) and ended >= known):
         verdict.complain(f"just before the critical time {path.critical_time:.6g}: {other.outcome}")

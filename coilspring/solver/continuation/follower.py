@@ -12,11 +12,11 @@ import numpy as np
 from numba import types
 
 from coilspring.compiling.compiled import copy, part, signed
-from coilspring.contact.history import copy_history, creeping, let_go
-from coilspring.contact.touching import OPEN
-from coilspring.solver.continuation.accept import LEAST_LEFT, NEAR_END, accept
+from coilspring.contact.history import copy_history
+from coilspring.solver.continuation.accept import LEAST_LEFT, accept
 from coilspring.solver.continuation.branch import curvature, displacement_bound, predict
-from coilspring.solver.continuation.snap import AHEAD, end_or_snap, release_or_jump
+from coilspring.solver.continuation.shorten import shorten
+from coilspring.solver.continuation.snap import AHEAD, end_or_snap
 from coilspring.solver.continuation.stability import (
     APPROACH,
     FINEST,
@@ -28,15 +28,14 @@ from coilspring.solver.continuation.stability import (
     unstable_time,
     watch_stiffness,
 )
-from coilspring.solver.continuation.start import FIRST_STEP, begin, resume
+from coilspring.solver.continuation.start import begin, resume
 from coilspring.solver.continuation.substep import (
-    LEAST_RELEASE,
     MOST_RELEASE,
     OVERLAP_TIME,
     find_equilibrium,
     keeps_branch,
 )
-from coilspring.solver.equilibrium.newton import INDEFINITE, LINEAR
+from coilspring.solver.equilibrium.newton import LINEAR
 from coilspring.solver.equilibrium.operations import moved, put_prescribed
 from coilspring.solver.system import (
     COMPLETED,
@@ -47,9 +46,7 @@ from coilspring.solver.system import (
     PATH,
     ROOM,
     SOFTEST,
-    STUCK,
     SUBSTEP,
-    TURNED,
     WATCH,
     TaskRef,
     WorkRef,
@@ -59,10 +56,7 @@ from coilspring.solver.system import (
     task_type,
     workspace_type,
 )
-from coilspring.solver.tangential.friction import raise_bounds
 
-RETRIED = 0.5  # share of a substep, or release, that failed: it is tried next
-LEAST_CREEP = 1e-7  # of the time 0..1: in less, a pair that creeps moves by no more than it is located to
 LEAST_ERROR = 1e-3  # of a prediction, over what is allowed: less may be chance
 CAREFUL = 2.0  # times the last substep, at most, where next to nothing is left of the stiffness
 MOST_TRIES = 20_000  # equilibria besides those at requested times; far more than a path needs
@@ -193,57 +187,6 @@ def free_share(system, task, work, path, bend, substep):
     predict(system, task, work, path, bend, substep.target)
     _, _, free = displacement_bound(system, work.state, work.predicted, 0.5 * path.least_gap)
     return free
-
-
-@part
-def shorten(system, task, work, path, substep, softest):
-    """Take the substep again, shorter; one that is too short ends the path."""
-    if path.outcome != COMPLETED:
-        return
-    path.reuse = False
-    if path.snapping:
-        # negative pivots just ahead are why no substep was short enough
-        unstable = path.ends == STUCK and substep.trouble == INDEFINITE
-        path.snapping, path.outcome, path.far = False, CRITICAL if unstable else path.ends, not path.lost
-        return
-    if path.releasing:
-        path.release = min(path.release, 2.0 * MOST_RELEASE) * RETRIED
-        if path.release < LEAST_RELEASE:
-            path.bracket = 2.0 * LEAST_STEP
-            release_or_jump(task, path)
-        return
-    if path.slid and substep.trouble == INDEFINITE:
-        raise_bounds(work, path, task.diameter)
-    if substep.turned:
-        path.turned = substep.target
-    if substep.trouble == INDEFINITE:
-        path.indefinite = substep.target
-    if substep.cut < 1.0:
-        path.until = substep.cut * substep.duration
-    else:
-        path.failed, path.next_step = True, RETRIED * substep.duration
-    hard = softest.value > JUMPS * path.rest_stiffness  # it is no mode that has become soft
-    # one that is only cut, to where a pair touches or opens, does not stall
-    stalls = hard and creeping(work.history) and substep.cut == 1.0
-    if substep.duration >= (LEAST_CREEP if stalls else LEAST_STEP):
-        return
-    path.bracket = 2.0 * max(substep.duration, LEAST_STEP)
-    creeps = creeping(work.history)
-    system.update_pairs(system.reals, system.ints, work.state, work.state, work.state, work.history)
-    if hard and let_go(work.history, OPEN * task.diameter):
-        # what a pair holds that creeps, or opens, leads nowhere: it lets go, bit by bit, then at once
-        again = path.time <= path.let_go
-        path.let_go, path.next_step = path.time + LEAST_STEP, FIRST_STEP
-        if creeps:
-            path.undecided = min(path.undecided, path.time)
-        path.releasing, path.release, path.released = True, np.inf, 0.0
-        if again:
-            release_or_jump(task, path)
-    else:
-        # negative pivots however short the step: the stiffness jumps there, as where a pair opens
-        outcome = CRITICAL if abs(path.time - path.indefinite) <= NEAR_END else STUCK
-        outcome = TURNED if abs(path.time - path.turned) <= NEAR_END else outcome
-        end_or_snap(system, task, work, path, softest, outcome)
 
 
 @part

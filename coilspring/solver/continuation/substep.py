@@ -115,10 +115,7 @@ def renew_held(system, task, work, path, substep, before):
     """
     change = update_pairs(system, work, work.trial)
     end = located(work.history)
-    left, least = substep.duration, 2.0 * LEAST_STEP
-    if path.releasing:
-        left, least = path.release, 2.0 * LEAST_RELEASE
-    if end < 1.0 and left >= least and not path.snapping:
+    if end < 1.0 and can_shorten(path, substep, 2.0 * LEAST_STEP) and not path.snapping:
         substep.cut = min(max(end, LEAST_CUT), MOST_CUT)
         return 0.0
     left = 0.0
@@ -144,6 +141,12 @@ def renew_held(system, task, work, path, substep, before):
         substep.turned = solve_bounds(system, task, work) < 0 or substep.turned
         path.spent += 1
     return change + left
+
+
+@part
+def can_shorten(path, substep, least):
+    """Whether the release at hand, or a substep of the `least` duration at least, can be taken shorter."""
+    return path.release >= 2.0 * LEAST_RELEASE if path.releasing else substep.duration >= least
 
 
 @part
@@ -173,10 +176,7 @@ def keeps_branch(system, task, work, path, substep, watch):
     if good and (NEARER * substep.moved >= substep.room or substep.near_overlap):
         substep.room, substep.moved = free_room(system, task, work.trial), 0.0
         good = substep.room >= 0.0 and clear_between(system, task, work, path, substep)
-        left, least = substep.duration, OVERLAP_TIME
-        if path.releasing:
-            left, least = path.release, 2.0 * LEAST_RELEASE
-        if not (good or path.snapping) and left < least:
+        if not (good or path.snapping or can_shorten(path, substep, OVERLAP_TIME)):
             path.outcome = OVERLAP
     if not good or substep.status == LINEAR:
         return good

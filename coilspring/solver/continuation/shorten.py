@@ -1,0 +1,86 @@
+"""A substep, or release, that failed: it is taken again, shorter, until the path ends or lets go."""
+
+import numpy as np
+
+from coilspring.compiling.compiled import part
+from coilspring.contact.history import creeping, let_go
+from coilspring.contact.touching import OPEN
+from coilspring.solver.continuation.accept import NEAR_END
+from coilspring.solver.continuation.snap import end_or_snap, release_or_jump
+from coilspring.solver.continuation.stability import JUMPS, LEAST_STEP
+from coilspring.solver.continuation.start import FIRST_STEP
+from coilspring.solver.continuation.substep import LEAST_RELEASE, MOST_RELEASE
+from coilspring.solver.equilibrium.newton import INDEFINITE
+from coilspring.solver.system import COMPLETED, CRITICAL, STUCK, TURNED
+from coilspring.solver.tangential.friction import raise_bounds
+
+RETRIED = 0.5  # share of a substep, or release, that failed: it is tried next
+LEAST_CREEP = 1e-7  # of the time 0..1: in less, a pair that creeps moves by no more than it is located to
+
+
+@part
+def shorten(system, task, work, path, substep, softest):
+    """Take what failed again, shorter; what is too short ends the path, unless a pair can let go."""
+    if path.outcome != COMPLETED:
+        return
+    path.reuse = False
+    if path.snapping:
+        # negative pivots just ahead are why no substep was short enough
+        unstable = path.ends == STUCK and substep.trouble == INDEFINITE
+        path.snapping, path.outcome, path.far = False, CRITICAL if unstable else path.ends, not path.lost
+    elif path.releasing:
+        release_less(task, path)
+    else:
+        go_less(task, work, path, substep)
+        rigid = softest.value > JUMPS * path.rest_stiffness  # it is no mode that has become soft
+        # one that is only cut, to where a pair touches or opens, does not stall
+        stalls = rigid and creeping(work.history) and substep.cut == 1.0
+        if substep.duration < (LEAST_CREEP if stalls else LEAST_STEP):
+            path.bracket = 2.0 * max(substep.duration, LEAST_STEP)
+            if not (rigid and lets_go(system, task, work, path)):
+                # negative pivots however short the step: the stiffness jumps there
+                outcome = CRITICAL if abs(path.time - path.indefinite) <= NEAR_END else STUCK
+                outcome = TURNED if abs(path.time - path.turned) <= NEAR_END else outcome
+                end_or_snap(system, task, work, path, softest, outcome)
+
+
+@part
+def release_less(task, path):
+    """Release less of what opening pairs hold; where that is too little, all at once, or the path jumps."""
+    path.release = min(path.release, 2.0 * MOST_RELEASE) * RETRIED
+    if path.release < LEAST_RELEASE:
+        path.bracket = 2.0 * LEAST_STEP
+        release_or_jump(task, path)
+
+
+@part
+def go_less(task, work, path, substep):
+    """Choose a shorter substep, and note what was wrong with this one."""
+    if path.slid and substep.trouble == INDEFINITE:
+        raise_bounds(work, path, task.diameter)
+    if substep.turned:
+        path.turned = substep.target
+    if substep.trouble == INDEFINITE:
+        path.indefinite = substep.target
+    if substep.cut < 1.0:
+        path.until = substep.cut * substep.duration
+    else:
+        path.failed, path.next_step = True, RETRIED * substep.duration
+
+
+@part
+def lets_go(system, task, work, path):
+    """Whether a pair creeps, or is about to open: what it holds leads nowhere. It lets go, bit by bit, and
+    where it does so again at once, all at once."""
+    creeps = creeping(work.history)
+    system.update_pairs(system.reals, system.ints, work.state, work.state, work.state, work.history)
+    if not let_go(work.history, OPEN * task.diameter):
+        return False
+    again = path.time <= path.let_go
+    path.let_go, path.next_step = path.time + LEAST_STEP, FIRST_STEP
+    if creeps:
+        path.undecided = min(path.undecided, path.time)
+    path.releasing, path.release, path.released = True, np.inf, 0.0
+    if again:
+        release_or_jump(task, path)
+    return True
