@@ -155,8 +155,7 @@ PATH = np.dtype(
         ("slid", "?"),  # a pair slid
         ("rise", "f8"),  # of the bounds of friction, see `coilspring.solver.tangential.friction`,
         ("raised", "f8"),  # and the least that the matrix needs
-        ("turned", "f8"),  # where the determinant of Coulomb's tangent was negative last,
-        ("indefinite", "f8"),  # and where the matrix had negative pivots in a substep that failed
+        ("turned", "f8"),  # where the determinant of Coulomb's tangent was negative last
         ("rest_stiffness", "f8"),  # least stiffness at the start
         ("moved", "f8"),  # bound on all motion since the overlap was measured
     ],
@@ -177,6 +176,7 @@ SUBSTEP = np.dtype(
         ("iterations", "i8"),  # factorisations
         ("rounds", "i8"),  # of renewed bounds
         ("trouble", "i8"),
+        ("unstable", "?"),  # the matrix has negative pivots where it is predicted, or at a saddle found
         ("tolerance", "f8"),  # of the energy that the iteration leaves, N mm
         ("turned", "?"),  # the determinant of Coulomb's tangent is negative
         ("several", "?"),  # pairs that creep could hold other forces, too
@@ -214,6 +214,7 @@ NEWTON = np.dtype(
         ("last", "f8"),  # of the last step at all, or infinite
         ("looks", "i8"),  # at states within the tolerance
         ("directions", "i8"),  # found with a factor of their own
+        ("unstable", "?"),  # see `SUBSTEP`
         ("doubtful", "?"),
         ("reuse", "?"),
         ("current", "?"),  # the matrix is that of the state

@@ -39,7 +39,7 @@ def shorten(system, task, work, path, substep, softest):
             path.bracket = 2.0 * max(substep.duration, LEAST_STEP)
             if not (rigid and lets_go(system, task, work, path)):
                 # negative pivots however short the step: the stiffness jumps there
-                outcome = CRITICAL if abs(path.time - path.indefinite) <= NEAR_END else STUCK
+                outcome = CRITICAL if substep.unstable else STUCK
                 outcome = TURNED if abs(path.time - path.turned) <= NEAR_END else outcome
                 end_or_snap(system, task, work, path, softest, outcome)
 
@@ -60,8 +60,6 @@ def go_less(task, work, path, substep):
         raise_bounds(work, path, task.diameter)
     if substep.turned:
         path.turned = substep.target
-    if substep.trouble == INDEFINITE:
-        path.indefinite = substep.target
     if substep.cut < 1.0:
         path.until = substep.cut * substep.duration
     else:

@@ -78,12 +78,14 @@ def find_equilibrium(system, equilibrium, task, work, path, substep, it):
     update_pairs(system, work, work.predicted)
     keep_bounds(work.history)
     substep.rounds, substep.iterations, substep.trouble, substep.cut = 0, 0, NONE, 1.0
-    substep.turned, substep.several, substep.damping, change = False, False, 1.0, np.inf
+    substep.turned, substep.several, substep.unstable = False, False, False
+    substep.damping, change = 1.0, np.inf
     substep.step, substep.worst = 1.0, np.inf
     while True:
         it.reuse = path.reuse
         substep.status = equilibrium(system, target, work, work.trial, it)
         substep.iterations += it.count
+        substep.unstable = substep.unstable or it.unstable or substep.status == SADDLE
         substep.trouble, substep.tolerance = max(substep.trouble, it.trouble), max(it.tolerance, it.rounding)
         path.spent += it.count
         path.pairs += it.pairs

@@ -51,7 +51,7 @@ def equilibrium(system, target, work, state, it):
     Returns one of CONVERGED, LINEAR, SADDLE and FAILED.
     """
     it.pairs, it.count, it.trouble, it.looks, it.directions = 0, 0, NONE, 0, 0
-    it.doubtful, it.current = False, not (target.modified and it.reuse)
+    it.doubtful, it.unstable, it.current = False, False, not (target.modified and it.reuse)
     it.least_pivot, it.decrement, it.last, it.damping = np.inf, 0.0, np.inf, target.shift
     look_at(system, target, work, state, it, it.current or not target.modified)
     for i in range(target.limit):
@@ -183,6 +183,7 @@ def newton_direction(system, target, work, state, it, first):
     it.current, it.shift = False, 0.0
     solution(system, work.F, work.g, -1.0, work.step)
     it.slope = dot(work.g, work.step)
+    it.unstable = it.unstable or (first and negative > 0)
     if negative > 0 and first and plain_step(system, target, work, state, it):
         return AGAIN
     if negative > 0:
