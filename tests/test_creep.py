@@ -6,6 +6,8 @@ from itertools import product
 import numpy as np
 import pytest
 
+from coilspring.contact.history import let_go
+from coilspring.contact.law import PAIR_HISTORY
 from coilspring.contact.touching import CREEP
 from coilspring.solver.tangential.complementarity import FREE, GAP, HELD, SLIP, STICKS, TOUCHES, complementary
 from validation.campaign.run import verify
@@ -221,6 +223,7 @@ def test_a_jump_after_which_other_forces_were_possible_is_undecided():
     case = replace(case, scene=case.scene.with_steps(20))
     path = reached(case)
     assert path.undecided_time == pytest.approx(0.8973, rel=1e-3)
+    assert path.outcome == "jump"
     assert verify(case, path).class_of(path.outcome) == "undecided"
 
 
@@ -232,9 +235,21 @@ def test_a_release_along_a_soft_mode_is_predicted():
     assert path.total_iterations < 10_000
 
 
+def test_pairs_let_go_that_creep_or_are_about_to_open():
+    history = np.zeros(4, PAIR_HISTORY).view(np.recarray)
+    history.closed, history.bound, history.kept, history.stiffness = True, np.inf, 1.0, 10.0
+    history.gap = -1e-3, -1e-9, -1e-9, 0.0  # pressed, about to open, touching without a force, creeping
+    history.before, history.creeps = (0.1, 0.1, 0.0, 0.1), (False, False, False, True)
+    assert let_go(history, 1e-6)
+    assert history.opening.tolist() == [False, True, False, True]
+    assert history.held.tolist() == [0.0, 1.0, 0.0, 0.0]
+    assert not history.creeps.any()
+    assert not let_go(history[:1], 1e-6)
+
+
 def test_a_sticking_pair_that_is_about_to_open_lets_go():
-    """Open, it would hold the wire in an unstable state, by 14 N: called a limit point, where the stiffness
-    does not vanish. It is released, and leads to no equilibrium nearby."""
+    """It holds 14 N, with which the wire is unstable once it is open: called a limit point, where the
+    stiffness does not vanish. It is released, and leads to no equilibrium nearby."""
     paths = [reached(make_case("w00490", 977), steps=steps) for steps in (1, 20)]
     assert [path.outcome for path in paths] == ["jump", "jump"]
     assert paths[0].critical_time == pytest.approx(paths[1].critical_time, rel=1e-7)

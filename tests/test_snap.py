@@ -49,6 +49,7 @@ def test_a_snap_within_a_substep_is_told(case, seed, counts, time, largest):
     paths = [reached(make_case(case, seed), steps=steps) for steps in counts]
     beyond = [path for path in paths if path.outcome == "completed" or path.end_bracket[0] > 1.005 * time]
     assert beyond
+    assert all(path in beyond or path.end_bracket[0] == pytest.approx(time, rel=5e-3) for path in paths)
     for path in beyond:
         assert snaps(path) == (1, pytest.approx(largest, abs=0.005))
         assert path.undecided_time == pytest.approx(time, rel=5e-3)

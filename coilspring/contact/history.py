@@ -95,14 +95,14 @@ def release(history, share):
 
 
 @part
-def let_go(history, touching):
-    """Have pairs released that creep, or that stick and are about to open: with less than `touching`, mm, of
-    penetration. Returns whether there is one."""
+def let_go(history, pressed):
+    """Have pairs released that creep, or that are about to open: `pressed`, mm, by no more than those that
+    creep may be, and stretched by more. Returns whether there is one."""
     found = False
     for m in range(history.shape[0]):
         row = history[m]
         sticks = row.closed and row.bound == np.inf and not (row.fresh or row.opening)
-        if row.creeps or (sticks and -touching < row.gap <= 0.0):
+        if row.creeps or (sticks and -pressed < row.gap <= 0.0 and row.before > pressed):
             if not row.creeps:
                 row.held = row.kept * row.stiffness * row.before
             row.creeps, row.opening, found = False, True, True

@@ -135,7 +135,7 @@ PATH = np.dtype(
         ("releasing", "?"),  # opening pairs hold something tangentially that is still to be released
         ("release", "f8"),  # power of two by which their tangential stiffness is lowered next
         ("released", "f8"),  # and that of the last release, 0 where it began with none
-        ("let_go", "f8"),  # up to this time no pair that creeps lets go again,
+        ("let_go", "f8"),  # up to this time no pair lets go again bit by bit,
         ("dropped", "f8"),  # and to this one none at once
         ("undecided", "f8"),  # time of the first state beyond which pairs could hold other forces
         ("failed", "?"),  # a substep had to be shortened since the softest mode was evaluated
@@ -176,7 +176,7 @@ SUBSTEP = np.dtype(
         ("iterations", "i8"),  # factorisations
         ("rounds", "i8"),  # of renewed bounds
         ("trouble", "i8"),
-        ("unstable", "?"),  # the matrix has negative pivots where it is predicted, or at a saddle found
+        ("unstable", "?"),  # negative pivots where the iteration began, or at an equilibrium found
         ("tolerance", "f8"),  # of the energy that the iteration leaves, N mm
         ("turned", "?"),  # the determinant of Coulomb's tangent is negative
         ("several", "?"),  # pairs that creep could hold other forces, too

@@ -138,9 +138,9 @@ def _verify_softening(verdict: Verdict, forces: WireForces, case: Case, path: Eq
 def _unstable_times(
     verdict: Verdict, forces: WireForces, case: Case, path: EquilibriumPath, most: float
 ) -> Iterator[float]:
-    """Times at which the wire loses its stability, as states tell up to a share `most` before the critical
-    time, farther ones first: the least stiffness vanishes, or pairs open without which it is unstable, or,
-    where coils stick or slide, it is lost in the verifier's own steps."""
+    """Times at which the wire loses its stability: the least stiffness vanishes, as states tell that come
+    ever nearer to the critical time; or, where coils stick or slide, it is lost in the verifier's own steps,
+    up to a share `most` beyond that time."""
     assert path.critical_time is not None
     critical = path.critical_time
     nearest: list[tuple[float, EquilibriumPath]] = []  # the last states, each a share of the time before
@@ -154,8 +154,9 @@ def _unstable_times(
             verdict.complain(f"unstable before {where}: least stiffness {min(least):.2e}")
             return
         times = [critical * (1.0 - share) for share in shares]
-        found = (vanishing(times, least), kink(forces, before, times, critical * (1.0 + most)))
-        yield from (time for time in found if time is not None)
+        found = vanishing(times, least)
+        if found is not None:
+            yield found
         nearest.insert(0, (shares[0], before[0]))
     if runs.path_dependent(case):
         for share, near in nearest:
@@ -199,7 +200,7 @@ def kink(
     left = np.full(len(last), np.inf)
     left[falls] = (times[0] - times[1]) * last[falls] / (first - last)[falls]
     opens = times[0] + left <= end
-    if not opens.any() or forces.least_stiffness(rows[0], pairs.of(~opens).renewed(rows[0])) >= 0.0:
+    if not opens.any() or forces.least_stiffness(rows[0], pairs.of(~opens)) >= 0.0:
         return None
     return times[0] + float(left.min())
 

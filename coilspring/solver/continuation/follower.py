@@ -164,7 +164,7 @@ def predict_trial(system, task, work, path, substep):
 
 @part
 def predict_release(system, task, work, path, substep):
-    """Predict what a release leads to: as far again as the last one, for each power of two."""
+    """Predict what a release leads to: it moves as the last one, in proportion to the powers of two."""
     known = path.released > 0.0 and path.release <= MOST_RELEASE
     onward = path.release / path.released if known else 0.0
     system.retract(

@@ -4,7 +4,6 @@ import numpy as np
 
 from coilspring.compiling.compiled import part
 from coilspring.contact.history import creeping, let_go
-from coilspring.contact.touching import OPEN
 from coilspring.solver.continuation.accept import NEAR_END
 from coilspring.solver.continuation.snap import end_or_snap, release_or_jump
 from coilspring.solver.continuation.stability import JUMPS, LEAST_STEP
@@ -68,14 +67,14 @@ def go_less(task, work, path, substep):
 
 @part
 def lets_go(system, task, work, path):
-    """Whether a pair creeps, or is about to open: what it holds leads nowhere. It lets go, bit by bit, and
-    where it does so again at once, all at once."""
+    """Have pairs let go that creep, or are about to open, since what they hold leads nowhere; where they do
+    so again at once, by a snap. Returns whether there is one."""
     creeps = creeping(work.history)
     system.update_pairs(system.reals, system.ints, work.state, work.state, work.state, work.history)
-    if not let_go(work.history, OPEN * task.diameter):
+    if not let_go(work.history, path.creep * task.diameter):
         return False
     again = path.time <= path.let_go
-    path.let_go, path.next_step = path.time + LEAST_STEP, FIRST_STEP
+    path.let_go, path.next_step, path.until = path.time + LEAST_STEP, FIRST_STEP, np.inf
     if creeps:
         path.undecided = min(path.undecided, path.time)
     path.releasing, path.release, path.released = True, np.inf, 0.0

@@ -23,8 +23,8 @@ def begin(system, task, work, path, watch):
     copy(task.start, work.origin)
     path.last_step, work.old[0] = 1.0, np.inf  # no state before, no turn known
     path.next_step, path.until, path.opens = min(task.times[0], FIRST_STEP), np.inf, np.inf
-    path.releasing, path.release, path.released, path.let_go, path.linear_from = False, 0.0, 0.0, 0.0, 0.0
-    path.turned, path.dropped, path.snapped = -np.inf, -np.inf, -np.inf
+    path.releasing, path.release, path.released, path.linear_from = False, 0.0, 0.0, 0.0
+    path.let_go, path.turned, path.dropped, path.snapped = -np.inf, -np.inf, -np.inf, -np.inf
     path.undecided = np.inf
     path.least_gap = system.update_history(system.reals, system.ints, work.state, work.history)
     path.outcome = NEW_PAIR if path.least_gap == -np.inf else COMPLETED

@@ -49,11 +49,11 @@ def falls(energy, gain, slope, length, noise):
 
 @part
 def whole_step(work, it, energy, gain):
-    """Whether the whole step is taken: the potential falls; where its fall is lost in rounding, its slope
+    """Whether the whole step is taken: the potential falls; where its change is lost in rounding, its slope
     levels out.
 
-    The second is the approximate Wolfe condition of Hager & Zhang (2005), without a bound on the rise. The
-    rounded potential alone would take steps between which hard pairs open and close for ever.
+    The second is the approximate Wolfe condition of Hager & Zhang (2005). The rounded potential alone would
+    take steps between which hard pairs open and close for ever.
     """
     if abs(gain) > it.noise + ENERGY_NOISE * energy:
         return gain <= ARMIJO * it.slope

@@ -183,11 +183,10 @@ def newton_direction(system, target, work, state, it, first):
     it.current, it.shift = False, 0.0
     solution(system, work.F, work.g, -1.0, work.step)
     it.slope = dot(work.g, work.step)
-    it.unstable = it.unstable or (first and negative > 0)
     if negative > 0 and first and plain_step(system, target, work, state, it):
         return AGAIN
     if negative > 0:
-        it.trouble = INDEFINITE
+        it.trouble, it.unstable = INDEFINITE, it.unstable or first
         make_positive(system, work, it)
         solution(system, work.F, work.g, -1.0, work.step)
         it.slope = dot(work.g, work.step)

@@ -38,7 +38,7 @@ def slides_stably(system, task, work, path, substep):
     path.slid = True
     path.spent += 1
     if factor_state(system, work, work.trial, work.trial_history) > 0:
-        substep.trouble = INDEFINITE
+        substep.trouble, substep.unstable = INDEFINITE, True
         return False
     path.rise = rise_of_bounds(system, task, work)
     if path.raised > 0.0:
