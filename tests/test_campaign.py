@@ -793,7 +793,7 @@ def test_direction_of_a_tiny_slip_decides_nothing():
         ("b000735", 791, "bifurcation"),
         ("b003759", 821, "bifurcation"),
         ("w00449", 821, "limit_point or undecided"),
-        ("w00490", 977, "jump"),
+        pytest.param("w00490", 977, "jump", marks=pytest.mark.slow),  # takes a minute
     ],
     ids=[
         "coils beyond the next touch between their stations",
