@@ -8,7 +8,7 @@ from coilspring.contact import forces as pairforces
 from coilspring.contact import kinematics as pairvectors
 from coilspring.contact import law as pairlaw
 from coilspring.contact.forces import pair_friction
-from coilspring.contact.kinematics import remember, update_pairs
+from coilspring.contact.kinematics import BETWEEN, approach, remember, update_pairs
 from coilspring.contact.law import PairLaw, arc, normal_law, pair_potential, tangential_stiffness
 from coilspring.contact.results import PairReader
 from coilspring.contact.touching import FINEST, TOUCHING, renewed
@@ -205,6 +205,17 @@ def test_a_pair_is_held_from_where_it_touches_first_on_the_predicted_way():
     history = pair_records(1)
     update_pairs(vectors(near)[0] * 0.98, ahead, trial, history, law(mu=np.inf))
     assert history[0].vector == pytest.approx(near * 0.98)  # it touched there already
+
+
+def test_a_touch_on_the_way_is_predicted_where_a_sticking_pair_is_open_at_its_end():
+    """It passes at 0.9 d. Without friction nothing is remembered of it."""
+    mu, (before, after) = np.inf, vectors([-D, 0.9 * D, 0.0], [D, 0.9 * D, 0.0])
+    assert approach(before, after, D, mu)[1] == BETWEEN
+    assert approach(before, after, D, 0.0)[1] == 1.0
+    inside = np.array([[-0.1 * D, 0.9 * D, 0.0]])
+    touch = before[0] + approach(before, inside, D, mu)[1] * (inside[0] - before[0])
+    assert np.linalg.norm(touch) == pytest.approx(D, rel=2e-4)
+    assert approach(*vectors([-D, 1.01 * D, 0.0], [D, 1.01 * D, 0.0]), D, mu)[1] == 1.0
 
 
 @pytest.mark.parametrize("share", [-1.0, 0.0, 0.5, 2.0])

@@ -95,6 +95,16 @@ def release(history, share):
 
 
 @part
+def grazes(history, deep):
+    """Whether a pair that opened is pressed again without what it held, by no more than `deep`, mm: that it
+    opened at all is known no better."""
+    for m in range(history.shape[0]):  # noqa: SIM110
+        if history[m].opening and -deep <= history[m].gap < 0.0:
+            return True
+    return False
+
+
+@part
 def let_go(history, pressed):
     """Have pairs released that creep, or that are about to open: `pressed`, mm, by no more than those that
     creep may be, and stretched by more. Returns whether there is one."""

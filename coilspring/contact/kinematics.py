@@ -7,6 +7,7 @@ import numpy as np
 from coilspring.compiling.compiled import inlined
 from coilspring.contact.law import arc, normal_law, stretch
 from coilspring.contact.touching import (
+    LOCATED,
     creep_slip,
     first_touch,
     gave_way,
@@ -25,6 +26,7 @@ from coilspring.contact.touching import (
 SLIGHT = 1e-7  # wire diameters of penetration: its force is the least that friction bounds are compared with
 TOUCH = 0.002  # wire diameters by which a pair that nothing holds may penetrate where a prediction closes it
 OVERLAP_ALLOWED = 0.1  # wire diameters by which wires may overlap more than the deepest pair does
+BETWEEN = 2.0
 NEAR = 1.5  # wire diameters between centres, within which a pair's motion in a substep is watched
 
 
@@ -35,10 +37,13 @@ def _distance(vectors, m):
 
 @inlined
 def approach(before, after, d, mu):
-    """Largest motion of a pair that comes near, and the share of it to where the first one touches.
+    """Largest motion of a pair that comes near, and the share of it to where the first one touches: 1 where
+    none does, `BETWEEN` where one that sticks does so on the straight way and is open at its end.
 
     A pair counts if it comes near anywhere between: wires must not pass through each other.
     """
+    # one nearer than `outer` touches, creeps or turns about the other
+    passes, outer = False, ((1.0 + LOCATED) * d) ** 2
     most, free, inner = 0.0, 1.0, ((1.0 - (TOUCH if mu == 0.0 else located_to(mu))) * d) ** 2
     for m in range(before.shape[0]):
         v0, v1, v2 = before[m, 0], before[m, 1], before[m, 2]
@@ -46,15 +51,16 @@ def approach(before, after, d, mu):
         x0, x1, x2 = w0 - v0, w1 - v1, w2 - v2
         start, square = v0 * v0 + v1 * v1 + v2 * v2, x0 * x0 + x1 * x1 + x2 * x2
         along = -(v0 * x0 + v1 * x1 + v2 * x2)
-        if start >= d * d and w0 * w0 + w1 * w1 + w2 * w2 < inner:
+        nearest = min(along / square, 1.0) if along > 0.0 else 0.0
+        least = start + nearest * (nearest * square - 2.0 * along)
+        end = w0 * w0 + w1 * w1 + w2 * w2
+        if start >= d * d and end < inner:
             # first share with |v + share x|^2 = inner
             free = min(free, (along - math.sqrt(max(along**2 - square * (start - inner), 0.0))) / square)
-        if square <= most * most:
-            continue
-        share = min(max(along / square, 0.0), 1.0)
-        if start + share * (share * square - 2.0 * along) < (NEAR * d) ** 2:
+        passes = passes or (start > outer and least < inner and mu == math.inf)
+        if square > most * most and least < (NEAR * d) ** 2:
             most = math.sqrt(square)
-    return most, free
+    return most, BETWEEN if passes and free == 1.0 else free
 
 
 @inlined

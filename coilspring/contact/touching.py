@@ -133,7 +133,8 @@ def opens_after(row, before, ahead, after, d):
 
 @inlined
 def touches_again(row, before, after, d):
-    """Set the share of a release after which an opening pair just touches again."""
+    """Set the gap of an opening pair, and the share of a release after which it just touches again."""
+    row.gap = after - d
     near = (1.0 - 0.5 * OPEN) * d
     row.cut = (before - near) / (before - after) if after < (1.0 - OPEN) * d else 1.0
 

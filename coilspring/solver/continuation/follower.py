@@ -13,6 +13,7 @@ from numba import types
 
 from coilspring.compiling.compiled import copy, part, signed
 from coilspring.contact.history import copy_history
+from coilspring.contact.kinematics import BETWEEN
 from coilspring.solver.continuation.accept import LEAST_LEFT, accept
 from coilspring.solver.continuation.branch import curvature, displacement_bound, predict
 from coilspring.solver.continuation.shorten import shorten
@@ -148,6 +149,14 @@ def predict_trial(system, task, work, path, substep):
         return
     bend = curvature(task, work, path.last_step, substep.duration)
     free = free_share(system, task, work, path, bend, substep)
+    while free == BETWEEN and substep.duration > LEAST_LEFT:
+        # a pair turns about the other, or passes it: nearer it is seen which
+        substep.landing, substep.duration = False, 0.5 * substep.duration
+        substep.target = path.time + substep.duration
+        bend = curvature(task, work, path.last_step, substep.duration)
+        free = free_share(system, task, work, path, bend, substep)
+    if free == BETWEEN:  # so near a touch is not looked for
+        predict(system, task, work, path, bend, substep.target)
     if free < 1.0:
         substep.shortened, substep.landing = True, False
         left = free * substep.duration
@@ -175,18 +184,26 @@ def predict_release(system, task, work, path, substep):
 
 @part
 def free_share(system, task, work, path, bend, substep):
-    """Share of a substep before a pair is predicted to touch; predicts its end, or half of it.
+    """Share of a substep before a pair is predicted to touch, 1 or `BETWEEN`, see
+    `coilspring.contact.kinematics.approach`; predicts its end, or half of it.
 
-    A pair that remembers where it touched may do so and open again within the substep.
+    A pair that remembers where it touched may do so and open again within the substep; where it sticks, it
+    holds something from then on, be it for half of the way.
     """
-    if bend > 0.0 and task.located < np.inf:
-        predict(system, task, work, path, bend, substep.target - 0.5 * substep.duration)
-        _, _, free = displacement_bound(system, work.state, work.predicted, 0.5 * path.least_gap)
-        if free < 1.0:
-            return 0.5 * free
+    half, gap = 0.5 * substep.duration, 0.5 * path.least_gap
+    halfway = bend > 0.0 and task.located < np.inf
+    if halfway:
+        predict(system, task, work, path, bend, substep.target - half)
+        way, _, free = displacement_bound(system, work.state, work.predicted, gap)
+        if free != 1.0:
+            return 0.5 * free if free < 1.0 else free
+        copy(work.predicted, work.scratch)
     predict(system, task, work, path, bend, substep.target)
-    _, _, free = displacement_bound(system, work.state, work.predicted, 0.5 * path.least_gap)
-    return free
+    _, _, free = displacement_bound(system, work.state, work.predicted, gap)
+    if free < 1.0 or not halfway:
+        return free
+    _, _, free = displacement_bound(system, work.scratch, work.predicted, gap - way)
+    return BETWEEN if free == BETWEEN else 1.0
 
 
 @part

@@ -7,6 +7,7 @@ from coilspring.contact.history import (
     begin_attempt,
     copy_history,
     creeping,
+    grazes,
     has_friction,
     has_history,
     keep_bounds,
@@ -17,6 +18,7 @@ from coilspring.contact.history import (
 )
 from coilspring.contact.kinematics import OVERLAP_ALLOWED
 from coilspring.contact.law import tangential_stiffness
+from coilspring.contact.touching import OPEN
 from coilspring.solver.continuation import snap
 from coilspring.solver.continuation.branch import SMALL, continues, jumped, most_turn, small_turn
 from coilspring.solver.continuation.stability import LEAST_STEP, WEAK
@@ -170,6 +172,8 @@ def keeps_branch(system, task, work, path, substep, watch):
     good, substep.turn, substep.share, substep.distance, substep.error = continues(
         system, task, work, substep.trouble, judged, small
     )
+    if path.releasing and path.release == np.inf and grazes(work.history, OPEN * task.diameter):
+        substep.several = substep.several or substep.distance > snap.least_told(task, path)
     # so far in no time is a snap too
     snaps = path.snapping or (substep.duration <= snap.NO_TIME and not path.releasing)
     good = good and (substep.distance <= snap.LARGEST * task.diameter or not snaps)
