@@ -135,12 +135,16 @@ def test_a_prescribed_motion_snaps_past_limit_points(case, seed, count):
         ("b004374", 811, (10, 200)),
         ("b000127", 823, (1, 2)),
         ("b003754", 821, (1, 28)),
+        ("b004196", 1013, (20, 210)),
+        ("b004196", 1013, (20, 300)),
     ],
     ids=[
         "all modes within 1e-7 of the load",
         "it falls fast",
         "a stiffness that is hardly known",
         "stepped over",
+        "too few predictions on the way",
+        "so few that a pair opens first",
     ],
 )
 def test_a_bifurcation_is_told_by_the_line_along_which_the_stiffness_falls(case, seed, counts):

@@ -179,7 +179,7 @@ SUBSTEP = np.dtype(
         ("unstable", "?"),  # negative pivots where the iteration began, or at an equilibrium found
         ("tolerance", "f8"),  # of the energy that the iteration leaves, N mm
         ("turned", "?"),  # the determinant of Coulomb's tangent is negative
-        ("several", "?"),  # pairs that creep could hold other forces, too
+        ("several", "?"),  # pairs that creep, or graze, could hold other forces, too
         ("damping", "f8"),  # of the flow of friction's bounds in a snap
         ("step", "f8"),  # share of the change of the forces of pairs that creep that is taken in a round,
         ("worst", "f8"),  # and the largest gap or penetration that they had in the last one

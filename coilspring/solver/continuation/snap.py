@@ -45,7 +45,7 @@ NO_WORK = 1e-4  # of the load times a mode's largest motion: less work is a bifu
 @part
 def end_or_snap(system, task, work, path, softest, outcome):
     """The path ends with an outcome, unless at a limit point: there a snap is tried first."""
-    path.ends, straight = outcome, vanishes(path, softest)
+    path.ends, straight = outcome, vanishes(system, task, work, path, softest)
     if straight:
         path.ends, path.bracket = CRITICAL, 2.0 * max(softest.zero - path.time, FINEST)
     path.snapping = task.predictor and is_limit_point(system, task, work, path, softest, straight)

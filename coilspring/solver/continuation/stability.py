@@ -27,6 +27,9 @@ APPROACH = 0.5
 # Of the time that is left, by which two predictions differ: towards a limit point by about the share by which
 # the stiffness fell in between, on a straight line by so little of that; by rounding, where a line was found.
 STRAIGHT, ROUNDED = 0.02, 0.2
+# Shares of the end of the last substep at which such a line is looked for, the times that these are halved,
+# and how straight it is to be: nothing but rounding bends it.
+WITHIN, MOST_HALVES, STRAIGHTER = (0.25, 0.5, 0.75), 5, 5e-3
 LOOK = 0.05  # of the time 0..1: so often at least the softest mode is evaluated,
 SOONER = 0.25  # and after this share of the time to its predicted zero
 WEAK = 0.1  # of the least stiffness at rest: below, it is evaluated wherever the matrix is factored,
@@ -109,10 +112,49 @@ def no_time(time):
 
 
 @part
-def vanishes(path, softest):
+def vanishes(system, task, work, path, softest):
     """Whether the least stiffness tends to zero along a straight line, just ahead: at a bifurcation. Towards
-    a limit point it falls as the root of the time that is left."""
+    a limit point it falls as the root of the time that is left.
+
+    Where much is left, it falls so fast that the predictions on the way may be too few to tell: then the last
+    substep is looked at.
+    """
+    fast = softest.value > JUMPS * path.rest_stiffness and path.released == 0.0
+    if fast and not softest.linear:
+        zero = line_within(system, task, work, path)
+        if zero - path.time <= no_time(path.time):
+            softest.zero, softest.linear = zero, True
     return softest.linear and softest.zero - path.time <= no_time(path.time)
+
+
+@part
+def line_within(system, task, work, path):
+    """Time at which the least stiffness is zero on the straight line through that of three states at the end
+    of the last substep; infinite where it is on none. Where a pair opens on the way, the states are taken
+    before."""
+    span, values, times = min(path.last_step, 0.5 * no_time(path.time)), np.empty(3), np.empty(3)
+    begin = path.time - span
+    for _ in range(MOST_HALVES):
+        for i in range(3):
+            times[i] = begin + WITHIN[i] * span
+            values[i] = stiffness_within(system, task, work, path, (path.time - times[i]) / path.last_step)
+        before = predicted_zero(times[1], values[1], times[0], values[0])
+        zero = predicted_zero(times[2], values[2], times[1], values[1])
+        if values[2] > 0.0:
+            fallen = 0.5 * (values[0] - values[2]) / values[2]
+            if abs(zero - before) < STRAIGHTER * fallen * (zero - times[2]):
+                return zero
+        span *= 0.5
+    return np.inf
+
+
+@part
+def stiffness_within(system, task, work, path, back):
+    """Least stiffness at a share of the straight way back from the last state to the one before."""
+    system.retract(system.reals, system.ints, work.state, work.tangent, 0.0, work.before, back, work.scratch)
+    factor_state(system, work, work.scratch, work.history)
+    path.spent += 1
+    return least_stiffness(system, task, work, np.inf, EXACT)
 
 
 @part
