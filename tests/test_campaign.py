@@ -590,6 +590,17 @@ def test_rounding_of_a_flat_spring_is_that_of_its_radius():
     assert run.verified("w00455", 952)["class"] == "completed"
 
 
+def test_rounding_at_a_node_is_that_of_all_stations_on_an_element():
+    """A solid stack that moves by 8e-9 mm, 30 stations on 8 elements a turn. Positions changed by the last
+    digit change the forces at a node by up to 12 times what the rounding of one pair's gap tells."""
+    path = reached(make_case("w00511", 1031), steps=9)
+    scene = path.scene
+    radius, K = 0.5 * scene.spring.mean_diameter[0], scene.contact.stiffness
+    load = -scene.load.force[1]
+    assert force_grain(path) == pytest.approx(32 * 2.0**-52 * radius * 2.0 * 4.0 / 8.0 * K / load)
+    assert run.verified("w00511", 1031)["class"] == "completed"
+
+
 def test_contact_histories_are_no_excuse():
     """Sticking spheres: other substeps change the answer, and nothing explains that away."""
     row = run.verified("w00819", SEED)

@@ -227,6 +227,14 @@ def test_a_jump_after_which_other_forces_were_possible_is_undecided():
     assert verify(case, path).class_of(path.outcome) == "undecided"
 
 
+def test_no_jump_is_told_where_only_the_iteration_ended():
+    """Rounds in which pairs that creep are renewed do not converge; there is an equilibrium nearby, which a
+    release by other means finds."""
+    path = reached(make_case("w00855", 1024))
+    assert path.outcome == "not_converged"
+    assert path.end_bracket[0] == pytest.approx(0.9034, rel=1e-4)
+
+
 def test_a_release_along_a_soft_mode_is_predicted():
     """A release may turn by 1e-4 wire diameters where the wire is soft. Unpredicted it moved no farther: the
     path ended in 20 000 equilibria and 60 000 factorisations before time 0.46."""

@@ -102,7 +102,8 @@ def force_grain(path: EquilibriumPath, row: int | None = None) -> float:
         return 0.0
     spring, K, k = path.scene.spring, path.shape.pair_law.kc, contact.exponent
     if path.model == "wirefe":
-        K *= 2.0  # a node of the wire may be touched from both sides
+        # a node of the wire may be touched from both sides, by all that stand on an element
+        K *= 2.0 * max(1.0, path.options["pairs_per_turn"] / path.options["elements_per_turn"])
     across = K * k * depth ** (k - 1.0)
     along = K * spring.wire_diameter ** (k - 1.0) * (contact.sliding != "free")
     return GAPS * _rounding(spring) * max(across, along) / load

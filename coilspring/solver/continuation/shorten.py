@@ -10,7 +10,7 @@ from coilspring.solver.continuation.stability import JUMPS, LEAST_STEP
 from coilspring.solver.continuation.start import FIRST_STEP
 from coilspring.solver.continuation.substep import LEAST_RELEASE, MOST_RELEASE
 from coilspring.solver.equilibrium.newton import INDEFINITE
-from coilspring.solver.system import COMPLETED, CRITICAL, STUCK, TURNED
+from coilspring.solver.system import COMPLETED, CRITICAL, JUMP, STUCK, TURNED
 from coilspring.solver.tangential.friction import raise_bounds
 
 RETRIED = 0.5  # share of a substep, or release, that failed: it is tried next
@@ -24,9 +24,12 @@ def shorten(system, task, work, path, substep, softest):
         return
     path.reuse = False
     if path.snapping:
-        # negative pivots just ahead are why no substep was short enough
-        unstable = path.ends == STUCK and substep.trouble == INDEFINITE
-        path.snapping, path.outcome, path.far = False, CRITICAL if unstable else path.ends, not path.lost
+        unstable, ends = substep.trouble == INDEFINITE, path.ends
+        if ends == STUCK and unstable:
+            ends = CRITICAL  # negative pivots just ahead are why no substep was short enough
+        elif ends == JUMP and path.lost and not unstable:
+            ends = STUCK  # the iteration ended, which tells nothing of equilibria nearby
+        path.snapping, path.outcome, path.far = False, ends, not path.lost
     elif path.releasing:
         release_less(task, path)
     else:

@@ -119,10 +119,11 @@ def vanishes(system, task, work, path, softest):
     Where much is left, it falls so fast that the predictions on the way may be too few to tell: then the last
     substep is looked at.
     """
-    fast = softest.value > JUMPS * path.rest_stiffness and path.released == 0.0
-    if fast and not softest.linear:
+    fast = softest.value > JUMPS * path.rest_stiffness
+    goes_on = path.released == 0.0 and path.snapped < path.time  # from the state before, by neither of these
+    if fast and goes_on and not softest.linear:
         zero = line_within(system, task, work, path)
-        if zero - path.time <= no_time(path.time):
+        if 0.0 < zero - path.time <= no_time(path.time):
             softest.zero, softest.linear = zero, True
     return softest.linear and softest.zero - path.time <= no_time(path.time)
 
@@ -131,7 +132,11 @@ def vanishes(system, task, work, path, softest):
 def line_within(system, task, work, path):
     """Time at which the least stiffness is zero on the straight line through that of three states at the end
     of the last substep; infinite where it is on none. Where a pair opens on the way, the states are taken
-    before."""
+    before.
+
+    The states lie on the chord, on which the stiffness is straight unless pairs touch or open: so a limit
+    point is told from a bifurcation only where the load does work, see `snap.is_limit_point`.
+    """
     span, values, times = min(path.last_step, 0.5 * no_time(path.time)), np.empty(3), np.empty(3)
     begin = path.time - span
     for _ in range(MOST_HALVES):
