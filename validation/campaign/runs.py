@@ -3,9 +3,9 @@
 Runs in other steps, of the mirror image, in other units, or with other last digits of the input."""
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -103,7 +103,8 @@ def force_grain(path: EquilibriumPath, row: int | None = None) -> float:
     spring, K, k = path.scene.spring, path.shape.pair_law.kc, contact.exponent
     if path.model == "wirefe":
         # a node of the wire may be touched from both sides, by all that stand on an element
-        K *= 2.0 * max(1.0, path.options["pairs_per_turn"] / path.options["elements_per_turn"])
+        options: Mapping[str, Any] = path.options
+        K *= 2.0 * max(1.0, options["pairs_per_turn"] / options["elements_per_turn"])
     across = K * k * depth ** (k - 1.0)
     along = K * spring.wire_diameter ** (k - 1.0) * (contact.sliding != "free")
     return GAPS * _rounding(spring) * max(across, along) / load
