@@ -137,6 +137,7 @@ def test_a_prescribed_motion_snaps_past_limit_points(case, seed, count):
         ("b003754", 821, (1, 28)),
         ("b004196", 1013, (20, 210)),
         ("b004196", 1013, (20, 300)),
+        ("b002951", 1042, (8, 9)),
     ],
     ids=[
         "all modes within 1e-7 of the load",
@@ -145,6 +146,7 @@ def test_a_prescribed_motion_snaps_past_limit_points(case, seed, count):
         "stepped over",
         "too few predictions on the way",
         "so few that a pair opens first",
+        "a line lost by rounding, just before zero",
     ],
 )
 def test_a_bifurcation_is_told_by_the_line_along_which_the_stiffness_falls(case, seed, counts):

@@ -229,6 +229,8 @@ WATCH = np.dtype(
         ("time", "f8"),
         ("zero", "f8"),  # time at which it is predicted to be zero,
         ("linear", "?"),  # as it was before, so that it falls along a straight line
+        ("line", "f8"),  # its zero where that line was found,
+        ("reach", "f8"),  # and the time that was left then
         ("mark", "f8"),  # a value found on the way, which is to become `past`
         ("mark_time", "f8"),
         ("past", "f8"),  # the value some time ago: `no_time` of `solver.continuation.stability` at least

@@ -21,10 +21,11 @@ from coilspring.solver.continuation.stability import (
     SETTLED,
     jumps,
     least_stiffness,
+    stiffness_at,
     vanishes,
 )
 from coilspring.solver.equilibrium.linesearch import dot
-from coilspring.solver.equilibrium.operations import factor_state, moved, solution
+from coilspring.solver.equilibrium.operations import moved, solution
 from coilspring.solver.system import CRITICAL, JUMP
 
 AHEAD = 1e-6  # of the time 0..1: so far beyond a limit point an equilibrium is looked for
@@ -78,9 +79,8 @@ def release_or_jump(task, path):
 def is_limit_point(system, task, work, path, softest, straight):
     """Whether the load works on the softest mode, or the stiffness does not tend to zero along a `straight`
     line: it jumps, as where a pair opens, or a prescribed motion works on the mode."""
-    factor_state(system, work, work.state, work.history)
-    path.spent, path.reuse = path.spent + 1, False
-    stiffness = least_stiffness(system, task, work, np.inf, SETTLED)
+    stiffness = stiffness_at(system, task, work, path, work.state, SETTLED)
+    path.reuse = False
     if not straight and jumps(path, softest, stiffness):
         return True
     if system.prescribed.size > 0:

@@ -142,10 +142,14 @@ def line_within(system, task, work, path):
     for _ in range(MOST_HALVES):
         for i in range(3):
             times[i] = begin + WITHIN[i] * span
-            values[i] = stiffness_within(system, task, work, path, (path.time - times[i]) / path.last_step)
-        before = predicted_zero(times[1], values[1], times[0], values[0])
-        zero = predicted_zero(times[2], values[2], times[1], values[1])
+            back = (path.time - times[i]) / path.last_step
+            system.retract(
+                system.reals, system.ints, work.state, work.tangent, 0.0, work.before, back, work.scratch
+            )
+            values[i] = stiffness_at(system, task, work, path, work.scratch, EXACT)
         if values[2] > 0.0:
+            before = predicted_zero(times[1], values[1], times[0], values[0])
+            zero = predicted_zero(times[2], values[2], times[1], values[1])
             fallen = 0.5 * (values[0] - values[2]) / values[2]
             if abs(zero - before) < STRAIGHTER * fallen * (zero - times[2]):
                 return zero
@@ -154,12 +158,11 @@ def line_within(system, task, work, path):
 
 
 @part
-def stiffness_within(system, task, work, path, back):
-    """Least stiffness at a share of the straight way back from the last state to the one before."""
-    system.retract(system.reals, system.ints, work.state, work.tangent, 0.0, work.before, back, work.scratch)
-    factor_state(system, work, work.scratch, work.history)
+def stiffness_at(system, task, work, path, state, settled):
+    """Least stiffness at a state, of which the matrix is factored anew."""
+    factor_state(system, work, state, work.history)
     path.spent += 1
-    return least_stiffness(system, task, work, np.inf, EXACT)
+    return least_stiffness(system, task, work, np.inf, settled)
 
 
 @part
@@ -211,8 +214,12 @@ def watch_stiffness(system, task, work, path, substep, softest):
 def follow_line(softest, value, zero, time):
     """Take a new prediction of the zero, from a value at a time, and note whether it is on a straight line
     with the one before."""
-    most = ROUNDED if softest.linear else STRAIGHT * (1.0 - value / softest.value)
-    softest.linear = abs(zero - softest.zero) < most * (zero - time) < np.inf
+    left = zero - time
+    if softest.linear:
+        moved, off = abs(zero - softest.zero), abs(zero - softest.line)
+        softest.linear = left < np.inf and (moved < ROUNDED * left or off < STRAIGHT * softest.reach)
+    elif abs(zero - softest.zero) < STRAIGHT * (1.0 - value / softest.value) * left < np.inf:
+        softest.linear, softest.line, softest.reach = True, zero, left
     softest.zero = zero
 
 
