@@ -225,6 +225,14 @@ def test_the_verifiers_steps_lose_stability_where_sticking_coils_reach_a_limit_p
         assert bool(verdict.complaints) == (share < 1.0)
 
 
+def test_the_verifiers_steps_lose_stability_where_a_sliding_pair_opens():
+    """Without it the wire is unstable; up to there the least stiffness does not fall."""
+    case = make_case("w00248", 1033)
+    path, forces = reached(case), WireForces(case.scene, **case.options)
+    before = reached(case, under(case.scene, 0.99999 * path.critical_time))
+    assert 0.99999 * loses_stability(forces, before, 1.0001) == pytest.approx(1.0, abs=1e-6)
+
+
 def test_the_verifier_steps_to_a_limit_point_from_the_nearest_state_before():
     """The path snaps 0.3 % before its limit point, where the stiffness jumps: steps from 0.2 % before do not
     come to it, those from 0.01 % do."""

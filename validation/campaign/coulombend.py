@@ -28,10 +28,11 @@ def loses_stability(forces: WireForces, path: EquilibriumPath, most: float) -> f
     where that is not seen up to the factor `most`, or another pair touches before.
 
     Steps of the implicit Euler method, shorter where one fails. At the end little is left of the stiffness,
-    or the next step, however short, makes it negative.
+    or the next step, however short, makes it negative, or in it a pair opens without which it is.
     """
     start = rows = path.states[-1].reshape(-1, 7)
     pairs = forces.pairs(path, -1, REACH * forces.law.d)
+    before, last = rows, LONGEST  # the state before, and the step from there
     factor, step, left = 1.0, LONGEST, [forces.least_stiffness(rows, pairs.renewed(rows))]
     for _ in range(MOST_STEPS):
         ahead = rows.copy()
@@ -41,14 +42,17 @@ def loses_stability(forces: WireForces, path: EquilibriumPath, most: float) -> f
             found = None
         beyond = -np.inf if found is None else forces.least_stiffness(found[0], found[1].renewed(found[0]))
         if found is not None and beyond > 0.0:
-            (rows, pairs), factor, step = found, factor + step, min(2.0 * step, LONGEST)
+            before, last, factor = rows, step, factor + step
+            (rows, pairs), step = found, min(2.0 * step, LONGEST)
             left.append(beyond)
             far = motion(rows, start, forces.law.d) > 0.5 * REACH * forces.law.d
             if factor > most or far or (~pairs.held & (pairs.depth(rows) > 0.0)).any():
                 return None
         elif step < SHORTEST:
             ends = len(left) > 1 and (found is not None or left[-1] <= SOFTENED * left[0])
-            return factor if ends else None
+            opens = last * pairs.steps_to_opening(rows, before) <= SHORTEST
+            without = pairs.renewed(rows).of(~opens)
+            return factor if ends or forces.least_stiffness(rows, without) < 0.0 else None
         else:
             step *= SHORTER
     return None

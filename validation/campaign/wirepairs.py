@@ -73,6 +73,14 @@ class Pairs:
         """Penetrations (pairs,), below zero where open."""
         return self.law.d - self.gap(self.poses(rows))[0]
 
+    def steps_to_opening(self, rows: np.ndarray, before: np.ndarray) -> np.ndarray:
+        """Steps (pairs,) like the last one, to a state from the one before, after which the normal force that
+        falls in proportion is zero; infinite where it does not fall."""
+        last, first = (np.maximum(self.depth(each), 0.0) ** self.law.exponent for each in (rows, before))
+        falls, steps = (last > 0.0) & (last < first), np.full(len(last), np.inf)
+        steps[falls] = last[falls] / (first - last)[falls]
+        return steps
+
     def gap(self, poses: Poses) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Gaps (..., pairs), longer by the clearance, normals (3, ...), and vectors between the points."""
         points = self.points

@@ -195,10 +195,7 @@ def kink(
     """
     pairs = forces.pairs(before[0], -1)
     rows = [near.states[-1].reshape(-1, 7) for near in before[:2]]
-    last, first = (np.maximum(pairs.depth(each), 0.0) ** forces.law.exponent for each in rows)
-    falls = (last > 0.0) & (last < first)
-    left = np.full(len(last), np.inf)
-    left[falls] = (times[0] - times[1]) * last[falls] / (first - last)[falls]
+    left = (times[0] - times[1]) * pairs.steps_to_opening(*rows)
     opens = times[0] + left <= end
     if not opens.any() or forces.least_stiffness(rows[0], pairs.of(~opens)) >= 0.0:
         return None
