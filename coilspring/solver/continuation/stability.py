@@ -25,8 +25,9 @@ DIFFERENCE = 1e-6  # of the span of the state's numbers, with which a difference
 # the root of the time that is left, the straight line meets zero twice as far as the path goes.
 APPROACH = 0.5
 # Of the time that is left, by which two predictions differ: towards a limit point by about the share by which
-# the stiffness fell in between, on a straight line by so little of that; by rounding, where a line was found.
-STRAIGHT, ROUNDED = 0.02, 0.2
+# the stiffness fell in between, on a straight line by so little of that. Once such a line was found, it is kept
+# while its zero stays within this share of the time that was left: nearer to zero, rounding moves predictions.
+STRAIGHT = 0.02
 # Shares of the end of the last substep at which such a line is looked for, the times that these are halved,
 # and how straight it is to be: nothing but rounding bends it.
 WITHIN, MOST_HALVES, STRAIGHTER = (0.25, 0.5, 0.75), 5, 5e-3
@@ -215,11 +216,11 @@ def follow_line(softest, value, zero, time):
     """Take a new prediction of the zero, from a value at a time, and note whether it is on a straight line
     with the one before."""
     left = zero - time
-    if softest.linear:
-        moved, off = abs(zero - softest.zero), abs(zero - softest.line)
-        softest.linear = left < np.inf and (moved < ROUNDED * left or off < STRAIGHT * softest.reach)
-    elif abs(zero - softest.zero) < STRAIGHT * (1.0 - value / softest.value) * left < np.inf:
-        softest.linear, softest.line, softest.reach = True, zero, left
+    straight = abs(zero - softest.zero) < STRAIGHT * (1.0 - value / softest.value) * left
+    kept = softest.linear and abs(zero - softest.line) < STRAIGHT * softest.reach
+    if straight and not kept:
+        softest.line, softest.reach = zero, left
+    softest.linear = left < np.inf and (straight or kept)
     softest.zero = zero
 
 
