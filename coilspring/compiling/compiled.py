@@ -4,7 +4,7 @@ from collections.abc import Callable
 from typing import Any
 
 import numpy as np
-from numba import njit
+from numba import njit, types
 from numba.core import cgutils
 from numba.core.codegen import JITCodeLibrary
 from numba.core.compiler import Compiler
@@ -111,31 +111,42 @@ def overloaded(function: Callable) -> Any:
     return overload(function, jit_options=PART, strict=False)  # type: ignore[arg-type]
 
 
-def lent(array: Any) -> Any:
-    """The array as its caller holds it: views of it are not counted.
+def lent(given: Any) -> Any:
+    """An array, or a tuple with arrays, as its caller holds it: views of it are not counted.
 
     numba counts every view of an array that may own its memory, in calls that cost as much as a row of a
-    matrix. What a kernel is given belongs to its caller until the kernel returns.
+    matrix. What compiled code is given belongs to its caller until it returns.
     """
-    return array
+    return given
 
 
-def _unowned(typingctx, array):
-    def lowered(context: Any, builder: Any, signature: Any, given: Any) -> Any:
-        found = context.make_array(array)(context, builder, value=given[0])
+def _unowned(typingctx, given):
+    def lowered(context: Any, builder: Any, signature: Any, values: Any) -> Any:
+        return _without_owners(context, builder, given, values[0])
+
+    return given(given), lowered
+
+
+def _without_owners(context: Any, builder: Any, kind: Any, value: Any) -> Any:
+    """The value of an array or tuple, lowered, with arrays that nobody owns."""
+    if isinstance(kind, types.BaseTuple):
+        for i, each in enumerate(kind.types):  # type: ignore[attr-defined]
+            item = _without_owners(context, builder, each, builder.extract_value(value, i))
+            value = builder.insert_value(value, item, i)
+    elif isinstance(kind, types.Array):
+        array = context.make_array(kind)(context, builder, value=value)
         for owner in ("meminfo", "parent"):
-            setattr(found, owner, cgutils.get_null_value(getattr(found, owner).type))
-        return found._getvalue()
-
-    return array(array), lowered
+            setattr(array, owner, cgutils.get_null_value(getattr(array, owner).type))
+        value = array._getvalue()
+    return value
 
 
 _without_owner: Any = intrinsic(_unowned)
 
 
 @overloaded(lent)
-def _lent(array: Any) -> Callable:
-    return lambda array: _without_owner(array)
+def _lent(given: Any) -> Callable:
+    return lambda given: _without_owner(given)
 
 
 @inlined

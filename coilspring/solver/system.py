@@ -10,7 +10,7 @@ import numpy as np
 from numba import from_dtype, types
 from numba.experimental import structref
 
-from coilspring.compiling.compiled import part, signed, zeros
+from coilspring.compiling.compiled import lent, part, signed, zeros
 from coilspring.contact.law import PAIR_HISTORY
 from coilspring.solver.interface import SIGNATURES, Kernels, record_type
 
@@ -340,7 +340,7 @@ def workspace_type() -> Any:
 def system_of(reals, ints, prescribed, kernels):
     """`System` in compiled code."""
     return SystemRef(
-        reals, ints, prescribed, zeros(1), kernels.assemble, kernels.factor, kernels.solve, kernels.retract,
-        kernels.work, kernels.rotate, kernels.displacement_bound, kernels.update_history,
-        kernels.update_pairs, kernels.overlap,
+        lent(reals), lent(ints), lent(prescribed), zeros(1), kernels.assemble, kernels.factor,
+        kernels.solve, kernels.retract, kernels.work, kernels.rotate, kernels.displacement_bound,
+        kernels.update_history, kernels.update_pairs, kernels.overlap,
     )  # fmt: skip

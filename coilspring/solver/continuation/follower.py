@@ -11,7 +11,7 @@ from functools import lru_cache
 import numpy as np
 from numba import types
 
-from coilspring.compiling.compiled import copy, part, signed
+from coilspring.compiling.compiled import copy, lent, part, signed
 from coilspring.contact.history import copy_history
 from coilspring.contact.kinematics import BETWEEN
 from coilspring.solver.continuation.accept import LEAST_LEFT, accept
@@ -76,7 +76,7 @@ def follow(reals, ints, prescribed, kernels, task, work, path_, substep_, newton
     Eleven arguments: compiled code is entered here, bundles begin inside.
     """
     system = system_of(reals, ints, prescribed, kernels)
-    task, work = TaskRef(*task), WorkRef(*work)
+    task, work = TaskRef(*lent(task)), WorkRef(*lent(work))
     path, substep, it, softest = path_[0], substep_[0], newton_[0], watch[SOFTEST]
     if path.tries == 0:
         begin(system, task, work, path, watch)

@@ -25,8 +25,8 @@ DIFFERENCE = 1e-6  # of the span of the state's numbers, with which a difference
 # the root of the time that is left, the straight line meets zero twice as far as the path goes.
 APPROACH = 0.5
 # Of the time that is left, by which two predictions differ: towards a limit point by about the share by which
-# the stiffness fell in between, on a straight line by so little of that. Once such a line was found, it is kept
-# while its zero stays within this share of the time that was left: nearer to zero, rounding moves predictions.
+# the stiffness fell in between, on a straight line by so little of that. Such a line is kept while its zero
+# moves by less than this share of the time left when it was found: just before zero, rounding decides.
 STRAIGHT = 0.02
 # Shares of the end of the last substep at which such a line is looked for, the times that these are halved,
 # and how straight it is to be: nothing but rounding bends it.
