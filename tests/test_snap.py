@@ -1,11 +1,14 @@
 """Limit points beyond which an equilibrium is near are passed, whatever the steps, and told."""
 
 import re
+from itertools import pairwise
 
 import numpy as np
 import pytest
 
 from coilspring.solver.continuation.snap import LARGEST
+from coilspring.solver.continuation.stability import follow_line, predicted_zero
+from coilspring.solver.system import WATCH
 from validation.campaign.run import verified
 from validation.campaign.runs import FRICTION_TIME, changed, deviation
 from validation.campaign.scenes import in_units, make_case
@@ -154,6 +157,28 @@ def test_a_bifurcation_is_told_by_the_line_along_which_the_stiffness_falls(case,
     ends = [reached(make_case(case, seed), steps=steps) for steps in counts]
     assert [path.outcome for path in ends] == ["bifurcation"] * 2
     assert ends[0].critical_time == pytest.approx(ends[1].critical_time, rel=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("stiffness", "straight"),
+    [
+        (lambda left: left, True),
+        (lambda left: left + 1e-9 * (-1.0) ** round(np.log2(left)), True),  # rounding
+        (lambda left: np.sqrt(left), False),  # a limit point
+        (lambda left: np.sqrt((left + 1e-4) ** 2 - 1e-8), False),  # straight at first, then a limit point
+        (lambda left: np.hypot(left, 1e-4), False),  # the column leans
+    ],
+    ids=["line", "noise", "root", "line to a root", "lean"],
+)
+def test_a_line_to_zero_is_found_and_kept(stiffness, straight):
+    """Half the way to zero at each step."""
+    watch = np.zeros(1, WATCH).view(np.recarray)[0]
+    watch.value, watch.zero = stiffness(1.0), np.inf
+    for before, left in pairwise(0.5 ** np.arange(28)):
+        value = stiffness(left)
+        follow_line(watch, value, predicted_zero(1.0 - left, value, 1.0 - before, watch.value), 1.0 - left)
+        watch.value = value
+    assert watch.linear == straight
 
 
 def test_a_limit_point_is_no_bifurcation_however_straight_the_stiffness_falls():

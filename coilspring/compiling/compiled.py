@@ -112,7 +112,7 @@ def overloaded(function: Callable) -> Any:
 
 
 def lent(given: Any) -> Any:
-    """An array, or a tuple with arrays, as its caller holds it: views of it are not counted.
+    """An array, or a tuple of arrays and numbers, as its caller holds it: views of it are not counted.
 
     numba counts every view of an array that may own its memory, in calls that cost as much as a row of a
     matrix. What compiled code is given belongs to its caller until it returns.

@@ -228,7 +228,7 @@ WATCH = np.dtype(
         ("value", "f8"),
         ("time", "f8"),
         ("zero", "f8"),  # time at which it is predicted to be zero,
-        ("linear", "?"),  # as it was before, so that it falls along a straight line
+        ("linear", "?"),  # along a straight line, see `solver.continuation.stability.follow_line`
         ("line", "f8"),  # its zero where that line was found,
         ("reach", "f8"),  # and the time that was left then
         ("mark", "f8"),  # a value found on the way, which is to become `past`

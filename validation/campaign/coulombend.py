@@ -28,7 +28,8 @@ def loses_stability(forces: WireForces, path: EquilibriumPath, most: float) -> f
     where that is not seen up to the factor `most`, or another pair touches before.
 
     Steps of the implicit Euler method, shorter where one fails. At the end little is left of the stiffness,
-    or the next step, however short, makes it negative, or in it a pair opens without which it is.
+    or the next step, however short, makes it negative, or a sliding pair is about to open, without which
+    it is.
     """
     start = rows = path.states[-1].reshape(-1, 7)
     pairs = forces.pairs(path, -1, REACH * forces.law.d)
@@ -50,12 +51,17 @@ def loses_stability(forces: WireForces, path: EquilibriumPath, most: float) -> f
                 return None
         elif step < SHORTEST:
             ends = len(left) > 1 and (found is not None or left[-1] <= SOFTENED * left[0])
-            opens = last * pairs.steps_to_opening(rows, before) <= SHORTEST
-            without = pairs.renewed(rows).of(~opens)
-            return factor if ends or forces.least_stiffness(rows, without) < 0.0 else None
+            return factor if ends or _opens(forces, pairs.renewed(rows), rows, before, last) else None
         else:
             step *= SHORTER
     return None
+
+
+def _opens(forces: WireForces, pairs: Pairs, rows: np.ndarray, before: np.ndarray, step: float) -> bool:
+    """Whether a sliding pair opens within the shortest step, as the last one tells, and the wire is unstable
+    without it."""
+    opens = pairs.slides & (step * pairs.steps_to_opening(rows, before) <= SHORTEST)
+    return bool(opens.any()) and forces.least_stiffness(rows, pairs.of(~opens)) < 0.0
 
 
 def _settled(

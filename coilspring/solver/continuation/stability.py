@@ -26,7 +26,7 @@ DIFFERENCE = 1e-6  # of the span of the state's numbers, with which a difference
 APPROACH = 0.5
 # Of the time that is left, by which two predictions differ: towards a limit point by about the share by which
 # the stiffness fell in between, on a straight line by so little of that. Such a line is kept while its zero
-# moves by less than this share of the time left when it was found: just before zero, rounding decides.
+# moves by less than this share of the time left when it was found: just before zero, rounding moves it.
 STRAIGHT = 0.02
 # Shares of the end of the last substep at which such a line is looked for, the times that these are halved,
 # and how straight it is to be: nothing but rounding bends it.
@@ -126,6 +126,7 @@ def vanishes(system, task, work, path, softest):
         zero = line_within(system, task, work, path)
         if 0.0 < zero - path.time <= no_time(path.time):
             softest.zero, softest.linear = zero, True
+            softest.line, softest.reach = zero, zero - path.time
     return softest.linear and softest.zero - path.time <= no_time(path.time)
 
 
@@ -203,6 +204,8 @@ def watch_stiffness(system, task, work, path, substep, softest):
     if value > NEUTRAL * path.rest_stiffness or value < softest.value:
         zero = predicted_zero(substep.target, value, softest.time, softest.value)
         follow_line(softest, value, zero, substep.target)
+        if path.snapping or path.released > 0.0:
+            softest.linear = False  # the state before is of another branch
     if value > JUMPS * path.rest_stiffness and APPROACH * (softest.zero - substep.target) < FINEST:
         softest.zero, softest.linear = np.inf, False  # the stiffness jumps here, as where a pair opens
     softest.value, softest.time, path.failed = value, substep.target, False
@@ -214,14 +217,13 @@ def watch_stiffness(system, task, work, path, substep, softest):
 @part
 def follow_line(softest, value, zero, time):
     """Take a new prediction of the zero, from a value at a time, and note whether it is on a straight line
-    with the one before."""
-    left = zero - time
+    with the one before, or still where such a line was found to end."""
+    left, off = zero - time, abs(zero - softest.line)
     straight = abs(zero - softest.zero) < STRAIGHT * (1.0 - value / softest.value) * left
-    kept = softest.linear and abs(zero - softest.line) < STRAIGHT * softest.reach
+    kept = softest.linear and off < min(STRAIGHT * softest.reach, no_time(time))
     if straight and not kept:
         softest.line, softest.reach = zero, left
-    softest.linear = left < np.inf and (straight or kept)
-    softest.zero = zero
+    softest.zero, softest.linear = zero, straight or kept
 
 
 @dataclass(frozen=True)
