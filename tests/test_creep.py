@@ -288,9 +288,11 @@ def test_a_sticking_pair_that_is_about_to_open_lets_go():
 
 def test_a_pair_that_has_just_touched_does_not_open_by_what_it_is_located_to():
     """It touched in the substep at hand, and was open by less than 2e-6 d at its end. Released there, it
-    crept and could stick as well, unlike its twin at the other end: the path said so from 0.5329 on."""
+    crept and could stick as well, unlike its twin at the other end: the path said so from 0.5329 on. At
+    0.5419 a pair lets go by 3e-3 d, which only short substeps tell from motion."""
     for steps in (100, 400):
-        assert reached(make_case("w00441", 116), steps=steps).undecided_time is None
+        said = reached(make_case("w00441", 116), steps=steps).undecided_time
+        assert said is None or said > 0.5419
 
 
 def test_rounds_that_go_to_and_fro_take_shorter_steps():

@@ -5,7 +5,7 @@ import math
 import numpy as np
 
 from coilspring.compiling.compiled import part
-from coilspring.contact.history import has_friction
+from coilspring.contact.history import has_friction, has_history
 from coilspring.solver.equilibrium.newton import INDEFINITE, NONE
 from coilspring.solver.equilibrium.operations import moved, put_prescribed
 
@@ -16,8 +16,9 @@ TURN = 0.07
 # The same with friction, which acts along the way: a force in another direction stays wrong along the path.
 FRICTION_TURN = 3e-3
 SMALL = 0.05  # wire diameters
-# The same where it limits substeps with friction: a share of all motion since the start, if that is less.
-SMALL_SHARE = 0.1
+# The same where it limits substeps with friction, and where pairs stick, which may let go on the way and be
+# closed again at the end: a share of all motion since the start, if that is less.
+SMALL_SHARE, STUCK_SHARE = 0.1, 1e-3
 # The same, where next to nothing is left of the stiffness or the matrix was indefinite on the way: there a
 # jump may begin; but no less than what the iteration leaves along the softest mode.
 SMALLER = 1e-4
@@ -88,9 +89,10 @@ def continues(system, task, work, trouble, judged, small):
     if trouble == INDEFINITE and not has_friction(work.history):
         # a jump may end anywhere, also near the prediction; friction is predicted to slide where it sticks
         good = distance <= SMALLER * task.diameter
-    if has_friction(work.history):
+    if has_history(work.history):
         whole, _, _ = displacement_bound(system, task.start, work.trial, np.inf)
-        least = max(least, turn / (SMALL_SHARE * whole)) if whole > 0.0 else least
+        most = whole * (SMALL_SHARE if has_friction(work.history) else STUCK_SHARE)
+        least = max(least, turn / most) if most > 0.0 else least
     return good, turn, min(share, TURN * least), distance, pair * task.diameter
 
 

@@ -43,7 +43,7 @@ NEARER = 3.0  # times the bound on all motion: so much nearer may two wires come
 CREEP_CUT = 0.5  # share at which a substep in which a pair ceases to creep is cut, at most
 MISSED = 5e-4  # wire diameters that such a pair may have slipped before
 OVERLAP_TIME = 1e-5  # of the time 0..1: so closely is it located
-LEAST_RATED = 1e-3  # of the time 0..1: in less a path with friction may turn as any other
+LEAST_RATED = 1e-3  # of the time 0..1: in less a path with friction, or sticking, may turn as any other
 BOUND_CHANGE = 1e-6  # of the bounds of tangential forces, over the largest, where they count as found
 MOST_ROUNDS = 30
 FIRST_SHIFT = 0.1  # with which an indefinite matrix is made positive, in units of that at rest
@@ -198,7 +198,7 @@ def keeps_branch(system, task, work, path, substep, watch):
 
 @part
 def strays(work, substep):
-    """Whether the path turned so far that friction would act in wrong directions."""
+    """Whether the path turned so far that friction would act in wrong directions, or pairs let go unseen."""
     return substep.duration > LEAST_RATED and substep.share > most_turn(work.history)
 
 
