@@ -286,13 +286,28 @@ def test_a_sticking_pair_that_is_about_to_open_lets_go():
     assert paths[0].critical_time == pytest.approx(paths[1].critical_time, rel=1e-7)
 
 
-def test_a_pair_that_has_just_touched_does_not_open_by_what_it_is_located_to():
+@pytest.mark.parametrize(
+    "steps",
+    [
+        100,
+        pytest.param(
+            400,
+            marks=pytest.mark.xfail(
+                strict=True,
+                reason="told from 0.5425 on, since a pair lets go by 3e-3 d at 0.5419",
+            ),
+        ),
+    ],
+)
+def test_a_pair_that_has_just_touched_does_not_open_by_what_it_is_located_to(steps):
     """It touched in the substep at hand, and was open by less than 2e-6 d at its end. Released there, it
-    crept and could stick as well, unlike its twin at the other end: the path said so from 0.5329 on. At
-    0.5419 a pair lets go by 3e-3 d, which only short substeps tell from motion."""
-    for steps in (100, 400):
-        said = reached(make_case("w00441", 116), steps=steps).undecided_time
-        assert said is None or said > 0.5419
+    crept and could stick as well, unlike its twin at the other end: the path said so from 0.5329 on."""
+    assert reached(make_case("w00441", 116), steps=steps).undecided_time is None
+
+
+def test_what_a_pair_that_has_just_touched_could_hold_is_not_told_before_another_lets_go():
+    """That is at 0.5419; the path said so from 0.5329 on."""
+    assert reached(make_case("w00441", 116), steps=400).undecided_time > 0.5419
 
 
 def test_rounds_that_go_to_and_fro_take_shorter_steps():
