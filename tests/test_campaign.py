@@ -195,9 +195,15 @@ def test_a_bifurcation_is_confirmed_where_pairs_of_hard_contact_hardly_touch():
     assert run.verified("b004935", 603)["class"] == "bifurcation"
 
 
-def test_how_far_a_release_leads_is_the_way_of_a_point():
-    """0.249 wire diameters in one direction, 0.256 in all."""
-    assert run.verified("w00408", 502)["class"] == "jump"
+@pytest.mark.parametrize(
+    ("name", "seed"),
+    [
+        ("w00408", 502),  # wire diameters that a node moves: 0.249 in one direction, 0.256 in all
+        ("w00144", 1082),  # 0.232 at the surface at a node, 0.254 at the farthest point of contact beside it
+    ],
+)
+def test_how_far_a_release_leads_is_the_way_of_a_point(name, seed):
+    assert run.verified(name, seed)["class"] == "jump"
 
 
 @pytest.mark.slow

@@ -105,6 +105,25 @@ def test_a_signal_while_workers_start_ends_them(monkeypatch):
     assert not pools  # nothing was begun
 
 
+def test_a_signal_while_modules_are_imported_for_workers_waits():
+    """Amid an import, an exception may be lost."""
+    code = """
+import signal, sys
+from coilspring.workers import processes
+class Interrupted:
+    def find_spec(name, path, target=None):
+        if name == "loky":
+            signal.raise_signal(signal.SIGINT)
+sys.meta_path.insert(0, Interrupted)
+try:
+    with processes(1):
+        print("not interrupted")
+except KeyboardInterrupt:
+    print("loky" in sys.modules)
+"""
+    assert run(code).strip() == "True"
+
+
 def _group_lives(leader):
     try:
         os.killpg(leader, 0)

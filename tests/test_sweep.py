@@ -129,15 +129,25 @@ def test_a_script_needs_no_guard(source, tmp_path):
     assert (done.stdout, done.stderr) == ("completed\n" * 3, "")
 
 
-def test_an_interrupt_ends_a_sweep_at_once_and_quietly():
+LATE = """
+import os, sys, time
+if any("popen_loky" in word for word in sys.orig_argv):
+    time.sleep(2.0 * (os.getpid() % 2))  # of two processes in a row, one
+"""
+
+
+@pytest.mark.parametrize("starts", ["", LATE], ids=["", "while a worker starts"])
+def test_an_interrupt_ends_a_sweep_at_once_and_quietly(starts, tmp_path):
     """Of the whole group, as Ctrl-C on a terminal is: one traceback, of the script."""
     code = SCRIPT.replace("COUNT", "10**9")
+    (tmp_path / "sitecustomize.py").write_text(starts)
     run = subprocess.Popen(
         [sys.executable, "-c", code],
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
         text=True,
         start_new_session=True,
+        env=os.environ | {"PYTHONPATH": f"{tmp_path}{os.pathsep}{os.environ.get('PYTHONPATH', '')}"},
     )
     assert run.stdout.readline() == "completed\n"
     os.killpg(run.pid, signal.SIGINT)

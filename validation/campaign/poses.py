@@ -117,7 +117,8 @@ def moved(rows: np.ndarray, move: np.ndarray) -> np.ndarray:
 
 
 def motion(one: np.ndarray, two: np.ndarray, d: float) -> float:
-    """Upper bound on the motion of the wire's surface at the nodes between two states."""
+    """Upper bound on the motion of all within half of `d` of a node between two states; of the wire's
+    diameter, its surface at the nodes."""
     turned = np.minimum(*(np.linalg.norm(one[:, 3:] + sign * two[:, 3:], axis=1) for sign in (1.0, -1.0)))
     # |q - q'| d >= d sin(angle / 2)
     return float((np.linalg.norm((one - two)[:, :3], axis=1) + turned * d).max())

@@ -21,7 +21,8 @@ JUST_BEFORE = (1e-6, 1e-5, 1e-4, 1e-3)  # shares of the load by which a state ma
 # Powers of two by which the stiffness is lowered that holds opening pairs, at first, at least and at most;
 # and the share of it that counts as none: it may be that much stiffer than the spring.
 FIRST_STEP, LEAST_STEP, MOST_STEP, NONE = 0.5, 1e-3, 4.0, 1e-10
-# Wire diameters that such a step may move, and all of them: more is no release but a jump.
+# Wire diameters that such a step may move at the nodes, and all of them anywhere: more is no release but a jump.
+# No point moves farther than the second bound tells, however it stands to the nodes.
 NEAR, NEARBY = 0.05, 0.25
 MOST_RELEASES, MOST_CORRECTIONS = 100, 40
 LEVEL, LENGTH = 0.5, 1e-3  # share of the energy's slope that a whole step may leave; of a step, so exact
@@ -84,7 +85,7 @@ def released(
             if ahead == 0.0 or step < LEAST_STEP:
                 return left, rows
             continue
-        if motion(found, start, forces.law.d) > NEARBY * forces.law.d:
+        if motion(found, start, _width(start, forces.law.d)) > NEARBY * forces.law.d:
             return left, rows
         rows, left, step = found, ahead, min(2.0 * step, MOST_STEP)
         opens = pairs.held & np.isnan(begins) & (pairs.depth(rows) < 0.0)
@@ -92,6 +93,11 @@ def released(
         if left == 0.0:
             return 0.0, rows
     return math.nan, rows
+
+
+def _width(rows: np.ndarray, d: float) -> float:
+    """Twice the distance from a node of any point of the elements beside it, mm."""
+    return d + 2.0 * float(np.linalg.norm(np.diff(rows[:, :3], axis=0), axis=1).max())
 
 
 def _settled(forces: WireForces, pairs: Pairs, rows: np.ndarray, load: np.ndarray) -> np.ndarray | None:
