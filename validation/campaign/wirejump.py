@@ -21,8 +21,8 @@ JUST_BEFORE = (1e-6, 1e-5, 1e-4, 1e-3)  # shares of the load by which a state ma
 # Powers of two by which the stiffness is lowered that holds opening pairs, at first, at least and at most;
 # and the share of it that counts as none: it may be that much stiffer than the spring.
 FIRST_STEP, LEAST_STEP, MOST_STEP, NONE = 0.5, 1e-3, 4.0, 1e-10
-# Wire diameters that such a step may move at the nodes, and all of them anywhere: more is no release but a jump.
-# No point moves farther than the second bound tells, however it stands to the nodes.
+# Wire diameters that such a step may move at the nodes, and all of them anywhere: more is no release but a
+# jump. No point moves farther than the second bound tells, however it stands to the nodes.
 NEAR, NEARBY = 0.05, 0.25
 MOST_RELEASES, MOST_CORRECTIONS = 100, 40
 LEVEL, LENGTH = 0.5, 1e-3  # share of the energy's slope that a whole step may leave; of a step, so exact
