@@ -811,6 +811,7 @@ def test_direction_of_a_tiny_slip_decides_nothing():
         ("b003759", 821, "bifurcation"),
         ("w00449", 821, "limit_point or undecided"),
         pytest.param("w00490", 977, "jump", marks=pytest.mark.slow),  # takes a minute
+        ("w00335", 1092, "limit_point"),
     ],
     ids=[
         "coils beyond the next touch between their stations",
@@ -842,6 +843,7 @@ def test_direction_of_a_tiny_slip_decides_nothing():
         "a bifurcation within 3e-6 of the load",
         "a critical time with friction, nearer than which none is known",
         "a sticking pair that opens loses the wire its stability",
+        "next to a fold, rounding along the soft mode leaves a hard pair out of balance",
     ],
 )
 def test_outcomes_that_were_unexplained(name, seed, outcome):
