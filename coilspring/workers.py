@@ -7,7 +7,7 @@ from contextlib import contextmanager
 from multiprocessing import resource_tracker
 from typing import Any
 
-from coilspring.solver.interrupt import signals_noted
+from coilspring.solver.interrupt import signals_blocked, signals_noted
 
 ONE_THREAD = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")  # each, for linear algebra
 
@@ -21,8 +21,11 @@ def processes(count: int) -> Iterator[Executor]:
     pool = None
     try:
         # while modules are imported an exception may be lost, and a pool that is half started cannot be ended
-        with signals_noted(), _interrupts_blocked():
-            pool = _started(count)
+        with signals_noted():
+            pool = _pool(count)
+            resource_tracker.ensure_running()  # up to Python 3.13 it unblocks interrupts as it starts
+            with signals_blocked([signal.SIGINT]):
+                pool.submit(int)  # all workers start
         yield pool
     except BaseException:
         if pool is not None:
@@ -31,28 +34,13 @@ def processes(count: int) -> Iterator[Executor]:
     pool.shutdown()
 
 
-def _started(count: int) -> Any:  # untyped
+def _pool(count: int) -> Any:  # untyped
     from loky import ProcessPoolExecutor  # those of the standard library import the script again
 
     environment = dict.fromkeys(ONE_THREAD, "1")
-    pool = ProcessPoolExecutor(count, initializer=_ignore_interrupts, env=environment)
-    pool.submit(int)  # all workers start
-    return pool
-
-
-@contextmanager
-def _interrupts_blocked() -> Iterator[None]:
-    """Processes that start meanwhile have interrupts blocked from their first moment, where a system can."""
-    if not hasattr(signal, "pthread_sigmask"):
-        yield
-        return
-    resource_tracker.ensure_running()  # it starts with the first process, and unblocks
-    before = signal.pthread_sigmask(signal.SIG_BLOCK, [signal.SIGINT])
-    try:
-        yield
-    finally:
-        signal.pthread_sigmask(signal.SIG_SETMASK, before)
+    return ProcessPoolExecutor(count, initializer=_ignore_interrupts, env=environment)
 
 
 def _ignore_interrupts() -> None:
+    """Where they cannot be blocked."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)

@@ -25,6 +25,7 @@ from coilspring.contact.touching import first_touch
 from coilspring.scene.wire import Section
 from validation.campaign.scenes import make_case
 from validation.campaign.verdict import reached
+from validation.campaign.wire import WireForces
 from wirefe import kernels
 from wirefe.contact.points import ContactArrays
 from wirefe.contact.stations import SLOPES, WIDTH
@@ -341,3 +342,15 @@ def test_a_scene_without_contact_has_no_stations():
 def test_one_station_a_turn_is_refused():
     with pytest.raises(InputError, match=r"pairs_per_turn must be an integer in \[2, 1000\], got 1"):
         wirefe.solve(load_scene("spring-a"), geometry="wires", pairs_per_turn=1)
+
+
+def test_arms_about_the_top_are_not_those_about_other_nodes():
+    """A jump was told where no point moved 0.25 d: the top, on the axis, is far from its stations."""
+    case = make_case("w00144", 1082)
+    problem, _, _ = scene_problem(case.scene, **case.options)
+    contact, forces = problem.data.contact, WireForces(case.scene, **case.options)
+    arms = forces.points.arms(len(forces.rest))
+    assert contact.reach == pytest.approx(arms[-1])
+    assert arms[:-1].max() < contact.span <= 2.0 * arms[:-1].max() < contact.reach
+    path = reached(case, steps=1)
+    assert path.critical_time > 0.84  # 0.69 was told

@@ -116,9 +116,9 @@ def moved(rows: np.ndarray, move: np.ndarray) -> np.ndarray:
     return np.concatenate((rows[..., :3] + move[..., :3], q), axis=-1)
 
 
-def motion(one: np.ndarray, two: np.ndarray, d: float) -> float:
-    """Upper bound on the motion of all within half of `d` of a node between two states; of the wire's
-    diameter, its surface at the nodes."""
+def motion(one: np.ndarray, two: np.ndarray, width: float | np.ndarray) -> float:
+    """Upper bound on the motion of all within half a width of a node between two states: of the wire's
+    diameter, its surface at the nodes; each node may have its own."""
     turned = np.minimum(*(np.linalg.norm(one[:, 3:] + sign * two[:, 3:], axis=1) for sign in (1.0, -1.0)))
     # |q - q'| d >= d sin(angle / 2)
-    return float((np.linalg.norm((one - two)[:, :3], axis=1) + turned * d).max())
+    return float((np.linalg.norm((one - two)[:, :3], axis=1) + turned * width).max())

@@ -16,7 +16,6 @@ from validation.campaign.verdict import CRITICAL, STUCK, THROUGH, Verdict, reach
 BRANCH = 1e-6  # difference from the fine run over the largest displacement,
 LEAST_WIDTH = 4e-9  # of the time 0..1: no critical time is bracketed closer
 SOLVER = 1e-8  # or this over the root of the least stiffness: what solvers leave, in the energy norm
-SOFTEST = 1e-12  # least stiffness that is told from none
 ROUNDING = 4.0 * 2.0**-52  # of the spring's size: positions are no finer,
 STICKS = 2e-6  # wire diameters: so closely it is known where pairs that stick touch and open
 GAPS = 8.0  # and by so much more may gaps differ, after some dozens of operations
@@ -163,7 +162,7 @@ def verify_branch(
     """The path must be the other run's, and end as that does, but for what ends by the iteration, or beyond
     `until`."""
     bounds = bounds_of(path)
-    most = max(bounds.branch, SOLVER / max(verdict.numbers.get("least", 1.0), SOFTEST) ** 0.5, grain(path))
+    most = max(bounds.branch, SOLVER / max(verdict.numbers.get("least", 1.0), 1e-12) ** 0.5, grain(path))
     last, largest = deviation(path, other, until=until)
     verdict.ask("branch", last, most, f"off the branch of the {name}")
     verdict.ask("branch", largest, max(most, bounds.between), f"off the branch of the {name} before the end")
@@ -321,7 +320,7 @@ def _verify_changed(
         answer = ANSWER[kind] / (least if kind in KINDS[:2] else 1.0)
         loose = bounds_of(case) if path_dependent(case) else Bounds(0.0, 0.0, 0.0)
         # two runs may end a step of Newton's method apart: what the verified states are from equilibrium
-        missing = 2.0 * verdict.numbers.get("residual", 0.0) / max(least, SOFTEST) ** 0.5
+        missing = 2.0 * verdict.numbers.get("residual", 0.0) / max(least, 1e-12) ** 0.5
         most = max(answer, loose.branch, grain(path), missing)
         verdict.ask("invariance", deviation(path, other, back, until)[1], most, f"{kind} changes the answer")
         if path.critical_time is not None and other.critical_time is not None and until == np.inf:

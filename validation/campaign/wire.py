@@ -40,7 +40,6 @@ class WireForces:
         # (2, 3, elements) from nodes to ends: from the top reference point, else zero
         self.arms = np.zeros((2, 3, count))
         self.arms[1, :, -1] = points[-1] - reference
-        self.arm = float(np.abs(self.arms[1, [0, 2], -1]).max())
         ends = ((points[:-1].T, self.frames[:, 0]), (points[1:].T, self.frames[:, 1]))
         self.strain0 = strain(*ends)
         self.stiffness = (  # (6, 6, elements)
@@ -63,17 +62,6 @@ class WireForces:
         total = self.element_forces(rows) + pairs.gradient(rows)
         total[-1, :2] -= load
         return np.where(self.fixed, 0.0, total)
-
-    def imbalance(self, rows: np.ndarray, load: np.ndarray, pairs: Pairs) -> float:
-        """The largest force, N, that is out of balance; moments over the top's arm."""
-        left = self.residual(rows, load, pairs)
-        return float(np.abs(left / [*[1.0] * 3, *[self.arm] * 3]).max())
-
-    def correction(self, rows: np.ndarray, load: np.ndarray, pairs: Pairs) -> tuple[np.ndarray, np.ndarray]:
-        """What is out of balance, and the step of Newton's method, moves and spins, both (nodes, 6)."""
-        left, move = self.residual(rows, load, pairs), np.zeros((len(rows), 6))
-        move.ravel()[self.free] = np.linalg.solve(self.tangent(rows, pairs), -left.ravel()[self.free])
-        return left, move
 
     def element_forces(self, rows: np.ndarray) -> np.ndarray:
         """Gradient (nodes, 6) of the strain energy in displacements and spins."""

@@ -21,8 +21,7 @@ JUST_BEFORE = (1e-6, 1e-5, 1e-4, 1e-3)  # shares of the load by which a state ma
 # Powers of two by which the stiffness is lowered that holds opening pairs, at first, at least and at most;
 # and the share of it that counts as none: it may be that much stiffer than the spring.
 FIRST_STEP, LEAST_STEP, MOST_STEP, NONE = 0.5, 1e-3, 4.0, 1e-10
-# Wire diameters that such a step may move at the nodes, and all of them anywhere: more is no release but a
-# jump. No point moves farther than the second bound tells, however it stands to the nodes.
+# Wire diameters that one such step may move, and all steps together: more is no release but a jump.
 NEAR, NEARBY = 0.05, 0.25
 MOST_RELEASES, MOST_CORRECTIONS = 100, 40
 LEVEL, LENGTH = 0.5, 1e-3  # share of the energy's slope that a whole step may leave; of a step, so exact
@@ -75,6 +74,7 @@ def released(
     Pairs that open on the way are released from there on.
     """
     left, step, start = 1.0, FIRST_STEP, rows
+    width = np.maximum(forces.law.d, 2.0 * forces.points.arms(len(rows)))
     begins = np.where(opening, 1.0, np.nan)  # what was left of the others when a pair began to open
     for _ in range(MOST_RELEASES):
         ahead = left * 2.0**-step if left > NONE else 0.0
@@ -85,7 +85,7 @@ def released(
             if ahead == 0.0 or step < LEAST_STEP:
                 return left, rows
             continue
-        if motion(found, start, _width(start, forces.law.d)) > NEARBY * forces.law.d:
+        if motion(found, start, width) > NEARBY * forces.law.d:
             return left, rows
         rows, left, step = found, ahead, min(2.0 * step, MOST_STEP)
         opens = pairs.held & np.isnan(begins) & (pairs.depth(rows) < 0.0)
@@ -95,23 +95,19 @@ def released(
     return math.nan, rows
 
 
-def _width(rows: np.ndarray, d: float) -> float:
-    """Twice the distance from a node of any point of the elements beside it, mm."""
-    return d + 2.0 * float(np.linalg.norm(np.diff(rows[:, :3], axis=0), axis=1).max())
-
-
 def _settled(forces: WireForces, pairs: Pairs, rows: np.ndarray, load: np.ndarray) -> np.ndarray | None:
     """Stable equilibrium next to a state, or None, by Newton's method.
 
     Within a step hard pairs close and open: each goes down to the least energy along it. No pair slides here.
     """
-    start = rows
+    start, free = rows, forces.free
 
     def unbalanced(state: np.ndarray) -> np.ndarray:
         return forces.residual(state, load, pairs)
 
     for _ in range(MOST_CORRECTIONS):
-        _, move = forces.correction(rows, load, pairs)
+        left, move = unbalanced(rows), np.zeros((len(rows), 6))
+        move.ravel()[free] = np.linalg.solve(forces.tangent(rows, pairs), -left.ravel()[free])
         size = np.abs(move / [*[pairs.law.d] * 3, 1.0, 1.0, 1.0]).max()
         if size <= CLOSE:
             rows = moved(rows, move)

@@ -107,6 +107,13 @@ class Points:
         self.slope_weight = (per_length[:, 0] * changes.sum(axis=1)).T
         self.slope_arm = slope_arm.swapaxes(0, 1)
 
+    def arms(self, nodes: int) -> np.ndarray:
+        """Largest arms about each of the nodes, mm; 0 about the first, which is held."""
+        largest = np.zeros(nodes)
+        np.maximum.at(largest, self.node, np.linalg.norm(self.arm, axis=2))
+        largest[0] = 0.0
+        return largest
+
     def places(self, rows: np.ndarray) -> np.ndarray:
         """Where they are in a state, (points, 3)."""
         return self._summed(rows, self.weight, self.arm)

@@ -45,19 +45,21 @@ class ContactArrays(NamedTuple):
     near: int  # points so near each other along the wire do not touch: half a turn
     # of a model with these points:
     reach: float = 0.0  # largest arm about the top end
-    span: float = 0.0  # the same about other nodes, 0 where spheres stand on them
+    span: float = 0.0  # the same about other nodes, of a station both; 0 where spheres stand on them
     block: Wholes = NONE  # (pairs,) block of each pair's coupling; of stations (6 pairs,), see `COUPLINGS`
     flip: Wholes = NONE
 
     def reaches(self, top: int) -> tuple[float, float]:
-        """Largest arms of points about the last node, `top`, and about the others, mm."""
+        """Largest arms of points about the last node, `top`, and about the others, both of a station, mm."""
         arms = self.parts[:, ARMS:SLOPES] if of_wires(self.parts) else self.parts
-        first = np.linalg.norm(arms[:, :3], axis=1)
-        second = np.linalg.norm(arms[:, 3:], axis=1)
-        ends = self.attached == top
-        fixed = (self.attached == 0) & (second == 0.0)  # at the bottom end
-        inner = np.where(ends | fixed, 0.0, np.maximum(first, second)).max(initial=0.0)
-        return float(np.where(ends, first, second).max(initial=0.0)), float(inner)
+        sizes = np.linalg.norm(arms.reshape(len(arms), arms.shape[1] // 3, 3), axis=2)
+        nodes = self.attached[:, None] + np.arange(sizes.shape[1])
+        fixed = (nodes == 0) & (sizes[:, 1:].sum(axis=1, keepdims=True) == 0.0)  # at the bottom end
+        about_top, about_others = nodes >= top, (nodes < top) & ~fixed
+        return (
+            float((sizes * about_top).max(initial=0.0)),
+            float((sizes * about_others).sum(axis=1).max(initial=0.0)),
+        )
 
 
 NO_CONTACT = ContactArrays(
