@@ -10,6 +10,7 @@ from pathlib import Path
 
 import pytest
 
+from coilspring.solver.interrupt import signals_noted
 from coilspring.workers import processes
 
 ROOT = Path(__file__).parents[1]
@@ -109,6 +110,7 @@ def test_a_signal_while_modules_are_imported_for_workers_waits():
     """Amid an import, an exception may be lost."""
     code = """
 import signal, sys
+from coilspring.solver.interrupt import signals_noted
 from coilspring.workers import processes
 class Interrupted:
     def find_spec(name, path, target=None):
@@ -122,6 +124,24 @@ except KeyboardInterrupt:
     print("loky" in sys.modules)
 """
     assert run(code).strip() == "True"
+
+
+@pytest.mark.skipif(not hasattr(signal, "pthread_sigmask"), reason="a system without masks of signals")
+def test_a_signal_while_handlers_are_restored_leaves_none_behind(monkeypatch):
+    restore, before = signal.signal, signal.signal(signal.SIGTERM, signal.default_int_handler)
+
+    def interrupted(number, handler):
+        restore(number, handler)
+        if (number, handler) == (signal.SIGINT, signal.default_int_handler):
+            signal.raise_signal(signal.SIGINT)
+
+    try:
+        monkeypatch.setattr(signal, "signal", interrupted)
+        with pytest.raises(KeyboardInterrupt), signals_noted():
+            pass
+        assert signal.getsignal(signal.SIGTERM) is signal.default_int_handler
+    finally:
+        restore(signal.SIGTERM, before)
 
 
 def _group_lives(leader):
