@@ -110,7 +110,6 @@ def test_a_signal_while_modules_are_imported_for_workers_waits():
     """Amid an import, an exception may be lost."""
     code = """
 import signal, sys
-from coilspring.solver.interrupt import signals_noted
 from coilspring.workers import processes
 class Interrupted:
     def find_spec(name, path, target=None):
