@@ -50,28 +50,30 @@ def plan_chain(
     place = np.empty(nodes, dtype=np.int64)
     place[order] = np.arange(nodes)
     flipped = place[couplings[:, 0]] < place[couplings[:, 1]]
-    coupled = np.where(flipped, couplings.T, couplings.T[::-1]).T.tolist()  # the earlier node first
+    earlier, later = np.where(flipped, couplings.T, couplings.T[::-1])
+    once, which = np.unique(earlier * nodes + later, return_inverse=True)  # most of stations are repetitions
+    coupled = np.stack(np.divmod(once, nodes), axis=1).tolist()
     below: list[set[int]] = [set() for _ in range(nodes)]  # later nodes coupled to a node
-    for earlier, later in coupled:
-        below[earlier].add(later)
+    for node, other in coupled:
+        below[node].add(other)
     number: list[dict[int, int]] = [{} for _ in range(nodes)]  # blocks of a node's column, by their row
     start, column, target = [0], [], []
     for node in order.tolist():
         rows = sorted(below[node], key=place.__getitem__)
-        for i, later in enumerate(rows):
-            below[later].update(rows[i + 1 :])
-        number[node] = {later: nodes + start[-1] + i for i, later in enumerate(rows)}
+        for i, other in enumerate(rows):
+            below[other].update(rows[i + 1 :])
+        number[node] = {other: nodes + start[-1] + i for i, other in enumerate(rows)}
         column += rows
         start.append(len(column))
     for step in range(nodes):
         rows = column[start[step] : start[step + 1]]
         blocks = [number[row] for row in rows]
-        for i, later in enumerate(rows):
-            target += [known[later] for known in blocks[:i]]
-            target.append(later)
+        for i, other in enumerate(rows):
+            target += [known[other] for known in blocks[:i]]
+            target.append(other)
     entries, targets = np.array(column, dtype=np.int64), np.array(target, dtype=np.int64)
     plan = ChainPlan(order, np.array(start), entries, targets, nodes + len(column))
-    return plan, np.array([number[earlier][later] for earlier, later in coupled], dtype=np.int64), flipped
+    return plan, np.array([number[node][other] for node, other in coupled], dtype=np.int64)[which], flipped
 
 
 @arithmetic

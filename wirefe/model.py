@@ -176,14 +176,10 @@ def _pair_couplings(contact: ContactArrays) -> np.ndarray:
 
 
 def _held_arrays(held: np.ndarray, couplings: np.ndarray, block: np.ndarray, flip: np.ndarray) -> HeldArrays:
-    rows = np.where(flip, couplings[:, 0], couplings[:, 1])
-    cuts = [
-        (block[c], dof % 6, rows[c] == dof // 6)
-        for dof in held
-        for c in np.flatnonzero((couplings == dof // 6).any(axis=1))
-    ]
-    table = np.array(cuts, dtype=np.int64).reshape(-1, 3)
-    return HeldArrays(held, table[:, 0], table[:, 1], table[:, 2], held)
+    blocks, each = np.unique(block, return_index=True)
+    ends, flipped = couplings[each], flip[each]
+    dof, c, end = np.nonzero(ends[None] == (held // 6)[:, None, None])
+    return HeldArrays(held, blocks[c], held[dof] % 6, (end == 0) == flipped[c], held)
 
 
 def rest_state(rod: Rod, arm: np.ndarray) -> np.ndarray:
