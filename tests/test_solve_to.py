@@ -17,8 +17,9 @@ from validation.study.partialsolve import partial_path
 from validation.sweep import choice, run
 from validation.sweep.grid import points, read_varied
 from validation.verification import requested
+from wirefe import adaptive
 from wirefe.adaptive import Trials, few, thinned
-from wirefe.meshes import Errors, Levels, Trial, difference
+from wirefe.meshes import Levels, Trial, difference
 
 SHORT = replace(spring_a(), spring=replace(spring_a().spring, active_coils=4.0, active_height=7.0))
 
@@ -41,13 +42,14 @@ def trials_of(scene, *meshes):
     """Trials with paths on levels with stations."""
     trials = Trials(Levels.of(scene, None), 1e-3, 10)
     for level, stations in meshes:
-        trials.take(Trial(level, stations, wirefe.solve(scene, **trials.levels.options(level, stations))))
+        path = partial_path(wirefe.solve, scene, **trials.levels.options(level, stations))
+        trials.take(*trials.found, Trial(level, stations, path))
     return trials
 
 
 def test_finer_is_asked_finer_is_solved():
     """In stations, which leave the larger part of the error here, and in elements where there are none."""
-    wanted = (1e-2, 1e-3, 3e-4, 1e-4, 3e-5)
+    wanted = (1e-2, 1e-3, 1e-4, 3e-5)
     found = [wirefe.solve_to(touching(), asked).options for asked in wanted]
     stations, levels = ([mesh[name] for mesh in found] for name in ("pairs_per_turn", "elements_per_turn"))
     assert stations == sorted(set(stations))
@@ -76,7 +78,7 @@ def test_the_coarsest_mesh_is_the_answer_where_a_finer_one_at_few_points_agrees(
 
 
 def test_the_answer_has_all_rows_where_the_path_at_few_points_is_accurate_enough(monkeypatch):
-    monkeypatch.setattr("wirefe.adaptive.difference", lambda coarse, fine: 7e-3)  # twice that is too much
+    monkeypatch.setattr("wirefe.adaptive.difference", lambda coarse, fine: 5.5e-3)  # twice that is too much
     path = wirefe.solve_to(touching(geometry="spheres").overridden(steps=50), 1e-2)
     assert path.options["elements_per_turn"] == 8
     assert len(path.times) == 50
@@ -142,69 +144,61 @@ def test_what_no_mesh_reaches_is_refused_with_what_can_be_reached(monkeypatch):
         wirefe.solve_to(touching(), 1e-5)
 
 
-@pytest.mark.parametrize(("low", "high", "ratio"), [(8, 12, 4.0), (4, 8, 5 / 3), (4, 16, 1 / 3)])
+@pytest.mark.parametrize(("low", "high", "ratio"), [(8, 12, 2.4), (4, 8, 5 / 3), (4, 16, 1 / 3)])
 def test_the_error_falls_with_the_square_of_the_level(low, high, ratio):
-    """As two paths tell it; what two tell is taken five times."""
+    """As two paths tell it; what they tell is taken three times, and five times from the coarsest level."""
     trials = trials_of(touching(geometry="spheres"), (low, 16), (high, 16))
     assert trials.estimate == pytest.approx(ratio * difference(*(trial.path for trial in trials.found)))
 
 
-def test_what_elements_and_stations_leave_is_told_apart():
-    trials = trials_of(touching(), (4, 32), (8, 32), (8, 66))
+def test_a_mesh_is_as_fine_as_its_elements_or_its_stations():
+    trials = trials_of(touching(), (4, 16), (8, 34), (8, 98))
+    assert [trials.resolution(trial) for trial in trials.found] == pytest.approx([16 / 12, 34 / 12, 8.0])
     a, b, c = (trial.path for trial in trials.found)
-    assert trials.errors.elements == pytest.approx(difference(a, b) / (1 / 16 - 1 / 64))
-    assert trials.errors.stations == pytest.approx(difference(b, c) / (1 / 32**2 - 1 / 66**2))
-    told = trials.errors.at(8, 66)
-    assert told == pytest.approx(difference(a, b) / 3.0 + difference(b, c) / ((66 / 32) ** 2 - 1.0))
-    assert trials.estimate == pytest.approx(4.0 * told)
+    shares = [1.0 / ((8.0 / (count / 12)) ** 2 - 1.0) for count in (16, 34)]
+    told = max(0.5 * shares[0] * difference(a, c), shares[1] * difference(b, c))
+    assert trials.estimate == pytest.approx(5.0 * told)
+    spheres = trials_of(touching(geometry="spheres"), (4, 16), (8, 16))
+    assert [spheres.resolution(trial) for trial in spheres.found] == [4, 8]
 
 
-def test_what_two_paths_tell_of_both_is_half_for_each():
-    trials = trials_of(touching(), (4, 16), (8, 34))
-    half = 0.5 * difference(*(trial.path for trial in trials.found))
-    assert trials.errors.elements == pytest.approx(half / (1 / 16 - 1 / 64))
-    assert trials.errors.stations == pytest.approx(half / (1 / 16**2 - 1 / 34**2))
-    assert trials.estimate == pytest.approx(5.0 * trials.errors.at(8, 34))
-    assert trials.estimate > half
+def constant(trials, differences, monkeypatch):
+    """What trials tell when their last path differs so much from those before."""
+    values = iter(differences)
+    monkeypatch.setattr(adaptive, "difference", lambda coarse, fine: next(values))
+    trials.take(*trials.found)
+    return trials.constant
 
 
-def test_two_paths_that_agree_by_chance_are_not_believed():
-    """The last two paths are one: half of what those before have told is left."""
-    trials = trials_of(touching(), (4, 32), (8, 32), (8, 66))
-    told, last = trials.errors, trials.found[-1]
-    trials.take(replace(last, level=16, stations=134))
-    assert trials.errors.at(16, 134) == pytest.approx(0.5 * told.at(16, 134)) != 0.0
-    trials = trials_of(touching(geometry="spheres"), (4, 16), (8, 16))
-    told = trials.errors
-    trials.take(replace(trials.found[-1], level=16))
-    assert trials.errors.elements == pytest.approx(0.5 * told.elements) != 0.0
+def test_two_paths_that_agree_by_chance_are_not_believed(monkeypatch):
+    """Half of what a path before has told is left; one that is farther off tells more."""
+    trials = trials_of(touching(geometry="spheres"), (4, 16), (8, 16), (16, 16))
+    first, second = 1 / 16 - 1 / 256, 1 / 64 - 1 / 256
+    assert constant(trials, (1e-3, 0.0), monkeypatch) == pytest.approx(0.5e-3 / first)
+    assert constant(trials, (1e-3, 7e-3), monkeypatch) == pytest.approx(7e-3 / second)
 
 
-def test_a_path_farther_off_than_was_told_makes_the_errors_larger(monkeypatch):
-    trials = trials_of(touching(), (4, 32), (8, 32), (8, 66))
-    told, last = trials.errors, trials.found[-1]
-    monkeypatch.setattr("wirefe.meshes.difference", lambda coarse, fine: 7.0 * told.at(8, 66))
-    found = told.seen(last, replace(last, level=16, stations=134))
-    assert (found.elements, found.stations) == pytest.approx((7.0 * told.elements, 7.0 * told.stations))
+def test_two_that_tell_the_same_are_believed_more(monkeypatch):
+    assert trials_of(touching(), (4, 48), (8, 98), (12, 146)).safety == 5.0  # of stations it may be by chance
+    trials = trials_of(touching(geometry="spheres"), (8, 16), (12, 16), (16, 16))
+    first, second = 1 / 64 - 1 / 256, 1 / 144 - 1 / 256
+    for other, safety in ((1.4, 2.0), (0.7, 2.0), (1.6, 3.0), (0.6, 3.0)):
+        constant(trials, (first, other * second), monkeypatch)
+        assert trials.safety == safety
 
 
-def test_the_mesh_predicted_is_the_cheapest_that_does():
-    errors = Errors(0.3, 7.0)
-    level, stations = errors.cheapest(1e-4)
-    assert errors.elements / level**2 + errors.stations / stations**2 == pytest.approx(1e-4)
-    for other in (0.9 * level, 1.1 * level):
-        more = math.sqrt(errors.stations / (1e-4 - errors.elements / other**2))
-        assert other + more / 10.0 > level + stations / 10.0
-
-
-@pytest.mark.parametrize(
-    ("geometry", "asked", "paths"), [("wires", 3e-3, 3), ("wires", 1e-2, 2), ("spheres", 3e-3, 2)]
-)
-def test_where_errors_fall_irregularly_three_paths_are_compared(geometry, asked, paths):
-    """But for the coarsest accuracies; two would have been said to be exact enough here."""
-    lines = []
-    wirefe.solve_to(touching(geometry=geometry), asked, progress=lines.append)
-    assert len(lines) == paths
+@pytest.mark.parametrize(("geometry", "needed"), [("wires", 3), ("spheres", 2)])
+def test_how_many_meshes_share_a_critical_point_or_a_change_of_ends(geometry, needed, monkeypatch):
+    trials = trials_of(touching(geometry=geometry), (4, 48), (8, 98), (12, 146), (16, 194))
+    assert math.isfinite(constant(trials, (math.inf, 1e-3, 1e-3), monkeypatch))
+    assert constant(trials, (math.inf, math.inf, 1e-3), monkeypatch) == math.inf
+    assert constant(trials, (1e-3, 1e-3, math.inf), monkeypatch) == math.inf
+    *before, last = trials.found
+    ended = replace(last, path=replace(last.path, critical_time=0.9))
+    trials.found = [*before, ended]
+    for known in (1, 2, 3):
+        told = constant(trials, (*[math.inf] * (3 - known), *[1e-3] * known), monkeypatch)
+        assert math.isfinite(told) == (known >= needed)
 
 
 def test_what_no_level_before_has_seen_touch_is_no_estimate():
@@ -213,8 +207,7 @@ def test_what_no_level_before_has_seen_touch_is_no_estimate():
 
 def test_meshes_that_end_otherwise_are_no_answer(monkeypatch):
     monkeypatch.setattr("wirefe.meshes.FINEST", 8)
-    for module in ("adaptive", "meshes"):
-        monkeypatch.setattr(f"wirefe.{module}.difference", lambda coarse, fine: np.inf)
+    monkeypatch.setattr(adaptive, "difference", lambda coarse, fine: np.inf)
     with pytest.raises(InputError, match="with 8 elements per turn the path ends otherwise"):
         wirefe.solve_to(touching(), 1e-2)
 
@@ -222,7 +215,7 @@ def test_meshes_that_end_otherwise_are_no_answer(monkeypatch):
 def test_a_path_that_ends_early_has_all_rows():
     scene = replace(spring_b(), contact=Contact(geometry="spheres"), load=Load((0.0, -200.0), 10))
     trials = Trials(Levels.of(scene, None), 1e-2, 10)
-    trials.add(4, 16, few(10))
+    trials.add(4, few(10), 16)
     path = trials.found[0].path
     assert path.outcome == "limit_point"
     assert path.scene.load.steps == 10
@@ -252,28 +245,19 @@ def test_coarse_paths_have_few_rows_of_the_fine_ones():
 def test_stations_of_two_levels_stand_elsewhere():
     trials = Trials(Levels.of(touching(), None), 1e-3, 10)
     for level in (4, 6, 8, 12):
-        trials.add(level, trials.others(4 * level), 1)
+        trials.add(level, 1, trials.others(4 * level))
     stations = [trial.path.options["pairs_per_turn"] for trial in trials.found]
     assert stations[0] == 16
     assert {math.gcd(*pair) for pair in combinations(stations, 2)} == {2}
 
 
-def test_paths_that_end_otherwise_tell_nothing_and_later_ones_do():
-    a, b = trials_of(touching(geometry="spheres"), (4, 16), (8, 16)).found
-    unknown = Errors().seen(replace(a, path=replace(a.path, outcome="limit_point")), b)
-    assert unknown.elements == np.inf
-    assert unknown.seen(a, b) == Errors().seen(a, b)
-    assert Errors().seen(a, b).elements < np.inf
-
-
 def test_progress_says_what_is_solved_and_the_estimate_so_far():
     lines = []
-    path = wirefe.solve_to(touching(), 1e-4, progress=lines.append)
-    assert lines[0] == f"4 elements per turn, {path.scene.load.steps} steps"
-    assert lines[1].startswith("8 elements per turn,")
-    assert lines[1].endswith(" s CPU")
-    assert lines[2].endswith(" s CPU")  # of the stations nothing is known yet
-    assert "s CPU, estimated error 0.0" in lines[3]
+    path = wirefe.solve_to(touching(), 3e-5, progress=lines.append)
+    assert lines[0] == f"6 elements per turn, {path.scene.load.steps} steps"
+    assert lines[1].startswith("12 elements per turn,")
+    assert lines[1].endswith(" s CPU")  # one path tells no error
+    assert "s CPU, estimated error " in lines[2]
 
 
 def test_the_estimate_is_kept_with_the_path(tmp_path):

@@ -1,8 +1,8 @@
 """A load path as accurate as asked for: mesh, stations and substeps are chosen, and the error is estimated.
 
 The error is that of the load curve (`coilspring.curves`), against the wire model of the same scene with a
-mesh, stations and substeps without end. What elements and what stations leave (`wirefe.meshes`) is estimated
-by itself, and so many of both are taken as do and cost least.
+mesh, stations and substeps without end. It is told by the differences of paths on meshes that are finer and
+finer (`wirefe.meshes`), and falls with the square of their resolution.
 """
 
 from __future__ import annotations
@@ -18,29 +18,32 @@ import numpy as np
 from coilspring.errors import EquilibriumNotFound, InputError, require_number
 from coilspring.path import EquilibriumPath
 from coilspring.scene import Scene, require_scene
-from wirefe.meshes import MOST, STATIONS, Errors, Levels, Trial, difference
+from wirefe.meshes import FEWEST, MOST, STATIONS, Levels, Trial, difference
 from wirefe.solve import solve
 
 ACCURACIES = (1e-5, 1e-2)
-COARSEST = 4  # level
-FEWEST = 16  # stations, where nothing touches
+ROUGH, FINE = 5e-3, 5e-4  # accuracies: from the first the coarsest mesh mostly does; below the second never
+COARSEST, COARSE = 4, 6  # first level, down to `FINE` and below; errors fall regularly from the second on
 ROWS = 5  # of a stage, at least, at which paths are compared whose differences are smooth
-ROUGH = 5e-3  # accuracies from here on are mostly met by the coarsest mesh
-# Errors over what differences tell, at most (as measured on random springs): of the coarser of two paths;
-# where substeps differ; of the last path, as two tell it, three, or more (from `ROUGH` on one less).
-COARSE, MIXED, SAFE = 2.0, 3.0, {2: 5.0, 3: 4.0, 4: 3.0}
+# Errors over what differences tell, at most (as measured on random springs). Of the first of two paths:
+FIRST, MIXED = 2.0, 3.0  # and where substeps differ, too
+# Of the last path, without stations: as a path on a level below `COARSE` tells it; one above; two alike.
+EARLY, SMOOTH, STEADY = 5.0, 3.0, 2.0
+ALIKE = 1.5
+IRREGULAR = {2: 6.0, 3: 5.0, 4: 4.0}  # the same with stations, by the number of paths
+FALL = 0.5  # of what the path before told, each tells at least: two may agree by chance
 CLEAR = 0.05  # wire diameters between coils that do not touch on any level
 AHEAD = 1.1  # below the error wanted is that of the mesh that is predicted to do
-STRIDE = 1.4  # times the last mesh, at least: nearer ones differ by less than their errors
-SECOND = 2.0  # times the first mesh
-FAR = 3.0  # times the last mesh, at most, where errors fall irregularly
+NEXT = 2.0  # times the first level is the second,
+NEXT_ROUGH = 1.5  # with stations, which are many more then
+STRIDE, FAR = 1.5, 3.5  # times the last mesh, at least and at most: how errors fall is not known beyond
 BEYOND = 1.5  # times the finest mesh: what is predicted to take more is refused
 HALVINGS = 3  # of the substeps, at most, where friction makes the answer depend on them
 
 
 @dataclass
 class Trials:
-    """Paths of a scene, each on a mesh finer than the one before in elements or stations.
+    """Paths of a scene, each on a mesh finer than the one before.
 
     Attributes
     ----------
@@ -49,7 +52,7 @@ class Trials:
     steps : of a path that can be the answer.
     lost : error that is left by substeps.
     found : paths with their meshes.
-    errors : what they tell.
+    told : error of the last path times the square of its resolution, as each path before tells it.
     seconds : CPU time of all solves.
     progress : called before each solve with one line: what is solved, the time and the estimate so far.
     """
@@ -59,7 +62,7 @@ class Trials:
     steps: int
     lost: float = 0.0
     found: list[Trial] = field(default_factory=list)
-    errors: Errors = field(default_factory=Errors)
+    told: list[float] = field(default_factory=list)
     seconds: float = 0.0
     progress: Callable[[str], None] = lambda line: None
 
@@ -82,14 +85,15 @@ class Trials:
         return bool(self.levels.scene.contact.coefficient) and self.touching
 
     @property
-    def second(self) -> int:
-        """The level after the first."""
-        return self.levels.at_least(SECOND * self.found[0].level)
+    def finest(self) -> int:
+        """The last level; beyond it there are no more stations, or elements."""
+        levels = self.levels
+        return min(levels.finest, levels.at_least(MOST / STATIONS)) if self.irregular else levels.finest
 
     def solve(self, mesh: dict[str, Any], steps: int) -> EquilibriumPath:
         """The path on a mesh in some steps, as far as it was reached."""
         so_far = f"; {self.seconds:.0f} s CPU" if self.found else ""
-        if len(self.found) > 1 and math.isfinite(self.estimate):
+        if math.isfinite(self.estimate):
             so_far += f", estimated error {self.estimate:.2g}"
         self.progress(f"{mesh['elements_per_turn']} elements per turn, {steps} steps{so_far}")
         try:
@@ -99,36 +103,64 @@ class Trials:
         self.seconds += path.solve_seconds
         return path
 
-    def add(self, level: int, stations: int, steps: int) -> None:
-        """Solve on a mesh; where nothing touches its stations are the fewest."""
-        stations = stations if self.irregular else FEWEST
+    def add(self, level: int, steps: int, stations: int | None = None) -> None:
+        """Solve on a level, with the stations that go with it unless given."""
+        if stations is None:
+            stations = self.others(STATIONS * level) if self.irregular else FEWEST
         path = self.solve(mesh := self.levels.options(level, stations), steps)
         if path.outcome != "completed" and steps < self.steps:
             path = self.solve(mesh, self.steps)  # near its end differences are not smooth
-        self.take(Trial(level, stations, path))
+        self.take(*self.found, Trial(level, stations, path))
 
-    def take(self, trial: Trial) -> None:
-        """Compare a path with the last one."""
-        if self.found:
-            self.errors = self.errors.seen(self.found[-1], trial)
-        self.found.append(trial)
+    def take(self, *found: Trial) -> None:
+        """Take these paths, and compare the last one with those before."""
+        *before, last = self.found = list(found)
+        fine, self.told = self.resolution(last) ** -2, []
+        for each in before:
+            more = self.resolution(each) ** -2 - fine
+            self.told.append(difference(each.path, last.path) / more if more > 0.0 else math.inf)
 
-    def others(self, stations: float) -> int:
+    def others(self, stations: int) -> int:
         """Stations, at least so many, elsewhere than those of the paths so far, but for two.
 
         Stations that two paths share make the same error in both, which their difference does not tell.
         """
-        numbers = count(2 * math.ceil(0.5 * stations), 2)
+        numbers = count(min(stations + stations % 2, MOST), 2)
         return next(n for n in numbers if all(math.gcd(n, each.stations) == 2 for each in self.found))
+
+    def resolution(self, trial: Trial) -> float:
+        """Level of a mesh; that of its stations, where they matter and are fewer."""
+        return min(trial.level, trial.stations / STATIONS) if self.irregular else trial.level
+
+    @property
+    def constant(self) -> float:
+        """The same as all together tell it; infinite where too few of them end as the last one does.
+
+        Whether a spring passes a critical point or not may change from mesh to mesh: more have to agree.
+        """
+        if not self.told or self.told[-1] == math.inf:
+            return math.inf
+        known = [constant * FALL**age for age, constant in enumerate(self.told[::-1]) if constant < math.inf]
+        needed = 1 if len(known) == len(self.told) else 2
+        if self.found[-1].path.critical_time is not None:
+            needed = 3 if self.irregular else 2
+        return max(known) if len(known) >= needed else math.inf
+
+    @property
+    def safety(self) -> float:
+        """Error over what the constant tells, at most."""
+        if self.irregular:
+            return IRREGULAR[min(len(self.found), 4)]
+        if len(self.found) > 2 and max(self.told[-2:]) < ALIKE * min(self.told[-2:]):
+            return STEADY
+        return SMOOTH if self.found[-2].level >= COARSE else EARLY
 
     @property
     def estimate(self) -> float:
-        """Error of the last path; infinite if it ends otherwise, or if none before has seen coils touch."""
-        last = self.found[-1]
-        if self.irregular and not self.errors.stations:
+        """Error of the last path; infinite where it is not known."""
+        if (constant := self.constant) == math.inf:
             return math.inf
-        paths = len(self.found) + (self.wanted >= ROUGH)
-        return SAFE[min(paths, 4)] * self.errors.at(last.level, last.stations) + self.lost
+        return self.safety * constant / self.resolution(self.found[-1]) ** 2 + self.lost
 
 
 def solve_to(
@@ -173,13 +205,14 @@ def solve_to(
     wanted = require_number("accuracy", accuracy, *ACCURACIES)
     levels, rows = Levels.of(scene, pairs_per_turn), scene.load.steps
     trials = Trials(levels, wanted, rows, progress=progress)
-    rough = wanted >= ROUGH
-    in_full = rough or (trials.irregular and not trials.substeps)
-    stations = FEWEST if rough else STATIONS * COARSEST
-    trials.add(levels.at_least(COARSEST), stations, rows if in_full else few(rows))
+    first = levels.at_least(COARSEST if wanted >= FINE else COARSE)
+    if wanted >= ROUGH:
+        trials.add(first, rows, FEWEST)
+    else:
+        trials.add(first, rows if trials.irregular or trials.substeps else few(rows))
     path, estimate = trials.found[0].path, math.inf
-    if rough and (trials.substeps or not trials.irregular):
-        path, estimate = _coarsest(trials)
+    if trials.substeps or (wanted >= ROUGH and not trials.irregular):
+        path, estimate = _first(trials)
     if estimate > wanted:
         path, estimate = _refined(trials)
     path = replace(
@@ -193,10 +226,10 @@ def solve_to(
     return path
 
 
-def _coarsest(trials: Trials) -> tuple[EquilibriumPath, float]:
+def _first(trials: Trials) -> tuple[EquilibriumPath, float]:
     """The first path and its error, by one on a finer mesh in fewer steps."""
-    (first,), factor = trials.found, MIXED if trials.substeps else COARSE
-    trials.add(trials.second, trials.others(SECOND * first.stations), few(trials.steps))
+    (first,), factor = trials.found, MIXED if trials.substeps else FIRST
+    trials.add(_next(trials), few(trials.steps))
     return first.path, factor * difference(first.path, trials.found[1].path)
 
 
@@ -204,58 +237,53 @@ def _refined(trials: Trials) -> tuple[EquilibriumPath, float]:
     """A path on a mesh as fine as it takes, and its error; raises `InputError` beyond the finest."""
     if trials.substeps:
         _choose_substeps(trials)
-    first = trials.found[0]
-    if len(trials.found) == 1:
-        if trials.irregular and trials.wanted < ROUGH:
-            trials.add(trials.second, first.stations, trials.steps)
-        trials.add(trials.second, trials.others(SECOND * first.stations), trials.steps)
     while True:
         last, estimate = trials.found[-1], trials.estimate
         if estimate > trials.wanted:
-            trials.add(*_next(trials), trials.steps)
+            trials.add(_next(trials), trials.steps)
         elif last.path.scene.load.steps == trials.steps:
             return last.path, estimate
         else:
-            trials.found.pop()
-            trials.add(last.level, last.stations, trials.steps)
+            trials.take(*trials.found[:-1])
+            trials.add(last.level, trials.steps, last.stations)
 
 
-def _next(trials: Trials) -> tuple[int, int]:
-    """The mesh that is predicted to do, or one on the way; raises `InputError` beyond the finest."""
-    last, errors, finest = trials.found[-1], trials.errors, trials.levels.finest
-    known = math.isfinite(errors.elements + errors.stations)
-    share = (trials.wanted - trials.lost) / (AHEAD * SAFE[4])
-    level, stations = errors.cheapest(share) if known else (0.0, 0.0)
-    at_end = last.level >= finest and (last.stations >= MOST or not (trials.irregular and known))
-    if at_end or max(level / finest, stations / MOST) > BEYOND:
-        turn = trials.levels.options(finest)["elements_per_turn"]
-        reached = SAFE[4] * errors.at(finest, MOST) + trials.lost
-        raise InputError(_refusal(trials.wanted, reached, f"with {turn} elements per turn"))
-    most = FAR if trials.irregular else math.inf
-    level, stations = (
-        min(max(wanted, STRIDE * mine), most * mine)
-        for wanted, mine in ((level, last.level), (stations, last.stations))
-    )
-    return min(trials.levels.at_least(level), finest), trials.others(min(stations, MOST))
+def _next(trials: Trials) -> int:
+    """The level that is predicted to do, or one on the way; raises `InputError` beyond the finest."""
+    last, levels, finest = trials.found[-1], trials.levels, trials.finest
+    if len(trials.found) == 1:
+        rough = trials.irregular and trials.wanted >= ROUGH
+        return levels.at_least((NEXT_ROUGH if rough else NEXT) * last.level)
+    safety = IRREGULAR[min(len(trials.found) + 1, 4)] if trials.irregular else STEADY
+    error, left = safety * trials.constant, trials.wanted - trials.lost
+    level = math.sqrt(AHEAD * error / left) if error < math.inf else 0.0
+    if last.level >= finest or level > BEYOND * finest:
+        turn = levels.options(finest)["elements_per_turn"]
+        raise InputError(
+            _refusal(trials.wanted, error / finest**2 + trials.lost, f"with {turn} elements per turn")
+        )
+    return min(levels.at_least(min(max(level, STRIDE * last.level), FAR * last.level)), finest)
 
 
 def _choose_substeps(trials: Trials) -> None:
     """Choose steps, those of the scene or finer, and estimate the error that their substeps leave.
 
-    It may take half of the accuracy wanted, and is estimated on the coarsest level by fewer steps. Raises
+    It may take half of the accuracy wanted, and is estimated on the last mesh, from fewer steps. Raises
     `InputError` if it takes more in the most steps too.
     """
-    (first, *_), rows, coarse, least = trials.found, trials.steps, None, math.inf
-    mesh = trials.levels.options(first.level, first.stations)
-    for steps in dict.fromkeys((few(rows), *(rows * 2**halving for halving in range(HALVINGS + 1)))):
-        path = first.path if steps == first.path.scene.load.steps else trials.solve(mesh, steps)
-        if coarse is not None:
-            trials.lost = MIXED * difference(coarse, path)
-            least = min(least, trials.lost)
-            if trials.lost <= 0.5 * trials.wanted:
-                if path is not first.path:
-                    trials.steps, trials.found, trials.errors = steps, [replace(first, path=path)], Errors()
-                return
+    *before, last = trials.found
+    mesh, coarse = trials.levels.options(last.level, last.stations), last.path
+    rows, least = trials.steps, math.inf
+    for steps in (rows * 2**halving for halving in range(HALVINGS + 1)):
+        if steps == coarse.scene.load.steps:
+            continue
+        path = trials.solve(mesh, steps)
+        trials.lost = MIXED * difference(coarse, path)
+        least = min(least, trials.lost)
+        if trials.lost <= 0.5 * trials.wanted:
+            trials.steps = steps
+            trials.take(*(before if steps == rows else ()), replace(last, path=path))
+            return
         coarse = path
     why = "with friction or sticking contact the answer depends on the substeps"
     raise InputError(_refusal(trials.wanted, 2.0 * least, why))

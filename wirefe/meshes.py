@@ -1,8 +1,8 @@
-"""What meshes leave of the error of a load path, as paths on two of them tell it.
+"""Meshes that are finer and finer, and how paths on them differ.
 
-A level n has n curved elements a turn (`STRAIGHT` n straight ones where end turns rest on plates). What
-elements leave falls with the square of the level, and what stations of wires leave with the square of their
-number; where coils touch, both do so irregularly.
+A level n has n curved elements a turn (`STRAIGHT` n straight ones where end turns rest on plates), and where
+wires touch `STATIONS` n stations. Errors fall with the square of the level, where wires touch irregularly;
+most of it comes from the stations, which cost less.
 """
 
 from __future__ import annotations
@@ -19,10 +19,8 @@ from coilspring.scene.profile import TWO_PI
 from wirefe.contact.points import PER_TURN
 
 FINEST, FINEST_STRAIGHT = 128, 32  # levels
-STRAIGHT, STATIONS = 10, 8  # elements of a plate-seated spring, and stations at first, of level 1
-MOST = 960  # stations; a few more have to be allowed
-FALL = 0.5  # of what paths before have told is what two tell, at least: they may agree by chance
-ELEMENT = 10.0  # stations take as long as one element
+STRAIGHT, STATIONS = 10, 12  # elements of a plate-seated spring, and stations, of level 1
+FEWEST, MOST = 16, 960  # stations: where nothing touches; a few more have to be allowed
 TINY = 1e-12  # of the time 0..1
 FRACTION = 1_000  # of a coil at most, at which a spring or a section of it ends
 
@@ -67,7 +65,7 @@ class Levels:
         return self.multiple * math.ceil(level / self.multiple - 1e-9)
 
     def options(self, level: int, stations: int | None = None) -> dict[str, Any]:
-        """Options of `wirefe.solve`; `STATIONS` a level unless given."""
+        """Options of `wirefe.solve`; stations that go with the level unless given."""
         plates = self.scene.supports.seat == "plate"
         return {
             "element": "straight" if plates else "curved",
@@ -83,45 +81,6 @@ class Trial:
     level: int
     stations: int
     path: EquilibriumPath
-
-
-@dataclass(frozen=True)
-class Errors:
-    """What elements leave, times the square of the level, and stations, times the square of their number."""
-
-    elements: float = 0.0
-    stations: float = 0.0
-
-    def at(self, level: int, stations: int) -> float:
-        """Error of a mesh."""
-        return self.elements / level**2 + self.stations / stations**2
-
-    def seen(self, a: Trial, b: Trial) -> Errors:
-        """The errors as a finer path tells them, too.
-
-        Where its elements and its stations are more, it scales both errors if they are known; else each is
-        half of the difference. Where paths have ended otherwise nothing is known.
-        """
-        apart = difference(a.path, b.path)
-        known = self if math.isfinite(apart + self.elements + self.stations) else Errors()
-        finer, denser = b.level > a.level, b.stations > a.stations
-        if finer and denser and known.elements and known.stations:
-            scale = max(FALL, apart / known.at(a.level, a.stations))
-            return Errors(scale * known.elements, scale * known.stations)
-        elements, stations = known.elements, known.stations
-        if finer and denser:
-            apart *= 0.5
-        if finer:
-            elements = max(FALL * elements, apart / (a.level**-2 - b.level**-2))
-        if denser:
-            stations = max(FALL * stations, apart / (a.stations**-2 - b.stations**-2))
-        return Errors(elements, stations)
-
-    def cheapest(self, wanted: float) -> tuple[float, float]:
-        """Level and stations that leave no more than the error wanted and take the least time."""
-        a, b = (each ** (1.0 / 3.0) for each in (self.elements, self.stations * ELEMENT**-2))
-        both = math.sqrt((a + b) / wanted)
-        return a * both, ELEMENT * b * both
 
 
 def difference(coarse: EquilibriumPath, fine: EquilibriumPath) -> float:
