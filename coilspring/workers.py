@@ -4,7 +4,6 @@ import signal
 from collections.abc import Iterator
 from concurrent.futures import Executor
 from contextlib import contextmanager
-from multiprocessing import resource_tracker
 from typing import Any
 
 from coilspring.solver.interrupt import signals_blocked, signals_noted
@@ -23,7 +22,6 @@ def processes(count: int) -> Iterator[Executor]:
         # while modules are imported an exception may be lost, and a pool that is half started cannot be ended
         with signals_noted():
             pool = _pool(count)
-            resource_tracker.ensure_running()  # up to Python 3.13 it unblocks interrupts as it starts
             with signals_blocked([signal.SIGINT]):
                 pool.submit(int)  # all workers start
         yield pool
@@ -35,10 +33,14 @@ def processes(count: int) -> Iterator[Executor]:
 
 
 def _pool(count: int) -> Any:  # untyped
+    from multiprocessing import resource_tracker
+
     from loky import ProcessPoolExecutor  # those of the standard library import the script again
 
     environment = dict.fromkeys(ONE_THREAD, "1")
-    return ProcessPoolExecutor(count, initializer=_ignore_interrupts, env=environment)
+    pool = ProcessPoolExecutor(count, initializer=_ignore_interrupts, env=environment)
+    resource_tracker.ensure_running()  # up to Python 3.13 it unblocks interrupts as it starts
+    return pool
 
 
 def _ignore_interrupts() -> None:

@@ -340,7 +340,7 @@ def test_a_scene_without_contact_has_no_stations():
 
 
 def test_one_station_a_turn_is_refused():
-    with pytest.raises(InputError, match=r"pairs_per_turn must be an integer in \[2, 1000\], got 1"):
+    with pytest.raises(InputError, match=r"pairs_per_turn must be an integer in \[2, 2000\], got 1"):
         wirefe.solve(load_scene("spring-a"), geometry="wires", pairs_per_turn=1)
 
 

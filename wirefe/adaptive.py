@@ -30,7 +30,7 @@ FIRST, MIXED = 2.0, 3.0  # and where substeps differ, too
 # Of the last path, without stations: as a path on a level below `COARSE` tells it; one above; two alike.
 EARLY, SMOOTH, STEADY = 5.0, 3.0, 2.0
 ALIKE = 1.5
-IRREGULAR = {2: 6.0, 3: 5.0, 4: 4.0}  # the same with stations, by the number of paths
+IRREGULAR = {2: 8.0, 3: 7.0, 4: 6.0}  # the same with stations, by the number of paths
 FALL = 0.5  # of what the path before told, each tells at least: two may agree by chance
 CLEAR = 0.05  # wire diameters between coils that do not touch on any level
 AHEAD = 1.1  # below the error wanted is that of the mesh that is predicted to do

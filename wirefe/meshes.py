@@ -20,7 +20,7 @@ from wirefe.contact.points import PER_TURN
 
 FINEST, FINEST_STRAIGHT = 128, 32  # levels
 STRAIGHT, STATIONS = 10, 12  # elements of a plate-seated spring, and stations, of level 1
-FEWEST, MOST = 16, 960  # stations: where nothing touches; a few more have to be allowed
+FEWEST, MOST = 16, 1536  # stations: where nothing touches; a few more have to be allowed
 TINY = 1e-12  # of the time 0..1
 FRACTION = 1_000  # of a coil at most, at which a spring or a section of it ends
 

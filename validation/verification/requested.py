@@ -33,7 +33,7 @@ CSV = "requested.csv"
 ACCURACIES = (1e-2, 1e-3, 1e-4)
 SEED, EACH = 20, 38  # springs of every kind
 COILS = 5.0  # at most: the reference takes seconds
-REFERENCE, FINER = (64, 768), (128, 998)  # elements and stations a turn
+REFERENCE, FINER = (64, 1538), (128, 1998)  # elements and stations a turn
 LADDER = (4, 6, 8, 12, 16, 24, 32, 48, 64, 96)  # levels among which the cheapest sufficient one is
 DENSITIES = (4, 8, 16)  # stations for each element there, up to `MOST`
 # What the coils of a kind's springs do in contact, one after the other: geometry, sliding, friction.

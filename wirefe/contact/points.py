@@ -81,7 +81,7 @@ def contact_points(
     """
     spheres = scene.contact.geometry == "spheres"
     # a station must be nearer to one coil than to the next
-    require_integer("pairs_per_turn", pairs_per_turn, 1 if spheres else 2, 1000)
+    require_integer("pairs_per_turn", pairs_per_turn, 1 if spheres else 2, 2000)
     if spheres and elements_per_turn % pairs_per_turn:
         raise InputError(
             f"elements_per_turn must be a multiple of pairs_per_turn = {pairs_per_turn}, "
