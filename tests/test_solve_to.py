@@ -2,6 +2,7 @@
 
 import json
 import math
+import re
 from dataclasses import replace
 from itertools import combinations
 
@@ -138,10 +139,26 @@ def test_what_friction_leaves_open_is_refused_with_what_can_be_reached(monkeypat
         wirefe.solve_to(touching(sliding="none"), 1e-3)
 
 
-def test_what_no_mesh_reaches_is_refused_with_what_can_be_reached(monkeypatch):
-    monkeypatch.setattr("wirefe.meshes.FINEST", 8)
-    with pytest.raises(InputError, match=r"accuracy must be at least .* got 1e-05: with 8 elements per turn"):
-        wirefe.solve_to(touching(), 1e-5)
+@pytest.mark.parametrize(("finest", "words"), [(12, ["at least"]), (16, ["at least about", "at least"])])
+def test_what_no_mesh_reaches_is_refused_with_what_can_be_reached(finest, words, monkeypatch):
+    """Beyond the finest mesh with what was found there, before it with what is predicted."""
+    monkeypatch.setattr("wirefe.meshes.FINEST", finest)
+    asked = 1e-5
+    for said in words:
+        with pytest.raises(InputError, match=rf"{said} \d.* got {asked:g}: with {finest} elem") as refused:
+            wirefe.solve_to(touching(), asked)
+        asked = float(re.search(r"(\S+) for this scene", str(refused.value)).group(1))
+    assert wirefe.solve_to(touching(), asked).estimated_error <= asked
+
+
+def test_one_comparison_is_no_answer_where_wires_rub():
+    lines = []
+    scene = touching(sliding="coulomb", friction=0.1)
+    wirefe.solve_to(scene, 1e-2, progress=lines.append)
+    assert [line[:28] for line in lines] == ["4 elements per turn, 10 step", "6 elements per turn, 5 steps"]
+    lines.clear()
+    wirefe.solve_to(scene, 4e-3, progress=lines.append)
+    assert len(lines) > 2
 
 
 @pytest.mark.parametrize(("low", "high", "ratio"), [(8, 12, 2.4), (4, 8, 5 / 3), (4, 16, 1 / 3)])
@@ -153,9 +170,10 @@ def test_the_error_falls_with_the_square_of_the_level(low, high, ratio):
 
 def test_a_mesh_is_as_fine_as_its_elements_or_its_stations():
     trials = trials_of(touching(), (4, 16), (8, 34), (8, 98))
-    assert [trials.resolution(trial) for trial in trials.found] == pytest.approx([16 / 12, 34 / 12, 8.0])
+    fine = [2.0, 4.0, 8.0]  # stations alone would make them 1.3 and 2.8: half of their level at least
+    assert [trials.resolution(trial) for trial in trials.found] == fine
     a, b, c = (trial.path for trial in trials.found)
-    shares = [1.0 / ((8.0 / (count / 12)) ** 2 - 1.0) for count in (16, 34)]
+    shares = [1.0 / ((8.0 / each) ** 2 - 1.0) for each in fine[:2]]
     told = max(0.5 * shares[0] * difference(a, c), shares[1] * difference(b, c))
     assert trials.estimate == pytest.approx(7.0 * told)
     spheres = trials_of(touching(geometry="spheres"), (4, 16), (8, 16))
@@ -208,7 +226,7 @@ def test_what_no_level_before_has_seen_touch_is_no_estimate():
 def test_meshes_that_end_otherwise_are_no_answer(monkeypatch):
     monkeypatch.setattr("wirefe.meshes.FINEST", 8)
     monkeypatch.setattr(adaptive, "difference", lambda coarse, fine: np.inf)
-    with pytest.raises(InputError, match="with 8 elements per turn the path ends otherwise"):
+    with pytest.raises(InputError, match="with 8 elements per turn too few meshes tell"):
         wirefe.solve_to(touching(), 1e-2)
 
 
@@ -236,6 +254,49 @@ def test_meshes_end_where_the_spring_does():
     scene = replace(SHORT, spring=replace(SHORT.spring, active_coils=4.3))
     assert Levels.of(scene, None).at_least(4) == 20  # a tenth of a coil, and 4 spheres a turn
     assert Levels.of(replace(scene, contact=Contact()), None).at_least(4) == 10
+    plates = replace(scene, contact=Contact(), supports=replace(scene.supports, seat="plate"))
+    assert Levels.of(plates, None).at_least(4) == 4  # of 10 elements each
+
+
+def test_stations_grow_where_elements_need_not():
+    """A spring of 4.005 coils takes 200 elements a turn at least."""
+    scene = touching()
+    scene = replace(scene, spring=replace(SHORT.spring, active_coils=4.005))
+    levels = Levels.of(scene, None)
+    meshes = [levels.options(level) for level in (4, 8, 12)]
+    assert [mesh["elements_per_turn"] for mesh in meshes] == [200, 200, 200]
+    assert [mesh["pairs_per_turn"] for mesh in meshes] == [48, 96, 144]
+    assert levels.finest == 4 * 200  # without stations a few meshes have to differ
+    path = wirefe.solve_to(scene, 1e-3)
+    assert path.options["pairs_per_turn"] < 200
+
+
+def test_elements_too_many_for_a_mesh_are_refused():
+    scene = touching(geometry="spheres")
+    with pytest.raises(
+        InputError, match=r"active_coils must fit a mesh of 2000 elements .* which takes 3000"
+    ):
+        wirefe.solve_to(
+            replace(scene, spring=replace(SHORT.spring, active_coils=4.001)), 1e-3, pairs_per_turn=3
+        )
+
+
+def test_coils_that_touch_where_a_path_of_one_step_ends_count():
+    scene = replace(spring_a(), contact=Contact(), load=Load((0.0, -60.0), 1))
+    with pytest.raises(EquilibriumNotFound) as ended:
+        wirefe.solve_to(scene, 1e-2)
+    path = ended.value.path
+    assert len(path.times) == 0
+    assert path.options["pairs_per_turn"] > 16
+
+
+def test_coils_that_touch_on_a_finer_mesh_alone_begin_again(monkeypatch):
+    monkeypatch.setattr(Trials, "touching", property(lambda trials: trials.found[-1:] == [] or trials.seen()))
+    monkeypatch.setattr(Trials, "seen", lambda trials: trials.found[-1].level >= 12, raising=False)
+    trials = Trials(Levels.of(touching(), None), 1e-3, 10)
+    for level in (4, 8, 12, 16):
+        trials.add(level, 1)
+    assert [(trial.level, trial.stations) for trial in trials.found] == [(12, 144), (16, 194)]
 
 
 def test_coarse_paths_have_few_rows_of_the_fine_ones():
@@ -245,9 +306,9 @@ def test_coarse_paths_have_few_rows_of_the_fine_ones():
 def test_stations_of_two_levels_stand_elsewhere():
     trials = Trials(Levels.of(touching(), None), 1e-3, 10)
     for level in (4, 6, 8, 12):
-        trials.add(level, 1, trials.others(4 * level))
+        trials.add(level, 1)
     stations = [trial.path.options["pairs_per_turn"] for trial in trials.found]
-    assert stations[0] == 16
+    assert stations == [48, 74, 98, 146]
     assert {math.gcd(*pair) for pair in combinations(stations, 2)} == {2}
 
 

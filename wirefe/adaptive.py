@@ -31,11 +31,11 @@ FIRST, MIXED = 2.0, 3.0  # and where substeps differ, too
 EARLY, SMOOTH, STEADY = 5.0, 3.0, 2.0
 ALIKE = 1.5
 IRREGULAR = {2: 8.0, 3: 7.0, 4: 6.0}  # the same with stations, by the number of paths
+SHARE = 0.5  # of its level is a mesh as fine as, however few its stations
 FALL = 0.5  # of what the path before told, each tells at least: two may agree by chance
 CLEAR = 0.05  # wire diameters between coils that do not touch on any level
 AHEAD = 1.1  # below the error wanted is that of the mesh that is predicted to do
-NEXT = 2.0  # times the first level is the second,
-NEXT_ROUGH = 1.5  # with stations, which are many more then
+NEXT, NEXT_ROUGH = 2.0, 1.5  # times the first level is the second; where it has many more stations anyway
 STRIDE, FAR = 1.5, 3.5  # times the last mesh, at least and at most: how errors fall is not known beyond
 BEYOND = 1.5  # times the finest mesh: what is predicted to take more is refused
 HALVINGS = 3  # of the substeps, at most, where friction makes the answer depend on them
@@ -72,7 +72,10 @@ class Trials:
         scene = self.levels.scene
         if not scene.contact.enabled or not self.found:
             return scene.contact.enabled
-        return float(self.found[-1].path.gaps.min(initial=np.inf)) < CLEAR * scene.spring.wire_diameter
+        path = self.found[-1].path
+        ended = () if path.last_state is None else path.shape.pair_gaps(path.last_state[None])
+        least = min(path.gaps.min(initial=np.inf), np.min(ended, initial=np.inf))
+        return float(least) < CLEAR * scene.spring.wire_diameter
 
     @property
     def irregular(self) -> bool:
@@ -86,9 +89,8 @@ class Trials:
 
     @property
     def finest(self) -> int:
-        """The last level; beyond it there are no more stations, or elements."""
-        levels = self.levels
-        return min(levels.finest, levels.at_least(MOST / STATIONS)) if self.irregular else levels.finest
+        """The last level."""
+        return self.levels.last if self.irregular else self.levels.finest
 
     def solve(self, mesh: dict[str, Any], steps: int) -> EquilibriumPath:
         """The path on a mesh in some steps, as far as it was reached."""
@@ -105,12 +107,18 @@ class Trials:
 
     def add(self, level: int, steps: int, stations: int | None = None) -> None:
         """Solve on a level, with the stations that go with it unless given."""
-        if stations is None:
-            stations = self.others(STATIONS * level) if self.irregular else FEWEST
+        regular = not self.irregular
+        if regular:
+            level, stations = self.levels.at_least(level), FEWEST
+        elif stations is None:
+            stations = self.others(STATIONS * level)
         path = self.solve(mesh := self.levels.options(level, stations), steps)
         if path.outcome != "completed" and steps < self.steps:
             path = self.solve(mesh, self.steps)  # near its end differences are not smooth
         self.take(*self.found, Trial(level, stations, path))
+        if regular and self.irregular:  # only now coils touch
+            self.found, self.told = [], []
+            self.add(level, self.steps)
 
     def take(self, *found: Trial) -> None:
         """Take these paths, and compare the last one with those before."""
@@ -118,19 +126,24 @@ class Trials:
         fine, self.told = self.resolution(last) ** -2, []
         for each in before:
             more = self.resolution(each) ** -2 - fine
-            self.told.append(difference(each.path, last.path) / more if more > 0.0 else math.inf)
+            if more <= 0.0 or (self.irregular and each.stations >= last.stations):
+                self.told.append(math.inf)
+            else:
+                self.told.append(difference(each.path, last.path) / more)
 
     def others(self, stations: int) -> int:
         """Stations, at least so many, elsewhere than those of the paths so far, but for two.
 
         Stations that two paths share make the same error in both, which their difference does not tell.
         """
-        numbers = count(min(stations + stations % 2, MOST), 2)
+        numbers = count(min(stations, MOST), 2)
         return next(n for n in numbers if all(math.gcd(n, each.stations) == 2 for each in self.found))
 
     def resolution(self, trial: Trial) -> float:
-        """Level of a mesh; that of its stations, where they matter and are fewer."""
-        return min(trial.level, trial.stations / STATIONS) if self.irregular else trial.level
+        """Level of the elements, or where stations matter theirs, which do not make all of a difference."""
+        if not self.irregular:
+            return self.levels.at_least(trial.level)
+        return min(trial.level, max(trial.stations / STATIONS, SHARE * trial.level))
 
     @property
     def constant(self) -> float:
@@ -161,6 +174,12 @@ class Trials:
         if (constant := self.constant) == math.inf:
             return math.inf
         return self.safety * constant / self.resolution(self.found[-1]) ** 2 + self.lost
+
+    @property
+    def reached(self) -> float:
+        """Error on the finest mesh. Where wires touch errors may fall with the level alone."""
+        finer = max(self.finest / self.resolution(self.found[-1]), 1.0)
+        return (self.estimate - self.lost) / finer ** (1.0 if self.irregular else 2.0) + self.lost
 
 
 def solve_to(
@@ -198,14 +217,14 @@ def solve_to(
     Raises
     ------
     InputError : bad input, or an accuracy that cannot be reached, in one sentence that says which can.
-    EquilibriumNotFound : the path ends before time 1, on two levels alike; carries what was reached, and the
-        estimate includes the time at which it ends.
+    EquilibriumNotFound : the path ends before time 1, on two meshes alike, or on three or four at a critical
+        point; carries what was reached, and the estimate includes the time at which it ends.
     """
     scene = require_scene(scene).overridden(steps, penalty, geometry)
     wanted = require_number("accuracy", accuracy, *ACCURACIES)
     levels, rows = Levels.of(scene, pairs_per_turn), scene.load.steps
     trials = Trials(levels, wanted, rows, progress=progress)
-    first = levels.at_least(COARSEST if wanted >= FINE else COARSE)
+    first = COARSEST if wanted >= FINE else COARSE
     if wanted >= ROUGH:
         trials.add(first, rows, FEWEST)
     else:
@@ -227,17 +246,22 @@ def solve_to(
 
 
 def _first(trials: Trials) -> tuple[EquilibriumPath, float]:
-    """The first path and its error, by one on a finer mesh in fewer steps."""
+    """The first path and its error, by one on a finer mesh in fewer steps; infinite where more are needed."""
     (first,), factor = trials.found, MIXED if trials.substeps else FIRST
     trials.add(_next(trials), few(trials.steps))
+    fine = trials.irregular and trials.wanted < ROUGH
+    if fine or len(trials.found) == 1 or first.path.critical_time is not None:
+        return first.path, math.inf
     return first.path, factor * difference(first.path, trials.found[1].path)
 
 
 def _refined(trials: Trials) -> tuple[EquilibriumPath, float]:
     """A path on a mesh as fine as it takes, and its error; raises `InputError` beyond the finest."""
-    if trials.substeps:
-        _choose_substeps(trials)
+    chosen = False
     while True:
+        if trials.substeps and not chosen:
+            _choose_substeps(trials)
+            chosen = True
         last, estimate = trials.found[-1], trials.estimate
         if estimate > trials.wanted:
             trials.add(_next(trials), trials.steps)
@@ -250,19 +274,22 @@ def _refined(trials: Trials) -> tuple[EquilibriumPath, float]:
 
 def _next(trials: Trials) -> int:
     """The level that is predicted to do, or one on the way; raises `InputError` beyond the finest."""
-    last, levels, finest = trials.found[-1], trials.levels, trials.finest
+    level, finest = trials.found[-1].level, trials.finest
+    if not trials.irregular:
+        level = trials.levels.at_least(level)
     if len(trials.found) == 1:
         rough = trials.irregular and trials.wanted >= ROUGH
-        return levels.at_least((NEXT_ROUGH if rough else NEXT) * last.level)
-    safety = IRREGULAR[min(len(trials.found) + 1, 4)] if trials.irregular else STEADY
-    error, left = safety * trials.constant, trials.wanted - trials.lost
-    level = math.sqrt(AHEAD * error / left) if error < math.inf else 0.0
-    if last.level >= finest or level > BEYOND * finest:
-        turn = levels.options(finest)["elements_per_turn"]
-        raise InputError(
-            _refusal(trials.wanted, error / finest**2 + trials.lost, f"with {turn} elements per turn")
-        )
-    return min(levels.at_least(min(max(level, STRIDE * last.level), FAR * last.level)), finest)
+        wanted = (NEXT_ROUGH if rough else NEXT) * level
+    else:
+        safety = IRREGULAR[min(len(trials.found) + 1, 4)] if trials.irregular else STEADY
+        error, left = safety * trials.constant, trials.wanted - trials.lost
+        wanted = math.sqrt(AHEAD * error / left) if error < math.inf else 0.0
+    if level >= finest or wanted > BEYOND * finest:
+        turn = trials.levels.options(finest)["elements_per_turn"]
+        about = "" if level >= finest else "about "  # not solved
+        why = f"with {turn} elements per turn"
+        raise InputError(_refusal(trials.wanted, trials.reached, why, about))
+    return min(math.ceil(min(max(wanted, STRIDE * level), FAR * level)), finest)
 
 
 def _choose_substeps(trials: Trials) -> None:
@@ -289,15 +316,15 @@ def _choose_substeps(trials: Trials) -> None:
     raise InputError(_refusal(trials.wanted, 2.0 * least, why))
 
 
-def _refusal(asked: float, reached: float, why: str) -> str:
-    """What cannot be reached, and what can."""
+def _refusal(asked: float, reached: float, why: str, about: str = "") -> str:
+    """What cannot be reached, and what can, or what is predicted to."""
     rounded = float(f"{1.05 * reached:.1e}") if math.isfinite(reached) else math.inf
     if rounded <= ACCURACIES[1]:
-        return f"accuracy must be at least {rounded:g} for this scene, got {asked:g}: {why}"
+        return f"accuracy must be at least {about}{rounded:g} for this scene, got {asked:g}: {why}"
     found = (
         f"the estimated error is {reached:.1g}"
         if reached < math.inf
-        else "the path ends otherwise on two meshes"
+        else "too few meshes tell the error, or agree on how the path ends"
     )
     return f"accuracy cannot be met for this scene, got {asked:g}: {why} {found}"
 

@@ -1,8 +1,8 @@
 """Meshes that are finer and finer, and how paths on them differ.
 
-A level n has n curved elements a turn (`STRAIGHT` n straight ones where end turns rest on plates), and where
-wires touch `STATIONS` n stations. Errors fall with the square of the level, where wires touch irregularly;
-most of it comes from the stations, which cost less.
+A level n has at least n curved elements a turn (`STRAIGHT` n straight ones where end turns rest on plates),
+and where wires touch `STATIONS` n stations. Errors fall with the square of the level; where wires touch they
+do so irregularly, and stations, which cost less than elements, make most of them.
 """
 
 from __future__ import annotations
@@ -23,6 +23,8 @@ STRAIGHT, STATIONS = 10, 12  # elements of a plate-seated spring, and stations, 
 FEWEST, MOST = 16, 1536  # stations: where nothing touches; a few more have to be allowed
 TINY = 1e-12  # of the time 0..1
 FRACTION = 1_000  # of a coil at most, at which a spring or a section of it ends
+MOST_ELEMENTS = 2000  # of a turn
+FEW = 4  # meshes that differ by elements alone, at least
 
 
 @dataclass(frozen=True)
@@ -32,7 +34,7 @@ class Levels:
     Attributes
     ----------
     scene : what is solved.
-    multiple : a level is a multiple of it.
+    multiple : the elements of a turn are a multiple of it, `STRAIGHT` times it on plates.
     spheres : a turn, or None with stations.
     """
 
@@ -53,30 +55,44 @@ class Levels:
             )
         ends = [*(scene.spring.profile.knots / TWO_PI), scene.spring.end_turns]
         fits = (q for q in range(1, FRACTION + 1) if all(abs(q * x - round(q * x)) < 1e-6 for x in ends))
-        return cls(scene, math.lcm(next(fits, 1), spheres or 1), spheres)
+        multiple = math.lcm(next(fits, 1), spheres or 1)
+        if multiple > MOST_ELEMENTS:
+            raise InputError(
+                f"spring.active_coils must fit a mesh of {MOST_ELEMENTS} elements per turn for accuracy, "
+                f"as must all sections, got {scene.spring.active_coils!r}, which takes {multiple}"
+            )
+        straight = STRAIGHT if scene.supports.seat == "plate" else 1
+        return cls(scene, multiple // math.gcd(multiple, straight), spheres)
+
+    @property
+    def last(self) -> int:
+        """The last level with stations."""
+        return FINEST_STRAIGHT if self.scene.supports.seat == "plate" else FINEST
 
     @property
     def finest(self) -> int:
-        """The last level."""
-        return self.at_least(FINEST_STRAIGHT if self.scene.supports.seat == "plate" else FINEST)
+        """The last level without: a few differ in their elements, at least."""
+        straight = STRAIGHT if self.scene.supports.seat == "plate" else 1
+        few = min(FEW, MOST_ELEMENTS // (straight * self.multiple)) * self.multiple
+        return max(self.at_least(self.last), few)
 
     def at_least(self, level: float) -> int:
-        """The next level from here."""
+        """The next level from here that is the number of its elements, or a `STRAIGHT`th of it."""
         return self.multiple * math.ceil(level / self.multiple - 1e-9)
 
     def options(self, level: int, stations: int | None = None) -> dict[str, Any]:
         """Options of `wirefe.solve`; stations that go with the level unless given."""
-        plates = self.scene.supports.seat == "plate"
+        plates, elements = self.scene.supports.seat == "plate", self.at_least(level)
         return {
             "element": "straight" if plates else "curved",
-            "elements_per_turn": STRAIGHT * level if plates else level,
+            "elements_per_turn": STRAIGHT * elements if plates else elements,
             "pairs_per_turn": self.spheres or stations or min(STATIONS * level, MOST),
         }
 
 
 @dataclass(frozen=True)
 class Trial:
-    """A path on a level with stations; `FEWEST` where these make no error: of spheres, or nothing touches."""
+    """A path on a level with stations; `FEWEST` of them where they make no error, or little is asked."""
 
     level: int
     stations: int

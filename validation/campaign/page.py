@@ -149,8 +149,9 @@ def outcome_figure(data: pd.DataFrame) -> Figure:
         bar = figure.colorbar(mesh, ax=plots, shrink=0.7, aspect=30, extend="max")
         bar.set_label("share of scenes that end at\na confirmed critical point (%)")
         bar.outline.set_linewidth(0.5)
-        handles, labels = plots[0, 0].get_legend_handles_labels()
-        figure.legend(handles, labels, loc="outside lower center", ncols=2)
+        crosses, grey = plots[0, 0].get_legend_handles_labels()[0]
+        any_left = (data["class"] == UNEXPLAINED).any()
+        figure.legend(handles=[crosses, grey] if any_left else [grey], loc="outside lower center", ncols=2)
     return figure
 
 
