@@ -151,6 +151,12 @@ def test_what_no_mesh_reaches_is_refused_with_what_can_be_reached(finest, words,
     assert wirefe.solve_to(touching(), asked).estimated_error <= asked
 
 
+@pytest.mark.parametrize(("geometry", "order"), [("wires", 1), ("spheres", 2)])
+def test_what_the_finest_mesh_is_predicted_to_reach(geometry, order):
+    trials = trials_of(touching(geometry=geometry), (8, 98), (16, 194))
+    assert trials.reached == pytest.approx(trials.estimate / 8.0**order)
+
+
 def test_one_comparison_is_no_answer_where_wires_rub():
     lines = []
     scene = touching(sliding="coulomb", friction=0.1)
