@@ -32,7 +32,7 @@ from wirefe.contact.stations import SLOPES, WIDTH
 from wirefe.contact.wireforces import add_wires
 from wirefe.element.beam import beams
 from wirefe.element.poses import ROW
-from wirefe.model import rod_model
+from wirefe.model import build_model, rod_model
 from wirefe.rod import straight_rod
 from wirefe.solve import scene_problem
 
@@ -354,3 +354,12 @@ def test_arms_about_the_top_are_not_those_about_other_nodes():
     assert arms[:-1].max() < contact.span <= 2.0 * arms[:-1].max() < contact.reach
     path = reached(case, steps=1)
     assert path.critical_time > 0.84  # 0.69 was told
+
+
+def test_held_dofs_are_taken_out_of_each_block_once():
+    """However many stations share it."""
+    scene = replace(spring_b(), contact=WIRES)
+    few, many = (build_model(scene, 4, count, "curved")[0] for count in (8, 64))
+    assert len(many.contact.block) > 8 * len(few.contact.block)
+    for field in ("dof", "block", "place", "row"):
+        np.testing.assert_array_equal(getattr(many.held, field), getattr(few.held, field))
