@@ -33,7 +33,6 @@ ALIKE = 1.5
 IRREGULAR = {2: 8.0, 3: 7.0, 4: 6.0}  # the same with stations, by the number of paths
 SHARE = 0.5  # of its level is a mesh as fine as, however few its stations
 FALL = 0.5  # of what the path before told, each tells at least: two may agree by chance
-CLEAR = 0.05  # wire diameters between coils that do not touch on any level
 AHEAD = 1.1  # below the error wanted is that of the mesh that is predicted to do
 NEXT, NEXT_ROUGH = 2.0, 1.5  # times the first level is the second; where it has many more stations anyway
 STRIDE, FAR = 1.5, 3.5  # times the last mesh, at least and at most: how errors fall is not known beyond
@@ -69,13 +68,7 @@ class Trials:
     @property
     def touching(self) -> bool:
         """Whether coils touch, or come near it, on the last mesh so far; if none, whether they may."""
-        scene = self.levels.scene
-        if not scene.contact.enabled or not self.found:
-            return scene.contact.enabled
-        path = self.found[-1].path
-        ended = () if path.last_state is None else path.shape.pair_gaps(path.last_state[None])
-        least = min(path.gaps.min(initial=np.inf), np.min(ended, initial=np.inf))
-        return float(least) < CLEAR * scene.spring.wire_diameter
+        return self.found[-1].touching if self.found else self.levels.scene.contact.enabled
 
     @property
     def irregular(self) -> bool:

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 from coilspring.curves import answered, compare_curves
@@ -21,6 +22,7 @@ from wirefe.contact.points import PER_TURN
 FINEST, FINEST_STRAIGHT = 128, 32  # levels
 STRAIGHT, STATIONS = 10, 12  # elements of a plate-seated spring, and stations, of level 1
 FEWEST, MOST = 16, 1536  # stations: where nothing touches; a few more have to be allowed
+CLEAR = 0.05  # wire diameters between coils that do not touch on any mesh
 TINY = 1e-12  # of the time 0..1
 FRACTION = 1_000  # of a coil at most, at which a spring or a section of it ends
 MOST_ELEMENTS = 2000  # of a turn
@@ -97,6 +99,14 @@ class Trial:
     level: int
     stations: int
     path: EquilibriumPath
+
+    @cached_property
+    def touching(self) -> bool:
+        """Whether coils touch, or come so near it that they may on a finer mesh."""
+        path, near = self.path, CLEAR * self.path.scene.spring.wire_diameter
+        last = path.states[-1:] if path.last_state is None else path.last_state[None]
+        # where a path ends coils are mostly nearest
+        return bool((path.shape.pair_gaps(last) < near).any() or (path.gaps < near).any())
 
 
 def difference(coarse: EquilibriumPath, fine: EquilibriumPath) -> float:
