@@ -5,6 +5,7 @@ import subprocess
 import sys
 from dataclasses import replace
 
+import numpy as np
 import pytest
 
 import equivbeam
@@ -69,6 +70,32 @@ def test_the_largest_stress_is_that_of_the_whole_path():
     said = f"stress {path.max_stress[most]:.4g} MPa at most, at time {path.times[most]:g}"
     assert any(said in line for line in digest(path))
     assert outcome_of(path.scene, lambda scene: path).max_stress == path.max_stress[most]
+
+
+def test_the_largest_deflection_is_said_where_the_load_is_taken_back():
+    scene = load_scene("examples/stages.toml")
+    path = wirefe.solve(scene, element="curved", elements_per_turn=4, steps=5)
+    far = int(np.abs(path.tips[:, 1]).argmax())
+    said = f"  largest uy {path.tips[far, 1]:.6g} mm, at time {path.times[far]:g}"
+    assert far < len(path.times) - 1
+    assert said in digest(path)
+    assert not any("largest uy" in line for line in digest(equivbeam.solve(spring_b(), steps=2)))
+
+
+def test_kernels_are_told_where_they_took_time():
+    path = equivbeam.solve(spring_b(), steps=2)
+    assert "kernels" not in digest(replace(path, compile_seconds=1e-6))[-1]
+    assert digest(replace(path, compile_seconds=2.0))[-1].endswith(" (and 2 s to make the kernels ready)")
+
+
+def test_advice_at_a_limit_point_is_of_the_load():
+    path = partial_path(wirefe.solve, replace(spring_b(), load=Load((0.0, -400.0), 10)))
+    prescribed = replace(
+        path, outcome="limit_point", scene=replace(path.scene, load=Load(displacement=(-9.0,)))
+    )
+    said = "\n".join(notes(prescribed))
+    assert "where the prescribed displacement is largest" in said
+    assert "prescribe load.displacement" not in said
 
 
 ADVICE = {"spheres": "--geometry wires", "wires": "--pairs-per-turn"}

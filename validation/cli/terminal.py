@@ -4,11 +4,17 @@ import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
+import numpy as np
+
 from coilspring import EquilibriumPath
 from validation.study.metrics import Comparison
 from validation.study.output import writing
 
-LIMIT_POINT = "a limit point is where the load is largest: to go on, prescribe load.displacement"
+LIMIT_POINTS = {  # by whether UY is prescribed
+    False: "a limit point is where the load is largest: to go on, prescribe load.displacement",
+    True: "a limit point is where the prescribed displacement is largest: beyond it the spring snaps",
+}
+TOLD = 0.01  # seconds, from which on it is said that kernels were made ready
 SLIPPING = {  # without friction, by what stands for coils that touch
     "equivbeam": "circles may slide off one another where coils do not: see --model wirefe --geometry wires",
     "spheres": "spheres may slide off one another where wires do not: see --geometry wires",
@@ -47,6 +53,9 @@ def digest(path: EquilibriumPath) -> list[str]:
         force = f", axial force {path.loads[-1, 1]:.6g} N" if path.scene.load.displacement else ""
         tip = f"ux {ux:.6g} mm, uy {uy:.6g} mm, rotz {rotz:.6g} rad"
         lines.append(f"  tip at time {path.times[-1]:g}: {tip}{force}")
+        far = int(np.abs(path.tips[:, 1]).argmax())
+        if far < len(path.times) - 1:
+            lines.append(f"  largest uy {path.tips[far, 1]:.6g} mm, at time {path.times[far]:g}")
         if path.max_stress is not None:
             most = int(path.max_stress.argmax())
             stress = f"{path.max_stress[most]:.4g} MPa at most, at time {path.times[most]:g}"
@@ -62,8 +71,9 @@ def digest(path: EquilibriumPath) -> list[str]:
         lines.append(f"  {chosen}; estimated error {path.estimated_error:.2g}")
         lines.append(f"  {path.other_seconds:.2g} s CPU more for the choice and the estimate")
     count = f"{path.total_iterations} iteration{'' if path.total_iterations == 1 else 's'}"
-    ready = f"{path.compile_seconds:.2g} s to make the kernels ready"
-    return [*lines, f"  {count}, {path.solve_seconds:.2g} s CPU (and {ready})"]
+    ready = f" (and {path.compile_seconds:.2g} s to make the kernels ready)"
+    told = ready if path.compile_seconds >= TOLD else ""
+    return [*lines, f"  {count}, {path.solve_seconds:.2g} s CPU{told}"]
 
 
 def notes(path: EquilibriumPath) -> list[str]:
@@ -75,7 +85,7 @@ def notes(path: EquilibriumPath) -> list[str]:
             "--sliding scene has it"
         )
     if path.outcome == "limit_point":
-        said.append(LIMIT_POINT)
+        said.append(LIMIT_POINTS[bool(path.scene.load.displacement)])
         if contact.sliding == "free" and path.active_contacts[-1:].any() and path.accuracy is None:
             said.append(SLIPPING[contact.geometry if path.model == "wirefe" else path.model])
     if path.model == "wirefe" and path.scene.factors.given:
