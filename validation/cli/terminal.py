@@ -54,7 +54,7 @@ def digest(path: EquilibriumPath) -> list[str]:
         tip = f"ux {ux:.6g} mm, uy {uy:.6g} mm, rotz {rotz:.6g} rad"
         lines.append(f"  tip at time {path.times[-1]:g}: {tip}{force}")
         far = int(np.abs(path.tips[:, 1]).argmax())
-        if far < len(path.times) - 1:
+        if path.scene.load.rows > path.scene.load.steps and far < len(path.times) - 1:  # several stages
             lines.append(f"  largest uy {path.tips[far, 1]:.6g} mm, at time {path.times[far]:g}")
         if path.max_stress is not None:
             most = int(path.max_stress.argmax())

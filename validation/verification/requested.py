@@ -100,10 +100,10 @@ def _timed(solve: Any, scene: Scene, **options: Any) -> tuple[EquilibriumPath | 
     return path, least
 
 
-def _reference(scene: Scene, levels: Levels, level: int, stations: int, finer: int) -> EquilibriumPath:
+def _reference(scene: Scene, levels: Levels, level: int, stations: int, times: int) -> EquilibriumPath:
     """A path that errors are measured from, with so many times the steps where there is friction."""
-    options = levels.options(levels.at_least(level), stations)
-    steps = scene.load.steps * (finer if scene.contact.coefficient else 1)
+    options = levels.options(level, stations)
+    steps = scene.load.steps * (times if scene.contact.coefficient else 1)
     return partial_path(wirefe.solve, scene, steps=steps, **options)
 
 
