@@ -33,7 +33,14 @@ from validation.campaign.table import COLUMNS, read_rows, row_text
 from validation.campaign.verdict import CLASSES, THROUGH, UNEXPLAINED, Verdict, reached, under
 from validation.campaign.wire import WireForces
 from validation.campaign.wirejump import released, verify_jump
-from validation.campaign.wireverifier import BALANCE, fold, vanishing, verify_balance, verify_row
+from validation.campaign.wireverifier import (
+    BALANCE,
+    fold,
+    vanishing,
+    verify_balance,
+    verify_row,
+    verify_wire_critical,
+)
 from validation.cli import main
 
 SEED = 1
@@ -591,6 +598,16 @@ def test_no_answer_is_asked_to_be_finer_than_its_positions():
     assert force_grain(equivbeam.solve(load_scene("spring-a-no-contact"), steps=1)) == 0.0
     hard = equivbeam.solve(spring_b(), penalty=1e9, steps=10)
     assert force_grain(hard) == pytest.approx(32 * 2.0**-52 * 28.6 * 2e9 / 200.0)
+
+
+@pytest.mark.parametrize("share", [1.0, 0.98])
+def test_a_bifurcation_is_confirmed_where_arc_length_goes_on_along_the_branch_off_it(share):
+    """That is stable; the least stiffness of the path tends to zero, there and nowhere else."""
+    case, verdict = make_case("w00346", 1162), Verdict()
+    path = reached(case)
+    claimed = replace(path, critical_time=share * path.critical_time)
+    verify_wire_critical(verdict, WireForces(case.scene, **case.options), case, claimed)
+    assert bool(verdict.complaints) == (share < 1.0)
 
 
 def test_a_prescribed_place_is_known_to_the_rounding_of_positions():

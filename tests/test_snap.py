@@ -160,6 +160,14 @@ def test_a_bifurcation_is_told_by_the_line_along_which_the_stiffness_falls(case,
     assert ends[0].critical_time == pytest.approx(ends[1].critical_time, rel=1e-9)
 
 
+def test_a_bifurcation_is_told_alike_however_rounding_leans():
+    """The load does some work on its mode by rounding, which grows near it: more in 5 steps than in others,
+    which were told a limit point."""
+    ends = [reached(make_case("w00346", 1162), steps=steps) for steps in (1, 5, 100)]
+    assert [path.outcome for path in ends] == ["bifurcation"] * 3
+    assert np.ptp([path.critical_time for path in ends]) <= 1e-9
+
+
 @pytest.mark.parametrize(
     ("stiffness", "straight"),
     [

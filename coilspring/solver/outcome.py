@@ -79,7 +79,7 @@ def verdict(track: Track, work: float) -> tuple[str, str, float | None]:
         return "jump", f"{JUMPS} {where}", track.time
     if track.outcome == CRITICAL:
         critical = track.time + 0.5 * track.bracket
-        if work > NO_WORK:
+        if work > NO_WORK and not track.bifurcates:
             return "limit_point", f"limit point {where}: beyond it this branch has no equilibrium", critical
         return "bifurcation", f"bifurcation {where}: the branch loses its stability", critical
     return "not_converged", f"{WHY.get(track.outcome, WHY[STUCK])} {where}", None

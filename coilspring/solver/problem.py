@@ -66,6 +66,7 @@ class Track:
     history: np.ndarray  # contact history with which a step from there was tried
     decrements: np.ndarray  # last Newton decrements over the reference work
     far: bool  # beyond its end a snap found an equilibrium, but too far away
+    bifurcates: bool  # towards its end the stiffness falls to zero in proportion, by a mode of no work
     snaps: int  # limit points passed, see `coilspring.solver.continuation.snap`,
     largest_snap: float  # and bound on the largest motion at one of them, wire diameters
     undecided: float  # time from which on pairs that creep could hold other forces, or infinite

@@ -91,6 +91,7 @@ class Walk:
             history=work.history,
             decrements=work.decrements,
             far=bool(path["far"]),
+            bifurcates=bool(path["bifurcates"]),
             snaps=int(path["snaps"]),
             largest_snap=float(path["largest_snap"]),
             undecided=float(path["undecided"]),

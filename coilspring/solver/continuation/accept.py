@@ -29,7 +29,6 @@ EASY_COUNT, EASY_ROUND = 4, 8
 GROWTH, SLOW_GROWTH = 2.0, 1.2  # of the substep; the slow one with friction, whose rounds may be many in any
 LEAST_LEFT = 1e-6  # of the time 0..1 that is taken at least, however soon a pair closes or opens
 NEAR_END = 1e-5  # of the time 0..1: what is unstable so near to where a path stands decides how it goes on
-AT_ONCE = 1e-5  # of that time: longer substeps do not see that a pair opens within less after its touch
 MOST_SLIP = 0.01  # wire diameters that a pair that creeps is to slip in a substep
 
 
@@ -114,7 +113,7 @@ def opens_again(system, task, work, fresh):
         row, rate = history[fresh[p]], rates[0, p]
         if row.closed and rate > 0.0:
             until = min(until, max(OPEN * task.diameter - row.gap, 0.0) / rate)
-    return max(until, LEAST_LEFT) if until < AT_ONCE else np.inf
+    return max(until, LEAST_LEFT)
 
 
 @part

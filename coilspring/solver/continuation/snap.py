@@ -49,7 +49,8 @@ def end_or_snap(system, task, work, path, softest, outcome):
     path.ends, straight = outcome, vanishes(system, task, work, path, softest)
     if straight:
         path.ends, path.bracket = CRITICAL, 2.0 * max(softest.zero - path.time, FINEST)
-    path.snapping = task.predictor and is_limit_point(system, task, work, path, softest, straight)
+    limit = is_limit_point(system, task, work, path, softest, straight)
+    path.bifurcates, path.snapping = straight and not limit, task.predictor and limit
     if not path.snapping:
         path.outcome = path.ends
 
