@@ -184,8 +184,8 @@ def test_a_pair_that_opens_as_soon_as_it_has_touched_is_found():
 
 
 def test_a_pair_that_soon_opens_again_is_found():
-    """Where it touched first it opens along the tangent within 5e-5 of the load. One and two steps missed that,
-    since it is pressed again later, and went to another tip, 46 % off."""
+    """Where it touched first it opens along the tangent within 5e-5 of the load. One and two steps missed
+    that, since it is pressed again later, and went to another tip, 46 % off."""
     tips = [reached(make_case("w00197", 1161), steps=steps).tips[-1] for steps in (1, 2, 10, 100)]
     assert np.ptp(tips, axis=0).max() <= 1e-6 * np.abs(tips).max()
 

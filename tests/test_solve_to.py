@@ -68,6 +68,14 @@ def test_without_contact_two_coarse_meshes_are_enough():
     assert path.other_seconds < path.solve_seconds
 
 
+def test_without_contact_nothing_is_asked_of_coils(monkeypatch):
+    """Where their points are was evaluated for each state, and again for each mesh."""
+    monkeypatch.setattr("wirefe.results.shape.contact_centres", None)
+    monkeypatch.setattr(Trial, "touching", property(lambda trial: pytest.fail("it was asked")))
+    path = wirefe.solve_to(replace(touching(), contact=Contact(enabled=False)), 1e-3)
+    assert path.gaps.shape == path.contact_forces.shape == (10, 0)
+
+
 def test_the_coarsest_mesh_is_the_answer_where_a_finer_one_at_few_points_agrees():
     scene = touching(geometry="spheres").overridden(steps=50)
     path = wirefe.solve_to(scene, 1e-2)

@@ -68,7 +68,7 @@ class Trials:
     @property
     def touching(self) -> bool:
         """Whether coils touch, or come near it, on the last mesh so far; if none, whether they may."""
-        return self.found[-1].touching if self.found else self.levels.scene.contact.enabled
+        return self.levels.scene.contact.enabled and (not self.found or self.found[-1].touching)
 
     @property
     def irregular(self) -> bool:

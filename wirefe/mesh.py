@@ -9,6 +9,7 @@ from coilspring.errors import InputError
 from coilspring.scene.spring import Spring
 
 TWO_PI = 2.0 * math.pi
+MOST_ELEMENTS = 2000  # of a turn
 
 
 @dataclass(frozen=True)

@@ -18,6 +18,7 @@ from coilspring.path import EquilibriumPath
 from coilspring.scene import Scene
 from coilspring.scene.profile import TWO_PI
 from wirefe.contact.points import PER_TURN
+from wirefe.mesh import MOST_ELEMENTS
 
 FINEST, FINEST_STRAIGHT = 128, 32  # levels
 STRAIGHT, STATIONS = 10, 12  # elements of a plate-seated spring, and stations, of level 1
@@ -25,7 +26,6 @@ FEWEST, MOST = 16, 1536  # stations: where nothing touches; a few more have to b
 CLEAR = 0.05  # wire diameters between coils that do not touch on any mesh
 TINY = 1e-12  # of the time 0..1
 FRACTION = 1_000  # of a coil at most, at which a spring or a section of it ends
-MOST_ELEMENTS = 2000  # of a turn
 FEW = 4  # meshes that differ by elements alone, at least
 
 
@@ -63,20 +63,18 @@ class Levels:
                 f"spring.active_coils must fit a mesh of {MOST_ELEMENTS} elements per turn for accuracy, "
                 f"as must all sections, got {scene.spring.active_coils!r}, which takes {multiple}"
             )
-        straight = STRAIGHT if scene.supports.seat == "plate" else 1
-        return cls(scene, multiple // math.gcd(multiple, straight), spheres)
+        return cls(scene, multiple // math.gcd(multiple, STRAIGHT if on_plates(scene) else 1), spheres)
 
     @property
     def last(self) -> int:
         """The last level with stations."""
-        return FINEST_STRAIGHT if self.scene.supports.seat == "plate" else FINEST
+        return FINEST_STRAIGHT if on_plates(self.scene) else FINEST
 
     @property
     def finest(self) -> int:
         """The last level without: a few differ in their elements, at least."""
-        straight = STRAIGHT if self.scene.supports.seat == "plate" else 1
-        few = min(FEW, MOST_ELEMENTS // (straight * self.multiple)) * self.multiple
-        return max(self.at_least(self.last), few)
+        fit = MOST_ELEMENTS // self.options(self.multiple)["elements_per_turn"]
+        return max(self.at_least(self.last), min(FEW, fit) * self.multiple)
 
     def at_least(self, level: float) -> int:
         """The next level from here that is the number of its elements, or a `STRAIGHT`th of it."""
@@ -84,12 +82,17 @@ class Levels:
 
     def options(self, level: int, stations: int | None = None) -> dict[str, Any]:
         """Options of `wirefe.solve`; stations that go with the level unless given."""
-        plates, elements = self.scene.supports.seat == "plate", self.at_least(level)
+        plates, elements = on_plates(self.scene), self.at_least(level)
         return {
             "element": "straight" if plates else "curved",
             "elements_per_turn": STRAIGHT * elements if plates else elements,
             "pairs_per_turn": self.spheres or stations or min(STATIONS * level, MOST),
         }
+
+
+def on_plates(scene: Scene) -> bool:
+    """Whether its end turns rest on plates, and are elastic."""
+    return scene.supports.seat == "plate"
 
 
 @dataclass(frozen=True)

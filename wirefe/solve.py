@@ -18,7 +18,7 @@ from coilspring.solver.startup import store
 from coilspring.sweep import Outcome, jobs, outcomes
 from wirefe import kernels, model, seated
 from wirefe.contact.points import PER_TURN, ContactArrays, near_points, reach
-from wirefe.mesh import WireMesh
+from wirefe.mesh import MOST_ELEMENTS, WireMesh
 from wirefe.results.shape import WireShape, contact_centres
 from wirefe.rod import ELEMENTS, Rod, RodPath
 
@@ -182,7 +182,7 @@ def scene_problem(
 ) -> tuple[Problem, WireMesh, dict[str, object]]:
     """Problem, mesh and options of a scene's wire model; `found` are pairs of spheres not one turn apart."""
     require_choice("element", element, ELEMENTS)
-    require_integer("elements_per_turn", elements_per_turn, 4, 2000)
+    require_integer("elements_per_turn", elements_per_turn, 4, MOST_ELEMENTS)
     if pairs_per_turn is None:
         pairs_per_turn = PER_TURN[scene.contact.geometry]
     data, mesh, rod = model.build_model(scene, elements_per_turn, pairs_per_turn, element, found)

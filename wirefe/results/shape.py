@@ -31,6 +31,8 @@ from wirefe.results.stress import stresses
 
 def contact_vectors(contact: ContactArrays, states: np.ndarray) -> np.ndarray:
     """Vectors across the gaps of all pairs, of the length h, shape (states, pairs, 3), mm."""
+    if not len(contact.pairs):
+        return np.zeros((len(states), 0, 3))
     first, second = contact.pairs.T
     nodes = rows(states)
     centres = contact_centres(contact, states)
