@@ -34,8 +34,8 @@ IRREGULAR = {2: 8.0, 3: 7.0, 4: 6.0}  # the same with stations, by the number of
 SHARE = 0.5  # of its level is a mesh as fine as, however few its stations
 FALL = 0.5  # of what the path before told, each tells at least: two may agree by chance
 AHEAD = 1.1  # below the error wanted is that of the mesh that is predicted to do
-NEXT, NEXT_ROUGH = 2.0, 1.5  # times the first level is the second; where it has many more stations anyway
-STRIDE, FAR = 1.5, 3.5  # times the last mesh, at least and at most: how errors fall is not known beyond
+NEXT, NEXT_ROUGH = 2.0, 1.25  # times the first level is the second; where it has many more stations anyway
+STRIDE, FAR = 1.5, 3.5  # times the last mesh, then, at least and at most: how errors fall is not known beyond
 BEYOND = 1.5  # times the finest mesh: what is predicted to take more is refused
 HALVINGS = 3  # of the substeps, at most, where friction makes the answer depend on them
 
@@ -276,13 +276,13 @@ def _next(trials: Trials) -> int:
     else:
         safety = IRREGULAR[min(len(trials.found) + 1, 4)] if trials.irregular else STEADY
         error, left = safety * trials.constant, trials.wanted - trials.lost
-        wanted = math.sqrt(AHEAD * error / left) if error < math.inf else 0.0
+        wanted = max(STRIDE * level, math.sqrt(AHEAD * error / left) if error < math.inf else 0.0)
     if level >= finest or wanted > BEYOND * finest:
         turn = trials.levels.options(finest)["elements_per_turn"]
         about = "" if level >= finest else "about "  # not solved
         why = f"with {turn} elements per turn"
         raise InputError(_refusal(trials.wanted, trials.reached, why, about))
-    return min(math.ceil(min(max(wanted, STRIDE * level), FAR * level)), finest)
+    return min(math.ceil(min(wanted, FAR * level)), finest)
 
 
 def _choose_substeps(trials: Trials) -> None:
