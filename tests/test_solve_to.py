@@ -169,7 +169,7 @@ def test_one_comparison_is_no_answer_where_wires_rub():
     lines = []
     scene = touching(sliding="coulomb", friction=0.1)
     wirefe.solve_to(scene, 1e-2, progress=lines.append)
-    assert [line[:28] for line in lines] == ["4 elements per turn, 10 step", "5 elements per turn, 5 steps"]
+    assert [line[:28] for line in lines] == ["4 elements per turn, 10 step", "6 elements per turn, 5 steps"]
     lines.clear()
     wirefe.solve_to(scene, 4e-3, progress=lines.append)
     assert len(lines) > 2

@@ -18,7 +18,7 @@ import numpy as np
 from coilspring.errors import EquilibriumNotFound, InputError, require_number
 from coilspring.path import EquilibriumPath
 from coilspring.scene import Scene, require_scene
-from wirefe.meshes import FEWEST, MOST, STATIONS, Levels, Trial, difference
+from wirefe.meshes import FEWEST, MOST, STATIONS, Levels, Trial, difference, on_plates
 from wirefe.solve import solve
 
 ACCURACIES = (1e-5, 1e-2)
@@ -34,7 +34,8 @@ IRREGULAR = {2: 8.0, 3: 7.0, 4: 6.0}  # the same with stations, by the number of
 SHARE = 0.5  # of its level is a mesh as fine as, however few its stations
 FALL = 0.5  # of what the path before told, each tells at least: two may agree by chance
 AHEAD = 1.1  # below the error wanted is that of the mesh that is predicted to do
-NEXT, NEXT_ROUGH = 2.0, 1.25  # times the first level is the second; where it has many more stations anyway
+# Times the first level is the second; where it has many more stations anyway; where those err most.
+NEXT, NEXT_ROUGH, NEXT_STATIONS = 2.0, 1.5, 1.25
 STRIDE, FAR = 1.5, 3.5  # times the last mesh, then, at least and at most: how errors fall is not known beyond
 BEYOND = 1.5  # times the finest mesh: what is predicted to take more is refused
 HALVINGS = 3  # of the substeps, at most, where friction makes the answer depend on them
@@ -271,8 +272,7 @@ def _next(trials: Trials) -> int:
     if not trials.irregular:
         level = trials.levels.at_least(level)
     if len(trials.found) == 1:
-        rough = trials.irregular and trials.wanted >= ROUGH
-        wanted = (NEXT_ROUGH if rough else NEXT) * level
+        wanted = _second(trials) * level
     else:
         safety = IRREGULAR[min(len(trials.found) + 1, 4)] if trials.irregular else STEADY
         error, left = safety * trials.constant, trials.wanted - trials.lost
@@ -283,6 +283,13 @@ def _next(trials: Trials) -> int:
         why = f"with {turn} elements per turn"
         raise InputError(_refusal(trials.wanted, trials.reached, why, about))
     return min(math.ceil(min(wanted, FAR * level)), finest)
+
+
+def _second(trials: Trials) -> float:
+    """Times the first level is the second."""
+    if not trials.irregular or trials.wanted < ROUGH:
+        return NEXT
+    return NEXT_ROUGH if trials.substeps or on_plates(trials.levels.scene) else NEXT_STATIONS
 
 
 def _choose_substeps(trials: Trials) -> None:

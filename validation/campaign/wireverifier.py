@@ -228,9 +228,11 @@ def vanishing(times: Sequence[float], least: Sequence[float]) -> float | None:
 
 
 def _verify_turn(verdict: Verdict, forces: WireForces, case: Case, path: EquilibriumPath) -> None:
-    """The traced path must be stable up to the critical time and not beyond; where none of its states is
-    unstable, since it ends before or a step led past a bifurcation onto the branch that is stable beyond, the
-    least stiffness must tend to zero."""
+    """The traced path must be stable up to the critical time and not beyond.
+
+    Where none of its states is unstable the least stiffness must tend to zero: it ends before, or a step led
+    past a bifurcation onto the branch that is stable beyond. Past a limit point there is none.
+    """
     assert path.critical_time is not None
     critical = path.critical_time
     scene = under(case.scene, 1.05 * critical)
@@ -238,6 +240,9 @@ def _verify_turn(verdict: Verdict, forces: WireForces, case: Case, path: Equilib
     times = 1.05 * critical * traced.times
     assert traced.negative_pivots is not None
     unstable = np.flatnonzero(traced.negative_pivots)
+    if not unstable.size and times.max(initial=0.0) >= critical and path.outcome == "limit_point":
+        verdict.complain(f"arc length finds no limit point near {critical:.6g}, last time {times[-1]:.6g}")
+        return
     if not unstable.size:
         _verify_softening(verdict, forces, case, path)
         return

@@ -85,12 +85,13 @@ class WireShape(PairReader):
     def pair_friction(self, states: np.ndarray, histories: np.ndarray) -> Friction:
         """See `coilspring.contact.results.PairReader`; of wires at the material points that touched first."""
         contact = self.data.contact
-        if not of_wires(contact.parts):
+        if not (len(contact.pairs) and of_wires(contact.parts)):
             return super().pair_friction(states, histories)
         n = contact_vectors(contact, states)
         n /= np.linalg.norm(n, axis=-1, keepdims=True)
+        centres = contact_centres(contact, states)
         first, second = (
-            contact_centres(contact, states)[:, side]
+            centres[:, side]
             + fixed_to_sections(rows(states), contact.attached[side], contact.parts[side], arms)
             for side, arms in zip(contact.pairs.T, np.split(histories["arms"], 2, axis=-1), strict=True)
         )

@@ -86,9 +86,10 @@ def accept_step(system, task, work, path, substep):
     fresh = touched_first(work.trial_history)
     if path.until < np.inf and fresh.size == 0 and not opening(work.history):
         path.next_step = substep.duration  # what is looked for is still ahead
-    path.until, path.opens = np.inf, np.inf
+    left = path.opens - substep.duration  # another substep ended first
+    path.until, path.opens = np.inf, left if left > LEAST_LEFT else np.inf
     if fresh.size > 0 and not has_friction(work.history):
-        path.opens = opens_again(system, task, work, fresh)
+        path.opens = min(path.opens, opens_again(system, task, work, fresh))
     easy = substep.iterations < EASY_COUNT + EASY_ROUND * (substep.rounds - 1) or creeping(work.history)
     growth = GROWTH if easy else SLOW_GROWTH if substep.rounds > 1 else 1.0
     # the turn grows with the square of the step
@@ -129,3 +130,4 @@ def accept_release(task, work, path, substep):
     path.release *= 2.0
     path.error /= path.last_step**2  # as of a step of length 1, along a straight line
     path.reuse, path.last_step, work.old[0] = True, 1.0, np.inf  # no turn known
+    path.opens = np.inf  # what was to open has opened

@@ -50,7 +50,9 @@ def end_or_snap(system, task, work, path, softest, outcome):
     if straight:
         path.ends, path.bracket = CRITICAL, 2.0 * max(softest.zero - path.time, FINEST)
     limit = is_limit_point(system, task, work, path, softest, straight)
-    path.bifurcates, path.snapping = straight and not limit, task.predictor and limit
+    # a prescribed motion may still work on a mode whose stiffness falls along a straight line
+    path.bifurcates = straight and not limit and system.prescribed.size == 0
+    path.snapping = task.predictor and limit
     if not path.snapping:
         path.outcome = path.ends
 
