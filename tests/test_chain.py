@@ -33,6 +33,7 @@ CASES = [
     (15, [(1, 11), (3, 13), (3, 3 + 4), (0, 14)], [0, 1, 3, 7, 11, 13, 14]),
     (5, [(0, 1), (1, 3)], [0, 1, 3]),
     (12, [(0, 4), (8, 4), (4, 0), (4, 8), (0, 4)], [0, 4, 8, 11]),  # as of stations
+    (60, [(node, node + 16) for node in range(44)], list(range(60))),  # coils that touch all along
 ]
 
 
@@ -67,3 +68,17 @@ def test_work_grows_linearly_with_the_mesh_between_contacts():
         updates.append(len(plan.target))
     first, second, third = updates
     assert third - second == pytest.approx(2 * (second - first), rel=0.01)
+
+
+def test_fill_of_coils_that_touch_all_along_does_not_grow_with_their_elements():
+    """In chain order each node would leave as many blocks as a turn has elements."""
+    blocks = []
+    for turn in (16, 32, 64):
+        nodes = 5 * turn
+        chain = np.stack((np.arange(nodes - 1), np.arange(1, nodes)), axis=1)
+        first = np.arange(nodes - turn)
+        pairs = np.stack((first, first + turn), axis=1)
+        plan, _, _ = plan_chain(nodes, np.concatenate((chain, pairs)), np.arange(nodes))
+        blocks.append(plan.blocks / nodes)
+    assert blocks[0] < 0.5 * 16
+    assert blocks[2] < 1.2 * blocks[0]

