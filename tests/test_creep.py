@@ -320,7 +320,7 @@ def test_what_a_pair_that_has_just_touched_could_hold_is_not_told_before_another
 def test_rounds_that_go_to_and_fro_take_shorter_steps():
     """Two pairs were open and pressed in turn, 30 rounds long: it ended in a jump at 0.1151 of the load.
 
-    As many steps as 50 of the whole load, where one of nine paths, which differ by rounding, still ends there.
+    As many steps as 50 of the whole load: there one of nine paths, which differ by rounding, still ends so.
     """
     case = make_case("w00735", 873)
     assert reached(case, under(case.scene, 0.14), steps=7).outcome == "completed"
