@@ -1,13 +1,17 @@
 """Limit points beyond which an equilibrium is near are passed, whatever the steps, and told."""
 
 import re
+from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
 import pytest
 
+import equivbeam
+from coilspring import spring_b
+from coilspring.errors import EquilibriumNotFound
 from coilspring.solver.continuation.snap import LARGEST
-from coilspring.solver.continuation.stability import follow_line, predicted_zero
+from coilspring.solver.continuation.stability import follow_line, follow_root, predicted_zero
 from coilspring.solver.system import WATCH
 from validation.campaign.run import verified
 from validation.campaign.runs import FRICTION_TIME, changed, deviation
@@ -188,6 +192,36 @@ def test_a_line_to_zero_is_found_and_kept(stiffness, straight):
         follow_line(watch, value, predicted_zero(1.0 - left, value, 1.0 - before, watch.value), 1.0 - left)
         watch.value = value
     assert watch.linear == straight
+
+
+@pytest.mark.parametrize(
+    "stiffness",
+    [lambda left: left, lambda left: left + 1e-9 * (-1.0) ** round(np.log2(left)), np.sqrt],
+    ids=["line", "noise", "root"],
+)
+def test_the_zero_that_is_approached_is_that_of_a_line_or_of_a_root(stiffness):
+    """From the second prediction on; the first one is careful."""
+    watch = np.zeros(1, WATCH).view(np.recarray)[0]
+    watch.value, watch.zero, watch.root = stiffness(1.0), np.inf, np.inf
+    for before, left in pairwise(0.5 ** np.arange(20)):
+        value, time = stiffness(left), 1.0 - left
+        zero = predicted_zero(time, value, 1.0 - before, watch.value)
+        follow_root(watch, value, zero, time)
+        assert 0.3 * left < watch.ahead - time < 1.01 * left
+        if left < 0.5:
+            assert watch.ahead - time == pytest.approx(left, rel=0.01)
+        watch.value, watch.zero = value, zero
+
+
+@pytest.mark.parametrize("law", ["haringx", "helix"])
+def test_a_limit_point_is_come_to_in_few_iterations(law):
+    """536 and 674 when substeps went half way to the zero of a straight line, which is the limit point,
+    and were given up after 25 iterations with an indefinite matrix; 229 to 352 with one of these alone."""
+    spring = replace(spring_b().spring, mean_diameter=(12.6, 6.3))
+    with pytest.raises(EquilibriumNotFound) as found:
+        equivbeam.solve(replace(spring_b(), spring=spring), law=law, steps=1)
+    assert found.value.outcome == "limit_point"
+    assert found.value.path.total_iterations < 220
 
 
 def test_a_limit_point_is_no_bifurcation_however_straight_the_stiffness_falls():

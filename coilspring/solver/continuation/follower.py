@@ -112,7 +112,7 @@ def plan(system, task, work, path, substep, watch):
         substep.near_critical = substep.near_overlap = False
         path.bracket = 2.0 * LEAST_STEP
         return
-    to_critical = APPROACH * (softest.zero - path.time)
+    to_critical = APPROACH * (softest.ahead - path.time)
     to_overlap = max(APPROACH * (room.zero - path.time), OVERLAP_TIME)
     if not path.snapping and (softest.value <= NEUTRAL * path.rest_stiffness or to_critical < FINEST):
         path.bracket = 2.0 * max(softest.zero - path.time, LEAST_STEP)

@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from coilspring.compiling.compiled import part
+from coilspring.contact.history import has_friction
 from coilspring.solver.equilibrium.linesearch import dot
 from coilspring.solver.equilibrium.newton import LINEAR
 from coilspring.solver.equilibrium.operations import assembled, factor_state, factored, moved, solution
@@ -21,9 +22,7 @@ SETTLED, EXACT = 0.05, 1e-3
 LEAST_STEP = 1e-9  # of the time 0..1: below it, what cannot be passed is called a critical point
 FINEST = 1e-12  # of the time 0..1: so near to a predicted zero of the least stiffness it is followed
 DIFFERENCE = 1e-6  # of the span of the state's numbers, with which a difference is taken
-# Share of the time to the predicted zero of the least stiffness: at a limit point, where it falls with
-# the root of the time that is left, the straight line meets zero twice as far as the path goes.
-APPROACH = 0.5
+APPROACH = 0.5  # share of the time to the predicted zero of the least stiffness
 # Of the time that is left, by which two predictions differ: towards a limit point by about the share by which
 # the stiffness fell in between, on a straight line by so little of that. Such a line is kept while its zero
 # moves by less than this share of the time left when it was found: just before zero, rounding moves it.
@@ -203,15 +202,28 @@ def watch_stiffness(system, task, work, path, substep, softest):
     value = least_stiffness(system, task, work, softest.value, EXACT if near else SETTLED)
     if value > NEUTRAL * path.rest_stiffness or value < softest.value:
         zero = predicted_zero(substep.target, value, softest.time, softest.value)
+        follow_root(softest, value, zero, substep.target)
+        if has_friction(work.history):
+            softest.ahead = zero  # what vanishes first is Coulomb's determinant, see `solver.coulomb`
         follow_line(softest, value, zero, substep.target)
         if path.snapping or path.released > 0.0:
             softest.linear = False  # the state before is of another branch
     if value > JUMPS * path.rest_stiffness and APPROACH * (softest.zero - substep.target) < FINEST:
-        softest.zero, softest.linear = np.inf, False  # the stiffness jumps here, as where a pair opens
+        # the stiffness jumps here, as where a pair opens
+        softest.zero, softest.ahead, softest.linear = np.inf, np.inf, False
     softest.value, softest.time, path.failed = value, substep.target, False
     if substep.target >= softest.mark_time + no_time(substep.target):
         softest.past, softest.past_time = softest.mark, softest.mark_time
         softest.mark, softest.mark_time = value, substep.target
+
+
+@part
+def follow_root(softest, value, zero, time):
+    """Predict the zero of what falls as the root of the time that is left, as towards a limit point: on the
+    straight line through the squares. It is approached, unless that of the straight line changes less."""
+    root = time + (zero - time) * value / (value + softest.value)
+    softest.ahead = zero if abs(zero - softest.zero) < abs(root - softest.root) else root
+    softest.root = root
 
 
 @part

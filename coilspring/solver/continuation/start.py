@@ -32,7 +32,8 @@ def begin(system, task, work, path, watch):
     set_scales(system, task, work, path)
     softest, room = watch[SOFTEST], watch[ROOM]
     softest.value = least_stiffness(system, task, work, np.inf, SETTLED)
-    softest.time, softest.zero, softest.linear = 0.0, np.inf, False
+    softest.time, softest.linear = 0.0, False
+    softest.zero, softest.root, softest.ahead = np.inf, np.inf, np.inf
     softest.past, softest.past_time = softest.value, -np.inf
     softest.mark, softest.mark_time = softest.value, -np.inf
     path.rest_stiffness = softest.value

@@ -20,7 +20,15 @@ from coilspring.contact.kinematics import OVERLAP_ALLOWED
 from coilspring.contact.law import tangential_stiffness
 from coilspring.contact.touching import OPEN
 from coilspring.solver.continuation import snap
-from coilspring.solver.continuation.branch import SMALL, continues, jumped, most_turn, small_turn
+from coilspring.solver.continuation.branch import (
+    SMALL,
+    SMALLER,
+    continues,
+    displacement_bound,
+    jumped,
+    most_turn,
+    small_turn,
+)
 from coilspring.solver.continuation.stability import LEAST_STEP, WEAK
 from coilspring.solver.equilibrium.newton import CONVERGED, FAILED, LINEAR, NONE, SADDLE
 from coilspring.solver.equilibrium.operations import (
@@ -48,6 +56,7 @@ BOUND_CHANGE = 1e-6  # of the bounds of tangential forces, over the largest, whe
 MOST_ROUNDS = 30
 FIRST_SHIFT = 0.1  # with which an indefinite matrix is made positive, in units of that at rest
 MOST_DAMPED = 25  # iterations that went through an indefinite matrix: more lead away from the branch
+SHORT = 10.0  # times the way after which such a state is taken: so long is one, predicted, that is surely not
 SLOW, GAIN = 3, 0.5  # rounds of Newton's method that leave more than this share lead nowhere
 RENEWED = 3  # times that bounds are just renewed, before Newton's method is worth its back substitutions
 
@@ -66,19 +75,19 @@ def find_equilibrium(system, equilibrium, task, work, path, substep, it):
     # so that along a soft mode, too, states are found as exactly as along a stiff one
     precision = 1.0 if path.snapping else min(max(substep.left, LEAST_PRECISION), 1.0)
     limit = task.limit * snap.LONGER if path.snapping else task.limit
-    target = Target(
-        work.state, path.least_gap, work.history, work.load, path.reference * substep.target**2, precision,
-        path.reference * substep.duration**2, path.rounding * loaded, path.rounding,
-        tangential_stiffness(task.penalty, task.exponent, task.diameter),
-        limit, limit if path.snapping else MOST_DAMPED,
-        snap.SHIFT if path.snapping else FIRST_SHIFT, task.modified, path.least_pivot,
-    )  # fmt: skip
     ratio = substep.duration / path.last_step
     begin_attempt(work.history, substep.duration, ratio, work.old[0] == np.inf)
     if path.releasing:
         release(work.history, 2.0**-path.release if path.release <= MOST_RELEASE else 0.0)
     update_pairs(system, work, work.predicted)
     keep_bounds(work.history)
+    target = Target(
+        work.state, path.least_gap, work.history, work.load, path.reference * substep.target**2, precision,
+        path.reference * substep.duration**2, path.rounding * loaded, path.rounding,
+        tangential_stiffness(task.penalty, task.exponent, task.diameter),
+        limit, most_damped(system, task, work, path, limit),
+        snap.SHIFT if path.snapping else FIRST_SHIFT, task.modified, path.least_pivot,
+    )  # fmt: skip
     substep.rounds, substep.iterations, substep.trouble, substep.cut = 0, 0, NONE, 1.0
     substep.turned, substep.several, substep.unstable = False, False, False
     substep.damping, change = 1.0, np.inf
@@ -108,6 +117,18 @@ def find_equilibrium(system, equilibrium, task, work, path, substep, it):
         path.tries += 1
     put_prescribed(system, task.start, substep.target, work.trial)
     path.lost = substep.status > LINEAR
+
+
+@part
+def most_damped(system, task, work, path, limit):
+    """Iterations through an indefinite matrix, at most; one where what it leads to is refused, as
+    `coilspring.solver.continuation.branch.continues` does after a way that is not short."""
+    if path.snapping:
+        return limit
+    if path.releasing or not task.predictor or has_friction(work.history):
+        return MOST_DAMPED
+    distance, _, _ = displacement_bound(system, work.state, work.predicted, np.inf)
+    return 1 if distance > SHORT * SMALLER * task.diameter else MOST_DAMPED
 
 
 @part
