@@ -34,6 +34,7 @@ CASES = [
     (5, [(0, 1), (1, 3)], [0, 1, 3]),
     (12, [(0, 4), (8, 4), (4, 0), (4, 8), (0, 4)], [0, 4, 8, 11]),  # as of stations
     (60, [(node, node + 16) for node in range(44)], list(range(60))),  # coils that touch all along
+    (120, [(node + 40, node) for node in range(0, 80, 2)] * 2, list(range(0, 120, 2))),  # at every other node
 ]
 
 

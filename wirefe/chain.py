@@ -3,8 +3,8 @@
 The wire's matrix is block tridiagonal, plus a block for each contact pair. Nodes without contact are
 eliminated first, in chain order: each leaves one coupling between its neighbours. What remains is
 the small system of the contact nodes. In chain order each of these leaves about as many blocks as a turn has
-of them; where these are many, minimum degree leaves far fewer. The order and the fill are found once
-(`plan_chain`); the numerical work is a fixed list of 6 x 6 operations.
+of them. Where these are many, all nodes are eliminated by minimum degree instead, which leaves far fewer. The
+order and the fill are found once (`plan_chain`); the numerical work is a fixed list of 6 x 6 operations.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from coilspring.compiling.compiled import arithmetic, inlined, zeros
 from coilspring.compiling.packing import Wholes
 
 N6 = 6
-WIDE = 14  # contact nodes that a coupling spans: from here on minimum degree leaves less fill
+WIDE = 14  # contact nodes that a coupling spans: minimum degree leaves less fill from here on, at the latest
 
 
 class ChainPlan(NamedTuple):
@@ -40,7 +40,7 @@ def plan_chain(
     ----------
     nodes : number of nodes.
     couplings : (couplings, 2) pairs of coupled nodes, repetitions allowed.
-    last : nodes to eliminate after all others.
+    last : contact nodes, which come after all others in chain order.
 
     Returns
     -------
@@ -53,8 +53,8 @@ def plan_chain(
     late = np.zeros(nodes, dtype=bool)
     late[last] = True
     span = np.ptp(np.cumsum(late)[coupled[late[coupled].all(axis=1)]], axis=1).max(initial=0)
-    chain = [] if span >= WIDE else [*np.flatnonzero(~late).tolist(), *np.flatnonzero(late).tolist()]
-    later = _eliminated(nodes, coupled.tolist(), chain)
+    rank = np.zeros(nodes, dtype=np.int64) if span >= WIDE else np.arange(nodes) + nodes * late
+    later = _eliminated(rank.tolist(), coupled.tolist())
     order = np.array(list(later))
     place = np.empty(nodes, dtype=np.int64)
     place[order] = np.arange(nodes)
@@ -78,29 +78,28 @@ def plan_chain(
     return plan, np.array(block, dtype=np.int64)[which], rows_first
 
 
-def _eliminated(nodes: int, coupled: list[list[int]], order: list[int]) -> dict[int, set[int]]:
-    """Nodes in an order, each with the later ones that are coupled to it by then.
+def _eliminated(rank: list[int], coupled: list[list[int]]) -> dict[int, set[int]]:
+    """Nodes in the order of elimination, each with the later ones that are coupled to it by then.
 
-    Where no order is given it is that of minimum degree.
+    The node of the lowest rank comes first, among equals that with the fewest couplings (minimum degree).
     """
-    near: list[set[int]] = [set() for _ in range(nodes)]
+    near: list[set[int]] = [set() for _ in rank]
     for a, b in coupled:
         near[a].add(b)
         near[b].add(a)
     later: dict[int, set[int]] = {}
-    waiting = list(enumerate(order)) or [(len(others), node) for node, others in enumerate(near)]
+    waiting = [(rank[node], len(others), node) for node, others in enumerate(near)]
     heapify(waiting)
     while waiting:
-        degree, node = heappop(waiting)
+        _, degree, node = heappop(waiting)
         others = near[node]
-        if not order and (node in later or degree != len(others)):
-            continue  # it has other neighbours by now
+        if node in later or degree != len(others):
+            continue  # it has other couplings by now
         later[node] = others
         for other in others:
             near[other] |= others
             near[other] -= {node, other}
-            if not order:
-                heappush(waiting, (len(near[other]), other))
+            heappush(waiting, (rank[other], len(near[other]), other))
     return later
 
 

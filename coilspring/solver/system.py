@@ -229,8 +229,8 @@ WATCH = np.dtype(
         ("value", "f8"),
         ("time", "f8"),
         ("zero", "f8"),  # time at which it is predicted to be zero,
-        ("root", "f8"),  # the same if it falls as the root of the time that is left,
-        ("ahead", "f8"),  # that of these two which changes less from prediction to prediction,
+        ("root", "f8"),  # the same if it falls as the root of the time that is left; and
+        ("ahead", "f8"),  # that of these two which is approached, see `follow_root` there,
         ("linear", "?"),  # along a straight line, see `solver.continuation.stability.follow_line`
         ("line", "f8"),  # its zero where that line was found,
         ("reach", "f8"),  # and the time that was left then

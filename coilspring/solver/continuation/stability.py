@@ -202,13 +202,13 @@ def watch_stiffness(system, task, work, path, substep, softest):
     value = least_stiffness(system, task, work, softest.value, EXACT if near else SETTLED)
     if value > NEUTRAL * path.rest_stiffness or value < softest.value:
         zero = predicted_zero(substep.target, value, softest.time, softest.value)
+        other = path.snapping or path.released > 0.0  # the state before is of another branch
         follow_root(softest, value, zero, substep.target)
-        if has_friction(work.history):
-            softest.ahead = zero  # what vanishes first is Coulomb's determinant, see `solver.coulomb`
         follow_line(softest, value, zero, substep.target)
-        if path.snapping or path.released > 0.0:
-            softest.linear = False  # the state before is of another branch
-    if value > JUMPS * path.rest_stiffness and APPROACH * (softest.zero - substep.target) < FINEST:
+        if other or has_friction(work.history):
+            softest.ahead = zero  # with friction another determinant vanishes first, see `solver.coulomb`
+        softest.linear = softest.linear and not other
+    if value > JUMPS * path.rest_stiffness and APPROACH * (softest.ahead - substep.target) < FINEST:
         # the stiffness jumps here, as where a pair opens
         softest.zero, softest.ahead, softest.linear = np.inf, np.inf, False
     softest.value, softest.time, path.failed = value, substep.target, False
@@ -220,8 +220,12 @@ def watch_stiffness(system, task, work, path, substep, softest):
 @part
 def follow_root(softest, value, zero, time):
     """Predict the zero of what falls as the root of the time that is left, as towards a limit point: on the
-    straight line through the squares. It is approached, unless that of the straight line changes less."""
-    root = time + (zero - time) * value / (value + softest.value)
+    straight line through the squares. It is approached, unless the `zero` of the straight line through the
+    values changes less."""
+    if zero == np.inf:
+        softest.root, softest.ahead = zero, zero
+        return
+    root = time + (zero - time) * value / (value + max(softest.value, 0.0))
     softest.ahead = zero if abs(zero - softest.zero) < abs(root - softest.root) else root
     softest.root = root
 

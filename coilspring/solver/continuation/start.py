@@ -64,6 +64,9 @@ def factor_start(system, task, work, path):
 def resume(system, task, work, path):
     """Go on from the last accepted state with pairs that are new: the matrix has other places."""
     assembled(system, task.start, np.inf, work.history, task.start, work.g, work.rest)
+    copy(work.rest, work.F)
+    _, path.least_pivot = factored(system, work.F)  # in another order of elimination
+    path.spent += 1
     path.least_gap = system.update_history(system.reals, system.ints, work.state, work.history)
     path.reuse, path.outcome = False, COMPLETED
 

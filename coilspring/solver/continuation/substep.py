@@ -56,7 +56,7 @@ BOUND_CHANGE = 1e-6  # of the bounds of tangential forces, over the largest, whe
 MOST_ROUNDS = 30
 FIRST_SHIFT = 0.1  # with which an indefinite matrix is made positive, in units of that at rest
 MOST_DAMPED = 25  # iterations that went through an indefinite matrix: more lead away from the branch
-SHORT = 10.0  # times the way after which such a state is taken: so long is one, predicted, that is surely not
+SHORT = 10.0  # times the way after which that is refused: one predicted to be longer does not end within it
 SLOW, GAIN = 3, 0.5  # rounds of Newton's method that leave more than this share lead nowhere
 RENEWED = 3  # times that bounds are just renewed, before Newton's method is worth its back substitutions
 
@@ -121,14 +121,15 @@ def find_equilibrium(system, equilibrium, task, work, path, substep, it):
 
 @part
 def most_damped(system, task, work, path, limit):
-    """Iterations through an indefinite matrix, at most; one where what it leads to is refused, as
-    `coilspring.solver.continuation.branch.continues` does after a way that is not short."""
+    """Iterations through an indefinite matrix, at most: none where what they lead to is refused, see
+    `coilspring.solver.continuation.branch.continues`. Contact that remembers may take it, or learn from it
+    where a pair touches or opens."""
     if path.snapping:
         return limit
-    if path.releasing or not task.predictor or has_friction(work.history):
+    if task.located < np.inf or not task.predictor:
         return MOST_DAMPED
     distance, _, _ = displacement_bound(system, work.state, work.predicted, np.inf)
-    return 1 if distance > SHORT * SMALLER * task.diameter else MOST_DAMPED
+    return 0 if distance > SHORT * SMALLER * task.diameter else MOST_DAMPED
 
 
 @part

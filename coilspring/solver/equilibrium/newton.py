@@ -187,6 +187,8 @@ def newton_direction(system, target, work, state, it, first):
         return AGAIN
     if negative > 0:
         it.trouble, it.unstable = INDEFINITE, it.unstable or first
+        if target.damped == 0:
+            return FAILED
         make_positive(system, work, it)
         solution(system, work.F, work.g, -1.0, work.step)
         it.slope = dot(work.g, work.step)
