@@ -50,7 +50,8 @@ class Calibration:
     undetermined : names of parameters that can change, some together, without moving the curve, or whose
         standard error is more than half of the value.
     fixed : those of them that stay at their start; the values of the others hold for these.
-    misfit : what tells that the model does not follow the curve, in one sentence; empty where it does.
+    misfit : what tells that the model does not follow the curve, or that nothing tells it, in one sentence;
+        empty where it does.
     path : of the fitted scene, under the curve's load.
     rms_before, rms_after : root mean square error over the peaks of the columns.
     scatter : of the curve's points from their neighbours, in the same measure.
@@ -171,11 +172,14 @@ def _misfit(rms: float, scatter: float, constant: float) -> str:
     """In words that the error left is no scatter, or nothing; `constant`: the share of an offset in it."""
     poor, systematic = rms > POOR, rms > SYSTEMATIC * scatter
     if not (poor or systematic):
-        return ""
+        return "" if np.isfinite(scatter) else "fewer than 3 points do not tell how well the model fits"
     what = "the model does not fit the curve" if poor else "the error left is systematic"
+    found = f"{what}: {100 * rms:.2g} % of the peaks rms"
+    if not np.isfinite(scatter):
+        return found
+    found += f", where neighbouring points scatter by {100 * scatter:.2g} %"
     cure = f"; an offset of the deflection takes {100 * constant:.0f} % of its square away: fit offset too"
-    sizes = f"{100 * rms:.2g} % of the peaks rms, where neighbouring points scatter by {100 * scatter:.2g} %"
-    return f"{what}: {sizes}{cure if constant > HELPS else ''}"
+    return found + (cure if constant > HELPS else "")
 
 
 class CurveFit:

@@ -106,6 +106,17 @@ def test_standard_errors_hold_with_scatter_and_with_an_offset(lag):
     assert (np.mean(held, axis=0) >= 0.95).all()
 
 
+@pytest.mark.parametrize("count", [1, 2])
+def test_so_few_points_do_not_tell_how_well_the_model_fits(count):
+    """Nothing is left to scatter, and an offset would take all of the error."""
+    forces, deflection = (values[-count:] for values in measured_of(GUIDED))
+    assert "fewer than 3 points" in fit((forces, 1.001 * deflection), ["axial"]).misfit
+    poor = fit((forces, 0.1 * deflection), ["axial"]).misfit
+    assert "the model does not fit the curve" in poor
+    assert "nan" not in poor
+    assert "offset" not in poor
+
+
 def test_an_exponent_of_one_has_an_error():
     """It is at the end of its range, which no step can pass, not at that of the search."""
     scene = replace(spring_b(), contact=replace(spring_b().contact, sliding="free", stiffness=2e3))
