@@ -3,6 +3,7 @@
 import re
 from dataclasses import replace
 from itertools import pairwise
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -17,6 +18,8 @@ from validation.campaign.run import verified
 from validation.campaign.runs import FRICTION_TIME, changed, deviation
 from validation.campaign.scenes import in_units, make_case
 from validation.campaign.verdict import VERIFIED, reached, under
+
+ROOT = Path(__file__).parents[1]
 
 
 def snaps(path):
@@ -222,6 +225,23 @@ def test_a_stiffness_that_rises_is_not_approached():
         watch.value, watch.zero, watch.root = before, 0.3, 0.2
         follow_root(watch, 1.0, predicted_zero(0.2, 1.0, 0.1, before), 0.2)
         assert watch.ahead == np.inf
+
+
+@pytest.mark.slow
+def test_columns_pressed_solid_report_their_bifurcation_in_nearly_all_numbers_of_steps():
+    """As many as `docs/limits.md` says, but for a few that rounding decides."""
+    text = (ROOT / "docs/limits.md").read_text(encoding="utf-8")
+    told = re.search(r"Of 1200 paths (\d+) report one and the same bifurcation", text)
+    found = 0
+    for case, seed, time in (
+        ("b002951", 1042, 0.99778),
+        ("b004196", 1013, 0.97683),
+        ("b001124", 822, 0.97122),
+    ):
+        paths = [reached(make_case(case, seed), steps=steps) for steps in range(1, 401)]
+        ends = [path.critical_time for path in paths if path.outcome == "bifurcation"]
+        found += sum(end == pytest.approx(time, abs=1e-5) for end in ends)
+    assert found == pytest.approx(int(told[1]), abs=5)
 
 
 @pytest.mark.parametrize("law", ["haringx", "helix"])
