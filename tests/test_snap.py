@@ -149,6 +149,8 @@ def test_a_prescribed_motion_snaps_past_limit_points(case, seed, count):
         ("b004196", 1013, (20, 210)),
         ("b004196", 1013, (20, 300)),
         ("b002951", 1042, (9, 20)),
+        ("b002951", 1042, (2, 20)),
+        ("b003516", 3005, (1, 50)),
     ],
     ids=[
         "all modes within 1e-7 of the load",
@@ -158,6 +160,8 @@ def test_a_prescribed_motion_snaps_past_limit_points(case, seed, count):
         "too few predictions on the way",
         "so few that a pair opens first",
         "a line lost by rounding, just before zero",
+        "it rises again before next to nothing is left",
+        "it rises again 4e-11 before zero",
     ],
 )
 def test_a_bifurcation_is_told_by_the_line_along_which_the_stiffness_falls(case, seed, counts):
