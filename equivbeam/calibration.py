@@ -13,6 +13,7 @@ import numpy as np
 from coilspring.errors import EquilibriumNotFound, InputError, require_names, shown
 from coilspring.path import EquilibriumPath
 from coilspring.scene import Factors, Scene, require_scene
+from coilspring.scene.sizing import sizes
 from equivbeam import fiterrors
 from equivbeam.fiterrors import constant_part, independent, undetermined
 from equivbeam.loadcurve import LoadCurve, read_curve
@@ -23,6 +24,7 @@ if TYPE_CHECKING:
     import pandas as pd
 
 SCATTER = 0.5  # standard error over the value, above which it is not told from 0 with 95 % confidence
+ALIKE = 0.1  # of the largest such share: parameters that can stand for each other have about the same
 FAR = (0.2, 5.0)  # share of its value at the start between which a parameter is searched
 OFFSET = "offset"  # of the curve's deflection, mm: a parameter beside those of the scene
 CLOSE = 1e-3  # to a bound of the search: the fit has stopped at it
@@ -33,6 +35,7 @@ LOST = 1.0  # error, over the peak, of rows that a trial does not reach
 POOR = 0.03  # rms error, over the peaks, above which a model does not fit
 SYSTEMATIC = 1.5  # times the scatter between neighbouring points, above which an rms error is no scatter
 CONFIDENCE = 0.95
+BEYOND = 10.0  # times the force that closes the last coil: no test bench goes there
 
 
 @dataclass(frozen=True)
@@ -50,6 +53,7 @@ class Calibration:
     undetermined : names of parameters that can change, some together, without moving the curve, or whose
         standard error is more than half of the value.
     fixed : those of them that stay at their start; the values of the others hold for these.
+    instead : of each of `fixed`, the fitted parameters that can stand for it.
     misfit : what tells that the model does not follow the curve, or that nothing tells it, in one sentence;
         empty where it does.
     path : of the fitted scene, under the curve's load.
@@ -67,6 +71,7 @@ class Calibration:
     rank: int
     undetermined: tuple[str, ...]
     fixed: tuple[str, ...]
+    instead: tuple[tuple[str, ...], ...]
     misfit: str
     path: EquilibriumPath
     rms_before: float
@@ -88,7 +93,9 @@ class Calibration:
         columns = (self.names, self.values, self.errors, self.intervals)
         for name, value, error, (low, high) in zip(*columns, strict=True):
             if name in self.fixed:
-                what = "left at its start: the curve does not determine it"
+                others = " and ".join(self.instead[self.fixed.index(name)])
+                apart = f": the curve does not tell it from {others}"
+                what = f"left at its start{apart if others else ': the curve does not determine it'}"
             elif name in self.undetermined:
                 what = "with those left that can stand for it: the curve does not determine it alone"
             else:
@@ -145,7 +152,7 @@ def calibrate(
     shares, J, fitted, doubtful = fit.solved()
     after, path, evaluations = fit.residuals(shares), fit.path, fit.evaluations
     assert path is not None  # the best point is one that was reached
-    lost = undetermined(J, fitted, doubtful)
+    lost, left = undetermined(J, fitted, doubtful), [i for i in range(len(names)) if i not in fitted]
     spread, freedom = fiterrors.spread(J, fitted, after, fit.curve.times)
     doubt = fit.doubt(shares, J, spread, fitted)
     rms, scatter = float(np.sqrt(np.mean(after**2))), fiterrors.scatter(after, fit.curve.times)
@@ -158,7 +165,8 @@ def calibrate(
         freedom=freedom,
         rank=fitted.size,
         undetermined=tuple(name for name, gone in zip(names, lost, strict=True) if gone),
-        fixed=tuple(name for i, name in enumerate(names) if i not in fitted),
+        fixed=tuple(names[i] for i in left),
+        instead=tuple(tuple(names[j] for j in fiterrors.instead_of(J, fitted, i)) for i in left),
         misfit="; ".join(filter(None, (_misfit(rms, scatter, constant_part(J[:, fitted], after)), doubt))),
         path=path,
         rms_before=float(np.sqrt(np.mean(before**2))),
@@ -216,9 +224,18 @@ class CurveFit:
         try:
             solve(self.scene_of(start, self.curve.scene), **self.options)
         except EquilibriumNotFound as failure:
-            message = f"the scene as given does not reach the end of the curve: {failure.message}"
+            message = (
+                f"the scene as given does not reach the end of the curve{self._beyond()}: {failure.message}"
+            )
             raise EquilibriumNotFound(replace(failure.path, message=message)) from None
         return self.residuals(start)
+
+    def _beyond(self) -> str:
+        """That the curve's force is far beyond solid, in words; empty where it is not."""
+        closing, largest = sizes(self.curve.scene).closing[1], abs(self.curve.scene.load.force[1])
+        if largest <= BEYOND * closing:
+            return ""
+        return f" of {largest:.4g} N, where the last coil closes at {closing:.4g} N (are the units right?)"
 
     def solved(self) -> tuple[np.ndarray, np.ndarray, np.ndarray, list[int]]:
         """Shares of the best fit, its derivatives, which were fitted, and which were left for their scatter.
@@ -236,9 +253,10 @@ class CurveFit:
                 relative = (np.diag(spread) / shares)[fitted]
                 if not (relative > SCATTER).any():
                     return shares, J, fitted, doubtful
-                worst = int(np.nanargmax(relative))
-                doubtful.append(int(fitted[worst]))
-                known = np.delete(fitted, worst)
+                # of those that can stand for each other the first is fitted
+                last = int(np.flatnonzero(relative > max(SCATTER, ALIKE * np.nanmax(relative)))[-1])
+                doubtful.append(int(fitted[last]))
+                known = np.delete(fitted, last)
             fitted = known
 
     def best(self, fitted: np.ndarray) -> np.ndarray:
@@ -280,11 +298,16 @@ class CurveFit:
                     continue  # out of its range, as an exponent below 1
                 change = self.residuals(shares + step) - before - J @ step
                 if self.path is None or np.linalg.norm(change) > CURVED * np.linalg.norm(J @ step) + ROUNDING:
-                    return (
-                        f"no standard errors: one error off in {self.names[i]}, the path ends before the "
-                        "largest force, or is no longer linear in the parameters"
-                    )
+                    return self._vague(i, spread[:, i] / shares)
         return ""
+
+    def _vague(self, i: int, relative: np.ndarray) -> str:
+        """That one standard error is too much to be added, in words; with it all parameters change so."""
+        others = [self.names[j] for j in np.flatnonzero(np.abs(relative) > ALIKE * relative[i]) if j != i]
+        by = f"no standard errors: with {self.names[i]} off by one, which is {100 * relative[i]:.2g} %"
+        by += f" (and {' and '.join(others)} making up for it)" if others else ""
+        ends, bends = "the path ends before the largest force", "the curve changes out of proportion"
+        return f"{by}, {ends if self.path is None else bends}"
 
     def residuals(self, shares: np.ndarray) -> np.ndarray:
         """Differences of the columns over their peaks, flat."""

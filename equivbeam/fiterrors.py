@@ -7,6 +7,7 @@ import numpy as np
 # and in guided ones is 2e-7 (an exponent beside a penalty).
 RESOLVED = 1e-8
 TRADED = 1e-3  # relative change of a parameter, for another's by its whole value, that counts
+OTHERWISE = 0.05  # share of a parameter's effect that others beside it need not have, to stand for it
 SHAPES = 2  # of a misfit: the slowest along the curve that the parameters cannot follow
 
 
@@ -31,6 +32,14 @@ def undetermined(J: np.ndarray, fitted: np.ndarray, doubtful: list[int]) -> np.n
     lost[fitted] = (np.abs(instead) > TRADED).any(axis=1)
     lost[doubtful] = True
     return lost
+
+
+def instead_of(J: np.ndarray, fitted: np.ndarray, i: int) -> np.ndarray:
+    """Which of the fitted parameters can stand for another one, i: all but `OTHERWISE` of what it moves."""
+    shares = np.linalg.lstsq(J[:, fitted], J[:, i], rcond=None)[0]
+    left = np.linalg.norm(J[:, i] - J[:, fitted] @ shares)
+    size = float(np.linalg.norm(J[:, i]))
+    return fitted[np.abs(shares) > TRADED] if size > RESOLVED and left < OTHERWISE * size else fitted[:0]
 
 
 def spread(

@@ -237,7 +237,10 @@ def test_bad_requests(tmp_path, capsys):
 def test_a_force_that_the_spring_does_not_reach(tmp_path, capsys):
     curve = write(tmp_path / "bench.csv", ([1e4, 2e4], [5.0, 20.0]))
     assert main(["calibrate", "spring-b", str(curve), "--fit", "axial", "--out", str(tmp_path / "x")]) == 3
-    assert "does not reach the end of the curve: limit point" in capsys.readouterr().err
+    assert (
+        "of the curve of 2e+04 N, where the last coil closes at 549.6 N (are the units right?): limit point"
+        in capsys.readouterr().err
+    )
     assert main(["calibrate", "spring-b", "none.csv", "--fit", "axial", "--out", str(tmp_path / "x")]) == 2
     assert "curve must be a readable CSV file, got 'none.csv'" in capsys.readouterr().err
 
@@ -310,3 +313,43 @@ def test_rate_of_coulomb_friction_is_a_difference():
     path = equivbeam.solve(rubbed, sliding="scene", steps=10)
     rise = np.diff(-path.loads[:, 1], prepend=0.0) / np.diff(-path.tips[:, 1], prepend=0.0)
     np.testing.assert_allclose(path.rates, rise)
+
+
+@pytest.mark.parametrize("names", [("axial", "G"), ("G", "axial")])
+def test_of_two_that_a_curve_hardly_tells_apart_the_first_is_fitted(names):
+    """Noise makes their derivatives differ; G also bends and shears the spring, a little."""
+    scene = replace(GUIDED, spring=replace(GUIDED.spring, mean_diameter=(16.0, 14.0)))
+    force, deflection = measured_of(scene)
+    noise = np.random.default_rng(5).normal(scale=NOISE, size=force.size)
+    found = fit((force, 0.93 * deflection + noise), list(names), scene)
+    assert found.fixed == (names[1],)
+    assert found.instead == ((names[0],),)
+    assert f"the curve does not tell it from {names[0]}" in str(found)
+
+
+def test_what_moves_no_curve_is_told_from_nothing():
+    found = fit(measured_of(GUIDED), ["axial", "bending"], GUIDED)
+    assert (found.fixed, found.instead) == (("bending",), ((),))
+
+
+def test_a_file_of_the_outer_diameter_is_told_that_the_mean_one_is_held(bench, tmp_path, capsys):
+    file, curve = tmp_path / "guided.toml", write(tmp_path / "bench.csv", bench)
+    text = scene_text(GUIDED)
+    for outer in (False, True):
+        file.write_text(
+            text.replace("mean_diameter = [16.0, 16.0]", "outer_diameter = 18.0") if outer else text
+        )
+        for name in ("wire_diameter", "axial"):
+            call = ["calibrate", str(file), str(curve), "--fit", name, "--out", str(tmp_path / "out")]
+            assert main(call) == 0
+            told = "not the outer_diameter of the file" in capsys.readouterr().out
+            assert told == (outer and name == "wire_diameter")
+
+
+def test_a_wire_model_without_the_factors_of_a_law_is_no_doubt_of_the_curve():
+    scene = replace(GUIDED, factors=Factors(axial=0.5))
+    force, deflection = measured_of(scene)
+    curve = measured({"force": force, "deflection": deflection}, scene)
+    paths = {"wirefe": wirefe.solve(scene, element="curved", elements_per_turn=4, steps=5)}
+    assert "it takes no [factors]" in doubts(paths, curve)[-1]
+    assert not any("are the spring" in doubt for doubt in doubts(paths, curve))

@@ -255,6 +255,13 @@ def test_warnings(spring, scene, warning):
     assert not [text for text in report(scene_of())[1] if warning.split()[0] in text]
 
 
+def test_moduli_that_are_of_no_metal_are_told():
+    """From E and G, the second in the wrong unit or of another material."""
+    odd = replace(scene_of(), material=Material.from_moduli(185e3, 100e3))
+    assert "Poisson's ratio is -0.075: metals have 0.2 to 0.45" in report(odd)[1]
+    assert not report(replace(odd, material=Material.from_moduli(185e3, 70e3)))[1]
+
+
 @pytest.mark.parametrize("command", ["solve --model equivbeam", "compare"])
 def test_what_check_warns_of_is_said_by_runs(command, tmp_path, capsys):
     """On stderr and in the JSON; what concerns the formulas of `check` alone is not."""

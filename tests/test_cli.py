@@ -534,3 +534,17 @@ def test_quiet_still_says_what_went_wrong(tmp_path, capsys):
     output = capsys.readouterr()
     assert output.out == ""
     assert output.err.startswith("coilcheck: wirefe: ")
+
+
+def test_a_run_says_what_it_takes_the_place_of(tmp_path, capsys):
+    call = ["solve", "spring-a", "--steps", "1", "--out", str(tmp_path)]
+    said = []
+    for options in (["equivbeam"], ["equivbeam"], ["equivbeam", "--law", "helix"], ["wirefe"]):
+        assert main([*call, "--model", *options]) == 0
+        said.append([line for line in capsys.readouterr().out.splitlines() if "in place of" in line])
+    assert said[:2] == [[], []]
+    assert said[2] == ["in place of a run by equivbeam (law haringx), which was there"]
+    assert said[3][0].startswith("in place of a run by equivbeam (law helix")
+    (tmp_path / "summary.json").write_text("[]")
+    assert main([*call, "--model", "equivbeam"]) == 0
+    assert "in place of" not in capsys.readouterr().out

@@ -14,6 +14,7 @@ from coilspring.scene.toml import scene_table, written_table
 from coilspring.sweep import CRASHED
 from validation.cli import main
 from validation.sweep import run
+from validation.sweep.choice import rounded_up
 from validation.sweep.grid import Varied, points, read_varied
 from validation.sweep.run import FILE
 
@@ -127,7 +128,11 @@ def test_a_row_for_each_scene_in_order_and_invalid_ones_say_why(tmp_path, capsys
     assert int(row["iterations"]) == path.total_iterations
     said = capsys.readouterr()
     assert "4 springs: 2 completed, 2 refused" in said.out
-    assert said.err == "coilcheck: 2 of 4 scenes did not reach full load; sweep.csv says why\n"
+    refused = (
+        "2 cannot be solved, the first since spring.active_coils must be a multiple of 0.5 in [0.5, 1000]"
+    )
+    early = f"2 of 4 scenes did not reach full load: {refused} for the equivalent beam, got 7.3"
+    assert said.err == f"coilcheck: {early}; sweep.csv says why\n"
 
 
 def test_the_wire_model_and_the_reaction_to_a_displacement(tmp_path):
@@ -145,7 +150,7 @@ def test_a_picture_where_one_number_has_three_values(tmp_path):
     assert main(call) == 0
     assert (tmp_path / "sweep.png").read_bytes().startswith(b"\x89PNG")
     assert main([*call, "--vary", "spring.hand=left,right"]) == 0
-    assert [file.name for file in tmp_path.iterdir()] == [FILE]
+    assert sorted(file.name for file in tmp_path.iterdir()) == ["sweep.1.csv", FILE]
 
 
 def test_where_no_scene_can_be_solved_the_first_reason_is_said(tmp_path, capsys):
@@ -251,3 +256,40 @@ def test_the_outer_diameter_of_a_file_stays_where_the_wire_varies(tmp_path):
     varied = read_varied(["spring.wire_diameter=2.0,2.2", "spring.outer_diameter.1=14,16"], table)
     found = [point.scene.spring.mean_diameter for point in points(table, varied)]
     assert found == [(24.0, 12.0), (24.0, 14.0), (23.8, 11.8), (23.8, 13.8)]
+
+
+@pytest.mark.parametrize(
+    "other",
+    ["my,own,data", "my,own\n1,2\n", None],
+    ids=["a line of something else", "another table", "the rows of another sweep"],
+)
+def test_what_a_sweep_finds_in_its_place_is_kept(tmp_path, other):
+    if other is None:
+        solved_again(tmp_path, [Varied("load.force.1", (-20.0,))])
+    else:
+        (tmp_path / FILE).write_text(other)
+    old = (tmp_path / FILE).read_text()
+    found, count = solved_again(tmp_path, GRID)
+    assert count == 4
+    assert [file.read_text() for file in run.kept_files(tmp_path)] == [old]
+    assert solved_again(tmp_path, GRID) == (found, 0)
+    (tmp_path / FILE).write_text((tmp_path / FILE).read_text()[:-40])  # its own rows, the last one cut
+    solved_again(tmp_path, GRID)
+    assert len(run.kept_files(tmp_path)) == 1
+    solved_again(tmp_path, [*GRID, Varied("spring.hand", ("left", "right"))])
+    assert len(run.kept_files(tmp_path)) == 2
+
+
+def test_a_sweep_says_where_the_one_before_is_kept(tmp_path, capsys):
+    for force in ("-30,-40", "-40", "-40,-50"):
+        call = ["sweep", "spring-b", "--vary", f"load.force.1={force}", *ONE, "--out", str(tmp_path)]
+        assert main(call) == 0
+        said = f"the sweep that was there is kept in {tmp_path / 'sweep.1.csv'}"
+        assert (said in capsys.readouterr().out) == (force == "-40")
+
+
+@pytest.mark.parametrize("number", [1e-5, 1.04e-5, 9.99e-5, 0.1, 0.0123, 0.999])
+def test_an_accuracy_that_is_offered_can_be_asked_for(number):
+    found = rounded_up(number)
+    assert number < found <= 1.11 * number
+    assert float(f"{found:g}") == float(f"{found:.1e}") == found

@@ -105,9 +105,10 @@ def solve(arguments: argparse.Namespace) -> int:
             files |= make(path) if getattr(arguments, name) else {}
         if any(name.startswith("wire/") for name in files):
             output.prepare(folder / "wire")
+        lines += [f"written to {folder}", *output.replaced(folder, found)]
         output.write_files(files, folder)
         output.remove_stale(files, folder)
-    return _concluded(arguments, found, [*lines, f"written to {folder}"], path)
+    return _concluded(arguments, found, lines, path)
 
 
 def compare(arguments: argparse.Namespace) -> int:

@@ -10,6 +10,7 @@ from pathlib import Path
 
 from coilspring import InputError, Scene, load_scene
 from coilspring.errors import require_integer
+from coilspring.scene.profile import OTHER_DIAMETERS
 from coilspring.scene.toml import written_table
 from validation.cli.arguments import (
     CAMPAIGN_RANGES,
@@ -64,6 +65,10 @@ def calibrate(arguments: argparse.Namespace, folder: Path, progress: Progress) -
         progress(f"fitting {', '.join(names)}")
         files, lines = run.calibrate(scene, arguments.measured, names, **given(arguments, ("law",)))
         write_files(files, folder)
+    other = OTHER_DIAMETERS.keys() & written_table(scene, arguments.scene)["spring"].keys()
+    if other and "wire_diameter" in names:
+        held = "fitted with the mean diameter of the coils as it is"
+        lines.append(f"warning: {held}, not the {other.pop()} of the file: take both from calibrated.toml")
     return [*lines, f"written to {folder}"], ""
 
 
@@ -166,9 +171,10 @@ def sweep(arguments: argparse.Namespace, folder: Path, progress: Progress) -> An
 
             found = choose(list(grid.points(table, varied)), varied, accuracy, progress)
             lines.append(found.line)
-        solver = found.candidate if found else lambda scene: asked
+        solver, kept = found.candidate if found else lambda scene: asked, len(run.kept_files(folder))
         rows = run.sweep(folder, table, varied, solver, workers=workers, progress=_counted(progress))
         run.write_picture(folder, rows, [each.key for each in varied], scene, solver(scene).model)
+        lines += [f"the sweep that was there is kept in {file}" for file in run.kept_files(folder)[kept:]]
     return [*lines, *run.digest(rows), f"written to {folder}"], run.ended_early(rows)
 
 

@@ -94,7 +94,7 @@ def digest(study: Study) -> list[str]:
     """A case for a reader at the terminal."""
     own = study.inputs != INPUTS
     total = _total(study.data, (VARIED,) if own else SILENT)
-    what = "its inputs move" if own else "what the paper does not give moves"
+    what = "the inputs that are varied move" if own else "what the paper does not give moves"
     deviation = "" if study.deviation is None else f"; the models deviate by {study.deviation:.2f} %"
     left_out = [f"{study.name}, {line}" for line in study.left_out]
     return [*left_out, f"{study.name}: {what} the curves by {total:.1f} % together{deviation}"]

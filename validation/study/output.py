@@ -151,6 +151,18 @@ def remove_stale(files: Mapping[str, bytes], folder: Path) -> None:
                 (folder / "wire").rmdir()
 
 
+def replaced(folder: Path, found: Mapping[str, object]) -> list[str]:
+    """In a line what a summary will take the place of: a run in `folder` with another model or options."""
+    try:
+        old = json.loads((folder / "summary.json").read_text(encoding="utf-8"))
+        before, now = ((each["model"], each["options"]) for each in (old, json.loads(json_text(found))))
+    except (OSError, ValueError, KeyError, TypeError):
+        return []  # none, or of something else
+    options = ", ".join(f"{key} {value}" for key, value in before[1].items() if value != now[1].get(key))
+    run = f"{before[0]} ({options})" if options else str(before[0])
+    return [f"in place of a run by {run}, which was there"] if before != now else []
+
+
 def stress_file(path: EquilibriumPath) -> dict[str, bytes]:
     """``stress.csv``: forces and stresses along the wire at the last step reached by the wire model."""
     from wirefe import stress

@@ -57,8 +57,18 @@ def choose(
             why = f"{name}; error up to {worst:.2g} on {sampled}"
             return Chosen(candidate, worst, f"chosen for an accuracy of {accuracy:g}: {why}")
         least = min(least, worst)
-    can = f"must be at least {2.1 * least:.1g}" if MARGIN * least < ACCURACIES[1] else "cannot be met"
+    can = (
+        f"must be at least {rounded_up(MARGIN * least):g}"
+        if MARGIN * least < ACCURACIES[1]
+        else "cannot be met"
+    )
     raise InputError(f"accuracy {can} on this grid by one law or mesh for all its scenes, got {accuracy:g}")
+
+
+def rounded_up(number: float) -> float:
+    """A positive number with two digits, the next larger one: what a user may ask for."""
+    unit = 10.0 ** (math.floor(math.log10(number)) - 1)
+    return float(f"{(math.floor(number / unit) + 1) * unit:.2g}")
 
 
 def sample(grid: Sequence[Point], varied: Sequence[Varied]) -> list[Scene]:

@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import csv
 import io
+import itertools
 from collections import Counter
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from importlib import import_module
+from itertools import takewhile
 from pathlib import Path
 from typing import Any
 
@@ -64,16 +66,20 @@ def sweep(
     """Solve all combinations of the values, and write ``sweep.csv``: a row for each, in their order.
 
     A row is on disk as soon as its scene is solved. Rows that are there already from the same scenes,
-    options and sources are not solved again. `table` has the keys of the scene; `workers`: see
-    `coilspring.sweep.outcomes`; `progress` is called with the number of scenes done and of all.
+    options and sources are not solved again; a file with any others is kept under another name, see
+    `kept_files`. `table` has the keys of the scene; `workers`: see `coilspring.sweep.outcomes`; `progress`
+    is called with the number of scenes done and of all.
     """
     grid = list(points(table, varied))
     tasks = [(point.scene, choose(point.scene)) if point.scene else None for point in grid]
     keys = [_key(point, task) for point, task in zip(grid, tasks, strict=True)]
     target, columns = folder / FILE, (*(each.key for each in varied), *RESULTS)
     wanted = set(keys)
+    old = _text(target)
     # what belongs to another sweep is left out, as is a last line that was cut: it has no whole key
-    rows = {row["key"]: row for row in _read(target, columns) if row["key"] in wanted}
+    rows = {row["key"]: row for row in _read(old, columns) if row["key"] in wanted}
+    if _holds_more(old, columns, wanted):
+        write_text(next(name for name in _other_names(folder) if not name.exists()), old)
     write_text(target, _csv(columns, rows.values()))
     missing = {i: task for i, task in enumerate(tasks) if task and keys[i] not in rows}
     done = len(grid) - len(missing)
@@ -107,14 +113,38 @@ def _key(point: Point, task: tuple[Scene, Choice] | None) -> str:
     return run_key(choice.model, scene, choice.options)[:DIGITS]
 
 
-def _read(target: Path, columns: Sequence[str]) -> list[Row]:
-    """Whole rows of a file that need not be found again; none where its columns are others."""
+def _text(target: Path) -> str:
+    """What a file holds; nothing where there is none."""
     if not target.exists():
-        return []
+        return ""
     with writing(target):
-        text = target.read_text(encoding="utf-8")
+        return target.read_text(encoding="utf-8")
+
+
+def _read(text: str, columns: Sequence[str]) -> list[Row]:
+    """Whole rows of a file that need not be found again; none where its columns are others."""
     rows = (row for row in csv.DictReader(io.StringIO(text)) if list(row) == list(columns))
     return [row for row in rows if row["outcome"] != CRASHED]
+
+
+def _holds_more(text: str, columns: Sequence[str], wanted: Collection[str]) -> bool:
+    """Whether a file has other columns, or solved rows other than those `wanted`."""
+    head, *lines = text.splitlines() or [""]
+    if head != ",".join(columns):
+        return bool(text.strip())
+    whole = lines if text.endswith("\n") else lines[:-1]  # one that was interrupted is found again
+    keys = {line.rpartition(",")[2] for line in whole}
+    return not keys - {""} <= set(wanted)
+
+
+def _other_names(folder: Path) -> Iterator[Path]:
+    """Names under which files of other sweeps are kept, in their order."""
+    return (folder / f"{Path(FILE).stem}.{number}.csv" for number in itertools.count(1))
+
+
+def kept_files(folder: Path) -> list[Path]:
+    """Files of earlier sweeps in a folder, which later ones have not overwritten."""
+    return list(takewhile(Path.exists, _other_names(folder)))
 
 
 def _row(columns: Sequence[str], key: str, point: Point, found: Outcome) -> Row:
@@ -172,6 +202,8 @@ def ended_early(rows: Sequence[Row]) -> str:
     Raises `InputError`: no scene could be solved.
     """
     count = sum(row["outcome"] != "completed" for row in rows)
-    if all(row["outcome"] == REFUSED for row in rows):
-        raise InputError(f"no scene can be solved: {rows[0]['message']}")
-    return f"{count} of {len(rows)} scenes did not reach full load; {FILE} says why" if count else ""
+    refused = [row["message"] for row in rows if row["outcome"] == REFUSED]
+    if len(refused) == len(rows):
+        raise InputError(f"no scene can be solved: {refused[0]}")
+    why = f"{len(refused)} cannot be solved, the first since {refused[0]}; " if refused else ""
+    return f"{count} of {len(rows)} scenes did not reach full load: {why}{FILE} says why" if count else ""

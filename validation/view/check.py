@@ -33,8 +33,6 @@ def report(scene: Scene) -> tuple[list[str], list[str]]:
     doubts = warnings(scene)
     if angle > STEEPEST:
         doubts.append(f"helix angle up to {angle:.3g} degrees, above {STEEPEST:g}: the formulas leave it out")
-    if found.force < 0.0:
-        doubts.append("the axial load pulls: the formulas are those of a compression spring")
     return [*text.rstrip("\n").split("\n"), *models], doubts
 
 
