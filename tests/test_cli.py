@@ -1,5 +1,6 @@
 """The command line as scripts see it: exit codes, files, and one sentence where something is wrong."""
 
+import builtins
 import csv
 import errno
 import importlib
@@ -548,3 +549,21 @@ def test_a_run_says_what_it_takes_the_place_of(tmp_path, capsys):
     (tmp_path / "summary.json").write_text("[]")
     assert main([*call, "--model", "equivbeam"]) == 0
     assert "in place of" not in capsys.readouterr().out
+
+
+def test_a_file_in_the_place_of_a_folder_is_told(tmp_path, capsys):
+    (tmp_path / "afile").write_text("")
+    assert main(["solve", "spring-a", "--model", "equivbeam", "--out", str(tmp_path / "afile")]) == 4
+    assert "afile: it is a file, not a folder" in capsys.readouterr().err
+
+
+def test_an_interruption_while_the_command_is_imported_is_one_sentence(monkeypatch, capsys):
+    def interrupt(name, *rest):
+        if name == "validation.cli.command":
+            raise KeyboardInterrupt
+        return found(name, *rest)
+
+    found = builtins.__import__
+    monkeypatch.setattr(builtins, "__import__", interrupt)
+    assert main(["new", "spring-a"]) == 130
+    assert capsys.readouterr().err == "coilcheck: interrupted\n"

@@ -13,6 +13,7 @@ import wirefe
 from coilspring import Contact, Load, load_scene, spring_a, spring_b
 from coilspring.sweep import outcome_of
 from validation.cli.terminal import digest, notes, progress_shown
+from validation.study import output
 from validation.study.partialsolve import partial_path
 
 
@@ -68,7 +69,11 @@ def test_the_largest_stress_is_that_of_the_whole_path():
     most = path.max_stress.argmax()
     assert path.max_stress[-1] < 0.5 * path.max_stress[most]
     said = f"stress {path.max_stress[most]:.4g} MPa at most, at time {path.times[most]:g}"
-    assert any(said in line for line in digest(path))
+    _, turns = wirefe.stress(path, int(most)).largest()
+    assert any(f"{said} and turn {turns:.3g} (" in line for line in digest(path))
+    found = output.summary(path)["largest_stress"]
+    assert found == {"value": path.max_stress[most], "time": path.times[most], "turns": turns}
+    assert output.summary(equivbeam.solve(spring_a(), steps=1))["largest_stress"] is None
     assert outcome_of(path.scene, lambda scene: path).max_stress == path.max_stress[most]
 
 

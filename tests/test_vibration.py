@@ -41,8 +41,24 @@ SLENDER = Scene(
 )
 def test_clamped_helical_spring(options):
     """Values after Pearson and Yildirim, as in test_modes. Measured 0.05 % at most."""
-    found = wirefe.frequencies(wirefe.solve(PEARSON, **options), count=5)
+    path = wirefe.solve(PEARSON, **options)
+    found = wirefe.frequencies(path, count=5)
     assert_allclose(found, [393.5, 396.1, 462.8, 525.5, 863.9], rtol=1e-3)
+    modes = wirefe.modes(path, count=5)
+    assert [mode.frequency for mode in modes] == found.tolist()
+    # the third is the surge of the textbook; in the fourth, sqrt(E / 2 G) times as high, coils turn
+    assert [mode.kind for mode in modes[:4]] == ["lateral", "lateral", "axial", "torsional"]
+
+
+@pytest.mark.parametrize("hand", ["left", "right"])
+@pytest.mark.parametrize("phase", [0.0, 1.0])
+def test_modes_have_their_names_whatever_the_hand_and_the_phase(hand, phase):
+    """Of a slender spring the lateral ones come first, in pairs; a conical one mixes none of the lowest."""
+    for scene in (PEARSON, replace(PEARSON, spring=replace(PEARSON.spring, mean_diameter=(10.0, 9.0)))):
+        turned = replace(scene, spring=replace(scene.spring, hand=hand, start_phase=phase))
+        path = wirefe.solve(turned, element="curved", elements_per_turn=10)
+        kinds = [mode.kind for mode in wirefe.modes(path, count=4)]
+        assert sorted(kinds) == ["axial", "lateral", "lateral", "torsional"]
 
 
 def test_surge_of_the_textbook():
@@ -130,9 +146,10 @@ def test_load_and_contact_change_the_frequencies():
 def test_the_command_says_them(tmp_path, capsys):
     arguments = ["solve", "spring-b", "--model", "wirefe", "--elements-per-turn", "8", "--steps", "2"]
     assert main([*arguments, "--frequencies", "3", "--out", str(tmp_path)]) == 0
-    found = json.loads((tmp_path / "summary.json").read_text())["frequencies"]
-    assert len(found) == 3
-    assert f"natural frequencies {found[0]:.4g}, " in capsys.readouterr().out
+    summary = json.loads((tmp_path / "summary.json").read_text())
+    found, kinds = summary["frequencies"], summary["modes"]
+    assert len(found) == len(kinds) == 3
+    assert f"natural frequencies {found[0]:.4g} ({kinds[0]}), " in capsys.readouterr().out
     assert main([*arguments, "--frequencies", "0", "--out", str(tmp_path)]) == 2
     assert "--frequencies must be an integer in [1, 100], got 0" in capsys.readouterr().err
 

@@ -2,18 +2,20 @@
 
 from wirefe.adaptive import solve_to
 from wirefe.results.stress import WireStress, stress
-from wirefe.results.vibration import frequencies
+from wirefe.results.vibration import Mode, frequencies, modes
 from wirefe.rod import Rod, RodPath, curved_rod, straight_rod
 from wirefe.solve import Outcome, path_shape, solve, solve_rod, sweep
 from wirefe.tracing import trace, trace_rod
 
 __all__ = [
+    "Mode",
     "Outcome",
     "Rod",
     "RodPath",
     "WireStress",
     "curved_rod",
     "frequencies",
+    "modes",
     "path_shape",
     "solve",
     "solve_rod",

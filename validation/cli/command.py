@@ -15,7 +15,7 @@ from coilspring.errors import require_integer
 from coilspring.measured import measured
 from coilspring.scene.toml import SECTIONS, scene_text
 from validation.calibration import difference
-from validation.cli import studies
+from validation.cli import INTERRUPTED, studies
 from validation.cli.arguments import (
     MODEL_OPTIONS,
     command_line,
@@ -33,7 +33,7 @@ from validation.study.scenewarnings import warnings
 
 MOST_FREQUENCIES = 100
 ADAPTIVE = "wirefe"  # the model that an accuracy is for
-COMPLETED, REGRESSED, BAD_INPUT, NOT_COMPLETED, NOT_WRITTEN, INTERRUPTED = 0, 1, 2, 3, 4, 130
+COMPLETED, REGRESSED, BAD_INPUT, NOT_COMPLETED, NOT_WRITTEN = 0, 1, 2, 3, 4
 
 
 def main(argv: Sequence[str] | None = None) -> int:
@@ -50,8 +50,8 @@ def main(argv: Sequence[str] | None = None) -> int:
         return _fail(NOT_COMPLETED, error.message)
     except output.OutputError as error:
         return _fail(NOT_WRITTEN, str(error))
-    except KeyboardInterrupt:
-        return _fail(INTERRUPTED, "interrupted")
+    except KeyboardInterrupt as stop:
+        return _fail(INTERRUPTED, ": ".join(("interrupted", *map(str, stop.args))))
 
 
 def _fail(code: int, message: str) -> int:
@@ -96,10 +96,12 @@ def solve(arguments: argparse.Namespace) -> int:
             path = _run(scene, model, arguments, progress)
         found, lines = output.summary(path), digest(path)
         if count and len(path.times):
-            from wirefe import frequencies
+            from wirefe import modes
 
-            found["frequencies"] = values = frequencies(path, count=count).tolist()
-            lines.append(f"  natural frequencies {', '.join(f'{f:.4g}' for f in values)} Hz, both ends held")
+            lowest = modes(path, count=count)
+            found["frequencies"], found["modes"] = map(list, zip(*lowest, strict=True))
+            told = ", ".join(f"{mode.frequency:.4g} ({mode.kind})" for mode in lowest)
+            lines.append(f"  natural frequencies {told} Hz, both ends held")
         files = output.path_files(path) | {"summary.json": output.json_bytes(found)}
         for name, make in output.WIRE_FILES.items() if len(path.times) else ():
             files |= make(path) if getattr(arguments, name) else {}

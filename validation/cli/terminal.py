@@ -8,7 +8,7 @@ import numpy as np
 
 from coilspring import EquilibriumPath
 from validation.study.metrics import Comparison
-from validation.study.output import writing
+from validation.study.output import largest_stress, writing
 
 LIMIT_POINTS = {  # by whether UY is prescribed
     False: "a limit point is where the load is largest: to go on, prescribe load.displacement",
@@ -56,10 +56,10 @@ def digest(path: EquilibriumPath) -> list[str]:
         far = int(np.abs(path.tips[:, 1]).argmax())
         if path.scene.load.rows > path.scene.load.steps and far < len(path.times) - 1:  # several stages
             lines.append(f"  largest uy {path.tips[far, 1]:.6g} mm, at time {path.times[far]:g}")
-        if path.max_stress is not None:
-            most = int(path.max_stress.argmax())
-            stress = f"{path.max_stress[most]:.4g} MPa at most, at time {path.times[most]:g}"
-            lines.append(f"  stress {stress} (torsion, with Bergstraesser's factor)")
+        if stress := largest_stress(path):
+            at = f"at time {stress['time']:g} and turn {stress['turns']:.3g}"
+            kind = "torsion, with Bergstraesser's factor"
+            lines.append(f"  stress {stress['value']:.4g} MPa at most, {at} ({kind})")
     lines += [f"  {note}" for note in notes(path)]
     if path.accuracy is not None:
         options, contact = path.options, path.scene.contact

@@ -40,6 +40,8 @@ def writing(target: str | Path) -> Iterator[None]:
 
 def prepare(folder: Path) -> None:
     """Make sure that `folder` exists and takes files, before work is spent on what goes there."""
+    if folder.is_file():
+        raise OutputError(f"cannot write to {folder}: it is a file, not a folder")
     with writing(folder):
         folder.mkdir(parents=True, exist_ok=True)
         with tempfile.TemporaryFile(dir=folder):
@@ -151,6 +153,17 @@ def remove_stale(files: Mapping[str, bytes], folder: Path) -> None:
                 (folder / "wire").rmdir()
 
 
+def largest_stress(path: EquilibriumPath) -> dict[str, float] | None:
+    """Largest shear stress of the wire, MPa; when it is, and how many turns above the first active point."""
+    if path.max_stress is None or not len(path.times):
+        return None
+    from wirefe import stress
+
+    step = int(path.max_stress.argmax())
+    value, turns = stress(path, step).largest()
+    return {"value": value, "time": float(path.times[step]), "turns": turns}
+
+
 def replaced(folder: Path, found: Mapping[str, object]) -> list[str]:
     """In a line what a summary will take the place of: a run in `folder` with another model or options."""
     try:
@@ -211,6 +224,7 @@ def summary(path: EquilibriumPath) -> dict[str, object]:
         "message": path.message,
         "warnings": warnings(path.scene),
         "last_time": path.times[-1] if len(path.times) else 0.0,
+        "largest_stress": largest_stress(path),
         **{name: getattr(path, name) for name in SUMMARY},
         "options": {"steps": load.steps, "penalty": contact.stiffness, **path.options},
         "versions": versions(),

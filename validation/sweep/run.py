@@ -91,12 +91,15 @@ def sweep(
             store(import_module(f"{model}.solve").KERNELS)
 
     found = outcomes(iter(missing.values()), chunk=CHUNK, workers=workers, prepare=prepare)
-    for i, outcome in zip(missing, found, strict=True):
-        rows[keys[i]] = _row(columns, keys[i], grid[i], outcome)
-        with writing(target), target.open("a", encoding="utf-8", newline="") as stream:
-            stream.write(_csv(columns, [rows[keys[i]]], header=False))
-        done += 1
-        progress(done, len(grid))
+    try:
+        for i, outcome in zip(missing, found, strict=True):
+            rows[keys[i]] = _row(columns, keys[i], grid[i], outcome)
+            with writing(target), target.open("a", encoding="utf-8", newline="") as stream:
+                stream.write(_csv(columns, [rows[keys[i]]], header=False))
+            done += 1
+            progress(done, len(grid))
+    except KeyboardInterrupt:
+        raise KeyboardInterrupt(f"{len(rows)} rows are in {target}; the same command goes on") from None
     for point, key in zip(grid, keys, strict=True):
         if point.scene is None:
             rows[key] = _row(columns, key, point, Outcome(REFUSED, point.refused))

@@ -8,7 +8,7 @@ turns included.
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -27,10 +27,31 @@ if TYPE_CHECKING:
 
 POINTS = 4  # Gauss points of an element
 TOPS = ("held", "scene")
+AXIAL, LATERAL, TORSIONAL, MIXED = "axial", "lateral", "torsional", "mixed"
+MAIN = 0.7  # share of the motion that names a mode
+
+
+class Mode(NamedTuple):
+    """A natural mode: how the coils move in it, each as a whole.
+
+    Attributes
+    ----------
+    frequency : Hz; nan where the equilibrium is unstable.
+    kind : {"axial", "lateral", "torsional", "mixed"}
+        Along the spring's axis (surge), across it, or turning about it, where seven tenths of the motion are.
+    """
+
+    frequency: float
+    kind: str
 
 
 def frequencies(path: EquilibriumPath, step: int = -1, *, count: int = 6, top: str = "held") -> np.ndarray:
-    """Lowest natural frequencies about a stored equilibrium of the wire model.
+    """Lowest natural frequencies about a stored equilibrium of the wire model, (count,), Hz; see `modes`."""
+    return np.array([mode.frequency for mode in modes(path, step, count=count, top=top)])
+
+
+def modes(path: EquilibriumPath, step: int = -1, *, count: int = 6, top: str = "held") -> list[Mode]:
+    """Natural modes of the lowest frequencies about a stored equilibrium of the wire model.
 
     Parameters
     ----------
@@ -43,7 +64,7 @@ def frequencies(path: EquilibriumPath, step: int = -1, *, count: int = 6, top: s
 
     Returns
     -------
-    (count,) frequencies in Hz, the lowest first; nan of modes in which the equilibrium is unstable.
+    `count` modes, the lowest first.
 
     Raises
     ------
@@ -64,7 +85,34 @@ def frequencies(path: EquilibriumPath, step: int = -1, *, count: int = 6, top: s
     free = np.flatnonzero(~fixed)
     require_integer("count", count, 1, len(free) - 1)
     K = tangent_stiffness(shape, state, shape.histories(histories, state[None])[0])
-    return lowest_frequencies(K, mass(shape, state), free, count)
+    found, vectors = lowest_modes(K, mass(shape, state), free, count)
+    motions = np.zeros((shape.size, count))
+    motions[free] = vectors
+    kinds = (_kind(*_coil_motions(shape, state, motion)) for motion in motions.T)
+    return [Mode(*each) for each in zip(found.tolist(), kinds, strict=True)]
+
+
+def _coil_motions(shape: WireShape, state: np.ndarray, motion: np.ndarray) -> tuple[float, float, float]:
+    """Squares of the motion of coils along the axis, across it and about it, each weighed by its mass: means
+    over a turn about every point of the wire, in which what turns with the coils cancels."""
+    phases, weights = _quadrature(shape)
+    node, parts = carried(shape.scene.spring, shape.mesh, phases)
+    move, _, _ = _motions(rows(state[None])[0], node, parts)
+    u = np.einsum("pij,pj->pi", move, motion[6 * node[:, None] + np.arange(12)])
+    at = shape.scene.spring.points(phases)
+    about = (at[:, 0] * u[:, 2] - at[:, 2] * u[:, 0]) / np.hypot(at[:, 0], at[:, 2])
+    turn = (np.abs(phases[:, None] - phases) <= math.pi) * weights
+    x, y, z, round_axis = (turn / turn.sum(axis=1)[:, None] @ np.column_stack((u, about))).T
+    return float(weights @ y**2), float(weights @ (x**2 + z**2)), float(weights @ round_axis**2)
+
+
+def _kind(along: float, across: float, about: float) -> str:
+    """Name of a mode by the squares of what its coils move."""
+    total = along + across + about
+    for square, kind in ((along, AXIAL), (across, LATERAL), (about, TORSIONAL)):
+        if square >= MAIN * total:
+            return kind
+    return MIXED
 
 
 def tangent_stiffness(shape: WireShape, state: np.ndarray, history: np.ndarray) -> csr_array:
@@ -155,17 +203,19 @@ def natural_frequencies(rod: Rod, density: float, diameter: float, count: int) -
     free = np.flatnonzero(~rod.held)
     require_integer("count", count, 1, len(free) - 1)
     _refuse_loose(rod)
-    return lowest_frequencies(linear_stiffness(rod), consistent_mass(rod, density, diameter), free, count)
+    return lowest_modes(linear_stiffness(rod), consistent_mass(rod, density, diameter), free, count)[0]
 
 
-def lowest_frequencies(K: csr_array, M: csr_array, free: np.ndarray, count: int) -> np.ndarray:
-    """The lowest `count` in Hz by stiffness and mass of the `free` dofs; nan of modes that are unstable."""
+def lowest_modes(K: csr_array, M: csr_array, free: np.ndarray, count: int) -> tuple[np.ndarray, np.ndarray]:
+    """The lowest `count` frequencies, Hz, by stiffness and mass of the `free` dofs, nan where unstable; and
+    the modes, (free, count)."""
     from scipy.sparse.linalg import eigsh
 
     K, M = (matrix[free][:, free].tocsc() for matrix in (K, M))
-    squares = eigsh(K, k=count, M=M, sigma=0.0, v0=np.ones(len(free)), return_eigenvectors=False)
+    squares, vectors = eigsh(K, k=count, M=M, sigma=0.0, v0=np.ones(len(free)))
+    order = np.argsort(squares)
     with np.errstate(invalid="ignore"):
-        return np.sqrt(np.sort(squares)) / (2.0 * math.pi)
+        return np.sqrt(squares[order]) / (2.0 * math.pi), vectors[:, order]
 
 
 def linear_stiffness(rod: Rod) -> csr_array:
