@@ -21,6 +21,7 @@ from coilspring.solver.continuation.snap import AHEAD, end_or_snap
 from coilspring.solver.continuation.stability import (
     APPROACH,
     FINEST,
+    IMPERFECT,
     JUMPS,
     LEAST_STEP,
     NEUTRAL,
@@ -114,8 +115,7 @@ def plan(system, task, work, path, substep, watch):
         return
     to_critical = APPROACH * (softest.ahead - path.time)
     to_overlap = max(APPROACH * (room.zero - path.time), OVERLAP_TIME)
-    # a zero on a straight line is known; just before it, a bifurcation that is not quite one leans
-    finest = LEAST_STEP if softest.linear else FINEST
+    finest = IMPERFECT if softest.linear else FINEST
     if not path.snapping and (softest.value <= NEUTRAL * path.rest_stiffness or to_critical < finest):
         path.bracket = 2.0 * max(softest.zero - path.time, LEAST_STEP)
         end_or_snap(system, task, work, path, softest, CRITICAL)
