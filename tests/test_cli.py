@@ -546,7 +546,7 @@ def test_a_run_says_what_it_takes_the_place_of(tmp_path, capsys):
     assert said[:2] == [[], []]
     assert said[2] == ["in place of a run by equivbeam (law haringx), which was there"]
     assert said[3][0].startswith("in place of a run by equivbeam (law helix")
-    (tmp_path / "summary.json").write_text("[]")
+    (tmp_path / "summary.json").write_text('{"model": "wirefe", "options": []}')
     assert main([*call, "--model", "equivbeam"]) == 0
     assert "in place of" not in capsys.readouterr().out
 

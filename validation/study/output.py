@@ -169,9 +169,10 @@ def replaced(folder: Path, found: Mapping[str, object]) -> list[str]:
     try:
         old = json.loads((folder / "summary.json").read_text(encoding="utf-8"))
         before, now = ((each["model"], each["options"]) for each in (old, json.loads(json_text(found))))
-    except (OSError, ValueError, KeyError, TypeError):
+        changed = [f"{key} {value}" for key, value in before[1].items() if value != now[1].get(key)]
+    except (OSError, ValueError, KeyError, TypeError, AttributeError):
         return []  # none, or of something else
-    options = ", ".join(f"{key} {value}" for key, value in before[1].items() if value != now[1].get(key))
+    options = ", ".join(changed)
     run = f"{before[0]} ({options})" if options else str(before[0])
     return [f"in place of a run by {run}, which was there"] if before != now else []
 
