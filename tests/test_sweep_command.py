@@ -177,7 +177,7 @@ def test_an_interrupted_sweep_keeps_its_rows_and_goes_on(tmp_path):
         if done == 2:
             raise KeyboardInterrupt
 
-    said = f"2 rows are in {tmp_path / FILE}; the same command goes on"
+    said = f"2 of 4 rows are in {tmp_path / FILE}; the same command goes on"
     with pytest.raises(KeyboardInterrupt, match=re.escape(said)):
         run.sweep(tmp_path, AT_ONCE, GRID, lambda scene: BEAM, workers=0, progress=interrupt)
     assert [row["load.force.1"] for row in rows(tmp_path)] == ["-40.0", "-60.0"]

@@ -93,13 +93,15 @@ def sweep(
     found = outcomes(iter(missing.values()), chunk=CHUNK, workers=workers, prepare=prepare)
     try:
         for i, outcome in zip(missing, found, strict=True):
-            rows[keys[i]] = _row(columns, keys[i], grid[i], outcome)
+            row = _row(columns, keys[i], grid[i], outcome)
             with writing(target), target.open("a", encoding="utf-8", newline="") as stream:
-                stream.write(_csv(columns, [rows[keys[i]]], header=False))
+                stream.write(_csv(columns, [row], header=False))
+            rows[keys[i]] = row
             done += 1
             progress(done, len(grid))
     except KeyboardInterrupt:
-        raise KeyboardInterrupt(f"{len(rows)} rows are in {target}; the same command goes on") from None
+        kept = f"{len(rows)} of {len(grid)} rows"
+        raise KeyboardInterrupt(f"{kept} are in {target}; the same command goes on") from None
     for point, key in zip(grid, keys, strict=True):
         if point.scene is None:
             rows[key] = _row(columns, key, point, Outcome(REFUSED, point.refused))
