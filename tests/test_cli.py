@@ -7,6 +7,7 @@ import importlib
 import json
 import math
 import re
+import signal
 import subprocess
 import sys
 from dataclasses import replace
@@ -558,12 +559,17 @@ def test_a_file_in_the_place_of_a_folder_is_told(tmp_path, capsys):
 
 
 def test_an_interruption_while_the_command_is_imported_is_one_sentence(monkeypatch, capsys):
+    """It waits for the end of an import, which would say that it is broken, as numpy's does."""
+
     def interrupt(name, *rest):
         if name == "validation.cli.command":
-            raise KeyboardInterrupt
+            signal.raise_signal(signal.SIGINT)
+            imported.append(name)
         return found(name, *rest)
 
-    found = builtins.__import__
+    found, imported = builtins.__import__, []
     monkeypatch.setattr(builtins, "__import__", interrupt)
     assert main(["new", "spring-a"]) == 130
+    assert imported
     assert capsys.readouterr().err == "coilcheck: interrupted\n"
+    assert signal.SIGINT not in signal.pthread_sigmask(signal.SIG_BLOCK, ())
