@@ -552,10 +552,21 @@ def test_a_run_says_what_it_takes_the_place_of(tmp_path, capsys):
     assert "in place of" not in capsys.readouterr().out
 
 
-def test_a_file_in_the_place_of_a_folder_is_told(tmp_path, capsys):
-    (tmp_path / "afile").write_text("")
-    assert main(["solve", "spring-a", "--model", "equivbeam", "--out", str(tmp_path / "afile")]) == 4
-    assert "afile: it is a file, not a folder" in capsys.readouterr().err
+@pytest.mark.parametrize(
+    ("command", "said"),
+    [
+        ("solve spring-a --model equivbeam --out afile", "afile: it is a file, not a folder"),
+        ("solve spring-a --model equivbeam --out afile/a/b", "afile/a/b: afile is a file, not a folder"),
+        ("view spring-a --movie afile/a.gif", "afile/a.gif: afile is a file, not a folder"),
+        ("view spring-a --movie /proc/a.gif", "/proc/a.gif: No such file or directory"),
+        ("regress spring-a --accept --baselines afile", "afile/spring-a: afile is a file, not a f"),
+    ],
+)
+def test_a_file_in_the_place_of_a_folder_is_told(command, said, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    Path("afile").touch()
+    assert main(command.split()) == 4
+    assert sentence(capsys).startswith(f"cannot write to {said}")
 
 
 def test_an_interruption_while_the_command_is_imported_is_one_sentence(monkeypatch, capsys):

@@ -327,11 +327,14 @@ def test_an_interrupted_run_keeps_what_was_found_and_the_baselines(small, monkey
         ("--geometry wires", "--geometry must go with SCENE, got wires alone"),
         ("spring-a spring-a --baselines mine", "got spring-a twice"),
         ("spring-a --baselines mine", "no baseline at mine/spring-a/equivbeam.json"),
+        ("--baselines afile", "--baselines must name a folder, but afile is a file"),
+        ("spring-a spring-b --baselines afile", "--baselines must name a folder, but afile is a file"),
         ("--tolerance 1", "--tolerance"),
     ],
 )
 def test_bad_input_is_refused_in_one_sentence(arguments, part, tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
+    (tmp_path / "afile").touch()
     (tmp_path / "broken").mkdir()
     (tmp_path / "broken" / "equivbeam.json").write_text('{"made": 3, "runs": {}}')
     assert main(["regress", *arguments.split()]) == 2

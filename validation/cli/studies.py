@@ -237,7 +237,7 @@ def view(arguments: argparse.Namespace, folder: Path, progress: Progress) -> Ans
     source = frames.of_run(run) if run.is_dir() else load_scene(arguments.scene)
     animation.require(movie)
     if movie is not None:
-        prepare(movie.parent)
+        prepare(movie.parent, movie)
 
     def load() -> frames.Frames:
         return frames.of_scene(source, progress) if isinstance(source, Scene) else source

@@ -11,7 +11,7 @@ import numpy as np
 from coilspring import CATALOGUE, EquilibriumPath, InputError, Scene
 from validation.study.cases import solve_beam, solve_wire
 from validation.study.machine import machine, versions
-from validation.study.output import write_text
+from validation.study.output import in_the_way, write_text
 from validation.study.partialsolve import partial_path
 from validation.study.scenes import study_scenes
 
@@ -143,6 +143,8 @@ def made() -> dict[str, object]:
 
 def read(folder: Path) -> dict[str, dict[str, Any]]:
     """Baselines by model, each with "made" and "runs"; `InputError` where they cannot be read."""
+    if other := in_the_way(folder):
+        raise InputError(f"--baselines must name a folder, but {other} is a file")
     kept = {}
     for model in MODELS:
         file = folder / f"{model}.json"

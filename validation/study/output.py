@@ -38,14 +38,22 @@ def writing(target: str | Path) -> Iterator[None]:
         raise OutputError(f"cannot write to {target}: {error.strerror or error}") from error
 
 
-def prepare(folder: Path) -> None:
-    """Make sure that `folder` exists and takes files, before work is spent on what goes there."""
-    if folder.is_file():
-        raise OutputError(f"cannot write to {folder}: it is a file, not a folder")
-    with writing(folder):
+def prepare(folder: Path, target: Path | None = None) -> None:
+    """Make sure that `folder` exists and takes files, before work is spent on what goes there; `target` is
+    what a message names, by default the folder."""
+    named = target or folder
+    if other := in_the_way(folder):
+        place = "it" if other == named else other
+        raise OutputError(f"cannot write to {named}: {place} is a file, not a folder")
+    with writing(named):
         folder.mkdir(parents=True, exist_ok=True)
         with tempfile.TemporaryFile(dir=folder):
             pass
+
+
+def in_the_way(folder: Path) -> Path | None:
+    """The file in the place of a folder, or of one above it; None where there is none."""
+    return next((each for each in (folder, *folder.parents) if each.exists() and not each.is_dir()), None)
 
 
 @contextmanager
