@@ -60,6 +60,8 @@ def test_a_bench_curve_gives_back_what_was_put_in(bench, tmp_path, capsys):
     out, names = tmp_path / "out", "axial,bending,shearing"
     assert main(["calibrate", str(file), str(curve), "--fit", names, "--out", str(out)]) == 0
     found = json.loads((out / "calibration.json").read_text())
+    assert found["measured"] == str(curve)
+    assert found["options"] == {"law": "haringx", "tangent": "exact", "sliding": "ignore"}
     axial = found["parameters"]["axial"]
     assert abs(axial["value"] - 1.06) < 3.0 * axial["standard_error"] < 3.0 * 0.002
     low, high = axial["interval"]

@@ -1,6 +1,7 @@
 """`coilcheck sweep`: grids of scenes, a row for each, and what is on disk is not solved twice."""
 
 import csv
+import json
 import re
 from dataclasses import replace
 
@@ -17,7 +18,7 @@ from validation.cli import main
 from validation.sweep import run
 from validation.sweep.choice import rounded_up
 from validation.sweep.grid import Varied, points, read_varied
-from validation.sweep.run import FILE
+from validation.sweep.run import FILE, SETTINGS
 
 ONE = ["--workers", "0", "--steps", "1"]
 TABLE, AT_ONCE = scene_table(spring_b()), scene_table(spring_b().with_steps(1))
@@ -151,7 +152,9 @@ def test_a_picture_where_one_number_has_three_values(tmp_path):
     assert main(call) == 0
     assert (tmp_path / "sweep.png").read_bytes().startswith(b"\x89PNG")
     assert main([*call, "--vary", "spring.hand=left,right"]) == 0
-    assert sorted(file.name for file in tmp_path.iterdir()) == ["sweep.1.csv", FILE]
+    assert sorted(file.name for file in tmp_path.iterdir()) == [
+        *("sweep.1.csv", "sweep.1.json", FILE, SETTINGS)
+    ]
 
 
 def test_where_no_scene_can_be_solved_the_first_reason_is_said(tmp_path, capsys):
@@ -205,6 +208,40 @@ def test_nothing_stored_is_solved_again_unless_the_scene_or_the_options_differ(t
     text = (tmp_path / FILE).read_text().replace("completed", CRASHED, 1)
     (tmp_path / FILE).write_text(text)
     assert solved_again(tmp_path, GRID, lambda scene: helix) == (found, 1)
+
+
+def test_how_the_scenes_were_solved_stands_beside_them(tmp_path, capsys):
+    call = ["sweep", "spring-b", "--vary", "load.force.1=-20,-30", *ONE, "--out", str(tmp_path)]
+    assert main(call) == 0
+    plain = json.loads((tmp_path / SETTINGS).read_text())
+    assert plain["scene"] == "spring-b"
+    assert plain["varied"] == {"load.force.1": [-20, -30]}
+    assert plain["model"] == "equivbeam"
+    assert plain["options"] == {"law": "haringx", "tangent": "exact", "sliding": "ignore"}
+    assert plain["accuracy"] is plain["estimated_error"] is None
+    assert main([*call, "--accuracy", "5e-3"]) == 0
+    found = json.loads((tmp_path / SETTINGS).read_text())
+    assert (found["model"], found["accuracy"], found["sampled"]) == ("wirefe", 5e-3, 2)
+    assert 0.0 < found["estimated_error"] <= 2.5e-3
+    count = found["options"]["elements_per_turn"]
+    said = f"accuracy of 0.005: wirefe, {count} curved elements per turn; error up to "
+    assert said + f"{found['estimated_error']:.2g} on 2 scenes" in capsys.readouterr().out
+    assert json.loads((tmp_path / "sweep.1.json").read_text()) == plain
+
+
+def test_options_that_differ_from_scene_to_scene_are_left_out(tmp_path):
+    def choose(scene):
+        return (
+            WIRE if scene.contact.geometry == "spheres" else replace(WIRE, options={"elements_per_turn": 8})
+        )
+
+    grid = [Varied("contact.geometry", ("wires", "spheres")), Varied("spring.active_coils", (7.5, -1.0))]
+    run.sweep(tmp_path, AT_ONCE, grid, choose, workers=0)
+    found = json.loads((tmp_path / SETTINGS).read_text())
+    assert (found["model"], found["options"]) == ("wirefe", {})
+    run.sweep(tmp_path, AT_ONCE, [Varied("spring.active_coils", (-1.0,))], choose, workers=0)
+    found = json.loads((tmp_path / SETTINGS).read_text())
+    assert (found["model"], found["options"]) == (None, {})
 
 
 def test_each_scene_may_have_a_solver_of_its_own(tmp_path):

@@ -29,7 +29,8 @@ def calibrate(
     columns = zip(found.names, found.values, found.errors, found.intervals, found.start, strict=True)
     summary = {
         "scene": scene.name,
-        "options": {name: str(value) for name, value in options.items()},
+        "measured": str(file),
+        "options": found.path.options,
         "parameters": {
             # no standard error where the curve does not determine a value
             name: {

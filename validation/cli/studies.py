@@ -165,14 +165,17 @@ def sweep(arguments: argparse.Namespace, folder: Path, progress: Progress) -> An
     varied = grid.read_varied(arguments.vary, table)
     progress(f"loading {model}")
     asked, lines, found = run.Choice.of(model, given(arguments, MODEL_OPTIONS[model])), [], None
+    told: dict[str, object] = dict(run.UNASKED)
     with claimed(folder), writing(folder):
         if accuracy is not None:
             from validation.sweep.choice import choose
 
             found = choose(list(grid.points(table, varied)), varied, accuracy, progress)
             lines.append(found.line)
+            told |= {"accuracy": accuracy, "estimated_error": found.error, "sampled": found.sampled}
         solver, kept = found.candidate if found else lambda scene: asked, len(run.kept_files(folder))
-        rows = run.sweep(folder, table, varied, solver, workers=workers, progress=_counted(progress))
+        count = _counted(progress)
+        rows = run.sweep(folder, table, varied, solver, workers=workers, progress=count, accuracy=told)
         run.write_picture(folder, rows, [each.key for each in varied], scene, solver(scene).model)
         lines += [f"the sweep that was there is kept in {file}" for file in run.kept_files(folder)[kept:]]
     return [*lines, *run.digest(rows), f"written to {folder}"], run.ended_early(rows)

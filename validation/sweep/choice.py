@@ -30,6 +30,7 @@ class Chosen(NamedTuple):
 
     candidate: Candidate  # solves a scene by a law or a mesh
     error: float  # the largest on the sample, the error of its references included
+    sampled: int  # scenes
     line: str  # for a reader at the terminal
 
 
@@ -55,7 +56,7 @@ def choose(
         if MARGIN * worst <= accuracy:
             sampled = f"{len(scenes)} scenes of the grid, solved by the wire model"
             why = f"{name}; error up to {worst:.2g} on {sampled}"
-            return Chosen(candidate, worst, f"chosen for an accuracy of {accuracy:g}: {why}")
+            return Chosen(candidate, worst, len(scenes), f"chosen for an accuracy of {accuracy:g}: {why}")
         least = min(least, worst)
     can = (
         f"must be at least {rounded_up(MARGIN * least):g}"

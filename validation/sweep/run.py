@@ -8,7 +8,9 @@ import itertools
 from collections import Counter
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass
+from functools import cache
 from importlib import import_module
+from inspect import signature
 from itertools import takewhile
 from pathlib import Path
 from typing import Any
@@ -17,14 +19,16 @@ from coilspring import EquilibriumPath, InputError, Scene
 from coilspring.solver.startup import store
 from coilspring.sweep import CRASHED, REFUSED, Outcome, outcomes
 from validation.study.keys import run_key
-from validation.study.output import write_bytes, write_text, writing
+from validation.study.machine import versions
+from validation.study.output import json_bytes, write_bytes, write_text, writing
 from validation.study.texts import number_of
 from validation.sweep.grid import Point, Varied, points
 
 CHUNK = 16  # springs handed to a worker at a time
-FILE, PICTURE = "sweep.csv", "sweep.png"
+FILE, PICTURE, SETTINGS = "sweep.csv", "sweep.png", "sweep.json"
 DIGITS = 16  # of a row's key
 LEAST = 3  # values that make a curve
+UNASKED = dict.fromkeys(("accuracy", "estimated_error", "sampled"))  # where nothing was chosen by an accuracy
 RESULTS = (
     *("outcome", "time", "load_x", "load_y", "ux", "uy", "rotz", "rate"),
     *("iterations", "active_contacts", "max_penetration", "max_contact_force", "max_stress"),
@@ -62,8 +66,10 @@ def sweep(
     *,
     workers: int | None = None,
     progress: Callable[[int, int], None] = lambda done, of: None,
+    accuracy: Mapping[str, object] = UNASKED,
 ) -> list[Row]:
-    """Solve all combinations of the values, and write ``sweep.csv``: a row for each, in their order.
+    """Solve all combinations of the values, and write ``sweep.csv``: a row for each, in their order; and
+    ``sweep.json``: the values, how they are solved, and by what `accuracy` that was chosen.
 
     A row is on disk as soon as its scene is solved. Rows that are there already from the same scenes,
     options and sources are not solved again; a file with any others is kept under another name, see
@@ -79,8 +85,14 @@ def sweep(
     # what belongs to another sweep is left out, as is a last line that was cut: it has no whole key
     rows = {row["key"]: row for row in _read(old, columns) if row["key"] in wanted}
     if _holds_more(old, columns, wanted):
-        write_text(next(name for name in _other_names(folder) if not name.exists()), old)
+        kept = next(name for name in _other_names(folder) if not name.exists())
+        write_text(kept, old)
+        if (folder / SETTINGS).is_file():
+            (folder / SETTINGS).replace(kept.with_suffix(".json"))  # how the rows that are kept were solved
     write_text(target, _csv(columns, rows.values()))
+    values = {each.key: each.values for each in varied}
+    about = {"scene": table.get("name"), "varied": values, **_settings(task[1] for task in tasks if task)}
+    write_bytes(folder / SETTINGS, json_bytes(about | dict(accuracy) | {"versions": versions()}))
     missing = {i: task for i, task in enumerate(tasks) if task and keys[i] not in rows}
     done = len(grid) - len(missing)
     progress(done, len(grid))
@@ -100,14 +112,33 @@ def sweep(
             done += 1
             progress(done, len(grid))
     except KeyboardInterrupt:
-        kept = f"{len(rows)} of {len(grid)} rows"
-        raise KeyboardInterrupt(f"{kept} are in {target}; the same command goes on") from None
+        count = f"{len(rows)} of {len(grid)} rows"
+        raise KeyboardInterrupt(f"{count} are in {target}; the same command goes on") from None
     for point, key in zip(grid, keys, strict=True):
         if point.scene is None:
             rows[key] = _row(columns, key, point, Outcome(REFUSED, point.refused))
     ordered = [rows[key] for key in keys]
     write_text(target, _csv(columns, ordered))
     return ordered
+
+
+def _settings(choices: Iterable[Choice]) -> dict[str, object]:
+    """Model and options, defaults too, by which all scenes are solved; without those that differ."""
+    each = [(choice.model, _defaults(choice.model) | dict(choice.options)) for choice in choices]
+    models = {model for model, _ in each}
+    first = each[0][1].items() if each else ()
+    shared = [item for item in first if all(item in options.items() for _, options in each)]
+    return {
+        "model": models.pop() if len(models) == 1 else None,
+        "options": {name: value if isinstance(value, int | float) else str(value) for name, value in shared},
+    }
+
+
+@cache
+def _defaults(model: str) -> dict[str, object]:
+    """Options of a model's `solve` that are not the scene's unless given."""
+    known = signature(import_module(model).solve).parameters.values()
+    return {each.name: each.default for each in known if each.default not in (None, each.empty)}
 
 
 def _key(point: Point, task: tuple[Scene, Choice] | None) -> str:
