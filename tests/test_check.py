@@ -137,6 +137,8 @@ def test_coils_that_have_closed_give_no_more():
     assert math.isinf(sizes(beyond).force)
     lines, warnings = report(beyond)
     assert any("beyond solid" in warning for warning in warnings)
+    way, solid = (f"{factor * found.travel:.3g} mm" for factor in (1.01, 1.0))
+    assert f"  axial load    no force shortens it by {way}: it is solid at {solid}" in lines
     assert not any("inf" in line for line in lines if "axial load" in line or "stress" in line)
 
 

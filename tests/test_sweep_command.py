@@ -83,6 +83,9 @@ def test_an_item_of_a_list_and_of_a_table():
         ("spring.wire_diameter=1:2", "a range must be FIRST:LAST:COUNT, three numbers, as 1.2:1.8:7"),
         ("spring.wire_diameter=1:nan:2", "a range must be FIRST:LAST:COUNT, three numbers"),
         ("spring.wire_diameter=1:2:1", "the COUNT of a range must be an integer in [2, 100000], got 1"),
+        ("load.force.1=-3,-4,-3.0", "values must be different, got -3 2 times"),
+        ("load.force.1=-3:-3:3", "values must be different, got -3 3 times"),
+        ("spring.hand=left,left", "values must be different, got left 2 times"),
         ("spring.wire_diameter=1,,2", "values must be numbers, texts, true or false, with commas between"),
     ],
 )

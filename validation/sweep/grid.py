@@ -1,6 +1,7 @@
 """Grids of scenes: all combinations of several values for some keys of a scene file."""
 
 import math
+from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from copy import deepcopy
 from dataclasses import dataclass
@@ -50,7 +51,7 @@ def read_varied(texts: Sequence[str], table: Mapping[str, Any]) -> list[Varied]:
             for other in found:
                 if f"{key}.".startswith(f"{other.key}.") or f"{other.key}.".startswith(f"{key}."):
                     raise InputError(f"{key} is varied already, by {other.key}")
-            found.append(Varied(key, _values(values)))
+            found.append(Varied(key, _different(_values(values))))
         except InputError as error:
             raise InputError(f"--vary {text!r}: {error}") from None
     count = math.prod(len(each.values) for each in found)
@@ -96,6 +97,14 @@ def _values(text: str) -> tuple[Any, ...]:
     values = [float(f"{value:.{DIGITS}g}") for value in np.linspace(first, last, count)]
     whole = isinstance(first, int) and isinstance(last, int) and all(map(float.is_integer, values))
     return tuple(map(int, values)) if whole else tuple(values)  # a number of steps is an integer
+
+
+def _different(values: tuple[Any, ...]) -> tuple[Any, ...]:
+    """Values that are all different: the same scene would be solved again."""
+    ((value, count),) = Counter(values).most_common(1)
+    if count > 1:
+        raise InputError(f"values must be different, got {value} {count} times")
+    return values
 
 
 def points(table: Mapping[str, Any], varied: Sequence[Varied]) -> Iterator[Point]:
