@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     import pandas as pd
 
 SCATTER = 0.5  # standard error over the value, above which it is not told from 0 with 95 % confidence
-ALIKE = 0.1  # of the largest such share: parameters that can stand for each other have about the same
+ALIKE = 0.1  # of a parameter's relative change: one that changes by more with it can stand for it
 FAR = (0.2, 5.0)  # share of its value at the start between which a parameter is searched
 OFFSET = "offset"  # of the curve's deflection, mm: a parameter beside those of the scene
 CLOSE = 1e-3  # to a bound of the search: the fit has stopped at it
@@ -94,13 +94,17 @@ class Calibration:
         for name, value, error, (low, high) in zip(*columns, strict=True):
             if name in self.fixed:
                 others = " and ".join(self.instead[self.fixed.index(name)])
-                apart = f": the curve does not tell it from {others}"
-                what = f"left at its start{apart if others else ': the curve does not determine it'}"
+                why = f"tell it from {others}" if others else "determine it"
+                what = f"left at its start: the curve does not {why}"
             elif name in self.undetermined:
                 what = "with those left that can stand for it: the curve does not determine it alone"
             else:
                 known = f"standard error {error:.2g}, 95 % interval {low:.6g} to {high:.6g}"
                 what = "standard error unknown" if np.isnan(error) else known
+                held = [
+                    fixed for fixed, others in zip(self.fixed, self.instead, strict=True) if name in others
+                ]
+                what += f", with {' and '.join(held)} as given" if held else ""
             lines.append(f"{name} {value:.6g}, {what}")
         fit = f"rms error {self.rms_before:.2g} -> {self.rms_after:.2g} of the curve's peaks"
         lines.append(f"{self.rank} of {len(self.names)} parameters fitted; {fit}")
@@ -232,8 +236,9 @@ class CurveFit:
 
     def _beyond(self) -> str:
         """That the curve's force is far beyond solid, in words; empty where it is not."""
-        closing, largest = sizes(self.curve.scene).closing[1], abs(self.curve.scene.load.force[1])
-        if largest <= BEYOND * closing:
+        found = sizes(self.curve.scene)
+        largest, closing = found.force, found.closing[1]
+        if not largest > BEYOND * closing > 0.0:
             return ""
         return f" of {largest:.4g} N, where the last coil closes at {closing:.4g} N (are the units right?)"
 
@@ -253,8 +258,10 @@ class CurveFit:
                 relative = (np.diag(spread) / shares)[fitted]
                 if not (relative > SCATTER).any():
                     return shares, J, fitted, doubtful
-                # of those that can stand for each other the first is fitted
-                last = int(np.flatnonzero(relative > max(SCATTER, ALIKE * np.nanmax(relative)))[-1])
+                # of those that change with the worst one the first is fitted
+                worst = int(np.nanargmax(relative))
+                tied = np.abs(spread[fitted, fitted[worst]] / shares[fitted]) > ALIKE * relative[worst]
+                last = int(np.flatnonzero(tied & (relative > SCATTER))[-1])
                 doubtful.append(int(fitted[last]))
                 known = np.delete(fitted, last)
             fitted = known
@@ -304,8 +311,8 @@ class CurveFit:
     def _vague(self, i: int, relative: np.ndarray) -> str:
         """That one standard error is too much to be added, in words; with it all parameters change so."""
         others = [self.names[j] for j in np.flatnonzero(np.abs(relative) > ALIKE * relative[i]) if j != i]
-        by = f"no standard errors: with {self.names[i]} off by one, which is {100 * relative[i]:.2g} %"
-        by += f" (and {' and '.join(others)} making up for it)" if others else ""
+        by = f"no standard errors: with {self.names[i]} off by its standard error ({100 * relative[i]:.2g} %)"
+        by += f" and {' and '.join(others)} making up for it" if others else ""
         ends, bends = "the path ends before the largest force", "the curve changes out of proportion"
         return f"{by}, {ends if self.path is None else bends}"
 

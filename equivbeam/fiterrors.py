@@ -39,7 +39,9 @@ def instead_of(J: np.ndarray, fitted: np.ndarray, i: int) -> np.ndarray:
     shares = np.linalg.lstsq(J[:, fitted], J[:, i], rcond=None)[0]
     left = np.linalg.norm(J[:, i] - J[:, fitted] @ shares)
     size = float(np.linalg.norm(J[:, i]))
-    return fitted[np.abs(shares) > TRADED] if size > RESOLVED and left < OTHERWISE * size else fitted[:0]
+    if size <= RESOLVED or left >= OTHERWISE * size:
+        return fitted[:0]
+    return fitted[np.abs(shares) * np.linalg.norm(J[:, fitted], axis=0) > OTHERWISE * size]
 
 
 def spread(

@@ -327,6 +327,8 @@ def test_of_two_that_a_curve_hardly_tells_apart_the_first_is_fitted(names):
     assert found.fixed == (names[1],)
     assert found.instead == ((names[0],),)
     assert f"the curve does not tell it from {names[0]}" in str(found)
+    known = replace(found, undetermined=found.fixed, errors=np.array([0.01, np.nan]))
+    assert f", with {names[1]} as given" in str(known).splitlines()[0]
 
 
 def test_what_moves_no_curve_is_told_from_nothing():

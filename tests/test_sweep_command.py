@@ -133,10 +133,8 @@ def test_a_row_for_each_scene_in_order_and_invalid_ones_say_why(tmp_path, capsys
     assert int(row["iterations"]) == path.total_iterations
     said = capsys.readouterr()
     assert "4 springs: 2 completed, 2 refused" in said.out
-    refused = (
-        "2 cannot be solved, the first since spring.active_coils must be a multiple of 0.5 in [0.5, 1000]"
-    )
-    early = f"2 of 4 scenes did not reach full load: {refused} for the equivalent beam, got 7.3"
+    why = "spring.active_coils must be a multiple of 0.5 in [0.5, 1000] for the equivalent beam, got 7.3"
+    early = f"2 of 4 scenes did not reach full load: 2 cannot be solved (the first: {why})"
     assert said.err == f"coilcheck: {early}; sweep.csv says why\n"
 
 
@@ -302,18 +300,18 @@ def test_the_outer_diameter_of_a_file_stays_where_the_wire_varies(tmp_path):
 
 @pytest.mark.parametrize(
     "other",
-    ["my,own,data", "my,own\n1,2\n", None],
+    [b"my,own,data", b"my,own\r\n\xe4,2\r\n", None],
     ids=["a line of something else", "another table", "the rows of another sweep"],
 )
 def test_what_a_sweep_finds_in_its_place_is_kept(tmp_path, other):
     if other is None:
         solved_again(tmp_path, [Varied("load.force.1", (-20.0,))])
     else:
-        (tmp_path / FILE).write_text(other)
-    old = (tmp_path / FILE).read_text()
+        (tmp_path / FILE).write_bytes(other)
+    old = (tmp_path / FILE).read_bytes()
     found, count = solved_again(tmp_path, GRID)
     assert count == 4
-    assert [file.read_text() for file in run.kept_files(tmp_path)] == [old]
+    assert [file.read_bytes() for file in run.kept_files(tmp_path)] == [old]
     assert solved_again(tmp_path, GRID) == (found, 0)
     (tmp_path / FILE).write_text((tmp_path / FILE).read_text()[:-40])  # its own rows, the last one cut
     solved_again(tmp_path, GRID)

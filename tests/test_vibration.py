@@ -2,6 +2,7 @@
 
 import json
 import math
+import tracemalloc
 from dataclasses import replace
 
 import numpy as np
@@ -15,7 +16,7 @@ from coilspring.compiling.packing import pack
 from coilspring.scene.sizing import sizes, wire_length
 from validation.cli.command import main
 from wirefe import kernels
-from wirefe.results.vibration import mass, tangent_stiffness
+from wirefe.results.vibration import _kind, mass, tangent_stiffness
 
 FREE = Contact(enabled=False)
 SMALL = Load((0.0, -1e-6), 1)
@@ -168,3 +169,31 @@ def test_bad_input():
     ):
         with pytest.raises(InputError, match=words):
             call()
+
+
+def test_a_mode_has_a_name_where_its_coils_move_as_a_whole():
+    squares = {"axial": (1.0, 0.2, 0.1), "lateral": (0.2, 1.0, 0.1), "torsional": (0.2, 0.1, 1.0)}
+    assert [_kind(*each, 2.0) for each in squares.values()] == list(squares)
+    assert {_kind(*each, 20.0) for each in squares.values()} == {"mixed"}  # next to none of the motion
+    assert _kind(1.0, 0.6, 0.0, 2.0) == "mixed"
+    assert _kind(0.0, 0.0, 0.0, 1.0) == "mixed"
+
+
+def test_few_turns_have_mixed_modes_and_ends_on_plates_named_ones():
+    half = Scene("half", Spring(1.0, 10.0, 1.5, 9.0, end_turns=0.0), SMALL, contact=FREE)
+    path = wirefe.solve(half, element="curved", elements_per_turn=8)
+    assert {mode.kind for mode in wirefe.modes(path, count=3)} == {"mixed"}
+    seated = replace(SLENDER, supports=Supports(("ux", "rotz"), seat="plate")).with_steps(1)
+    kinds = [mode.kind for mode in wirefe.modes(wirefe.solve(seated), count=4)]
+    assert kinds[:2] == ["lateral", "lateral"]
+
+
+def test_names_take_no_more_memory_than_points():
+    """A window is a difference of sums: no matrix of points by points."""
+    long = replace(PEARSON, spring=replace(PEARSON.spring, active_coils=60.0, active_height=300.0))
+    path = wirefe.solve(long, element="curved", elements_per_turn=40)
+    tracemalloc.start()
+    wirefe.modes(path, count=2)
+    most = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    assert most < 300e6

@@ -78,7 +78,7 @@ def doubts(paths: Mapping[str, EquilibriumPath], curve: Measured) -> list[str]:
         if (rms := difference(path, curve)["rms"]) > FAR:
             by = f"{name} and the measured curve differ by {100 * rms:.2g} % of the peak rms"
             if name == "wirefe" and path.scene.factors.given:
-                said.append(f"{by}: it takes no [factors], which are of the paper's law alone")
+                said.append(f"{by}, perhaps since it takes no [factors], which are of the paper's law alone")
                 continue
             said.append(f"{by}: are the spring, the units and the deflection at rest those of the scene?")
     return said

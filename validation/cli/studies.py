@@ -173,11 +173,11 @@ def sweep(arguments: argparse.Namespace, folder: Path, progress: Progress) -> An
             found = choose(list(grid.points(table, varied)), varied, accuracy, progress)
             lines.append(found.line)
             told |= {"accuracy": accuracy, "estimated_error": found.error, "sampled": found.sampled}
-        solver, kept = found.candidate if found else lambda scene: asked, len(run.kept_files(folder))
+        solver, kept = found.candidate if found else lambda scene: asked, run.kept_files(folder)
         count = _counted(progress)
         rows = run.sweep(folder, table, varied, solver, workers=workers, progress=count, accuracy=told)
         run.write_picture(folder, rows, [each.key for each in varied], scene, solver(scene).model)
-        lines += [f"the sweep that was there is kept in {file}" for file in run.kept_files(folder)[kept:]]
+        lines += [f"the sweep that was there is kept in {file}" for file in run.kept_files(folder) - kept]
     return [*lines, *run.digest(rows), f"written to {folder}"], run.ended_early(rows)
 
 

@@ -42,10 +42,10 @@ def prepare(folder: Path, target: Path | None = None) -> None:
     """Make sure that `folder` exists and takes files, before work is spent on what goes there; `target` is
     what a message names, by default the folder."""
     named = target or folder
-    if other := in_the_way(folder):
-        place = "it" if other == named else other
-        raise OutputError(f"cannot write to {named}: {place} is a file, not a folder")
     with writing(named):
+        if other := in_the_way(folder):
+            place = "it" if other == named else other
+            raise OutputError(f"cannot write to {named}: {place} is a file, not a folder")
         folder.mkdir(parents=True, exist_ok=True)
         with tempfile.TemporaryFile(dir=folder):
             pass

@@ -11,7 +11,7 @@ LEAST_COILS = 2.0
 TOUCHING = 1e-3  # wire diameters
 SOFTEST = 1000.0  # MPa; metals have 1e4 and more
 THINNEST = 0.05  # mm; wire is drawn to about 0.1 for springs
-POISSON = (0.2, 0.45)  # of metals
+POISSON = (0.2, 0.45)  # of most metals
 
 
 def warnings(scene: Scene) -> list[str]:
@@ -21,7 +21,9 @@ def warnings(scene: Scene) -> list[str]:
     if scene.material.E < SOFTEST:
         said.append(f"E is {scene.material.E:g} MPa, which looks like GPa: 206 GPa are 206000 MPa")
     if not POISSON[0] <= scene.material.nu <= POISSON[1]:
-        said.append(f"Poisson's ratio is {scene.material.nu:.3g}: metals have {POISSON[0]} to {POISSON[1]}")
+        said.append(
+            f"Poisson's ratio is {scene.material.nu:.3g}: most metals have {POISSON[0]} to {POISSON[1]}"
+        )
     if d < THINNEST:
         said.append(f"the wire diameter is {d:g} mm, which looks like metres: lengths are in mm")
     if low < INDEX[0] or high > INDEX[1]:

@@ -11,7 +11,6 @@ from dataclasses import asdict, dataclass
 from functools import cache
 from importlib import import_module
 from inspect import signature
-from itertools import takewhile
 from pathlib import Path
 from typing import Any
 
@@ -81,12 +80,12 @@ def sweep(
     keys = [_key(point, task) for point, task in zip(grid, tasks, strict=True)]
     target, columns = folder / FILE, (*(each.key for each in varied), *RESULTS)
     wanted = set(keys)
-    old = _text(target)
+    old = _text(found_there := _bytes(target))
     # what belongs to another sweep is left out, as is a last line that was cut: it has no whole key
     rows = {row["key"]: row for row in _read(old, columns) if row["key"] in wanted}
     if _holds_more(old, columns, wanted):
         kept = next(name for name in _other_names(folder) if not name.exists())
-        write_text(kept, old)
+        write_bytes(kept, found_there)
         if (folder / SETTINGS).is_file():
             (folder / SETTINGS).replace(kept.with_suffix(".json"))  # how the rows that are kept were solved
     write_text(target, _csv(columns, rows.values()))
@@ -149,12 +148,15 @@ def _key(point: Point, task: tuple[Scene, Choice] | None) -> str:
     return run_key(choice.model, scene, choice.options)[:DIGITS]
 
 
-def _text(target: Path) -> str:
+def _bytes(target: Path) -> bytes:
     """What a file holds; nothing where there is none."""
-    if not target.exists():
-        return ""
     with writing(target):
-        return target.read_text(encoding="utf-8")
+        return target.read_bytes() if target.exists() else b""
+
+
+def _text(content: bytes) -> str:
+    """The same as text; of another program's file what is no UTF-8 is replaced."""
+    return content.decode("utf-8", errors="replace")
 
 
 def _read(text: str, columns: Sequence[str]) -> list[Row]:
@@ -178,9 +180,9 @@ def _other_names(folder: Path) -> Iterator[Path]:
     return (folder / f"{Path(FILE).stem}.{number}.csv" for number in itertools.count(1))
 
 
-def kept_files(folder: Path) -> list[Path]:
+def kept_files(folder: Path) -> set[Path]:
     """Files of earlier sweeps in a folder, which later ones have not overwritten."""
-    return list(takewhile(Path.exists, _other_names(folder)))
+    return set(folder.glob(f"{Path(FILE).stem}.*.csv"))
 
 
 def _row(columns: Sequence[str], key: str, point: Point, found: Outcome) -> Row:
@@ -241,5 +243,5 @@ def ended_early(rows: Sequence[Row]) -> str:
     refused = [row["message"] for row in rows if row["outcome"] == REFUSED]
     if len(refused) == len(rows):
         raise InputError(f"no scene can be solved: {refused[0]}")
-    why = f"{len(refused)} cannot be solved, the first since {refused[0]}; " if refused else ""
+    why = f"{len(refused)} cannot be solved (the first: {refused[0]}); " if refused else ""
     return f"{count} of {len(rows)} scenes did not reach full load: {why}{FILE} says why" if count else ""

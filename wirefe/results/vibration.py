@@ -8,7 +8,7 @@ turns included.
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple, cast
 
 import numpy as np
 
@@ -28,7 +28,9 @@ if TYPE_CHECKING:
 POINTS = 4  # Gauss points of an element
 TOPS = ("held", "scene")
 AXIAL, LATERAL, TORSIONAL, MIXED = "axial", "lateral", "torsional", "mixed"
-MAIN = 0.7  # share of the motion that names a mode
+MAIN = 0.7  # share of what coils move as a whole, that names a mode
+LEAST = 0.2  # share of all motion that this is, at least
+FEWEST_TURNS = 2.0  # of wire, end turns included: with fewer no mode has a name
 
 
 class Mode(NamedTuple):
@@ -38,7 +40,8 @@ class Mode(NamedTuple):
     ----------
     frequency : Hz; nan where the equilibrium is unstable.
     kind : {"axial", "lateral", "torsional", "mixed"}
-        Along the spring's axis (surge), across it, or turning about it, where seven tenths of the motion are.
+        Along the axis at rest (surge), across it, or turning about it, where seven tenths of what coils move
+        as a whole are of this kind; else, and of fewer than two turns of wire, mixed.
     """
 
     frequency: float
@@ -46,12 +49,7 @@ class Mode(NamedTuple):
 
 
 def frequencies(path: EquilibriumPath, step: int = -1, *, count: int = 6, top: str = "held") -> np.ndarray:
-    """Lowest natural frequencies about a stored equilibrium of the wire model, (count,), Hz; see `modes`."""
-    return np.array([mode.frequency for mode in modes(path, step, count=count, top=top)])
-
-
-def modes(path: EquilibriumPath, step: int = -1, *, count: int = 6, top: str = "held") -> list[Mode]:
-    """Natural modes of the lowest frequencies about a stored equilibrium of the wire model.
+    """Lowest natural frequencies about a stored equilibrium of the wire model.
 
     Parameters
     ----------
@@ -64,12 +62,28 @@ def modes(path: EquilibriumPath, step: int = -1, *, count: int = 6, top: str = "
 
     Returns
     -------
-    `count` modes, the lowest first.
+    (count,) frequencies in Hz, the lowest first; nan of modes in which the equilibrium is unstable.
 
     Raises
     ------
     InputError : the path is not of the wire model, or bad input, in one sentence.
     """
+    return _about(path, step, count, top)[0]
+
+
+def modes(path: EquilibriumPath, step: int = -1, *, count: int = 6, top: str = "held") -> list[Mode]:
+    """Natural modes of the lowest frequencies; parameters and errors as of `frequencies`.
+
+    Of modes with the same frequency any mixture may be found.
+    """
+    found, motions = _about(path, step, count, top)
+    shape = cast("WireShape", path.shape)
+    kinds = map(_kind, *_coil_motions(shape, path.states[step], motions))
+    return [Mode(*each) for each in zip(found.tolist(), kinds, strict=True)]
+
+
+def _about(path: EquilibriumPath, step: int, count: int, top: str) -> tuple[np.ndarray, np.ndarray]:
+    """Frequencies (count,) about an equilibrium, and the modes (dofs, count); see `frequencies`."""
     shape = path.shape
     if not isinstance(shape, WireShape):
         raise InputError(f"frequencies needs a path of the model wirefe, got {path.model}")
@@ -88,31 +102,40 @@ def modes(path: EquilibriumPath, step: int = -1, *, count: int = 6, top: str = "
     found, vectors = lowest_modes(K, mass(shape, state), free, count)
     motions = np.zeros((shape.size, count))
     motions[free] = vectors
-    kinds = (_kind(*_coil_motions(shape, state, motion)) for motion in motions.T)
-    return [Mode(*each) for each in zip(found.tolist(), kinds, strict=True)]
+    return found, motions
 
 
-def _coil_motions(shape: WireShape, state: np.ndarray, motion: np.ndarray) -> tuple[float, float, float]:
-    """Squares of the motion of coils along the axis, across it and about it, each weighed by its mass: means
-    over a turn about every point of the wire, in which what turns with the coils cancels."""
+def _coil_motions(shape: WireShape, state: np.ndarray, motions: np.ndarray) -> np.ndarray:
+    """Squares of what coils move as a whole in each mode, along the axis, across it and about it, and of all
+    motion of the wire, weighed by mass, shape (4, modes).
+
+    Means over a turn about every point of the wire: what turns with the coils cancels in them. Without two
+    turns it does not, and they are 0.
+    """
     phases, weights = _quadrature(shape)
     node, parts = carried(shape.scene.spring, shape.mesh, phases)
     move, _, _ = _motions(rows(state[None])[0], node, parts)
-    u = np.einsum("pij,pj->pi", move, motion[6 * node[:, None] + np.arange(12)])
+    u = np.einsum("pij,pjm->ipm", move, motions[6 * node[:, None] + np.arange(12)])
+    whole = np.einsum("p,ipm->m", weights, u**2)
+    if np.ptp(phases) < FEWEST_TURNS * 2.0 * math.pi:
+        return np.array([0.0 * whole, 0.0 * whole, 0.0 * whole, whole])
     at = shape.scene.spring.points(phases)
-    about = (at[:, 0] * u[:, 2] - at[:, 2] * u[:, 0]) / np.hypot(at[:, 0], at[:, 2])
-    turn = (np.abs(phases[:, None] - phases) <= math.pi) * weights
-    x, y, z, round_axis = (turn / turn.sum(axis=1)[:, None] @ np.column_stack((u, about))).T
-    return float(weights @ y**2), float(weights @ (x**2 + z**2)), float(weights @ round_axis**2)
+    about = (at[:, :1] * u[2] - at[:, 2:] * u[0]) / np.hypot(at[:, :1], at[:, 2:])
+    low, high = (np.searchsorted(phases, phases + side * math.pi) for side in (-1.0, 1.0))
+    sums = np.cumsum(np.pad(weights[:, None] * np.stack((*u, about)), ((0, 0), (1, 0), (0, 0))), axis=1)
+    of = np.cumsum(np.append(0.0, weights))
+    x, y, z, round_axis = (sums[:, high] - sums[:, low]) / (of[high] - of[low])[:, None]
+    return np.array([weights @ y**2, weights @ (x**2 + z**2), weights @ round_axis**2, whole])
 
 
-def _kind(along: float, across: float, about: float) -> str:
-    """Name of a mode by the squares of what its coils move."""
-    total = along + across + about
-    for square, kind in ((along, AXIAL), (across, LATERAL), (about, TORSIONAL)):
-        if square >= MAIN * total:
-            return kind
-    return MIXED
+def _kind(along: float, across: float, about: float, whole: float) -> str:
+    """Name of a mode by the squares of what its coils move, and of all motion."""
+    coils = along + across + about
+    if coils < LEAST * whole:
+        return MIXED
+    squares = {AXIAL: along, LATERAL: across, TORSIONAL: about}
+    kind = max(squares, key=squares.__getitem__)
+    return kind if squares[kind] >= MAIN * coils else MIXED
 
 
 def tangent_stiffness(shape: WireShape, state: np.ndarray, history: np.ndarray) -> csr_array:

@@ -115,7 +115,8 @@ def plan(system, task, work, path, substep, watch):
         return
     to_critical = APPROACH * (softest.ahead - path.time)
     to_overlap = max(APPROACH * (room.zero - path.time), OVERLAP_TIME)
-    finest = IMPERFECT if softest.linear else FINEST
+    known = softest.linear and softest.value <= JUMPS * path.rest_stiffness
+    finest = IMPERFECT if known else FINEST
     if not path.snapping and (softest.value <= NEUTRAL * path.rest_stiffness or to_critical < finest):
         path.bracket = 2.0 * max(softest.zero - path.time, LEAST_STEP)
         end_or_snap(system, task, work, path, softest, CRITICAL)
