@@ -80,12 +80,13 @@ def sweep(
     keys = [_key(point, task) for point, task in zip(grid, tasks, strict=True)]
     target, columns = folder / FILE, (*(each.key for each in varied), *RESULTS)
     wanted = set(keys)
-    old = _text(found_there := _bytes(target))
+    content = _bytes(target)
+    old = content.decode("utf-8", errors="replace")  # it may be of another program
     # what belongs to another sweep is left out, as is a last line that was cut: it has no whole key
     rows = {row["key"]: row for row in _read(old, columns) if row["key"] in wanted}
     if _holds_more(old, columns, wanted):
         kept = next(name for name in _other_names(folder) if not name.exists())
-        write_bytes(kept, found_there)
+        write_bytes(kept, content)
         if (folder / SETTINGS).is_file():
             (folder / SETTINGS).replace(kept.with_suffix(".json"))  # how the rows that are kept were solved
     write_text(target, _csv(columns, rows.values()))
@@ -152,11 +153,6 @@ def _bytes(target: Path) -> bytes:
     """What a file holds; nothing where there is none."""
     with writing(target):
         return target.read_bytes() if target.exists() else b""
-
-
-def _text(content: bytes) -> str:
-    """The same as text; of another program's file what is no UTF-8 is replaced."""
-    return content.decode("utf-8", errors="replace")
 
 
 def _read(text: str, columns: Sequence[str]) -> list[Row]:
