@@ -17,7 +17,7 @@ from coilspring.contact.kinematics import BETWEEN
 from coilspring.solver.continuation.accept import LEAST_LEFT, accept
 from coilspring.solver.continuation.branch import curvature, displacement_bound, predict
 from coilspring.solver.continuation.shorten import shorten
-from coilspring.solver.continuation.snap import AHEAD, end_or_snap
+from coilspring.solver.continuation.snap import AHEAD, end_here, end_or_snap
 from coilspring.solver.continuation.stability import (
     APPROACH,
     FINEST,
@@ -27,7 +27,7 @@ from coilspring.solver.continuation.stability import (
     NEUTRAL,
     PROBE,
     WEAK,
-    unstable_time,
+    stable_until,
     watch_stiffness,
 )
 from coilspring.solver.continuation.start import begin, resume
@@ -38,7 +38,7 @@ from coilspring.solver.continuation.substep import (
     keeps_branch,
 )
 from coilspring.solver.equilibrium.newton import LINEAR
-from coilspring.solver.equilibrium.operations import moved, put_prescribed
+from coilspring.solver.equilibrium.operations import put_prescribed
 from coilspring.solver.system import (
     COMPLETED,
     CRITICAL,
@@ -222,28 +222,11 @@ def stable_so_far(system, task, work, path, substep, softest):
     # up to where the first pair closes, if none is closed: there the substep landed
     wide = path.least_gap > 0.0
     end = substep.target if wide else path.time
-    if path.snapping:  # it begins at a critical point
-        end = path.time - AHEAD
-    unsampled = end < path.linear_from
-    stable = unsampled or stable_until(system, task, work, path, end, np.inf if wide else 0.0)
+    stable = stable_until(system, task, work, path, end, np.inf if wide else 0.0)
     path.linear = False
     if not stable:
-        end_or_snap(system, task, work, path, softest, CRITICAL)
+        end_here(system, task, work, path, softest, CRITICAL, True)
     return stable
-
-
-@part
-def stable_until(system, task, work, path, end, least_gap):
-    """Whether the linear stretch is stable up to the time `end`; else the path goes back to where it is."""
-    critical, count = unstable_time(system, work, path.linear_from, end, least_gap)
-    path.checks += count
-    if critical == np.inf:
-        return True
-    moved(system, work.origin, work.tangent, critical - path.linear_from, work.state)
-    path.time, path.bracket = critical, LEAST_STEP
-    while path.row > 0 and task.times[path.row - 1] > critical:
-        path.row -= 1
-    return False
 
 
 @part

@@ -21,6 +21,7 @@ from coilspring.solver.continuation.stability import (
     SETTLED,
     jumps,
     least_stiffness,
+    stable_until,
     stiffness_at,
     vanishes,
 )
@@ -45,11 +46,22 @@ NO_WORK = 1e-4  # of the load times a mode's largest motion: less work is a bifu
 
 @part
 def end_or_snap(system, task, work, path, softest, outcome):
-    """The path ends with an outcome, unless at a limit point: there a snap is tried first."""
-    path.ends, straight = outcome, vanishes(system, task, work, path, softest)
-    if straight:
+    """The path ends with an outcome, or before, where a linear stretch that led here became unstable: that
+    is verified only now."""
+    end, least_gap = path.time, np.inf if path.least_gap > 0.0 else 0.0
+    stable = not path.linear or stable_until(system, task, work, path, end, least_gap)
+    path.linear = False
+    end_here(system, task, work, path, softest, outcome if stable else CRITICAL, not stable)
+
+
+@part
+def end_here(system, task, work, path, softest, outcome, stretch):
+    """The path ends where it stands, perhaps on a linear `stretch`, unless at a limit point: there a snap is
+    tried first."""
+    path.ends, straight = outcome, stretch or vanishes(system, task, work, path, softest)
+    if straight and not stretch:
         path.ends, path.bracket = CRITICAL, 2.0 * max(softest.zero - path.time, FINEST)
-    limit = is_limit_point(system, task, work, path, softest, straight)
+    limit = is_limit_point(system, task, work, path, softest, straight, stretch)
     # a prescribed motion may still work on a mode whose stiffness falls along a straight line
     path.bifurcates = straight and not limit and system.prescribed.size == 0
     path.snapping = task.predictor and limit
@@ -79,16 +91,17 @@ def release_or_jump(task, path):
 
 
 @part
-def is_limit_point(system, task, work, path, softest, straight):
+def is_limit_point(system, task, work, path, softest, straight, stretch):
     """Whether the load works on the softest mode, or the stiffness does not tend to zero along a `straight`
-    line: it jumps, as where a pair opens, or a prescribed motion works on the mode."""
+    line: it jumps, as where a pair opens, or a prescribed motion works on the mode. Along a linear `stretch`
+    all states are on one line, and only the work tells."""
     stiffness = stiffness_at(system, task, work, path, work.state, SETTLED)
     path.reuse = False
     if not straight and jumps(path, softest, stiffness):
         return True
     if system.prescribed.size > 0:
         # a state that leans by rounding is driven as well, but along a straight line
-        return not straight and driven(system, task, work, stiffness, path.rest_stiffness)
+        return (stretch or not straight) and driven(system, task, work, stiffness, path.rest_stiffness)
     moved(system, work.state, work.mode, SMALL * task.diameter, work.scratch)
     work_done = system.work(system.reals, system.ints, task.load, work.state, work.scratch)
     distance, _, _ = displacement_bound(system, work.state, work.scratch, np.inf)

@@ -71,6 +71,20 @@ def unstable_time(system, work, begin, end, least_gap):
 
 
 @part
+def stable_until(system, task, work, path, end, least_gap):
+    """Whether the linear stretch is stable up to the time `end`; else the path goes back to where it is."""
+    critical, count = unstable_time(system, work, path.linear_from, end, least_gap)
+    path.checks += count
+    if critical == np.inf:
+        return True
+    moved(system, work.origin, work.tangent, critical - path.linear_from, work.state)
+    path.time, path.bracket = critical, LEAST_STEP
+    while path.row > 0 and task.times[path.row - 1] > critical:
+        path.row -= 1
+    return False
+
+
+@part
 def least_stiffness(system, task, work, last, settled):
     """Stiffness, N/mm, of the softest mode by inverse iteration with the last factor, from `work.mode`, which
     is improved. Rotations are measured at the arm of a wire diameter.
