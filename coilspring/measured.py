@@ -29,7 +29,10 @@ KNOWN = {  # names of measured columns, in lower case
     ),
 }
 NAMES = {name: kind for kind, names in KNOWN.items() for name in names}
-UNITS = {"force": {"n": 1.0, "kn": 1e3}, "deflection": {"mm": 1.0, "m": 1e3, "um": 1e-3, "µm": 1e-3}}
+UNITS = {  # in N or mm; read in any case
+    "force": {"N": 1.0, "kN": 1e3},
+    "deflection": {"mm": 1.0, "cm": 10.0, "m": 1e3, "um": 1e-3, "µm": 1e-3},
+}
 HEADER = re.compile(
     r"(?P<name>[a-zäöüß]+(?: [a-z]+)?)(?:\s*(?:[\[(/_]|\bin\b)\s*(?P<unit>[^\])]+?)\s*[\])]?)?"
 )
@@ -192,10 +195,11 @@ def _heads(cells: list[str]) -> list[tuple[str, float]]:
 
 def _scale(name: str, unit: str) -> float:
     """A unit in N or mm."""
-    scale = UNITS[name].get(unit.strip().lower().replace("μ", "µ"))
-    if scale is None:
-        raise InputError(f"column {name} must be in {' or '.join(UNITS[name])}, got {shown(unit)}")
-    return scale
+    plain = unit.strip().lower().replace("μ", "µ")
+    for known, scale in UNITS[name].items():
+        if known.lower() == plain:
+            return scale
+    raise InputError(f"column {name} must be in {' or '.join(UNITS[name])}, got {shown(unit)}")
 
 
 def _unit_row(cells: list[str], heads: list[tuple[str, float]]) -> list[tuple[str, float]] | None:

@@ -168,6 +168,8 @@ def test_units_and_points_without_load():
     np.testing.assert_allclose(found.force, [10.0, 20.0])
     np.testing.assert_allclose(found.deflection, [1.0, 2.0])
     assert found.left_out == 1
+    found = measured({"Force [N]": [10.0], "Travel (CM)": [0.1]}, GUIDED)
+    np.testing.assert_allclose(found.deflection, [1.0])
 
 
 BAD = {
@@ -178,7 +180,8 @@ BAD = {
     "force,deflection\n1,x": "line 2 must have a number in column 2, got 'x'",
     "force,deflection\n1": "line 2 must have a number in column 2, got ''",
     "force,deflection\n1,5,2,5": "decimal commas the columns must be separated by semicolons",
-    "force [lbf],deflection\n1,2": "column force must be in n or kn, got 'lbf'",
+    "force [lbf],deflection\n1,2": "column force must be in N or kN, got 'lbf'",
+    "force,deflection (in)\n1,2": "column deflection must be in mm or cm or m or um or µm, got 'in'",
     "force,load,deflection\n1,2,3": "one column force, got several",
     "force,deflection\n1,nan": "bad.csv: line 2 must have a finite number in column 2, got 'nan'",
     "Time,Standardkraft [N]\n1,2": "bad.csv: line 1 has no column deflection (deflection, travel,",

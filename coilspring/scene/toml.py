@@ -29,6 +29,9 @@ SECTIONS: dict[str, type] = {  # in the order of a file
 ITEMS: dict[str, type] = {"coilsection": CoilSection}  # tables in sections
 REQUIRED = [section for section in SECTIONS if section in missing(Scene)]
 MOST_BYTES = 1_000_000
+# of the errors of tomllib, which name the line alone; and what begins a section or a value
+TWICE = re.compile(r"Cannot (overwrite a value|declare .* twice) \(at (line (?P<line>\d+)|end)")
+GIVEN = re.compile(r"\s*(\[+[^\W\d][^\[\]=,]*\]+|[^=#\[\]{}]+?(?=\s*=))")
 COLUMN = 36  # at which comments begin
 HEAD = """\
 # A scene for coilcheck: one spring, how it is held, and its load. Units are mm, N, MPa and rad.
@@ -77,9 +80,23 @@ def scene_from_text(text: str, default_name: str = "scene") -> Scene:
         table = tomllib.loads(text)
     except (ValueError, RecursionError) as error:  # a number of thousands of digits is a ValueError
         raise InputError(
-            f"the file must be complete TOML (numbers as 2.5, texts in quotes), but it is not: {error}"
+            "the file must be complete TOML (numbers as 2.5, texts in quotes), but it is not: "
+            f"{_given_twice(text, str(error)) or error}"
         ) from None
     return scene_from_table(table, default_name)
+
+
+def _given_twice(text: str, error: str) -> str:
+    """The key or the section that a text gives twice, by where its reader stops; empty for other errors."""
+    found = TWICE.match(error)
+    if not found:
+        return ""
+    lines = text.replace("\r\n", "\n").split("\n")[: int(found["line"]) if found["line"] else None]
+    heads = [(number, each[1]) for number, line in enumerate(lines, 1) if (each := GIVEN.match(line))]
+    number, name = heads[-1]  # a value may end some lines below its key
+    section = next((head for _, head in reversed(heads) if head.startswith("[")), "")
+    where = "" if section in ("", name) else f" in {section[:60]}"
+    return f"{shown(name)}{where} is given twice, the second time in line {number}"
 
 
 def scene_table(scene: Scene) -> dict[str, Any]:
