@@ -577,6 +577,12 @@ def test_the_help_says_what_the_equivalent_stress_and_the_modes_are(capsys):
     assert "axial, lateral or torsional" in said
 
 
+def test_a_law_that_is_not_there_is_named_once(capsys):
+    assert main(["solve", "spring-a", "--model", "equivbeam", "--law", "nosuch.py"]) == 2
+    said = "--law must be a Python file that can be read, got 'nosuch.py' (No such file or directory)"
+    assert sentence(capsys) == said
+
+
 def test_an_interruption_while_the_command_is_imported_is_one_sentence(monkeypatch, capsys):
     """It waits for the end of an import, which would say that it is broken, as numpy's does."""
 

@@ -128,8 +128,12 @@ def test_a_stiffness_that_jumps_or_falls_is_passed_in_any_number_of_steps(case, 
 
 @pytest.mark.parametrize(
     ("case", "seed", "count"),
-    [("b001493", 513, 2), ("b002396", 602, 2)],
-    ids=["two folds within 1e-4 of the load", "a fold that some numbers of steps stepped over"],
+    [("b001493", 513, 2), ("b002396", 602, 2), ("b002859", 1203, 2)],
+    ids=[
+        "two folds within 1e-4 of the load",
+        "a fold that some numbers of steps stepped over",
+        "a fold within a linear stretch, verified after substeps failed beyond, or told as a bifurcation",
+    ],
 )
 def test_a_prescribed_motion_snaps_past_limit_points(case, seed, count):
     """It ended at the first one, unless a substep happened to pass it."""

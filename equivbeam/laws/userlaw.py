@@ -180,7 +180,10 @@ def law_of_file(file: Path) -> UserLaw:
     try:
         return law_of_text(str(file), file.read_text(encoding="utf-8"))
     except (OSError, UnicodeDecodeError) as error:
-        raise InputError(f"law must be a Python file that can be read, got {str(file)!r} ({error})") from None
+        reason = getattr(error, "strerror", None) or error  # the text of an OSError names the file again
+        raise InputError(
+            f"law must be a Python file that can be read, got {str(file)!r} ({reason})"
+        ) from None
 
 
 @lru_cache(maxsize=64)
