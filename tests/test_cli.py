@@ -25,7 +25,15 @@ from coilspring.scene.toml import scene_text
 from validation.cli import main
 from validation.cli.arguments import LAWS, MODEL_OPTIONS, command_line
 from validation.study.machine import versions
-from validation.study.output import OutputError, claimed, json_bytes, path_files, write_files, write_text
+from validation.study.output import (
+    OutputError,
+    claimed,
+    json_bytes,
+    path_files,
+    summary,
+    write_files,
+    write_text,
+)
 from validation.view.overlay import picture
 
 PARSERS = command_line()._subparsers._group_actions[0].choices  # by command
@@ -460,8 +468,28 @@ def test_json_stays_json_whatever_the_numbers():
 def test_a_path_without_rows_is_a_header(tmp_path):
     with pytest.raises(EquilibriumNotFound) as caught:
         equivbeam.solve(coilspring.load_scene("spring-b"), steps=1, penalty=400.0)
-    write_files(path_files(caught.value.path), tmp_path)
+    write_files(path_files(path := caught.value.path, summary(path)), tmp_path)
     assert (tmp_path / "path.csv").read_text() == COLUMNS + "\n"
+
+
+def test_a_top_below_the_bottom_has_nowhere_to_go_on(tmp_path, capsys):
+    soft = tmp_path / "soft.toml"
+    spring = "wire_diameter = 1.0\nmean_diameter = 11.0\nactive_coils = 6.5\nactive_height = 30.0"
+    soft.write_text(f"[spring]\n{spring}\n[load]\nforce = [3.0, -25.0]\nsteps = 10\n")
+    assert main(["solve", str(soft), "--model", "wirefe", "--out", str(tmp_path)]) == 3
+    output = capsys.readouterr()
+    assert "limit_point" in output.out
+    assert "passed the bottom" in output.err
+    assert "prescribe load.displacement" not in output.out
+
+
+def test_a_study_that_cannot_go_on_names_scene_and_model(monkeypatch, capsys):
+    def study(arguments):
+        equivbeam.solve(spring_b(), steps=1, penalty=400.0)
+
+    monkeypatch.setitem(importlib.import_module("validation.cli.command").COMMANDS, "check", study)
+    assert main(["check", "spring-a"]) == 3
+    assert sentence(capsys).startswith("spring-b: equivbeam: ")
 
 
 def fake_reproduce(monkeypatch, run):
@@ -547,9 +575,22 @@ def test_a_run_says_what_it_takes_the_place_of(tmp_path, capsys):
     assert said[:2] == [[], []]
     assert said[2] == ["in place of a run by equivbeam (law haringx), which was there"]
     assert said[3][0].startswith("in place of a run by equivbeam (law helix")
+    call[1] = "spring-b"
+    assert main([*call, "--model", "wirefe"]) == 0
+    assert "in place of a run of spring-a by wirefe, which was there" in capsys.readouterr().out
     (tmp_path / "summary.json").write_text('{"model": "wirefe", "options": []}')
     assert main([*call, "--model", "equivbeam"]) == 0
     assert "in place of" not in capsys.readouterr().out
+
+
+def test_a_comparison_says_what_it_takes_the_place_of(tmp_path, capsys):
+    said = []
+    for scene in ("spring-a", "spring-a", "spring-b"):
+        assert main(["compare", scene, "--steps", "1", "--out", str(tmp_path)]) == 0
+        said.append([line for line in capsys.readouterr().out.splitlines() if "in place of" in line])
+    models = ("equivbeam", "wirefe")
+    assert said[:2] == [[], []]
+    assert said[2] == [f"in place of a run of spring-a by {model}, which was there" for model in models]
 
 
 @pytest.mark.parametrize(

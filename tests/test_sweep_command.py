@@ -240,9 +240,6 @@ def test_options_that_differ_from_scene_to_scene_are_left_out(tmp_path):
     run.sweep(tmp_path, AT_ONCE, grid, choose, workers=0)
     found = json.loads((tmp_path / SETTINGS).read_text())
     assert (found["model"], found["options"]) == ("wirefe", {})
-    run.sweep(tmp_path, AT_ONCE, [Varied("spring.active_coils", (-1.0,))], choose, workers=0)
-    found = json.loads((tmp_path / SETTINGS).read_text())
-    assert (found["model"], found["options"]) == (None, {})
 
 
 def test_each_scene_may_have_a_solver_of_its_own(tmp_path):
@@ -316,8 +313,20 @@ def test_what_a_sweep_finds_in_its_place_is_kept(tmp_path, other):
     (tmp_path / FILE).write_text((tmp_path / FILE).read_text()[:-40])  # its own rows, the last one cut
     solved_again(tmp_path, GRID)
     assert len(run.kept_files(tmp_path)) == 1
-    solved_again(tmp_path, [*GRID, Varied("spring.hand", ("left", "right"))])
-    assert len(run.kept_files(tmp_path)) == 2
+    larger = [*GRID, Varied("spring.hand", ("left", "right"))]
+    for grid in (larger, GRID, larger, GRID):  # each is kept once
+        solved_again(tmp_path, grid)
+    assert len(run.kept_files(tmp_path)) == 3
+
+
+def test_a_sweep_of_which_nothing_can_be_solved_replaces_nothing(tmp_path, capsys):
+    call = ["sweep", "spring-b", *ONE, "--out", str(tmp_path), "--vary"]
+    assert main([*call, "load.force.1=-30,-40"]) == 0
+    files = {file: file.read_bytes() for file in tmp_path.iterdir()}
+    capsys.readouterr()
+    assert main([*call, "spring.active_coils=-1,-2"]) == 2
+    assert "no scene can be solved: spring.active_coils must be" in capsys.readouterr().err
+    assert {file: file.read_bytes() for file in tmp_path.iterdir()} == files
 
 
 def test_a_sweep_says_where_the_one_before_is_kept(tmp_path, capsys):

@@ -47,7 +47,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     except InputError as error:
         return _fail(BAD_INPUT, flagged(str(error), arguments))
     except EquilibriumNotFound as error:
-        return _fail(NOT_COMPLETED, error.message)
+        return _fail(NOT_COMPLETED, f"{error.path.scene.name}: {error.path.model}: {error.message}")
     except output.OutputError as error:
         return _fail(NOT_WRITTEN, str(error))
     except KeyboardInterrupt as stop:
@@ -102,7 +102,7 @@ def solve(arguments: argparse.Namespace) -> int:
             found["frequencies"], found["modes"] = map(list, zip(*lowest, strict=True))
             told = ", ".join(f"{mode.frequency:.4g} ({mode.kind})" for mode in lowest)
             lines.append(f"  natural frequencies {told} Hz, both ends held")
-        files = output.path_files(path) | {"summary.json": output.json_bytes(found)}
+        files = output.path_files(path, found)
         for name, make in output.WIRE_FILES.items() if len(path.times) else ():
             files |= make(path) if getattr(arguments, name) else {}
         if any(name.startswith("wire/") for name in files):
@@ -145,17 +145,20 @@ def compare(arguments: argparse.Namespace) -> int:
             from validation.calibration.figure import load_curves
 
             files["curve.png"] = load_curves(paths, curve)
+        lines = [f"written to {folder}"]
         for model, path in paths.items():
-            files |= {f"{model}/{name}": data for name, data in output.path_files(path).items()}
+            summary = output.summary(path)
+            files |= {f"{model}/{name}": data for name, data in output.path_files(path, summary).items()}
+            lines += output.replaced(folder / model, summary)
         output.write_files(files, folder)
         output.remove_stale(files, folder)
         for model in paths:
             output.remove_stale({}, folder / model)
-    lines = [line for path in paths.values() for line in digest(path)]
-    lines += deviation(comparison, bool(scene.load.displacement))
+    said = [line for path in paths.values() for line in digest(path)]
+    said += deviation(comparison, bool(scene.load.displacement))
     if curve is not None:
-        lines += difference.lines(paths, curve)
-    return _concluded(arguments, found, [*lines, f"written to {folder}"], *paths.values())
+        said += difference.lines(paths, curve)
+    return _concluded(arguments, found, [*said, *lines], *paths.values())
 
 
 def long_command(arguments: argparse.Namespace) -> int:

@@ -85,7 +85,8 @@ def notes(path: EquilibriumPath) -> list[str]:
             "--sliding scene has it"
         )
     if path.outcome == "limit_point":
-        said.append(LIMIT_POINTS[bool(path.scene.load.displacement)])
+        if not _passed_bottom(path):
+            said.append(LIMIT_POINTS[bool(path.scene.load.displacement)])
         if contact.sliding == "free" and path.active_contacts[-1:].any() and path.accuracy is None:
             said.append(SLIPPING[contact.geometry if path.model == "wirefe" else path.model])
     if path.model == "wirefe" and path.scene.factors.given:
@@ -93,6 +94,11 @@ def notes(path: EquilibriumPath) -> list[str]:
     if path.outcome == "completed" and "; " in path.message:
         said.append(path.message.partition("; ")[2].removeprefix("but "))
     return said
+
+
+def _passed_bottom(path: EquilibriumPath) -> bool:
+    """Whether the top is below the bottom, as no spring's: there is no way to go on from there."""
+    return bool(len(path.tips)) and path.tips[-1, 1] < -path.scene.spring.active_height
 
 
 def deviation(found: Comparison, prescribed: bool) -> list[str]:

@@ -137,9 +137,9 @@ def json_text(value: object) -> str:
     return json.dumps(_plain(value), indent=2, allow_nan=False)
 
 
-def path_files(path: EquilibriumPath) -> dict[str, bytes]:
-    """``path.csv`` and ``summary.json`` of a path, complete or not."""
-    return {"summary.json": json_bytes(summary(path)), "path.csv": _csv(path.columns).encode()}
+def path_files(path: EquilibriumPath, found: Mapping[str, object]) -> dict[str, bytes]:
+    """``path.csv`` and ``summary.json`` of a path, complete or not, with its summary."""
+    return {"summary.json": json_bytes(found), "path.csv": _csv(path.columns).encode()}
 
 
 def _csv(columns: Mapping[str, np.ndarray]) -> str:
@@ -173,16 +173,19 @@ def largest_stress(path: EquilibriumPath) -> dict[str, float] | None:
 
 
 def replaced(folder: Path, found: Mapping[str, object]) -> list[str]:
-    """In a line what a summary will take the place of: a run in `folder` with another model or options."""
+    """In a line what a summary will take the place of: a run in `folder` of another scene, or with another
+    model or options."""
     try:
         old = json.loads((folder / "summary.json").read_text(encoding="utf-8"))
-        before, now = ((each["model"], each["options"]) for each in (old, json.loads(json_text(found))))
-        changed = [f"{key} {value}" for key, value in before[1].items() if value != now[1].get(key)]
+        new = json.loads(json_text(found))
+        same = all(old[key] == new[key] for key in ("scene", "model", "options"))
+        scene = f" of {old['scene']}" if old["scene"] != new["scene"] else ""
+        options = new["options"]
+        changed = [f"{key} {value}" for key, value in old["options"].items() if value != options.get(key)]
     except (OSError, ValueError, KeyError, TypeError, AttributeError):
         return []  # none, or of something else
-    options = ", ".join(changed)
-    run = f"{before[0]} ({options})" if options else str(before[0])
-    return [f"in place of a run by {run}, which was there"] if before != now else []
+    by = f"{old['model']} ({', '.join(changed)})" if changed else str(old["model"])
+    return [] if same else [f"in place of a run{scene} by {by}, which was there"]
 
 
 def stress_file(path: EquilibriumPath) -> dict[str, bytes]:

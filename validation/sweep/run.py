@@ -76,6 +76,8 @@ def sweep(
     is called with the number of scenes done and of all.
     """
     grid = list(points(table, varied))
+    if not any(point.scene for point in grid):  # before anything that is there is replaced
+        raise InputError(f"no scene can be solved: {grid[0].refused}")
     tasks = [(point.scene, choose(point.scene)) if point.scene else None for point in grid]
     keys = [_key(point, task) for point, task in zip(grid, tasks, strict=True)]
     target, columns = folder / FILE, (*(each.key for each in varied), *RESULTS)
@@ -85,10 +87,7 @@ def sweep(
     # what belongs to another sweep is left out, as is a last line that was cut: it has no whole key
     rows = {row["key"]: row for row in _read(old, columns) if row["key"] in wanted}
     if _holds_more(old, columns, wanted):
-        kept = next(name for name in _other_names(folder) if not name.exists())
-        write_bytes(kept, content)
-        if (folder / SETTINGS).is_file():
-            (folder / SETTINGS).replace(kept.with_suffix(".json"))  # how the rows that are kept were solved
+        _keep(folder, content)
     write_text(target, _csv(columns, rows.values()))
     values = {each.key: each.values for each in varied}
     about = {"scene": table.get("name"), "varied": values, **_settings(task[1] for task in tasks if task)}
@@ -126,8 +125,7 @@ def _settings(choices: Iterable[Choice]) -> dict[str, object]:
     """Model and options, defaults too, by which all scenes are solved; without those that differ."""
     each = [(choice.model, _defaults(choice.model) | dict(choice.options)) for choice in choices]
     models = {model for model, _ in each}
-    first = each[0][1].items() if each else ()
-    shared = [item for item in first if all(item in options.items() for _, options in each)]
+    shared = [item for item in each[0][1].items() if all(item in options.items() for _, options in each)]
     return {
         "model": models.pop() if len(models) == 1 else None,
         "options": {name: value if isinstance(value, int | float) else str(value) for name, value in shared},
@@ -174,6 +172,16 @@ def _holds_more(text: str, columns: Sequence[str], wanted: Collection[str]) -> b
 def _other_names(folder: Path) -> Iterator[Path]:
     """Names under which files of other sweeps are kept, in their order."""
     return (folder / f"{Path(FILE).stem}.{number}.csv" for number in itertools.count(1))
+
+
+def _keep(folder: Path, content: bytes) -> None:
+    """Keep a file of another sweep, and how its rows were solved, unless it is kept already."""
+    if any(file.read_bytes() == content for file in kept_files(folder)):
+        return
+    kept = next(name for name in _other_names(folder) if not name.exists())
+    write_bytes(kept, content)
+    if (folder / SETTINGS).is_file():
+        (folder / SETTINGS).replace(kept.with_suffix(".json"))
 
 
 def kept_files(folder: Path) -> set[Path]:
