@@ -27,10 +27,10 @@ from coilspring.solver.continuation.stability import (
     NEUTRAL,
     PROBE,
     WEAK,
-    stable_until,
     watch_stiffness,
 )
 from coilspring.solver.continuation.start import begin, resume
+from coilspring.solver.continuation.stretch import stable_until
 from coilspring.solver.continuation.substep import (
     MOST_RELEASE,
     OVERLAP_TIME,

@@ -21,10 +21,10 @@ from coilspring.solver.continuation.stability import (
     SETTLED,
     jumps,
     least_stiffness,
-    stable_until,
     stiffness_at,
     vanishes,
 )
+from coilspring.solver.continuation.stretch import stable_until
 from coilspring.solver.equilibrium.linesearch import dot
 from coilspring.solver.equilibrium.operations import moved, solution
 from coilspring.solver.system import CRITICAL, JUMP
