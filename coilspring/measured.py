@@ -29,7 +29,7 @@ KNOWN = {  # names of measured columns, in lower case
     ),
 }
 NAMES = {name: kind for kind, names in KNOWN.items() for name in names}
-UNITS = {  # in N or mm; read in any case
+UNITS = {  # in N or mm; read in upper or lower case
     "force": {"N": 1.0, "kN": 1e3},
     "deflection": {"mm": 1.0, "cm": 10.0, "m": 1e3, "um": 1e-3, "µm": 1e-3},
 }

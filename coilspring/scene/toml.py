@@ -31,7 +31,7 @@ REQUIRED = [section for section in SECTIONS if section in missing(Scene)]
 MOST_BYTES = 1_000_000
 # of the errors of tomllib, which name the line alone; and what begins a section or a value
 TWICE = re.compile(r"Cannot (overwrite a value|declare .* twice) \(at (line (?P<line>\d+)|end)")
-GIVEN = re.compile(r"\s*(\[+[^\W\d][^\[\]=,]*\]+|[^=#\[\]{}]+?(?=\s*=))")
+GIVEN = re.compile(r"\s*(\[+\s*[\"']?[^\W\d][^\[\]=,]*\]+|[^=#\[\]{}]+?(?=\s*=))")
 COLUMN = 36  # at which comments begin
 HEAD = """\
 # A scene for coilcheck: one spring, how it is held, and its load. Units are mm, N, MPa and rad.
@@ -87,16 +87,22 @@ def scene_from_text(text: str, default_name: str = "scene") -> Scene:
 
 
 def _given_twice(text: str, error: str) -> str:
-    """The key or the section that a text gives twice, by where its reader stops; empty for other errors."""
-    found = TWICE.match(error)
-    if not found:
+    """The key or the section that a text gives twice, by where its reader stops; empty where none is found."""
+    if not (found := TWICE.match(error)):
         return ""
-    lines = text.replace("\r\n", "\n").split("\n")[: int(found["line"]) if found["line"] else None]
-    heads = [(number, each[1]) for number, line in enumerate(lines, 1) if (each := GIVEN.match(line))]
-    number, name = heads[-1]  # a value may end some lines below its key
-    section = next((head for _, head in reversed(heads) if head.startswith("[")), "")
+    section, given = "", []
+    for number, line in enumerate(text.replace("\r\n", "\n").split("\n"), 1):
+        if number > int(found["line"] or number):
+            break
+        if each := GIVEN.match(line):
+            section = each[1] if each[1].startswith("[") else section
+            given.append((section, each[1]))
+            last = number
+    if not given or given[-1] not in given[:-1]:  # a value may end some lines below its key
+        return ""
+    section, name = given[-1]
     where = "" if section in ("", name) else f" in {section[:60]}"
-    return f"{shown(name)}{where} is given twice, the second time in line {number}"
+    return f"{shown(name)}{where} is given twice, the second time in line {last}"
 
 
 def scene_table(scene: Scene) -> dict[str, Any]:

@@ -17,7 +17,7 @@ from coilspring.contact.kinematics import BETWEEN
 from coilspring.solver.continuation.accept import LEAST_LEFT, accept
 from coilspring.solver.continuation.branch import curvature, displacement_bound, predict
 from coilspring.solver.continuation.shorten import shorten
-from coilspring.solver.continuation.snap import AHEAD, end_here, end_or_snap
+from coilspring.solver.continuation.snap import AHEAD, end_or_snap
 from coilspring.solver.continuation.stability import (
     APPROACH,
     FINEST,
@@ -30,7 +30,7 @@ from coilspring.solver.continuation.stability import (
     watch_stiffness,
 )
 from coilspring.solver.continuation.start import begin, resume
-from coilspring.solver.continuation.stretch import stable_until
+from coilspring.solver.continuation.stretch import leaves_stretch
 from coilspring.solver.continuation.substep import (
     MOST_RELEASE,
     OVERLAP_TIME,
@@ -84,19 +84,30 @@ def follow(reals, ints, prescribed, kernels, task, work, path_, substep_, newton
     elif path.outcome == NEW_PAIR:
         resume(system, task, work, path)
     while path.row < task.times.size and path.outcome == COMPLETED and stop[0] == 0:
-        plan(system, task, work, path, substep, watch)
-        if path.outcome != COMPLETED:
-            break
-        predict_trial(system, task, work, path, substep)
-        find_equilibrium(system, kernels.equilibrium, task, work, path, substep, it)
-        if not keeps_branch(system, task, work, path, substep, watch):
+        advance(system, kernels.equilibrium, task, work, path, substep, it, watch)
+        if path.row == task.times.size or path.outcome not in (COMPLETED, NEW_PAIR):
+            leaves_stretch(system, task, work, path, softest, path.time)
+
+
+@part
+def advance(system, equilibrium, task, work, path, substep, it, watch):
+    """Try a substep, and accept it or have it tried again, shorter."""
+    softest = watch[SOFTEST]
+    if path.releasing and not leaves_stretch(system, task, work, path, softest, path.time):
+        return
+    plan(system, task, work, path, substep, watch)
+    if path.outcome != COMPLETED:
+        return
+    predict_trial(system, task, work, path, substep)
+    find_equilibrium(system, equilibrium, task, work, path, substep, it)
+    if not keeps_branch(system, task, work, path, substep, watch):
+        if leaves_stretch(system, task, work, path, softest, path.time):
             shorten(system, task, work, path, substep, softest)
-            continue
-        good = stable_so_far(system, task, work, path, substep, softest)
-        if good and knows_pairs(system, work, path, substep):
-            watch_stiffness(system, task, work, path, substep, softest)
-            accept(system, task, work, path, substep, watch[ROOM])
-    conclude(system, task, work, path)
+        return
+    good = stable_so_far(system, task, work, path, substep, softest)
+    if good and knows_pairs(system, work, path, substep):
+        watch_stiffness(system, task, work, path, substep, softest)
+        accept(system, task, work, path, substep, watch[ROOM])
 
 
 @part
@@ -118,8 +129,10 @@ def plan(system, task, work, path, substep, watch):
     known = softest.linear and softest.value <= JUMPS * path.rest_stiffness
     finest = IMPERFECT if known else FINEST
     if not path.snapping and (softest.value <= NEUTRAL * path.rest_stiffness or to_critical < finest):
-        path.bracket = 2.0 * max(softest.zero - path.time, LEAST_STEP)
-        end_or_snap(system, task, work, path, softest, CRITICAL)
+        # just before what vanishes, rounding may do so
+        if leaves_stretch(system, task, work, path, softest, path.time - AHEAD):
+            path.bracket = 2.0 * max(softest.zero - path.time, LEAST_STEP)
+            end_or_snap(system, task, work, path, softest, CRITICAL)
         if path.outcome != COMPLETED:
             return
     substep.left = softest.value / (WEAK * path.rest_stiffness)
@@ -220,13 +233,8 @@ def stable_so_far(system, task, work, path, substep, softest):
     if not path.linear:
         return True
     # up to where the first pair closes, if none is closed: there the substep landed
-    wide = path.least_gap > 0.0
-    end = substep.target if wide else path.time
-    stable = stable_until(system, task, work, path, end, np.inf if wide else 0.0)
-    path.linear = False
-    if not stable:
-        end_here(system, task, work, path, softest, CRITICAL, True)
-    return stable
+    end = substep.target if path.least_gap > 0.0 else path.time
+    return leaves_stretch(system, task, work, path, softest, end)
 
 
 @part
@@ -242,13 +250,6 @@ def knows_pairs(system, work, path, substep):
     copy_history(work.trial_history, work.history)
     path.outcome = NEW_PAIR
     return False
-
-
-@part
-def conclude(system, task, work, path):
-    """Verify the last linear stretch."""
-    if path.linear and not stable_until(system, task, work, path, path.time, 0.0):
-        path.outcome = CRITICAL
 
 
 @lru_cache(maxsize=1)

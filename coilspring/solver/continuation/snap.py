@@ -24,7 +24,6 @@ from coilspring.solver.continuation.stability import (
     stiffness_at,
     vanishes,
 )
-from coilspring.solver.continuation.stretch import stable_until
 from coilspring.solver.equilibrium.linesearch import dot
 from coilspring.solver.equilibrium.operations import moved, solution
 from coilspring.solver.system import CRITICAL, JUMP
@@ -46,23 +45,18 @@ NO_WORK = 1e-4  # of the load times a mode's largest motion: less work is a bifu
 
 @part
 def end_or_snap(system, task, work, path, softest, outcome):
-    """The path ends with an outcome, or before, where a linear stretch that led here became unstable: that
-    is verified only now."""
-    end, least_gap = path.time, np.inf if path.least_gap > 0.0 else 0.0
-    stable = not path.linear or stable_until(system, task, work, path, end, least_gap)
-    path.linear = False
-    end_here(system, task, work, path, softest, outcome if stable else CRITICAL, not stable)
+    """The path ends with an outcome, unless at a limit point: there a snap is tried first."""
+    path.ends, straight = outcome, vanishes(system, task, work, path, softest)
+    if straight:
+        path.ends, path.bracket = CRITICAL, 2.0 * max(softest.zero - path.time, FINEST)
+    limit = is_limit_point(system, task, work, path, softest, straight)
+    snap_or_end(system, task, path, limit, straight)
 
 
 @part
-def end_here(system, task, work, path, softest, outcome, stretch):
-    """The path ends where it stands, perhaps on a linear `stretch`, unless at a limit point: there a snap is
-    tried first."""
-    path.ends, straight = outcome, stretch or vanishes(system, task, work, path, softest)
-    if straight and not stretch:
-        path.ends, path.bracket = CRITICAL, 2.0 * max(softest.zero - path.time, FINEST)
-    limit = is_limit_point(system, task, work, path, softest, straight, stretch)
-    # a prescribed motion may still work on a mode whose stiffness falls along a straight line
+def snap_or_end(system, task, path, limit, straight):
+    """A snap at a limit point, else the end; at a bifurcation the stiffness falls along a `straight` line."""
+    # a prescribed motion may still work on such a mode
     path.bifurcates = straight and not limit and system.prescribed.size == 0
     path.snapping = task.predictor and limit
     if not path.snapping:
@@ -91,17 +85,22 @@ def release_or_jump(task, path):
 
 
 @part
-def is_limit_point(system, task, work, path, softest, straight, stretch):
+def is_limit_point(system, task, work, path, softest, straight):
     """Whether the load works on the softest mode, or the stiffness does not tend to zero along a `straight`
-    line: it jumps, as where a pair opens, or a prescribed motion works on the mode. Along a linear `stretch`
-    all states are on one line, and only the work tells."""
+    line but jumps, as where a pair opens."""
     stiffness = stiffness_at(system, task, work, path, work.state, SETTLED)
     path.reuse = False
     if not straight and jumps(path, softest, stiffness):
         return True
+    # a prescribed motion works on a state that leans by rounding as well, but along a straight line
+    return not (straight and system.prescribed.size > 0) and is_loaded(system, task, work, path, stiffness)
+
+
+@part
+def is_loaded(system, task, work, path, stiffness):
+    """Whether the load, or a prescribed motion, works on the softest mode, of a stiffness."""
     if system.prescribed.size > 0:
-        # a state that leans by rounding is driven as well, but along a straight line
-        return (stretch or not straight) and driven(system, task, work, stiffness, path.rest_stiffness)
+        return driven(system, task, work, stiffness, path.rest_stiffness)
     moved(system, work.state, work.mode, SMALL * task.diameter, work.scratch)
     work_done = system.work(system.reals, system.ints, task.load, work.state, work.scratch)
     distance, _, _ = displacement_bound(system, work.state, work.scratch, np.inf)

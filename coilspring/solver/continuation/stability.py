@@ -1,4 +1,4 @@
-"""Where a path loses its stability: the softest mode, and critical points of linear stretches."""
+"""Where a path loses its stability: the softest mode, and when its stiffness will have vanished."""
 
 import math
 from dataclasses import dataclass, field
@@ -72,6 +72,15 @@ def least_stiffness(system, task, work, last, settled):
             break
         last = value
     return value
+
+
+@part
+def begin_watch(softest, value, time):
+    """Begin to watch the least stiffness anew, from a value at a time."""
+    softest.value, softest.time, softest.linear = value, time, False
+    softest.zero, softest.root, softest.ahead = np.inf, np.inf, np.inf
+    softest.past, softest.past_time = value, -np.inf
+    softest.mark, softest.mark_time = value, -np.inf
 
 
 @part

@@ -5,7 +5,7 @@ import numpy as np
 from coilspring.compiling.compiled import copy, part
 from coilspring.contact.kinematics import TOUCH
 from coilspring.contact.touching import creep_to
-from coilspring.solver.continuation.stability import SETTLED, least_stiffness
+from coilspring.solver.continuation.stability import SETTLED, begin_watch, least_stiffness
 from coilspring.solver.continuation.substep import free_room
 from coilspring.solver.equilibrium.operations import assembled, factored, solution
 from coilspring.solver.system import CHANGE, COMPLETED, CRITICAL, NEW_PAIR, ROOM, SOFTEST
@@ -31,11 +31,7 @@ def begin(system, task, work, path, watch):
     factor_start(system, task, work, path)
     set_scales(system, task, work, path)
     softest, room = watch[SOFTEST], watch[ROOM]
-    softest.value = least_stiffness(system, task, work, np.inf, SETTLED)
-    softest.time, softest.linear = 0.0, False
-    softest.zero, softest.root, softest.ahead = np.inf, np.inf, np.inf
-    softest.past, softest.past_time = softest.value, -np.inf
-    softest.mark, softest.mark_time = softest.value, -np.inf
+    begin_watch(softest, least_stiffness(system, task, work, np.inf, SETTLED), 0.0)
     path.rest_stiffness = softest.value
     if path.least_gap <= TOUCH * task.diameter:
         # what touches at rest is no part of the tangent, nor of the stiffness

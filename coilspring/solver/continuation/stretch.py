@@ -1,10 +1,24 @@
-"""Linear stretches: substeps that factor nothing, and are verified together where they end."""
+"""Linear stretches: substeps that factor nothing, and are verified together where they end.
+
+A stretch ends where a substep is not linear, fails, or is a release, and where the path ends. Its states are
+on one line, on which its stability is sampled.
+"""
 
 import numpy as np
 
 from coilspring.compiling.compiled import part
-from coilspring.solver.continuation.stability import LEAST_STEP
-from coilspring.solver.equilibrium.operations import assembled, factored, moved
+from coilspring.contact.history import begin_attempt
+from coilspring.solver.continuation.snap import end_or_snap, is_loaded, snap_or_end
+from coilspring.solver.continuation.stability import (
+    JUMPS,
+    LEAST_STEP,
+    SETTLED,
+    begin_watch,
+    no_time,
+    stiffness_at,
+)
+from coilspring.solver.equilibrium.operations import assembled, factored, moved, put_prescribed
+from coilspring.solver.system import COMPLETED, CRITICAL
 
 SAMPLES = 16  # of a linear stretch at which its stability is verified
 
@@ -35,14 +49,39 @@ def unstable_time(system, work, begin, end, least_gap):
 
 
 @part
-def stable_until(system, task, work, path, end, least_gap):
-    """Whether the linear stretch is stable up to the time `end`; else the path goes back to where it is."""
-    critical, count = unstable_time(system, work, path.linear_from, end, least_gap)
+def leaves_stretch(system, task, work, path, softest, end):
+    """End the linear stretch that led here, if one did: whether it is stable up to the time `end`. Else the
+    path goes back to where it ceases to be, and ends there, or snaps."""
+    if not path.linear or end < path.linear_from:
+        path.linear = False
+        return True
+    path.linear = False
+    begin_attempt(work.history, 0.0, 0.0, True)  # what a substep beyond made of it is taken back
+    wide = path.least_gap > 0.0
+    critical, count = unstable_time(system, work, path.linear_from, end, np.inf if wide else 0.0)
     path.checks += count
     if critical == np.inf:
         return True
-    moved(system, work.origin, work.tangent, critical - path.linear_from, work.state)
-    path.time, path.bracket = critical, LEAST_STEP
-    while path.row > 0 and task.times[path.row - 1] > critical:
-        path.row -= 1
+    go_back(system, task, work, path, critical)
+    if softest.linear and abs(softest.zero - critical) <= no_time(critical):
+        end_or_snap(system, task, work, path, softest, CRITICAL)
+        return False
+    stiffness = stiffness_at(system, task, work, path, work.state, SETTLED)
+    begin_watch(softest, stiffness, critical)
+    # all states of the stretch are on one line: that the stiffness falls along one tells nothing
+    limit = stiffness > JUMPS * path.rest_stiffness or is_loaded(system, task, work, path, stiffness)
+    snap_or_end(system, task, path, limit, True)
     return False
+
+
+@part
+def go_back(system, task, work, path, time):
+    """Put the path to a time on the stretch, and forget what lies beyond."""
+    moved(system, work.origin, work.tangent, time - path.linear_from, work.state)
+    put_prescribed(system, task.start, time, work.state)
+    path.time, path.bracket, path.until, path.opens = time, LEAST_STEP, np.inf, np.inf
+    path.least_gap = min(path.least_gap, 0.0)  # pairs may be nearer than where it was found
+    path.outcome, path.ends, path.releasing, path.due, path.reuse = COMPLETED, CRITICAL, False, False, False
+    while path.row > 0 and task.times[path.row - 1] > time:
+        path.row -= 1
+        path.spent += work.iterations[path.row]
