@@ -87,7 +87,7 @@ def scene_from_text(text: str, default_name: str = "scene") -> Scene:
 
 
 def _given_twice(text: str, error: str) -> str:
-    """The key or the section that a text gives twice, by where its reader stops; empty where none is found."""
+    """The key or section that a text gives twice, by where its reader stops; empty where none is found."""
     if not (found := TWICE.match(error)):
         return ""
     section, given = "", []
