@@ -143,6 +143,13 @@ def test_a_prescribed_motion_snaps_past_limit_points(case, seed, count):
     np.testing.assert_allclose([path.tips[-1] for path in paths[1:]], [paths[0].tips[-1]] * 2, rtol=1e-7)
 
 
+def test_a_fold_on_the_linear_stretch_that_ends_the_path_is_passed_as_any_other():
+    """The stretch is verified when the last time is reached: it ended there, as no other fold does."""
+    case = make_case("b002859", 1203)
+    paths = [reached(case, under(case.scene, 0.8507975), steps=steps) for steps in (1, 2, 7)]
+    assert [(path.outcome, snaps(path)[0]) for path in paths] == [("completed", 1)] * 3
+
+
 @pytest.mark.parametrize(
     ("case", "seed", "counts"),
     [
