@@ -375,6 +375,8 @@ REFUSED_TEXTS = [
     ("[ load ]\na = 1\n[ load ]\n", "TOML", ": '[ load ]' is given twice, the second time in line 3", ""),
     ("'#' = 1\n'#' = 1", "TOML", "Cannot overwrite a value (at end of document)", ""),
     ("name = 1\nname.x = 2", "TOML", "Cannot overwrite a value (at end of document)", ""),
+    ("[[a]]\nb.c = 1\n[[a]]\nb = 1\nb.c = 2", "TOML", "Cannot overwrite a value (at end of document)", ""),
+    ("a = [\n['b'],\n['b']]\na = [\n['b'],\n['b']]\n", "TOML", ": 'a' is given twice", "time in line 4"),
     (scene_text().partition(", 6.0]")[0], "complete TOML", "Unclosed array", ""),
     (scene_text()[: scene_text().index("28.6") + 1], "section [load] is missing", "", ""),
     (scene_text().replace("28.6", "28.6.1"), "complete TOML", "line 9", ""),

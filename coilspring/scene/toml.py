@@ -31,7 +31,7 @@ REQUIRED = [section for section in SECTIONS if section in missing(Scene)]
 MOST_BYTES = 1_000_000
 # of the errors of tomllib, which name the line alone; and what begins a section or a value
 TWICE = re.compile(r"Cannot (overwrite a value|declare .* twice) \(at (line (?P<line>\d+)|end)")
-GIVEN = re.compile(r"\s*(\[+\s*[\"']?[^\W\d][^\[\]=,]*\]+|[^=#\[\]{}]+?(?=\s*=))")
+GIVEN = re.compile(r"\s*((?:\[\[[^\[\]=,]+\]\]|\[[^\[\]=,]+\])(?=\s*(?:#|$))|[^=#\[\]{}]+?(?=\s*=))")
 COLUMN = 36  # at which comments begin
 HEAD = """\
 # A scene for coilcheck: one spring, how it is held, and its load. Units are mm, N, MPa and rad.
@@ -90,17 +90,18 @@ def _given_twice(text: str, error: str) -> str:
     """The key or section that a text gives twice, by where its reader stops; empty where none is found."""
     if not (found := TWICE.match(error)):
         return ""
-    section, given = "", []
+    section, given = ("", 0), []
     for number, line in enumerate(text.replace("\r\n", "\n").split("\n"), 1):
         if number > int(found["line"] or number):
             break
         if each := GIVEN.match(line):
-            section = each[1] if each[1].startswith("[") else section
-            given.append((section, each[1]))
+            if (name := each[1]).startswith("["):
+                section = name, number if name.startswith("[[") else 0  # of which there may be several
+            given.append((section, name))
             last = number
     if not given or given[-1] not in given[:-1]:  # a value may end some lines below its key
         return ""
-    section, name = given[-1]
+    (section, _), name = given[-1]
     where = "" if section in ("", name) else f" in {section[:60]}"
     return f"{shown(name)}{where} is given twice, the second time in line {last}"
 

@@ -85,7 +85,7 @@ def follow(reals, ints, prescribed, kernels, task, work, path_, substep_, newton
         resume(system, task, work, path)
     while path.row < task.times.size and path.outcome == COMPLETED and stop[0] == 0:
         advance(system, kernels.equilibrium, task, work, path, substep, it, watch)
-        if path.row == task.times.size or path.outcome not in (COMPLETED, NEW_PAIR):
+        if path.row == task.times.size or path.outcome != COMPLETED:
             leaves_stretch(system, task, work, path, softest, path.time)
 
 
@@ -116,7 +116,7 @@ def plan(system, task, work, path, substep, watch):
     softest, room = watch[SOFTEST], watch[ROOM]
     path.tries += 1
     if path.tries > MOST_TRIES + path.row:
-        path.outcome = EXHAUSTED
+        path.outcome = path.ends if path.snapping else EXHAUSTED
         return
     if path.releasing:
         # at the same load, some of what opening pairs held is released

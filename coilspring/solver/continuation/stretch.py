@@ -7,7 +7,7 @@ on one line, on which its stability is sampled.
 import numpy as np
 
 from coilspring.compiling.compiled import part
-from coilspring.contact.history import begin_attempt
+from coilspring.contact.history import begin_attempt, copy_history
 from coilspring.solver.continuation.snap import end_or_snap, is_loaded, snap_or_end
 from coilspring.solver.continuation.stability import (
     JUMPS,
@@ -24,7 +24,7 @@ SAMPLES = 16  # of a linear stretch at which its stability is verified
 
 
 @part
-def unstable_time(system, work, begin, end, least_gap):
+def unstable_time(system, work, history, begin, end, least_gap):
     """First time of a linear stretch at which the matrix has a negative pivot.
 
     Along the stretch the state is `work.origin` moved by ``(time - begin) * work.tangent``; it is sampled at
@@ -37,7 +37,7 @@ def unstable_time(system, work, begin, end, least_gap):
     while high - low > LEAST_STEP:
         time = 0.5 * (low + high) if high < np.inf else min(low + (end - begin) / SAMPLES, end)
         moved(system, work.origin, work.tangent, time - begin, work.scratch)
-        assembled(system, work.scratch, least_gap, work.history, work.scratch, work.g, work.H)
+        assembled(system, work.scratch, least_gap, history, work.scratch, work.g, work.H)
         count += 1
         if factored(system, work.H)[0] > 0:
             high = time
@@ -55,13 +55,15 @@ def leaves_stretch(system, task, work, path, softest, end):
     if not path.linear or end < path.linear_from:
         path.linear = False
         return True
-    path.linear = False
-    begin_attempt(work.history, 0.0, 0.0, True)  # what a substep beyond made of it is taken back
+    path.linear, history = False, work.low
+    copy_history(work.history, history)
+    begin_attempt(history, 0.0, 0.0, True)  # what a substep beyond made of it is taken back
     wide = path.least_gap > 0.0
-    critical, count = unstable_time(system, work, path.linear_from, end, np.inf if wide else 0.0)
+    critical, count = unstable_time(system, work, history, path.linear_from, end, np.inf if wide else 0.0)
     path.checks += count
     if critical == np.inf:
         return True
+    copy_history(history, work.history)
     go_back(system, task, work, path, critical)
     if softest.linear and abs(softest.zero - critical) <= no_time(critical):
         end_or_snap(system, task, work, path, softest, CRITICAL)
@@ -80,7 +82,8 @@ def go_back(system, task, work, path, time):
     moved(system, work.origin, work.tangent, time - path.linear_from, work.state)
     put_prescribed(system, task.start, time, work.state)
     path.time, path.bracket, path.until, path.opens = time, LEAST_STEP, np.inf, np.inf
-    path.least_gap = min(path.least_gap, 0.0)  # pairs may be nearer than where it was found
+    # pairs may be nearer than where it was found, and wires than where they were looked at last
+    path.least_gap, path.moved = min(path.least_gap, 0.0), np.inf
     path.outcome, path.ends, path.releasing, path.due, path.reuse = COMPLETED, CRITICAL, False, False, False
     while path.row > 0 and task.times[path.row - 1] > time:
         path.row -= 1
