@@ -101,8 +101,8 @@ def _given_twice(text: str, error: str) -> str:
             last = number
     if not given or given[-1] not in given[:-1]:  # a value may end some lines below its key
         return ""
-    (section, _), name = given[-1]
-    where = "" if section in ("", name) else f" in {section[:60]}"
+    (head, _), name = given[-1]
+    where = "" if head in ("", name) else f" in {head[:60]}"
     return f"{shown(name)}{where} is given twice, the second time in line {last}"
 
 
