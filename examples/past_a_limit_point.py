@@ -15,7 +15,7 @@ def main() -> tuple[float, EquilibriumPath]:
     except EquilibriumNotFound as ended:
         turn = ended.critical_time
         print(f"{ended.outcome} at {turn:.4f} of the load: {-turn * scene.load.force[1]:.1f} N")
-    traced = wirefe.trace(scene, points=60, **mesh)
+    traced = wirefe.trace(scene, points=56, **mesh)
     print(f"traced {len(traced.times)} equilibria, {sum(traced.negative_pivots > 0)} of them unstable")
     return turn, traced
 

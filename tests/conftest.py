@@ -23,6 +23,14 @@ def own_store(tmp_path_factory, monkeypatch):
 
 
 @pytest.fixture
+def first_order_elements(monkeypatch):
+    """Curved elements of the first order, with which springs were found that are hard to follow: with those
+    of the second they are others."""
+    monkeypatch.setattr("wirefe.rod.second_order", lambda *given: given[-1].fill(0.0))
+    monkeypatch.setattr("validation.campaign.wireparts._second", lambda twists, _: 0.0 * twists[:6])
+
+
+@pytest.fixture
 def check_derivatives():
     """Compare a gradient and a Hessian with central differences, relative to their largest entry.
 

@@ -21,9 +21,10 @@ def nodes(x1, q1, x2, q2):
     return np.concatenate((x1, q1, x2, q2))
 
 
-def one(x1, q1, x2, q2, triads, e0, K):
+def one(x1, q1, x2, q2, triads, e0, K, Q=None):
     g, H = np.empty((1, 12)), np.empty((1, 12, 12))
-    energy = beams(nodes(x1, q1, x2, q2), np.zeros(3), triads[None], e0[None], K[None], g, H)
+    second = np.zeros((0, 6, 36)) if Q is None else Q.reshape(1, 6, 36)
+    energy = beams(nodes(x1, q1, x2, q2), np.zeros(3), triads[None], e0[None], K[None], second, g, H)
     return energy, g[0], H[0]
 
 
@@ -38,12 +39,19 @@ def random_element(angle, seed=7):
     return x1, q1, x1 + rng.normal(size=3), q2, triads, 0.3 * rng.normal(size=6), A @ A.T
 
 
+def random_second(seed=3):
+    """Random second derivatives of a deformation, symmetric."""
+    Q = np.random.default_rng(seed).normal(size=(6, 6, 6))
+    return 0.3 * (Q + Q.swapaxes(1, 2))
+
+
 @pytest.mark.parametrize("angle", [0.0, 1e-6, 0.05, 0.49, 0.51, 1.5, 2.5])
-def test_gradient_and_hessian(check_derivatives, angle):
+@pytest.mark.parametrize("Q", [None, random_second()], ids=["straight", "curved"])
+def test_gradient_and_hessian(check_derivatives, angle, Q):
     x1, q1, x2, q2, triads, e0, K = random_element(angle)
 
     def energy(d):
-        return one(x1 + d[:3], spun(d[3:6], q1), x2 + d[6:9], spun(d[9:], q2), triads, e0, K)
+        return one(x1 + d[:3], spun(d[3:6], q1), x2 + d[6:9], spun(d[9:], q2), triads, e0, K, Q)
 
     check_derivatives(energy, 12, h=1e-3)
 

@@ -174,6 +174,7 @@ def test_a_pair_that_opens_in_the_substep_of_its_touch_is_found():
     assert ends[0] == pytest.approx(ends[1], rel=1e-4)
 
 
+@pytest.mark.usefixtures("first_order_elements")
 def test_a_pair_that_opens_as_soon_as_it_has_touched_is_found():
     """It opened at once, crept, and was pressed again within 1e-3 of the load. Longer substeps, in 1, 5 and 7
     steps, let it stick where it first touched: tips differed by 1.2e-3, and the paths ended at 0.950."""
@@ -224,6 +225,7 @@ def test_hard_pairs_creep_along_one_path(seed, most, work):
     assert paths[0].total_iterations < work
 
 
+@pytest.mark.usefixtures("first_order_elements")
 def test_a_jump_after_which_other_forces_were_possible_is_undecided():
     """From 0.8973 on; runs to just before the jump, at 0.9332, find the others, and jump there."""
     case = make_case("w00742", 812)
@@ -234,6 +236,7 @@ def test_a_jump_after_which_other_forces_were_possible_is_undecided():
     assert verify(case, path).class_of(path.outcome) == "undecided"
 
 
+@pytest.mark.usefixtures("first_order_elements")
 def test_no_jump_is_told_where_only_the_iteration_ended():
     """Rounds in which pairs that creep are renewed do not converge; there is an equilibrium nearby, which a
     release by other means finds."""
@@ -293,6 +296,7 @@ def test_a_sticking_pair_that_is_about_to_open_lets_go():
     assert paths[0].critical_time == pytest.approx(paths[1].critical_time, rel=1e-7)
 
 
+@pytest.mark.usefixtures("first_order_elements")
 @pytest.mark.parametrize(
     "steps",
     [
@@ -312,6 +316,7 @@ def test_a_pair_that_has_just_touched_does_not_open_by_what_it_is_located_to(ste
     assert reached(make_case("w00441", 116), steps=steps).undecided_time is None
 
 
+@pytest.mark.usefixtures("first_order_elements")
 def test_what_a_pair_that_has_just_touched_could_hold_is_not_told_before_another_lets_go():
     """That is at 0.5419; the path said so from 0.5329 on."""
     assert reached(make_case("w00441", 116), steps=400).undecided_time > 0.5419

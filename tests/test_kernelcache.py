@@ -45,7 +45,7 @@ if __name__ == "__main__":
 EDITS = {
     "equivbeam": [("equivbeam/laws/haringx.py", "= rows[i, KAX], rows", "= 2.0 * rows[i, KAX], rows")],
     "wirefe": [
-        ("wirefe/element/beam.py", "e0[n], K[n])", "e0[n], 2.0 * K[n])"),
+        ("wirefe/element/beam.py", "e0[n]), K[n], Q", "e0[n]), 2.0 * K[n], Q"),
         ("wirefe/element/beam.py", "forces, K[n], H[n])", "forces, 2.0 * K[n], H[n])"),
     ],
 }

@@ -100,7 +100,7 @@ def test_tracing_finds_pairs_past_the_limit_point():
     assert path.options["pairs_found"] > 0
     assert path.gaps.shape[1] == 33 + path.options["pairs_found"]
     assert [pair for state in path.states for pair in unlisted(path.shape.data.contact, state)] == []
-    first = wirefe.trace(FREE_B, points=100, element="curved", elements_per_turn=4)
+    first = wirefe.trace(FREE_B, points=70, element="curved", elements_per_turn=4)
     assert first.options["pairs_found"] == 0
 
 

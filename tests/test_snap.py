@@ -45,6 +45,7 @@ def test_small_snaps_are_passed_in_any_number_of_steps(case, seed, count):
     np.testing.assert_allclose(*tips, atol=rel * np.abs(tips[0]).max())
 
 
+@pytest.mark.usefixtures("first_order_elements")
 @pytest.mark.parametrize(
     ("case", "seed", "counts", "time", "largest", "told"),
     [

@@ -63,7 +63,7 @@ FREE = Scene("free top", Spring(2.0, (12.7, 12.7), 11.5, 35.19, start_phase=3.53
     ("solve", "scene", "options", "outcome", "time"),
     [
         (wirefe.solve, SLENDER, {"element": "curved", "elements_per_turn": 16}, "bifurcation", 0.32919),
-        (wirefe.solve, LONG, {"element": "curved", "elements_per_turn": 8}, "bifurcation", 0.90047),
+        (wirefe.solve, LONG, {"element": "curved", "elements_per_turn": 8}, "bifurcation", 0.90057),
         (equivbeam.solve, LONG, {"law": "helix"}, "bifurcation", 0.83880),
         (wirefe.solve, FREE, {"element": "curved", "elements_per_turn": 8}, "completed", None),
     ],

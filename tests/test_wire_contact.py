@@ -188,7 +188,7 @@ def test_double_helix_is_in_equilibrium_by_the_line_force_of_the_exact_solution(
         assert radial == pytest.approx(line * L / count, rel=1e-10)
         ge = np.empty((2 * count + 1, 12))
         e = data.elements
-        beams(state, e.arm, e.triads, e.strain0, e.stiffness, ge, np.empty((0, 12, 12)))
+        beams(state, e.arm, e.triads, e.strain0, e.stiffness, e.second, ge, np.empty((0, 12, 12)))
         g = g.reshape(-1, 6)
         g[:-1] += ge[:, :6]
         g[1:] += ge[:, 6:]

@@ -13,7 +13,8 @@ def elements(path, step):
     points, turns = rows[:, :3].copy(), rows[:, 3:]
     points[-1] += turned(turns[-1], data.arm)
     g, H = np.empty((len(rows) - 1, 12)), np.empty((0, 12, 12))
-    return points, beams(path.states[step], data.arm, data.triads, data.strain0, data.stiffness, g, H), g
+    elastic = data.strain0, data.stiffness, data.second
+    return points, beams(path.states[step], data.arm, data.triads, *elastic, g, H), g
 
 
 def centres(contact, state):

@@ -80,7 +80,7 @@ def assemble(reals, ints, accepted, least_gap, history, state, g, flat):
     chain = view_elements(reals, ints)
     elements = len(chain.triads)
     ge, Ke = np.empty((elements, 12)), np.empty((elements if len(H) > 0 else 0, 12, 12))
-    energy = beams(state, chain.arm, chain.triads, chain.strain0, chain.stiffness, ge, Ke)
+    energy = beams(state, chain.arm, chain.triads, chain.strain0, chain.stiffness, chain.second, ge, Ke)
     _scatter(chain, state, ge, Ke, g, H)
     count = contact.pairs.shape[0]
     if count > 0 and least_gap > 0.0 and 2.0 * _bound(contact, accepted, state) < least_gap:

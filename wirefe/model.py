@@ -34,6 +34,7 @@ class ElementArrays(NamedTuple):
     """The chain of elements."""
 
     stiffness: Stack  # (elements, 6, 6)
+    second: Stack  # (elements, 6, 36) second derivatives of the deformation; none of straight elements
     strain0: Table  # (elements, 6) deformation measure at rest
     triads: Stack  # (elements, 2, 4) quaternions of the end frames at rest
     arm: Vector  # (3,) from the last node to the wire's last point
@@ -140,7 +141,7 @@ def rod_model(
     high = count + len(touching)  # number of the first coupling with the top plate
     reach, span = contact.reaches(count)
     return WireModel(
-        ElementArrays(rod.stiffness, rod.strain0, rod.triads, arm, block[:count], flip[:count]),
+        ElementArrays(rod.stiffness, rod.second, rod.strain0, rod.triads, arm, block[:count], flip[:count]),
         held,
         contact._replace(reach=reach, span=span, block=block[count:high], flip=flip[count:high]),
         plan,

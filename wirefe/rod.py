@@ -3,14 +3,21 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Any, Protocol
 
 import numpy as np
 
 from coilspring.errors import InputError, require_choice
 from coilspring.scene.wire import Section
-from wirefe.element.beam import deformation_rates, deformations
+from wirefe.element.beam import deformations
+from wirefe.element.curved import (
+    POINTS,
+    UPTO,
+    WEIGHTS,
+    constant_strain_twists,
+    second_order,
+)
 from wirefe.element.poses import at_rest
 from wirefe.element.rotations import cross_rows, quaternion_from_matrix
 
@@ -18,8 +25,6 @@ FREEDOMS = ("ux", "uy", "uz", "rotx", "roty", "rotz")
 # Of a wire whose flexibility varies: at parameters of its curve, (n, 6, 6) in Frenet's axes there.
 Flexibility = Callable[[np.ndarray], np.ndarray]
 ELEMENTS = ("straight", "curved")
-# Gauss points of the flexibility along an element: exact to rounding up to a quarter of a turn.
-GAUSS = np.polynomial.legendre.leggauss(12)
 KINK = 1e-13  # of the largest parameter, well above its rounding: how far inside its ends an element begins
 
 
@@ -43,11 +48,13 @@ class Rod:
     ----------
     points : (nodes, 3) at rest.
     triads : (nodes - 1, 2, 4) end frames of the elements, unit quaternions.
-    stiffness : (nodes - 1, 6, 6) of the elements in (v, theta), see `wirefe.element.beam`.
+    stiffness : (nodes - 1, 6, 6) of the elements at rest, see `wirefe.element.beam`.
     held : (nodes, 6) dofs that are held.
     loads : (nodes, 6) dead forces and moments at time 1. Moments keep their direction in space; in
         space (not in a plane) such a load has no potential: equilibria are right, statements on
         stability rest on the symmetric part of the tangent.
+    second : (nodes - 1, 6, 36) second derivatives of the elements' deformation in the amplitudes of strains,
+        see `wirefe.element.curved`; (0, 6, 36) of straight ones.
     """
 
     points: np.ndarray
@@ -55,6 +62,7 @@ class Rod:
     stiffness: np.ndarray
     held: np.ndarray
     loads: np.ndarray
+    second: np.ndarray = field(default_factory=lambda: np.zeros((0, 6, 36)))
 
     @property
     def strain0(self) -> np.ndarray:
@@ -125,10 +133,11 @@ def straight_solid_rod(points: np.ndarray, flexibility: np.ndarray, inward: np.n
 
 
 def curved_rod(curve: Curve, parameters: np.ndarray, section: Section | Flexibility) -> Rod:
-    """Elements with the exact linear flexibility of the curve's pieces between the parameters.
+    """Elements of the curve's pieces between the parameters, exact to the second order in their end loads.
 
-    Their triads are Frenet's, in which a uniform helix is a constant strain: a spring that deforms into
-    another helix is then represented exactly. Instead of a section, a function of parameters gives the wire's
+    Their triads are Frenet's, in which a uniform helix is a constant strain: the deformation of a spring into
+    another helix is then represented exactly. Elements of more than half a turn are inexact, by 3e-4 of the
+    second order at a whole one. Instead of a section, a function of parameters gives the wire's
     flexibility per length there, (n, 6, 6) in Frenet's axes.
     """
     phases = np.asarray(parameters, dtype=float)
@@ -137,13 +146,16 @@ def curved_rod(curve: Curve, parameters: np.ndarray, section: Section | Flexibil
     inset = KINK * np.abs(phases).max()
     frames = frenet_frames(curve, np.stack((phases[:-1] + inset, phases[1:] - inset), axis=1).ravel())
     triads = quaternion_from_matrix(frames).reshape(-1, 2, 4)
-    flexibility = end_flexibility(curve, section, phases, points)
-    # K in (v, theta) from the flexibility of the second end's motion: d(v, theta) = J d
-    J = np.empty((len(triads), 6, 6))
-    deformation_rates(at_rest(points).ravel(), triads, J)
-    inverse = np.linalg.inv(J)
-    K = np.swapaxes(inverse, 1, 2) @ np.linalg.inv(flexibility) @ inverse
-    return _rod(points, triads, 0.5 * (K + np.swapaxes(K, 1, 2)))
+    flexibility, lengths = section_flexibility(curve, section, phases, points)
+    rod = _rod(points, triads, np.zeros((len(triads), 6, 6)))
+    constant = np.empty_like(flexibility)
+    constant_strain_twists(triads, rod.strain0, POINTS, WEIGHTS, UPTO, constant)
+    motion = np.tensordot(WEIGHTS, constant, (0, 1))  # of the second end, by a unit of each deformation
+    wrench = np.linalg.solve(np.einsum("eq,eqij->eij", lengths, flexibility), motion)
+    K = np.swapaxes(motion, 1, 2) @ wrench
+    Q, inverse = np.empty((len(triads), 6, 36)), np.linalg.inv(motion)
+    second_order(flexibility @ wrench[:, None], lengths, constant, WEIGHTS, UPTO, inverse, Q)
+    return replace(rod, stiffness=0.5 * (K + np.swapaxes(K, 1, 2)), second=Q)
 
 
 def _rod(points: np.ndarray, triads: np.ndarray, stiffness: np.ndarray) -> Rod:
@@ -180,16 +192,16 @@ def straight_stiffness(section: Section, lengths: np.ndarray) -> np.ndarray:
     return K
 
 
-def end_flexibility(
+def section_flexibility(
     curve: Curve, section: Section | Flexibility, phases: np.ndarray, points: np.ndarray
-) -> np.ndarray:
-    """Motion (dx, spin) of each element's second end by a wrench there, the first held, (elements, 6, 6)."""
-    nodes, weights = GAUSS
-    half = 0.5 * np.diff(phases)[:, None]
-    at = phases[:-1, None] + half * (1.0 + nodes)
+) -> tuple[np.ndarray, np.ndarray]:
+    """Motion (dx, spin) of each element's second end by a wrench there, for a length of the wire at each of
+    its `POINTS`, (elements, points, 6, 6), and the lengths that these stand for, (elements, points)."""
+    steps = np.diff(phases)[:, None]
+    at = phases[:-1, None] + steps * POINTS
     first, _ = curve.derivatives(at.ravel())
     speed = np.linalg.norm(first, axis=1)
-    along = (half * weights) * speed.reshape(at.shape)
+    lengths = steps * WEIGHTS * speed.reshape(at.shape)
     # a section carries the force n and the moment m + r x n, with r from it to the second end
     r = points[1:, None] - curve.points(at.ravel()).reshape(*at.shape, 3)
     R = cross_rows(np.eye(3), r[..., None, :])  # R x = r x x
@@ -212,7 +224,7 @@ def end_flexibility(
         stretch = stretch + mutual @ R
     F[..., :3, :3] = stretch - R @ F[..., 3:, :3]
     F[..., 3:, 3:] = bend
-    return np.einsum("eq,eqij->eij", along, F)
+    return F, lengths
 
 
 def frenet_frames(curve: Curve, phases: np.ndarray) -> np.ndarray:

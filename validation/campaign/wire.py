@@ -42,8 +42,11 @@ class WireForces:
         self.arms[1, :, -1] = points[-1] - reference
         ends = ((points[:-1].T, self.frames[:, 0]), (points[1:].T, self.frames[:, 1]))
         self.strain0 = strain(*ends)
-        self.stiffness = (  # (6, 6, elements)
-            curved(scene, phases, points, ends) if element == "curved" else straight(scene, points)
+        # (6, 6, elements) in eta, and second derivatives of (v, theta) in eta
+        self.stiffness: np.ndarray
+        self.second: np.ndarray | None
+        self.stiffness, self.second = (
+            curved(scene, phases, points, ends) if element == "curved" else (straight(scene, points), None)
         )
         self.points = Points(spring, points, pairs_per_turn, contact.geometry == "wires")
         penalty = contact.stiffness * PAIRS_A_TURN / pairs_per_turn
@@ -74,7 +77,14 @@ class WireForces:
         e = strain(*ends)
         e -= like(e, self.strain0)
         # of symmetric stiffness; what is real is the same in all steps
-        force = np.einsum("ije,j...e->i...e", self.stiffness, e[:, 0].real)
+        here = e[:, 0].real
+        if self.second is None:
+            force = np.einsum("ije,j...e->i...e", self.stiffness, here)
+        else:
+            rates = np.einsum("ijke,k...e->ij...e", self.second, here)
+            eta = here - 0.5 * (rates * here).sum(axis=1)
+            force = np.einsum("ije,j...e->i...e", self.stiffness, eta)
+            force -= (rates * force[:, None]).sum(axis=0)
         return np.einsum("i...,ik...->k...", force, e.imag) / TINY
 
     def pairs(self, path: EquilibriumPath, row: int, reach: float = 0.0) -> Pairs:

@@ -7,13 +7,15 @@ from scipy.spatial import cKDTree
 from scipy.spatial.transform import Rotation
 
 from coilspring import Scene, Spring
-from validation.campaign.poses import TINY, rotated, stepped, strain
+from validation.campaign.poses import TINY, like, product, rotated, stepped, strain
 
 SHEAR_FACTOR = 0.9
 TURN = 2.0 * math.pi
 AT_NODE = 1e-9  # elements: a station that near to a node moves with it alone
 NUDGE = 1e-9  # rad: so far beside a point are the tangents whose mean it has
 GAUSS = np.polynomial.legendre.leggauss(16)
+PIECES = 256  # of a turn: a chain that tells how an element deforms to second order
+STRAIN = 1e-4  # of a length, or rad, with which differences are taken
 Poses = tuple[tuple[np.ndarray, np.ndarray], tuple[np.ndarray, np.ndarray]]
 
 
@@ -54,13 +56,56 @@ def straight(scene: Scene, points: np.ndarray) -> np.ndarray:
     return K
 
 
-def curved(scene: Scene, phases: np.ndarray, points: np.ndarray, poses: Poses) -> np.ndarray:
-    """Stiffness of curved pieces: the inverse of their exact linear flexibility in (v, theta)."""
-    flexibility = _flexibility(scene, phases, points)
+def curved(
+    scene: Scene, phases: np.ndarray, points: np.ndarray, poses: Poses
+) -> tuple[np.ndarray, np.ndarray]:
+    """Stiffness of curved pieces, the inverse of their exact linear flexibility, (6, 6, elements), and second
+    derivatives of (v, theta) in the amplitudes of strains by a unit of each, (6, 6, 6, elements)."""
+    nodes, weights = GAUSS
+    along = np.diff(phases)[:, None, None, None]
+    sections = 0.5 * along * weights[:, None, None] * _flexibility(scene, phases, points, 0.5 * (1.0 + nodes))
     low, (x, q) = poses
     (moved,) = stepped(np.concatenate((x, q)).T[None])
     J = strain((low[0][:, None], low[1][:, None]), moved).imag.transpose(2, 0, 1) / TINY
-    return np.linalg.inv(J @ flexibility @ J.transpose(0, 2, 1)).transpose(1, 2, 0)
+    inverse = np.linalg.inv(J)
+    wrench = np.linalg.inv(sections.sum(axis=1)) @ inverse  # at the upper end, by a unit of each
+    K = (inverse.transpose(0, 2, 1) @ wrench).transpose(1, 2, 0)
+    return K, _second(_chain(scene, phases, points, wrench), poses)
+
+
+def _chain(scene: Scene, phases: np.ndarray, points: np.ndarray, wrench: np.ndarray) -> np.ndarray:
+    """Twists (two for each piece, 6, 6, elements) of the upper end, in their order, by a unit of each wrench.
+
+    Two make what a piece does, to the fourth order (Blanes & Moan 2006, Appl. Numer. Math. 56, 1519).
+    """
+    steps, offset = np.diff(phases), np.array([-1.0, 1.0]) * math.sqrt(3.0) / 6.0
+    pieces = math.ceil(PIECES * steps.max() / TURN)
+    shares = (np.arange(pieces)[:, None] + 0.5 + offset) / pieces
+    rates = _flexibility(scene, phases, points, shares.ravel()) @ wrench[:, None]
+    both = rates.reshape(-1, pieces, 2, 6, 6) * (steps / pieces)[:, None, None, None, None]
+    near, far = 0.25 + math.sqrt(3.0) / 6.0, 0.25 - math.sqrt(3.0) / 6.0
+    twists = np.einsum("ab,epbij->paije", [[near, far], [far, near]], both)
+    return twists.reshape(2 * pieces, 6, 6, -1)
+
+
+def _second(twists: np.ndarray, poses: Poses) -> np.ndarray:
+    """Second derivatives (6, 6, 6, elements) of (v, theta) in the amplitudes of six motions, each a chain of
+    small twists (chain, 6, 6 motions, elements) of the upper end."""
+    low, (place, frame) = poses
+    size = STRAIN * np.concatenate((np.full(3, np.linalg.norm(place - low[0], axis=0).mean()), np.ones(3)))
+    real = np.array([1.0, -1.0])[:, None] * size  # (2, 6)
+    x = np.zeros((3, 2, 6, 6, place.shape[1]), dtype=complex)
+    q = np.zeros((4, *x.shape[1:]), dtype=complex)
+    q[0] = 1.0
+    for twist in twists[::-1]:
+        move = real[None, :, :, None, None] * twist[:, None, :, None] + 1j * TINY * twist[:, None, None]
+        dx, spin = move[:3], move[3:]
+        square = (spin**2).sum(axis=0)
+        turn = np.concatenate(((1.0 - square / 8.0)[None], 0.5 * (1.0 - square / 24.0) * spin))
+        x, q = rotated(turn, x) + dx + 0.5 * np.cross(spin, dx, axis=0), product(turn, q)
+    e = strain((like(x, low[0]), like(x, low[1])), (like(x, place) + x, product(q, like(x, frame))))
+    slopes = e.imag / TINY
+    return (slopes[:, 0] - slopes[:, 1]) / (2.0 * size[:, None, None])
 
 
 class Points:
@@ -168,11 +213,11 @@ def rigidities(scene: Scene) -> tuple[float, float, float, float]:
     return E * area, SHEAR_FACTOR * G * area, 2.0 * G * second, E * second
 
 
-def _flexibility(scene: Scene, phases: np.ndarray, points: np.ndarray) -> np.ndarray:
-    """Flexibility (elements, 6, 6) of the upper end against the lower one, for force and moment there."""
+def _flexibility(scene: Scene, phases: np.ndarray, points: np.ndarray, shares: np.ndarray) -> np.ndarray:
+    """Flexibility (elements, shares, 6, 6) per phase of sections at shares of the elements: motion of the
+    upper end against the lower one, for force and moment there."""
     EA, GA, GJ, EI = rigidities(scene)
-    half = 0.5 * np.diff(phases)[:, None]
-    at = phases[:-1, None] + half * (1.0 + GAUSS[0])
+    at = phases[:-1, None] + np.diff(phases)[:, None] * shares
     tangent = helix(scene.spring, at, 1)
     speed = np.linalg.norm(tangent, axis=-1, keepdims=True)
     along = (tangent / speed)[..., None] * (tangent / speed)[..., None, :]
@@ -182,8 +227,7 @@ def _flexibility(scene: Scene, phases: np.ndarray, points: np.ndarray) -> np.nda
     # columns: moments in the section of unit forces at the upper end
     arm = points[1:, None] - helix(scene.spring, at)
     A[..., 3:, :3] = np.cross(arm[..., None, :], np.eye(3)).swapaxes(-1, -2)
-    weight = (half * GAUSS[1] * speed[..., 0])[..., None, None]
-    return (weight * (A.swapaxes(-1, -2) @ C @ A)).sum(axis=1)
+    return speed[..., None] * (A.swapaxes(-1, -2) @ C @ A)
 
 
 def _quaternions(first: np.ndarray, second: np.ndarray) -> np.ndarray:

@@ -4,11 +4,12 @@ The end frames are R1, R2 (node rotation times the element's own end triad), r =
 ``theta = log(R1^T R2)``, the frame half way ``M = R1 exp(theta/2)`` and ``u = M^T r``,
 
     P(theta) = alpha I - c theta theta^T,  alpha = (theta/2) / sin(theta/2) = 1 + c theta^2
-    v = P u,   e = (v, theta) - e0,   energy = 1/2 e^T K e
+    v = P u,   e = (v, theta) - e0,   eta = e - 1/2 Q(e, e),   energy = 1/2 eta^T K eta
 
-(v, theta) is the logarithm of the relative pose (Sonneville, Cardona & Bruls 2014, CMAME 268, eq. 14 ff.,
-written here in the half-way frame, in which P is symmetric). A rigid motion leaves it unchanged, and
-K may be any stiffness of a piece of wire. Variations use spatial spins phi_i of the nodes:
+eta are amplitudes of strains of a curved piece that make e to second order (`wirefe.element.curved`); Q = 0
+where it is straight. (v, theta) is the logarithm of the relative pose (Sonneville, Cardona & Bruls 2014,
+CMAME 268, eq. 14 ff., written here in the half-way frame, in which P is symmetric). A rigid motion leaves it
+unchanged, and K may be any stiffness of a piece of wire. Variations use spatial spins phi_i of the nodes:
 
     rho = M^T (dx2 - dx1),  w = M^T (phi2 - phi1),  mu = M^T (phi1 + phi2)/2 - tau/2 theta x w
     dtheta = P w,   du = rho + u x mu,   tau = tan(theta/4)/theta
@@ -24,7 +25,6 @@ import numpy as np
 from coilspring.compiling.compiled import arithmetic, kernel
 from wirefe.element.algebra import (
     added,
-    applied,
     block,
     cross,
     diagonal,
@@ -56,7 +56,7 @@ class Strain(NamedTuple):
 class Forces(NamedTuple):
     """Forces of an element, conjugate to the variations."""
 
-    s: Any  # K e in v
+    s: Any  # dU/dv
     N: Any  # to u
     m: Any  # to theta
     Pm: Any  # to w
@@ -108,25 +108,8 @@ def deformations(state, arm, triads, e):
         e[n, 3], e[n, 4], e[n, 5] = th
 
 
-@kernel
-def deformation_rates(state, triads, J):
-    """d(v, theta) at rest for a motion (dx, spin) of each element's second end, shape (n, 6, 6)."""
-    still = np.zeros(3)
-    for n in range(len(triads)):
-        M, q, f, th, u = _strain(state, n, triads, still)
-        P, V, _, _ = _derivatives(q, f, th, u, three(still, 0))
-        # spin of the half-way frame, with the first end held: (I - tau theta x) w / 2
-        T = product(P, product(skew(u, 1.0), diagonal(skew(th, -0.5 * f[3]), 0.5)))
-        back = transposed(matrix(M))
-        straight, bent = product(P, back), product(added(T, 1.0, V), back)
-        for i in range(3):
-            for j in range(3):
-                J[n, i, j] = J[n, 3 + i, 3 + j] = straight[3 * i + j]
-                J[n, i, 3 + j], J[n, 3 + i, j] = bent[3 * i + j], 0.0
-
-
 @arithmetic
-def beams(state, arm, triads, e0, K, g, H):
+def beams(state, arm, triads, e0, K, Q, g, H):
     """Energy of all elements; fills their gradients g (n, 12) and Hessians H (n, 12, 12), if not empty.
 
     Freedoms of an element are (x1, phi1, x2, phi2) with spatial spins phi, x its ends.
@@ -137,45 +120,112 @@ def beams(state, arm, triads, e0, K, g, H):
     arm : (3,) from the last node to the last element's end, at rest.
     triads : (n, 2, 4) end frames at rest, unit quaternions.
     e0 : (n, 6) deformation measures at rest.
-    K : (n, 6, 6) stiffnesses in (v, theta), symmetric.
+    K : (n, 6, 6) stiffnesses in eta, symmetric.
+    Q : (n, 6, 36), symmetric in its last two sixes; (0, 6, 36) where eta = e.
     """
-    energy = 0.0
+    energy, A, KA, now = 0.0, np.empty((6, 6)), np.empty((6, 6)), np.empty((6, 6))
     for n in range(len(triads)):
         strain = _strain(state, n, triads, arm)
         M, q, f, th, u = strain
-        work, forces = _forces(q, f, th, u, e0[n], K[n])
+        work, s, v, y = _elastic(_deformed(q, f, th, u, e0[n]), K[n], Q, n, A)
         energy += work
+        forces = _forces(q, f, th, u, v, y)
         _gradient(M, forces.N, forces.C, forces.Pm, forces.X, f[3], g[n])
         if n < len(H):
-            _hessian(strain, forces, K[n], H[n])
+            if n < len(Q):
+                _stiffness(K[n], Q, n, s, A, KA, now)
+                _hessian(strain, forces, now, H[n])
+            else:
+                _hessian(strain, forces, K[n], H[n])
     return energy
 
 
 @kernel
-def end_forces(state, arm, triads, e0, K, g):
+def end_forces(state, arm, triads, e0, K, Q, g):
     """Fill the gradients g (n, 12) of all elements: what acts on their ends; see `beams`."""
+    A = np.empty((6, 6))
     for n in range(len(triads)):
         M, q, f, th, u = _strain(state, n, triads, arm)
-        _, forces = _forces(q, f, th, u, e0[n], K[n])
+        _, _, v, y = _elastic(_deformed(q, f, th, u, e0[n]), K[n], Q, n, A)
+        forces = _forces(q, f, th, u, v, y)
         _gradient(M, forces.N, forces.C, forces.Pm, forces.X, f[3], g[n])
 
 
 @arithmetic
-def _forces(q, f, th, u, e0, K):
-    """Energy of one element, and its `Forces`."""
+def _deformed(q, f, th, u, e0):
+    """e of one element."""
+    v = _stretched(q, f, th, u)
+    return v[0] - e0[0], v[1] - e0[1], v[2] - e0[2], th[0] - e0[3], th[1] - e0[4], th[2] - e0[5]
+
+
+@arithmetic
+def _elastic(e, K, Q, n, A):
+    """Energy of the n-th element, its forces s in eta, and A^T s in v and theta; fills A = d eta/de."""
+    a, b, c = _eta(e, Q, n, 0, A), _eta(e, Q, n, 1, A), _eta(e, Q, n, 2, A)
+    d, f, g = _eta(e, Q, n, 3, A), _eta(e, Q, n, 4, A), _eta(e, Q, n, 5, A)
+    eta = (a, b, c, d, f, g)
+    s = (_row(K, 0, eta), _row(K, 1, eta), _row(K, 2, eta), _row(K, 3, eta), _row(K, 4, eta), _row(K, 5, eta))
+    energy = s[0] * a + s[1] * b + s[2] * c + s[3] * d + s[4] * f + s[5] * g
+    v = (_column(A, 0, s), _column(A, 1, s), _column(A, 2, s))
+    return 0.5 * energy, s, v, (_column(A, 3, s), _column(A, 4, s), _column(A, 5, s))
+
+
+@arithmetic
+def _eta(e, Q, n, i, A):
+    """One of eta; fills its row of A."""
+    value = e[i]
+    for j in range(6):
+        rate = 0.0
+        if n < len(Q):
+            for k in range(6):
+                rate += Q[n, i, 6 * j + k] * e[k]
+        value -= 0.5 * rate * e[j]
+        A[i, j] = (1.0 if i == j else 0.0) - rate
+    return value
+
+
+@arithmetic
+def _row(K, i, x):
+    """Row of a matrix (6, 6) times a vector."""
+    return (K[i, 0] * x[0] + K[i, 1] * x[1] + K[i, 2] * x[2]) + (
+        K[i, 3] * x[3] + K[i, 4] * x[4] + K[i, 5] * x[5]
+    )
+
+
+@arithmetic
+def _column(K, j, x):
+    """Column of a matrix (6, 6) times a vector."""
+    return (K[0, j] * x[0] + K[1, j] * x[1] + K[2, j] * x[2]) + (
+        K[3, j] * x[3] + K[4, j] * x[4] + K[5, j] * x[5]
+    )
+
+
+@arithmetic
+def _stiffness(K, Q, n, s, A, KA, now):
+    """Stiffness of the n-th element in e: A^T K A - s . Q."""
+    for i in range(6):
+        for j in range(6):
+            KA[i, j] = 0.0
+            for k in range(6):
+                KA[i, j] += K[i, k] * A[k, j]
+    for i in range(6):
+        for j in range(6):
+            now[i, j] = 0.0
+            for k in range(6):
+                now[i, j] += A[k, i] * KA[k, j] - s[k] * Q[n, k, 6 * i + j]
+
+
+@arithmetic
+def _forces(q, f, th, u, s, y):
+    """`Forces` of one element from dU/dv and dU/dtheta."""
     c, c1 = f[0], f[1]
     al, al1 = 1.0 + c * q, c1 * q + c
-    v = plus(_stretched(q, f, th, u), -1.0, three(e0, 0))
-    k = plus(th, -1.0, three(e0, 3))
-    mutual = block(K, 0, 3)
-    s = plus(applied(block(K, 0, 0), v), 1.0, applied(mutual, k))
-    y = plus(applied(transposed(mutual), v), 1.0, applied(block(K, 3, 3), k))
     A, B, S = dot(th, s), dot(th, u), dot(s, u)
     m = plus(y, 2.0 * (al1 * S - c1 * A * B), th)
     m = plus(m, -c, mixed(B, s, A, u))
     N = mixed(al, s, -c * A, th)
     C = cross(N, u)
-    return 0.5 * (dot(s, v) + dot(y, k)), Forces(s, N, m, _stretched(q, f, th, m), C, cross(th, C))
+    return Forces(s, N, m, _stretched(q, f, th, m), C, cross(th, C))
 
 
 @arithmetic

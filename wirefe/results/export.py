@@ -77,7 +77,12 @@ def section_results(path: EquilibriumPath, step: int) -> SectionResults:
     strain = np.empty_like(data.strain0)
     deformations(path.states[step], data.arm, data.triads, strain)
     strain -= data.strain0
-    wrench = np.einsum("eij,ej->ei", data.stiffness, strain)
+    rates = np.zeros_like(data.stiffness)
+    if len(data.second):
+        rates = np.einsum("eijk,ek->eij", data.second.reshape(-1, 6, 6, 6), strain)
+    eta = strain - 0.5 * np.einsum("eij,ej->ei", rates, strain)
+    wrench = np.einsum("eij,ej->ei", data.stiffness, eta)
+    force = wrench - np.einsum("eij,ei->ej", rates, wrench)
     # the first three at rest are the tangent times the element's length
     lengths = np.linalg.norm(data.strain0[:, :3], axis=1)
     wire = np.count_nonzero(lengths)  # the hold of a tip on a plate has none
@@ -88,7 +93,7 @@ def section_results(path: EquilibriumPath, step: int) -> SectionResults:
         rotation=Rotation.from_quat(np.roll(turns, -1, axis=1)).as_rotvec()[nodes],
         contact_force=_contact_force(shape, path.states[step][None], path.contact_forces[step])[nodes],
         pair_force=_pair_force(shape, len(rows), path.contact_forces[step])[nodes],
-        force=wrench[:wire, :3],
+        force=force[:wire, :3],
         moment=wrench[:wire, 3:],
         curvature_change=strain[:wire, 3:] / lengths[:wire, None],
     )

@@ -133,7 +133,7 @@ def _resultants(
     data, spring, nodes = shape.data.elements, shape.scene.spring, rows(states)
     ends = np.empty((len(states), len(data.triads), 12))
     for state, row in zip(states, ends, strict=True):
-        end_forces(state, data.arm, data.triads, data.strain0, data.stiffness, row)
+        end_forces(state, data.arm, data.triads, data.strain0, data.stiffness, data.second, row)
     node, parts = carried(spring, shape.mesh, phases)
     x = positions(nodes, node, parts)
     above = nodes[:, 1:, :3].copy()  # the elements' second ends

@@ -245,7 +245,7 @@ def linear_stiffness(rod: Rod) -> csr_array:
     """Stiffness matrix at rest, dofs 6 node + (ux, uy, uz, rotx, roty, rotz), held ones included."""
     count = len(rod.stiffness)
     g, H = np.empty((count, 12)), np.empty((count, 12, 12))
-    beams(at_rest(rod.points).ravel(), np.zeros(3), rod.triads, rod.strain0, rod.stiffness, g, H)
+    beams(at_rest(rod.points).ravel(), np.zeros(3), rod.triads, rod.strain0, rod.stiffness, rod.second, g, H)
     dofs = 6 * np.arange(count)[:, None] + np.arange(12)
     return scattered(H, dofs, dofs, rod.held.size)
 
