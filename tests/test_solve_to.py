@@ -56,15 +56,15 @@ def test_finer_is_asked_finer_is_solved():
     assert stations == sorted(set(stations))
     assert levels == sorted(levels)
     assert levels[-1] > levels[0]
-    spheres = [wirefe.solve_to(touching(geometry="spheres"), asked).options for asked in (1e-2, 1e-3, 1e-5)]
-    levels = [mesh["elements_per_turn"] for mesh in spheres]
+    leaning = replace(touching(geometry="spheres"), load=Load((-30.0, -8.0), 10))
+    levels = [wirefe.solve_to(leaning, asked).options["elements_per_turn"] for asked in (1e-3, 1e-4, 1e-5)]
     assert levels[0] < levels[1] < levels[2]
 
 
 def test_without_contact_two_coarse_meshes_are_enough():
     scene = replace(SHORT, load=Load((-0.5, -0.5), 50), contact=Contact(enabled=False))
-    path = wirefe.solve_to(scene, 1e-3)
-    assert path.options["elements_per_turn"] == 8
+    path = wirefe.solve_to(scene, 1e-4)
+    assert path.options["elements_per_turn"] == 4
     assert path.other_seconds < path.solve_seconds
 
 
@@ -147,7 +147,7 @@ def test_what_friction_leaves_open_is_refused_with_what_can_be_reached(monkeypat
         wirefe.solve_to(touching(sliding="none"), 1e-3)
 
 
-@pytest.mark.parametrize(("finest", "words"), [(12, ["at least"]), (16, ["at least about", "at least"])])
+@pytest.mark.parametrize(("finest", "words"), [(8, ["at least"]), (16, ["at least about"])])
 def test_what_no_mesh_reaches_is_refused_with_what_can_be_reached(finest, words, monkeypatch):
     """Beyond the finest mesh with what was found there, before it with what is predicted."""
     monkeypatch.setattr("wirefe.meshes.FINEST", finest)
@@ -175,9 +175,9 @@ def test_one_comparison_is_no_answer_where_wires_rub():
     assert len(lines) > 2
 
 
-@pytest.mark.parametrize(("low", "high", "ratio"), [(8, 12, 2.4), (4, 8, 5 / 3), (4, 16, 1 / 3)])
+@pytest.mark.parametrize(("low", "high", "ratio"), [(8, 12, 2.4), (4, 8, 1.0), (4, 16, 0.2)])
 def test_the_error_falls_with_the_square_of_the_level(low, high, ratio):
-    """As two paths tell it; what they tell is taken three times, and five times from the coarsest level."""
+    """As two paths tell it; what they tell is taken three times."""
     trials = trials_of(touching(geometry="spheres"), (low, 16), (high, 16))
     assert trials.estimate == pytest.approx(ratio * difference(*(trial.path for trial in trials.found)))
 
@@ -329,8 +329,8 @@ def test_stations_of_two_levels_stand_elsewhere():
 def test_progress_says_what_is_solved_and_the_estimate_so_far():
     lines = []
     path = wirefe.solve_to(touching(), 3e-5, progress=lines.append)
-    assert lines[0] == f"6 elements per turn, {path.scene.load.steps} steps"
-    assert lines[1].startswith("12 elements per turn,")
+    assert lines[0] == f"4 elements per turn, {path.scene.load.steps} steps"
+    assert lines[1].startswith("8 elements per turn,")
     assert lines[1].endswith(" s CPU")  # one path tells no error
     assert "s CPU, estimated error " in lines[2]
 
@@ -347,7 +347,7 @@ def test_command(tmp_path, capsys):
     assert found["accuracy"] == 1e-3
     assert 0.0 < found["estimated_error"] <= 1e-3
     said = capsys.readouterr().out
-    assert "8 curved elements per turn, 4 spheres per turn; estimated error" in said
+    assert "4 curved elements per turn, 4 spheres per turn; estimated error" in said
     assert main(["compare", "spring-a", "--accuracy", "1e-3", "--steps", "5", "--out", str(tmp_path)]) == 0
     assert json.loads((tmp_path / "compare.json").read_text())["accuracy"] == 1e-3
     assert json.loads((tmp_path / "wirefe/summary.json").read_text())["options"]["element"] == "curved"

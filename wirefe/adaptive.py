@@ -2,7 +2,8 @@
 
 The error is that of the load curve (`coilspring.curves`), against the wire model of the same scene with a
 mesh, stations and substeps without end. It is told by the differences of paths on meshes that are finer and
-finer (`wirefe.meshes`), and falls with the square of their resolution.
+finer (`wirefe.meshes`), and is taken to fall with the square of their resolution: where wires do not touch
+it falls faster at first.
 """
 
 from __future__ import annotations
@@ -22,19 +23,19 @@ from wirefe.meshes import FEWEST, MOST, STATIONS, Levels, Trial, difference, on_
 from wirefe.solve import solve
 
 ACCURACIES = (1e-5, 1e-2)
-ROUGH, FINE = 5e-3, 5e-4  # accuracies: from the first the coarsest mesh mostly does; below the second never
-COARSEST, COARSE = 4, 6  # first level, down to `FINE` and below; errors fall regularly from the second on
+COARSEST = 4  # first level, which mostly does where wires do not touch
+ROUGH = 5e-3  # accuracy from which few more stations mostly do where they touch
 ROWS = 5  # of a stage, at least, at which paths are compared whose differences are smooth
 # Errors over what differences tell, at most (as measured on random springs). Of the first of two paths:
 FIRST, MIXED = 2.0, 3.0  # and where substeps differ, too
-# Of the last path, without stations: as a path on a level below `COARSE` tells it; one above; two alike.
-EARLY, SMOOTH, STEADY = 5.0, 3.0, 2.0
+# Of the last path, without stations: as a path before tells it; as two alike do.
+SMOOTH, STEADY = 3.0, 2.0
 ALIKE = 1.5
 IRREGULAR = {2: 8.0, 3: 7.0, 4: 6.0}  # the same with stations, by the number of paths
 SHARE = 0.5  # of its level is a mesh as fine as, however few its stations
 FALL = 0.5  # of what the path before told, each tells at least: two may agree by chance
 AHEAD = 1.1  # below the error wanted is that of the mesh that is predicted to do
-# Times the first level is the second; where it has many more stations anyway; where those err most.
+# Times the first level is the second; from `ROUGH` on where wires touch with friction or on plates; else.
 NEXT, NEXT_ROUGH, NEXT_STATIONS = 2.0, 1.5, 1.25
 STRIDE, FAR = 1.5, 3.5  # times the last mesh, then, at least and at most: how errors fall is not known beyond
 BEYOND = 1.5  # times the finest mesh: what is predicted to take more is refused
@@ -160,7 +161,7 @@ class Trials:
             return IRREGULAR[min(len(self.found), 4)]
         if len(self.found) > 2 and max(self.told[-2:]) < ALIKE * min(self.told[-2:]):
             return STEADY
-        return SMOOTH if self.found[-2].level >= COARSE else EARLY
+        return SMOOTH
 
     @property
     def estimate(self) -> float:
@@ -218,13 +219,9 @@ def solve_to(
     wanted = require_number("accuracy", accuracy, *ACCURACIES)
     levels, rows = Levels.of(scene, pairs_per_turn), scene.load.steps
     trials = Trials(levels, wanted, rows, progress=progress)
-    first = COARSEST if wanted >= FINE else COARSE
-    if wanted >= ROUGH:
-        trials.add(first, rows, FEWEST)
-    else:
-        trials.add(first, rows if trials.irregular or trials.substeps else few(rows))
+    trials.add(COARSEST, rows, FEWEST)
     path, estimate = trials.found[0].path, math.inf
-    if trials.substeps or (wanted >= ROUGH and not trials.irregular):
+    if trials.substeps or not trials.irregular:
         path, estimate = _first(trials)
     if estimate > wanted:
         path, estimate = _refined(trials)

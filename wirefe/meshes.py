@@ -22,7 +22,7 @@ from wirefe.mesh import MOST_ELEMENTS
 
 FINEST, FINEST_STRAIGHT = 128, 32  # levels
 STRAIGHT, STATIONS = 10, 12  # elements of a plate-seated spring, and stations, of level 1
-FEWEST, MOST = 16, 1536  # stations: where nothing touches; a few more have to be allowed
+FEWEST, MOST = 16, 1536  # stations: of first paths, and where nothing touches; a few more have to be allowed
 CLEAR = 0.05  # wire diameters between coils that do not touch on any mesh
 TINY = 1e-12  # of the time 0..1
 FRACTION = 1_000  # of a coil at most, at which a spring or a section of it ends
@@ -97,7 +97,7 @@ def on_plates(scene: Scene) -> bool:
 
 @dataclass(frozen=True)
 class Trial:
-    """A path on a level with stations; `FEWEST` of them where they make no error, or little is asked."""
+    """A path on a level with stations; `FEWEST` of them where they make no error, and at first."""
 
     level: int
     stations: int
