@@ -132,11 +132,8 @@ def beams(state, arm, triads, e0, K, Q, g, H):
         forces = _forces(q, f, th, u, v, y)
         _gradient(M, forces.N, forces.C, forces.Pm, forces.X, f[3], g[n])
         if n < len(H):
-            if n < len(Q):
-                _stiffness(K[n], Q, n, s, A, KA, now)
-                _hessian(strain, forces, now, H[n])
-            else:
-                _hessian(strain, forces, K[n], H[n])
+            _stiffness(K[n], Q, n, s, A, KA, now)
+            _hessian(strain, forces, now, H[n])
     return energy
 
 
@@ -160,14 +157,21 @@ def _deformed(q, f, th, u, e0):
 
 @arithmetic
 def _elastic(e, K, Q, n, A):
-    """Energy of the n-th element, its forces s in eta, and A^T s in v and theta; fills A = d eta/de."""
-    a, b, c = _eta(e, Q, n, 0, A), _eta(e, Q, n, 1, A), _eta(e, Q, n, 2, A)
-    d, f, g = _eta(e, Q, n, 3, A), _eta(e, Q, n, 4, A), _eta(e, Q, n, 5, A)
-    eta = (a, b, c, d, f, g)
+    """Energy of the n-th element, its forces s in eta, and those in v and theta, A^T s.
+
+    Fills A = d eta/de of a curved one.
+    """
+    eta = e
+    if n < len(Q):
+        a, b, c = _eta(e, Q, n, 0, A), _eta(e, Q, n, 1, A), _eta(e, Q, n, 2, A)
+        eta = (a, b, c, _eta(e, Q, n, 3, A), _eta(e, Q, n, 4, A), _eta(e, Q, n, 5, A))
     s = (_row(K, 0, eta), _row(K, 1, eta), _row(K, 2, eta), _row(K, 3, eta), _row(K, 4, eta), _row(K, 5, eta))
-    energy = s[0] * a + s[1] * b + s[2] * c + s[3] * d + s[4] * f + s[5] * g
-    v = (_column(A, 0, s), _column(A, 1, s), _column(A, 2, s))
-    return 0.5 * energy, s, v, (_column(A, 3, s), _column(A, 4, s), _column(A, 5, s))
+    energy = dot(s, eta) + s[3] * eta[3] + s[4] * eta[4] + s[5] * eta[5]
+    v, y = (s[0], s[1], s[2]), (s[3], s[4], s[5])
+    if n < len(Q):
+        v = (_column(A, 0, s), _column(A, 1, s), _column(A, 2, s))
+        y = (_column(A, 3, s), _column(A, 4, s), _column(A, 5, s))
+    return 0.5 * energy, s, v, y
 
 
 @arithmetic
@@ -176,9 +180,8 @@ def _eta(e, Q, n, i, A):
     value = e[i]
     for j in range(6):
         rate = 0.0
-        if n < len(Q):
-            for k in range(6):
-                rate += Q[n, i, 6 * j + k] * e[k]
+        for k in range(6):
+            rate += Q[n, i, 6 * j + k] * e[k]
         value -= 0.5 * rate * e[j]
         A[i, j] = (1.0 if i == j else 0.0) - rate
     return value
@@ -202,7 +205,12 @@ def _column(K, j, x):
 
 @arithmetic
 def _stiffness(K, Q, n, s, A, KA, now):
-    """Stiffness of the n-th element in e: A^T K A - s . Q."""
+    """Stiffness of the n-th element in e: A^T K A - s . Q, or K of a straight one."""
+    if n >= len(Q):
+        for i in range(6):
+            for j in range(6):
+                now[i, j] = K[i, j]
+        return
     for i in range(6):
         for j in range(6):
             KA[i, j] = 0.0
