@@ -140,7 +140,7 @@ def test_rows_of_a_finer_path():
 
 
 def test_what_friction_leaves_open_is_refused_with_what_can_be_reached(monkeypatch):
-    monkeypatch.setattr("wirefe.adaptive.difference", lambda coarse, fine: 1e-3)
+    monkeypatch.setattr("wirefe.adaptive.difference", lambda coarse, fine: 6e-4)
     with pytest.raises(
         InputError, match=r"accuracy must be at least 0\.0063 for this scene, got 0\.001: with fric"
     ):
@@ -189,7 +189,7 @@ def test_a_mesh_is_as_fine_as_its_elements_or_its_stations():
     a, b, c = (trial.path for trial in trials.found)
     shares = [1.0 / ((8.0 / each) ** 2 - 1.0) for each in fine[:2]]
     told = max(0.5 * shares[0] * difference(a, c), shares[1] * difference(b, c))
-    assert trials.estimate == pytest.approx(7.0 * told)
+    assert trials.estimate == pytest.approx(9.0 * told)
     spheres = trials_of(touching(geometry="spheres"), (4, 16), (8, 16))
     assert [spheres.resolution(trial) for trial in spheres.found] == [4, 8]
 
@@ -211,7 +211,7 @@ def test_two_paths_that_agree_by_chance_are_not_believed(monkeypatch):
 
 
 def test_two_that_tell_the_same_are_believed_more(monkeypatch):
-    assert trials_of(touching(), (4, 48), (8, 98), (12, 146)).safety == 7.0  # of stations it may be by chance
+    assert trials_of(touching(), (4, 16), (8, 98), (12, 146)).safety == 9.0  # of stations it may be by chance
     trials = trials_of(touching(geometry="spheres"), (8, 16), (12, 16), (16, 16))
     first, second = 1 / 64 - 1 / 256, 1 / 144 - 1 / 256
     for other, safety in ((1.4, 2.0), (0.7, 2.0), (1.6, 3.0), (0.6, 3.0)):
@@ -221,7 +221,7 @@ def test_two_that_tell_the_same_are_believed_more(monkeypatch):
 
 @pytest.mark.parametrize(("geometry", "needed"), [("wires", 3), ("spheres", 2)])
 def test_how_many_meshes_share_a_critical_point_or_a_change_of_ends(geometry, needed, monkeypatch):
-    trials = trials_of(touching(geometry=geometry), (4, 48), (8, 98), (12, 146), (16, 194))
+    trials = trials_of(touching(geometry=geometry), (4, 16), (8, 98), (12, 146), (16, 194))
     assert math.isfinite(constant(trials, (math.inf, 1e-3, 1e-3), monkeypatch))
     assert constant(trials, (math.inf, math.inf, 1e-3), monkeypatch) == math.inf
     assert constant(trials, (1e-3, 1e-3, math.inf), monkeypatch) == math.inf

@@ -27,11 +27,11 @@ COARSEST = 4  # first level, which mostly does where wires do not touch
 ROUGH = 5e-3  # accuracy from which few more stations mostly do where they touch
 ROWS = 5  # of a stage, at least, at which paths are compared whose differences are smooth
 # Errors over what differences tell, at most (as measured on random springs). Of the first of two paths:
-FIRST, MIXED = 2.0, 3.0  # and where substeps differ, too
+FIRST, MIXED = 2.0, 5.0  # and where substeps differ, too
 # Of the last path, without stations: as a path before tells it; as two alike do.
 SMOOTH, STEADY = 3.0, 2.0
 ALIKE = 1.5
-IRREGULAR = {2: 8.0, 3: 7.0, 4: 6.0}  # the same with stations, by the number of paths
+IRREGULAR = {2: 10.0, 3: 9.0, 4: 8.0}  # the same with stations, by the number of paths
 SHARE = 0.5  # of its level is a mesh as fine as, however few its stations
 FALL = 0.5  # of what the path before told, each tells at least: two may agree by chance
 AHEAD = 1.1  # below the error wanted is that of the mesh that is predicted to do
