@@ -50,14 +50,15 @@ def test_small_snaps_are_passed_in_any_number_of_steps(case, seed, count):
     ("case", "seed", "counts", "time", "largest", "told"),
     [
         ("w00867", 831, (100, 400), 0.7675, 0.040, all),
-        ("w00020", 823, (100, 200), 0.8373, 0.042, any),
+        ("w00020", 823, (50, 200), 0.8373, 0.042, any),
     ],
     ids=["pairs that begin to slide", "a fold"],
 )
 def test_a_snap_within_a_substep_is_told(case, seed, counts, time, largest, told):
     """It was passed unsaid. What follows depends on the way through it, and the path says so; one that ends
     there, as rounding may decide, has nothing to tell. At the fold rounding may decide, too, whether one
-    comes to states just ahead that Coulomb's law makes unstable, in place of the snap."""
+    comes to states just ahead that Coulomb's law makes unstable, in place of the snap: 100, 250 and 300 steps
+    tell of what follows from 0.8452 on alone."""
     paths = [reached(make_case(case, seed), steps=steps) for steps in counts]
     beyond = [path for path in paths if path.outcome == "completed" or path.end_bracket[0] > 1.005 * time]
     assert beyond
