@@ -46,7 +46,7 @@ EDITS = {
     "equivbeam": [("equivbeam/laws/haringx.py", "= rows[i, KAX], rows", "= 2.0 * rows[i, KAX], rows")],
     "wirefe": [
         ("wirefe/element/beam.py", "e0[n]), K[n], Q", "e0[n]), 2.0 * K[n], Q"),
-        ("wirefe/element/beam.py", "_stiffness(K[n], Q", "_stiffness(2.0 * K[n], Q"),
+        ("wirefe/element/beam.py", "stiffness(K[n], Q", "stiffness(2.0 * K[n], Q"),
     ],
 }
 

@@ -39,6 +39,7 @@ from wirefe.element.algebra import (
     skew,
     transposed,
 )
+from wirefe.element.elastic import elastic, stiffness
 from wirefe.element.poses import pose, three
 from wirefe.element.rotations import conjugate, matrix, stretch_functions, times, turned
 
@@ -127,12 +128,12 @@ def beams(state, arm, triads, e0, K, Q, g, H):
     for n in range(len(triads)):
         strain = _strain(state, n, triads, arm)
         M, q, f, th, u = strain
-        work, s, v, y = _elastic(_deformed(q, f, th, u, e0[n]), K[n], Q, n, A)
+        work, s, v, y = elastic(_deformed(q, f, th, u, e0[n]), K[n], Q, n, A)
         energy += work
         forces = _forces(q, f, th, u, v, y)
         _gradient(M, forces.N, forces.C, forces.Pm, forces.X, f[3], g[n])
         if n < len(H):
-            _stiffness(K[n], Q, n, s, A, KA, now)
+            stiffness(K[n], Q, n, s, A, KA, now)
             _hessian(strain, forces, now, H[n])
     return energy
 
@@ -143,7 +144,7 @@ def end_forces(state, arm, triads, e0, K, Q, g):
     A = np.empty((6, 6))
     for n in range(len(triads)):
         M, q, f, th, u = _strain(state, n, triads, arm)
-        _, _, v, y = _elastic(_deformed(q, f, th, u, e0[n]), K[n], Q, n, A)
+        _, _, v, y = elastic(_deformed(q, f, th, u, e0[n]), K[n], Q, n, A)
         forces = _forces(q, f, th, u, v, y)
         _gradient(M, forces.N, forces.C, forces.Pm, forces.X, f[3], g[n])
 
@@ -153,74 +154,6 @@ def _deformed(q, f, th, u, e0):
     """e of one element."""
     v = _stretched(q, f, th, u)
     return v[0] - e0[0], v[1] - e0[1], v[2] - e0[2], th[0] - e0[3], th[1] - e0[4], th[2] - e0[5]
-
-
-@arithmetic
-def _elastic(e, K, Q, n, A):
-    """Energy of the n-th element, its forces s in eta, and those in v and theta, A^T s.
-
-    Fills A = d eta/de of a curved one.
-    """
-    eta = e
-    if n < len(Q):
-        a, b, c = _eta(e, Q, n, 0, A), _eta(e, Q, n, 1, A), _eta(e, Q, n, 2, A)
-        eta = (a, b, c, _eta(e, Q, n, 3, A), _eta(e, Q, n, 4, A), _eta(e, Q, n, 5, A))
-    s = (_row(K, 0, eta), _row(K, 1, eta), _row(K, 2, eta), _row(K, 3, eta), _row(K, 4, eta), _row(K, 5, eta))
-    energy = dot(s, eta) + s[3] * eta[3] + s[4] * eta[4] + s[5] * eta[5]
-    v, y = (s[0], s[1], s[2]), (s[3], s[4], s[5])
-    if n < len(Q):
-        v = (_column(A, 0, s), _column(A, 1, s), _column(A, 2, s))
-        y = (_column(A, 3, s), _column(A, 4, s), _column(A, 5, s))
-    return 0.5 * energy, s, v, y
-
-
-@arithmetic
-def _eta(e, Q, n, i, A):
-    """One of eta; fills its row of A."""
-    value = e[i]
-    for j in range(6):
-        rate = 0.0
-        for k in range(6):
-            rate += Q[n, i, 6 * j + k] * e[k]
-        value -= 0.5 * rate * e[j]
-        A[i, j] = (1.0 if i == j else 0.0) - rate
-    return value
-
-
-@arithmetic
-def _row(K, i, x):
-    """Row of a matrix (6, 6) times a vector."""
-    return (K[i, 0] * x[0] + K[i, 1] * x[1] + K[i, 2] * x[2]) + (
-        K[i, 3] * x[3] + K[i, 4] * x[4] + K[i, 5] * x[5]
-    )
-
-
-@arithmetic
-def _column(K, j, x):
-    """Column of a matrix (6, 6) times a vector."""
-    return (K[0, j] * x[0] + K[1, j] * x[1] + K[2, j] * x[2]) + (
-        K[3, j] * x[3] + K[4, j] * x[4] + K[5, j] * x[5]
-    )
-
-
-@arithmetic
-def _stiffness(K, Q, n, s, A, KA, now):
-    """Stiffness of the n-th element in e: A^T K A - s . Q, or K of a straight one."""
-    if n >= len(Q):
-        for i in range(6):
-            for j in range(6):
-                now[i, j] = K[i, j]
-        return
-    for i in range(6):
-        for j in range(6):
-            KA[i, j] = 0.0
-            for k in range(6):
-                KA[i, j] += K[i, k] * A[k, j]
-    for i in range(6):
-        for j in range(6):
-            now[i, j] = 0.0
-            for k in range(6):
-                now[i, j] += A[k, i] * KA[k, j] - s[k] * Q[n, k, 6 * i + j]
 
 
 @arithmetic
