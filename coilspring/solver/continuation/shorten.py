@@ -6,7 +6,7 @@ from coilspring.compiling.compiled import part
 from coilspring.contact.history import creeping, let_go
 from coilspring.solver.continuation.accept import NEAR_END
 from coilspring.solver.continuation.snap import end_or_snap, release_or_jump
-from coilspring.solver.continuation.stability import JUMPS, LEAST_STEP
+from coilspring.solver.continuation.stability import FINEST, JUMPS, LEAST_STEP
 from coilspring.solver.continuation.start import FIRST_STEP
 from coilspring.solver.continuation.substep import LEAST_RELEASE, MOST_RELEASE
 from coilspring.solver.equilibrium.newton import INDEFINITE
@@ -35,9 +35,12 @@ def shorten(system, task, work, path, substep, softest):
     else:
         go_less(task, work, path, substep)
         rigid = softest.value > JUMPS * path.rest_stiffness  # it is no mode that has become soft
-        # one that is only cut, to where a pair touches or opens, does not stall
-        stalls = rigid and creeping(work.history) and substep.cut == 1.0
-        if substep.duration < (LEAST_CREEP if stalls else LEAST_STEP):
+        least = LEAST_STEP
+        if rigid and creeping(work.history) and substep.cut == 1.0:
+            least = LEAST_CREEP  # one that is only cut, to where a pair touches or opens, does not stall
+        elif substep.near_critical and substep.unstable:
+            least = FINEST  # as near as to where the stiffness is known to vanish
+        if substep.duration < least:
             path.bracket = 2.0 * max(substep.duration, LEAST_STEP)
             if not (rigid and lets_go(system, task, work, path)):
                 # negative pivots however short the step: the stiffness jumps there

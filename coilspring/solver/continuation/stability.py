@@ -102,12 +102,11 @@ def vanishes(system, task, work, path, softest):
     """Whether the least stiffness tends to zero along a straight line, just ahead: at a bifurcation. Towards
     a limit point it falls as the root of the time that is left.
 
-    Where much is left, it falls so fast that the predictions on the way may be too few to tell: then the last
-    substep is looked at.
+    Where it jumps, or falls so fast that the predictions on the way may be too few to tell, the last substep
+    is looked at.
     """
-    fast = softest.value > JUMPS * path.rest_stiffness
     goes_on = path.released == 0.0 and path.snapped < path.time  # from the state before, by neither of these
-    if fast and goes_on and not softest.linear:
+    if goes_on and not softest.linear and jumps(path, softest, softest.value):
         zero = line_within(system, task, work, path)
         if 0.0 < zero - path.time <= no_time(path.time):
             softest.zero, softest.linear = zero, True
@@ -194,13 +193,22 @@ def watch_stiffness(system, task, work, path, substep, softest):
         if other or has_friction(work.history):
             softest.ahead = zero  # with friction another determinant vanishes first, see `solver.coulomb`
         softest.linear = softest.linear and not other
-    if value > JUMPS * path.rest_stiffness and APPROACH * (softest.ahead - substep.target) < FINEST:
-        # the stiffness jumps here, as where a pair opens
-        softest.zero, softest.ahead, softest.linear = np.inf, np.inf, False
+    if value > JUMPS * path.rest_stiffness and not softest.linear:
+        doubt_zero(softest, substep.target)
     softest.value, softest.time, path.failed = value, substep.target, False
     if substep.target >= softest.mark_time + no_time(substep.target):
         softest.past, softest.past_time = softest.mark, softest.mark_time
         softest.mark, softest.mark_time = value, substep.target
+
+
+@part
+def doubt_zero(softest, time):
+    """Where much is left of the stiffness just before its zero, on no straight line: it may fall so fast that
+    one prediction is too few, and the farther one is approached; or it jumps, as where a pair opens."""
+    if APPROACH * (softest.ahead - time) < FINEST:
+        softest.ahead = softest.zero
+    if APPROACH * (softest.zero - time) < FINEST:
+        softest.zero, softest.ahead = np.inf, np.inf
 
 
 @part
