@@ -27,6 +27,7 @@ from validation.sensitivity.changes import (
     CURVE,
     DEVIATION,
     NO_INPUT,
+    changes,
     farther,
     input_rows,
     sizes,
@@ -159,11 +160,23 @@ def test_a_raised_load_on_the_beam():
     np.testing.assert_allclose(raised(scene, BEAM, lever).tips, exact, rtol=1e-5)
 
 
-@pytest.mark.parametrize("model", MODELS)
-def test_the_height_of_a_load_on_a_top_that_does_not_turn_is_nothing(model):
-    scene = spring_b().with_steps(4)
-    solve = solve_beam if model == BEAM else solve_wire
-    np.testing.assert_array_equal(raised(scene, model, 0.75).tips, solve(scene).tips)
+@pytest.mark.parametrize("load", [replace(spring_b().load, steps=4), Load(displacement=-9.0, steps=4)])
+def test_a_top_that_does_not_turn_has_rigid_turns_and_its_height_is_nothing(load):
+    """Under a prescribed displacement neither was varied, and the largest effect was left out."""
+    scene = replace(spring_b(), load=load)
+    data = changes("b", scene, (named("reference_height"), named("rigid_turns")), lambda line: None).data
+    assert set(data["outcome"]) == {"completed"}
+    by = data.groupby("input")[CURVE].agg(lambda shares: shares.abs().min())
+    assert by["reference_height"] == 0.0
+    assert by["rigid_turns"] > 1.0
+
+
+def test_why_a_height_is_not_varied_is_said():
+    scene = replace(spring_a().without_contact(), load=Load(displacement=-9.0, steps=4))
+    study = changes("a", scene, (named("reference_height"), named("rigid_turns")), lambda line: None)
+    why = "of a top that turns varied under one force alone"
+    for name in ("reference_height", "rigid_turns"):
+        assert f"{named(name).title}, {WIRE}: {why}" in study.left_out
 
 
 def test_rigid_turns_leave_the_spring_as_it_is():
@@ -305,8 +318,9 @@ def test_inputs_of_ones_own_scene_are_about_its_own_values():
     assert [name for name, values in found.items() if not values] == ["sphere_place"]
     for scene in (own("m", load=Load(displacement=-2.0)), own("s", load=Load(stages=((0.0, -9.0),)))):
         inputs = {item.name: item for item in inputs_of(scene)}
-        assert inputs["reference_height"].variants(scene, WIRE) == ()
-        assert inputs["rigid_turns"].variants(scene, WIRE) == ()
+        for name in ("reference_height", "rigid_turns"):
+            with pytest.raises(InputError, match="of a top that turns"):
+                inputs[name].variants(scene, WIRE)
     plates = replace(own("p", load=Load((0.0, -20.0))), supports=Supports(("ux", "rotz"), seat="plate"))
     assert next(item for item in INPUTS if item.name == "end_contact").variants(plates, WIRE) == ()
 

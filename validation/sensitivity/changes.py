@@ -109,7 +109,7 @@ def _resolution(store: PathStore, scene: Scene, default: TipCurve | None) -> flo
 
 
 def _solved(store: PathStore, model: str, variant: Variant) -> TipCurve:
-    if variant.rise:
+    if variant.rise and "rotz" not in variant.scene.supports.top_held:  # else all its points move alike
         return raised(variant.scene, model, variant.rise)
     solve = store.partial_beam if model == BEAM else store.partial_wire
     return TipCurve.of(solve(variant.scene, **variant.options))

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
-from coilspring import Scene
+from coilspring import InputError, Scene
 from validation.study.cases import turned
 from wirefe.contact.points import PER_TURN
 
@@ -72,12 +72,16 @@ def _variants(name: str, scene: Scene, model: str, own: bool) -> Iterator[Varian
         case "nu":
             for nu in (material.nu - POISSON, material.nu + POISSON) if own else (0.26, 0.32):
                 yield Variant(f"{nu:g}", _with(scene, "material", nu=nu))
-        case "reference_height" if _raisable(scene):
+        case "reference_height" if scene.supports.seat == "rigid":
+            _refuse_unraisable(scene)
             for share, value in ((0.5, "+d/2"), (1.0, "+d")):
                 yield Variant(value, scene, rise=share * spring.wire_diameter)
         case "end_contact" if spring.end_turns > 0.0 and scene.supports.seat != "plate":
             yield Variant("no", _with(scene, "spring", end_turns=0.0))
-        case "rigid_turns" if _raisable(scene) and spring.ends == "closed" and not spring.sections:
+        case "rigid_turns" if scene.supports.seat == "rigid":
+            if spring.ends != "closed" or spring.sections:
+                raise InputError("varied of springs with closed ends and one pitch alone")
+            _refuse_unraisable(scene)
             yield from _rigid(scene, model)
         case "start_phase":
             pairs = {"pairs_per_turn": EVERYWHERE} if spheres and model == WIRE else {}
@@ -117,11 +121,15 @@ def _on(scene: Scene, degrees: float) -> Scene:
     return turned(scene, math.degrees(scene.spring.start_phase) + degrees)
 
 
-def _raisable(scene: Scene) -> bool:
-    """Whether `topheight.raised` takes it: rigid ends, one force, no path that matters to a turning top."""
-    contact, load, held = scene.contact, scene.load, scene.supports.top_held
-    free = "rotz" in held or not contact.enabled or contact.sliding == "free"
-    return free and scene.supports.seat == "rigid" and not (load.stages or load.displacement)
+def _refuse_unraisable(scene: Scene) -> None:
+    """Refuse a top that turns where `topheight.raised` cannot move the loaded point."""
+    contact, load = scene.contact, scene.load
+    if "rotz" in scene.supports.top_held:  # it moves without turning, all its points alike
+        return
+    if load.stages or load.displacement:
+        raise InputError("of a top that turns varied under one force alone")
+    if contact.enabled and contact.sliding != "free":
+        raise InputError("of a top that turns varied without friction alone")
 
 
 def _rigid(scene: Scene, model: str) -> Iterator[Variant]:

@@ -51,12 +51,10 @@ class TipCurve:
 def raised(scene: Scene, model: str, height: float) -> TipCurve:
     """Tip curve of the point `height` mm above the top reference point, which carries the load.
 
-    For a top that is fixed in rotation, or without friction: paths followed under several moments are
-    combined at each load, which takes equilibria that do not depend on the path there.
+    For a top that turns, without friction: paths followed under several moments are combined at each load,
+    which takes equilibria that do not depend on the path there.
     """
     base = followed(scene, model, 0.0)
-    if "rotz" in scene.supports.top_held:  # the end moves without turning, all its points alike
-        return base
     needed = _moment(scene, height, base.tips[:, 2])
     moments = np.linspace(needed.min(), needed.max(), 3)
     curves = [followed(scene, model, float(moment)) for moment in moments]
