@@ -18,11 +18,11 @@ import validation.regress.baselines
 import validation.regress.run
 import wirefe.contact.points
 import wirefe.model
-from coilspring import CATALOGUE, EquilibriumNotFound, InputError, load_scene, scene_text, spring_a
+from coilspring import CATALOGUE, EquilibriumNotFound, InputError, Load, load_scene, scene_text, spring_a
 from equivbeam import Refinements
 from validation.cli import main
 from validation.regress import timeratios
-from validation.regress.baselines import MODELS, SHIPPED, Run, find, read, runs, runs_of
+from validation.regress.baselines import COARSE, MODELS, SHIPPED, Run, find, read, runs, runs_of
 from validation.regress.run import compare, regress
 from validation.study import cases
 from validation.study.cases import CASES
@@ -452,3 +452,16 @@ def test_a_scene_that_does_not_reach_full_load_has_no_ratios():
     ratios, (said,) = MEASURE(lambda line: None, scene)
     assert ratios == {}
     assert said.startswith("soft has no ratios of times: ")
+
+
+def test_the_force_of_a_prescribed_displacement_is_compared():
+    """Displacements are given then: a change of all forces by 7 % moved nothing but iterations."""
+    scene = replace(spring_a(), name="pressed", load=Load(displacement=(-9.0,), steps=4))
+    watched = [Run(model, scene, options) for model, options in (("equivbeam", {}), ("wirefe", COARSE))]
+    before = found_now(watched)
+    softer = replace(scene, material=replace(scene.material, E=0.9999 * scene.material.E))
+    after = found_now([replace(run, scene=softer) for run in watched])
+    found = compare(as_baseline(before), after, "here")
+    assert {move.run for move in found if move.quantity.startswith("load_y at time")} == {
+        f"{run.model}, {run.name}" for run in watched
+    }

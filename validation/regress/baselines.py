@@ -95,6 +95,7 @@ def quantities(path: EquilibriumPath, sensitive: bool = False) -> Quantities:
         "times": path.times[rows].tolist(),
         **dict(zip(CURVES, path.tips[rows].T.tolist(), strict=True)),
         "peaks": dict(zip(CURVES, peaks.tolist(), strict=True)),
+        "load_y": path.loads[rows, 1].tolist(),  # the answer, where UY is prescribed
         "contact_force": float(forces.sum()),
         # force times number of the pair, which tells where coils touch
         "contact_moment": float(forces @ np.arange(1, forces.size + 1)),

@@ -15,7 +15,7 @@ from typing import Any, NamedTuple
 from coilspring import Scene, load_scene
 from coilspring.scene.toml import SECTIONS, scene_table, scene_text
 from validation.regress import baselines, timeratios
-from validation.regress.baselines import CURVES, MODELS, Quantities, Run, find, made, read, runs, runs_of
+from validation.regress.baselines import MODELS, Quantities, Run, find, made, read, runs, runs_of
 from validation.study.cases import make_ready
 from validation.study.document import Table
 from validation.study.output import claimed, write_text
@@ -62,7 +62,8 @@ class Finding:
         """The outcome in a few words."""
         if self.first:
             return f"{self.compared} baselines written"
-        found = f"{len(self.moves)} quantities moved" if self.moves else "nothing moved"
+        count = len(self.moves)
+        found = f"{count} quantit{'y' if count == 1 else 'ies'} moved" if count else "nothing moved"
         return f"{self.compared} runs: {found}{'; accepted as the new baselines' if self.accepted else ''}"
 
 
@@ -172,8 +173,12 @@ def _moved(before: Quantities, now: Quantities, here: bool) -> Texts:
         yield from _value("critical_time", a, b, 1.0, "of time", allowed)
     wider = 1.0 if here else (PATH_DEPENDENT / TIP if now["remembers"] else ELSEWHERE)
     if before["times"] == now["times"]:
-        for name in CURVES:
-            yield from _curve(name, before, now, TIP * wider)
+        largest = max(before["peaks"].values())
+        for name, peak in before["peaks"].items():
+            scale = peak if peak > FIXED * largest else largest
+            yield from _curve(name, before, now, scale, TIP * wider)
+        force = max(map(abs, before["load_y"]), default=0.0)
+        yield from _curve("load_y", before, now, force, FORCE * wider)
         for name in FORCES:
             a, b = before[name], now[name]
             scale = max(abs(a), abs(b))
@@ -193,12 +198,10 @@ def _value(what: str, before: float, now: float, scale: float, unit: str, allowe
         yield what, f"{before:.9g}", f"{now:.9g}", by
 
 
-def _curve(name: str, before: Quantities, now: Quantities, allowed: float) -> Texts:
-    """The time at which a tip component moved most."""
-    peak, largest = before["peaks"][name], max(before["peaks"].values())
+def _curve(name: str, before: Quantities, now: Quantities, scale: float, allowed: float) -> Texts:
+    """The time at which a component moved most."""
     rows = zip(now["times"], before[name], now[name], strict=True)
     time, a, b = max(rows, key=lambda row: abs(row[2] - row[1]), default=(0.0, 0.0, 0.0))
-    scale = peak if peak > FIXED * largest else largest
     yield from _value(f"{name} at time {time:g}", a, b, scale, "of the peak", allowed)
 
 
