@@ -7,7 +7,7 @@ import math
 import re
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -36,6 +36,7 @@ UNITS = {  # in N or mm; read in upper or lower case
 HEADER = re.compile(
     r"(?P<name>[a-zäöüß]+(?: [a-z]+)?)(?:\s*(?:[\[(/_]|\bin\b)\s*(?P<unit>[^\])]+?)\s*[\])]?)?"
 )
+TOE = 5e-3  # of the largest force: below it a bench may not touch the spring yet
 BACKWARDS = 0.05  # of the largest deflection: more of a negative one is no scatter
 EXAMPLE = "a line with the names of the columns, as force,deflection, or those of path.csv"
 
@@ -46,8 +47,19 @@ class Measured:
 
     force: np.ndarray  # (points,) N; in the file's order, which need not be monotone
     deflection: np.ndarray  # (points,) mm
-    left_out: int  # points without load, which say nothing
+    left_out: int  # points with hardly any load, which may be of no spring
     doubts: tuple[str, ...] = ()  # sentences on what is possible, but far off
+
+    def from_rest(self, offset: float) -> Measured:
+        """The same from a spring at rest whose deflection the file counts as `offset`, mm."""
+        return replace(self, deflection=self.deflection - offset)
+
+    @property
+    def passed_over(self) -> str:
+        """What was left out, in words; empty where nothing was."""
+        count = self.left_out
+        points = f"{count} point{'' if count == 1 else 's'}"
+        return f"{points} below {100 * TOE:g} % of the largest force left out" if count else ""
 
 
 def measured(source: Mapping[str, np.ndarray] | pd.DataFrame | str | Path, scene: Scene) -> Measured:
@@ -89,7 +101,7 @@ def _along_load(columns: Mapping[str, np.ndarray], direction: tuple[float, float
         raise InputError("curve must have at least one line of numbers, got none")
     peak = int(np.argmax(np.abs(force)))
     force, deflection = force * np.sign(force[peak]), deflection * np.sign(deflection[peak])
-    loaded = force > 0.0
+    loaded = force > TOE * force[peak]
     if not loaded.any() or not (deflection[loaded] != 0.0).any():
         raise InputError("curve must have forces and deflections that are not zero throughout")
     force, deflection = force[loaded], deflection[loaded]

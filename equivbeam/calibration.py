@@ -146,7 +146,8 @@ def calibrate(
     if "factors" in options:
         scene = replace(scene, factors=Factors.of(options.pop("factors")))
     if isinstance(parameters, str) or not names or len(set(names)) < len(names):
-        raise InputError(f"parameters must be a list of different names, got {shown(parameters)}")
+        got = parameters if isinstance(parameters, str) else ",".join(map(str, names))
+        raise InputError(f"parameters must be a list of different names, got {shown(got)}")
     require_names("parameters", names, (*NAMES, OFFSET))
     law, factor = options.get("law", "haringx"), next((name for name in names if name in FACTORS), None)
     if factor and law != "haringx":
@@ -229,10 +230,19 @@ class CurveFit:
             solve(self.scene_of(start, self.curve.scene), **self.options)
         except EquilibriumNotFound as failure:
             message = (
-                f"the scene as given does not reach the end of the curve{self._beyond()}: {failure.message}"
+                f"the scene as given does not reach the end of the curve{self._beyond()}: {failure.message}; "
+                f"leave out what is beyond {self._reached(failure.path)}"
             )
             raise EquilibriumNotFound(replace(failure.path, message=message)) from None
         return self.residuals(start)
+
+    def _reached(self, path: EquilibriumPath) -> str:
+        """How far a path goes along the curve's load, in words."""
+        share, load = (
+            path.times[-1] if path.end_bracket is None else path.end_bracket[0],
+            self.curve.scene.load,
+        )
+        return f"{share:.4g} of the load" if load.stages else f"{share * np.hypot(*load.force):.4g} N"
 
     def _beyond(self) -> str:
         """That the curve's force is far beyond solid, in words; empty where it is not."""

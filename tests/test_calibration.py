@@ -9,6 +9,7 @@ import pytest
 import equivbeam
 import wirefe
 from coilspring import (
+    EquilibriumNotFound,
     Factors,
     InputError,
     Load,
@@ -360,3 +361,56 @@ def test_a_wire_model_without_the_factors_of_a_law_is_no_doubt_of_the_curve():
     paths = {"wirefe": wirefe.solve(scene, element="curved", elements_per_turn=4, steps=5)}
     assert "it takes no [factors]" in doubts(paths, curve)[-1]
     assert not any("are the spring" in doubt for doubt in doubts(paths, curve))
+
+
+def bench_with_a_gap(tmp_path, gap=3.0, noise=0.05):
+    """A curve of the guided spring, which the bench touches after `gap` mm; noise is of its load cell."""
+    deflection, force = along_load(equivbeam.solve(GUIDED, factors=(1.06, 1.0, 1.0), steps=60))
+    random = np.random.default_rng(5).normal(scale=noise, size=100)
+    forces = np.concatenate((np.zeros(40), force[1:])) + random
+    return write(tmp_path / "bench.csv", (forces, np.append(np.linspace(0.0, gap, 40), gap + deflection[1:])))
+
+
+def test_before_it_touches_a_bench_tells_nothing(tmp_path):
+    """Half of the noise is above zero: it pulled the offset down by a tenth, and the stiffness by 2.5 %."""
+    curve = bench_with_a_gap(tmp_path)
+    found = equivbeam.calibrate(GUIDED, curve, ["axial", "offset"])
+    assert measured(curve, GUIDED).left_out == 40
+    assert found.values == pytest.approx([1.06, 3.0], rel=3e-3)
+    assert found.misfit == ""
+
+
+def test_a_fitted_offset_goes_into_figure_and_comparison(tmp_path, capsys, monkeypatch):
+    """The picture had the points beside the curve that was fitted to them; `compare` has no offset."""
+    drawn = []
+    monkeypatch.setattr(
+        "validation.calibration.figure.load_curves", lambda *given: drawn.append(given) or b""
+    )
+    (tmp_path / "guided.toml").write_text(scene_text(GUIDED))
+    curve, out = bench_with_a_gap(tmp_path), tmp_path / "out"
+    given = [str(tmp_path / "guided.toml"), str(curve), "--fit", "axial,offset", "--out", str(out)]
+    assert main(["calibrate", *given]) == 0
+    said = capsys.readouterr().out
+    assert "40 points below 0.5 % of the largest force left out" in said
+    assert "measured.csv and the figure are without the offset" in said
+    (paths, points, _) = drawn[0]
+    assert (
+        difference(paths["calibrated"], points)["max"]
+        < 5e-3
+        < difference(paths["calibrated"], measured(curve, GUIDED))["max"]
+    )
+    calibrated = load_scene(out / "calibrated.toml")
+    again = measured(out / "measured.csv", calibrated)
+    np.testing.assert_allclose(again.deflection, points.deflection, rtol=1e-6)
+    assert difference(equivbeam.solve(calibrated), again)["max"] < 5e-3
+
+
+def test_a_curve_beyond_a_limit_point_is_told_how_much_of_it_can_be_kept(tmp_path, capsys):
+    curve = write(tmp_path / "bench.csv", ([100.0, 700.0], [5.0, 20.0]))
+    assert main(["calibrate", "spring-b", str(curve), "--fit", "axial", "--out", str(tmp_path / "x")]) == 3
+    said = capsys.readouterr().err
+    force = float(said.rsplit("leave out what is beyond ")[1].split(" N")[0])
+    scene = replace(spring_b(), load=Load((0.0, -0.999 * force)))
+    assert equivbeam.solve(scene).outcome == "completed"
+    with pytest.raises(EquilibriumNotFound):
+        equivbeam.solve(replace(scene, load=Load((0.0, -1.001 * force))))

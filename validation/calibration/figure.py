@@ -45,7 +45,8 @@ def picture(paths: Mapping[str, EquilibriumPath], curve: Measured | None, looks:
         plots["difference"].axhline(0.0, color="black", linewidth=0.5)
         plots["difference"].sharex(plots["force"])
         plots["force"].tick_params(labelbottom=False)
-        plots["difference"].set_ylabel("model − measured\n(% of peak)")
+        kind = "force" if any(path.scene.load.displacement for path in paths.values()) else "deflection"
+        plots["difference"].set_ylabel(f"{kind}: model\n− measured (%)")
     for name, path in paths.items():
         label, look = looks[name]
         deflection, force = along_load(path)

@@ -8,13 +8,19 @@ import numpy as np
 
 import equivbeam
 from coilspring import Scene, scene_text
-from coilspring.measured import measured, table_of
+from coilspring.measured import Measured, measured, table_of
 from validation.calibration.difference import has_direction
 from validation.study.machine import versions
 from validation.study.output import json_bytes
 from validation.study.partialsolve import partial_path
 
 FAR = 0.5  # rms difference, over the peaks, of a curve that may not be of this spring
+
+
+def points(curve: Measured) -> bytes:
+    """Points of a measured curve as a CSV file."""
+    rows = zip(curve.force, curve.deflection, strict=True)
+    return "\n".join(["force,deflection", *(f"{f:.9g},{s:.9g}" for f, s in rows), ""]).encode()
 
 
 def calibrate(
@@ -64,8 +70,12 @@ def calibrate(
         curve = measured(file, scene)
         start = replace(scene, load=found.path.scene.load)
         paths = {"given": partial_path(equivbeam.solve, start, **options), "calibrated": found.path}
-        files["calibration.png"] = load_curves(paths, curve, FIT)
+        offset = dict(zip(found.names, found.values, strict=True)).get("offset", 0.0)
+        at_rest = curve.from_rest(offset)
+        files["calibration.png"] = load_curves(paths, at_rest, FIT)
+        files["measured.csv"] = points(at_rest)
         lines += [f"warning: {doubt}" for doubt in curve.doubts]
-        if curve.left_out:
-            lines.append(f"{curve.left_out} points without load left out")
+        lines += [curve.passed_over] * bool(curve.left_out)
+        if offset:
+            lines.append("measured.csv and the figure are without the offset: compare with that file")
     return files, lines
