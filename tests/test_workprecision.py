@@ -24,7 +24,7 @@ from validation.study.cases import PAPER_MESH
 from validation.study.metrics import COMPONENTS
 from validation.study.provenance import write_provenance
 from validation.study.scenes import study_scenes
-from validation.workprecision import page, results
+from validation.workprecision import figures, page, results
 from validation.workprecision.settings import (
     EXTENTS,
     NORMAL,
@@ -218,8 +218,8 @@ def test_the_command_writes_tables_and_figures(small, tmp_path, capsys):
     assert main(["workprecision", "--quick", "--only", "spring-b-no-contact", "--out", str(tmp_path)]) == 0
     assert "spring-b-no-contact: as accurate as the paper's mesh in 1/" in capsys.readouterr().out
     files = ("provenance.json", "workprecision.csv", "workprecision.md")
-    figures = [f"workprecision-{kind}.{end}" for kind in ("curve", "shape") for end in ("png", "svg")]
-    assert sorted(file.name for file in tmp_path.iterdir()) == sorted((*files, *figures))
+    pictures = [f"workprecision-{kind}.{end}" for kind in ("curve", "shape") for end in ("png", "svg")]
+    assert sorted(file.name for file in tmp_path.iterdir()) == sorted((*files, *pictures))
     rows = [row for row in table(tmp_path) if row["role"] == "run"]
     assert len(rows) == len(settings(study_scenes()["spring-b-no-contact"], EXTENTS["quick"]))
     assert {row["outcome"] for row in rows} == {"completed"}
@@ -383,3 +383,19 @@ def test_bad_numbers_of_scenes_are_refused(arguments, parts, tmp_path, monkeypat
 def test_the_real_campaign_takes_what_the_command_passes():
     names = signature(import_module("validation.campaign.run").campaign).parameters
     assert names.keys() >= {"out", "progress", "case", "seeds", *CAMPAIGN_RANGES} - {"seed"}
+
+
+def test_no_ring_and_no_legend_of_what_is_not_drawn(study):
+    """A ring stood where the paper's model ends early, with four entries of the legend for nothing."""
+    ended = study.copy()
+    ended.loc[ended["model"] == "equivbeam", "outcome"] = "limit_point"
+
+    def key(rows):
+        figure = figures.draw(rows, "curve")
+        return [text.get_text() for text in figure.legends[0].get_texts()], len(figure.axes[0].lines)
+
+    (names, lines), (fewer, left) = key(study), key(ended)
+    assert {"paper’s model", "equivalent beam, law haringx"} <= set(names)
+    assert not any("beam" in name or "law" in name or name == "paper’s model" for name in fewer)
+    assert "paper’s mesh" in fewer
+    assert left < lines

@@ -1,6 +1,7 @@
 """Figures of the work-precision study: error against CPU time, and the cost of the penalty."""
 
 from collections.abc import Sequence
+from itertools import compress
 from string import ascii_lowercase
 
 import matplotlib
@@ -89,8 +90,7 @@ def draw(rows: pd.DataFrame, kind: str) -> Figure:
         axes.set_xlabel("CPU time (ms)")
     for axes in grid[:, 0]:
         axes.set_ylabel(LABELS[kind])
-    peers = any((part["role"] == "opensees").any() for part in shown)
-    figure.legend(handles=_key(peers), loc="outside lower center", ncols=3, columnspacing=1.4)
+    figure.legend(handles=_key(shown), loc="outside lower center", ncols=3, columnspacing=1.4)
     return figure
 
 
@@ -107,7 +107,7 @@ def _panel(axes: Axes, part: pd.DataFrame, able: pd.DataFrame, kind: str) -> Non
     best = part[part[f"on_{kind}_front"] == 1].sort_values("ms")
     axes.plot(best["ms"], best["error"], drawstyle="steps-post", **FRONT)
     axes.axhspan(1e-30, part["floor"].iloc[0], **FLOOR)
-    for paper, mesh in zip(of_paper(part), (True, False), strict=True):
+    for paper, mesh in zip(of_paper(able), (True, False), strict=True):
         if paper is not None:
             axes.plot(paper.ms, paper.error, **_ring(mesh))
 
@@ -120,15 +120,21 @@ def _ring(mesh: bool) -> Look:
     return RING | {"marker": "s" if mesh else "o"}
 
 
-def _key(peers: bool) -> Sequence[Line2D | Patch]:
-    series = (*SERIES, PEER) if peers else SERIES
-    usual = [Line2D([], [], **_look(name, True)) for name in series]
+def _key(shown: Sequence[pd.DataFrame]) -> Sequence[Line2D | Patch]:
+    """Legend of what is drawn of the scenes."""
+    every = pd.concat(shown)
+    usual = [Line2D([], [], **_look(name, True)) for name in (*SERIES, PEER) if name in set(every["series"])]
     other = Line2D([], [], **_look("curved", False) | {"label": f"open: other than {STEPS} steps"})
     tangent = Line2D([], [], **PAPER_TANGENT, label="law haringx, paper’s tangent")
     front = Line2D([], [], **FRONT, label="Pareto front")
-    names = {True: "paper’s mesh", False: "paper’s model"}
-    rings = [Line2D([], [], **_ring(mesh), label=name) for mesh, name in names.items()]
-    return [*usual, tangent, other, front, *rings, Patch(**FLOOR, label="reference’s own error")]
+    names = ("paper’s mesh", "paper’s model")
+    ringed = [any(rows) for rows in zip(*map(of_paper, shown), strict=True)]
+    rings = [
+        Line2D([], [], **_ring(mesh), label=name) for name, mesh in zip(names, (True, False), strict=True)
+    ]
+    given = (every["tangent"] == "paper").any(), (every["steps"] != STEPS).any(), True, *ringed
+    others = compress((tangent, other, front, *rings), given)
+    return [*usual, *others, Patch(**FLOOR, label="reference’s own error")]
 
 
 def draw_penalties(rows: pd.DataFrame) -> Figure:

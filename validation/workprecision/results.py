@@ -94,7 +94,7 @@ def setting_of(row: Any) -> Setting:
 def of_paper(rows: pd.DataFrame) -> tuple[Any, Any]:
     """The rows of a scene that are the paper's FE mesh and the paper's equivalent beam, or None."""
     runs = {setting_of(each): each for each in rows[rows["role"] == "run"].itertuples()}
-    return next(runs[each] for each in runs if each.is_paper_mesh), runs.get(PAPER_MODEL)
+    return next((runs[each] for each in runs if each.is_paper_mesh), None), runs.get(PAPER_MODEL)
 
 
 def fastest(rows: pd.DataFrame, error: float) -> Any:
