@@ -639,3 +639,10 @@ def test_an_interruption_while_the_command_is_imported_is_one_sentence(monkeypat
     assert imported
     assert capsys.readouterr().err == "coilcheck: interrupted\n"
     assert signal.SIGINT not in signal.pthread_sigmask(signal.SIG_BLOCK, ())
+
+
+def test_unknown_words_are_answered_with_the_help_of_their_command(capsys):
+    assert main(["calibrate", "spring-a", "m.csv", "--fit", "axial", "offset"]) == 2
+    assert capsys.readouterr().err.endswith(
+        "unrecognized arguments: offset; see coilcheck calibrate --help\n"
+    )

@@ -303,6 +303,13 @@ REFUSED_VALUES = [
     ({"supports.bottom_held": "3"}, "supports.bottom_held", "ux, uy, rotz", "got 3"),
     ({"supports.seat": '"floor"'}, "supports.seat", "rigid, plate", "'floor'"),
     ({"spring.ends": '"ground"'}, "spring.ends", "closed, open", "'ground'"),
+    ({"spring.ends": '"closed and ground"'}, "spring.ends", 'supports.seat = "plate"', "'closed and ground'"),
+    (
+        {"spring.free_length": "55.0"},
+        "did you mean active_height, free length",
+        "2 end_turns d if ground",
+        "",
+    ),
     ({"contact.enabled": "1"}, "contact.enabled", "true or false", "1"),
     ({"contact.enabled": '"yes"'}, "contact.enabled", "true or false", "'yes'"),
     ({"contact.stiffness": "0.0"}, "contact.stiffness", "[1e-09, 1e+12]", "0.0"),

@@ -12,8 +12,9 @@ import equivbeam
 import wirefe
 from coilspring import Contact, Load, load_scene, spring_a, spring_b
 from coilspring.sweep import outcome_of
-from validation.cli.terminal import digest, notes, progress_shown
+from validation.cli.terminal import deviation, digest, notes, progress_shown
 from validation.study import output
+from validation.study.metrics import compare_paths
 from validation.study.partialsolve import partial_path
 
 
@@ -119,3 +120,30 @@ def test_advice_at_a_limit_point_is_of_the_scenes_contact(geometry):
     assert "a limit point is where the load is largest" in said
     assert [flag in said for flag in ADVICE.values()] == [kind == geometry for kind in ADVICE]
     assert "none" not in said
+
+
+def test_advice_is_no_longer_given_where_it_was_taken():
+    scene = replace(spring_b(), load=Load((0.0, -400.0), 10), contact=Contact(geometry="wires"))
+    path = partial_path(wirefe.solve, scene, element="curved", elements_per_turn=8, pairs_per_turn=64)
+    assert path.outcome == "limit_point"
+    assert "--pairs-per-turn" not in "\n".join(notes(path))
+
+
+def test_advice_where_spheres_let_coils_pass():
+    path = partial_path(wirefe.solve, spring_b(), element="curved", elements_per_turn=4)
+    through = "between spheres coils may pass each other: see --geometry wires"
+    assert through not in notes(path)
+    assert through in notes(replace(path, outcome="interpenetration"))
+
+
+def test_the_wire_models_own_error_stands_beside_a_comparison():
+    scene = spring_a().without_contact().with_steps(4)
+    beam, wire = equivbeam.solve(scene), wirefe.solve_to(scene, 1e-3)
+    said = deviation(compare_paths(beam, wire), wire)
+    assert (
+        said[-1]
+        == f"  the wire model's own error, by its mesh: {100 * wire.estimated_error:.2g} % (estimated)"
+    )
+    assert deviation(compare_paths(beam, wire), replace(wire, estimated_error=None))[-1].endswith(
+        "--accuracy X does"
+    )

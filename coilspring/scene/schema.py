@@ -1,5 +1,6 @@
 """Keys of a scene file, as ``keys.toml`` lists them for the dataclasses that hold their values."""
 
+import re
 import tomllib
 from collections.abc import Callable, Mapping
 from dataclasses import MISSING, dataclass, field, fields
@@ -18,13 +19,18 @@ class Key:
     absent: str | None = None
     required: bool = False
     aliases: Mapping[str, str] = field(default_factory=dict)
+    meant: Mapping[str, str] = field(default_factory=dict)
     item: str = ""
     checks: Mapping[str, Any] = field(default_factory=dict)  # by their names in `CHECKS`
 
     def check(self, name: str, value: object) -> Any:
         """The value to keep, or `InputError`; `name` is for the message."""
-        for kind, allowed in self.checks.items():
-            value = CHECKS[kind](name, value, allowed)
+        try:
+            for kind, allowed in self.checks.items():
+                value = CHECKS[kind](name, value, allowed)
+        except InputError as error:
+            found = [text for pattern, text in self.meant.items() if re.search(pattern, str(value).lower())]
+            raise InputError("; ".join((str(error), *found))) from None
         return value
 
 

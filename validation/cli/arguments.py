@@ -41,6 +41,14 @@ example: coilcheck solve spring-a --model equivbeam"""
 class _Parser(argparse.ArgumentParser):
     """Refuses with one sentence instead of a usage page."""
 
+    def parse_args(self, args: Any = None, namespace: Any = None) -> Any:
+        """As argparse's; what nobody knows is refused with the help of the command that was given."""
+        found, unknown = self.parse_known_args(args, namespace)
+        if unknown:
+            said = f"unrecognized arguments: {' '.join(unknown)}"
+            raise InputError(f"{said}; see {self.prog} {found.command} --help")
+        return found
+
     def error(self, message: str) -> NoReturn:
         raise InputError(f"{message}; see {self.prog} --help")
 

@@ -155,7 +155,7 @@ def compare(arguments: argparse.Namespace) -> int:
         for model in paths:
             output.remove_stale({}, folder / model)
     said = [line for path in paths.values() for line in digest(path)]
-    said += deviation(comparison, bool(scene.load.displacement))
+    said += deviation(comparison, paths[ADAPTIVE])
     if curve is not None:
         said += difference.lines(paths, curve)
     return _concluded(arguments, found, [*said, *lines], *paths.values())

@@ -14,9 +14,10 @@ LIMIT_POINTS = {  # by whether UY is prescribed
     False: "a limit point is where the load is largest: to go on, prescribe load.displacement",
     True: "a limit point is where the prescribed displacement is largest: beyond it the spring snaps",
 }
+MANY = 64  # stations per turn: where wires slide off early, it is seen with these
 TOLD = 0.01  # seconds, from which on it is said that kernels were made ready
 SLIPPING = {  # without friction, by what stands for coils that touch
-    "equivbeam": "circles may slide off one another where coils do not: see --model wirefe --geometry wires",
+    "equivbeam": "circles may slide off one another where coils do not: see wirefe with --geometry wires",
     "spheres": "spheres may slide off one another where wires do not: see --geometry wires",
     "wires": "wires may slide off early where stations are few: see --pairs-per-turn 64, --accuracy 1e-3",
 }
@@ -88,7 +89,13 @@ def notes(path: EquilibriumPath) -> list[str]:
         if not _passed_bottom(path):
             said.append(LIMIT_POINTS[bool(path.scene.load.displacement)])
         if contact.sliding == "free" and path.active_contacts[-1:].any() and path.accuracy is None:
-            said.append(SLIPPING[contact.geometry if path.model == "wirefe" else path.model])
+            kind, stations = path.model, path.options.get("pairs_per_turn")
+            if path.model == "wirefe":
+                kind = contact.geometry
+            if kind != "wires" or (isinstance(stations, int) and stations < MANY):
+                said.append(SLIPPING[kind])
+    if path.outcome == "interpenetration" and path.model == "wirefe" and contact.geometry == "spheres":
+        said.append("between spheres coils may pass each other: see --geometry wires")
     if path.model == "wirefe" and path.scene.factors.given:
         said.append("without the scene's [factors], which are of the equivalent beam's stiffnesses alone")
     if path.outcome == "completed" and "; " in path.message:
@@ -101,10 +108,13 @@ def _passed_bottom(path: EquilibriumPath) -> bool:
     return bool(len(path.tips)) and path.tips[-1, 1] < -path.scene.spring.active_height
 
 
-def deviation(found: Comparison, prescribed: bool) -> list[str]:
-    """Deviation of two paths for a reader at the terminal; `prescribed`: UY is."""
+def deviation(found: Comparison, wire: EquilibriumPath) -> list[str]:
+    """Deviation from the wire model's path for a reader at the terminal, and that path's own error."""
     if found.steps == 0:
         return ["no step was reached by both models: nothing to compare"]
+    prescribed = bool(wire.scene.load.displacement)
+    error = wire.estimated_error
+    own = "not estimated: --accuracy X does" if error is None else f"{100.0 * error:.2g} % (estimated)"
     names = {name: "force" if prescribed and name == "uy" else name for name in found.component_max}
     worst = max(names, key=found.component_max.__getitem__)
     return [
@@ -116,4 +126,5 @@ def deviation(found: Comparison, prescribed: bool) -> list[str]:
             f"{100 * found.component_rms[name]:.3g} % rms of the wire model's peak"
             for name, label in names.items()
         ),
+        f"  the wire model's own error, by its mesh: {own}",
     ]
