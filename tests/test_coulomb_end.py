@@ -225,6 +225,7 @@ def test_the_verifiers_steps_lose_stability_where_sticking_coils_reach_a_limit_p
         assert bool(verdict.complaints) == (share < 1.0)
 
 
+@pytest.mark.slow  # a minute and a half
 def test_the_verifiers_steps_lose_stability_where_a_sliding_pair_opens():
     """Without it the wire is unstable; up to there the least stiffness does not fall."""
     case = make_case("w00248", 1033)

@@ -313,7 +313,7 @@ def test_what_friction_and_sticking_leave_open_is_no_larger_snap_either():
         assert path.outcome == "completed"
         assert snaps(path)[0] <= 1
         assert snaps(path)[1] <= LARGEST
-    paths = [reached(make_case("w00476", 81), steps=steps) for steps in (2, 5, 10, 20)]
+    paths = [reached(make_case("w00476", 81), steps=steps) for steps in (2, 10)]
     ends = [path.end_bracket[0] if path.end_bracket else 1.0 for path in paths]
     for path, end in zip(paths, ends, strict=True):
         known = min(ends) * (1.0 + FRICTION_TIME)
