@@ -267,7 +267,7 @@ def test_limit_points_are_named_and_have_no_number(folder):
     page = (folder / "sensitivity.md").read_text(encoding="utf-8")
     assert "| Young's modulus | beam | 196 GPa | limit point at t = 0.978 |  |  |  |  |  |" in page
     assert "Spring B, beam, Young's modulus: 196 GPa: **limit point at t = 0.978**" in page
-    assert "or more" in page
+    assert "at least" in page
     assert "nan" not in page
 
 

@@ -139,7 +139,7 @@ def _together(data: pd.DataFrame, model: str, kinds: Sequence[str]) -> str:
     """Sum of squares; more where a value that ends short of full load is in it without a number."""
     total = f"{changes.together(data, model, kinds):.1f}"
     mine = changes.values(data).query("model == @model and kind in @kinds")
-    return total if (mine["outcome"] == changes.COMPLETED).all() else f"{total} or more"
+    return total if (mine["outcome"] == changes.COMPLETED).all() else f"at least {total}"
 
 
 def _case(study: Study) -> dict[str, Any]:
