@@ -37,6 +37,8 @@ HEADER = re.compile(
     r"(?P<name>[a-zäöüß]+(?: [a-z]+)?)(?:\s*(?:[\[(/_]|\bin\b)\s*(?P<unit>[^\])]+?)\s*[\])]?)?"
 )
 TOE = 5e-3  # of the largest force: below it a bench may not touch the spring yet
+ROUNDING = 1e-9  # of it
+REST = "it counts from the spring at rest, along the load"
 BACKWARDS = 0.05  # of the largest deflection: more of a negative one is no scatter
 EXAMPLE = "a line with the names of the columns, as force,deflection, or those of path.csv"
 
@@ -50,22 +52,29 @@ class Measured:
     left_out: int  # points with hardly any load, which may be of no spring
     doubts: tuple[str, ...] = ()  # sentences on what is possible, but far off
 
-    def from_rest(self, offset: float) -> Measured:
-        """The same from a spring at rest whose deflection the file counts as `offset`, mm."""
-        return replace(self, deflection=self.deflection - offset)
+    def from_rest(self, offset: float, scene: Scene) -> Measured:
+        """The same from a spring at rest whose deflection the file counts as `offset`, mm; points before that
+        are left out."""
+        deflection = self.deflection - offset
+        kept = deflection >= -BACKWARDS * deflection.max()
+        left_out = self.left_out + int(np.count_nonzero(~kept))
+        return Measured(self.force[kept], deflection[kept], left_out, _doubts(deflection, scene))
 
     @property
     def passed_over(self) -> str:
         """What was left out, in words; empty where nothing was."""
         count = self.left_out
         points = f"{count} point{'' if count == 1 else 's'}"
-        return f"{points} below {100 * TOE:g} % of the largest force left out" if count else ""
+        return f"{points} before the spring is loaded left out" if count else ""
 
 
-def measured(source: Mapping[str, np.ndarray] | pd.DataFrame | str | Path, scene: Scene) -> Measured:
+def measured(
+    source: Mapping[str, np.ndarray] | pd.DataFrame | str | Path, scene: Scene, from_rest: bool = True
+) -> Measured:
     """Force and deflection of a table or a CSV file, in the direction of a scene's load.
 
-    Signs are those of the load, whatever the file's: both columns count up where the force is largest.
+    Signs are those of the load, whatever the file's: both columns count up where the force is largest. Where
+    the deflection does not count from rest, it may be anything.
 
     Raises
     ------
@@ -73,7 +82,11 @@ def measured(source: Mapping[str, np.ndarray] | pd.DataFrame | str | Path, scene
     """
     columns, direction = table_of(source), scene.direction
     with _named(source):
-        return _along_load(columns, direction, scene)
+        found = _along_load(columns, direction)
+        if not from_rest:
+            return found
+        _refuse_impossible(found.deflection, scene)
+        return replace(found, doubts=_doubts(found.deflection, scene))
 
 
 @contextmanager
@@ -85,7 +98,7 @@ def _named(source: object) -> Iterator[None]:
         raise InputError(f"{source}: {error}" if isinstance(source, str | Path) else str(error)) from None
 
 
-def _along_load(columns: Mapping[str, np.ndarray], direction: tuple[float, float], scene: Scene) -> Measured:
+def _along_load(columns: Mapping[str, np.ndarray], direction: tuple[float, float]) -> Measured:
     """Force and deflection of columns, along the direction of a scene's load."""
     x, y = direction
     if "force" in columns:
@@ -101,22 +114,30 @@ def _along_load(columns: Mapping[str, np.ndarray], direction: tuple[float, float
         raise InputError("curve must have at least one line of numbers, got none")
     peak = int(np.argmax(np.abs(force)))
     force, deflection = force * np.sign(force[peak]), deflection * np.sign(deflection[peak])
-    loaded = force > TOE * force[peak]
+    loaded = force >= (1.0 - ROUNDING) * TOE * force[peak]
     if not loaded.any() or not (deflection[loaded] != 0.0).any():
         raise InputError("curve must have forces and deflections that are not zero throughout")
     force, deflection = force[loaded], deflection[loaded]
-    rest = "it counts from the spring at rest, along the load"
     if not np.allclose(force, force[0]) and np.polyfit(force, deflection, 1)[0] <= 0.0:
-        raise InputError(f"deflection must grow with the force: {rest}")
+        raise InputError(f"deflection must grow with the force: {REST}")
+    return Measured(force, deflection, int(np.count_nonzero(~loaded)))
+
+
+def _refuse_impossible(deflection: np.ndarray, scene: Scene) -> None:
+    """Refuse deflections that no spring at rest before has."""
     least, most, height = deflection.min(), deflection.max(), scene.spring.active_height
     if least < -BACKWARDS * most:
-        raise InputError(f"deflection must not be negative, got {least:.4g} to {most:.4g} mm: {rest}")
-    if y == -1.0 and most > height:
+        raise InputError(f"deflection must not be negative, got {least:.4g} to {most:.4g} mm: {REST}")
+    if scene.direction[1] == -1.0 and most > height:
         raise InputError(f"deflection must be below spring.active_height = {height:g} mm, got {most:.4g} mm")
-    doubts = []
-    if y == -1.0 and most > (travel := sizes(scene).travel):
-        doubts.append(f"the measured deflection of {most:.4g} mm is beyond solid: there are {travel:.4g} mm")
-    return Measured(force, deflection, int(np.count_nonzero(~loaded)), tuple(doubts))
+
+
+def _doubts(deflection: np.ndarray, scene: Scene) -> tuple[str, ...]:
+    """What is possible, but far off."""
+    most = deflection.max()
+    if scene.direction[1] != -1.0 or most <= (travel := sizes(scene).travel):
+        return ()
+    return (f"the measured deflection of {most:.4g} mm is beyond solid: there are {travel:.4g} mm",)
 
 
 def table_of(source: Mapping[str, np.ndarray] | pd.DataFrame | str | Path) -> dict[str, np.ndarray]:

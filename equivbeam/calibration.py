@@ -152,7 +152,7 @@ def calibrate(
     law, factor = options.get("law", "haringx"), next((name for name in names if name in FACTORS), None)
     if factor and law != "haringx":
         raise InputError(f"{factor} can be fitted with the law haringx alone, got {shown(law)}")
-    fit = CurveFit(names, read_curve(curve, scene), options)
+    fit = CurveFit(names, read_curve(curve, scene, OFFSET not in names), options)
     before = fit.at_start()
     shares, J, fitted, doubtful = fit.solved()
     after, path, evaluations = fit.residuals(shares), fit.path, fit.evaluations
@@ -229,20 +229,19 @@ class CurveFit:
         try:
             solve(self.scene_of(start, self.curve.scene), **self.options)
         except EquilibriumNotFound as failure:
-            message = (
-                f"the scene as given does not reach the end of the curve{self._beyond()}: {failure.message}; "
-                f"leave out what is beyond {self._reached(failure.path)}"
-            )
+            beyond = self._beyond()
+            message = f"the scene as given does not reach the end of the curve{beyond}: {failure.message}"
+            if self.curve.of_force and not beyond and (force := self._reached(failure.path)):
+                message += f"; leave out what is beyond {force:.4g} N"
             raise EquilibriumNotFound(replace(failure.path, message=message)) from None
         return self.residuals(start)
 
-    def _reached(self, path: EquilibriumPath) -> str:
-        """How far a path goes along the curve's load, in words."""
-        share, load = (
-            path.times[-1] if path.end_bracket is None else path.end_bracket[0],
-            self.curve.scene.load,
-        )
-        return f"{share:.4g} of the load" if load.stages else f"{share * np.hypot(*load.force):.4g} N"
+    def _reached(self, path: EquilibriumPath) -> float:
+        """Force of the curve up to which a path goes, N, rounded down to 4 digits; 0 if nowhere."""
+        share = path.times[-1:].sum() if path.end_bracket is None else path.end_bracket[0]
+        force = share * np.hypot(*self.curve.scene.load.force)
+        unit = 10.0 ** (np.floor(np.log10(force)) - 3.0) if force > 0.0 else 1.0
+        return float(np.floor(force / unit) * unit)
 
     def _beyond(self) -> str:
         """That the curve's force is far beyond solid, in words; empty where it is not."""

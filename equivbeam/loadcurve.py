@@ -29,6 +29,7 @@ class LoadCurve(NamedTuple):
     times: np.ndarray  # (points,) in any order
     peaks: np.ndarray  # (columns,) largest displacement of each column, mm or rad
     shares: np.ndarray  # (points, columns) displacements over their peaks
+    of_force: bool  # whether the load is that of the curve, not the scene's
 
     def along(self, path: EquilibriumPath, tips: np.ndarray) -> np.ndarray:
         """UX, UY and ROTZ at a path's steps, (steps, 3), as the curve's shares, (points, columns)."""
@@ -37,13 +38,16 @@ class LoadCurve(NamedTuple):
         return np.stack([np.interp(self.times, times, np.append(0.0, column)) for column in values.T], axis=1)
 
 
-def read_curve(curve: EquilibriumPath | pd.DataFrame | str | Path, scene: Scene) -> LoadCurve:
-    """The curve of a path, a table or a CSV file, of a spring loaded as in a scene."""
+def read_curve(
+    curve: EquilibriumPath | pd.DataFrame | str | Path, scene: Scene, from_rest: bool = True
+) -> LoadCurve:
+    """The curve of a path, a table or a CSV file, of a spring loaded as in a scene; see `measured`."""
     # rates and stresses of a path are not asked for
     source = curve.curve if isinstance(curve, EquilibriumPath) else curve
     table = table_of(source)
-    if "force" in table or scene.load.displacement:
-        found = measured(source, scene)
+    of_force = "force" in table or bool(scene.load.displacement)
+    if of_force:
+        found = measured(source, scene, from_rest)
         peak, (x, y) = float(found.force.max()), scene.direction
         loaded = replace(scene, load=Load((x * peak, y * peak)))
         times, columns, directions = found.force / peak, [found.deflection], np.array([[x, y, 0.0]])
@@ -53,7 +57,7 @@ def read_curve(curve: EquilibriumPath | pd.DataFrame | str | Path, scene: Scene)
         directions = np.eye(3)[[COMPONENTS.index(name) for name in names]]
     values = np.stack(columns, axis=1)
     peaks = np.abs(values).max(axis=0)
-    return LoadCurve(loaded.with_steps(_steps(times)), directions, times, peaks, values / peaks)
+    return LoadCurve(loaded.with_steps(_steps(times)), directions, times, peaks, values / peaks, of_force)
 
 
 def _steps(times: np.ndarray) -> int:

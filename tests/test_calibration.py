@@ -25,7 +25,7 @@ from coilspring.measured import measured, table_of
 from coilspring.path import secants
 from coilspring.scene.scene import load_directions
 from validation.calibration import run
-from validation.calibration.difference import along_load, difference, doubts
+from validation.calibration.difference import along_load, difference, doubts, lines
 from validation.calibration.figure import picture
 from validation.cli.command import main
 
@@ -391,7 +391,7 @@ def test_a_fitted_offset_goes_into_figure_and_comparison(tmp_path, capsys, monke
     given = [str(tmp_path / "guided.toml"), str(curve), "--fit", "axial,offset", "--out", str(out)]
     assert main(["calibrate", *given]) == 0
     said = capsys.readouterr().out
-    assert "40 points below 0.5 % of the largest force left out" in said
+    assert "40 points before the spring is loaded left out" in said
     assert "measured.csv and the figure are without the offset" in said
     (paths, points, _) = drawn[0]
     assert (
@@ -410,7 +410,50 @@ def test_a_curve_beyond_a_limit_point_is_told_how_much_of_it_can_be_kept(tmp_pat
     assert main(["calibrate", "spring-b", str(curve), "--fit", "axial", "--out", str(tmp_path / "x")]) == 3
     said = capsys.readouterr().err
     force = float(said.rsplit("leave out what is beyond ")[1].split(" N")[0])
-    scene = replace(spring_b(), load=Load((0.0, -0.999 * force)))
+    scene = replace(spring_b(), load=Load((0.0, -force)))
     assert equivbeam.solve(scene).outcome == "completed"
     with pytest.raises(EquilibriumNotFound):
         equivbeam.solve(replace(scene, load=Load((0.0, -1.001 * force))))
+
+
+def test_an_offset_to_be_fitted_may_be_anything():
+    """Curves were refused, or called beyond solid, for a deflection that begins far from rest."""
+    deflection, force = along_load(equivbeam.solve(GUIDED))
+    for lag in (38.0, -5.0):
+        curve = {"force": force[1:], "deflection": deflection[1:] + lag}
+        found = equivbeam.calibrate(GUIDED, curve, ["axial", "offset"])
+        assert found.values == pytest.approx([1.0, lag], rel=1e-6)
+        with pytest.raises(InputError, match="deflection must"):
+            equivbeam.calibrate(GUIDED, curve, ["axial"])
+        at_rest = measured(curve, GUIDED, from_rest=False).from_rest(lag, GUIDED)
+        np.testing.assert_allclose(at_rest.deflection, deflection[1:], atol=1e-9)
+        assert at_rest.doubts == ()
+    before = measured({"force": [1.0, 50.0, 60.0], "deflection": [0.0, 8.0, 10.0]}, GUIDED, from_rest=False)
+    assert before.from_rest(1.0, GUIDED).left_out == 1
+
+
+def test_displacements_at_times_are_fitted_as_they_are(tmp_path, capsys):
+    """No points of force and deflection were fitted, and none left out; their load is the scene's."""
+    scene = spring_a().with_steps(400)
+    equivbeam.solve(scene).table.to_csv(tmp_path / "path.csv", index=False)
+    out = tmp_path / "out"
+    given = ["calibrate", "spring-a", str(tmp_path / "path.csv"), "--fit", "axial", "--out", str(out)]
+    assert main(given) == 0
+    assert "left out" not in capsys.readouterr().out
+    assert sorted(file.name for file in out.iterdir()) == [
+        "calibrated.toml",
+        "calibration.json",
+        "calibration.png",
+    ]
+    table = {"time": [0.05, 0.1], "uy": [-0.1, -0.2]}
+    with pytest.raises(EquilibriumNotFound) as found:
+        equivbeam.calibrate(replace(spring_b(), load=Load((0.0, -700.0))), table, ["axial"])
+    assert "leave out" not in found.value.message
+
+
+def test_what_a_comparison_leaves_out_is_said(bench):
+    force, deflection = (np.append(0.1, column) for column in bench)
+    path = equivbeam.solve(GUIDED)
+    assert lines({"equivbeam": path}, measured({"force": force, "deflection": deflection}, GUIDED))[-1] == (
+        "1 point before the spring is loaded left out"
+    )

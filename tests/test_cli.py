@@ -646,3 +646,5 @@ def test_unknown_words_are_answered_with_the_help_of_their_command(capsys):
     assert capsys.readouterr().err.endswith(
         "unrecognized arguments: offset; see coilcheck calibrate --help\n"
     )
+    assert main(["solve", "spring-a", "--accuracy", "1e-3", "--elements_per_turn", "4"]) == 2
+    assert "unrecognized arguments: --elements_per_turn 4; see coilcheck solve" in capsys.readouterr().err

@@ -22,7 +22,7 @@ from coilspring import CATALOGUE, EquilibriumNotFound, InputError, Load, load_sc
 from equivbeam import Refinements
 from validation.cli import main
 from validation.regress import timeratios
-from validation.regress.baselines import COARSE, MODELS, SHIPPED, Run, find, read, runs, runs_of
+from validation.regress.baselines import COARSE, MODELS, SHIPPED, Run, find, quantities, read, runs, runs_of
 from validation.regress.run import compare, regress
 from validation.study import cases
 from validation.study.cases import CASES
@@ -204,7 +204,8 @@ def test_without_sliding_another_processor_may_choose_other_substeps(before):
         ({"steps_reached": 49}, "steps_reached"),
         ({"critical_time": 0.5}, "critical_time"),
         ({"contact_force": 1e-3}, "contact_force"),
-        ({"extra": 1}, "the list of quantities"),
+        ({"extra": 1}, "extra"),
+        ({"load_y": [1.0] * 5}, "load_y"),
     ],
 )
 def test_every_other_quantity_is_judged(before, change, quantity):
@@ -465,3 +466,30 @@ def test_the_force_of_a_prescribed_displacement_is_compared():
     assert {move.run for move in found if move.quantity.startswith("load_y at time")} == {
         f"{run.model}, {run.name}" for run in watched
     }
+
+
+def test_baselines_without_a_quantity_are_compared_in_the_others(before):
+    """All of an older version's moved by what they lacked, and nothing else was looked at."""
+    older, name = copy.deepcopy(before), "spring-a-no-contact, law=haringx"
+    for runs_ in older.values():
+        for row in runs_.values():
+            del row["load_y"]
+    older["equivbeam"][name]["ux"][0] += 1e-3
+    found = compare(as_baseline(older), before, "here")
+    assert kinds(found) == {"load_y", "ux"}
+    assert sum(move.quantity != "load_y" for move in found) == 1
+
+
+def test_a_force_that_was_nothing_moves_by_all_of_it(before):
+    """A side force to which an axial one was added was divided by nothing."""
+    older, name = copy.deepcopy(before), "spring-a-no-contact, law=haringx"
+    row = older["equivbeam"][name]
+    row["load_y"] = [0.0] * len(row["load_y"])
+    assert "load_y" in kinds(compare(as_baseline(older), before, "here"))
+
+
+def test_the_shipped_baselines_have_all_quantities():
+    kept = read(SHIPPED)
+    names = {frozenset(row) for model in MODELS for row in kept[model]["runs"].values()}
+    (run,) = only("spring-a-no-contact, law=haringx")
+    assert names == {frozenset(quantities(run.solve()))}

@@ -302,6 +302,7 @@ REFUSED_VALUES = [
     ({"supports.top_held": '["uy", "rotz"]'}, "load.force", "direction that is free", "(0.0, -200.0)"),
     ({"supports.bottom_held": "3"}, "supports.bottom_held", "ux, uy, rotz", "got 3"),
     ({"supports.seat": '"floor"'}, "supports.seat", "rigid, plate", "'floor'"),
+    ({"spring.ends": '"unground"'}, "spring.ends", "one of closed, open, got 'unground'", ""),
     ({"spring.ends": '"ground"'}, "spring.ends", "closed, open", "'ground'"),
     ({"spring.ends": '"closed and ground"'}, "spring.ends", 'supports.seat = "plate"', "'closed and ground'"),
     (

@@ -12,7 +12,13 @@ import equivbeam
 from coilspring import spring_b
 from coilspring.errors import EquilibriumNotFound
 from coilspring.solver.continuation.snap import LARGEST
-from coilspring.solver.continuation.stability import APPROACH, follow_line, follow_root, predicted_zero
+from coilspring.solver.continuation.stability import (
+    APPROACH,
+    doubt_zero,
+    follow_line,
+    follow_root,
+    predicted_zero,
+)
 from coilspring.solver.system import WATCH
 from validation.campaign.run import verified
 from validation.campaign.runs import FRICTION_TIME, changed, deviation
@@ -244,6 +250,16 @@ def test_the_zero_that_is_approached_is_that_of_a_line_or_of_a_root(stiffness):
     assert count <= 22  # 20 halvings
 
 
+def test_of_two_zeros_that_differ_the_farther_is_approached_before_a_jump_is_told():
+    watch = np.zeros(1, WATCH).view(np.recarray)[0]
+    watch.zero, watch.ahead = 0.5 + 1e-11, 0.5 + 1e-13  # of the line, of the root
+    doubt_zero(watch, 0.5)
+    assert watch.ahead == watch.zero == 0.5 + 1e-11
+    watch.zero = watch.ahead = 0.5 + 1e-13
+    doubt_zero(watch, 0.5)
+    assert watch.ahead == watch.zero == np.inf
+
+
 def test_a_stiffness_that_rises_is_not_approached():
     watch = np.zeros(1, WATCH).view(np.recarray)[0]
     for before in (0.5, -0.5, 0.0):
@@ -305,7 +321,8 @@ def test_no_snap_is_larger_than_said():
         assert snaps(path)[1] <= LARGEST
 
 
-def test_what_friction_and_sticking_leave_open_is_no_larger_snap_either():
+@pytest.mark.parametrize("counts", [(2, 10), pytest.param((5, 20), marks=pytest.mark.slow)])
+def test_what_friction_and_sticking_leave_open_is_no_larger_snap_either(counts):
     """The last digits of E decide how far friction snaps, 0.06 to 0.14 d; where sticking leaves forces open,
     steps decide whether w00476 jumps, and it says from which time on."""
     for steps in (1, 5, 16):
@@ -313,7 +330,7 @@ def test_what_friction_and_sticking_leave_open_is_no_larger_snap_either():
         assert path.outcome == "completed"
         assert snaps(path)[0] <= 1
         assert snaps(path)[1] <= LARGEST
-    paths = [reached(make_case("w00476", 81), steps=steps) for steps in (2, 10)]
+    paths = [reached(make_case("w00476", 81), steps=steps) for steps in counts]
     ends = [path.end_bracket[0] if path.end_bracket else 1.0 for path in paths]
     for path, end in zip(paths, ends, strict=True):
         known = min(ends) * (1.0 + FRICTION_TIME)

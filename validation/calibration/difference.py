@@ -66,9 +66,9 @@ def lines(paths: Mapping[str, EquilibriumPath], curve: Measured) -> list[str]:
         pressed = path.scene.load.displacement
         what = "force at the same deflection" if pressed else "deflection at the same force"
         sizes = f"{100 * found['max']:.3g} % of the peak at most, {100 * found['rms']:.3g} % rms"
-        beyond = f"; {found['beyond']} beyond the model's last step left out" if found["beyond"] else ""
+        beyond = f"; {found['beyond']} outside the model's path left out" if found["beyond"] else ""
         said.append(f"{name} minus measured, {what}: {sizes}, at {found['points']} points{beyond}")
-    return said
+    return [*said, *([curve.passed_over] if curve.left_out else [])]
 
 
 def doubts(paths: Mapping[str, EquilibriumPath], curve: Measured) -> list[str]:

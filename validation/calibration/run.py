@@ -67,15 +67,15 @@ def calibrate(
     if has_direction(scene) and ("force" in table or "load_y" in table):
         from validation.calibration.figure import FIT, load_curves
 
-        curve = measured(file, scene)
+        offset = dict(zip(found.names, found.values, strict=True)).get("offset", 0.0)
+        curve = measured(file, scene, "offset" not in found.names).from_rest(offset, scene)
         start = replace(scene, load=found.path.scene.load)
         paths = {"given": partial_path(equivbeam.solve, start, **options), "calibrated": found.path}
-        offset = dict(zip(found.names, found.values, strict=True)).get("offset", 0.0)
-        at_rest = curve.from_rest(offset)
-        files["calibration.png"] = load_curves(paths, at_rest, FIT)
-        files["measured.csv"] = points(at_rest)
+        files["calibration.png"] = load_curves(paths, curve, FIT)
         lines += [f"warning: {doubt}" for doubt in curve.doubts]
-        lines += [curve.passed_over] * bool(curve.left_out)
+        if "force" in table or scene.load.displacement:  # else displacements at times were fitted
+            files["measured.csv"] = points(curve)
+            lines += [curve.passed_over] * bool(curve.left_out)
         if offset:
             lines.append("measured.csv and the figure are without the offset: compare with that file")
     return files, lines

@@ -82,6 +82,8 @@ def _settled(
 
 def _slides(pairs: Pairs, rows: np.ndarray) -> np.ndarray:
     """Pairs of which sticking, from where they are renewed, would take more than the bound."""
+    if pairs.law.mu == np.inf:
+        return np.zeros_like(pairs.held)
     normal, force = replace(pairs, slides=np.zeros_like(pairs.slides)).forces(rows)
     bound = pairs.law.mu * normal
     return pairs.held & (np.linalg.norm(force, axis=1) > (1.0 + OVER) * bound)

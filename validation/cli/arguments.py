@@ -151,7 +151,7 @@ def flagged(message: str, arguments: argparse.Namespace) -> str:
     key, space, why = message.partition(" ")
     name = KEYWORDS.get(key, key)
     said = flag(name) + space + why if name in arguments and given(arguments, [name]) else message
-    return re.sub(r"\b\w+_per_turn\b", lambda found: flag(found[0]), said)
+    return re.sub(r"(?<![\w-])\w+_per_turn\b", lambda found: flag(found[0]), said)
 
 
 def refuse_chosen(arguments: argparse.Namespace, names: Sequence[str] = CHOSEN) -> None:

@@ -17,7 +17,7 @@ LIMIT_POINTS = {  # by whether UY is prescribed
 MANY = 64  # stations per turn: where wires slide off early, it is seen with these
 TOLD = 0.01  # seconds, from which on it is said that kernels were made ready
 SLIPPING = {  # without friction, by what stands for coils that touch
-    "equivbeam": "circles may slide off one another where coils do not: see wirefe with --geometry wires",
+    "equivbeam": "circles may slide off one another where coils do not: wirefe with contact of wires tells",
     "spheres": "spheres may slide off one another where wires do not: see --geometry wires",
     "wires": "wires may slide off early where stations are few: see --pairs-per-turn 64, --accuracy 1e-3",
 }
@@ -114,7 +114,7 @@ def deviation(found: Comparison, wire: EquilibriumPath) -> list[str]:
         return ["no step was reached by both models: nothing to compare"]
     prescribed = bool(wire.scene.load.displacement)
     error = wire.estimated_error
-    own = "not estimated: --accuracy X does" if error is None else f"{100.0 * error:.2g} % (estimated)"
+    own = "not estimated, as --accuracy X does" if error is None else f"{100.0 * error:.2g} % (estimated)"
     names = {name: "force" if prescribed and name == "uy" else name for name in found.component_max}
     worst = max(names, key=found.component_max.__getitem__)
     return [

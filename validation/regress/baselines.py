@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from coilspring import CATALOGUE, EquilibriumPath, InputError, Scene
+from coilspring import CATALOGUE, EquilibriumPath, InputError, Load, Scene
 from validation.study.cases import solve_beam, solve_wire
 from validation.study.machine import machine, versions
 from validation.study.output import in_the_way, write_text
@@ -74,6 +74,8 @@ def runs() -> tuple[Run, ...]:
     found.append(Run("wirefe", cases["spring-a"], CURVED | {"pairs_per_turn": 8}))
     found += [Run("wirefe", free, mesh) for mesh in (STRAIGHT, CURVED)]
     found += [Run("equivbeam", slender, {"law": law}) for law in LAWS]
+    pressed = replace(cases["spring-b"], name="spring-b-pressed", load=Load(displacement=(-14.0,)))
+    found += [Run("equivbeam", pressed, {"law": "haringx"}), Run("wirefe", pressed, COARSE)]
     # it bends gradually before it buckles: equal sources, compiled twice, differed by 2e-5 of time
     return (*found, Run("wirefe", slender, COARSE, sensitive=True))
 

@@ -159,10 +159,11 @@ def compare(
 
 def _moved(before: Quantities, now: Quantities, here: bool) -> Texts:
     """What moved in one run."""
-    missing = sorted(now.keys() ^ before.keys())
-    if missing:
-        yield "the list of quantities", "without", ", ".join(missing), "accept the new list"
-        return
+    for name in sorted(now.keys() - before.keys()):
+        yield name, "not in the baselines", "new", "accept to keep it"
+    for name in sorted(before.keys() - now.keys()):
+        yield name, "in the baselines", "missing", "accept to forget it"
+    before = now | before  # the others are compared
     a, b = before["critical_time"], now["critical_time"]
     both = a is not None and b is not None
     for name in ("outcome", "steps_reached", *(() if both else ("critical_time",))):
@@ -177,7 +178,7 @@ def _moved(before: Quantities, now: Quantities, here: bool) -> Texts:
         for name, peak in before["peaks"].items():
             scale = peak if peak > FIXED * largest else largest
             yield from _curve(name, before, now, scale, TIP * wider)
-        force = max(map(abs, before["load_y"]), default=0.0)
+        force = max(map(abs, (*before["load_y"], *now["load_y"])), default=0.0)
         yield from _curve("load_y", before, now, force, FORCE * wider)
         for name in FORCES:
             a, b = before[name], now[name]

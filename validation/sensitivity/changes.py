@@ -65,15 +65,18 @@ def changes(name: str, scene: Scene, inputs: tuple[OpenInput, ...], progress: Ca
     rows: list[dict[str, Any]] = []
     for item in inputs:
         progress(f"{name}: {item.title}")
-        curves = {}
+        curves, refused = {}, {}
         for model in defaults:
             try:
                 for variant in item.variants(scene, model):
                     base = _solved(store, model, Variant("", scene, variant.base_options))
                     curves[model, variant.value] = base, _solved(store, model, variant)
             except InputError as refusal:
-                left_out.append(f"{item.title}, {model}: {refusal}")
-        rows += input_rows(item, curves, defaults)
+                refused[model] = str(refusal)
+        for why in dict.fromkeys(refused.values()):
+            models = " and ".join(model for model in refused if refused[model] == why)
+            left_out.append(f"{item.title}, {models}: {why}")
+        rows += [row for row in input_rows(item, curves, defaults) if row["model"] not in refused]
     apart = largest_deviation(*defaults.values()) if len(defaults) == len(MODELS) else None
     data = pd.DataFrame(rows, columns=COLUMNS).assign(case=name)
     resolution = _resolution(store, scene, defaults.get(WIRE))

@@ -80,7 +80,7 @@ def _variants(name: str, scene: Scene, model: str, own: bool) -> Iterator[Varian
             yield Variant("no", _with(scene, "spring", end_turns=0.0))
         case "rigid_turns" if scene.supports.seat == "rigid":
             if spring.ends != "closed" or spring.sections:
-                raise InputError("varied of springs with closed ends and one pitch alone")
+                raise InputError("varied if spring.ends is closed and there are no spring.sections")
             _refuse_unraisable(scene)
             yield from _rigid(scene, model)
         case "start_phase":
@@ -127,9 +127,11 @@ def _refuse_unraisable(scene: Scene) -> None:
     if "rotz" in scene.supports.top_held:  # it moves without turning, all its points alike
         return
     if load.stages or load.displacement:
-        raise InputError("of a top that turns varied under one force alone")
+        given = "stages" if load.stages else "displacement"
+        raise InputError(f"varied if load.force is given or supports.top_held has rotz, got load.{given}")
     if contact.enabled and contact.sliding != "free":
-        raise InputError("of a top that turns varied without friction alone")
+        free = "varied if contact.sliding is free or supports.top_held has rotz"
+        raise InputError(f"{free}, got {contact.sliding}")
 
 
 def _rigid(scene: Scene, model: str) -> Iterator[Variant]:

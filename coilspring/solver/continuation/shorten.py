@@ -39,7 +39,7 @@ def shorten(system, task, work, path, substep, softest):
         if rigid and creeping(work.history) and substep.cut == 1.0:
             least = LEAST_CREEP  # one that is only cut, to where a pair touches or opens, does not stall
         elif substep.near_critical and substep.unstable:
-            least = FINEST  # as near as to where the stiffness is known to vanish
+            least = FINEST  # the stiffness may vanish just behind where a pair closed, or as it is predicted
         if substep.duration < least:
             path.bracket = 2.0 * max(substep.duration, LEAST_STEP)
             if not (rigid and lets_go(system, task, work, path)):

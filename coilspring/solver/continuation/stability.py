@@ -102,8 +102,8 @@ def vanishes(system, task, work, path, softest):
     """Whether the least stiffness tends to zero along a straight line, just ahead: at a bifurcation. Towards
     a limit point it falls as the root of the time that is left.
 
-    Where it jumps, or falls so fast that the predictions on the way may be too few to tell, the last substep
-    is looked at.
+    Where much is left, or it fell so fast that the predictions on the way may be too few to tell, the last
+    substep is looked at.
     """
     goes_on = path.released == 0.0 and path.snapped < path.time  # from the state before, by neither of these
     if goes_on and not softest.linear and jumps(path, softest, softest.value):
