@@ -202,7 +202,9 @@ def test_a_path_says_where_the_steps_decide_which_pairs_slide(case, seed, counts
         assert "by other forces as well" in path.message
 
 
-@pytest.mark.parametrize(("said", "complains"), [(1.0, False), (0.999, True), (None, True)])
+@pytest.mark.parametrize(
+    ("said", "complains"), [(1.0, False), pytest.param(0.999, True, marks=pytest.mark.slow), (None, True)]
+)
 def test_a_path_that_says_at_its_end_that_it_may_go_on_is_undecided(said, complains):
     """Where the least stiffness does not vanish at the end; earlier words do not excuse that."""
     case = make_case("w00186", 1, "spheres")
@@ -214,6 +216,7 @@ def test_a_path_that_says_at_its_end_that_it_may_go_on_is_undecided(said, compla
     assert bool(verdict.others) != complains
 
 
+@pytest.mark.slow  # half a minute
 def test_the_verifiers_steps_lose_stability_where_sticking_coils_reach_a_limit_point():
     """The least stiffness does not tend to zero there; a point 1 % before is not confirmed."""
     case = make_case("w00523", 973)
