@@ -76,9 +76,18 @@ def _require_key(key: str, table: Mapping[str, Any]) -> None:
         items = {str(item): each for item, each in value.items()} if isinstance(value, dict) else {}
         if step not in items:
             names = ", ".join(f"{place}.{item}" for item in items)
-            allowed = f"allowed: {names}" if items else "it has no items"
+            allowed = (
+                f"allowed: {names}" if items else f"it has no items{_in_place(name, record, table[section])}"
+            )
             raise InputError(f"unknown item {step!r} of {place} in this scene; {allowed}")
         value, place = items[step], f"{place}.{step}"
+
+
+def _in_place(name: str, record: type, keys: Mapping[str, Any]) -> str:
+    """Which key a scene has in the place of one, in words; empty where it has that, or none."""
+    groups = [{key, *item.instead} for key, item in keys_of(record).items() if item.instead]
+    others = [key for key in keys if any({name, key} <= group for group in groups)]
+    return f", but {others[0]}" if others and name not in keys else ""
 
 
 def _values(text: str) -> tuple[Any, ...]:
