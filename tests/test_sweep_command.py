@@ -77,7 +77,10 @@ def test_an_item_of_a_list_and_of_a_table():
             "load.force.7=1",
             "unknown item '7' of load.force in this scene; allowed: load.force.0, load.force.1",
         ),
-        ("load.stages.0=1", "unknown item '0' of load.stages in this scene; it has no items, but force"),
+        (
+            "load.stages.0=1",
+            "unknown item '0' of load.stages in this scene; it has no items: the scene has force in its place",
+        ),
         ("spring=1", "unknown key '' in [spring]; allowed: wire_diameter, "),
         ("spring.wire_diameter", "must be KEY=FIRST:LAST:COUNT or KEY=VALUE,VALUE,..."),
         ("spring.wire_diameter=1:2", "a range must be FIRST:LAST:COUNT, three numbers, as 1.2:1.8:7"),

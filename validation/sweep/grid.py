@@ -87,7 +87,7 @@ def _in_place(name: str, record: type, keys: Mapping[str, Any]) -> str:
     """Which key a scene has in the place of one, in words; empty where it has that, or none."""
     groups = [{key, *item.instead} for key, item in keys_of(record).items() if item.instead]
     others = [key for key in keys if any({name, key} <= group for group in groups)]
-    return f", but {others[0]}" if others and name not in keys else ""
+    return f": the scene has {others[0]} in its place" if others and name not in keys else ""
 
 
 def _values(text: str) -> tuple[Any, ...]:
