@@ -79,7 +79,7 @@ def test_an_item_of_a_list_and_of_a_table():
         ),
         (
             "load.stages.0=1",
-            "unknown item '0' of load.stages in this scene; it has no items: the scene has force in its place",
+            "'0' of load.stages in this scene; it has no items: the scene has force in its place",
         ),
         ("spring=1", "unknown key '' in [spring]; allowed: wire_diameter, "),
         ("spring.wire_diameter", "must be KEY=FIRST:LAST:COUNT or KEY=VALUE,VALUE,..."),
