@@ -13,7 +13,6 @@ import numpy as np
 from coilspring.errors import EquilibriumNotFound, InputError, require_names, shown
 from coilspring.path import EquilibriumPath
 from coilspring.scene import Factors, Scene, require_scene
-from coilspring.scene.sizing import sizes
 from equivbeam import fiterrors
 from equivbeam.fiterrors import constant_part, independent, undetermined
 from equivbeam.loadcurve import LoadCurve, read_curve
@@ -35,7 +34,6 @@ LOST = 1.0  # error, over the peak, of rows that a trial does not reach
 POOR = 0.03  # rms error, over the peaks, above which a model does not fit
 SYSTEMATIC = 1.5  # times the scatter between neighbouring points, above which an rms error is no scatter
 CONFIDENCE = 0.95
-BEYOND = 10.0  # times the force that closes the last coil: no test bench goes there
 
 
 @dataclass(frozen=True)
@@ -229,27 +227,9 @@ class CurveFit:
         try:
             solve(self.scene_of(start, self.curve.scene), **self.options)
         except EquilibriumNotFound as failure:
-            beyond = self._beyond()
-            message = f"the scene as given does not reach the end of the curve{beyond}: {failure.message}"
-            if self.curve.of_force and not beyond and (force := self._reached(failure.path)):
-                message += f"; leave out what is beyond {force:.4g} N"
+            message = self.curve.beyond(failure.path)
             raise EquilibriumNotFound(replace(failure.path, message=message)) from None
         return self.residuals(start)
-
-    def _reached(self, path: EquilibriumPath) -> float:
-        """Force of the curve up to which a path goes, N, rounded down to 4 digits; 0 if nowhere."""
-        share = path.times[-1:].sum() if path.end_bracket is None else path.end_bracket[0]
-        force = share * np.hypot(*self.curve.scene.load.force)
-        unit = 10.0 ** (np.floor(np.log10(force)) - 3.0) if force > 0.0 else 1.0
-        return float(np.floor(force / unit) * unit)
-
-    def _beyond(self) -> str:
-        """That the curve's force is far beyond solid, in words; empty where it is not."""
-        found = sizes(self.curve.scene)
-        largest, closing = found.force, found.closing[1]
-        if not largest > BEYOND * closing > 0.0:
-            return ""
-        return f" of {largest:.4g} N, where the last coil closes at {closing:.4g} N (are the units right?)"
 
     def solved(self) -> tuple[np.ndarray, np.ndarray, np.ndarray, list[int]]:
         """Shares of the best fit, its derivatives, which were fitted, and which were left for their scatter.

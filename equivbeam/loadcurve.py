@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
@@ -13,12 +14,14 @@ from coilspring.errors import InputError
 from coilspring.measured import measured, table_of
 from coilspring.path import EquilibriumPath
 from coilspring.scene import Load, Scene
+from coilspring.scene.sizing import sizes
 
 if TYPE_CHECKING:
     import pandas as pd
 
 FINE = 200  # steps between which a path is interpolated where a curve has no equal steps
 MOST = 1000  # equal steps of a curve
+BEYOND = 10.0  # times the force that closes the last coil: no test bench goes there
 
 
 class LoadCurve(NamedTuple):
@@ -37,6 +40,27 @@ class LoadCurve(NamedTuple):
         values = tips @ self.directions.T / self.peaks
         return np.stack([np.interp(self.times, times, np.append(0.0, column)) for column in values.T], axis=1)
 
+    def beyond(self, path: EquilibriumPath) -> str:
+        """That the curve goes on where a path ends, in words, and how much of it can be kept."""
+        found = sizes(self.scene)
+        largest, closing = found.force, found.closing[1]
+        said = "the scene as given does not reach the end of the curve"
+        if largest > BEYOND * closing > 0.0:
+            said += (
+                f" of {largest:.4g} N, where the last coil closes at {closing:.4g} N (are the units right?)"
+            )
+            return f"{said}: {path.message}"
+        force = self._reached(path) if self.of_force else 0.0
+        kept = f"; leave out what is beyond {force:.4g} N" if force else ""
+        return f"{said}: {path.message}{kept}"
+
+    def _reached(self, path: EquilibriumPath) -> float:
+        """Force of the curve up to which a path goes, N, rounded down to 4 digits; 0 if nowhere."""
+        share = path.times[-1:].sum() if path.end_bracket is None else path.end_bracket[0]
+        force = share * np.hypot(*self.scene.load.force)
+        unit = 10.0 ** (np.floor(np.log10(force)) - 3.0) if force > 0.0 else 1.0
+        return float(np.floor(force / unit) * unit)
+
 
 def read_curve(
     curve: EquilibriumPath | pd.DataFrame | str | Path, scene: Scene, from_rest: bool = True
@@ -45,8 +69,7 @@ def read_curve(
     # rates and stresses of a path are not asked for
     source = curve.curve if isinstance(curve, EquilibriumPath) else curve
     table = table_of(source)
-    of_force = "force" in table or bool(scene.load.displacement)
-    if of_force:
+    if of_force(table, scene):
         found = measured(source, scene, from_rest)
         peak, (x, y) = float(found.force.max()), scene.direction
         loaded = replace(scene, load=Load((x * peak, y * peak)))
@@ -57,7 +80,14 @@ def read_curve(
         directions = np.eye(3)[[COMPONENTS.index(name) for name in names]]
     values = np.stack(columns, axis=1)
     peaks = np.abs(values).max(axis=0)
-    return LoadCurve(loaded.with_steps(_steps(times)), directions, times, peaks, values / peaks, of_force)
+    return LoadCurve(
+        loaded.with_steps(_steps(times)), directions, times, peaks, values / peaks, of_force(table, scene)
+    )
+
+
+def of_force(table: Mapping[str, np.ndarray], scene: Scene) -> bool:
+    """Whether a curve is of force and deflection; else of displacements at times of the scene's load."""
+    return "force" in table or bool(scene.load.displacement)
 
 
 def _steps(times: np.ndarray) -> int:

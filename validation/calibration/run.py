@@ -5,22 +5,19 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import pandas as pd
 
 import equivbeam
 from coilspring import Scene, scene_text
-from coilspring.measured import Measured, measured, table_of
+from coilspring.measured import measured, table_of
+from equivbeam.loadcurve import of_force
 from validation.calibration.difference import has_direction
+from validation.study.frames import to_csv
 from validation.study.machine import versions
 from validation.study.output import json_bytes
 from validation.study.partialsolve import partial_path
 
 FAR = 0.5  # rms difference, over the peaks, of a curve that may not be of this spring
-
-
-def points(curve: Measured) -> bytes:
-    """Points of a measured curve as a CSV file."""
-    rows = zip(curve.force, curve.deflection, strict=True)
-    return "\n".join(["force,deflection", *(f"{f:.9g},{s:.9g}" for f, s in rows), ""]).encode()
 
 
 def calibrate(
@@ -73,8 +70,9 @@ def calibrate(
         paths = {"given": partial_path(equivbeam.solve, start, **options), "calibrated": found.path}
         files["calibration.png"] = load_curves(paths, curve, FIT)
         lines += [f"warning: {doubt}" for doubt in curve.doubts]
-        if "force" in table or scene.load.displacement:  # else displacements at times were fitted
-            files["measured.csv"] = points(curve)
+        if of_force(table, scene):
+            points = pd.DataFrame({"force": curve.force, "deflection": curve.deflection})
+            files["measured.csv"] = to_csv(points, digits=9)
             lines += [curve.passed_over] * bool(curve.left_out)
         if offset:
             lines.append("measured.csv and the figure are without the offset: compare with that file")
