@@ -85,9 +85,8 @@ def _require_key(key: str, table: Mapping[str, Any]) -> None:
 
 def _in_place(name: str, record: type, keys: Mapping[str, Any]) -> str:
     """Which key a scene has in the place of one, in words; empty where it has that, or none."""
-    groups = [{key, *item.instead} for key, item in keys_of(record).items() if item.instead]
-    others = [key for key in keys if any({name, key} <= group for group in groups)]
-    return f": the scene has {others[0]} in its place" if others and name not in keys else ""
+    others = _beside(record, name) & keys.keys() if name not in keys else ()
+    return "".join(f": the scene has {other} in its place" for other in others)
 
 
 def _values(text: str) -> tuple[Any, ...]:
@@ -144,7 +143,10 @@ def _changed(table: Mapping[str, Any], keys: Sequence[str], values: Sequence[Any
 
 def _excluded(record: type, name: str) -> set[str]:
     """Keys, other than tables, that cannot stand in a file beside one of this name."""
-    known = keys_of(record)
-    groups = [{key, *item.instead} for key, item in known.items()]
-    tables = {key for key, item in known.items() if item.item}
-    return set().union(*(group for group in groups if name in group)) - tables - {name}
+    return _beside(record, name) - {key for key, item in keys_of(record).items() if item.item}
+
+
+def _beside(record: type, name: str) -> set[str]:
+    """Keys of which one at most stands in a file, without this name itself."""
+    groups = [{key, *item.instead} for key, item in keys_of(record).items()]
+    return set().union(*(group for group in groups if name in group)) - {name}
