@@ -89,9 +89,8 @@ def notes(path: EquilibriumPath) -> list[str]:
         if not _passed_bottom(path):
             said.append(LIMIT_POINTS[bool(path.scene.load.displacement)])
         if contact.sliding == "free" and path.active_contacts[-1:].any() and path.accuracy is None:
-            kind, stations = path.model, path.options.get("pairs_per_turn")
-            if path.model == "wirefe":
-                kind = contact.geometry
+            kind = contact.geometry if path.model == "wirefe" else path.model
+            stations = path.options.get("pairs_per_turn")
             if kind != "wires" or (isinstance(stations, int) and stations < MANY):
                 said.append(SLIPPING[kind])
     if path.outcome == "interpenetration" and path.model == "wirefe" and contact.geometry == "spheres":

@@ -127,11 +127,9 @@ def _key(shown: Sequence[pd.DataFrame]) -> Sequence[Line2D | Patch]:
     other = Line2D([], [], **_look("curved", False) | {"label": f"open: other than {STEPS} steps"})
     tangent = Line2D([], [], **PAPER_TANGENT, label="law haringx, paper’s tangent")
     front = Line2D([], [], **FRONT, label="Pareto front")
-    names = ("paper’s mesh", "paper’s model")
+    names = {True: "paper’s mesh", False: "paper’s model"}
     ringed = [any(rows) for rows in zip(*map(of_paper, shown), strict=True)]
-    rings = [
-        Line2D([], [], **_ring(mesh), label=name) for name, mesh in zip(names, (True, False), strict=True)
-    ]
+    rings = [Line2D([], [], **_ring(mesh), label=name) for mesh, name in names.items()]
     given = (every["tangent"] == "paper").any(), (every["steps"] != STEPS).any(), True, *ringed
     others = compress((tangent, other, front, *rings), given)
     return [*usual, *others, Patch(**FLOOR, label="reference’s own error")]
