@@ -28,6 +28,7 @@ ROUGH = 5e-3  # accuracy from which few more stations mostly do where they touch
 ROWS = 5  # of a stage, at least, at which paths are compared whose differences are smooth
 # Errors over what differences tell, at most (as measured on random springs). Of the first of two paths:
 FIRST, MIXED = 2.0, 5.0  # and where substeps differ, too
+SUBSTEPS = 10.0  # of a path in half the steps: pairs may stick in the one that slide in the other
 # Of the last path, without stations: as a path before tells it; as two alike do.
 SMOOTH, STEADY = 3.0, 2.0
 ALIKE = 1.5
@@ -302,7 +303,7 @@ def _choose_substeps(trials: Trials) -> None:
         if steps == coarse.scene.load.steps:
             continue
         path = trials.solve(mesh, steps)
-        trials.lost = MIXED * difference(coarse, path)
+        trials.lost = SUBSTEPS * difference(coarse, path)
         least = min(least, trials.lost)
         if trials.lost <= 0.5 * trials.wanted:
             trials.steps = steps

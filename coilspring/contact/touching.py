@@ -15,7 +15,7 @@ FINEST_CREEP, MOST_PRESSED = 1e-12, 1e-6  # wire diameters: what rounding leaves
 FINEST = 1e-10  # wire diameters of slip, before which no pair reaches its bound
 # Wire diameters, by which two ways to find where a pair touches first may differ at most: where it sticks,
 STICK_LOCATED = 2e-6
-LOCATED = 1e-4  # and with friction
+LOCATED = 1e-5  # and with friction
 
 
 @inlined

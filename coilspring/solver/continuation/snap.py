@@ -12,7 +12,7 @@ import math
 import numpy as np
 
 from coilspring.compiling.compiled import copy, part
-from coilspring.contact.history import has_history
+from coilspring.contact.history import has_friction, has_history
 from coilspring.solver.continuation.branch import displacement_bound
 from coilspring.solver.continuation.stability import (
     FINEST,
@@ -49,13 +49,20 @@ def end_or_snap(system, task, work, path, softest, outcome):
     path.ends, straight = outcome, vanishes(system, task, work, path, softest)
     if straight:
         path.ends, path.bracket = CRITICAL, 2.0 * max(softest.zero - path.time, FINEST)
-    limit = is_limit_point(system, task, work, path, softest, straight)
-    snap_or_end(system, task, path, limit, straight)
+    stiffness = stiffness_at(system, task, work, path, work.state, SETTLED)
+    path.reuse, opens = False, not straight and jumps(path, softest, stiffness)
+    limit = opens or is_limit_point(system, task, work, path, stiffness, straight)
+    snap_or_end(system, task, work, path, limit, straight, opens)
 
 
 @part
-def snap_or_end(system, task, path, limit, straight):
-    """A snap at a limit point, else the end; at a bifurcation the stiffness falls along a `straight` line."""
+def snap_or_end(system, task, work, path, limit, straight, opens):
+    """A snap at a limit point, else the end; at a bifurcation the stiffness falls along a `straight` line.
+
+    Where a pair `opens`, nothing is critical: the path jumps if it was one that sticks, whose force is lost.
+    """
+    if opens and has_history(work.history) and not has_friction(work.history):
+        path.ends = JUMP
     # a prescribed motion may still work on such a mode
     path.bifurcates = straight and not limit and system.prescribed.size == 0
     path.snapping = task.predictor and limit
@@ -85,13 +92,8 @@ def release_or_jump(task, path):
 
 
 @part
-def is_limit_point(system, task, work, path, softest, straight):
-    """Whether the load works on the softest mode, or the stiffness does not tend to zero along a `straight`
-    line but jumps, as where a pair opens."""
-    stiffness = stiffness_at(system, task, work, path, work.state, SETTLED)
-    path.reuse = False
-    if not straight and jumps(path, softest, stiffness):
-        return True
+def is_limit_point(system, task, work, path, stiffness, straight):
+    """Whether the load works on the softest mode, of a stiffness."""
     # a prescribed motion works on a state that leans by rounding as well, but along a straight line
     return not (straight and system.prescribed.size > 0) and is_loaded(system, task, work, path, stiffness)
 

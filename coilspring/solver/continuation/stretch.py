@@ -71,8 +71,9 @@ def leaves_stretch(system, task, work, path, softest, end):
     stiffness = stiffness_at(system, task, work, path, work.state, SETTLED)
     begin_watch(softest, stiffness, critical)
     # all states of the stretch are on one line: that the stiffness falls along one tells nothing
-    limit = stiffness > JUMPS * path.rest_stiffness or is_loaded(system, task, work, path, stiffness)
-    snap_or_end(system, task, path, limit, True)
+    opens = stiffness > JUMPS * path.rest_stiffness
+    limit = opens or is_loaded(system, task, work, path, stiffness)
+    snap_or_end(system, task, work, path, limit, True, opens)
     return False
 
 
