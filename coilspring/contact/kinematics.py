@@ -7,7 +7,6 @@ import numpy as np
 from coilspring.compiling.compiled import inlined
 from coilspring.contact.law import arc, normal_law, stretch
 from coilspring.contact.touching import (
-    LOCATED,
     creep_slip,
     first_touch,
     gave_way,
@@ -26,6 +25,7 @@ from coilspring.contact.touching import (
 SLIGHT = 1e-7  # wire diameters of penetration: its force is the least that friction bounds are compared with
 TOUCH = 0.002  # wire diameters by which a pair that nothing holds may penetrate where a prediction closes it
 OVERLAP_ALLOWED = 0.1  # wire diameters by which wires may overlap more than the deepest pair does
+APART = 1e-4  # wire diameters: a pair that sticks and is nearer touches, creeps or turns about the other
 BETWEEN = 2.0  # told in place of a share of the way, of which 1 is the largest
 NEAR = 1.5  # wire diameters between centres, within which a pair's motion in a substep is watched
 
@@ -42,8 +42,7 @@ def approach(before, after, d, mu):
 
     A pair counts if it comes near anywhere between: wires must not pass through each other.
     """
-    # one nearer than `outer` touches, creeps or turns about the other
-    passes, outer = False, ((1.0 + LOCATED) * d) ** 2
+    passes, outer = False, ((1.0 + APART) * d) ** 2
     most, free, inner = 0.0, 1.0, ((1.0 - (TOUCH if mu == 0.0 else located_to(mu))) * d) ** 2
     for m in range(before.shape[0]):
         v0, v1, v2 = before[m, 0], before[m, 1], before[m, 2]
