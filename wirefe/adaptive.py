@@ -28,7 +28,8 @@ ROUGH = 5e-3  # accuracy from which few more stations mostly do where they touch
 ROWS = 5  # of a stage, at least, at which paths are compared whose differences are smooth
 # Errors over what differences tell, at most (as measured on random springs). Of the first of two paths:
 FIRST, MIXED = 2.0, 5.0  # and where substeps differ, too
-SUBSTEPS = 10.0  # of a path in half the steps: pairs may stick in the one that slide in the other
+# Of a path in fewer steps, where contact remembers: pairs may slide in the one that stick in the other.
+SUBSTEPS = 10.0
 # Of the last path, without stations: as a path before tells it; as two alike do.
 SMOOTH, STEADY = 3.0, 2.0
 ALIKE = 1.5

@@ -179,6 +179,15 @@ def has_friction(history):
 
 
 @part
+def sticks(history):
+    """Whether a pair is held without a bound."""
+    for m in range(history.shape[0]):  # noqa: SIM110
+        if history[m].closed and history[m].bound == np.inf:
+            return True
+    return False
+
+
+@part
 def slides(history):
     """Whether a pair slides in the substep at hand."""
     for m in range(history.shape[0]):  # noqa: SIM110

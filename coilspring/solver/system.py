@@ -127,6 +127,7 @@ PATH = np.dtype(
         ("snapping", "?"),  # past a limit point, see `coilspring.solver.continuation.snap`
         ("ends", "i8"),  # outcome where that leads nowhere,
         ("far", "?"),  # or too far away
+        ("opened", "?"),  # there the stiffness jumps, since a pair opens that sticks
         ("bifurcates", "?"),  # there the stiffness falls to zero in proportion, by a mode of no work
         ("snaps", "i8"),  # number of those so far,
         ("largest_snap", "f8"),  # and bound on the largest motion in one of them, wire diameters;

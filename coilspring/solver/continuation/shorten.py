@@ -29,6 +29,8 @@ def shorten(system, task, work, path, substep, softest):
             ends = CRITICAL  # negative pivots just ahead are why no substep was short enough
         elif ends == JUMP and path.lost and not unstable:
             ends = STUCK  # the iteration ended, which tells nothing of equilibria nearby
+        if ends == CRITICAL and path.opened and not path.lost:
+            ends = JUMP  # to an equilibrium too far away; nothing is critical here
         path.snapping, path.outcome, path.far = False, ends, not path.lost
     elif path.releasing:
         release_less(task, path)

@@ -12,10 +12,11 @@ import math
 import numpy as np
 
 from coilspring.compiling.compiled import copy, part
-from coilspring.contact.history import has_friction, has_history
+from coilspring.contact.history import has_history, sticks
 from coilspring.solver.continuation.branch import displacement_bound
 from coilspring.solver.continuation.stability import (
     FINEST,
+    JUMPS,
     LEAST_STEP,
     PROBE,
     SETTLED,
@@ -52,17 +53,13 @@ def end_or_snap(system, task, work, path, softest, outcome):
     stiffness = stiffness_at(system, task, work, path, work.state, SETTLED)
     path.reuse, opens = False, not straight and jumps(path, softest, stiffness)
     limit = opens or is_limit_point(system, task, work, path, stiffness, straight)
-    snap_or_end(system, task, work, path, limit, straight, opens)
+    path.opened = opens and stiffness > JUMPS * path.rest_stiffness and sticks(work.history)
+    snap_or_end(system, task, path, limit, straight)
 
 
 @part
-def snap_or_end(system, task, work, path, limit, straight, opens):
-    """A snap at a limit point, else the end; at a bifurcation the stiffness falls along a `straight` line.
-
-    Where a pair `opens`, nothing is critical: the path jumps if it was one that sticks, whose force is lost.
-    """
-    if opens and has_history(work.history) and not has_friction(work.history):
-        path.ends = JUMP
+def snap_or_end(system, task, path, limit, straight):
+    """A snap at a limit point, else the end; at a bifurcation the stiffness falls along a `straight` line."""
     # a prescribed motion may still work on such a mode
     path.bifurcates = straight and not limit and system.prescribed.size == 0
     path.snapping = task.predictor and limit
@@ -93,7 +90,8 @@ def release_or_jump(task, path):
 
 @part
 def is_limit_point(system, task, work, path, stiffness, straight):
-    """Whether the load works on the softest mode, of a stiffness."""
+    """Whether the load works on the softest mode, of a stiffness; a prescribed motion counts only off a
+    `straight` line."""
     # a prescribed motion works on a state that leans by rounding as well, but along a straight line
     return not (straight and system.prescribed.size > 0) and is_loaded(system, task, work, path, stiffness)
 

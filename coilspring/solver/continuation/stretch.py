@@ -7,7 +7,7 @@ on one line, on which its stability is sampled.
 import numpy as np
 
 from coilspring.compiling.compiled import part
-from coilspring.contact.history import begin_attempt, copy_history
+from coilspring.contact.history import begin_attempt, copy_history, sticks
 from coilspring.solver.continuation.snap import end_or_snap, is_loaded, snap_or_end
 from coilspring.solver.continuation.stability import (
     JUMPS,
@@ -73,7 +73,8 @@ def leaves_stretch(system, task, work, path, softest, end):
     # all states of the stretch are on one line: that the stiffness falls along one tells nothing
     opens = stiffness > JUMPS * path.rest_stiffness
     limit = opens or is_loaded(system, task, work, path, stiffness)
-    snap_or_end(system, task, work, path, limit, True, opens)
+    path.opened = opens and sticks(work.history)
+    snap_or_end(system, task, path, limit, True)
     return False
 
 
