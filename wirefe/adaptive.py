@@ -34,6 +34,7 @@ SUBSTEPS = 10.0
 SMOOTH, STEADY = 3.0, 2.0
 ALIKE = 1.5
 IRREGULAR = {2: 10.0, 3: 9.0, 4: 8.0}  # the same with stations, by the number of paths
+CHANCE = 5e-4  # accuracy below which two paths with stations agree too often by chance: three are compared
 SHARE = 0.5  # of its level is a mesh as fine as, however few its stations
 FALL = 0.5  # of what the path before told, each tells at least: two may agree by chance
 AHEAD = 1.1  # below the error wanted is that of the mesh that is predicted to do
@@ -166,6 +167,12 @@ class Trials:
         return SMOOTH
 
     @property
+    def by_chance(self) -> bool:
+        """Whether the paths so far may agree by chance, and a finer mesh may tell."""
+        few_told = self.irregular and self.wanted < CHANCE and len(self.found) < 3
+        return few_told and self.found[-1].level < self.finest
+
+    @property
     def estimate(self) -> float:
         """Error of the last path; infinite where it is not known."""
         if (constant := self.constant) == math.inf:
@@ -239,9 +246,11 @@ def solve_to(
 
 
 def _first(trials: Trials) -> tuple[EquilibriumPath, float]:
-    """The first path and its error, by one on a finer mesh in fewer steps; infinite where more are needed."""
+    """The first path and its error, by one on a finer mesh, in fewer steps where these tell as much; infinite
+    where more are needed."""
     (first,), factor = trials.found, MIXED if trials.substeps else FIRST
-    trials.add(_next(trials), few(trials.steps))
+    bent = trials.touching and not trials.substeps  # errors are largest where a pair has just closed
+    trials.add(_next(trials), trials.steps if bent else few(trials.steps))
     fine = trials.irregular and trials.wanted < ROUGH
     if fine or len(trials.found) == 1 or first.path.critical_time is not None:
         return first.path, math.inf
@@ -256,7 +265,7 @@ def _refined(trials: Trials) -> tuple[EquilibriumPath, float]:
             _choose_substeps(trials)
             chosen = True
         last, estimate = trials.found[-1], trials.estimate
-        if estimate > trials.wanted:
+        if estimate > trials.wanted or trials.by_chance:
             trials.add(_next(trials), trials.steps)
         elif last.path.scene.load.steps == trials.steps:
             return last.path, estimate
