@@ -19,8 +19,8 @@ from validation.sweep import choice, run
 from validation.sweep.grid import points, read_varied
 from validation.verification import requested
 from wirefe import adaptive
-from wirefe.adaptive import Trials, few, thinned
-from wirefe.meshes import Levels, Trial, difference
+from wirefe.adaptive import Trials
+from wirefe.meshes import Levels, Trial, difference, few, thinned
 
 SHORT = replace(spring_a(), spring=replace(spring_a().spring, active_coils=4.0, active_height=7.0))
 

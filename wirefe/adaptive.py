@@ -14,18 +14,15 @@ from dataclasses import dataclass, field, replace
 from itertools import count
 from typing import Any
 
-import numpy as np
-
 from coilspring.errors import EquilibriumNotFound, InputError, require_number
 from coilspring.path import EquilibriumPath
 from coilspring.scene import Scene, require_scene
-from wirefe.meshes import FEWEST, MOST, STATIONS, Levels, Trial, difference, on_plates
+from wirefe.meshes import FEWEST, MOST, STATIONS, Levels, Trial, difference, few, on_plates, thinned
 from wirefe.solve import solve
 
 ACCURACIES = (1e-5, 1e-2)
 COARSEST = 4  # first level, which mostly does where wires do not touch
 ROUGH = 5e-3  # accuracy from which few more stations mostly do where they touch
-ROWS = 5  # of a stage, at least, at which paths are compared whose differences are smooth
 # Errors over what differences tell, at most (as measured on random springs). Of the first of two paths:
 FIRST, MIXED = 2.0, 5.0  # and where substeps differ, too
 # Of a path in fewer steps, where contact remembers: pairs may slide in the one that stick in the other.
@@ -335,22 +332,3 @@ def _refusal(asked: float, reached: float, why: str, about: str = "") -> str:
         else "too few meshes tell the error, or agree on how the path ends"
     )
     return f"accuracy cannot be met for this scene, got {asked:g}: {why} {found}"
-
-
-def few(steps: int) -> int:
-    """The fewest steps, `ROWS` at least, whose times are among those of `steps`."""
-    return next((count for count in range(ROWS, steps) if steps % count == 0), steps)
-
-
-def thinned(path: EquilibriumPath, scene: Scene, finer: int) -> EquilibriumPath:
-    """The rows of the scene's steps, of a path with steps so many times finer."""
-    rows = slice(finer - 1, None, finer)
-    times = path.times[rows]
-    sums = (
-        np.add.reduceat(path.iterations, range(0, len(path.times), finer)) if len(times) else path.iterations
-    )
-    histories = None if path.histories is None else path.histories[rows]
-    iterations = sums[: len(times)]
-    return replace(
-        path, scene=scene, times=times, states=path.states[rows], histories=histories, iterations=iterations
-    )

@@ -1,4 +1,4 @@
-"""Meshes that are finer and finer, and how paths on them differ.
+"""Meshes that are finer and finer, how paths on them differ, and the rows at which they are compared.
 
 A level n has at least n curved elements a turn (`STRAIGHT` n straight ones where end turns rest on plates),
 and where wires touch `STATIONS` n stations. Errors fall with the square of the level; where wires touch they
@@ -8,9 +8,11 @@ do so irregularly, and stations, which cost less than elements, make most of the
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
+
+import numpy as np
 
 from coilspring.curves import answered, compare_curves
 from coilspring.errors import InputError
@@ -27,6 +29,7 @@ CLEAR = 0.05  # wire diameters between coils that do not touch on any mesh
 TINY = 1e-12  # of the time 0..1
 FRACTION = 1_000  # of a coil at most, at which a spring or a section of it ends
 FEW = 4  # meshes that differ by elements alone, at least
+ROWS = 5  # of a stage, at least, at which paths are compared whose differences are smooth
 
 
 @dataclass(frozen=True)
@@ -122,3 +125,22 @@ def difference(coarse: EquilibriumPath, fine: EquilibriumPath) -> float:
         return curve
     mine, other = sum(coarse.end_bracket), sum(fine.end_bracket)
     return max(curve, abs(mine - other) / max(mine, other, TINY))
+
+
+def few(steps: int) -> int:
+    """The fewest steps, `ROWS` at least, whose times are among those of `steps`."""
+    return next((count for count in range(ROWS, steps) if steps % count == 0), steps)
+
+
+def thinned(path: EquilibriumPath, scene: Scene, finer: int) -> EquilibriumPath:
+    """The rows of the scene's steps, of a path with steps so many times finer."""
+    rows = slice(finer - 1, None, finer)
+    times = path.times[rows]
+    sums = (
+        np.add.reduceat(path.iterations, range(0, len(path.times), finer)) if len(times) else path.iterations
+    )
+    histories = None if path.histories is None else path.histories[rows]
+    iterations = sums[: len(times)]
+    return replace(
+        path, scene=scene, times=times, states=path.states[rows], histories=histories, iterations=iterations
+    )
