@@ -56,6 +56,26 @@ def test_gradient_and_hessian(check_derivatives, angle, Q):
     check_derivatives(energy, 12, h=1e-3)
 
 
+@pytest.mark.parametrize("count", [1, 5, 8, 11])
+@pytest.mark.parametrize("curved", [False, True])
+def test_elements_side_by_side_are_as_each_alone(count, curved):
+    """Hessians of eight are evaluated together, whatever their number."""
+    rng = np.random.default_rng(count)
+    state = np.concatenate([(*rng.normal(size=3), *spun(rng.normal(size=3), UNIT)) for _ in range(count + 1)])
+    _, _, _, _, triads, e0, K = zip(*(random_element(1.0, seed) for seed in range(count)), strict=True)
+    Q = np.stack([random_second(seed).reshape(6, 36) for seed in range(count)])[: count * curved]
+    g, H = np.empty((count, 12)), np.empty((count, 12, 12))
+    energy = beams(state, np.zeros(3), np.stack(triads), np.stack(e0), np.stack(K), Q, g, H)
+    rows = state.reshape(-1, 7)
+    alone = [
+        one(*np.split(rows[n : n + 2].ravel(), (3, 7, 10)), triads[n], e0[n], K[n], Q[n] if curved else None)
+        for n in range(count)
+    ]
+    assert energy == pytest.approx(sum(part[0] for part in alone), rel=1e-12)
+    np.testing.assert_allclose(g, [part[1] for part in alone], rtol=1e-12, atol=1e-12)
+    np.testing.assert_allclose(H, [part[2] for part in alone], rtol=1e-10, atol=1e-10)
+
+
 @pytest.mark.parametrize("q", [0.2499999, 0.2500001])
 def test_series_meets_closed_form(q):
     """Both sides of the switch agree with the neighbouring value to the slope between them."""

@@ -59,20 +59,18 @@ def _column(K, j, x):
 
 
 @arithmetic
-def stiffness(K, Q, n, s, A, KA, now):
+def stiffness(K, Q, n, s, A, now):
     """Stiffness of the n-th element in e: A^T K A - s . Q, or K of a straight one."""
     if n >= len(Q):
         for i in range(6):
             for j in range(6):
                 now[i, j] = K[i, j]
         return
-    for i in range(6):
-        for j in range(6):
-            KA[i, j] = 0.0
+    for j in range(6):
+        a = A[0, j], A[1, j], A[2, j], A[3, j], A[4, j], A[5, j]
+        Ka = _row(K, 0, a), _row(K, 1, a), _row(K, 2, a), _row(K, 3, a), _row(K, 4, a), _row(K, 5, a)
+        for i in range(j + 1):
+            value = _column(A, i, Ka)
             for k in range(6):
-                KA[i, j] += K[i, k] * A[k, j]
-    for i in range(6):
-        for j in range(6):
-            now[i, j] = 0.0
-            for k in range(6):
-                now[i, j] += A[k, i] * KA[k, j] - s[k] * Q[n, k, 6 * i + j]
+                value -= s[k] * Q[n, k, 6 * i + j]
+            now[i, j] = now[j, i] = value
