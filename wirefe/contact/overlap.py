@@ -26,7 +26,9 @@ PER_TURN, HALF = 20, 10
 STRETCH = 1.05
 SAME = 1e-9
 PARALLEL = 1e-9  # square of the sine between chords, below which they count as parallel
-NEAR = 2.0  # of the square of that distance: by so much the square between stations may exceed the least one
+# Of the square of that distance: by so much the square between stations may exceed the least one, between a
+# piece's lower station and the coil above, and between the two nearest ones, each within half a piece of it.
+NEAR, CLOSE = 2.0, 1.25
 REACH = 1.1  # wire diameters between centrelines beyond which no distance is evaluated
 SHARES = (0.25, 0.5, 0.75)  # of a piece, at which those that touch are evaluated more closely
 
@@ -148,17 +150,38 @@ def _next_coil(stations, points, least):
 
 @inlined
 def _far_coils(stations, points, least):
-    """The same for coils farther along: every second station, and all pieces about those that are near."""
+    """The same for coils farther along: all pieces about stations that are near."""
     count, low, high = len(points) // 3, stations.low, stations.high
-    # points nearest each other lie within a stride of such stations, each along its wire
-    reach, near = NEAR * stations.stride**2, stations.diameter**2
-    for i in range(0, min(high, count), 2):
-        for j in range(i + PER_TURN + HALF, count, 2):
-            if _square(points, i, j) < least + reach:
+    near, close = stations.diameter**2, CLOSE * stations.stride**2
+    x, y, z = _coordinate(points, 0), _coordinate(points, 1), _coordinate(points, 2)
+    for i in range(min(high + 1, count)):
+        first = i + PER_TURN + HALF
+        if not _any_near(x, y, z, i, first, least + close):
+            continue
+        for j in range(first, count):
+            if _square(points, i, j) < least + close:
                 for a in range(max(i - 1, 0), min(i + 1, high)):
-                    for b in range(max(j - 2, low if a <= low else 0), min(j + 2, count - 1)):
+                    for b in range(max(j - 1, low if a <= low else 0), min(j + 1, count - 1)):
                         least = min(least, square_between(points, a, b, near))
     return least
+
+
+@inlined
+def _coordinate(points, axis):
+    """One coordinate of all stations: numbers side by side are compared four at a time."""
+    out = np.empty(len(points) // 3)
+    for k in range(out.size):
+        out[k] = points[3 * k + axis]
+    return out
+
+
+@arithmetic
+def _any_near(x, y, z, i, first, square):
+    """Whether a station from the `first` on is nearer to the i-th than the root of `square`."""
+    count, (a, b, c), (u, v, w) = 0, (x[i], y[i], z[i]), (x[first:], y[first:], z[first:])
+    for k in range(u.size):
+        count += (u[k] - a) ** 2 + (v[k] - b) ** 2 + (w[k] - c) ** 2 < square
+    return count > 0
 
 
 @inlined
