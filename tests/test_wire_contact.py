@@ -57,12 +57,12 @@ def turned(state, step):
     return rows.ravel()
 
 
-@pytest.fixture(scope="module")
-def pressed():
+@pytest.fixture(scope="module", params=[(6, 10), (4, 200)], ids=["few", "fifty an element"])
+def pressed(request):
     """Model, state and history of a cone in contact, with stations between nodes; slightly shaken."""
-    scene = wired(spring_b())
-    path = wirefe.solve(scene, element="curved", elements_per_turn=6, pairs_per_turn=10)
-    problem, _, _ = scene_problem(scene, "curved", 6, 10)
+    scene, (elements, stations) = wired(spring_b()), request.param
+    path = wirefe.solve(scene, element="curved", elements_per_turn=elements, pairs_per_turn=stations)
+    problem, _, _ = scene_problem(scene, "curved", elements, stations)
     step = np.random.default_rng(0).normal(size=(path.states.shape[1] // ROW, 6))
     step[0] = 0.0
     return problem.data, path.states[-1], step

@@ -16,6 +16,9 @@ zeta = x beta / h - y delta,
                     + delta epsilon) + 2 z y (epsilon beta / h - delta lambda).
 
 All of it depends on the wires' motion relative to each other alone: forces and moments balance.
+
+The Hessian of a pair is L^T Q L, with the linear forms L in the dofs of its nodes and their quadratic form Q.
+Pairs between the same nodes follow one another: their forms are put side by side, and multiplied at once.
 """
 
 import math
@@ -31,21 +34,23 @@ from wirefe.element.algebra import added, cross, dot, lever, mixed, plus
 from wirefe.element.poses import ROW, four, three, three_of
 from wirefe.element.rotations import turned
 
-# Rows of the linear forms above in the degrees of freedom of a pair's nodes: two of each station.
+# The linear forms above in the degrees of freedom of a pair's nodes: two of each station.
 ALPHA, BETA, GAMMA, DELTA, EPSILON, LAMBDA, XN, XB, XU = range(9)
 FRICTIONLESS, ALL, SLOTS = 4, 9, 4
+DOFS, MOST = 6 * SLOTS, 64  # and how many forms stand side by side at most
 COUPLINGS = ((0, 1), (0, 2), (0, 3), (1, 2), (1, 3), (2, 3))  # of these nodes
 
 
 class Frame(NamedTuple):
-    """Directions of a pair, and how many forms it needs."""
+    """Directions of a pair, and its forms."""
 
     n: Any
     b: Any
     u: Any
     sigma: Any
     length: Any  # |tau|
-    count: Any
+    count: Any  # of its forms,
+    column: Any  # and the first of them
 
 
 class Forces(NamedTuple):
@@ -57,50 +62,68 @@ class Forces(NamedTuple):
 
 
 class Forms(NamedTuple):
-    """Forms of the nodes of a pair: two slots of each station."""
+    """Forms of pairs between the same nodes, two slots of each station, and of the pair at hand:"""
 
-    L: Any  # (ALL, SLOTS, 6)
+    L: Any  # (DOFS, MOST)
+    QL: Any  # (DOFS, MOST)
+    Q: Any  # (ALL, ALL) quadratic form
     arms: Any  # (SLOTS, 9) rv, q, x of each node
-    nodes: Any  # (SLOTS,) their numbers, -1 where there is none
-    M: Any  # scratch: (ALL, 6)
-    K: Any  # and (6, 6)
+    K: Any  # scratch: (6, 6)
+
+
+@arithmetic
+def _node(contact, m, slot):
+    """Node of a slot of a pair, -1 where a station moves with one node alone."""
+    k = contact.pairs[m, slot // 2]
+    if slot % 2 == 0:
+        return contact.attached[k]
+    return contact.attached[k] + 1 if contact.parts[k, ROTATION] != 0.0 else -1
+
+
+@arithmetic
+def _alike(contact, m, n):
+    """Whether two pairs are between the same nodes."""
+    same = True
+    for slot in range(SLOTS):
+        same = same and _node(contact, m, slot) == _node(contact, n, slot)
+    return same
 
 
 @arithmetic
 def _put(L, k, slot, c, r, direction):
     """The form k, ``direction . (c dx + phi x r)``, in the six dofs of a node."""
-    L[k, slot, 0], L[k, slot, 1], L[k, slot, 2] = c * direction[0], c * direction[1], c * direction[2]
-    L[k, slot, 3], L[k, slot, 4], L[k, slot, 5] = cross(r, direction)
+    i = 6 * slot
+    L[i, k], L[i + 1, k], L[i + 2, k] = c * direction[0], c * direction[1], c * direction[2]
+    L[i + 3, k], L[i + 4, k], L[i + 5, k] = cross(r, direction)
 
 
 @arithmetic
 def _node_forms(L, slot, c, e, r, q, x, frame):
     """Forms of a node; it moves w by c dx + phi x r, tau by e dx + phi x q and xi by c dx + phi x x."""
-    n, b, u, sigma, length, count = frame
+    n, b, u, sigma, length, count, column = frame
     cv, rv = c - sigma * e, plus(r, -sigma, q)
     e, q = e / length, (q[0] / length, q[1] / length, q[2] / length)
-    _put(L, ALPHA, slot, cv, rv, n)
-    _put(L, BETA, slot, cv, rv, b)
-    _put(L, GAMMA, slot, cv, rv, u)
-    _put(L, DELTA, slot, e, q, n)
+    _put(L, column + ALPHA, slot, cv, rv, n)
+    _put(L, column + BETA, slot, cv, rv, b)
+    _put(L, column + GAMMA, slot, cv, rv, u)
+    _put(L, column + DELTA, slot, e, q, n)
     if count > FRICTIONLESS:
-        _put(L, EPSILON, slot, e, q, b)
-        _put(L, LAMBDA, slot, e, q, u)
-        _put(L, XN, slot, c, x, n)
-        _put(L, XB, slot, c, x, b)
-        _put(L, XU, slot, c, x, u)
+        _put(L, column + EPSILON, slot, e, q, b)
+        _put(L, column + LAMBDA, slot, e, q, u)
+        _put(L, column + XN, slot, c, x, n)
+        _put(L, column + XB, slot, c, x, b)
+        _put(L, column + XU, slot, c, x, u)
 
 
 @arithmetic
 def _put_station(contact, state, k, rho, frame, forces, forms, first, g):
-    """Add the gradient of a station's nodes, and fill their `Forms` unless these are empty.
+    """Add the gradient of a station's nodes, and fill its columns of `Forms` unless these are empty.
 
     The slots are `first` (0 for the pair's first station, which w leads away from) and the next one. Nine
     arguments: where the wire is, what acts on it, and where that goes.
     """
-    L, arms, nodes, _, _ = forms
+    L, arms = forms.L, forms.arms
     node, parts, sign = contact.attached[k], contact.parts, -1.0 if first == 0 else 1.0
-    nodes[first + 1] = -1
     for slot in range(1 if parts[k, ROTATION] == 0.0 else 2):
         c, e, turn = parts[k, POSITION], parts[k, TANGENT], parts[k, ROTATION]
         if slot == 0:
@@ -110,12 +133,11 @@ def _put_station(contact, state, k, rho, frame, forces, forms, first, g):
         q = turned(p, three_of(parts, k, SLOPES + 3 * slot))
         x = plus(r, turn, turned(p, rho)) if frame.count > FRICTIONLESS else r
         c, r, x = sign * c, (sign * r[0], sign * r[1], sign * r[2]), (sign * x[0], sign * x[1], sign * x[2])
-        nodes[i] = node + slot
         cv, rv = c - frame.sigma * e, plus(r, -frame.sigma, q)
-        _add_gradient(g, 6 * nodes[i], cv, rv, forces.gap)
+        _add_gradient(g, 6 * (node + slot), cv, rv, forces.gap)
         if frame.count > FRICTIONLESS:
-            _add_gradient(g, 6 * nodes[i], e, q, forces.tangent)
-            _add_gradient(g, 6 * nodes[i], c, x, forces.slip)
+            _add_gradient(g, 6 * (node + slot), e, q, forces.tangent)
+            _add_gradient(g, 6 * (node + slot), c, x, forces.slip)
         if len(L) > 0:
             _node_forms(L, i, c, e, r, q, x, frame)
             arms[i, 0], arms[i, 1], arms[i, 2] = rv
@@ -182,53 +204,58 @@ def _levers(arms, slot, forces):
 
 
 @arithmetic
-def _forms_hessian(L, Q, M, count, j):
-    """The rows Q L of the node j, into M (forms, 6)."""
-    for k in range(count):
-        for c in range(6):
-            M[k, c] = 0.0
-        for l in range(count):  # noqa: E741
-            q = Q[k, l]
-            if q != 0.0:
-                for c in range(6):
-                    M[k, c] += q * L[l, j, c]
+def _put_products(forms, column, count):
+    """Fill the columns Q L of the pair at hand."""
+    L, QL, Q, _, _ = forms
+    if count == FRICTIONLESS:
+        # slope alpha^2 - F/h beta^2 + 2 F gamma delta + F h delta^2
+        alpha, beta, mixed, delta = Q[ALPHA, ALPHA], Q[BETA, BETA], Q[GAMMA, DELTA], Q[DELTA, DELTA]
+        for i in range(DOFS):
+            p, q = L[i, column + GAMMA], L[i, column + DELTA]
+            QL[i, column + ALPHA] = alpha * L[i, column + ALPHA]
+            QL[i, column + BETA] = beta * L[i, column + BETA]
+            QL[i, column + GAMMA], QL[i, column + DELTA] = mixed * q, mixed * p + delta * q
+        return
+    for i in range(DOFS):
+        for k in range(count):
+            value = 0.0
+            for l in range(count):  # noqa: E741
+                value += Q[k, l] * L[i, column + l]
+            QL[i, column + k] = value
 
 
 @arithmetic
-def _product_row(L, i, r, M, count, K):
-    """Row r of K = L_i^T M, M (forms, 6): summed in registers."""
+def _product_row(L, QL, i, j, count, K, r):
+    """Row of a block: the numbers of many forms are multiplied four at a time, and summed in registers."""
     t0, t1, t2, t3, t4, t5 = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     for k in range(count):
-        x = L[k, i, r]
-        t0 += x * M[k, 0]
-        t1 += x * M[k, 1]
-        t2 += x * M[k, 2]
-        t3 += x * M[k, 3]
-        t4 += x * M[k, 4]
-        t5 += x * M[k, 5]
+        x = L[i, k]
+        t0 += x * QL[j, k]
+        t1 += x * QL[j + 1, k]
+        t2 += x * QL[j + 2, k]
+        t3 += x * QL[j + 3, k]
+        t4 += x * QL[j + 4, k]
+        t5 += x * QL[j + 5, k]
     K[r, 0], K[r, 1], K[r, 2], K[r, 3], K[r, 4], K[r, 5] = t0, t1, t2, t3, t4, t5
 
 
 @arithmetic
-def _add_hessian(contact, m, forms, Q, count, H):
-    """Add L^T Q L, block by block of the pair's nodes."""
-    L, _, nodes, M, K = forms
+def _add_hessian(contact, m, forms, count, H):
+    """Add L^T Q L of `count` forms, block by block of the nodes of the pair m and of those alike."""
     for j in range(SLOTS):
-        if nodes[j] < 0:
-            continue
-        _forms_hessian(L, Q, M, count, j)
+        b = _node(contact, m, j)
         for i in range(j + 1):
-            if nodes[i] < 0:
+            a = _node(contact, m, i)
+            if a < 0 or b < 0:
                 continue
             for r in range(6):
-                _product_row(L, i, r, M, count, K)
-            same = nodes[i] == nodes[j]
-            if same:
-                _add_table(H[nodes[i]], K, True)
+                _product_row(forms.L, forms.QL, 6 * i + r, 6 * j, count, forms.K, r)
+            if a == b:
+                _add_table(H[a], forms.K, True)
             entry = len(COUPLINGS) * m + i + j - (1 if i == 0 else 0)
             if i != j:
-                B = H[nodes[i]] if same else H[contact.block[entry]]
-                _add_table(B, K, not same and contact.flip[entry])
+                B = H[a] if a == b else H[contact.block[entry]]
+                _add_table(B, forms.K, a != b and contact.flip[entry])
 
 
 @arithmetic
@@ -246,16 +273,21 @@ def _add_table(B, K, upright):
 def add_wires(contact, history, state, g, H):
     """Contact energy of the wires; adds its gradient and Hessian. Only pairs that touch, or stick, are."""
     energy, points, whole = 0.0, placed(contact, state), len(H) > 0
-    L, Q = np.empty((ALL if whole else 0, SLOTS, 6)), np.empty((ALL, ALL))
-    arms, nodes = np.empty((SLOTS, 9)), np.empty(SLOTS, np.int64)
-    forms, none = Forms(L, arms, nodes, np.empty((ALL, 6)), np.empty((6, 6))), (0.0, 0.0, 0.0)
+    size, none = DOFS if whole else 0, (0.0, 0.0, 0.0)
+    L, QL, Q = np.empty((size, MOST)), np.empty((size, MOST)), np.empty((ALL, ALL))
+    forms = Forms(L, QL, Q, np.empty((SLOTS, 9)), np.empty((6, 6)))
+    first, column = 0, 0  # pair of the forms that are to be added yet, and their number
     for m in range(contact.pairs.shape[0]):
         row = history[m]
         if not (row.closed or touches(contact, points, m)):
             continue
         h, n, u, s, length = gap(contact, points, m)
         b, count = cross(u, n), ALL if row.closed else FRICTIONLESS
-        frame = Frame(n, b, u, s / length, length, count)
+        if column > 0 and not (column + count <= MOST and _alike(contact, first, m)):
+            _add_hessian(contact, first, forms, column, H)
+            column = 0
+        first = m if column == 0 else first
+        frame = Frame(n, b, u, s / length, length, count, column)
         depth = contact.d - h - contact.clearance[m]
         stored, F, slope = normal_law(depth, contact.kc, contact.k) if depth > 0.0 else none
         energy += stored
@@ -281,18 +313,21 @@ def add_wires(contact, history, state, g, H):
         _put_station(contact, state, contact.pairs[m, 0], three(row.arms, 0), frame, forces, forms, 0, g)
         _put_station(contact, state, contact.pairs[m, 1], three(row.arms, 3), frame, forces, forms, 2, g)
         if whole:
-            _add_hessian(contact, m, forms, Q, count, H)
-            _add_levers(forms, forces, H)
+            _put_products(forms, column, count)
+            _add_levers(contact, m, forms.arms, forces, H)
+            column += count
+    if column > 0:
+        _add_hessian(contact, first, forms, column, H)
     return energy
 
 
 @arithmetic
-def _add_levers(forms, forces, H):
+def _add_levers(contact, m, arms, forces, H):
     """Add what the arms of a pair's nodes do to their own blocks."""
     for slot in range(SLOTS):
-        node = forms.nodes[slot]
+        node = _node(contact, m, slot)
         if node >= 0:
-            A = _levers(forms.arms, slot, forces)
+            A = _levers(arms, slot, forces)
             for i in range(3):
                 for j in range(3):
                     H[node, 3 + i, 3 + j] += A[3 * i + j]
