@@ -127,7 +127,7 @@ def plan(system, task, work, path, substep, watch):
     to_critical = APPROACH * (softest.ahead - path.time)
     to_overlap = max(APPROACH * (room.zero - path.time), OVERLAP_TIME)
     known = softest.linear and softest.value <= JUMPS * path.rest_stiffness
-    finest = IMPERFECT if known else FINEST
+    finest = max(IMPERFECT * path.time, FINEST) if known else FINEST
     if not path.snapping and (softest.value <= NEUTRAL * path.rest_stiffness or to_critical < finest):
         # just before what vanishes, rounding may do so
         if leaves_stretch(system, task, work, path, softest, path.time - AHEAD):
