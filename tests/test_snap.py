@@ -337,8 +337,8 @@ def test_what_friction_leaves_open_is_no_larger_snap_either():
 
 
 def test_where_a_sticking_pair_opens_nothing_is_critical():
-    """A third of the stiffness is left, and the snap of 0.250 d is as long as snaps may be: last digits decide
-    whether it is a jump or passed. A bifurcation, it was said, in 2, 3, 4, 5, 6, 8 and 15 steps."""
+    """A third of the stiffness is left, and the snap of 0.250 d is as long as snaps may be: last digits
+    decide whether it is a jump or passed. A bifurcation, it was said, in 2, 3, 4, 5, 6, 8 and 15 steps."""
     for steps in (1, 2, 5, 8):
         path = reached(make_case("w00823", 1252), steps=steps)
         assert path.outcome in ("jump", "completed")

@@ -110,6 +110,28 @@ def test_coils_that_come_nowhere_near_take_the_fewest_stations():
     assert wirefe.solve_to(scene, 1e-4).options["pairs_per_turn"] == 16
 
 
+def test_a_path_to_compare_with_has_contact_where_coils_are_near_alone(monkeypatch):
+    """The answer has it in any case."""
+    solved, solve = [], wirefe.solve
+    monkeypatch.setattr(
+        "wirefe.adaptive.solve",
+        lambda scene, **options: solved.append(scene.contact.enabled) or solve(scene, **options),
+    )
+    open_ends = replace(SHORT.spring, end_turns=0.0)
+    clear = replace(SHORT, spring=open_ends, load=Load((-0.5, -0.5), 10), contact=Contact())
+    assert wirefe.solve_to(clear, 1e-3).gaps.size > 0
+    assert solved == [True, False]
+    wirefe.solve_to(touching(geometry="spheres"), 1e-3)
+    assert all(solved[2:])
+    del solved[:]
+    monkeypatch.setattr("wirefe.adaptive.FIRST", 1e9)
+    path = wirefe.solve_to(clear, 1e-3)  # by the second mesh, or a third one
+    assert path.scene.contact == clear.contact
+    assert path.gaps.size > 0
+    assert solved[:2] == [True, False]
+    assert all(solved[2:])
+
+
 def test_spheres_are_taken_as_given():
     path = wirefe.solve_to(touching(geometry="spheres"), 1e-4, pairs_per_turn=2)
     assert path.options["pairs_per_turn"] == 2

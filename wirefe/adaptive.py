@@ -53,6 +53,7 @@ class Trials:
     steps : of a path that can be the answer.
     lost : error that is left by substeps.
     found : paths with their meshes.
+    apart : by how much each path before differs from the last one.
     told : error of the last path times the square of its resolution, as each path before tells it.
     seconds : CPU time of all solves.
     progress : called before each solve with one line: what is solved, the time and the estimate so far.
@@ -63,6 +64,7 @@ class Trials:
     steps: int
     lost: float = 0.0
     found: list[Trial] = field(default_factory=list)
+    apart: list[float] = field(default_factory=list)
     told: list[float] = field(default_factory=list)
     seconds: float = 0.0
     progress: Callable[[str], None] = lambda line: None
@@ -87,29 +89,30 @@ class Trials:
         """The last level."""
         return self.levels.last if self.irregular else self.levels.finest
 
-    def solve(self, mesh: dict[str, Any], steps: int) -> EquilibriumPath:
-        """The path on a mesh in some steps, as far as it was reached."""
+    def solve(self, mesh: dict[str, Any], steps: int, contact: bool = True) -> EquilibriumPath:
+        """The path on a mesh in some steps, as far as it was reached; with contact, or without."""
         so_far = f"; {self.seconds:.0f} s CPU" if self.found else ""
         if math.isfinite(self.estimate):
             so_far += f", estimated error {self.estimate:.2g}"
         self.progress(f"{mesh['elements_per_turn']} elements per turn, {steps} steps{so_far}")
         try:
-            path = solve(self.levels.scene, steps=steps, **mesh)
+            scene = self.levels.scene
+            path = solve(scene if contact else scene.without_contact(), steps=steps, **mesh)
         except EquilibriumNotFound as found:
             path = found.path
         self.seconds += path.solve_seconds
         return path
 
-    def add(self, level: int, steps: int, stations: int | None = None) -> None:
+    def add(self, level: int, steps: int, stations: int | None = None, contact: bool = True) -> None:
         """Solve on a level, with the stations that go with it unless given."""
         regular = not self.irregular
         if regular:
             level, stations = self.levels.at_least(level), FEWEST
         elif stations is None:
             stations = self.others(STATIONS * level)
-        path = self.solve(mesh := self.levels.options(level, stations), steps)
+        path = self.solve(mesh := self.levels.options(level, stations), steps, contact)
         if path.outcome != "completed" and steps < self.steps:
-            path = self.solve(mesh, self.steps)  # near its end differences are not smooth
+            path = self.solve(mesh, self.steps, contact)  # near its end differences are not smooth
         self.take(*self.found, Trial(level, stations, path))
         if regular and self.irregular:  # only now coils touch
             self.found, self.told = [], []
@@ -119,12 +122,11 @@ class Trials:
         """Take these paths, and compare the last one with those before."""
         *before, last = self.found = list(found)
         fine, self.told = self.resolution(last) ** -2, []
-        for each in before:
+        self.apart = [difference(each.path, last.path) for each in before]
+        for each, apart in zip(before, self.apart, strict=True):
             more = self.resolution(each) ** -2 - fine
-            if more <= 0.0 or (self.irregular and each.stations >= last.stations):
-                self.told.append(math.inf)
-            else:
-                self.told.append(difference(each.path, last.path) / more)
+            unknown = more <= 0.0 or (self.irregular and each.stations >= last.stations)
+            self.told.append(math.inf if unknown else apart / more)
 
     def others(self, stations: int) -> int:
         """Stations, at least so many, elsewhere than those of the paths so far, but for two.
@@ -247,11 +249,11 @@ def _first(trials: Trials) -> tuple[EquilibriumPath, float]:
     where more are needed."""
     (first,), factor = trials.found, MIXED if trials.substeps else FIRST
     bent = trials.touching and not trials.substeps  # errors are largest where a pair has just closed
-    trials.add(_next(trials), trials.steps if bent else few(trials.steps))
+    trials.add(_next(trials), trials.steps if bent else few(trials.steps), contact=trials.touching)
     fine = trials.irregular and trials.wanted < ROUGH
     if fine or len(trials.found) == 1 or first.path.critical_time is not None:
         return first.path, math.inf
-    return first.path, factor * difference(first.path, trials.found[1].path)
+    return first.path, factor * trials.apart[0]
 
 
 def _refined(trials: Trials) -> tuple[EquilibriumPath, float]:
@@ -264,7 +266,10 @@ def _refined(trials: Trials) -> tuple[EquilibriumPath, float]:
         last, estimate = trials.found[-1], trials.estimate
         if estimate > trials.wanted or trials.by_chance:
             trials.add(_next(trials), trials.steps)
-        elif last.path.scene.load.steps == trials.steps:
+        elif (last.path.scene.load.steps, last.path.scene.contact) == (
+            trials.steps,
+            trials.levels.scene.contact,
+        ):
             return last.path, estimate
         else:
             trials.take(*trials.found[:-1])

@@ -110,9 +110,9 @@ class Trial:
     def touching(self) -> bool:
         """Whether coils touch, or come so near it that they may on a finer mesh."""
         path, near = self.path, CLEAR * self.path.scene.spring.wire_diameter
-        last = path.states[-1:] if path.last_state is None else path.last_state[None]
         # where a path ends coils are mostly nearest
-        return bool((path.shape.pair_gaps(last) < near).any() or (path.gaps < near).any())
+        ends = path.last_state is not None and (path.shape.pair_gaps(path.last_state[None]) < near).any()
+        return bool(ends or (path.gaps < near).any())
 
 
 def difference(coarse: EquilibriumPath, fine: EquilibriumPath) -> float:

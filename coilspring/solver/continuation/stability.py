@@ -21,9 +21,9 @@ OTHERS = 0.05  # share of all modes that is put into the softest one before it i
 SETTLED, EXACT = 0.05, 1e-3
 LEAST_STEP = 1e-9  # of the time 0..1: below it, what cannot be passed is called a critical point
 FINEST = 1e-12  # of the time 0..1: so near to a predicted zero of the least stiffness it is followed
-# The same where it falls along a straight line, of the time so far, but no less. Contact may make a bifurcation
-# imperfect: the path leans just before it and goes on. Where it would do so nearer than this, the bifurcation
-# counts as perfect.
+# The same where it falls along a straight line, of the time so far, but no less. Contact may make a
+# bifurcation imperfect: the path leans just before it and goes on. Where it would do so nearer than this, the
+# bifurcation counts as perfect.
 IMPERFECT = 1e-10
 DIFFERENCE = 1e-6  # of the span of the state's numbers, with which a difference is taken
 APPROACH = 0.5  # share of the time to the predicted zero of the least stiffness
