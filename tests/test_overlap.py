@@ -23,7 +23,7 @@ from validation.campaign.overlap import excess
 from validation.campaign.scenes import make_case
 from validation.campaign.verdict import reached
 from validation.cli import main
-from wirefe.contact.overlap import bulge, place_stations, square_between, wire_overlap
+from wirefe.contact.overlap import bulge, place_stations, square_between, station_points, wire_overlap
 from wirefe.mesh import mesh_wire
 
 GUIDED = Supports(("ux", "rotz"))
@@ -94,6 +94,42 @@ def test_coils_that_cross_are_searched_as_all_pieces_against_all():
         least = min(square_between(points, i, j, 4.0) for i, j in pieces)
         expected = max(2.0 - np.sqrt(least), -0.2)
         assert wire_overlap(stations, state.ravel()) == pytest.approx(expected, abs=1e-12)
+
+
+@pytest.mark.parametrize("end_turns", [0.0, 1.0])
+def test_coils_farther_along_are_searched_as_all_pieces_against_all(end_turns):
+    """Eight coils, their axis bent to a ring so that the ends cross, and waves: the nearest are far along."""
+    spring, draw = Spring(2.0, 12.0, 8.0, 40.0, end_turns=end_turns), np.random.default_rng(6)
+    mesh = mesh_wire(spring, 20)
+    stations = place_stations(spring, mesh)
+    low, high = stations.low, stations.high
+    far = 0
+    for size in np.linspace(0.05, 0.5, 10):
+        points = bent_to_a_ring(mesh.nodes, draw.uniform(0.9, 1.15), draw.normal(0.0, size, (3, 3)))
+        state = np.zeros((len(points), 7))
+        state[:, :3], state[:, 3] = points, 1.0
+        wire = station_points(stations, state.ravel()).reshape(-1, 3)
+        pieces = [
+            (i, j)
+            for i in range(min(high, len(wire) - 1))
+            for j in range(max(i + 10, low if i <= low else 0), len(wire) - 1)
+        ]
+        squares = [square_between(wire.ravel(), i, j, 4.0) for i, j in pieces]
+        i, j = pieces[int(np.argmin(squares))]
+        far += j - i >= 30 and min(squares) < 2.2**2
+        expected = max(2.0 - np.sqrt(min(squares)), -0.2)
+        assert wire_overlap(stations, state.ravel()) == pytest.approx(expected, abs=1e-12)
+    assert far >= 4
+
+
+def bent_to_a_ring(points, share, waves):
+    """Points about a straight axis in Y, moved to that of a ring that closes to a share; and waves."""
+    angle = 2.0 * np.pi * share * points[:, 1] / np.ptp(points[:, 1])
+    radius = np.ptp(points[:, 1]) / (2.0 * np.pi * share)
+    x = radius - points[:, 0]
+    bent = np.column_stack((radius - x * np.cos(angle), x * np.sin(angle), points[:, 2]))
+    along = np.linspace(0.0, 1.0, len(points))[:, None, None]
+    return bent + (waves * np.sin(2.0 * np.pi * along * np.array([3.1, 8.3, 17.7]))).sum(axis=-1)
 
 
 def test_a_parabola_is_followed_to_the_ends_of_the_wire():

@@ -118,7 +118,8 @@ def test_a_snap_through_hard_contact_is_found_in_any_number_of_steps():
 
 @pytest.mark.parametrize("steps", [1, 5, 20])
 def test_how_near_a_bifurcation_counts_as_perfect_is_a_share_of_the_load_so_far(steps):
-    """Of the whole load it was told at 5e-7 of it, where coils that touch at rest lean and go on."""
+    """Coils that touch at rest lean 5e-12 of the load before, at 5e-7 of it, and go on. A bifurcation, it was
+    said."""
     assert reached(make_case("b000455", 1271), steps=steps).outcome == "completed"
 
 

@@ -111,11 +111,13 @@ class Trials:
         elif stations is None:
             stations = self.others(STATIONS * level)
         path = self.solve(mesh := self.levels.options(level, stations), steps, contact)
+        if not contact and Trial(level, stations, path).near:
+            path = self.solve(mesh, steps)
         if path.outcome != "completed" and steps < self.steps:
-            path = self.solve(mesh, self.steps, contact)  # near its end differences are not smooth
+            path = self.solve(mesh, self.steps)  # near its end differences are not smooth
         self.take(*self.found, Trial(level, stations, path))
         if regular and self.irregular:  # only now coils touch
-            self.found, self.told = [], []
+            self.found, self.apart, self.told = [], [], []
             self.add(level, self.steps)
 
     def take(self, *found: Trial) -> None:
@@ -197,7 +199,8 @@ def solve_to(
 ) -> EquilibriumPath:
     """Follow the load path of `scene` with a mesh, stations and substeps for the accuracy asked for.
 
-    Two paths or more are solved; the estimate is taken from their differences.
+    Two paths or more are solved; the estimate is taken from their differences. The second one, which is only
+    compared with, has no contact where coils are nowhere near.
 
     Parameters
     ----------
@@ -249,11 +252,18 @@ def _first(trials: Trials) -> tuple[EquilibriumPath, float]:
     where more are needed."""
     (first,), factor = trials.found, MIXED if trials.substeps else FIRST
     bent = trials.touching and not trials.substeps  # errors are largest where a pair has just closed
-    trials.add(_next(trials), trials.steps if bent else few(trials.steps), contact=trials.touching)
+    rows = trials.steps if bent else few(trials.steps)
+    trials.add(_next(trials), rows, contact=_needs_contact(trials, rows))
     fine = trials.irregular and trials.wanted < ROUGH
     if fine or len(trials.found) == 1 or first.path.critical_time is not None:
         return first.path, math.inf
     return first.path, factor * trials.apart[0]
+
+
+def _needs_contact(trials: Trials, rows: int) -> bool:
+    """Whether the second path does: where coils come near, the first one ends, or it may be the answer."""
+    ends = trials.found[0].path.outcome != "completed"
+    return trials.levels.spheres is not None or trials.touching or ends or rows == trials.steps
 
 
 def _refined(trials: Trials) -> tuple[EquilibriumPath, float]:

@@ -26,8 +26,9 @@ PER_TURN, HALF = 20, 10
 STRETCH = 1.05
 SAME = 1e-9
 PARALLEL = 1e-9  # square of the sine between chords, below which they count as parallel
-# Of the square of that distance: by so much the square between stations may exceed the least one, between a
-# piece's lower station and the coil above, and between the two nearest ones, each within half a piece of it.
+# Of the square of `Stations.stride`: by so much the square between stations may exceed the least one, between
+# a piece's lower station and the next coil, and between the two nearest stations (half of it for straight
+# pieces, the rest is for curvature and strain).
 NEAR, CLOSE = 2.0, 1.25
 REACH = 1.1  # wire diameters between centrelines beyond which no distance is evaluated
 SHARES = (0.25, 0.5, 0.75)  # of a piece, at which those that touch are evaluated more closely

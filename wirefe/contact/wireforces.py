@@ -205,7 +205,7 @@ def _levers(arms, slot, forces):
 
 @arithmetic
 def _put_products(forms, column, count):
-    """Fill the columns Q L of the pair at hand."""
+    """Fill the columns Q L of the pair at hand; rows of slots without a node are not read."""
     L, QL, Q, _, _ = forms
     if count == FRICTIONLESS:
         # slope alpha^2 - F/h beta^2 + 2 F gamma delta + F h delta^2

@@ -100,8 +100,8 @@ def give(given, n, strain, v, y, K):
 
 @arithmetic
 def hessians(given, found, H):
-    """Fill the Hessians H (n, 12, 12) of the elements given last; others stand in what an instruction treats
-    besides."""
+    """Fill the Hessians H (n, 12, 12) of the elements given last. What an instruction treats beyond them is
+    zero, or of elements before, and not read."""
     for n in range((len(H) + WIDTH - 1) // WIDTH * WIDTH):
         _hessian(given, n, found)
     for n in range(len(H)):
