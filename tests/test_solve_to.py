@@ -110,41 +110,6 @@ def test_coils_that_come_nowhere_near_take_the_fewest_stations():
     assert wirefe.solve_to(scene, 1e-4).options["pairs_per_turn"] == 16
 
 
-def test_a_path_to_compare_with_has_contact_where_coils_are_near_alone(monkeypatch):
-    """It is solved anew with contact where coils come near without; the answer has it in any case."""
-    solved, solve = [], wirefe.solve
-    monkeypatch.setattr(
-        "wirefe.adaptive.solve",
-        lambda scene, **options: solved.append(scene.contact.enabled) or solve(scene, **options),
-    )
-    open_ends = replace(SHORT.spring, end_turns=0.0)
-    clear = replace(SHORT, spring=open_ends, load=Load((-0.5, -0.5), 10), contact=Contact())
-    estimate = wirefe.solve_to(clear, 1e-3).estimated_error
-    assert solved == [True, False]
-    for scene in (touching(), touching(geometry="spheres"), clear.overridden(steps=5)):
-        del solved[:]
-        wirefe.solve_to(scene, 1e-3)
-        assert all(solved)
-    del solved[:]
-    monkeypatch.setattr(Trial, "near", True)
-    assert wirefe.solve_to(clear, 1e-3).estimated_error == pytest.approx(estimate, rel=1e-6)
-    assert solved == [True, False, True]
-    del solved[:]
-    monkeypatch.setattr("wirefe.adaptive.FIRST", 1e9)
-    path = wirefe.solve_to(clear, 1e-3)  # by the second mesh, or a third one
-    assert len(solved) > 2
-    assert solved[-1]
-    assert path.gaps.size > 0
-
-
-def test_a_path_without_contact_is_seen_to_come_near():
-    leaning = replace(touching(), spring=replace(SHORT.spring, end_turns=0.0)).without_contact()
-    for force, near in ((-0.5, False), (-40.0, True)):
-        scene = replace(leaning, load=Load((0.0, force), 5))
-        path = partial_path(wirefe.solve, scene, element="curved", elements_per_turn=4)
-        assert Trial(4, 16, path).near == near
-
-
 def test_spheres_are_taken_as_given():
     path = wirefe.solve_to(touching(geometry="spheres"), 1e-4, pairs_per_turn=2)
     assert path.options["pairs_per_turn"] == 2

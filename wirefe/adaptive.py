@@ -89,30 +89,27 @@ class Trials:
         """The last level."""
         return self.levels.last if self.irregular else self.levels.finest
 
-    def solve(self, mesh: dict[str, Any], steps: int, contact: bool = True) -> EquilibriumPath:
-        """The path on a mesh in some steps, as far as it was reached; with contact, or without."""
+    def solve(self, mesh: dict[str, Any], steps: int) -> EquilibriumPath:
+        """The path on a mesh in some steps, as far as it was reached."""
         so_far = f"; {self.seconds:.0f} s CPU" if self.found else ""
         if math.isfinite(self.estimate):
             so_far += f", estimated error {self.estimate:.2g}"
         self.progress(f"{mesh['elements_per_turn']} elements per turn, {steps} steps{so_far}")
         try:
-            scene = self.levels.scene
-            path = solve(scene if contact else scene.without_contact(), steps=steps, **mesh)
+            path = solve(self.levels.scene, steps=steps, **mesh)
         except EquilibriumNotFound as found:
             path = found.path
         self.seconds += path.solve_seconds
         return path
 
-    def add(self, level: int, steps: int, stations: int | None = None, contact: bool = True) -> None:
+    def add(self, level: int, steps: int, stations: int | None = None) -> None:
         """Solve on a level, with the stations that go with it unless given."""
         regular = not self.irregular
         if regular:
             level, stations = self.levels.at_least(level), FEWEST
         elif stations is None:
             stations = self.others(STATIONS * level)
-        path = self.solve(mesh := self.levels.options(level, stations), steps, contact)
-        if not contact and Trial(level, stations, path).near:
-            path = self.solve(mesh, steps)
+        path = self.solve(mesh := self.levels.options(level, stations), steps)
         if path.outcome != "completed" and steps < self.steps:
             path = self.solve(mesh, self.steps)  # near its end differences are not smooth
         self.take(*self.found, Trial(level, stations, path))
@@ -199,8 +196,7 @@ def solve_to(
 ) -> EquilibriumPath:
     """Follow the load path of `scene` with a mesh, stations and substeps for the accuracy asked for.
 
-    Two paths or more are solved; the estimate is taken from their differences. The second one, which is only
-    compared with, has no contact where coils are nowhere near.
+    Two paths or more are solved; the estimate is taken from their differences.
 
     Parameters
     ----------
@@ -252,18 +248,11 @@ def _first(trials: Trials) -> tuple[EquilibriumPath, float]:
     where more are needed."""
     (first,), factor = trials.found, MIXED if trials.substeps else FIRST
     bent = trials.touching and not trials.substeps  # errors are largest where a pair has just closed
-    rows = trials.steps if bent else few(trials.steps)
-    trials.add(_next(trials), rows, contact=_needs_contact(trials, rows))
+    trials.add(_next(trials), trials.steps if bent else few(trials.steps))
     fine = trials.irregular and trials.wanted < ROUGH
     if fine or len(trials.found) == 1 or first.path.critical_time is not None:
         return first.path, math.inf
     return first.path, factor * trials.apart[0]
-
-
-def _needs_contact(trials: Trials, rows: int) -> bool:
-    """Whether the second path does: where coils come near, the first one ends, or it may be the answer."""
-    ends = trials.found[0].path.outcome != "completed"
-    return trials.levels.spheres is not None or trials.touching or ends or rows == trials.steps
 
 
 def _refined(trials: Trials) -> tuple[EquilibriumPath, float]:
@@ -276,10 +265,7 @@ def _refined(trials: Trials) -> tuple[EquilibriumPath, float]:
         last, estimate = trials.found[-1], trials.estimate
         if estimate > trials.wanted or trials.by_chance:
             trials.add(_next(trials), trials.steps)
-        elif (last.path.scene.load.steps, last.path.scene.contact) == (
-            trials.steps,
-            trials.levels.scene.contact,
-        ):
+        elif last.path.scene.load.steps == trials.steps:
             return last.path, estimate
         else:
             trials.take(*trials.found[:-1])

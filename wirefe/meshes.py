@@ -106,15 +106,6 @@ class Trial:
     stations: int
     path: EquilibriumPath
 
-    @property
-    def near(self) -> bool:
-        """Whether coils of a path without contact pass through each other, or come so near that they may
-        touch."""
-        path, states = self.path, self.path.states
-        if path.last_state is not None:
-            states = np.concatenate((states, path.last_state[None]))
-        return bool((path.shape.overlaps(states) > -CLEAR * path.scene.spring.wire_diameter).any())
-
     @cached_property
     def touching(self) -> bool:
         """Whether coils touch, or come so near it that they may on a finer mesh."""
