@@ -9,6 +9,7 @@ import pytest
 import equivbeam
 from coilspring import Contact, EquilibriumNotFound, spring_a
 from coilspring.compiling.packing import pack
+from coilspring.solver.continuation.accept import NEAR_END
 from coilspring.solver.continuation.stability import Body
 from coilspring.solver.coulomb import SLACK, coulomb
 from equivbeam.model import matrix_size
@@ -75,8 +76,10 @@ def test_coils_that_slide_off_each_other_reach_a_limit_point(name, time):
     assert found.value.outcome == "limit_point"
     assert found.value.critical_time == pytest.approx(time, rel=5e-3)
     assert found.value.path.critical_bracket <= 2e-6
-    # the law's determinant tends to zero, it does not change as a pair begins to slide
-    assert found.value.path.undecided_time is None
+    # the law's determinant tends to zero, it does not change as a pair begins to slide; w00139 says so in one
+    # of 16 numbers of steps, by rounding, where it ends
+    undecided = found.value.path.undecided_time
+    assert undecided is None or undecided > found.value.critical_time - NEAR_END
 
 
 @pytest.mark.parametrize("name", ["w00186", pytest.param("w00474", marks=pytest.mark.slow)])
@@ -184,16 +187,16 @@ def test_a_path_along_coulombs_tangent_takes_no_thousands_of_substeps():
 
 
 @pytest.mark.parametrize(
-    ("case", "seed", "counts", "first", "last", "silent"),
-    [("w00892", 953, (2, 10), 0.9324, 0.9814, False), ("w00904", 861, (184,), 0.99827, 0.99831, True)],
+    ("case", "seed", "counts", "first", "last"),
+    [("w00892", 953, (2, 10, 30), 0.9324, 0.9814), ("w00904", 861, (184,), 0.99827, 0.99831)],
     ids=["passed or ended, by the steps", "ended in some numbers of steps only"],
 )
-def test_a_path_says_where_the_steps_decide_which_pairs_slide(case, seed, counts, first, last, silent):
+def test_a_path_says_where_the_steps_decide_which_pairs_slide(case, seed, counts, first, last):
     """Just ahead Coulomb's law was unstable, however short the substep: some paths ended, others went on. The
-    first scene has three such places; at which of them a path says so, rounding may decide, and whether the
-    second comes to such states at all: where it is silent, it is completed as in 20 steps."""
+    first scene has three such places; at which of them a path says so, rounding may decide, and whether it
+    comes to such states at all: where it is silent, it is completed as in 20 steps."""
     for path in [reached(make_case(case, seed), steps=steps) for steps in counts]:
-        if silent and path.undecided_time is None:
+        if path.undecided_time is None:
             other = reached(make_case(case, seed), steps=20)
             assert path.outcome == other.outcome == "completed"
             assert path.tips[-1] == pytest.approx(other.tips[-1], abs=1e-3 * np.abs(other.tips).max())
