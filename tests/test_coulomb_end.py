@@ -9,7 +9,6 @@ import pytest
 import equivbeam
 from coilspring import Contact, EquilibriumNotFound, spring_a
 from coilspring.compiling.packing import pack
-from coilspring.solver.continuation.accept import NEAR_END
 from coilspring.solver.continuation.stability import Body
 from coilspring.solver.coulomb import SLACK, coulomb
 from equivbeam.model import matrix_size
@@ -65,9 +64,13 @@ def test_determinant_of_coulombs_tangent():
     )
 
 
-@pytest.mark.parametrize(
-    ("name", "time"), [("w00182", 0.77848), ("w00139", 0.57489), ("w00263", 0.43586), ("w00691", 0.56630)]
+ENDS = {"w00182": 0.77848, "w00139": 0.57489, "w00263": 0.43586, "w00691": 0.56630}
+LAST_DIGITS = pytest.mark.xfail(
+    strict=True, reason="its 1 step says where it ends that forces are left open; 15 other numbers do not"
 )
+
+
+@pytest.mark.parametrize(("name", "time"), ENDS.items())
 def test_coils_that_slide_off_each_other_reach_a_limit_point(name, time):
     """Held bounds lose their stability earlier than Coulomb's law, or later. Times of 1600 steps, to what
     the campaign allows."""
@@ -76,10 +79,14 @@ def test_coils_that_slide_off_each_other_reach_a_limit_point(name, time):
     assert found.value.outcome == "limit_point"
     assert found.value.critical_time == pytest.approx(time, rel=5e-3)
     assert found.value.path.critical_bracket <= 2e-6
-    # the law's determinant tends to zero, it does not change as a pair begins to slide; w00139 says so in one
-    # of 16 numbers of steps, by rounding, where it ends
-    undecided = found.value.path.undecided_time
-    assert undecided is None or undecided > found.value.critical_time - NEAR_END
+
+
+@pytest.mark.parametrize("name", [pytest.param(n, marks=LAST_DIGITS if n == "w00139" else ()) for n in ENDS])
+def test_coulombs_determinant_tends_to_zero_there(name):
+    """It does not change as a pair begins to slide."""
+    with pytest.raises(EquilibriumNotFound) as found:
+        solve(name)
+    assert found.value.path.undecided_time is None
 
 
 @pytest.mark.parametrize("name", ["w00186", pytest.param("w00474", marks=pytest.mark.slow)])
@@ -187,22 +194,30 @@ def test_a_path_along_coulombs_tangent_takes_no_thousands_of_substeps():
 
 
 @pytest.mark.parametrize(
-    ("case", "seed", "counts", "first", "last"),
-    [("w00892", 953, (2, 10, 30), 0.9324, 0.9814), ("w00904", 861, (184,), 0.99827, 0.99831)],
-    ids=["passed or ended, by the steps", "ended in some numbers of steps only"],
+    ("case", "seed", "steps", "first", "last", "silent"),
+    [
+        pytest.param(
+            *("w00892", 953, 2, 0.9324, 0.9814, False),
+            marks=pytest.mark.xfail(strict=True, reason="silent in 4 of 11 numbers of steps, and completed"),
+        ),
+        ("w00892", 953, 10, 0.9324, 0.9814, False),
+        ("w00892", 953, 30, 0.9324, 0.9814, False),
+        ("w00904", 861, 184, 0.99827, 0.99831, True),
+    ],
 )
-def test_a_path_says_where_the_steps_decide_which_pairs_slide(case, seed, counts, first, last):
+def test_a_path_says_where_the_steps_decide_which_pairs_slide(case, seed, steps, first, last, silent):
     """Just ahead Coulomb's law was unstable, however short the substep: some paths ended, others went on. The
-    first scene has three such places; at which of them a path says so, rounding may decide, and whether it
-    comes to such states at all: where it is silent, it is completed as in 20 steps."""
-    for path in [reached(make_case(case, seed), steps=steps) for steps in counts]:
-        if path.undecided_time is None:
-            other = reached(make_case(case, seed), steps=20)
-            assert path.outcome == other.outcome == "completed"
-            assert path.tips[-1] == pytest.approx(other.tips[-1], abs=1e-3 * np.abs(other.tips).max())
-            continue
-        assert first <= path.undecided_time <= last
-        assert "by other forces as well" in path.message
+    first scene has three such places; at which of them a path says so, rounding may decide, and whether the
+    second comes to such states at all: where it is silent, it is completed as in 20 steps."""
+    path = reached(make_case(case, seed), steps=steps)
+    if silent and path.undecided_time is None:
+        other = reached(make_case(case, seed), steps=20)
+        assert path.outcome == other.outcome == "completed"
+        assert path.tips[-1] == pytest.approx(other.tips[-1], abs=1e-3 * np.abs(other.tips).max())
+        return
+    assert path.undecided_time is not None
+    assert first <= path.undecided_time <= last
+    assert "by other forces as well" in path.message
 
 
 @pytest.mark.parametrize(

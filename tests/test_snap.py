@@ -337,14 +337,21 @@ def test_what_friction_leaves_open_is_no_larger_snap_either():
         assert snaps(path)[1] <= LARGEST
 
 
-def test_where_a_sticking_pair_opens_nothing_is_critical():
-    """A third of the stiffness is left, and the snap of 0.250 d is as long as snaps may be: last digits
-    decide whether it is a jump or passed. A bifurcation, it was said, in 2, 3, 4, 5, 6, 8 and 15 steps."""
-    for steps in (1, 2, 5, 8):
-        path = reached(make_case("w00823", 1252), steps=steps)
-        assert path.outcome in ("jump", "completed")
-        opens = path.critical_time if path.outcome == "jump" else path.undecided_time
-        assert opens == pytest.approx(0.94276, abs=1e-5)
+@pytest.mark.parametrize(
+    "steps",
+    [
+        pytest.param(1, marks=pytest.mark.xfail(strict=True, reason="passed, and said: its snap is 0.250 d")),
+        2,
+        5,
+        8,
+    ],
+)
+def test_where_a_sticking_pair_opens_nothing_is_critical(steps):
+    """A third of the stiffness is left, and the snap of 0.250 d is just too long: a bifurcation, it was said,
+    in 2, 3, 4, 5, 6, 8 and 15 steps, and a jump in others."""
+    path = reached(make_case("w00823", 1252), steps=steps)
+    assert path.outcome == "jump"
+    assert path.critical_time == pytest.approx(0.94276, abs=1e-5)
 
 
 @pytest.mark.slow

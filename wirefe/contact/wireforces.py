@@ -209,12 +209,12 @@ def _put_products(forms, column, count):
     L, QL, Q, _, _ = forms
     if count == FRICTIONLESS:
         # slope alpha^2 - F/h beta^2 + 2 F gamma delta + F h delta^2
-        alpha, beta, mixed, delta = Q[ALPHA, ALPHA], Q[BETA, BETA], Q[GAMMA, DELTA], Q[DELTA, DELTA]
+        alpha, beta, both, delta = Q[ALPHA, ALPHA], Q[BETA, BETA], Q[GAMMA, DELTA], Q[DELTA, DELTA]
         for i in range(DOFS):
             p, q = L[i, column + GAMMA], L[i, column + DELTA]
             QL[i, column + ALPHA] = alpha * L[i, column + ALPHA]
             QL[i, column + BETA] = beta * L[i, column + BETA]
-            QL[i, column + GAMMA], QL[i, column + DELTA] = mixed * q, mixed * p + delta * q
+            QL[i, column + GAMMA], QL[i, column + DELTA] = both * q, both * p + delta * q
         return
     for i in range(DOFS):
         for k in range(count):
