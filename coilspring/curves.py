@@ -58,9 +58,14 @@ def compare_curves(
     )
     moved = peaks(wanted)
     relative = (curves[mine] - wanted[theirs]) / moved
-    errors = {name: relative[:, i] for i, name in enumerate(COMPONENTS) if np.isfinite(moved[i])}
-    largest = {name: float(np.abs(error).max()) for name, error in errors.items()}
-    rms = {name: float(np.sqrt(np.mean(error**2))) for name, error in errors.items()}
+    largest, rms = (
+        {
+            name: found
+            for name, found, peak in zip(COMPONENTS, each.tolist(), moved, strict=True)
+            if peak < np.inf
+        }
+        for each in (np.abs(relative).max(axis=0), np.sqrt(np.mean(relative**2, axis=0)))
+    )
     ends = (common.size, float(common[-1]))
     return Comparison(max(largest.values()), max(rms.values()), NAN, NAN, largest, rms, *ends)
 

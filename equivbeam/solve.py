@@ -13,7 +13,8 @@ from coilspring.path import EquilibriumPath
 from coilspring.scene import Factors, Scene, require_scene
 from coilspring.scene.sizing import solid_height
 from coilspring.solver.interface import Kernels
-from coilspring.solver.solve import MOST_ITERATIONS, Run, follow_load, scene_path
+from coilspring.solver.outcome import worst
+from coilspring.solver.solve import MOST_ITERATIONS, Run, follow_load, output_times, scene_path
 from coilspring.solver.startup import store
 from coilspring.sweep import Outcome, jobs, outcomes
 from equivbeam import kernels, model
@@ -98,24 +99,27 @@ def solve(
 
 
 def _caution(scene: Scene, law: str | UserLaw, rows: np.ndarray, states: np.ndarray) -> str:
-    """What of the last of the states (steps, n) the law does not hold for, and what to use instead."""
+    """What of the states (steps, n) the law does not hold for, and what to use instead."""
     if not len(states):
         return ""
-    lengths, said = element_measures(states[-1:])[0, :, 0], ""
-    beyond = (lengths < rows[:, LOW]) | (lengths > rows[:, HIGH]) if law == "helix" else np.zeros(1)
-    if beyond.any():
-        coil = int(np.argmax(beyond))
-        said = (
-            f"; but half coil {coil + 1} is drawn to a length of {lengths[coil]:.3g} mm, where its "
-            "wire is all but straight and the helix law no longer holds"
-        )
+    lengths, times, said = element_measures(states)[..., 0], output_times(scene)[: len(states)], ""
+    if law == "helix":
+        beyond = (lengths < rows[:, LOW]) | (lengths > rows[:, HIGH])
+        row, when = worst(beyond.sum(axis=1), times)
+        if beyond[row].any():
+            coil = int(np.argmax(beyond[row]))
+            said = (
+                f"; but{when} half coil {coil + 1} is drawn to a length of {lengths[row, coil]:.3g} mm, "
+                "where its wire is all but straight and the helix law no longer holds"
+            )
     # coils that close bit by bit from their ends, which circles do not see
     height = scene.spring.active_height
-    travel, shortened = height - solid_height(scene.spring), height - float(lengths.sum())
-    if scene.contact.enabled and travel > 0.0 and shortened > TRUSTED * travel:
+    travel, shortened = height - solid_height(scene.spring), height - lengths.sum(axis=1)
+    row, when = worst(shortened, times)
+    if scene.contact.enabled and travel > 0.0 and shortened[row] > TRUSTED * travel:
         said += (
-            f"; but it is {shortened / travel:.0%} of the travel to solid, where coils close bit by bit and "
-            "the beam's force may be far off: use wirefe with 16 or more pairs per turn"
+            f"; but{when} it is {shortened[row] / travel:.0%} of the travel to solid, where coils close bit "
+            "by bit and the beam's force may be far off: use wirefe with 16 or more pairs per turn"
         )
     return said
 

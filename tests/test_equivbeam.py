@@ -285,3 +285,22 @@ def test_void_answers_are_said_to_be_so(stiffness, force, words):
     message = equivbeam.solve(scene).message
     assert words in message
     assert ("; but" in message) == (words != "followed to time 1")
+
+
+@pytest.mark.parametrize("law", LAWS)
+def test_what_is_void_on_the_way_is_said_also_where_the_path_unloads(law):
+    unloaded = replace(VALVE, load=Load(displacement=(-17.248, -1.0), steps=5))
+    assert "; but at time 0.5 it is 98% of the travel to solid" in equivbeam.solve(unloaded, law=law).message
+    trusted = replace(VALVE, load=Load(displacement=(-0.89 * 17.6, -1.0), steps=5))
+    assert "; but" not in equivbeam.solve(trusted, law=law).message
+
+
+@pytest.mark.parametrize("model", [equivbeam, wirefe])
+def test_coils_that_penetrate_on_the_way_are_said_to(model):
+    cylinder = replace(spring_b().spring, mean_diameter=(9.0, 9.0))
+    load = Load(stages=((0.0, -240.0), (0.0, -10.0)), steps=5)
+    path = model.solve(replace(spring_b(), spring=cylinder, load=load, contact=Contact(True, 20.0)))
+    depths = path.max_penetration / cylinder.wire_diameter
+    assert depths.argmax() == 4
+    assert depths[4] > 0.1 > depths[-1]
+    assert f"; but at time 0.5 coils penetrate by {depths[4]:.2f} wire diameters" in path.message

@@ -349,3 +349,11 @@ def test_curved_element_carries_the_linear_flexibility_of_its_helix():
     sections, lengths = section_flexibility(spring, section, phases, spring.points(phases))
     expected = np.einsum("q,qij->ij", lengths[0], sections[0])
     np.testing.assert_allclose(np.linalg.inv(H[0, 6:, 6:]), expected, rtol=1e-8, atol=1e-16)
+
+
+def test_traced_coils_that_penetrate_are_said_to():
+    soft = replace(spring_b(), contact=replace(spring_b().contact, sliding="free", stiffness=30.0))
+    path = wirefe.trace(soft, points=40, element="curved", elements_per_turn=4)
+    depth = path.max_penetration.max() / 1.5
+    assert depth > 0.1
+    assert f"coils penetrate by {depth:.2f} wire diameters" in path.message

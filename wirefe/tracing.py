@@ -14,7 +14,7 @@ from coilspring.solver.continuation.arclength import Trace, compiled_trace
 from coilspring.solver.equilibrium.newton import compiled_equilibrium
 from coilspring.solver.interface import Kernels
 from coilspring.solver.interrupt import interruptible
-from coilspring.solver.outcome import THROUGH
+from coilspring.solver.outcome import THROUGH, caution
 from coilspring.solver.problem import Problem
 from coilspring.solver.startup import compile_kernels
 from coilspring.solver.system import bundled
@@ -81,14 +81,15 @@ def trace(
         outcome=outcome,
         message=message,
     )
-    path = replace(path, message=message + _caution(path))
+    least_gaps = path.gaps.min(axis=1, initial=np.inf)
+    path = replace(path, message=message + _through(path) + caution(path, least_gaps))
     if not found.finished:
         raise EquilibriumNotFound(path)
     return path
 
 
-def _caution(path: EquilibriumPath) -> str:
-    """Where the equilibria that were traced stop being those of a spring, or nothing."""
+def _through(path: EquilibriumPath) -> str:
+    """From where on coils have passed through each other, or nothing."""
     if not path.scene.contact.enabled:
         return ""
     most = OVERLAP_ALLOWED * path.scene.spring.wire_diameter

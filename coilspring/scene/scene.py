@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Sequence
-from dataclasses import astuple, dataclass, field, replace
+from dataclasses import dataclass, field, replace
 from typing import Self
 
 import numpy as np
@@ -122,7 +122,7 @@ class Factors:
     @property
     def given(self) -> bool:
         """Whether one of them is not 1."""
-        return astuple(self) != (1.0, 1.0, 1.0)
+        return (self.axial, self.shearing, self.bending) != (1.0, 1.0, 1.0)
 
 
 @dataclass(frozen=True)
@@ -219,8 +219,9 @@ class Scene:
         """The scene with the number of steps, the penalty and the contact geometry a caller asked for."""
         scene = self if steps is None else self.with_steps(steps)
         scene = scene if penalty is None else scene.with_penalty(penalty)
-        contact = scene.contact if geometry is None else replace(scene.contact, geometry=geometry)
-        return replace(scene, contact=contact)
+        if geometry is None:
+            return scene
+        return replace(scene, contact=replace(scene.contact, geometry=geometry))
 
 
 def load_directions(scene: Scene, times: np.ndarray) -> np.ndarray:

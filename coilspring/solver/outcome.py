@@ -7,8 +7,7 @@ import numpy as np
 from coilspring.compiling.packing import pack
 from coilspring.contact.history import has_friction
 from coilspring.contact.kinematics import OVERLAP_ALLOWED
-from coilspring.path import Shape
-from coilspring.scene import Scene
+from coilspring.path import EquilibriumPath
 from coilspring.solver.continuation.follower import MOST_TRIES
 from coilspring.solver.continuation.stability import Body, softest
 from coilspring.solver.coulomb import goes_on, time_left
@@ -103,14 +102,23 @@ def undecided(track: Track) -> str:
     )
 
 
-def caution(scene: Scene, shape: Shape, states: np.ndarray) -> str:
-    """What makes the last state an equilibrium of the model rather than of a spring, or nothing."""
-    if not len(states):
+def caution(path: EquilibriumPath, least_gaps: np.ndarray) -> str:
+    """What makes one of the rows an equilibrium of the model rather than of a spring, or nothing."""
+    if not len(path.times):
         return ""
-    last = states[-1:]
-    depth = -shape.pair_gaps(last).min(initial=0.0) / scene.spring.wire_diameter
-    if depth > VOID_PENETRATION:
-        return f"; but coils penetrate by {depth:.2f} wire diameters: the contact stiffness is too low"
-    if shape.tips(last)[0, 1] < -scene.spring.active_height:
-        return "; but the top has passed the bottom, which no contact law here prevents"
+    depths = -least_gaps / path.scene.spring.wire_diameter
+    row, when = worst(depths, path.times)
+    if depths[row] > VOID_PENETRATION:
+        by = f"{depths[row]:.2f} wire diameters"
+        return f"; but{when} coils penetrate by {by}: the contact stiffness is too low"
+    row, when = worst(lowered := -path.tips[:, 1], path.times)
+    if lowered[row] > path.scene.spring.active_height:
+        return f"; but{when} the top has passed the bottom, which no contact law here prevents"
     return ""
+
+
+def worst(values: np.ndarray, times: np.ndarray) -> tuple[int, str]:
+    """The last row of the largest value, and when that is unless at the end."""
+    before = int(np.argmax(values[::-1]))
+    row = len(times) - 1 - before
+    return row, f" at time {times[row]:.6g}" if before else ""

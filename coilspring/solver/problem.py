@@ -56,6 +56,7 @@ class Track:
     states: np.ndarray  # (reached, state size), at the requested times
     histories: np.ndarray  # (reached, pairs) contact history with which they were found
     iterations: np.ndarray  # (reached,), factorisations since the previous row
+    least_gaps: np.ndarray  # (reached,) least gap of the contact pairs, mm; infinite where there are none
     rest: int  # factorisations spent after the last row
     outcome: int
     time: float  # last accepted time

@@ -60,6 +60,7 @@ class Walk:
             "states": np.empty((rows, state)),
             "histories": np.zeros((rows, len(problem.history)), PAIR_HISTORY),
             "iterations": np.zeros(rows, np.int64),
+            "least_gaps": np.empty(rows),
         }
         self.work = Workspace(**arrays)
         self.path, self.substep, self.newton = (np.zeros(1, dtype) for dtype in (PATH, SUBSTEP, NEWTON))
@@ -81,6 +82,7 @@ class Walk:
             states=work.states[:row],
             histories=work.histories[:row],
             iterations=work.iterations[:row],
+            least_gaps=work.least_gaps[:row],
             rest=int(path["spent"]),
             outcome=int(path["outcome"]),
             time=float(path["time"]),
@@ -196,6 +198,7 @@ def _joined(runs: list[Run], count: int) -> Run:
         states=np.concatenate([track.states for track in tracks]),
         histories=np.concatenate(padded),
         iterations=np.concatenate([track.iterations for track in tracks]),
+        least_gaps=np.concatenate([track.least_gaps for track in tracks]),
         time=(len(runs) - 1 + last.time) / count,
         bracket=last.bracket / count,
         checks=sum(track.checks for track in tracks),
@@ -235,7 +238,7 @@ def scene_path(
         histories=track.histories,
         iterations=track.iterations,
         outcome=run.outcome,
-        message=run.message + snaps(track) + undecided(track) + caution(scene, shape, track.states),
+        message=run.message + snaps(track) + undecided(track),
         shape=shape,
         critical_time=run.critical_time,
         critical_bracket=None if run.critical_time is None else track.bracket,
@@ -249,6 +252,8 @@ def scene_path(
         solve_seconds=run.solve_seconds,
         compile_seconds=run.compile_seconds,
     )
+    if said := caution(path, track.least_gaps):
+        path = replace(path, message=path.message + said)
     if path.outcome != "completed":
         raise EquilibriumNotFound(path)
     return path

@@ -105,6 +105,7 @@ class Workspace(NamedTuple):
     states: np.ndarray  # (steps, state size), at the requested times
     histories: np.ndarray  # (steps, pairs) contact history with which they were found
     iterations: np.ndarray  # (steps,) factorisations since the previous row
+    least_gaps: np.ndarray  # (steps,) least gap of the contact pairs
 
 
 # Where a path stands; its outcomes.

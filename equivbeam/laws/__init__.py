@@ -50,7 +50,8 @@ def law_rows(
     if law == "helix":
         return helix_rows(spring, material, refinements)
     rows = haringx_rows(spring, material)
-    rows[:, [KAX, KSH, KFL]] *= astuple(factors)
+    if factors.given:
+        rows[:, [KAX, KSH, KFL]] *= astuple(factors)
     return rows
 
 

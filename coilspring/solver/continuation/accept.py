@@ -56,7 +56,7 @@ def accept(system, task, work, path, substep, room):
     if path.due and not path.releasing:
         copy(work.state, work.states[path.row])
         copy_history(work.trial_history, work.histories[path.row])
-        work.iterations[path.row] = path.spent
+        work.iterations[path.row], work.least_gaps[path.row] = path.spent, path.least_gap
         path.spent, path.due = 0, False
         path.row += 1
 
