@@ -9,6 +9,8 @@ from coilspring.compiling.compiled import clear, copy, inlined, kernel
 from coilspring.contact.kinematics import approach, remember
 from coilspring.contact.kinematics import update_pairs as update_pairs_of
 from coilspring.contact.law import pair_potential
+from coilspring.contact.rates import length_gradient as gradient_of_length
+from coilspring.contact.rates import pair_rate
 from equivbeam.band import ROW, fix
 from equivbeam.band import factor as factor
 from equivbeam.band import solve as solve
@@ -51,6 +53,13 @@ def _centres(model, state):
         i = 3 * attached[k]
         c[k, 0], c[k, 1] = circle_centre(state[i], state[i + 1], state[i + 2], offset[k, 0], offset[k, 1])
     return c
+
+
+@inlined
+def _arm(model, state, k):
+    """From a circle's node to its centre, as turned now."""
+    theta = state[3 * model.attached[k] + 2]
+    return circle_centre(0.0, 0.0, theta, model.offset[k, 0], model.offset[k, 1])
 
 
 @inlined
@@ -195,6 +204,42 @@ def update_pairs(reals, ints, accepted, predicted, state, history):
         return 0.0
     before, ahead, after = _vectors(model, accepted), _vectors(model, predicted), _vectors(model, state)
     return update_pairs_of(before, ahead, after, history, model)
+
+
+@kernel
+def pair_rates(reals, ints, state, motion, history, rates):
+    """See `coilspring.solver.interface`."""
+    model = view(reals, ints)
+    w, t, dw = _vectors(model, state), np.empty(3), np.zeros(3)
+    for m in range(rates.shape[0]):
+        dw[0], dw[1] = 0.0, 0.0
+        for side in range(2):
+            x, y = _arm(model, state, model.pairs[m, side])
+            p, sign = 3 * (model.attached[model.pairs[m, side]] - 1), 2.0 * side - 1.0
+            if p >= 0:
+                dw[0] += sign * (motion[p] - y * motion[p + 2])
+                dw[1] += sign * (motion[p + 1] + x * motion[p + 2])
+        pair_rate(w[m], dw, history[m], model, t, rates[m])
+
+
+@kernel
+def length_gradient(reals, ints, state, history, pair, g):
+    """See `coilspring.solver.interface`."""
+    model, t = view(reals, ints), np.empty(3)
+    clear(g)
+    w = _vectors(model, state)[pair]
+    length = gradient_of_length(w, math.sqrt(w[0] ** 2 + w[1] ** 2), history[pair], model, t)
+    for side in range(2):
+        x, y = _arm(model, state, model.pairs[pair, side])
+        p, sign = 3 * (model.attached[model.pairs[pair, side]] - 1), 2.0 * side - 1.0
+        if p >= 0:
+            g[p] += sign * t[0]
+            g[p + 1] += sign * t[1]
+            g[p + 2] += sign * (x * t[1] - y * t[0])
+    for i in range(3):
+        if model.fixed[i] > 0.0:
+            g[g.size - 3 + i] = 0.0
+    return length
 
 
 @kernel

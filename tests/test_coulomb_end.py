@@ -65,8 +65,9 @@ def test_determinant_of_coulombs_tangent():
 
 
 ENDS = {"w00182": 0.77848, "w00139": 0.57489, "w00263": 0.43586, "w00691": 0.56630}
-LAST_DIGITS = pytest.mark.xfail(
-    strict=True, reason="its 1 step says where it ends that forces are left open; 15 other numbers do not"
+SILENT = pytest.mark.xfail(
+    strict=True,
+    reason="with exact rates none of 11 numbers of steps meets such a state, and all are completed",
 )
 
 
@@ -81,7 +82,7 @@ def test_coils_that_slide_off_each_other_reach_a_limit_point(name, time):
     assert found.value.path.critical_bracket <= 2e-6
 
 
-@pytest.mark.parametrize("name", [pytest.param(n, marks=LAST_DIGITS if n == "w00139" else ()) for n in ENDS])
+@pytest.mark.parametrize("name", ENDS)
 def test_coulombs_determinant_tends_to_zero_there(name):
     """It does not change as a pair begins to slide."""
     with pytest.raises(EquilibriumNotFound) as found:
@@ -196,12 +197,10 @@ def test_a_path_along_coulombs_tangent_takes_no_thousands_of_substeps():
 @pytest.mark.parametrize(
     ("case", "seed", "steps", "first", "last", "silent"),
     [
-        pytest.param(
-            *("w00892", 953, 2, 0.9324, 0.9814, False),
-            marks=pytest.mark.xfail(strict=True, reason="silent in 4 of 11 numbers of steps, and completed"),
-        ),
-        ("w00892", 953, 10, 0.9324, 0.9814, False),
-        ("w00892", 953, 30, 0.9324, 0.9814, False),
+        *(pytest.param("w00892", 953, n, 0.9324, 0.9814, False, marks=SILENT) for n in (2, 10, 30)),
+        ("w00442", 3002, 2, 0.86684, 0.86686, False),
+        ("w00442", 3002, 10, 0.86684, 0.86686, False),
+        ("w00442", 3002, 50, 0.86684, 0.86686, False),
         ("w00904", 861, 184, 0.99827, 0.99831, True),
     ],
 )
@@ -255,6 +254,9 @@ def test_the_verifiers_steps_lose_stability_where_a_sliding_pair_opens():
     assert 0.99999 * loses_stability(forces, before, 1.0001) == pytest.approx(1.0, abs=1e-6)
 
 
+@pytest.mark.xfail(
+    strict=True, reason="with exact rates its path says that forces are left open before its end"
+)
 @pytest.mark.usefixtures("first_order_elements")
 def test_the_verifier_steps_to_a_limit_point_from_the_nearest_state_before():
     """The path snaps 0.3 % before its limit point, where the stiffness jumps: steps from 0.2 % before do not

@@ -10,6 +10,7 @@ from coilspring.contact.kinematics import update_pairs as update_spheres
 from coilspring.solver.interface import FIXED
 from wirefe.chain import add_block, add_gradient, add_nodes, eliminate, substitute
 from wirefe.contact.overlap import wire_overlap
+from wirefe.contact.rates import sphere_gradient, sphere_rates, wire_gradient, wire_rates
 from wirefe.contact.spheres import add_spheres, between
 from wirefe.contact.stations import of_wires
 from wirefe.contact.unlisted import touch_unlisted
@@ -212,6 +213,32 @@ def update_pairs(reals, ints, accepted, predicted, state, history):
         _vectors(contact, state),
     )
     return update_spheres(before, ahead, after, history, contact)
+
+
+@kernel
+def pair_rates(reals, ints, state, motion, history, rates):
+    """See `coilspring.solver.interface`."""
+    state, motion, history = lent(state), lent(motion), lent(history)
+    contact = view_contact(reals, ints)
+    if of_wires(contact.parts):
+        wire_rates(contact, state, motion, history, rates)
+    else:
+        sphere_rates(contact, state, motion, history, rates)
+
+
+@kernel
+def length_gradient(reals, ints, state, history, pair, g):
+    """See `coilspring.solver.interface`."""
+    state, history, g = lent(state), lent(history), lent(g)
+    contact, held = view_contact(reals, ints), view_held(ints)
+    clear(g)
+    if of_wires(contact.parts):
+        length = wire_gradient(contact, state, history[pair], pair, g)
+    else:
+        length = sphere_gradient(contact, state, history[pair], pair, g)
+    for m in range(held.dof.size):
+        g[held.dof[m]] = 0.0
+    return length
 
 
 @kernel

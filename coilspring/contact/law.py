@@ -139,6 +139,13 @@ def tangential_law(length, row):
 
 
 @inlined
+def rate_by_bound(length, row):
+    """Derivative of the force of a pair that slides by its bound."""
+    K, rise = row.stiffness * (1.0 - row.released), row.bound * row.rise
+    return (1.0 + row.rise * length) * (K / (K + rise)) ** 2
+
+
+@inlined
 def _add_stuck(g, row, e, f, H):
     """Energy of a pair that sticks; adds its gradient and Hessian."""
     length = stretch(g, row, e)

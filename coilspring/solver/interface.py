@@ -1,7 +1,7 @@
 """The compiled functions that a model hands to the path followers, and their types.
 
-A model is described by its data (two flat arrays, see `coilspring.compiling.packing`) and ten kernels, which
-the solver takes as typed first-class functions, so that it is compiled once for all models:
+A model is described by its data (two flat arrays, see `coilspring.compiling.packing`) and twelve kernels,
+which the solver takes as typed first-class functions, so that it is compiled once for all models:
 
 ``assemble(reals, ints, accepted, least_gap, history, state, g, H) -> (energy, pairs evaluated)``
     Strain and contact energy, its gradient `g` and its matrix `H` (model's own storage, flat; left
@@ -32,6 +32,11 @@ the solver takes as typed first-class functions, so that it is compiled once for
     did first, on the way to the predicted one; bounds of the tangential forces, which are lines over the
     slips in `assemble`, as the normal forces have them. Returns the largest change over the largest force, 0
     without friction.
+``pair_rates(reals, ints, state, motion, history, rates)``
+    Fill the rates (pairs, 2) at which gaps and tangential lengths of held pairs change, at a state, with a
+    motion in its degrees of freedom.
+``length_gradient(reals, ints, state, history, pair, g) -> length``
+    Fill the gradient `g` of the tangential length of a held pair.
 ``overlap(reals, ints, state) -> (overlap, excess)``
     By how much the wire, or the circles that stand for it, run into themselves, mm: all of it against all of
     it. And by how much that is more than the deepest contact pair, evaluated where it is more than the
@@ -62,6 +67,8 @@ class Kernels(NamedTuple):
     displacement_bound: Any
     update_history: Any
     update_pairs: Any
+    pair_rates: Any
+    length_gradient: Any
     overlap: Any
 
 
@@ -84,6 +91,8 @@ def _signatures() -> Kernels:
         displacement_bound=types.UniTuple(real, 3)(*data, vector, vector, real),
         update_history=real(*data, vector, history),
         update_pairs=real(*data, vector, vector, vector, history),
+        pair_rates=types.void(*data, vector, vector, history, types.float64[:, ::1]),
+        length_gradient=real(*data, vector, history, whole, vector),
         overlap=types.UniTuple(real, 2)(*data, vector),
     )
 

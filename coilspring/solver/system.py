@@ -36,6 +36,8 @@ class System(NamedTuple):
     displacement_bound: Any
     update_history: Any
     update_pairs: Any
+    pair_rates: Any
+    length_gradient: Any
     overlap: Any
 
 
@@ -282,12 +284,12 @@ structref.define_proxy(KernelsRef, _KernelFields, [*Kernels._fields, "equilibriu
 
 def _bundle(
     assemble, factor, solve, retract, work, rotate, displacement_bound, update_history, update_pairs,
-    overlap, equilibrium,
+    pair_rates, length_gradient, overlap, equilibrium,
 ):  # fmt: skip
-    # eleven arguments: numba takes first-class functions singly, and bundles them inside
+    # thirteen arguments: numba takes first-class functions singly, and bundles them inside
     return KernelsRef(
         assemble, factor, solve, retract, work, rotate, displacement_bound, update_history, update_pairs,
-        overlap, equilibrium,
+        pair_rates, length_gradient, overlap, equilibrium,
     )  # fmt: skip
 
 
@@ -347,5 +349,6 @@ def system_of(reals, ints, prescribed, kernels):
     return SystemRef(
         lent(reals), lent(ints), lent(prescribed), zeros(1), kernels.assemble, kernels.factor,
         kernels.solve, kernels.retract, kernels.work, kernels.rotate, kernels.displacement_bound,
-        kernels.update_history, kernels.update_pairs, kernels.overlap,
+        kernels.update_history, kernels.update_pairs, kernels.pair_rates, kernels.length_gradient,
+        kernels.overlap,
     )  # fmt: skip

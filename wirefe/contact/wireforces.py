@@ -116,7 +116,7 @@ def _node_forms(L, slot, c, e, r, q, x, frame):
 
 
 @arithmetic
-def _put_station(contact, state, k, rho, frame, forces, forms, first, g):
+def put_station(contact, state, k, rho, frame, forces, forms, first, g):
     """Add the gradient of a station's nodes, and fill its columns of `Forms` unless these are empty.
 
     The slots are `first` (0 for the pair's first station, which w leads away from) and the next one. Nine
@@ -194,6 +194,17 @@ def _tangential(ratio, more, xi, h, Q):
     _add(Q, DELTA, EPSILON, ratio * z * x)
     _add(Q, EPSILON, BETA, ratio * z * y / h)
     _add(Q, DELTA, LAMBDA, -ratio * z * y)
+
+
+@arithmetic
+def tangential_forces(normal, ratio, xi, h, frame):
+    """`Forces` of a pair, from its `normal` one and the tangential one over the slip's length."""
+    across = ratio * xi[0] * xi[2] / frame.length
+    return Forces(
+        plus(normal, -ratio * xi[0] * xi[1] / h, frame.b),
+        (across * frame.n[0], across * frame.n[1], across * frame.n[2]),
+        mixed(ratio * xi[1], frame.b, ratio * xi[2], frame.u),
+    )
 
 
 @arithmetic
@@ -302,16 +313,11 @@ def add_wires(contact, history, state, g, H):
             stored, force, slope = tangential_law(rho, row)
             energy += stored
             ratio = force / rho if rho > 0.0 else slope
-            across = ratio * xi[0] * xi[2] / length
-            forces = Forces(
-                plus(forces.gap, -ratio * xi[0] * xi[1] / h, b),
-                (across * n[0], across * n[1], across * n[2]),
-                mixed(ratio * xi[1], b, ratio * xi[2], u),
-            )
+            forces = tangential_forces(forces.gap, ratio, xi, h, frame)
             if whole:
                 _tangential(ratio, (slope - ratio) / rho**2 if rho > 0.0 else 0.0, xi, h, Q)
-        _put_station(contact, state, contact.pairs[m, 0], three(row.arms, 0), frame, forces, forms, 0, g)
-        _put_station(contact, state, contact.pairs[m, 1], three(row.arms, 3), frame, forces, forms, 2, g)
+        put_station(contact, state, contact.pairs[m, 0], three(row.arms, 0), frame, forces, forms, 0, g)
+        put_station(contact, state, contact.pairs[m, 1], three(row.arms, 3), frame, forces, forms, 2, g)
         if whole:
             _put_products(forms, column, count)
             _add_levers(contact, m, forms.arms, forces, H)

@@ -55,6 +55,12 @@ def facing(points, a, b):
 def gap(contact, points, m):
     """h, n, u, s and |tau| of a pair."""
     w, tau = facing(points, contact.pairs[m, 0], contact.pairs[m, 1])
+    return gap_of(w, tau)
+
+
+@arithmetic
+def gap_of(w, tau):
+    """The same by w and tau."""
     length = math.sqrt(dot(tau, tau))
     u = (tau[0] / length, tau[1] / length, tau[2] / length)
     s = dot(w, u)

@@ -15,13 +15,14 @@ from coilspring.contact.history import (
     set_rise,
     touched_first,
 )
+from coilspring.contact.rates import GAP_RATE
 from coilspring.contact.touching import OPEN
 from coilspring.solver.continuation.branch import most_turn
 from coilspring.solver.continuation.snap import count_snap, passes_snap, snapped
 from coilspring.solver.continuation.stability import predicted_zero
 from coilspring.solver.equilibrium.newton import CONVERGED
 from coilspring.solver.tangential.creep import creep_tangent
-from coilspring.solver.tangential.response import derivatives, nearby
+from coilspring.solver.tangential.response import find_rates
 
 SAFE = 0.8  # share of the turn allowed that the next substep aims at
 # Iterations in the first round, and in each that follows: with fewer, the next substep may be longer.
@@ -106,12 +107,12 @@ def opens_again(system, task, work, fresh):
     """Time, along the tangent, after which one of the sticking pairs opens that touched first in the substep
     at hand; infinite where none does. It may be pressed again at the end of a longer substep."""
     history, until = work.history, np.inf
-    rates = np.empty((2, fresh.size))
+    rates = np.empty((history.shape[0], 2))
     copy_history(history, work.low)
     copy(work.tangent, work.ahead)
-    derivatives(system, work, nearby(system, task, work), fresh, rates)
+    find_rates(system, work, rates)
     for p in range(fresh.size):
-        row, rate = history[fresh[p]], rates[0, p]
+        row, rate = history[fresh[p]], rates[fresh[p], GAP_RATE]
         if row.closed and rate > 0.0:
             until = min(until, max(OPEN * task.diameter - row.gap, 0.0) / rate)
     return max(until, LEAST_LEFT)

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from coilspring.compiling.compiled import part
+from coilspring.compiling.compiled import arithmetic, lent, part
 
 TOUCHES, FREE, STICKS = 0, 1, 2
 GAP, SLIP, HELD = range(3)
@@ -146,7 +146,7 @@ def eliminated(M):
 
     Returns the sign of the determinant, 0 where the system is singular.
     """
-    n, sign = M.shape[0], 1
+    M, n, sign = lent(M), M.shape[0], 1
     for i in range(n):  # equations of different units
         most = 0.0
         for j in range(n):
@@ -164,11 +164,17 @@ def eliminated(M):
             sign = -sign
         for j in range(k, n + 1):
             M[k, j], M[pivot, j] = M[pivot, j], M[k, j]
-        for i in range(n):
-            if i != k:
-                factor = M[i, k] / M[k, k]
-                for j in range(k, n + 1):
-                    M[i, j] -= factor * M[k, j]
-    for k in range(n):
+        for i in range(k + 1, n):
+            _subtract(M[i, k + 1 :], M[i, k] / M[k, k], M[k, k + 1 :])
+    for k in range(n - 1, -1, -1):
+        for j in range(k + 1, n):
+            M[k, n] -= M[k, j] * M[j, n]
         M[k, n] /= M[k, k]
     return sign
+
+
+@arithmetic
+def _subtract(a, factor, b):
+    """a -= factor b: numbers side by side are taken four at a time."""
+    for j in range(a.size):
+        a[j] -= factor * b[j]

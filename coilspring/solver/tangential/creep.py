@@ -12,12 +12,13 @@ import numpy as np
 
 from coilspring.compiling.compiled import copy, part
 from coilspring.contact.history import copy_history
+from coilspring.contact.rates import GAP_RATE, LENGTH_RATE
 from coilspring.contact.touching import CREEP
 from coilspring.solver.equilibrium.operations import factor_state, solution
 from coilspring.solver.tangential.complementarity import GAP, HELD, SLIP, complementary, eliminated
-from coilspring.solver.tangential.response import answer, derivatives, nearby
+from coilspring.solver.tangential.response import find_rates, push
 
-LESS = 1e-4  # share of a force that is changed, to see what it does
+LESS = 1e-4  # share of a force by which its bound is below it: the pair slides
 LEAST_SHARE = 1e-12  # of the stiffness: less counts as none between two shares
 FULL_ROUNDS = 6  # rounds in which the whole change of the forces is taken: mostly they suffice
 SHORTER, LONGER, LEAST_STEP = 0.25, 2.0, 1e-4
@@ -38,14 +39,15 @@ def renew_creep(system, task, work, substep, pressed):
     if worst <= 1.0:
         return worst
     n = active.size
-    opens, slips, rows, change = np.empty((n, n)), np.empty((n, n)), np.empty((3, n)), np.empty((2, n))
+    opens, slips, rows, rates = np.empty((n, n)), np.empty((n, n)), np.empty((3, n)), _rates_of(history)
     _factor_sliding(system, work, active, False)
     for p in range(n):
-        small, more = _forced(system, task, work, active[p])
-        derivatives(system, work, small, active, change)
+        push(system, work, active[p])
+        find_rates(system, work, rates)
         for q in range(n):
-            opens[q, p] = change[0, q] / more
-            slips[q, p] = change[1, q] / more - (1.0 if p == q else 0.0)
+            m = active[q]
+            opens[q, p] = rates[m, GAP_RATE]
+            slips[q, p] = history[m].stiffness * rates[m, LENGTH_RATE] - (1.0 if p == q else 0.0)
         row = history[active[p]]
         rows[GAP, p], rows[SLIP, p], rows[HELD, p] = row.gap, row.sticking - _held(row), _held(row)
     before = rows.copy()
@@ -83,18 +85,18 @@ def creep_tangent(system, task, work):
     if n == 0:
         return 0
     _factor_sliding(system, work, active, True)
-    M, motions, change = np.empty((n, n + 1)), np.empty((n, task.load.size)), np.empty((2, n))
+    M, motions, rates = np.empty((n, n + 1)), np.empty((n, task.load.size)), _rates_of(history)
     for p in range(n):
-        small, more = _forced(system, task, work, active[p])
-        derivatives(system, work, small, active, change)
+        push(system, work, active[p])
+        find_rates(system, work, rates)
         for q in range(n):
-            M[q, p] = change[0, q] / more
+            M[q, p] = rates[active[q], GAP_RATE]
         for i in range(task.load.size):
-            motions[p, i] = work.ahead[i] / more
+            motions[p, i] = work.ahead[i]
     solution(system, work.F, task.load, 1.0, work.ahead)
-    derivatives(system, work, nearby(system, task, work), active, change)
+    find_rates(system, work, rates)
     for q in range(n):
-        M[q, n] = -change[0, q]
+        M[q, n] = -rates[active[q], GAP_RATE]
     if eliminated(M) == 0:
         return 1
     copy(work.ahead, work.tangent)
@@ -106,15 +108,9 @@ def creep_tangent(system, task, work):
 
 
 @part
-def _forced(system, task, work, m):
-    """Motion `work.ahead` by which the trial state answers to more of a pair's force; returns the share of it
-    over which what pairs do is nearly linear, and how much more, N."""
-    row = work.low[m]
-    more = LESS * row.sticking
-    more = -more if row.bound > 0.5 * row.sticking else more
-    copy_history(work.low, work.high)
-    work.high[m].bound += more
-    return answer(system, task, work), more
+def _rates_of(history):
+    """Room for rates of all pairs."""
+    return np.empty((history.shape[0], 2))
 
 
 @part

@@ -13,14 +13,16 @@ found it has no effect: where H is indefinite, a larger one makes it positive, a
 
 import numpy as np
 
-from coilspring.compiling.compiled import part
+from coilspring.compiling.compiled import clear, part
 from coilspring.contact.history import copy_history, set_rise
+from coilspring.contact.law import rate_by_bound, tangential_stiffness
+from coilspring.contact.rates import GAP_RATE, LENGTH_RATE
 from coilspring.solver.equilibrium.newton import INDEFINITE
 from coilspring.solver.equilibrium.operations import factor_state, solution
 from coilspring.solver.tangential.complementarity import eliminated
-from coilspring.solver.tangential.response import answer, answered, nearby
+from coilspring.solver.tangential.response import find_rates, gradient_of, push
 
-LESS = 1e-4  # share by which friction is taken back
+WHOLE = 1.0 - 1e-9  # of the tangential stiffness, but for rounding
 # Share of the bounds, up or down, over a slip of a wire diameter; more is seen only where slips are stiff.
 MOST_RISE = 1.0
 RAISED = 4.0  # times as much where H is indefinite,
@@ -106,26 +108,24 @@ def _rises(system, task, work):
     copy_history(held, work.low)
     negative = factor_state(system, work, work.trial, work.low)
     for p in range(n):
-        copy_history(work.low, work.high)
-        less = LESS * held[sliding[p]].bound
-        work.high[sliding[p]].bound -= less
-        small = answer(system, task, work)
+        length = push(system, work, sliding[p])
+        more = rate_by_bound(length, held[sliding[p]])
         for i in range(task.load.size):
-            motions[p, i] = -work.ahead[i] / less
-        _find_rates(system, work, small, rates)
+            motions[p, i] = more * work.ahead[i]
+        _find_rates(system, task, work, rates)
         for m in range(pairs):
-            rises[m, p] = -_rate_of_bound(history[m], held[m], rates[m]) / less
+            rises[m, p] = more * _rate_of_bound(history[m], held[m], rates[m, 0], rates[m, 1])
     return sliding, rises, motions, negative
 
 
 @part
-def _rate_of_bound(row, held, rates):
-    """Rate of a pair's bound b by the `rates` of mu F and of the slip: b (1 + r s) = mu F."""
+def _rate_of_bound(row, held, force, slides):
+    """Rate of a pair's bound b by those of mu F and of the slip: b (1 + r s) = mu F."""
     if not held.closed:
         return 0.0
     slip = max(row.slip, 0.0)
-    slides_on = rates[1] if slip > 0.0 else 0.0
-    return (rates[0] - row.bound * held.rise * slides_on) / (1.0 + held.rise * slip)
+    slides = slides if slip > 0.0 else 0.0
+    return (force - row.bound * held.rise * slides) / (1.0 + held.rise * slip)
 
 
 @part
@@ -139,10 +139,11 @@ def slide_tangent(system, task, work):
     sliding, rises, motions, negative = _rises(system, task, work)
     n, rates = sliding.size, np.empty((history.shape[0], 2))
     solution(system, work.F, task.load, 1.0, work.ahead)
-    _find_rates(system, work, nearby(system, task, work), rates)
+    _find_rates(system, task, work, rates)
     M = _bounds_matrix(sliding, rises, 0.0)
     for q in range(n):
-        M[q, n] = _rate_of_bound(history[sliding[q]], held[sliding[q]], rates[sliding[q]])
+        m = sliding[q]
+        M[q, n] = _rate_of_bound(history[m], held[m], rates[m, 0], rates[m, 1])
     sign = eliminated(M)
     if sign != 0:
         for p in range(n):
@@ -196,40 +197,38 @@ def _sliding(history, held):
 
 
 @part
-def _find_rates(system, work, small, rates):
-    """Fill the rates (pairs, 2) of the bounds of the normal forces and of the slips with `work.ahead`.
-
-    Bounds are no straight lines over the motion, since hard contact may open on it: they follow from the
-    gaps. Backwards pairs stick: rates are taken from three states onwards.
-    """
-    rates[:] = 0.0
-    for i in (2, 1, 0):
-        weight = (-1.5, 2.0, -0.5)[i] / small
-        answered(system, work, i * small)
-        for m in range(rates.shape[0]):
-            rates[m, 0] -= weight * work.high[m].gap
-            rates[m, 1] += weight * work.high[m].slip
+def _find_rates(system, task, work, rates):
+    """Fill the rates (pairs, 2) of the bounds of the normal forces and of the slips with `work.ahead`, where
+    `work.history` has the bounds of the normal forces at the trial state."""
+    find_rates(system, work, rates)
+    hard = tangential_stiffness(task.penalty, task.exponent, task.diameter)
     for m in range(rates.shape[0]):
-        rates[m, 0] *= work.high[m].steepness if work.high[m].closed else 0.0
+        row = work.history[m]
+        bound = -row.steepness * rates[m, GAP_RATE] if row.closed else 0.0
+        # where hard contact just touches, its stiffness falls with the bound
+        slip = rates[m, LENGTH_RATE] - (bound / hard if row.stiffness > WHOLE * hard else 0.0)
+        rates[m, 0], rates[m, 1] = bound, slip
 
 
 @part
 def rise_of_bounds(system, task, work):
     """Rise of the bounds, 1/mm, at the trial state, an equilibrium found with `work.trial_history`.
 
-    `work.F` is the factor of its matrix, and `work.g` its gradient without a load; `work.step`, `work.ahead`
-    and the tables `low` and `high` are overwritten.
+    `work.F` is the factor of its matrix; `work.step`, `work.ahead` and the table `low` are overwritten.
     """
-    pairs = work.history.shape[0]
+    pairs, less = work.history.shape[0], work.scratch[: task.load.size]
     rates, rise, whole = np.empty((pairs, 2)), 0.0, 0.0
     copy_history(work.trial_history, work.low)
-    copy_history(work.trial_history, work.high)
+    clear(less)
+    for m in _sliding(work.history, work.low):
+        row = work.low[m]
+        share = row.bound * rate_by_bound(gradient_of(system, work, m, work.step), row)
+        for i in range(less.size):
+            less[i] += share * work.step[i]
+    solution(system, work.F, less, 1.0, work.ahead)
+    _find_rates(system, task, work, rates)
     for m in range(pairs):
-        work.high[m].bound *= 1.0 - LESS
-    _find_rates(system, work, answer(system, task, work), rates)
-    answered(system, work, 0.0)
-    for m in range(pairs):
-        row = work.high[m]
+        row = work.history[m]
         if row.closed and row.bound < np.inf and row.slip > 0.0 and rates[m, 1] > 0.0:
             rise += rates[m, 0] * rates[m, 1]
             whole += row.bound * (1.0 + row.rise * row.slip) * rates[m, 1] ** 2
