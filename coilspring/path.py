@@ -63,6 +63,10 @@ class Shape(Protocol):
     def overlaps(self, states: np.ndarray) -> np.ndarray:
         """By how much the wire runs into itself, or the circles that stand for it, shape (states,), mm."""
 
+    def beyond_ends(self, states: np.ndarray) -> np.ndarray:
+        """By how much coils reach beyond the planes of the wire's tips, shape (states,), mm; negative between
+        these."""
+
     def pair_friction(self, states: np.ndarray, histories: np.ndarray) -> Friction:
         """What sliding and its hindrance do to every pair, by the contact histories of the states."""
 

@@ -73,6 +73,15 @@ class BeamShape(PairReader):
     def largest_stresses(self, states: np.ndarray) -> None:
         """Nothing: the beam has no wire."""
 
+    def beyond_ends(self, states: np.ndarray) -> np.ndarray:
+        """By how much circles are beyond the planes of the ends, shape (states,), mm; see
+        `coilspring.path.Shape`."""
+        spring, centres = self.scene.spring, self.circles(states)
+        low, high = spring.height(np.array(spring.phase_range)) - (0.0, spring.active_height)
+        x, y, theta = self._nodes(states)[:, -1].T[..., None]
+        above = (centres[..., 1] - y) * np.cos(theta) - (centres[..., 0] - x) * np.sin(theta)
+        return np.maximum(low - centres[..., 1].min(axis=1), above.max(axis=1) - high)
+
     def overlaps(self, states: np.ndarray) -> np.ndarray:
         """By how much circles overlap, shape (states,), mm; see `equivbeam.contact.circle_overlap`."""
         data = pack(self.data)

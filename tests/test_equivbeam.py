@@ -304,3 +304,16 @@ def test_coils_that_penetrate_on_the_way_are_said_to(model):
     assert depths.argmax() == 4
     assert depths[4] > 0.1 > depths[-1]
     assert f"; but at time 0.5 coils penetrate by {depths[4]:.2f} wire diameters" in path.message
+
+
+@pytest.mark.parametrize("model", [equivbeam, wirefe])
+def test_coils_that_pass_an_end_are_said_to(model):
+    """Of a cone that telescopes the models take no seat: at 6 N the wire is 4 mm below where it begins."""
+    cone = Scene(
+        "cone", Spring(1.0, (24.0, 8.0), 4.0, 12.0), Load((0.0, -5.0)), supports=Supports(("ux", "rotz"))
+    )
+    path = model.solve(cone)
+    beyond = path.shape.beyond_ends(path.states)
+    assert beyond[-1] == beyond.max() > 0.5
+    assert f"; but coils reach {beyond[-1]:.3g} mm beyond an end" in path.message
+    assert "beyond an end" not in model.solve(replace(cone, load=Load((0.0, -1.0)))).message

@@ -357,3 +357,16 @@ def test_traced_coils_that_penetrate_are_said_to():
     depth = path.max_penetration.max() / 1.5
     assert depth > 0.1
     assert f"coils penetrate by {depth:.2f} wire diameters" in path.message
+
+
+def test_coils_beyond_an_end_are_measured_from_its_tip_and_along_its_axis():
+    """Upside down, and as both ends are mirrored, the same coils are beyond the top."""
+    for diameters in ((24.0, 8.0), (8.0, 24.0)):
+        cone = Scene("cone", Spring(1.0, diameters, 4.0, 12.0), Load((0.3, -4.0), steps=5))
+        path = wirefe.solve(cone, element="curved", elements_per_turn=4)
+        nodes = path.states.reshape(5, -1, 7)
+        turned = Rotation.from_quat(nodes[:, -1, [4, 5, 6, 3]])
+        axis = turned.apply((0.0, 1.0, 0.0))
+        above = np.einsum("sni,si->sn", nodes[:, :, :3] - nodes[:, -1:, :3], axis).max(axis=1) - 1.0
+        expected = np.maximum(-1.0 - nodes[:, :, 1].min(axis=1), above)
+        np.testing.assert_allclose(path.shape.beyond_ends(path.states), expected, atol=1e-12)

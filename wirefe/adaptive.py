@@ -318,7 +318,7 @@ def _choose_substeps(trials: Trials) -> None:
             trials.take(*(before if steps == rows else ()), replace(last, path=path))
             return
         coarse = path
-    why = "with friction or sticking contact the answer depends on the substeps"
+    why = "by the substeps of friction or sticking contact"
     raise InputError(_refusal(trials.wanted, 2.0 * least, why))
 
 
@@ -328,7 +328,7 @@ def _refusal(asked: float, reached: float, why: str, about: str = "") -> str:
     if rounded <= ACCURACIES[1]:
         return f"accuracy must be at least {about}{rounded:g} for this scene, got {asked:g}: {why}"
     found = (
-        f"the estimated error is {reached:.1g}"
+        f"the estimated error is {reached:.2g}"
         if reached < math.inf
         else "too few meshes tell the error, or agree on how the path ends"
     )

@@ -36,6 +36,7 @@ WHY = {
     STUCK: "no equilibrium that continues the branch was found",
     EXHAUSTED: f"the path was stopped after {MOST_TRIES} equilibria besides those at requested times,",
 }
+MOST_BEYOND = 0.5  # wire diameters by which coils may reach beyond an end: a seat would hold them by then
 VOID_PENETRATION = 0.1  # wire diameters of overlap, beyond which a penalty no longer stands for contact
 
 
@@ -103,22 +104,24 @@ def undecided(track: Track) -> str:
 
 
 def caution(path: EquilibriumPath, least_gaps: np.ndarray) -> str:
-    """What makes one of the rows an equilibrium of the model rather than of a spring, or nothing."""
+    """What makes some of the rows equilibria of the model rather than of a spring, or nothing."""
     if not len(path.times):
         return ""
-    depths = -least_gaps / path.scene.spring.wire_diameter
-    row, when = worst(depths, path.times)
-    if depths[row] > VOID_PENETRATION:
-        by = f"{depths[row]:.2f} wire diameters"
-        return f"; but{when} coils penetrate by {by}: the contact stiffness is too low"
+    said, d = "", path.scene.spring.wire_diameter
+    row, when = worst(-least_gaps, path.times)
+    if (depth := -least_gaps[row] / d) > VOID_PENETRATION:
+        said = f"; but{when} coils penetrate by {depth:.2f} wire diameters: the contact stiffness is too low"
     row, when = worst(lowered := -path.tips[:, 1], path.times)
     if lowered[row] > path.scene.spring.active_height:
-        return f"; but{when} the top has passed the bottom, which no contact law here prevents"
-    return ""
+        return f"{said}; but{when} the top has passed the bottom, which no contact law here prevents"
+    row, when = worst(beyond := path.shape.beyond_ends(path.states), path.times)
+    if beyond[row] > MOST_BEYOND * d:
+        reach = f"coils reach {beyond[row]:.3g} mm beyond an end"
+        return f"{said}; but{when} {reach}, which nothing in the models stops"
+    return said
 
 
 def worst(values: np.ndarray, times: np.ndarray) -> tuple[int, str]:
-    """The last row of the largest value, and when that is unless at the end."""
-    before = int(np.argmax(values[::-1]))
-    row = len(times) - 1 - before
-    return row, f" at time {times[row]:.6g}" if before else ""
+    """The last row of the largest value, and when that is unless at the end of the load."""
+    row = len(times) - 1 - int(np.argmax(values[::-1]))
+    return row, f" at time {times[row]:.6g}" if times[row] < 1.0 else ""
