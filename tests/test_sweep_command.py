@@ -3,6 +3,7 @@
 import csv
 import json
 import re
+import time
 from dataclasses import replace
 
 import numpy as np
@@ -197,6 +198,24 @@ def test_an_interrupted_sweep_keeps_its_rows_and_goes_on(tmp_path):
     fresh, count = solved_again(tmp_path / "fresh", GRID) if not (tmp_path / "fresh").mkdir() else ([], 0)
     assert count == 4
     assert fresh[1:] == found[1:]
+
+
+def test_a_spring_of_the_wire_model_is_kept_before_its_worker_ends_the_next_one(tmp_path):
+    """Sixteen were handed out together, and all of them lost where the sweep was interrupted."""
+
+    class Waiting(run.Choice):
+        def __call__(self, scene):
+            end = time.monotonic() + 20.0
+            while len((tmp_path / FILE).read_text().splitlines()) < 2:  # the columns, and the row before
+                assert time.monotonic() < end
+                time.sleep(0.01)
+            return run.Choice.__call__(self, scene)
+
+    grid, after = [Varied("load.force.1", (-10.0, -20.0))], Waiting(WIRE.model, WIRE.options)
+    found = run.sweep(
+        tmp_path, AT_ONCE, grid, lambda scene: WIRE if scene.load.force[1] == -10.0 else after, workers=1
+    )
+    assert [row["outcome"] for row in found] == ["completed", "completed"]
 
 
 def test_nothing_stored_is_solved_again_unless_the_scene_or_the_options_differ(tmp_path):

@@ -23,7 +23,7 @@ from validation.study.output import json_bytes, write_bytes, write_text, writing
 from validation.study.texts import number_of
 from validation.sweep.grid import Point, Varied, points
 
-CHUNK = 16  # springs handed to a worker at a time
+CHUNK = {"equivbeam": 16, "wirefe": 1}  # springs handed to a worker at a time: lost where it is interrupted
 FILE, PICTURE, SETTINGS = "sweep.csv", "sweep.png", "sweep.json"
 DIGITS = 16  # of a row's key
 LEAST = 3  # values that make a curve
@@ -101,7 +101,8 @@ def sweep(
         for model in models:
             store(import_module(f"{model}.solve").KERNELS)
 
-    found = outcomes(iter(missing.values()), chunk=CHUNK, workers=workers, prepare=prepare)
+    chunk = min((CHUNK[model] for model in models), default=1)
+    found = outcomes(iter(missing.values()), chunk=chunk, workers=workers, prepare=prepare)
     try:
         for i, outcome in zip(missing, found, strict=True):
             row = _row(columns, keys[i], grid[i], outcome)
