@@ -359,7 +359,10 @@ def test_command(tmp_path, capsys):
     assert 0.0 < found["estimated_error"] <= 1e-3
     said = capsys.readouterr().out
     assert "4 curved elements per turn, 4 spheres per turn; estimated error" in said
-    assert main(["compare", "spring-a", "--accuracy", "1e-3", "--steps", "5", "--out", str(tmp_path)]) == 0
+    beam = ["--law", "helix", "--tangent", "exact"]  # whose law no accuracy chooses here
+    call = ["compare", "spring-a", "--accuracy", "1e-3", "--steps", "5", *beam, "--out", str(tmp_path)]
+    assert main(call) == 0
+    assert json.loads((tmp_path / "equivbeam/summary.json").read_text())["options"]["law"] == "helix"
     assert json.loads((tmp_path / "compare.json").read_text())["accuracy"] == 1e-3
     assert json.loads((tmp_path / "wirefe/summary.json").read_text())["options"]["element"] == "curved"
 
@@ -372,7 +375,10 @@ def test_command(tmp_path, capsys):
         ("solve spring-a --accuracy 1e-3 --model wirefe", "--model"),
         ("solve spring-a --accuracy 1e-3 --law helix", "--law cannot stand beside --accuracy, which chooses"),
         ("solve spring-a --accuracy 1e-3 --element curved", "leave out --element; or leave out --accuracy"),
-        ("compare spring-a --accuracy 1e-3 --elements-per-turn 8", "--elements-per-turn cannot stand"),
+        (
+            "compare spring-a --accuracy 1e-3 --elements-per-turn 8",
+            "--elements-per-turn cannot stand beside --accuracy, which chooses the mesh: leave out",
+        ),
         ("solve spring-a --accuracy 1e-3 --tangent exact", "--tangent belongs to --model equivbeam"),
         (
             "solve spring-a --accuracy 1e-3 --geometry wires --pairs-per-turn 8",

@@ -20,7 +20,8 @@ MODEL_OPTIONS = {
     "wirefe": ("element", "elements_per_turn", "pairs_per_turn"),
 }
 FILE_OPTIONS = {"equivbeam": (), "wirefe": (*WIRE_FILES, "frequencies")}  # for more than the path
-CHOSEN = ("law", "element", "elements_per_turn")  # by an accuracy, besides the model
+MESH = ("element", "elements_per_turn")  # chosen by an accuracy
+CHOSEN = ("law", *MESH)  # and besides the model, where it has one to choose
 LAWS = ("haringx", "helix")  # of a half coil; or a file
 FITTED = (  # by calibrate
     *("axial", "shearing", "bending", "wire_diameter", "mean_diameter", "bottom_diameter", "top_diameter"),
@@ -157,7 +158,8 @@ def flagged(message: str, arguments: argparse.Namespace) -> str:
 def refuse_chosen(arguments: argparse.Namespace, names: Sequence[str] = CHOSEN) -> None:
     """Refuse options that an accuracy chooses."""
     for name in given(arguments, names) if arguments.accuracy is not None else ():
-        said = f"{flag(name)} cannot stand beside --accuracy, which chooses law and mesh"
+        what = "law and mesh" if "law" in names else "the mesh"
+        said = f"{flag(name)} cannot stand beside --accuracy, which chooses {what}"
         mesh = "give the wire model a mesh, as --element curved --elements-per-turn 8"
         raise InputError(f"{said}: leave out {flag(name)}; or leave out --accuracy and {mesh}")
 

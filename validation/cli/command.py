@@ -17,6 +17,7 @@ from coilspring.scene.toml import SECTIONS, scene_text
 from validation.calibration import difference
 from validation.cli import INTERRUPTED, studies
 from validation.cli.arguments import (
+    MESH,
     MODEL_OPTIONS,
     command_line,
     flagged,
@@ -115,7 +116,7 @@ def solve(arguments: argparse.Namespace) -> int:
 
 def compare(arguments: argparse.Namespace) -> int:
     """Solve one scene with both models and compare them."""
-    refuse_chosen(arguments)
+    refuse_chosen(arguments, MESH)
     scene = scene_of(arguments)
     curve = measured(arguments.measured, scene) if arguments.measured else None
     folder = _folder(arguments)
