@@ -196,13 +196,17 @@ def test_pictures_of_driven_and_staged_loads_and_of_nothing_in_common(tmp_path, 
     for name, load in (
         ("driven", "displacement = [-2.0, -1.0]"),
         ("staged", "stages = [[0.0, -6.0], [0.0, 0.0]]"),
+        ("turned", "stages = [[0.0, -6.0], [0.5, -6.0]]"),
     ):
         file = tmp_path / f"{name}.toml"
         file.write_text(text.replace("[load]", f"[load]\n{load}"), encoding="utf-8")
         out = tmp_path / name
         assert main(["compare", str(file), "--steps", "2", "--draw", "--out", str(out)]) == 0
         assert (out / "compare.png").stat().st_size > 10_000
-        assert (", axial force " in capsys.readouterr().out) == (name == "driven")
+        said = capsys.readouterr().out
+        assert (", axial force " in said) == (name == "driven")
+        why = "curve.png is not drawn: load.stages must be in one direction where force is taken over"
+        assert (why in said) == (name == "turned") != (out / "curve.png").exists()
     out = tmp_path / "nothing"
     assert main(["compare", free_spring_b(tmp_path), "--steps", "1", "--draw", "--out", str(out)]) == 3
     assert (out / "compare.png").is_file()

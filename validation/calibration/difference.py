@@ -11,12 +11,13 @@ from coilspring.measured import Measured
 FAR = 0.1  # rms difference, over the peak, of curves that may not be of one spring
 
 
-def has_direction(scene: Scene) -> bool:
-    """Whether the load has one direction, in which force can be drawn over deflection."""
+def undirected(scene: Scene) -> str:
+    """Why force cannot be drawn over deflection, in one sentence; empty where the load has one direction."""
     try:
-        return bool(scene.direction)
-    except InputError:
-        return False
+        _ = scene.direction
+    except InputError as error:
+        return str(error)
+    return ""
 
 
 def along_load(path: EquilibriumPath) -> tuple[np.ndarray, np.ndarray]:

@@ -11,7 +11,7 @@ import equivbeam
 from coilspring import Scene, scene_text
 from coilspring.measured import measured, table_of
 from equivbeam.loadcurve import of_force
-from validation.calibration.difference import has_direction
+from validation.calibration.difference import undirected
 from validation.study.frames import to_csv
 from validation.study.machine import versions
 from validation.study.output import json_bytes
@@ -61,7 +61,7 @@ def calibrate(
     sliding = scene.contact.sliding
     if scene.contact.enabled and sliding != "free":
         lines.append(f"fitted without the scene's sliding = \"{sliding}\", as the paper's model")
-    if has_direction(scene) and ("force" in table or "load_y" in table):
+    if not undirected(scene) and ("force" in table or "load_y" in table):
         from validation.calibration.figure import FIT, load_curves
 
         offset = dict(zip(found.names, found.values, strict=True)).get("offset", 0.0)

@@ -142,11 +142,13 @@ def compare(arguments: argparse.Namespace) -> int:
             from validation.view.overlay import overlay
 
             files["compare.png"] = overlay(*paths.values())
-        if curve is not None or (arguments.draw and difference.has_direction(scene)):
+        undrawn = difference.undirected(scene) if arguments.draw else ""
+        if curve is not None or (arguments.draw and not undrawn):
             from validation.calibration.figure import load_curves
 
             files["curve.png"] = load_curves(paths, curve)
-        lines = [f"written to {folder}"]
+        lines = [f"curve.png is not drawn: {undrawn}"] if undrawn else []
+        lines.append(f"written to {folder}")
         for model, path in paths.items():
             summary = output.summary(path)
             files |= {f"{model}/{name}": data for name, data in output.path_files(path, summary).items()}
