@@ -297,6 +297,7 @@ REFUSED_VALUES = [
     ({"load.stages": "[[0, -1]]"}, "[load] takes one of", "force, stages, displacement", "force and stages"),
     ({"supports.top_held": '"ux"'}, "supports.top_held", "ux, uy, rotz", "'ux'"),
     ({"supports.top_held": '["uz"]'}, "supports.top_held", "ux, uy, rotz", "'uz'"),
+    ({"supports.top_held": '["ux", "ux"]'}, "supports.top_held", "ux, uy, rotz at most once", "['ux', 'ux']"),
     ({"supports.top_held": "[[]]"}, "supports.top_held", "ux, uy, rotz", "[]"),
     ({"supports.top_held": '["ux", "uy"]'}, "load.force", "direction that is free", "['ux', 'uy']"),
     ({"supports.top_held": '["uy", "rotz"]'}, "load.force", "direction that is free", "(0.0, -200.0)"),

@@ -42,10 +42,12 @@ def _switch(name: str, value: object, _: bool) -> bool:
 
 
 def _some(name: str, value: object, choices: tuple[str, ...]) -> tuple[str, ...]:
-    """Some of several texts, kept in their usual order, each once."""
+    """Some of several texts, each once, kept in their usual order."""
     if not isinstance(value, list | tuple):
         raise InputError(f"{name} must be a list with items of {', '.join(choices)}, got {shown(value)}")
     given = [require_choice(name, item, choices) for item in value]
+    if len(set(given)) < len(given):
+        raise InputError(f"{name} must name each of {', '.join(choices)} at most once, got {shown(value)}")
     return tuple(item for item in choices if item in given)
 
 
