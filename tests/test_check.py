@@ -246,6 +246,11 @@ WARNINGS = [
     ({}, {"force": 5.0}, "the axial load pulls"),
     ({"active_coils": 20.0, "active_height": 100.0}, {"held": ()}, "slenderness 5: as a column it buckles"),
     ({"active_height": 16.0}, {}, "coils touch at rest"),
+    (
+        {"start_phase": -90.0},
+        {},
+        "the start phase is -90 rad, which looks like degrees: -90 degrees are -1.5708 rad",
+    ),
     ({}, {"force": -60.0 - 5.0}, "beyond solid: the last coil closes at 59.4 N"),
 ]
 
@@ -287,7 +292,7 @@ def test_what_check_warns_of_is_said_by_runs(command, tmp_path, capsys):
 
 
 def test_a_sound_spring_is_not_warned_about():
-    assert report(scene_of())[1] == []
+    assert report(scene_of(replace(CYLINDER, start_phase=6.28)))[1] == []
 
 
 def test_contact_that_is_needed_is_missed():

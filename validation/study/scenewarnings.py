@@ -3,7 +3,8 @@
 import math
 
 from coilspring import Scene
-from coilspring.scene.sizing import middle_diameter, sizes
+from coilspring.scene.profile import TWO_PI
+from coilspring.scene.sizing import Sizes, middle_diameter, sizes
 
 # EN 13906-1:2013: ranges of cold-coiled springs to which its formulas apply
 INDEX = (4.0, 20.0)
@@ -26,16 +27,27 @@ def warnings(scene: Scene) -> list[str]:
         )
     if d < THINNEST:
         said.append(f"the wire diameter is {d:g} mm, which looks like metres: lengths are in mm")
+    if abs(phase := spring.start_phase) > TWO_PI:
+        said.append(
+            f"the start phase is {phase:g} rad, which looks like degrees: "
+            f"{phase:g} degrees are {math.radians(phase):.5g} rad"
+        )
     if low < INDEX[0] or high > INDEX[1]:
         said.append(
             f"index D/d is {low:.3g} to {high:.3g}, outside {INDEX[0]:g} to {INDEX[1]:g} (EN 13906-1)"
         )
     if spring.active_coils < LEAST_COILS:
         said.append(f"{spring.active_coils:g} active coils, less than {LEAST_COILS:g} (EN 13906-1)")
-    if found.force < 0.0:
-        said.append("the axial load pulls: a force or displacement that compresses is negative")
     if found.least_gap is not None and found.least_gap < TOUCHING * d:
         said.append("coils touch at rest")
+    return said + _of_load(scene, found)
+
+
+def _of_load(scene: Scene, found: Sizes) -> list[str]:
+    """Sentences on a load that pulls, buckles or closes a spring."""
+    spring, said = scene.spring, []
+    if found.force < 0.0:
+        said.append("the axial load pulls: a force or displacement that compresses is negative")
     if found.buckling is not None and found.shortening >= found.buckling:
         slender = spring.active_height / middle_diameter(spring)
         said.append(
