@@ -251,6 +251,7 @@ WARNINGS = [
         {},
         "the start phase is -90 rad, which looks like degrees: -90 degrees are -1.5708 rad",
     ),
+    ({"mean_diameter": (40.0, 8.0)}, {}, "coils pass inside one another without touching"),
     ({}, {"force": -60.0 - 5.0}, "beyond solid: the last coil closes at 59.4 N"),
 ]
 
@@ -293,6 +294,7 @@ def test_what_check_warns_of_is_said_by_runs(command, tmp_path, capsys):
 
 def test_a_sound_spring_is_not_warned_about():
     assert report(scene_of(replace(CYLINDER, start_phase=6.28)))[1] == []
+    assert report(scene_of(replace(CYLINDER, mean_diameter=(35.9, 20.0)), force=-5.0))[1] == []
 
 
 def test_contact_that_is_needed_is_missed():

@@ -125,6 +125,11 @@ def solid_height(spring: Spring) -> float:
     return sum(_solid_pitch(section, spring.wire_diameter) * section.coils for section in spring.coils)
 
 
+def nests(spring: Spring) -> bool:
+    """Whether coils of a section do not touch as they are compressed, but pass inside one another."""
+    return any(_solid_pitch(section, spring.wire_diameter) == 0.0 for section in spring.coils)
+
+
 def axial_rate(scene: Scene) -> float:
     """Axial rate while no coils touch, N/mm."""
     cubes = 0.0  # integral of D^3 over the coils, by Simpson's rule, which is exact

@@ -4,7 +4,7 @@ import math
 
 from coilspring import Scene
 from coilspring.scene.profile import TWO_PI
-from coilspring.scene.sizing import Sizes, middle_diameter, sizes
+from coilspring.scene.sizing import Sizes, middle_diameter, nests, sizes
 
 # EN 13906-1:2013: ranges of cold-coiled springs to which its formulas apply
 INDEX = (4.0, 20.0)
@@ -40,6 +40,11 @@ def warnings(scene: Scene) -> list[str]:
         said.append(f"{spring.active_coils:g} active coils, less than {LEAST_COILS:g} (EN 13906-1)")
     if found.least_gap is not None and found.least_gap < TOUCHING * d:
         said.append("coils touch at rest")
+    if nests(spring):
+        said.append(
+            "the radius changes by the wire diameter or more per coil: such coils pass inside one another "
+            "without touching, where check takes them to lie flat on a seat, which neither model has"
+        )
     return said + _of_load(scene, found)
 
 
