@@ -115,6 +115,7 @@ def test_ground_ends_are_solid_at_the_standards_length():
     assert found.travel == pytest.approx(rigid.travel)
     assert any("over the ground ends" in line for line in report(plates)[0])
     assert not any("ground" in line for line in report(scene_of())[0])
+    assert any(line.startswith("the rate is that of rigid end turns") for line in report(plates)[1])
 
 
 def test_coils_that_have_closed_give_no_more():
