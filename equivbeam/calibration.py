@@ -149,7 +149,7 @@ def calibrate(
     require_names("parameters", names, (*NAMES, OFFSET))
     law, factor = options.get("law", "haringx"), next((name for name in names if name in FACTORS), None)
     if factor and law != "haringx":
-        raise InputError(f"{factor} can be fitted with the law haringx alone, got {shown(law)}")
+        raise InputError(f"parameters may hold {factor} with the law haringx alone, got the law {shown(law)}")
     fit = CurveFit(names, read_curve(curve, scene, OFFSET not in names), options)
     before = fit.at_start()
     shares, J, fitted, doubtful = fit.solved()

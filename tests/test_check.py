@@ -240,7 +240,7 @@ WARNINGS = [
         {"force": -1e-6},
         "the wire diameter is 0.002 mm, which looks like metres",
     ),
-    ({"mean_diameter": 7.0}, {}, "index D/d is 3.5 to 3.5, outside 4 to 20"),
+    ({"mean_diameter": 7.0}, {}, "index D/d is 3.5, outside 4 to 20"),
     ({"mean_diameter": (30.0, 44.0)}, {}, "index D/d is 15 to 22, outside"),
     ({"active_coils": 1.5, "active_height": 6.0}, {}, "1.5 active coils, less than 2"),
     ({"active_height": 80.0}, {"held": ("ux", "rotz")}, "helix angle up to 9.04 degrees, above 7.5"),
@@ -280,7 +280,7 @@ def test_what_check_warns_of_is_said_by_runs(command, tmp_path, capsys):
     run = [*command.split(), str(file), "--steps", "2", "--out", str(out)]
     assert main(run) == 0
     said = capsys.readouterr()
-    expected = "index D/d is 3.5 to 3.5, outside 4 to 20 (EN 13906-1)"
+    expected = "index D/d is 3.5, outside 4 to 20 (EN 13906-1)"
     assert said.err == f"coilcheck: warning: {expected}\n"
     assert expected not in said.out
     name = "summary.json" if "solve" in command else "compare.json"

@@ -197,8 +197,12 @@ class Scene:
         forces = (stage_ends(self.load)[1:] * self.supports.free).tolist()
         x, y = max(forces, key=lambda force: math.hypot(*force))
         size = math.hypot(x, y)
-        if any(abs(a * y - b * x) > SAME * size * math.hypot(a, b) for a, b in forces):
-            raise InputError("load.stages must be in one direction where force is taken over deflection")
+        others = [[a, b] for a, b in forces if abs(a * y - b * x) > SAME * size * math.hypot(a, b)]
+        if others:
+            raise InputError(
+                "load.stages must be in one direction where force is taken over deflection, "
+                f"got {[x, y]!r} and {others[0]!r}"
+            )
         return x / size, y / size
 
     def without_contact(self) -> Self:

@@ -33,9 +33,8 @@ def warnings(scene: Scene) -> list[str]:
             f"{phase:g} degrees are {math.radians(phase):.5g} rad"
         )
     if low < INDEX[0] or high > INDEX[1]:
-        said.append(
-            f"index D/d is {low:.3g} to {high:.3g}, outside {INDEX[0]:g} to {INDEX[1]:g} (EN 13906-1)"
-        )
+        index = ends_text(found.index)
+        said.append(f"index D/d is {index}, outside {INDEX[0]:g} to {INDEX[1]:g} (EN 13906-1)")
     if spring.active_coils < LEAST_COILS:
         said.append(f"{spring.active_coils:g} active coils, less than {LEAST_COILS:g} (EN 13906-1)")
     if found.least_gap is not None and found.least_gap < TOUCHING * d:
@@ -72,3 +71,8 @@ def _of_load(scene: Scene, found: Sizes) -> list[str]:
     elif found.force > found.closing[0] and not scene.contact.enabled:
         said.append("coils close under the load, and contact is not enabled")
     return said
+
+
+def ends_text(ends: tuple[float, float]) -> str:
+    """A range to three digits, as one number where both of its ends are."""
+    return " to ".join(dict.fromkeys(f"{end:.3g}" for end in ends))

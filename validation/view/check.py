@@ -7,7 +7,7 @@ from coilspring import InputError, Scene
 from coilspring.scene import SEATS
 from coilspring.scene.sizing import sizes
 from equivbeam.model import build_model
-from validation.study.scenewarnings import warnings
+from validation.study.scenewarnings import ends_text, warnings
 from validation.study.template import template
 from wirefe.mesh import mesh_wire
 
@@ -24,7 +24,7 @@ def report(scene: Scene) -> tuple[list[str], list[str]]:
     text = WORDS.render(
         name="".join(c if c.isprintable() else repr(c)[1:-1] for c in scene.name),
         **{"scene": scene, "spring": scene.spring, "sizes": found, "solid": math.isinf(found.force)},
-        index=f"{low:.3g}" if math.isclose(low, high) else f"{low:.3g} to {high:.3g}",
+        index=ends_text(found.index),
         index_varies=not math.isclose(low, high),
         angle=angle,
         unknown=math.isnan(found.wire_rates[1]),
