@@ -27,6 +27,7 @@ from coilspring.scene.scene import load_directions
 from validation.calibration import run
 from validation.calibration.difference import along_load, difference, doubts, lines
 from validation.calibration.figure import picture
+from validation.cli.arguments import EPILOG
 from validation.cli.command import main
 
 GUIDED = Scene(
@@ -226,8 +227,8 @@ def test_bad_requests(tmp_path, capsys):
         ("axial,axial", "list of different names"),
         ("stiffness", "--fit must hold names of wire_diameter, mean_diameter,"),
         ("stiffness", "bending, offset, got 'stiffness'"),
-    ):
         ("G,axial", "--fit may hold axial with the law haringx alone, got the law 'helix'"),
+    ):
         call = ["calibrate", "spring-b", str(curve), "--fit", names, "--law", "helix"]
         assert main([*call, "--out", str(tmp_path / "x")]) == 2
         assert words in capsys.readouterr().err
@@ -249,6 +250,8 @@ def test_a_force_that_the_spring_does_not_reach(tmp_path, capsys):
         "of the curve of 2e+04 N, where the last coil closes at 549.6 N (are the units right?): limit point"
         in capsys.readouterr().err
     )
+    assert not [file for file in (tmp_path / "x").rglob("*") if file.suffix in (".json", ".toml", ".png")]
+    assert "3 a path ended early, what was reached is written (by calibrate nothing)" in EPILOG
     assert main(["calibrate", "spring-b", "none.csv", "--fit", "axial", "--out", str(tmp_path / "x")]) == 2
     assert "curve must be a readable CSV file, got 'none.csv'" in capsys.readouterr().err
 
