@@ -3,6 +3,7 @@
 import inspect
 import os
 from collections.abc import Callable, Iterable, Iterator
+from concurrent.futures import as_completed
 from dataclasses import dataclass
 from functools import partial
 from itertools import islice, repeat
@@ -88,28 +89,39 @@ def outcomes(
     before the workers start, to leave them compiled kernels on the disk.
     """
     done = 0
-    for found in _found(jobs, chunk, (os.cpu_count() or 1) if workers is None else workers, prepare):
+    for _, found in _found(jobs, chunk, workers, prepare, ordered=True):
         yield from found
         done += len(found)
         if progress is not None:
             progress(done)
 
 
+def outcomes_as_they_come(
+    jobs: Iterator[Job], *, chunk: int, workers: int | None, prepare: Callable[[], object]
+) -> Iterator[tuple[int, Outcome]]:
+    """As `outcomes`, each with the number of its job, and none waits for one that was handed out before."""
+    for first, found in _found(jobs, chunk, workers, prepare, ordered=False):
+        yield from enumerate(found, first)
+
+
 def _found(
-    jobs: Iterator[Job], chunk: int, count: int, prepare: Callable[[], object]
-) -> Iterator[list[Outcome]]:
-    """Outcomes as they come, one by one by this process or in chunks by `count` others."""
-    if count == 0:
-        yield from ([outcome_of(*job)] for job in jobs)
+    jobs: Iterator[Job], chunk: int, workers: int | None, prepare: Callable[[], object], ordered: bool
+) -> Iterator[tuple[int, list[Outcome]]]:
+    """Number of the first job and outcomes, one by one by this process or in chunks by others."""
+    if workers == 0:
+        yield from ((i, [outcome_of(*job)]) for i, job in enumerate(jobs))
         return
+    count = (os.cpu_count() or 1) if workers is None else workers
     prepare()
     chunks = iter(lambda: list(islice(jobs, chunk)), [])
     with processes(count) as pool:
-        waiting = [pool.submit(_outcomes, part) for part in islice(chunks, AHEAD * count)]
+        handed = ((pool.submit(_outcomes, part), i * chunk) for i, part in enumerate(chunks))
+        waiting = dict(islice(handed, AHEAD * count))
         while waiting:
-            found = waiting.pop(0).result()
-            waiting += [pool.submit(_outcomes, part) for part in islice(chunks, 1)]
-            yield found
+            ready = next(iter(waiting) if ordered else as_completed(waiting))
+            first, found = waiting.pop(ready), ready.result()
+            waiting.update(islice(handed, 1))
+            yield first, found
 
 
 def _outcomes(jobs: list[Job]) -> list[Outcome]:

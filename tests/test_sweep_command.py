@@ -200,7 +200,8 @@ def test_an_interrupted_sweep_keeps_its_rows_and_goes_on(tmp_path):
     assert fresh[1:] == found[1:]
 
 
-def test_a_spring_of_the_wire_model_is_kept_before_its_worker_ends_the_next_one(tmp_path):
+@pytest.mark.parametrize(("first", "workers"), [(-10.0, 1), (-20.0, 2)], ids=["in order", "the later first"])
+def test_a_spring_of_the_wire_model_is_kept_while_another_is_solved(first, workers, tmp_path):
     """Sixteen were handed out together, and all of them lost where the sweep was interrupted."""
 
     class Waiting(run.Choice):
@@ -213,9 +214,14 @@ def test_a_spring_of_the_wire_model_is_kept_before_its_worker_ends_the_next_one(
 
     grid, after = [Varied("load.force.1", (-10.0, -20.0))], Waiting(WIRE.model, WIRE.options)
     found = run.sweep(
-        tmp_path, AT_ONCE, grid, lambda scene: WIRE if scene.load.force[1] == -10.0 else after, workers=1
+        tmp_path,
+        AT_ONCE,
+        grid,
+        lambda scene: WIRE if scene.load.force[1] == first else after,
+        workers=workers,
     )
     assert [row["outcome"] for row in found] == ["completed", "completed"]
+    assert [float(row["load_y"]) for row in found] == [-10.0, -20.0]
 
 
 def test_nothing_stored_is_solved_again_unless_the_scene_or_the_options_differ(tmp_path):

@@ -16,7 +16,7 @@ from typing import Any
 
 from coilspring import EquilibriumPath, InputError, Scene
 from coilspring.solver.startup import store
-from coilspring.sweep import CRASHED, REFUSED, Outcome, outcomes
+from coilspring.sweep import CRASHED, REFUSED, Outcome, outcomes_as_they_come
 from validation.study.keys import run_key
 from validation.study.machine import versions
 from validation.study.output import json_bytes, write_bytes, write_text, writing
@@ -102,9 +102,10 @@ def sweep(
             store(import_module(f"{model}.solve").KERNELS)
 
     chunk = min((CHUNK[model] for model in models), default=1)
-    found = outcomes(iter(missing.values()), chunk=chunk, workers=workers, prepare=prepare)
+    numbers, jobs = list(missing), iter(missing.values())
     try:
-        for i, outcome in zip(missing, found, strict=True):
+        for number, outcome in outcomes_as_they_come(jobs, chunk=chunk, workers=workers, prepare=prepare):
+            i = numbers[number]
             row = _row(columns, keys[i], grid[i], outcome)
             with writing(target), target.open("a", encoding="utf-8", newline="") as stream:
                 stream.write(_csv(columns, [row], header=False))
