@@ -3,12 +3,12 @@
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from operator import attrgetter
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, cast
 
 import numpy as np
 
 from coilspring.compiling.packing import pack
-from coilspring.contact.law import PAIR_HISTORY
+from coilspring.contact.law import PAIR_HISTORY, normal_law
 from coilspring.errors import InputError, require_choice, shown
 from coilspring.path import EquilibriumPath
 from coilspring.scene import Scene
@@ -18,7 +18,8 @@ from equivbeam.model import BeamModel, build_model, matrix_size
 from equivbeam.options import BeamOptions
 from equivbeam.shape import BeamShape
 
-STEP = 6e-6  # relative, for central differences of the residual: the cube root of the rounding
+STEP = 6e-6  # relative, for central differences of what is smooth: the cube root of the rounding
+_normal_law = np.vectorize(normal_law, otypes="ddd")  # one by one: a law for numbers may branch
 FACTORS = ("axial", "shearing", "bending")  # of the paper's stiffnesses
 
 
@@ -163,15 +164,66 @@ def _gradients(assemble: Callable, data: BeamModel, states: np.ndarray, matrices
 
 
 def _residual_rates(path: EquilibriumPath, name: str, value: float) -> np.ndarray:
-    """Rates of the residual at fixed states, shape (steps, n), by differences of second order."""
-    h, chosen = STEP * value, BeamOptions.of(path.options)
+    """Rates of the residual at fixed states, shape (steps, n)."""
+    chosen = BeamOptions.of(path.options)
 
-    def at(steps: float) -> np.ndarray:
-        data = build_model(varied(path.scene, (name,), np.array([value + steps * h])), chosen)
+    def half_coils(scene: Scene) -> np.ndarray:
+        data = build_model(scene.without_contact(), chosen)
         no_matrices = np.empty((len(path.states), 0))
         return _gradients(kernels.assemble_of(chosen.law, data.rows), data, path.states, no_matrices)
 
+    def rate(read: Callable[[Scene], Any]) -> Any:
+        return _rate(read, path.scene, name, value)
+
+    rates = rate(half_coils)
+    if path.scene.contact.enabled:
+        rates += _contact_rates(path, lambda read: rate(lambda scene: read(build_model(scene, chosen))))
+    return rates
+
+
+def _rate(read: Callable[[Scene], Any], scene: Scene, name: str, value: float) -> Any:
+    """Rate with a parameter of what is read of a scene, by differences of second order."""
+    h = STEP * value
+
+    def at(steps: float) -> Any:
+        return read(varied(scene, (name,), np.array([value + steps * h])))
+
     try:
         return (at(1.0) - at(-1.0)) / (2.0 * h)
-    except InputError:  # at the lower end of its range, as an exponent of 1
+    except InputError:  # at an end of its range, as an exponent of 1
+        pass
+    try:
         return (4.0 * at(1.0) - 3.0 * at(0.0) - at(2.0)) / (2.0 * h)
+    except InputError:
+        return (3.0 * at(0.0) - 4.0 * at(-1.0) + at(-2.0)) / (2.0 * h)
+
+
+def _contact_rates(path: EquilibriumPath, rate: Callable) -> np.ndarray:
+    """Contact's part of these; `rate` gives the rate with the parameter of what is read of a model.
+
+    A difference over the whole residual would open and close hard pairs, which penetrate by less than its
+    step moves them. So differences are of what varies smoothly, where the circles stand and the numbers of
+    the law; the force follows by the law's own derivative, of the pairs that touch in the state.
+    """
+    shape, states = cast("BeamShape", path.shape), path.states
+    data, (first, second) = shape.data, shape.data.pairs.T
+    arms, moves = (shape.arms(states, each) for each in (data.offset, rate(attrgetter("offset"))))
+    w, dw = shape.pair_vectors(states)[..., :2], moves[:, second] - moves[:, first]
+    h = np.linalg.norm(w, axis=-1, keepdims=True)
+    n, pressed = w / h, np.maximum(data.d - h, 0.0)
+    _, F, slope = _normal_law(pressed, data.kc, data.k)
+    dh = (n * dw).sum(axis=-1, keepdims=True)
+    dF = rate(lambda model: _normal_law(pressed, model.kc, model.k)[1])
+    dF = np.where(pressed > 0.0, dF + slope * (rate(attrgetter("d")) - dh), 0.0)
+    f, df = -F * n, -dF * n - F * (dw - dh * n) / h  # the energy's gradient in the pair's vector, its rate
+    rates = np.zeros((len(data.rows) + 1, len(states), 3))
+    for circles, sign in ((first, -1.0), (second, 1.0)):
+        moment = _cross(arms[:, circles], df) + _cross(moves[:, circles], f)
+        each = sign * np.concatenate((df, moment), axis=-1)
+        np.add.at(rates, data.attached[circles], each.swapaxes(0, 1))
+    return rates[1:].swapaxes(0, 1).reshape(len(states), -1)
+
+
+def _cross(a: np.ndarray, b: np.ndarray) -> np.ndarray:
+    """Component out of the plane of the vector product, (..., 1)."""
+    return a[..., :1] * b[..., 1:] - a[..., 1:] * b[..., :1]

@@ -46,10 +46,14 @@ class BeamShape(PairReader):
 
     def circles(self, states: np.ndarray) -> np.ndarray:
         """Centres of the contact circles, shape (states, circles, 2), mm."""
-        nodes = self._nodes(states)[:, self.data.attached]
-        c, s = np.cos(nodes[..., 2]), np.sin(nodes[..., 2])
-        ox, oy = self.data.offset.T
-        return nodes[..., :2] + np.stack((c * ox - s * oy, s * ox + c * oy), axis=-1)
+        return self._nodes(states)[:, self.data.attached, :2] + self.arms(states, self.data.offset)
+
+    def arms(self, states: np.ndarray, offset: np.ndarray) -> np.ndarray:
+        """Vectors (circles, 2) from the nodes at rest, turned as these are, shape (states, circles, 2)."""
+        turn = self._nodes(states)[:, self.data.attached, 2]
+        c, s = np.cos(turn), np.sin(turn)
+        ox, oy = offset.T
+        return np.stack((c * ox - s * oy, s * ox + c * oy), axis=-1)
 
     def pair_vectors(self, states: np.ndarray) -> np.ndarray:
         """Vectors between the centres of the pairs, shape (states, pairs, 3)."""
