@@ -8,6 +8,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
+from scipy.linalg import eigh
 
 import equivbeam
 import wirefe
@@ -90,6 +91,32 @@ def test_a_frequency_vanishes_at_the_buckling_load():
     squares = [wirefe.frequencies(path, step, count=1, top="scene")[0] ** 2 for step in (3, 5, 7, 9)]
     critical = -equivbeam.buckling(SLENDER, law="helix").force
     assert np.polyfit(squares, loads, 3)[-1] == pytest.approx(critical, rel=0.01)
+
+
+@pytest.mark.parametrize("held", [("ux", "rotz"), ("ux",)])
+def test_an_unstable_mode_is_the_lowest(held):
+    """Against all eigenvalues. Those next to zero were found instead, with no nan among one or two."""
+    spring = Spring(1.0, 10.0, 8.0, 40.0, end_turns=0.0)
+    scene = Scene("snaps", spring, Load((0.0, -80.0)), supports=Supports(held), contact=FREE)
+    path = wirefe.trace(scene, points=300, element="curved", elements_per_turn=8)
+    unstable = np.flatnonzero(path.negative_pivots)
+    assert len(unstable) > 5
+    missed = 0
+    for step in unstable[:: len(unstable) // 5]:
+        state, shape = path.states[step], path.shape
+        free = np.setdiff1d(np.arange(shape.size), shape.data.held.placed)
+        K = tangent_stiffness(shape, state, shape.histories(None, state[None])[0])
+        matrices = (matrix[free][:, free].toarray() for matrix in (K, mass(shape, state)))
+        squares = eigh(*matrices, eigvals_only=True, subset_by_index=[0, 3])
+        missed += abs(squares[0]) > squares[1]
+        assert squares[0] < 0.0
+        with np.errstate(invalid="ignore"):
+            exact = np.sqrt(squares) / (2.0 * math.pi)
+        for count in (1, 2, 4):
+            assert_allclose(
+                wirefe.frequencies(path, step, count=count, top="scene"), exact[:count], rtol=1e-5
+            )
+    assert missed > 1  # the unstable one is not next to zero
 
 
 def test_stiffness_is_the_slope_of_the_forces_where_coils_touch():

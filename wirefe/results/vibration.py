@@ -231,14 +231,34 @@ def natural_frequencies(rod: Rod, density: float, diameter: float, count: int) -
 
 def lowest_modes(K: csr_array, M: csr_array, free: np.ndarray, count: int) -> tuple[np.ndarray, np.ndarray]:
     """The lowest `count` frequencies, Hz, by stiffness and mass of the `free` dofs, nan where unstable; and
-    the modes, (free, count)."""
+    the modes, (free, count).
+
+    Iteration finds the eigenvalues next to a shift. Those next to zero are the lowest, unless negative ones
+    are missing among them: then the shift is below all.
+    """
     from scipy.sparse.linalg import eigsh
 
     K, M = (matrix[free][:, free].tocsc() for matrix in (K, M))
-    squares, vectors = eigsh(K, k=count, M=M, sigma=0.0, v0=np.ones(len(free)))
+    start = np.ones(len(free))
+    squares, vectors = eigsh(K, k=count, M=M, sigma=0.0, v0=start)
+    if _below(K) > np.count_nonzero(squares < 0.0):
+        shift = 2.0 * np.abs(squares).max()
+        while _below(K + shift * M) > 0:
+            shift *= 4.0
+        squares, vectors = eigsh(K, k=count, M=M, sigma=-shift, v0=start)
     order = np.argsort(squares)
     with np.errstate(invalid="ignore"):
         return np.sqrt(squares[order]) / (2.0 * math.pi), vectors[:, order]
+
+
+def _below(K: csr_array) -> int:
+    """How many eigenvalues of a symmetric matrix are negative: as many as pivots (Sylvester)."""
+    from scipy.sparse.linalg import splu
+
+    factors = splu(
+        K, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True, "Equil": False}
+    )
+    return int(np.count_nonzero(factors.U.diagonal() < 0.0))
 
 
 def linear_stiffness(rod: Rod) -> csr_array:
