@@ -223,8 +223,9 @@ class EquilibriumPath:
     def rates(self) -> np.ndarray:
         """Rate of the spring along its load, dF/du, shape (steps,), N/mm: the tangent stiffness.
 
-        With friction, in which the tangent is that of one direction of sliding, and of a law that this
-        process does not know, it is the difference from the row before.
+        It is the difference from the row before with friction, in which the tangent is that of one direction
+        of sliding; in rows in which sticking pairs creep under a force, which the path keeps touching and the
+        tangent does not; and of a law that this process does not know.
         """
         return self.rates_at(slice(None))
 
@@ -235,9 +236,13 @@ class EquilibriumPath:
         if histories is not None and 0.0 < mu < np.inf and self.scene.contact.enabled:
             return secants(self, directions)[rows]
         try:
-            return self.shape.rates(self.states[rows], histories, directions[rows])
+            tangents = self.shape.rates(self.states[rows], histories, directions[rows])
         except InputError:
             return secants(self, directions)[rows]
+        if histories is None or not self.scene.contact.enabled:
+            return tangents
+        creeping = (histories["creeps"] & (histories["released"] < 1.0)).any(axis=-1)
+        return np.where(creeping, secants(self, directions)[rows], tangents) if creeping.any() else tangents
 
     @cached_property
     def max_stress(self) -> np.ndarray | None:

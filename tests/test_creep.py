@@ -6,6 +6,8 @@ from itertools import product
 import numpy as np
 import pytest
 
+import wirefe
+from coilspring import Contact, Load, Scene, Spring, Supports
 from coilspring.contact.history import grazes, let_go
 from coilspring.contact.law import PAIR_HISTORY
 from coilspring.contact.touching import CREEP
@@ -206,6 +208,25 @@ def test_what_creeps_just_touches():
     assert np.abs(gaps).max() <= 2.0 * CREEP
     force = np.linalg.norm(path.friction.force, axis=-1)[slides]
     assert (force > 0.0).all()
+
+
+def test_the_rate_where_pairs_creep_is_that_of_the_path():
+    """Within 1 % of central differences away from touches; the tangent is 9 to 30 % off, for it lets the
+    pair press or open."""
+    spring = Spring(3.15, 45.7, 9.75, 33.25, end_turns=0.5, ends="open", start_phase=-1.47)
+    contact = Contact(stiffness=2e3, sliding="none", geometry="spheres")
+    scene = Scene("creep", spring, Load((43.0, -1.9), 100), supports=Supports(("rotz",)), contact=contact)
+    path = wirefe.solve(scene, element="curved", elements_per_turn=8)
+    direction = np.array(scene.load.force) / np.hypot(*scene.load.force)
+    slopes = np.gradient(path.loads @ direction, path.tips[:, :2] @ direction)
+    creeping = path.histories["creeps"].any(axis=1)
+    calm = creeping & (path.times > 0.3) & (path.times < 0.99)
+    assert calm.sum() > 50
+    np.testing.assert_allclose(path.rates[calm], slopes[calm], rtol=1e-2)
+    tangents = path.shape.rates(path.states, path.histories, np.tile(direction, (len(path.states), 1)))
+    assert np.abs(tangents / slopes - 1.0)[calm].min() > 0.05
+    np.testing.assert_allclose(path.rates[~creeping], tangents[~creeping], rtol=1e-12)
+    assert path.rates_at(slice(-1, None)) == path.rates[-1:]
 
 
 @pytest.mark.parametrize(("name", "seed"), [("w00029", 75), ("w00007", 76)])

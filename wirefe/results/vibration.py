@@ -51,6 +51,10 @@ class Mode(NamedTuple):
 def frequencies(path: EquilibriumPath, step: int = -1, *, count: int = 6, top: str = "held") -> np.ndarray:
     """Lowest natural frequencies about a stored equilibrium of the wire model.
 
+    The stiffness is the tangent of the state. A sticking pair that creeps has in it the share of its
+    tangential stiffness that is left to it, and presses or opens, while the path keeps it just touching: so
+    it is not the slope of the path, `EquilibriumPath.rates`, there.
+
     Parameters
     ----------
     path : of `wirefe.solve` or `wirefe.trace`; its material has the density.
