@@ -9,10 +9,11 @@ from typing import Any
 
 import numpy as np
 
-from coilspring.errors import InputError, require_integer
+from coilspring.errors import InputError, require_integer, require_number
 from coilspring.scene import Load, Scene, require_scene
-from coilspring.solver.problem import Problem
+from coilspring.scene.sizing import axial_rate
 from coilspring.solver.solve import Run, follow_problem
+from coilspring.solver.stages import FIXED
 from equivbeam import kernels
 from equivbeam.laws import law_of
 from equivbeam.laws.haringx import KAX, KFL, KSH, L0
@@ -24,6 +25,7 @@ from equivbeam.shape import BeamShape
 from equivbeam.solve import KERNELS
 
 FARTHEST = 0.9  # of the height at rest: shortening up to which buckling is searched
+MOST = 1e3  # heights by which it may be drawn
 
 
 @dataclass(frozen=True)
@@ -63,13 +65,14 @@ def buckling(
     -------
     Buckling, or None where the spring stays straight down to a tenth of its height.
     """
-    shortening = FARTHEST * require_scene(scene).spring.active_height
-    problem, run = _compressed(scene, law_of(law), refine, inclined, shortening)
+    law, shortening = law_of(law), FARTHEST * require_scene(scene).spring.active_height
+    straight, data, run = _compressed(scene, law, refine, inclined, shortening)
     if run.critical_time is None:
         return None
     mode = np.concatenate((np.zeros(3), run.mode)).reshape(-1, 3)
+    last, histories = run.track.last[None], run.track.history[None]
     return Buckling(
-        force=run.critical_time * float(problem.load.min()),
+        force=float(_shape(straight, data, law).reactions(last, histories)[0]),
         shortening=scene.spring.active_height - float(run.track.last[-2]),
         mode=mode / mode.flat[np.abs(mode).argmax()],
     )
@@ -86,18 +89,22 @@ def lateral_stiffness(
     ------
     InputError : the spring has buckled before.
     """
-    law = law_of(law)
-    problem, run = _compressed(scene, law, refine, inclined, shortening)
+    law, height = law_of(law), require_scene(scene).spring.active_height
+    require_number("shortening", shortening, -MOST * height, height)
+    straight, data, run = _compressed(scene, law, refine, inclined, shortening)
     if run.outcome != "completed":
         raise InputError(f"shortening must be below that of buckling, got {shortening!r}")
-    shape = BeamShape(scene, problem.data, kernels.assemble_of(law, problem.data.rows))
+    shape = _shape(straight, data, law)
     return float(shape.rates(run.track.states[-1:], None, np.array([[1.0, 0.0]]))[0])
 
 
 def _compressed(
     scene: Scene, law: str | UserLaw, refine: int, inclined: bool, shortening: float
-) -> tuple[Problem, Run]:
-    """The spring pressed by the force that would shorten it so, were it to go on as at rest."""
+) -> tuple[Scene, BeamModel, Run]:
+    """The spring without contact, its model, and what followed as the top was lowered by the shortening.
+
+    The force would not do: a law need not be linear. The spring buckles where it does under the force.
+    """
     require_integer("refine", refine, 1, 10_000)
     if law != "haringx" and (refine > 1 or not inclined):
         raise InputError(
@@ -106,13 +113,20 @@ def _compressed(
     straight = replace(require_scene(scene).without_contact(), load=Load((0.0, -1.0)))
     # a perfect column: with fixed ends of the wire its axis would bend from the first force on
     refinements = Refinements(ends=False) if law == "helix" else None
-    perfect = build_model(straight, BeamOptions(law, refinements=refinements))
-    data = _refined(perfect, scene, refine, inclined)
-    at_rest = build_model(straight) if law == "helix" else data
-    force = shortening / float((1.0 / at_rest.rows[:, KAX]).sum())
-    problem = beam_problem(data, force * load_vector(data, straight))
+    data = _refined(build_model(straight, BeamOptions(law, refinements=refinements)), scene, refine, inclined)
+    fixed, load = FIXED * axial_rate(straight), load_vector(data, straight)
+    problem = beam_problem(data, fixed * shortening * load)
+    assert problem.top is not None
+    place, dof, diagonal = problem.top.state[1], problem.top.dof[1], problem.top.diagonal
+    prescribed = np.array([place, dof, diagonal, fixed, -shortening])
     with_law = KERNELS._replace(assemble=kernels.assemble_of(law, data.rows))
-    return problem, follow_problem(problem, with_law, np.ones(1), scene.spring.wire_diameter)
+    problem = replace(problem, prescribed=prescribed)
+    return straight, data, follow_problem(problem, with_law, np.ones(1), scene.spring.wire_diameter)
+
+
+def _shape(straight: Scene, data: BeamModel, law: str | UserLaw) -> BeamShape:
+    """Reader of the states of the column."""
+    return BeamShape(straight, data, kernels.assemble_of(law, data.rows))
 
 
 def _refined(data: BeamModel, scene: Scene, refine: int, inclined: bool) -> BeamModel:
