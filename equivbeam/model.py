@@ -17,7 +17,7 @@ from equivbeam.band import ROW
 from equivbeam.laws import LAWS, USER, law_rows
 from equivbeam.laws.haringx import L0
 from equivbeam.laws.helix import Refinements
-from equivbeam.options import TANGENTS, BeamOptions
+from equivbeam.options import EXACT, TANGENTS, BeamOptions
 from equivbeam.stations import half_coil_count
 
 PAIRS_PER_TURN = 2
@@ -101,6 +101,11 @@ def rest_state(model: BeamModel) -> np.ndarray:
     state = np.zeros((len(model.rows) + 1, 3))
     state[1:, 1] = np.cumsum(model.rows[:, L0])
     return state.ravel()
+
+
+def with_tangent(model: BeamModel) -> BeamModel:
+    """The model with the exact tangent as its matrix."""
+    return model._replace(tangent=EXACT)
 
 
 def load_vector(model: BeamModel, scene: Scene) -> np.ndarray:

@@ -14,7 +14,7 @@ from coilspring.path import EquilibriumPath
 from coilspring.scene import Scene
 from coilspring.scene.material import Material
 from equivbeam import band, kernels
-from equivbeam.model import BeamModel, build_model, matrix_size
+from equivbeam.model import BeamModel, build_model, matrix_size, with_tangent
 from equivbeam.options import BeamOptions
 from equivbeam.shape import BeamShape
 
@@ -142,7 +142,7 @@ def sensitivities(path: EquilibriumPath, parameters: Sequence[str]) -> Sensitivi
     at = values(path.scene, names)
     tips = np.empty((len(path.times), len(names), 3))
     packed, factors = pack(shape.data), np.empty((len(path.times), matrix_size(shape.data)))
-    _gradients(shape.assemble, shape.data, path.states, factors)
+    _gradients(shape.assemble, with_tangent(shape.data), path.states, factors)
     for F in factors:
         band.factor(*packed, F)
     for i, name in enumerate(names):

@@ -11,7 +11,7 @@ from coilspring.contact.results import PairReader
 from coilspring.scene import Scene
 from coilspring.solver.stages import rates, reactions
 from equivbeam import band, kernels
-from equivbeam.model import BeamModel, matrix_size, rest_state
+from equivbeam.model import BeamModel, matrix_size, rest_state, with_tangent
 
 
 def element_measures(states: np.ndarray) -> np.ndarray:
@@ -69,10 +69,13 @@ class BeamShape(PairReader):
         return reactions(self.assemble, self.data, size, size - 2, states, histories)
 
     def rates(self, states: np.ndarray, histories: np.ndarray | None, directions: np.ndarray) -> np.ndarray:
-        """Tangent stiffness of the top along directions (states, 2), shape (states,), N/mm."""
+        """Tangent stiffness of the top along directions (states, 2), shape (states,), N/mm.
+
+        The tangent is exact, even where the paper's matrix led to the states.
+        """
         compiled, size = (self.assemble, band.factor, band.solve), states.shape[1] - 3
         sizes, remembered = (size, matrix_size(self.data)), self.histories(histories, states)
-        return rates(compiled, self.data, sizes, size - 3, states, remembered, directions)
+        return rates(compiled, with_tangent(self.data), sizes, size - 3, states, remembered, directions)
 
     def largest_stresses(self, states: np.ndarray) -> None:
         """Nothing: the beam has no wire."""
