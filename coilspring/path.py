@@ -241,7 +241,10 @@ class EquilibriumPath:
             return secants(self, directions)[rows]
         if histories is None or not self.scene.contact.enabled:
             return tangents
-        creeping = (histories["creeps"] & (histories["released"] < 1.0)).any(axis=-1)
+        given_way = (histories["released"] > 0.0) & (
+            histories["released"] < 1.0
+        )  # else it is pressed, or free
+        creeping = (histories["creeps"] & given_way).any(axis=-1)
         return np.where(creeping, secants(self, directions)[rows], tangents) if creeping.any() else tangents
 
     @cached_property

@@ -87,7 +87,7 @@ def lateral_stiffness(
 
     Raises
     ------
-    InputError : the spring has buckled before.
+    InputError : the spring has buckled before, or has no such length.
     """
     law, height = law_of(law), require_scene(scene).spring.active_height
     require_number("shortening", shortening, -MOST * height, height)

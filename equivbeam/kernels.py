@@ -225,9 +225,13 @@ def pair_rates(reals, ints, state, motion, history, rates):
 @kernel
 def length_gradient(reals, ints, state, history, pair, g):
     """See `coilspring.solver.interface`."""
-    model, t = view(reals, ints), np.empty(3)
+    model, w, t = view(reals, ints), np.zeros(3), np.empty(3)
     clear(g)
-    w = _vectors(model, state)[pair]
+    for side in range(2):
+        x, y = _arm(model, state, model.pairs[pair, side])
+        n, sign = 3 * model.attached[model.pairs[pair, side]], 2.0 * side - 1.0
+        w[0] += sign * (state[n] + x)
+        w[1] += sign * (state[n + 1] + y)
     length = gradient_of_length(w, math.sqrt(w[0] ** 2 + w[1] ** 2), history[pair], model, t)
     for side in range(2):
         x, y = _arm(model, state, model.pairs[pair, side])

@@ -117,7 +117,7 @@ def caution(path: EquilibriumPath, least_gaps: np.ndarray) -> str:
     row, when = worst(beyond := path.shape.beyond_ends(path.states), path.times)
     if beyond[row] > MOST_BEYOND * d:
         reach = f"coils reach {beyond[row]:.3g} mm beyond an end"
-        return f"{said}; but{when} {reach}, which nothing in the models stops"
+        return f"{said}; but{when} {reach}, which no seat stops here"
     return said
 
 

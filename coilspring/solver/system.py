@@ -101,7 +101,7 @@ class Workspace(NamedTuple):
     rest: np.ndarray  # matrix at the start
     history: np.ndarray  # (pairs,) contact history: at the last accepted state, bounds of the trial
     trial_history: np.ndarray  # that with which the trial state was found
-    low: np.ndarray  # two more tables, for differences
+    low: np.ndarray  # two more tables, of another state or with other bounds
     high: np.ndarray
     decrements: np.ndarray  # the last Newton decrements over the reference work
     states: np.ndarray  # (steps, state size), at the requested times

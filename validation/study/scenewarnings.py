@@ -42,7 +42,7 @@ def warnings(scene: Scene) -> list[str]:
     if nests(spring):
         said.append(
             "the radius changes by the wire diameter or more per coil: such coils pass inside one another "
-            "without touching, where check takes them to lie flat on a seat, which neither model has"
+            "without touching; check takes them to lie flat on a seat under all coils, which no model has"
         )
     return said + _of_load(scene, found)
 

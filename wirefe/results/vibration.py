@@ -29,6 +29,7 @@ POINTS = 4  # Gauss points of an element
 TOPS = ("held", "scene")
 AXIAL, LATERAL, TORSIONAL, MIXED = "axial", "lateral", "torsional", "mixed"
 MAIN = 0.7  # share of what coils move as a whole, that names a mode
+MOST_SHIFT = 1e12  # times the largest eigenvalue found next to zero
 LEAST = 0.2  # share of all motion that this is, at least
 FEWEST_TURNS = 2.0  # of wire, end turns included: with fewer no mode has a name
 
@@ -246,8 +247,8 @@ def lowest_modes(K: csr_array, M: csr_array, free: np.ndarray, count: int) -> tu
     start = np.ones(len(free))
     squares, vectors = eigsh(K, k=count, M=M, sigma=0.0, v0=start)
     if _below(K) > np.count_nonzero(squares < 0.0):
-        shift = 2.0 * np.abs(squares).max()
-        while _below(K + shift * M) > 0:
+        least = shift = 2.0 * np.abs(squares).max()
+        while _below(K + shift * M) > 0 and shift < MOST_SHIFT * least:  # else without mass
             shift *= 4.0
         squares, vectors = eigsh(K, k=count, M=M, sigma=-shift, v0=start)
     order = np.argsort(squares)

@@ -227,8 +227,9 @@ def strays(work, substep):
 @part
 def hides_instability(system, work, path):
     """Whether the first pair closes, and the open spring has become unstable before: contact may hide it."""
+    copy_history(work.history, work.high)
     closes = system.update_history(system.reals, system.ints, work.trial, work.history) <= 0.0
-    copy_history(work.trial_history, work.history)
+    copy_history(work.high, work.history)
     if not closes:
         return False
     assembled(system, work.state, np.inf, work.history, work.trial, work.g, work.H)

@@ -152,12 +152,11 @@ def _held(row):
 
 @part
 def _factor_sliding(system, work, active, accepted):
-    """Gradient and factor of the trial state with the active pairs, in `work.low`, at the bounds of their
-    forces; of a state that is `accepted`, those it has."""
+    """Factor of the trial state with the active pairs, in `work.low`, at the bounds of their forces; of a
+    state that is `accepted`, those it has."""
     low = work.low
     copy_history(work.history, low)
     for m in active:
-        low[m].sticking = low[m].held if accepted else low[m].sticking
         force = low[m].held if accepted else _held(low[m])
         low[m].bound, low[m].released, low[m].rise = force * (1.0 - LESS), 0.0, 0.0
     factor_state(system, work, work.trial, low)

@@ -216,16 +216,16 @@ def rise_of_bounds(system, task, work):
 
     `work.F` is the factor of its matrix; `work.step`, `work.ahead` and the table `low` are overwritten.
     """
-    pairs, less = work.history.shape[0], work.scratch[: task.load.size]
+    pairs, pull = work.history.shape[0], work.scratch[: task.load.size]
     rates, rise, whole = np.empty((pairs, 2)), 0.0, 0.0
     copy_history(work.trial_history, work.low)
-    clear(less)
+    clear(pull)
     for m in _sliding(work.history, work.low):
         row = work.low[m]
         share = row.bound * rate_by_bound(gradient_of(system, work, m, work.step), row)
-        for i in range(less.size):
-            less[i] += share * work.step[i]
-    solution(system, work.F, less, 1.0, work.ahead)
+        for i in range(pull.size):
+            pull[i] += share * work.step[i]
+    solution(system, work.F, pull, 1.0, work.ahead)
     _find_rates(system, task, work, rates)
     for m in range(pairs):
         row = work.history[m]

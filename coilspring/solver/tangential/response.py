@@ -1,4 +1,4 @@
-"""How a trial state, and what its pairs do, answer to a small change of what they hold."""
+"""How a trial state answers to what its pairs hold, and how gaps and slips change as it moves: exactly."""
 
 from coilspring.compiling.compiled import part
 from coilspring.solver.equilibrium.operations import solution
@@ -25,5 +25,5 @@ def gradient_of(system, work, m, g):
 
 @part
 def find_rates(system, work, rates):
-    """Fill the rates (pairs, 2) of gaps and tangential lengths of all pairs with the motion `work.ahead`."""
+    """Fill the rates (pairs, 2) of gaps and tangential lengths of held pairs with the motion `work.ahead`."""
     system.pair_rates(system.reals, system.ints, work.trial, work.ahead, work.low, rates)
