@@ -153,7 +153,7 @@ def test_rows_of_a_finer_path():
 def test_what_friction_leaves_open_is_refused_with_what_can_be_reached(monkeypatch):
     monkeypatch.setattr("wirefe.adaptive.difference", lambda coarse, fine: 3e-4)
     with pytest.raises(
-        InputError, match=r"accuracy must be at least 0\.0063 for this scene, got 0\.001: by the substeps of fric"
+        InputError, match=r"must be at least 0\.0063 for this scene, got 0\.001: by the substeps of fric"
     ):
         wirefe.solve_to(touching(sliding="none"), 1e-3)
 
