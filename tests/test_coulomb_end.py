@@ -254,9 +254,6 @@ def test_the_verifiers_steps_lose_stability_where_a_sliding_pair_opens():
     assert 0.99999 * loses_stability(forces, before, 1.0001) == pytest.approx(1.0, abs=1e-6)
 
 
-@pytest.mark.xfail(
-    strict=True, reason="with exact rates its path says that forces are left open before its end"
-)
 @pytest.mark.usefixtures("first_order_elements")
 def test_the_verifier_steps_to_a_limit_point_from_the_nearest_state_before():
     """The path snaps 0.3 % before its limit point, where the stiffness jumps: steps from 0.2 % before do not
