@@ -83,8 +83,7 @@ class BeamShape(PairReader):
     def beyond_ends(self, states: np.ndarray) -> np.ndarray:
         """By how much circles are beyond the planes of the ends, shape (states,), mm; see
         `coilspring.path.Shape`."""
-        spring, centres = self.scene.spring, self.circles(states)
-        low, high = spring.height(np.array(spring.phase_range)) - (0.0, spring.active_height)
+        centres, (low, high) = self.circles(states), self.scene.spring.tips
         x, y, theta = self._nodes(states)[:, -1].T[..., None]
         above = (centres[..., 1] - y) * np.cos(theta) - (centres[..., 0] - x) * np.sin(theta)
         return np.maximum(low - centres[..., 1].min(axis=1), above.max(axis=1) - high)

@@ -173,6 +173,12 @@ class Spring:
             return self.wire_diameter, self.wire_diameter
         return self.coils[0].pitch[0], self.coils[-1].pitch[1]
 
+    @property
+    def tips(self) -> tuple[float, float]:
+        """Height of the wire's tips over the bottom and the top of its active part, mm."""
+        low, high = self.end_pitch
+        return -self.end_turns * low, self.end_turns * high
+
     def radius(self, phi: np.ndarray) -> np.ndarray:
         """Coil radius at the phases `phi`, mm: piecewise linear, constant in the end turns."""
         return np.interp(phi, self.profile.knots, self.profile.radii)

@@ -108,8 +108,7 @@ class WireShape(PairReader):
 
     def beyond_ends(self, states: np.ndarray) -> np.ndarray:
         """By how much nodes are beyond the planes of the ends, (states,), mm; see `coilspring.path.Shape`."""
-        nodes, spring = rows(states), self.scene.spring
-        low, high = spring.height(np.array(spring.phase_range)) - (0.0, spring.active_height)
+        nodes, (low, high) = rows(states), self.scene.spring.tips
         axis = turned_rows(nodes[:, -1, 3:], np.array([0.0, 1.0, 0.0]))
         above = ((nodes[:, :-1, :3] - nodes[:, -1:, :3]) * axis[:, None]).sum(axis=-1)
         return np.maximum(low - nodes[:, :-1, 1].min(axis=1), above.max(axis=1) - high)
