@@ -58,14 +58,10 @@ def compare_curves(
     )
     moved = peaks(wanted)
     relative = (curves[mine] - wanted[theirs]) / moved
-    largest, rms = (
-        {
-            name: found
-            for name, found, peak in zip(COMPONENTS, each.tolist(), moved, strict=True)
-            if peak < np.inf
-        }
-        for each in (np.abs(relative).max(axis=0), np.sqrt(np.mean(relative**2, axis=0)))
-    )
+    kept = [i for i, peak in enumerate(moved) if peak < np.inf]
+    names, relative = [COMPONENTS[i] for i in kept], relative[:, kept]
+    largest = dict(zip(names, np.abs(relative).max(axis=0).tolist(), strict=True))
+    rms = dict(zip(names, np.sqrt(np.mean(relative**2, axis=0)).tolist(), strict=True))
     ends = (common.size, float(common[-1]))
     return Comparison(max(largest.values()), max(rms.values()), NAN, NAN, largest, rms, *ends)
 

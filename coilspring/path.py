@@ -241,10 +241,8 @@ class EquilibriumPath:
             return secants(self, directions)[rows]
         if histories is None or not self.scene.contact.enabled:
             return tangents
-        given_way = (histories["released"] > 0.0) & (
-            histories["released"] < 1.0
-        )  # else it is pressed, or free
-        creeping = (histories["creeps"] & given_way).any(axis=-1)
+        released = histories["released"]  # all of it where the pair is free, nothing where it is pressed
+        creeping = (histories["creeps"] & (released > 0.0) & (released < 1.0)).any(axis=-1)
         return np.where(creeping, secants(self, directions)[rows], tangents) if creeping.any() else tangents
 
     @cached_property

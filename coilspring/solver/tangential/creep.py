@@ -39,7 +39,12 @@ def renew_creep(system, task, work, substep, pressed):
     if worst <= 1.0:
         return worst
     n = active.size
-    opens, slips, rows, rates = np.empty((n, n)), np.empty((n, n)), np.empty((3, n)), _rates_of(history)
+    opens, slips, rows, rates = (
+        np.empty((n, n)),
+        np.empty((n, n)),
+        np.empty((3, n)),
+        np.empty((history.shape[0], 2)),
+    )
     _factor_sliding(system, work, active, False)
     for p in range(n):
         push(system, work, active[p])
@@ -85,7 +90,7 @@ def creep_tangent(system, task, work):
     if n == 0:
         return 0
     _factor_sliding(system, work, active, True)
-    M, motions, rates = np.empty((n, n + 1)), np.empty((n, task.load.size)), _rates_of(history)
+    M, motions, rates = np.empty((n, n + 1)), np.empty((n, task.load.size)), np.empty((history.shape[0], 2))
     for p in range(n):
         push(system, work, active[p])
         find_rates(system, work, rates)
@@ -105,12 +110,6 @@ def creep_tangent(system, task, work):
         for i in range(task.load.size):
             work.tangent[i] += M[p, n] * motions[p, i]
     return 1
-
-
-@part
-def _rates_of(history):
-    """Room for rates of all pairs."""
-    return np.empty((history.shape[0], 2))
 
 
 @part
