@@ -192,6 +192,18 @@ def test_a_sticking_pair_that_lets_go_within_a_substep_is_not_missed():
     np.testing.assert_allclose(tips, tips[-1:].repeat(4, axis=0), rtol=1e-4)
 
 
+@pytest.mark.parametrize("steps", [1, 5, 8])
+def test_sticking_pairs_open_where_they_touched_when_a_spring_is_unloaded_the_way_it_was_loaded(steps):
+    """Gap and tangential force vanish together there: in 1 and 5 steps one pair held itself shut by a force
+    the other way, and the spring was 7 mm short with no load."""
+    spring = Spring(1.26, 13.6, 10.5, 25.32, ends="open", start_phase=1.01)
+    load = Load(stages=((3.367, -9.156), (0.0, 0.0)), steps=steps)
+    scene = Scene("there and back", spring, load, contact=Contact(stiffness=1.02e3, sliding="none"))
+    path = equivbeam.solve(scene, law="helix", sliding="scene")
+    assert path.tips[steps - 1, 0] > 15.0
+    assert path.tips[-1] == pytest.approx([0.0, 0.0, 0.0], abs=1e-8)
+
+
 def test_a_slide_that_turns_is_followed_in_any_number_of_steps():
     """5 steps were 1.2e-3 off, until the turn of slides limited substeps. Measured: 1.0e-5 at most."""
     case = make_case("w00119", 89)

@@ -20,6 +20,7 @@ from coilspring.contact.touching import (
     touches_again,
     touches_first,
     touching_gap,
+    turns_round,
 )
 
 SLIGHT = 1e-7  # wire diameters of penetration: its force is the least that friction bounds are compared with
@@ -193,7 +194,7 @@ def update_pairs(before, ahead, vectors, history, law):
     and the trial state: which pairs touch since, and where they did first; and the bounds of the tangential
     forces. Returns the largest change over the largest force.
     """
-    mu, d, e = law.mu, law.d, np.empty(3)
+    mu, d, e, held = law.mu, law.d, np.empty(3), np.empty(3)
     change, most = 0.0, min(mu, 1.0) * normal_law(SLIGHT * d, law.kc, law.k)[1]
     for m in range(vectors.shape[0]):
         h, row = _distance(vectors, m), history[m]
@@ -222,6 +223,10 @@ def update_pairs(before, ahead, vectors, history, law):
         most, row.gap = max(most, min(mu, 1.0) * normal), h - d
         if mu == np.inf:
             opens_after(row, _distance(before, m), _distance(ahead, m), h, d)
+            if not row.fresh:
+                stretch(before[m], row, held)
+                stretch(vectors[m], row, e)
+                turns_round(row, held, e, normal, d)
             continue
         if row.wanted != row.lead:
             _lead(row)

@@ -9,6 +9,7 @@ from coilspring.compiling.compiled import inlined
 LEAST_LEFT = 0.5
 TOUCHING = 1e-10  # wire diameters of gap, no more than rounding leaves: with less, a pair that sticks touches
 OPEN = 2e-6  # wire diameters of gap at most where a pair that sticks is said to open
+TURNED = 0.01  # of what a pair that sticks holds, by which that may turn round in a substep
 CREEP = 1e-9  # wire diameters of gap at most where a pair that creeps is said to touch;
 PRESSED = 1e-6  # of the load at most by which it is pressed then (that adds up over substeps), between
 FINEST_CREEP, MOST_PRESSED = 1e-12, 1e-6  # wire diameters: what rounding leaves, and the most
@@ -129,6 +130,23 @@ def opens_after(row, before, ahead, after, d):
         opens = (d - before) / (ahead - before) if before < d < ahead else 0.0
         start = d if opens > 0.0 else before
         row.cut = opens + (1.0 - opens) * ((1.0 + 0.5 * OPEN) * d - start) / (after - start)
+
+
+@inlined
+def turns_round(row, before, after, normal, d):
+    """Ask for a substep that ends where a sticking pair, stretched as `before` and `after` it, just holds
+    nothing: on the way back it is pressed by nothing where it touched first, too, and opens there.
+
+    Not where the `normal` force is larger than what it holds.
+    """
+    square, along, other = 0.0, 0.0, 0.0
+    for i in range(3):
+        square += before[i] * before[i]
+        along -= before[i] * after[i]
+        other += after[i] * after[i]
+    turns = along > TURNED * square and square > (FINEST * d) ** 2
+    if turns and normal < row.stiffness * math.sqrt(other):
+        row.cut = min(row.cut, (1.0 + 0.5 * TURNED) / (1.0 + along / square))
 
 
 @inlined

@@ -21,6 +21,7 @@ from coilspring.contact.touching import (
     touches_again,
     touches_first,
     touching_gap,
+    turns_round,
 )
 from wirefe.contact.wires import between_sections, gap, placed, tangential_slip, touches, touching_points
 from wirefe.element.algebra import dot, plus
@@ -151,6 +152,9 @@ def update_wires(contact, accepted, predicted, state, history):
         if contact.mu == np.inf:
             far, _, _, _, _ = gap(contact, before, m)
             opens_after(row, far, gap(contact, ahead, m)[0], h, d)
+            if not row.fresh:
+                _, held = tangential_slip(contact, before, accepted, m, row)
+                turns_round(row, held, way, normal, d)
         else:
             bound = contact.mu * normal
             row.steepness = contact.mu * slope if h < d else 0.0
