@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import math
 import re
+from codecs import BOM_UTF16_BE, BOM_UTF16_LE
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
@@ -168,14 +169,14 @@ def table_of(source: Mapping[str, np.ndarray] | pd.DataFrame | str | Path) -> di
 
 
 def _text(file: Path) -> str:
-    """Text of a file; old programs write Latin-1."""
+    """Text of a file; spreadsheets write UTF-16, too, and old programs Latin-1."""
     try:
         data = file.read_bytes()
     except (OSError, ValueError) as error:
         reason = getattr(error, "strerror", None) or error
         raise InputError(f"curve must be a readable CSV file, got {shown(str(file))} ({reason})") from None
     try:
-        return data.decode("utf-8-sig")
+        return data.decode("utf-16" if data.startswith((BOM_UTF16_LE, BOM_UTF16_BE)) else "utf-8-sig")
     except UnicodeDecodeError:
         return data.decode("latin-1")
 

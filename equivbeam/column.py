@@ -87,8 +87,11 @@ def lateral_stiffness(
 
     Raises
     ------
-    InputError : the spring has buckled before, or has no such length.
+    InputError : the spring has buckled before, has no such length, or its top is held laterally.
     """
+    held = require_scene(scene).supports.top_held
+    if "ux" in held:
+        raise InputError(f"supports.top_held must leave ux free for a lateral stiffness, got {held!r}")
     law, height = law_of(law), require_scene(scene).spring.active_height
     require_number("shortening", shortening, -MOST * height, height)
     straight, data, run = _compressed(scene, law, refine, inclined, shortening)

@@ -83,6 +83,15 @@ def test_a_bench_curve_gives_back_what_was_put_in(bench, tmp_path, capsys):
     assert (out / "calibration.png").read_bytes()[:4] == b"\x89PNG"
 
 
+def test_a_curve_of_a_spreadsheet_in_utf_16_is_read(bench, tmp_path):
+    curve = write(tmp_path / "bench.csv", bench)
+    wide = tmp_path / "wide.csv"
+    wide.write_text(curve.read_text(encoding="latin-1"), encoding="utf-16")
+    one, other = table_of(curve), table_of(wide)
+    assert one.keys() == other.keys()
+    assert all(np.array_equal(one[name], other[name]) for name in one)
+
+
 def fit(curve, names, scene=GUIDED):
     return equivbeam.calibrate(scene, dict(zip(("force", "deflection"), curve, strict=True)), names)
 

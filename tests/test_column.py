@@ -122,6 +122,9 @@ def test_bad_input():
     for shortening in (1e3, "much"):
         with pytest.raises(InputError, match="shortening must be a"):
             lateral_stiffness(spring_a(), shortening)
+    held = replace(spring_a(), supports=Supports(("ux", "rotz")))
+    with pytest.raises(InputError, match=r"supports.top_held must leave ux free .*, got \('ux', 'rotz'\)"):
+        lateral_stiffness(held, 1.0)
 
 
 @pytest.mark.parametrize("law", ["haringx", "helix"])
