@@ -51,9 +51,10 @@ def trace(
     """
     require_integer("points", points, 1, 100_000)
     scene = require_scene(scene).overridden(penalty=penalty, geometry=geometry)
-    if scene.contact.enabled and scene.contact.sliding == "coulomb":
+    if scene.contact.enabled and scene.contact.sliding != "free":
         raise InputError(
-            "contact.sliding must be free or none for trace: friction depends on the path, got 'coulomb'"
+            "contact.sliding must be free for trace: what coils hold tangentially depends on the path, "
+            f"got {scene.contact.sliding!r}"
         )
     if scene.load.stages or scene.load.displacement:
         raise InputError("load must be one force for trace, got stages or a displacement")

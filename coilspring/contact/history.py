@@ -79,14 +79,6 @@ def located(history):
 
 
 @part
-def drop_opening(history):
-    """Let go at once of what opening pairs hold."""
-    for m in range(history.shape[0]):
-        if history[m].opening:
-            history[m].closed = history[m].opening = False
-
-
-@part
 def release(history, share):
     """Leave opening pairs a share of the tangential stiffness they had in the last accepted state."""
     for m in range(history.shape[0]):

@@ -17,7 +17,6 @@ import numpy as np
 from numba import types
 
 from coilspring.compiling.compiled import copied, copy, part, signed, zeros
-from coilspring.contact.history import drop_opening
 from coilspring.contact.law import PAIR_HISTORY
 from coilspring.solver.continuation.branch import PAIR_MOTION, displacement_bound
 from coilspring.solver.equilibrium.linesearch import dot
@@ -154,7 +153,6 @@ def trace(reals, ints, prescribed, kernels, load, points, start, history, size, 
         copy(new, along)
         time, pitch = reached, share
         least_gap = system.update_history(reals, ints, state, history)
-        drop_opening(history)
         times[row], iterations[row], negatives[row] = time, spent, negative
         copy(state, states[row])
         row, spent = row + 1, 0
