@@ -24,13 +24,13 @@ ACCURACIES = (1e-5, 1e-2)
 COARSEST = 4  # first level, which mostly does where wires do not touch
 ROUGH = 5e-3  # accuracy from which few more stations mostly do where they touch
 # Errors over what differences tell, at most (as measured on random springs). Of the first of two paths:
-FIRST, MIXED = 2.0, 5.0  # and where substeps differ, too
+FIRST, MIXED = 2.0, 5.0  # and where substeps differ, too, or end turns bear on plates
 # Of a path in fewer steps, where contact remembers: pairs may slide in the one that stick in the other.
 SUBSTEPS = 10.0
-# Of the last path, without stations: as a path before tells it; as two alike do.
+# Of the last path, where errors are smooth: as a path before tells it; as two alike do.
 SMOOTH, STEADY = 3.0, 2.0
 ALIKE = 1.5
-IRREGULAR = {2: 10.0, 3: 9.0, 4: 8.0}  # the same with stations, by the number of paths
+UNEVEN = {2: 10.0, 3: 9.0, 4: 8.0}  # the same where they are not, by the number of paths
 CHANCE = 5e-4  # accuracy below which two paths with stations agree too often by chance: three are compared
 SHARE = 0.5  # of its level is a mesh as fine as, however few its stations
 FALL = 0.5  # of what the path before told, each tells at least: two may agree by chance
@@ -78,6 +78,11 @@ class Trials:
     def irregular(self) -> bool:
         """Whether there is an error of stations, which falls irregularly: where coils touch."""
         return self.levels.spheres is None and self.touching
+
+    @property
+    def uneven(self) -> bool:
+        """Whether errors fall unevenly: with stations, and on plates, on which end turns bear at nodes."""
+        return self.irregular or on_plates(self.levels.scene)
 
     @property
     def substeps(self) -> bool:
@@ -158,8 +163,8 @@ class Trials:
     @property
     def safety(self) -> float:
         """Error over what the constant tells, at most."""
-        if self.irregular:
-            return IRREGULAR[min(len(self.found), 4)]
+        if self.uneven:
+            return UNEVEN[min(len(self.found), 4)]
         if len(self.found) > 2 and max(self.told[-2:]) < ALIKE * min(self.told[-2:]):
             return STEADY
         return SMOOTH
@@ -179,9 +184,9 @@ class Trials:
 
     @property
     def reached(self) -> float:
-        """Error on the finest mesh. Where wires touch errors may fall with the level alone."""
+        """Error on the finest mesh. Where they are uneven errors may fall with the level alone."""
         finer = max(self.finest / self.resolution(self.found[-1]), 1.0)
-        return (self.estimate - self.lost) / finer ** (1.0 if self.irregular else 2.0) + self.lost
+        return (self.estimate - self.lost) / finer ** (1.0 if self.uneven else 2.0) + self.lost
 
 
 def solve_to(
@@ -246,8 +251,9 @@ def solve_to(
 def _first(trials: Trials) -> tuple[EquilibriumPath, float]:
     """The first path and its error, by one on a finer mesh, in fewer steps where these tell as much; infinite
     where more are needed."""
-    (first,), factor = trials.found, MIXED if trials.substeps else FIRST
-    bent = trials.touching and not trials.substeps  # errors are largest where a pair has just closed
+    (first,), factor = trials.found, MIXED if trials.substeps or trials.uneven else FIRST
+    # errors are largest where a pair has just closed, or a node has just come to bear
+    bent = (trials.touching or trials.uneven) and not trials.substeps
     trials.add(_next(trials), trials.steps if bent else few(trials.steps))
     fine = trials.irregular and trials.wanted < ROUGH
     if fine or len(trials.found) == 1 or first.path.critical_time is not None:
@@ -280,7 +286,7 @@ def _next(trials: Trials) -> int:
     if len(trials.found) == 1:
         wanted = _second(trials) * level
     else:
-        safety = IRREGULAR[min(len(trials.found) + 1, 4)] if trials.irregular else STEADY
+        safety = UNEVEN[min(len(trials.found) + 1, 4)] if trials.uneven else STEADY
         error, left = safety * trials.constant, trials.wanted - trials.lost
         wanted = max(STRIDE * level, math.sqrt(AHEAD * error / left) if error < math.inf else 0.0)
     if level >= finest or wanted > BEYOND * finest:
@@ -328,7 +334,7 @@ def _refusal(asked: float, reached: float, why: str, about: str = "") -> str:
     if rounded <= ACCURACIES[1]:
         return f"accuracy must be at least {about}{rounded:g} for this scene, got {asked:g}: {why}"
     found = (
-        f"the estimated error is {reached:.2g}"
+        f"the estimated error is {reached:.3g}"
         if reached < math.inf
         else "too few meshes tell the error, or agree on how the path ends"
     )

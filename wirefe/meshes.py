@@ -22,7 +22,7 @@ from coilspring.scene.profile import TWO_PI
 from wirefe.contact.points import PER_TURN
 from wirefe.mesh import MOST_ELEMENTS
 
-FINEST, FINEST_STRAIGHT = 128, 32  # levels
+FINEST, FINEST_STRAIGHT = 128, 64  # levels
 STRAIGHT, STATIONS = 10, 12  # elements of a plate-seated spring, and stations, of level 1
 FEWEST, MOST = 16, 1536  # stations: of first paths, and where nothing touches; a few more have to be allowed
 CLEAR = 0.05  # wire diameters between coils that do not touch on any mesh
