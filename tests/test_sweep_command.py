@@ -324,6 +324,34 @@ def test_the_outer_diameter_of_a_file_stays_where_the_wire_varies(tmp_path):
 
 
 @pytest.mark.parametrize(
+    ("vary", "old", "new"),
+    [
+        ("material.E=190000", "E = 206000", "E = 190000"),  # uy was off by 8 %, as if nu had stayed
+        ("material.G=70000", "G = 79000", "G = 70000"),
+        ("material.nu=0.2", "G = 79000", "nu = 0.2"),
+        ("supports.top_held.1=uy", '"rotz", "ux"', '"rotz", "uy"'),
+        ("supports.seat=plate", "[supports]", '[supports]\nseat = "plate"'),
+        ("load.displacement=-2.0", "force = [-5.0, -60.0]", "displacement = -2.0"),
+        ("contact.friction=0.2", "friction = 0.1", "friction = 0.2"),
+        ("factors.bending=0.9", "[factors]", "[factors]\nbending = 0.9"),
+    ],
+)
+def test_a_scene_of_a_sweep_is_that_of_the_file_with_this_key(vary, old, new, tmp_path):
+    target = tmp_path / "own.toml"
+    text = (
+        '[material]\nE = 206000\nG = 79000\n[supports]\ntop_held = ["rotz", "ux"]\n[factors]\naxial = 1.1\n'
+        "[spring]\nwire_diameter = 2.0\nmean_diameter = 16.0\nactive_coils = 6.0\nactive_height = 32.0\n"
+        '[load]\nforce = [-5.0, -60.0]\nsteps = 7\n[contact]\nsliding = "coulomb"\nfriction = 0.1\n'
+    )
+    target.write_text(text, encoding="utf-8")
+    table = written_table(load_scene(target).overridden(steps=3, penalty=2e4), str(target))
+    ((point,), edited) = points(table, read_varied([vary], table)), text.replace(old, new)
+    assert edited != text
+    target.write_text(edited, encoding="utf-8")
+    assert point.scene == load_scene(target).overridden(steps=3, penalty=2e4)
+
+
+@pytest.mark.parametrize(
     "other",
     [b"my,own,data", b"my,own\r\n\xe4,2\r\n", None],
     ids=["a line of something else", "another table", "the rows of another sweep"],

@@ -27,6 +27,7 @@ SECTIONS: dict[str, type] = {  # in the order of a file
     "factors": Factors,
 }
 ITEMS: dict[str, type] = {"coilsection": CoilSection}  # tables in sections
+AS_WRITTEN = ("material", "spring", "supports")  # may have other keys or another order than what is stored
 REQUIRED = [section for section in SECTIONS if section in missing(Scene)]
 MOST_BYTES = 1_000_000
 # of the errors of tomllib, which name the line alone; and what begins a section or a value
@@ -112,9 +113,12 @@ def scene_table(scene: Scene) -> dict[str, Any]:
 
 
 def written_table(scene: Scene, source: str) -> dict[str, Any]:
-    """The same; keys of the spring as they are in the file `source`: the outer diameter, if it has that."""
-    written = scene_text(scene) if source in CATALOGUE else _decoded(Path(source).read_bytes())
-    return scene_table(scene) | {"spring": tomllib.loads(written)["spring"]}
+    """The same, with some sections as they are in the file `source`, which no option changes.
+
+    Where one of their keys is varied the others stay: the outer diameter, or G beside E.
+    """
+    written = tomllib.loads(scene_text(scene) if source in CATALOGUE else _decoded(Path(source).read_bytes()))
+    return scene_table(scene) | {name: written[name] for name in AS_WRITTEN if name in written}
 
 
 def scene_from_table(table: Mapping[str, Any], default_name: str = "scene") -> Scene:
