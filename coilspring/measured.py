@@ -37,6 +37,7 @@ UNITS = {  # in N or mm; read in upper or lower case
 HEADER = re.compile(
     r"(?P<name>[a-zäöüß]+(?: [a-z]+)?)(?:\s*(?:[\[(/_]|\bin\b)\s*(?P<unit>[^\])]+?)\s*[\])]?)?"
 )
+MOST_STEPS = 1000  # of a path at the points of a curve, or with interpolation between them
 TOE = 5e-3  # of the largest force: below it a bench may not touch the spring yet
 ROUNDING = 1e-9  # of it
 REST = "it counts from the spring at rest, along the load"
@@ -88,6 +89,13 @@ def measured(
             return found
         _refuse_impossible(found.deflection, scene)
         return replace(found, doubts=_doubts(found.deflection, scene))
+
+
+def equal_steps(times: np.ndarray, otherwise: int = MOST_STEPS) -> int:
+    """Number of equal steps that include the times above 0, or so many that one can interpolate."""
+    steps = round(1.0 / np.diff(np.unique(np.append(0.0, times))).min())
+    exact = np.allclose(np.rint(times * steps), times * steps, rtol=0.0, atol=1e-9 * steps)
+    return steps if steps <= MOST_STEPS and exact else otherwise
 
 
 @contextmanager

@@ -11,7 +11,7 @@ import numpy as np
 
 from coilspring.curves import COMPONENTS
 from coilspring.errors import InputError
-from coilspring.measured import measured, table_of
+from coilspring.measured import equal_steps, measured, table_of
 from coilspring.path import EquilibriumPath
 from coilspring.scene import Load, Scene
 from coilspring.scene.sizing import sizes
@@ -20,7 +20,6 @@ if TYPE_CHECKING:
     import pandas as pd
 
 FINE = 200  # steps between which a path is interpolated where a curve has no equal steps
-MOST = 1000  # equal steps of a curve
 BEYOND = 10.0  # times the force that closes the last coil: no test bench goes there
 
 
@@ -81,20 +80,18 @@ def read_curve(
     values = np.stack(columns, axis=1)
     peaks = np.abs(values).max(axis=0)
     return LoadCurve(
-        loaded.with_steps(_steps(times)), directions, times, peaks, values / peaks, of_force(table, scene)
+        loaded.with_steps(equal_steps(times, FINE)),
+        directions,
+        times,
+        peaks,
+        values / peaks,
+        of_force(table, scene),
     )
 
 
 def of_force(table: Mapping[str, np.ndarray], scene: Scene) -> bool:
     """Whether a curve is of force and deflection; else of displacements at times of the scene's load."""
     return "force" in table or bool(scene.load.displacement)
-
-
-def _steps(times: np.ndarray) -> int:
-    """Number of equal steps that include the times, or enough of them to interpolate."""
-    steps = round(1.0 / np.diff(np.unique(np.append(0.0, times))).min())
-    exact = np.allclose(np.rint(times * steps), times * steps, rtol=0.0, atol=1e-9 * steps)
-    return steps if steps <= MOST and exact else FINE
 
 
 def _moving(table: dict[str, np.ndarray]) -> list[str]:

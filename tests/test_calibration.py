@@ -9,6 +9,7 @@ import pytest
 import equivbeam
 import wirefe
 from coilspring import (
+    Contact,
     EquilibriumNotFound,
     Factors,
     InputError,
@@ -25,7 +26,7 @@ from coilspring.measured import measured, table_of
 from coilspring.path import secants
 from coilspring.scene.scene import load_directions
 from validation.calibration import run
-from validation.calibration.difference import along_load, difference, doubts, lines
+from validation.calibration.difference import along_load, difference, doubts, lines, scene_for
 from validation.calibration.figure import picture
 from validation.cli.arguments import EPILOG
 from validation.cli.command import main
@@ -301,6 +302,58 @@ def test_the_difference_is_counted_as_by_hand(bench):
     assert (one["points"], one["beyond"]) == (np.count_nonzero(reached), np.count_nonzero(~reached))
     axes = picture({"equivbeam": found}, curve).axes
     assert [line.get_xdata().size for line in axes[0].get_lines()] == [80, 301]
+
+
+@pytest.mark.parametrize(
+    ("load", "equal"),
+    [
+        (Load((0.0, -200.0)), True),
+        (Load((0.0, -200.0)), False),
+        (Load(displacement=(-15.0,)), False),
+        (Load(stages=((0.0, -50.0), (0.0, -20.0), (0.0, -200.0), (0.0, -1.0))), False),
+    ],
+    ids=["equal steps", "others", "pressed", "in stages"],
+)
+def test_a_model_does_not_differ_from_its_own_curve_in_few_steps(load, equal):
+    """Straight lines between the steps of the scene were taken: 4.4 % off with two, and told as such."""
+    scene = replace(spring_b(), load=replace(load, steps=2))
+    fine = along_load(equivbeam.solve(replace(scene, load=load), steps=50 if equal else 997))
+    further = np.flatnonzero(fine[1][1:] > np.maximum.accumulate(fine[1])[:-1]) + 1
+    deflection, force = (values[further[:: 1 if equal else 90]] for values in fine)
+    curve = measured({"force": force, "deflection": deflection}, scene)
+    solved = scene_for(scene, curve)
+    assert difference(equivbeam.solve(scene), curve)["max"] > 0.02
+    assert difference(equivbeam.solve(solved), curve)["max"] < (1e-9 if equal else 1e-4)
+    assert solved.load.steps == (50 if equal else 1000 if not load.stages else 900)
+    assert solved.load.rows == solved.load.steps * (3 if load.stages else 1)  # unloading is not needed
+    for steps in (solved.load.steps, 2 * solved.load.steps):
+        enough = scene.with_steps(steps)
+        assert scene_for(enough, curve) == enough
+
+
+def test_of_several_stages_what_loads_further_than_before_is_compared():
+    """With friction a force is met at another deflection on the way back."""
+    load = Load(stages=((0.0, -150.0), (0.0, -100.0), (0.0, -200.0)), steps=300)
+    scene = replace(spring_b(), load=load, contact=Contact(sliding="coulomb", friction=0.3))
+    path = equivbeam.solve(scene, sliding="scene")
+    deflection, force = along_load(path)
+    first = np.append(np.arange(1, 301), np.flatnonzero(force > 150.5))
+    curve = measured({"force": force[first], "deflection": deflection[first]}, scene)
+    assert difference(path, curve)["max"] < 1e-12
+
+
+def test_compare_solves_again_for_a_measured_curve(tmp_path, monkeypatch, capsys):
+    """The rows of path.csv stay those of --steps."""
+    curve = tmp_path / "bench.csv"
+    equivbeam.solve(spring_b()).table.to_csv(curve)
+    mesh = ["--element", "curved", "--elements-per-turn", "4", "--out", str(tmp_path)]
+    assert main(["compare", "spring-b", "--measured", str(curve), "--steps", "2", *mesh]) == 0
+    found = json.loads((tmp_path / "compare.json").read_text())["measured"]
+    assert found["equivbeam"]["max"] < 1e-9
+    assert 1e-3 < found["wirefe"]["max"] < 0.01
+    for model in ("equivbeam", "wirefe"):
+        assert len((tmp_path / model / "path.csv").read_text().splitlines()) == 3
+    assert "equivbeam: completed, 2 of 2 steps" in capsys.readouterr().out
 
 
 STAGES = Load(stages=((0.0, -4.0), (-9.0, -4.0), (0.0, 0.0)), steps=40)

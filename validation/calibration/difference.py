@@ -1,12 +1,15 @@
 """By how much a model's load curve differs from a measured one."""
 
+import math
 from collections.abc import Mapping
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
-from coilspring import EquilibriumPath, InputError, Scene
-from coilspring.measured import Measured
+from coilspring import EquilibriumPath, InputError, Load, Scene
+from coilspring.measured import MOST_STEPS, Measured, equal_steps
+from coilspring.scene.load import stage_ends
 
 FAR = 0.1  # rms difference, over the peak, of curves that may not be of one spring
 
@@ -26,13 +29,33 @@ def along_load(path: EquilibriumPath) -> tuple[np.ndarray, np.ndarray]:
     return np.append(0.0, path.tips[:, :2] @ d), np.append(0.0, path.loads @ d)
 
 
+def scene_for(scene: Scene, curve: Measured) -> Scene:
+    """The scene to solve for a comparison with a curve: as it is where its steps include the measured points.
+
+    Else in steps that do, or in so many that interpolation leaves 1e-4 of the peak at most; of several stages
+    those up to the largest load.
+    """
+    load, ends = scene.load, stage_ends(scene.load) @ scene.direction
+    last = int(np.argmax(ends))
+    shares = (curve.deflection if load.displacement else curve.force) / ends[last]
+    shares = shares[(shares > 0.0) & (shares <= 1.0)]
+    steps = math.ceil(MOST_STEPS * np.abs(np.diff(ends[: last + 1])).max() / ends[last])
+    steps = equal_steps(shares) if last == 1 and shares.size else steps
+    if load.steps >= MOST_STEPS or load.steps % steps == 0:
+        return scene
+    stages, pressed = load.stages[:last], load.displacement[:last]
+    force = stages[-1] if stages else load.force
+    return replace(scene, load=Load(force, steps, stages=stages, displacement=pressed))
+
+
 def differences(path: EquilibriumPath, curve: Measured) -> tuple[np.ndarray, np.ndarray]:
     """Deflections of the measured points that a model reached, and shares of the peak by which it differs."""
     deflection, force = along_load(path)
     model, measurement = (force, deflection), (curve.force, curve.deflection)
     turn = -1 if path.scene.load.displacement else 1  # the force is then the answer
     (given, answer), (mine, theirs) = model[::turn], measurement[::turn]
-    loading = slice(0, int(np.argmax(given)) + 1)  # a history of several stages, to its largest load
+    # of a history of several stages what loads further than before
+    loading = np.append(True, given[1:] > np.maximum.accumulate(given)[:-1])
     reached = (mine >= 0.0) & (mine <= given[loading][-1] * (1.0 + 1e-12))
     found = np.interp(mine[reached], given[loading], answer[loading])
     return curve.deflection[reached], (found - theirs[reached]) / np.abs(theirs).max()

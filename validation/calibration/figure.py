@@ -16,6 +16,7 @@ from validation.study.plots import png
 POINTS: style.Look = {"color": "black", "marker": "o", "linestyle": "", "markersize": 2.0, "zorder": 3.0}
 GIVEN_LINE: style.Look = {"color": style.GREY, "linewidth": 1.4, "linestyle": (0, (1, 1.2))}
 Looks = Mapping[str, tuple[str, style.Look]]  # labels and lines, by model
+Paths = Mapping[str, EquilibriumPath]
 MODELS: Looks = {
     "equivbeam": (style.BEAM_LABEL, style.BEAM_LINE),
     "wirefe": (style.WIRE_LABEL, style.WIRE_LINE),
@@ -26,15 +27,18 @@ MOST = 80  # measured points that are drawn
 
 
 def load_curves(
-    paths: Mapping[str, EquilibriumPath], curve: Measured | None = None, looks: Looks = MODELS
+    paths: Paths, curve: Measured | None = None, looks: Looks = MODELS, compared: Paths | None = None
 ) -> bytes:
     """A PNG: force and rate against the deflection in the direction of the load, beside a measurement."""
     with matplotlib.rc_context(style.RC):
-        return png(picture(paths, curve, looks))
+        return png(picture(paths, curve, looks, compared))
 
 
-def picture(paths: Mapping[str, EquilibriumPath], curve: Measured | None, looks: Looks = MODELS) -> Figure:
-    """The figure of `load_curves`; with a measurement, the differences from it stand below the forces."""
+def picture(
+    paths: Paths, curve: Measured | None, looks: Looks = MODELS, compared: Paths | None = None
+) -> Figure:
+    """The figure of `load_curves`; with a measurement, the differences from it stand below the forces: those
+    of the paths `compared`, where these are others than the ones to draw."""
     figure = Figure(figsize=(style.DOUBLE, 2.8 if curve is None else 3.6), layout="constrained")
     mosaic: Any = [["force", "rate"]] + ([["difference", "rate"]] if curve else [])
     plots = figure.subplot_mosaic(mosaic, height_ratios=[2.0, 1.0] if curve else None)
@@ -53,7 +57,7 @@ def picture(paths: Mapping[str, EquilibriumPath], curve: Measured | None, looks:
         plots["force"].plot(deflection, force, **look, label=label)
         plots["rate"].plot(deflection[1:], path.rates, **look)
         if curve is not None:
-            at, shares = differences(path, curve)
+            at, shares = differences((compared or paths)[name], curve)
             plots["difference"].plot(at, 100.0 * shares, **POINTS | {"color": look["color"]})
     plots["force"].set(ylabel="force along the load (N)", xlim=(0.0, None), ylim=(0.0, None))
     plots["rate"].set(xlabel=DEFLECTION, ylabel="rate (N/mm)", xlim=(0.0, None))

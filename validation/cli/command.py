@@ -4,7 +4,7 @@ import argparse
 import signal
 import sys
 import threading
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import ExitStack
 from dataclasses import asdict
 from importlib import import_module
@@ -12,7 +12,7 @@ from pathlib import Path
 
 from coilspring import CATALOGUE, EquilibriumNotFound, EquilibriumPath, InputError, Scene, load_scene
 from coilspring.errors import require_integer
-from coilspring.measured import measured
+from coilspring.measured import Measured, measured
 from coilspring.scene.toml import SECTIONS, scene_text
 from validation.calibration import difference
 from validation.cli import INTERRUPTED, studies
@@ -125,18 +125,19 @@ def compare(arguments: argparse.Namespace) -> int:
             claims.enter_context(output.claimed(each))
         with progress_shown(arguments.quiet) as progress:
             paths = {model: _run(scene, model, arguments, progress) for model in MODEL_OPTIONS}
+            told = paths if curve is None else _told(paths, curve, arguments, progress)
         comparison = compare_paths(paths["equivbeam"], paths["wirefe"])
         found = {
             "scene": scene.name,
             **asdict(comparison),
             **{model: str((folder / model).resolve()) for model in paths},
-            "warnings": [*warnings(scene), *(difference.doubts(paths, curve) if curve else [])],
+            "warnings": [*warnings(scene), *(difference.doubts(told, curve) if curve else [])],
             **{name: getattr(paths[ADAPTIVE], name) for name in ("accuracy", "estimated_error")},
             "outcomes": {model: path.outcome for model, path in paths.items()},
             "notes": [f"{model}: {note}" for model, path in paths.items() for note in notes(path)],
         }
         if curve is not None:
-            found["measured"] = {"file": arguments.measured, **difference.summary(paths, curve)}
+            found["measured"] = {"file": arguments.measured, **difference.summary(told, curve)}
         files = {"compare.json": output.json_bytes(found)}
         if arguments.draw:
             from validation.view.overlay import overlay
@@ -146,7 +147,7 @@ def compare(arguments: argparse.Namespace) -> int:
         if curve is not None or (arguments.draw and not undrawn):
             from validation.calibration.figure import load_curves
 
-            files["curve.png"] = load_curves(paths, curve)
+            files["curve.png"] = load_curves(paths, curve, compared=told)
         lines = [f"curve.png is not drawn: {undrawn}"] if undrawn else []
         lines.append(f"written to {folder}")
         for model, path in paths.items():
@@ -160,7 +161,7 @@ def compare(arguments: argparse.Namespace) -> int:
     said = [line for path in paths.values() for line in digest(path)]
     said += deviation(comparison, paths[ADAPTIVE])
     if curve is not None:
-        said += difference.lines(paths, curve)
+        said += difference.lines(told, curve)
     return _concluded(arguments, found, [*said, *lines], *paths.values())
 
 
@@ -208,6 +209,25 @@ def _run(
         if arguments.scene in CATALOGUE or str(error).partition(".")[0] not in SECTIONS:
             raise
         raise InputError(f"{arguments.scene}: {error}") from None  # a key of that file
+
+
+def _told(
+    paths: Mapping[str, EquilibriumPath],
+    curve: Measured,
+    arguments: argparse.Namespace,
+    progress: Callable[[str], None],
+) -> dict[str, EquilibriumPath]:
+    """The paths to compare with a measured curve: solved once more where the scene's steps do not do."""
+    told = {}
+    for model, path in paths.items():
+        options, scene = given(arguments, MODEL_OPTIONS[model]), difference.scene_for(path.scene, curve)
+        if model == ADAPTIVE:  # an accuracy may have chosen the mesh
+            options = {name: path.options[name] for name in MODEL_OPTIONS[model]}
+        if scene != path.scene:
+            progress(f"solving with {model} for the measured curve")
+            path = partial_path(import_module(model).solve, scene, **options)
+        told[model] = path
+    return told
 
 
 def _concluded(arguments: argparse.Namespace, found: dict, lines: list[str], *paths: EquilibriumPath) -> int:
