@@ -160,6 +160,18 @@ def test_a_raised_load_on_the_beam():
     np.testing.assert_allclose(raised(scene, BEAM, lever).tips, exact, rtol=1e-5)
 
 
+@pytest.mark.parametrize("held", [(), ("ux",)], ids=["free", "pinned"])
+@pytest.mark.parametrize("rise", [0.0, 2.0])
+def test_a_raised_axial_load(held, rise):
+    """It turns no top of the beam: the three moments were all zero, and the tips no numbers."""
+    scene = own("axial", load=Load((0.0, -20.0), steps=2), supports=Supports(held)).without_contact()
+    straight = solve_beam(scene).tips
+    np.testing.assert_allclose(raised(scene, BEAM, rise).tips, straight, atol=1e-12)
+    leaning = replace(scene, load=Load((1e-5, -20.0), steps=2))
+    np.testing.assert_allclose(raised(leaning, BEAM, rise).tips, straight, atol=1e-5)
+    np.testing.assert_allclose(raised(scene, WIRE, rise).tips, solve_wire(scene).tips, atol=5e-3)
+
+
 @pytest.mark.parametrize("load", [replace(spring_b().load, steps=4), Load(displacement=-9.0, steps=4)])
 def test_a_top_that_does_not_turn_has_rigid_turns_and_its_height_is_nothing(load):
     """Under a prescribed displacement neither was varied, and the largest effect was left out."""

@@ -26,6 +26,7 @@ from wirefe.solve import scene_problem
 
 # of the farthest: the peak of a component that moves less says nothing; ROTZ counts at half the height
 SLIGHT = 0.01
+LEAST = 1e-3  # wire diameters: lever of the moments between which is interpolated, at least
 ROUNDS = 20  # of the fixed point; on Spring A each leaves less than a tenth of the error
 
 
@@ -56,7 +57,9 @@ def raised(scene: Scene, model: str, height: float) -> TipCurve:
     """
     base = followed(scene, model, 0.0)
     needed = _moment(scene, height, base.tips[:, 2])
-    moments = np.linspace(needed.min(), needed.max(), 3)
+    least = LEAST * scene.spring.wire_diameter * np.hypot(*scene.load.force)
+    half = max(0.5 * np.ptp(needed), least)  # an axial force turns no top of the beam: none is needed
+    moments = needed.min() + 0.5 * np.ptp(needed) + half * np.array([-1.0, 0.0, 1.0])
     curves = [followed(scene, model, float(moment)) for moment in moments]
     ended = next((curve for curve in (base, *curves) if curve.outcome != "completed"), None)
     if ended is not None:
