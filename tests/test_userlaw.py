@@ -45,6 +45,7 @@ EXPRESSIONS = [
     "np.arctan2(v, l) + math.atan2(l * l, -v) + np.arctan2(-l, dtheta) + np.reciprocal(l + v)",
     "abs(v - l) * v + np.maximum(l, v) * dtheta + min(l, v, dtheta) * max(l, 3 * v) + np.sign(v) * l * v",
     "np.where(l > v, l * v, dtheta) + (l * l if dtheta < l else v) * math.pi + float(3) * l * p[2]",
+    "float(l - v) ** 2 * dtheta + int(3 * l) * v + round(l, 1) * dtheta + bool(v) * (0.1 < l) * v * (l > v)",
 ]
 
 

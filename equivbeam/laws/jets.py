@@ -153,8 +153,9 @@ def power(u, n):
 @part
 def atan2(u, w):
     """Angle of the point (w, u)."""
-    found = -math.atan(w / u) if abs(float(u)) > abs(float(w)) else math.atan(u / w)
-    return found + (math.atan2(float(u), float(w)) - float(found))
+    y, x = lifted(u).value, lifted(w).value
+    found = -math.atan(w / u) if abs(y) > abs(x) else math.atan(u / w)
+    return found + (math.atan2(y, x) - lifted(found).value)
 
 
 # Functions of one jet: first and second derivative at x, where the function is f.
@@ -179,7 +180,7 @@ DERIVATIVES: dict[tuple[Callable, ...], Callable] = {
 # Functions of jets and numbers, by which of the arguments are jets (x), or whichever are.
 RULES: dict[tuple[Callable, ...], dict[str, Callable]] = {
     (operator.neg, np.negative): {"x": lambda u: scaled(u, -1.0)},
-    (operator.pos, np.positive): {"x": lambda u: u},
+    (operator.pos, np.positive, float): {"x": lambda u: u},
     (abs, np.abs, math.fabs): {"x": lambda u: -u if u < 0.0 else u},
     (operator.add, operator.iadd): {"xx": add, "x_": shifted, "_x": lambda x, u: shifted(u, x)},
     (operator.sub, operator.isub): {"any": lambda u, w: u + -w},
@@ -201,8 +202,9 @@ RULES: dict[tuple[Callable, ...], dict[str, Callable]] = {
     (max,): {"any": lambda u, *others: np.maximum(u, max(*others) if len(others) > 1 else others[0])},
     (np.where,): {"any": lambda test, u, w: u if test else w},
 }
+# Of values alone: they change nowhere or by jumps, which `lawchecks` looks for.
 OF_VALUES = (
-    operator.lt, operator.le, operator.gt, operator.ge, operator.eq, operator.ne, round, int, float, bool,
+    operator.lt, operator.le, operator.gt, operator.ge, operator.eq, operator.ne, round, int, bool,
     np.sign, np.floor, math.floor, np.ceil, math.ceil, np.isfinite,
 )  # fmt: skip
 
@@ -238,7 +240,12 @@ def _smooth(function: Callable, rates: Callable) -> dict[str, Callable]:
 
 def _of_values(function: Callable) -> dict[str, Callable]:
     """Rules of a function that has no derivative, or none but zero."""
-    return {"x": lambda u: function(u.value), "any": lambda u, w: function(float(u), float(w))}
+    return {
+        "x": lambda u: function(u.value),
+        "x_": lambda u, w: function(u.value, w),
+        "_x": lambda u, w: function(u, w.value),
+        "xx": lambda u, w: function(u.value, w.value),
+    }
 
 
 for _functions, _rates in DERIVATIVES.items():
