@@ -73,6 +73,31 @@ def test_the_axial_load_is_the_largest_of_a_history():
     assert sizes(driven).shortening == pytest.approx(2.0)
 
 
+@pytest.mark.parametrize("pressed", [False, True], ids=["forces", "displacement"])
+def test_a_history_that_pulls_more_is_judged_by_what_compresses(pressed):
+    """Where the largest magnitude pulled nothing was said of 70 N beyond solid, buckling and closing."""
+    rate, slender = sizes(scene_of()).rate, replace(CYLINDER, active_coils=20.0, active_height=100.0)
+    load = Load(stages=((0.0, 90.0), (0.0, -70.0), (0.0, 0.0)))
+    if pressed:
+        load = Load(displacement=(90.0 / rate, -1.01 * sizes(scene_of()).travel))
+    scene = replace(scene_of(), load=load)
+    found = sizes(scene)
+    assert found.force == (math.inf if pressed else 70.0)
+    assert found.pull == pytest.approx(90.0)
+    assert found.stress == pytest.approx(sizes(scene_of(force=90.0)).stress)
+    lines, warnings = report(scene)
+    assert "                it also pulls, by up to 90 N: the stress is the larger one of both" in lines
+    pulls = "the axial load pulls too, by up to 90 N: a force or displacement that compresses is negative"
+    assert warnings[0] == pulls
+    assert "beyond solid" in warnings[1]
+    column = replace(scene_of(slender, held=()), load=Load(stages=((0.0, 90.0), (0.0, -50.0))))
+    assert any("as a column it buckles" in text for text in report(column)[1])
+    bare = replace(
+        scene_of(Spring(2.0, (24.0, 16.0), 8.0, 60.0)), load=Load(stages=((0.0, 300.0), (0.0, -160.0)))
+    )
+    assert "coils close under the load, and contact is not enabled" in report(bare.without_contact())[1]
+
+
 @pytest.mark.parametrize("name", CATALOGUE)
 def test_new_prints_a_scene_file(name, capsys):
     assert main(["new", name]) == 0

@@ -42,11 +42,12 @@ class Sizes:
     # not turn; nan where Poisson's ratio is outside what the latter is fitted to
     wire_rates: tuple[float, float]
     closing: tuple[float, float]  # axial force at which the first and the last coil would close, N
-    # largest axial one of the scene's load, positive in compression, N; of a prescribed displacement the
-    # force that goes with it, infinite beyond solid
+    # largest axial one of the scene's load that compresses, or pulls if none compresses, positive in
+    # compression, N; of a prescribed displacement the force that goes with it, infinite beyond solid
     force: float
     shortening: float  # by this force, mm, coils that close taken out
-    stress: float  # largest shear stress under it, MPa; coils that have closed give no more
+    pull: float  # largest axial force of the load that pulls, N; 0 where none does
+    stress: float  # largest shear stress under both, MPa; coils that have closed give no more
     stressed_at: float  # in turns from the first active point
     stress_factor: float  # of the wire's curvature, in it
     inner_factors: tuple[float, float]  # the same there by Wahl and by three-dimensional elasticity
@@ -88,10 +89,11 @@ def sizes(scene: Scene) -> Sizes:
     """Closed-form numbers of a scene's spring; see `Sizes`."""
     spring, d, coils = scene.spring, scene.spring.wire_diameter, along(scene)
     rate = axial_rate(scene)
-    force, shortening = (0.0, 0.0) if "uy" in scene.supports.top_held else _axial(scene.load, rate, coils)
+    held = "uy" in scene.supports.top_held
+    force, shortening, pull = (0.0, 0.0, 0.0) if held else _axial(scene.load, rate, coils)
     index = coils.diameter / d
     # a coil that has closed carries no more than what closed it
-    carried = np.minimum(abs(force), np.where(force > 0.0, coils.closing, np.inf))
+    carried = np.maximum(np.minimum(max(force, 0.0), coils.closing), pull)
     stress = stress_factor(index) * 8.0 * carried * coils.diameter / (math.pi * d**3)
     worst = float(index[np.argmax(stress)])
     active = wire_length(replace(spring, end_turns=0.0))
@@ -111,6 +113,7 @@ def sizes(scene: Scene) -> Sizes:
         closing=(float(coils.closing.min()), float(coils.closing.max())),
         force=force,
         shortening=shortening,
+        pull=pull,
         stress=float(stress.max()),
         stressed_at=float(coils.turns[np.argmax(stress)]),
         stress_factor=float(stress_factor(worst)),
@@ -159,18 +162,19 @@ def wire_rate(scene: Scene, wire_rigidity: str) -> float:
     return float(1.0 / (C[0, 0] - C[0, 1] ** 2 / C[1, 1]))
 
 
-def _axial(load: Load, rate: float, coils: Along) -> tuple[float, float]:
-    """Largest axial force of a load history, positive in compression, N, and the shortening, mm."""
+def _axial(load: Load, rate: float, coils: Along) -> tuple[float, float, float]:
+    """Force and shortening, N and mm, and the pull of a load history, N; see `Sizes`."""
+    ends = load.displacement or [y for _, y in load.stages or (load.force,)]
+    least, most = 0.0 - max(ends), 0.0 - min(ends)
+    largest, pulled = most if most > 0.0 else least, max(0.0 - least, 0.0)
     if not load.displacement:
-        force = 0.0 - max((y for _, y in load.stages or (load.force,)), key=abs)
-        return force, shortened(coils, rate, force)
-    distance = 0.0 - max(load.displacement, key=abs)
+        return largest, shortened(coils, rate, largest), pulled
     forces = np.unique(coils.closing)  # between them the shortening is linear in the force
     distances = np.array([shortened(coils, rate, force) for force in forces])
-    if distance <= distances[0]:
-        return rate * distance, distance
-    solid = distance > distances[-1] * (1.0 + ROUNDING)
-    return (math.inf if solid else float(np.interp(distance, distances, forces))), distance
+    if largest <= distances[0]:
+        return rate * largest, largest, rate * pulled
+    solid = largest > distances[-1] * (1.0 + ROUNDING)
+    return (math.inf if solid else float(np.interp(largest, distances, forces))), largest, rate * pulled
 
 
 def shortened(coils: Along, rate: float, force: float) -> float:

@@ -50,8 +50,9 @@ def warnings(scene: Scene) -> list[str]:
 def _of_load(scene: Scene, found: Sizes) -> list[str]:
     """Sentences on a load that pulls, buckles or closes a spring."""
     spring, said = scene.spring, []
-    if found.force < 0.0:
-        said.append("the axial load pulls: a force or displacement that compresses is negative")
+    if found.pull:
+        also = f" too, by up to {found.pull:.3g} N" if found.force > 0.0 else ""
+        said.append(f"the axial load pulls{also}: a force or displacement that compresses is negative")
     if found.buckling is not None and found.shortening >= found.buckling:
         slender = spring.active_height / middle_diameter(spring)
         said.append(
