@@ -288,6 +288,7 @@ def test_compare_with_nothing_in_common_says_null(tmp_path, capsys):
         ("solve spring-a --model wirefe --pairs-per-turn 0", ["--pairs-per-turn must", "0"]),
         ("solve spring-a --model equivbeam --element straight", ["--element", "--model wirefe"]),
         ("solve spring-a --model equivbeam --pairs-per-turn 4", ["--pairs-per-turn", "--model wirefe"]),
+        ("solve spring-a --model equivbeam --geometry wires", ["--geometry belongs to --model wirefe"]),
         ("solve spring-a --model wirefe --law haringx", ["--law", "--model equivbeam"]),
         ("new", ["NAME", "required"]),
         ("new spring-c", ["NAME", "spring-c", "spring-b-no-contact"]),

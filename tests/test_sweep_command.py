@@ -115,6 +115,39 @@ def test_keys_that_exclude_each_other_and_grids_too_large_are_refused(texts, wor
     assert words in str(refused.value)
 
 
+@pytest.mark.parametrize(
+    ("options", "words"),
+    [
+        ("contact.stiffness=1e3,1e4 --penalty 5 --model wirefe", "--penalty cannot stand beside --vary conta"),
+        ("load.steps=1,2 --steps 3", "--steps cannot stand beside --vary load.steps, which sets the same"),
+        ("contact.geometry=wires,spheres --geometry wires --model wirefe", "--geometry cannot stand beside -"),
+        ("load.force.1=-1,-2 --geometry wires", "--geometry belongs to --model wirefe, got --model equivbeam"),
+        ("contact.geometry=wires,spheres", "--vary contact.geometry has no effect on equivbeam: it goes with "),
+        ("contact.geometry=wires,spheres --sliding scene", "no effect on equivbeam: it goes with --model wir"),
+        ("contact.sliding=free,none", "no effect on equivbeam: it goes with --sliding scene or --model wirefe"),
+        ("contact.sliding=free,none --sliding ignore", "it goes with --sliding scene or --model wirefe"),
+        ("factors.axial=1,1.1 --model wirefe", "no effect on wirefe: it goes with --model equivbeam"),
+    ],
+)
+def test_what_would_be_ignored_is_refused(options, words, tmp_path, capsys):
+    assert main(["sweep", "spring-b", "--out", str(tmp_path / "new"), "--vary", *options.split()]) == 2
+    said = capsys.readouterr().err
+    assert said.startswith("coilcheck: --")
+    assert words in said
+    assert said.count("\n") == 1
+    assert not (tmp_path / "new").exists()
+
+
+def test_what_is_read_is_varied(tmp_path):
+    """Sliding by the beam where it is asked for; the other options stand beside what they do not set."""
+    call = ["sweep", "spring-b", "--vary", "contact.sliding=free,none", "--workers", "0", "--steps", "2"]
+    assert main([*call, "--sliding", "scene", "--penalty", "2e4", "--out", str(tmp_path)]) == 0
+    free, held = (row["uy"] for row in rows(tmp_path))
+    assert free != held
+    assert main([*call[:2], "--vary", "load.force.1=-9", "--geometry", "wires", "--accuracy", "1e-2",
+                 *call[4:], "--out", str(tmp_path)]) == 0  # fmt: skip
+
+
 def test_a_row_for_each_scene_in_order_and_invalid_ones_say_why(tmp_path, capsys):
     grid = ["--vary", "spring.active_coils=7,7.3", "--vary", "load.force.1=-100,-50"]
     assert main(["sweep", "spring-b", *grid, "--workers", "0", "--steps", "2", "--out", str(tmp_path)]) == 3

@@ -19,7 +19,8 @@ MODEL_OPTIONS = {
     "equivbeam": ("law", "tangent", "sliding"),
     "wirefe": ("element", "elements_per_turn", "pairs_per_turn"),
 }
-FILE_OPTIONS = {"equivbeam": (), "wirefe": (*WIRE_FILES, "frequencies")}  # for more than the path
+# besides: what stands for the wire in contact, and what is for more than the path
+OTHER_OPTIONS = {"equivbeam": (), "wirefe": ("geometry", *WIRE_FILES, "frequencies")}
 MESH = ("element", "elements_per_turn")  # chosen by an accuracy
 CHOSEN = ("law", *MESH)  # and besides the model, where it has one to choose
 LAWS = ("haringx", "helix")  # of a half coil; or a file
@@ -29,6 +30,13 @@ FITTED = (  # by calibrate
 )
 COMMON_OPTIONS = ("steps", "penalty", "geometry")
 KEYWORDS = {"load.steps": "steps", "contact.stiffness": "penalty", "contact.geometry": "geometry"}
+UNREAD = {  # keys of a scene, or sections, that a model does not read, and how they are read
+    "equivbeam": {
+        "contact.geometry": "--model wirefe",
+        **dict.fromkeys(("contact.sliding", "contact.friction"), "--sliding scene or --model wirefe"),
+    },
+    "wirefe": {"factors": "--model equivbeam"},
+}
 KEYWORDS |= {"parameters": "fit", "count": "frequencies"}  # of the library, by which it names options
 CAMPAIGN_RANGES = dict.fromkeys(("beams", "wires"), (0, 10_000_000))  # of the options of stability
 CAMPAIGN_RANGES |= {"seed": (0, 2**32 - 1), "workers": (0, 1000)}
@@ -169,10 +177,21 @@ def refuse_other_models(arguments: argparse.Namespace, chosen: Sequence[str] = C
     """Refuse options that belong to another model than the one asked for, or that an accuracy chooses."""
     refuse_chosen(arguments, chosen)
     for other, names in MODEL_OPTIONS.items():
-        known = [name for name in names + FILE_OPTIONS[other] if hasattr(arguments, name)]
+        known = [name for name in names + OTHER_OPTIONS[other] if hasattr(arguments, name)]
         for name in given(arguments, known) if other != arguments.model else ():
             got = "--accuracy" if arguments.accuracy is not None else f"--model {arguments.model}"
             raise InputError(f"{flag(name)} belongs to --model {other}, got {got}")
+
+
+def refuse_varied(arguments: argparse.Namespace, keys: Sequence[str]) -> None:
+    """Refuse to vary keys of a scene that an option sets for all scenes, or that the model does not read."""
+    unread = {} if arguments.accuracy is not None else UNREAD[arguments.model]
+    for key in keys:
+        if key in KEYWORDS and given(arguments, [KEYWORDS[key]]):
+            raise InputError(f"{flag(KEYWORDS[key])} cannot stand beside --vary {key}, which sets the same")
+        read = unread.get(key) or unread.get(key.partition(".")[0])
+        if read and f"--sliding {arguments.sliding}" not in read:
+            raise InputError(f"--vary {key} has no effect on {arguments.model}: it goes with {read}")
 
 
 def scenes_of(arguments: argparse.Namespace) -> dict[str, Scene]:

@@ -17,6 +17,7 @@ from validation.cli.arguments import (
     MODEL_OPTIONS,
     given,
     refuse_other_models,
+    refuse_varied,
     scene_of,
     scenes_of,
 )
@@ -154,8 +155,10 @@ def study_law(arguments: argparse.Namespace, folder: Path, progress: Progress) -
 
 def sweep(arguments: argparse.Namespace, folder: Path, progress: Progress) -> Answer:
     """Solve a grid of scenes with one model, or as accurately as asked for."""
+    workers, accuracy = arguments.workers, arguments.accuracy
+    # an accuracy is the wire model's, whatever is chosen for it
+    model = arguments.model = arguments.model if accuracy is None else "wirefe"
     refuse_other_models(arguments, tuple(name for names in MODEL_OPTIONS.values() for name in names))
-    model, workers, accuracy = arguments.model, arguments.workers, arguments.accuracy
     if workers is not None:
         require_integer("workers", workers, *CAMPAIGN_RANGES["workers"])
     scene = scene_of(arguments)
@@ -163,6 +166,7 @@ def sweep(arguments: argparse.Namespace, folder: Path, progress: Progress) -> An
 
     table = written_table(scene, arguments.scene)
     varied = grid.read_varied(arguments.vary, table)
+    refuse_varied(arguments, [each.key for each in varied])
     progress(f"loading {model}")
     asked, lines, found = run.Choice.of(model, given(arguments, MODEL_OPTIONS[model])), [], None
     told: dict[str, object] = dict(run.UNASKED)
