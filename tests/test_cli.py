@@ -21,7 +21,7 @@ import coilspring
 import equivbeam
 import wirefe
 from coilspring import EquilibriumNotFound, Load, spring_a, spring_b
-from coilspring.scene.toml import scene_text
+from coilspring.scene.toml import scene_from_table, scene_text
 from validation.cli import main
 from validation.cli.arguments import LAWS, MODEL_OPTIONS, command_line
 from validation.study.machine import versions
@@ -40,7 +40,7 @@ PARSERS = command_line()._subparsers._group_actions[0].choices  # by command
 COLUMNS = "time,load_x,load_y,ux,uy,rotz,rate,iterations,active_contacts,max_penetration,max_overlap"
 SUMMARY_KEYS = {
     *("outcome", "message", "last_time", "critical_time", "total_iterations", "solve_seconds"),
-    *("compile_seconds", "model", "options", "versions", "scene", "warnings"),
+    *("compile_seconds", "model", "options", "versions", "scene", "scene_table", "warnings"),
     *("stability_checks", "pair_evaluations", "residual_history"),
 }
 
@@ -586,6 +586,26 @@ def test_a_run_says_what_it_takes_the_place_of(tmp_path, capsys):
     (tmp_path / "summary.json").write_text('{"model": "wirefe", "options": []}')
     assert main([*call, "--model", "equivbeam"]) == 0
     assert "in place of" not in capsys.readouterr().out
+
+
+def test_a_run_is_traced_to_its_scene_and_says_which_keys_it_replaces(tmp_path, capsys):
+    """A file that was edited, and another file of the same name, were replaced without a word."""
+    file, other = tmp_path / "a.toml", tmp_path / "other.toml"
+    file.write_text(scene_text(spring_a()), encoding="utf-8")
+    thick = scene_text(spring_a()).replace("wire_diameter = 1.5", "wire_diameter = 1.6")
+    other.write_text(thick, encoding="utf-8")
+    call = ["--model", "wirefe", "--steps", "1", "--out", str(tmp_path)]
+    said = []
+    for source, more in ((file, []), (file, []), (other, []), (other, ["--geometry", "wires"])):
+        assert main(["solve", str(source), *call, *more]) == 0
+        said.append([line for line in capsys.readouterr().out.splitlines() if "in place of" in line])
+    assert said[:2] == [[], []]
+    assert said[2] == ["in place of a run by wirefe (spring.wire_diameter 1.5), which was there"]
+    assert said[3] == [
+        "in place of a run by wirefe (pairs_per_turn 4, contact.geometry spheres), which was there"
+    ]
+    found = read_json(tmp_path / "summary.json")["scene_table"]
+    assert scene_from_table(found) == coilspring.load_scene(other).overridden(steps=1, geometry="wires")
 
 
 def test_a_comparison_says_what_it_takes_the_place_of(tmp_path, capsys):

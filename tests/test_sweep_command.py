@@ -13,7 +13,7 @@ import equivbeam
 import wirefe
 from coilspring import InputError, Load, Material, Scene, Spring, load_scene, spring_a, spring_b
 from coilspring.scene.profile import CoilSection
-from coilspring.scene.toml import scene_table, written_table
+from coilspring.scene.toml import scene_from_table, scene_table, written_table
 from coilspring.sweep import CRASHED
 from validation.cli import main
 from validation.sweep import run
@@ -274,9 +274,12 @@ def test_nothing_stored_is_solved_again_unless_the_scene_or_the_options_differ(t
 
 def test_how_the_scenes_were_solved_stands_beside_them(tmp_path, capsys):
     call = ["sweep", "spring-b", "--vary", "load.force.1=-20,-30", *ONE, "--out", str(tmp_path)]
+    call += ["--penalty", "2e4"]
     assert main(call) == 0
     plain = json.loads((tmp_path / SETTINGS).read_text())
     assert plain["scene"] == "spring-b"
+    assert scene_from_table(plain["scene_table"]) == spring_b().overridden(steps=1, penalty=2e4)
+    assert plain["overridden"] == {"steps": 1, "penalty": 2e4}
     assert plain["varied"] == {"load.force.1": [-20, -30]}
     assert plain["model"] == "equivbeam"
     assert plain["options"] == {"law": "haringx", "tangent": "exact", "sliding": "ignore"}

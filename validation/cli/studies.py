@@ -14,6 +14,7 @@ from coilspring.scene.profile import OTHER_DIAMETERS
 from coilspring.scene.toml import written_table
 from validation.cli.arguments import (
     CAMPAIGN_RANGES,
+    COMMON_OPTIONS,
     MODEL_OPTIONS,
     given,
     refuse_other_models,
@@ -169,7 +170,7 @@ def sweep(arguments: argparse.Namespace, folder: Path, progress: Progress) -> An
     refuse_varied(arguments, [each.key for each in varied])
     progress(f"loading {model}")
     asked, lines, found = run.Choice.of(model, given(arguments, MODEL_OPTIONS[model])), [], None
-    told: dict[str, object] = dict(run.UNASKED)
+    told: dict[str, object] = {"overridden": given(arguments, COMMON_OPTIONS), **run.UNASKED}
     with claimed(folder), writing(folder):
         if accuracy is not None:
             from validation.sweep.choice import choose
@@ -179,7 +180,7 @@ def sweep(arguments: argparse.Namespace, folder: Path, progress: Progress) -> An
             told |= {"accuracy": accuracy, "estimated_error": found.error, "sampled": found.sampled}
         solver, kept = found.candidate if found else lambda scene: asked, run.kept_files(folder)
         count = _counted(progress)
-        rows = run.sweep(folder, table, varied, solver, workers=workers, progress=count, accuracy=told)
+        rows = run.sweep(folder, table, varied, solver, workers=workers, progress=count, about=told)
         run.write_picture(folder, rows, [each.key for each in varied], scene, solver(scene).model)
         lines += [f"the sweep that was there is kept in {file}" for file in run.kept_files(folder) - kept]
     return [*lines, *run.digest(rows), f"written to {folder}"], run.ended_early(rows)

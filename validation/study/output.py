@@ -8,10 +8,12 @@ import tempfile
 from collections.abc import Iterator, Mapping
 from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 from coilspring.path import EquilibriumPath
+from coilspring.scene.toml import SECTIONS, scene_table
 from validation.study.machine import versions
 from validation.study.scenewarnings import warnings
 
@@ -22,6 +24,7 @@ SUMMARY = (
     *("accuracy", "estimated_error", "other_seconds"),
 )
 OPTIONAL = ("compare.png", "curve.png", "stress.csv", "wire.pvd", "wire.vtu")  # files of a run
+TOLD = ("load.steps", "contact.stiffness")  # keys of a scene that a summary has among the options
 FACTS = "facts.json"  # of a study: the numbers by name that findings are computed from
 
 
@@ -173,19 +176,31 @@ def largest_stress(path: EquilibriumPath) -> dict[str, float] | None:
 
 
 def replaced(folder: Path, found: Mapping[str, object]) -> list[str]:
-    """In a line what a summary will take the place of: a run in `folder` of another scene, or with another
-    model or options."""
+    """In a line what a summary will take the place of: a run in `folder` of another scene, or of one that had
+    other keys, or with another model or options."""
     try:
         old = json.loads((folder / "summary.json").read_text(encoding="utf-8"))
         new = json.loads(json_text(found))
-        same = all(old[key] == new[key] for key in ("scene", "model", "options"))
+        same = all(old.get(key) == new[key] for key in ("scene", "scene_table", "model", "options"))
         scene = f" of {old['scene']}" if old["scene"] != new["scene"] else ""
         options = new["options"]
         changed = [f"{key} {value}" for key, value in old["options"].items() if value != options.get(key)]
+        if not scene:
+            changed += _other_keys(old["scene_table"], new["scene_table"])
     except (OSError, ValueError, KeyError, TypeError, AttributeError):
         return []  # none, or of something else
     by = f"{old['model']} ({', '.join(changed)})" if changed else str(old["model"])
     return [] if same else [f"in place of a run{scene} by {by}, which was there"]
+
+
+def _other_keys(old: Mapping[str, Any], new: Mapping[str, Any]) -> list[str]:
+    """Keys of a scene, with their values, that a new one of the same name has not, or otherwise."""
+    keys = {
+        f"{section}.{key}": (value, new[section].get(key))
+        for section in SECTIONS
+        for key, value in old[section].items()
+    }
+    return [f"{key} {was}" for key, (was, now) in keys.items() if was != now and key not in TOLD]
 
 
 def stress_file(path: EquilibriumPath) -> dict[str, bytes]:
@@ -230,6 +245,7 @@ def summary(path: EquilibriumPath) -> dict[str, object]:
     load, contact = path.scene.load, path.scene.contact
     return {
         "scene": path.scene.name,
+        "scene_table": scene_table(path.scene),
         "wire_diameter": path.scene.spring.wire_diameter,
         "model": path.model,
         "outcome": path.outcome,

@@ -65,10 +65,10 @@ def sweep(
     *,
     workers: int | None = None,
     progress: Callable[[int, int], None] = lambda done, of: None,
-    accuracy: Mapping[str, object] = UNASKED,
+    about: Mapping[str, object] = UNASKED,
 ) -> list[Row]:
     """Solve all combinations of the values, and write ``sweep.csv``: a row for each, in their order; and
-    ``sweep.json``: the values, how they are solved, and by what `accuracy` that was chosen.
+    ``sweep.json``: the scene, the values, how they are solved, and what else is known `about` them.
 
     A row is on disk as soon as its scene is solved. Rows that are there already from the same scenes,
     options and sources are not solved again; a file with any others is kept under another name, see
@@ -89,9 +89,10 @@ def sweep(
     if _holds_more(old, columns, wanted):
         _keep(folder, content)
     write_text(target, _csv(columns, rows.values()))
-    values = {each.key: each.values for each in varied}
-    about = {"scene": table.get("name"), "varied": values, **_settings(task[1] for task in tasks if task)}
-    write_bytes(folder / SETTINGS, json_bytes(about | dict(accuracy) | {"versions": versions()}))
+    scene = {"scene": table.get("name"), "scene_table": table}
+    values = {"varied": {each.key: each.values for each in varied}}
+    settings = scene | values | _settings(task[1] for task in tasks if task) | dict(about)
+    write_bytes(folder / SETTINGS, json_bytes(settings | {"versions": versions()}))
     missing = {i: task for i, task in enumerate(tasks) if task and keys[i] not in rows}
     done = len(grid) - len(missing)
     progress(done, len(grid))
