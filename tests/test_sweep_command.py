@@ -118,13 +118,31 @@ def test_keys_that_exclude_each_other_and_grids_too_large_are_refused(texts, wor
 @pytest.mark.parametrize(
     ("options", "words"),
     [
-        ("contact.stiffness=1e3,1e4 --penalty 5 --model wirefe", "--penalty cannot stand beside --vary conta"),
+        (
+            "contact.stiffness=1e3,1e4 --penalty 5 --model wirefe",
+            "--penalty cannot stand beside --vary conta",
+        ),
         ("load.steps=1,2 --steps 3", "--steps cannot stand beside --vary load.steps, which sets the same"),
-        ("contact.geometry=wires,spheres --geometry wires --model wirefe", "--geometry cannot stand beside -"),
-        ("load.force.1=-1,-2 --geometry wires", "--geometry belongs to --model wirefe, got --model equivbeam"),
-        ("contact.geometry=wires,spheres", "--vary contact.geometry has no effect on equivbeam: it goes with "),
-        ("contact.geometry=wires,spheres --sliding scene", "no effect on equivbeam: it goes with --model wir"),
-        ("contact.sliding=free,none", "no effect on equivbeam: it goes with --sliding scene or --model wirefe"),
+        (
+            "contact.geometry=wires,spheres --geometry wires --model wirefe",
+            "--geometry cannot stand beside -",
+        ),
+        (
+            "load.force.1=-1,-2 --geometry wires",
+            "--geometry belongs to --model wirefe, got --model equivbeam",
+        ),
+        (
+            "contact.geometry=wires,spheres",
+            "--vary contact.geometry has no effect on equivbeam: it goes with ",
+        ),
+        (
+            "contact.geometry=wires,spheres --sliding scene",
+            "no effect on equivbeam: it goes with --model wir",
+        ),
+        (
+            "contact.sliding=free,none",
+            "no effect on equivbeam: it goes with --sliding scene or --model wirefe",
+        ),
         ("contact.sliding=free,none --sliding ignore", "it goes with --sliding scene or --model wirefe"),
         ("factors.axial=1,1.1 --model wirefe", "no effect on wirefe: it goes with --model equivbeam"),
     ],

@@ -3,7 +3,9 @@
 import os
 import subprocess
 import sys
+from contextlib import nullcontext
 from dataclasses import replace
+from importlib import import_module
 
 import numpy as np
 import pytest
@@ -11,7 +13,10 @@ import pytest
 import equivbeam
 import wirefe
 from coilspring import Contact, Load, load_scene, spring_a, spring_b
+from coilspring.compiling.compiled import kernel
+from coilspring.solver.startup import stored
 from coilspring.sweep import outcome_of
+from validation.cli import main
 from validation.cli.terminal import deviation, digest, notes, progress_shown
 from validation.study import output
 from validation.study.metrics import compare_paths
@@ -29,6 +34,31 @@ def test_progress_is_shown_on_a_terminal_only(monkeypatch, capsys):
     output = capsys.readouterr()
     assert output.out == ""
     assert "working [on it]" in output.err
+
+
+@pytest.mark.parametrize("command", ["solve", "compare", "sweep"])
+def test_the_first_compilation_is_announced(command, monkeypatch, tmp_path):
+    """It is half a minute in which nothing else is said; kernels on the disk are not spoken of."""
+    more = {"solve": ["--model", "wirefe"], "sweep": ["--vary", "load.force.1=-1,-2", "--workers", "0"]}
+    call = [command, "spring-a", "--steps", "1", *more.get(command, []), "--out", str(tmp_path)]
+    for missing in (False, True):
+        lines: list[str] = []
+        monkeypatch.setattr(
+            "validation.cli.command.progress_shown", lambda *_, to=lines: nullcontext(to.append)
+        )
+        monkeypatch.setattr("coilspring.solver.startup.stored", lambda kernels, missing=missing: not missing)
+        assert main(call) == 0
+        first = [line for line in lines if line.startswith(("solving with", "0 of 2", "2 of 2"))]
+        assert first
+        assert all(("making the kernels ready" in line) == missing for line in first)
+
+
+def test_kernels_are_on_the_disk_once_they_were_compiled():
+    kernels = import_module("equivbeam.solve").KERNELS
+    equivbeam.solve(spring_a(), steps=1)
+    assert stored(kernels)
+    unknown = kernel(lambda x: 2.0 * x + len("never compiled"))
+    assert not stored(kernels._replace(work=unknown))
 
 
 def run_apart(folder, **settings):

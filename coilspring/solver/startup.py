@@ -36,9 +36,14 @@ def ready(kernels: Kernels) -> tuple[Callable, Any]:
     return compiled_follow(), bundled(kernels, compile_newton())
 
 
+def stored(kernels: Kernels) -> bool:
+    """Whether the disk holds the kernels; else they are compiled first, which takes half a minute."""
+    return all(kernel._cache.stored for kernel in kernels)
+
+
 def store(kernels: Kernels) -> None:
     """Compile the kernels that the disk does not hold: on all cores once, not in each process to come."""
-    if not all(kernel._cache.stored for kernel in kernels):
+    if not stored(kernels):
         ready(kernels)
 
 

@@ -26,7 +26,7 @@ from validation.cli.arguments import (
     refuse_other_models,
     scene_of,
 )
-from validation.cli.terminal import deviation, digest, notes, progress_shown, say
+from validation.cli.terminal import announcing, deviation, digest, notes, progress_shown, say
 from validation.study import output
 from validation.study.metrics import compare_paths
 from validation.study.partialsolve import partial_path
@@ -197,6 +197,7 @@ def _run(
     """The path of one model, complete or as far as it was reached."""
     progress(f"loading {model}")
     package = import_module(model)  # it alone: numba takes its time
+    progress = announcing(progress, model)
     names: Sequence[str] = MODEL_OPTIONS[model]
     solver, options = package.solve, given(arguments, names)
     if model == ADAPTIVE and arguments.accuracy is not None:

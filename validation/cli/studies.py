@@ -22,6 +22,7 @@ from validation.cli.arguments import (
     scene_of,
     scenes_of,
 )
+from validation.cli.terminal import announcing
 from validation.study.output import claimed, json_bytes, prepare, write_files, write_text, writing
 
 Progress = Callable[[str], None]
@@ -169,6 +170,7 @@ def sweep(arguments: argparse.Namespace, folder: Path, progress: Progress) -> An
     varied = grid.read_varied(arguments.vary, table)
     refuse_varied(arguments, [each.key for each in varied])
     progress(f"loading {model}")
+    progress = announcing(progress, model)
     asked, lines, found = run.Choice.of(model, given(arguments, MODEL_OPTIONS[model])), [], None
     told: dict[str, object] = {"overridden": given(arguments, COMMON_OPTIONS), **run.UNASKED}
     with claimed(folder), writing(folder):

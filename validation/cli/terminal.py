@@ -3,6 +3,7 @@
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from importlib import import_module
 
 import numpy as np
 
@@ -16,6 +17,7 @@ LIMIT_POINTS = {  # by whether UY is prescribed
 }
 MANY = 64  # stations per turn: where wires slide off early, it is seen with these
 TOLD = 0.01  # seconds, from which on it is said that kernels were made ready
+FIRST = "(making the kernels ready, once: about half a minute)"
 SLIPPING = {  # without friction, by what stands for coils that touch
     "equivbeam": "circles may slide off one another where coils do not: wirefe with contact of wires tells",
     "spheres": "spheres may slide off one another where wires do not: see --geometry wires",
@@ -44,6 +46,14 @@ def progress_shown(quiet: bool = False) -> Iterator[Callable[[str], None]]:
 
     with Console(stderr=True).status("") as status:
         yield lambda text: status.update(Text(text))
+
+
+def announcing(progress: Callable[[str], None], model: str) -> Callable[[str], None]:
+    """Progress that also says, as long as it is so, that a model's kernels have to be compiled."""
+    from coilspring.solver.startup import stored
+
+    kernels = import_module(f"{model}.solve").KERNELS
+    return lambda text: progress(text if stored(kernels) else f"{text} {FIRST}")
 
 
 def digest(path: EquilibriumPath) -> list[str]:
