@@ -5,7 +5,7 @@ from dataclasses import asdict, dataclass, fields
 from typing import Any, Self
 
 from coilspring.errors import InputError, require_choice, shown
-from equivbeam.laws import law_of
+from equivbeam.laws import law_of, name_of
 from equivbeam.laws.helix import Refinements
 from equivbeam.laws.userlaw import UserLaw
 
@@ -24,7 +24,7 @@ class BeamOptions:
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "law", law_of(self.law))
-        law, tangent, refinements = str(self.law), self.tangent, self.refinements
+        law, tangent, refinements = name_of(self.law), self.tangent, self.refinements
         require_choice("tangent", tangent, tuple(TANGENTS))
         require_choice("sliding", self.sliding, ("ignore", "scene"))
         if law != "haringx" and tangent != "exact":

@@ -235,6 +235,7 @@ def test_bad_requests(tmp_path, capsys):
     curve = write(tmp_path / "bench.csv", ([1.0, 2.0], [1.0, 2.0]))
     for names, words in (
         ("axial,axial", "list of different names"),
+        ("axial,", "--fit must be names with commas between, as axial,bending, got 'axial,'"),
         ("stiffness", "--fit must hold names of wire_diameter, mean_diameter,"),
         ("stiffness", "bending, offset, got 'stiffness'"),
         ("G,axial", "--fit may hold axial with the law haringx alone, got the law 'helix'"),

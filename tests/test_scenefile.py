@@ -325,6 +325,8 @@ REFUSED_VALUES = [
     ({"contact.sliding": '"coulomb"', "contact.friction": "nan"}, "contact.friction", "10]", "nan"),
     ({"contact.sliding": '"coulomb"', "contact.friction": '"0.3"'}, "contact.friction", "number", "'0.3'"),
     ({"material.E": "-206000.0"}, "material.E", "[0.001, 1e+09]", "-206000.0"),
+    ({"material.E": "2.06e11"}, "material.E", "206000000000.0; moduli are in MPa: 206e9 Pa are 206000", ""),
+    ({"material.E": "206_000_000_000"}, "material.E", "got 206000000000; moduli are in MPa", ""),
     ({"material.nu": "0.6"}, "material.nu", "[-0.999, 0.5]", "0.6"),
     ({"material.nu": "-1.0"}, "material.nu", "[-0.999, 0.5]", "-1.0"),
     ({"material.G": "80000.0"}, "[material] takes one of", "nu, G", "got nu and G"),

@@ -87,9 +87,9 @@ def test_an_item_of_a_list_and_of_a_table():
         ("spring.wire_diameter=1:2", "a range must be FIRST:LAST:COUNT, three numbers, as 1.2:1.8:7"),
         ("spring.wire_diameter=1:nan:2", "a range must be FIRST:LAST:COUNT, three numbers"),
         ("spring.wire_diameter=1:2:1", "the COUNT of a range must be an integer in [2, 100000], got 1"),
-        ("load.force.1=-3,-4,-3.0", "values must be different, got -3 2 times"),
-        ("load.force.1=-3:-3:3", "values must be different, got -3 3 times"),
-        ("spring.hand=left,left", "values must be different, got left 2 times"),
+        ("load.force.1=-3,-4,-3.0", "values must be different, got -3 more than once"),
+        ("load.force.1=-3:-3:3", "values must be different, got -3 more than once"),
+        ("spring.hand=left,left", "values must be different, got left more than once"),
         ("spring.wire_diameter=1,,2", "values must be numbers, texts, true or false, with commas between"),
     ],
 )
@@ -104,7 +104,7 @@ def test_what_cannot_be_varied_is_refused_with_what_can(text, words, tmp_path, c
 @pytest.mark.parametrize(
     ("texts", "words"),
     [
-        (["load.force.1=-1", "load.force.1=-2"], "load.force.1 is varied already, by load.force.1"),
+        (["load.force.1=-1", "load.force.1=-2"], "load.force.1 is varied twice: give all its val"),
         (["spring.mean_diameter=9", "spring.mean_diameter.0=8"], "is varied already, by spring.mean_diam"),
         (["load.force.1=-2:-1:400", "material.E=2e5:3e5:400"], "at most 100000 scenes, got 160000"),
     ],

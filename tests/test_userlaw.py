@@ -316,8 +316,11 @@ def test_no_law(tmp_path):
     for given in ("love", 3, None, "missing.py", tmp_path):
         with pytest.raises(InputError, match="law must be"):
             equivbeam.solve(spring_a(), law=given)
-    with pytest.raises(InputError, match="factors must be 1 unless"):
+    # by the name of its file, without the digest of its content
+    with pytest.raises(InputError, match=r"factors must be 1 unless .* with 'law_paper\.py'$"):
         equivbeam.solve(spring_a(), law=PAPER, factors=(1.0, 1.0, 0.9))
+    with pytest.raises(InputError, match=r"tangent must be exact with law law_paper\.py, got 'paper'"):
+        equivbeam.solve(spring_a(), law=PAPER, tangent="paper")
 
 
 def test_energy_that_ends_on_the_way(tmp_path):

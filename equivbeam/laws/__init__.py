@@ -34,6 +34,11 @@ def law_of(given: Any) -> str | UserLaw:
     raise InputError(f"law must be one of {', '.join(LAWS)}, or a Python file, got {shown(given)}")
 
 
+def name_of(law: str | UserLaw) -> str:
+    """What a user calls a law: without the digest by which paths and keys keep one."""
+    return law.name if isinstance(law, UserLaw) else law
+
+
 def law_rows(
     law: str | UserLaw, spring: Spring, material: Material, refinements: Refinements, factors: Factors
 ) -> np.ndarray:
@@ -43,7 +48,7 @@ def law_rows(
     """
     if factors.given and law != "haringx":
         raise InputError(
-            f"factors must be 1 unless the law is haringx, got {astuple(factors)!r} with {str(law)!r}"
+            f"factors must be 1 unless the law is haringx, got {astuple(factors)!r} with {name_of(law)!r}"
         )
     if isinstance(law, UserLaw):
         return law.rows(spring, material)

@@ -61,6 +61,8 @@ def calibrate(arguments: argparse.Namespace, folder: Path, progress: Progress) -
     """Fit the equivalent beam to a measured curve."""
     scene = load_scene(arguments.scene)
     names = tuple(name.strip() for name in arguments.fit.split(","))
+    if "" in names:
+        raise InputError(f"--fit must be names with commas between, as axial,bending, got {arguments.fit!r}")
     progress("loading equivbeam")
     from validation.calibration import run
 

@@ -49,6 +49,8 @@ def read_varied(texts: Sequence[str], table: Mapping[str, Any]) -> list[Varied]:
                 raise InputError("must be KEY=FIRST:LAST:COUNT or KEY=VALUE,VALUE,...")
             _require_key(key, table)
             for other in found:
+                if key == other.key:
+                    raise InputError(f"{key} is varied twice: give all its values in one list or range")
                 if f"{key}.".startswith(f"{other.key}.") or f"{other.key}.".startswith(f"{key}."):
                     raise InputError(f"{key} is varied already, by {other.key}")
             found.append(Varied(key, _different(_values(values))))
@@ -111,7 +113,7 @@ def _different(values: tuple[Any, ...]) -> tuple[Any, ...]:
     """Values that are all different: the same scene would be solved again."""
     ((value, count),) = Counter(values).most_common(1)
     if count > 1:
-        raise InputError(f"values must be different, got {value} {count} times")
+        raise InputError(f"values must be different, got {value} more than once")
     return values
 
 
