@@ -783,6 +783,7 @@ def test_bound_of_a_rate():
     ("options", "words"),
     [
         (["--seeds", "1,x"], "--seeds must be whole numbers"),
+        (["--seeds", "1,01"], "--seeds must be different, got '1,01'"),
         (["--seeds", "1,2", "--seed", "3"], "--seed or --seeds"),
     ],
 )

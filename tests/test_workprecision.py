@@ -354,10 +354,11 @@ def test_stability_passes_its_arguments_on(code, tmp_path, monkeypatch, capsys):
 
 
 def test_one_case_writes_nothing(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
     calls = fake_campaign(monkeypatch, 0)
-    assert main(["stability", "--case", "b000007", "--seed", "3", "--out", str(tmp_path / "new")]) == 0
+    assert main(["stability", "--case", "b000007", "--seed", "3"]) == 0
     assert calls[0][1].items() >= {"case": "b000007", "seeds": (3,)}.items()
-    assert not (tmp_path / "new").exists()
+    assert not list(tmp_path.iterdir())
     assert capsys.readouterr().out == ""  # what there is to say, the campaign says
 
 
@@ -367,6 +368,10 @@ def test_one_case_writes_nothing(tmp_path, monkeypatch, capsys):
         ("--beams -1", ["beams", "[0, 10000000]", "-1"]),
         ("--wires 2.5", ["wires", "integer", "2.5"]),
         ("--workers many", ["workers", "'many'"]),
+        ("--beams 0 --wires 0", ["--beams and --wires must not both be 0"]),
+        ("--case b000007 --beams 3", ["--beams has no effect beside --case"]),
+        ("--case b000007 --out here", ["--out has no effect beside --case"]),
+        ("--case b000007 --workers 0", ["--workers has no effect beside --case"]),
         ("spring-a", ["spring-a"]),
     ],
 )

@@ -16,6 +16,7 @@ from validation.cli.arguments import (
     CAMPAIGN_RANGES,
     COMMON_OPTIONS,
     MODEL_OPTIONS,
+    flag,
     given,
     refuse_other_models,
     refuse_varied,
@@ -113,8 +114,15 @@ def regress(arguments: argparse.Namespace, folder: Path, progress: Progress) -> 
 def stability(arguments: argparse.Namespace, folder: Path, progress: Progress) -> Answer:
     """Judge sampled scenes of both models."""
     options = given(arguments, ("case", "scheduler"))
+    others = given(arguments, ("beams", "wires", "workers", "scheduler", "out")) if arguments.case else ()
+    for name in others:
+        raise InputError(
+            f"{flag(name)} has no effect beside --case, which verifies one case, writing nothing"
+        )
     for name, number in given(arguments, tuple(CAMPAIGN_RANGES)).items():
         options[name] = require_integer(name, number, *CAMPAIGN_RANGES[name])
+    if options.get("beams") == options.get("wires") == 0:
+        raise InputError("--beams and --wires must not both be 0, which is no scene to verify")
     options["seeds"] = _seeds(options.pop("seed", None), arguments.seeds)
     writes = "case" not in options
     progress(LOADING)
@@ -127,7 +135,7 @@ def stability(arguments: argparse.Namespace, folder: Path, progress: Progress) -
 
 
 def _seeds(one: int | None, listed: str | None) -> tuple[int, ...]:
-    """Seeds of a campaign, each once; `InputError` for both options, or a list that is none of numbers."""
+    """Seeds of a campaign; `InputError` for both options, or a list that is none of different numbers."""
     if listed is None:
         return (1 if one is None else one,)
     if one is not None:
@@ -135,8 +143,10 @@ def _seeds(one: int | None, listed: str | None) -> tuple[int, ...]:
     parts = [part.strip() for part in listed.split(",")]
     if not all(part.isdecimal() for part in parts):
         raise InputError(f"seeds must be whole numbers with commas between, as 1,2,3, got {listed!r}")
-    limits = CAMPAIGN_RANGES["seed"]
-    return tuple(dict.fromkeys(require_integer("seeds", int(part), *limits) for part in parts))
+    seeds = tuple(require_integer("seeds", int(part), *CAMPAIGN_RANGES["seed"]) for part in parts)
+    if len(set(seeds)) < len(seeds):
+        raise InputError(f"seeds must be different, got {listed!r}")
+    return seeds
 
 
 def _counted(progress: Progress) -> Callable[[int, int], None]:
