@@ -643,6 +643,14 @@ def test_the_help_says_what_the_equivalent_stress_and_the_modes_are(capsys):
     assert "axial, lateral or torsional" in said
 
 
+def test_the_help_says_that_a_selection_is_without_the_report(capsys):
+    with pytest.raises(SystemExit):
+        main(["reproduce", "--help"])
+    assert "The report is of all tables and figures: --only leaves it out." in " ".join(
+        capsys.readouterr().out.split()
+    )
+
+
 def test_a_law_that_is_not_there_is_named_once(capsys):
     assert main(["solve", "spring-a", "--model", "equivbeam", "--law", "nosuch.py"]) == 2
     said = "--law must be a Python file that can be read, got 'nosuch.py' (No such file or directory)"
