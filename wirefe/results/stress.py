@@ -15,6 +15,7 @@ import numpy as np
 from coilspring.errors import InputError
 from coilspring.path import EquilibriumPath
 from coilspring.scene.sizing import bending_factor, stress_factor
+from coilspring.scene.spring import BESIDE
 from wirefe.contact.stations import carried, fixed_to_sections, positions, rows, tangents, turned_rows
 from wirefe.element.beam import end_forces
 from wirefe.element.rotations import cross_rows
@@ -23,6 +24,7 @@ if TYPE_CHECKING:
     from wirefe.results.shape import WireShape
 
 PER_TURN = 32  # sections of a turn, at least
+INSIDE = 2.0 * BESIDE  # rad: so far inside an element is what belongs to its end
 TWO_PI = 2.0 * math.pi
 FORCES = ("axial_force", "shear_force", "torsion", "bending_moment")
 STRESSES = ("torsion_stress", "bending_stress", "shear_corrected", "bending_corrected", "equivalent")
@@ -34,7 +36,8 @@ class WireStress:
 
     Attributes
     ----------
-    turns : (sections,) of wire from the first active point; elastic end turns are beyond the active coils.
+    turns : (sections,) of wire from the first active point; elastic end turns are beyond the active coils. A
+        node of the mesh has two sections, below it and above: forces of contact act between them.
     axial_force, torsion : along and about the wire, N, N mm; with their signs.
     shear_force, bending_moment : across it; sizes.
     bending_in : bending moment in the plane of the coil, N mm; with its sign.
@@ -115,14 +118,14 @@ def stresses(shape: WireShape, states: np.ndarray) -> WireStress:
 
 
 def _sections(shape: WireShape) -> tuple[np.ndarray, np.ndarray]:
-    """Elements and phases at which the wire is cut, evenly in each element."""
+    """Elements and phases at which the wire is cut, evenly in each element from end to end: so at the wire's
+    ends, where moments are often largest, and on both sides of nodes, where forces of contact act."""
     at = shape.mesh.phases
     steps = np.diff(at)
     wire = np.flatnonzero(steps > 0.0)  # the hold of a tip on a plate has no length
     each = max(math.ceil(PER_TURN * steps[0] / TWO_PI - 1e-9), 1)
-    shares = (np.arange(each) + 0.5) / each
-    phases = at[wire, None] + steps[wire, None] * shares
-    return np.repeat(wire, each), phases.ravel()
+    phases = np.linspace(at[wire], at[wire + 1], each + 1, axis=1)
+    return np.repeat(wire, each + 1), phases.ravel()
 
 
 def _resultants(
@@ -134,6 +137,9 @@ def _resultants(
     ends = np.empty((len(states), len(data.triads), 12))
     for state, row in zip(states, ends, strict=True):
         end_forces(state, data.arm, data.triads, data.strain0, data.stiffness, data.second, row)
+    low, high = (shape.mesh.phases[element + side] for side in (0, 1))
+    # at nodes the tangent at rest may be a mean with that of the end turn, or of the next section
+    phases = np.clip(phases, low + INSIDE, high - INSIDE)
     node, parts = carried(spring, shape.mesh, phases)
     x = positions(nodes, node, parts)
     above = nodes[:, 1:, :3].copy()  # the elements' second ends
