@@ -8,13 +8,16 @@ turns included.
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from typing import TYPE_CHECKING, NamedTuple, cast
 
 import numpy as np
 
 from coilspring.compiling.packing import pack
+from coilspring.contact.touching import CREEP
 from coilspring.errors import InputError, require_choice, require_integer, require_number
 from coilspring.path import EquilibriumPath
+from wirefe import kernels
 from wirefe.contact.stations import ARMS, POSITION, ROTATION, carried, rows, tangents, turned_rows
 from wirefe.element.beam import beams
 from wirefe.element.poses import at_rest
@@ -52,9 +55,9 @@ class Mode(NamedTuple):
 def frequencies(path: EquilibriumPath, step: int = -1, *, count: int = 6, top: str = "held") -> np.ndarray:
     """Lowest natural frequencies about a stored equilibrium of the wire model.
 
-    The stiffness is the tangent of the state. A sticking pair that creeps has in it the share of its
-    tangential stiffness that is left to it, and presses or opens, while the path keeps it just touching: so
-    it is not the slope of the path, `EquilibriumPath.rates`, there.
+    The stiffness is the tangent of the state for small vibrations in which pairs that touch stay closed and
+    stick. What slides, or creeps, on the path sticks as it turns round, however little: so this is not the
+    slope of the path, `EquilibriumPath.rates`, there.
 
     Parameters
     ----------
@@ -96,18 +99,34 @@ def _about(path: EquilibriumPath, step: int, count: int, top: str) -> tuple[np.n
         raise InputError(f"step must be one of the {len(path.states)} of the path, got {step}")
     require_choice("top", top, TOPS)
     state = path.states[step]
-    histories = None if path.histories is None else path.histories[[step]]
     fixed = np.zeros(shape.size, dtype=bool)
     fixed[shape.data.held.placed] = True
     if top == "held":
         fixed[-6:] = True
     free = np.flatnonzero(~fixed)
     require_integer("count", count, 1, len(free) - 1)
-    K = tangent_stiffness(shape, state, shape.histories(histories, state[None])[0])
+    K = _stiffness(path, shape, step)
     found, vectors = lowest_modes(K, mass(shape, state), free, count)
     motions = np.zeros((shape.size, count))
     motions[free] = vectors
     return found, motions
+
+
+def _stiffness(path: EquilibriumPath, shape: WireShape, step: int) -> csr_array:
+    """Tangent stiffness at a stored equilibrium for motions so small that pairs neither open nor slide.
+
+    Pairs begin them as they begin the next substep of the path: after a slide, or creep, they hold their
+    force with their whole tangential stiffness.
+    """
+    state, contact = path.states[step], shape.data.contact
+    if path.histories is None:
+        history = shape.histories(None, state[None])[0]
+    else:
+        history = path.histories[step].copy()
+        kernels.update_history(*pack(shape.data), state, history)
+    history["bound"] *= 2.0  # it is the force of what slid, but for rounding
+    touching = contact._replace(d=(1.0 + 2.0 * CREEP) * contact.d)  # and so near is what creeps
+    return tangent_stiffness(replace(shape, data=shape.data._replace(contact=touching)), state, history)
 
 
 def _coil_motions(shape: WireShape, state: np.ndarray, motions: np.ndarray) -> np.ndarray:
