@@ -53,15 +53,17 @@ def test_gradient_and_matrix_are_derivatives_of_the_energy(held, check_derivativ
     check_derivatives(energy, n, h=1e-5, tolerance=1e-6)
 
 
-@pytest.mark.parametrize("held", [GUIDED, ()])
-def test_the_plates_carry_the_load_where_statics_puts_it(held):
-    path = wirefe.solve(scene_of((0.0, -40.0) if held else (-0.2, -20.0), held))
+@pytest.mark.parametrize(
+    ("held", "force"), [(GUIDED, (0.0, -40.0)), (("rotz",), (4.0, -40.0)), ((), (-0.2, -20.0))]
+)
+def test_the_plates_carry_the_load_where_statics_puts_it(held, force):
+    path = wirefe.solve(scene_of(force, held))
     low, high = forces(path)
-    assert low.sum() == pytest.approx(-path.scene.load.force[1], rel=1e-4)
+    assert low.sum() == pytest.approx(-path.scene.load.force[1], rel=1e-9)
     nodes, plates = path.states[-1].reshape(-1, 7), path.shape.data.plates
     top = nodes[-1]
     if held:
-        assert high.sum() == pytest.approx(40.0, rel=1e-4)
+        assert high.sum() == pytest.approx(40.0, rel=1e-9)
         return
     # moment about Z through the tip, where the force along the plate is held
     tip = nodes[0]
@@ -84,6 +86,10 @@ def test_a_small_load_meets_the_linear_complementarity_problem():
     carry[6 * n - 6 : 6 * n - 3, 6 * n - 3 :] = [[0.0, z, -y], [-z, 0.0, x], [y, -x, 0.0]]
     K = carry.T @ bare @ carry
     plates, load = data.plates, rod.loads.ravel()
+    for axis in (0, 2):  # the hold of the tip along the plate
+        hold = np.zeros(6 * n)
+        hold[[6 * n - 12 + axis, 6 * n - 6 + axis]] = -1.0, 1.0
+        K += plates.hold * np.outer(hold, hold)
     rows = np.zeros((len(plates.low) + len(plates.high), 6 * n))  # of the gaps
     rows[np.arange(len(plates.low)), 6 * plates.low + 1] = 1.0
     for row, node in zip(rows[len(plates.low) :], plates.high, strict=True):

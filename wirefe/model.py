@@ -97,7 +97,7 @@ def build_model(
     if seat == "plate":
         law, d = scene.contact, scene.spring.wire_diameter
         linear = tangential_stiffness(law.stiffness, law.exponent, d)
-        plates = place_plates(scene.spring, mesh, linear, ~rod.held[top])
+        plates = place_plates(scene.spring, mesh, linear, rod)
     stations = place_stations(scene.spring, mesh)
     data = rod_model(rod, mesh.arm, contact, plates)._replace(stations=stations)
     if scene.load.displacement:

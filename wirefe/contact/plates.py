@@ -6,7 +6,8 @@ hold them; all else of the end turns lies on the plates, slides and lifts off.
 The bottom plate is fixed, the top one moves and turns with the top end. With the normal n of a plate, its
 reference point X and the vector w = X - x from a node, the gap is ``g = n . w - c``, where c makes it zero at
 rest for nodes of the end turns, whose undersides are ground flat. The potential is 1/2 k g^2 where g <= 0:
-plates push and do not pull, and the wire slides on them. With n = exp(phi) n along the exponential map
+plates push and do not pull, and the wire slides on them. What holds the top tip along its plate is the same
+for both signs of g, with n along the plate. With n = exp(phi) n along the exponential map
 
     dg = n . (dX - dx) + phi . (n x w)
     d2g = 2 phi . (n x (dX - dx)) + (phi . n)(phi . w) - (n . w) phi . phi
@@ -18,7 +19,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from coilspring.compiling.compiled import inlined
+from coilspring.compiling.compiled import clear, inlined
 from coilspring.compiling.packing import Vector, Wholes
 from coilspring.scene.spring import Spring
 from wirefe.contact.points import NONE, PAIRS_OF_PENALTY
@@ -28,7 +29,8 @@ from wirefe.element.rotations import turned
 from wirefe.mesh import TWO_PI, WireMesh
 from wirefe.rod import Rod
 
-JOINT = 100.0  # stiffness of the hold at the top, over that of the wire's last element
+HOLD = 100.0  # stiffness of the hold at the top, over that of the wire's last element
+ALONG = (0, 2)  # axes of a plate along it
 
 
 class PlateArrays(NamedTuple):
@@ -38,20 +40,22 @@ class PlateArrays(NamedTuple):
     level: Vector  # (low,) height of each where it touches, mm
     high: Wholes  # nodes of the upper end
     depth: Vector  # (high,) c of each, mm
+    tip: Vector  # (3,) from the last of these, the tip, to the top end at rest, mm
     free: Vector  # (6,) 1 for free dofs of the top end, 0 for held ones
     stiffness: float  # of a node on a plate, N/mm
+    hold: float  # of the tip along the plate, N/mm
     block: Wholes  # (high,) block of each node's coupling with the top end
     flip: Wholes
 
 
-NO_PLATES = PlateArrays(NONE, np.zeros(0), NONE, np.zeros(0), np.ones(6), 0.0, NONE, NONE)
+NO_PLATES = PlateArrays(NONE, np.zeros(0), NONE, np.zeros(0), np.zeros(3), np.ones(6), 0.0, 0.0, NONE, NONE)
 
 
-def place_plates(spring: Spring, mesh: WireMesh, stiffness: float, free: np.ndarray) -> PlateArrays:
+def place_plates(spring: Spring, mesh: WireMesh, stiffness: float, rod: Rod) -> PlateArrays:
     """Plates of a spring: nodes of each end turn and of the coil next to it may touch its plate.
 
     `stiffness` is that of the linear contact of a pair: as stiff along the wire as coils. The blocks are
-    left empty.
+    left empty. `rod` is its wire, joined to the top end.
     """
     phases, y = mesh.phases[:-1], mesh.points[:-1, 1]  # the last node is the top end itself
     low = np.flatnonzero(phases < TWO_PI)
@@ -63,17 +67,22 @@ def place_plates(spring: Spring, mesh: WireMesh, stiffness: float, free: np.ndar
         level=np.minimum(y[low], 0.0),
         high=high,
         depth=np.minimum(top - y[high], 0.0),
-        free=free.astype(float),
+        tip=-mesh.arm,
+        free=(~rod.held[-1]).astype(float),
         stiffness=per_node,
+        hold=HOLD * rod.stiffness[-2, 0, 0],
     )
 
 
 def join_top(rod: Rod) -> Rod:
-    """The rod with its tip joined to a last node at the same point, the top end: held along its plate and
-    against turning on it, free to lift and to tilt."""
+    """The rod with its tip joined to a last node at the same point, the top end: held against turning on its
+    plate, free to lift and to tilt.
+
+    A force of the joint would act along axes half way between those of the tip and of the plate, and carry
+    some of the load: so `press_high` holds the tip along the plate.
+    """
     stiffness = np.zeros((1, 6, 6))
-    for dof in (0, 2, 4):  # x, z, and the turn about y
-        stiffness[0, dof, dof] = JOINT * rod.stiffness[-1, dof // 3 * 3, dof // 3 * 3]
+    stiffness[0, 4, 4] = HOLD * rod.stiffness[-1, 3, 3]
     upright = np.broadcast_to([1.0, 0.0, 0.0, 0.0], (1, 2, 4))
     return Rod(
         points=np.concatenate((rod.points, rod.points[-1:])),
@@ -87,7 +96,8 @@ def join_top(rod: Rod) -> Rod:
 class Gap(NamedTuple):
     """Derivatives of the gap between a node and the top plate."""
 
-    n: Any  # (3,) normal of the plate
+    k: float  # its stiffness
+    n: Any  # (3,) normal of the plate, or an axis along it
     a: Any  # (6,) gradient at the node
     b: Any  # (6,) and at the top end
     C: Any  # (3, 3) second derivative in the spin of the top end
@@ -111,18 +121,22 @@ def press_low(plates, state, g, H):
 
 @inlined
 def press_high(plates, state, g, H):
-    """Potential of the top plate; adds its gradient and Hessian."""
-    energy, k = 0.0, plates.stiffness
-    n, w, a, b, C = np.empty(3), np.empty(3), np.zeros(6), np.empty(6), np.empty((3, 3))
+    """Potential of the top plate, and of what holds the tip along it; adds its gradient and Hessian."""
+    energy, last = 0.0, plates.high.size - 1
+    axis, n, w, a, b, C = np.empty(3), np.empty(3), np.empty(3), np.zeros(6), np.empty(6), np.empty((3, 3))
     top = state.size // ROW - 1
-    n[0], n[1], n[2] = turned(four(state, ROW * top + 3), (0.0, 1.0, 0.0))
-    for m in range(plates.high.size):
+    for row in range(last + 1 + len(ALONG)):
+        m, held = min(row, last), row > last
+        along = ALONG[row - last - 1] if held else 1
+        gap, k = (-plates.tip[along], plates.hold) if held else (-plates.depth[m], plates.stiffness)
+        clear(axis)
+        axis[along] = 1.0
         node = plates.high[m]
-        gap = -plates.depth[m]
+        n[0], n[1], n[2] = turned(four(state, ROW * top + 3), three(axis, 0))
         for i in range(3):
             w[i] = state[ROW * top + i] - state[ROW * node + i]
             gap += n[i] * w[i]
-        if gap > 0.0:
+        if gap > 0.0 and not held:
             continue
         energy += 0.5 * k * gap * gap
         for i in range(3):
@@ -135,14 +149,14 @@ def press_high(plates, state, g, H):
             g[6 * top + i] += k * gap * b[i]
         if len(H) > 0:
             put(C, 0, 0, lever(three(n, 0), three(w, 0)))
-            _add_hessian(plates, m, top, k * gap, Gap(n, a, b, C), H)
+            _add_hessian(plates, m, top, k * gap, Gap(k, n, a, b, C), H)
     return energy
 
 
 @inlined
 def _add_hessian(plates, m, top, force, gap, H):
     """k dg dg^T + force d2g of the node m of the top plate."""
-    node, free, k, (n, a, b, C) = plates.high[m], plates.free, plates.stiffness, gap
+    node, free, (k, n, a, b, C) = plates.high[m], plates.free, gap
     B, flip = H[plates.block[m]], plates.flip[m]
     for i in range(6):
         for j in range(6):
