@@ -186,6 +186,22 @@ def test_what_pulls_or_pushes_sideways_closes_nothing():
     assert (touching.shortening, touching.stress) == (0.0, 0.0)
 
 
+@pytest.mark.parametrize(
+    ("load", "held", "said"),
+    [
+        (Load((-9.0, -4.0)), (), "of the axial load alone, the sideways force of 9 N is not in it (8 F D"),
+        (Load(stages=((0.0, -4.0), (-5.0, -4.0), (0.0, 0.0))), (), "the sideways force of 5 N is not in it"),
+        (Load((-9.0, 0.0)), (), "not by this formula, which knows axial loads alone: solve --model wirefe"),
+        (Load((-9.0, -4.0)), ("ux",), " MPa (8 F D"),  # the support takes it
+    ],
+)
+def test_the_stress_says_that_it_leaves_a_sideways_force_out(load, held, said):
+    lines, _ = report(Scene("across", CYLINDER, load, supports=Supports(held)))
+    (stress,) = (line for line in lines if line.startswith("  stress"))
+    assert said in stress
+    assert not any(" 0 MPa" in line for line in lines)
+
+
 def test_a_model_that_leaves_the_scenes_sliding_out_says_so():
     assert any("--sliding scene" in line for line in report(spring_b())[0])
     assert not any("--sliding scene" in line for line in report(spring_a())[0])

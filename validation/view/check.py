@@ -28,6 +28,7 @@ def report(scene: Scene) -> tuple[list[str], list[str]]:
         index_varies=not math.isclose(low, high),
         angle=angle,
         unknown=math.isnan(found.wire_rates[1]),
+        sideways=_sideways(scene),
     )
     models = (f"  {model:<13} {_verdict(model, scene)}" for model in ("equivbeam", "wirefe"))
     doubts = warnings(scene)
@@ -38,6 +39,13 @@ def report(scene: Scene) -> tuple[list[str], list[str]]:
             "the rate is that of rigid end turns: on plates springs are softer, by 6 to 14 % where measured"
         )
     return [*text.rstrip("\n").split("\n"), *models], doubts
+
+
+def _sideways(scene: Scene) -> float:
+    """Largest force across the axis that no support takes, N."""
+    if "ux" in scene.supports.top_held:
+        return 0.0
+    return max(abs(x) for x, _ in scene.load.stages or (scene.load.force,))
 
 
 def _verdict(model: str, scene: Scene) -> str:
