@@ -67,12 +67,19 @@ PARAMETERS: Mapping[str, Parameter] = {
     **{name: _field("factors", name) for name in FACTORS},
 }
 NAMES = tuple(PARAMETERS)
+OF_ALL_COILS = ("mean_diameter", "bottom_diameter", "top_diameter", "pitch")  # sections have their own
 
 
 def values(scene: Scene, names: tuple[str, ...]) -> np.ndarray:
-    """Values of the parameters named; `InputError` for a name that is none of `NAMES`."""
+    """Values of the parameters named; `InputError` for a name that is none of `NAMES`, or of the scene's."""
     for name in names:
         require_choice("parameters", name, NAMES)
+        if scene.spring.sections and name in OF_ALL_COILS:
+            others = ", ".join(other for other in NAMES if other not in OF_ALL_COILS)
+            raise InputError(
+                f"{name} cannot be fitted or varied where the spring has sections, each with its own; "
+                f"the parameters are then {others}"
+            )
     wanted = (PARAMETERS[name] for name in names)
     return np.array([each.read(getattr(scene, each.part)) for each in wanted])
 
@@ -127,7 +134,8 @@ def sensitivities(path: EquilibriumPath, parameters: Sequence[str]) -> Sensitivi
 
     Raises
     ------
-    InputError : unknown name, another model's path, or one with friction.
+    InputError : unknown name, a diameter or the pitch of a spring of sections, another model's path, or one
+        with friction.
     """
     names = tuple(parameters)
     if not isinstance(path, EquilibriumPath):

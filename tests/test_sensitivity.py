@@ -7,7 +7,7 @@ import pytest
 
 import equivbeam
 import wirefe
-from coilspring import Load, Scene, Spring, Supports, spring_a, spring_b
+from coilspring import CoilSection, Load, Scene, Spring, Supports, spring_a, spring_b
 from coilspring.errors import InputError
 from equivbeam.sensitivity import NAMES, values, varied
 
@@ -171,6 +171,19 @@ BAD = {
 def test_bad_input(words):
     with pytest.raises(InputError, match=words):
         BAD[words]()
+
+
+@pytest.mark.parametrize("name", ["pitch", "mean_diameter", "bottom_diameter", "top_diameter"])
+def test_what_each_section_has_of_its_own_is_no_parameter(name):
+    coils = [CoilSection(1.5, (4.2, 6.0), 22.0), CoilSection(4.0, 6.0, 22.0)]
+    scene = replace(spring_b(), spring=Spring.of_sections(3.2, coils))
+    path = equivbeam.solve(scene, steps=1)
+    said = f"^{name} cannot be fitted or varied where the spring has sections.* then wire_diameter, E, G, "
+    with pytest.raises(InputError, match=said):
+        equivbeam.sensitivities(path, ["wire_diameter", name])
+    with pytest.raises(InputError, match=said):
+        equivbeam.calibrate(scene, path, [name])
+    assert np.isfinite(equivbeam.sensitivities(path, ["wire_diameter", "G"]).tips).all()
 
 
 @pytest.mark.parametrize("names", [[], ["E", "E"], "E"])
