@@ -28,6 +28,7 @@ from wirefe import kernels, model
 from wirefe.element.beam import beams
 from wirefe.element.poses import at_rest
 from wirefe.element.rotations import exponential, times
+from wirefe.mesh import lost_by_chords
 from wirefe.rod import section_flexibility
 from wirestates import dense
 
@@ -349,6 +350,25 @@ def test_curved_element_carries_the_linear_flexibility_of_its_helix():
     sections, lengths = section_flexibility(spring, section, phases, spring.points(phases))
     expected = np.einsum("q,qij->ij", lengths[0], sections[0])
     np.testing.assert_allclose(np.linalg.inv(H[0, 6:, 6:]), expected, rtol=1e-8, atol=1e-16)
+
+
+@pytest.mark.parametrize("count", [4, 8, 12, 16, 40])
+def test_coarse_chords_are_said_to_be_stiff_by_what_they_lose(count):
+    """Spring B without contact: by 0.43 to 0.0054 of the deflection, the law to 4 % of that."""
+    scene = spring_b().without_contact().with_steps(1)
+    fine = wirefe.solve(scene, element="curved", elements_per_turn=16)
+    path = wirefe.solve(scene, elements_per_turn=count)
+    lost, found = lost_by_chords(count, 0.3), 1.0 - path.tips[-1, 1] / fine.tips[-1, 1]
+    assert found == pytest.approx(lost, rel=0.04)
+    said = f"; but {count} straight elements per turn are stiffer than the coil: without contact an axial load"
+    assert (said in path.message) == (count <= 12)
+    assert (f"deflects them by about {100 * lost:.2g} % less" in path.message) == (count <= 12)
+    assert "stiffer" not in fine.message
+
+
+def test_a_trace_of_coarse_chords_says_so():
+    message = wirefe.trace(spring_b().without_contact(), points=3, elements_per_turn=4).message
+    assert "4 straight elements per turn are stiffer than the coil" in message
 
 
 def test_traced_coils_that_penetrate_are_said_to():

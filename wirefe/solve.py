@@ -18,7 +18,7 @@ from coilspring.solver.startup import store
 from coilspring.sweep import Outcome, jobs, outcomes
 from wirefe import kernels, model, seated
 from wirefe.contact.points import PER_TURN, ContactArrays, near_points, reach
-from wirefe.mesh import MOST_ELEMENTS, WireMesh
+from wirefe.mesh import MOST_ELEMENTS, WireMesh, chord_caution
 from wirefe.results.shape import WireShape, contact_centres
 from wirefe.rod import ELEMENTS, Rod, RodPath
 
@@ -80,6 +80,8 @@ def solve(
     run = follow_load(scene, problem, scene_kernels(scene))
     data = run.problem.data
     options["pairs_found"] = len(data.contact.pairs) - len(problem.history)
+    coarse = chord_caution(element, elements_per_turn, scene.material.nu)
+    run = replace(run, message=run.message + coarse)
     return scene_path(scene, "wirefe", options, run, WireShape(scene, data, mesh))
 
 

@@ -18,6 +18,7 @@ from coilspring.solver.outcome import THROUGH, caution
 from coilspring.solver.problem import Problem
 from coilspring.solver.startup import compile_kernels
 from coilspring.solver.system import bundled
+from wirefe.mesh import chord_caution
 from wirefe.results.shape import WireShape
 from wirefe.rod import Rod, RodPath
 from wirefe.solve import KERNELS, NO_PAIRS, new_pairs, rod_problem, scene_kernels, scene_problem
@@ -67,6 +68,7 @@ def trace(
         spent += int(found.iterations.sum())
         pairs = np.concatenate((pairs, new_pairs(problem.data.contact, found.states[-1])))
     outcome, message = _verdict(found)
+    message += chord_caution(element, elements_per_turn, scene.material.nu)
     path = EquilibriumPath(
         scene=scene,
         model="wirefe",
