@@ -40,6 +40,10 @@ class Shape(Protocol):
     def pair_law(self) -> Any:
         """What holds the pairs (pairs, 2) and their law; see `coilspring.contact.results`."""
 
+    @property
+    def rest(self) -> np.ndarray:
+        """State at rest, flat."""
+
     def tips(self, states: np.ndarray) -> np.ndarray:
         """UX, UY, ROTZ of the top reference point, shape (states, 3); mm, rad (not wrapped)."""
 

@@ -35,6 +35,11 @@ class BeamShape(PairReader):
         """Positions and rotations, shape (states, nodes, 3)."""
         return states.reshape(len(states), states.shape[1] // 3, 3)
 
+    @property
+    def rest(self) -> np.ndarray:
+        """State at rest, flat."""
+        return rest_state(self.data)
+
     def tips(self, states: np.ndarray) -> np.ndarray:
         """UX, UY, ROTZ of the last node, shape (states, 3)."""
         return self._nodes(states)[:, -1] - np.array([0.0, self.scene.spring.active_height, 0.0])

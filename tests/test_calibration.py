@@ -357,6 +357,41 @@ def test_compare_solves_again_for_a_measured_curve(tmp_path, monkeypatch, capsys
     assert "equivbeam: completed, 2 of 2 steps" in capsys.readouterr().out
 
 
+PRESSED = replace(GUIDED, load=Load((0.0, -300.0), 40))  # solid from 208 N on
+
+
+@pytest.mark.parametrize("model", [equivbeam, wirefe])
+def test_rates_are_drawn_from_rest_and_not_as_far_as_solid_coils(model):
+    path = model.solve(PRESSED)
+    rates = picture({path.model: path}, None).axes[1]
+    (line,) = rates.get_lines()
+    x, y = line.get_data()
+    assert (x[0], line.get_marker(), rates.get_yscale()) == (0.0, "None", "linear")
+    assert y[0] == pytest.approx(path.rates[0], rel=2e-3)
+    assert 2.0 * y[0] < 2.0 * rates.get_ylim()[1] < y.max() / 10.0
+    assert f"on to {float(f'{y.max():.3g}'):g} N/mm" in rates.texts[0].get_text()
+    whole = picture({path.model: model.solve(GUIDED)}, None).axes[1]
+    assert not whole.texts
+
+
+def test_rates_of_few_steps_are_marks():
+    """Between them nothing is known; those of solid coils are seen on an axis of logarithms."""
+    path = equivbeam.solve(PRESSED, steps=1)
+    axes = picture({"equivbeam": path}, None).axes
+    force, rate = (each.get_lines()[0] for each in axes)
+    assert (force.get_marker(), rate.get_marker(), rate.get_linestyle()) == ("o", "o", "None")
+    assert rate.get_xdata().size == 2
+    assert axes[1].get_yscale() == "log"
+
+
+def test_a_model_without_a_step_is_not_in_the_legend():
+    path = equivbeam.solve(GUIDED)
+    rows = {name: getattr(path, name)[:0] for name in ("times", "states", "histories", "iterations")}
+    none = replace(path, model="wirefe", **rows)
+    figure = picture({"equivbeam": path, "wirefe": none}, None)
+    assert len(figure.axes[0].get_lines()) == len(figure.legends[0].get_texts()) == 1
+
+
 STAGES = Load(stages=((0.0, -4.0), (-9.0, -4.0), (0.0, 0.0)), steps=40)
 RATES = {
     "A": (spring_a(), equivbeam, {}),

@@ -190,6 +190,18 @@ def test_an_axial_load_is_drawn_as_force_against_deflection(load):
     assert ("force" if load else "deflection") in below.get_ylabel()
 
 
+def test_few_steps_are_marked_and_a_model_without_any_has_no_key():
+    beam = equivbeam.solve(spring_a().with_steps(4))
+    wire = wirefe.solve(spring_a().with_steps(20), element="curved", elements_per_turn=4)
+    figure = picture(beam, wire)
+    assert [line.get_marker() for line in figure.axes[0].get_lines()] == ["o", "None"]
+    assert len(figure.legends[0].get_texts()) == 3
+    none = replace(beam, times=beam.times[:0], states=beam.states[:0], iterations=beam.iterations[:0])
+    figure = picture(none, wire)
+    assert len(figure.axes[0].get_lines()) == 1
+    assert [text.get_text() for text in figure.legends[0].get_texts()] == ["wire model (FE)", "at rest"]
+
+
 def test_pictures_of_driven_and_staged_loads_and_of_nothing_in_common(tmp_path, capsys):
     lines = scene_text(spring_a()).splitlines()
     text = "\n".join(line for line in lines if not line.startswith("force"))

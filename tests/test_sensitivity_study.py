@@ -27,6 +27,7 @@ from validation.sensitivity.changes import (
     CURVE,
     DEVIATION,
     NO_INPUT,
+    Study,
     changes,
     farther,
     input_rows,
@@ -48,6 +49,7 @@ from validation.sensitivity.inputs import (
 )
 from validation.sensitivity.run import digest, sensitivity
 from validation.sensitivity.topheight import TipCurve, raised
+from validation.sensitivity.tornado import draw
 from validation.study.cases import PAPER_MESH, case, solve_beam, solve_wire
 from validation.study.metrics import compare_paths
 from wirefe import model as wire
@@ -241,6 +243,24 @@ def test_estimates_take_each_input_once_and_leave_out_what_has_no_number():
     deviation = data.set_index("value")[DEVIATION]
     assert deviation["4"] == pytest.approx(4.0)
     assert np.isnan(deviation["50"])
+
+
+def test_the_figure_has_a_key_of_what_is_drawn_and_letters_of_several_panels():
+    base, moved = (TipCurve(np.ones(1), np.array([[0.0, y, 0.0]]), "completed", None) for y in (-1.0, -1.03))
+    found = {(model, "3"): (base, moved) for model in MODELS}
+    rows = pd.DataFrame(input_rows(named("E"), found, dict.fromkeys(MODELS, base)), columns=COLUMNS)
+    rows["case"] = "mine"
+    study = Study("mine", rows, (named("E"),), 1.0)
+
+    def said(*studies):
+        figure = draw(studies)
+        titles = [axes.get_title() for axes in figure.axes if axes.get_visible()]
+        return titles, [text.get_text().partition(" ")[0] for text in figure.legends[0].get_texts()]
+
+    assert said(study) == (["mine"], ["equivalent", "wire", "deviation"])
+    ended = replace(study, data=rows.assign(outcome="limit_point"), deviation=None)
+    assert said(ended) == (["mine"], ["equivalent", "wire", "a"])
+    assert said(study, study)[0] == ["(a) mine", "(b) mine"]
 
 
 @pytest.fixture(scope="module")

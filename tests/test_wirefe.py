@@ -360,7 +360,7 @@ def test_coarse_chords_are_said_to_be_stiff_by_what_they_lose(count):
     path = wirefe.solve(scene, elements_per_turn=count)
     lost, found = lost_by_chords(count, 0.3), 1.0 - path.tips[-1, 1] / fine.tips[-1, 1]
     assert found == pytest.approx(lost, rel=0.04)
-    said = f"; but {count} straight elements per turn are stiffer than the coil: without contact an axial load"
+    said = f"; but {count} straight elements per turn are stiffer than the coil: without contact"
     assert (said in path.message) == (count <= 12)
     assert (f"deflects them by about {100 * lost:.2g} % less" in path.message) == (count <= 12)
     assert "stiffer" not in fine.message

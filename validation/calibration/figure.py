@@ -5,15 +5,18 @@ from typing import Any
 
 import matplotlib
 import numpy as np
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from coilspring import EquilibriumPath
+from coilspring import EquilibriumPath, InputError
 from coilspring.measured import Measured
+from coilspring.scene.scene import load_directions
 from validation.calibration.difference import along_load, differences
 from validation.study import style
-from validation.study.plots import png
+from validation.study.plots import FEW, marked, png
 
 POINTS: style.Look = {"color": "black", "marker": "o", "linestyle": "", "markersize": 2.0, "zorder": 3.0}
+LOOSE: style.Look = {"linestyle": "", "clip_on": False}  # rates of few steps: between them they are unknown
 GIVEN_LINE: style.Look = {"color": style.GREY, "linewidth": 1.4, "linestyle": (0, (1, 1.2))}
 Looks = Mapping[str, tuple[str, style.Look]]  # labels and lines, by model
 Paths = Mapping[str, EquilibriumPath]
@@ -24,6 +27,9 @@ MODELS: Looks = {
 FIT: Looks = {"given": ("scene as given", GIVEN_LINE), "calibrated": ("calibrated", style.BEAM_LINE)}
 DEFLECTION = "deflection along the load (mm)"
 MOST = 80  # measured points that are drawn
+NEARLY_ALL = 0.95  # of the way, over which rates are shown in full
+MARGIN = 1.3  # times the largest of these, where the axis ends
+SOLID = 2.0  # times this end, beyond which a rate is that of coils pressed solid
 
 
 def load_curves(
@@ -51,15 +57,65 @@ def picture(
         plots["force"].tick_params(labelbottom=False)
         kind = "force" if any(path.scene.load.displacement for path in paths.values()) else "deflection"
         plots["difference"].set_ylabel(f"{kind}: model\n− measured (%)")
-    for name, path in paths.items():
+    drawn = {name: path for name, path in paths.items() if len(path.times)}
+    rates = {name: from_rest(path) for name, path in drawn.items()}
+    for name, path in drawn.items():
         label, look = looks[name]
+        few, look = len(path.times) <= FEW, marked(look, len(path.times))
         deflection, force = along_load(path)
         plots["force"].plot(deflection, force, **look, label=label)
-        plots["rate"].plot(deflection[1:], path.rates, **look)
+        plots["rate"].plot(deflection, rates[name], **look | (LOOSE if few else {}))
         if curve is not None:
             at, shares = differences((compared or paths)[name], curve)
             plots["difference"].plot(at, 100.0 * shares, **POINTS | {"color": look["color"]})
     plots["force"].set(ylabel="force along the load (N)", xlim=(0.0, None), ylim=(0.0, None))
     plots["rate"].set(xlabel=DEFLECTION, ylabel="rate (N/mm)", xlim=(0.0, None))
+    _cut(plots["rate"], [(along_load(path)[0], rates[name]) for name, path in drawn.items()])
     figure.legend(*plots["force"].get_legend_handles_labels(), loc="outside lower center", ncols=3)
     return figure
+
+
+def from_rest(path: EquilibriumPath) -> np.ndarray:
+    """Rates of a path, of the unloaded spring first; that one is nan of a law that is not known here."""
+    start = load_directions(path.scene, np.zeros(1))
+    try:
+        first = path.shape.rates(path.shape.rest[None], None, start)
+    except InputError:
+        first = np.full(1, np.nan)
+    return np.append(first, path.rates)
+
+
+def _cut(axes: Axes, curves: list[tuple[np.ndarray, np.ndarray]]) -> None:
+    """End the rates' axis above those of nearly all the way, where solid coils have far larger ones."""
+    usual, cut = [usual_rate(*curve) for curve in curves], []
+    top = MARGIN * max(usual, default=np.inf)
+    for deflection, rates in curves:
+        if np.nanmax(rates) > SOLID * top > 0.0:
+            cut.append((float(deflection[int(np.argmax(rates > top))]), float(np.nanmax(rates))))
+    if not cut:
+        return
+    if any(rates.size <= FEW + 1 for _, rates in curves):
+        axes.set_yscale("log")  # marks beyond the end of an axis would not be seen
+        return
+    low = min(np.nanmin(rates[rates <= top]) for _, rates in curves)
+    axes.set_ylim(low - (MARGIN - 1.0) * (top - low), top)
+    at, most = min(cut)[0], max(most for _, most in cut)
+    right = at > 0.5 * axes.get_xlim()[1]
+    axes.annotate(
+        f"solid: on to {float(f'{most:.3g}'):g} N/mm ↑",
+        (at, 1.0),
+        xycoords=axes.get_xaxis_transform(),
+        xytext=(-6.0 if right else 6.0, -3.0),
+        textcoords="offset points",
+        ha="right" if right else "left",
+        va="top",
+    )
+
+
+def usual_rate(deflection: np.ndarray, rates: np.ndarray) -> float:
+    """Rate that is not exceeded over nearly all of the way; between two steps the smaller one counts."""
+    way = np.abs(np.diff(deflection))
+    smaller = np.fmin(rates[1:], rates[:-1])
+    order = np.argsort(smaller)
+    gone = np.cumsum(way[order])
+    return float(smaller[order][np.searchsorted(gone, NEARLY_ALL * gone[-1])])

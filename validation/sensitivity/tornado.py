@@ -2,7 +2,6 @@
 
 from collections.abc import Sequence
 from pathlib import Path
-from string import ascii_lowercase
 from typing import Any
 
 import matplotlib
@@ -15,7 +14,7 @@ from matplotlib.patches import Patch
 from validation.sensitivity.changes import COMPLETED, CURVE, Study, sizes, values
 from validation.sensitivity.inputs import AGAINST, BEAM, MODELS, WIRE, OpenInput
 from validation.study.output import write_files
-from validation.study.plots import drawn
+from validation.study.plots import drawn, lettered
 from validation.study.style import BEAM_LABEL, BLUE, DOUBLE, RC, RED, WIRE_LABEL
 
 NAME = "sensitivity"
@@ -56,11 +55,16 @@ def draw(studies: Sequence[Study]) -> Figure:
         axes.set_visible(False)
     for index, (axes, study) in enumerate(zip(panels.flat, studies, strict=False)):
         _panel(axes, study, counts[index // columns])
-        axes.set_title(f"({ascii_lowercase[index % 26]}) {study.title}")
+        axes.set_title(lettered(index, len(studies), study.title))
     bars = [Patch(**LOOKS[model], label=LABELS[model]) for model in MODELS]
-    band = Patch(**BAND, label="deviation of the models, nothing changed")
-    end = Line2D([], [], linestyle="none", **END, label="a value ends short of full load (table)")
-    figure.legend(handles=[*bars, band, end], loc="outside lower center", ncols=2, columnspacing=1.6)
+    others: list[Any] = []
+    if any(study.deviation is not None for study in studies):
+        others.append(Patch(**BAND, label="deviation of the models, nothing changed"))
+    if any((values(study.data)["outcome"] != COMPLETED).any() for study in studies):
+        others.append(
+            Line2D([], [], linestyle="none", **END, label="a value ends short of full load (table)")
+        )
+    figure.legend(handles=[*bars, *others], loc="outside lower center", ncols=2, columnspacing=1.6)
     return figure
 
 

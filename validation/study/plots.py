@@ -1,6 +1,7 @@
 """What all figures are drawn and written with."""
 
 import io
+from string import ascii_lowercase
 from typing import Any
 
 import matplotlib
@@ -12,9 +13,10 @@ from matplotlib.collections import EllipseCollection
 from matplotlib.figure import Figure
 from PIL import Image
 
-from validation.study.style import BEAM_LINE, WIRE_LINE
+from validation.study.style import BEAM_LINE, WIRE_LINE, Look
 
 COLOURS = 256  # of a stored picture; keeps the files small
+FEW = 12  # steps of a curve whose points are marked
 TIPS = ("UX (mm)", "UY (mm)", "ROTZ (rad)")
 
 
@@ -60,4 +62,15 @@ def to_scale(axes: Axes, centres: np.ndarray, margin: float, **more: Any) -> Non
 def both(axes: Axes, beam: tuple[np.ndarray, np.ndarray], wire: tuple[np.ndarray, np.ndarray]) -> None:
     """Curves of both models, from the unloaded spring on."""
     for (x, y), style in ((beam, BEAM_LINE), (wire, WIRE_LINE)):
-        axes.plot(np.append(0.0, x), np.append(0.0, y), **style)
+        if len(x):
+            axes.plot(np.append(0.0, x), np.append(0.0, y), **marked(style, len(x)))
+
+
+def lettered(index: int, count: int, title: str) -> str:
+    """Title of one of several panels, with its letter; a sole one needs none."""
+    return f"({ascii_lowercase[index % 26]}) {title}" if count > 1 else title
+
+
+def marked(look: Look, steps: int) -> Look:
+    """Look of a curve, with marks where it has so few steps that most of it is lines between them."""
+    return look | ({"marker": "o", "markersize": look["linewidth"] + 2.0} if steps <= FEW else {})

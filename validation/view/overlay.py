@@ -18,8 +18,8 @@ DIFFERENCE: style.Look = {"color": "black", "linewidth": 1.0}
 KEY: tuple[style.Look, ...] = (
     {**style.BEAM_LINE, "label": style.BEAM_LABEL},
     {**style.WIRE_LINE, "label": style.WIRE_LABEL},
-    {"color": style.GREY, "marker": "o", "linestyle": "", "markerfacecolor": "none", "label": "at rest"},
 )
+REST: style.Look = {"color": style.GREY, "marker": "o", "linestyle": "", "markerfacecolor": "none"}
 HELD = 1e-9  # mm, rad: tips below are the rounding of fixed degrees of freedom
 
 
@@ -51,7 +51,9 @@ def picture(beam: EquilibriumPath, wire: EquilibriumPath) -> Figure:
     else:
         _curves([plots[name] for name in names], names, beam, wire)
     _shape(plots["shape"], beam, wire)
-    figure.legend(handles=[Line2D([], [], **look) for look in KEY], loc="outside lower center", ncols=3)
+    reached = [look for look, path in zip(KEY, (beam, wire), strict=True) if len(path.times)]
+    key = [Line2D([], [], **look) for look in (*reached, REST | {"label": "at rest"})]
+    figure.legend(handles=key, loc="outside lower center", ncols=3)
     return figure
 
 

@@ -2,7 +2,6 @@
 
 from collections.abc import Sequence
 from itertools import compress
-from string import ascii_lowercase
 
 import matplotlib
 import numpy as np
@@ -14,7 +13,7 @@ from matplotlib.patches import Patch
 from matplotlib.ticker import NullFormatter
 
 from coilspring import Contact
-from validation.study.plots import drawn
+from validation.study.plots import drawn, lettered
 from validation.study.style import BLUE, DOUBLE, GREY, LIGHT_RED, NAVY, RC, RED, Look
 from validation.workprecision.results import by_scene, competes, of_paper
 from validation.workprecision.settings import PEER, SERIES, STEPS, title
@@ -76,9 +75,9 @@ def draw(rows: pd.DataFrame, kind: str) -> Figure:
     figure = Figure(figsize=(DOUBLE, 0.85 + 2.2 * lines), layout="constrained")
     grid = figure.subplots(lines, columns, sharex=True, sharey=True, squeeze=False)
     shown = [part[part["shown"]] for _, part in scenes]
-    for letter, axes, (scene, part), able in zip(ascii_lowercase, grid.flat, scenes, shown, strict=False):
+    for index, (axes, (scene, part), able) in enumerate(zip(grid.flat, scenes, shown, strict=False)):
         _panel(axes, part, able, kind)
-        axes.set_title(f"({letter}) {title(scene)}")
+        axes.set_title(lettered(index, len(scenes), title(scene)))
     for axes in grid.flat[len(scenes) :]:
         axes.set_visible(False)
     every = pd.concat(shown)

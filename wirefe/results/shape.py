@@ -23,7 +23,7 @@ from wirefe.contact.stations import (
     tangents,
     turned_rows,
 )
-from wirefe.element.poses import ROW
+from wirefe.element.poses import ROW, at_rest
 from wirefe.mesh import WireMesh
 from wirefe.model import WireModel, matrix_size
 from wirefe.results.stress import stresses
@@ -59,6 +59,11 @@ class WireShape(PairReader):
     scene: Scene
     data: WireModel
     mesh: WireMesh
+
+    @property
+    def rest(self) -> np.ndarray:
+        """State at rest, flat."""
+        return at_rest(self.mesh.nodes).ravel()
 
     def tips(self, states: np.ndarray) -> np.ndarray:
         """UX, UY, ROTZ of the top reference point, shape (states, 3); mm, rad."""
