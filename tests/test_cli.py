@@ -145,7 +145,9 @@ def test_compare_writes_both_runs_and_their_difference(tmp_path, capsys):
     assert "10 common steps" in said
     for name in ("ux", "uy", "rotz"):
         largest, rms = (100.0 * found[f"component_{kind}"][name] for kind in ("max", "rms"))
-        assert re.search(rf"{name} +{largest:.3g} % at most, {rms:.3g} % rms", said)
+        peak = max(abs(row[name]) for row in wire)
+        of = f"of the wire model's peak, {peak:.3g} {'rad' if name == 'rotz' else 'mm'}\n"
+        assert re.search(rf"{name} +{largest:.3g} % at most, {rms:.3g} % rms {of}", said)
 
 
 def free_spring_b(folder):
@@ -188,6 +190,13 @@ def test_an_axial_load_is_drawn_as_force_against_deflection(load):
     share = -100.0 * (answers[0] - answers[1]) / np.abs(answers[1]).max()
     np.testing.assert_allclose(below.get_lines()[0].get_ydata()[1:], share, atol=1e-12)
     assert ("force" if load else "deflection") in below.get_ylabel()
+
+
+def test_one_step_is_no_steps(tmp_path, capsys):
+    assert main(["compare", "spring-a", "--steps", "1", "--out", str(tmp_path)]) == 0
+    said = capsys.readouterr().out
+    assert "equivbeam: completed, 1 of 1 step\n" in said
+    assert "difference over 1 common step: " in said
 
 
 def test_few_steps_are_marked_and_a_model_without_any_has_no_key():

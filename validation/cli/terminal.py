@@ -8,7 +8,7 @@ from importlib import import_module
 import numpy as np
 
 from coilspring import EquilibriumPath
-from validation.study.metrics import Comparison
+from validation.study.metrics import Comparison, answered
 from validation.study.output import largest_stress, writing
 
 LIMIT_POINTS = {  # by whether UY is prescribed
@@ -58,7 +58,7 @@ def announcing(progress: Callable[[str], None], model: str) -> Callable[[str], N
 
 def digest(path: EquilibriumPath) -> list[str]:
     """A path for a reader at the terminal."""
-    lines = [f"{path.model}: {path.outcome}, {len(path.times)} of {path.scene.load.rows} steps"]
+    lines = [f"{path.model}: {path.outcome}, {len(path.times)} of {steps(path.scene.load.rows)}"]
     if len(path.times):
         ux, uy, rotz = path.tips[-1]
         force = f", axial force {path.loads[-1, 1]:.6g} N" if path.scene.load.displacement else ""
@@ -85,6 +85,11 @@ def digest(path: EquilibriumPath) -> list[str]:
     ready = f" (and {path.compile_seconds:.2g} s to make the kernels ready)"
     told = ready if path.compile_seconds >= TOLD else ""
     return [*lines, f"  {count}, {path.solve_seconds:.2g} s CPU{told}"]
+
+
+def steps(count: int, kind: str = "") -> str:
+    """So many steps."""
+    return f"{count} {kind}step{'' if count == 1 else 's'}"
 
 
 def notes(path: EquilibriumPath) -> list[str]:
@@ -126,13 +131,16 @@ def deviation(found: Comparison, wire: EquilibriumPath) -> list[str]:
     own = "not estimated, as --accuracy X does" if error is None else f"{100.0 * error:.2g} % (estimated)"
     names = {name: "force" if prescribed and name == "uy" else name for name in found.component_max}
     worst = max(names, key=found.component_max.__getitem__)
+    # of a component that hardly moves the share is large though nothing is wrong
+    units = {"ux": "mm", "uy": "N" if prescribed else "mm", "rotz": "rad"}
+    peaks = {name: f"{np.abs(curve).max():.3g} {units[name]}" for name, curve in answered(wire).items()}
     return [
-        f"difference over {found.steps} common steps: "
+        f"difference over {steps(found.steps, 'common ')}: "
         f"curve {100 * found.curve_max:.3g} % at most ({names[worst]}), {100 * found.curve_rms:.3g} % rms; "
         f"shape at time {found.last_time:g} {found.shape_max:.3g} mm at most, {found.shape_rms:.3g} mm rms",
         *(
             f"  {label:<5} {100 * found.component_max[name]:.3g} % at most, "
-            f"{100 * found.component_rms[name]:.3g} % rms of the wire model's peak"
+            f"{100 * found.component_rms[name]:.3g} % rms of the wire model's peak, {peaks[name]}"
             for name, label in names.items()
         ),
         f"  the wire model's own error, by its mesh: {own}",
