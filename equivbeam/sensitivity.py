@@ -50,6 +50,7 @@ def _widened(value: float, bottom: float, top: float) -> tuple[float, float]:
     return share * bottom, share * top
 
 
+OF_ALL_COILS = ("mean_diameter", "bottom_diameter", "top_diameter", "pitch")  # sections have their own
 PARAMETERS: Mapping[str, Parameter] = {
     "wire_diameter": _field("spring", "wire_diameter"),
     "mean_diameter": _diameter(lambda bottom, top: 0.5 * (bottom + top), _widened),
@@ -67,7 +68,7 @@ PARAMETERS: Mapping[str, Parameter] = {
     **{name: _field("factors", name) for name in FACTORS},
 }
 NAMES = tuple(PARAMETERS)
-OF_ALL_COILS = ("mean_diameter", "bottom_diameter", "top_diameter", "pitch")  # sections have their own
+UNITS = {"E": "MPa", "G": "MPa"} | dict.fromkeys(("wire_diameter", *OF_ALL_COILS), "mm")
 
 
 def values(scene: Scene, names: tuple[str, ...]) -> np.ndarray:
@@ -82,6 +83,14 @@ def values(scene: Scene, names: tuple[str, ...]) -> np.ndarray:
             )
     wanted = (PARAMETERS[name] for name in names)
     return np.array([each.read(getattr(scene, each.part)) for each in wanted])
+
+
+def unit(scene: Scene, name: str) -> str:
+    """Unit of a parameter of a scene; empty for a pure number."""
+    if name == "penalty":
+        exponent = scene.contact.exponent
+        return "N/mm" if exponent == 1.0 else f"N/mm^{exponent:g}"
+    return UNITS.get(name, "")
 
 
 def varied(scene: Scene, names: tuple[str, ...], new: np.ndarray) -> Scene:

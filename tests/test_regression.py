@@ -2,6 +2,7 @@
 
 import copy
 import json
+import re
 import sys
 from contextlib import nullcontext
 from dataclasses import replace
@@ -237,6 +238,17 @@ def test_where_rounding_decides_the_critical_time_is_judged_loosely():
     assert compare(as_baseline(before), later, "here") == ()
     row["critical_time"] += 1e-3
     assert kinds(compare(as_baseline(before), later, "here")) == {"critical_time"}
+
+
+def test_what_moved_is_said_with_its_unit(before):
+    later = copy.deepcopy(before)
+    row = later["equivbeam"]["spring-b, law=haringx"]
+    row["uy"][-1] *= 1.01
+    row["contact_force"] *= 1.01
+    row["max_penetration"] *= 1.01
+    moves = {move.quantity.split()[0]: move for move in compare(as_baseline(before), later, "here")}
+    for name, unit in (("uy", "mm"), ("contact_force", "N"), ("max_penetration", "mm")):
+        assert re.search(rf" was -?[\d.]+ {unit}, is -?[\d.]+ {unit} \(", str(moves[name]))
 
 
 def test_runs_without_a_baseline_and_the_reverse_count(before):

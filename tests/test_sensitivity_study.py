@@ -340,6 +340,9 @@ def test_inputs_of_ones_own_scene_are_about_its_own_values():
         spring=replace(own("brass").spring, start_phase=1.0, end_turns=0.75),
     )
     inputs = {item.name: item for item in inputs_of(brass)}
+    assert inputs["penalty"].default == "K = 10000 N/mm"
+    hertz = inputs_of(replace(brass, contact=Contact(exponent=1.5)))
+    assert "K = 10000 N/mm^1.5" in [item.default for item in hertz]
     assert {item.kind for item in inputs.values()} == {VARIED}
     assert (inputs["E"].default, inputs["pairs"].default) == ("110 GPa", "32 wires")
     found = {name: item.variants(brass, WIRE) for name, item in inputs.items()}

@@ -22,6 +22,9 @@ from validation.study.output import claimed, write_text
 
 SCENE = "scene.toml"  # beside the baselines of a user's scene: what they are of
 FORCES = ("contact_force", "contact_moment", "max_penetration")
+# of a quantity by its first word; the moment of contact is taken by the pairs' numbers
+UNITS = {"rotz": " rad"} | dict.fromkeys(("ux", "uy", "max_penetration"), " mm")
+UNITS |= dict.fromkeys(("load_y", "contact_force", "contact_moment"), " N")
 COUNTS = ("iterations", "active_contacts")
 TIP = 1e-7  # of the component's peak, or of the largest one's where it is fixed
 FORCE = 1e-5  # of the value: a penalty turns rounding of positions into forces
@@ -196,7 +199,8 @@ def _value(what: str, before: float, now: float, scale: float, unit: str, allowe
     """A number that moved by more than the allowed part of a scale."""
     if abs(now - before) > allowed * scale + ROUNDING:
         by = f"{(now - before) / scale:+.2g} {unit}, {allowed:.0e} allowed"
-        yield what, f"{before:.9g}", f"{now:.9g}", by
+        of = UNITS.get(what.partition(" ")[0], "")
+        yield what, f"{before:.9g}{of}", f"{now:.9g}{of}", by
 
 
 def _curve(name: str, before: Quantities, now: Quantities, scale: float, allowed: float) -> Texts:

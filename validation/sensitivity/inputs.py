@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from coilspring import InputError, Scene
+from equivbeam.sensitivity import unit
 from validation.study.cases import turned
 from wirefe.contact.points import PER_TURN
 
@@ -160,4 +161,5 @@ def inputs_of(scene: Scene) -> tuple[OpenInput, ...]:
     contact = scene.contact
     sliding = {"free": "none", "none": "sticking"}.get(contact.sliding, f"µ = {contact.coefficient:g}")
     other = {"E": 1e-3 * scene.material.E, "pairs": PER_TURN[contact.geometry], "sliding": sliding}
+    other["unit"] = unit(scene, "penalty")
     return tuple(replace(i, kind=VARIED, default=i.here.format(scene=scene, **other)) for i in INPUTS)
