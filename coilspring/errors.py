@@ -69,6 +69,11 @@ def require_choice(field: str, value: object, choices: tuple[str, ...]) -> str:
     return value
 
 
+def plain(value: float, digits: int = 2) -> str:
+    """A number with so many digits, without an exponent below a million."""
+    return f"{float(f'{value:.{digits}g}'):g}"
+
+
 def shown(value: object) -> str:
     """One-line text of a refused value, cut where it is long."""
     try:

@@ -10,13 +10,13 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from coilspring.errors import EquilibriumNotFound, InputError, require_names, shown
+from coilspring.errors import EquilibriumNotFound, InputError, plain, require_names, shown
 from coilspring.path import EquilibriumPath
 from coilspring.scene import Factors, Scene, require_scene
 from equivbeam import fiterrors
 from equivbeam.fiterrors import constant_part, independent, undetermined
 from equivbeam.loadcurve import LoadCurve, read_curve
-from equivbeam.sensitivity import FACTORS, NAMES, sensitivities, values, varied
+from equivbeam.sensitivity import FACTORS, NAMES, sensitivities, unit, values, varied
 from equivbeam.solve import solve
 
 if TYPE_CHECKING:
@@ -85,11 +85,17 @@ class Calibration:
         half = self.errors * stdtrit(max(self.freedom, 1), 0.5 + 0.5 * CONFIDENCE)
         return np.stack((self.values - half, self.values + half), axis=1)
 
+    @property
+    def units(self) -> tuple[str, ...]:
+        """Of the values; empty for pure numbers."""
+        return tuple("mm" if name == OFFSET else unit(self.scene, name) for name in self.names)
+
     def __str__(self) -> str:
         """A line for each parameter, and one for the fit."""
         lines = []
-        columns = (self.names, self.values, self.errors, self.intervals)
-        for name, value, error, (low, high) in zip(*columns, strict=True):
+        columns = (self.names, self.values, self.errors, self.intervals, self.units)
+        for name, value, error, (low, high), measure in zip(*columns, strict=True):
+            of = f" {measure}" if measure else ""
             if name in self.fixed:
                 others = " and ".join(self.instead[self.fixed.index(name)])
                 why = f"tell it from {others}" if others else "determine it"
@@ -97,13 +103,13 @@ class Calibration:
             elif name in self.undetermined:
                 what = "with those left that can stand for it: the curve does not determine it alone"
             else:
-                known = f"standard error {error:.2g}, 95 % interval {low:.6g} to {high:.6g}"
+                known = f"standard error {plain(error)}{of}, 95 % interval {low:.6g} to {high:.6g}{of}"
                 what = "standard error unknown" if np.isnan(error) else known
                 held = [
                     fixed for fixed, others in zip(self.fixed, self.instead, strict=True) if name in others
                 ]
                 what += f", with {' and '.join(held)} as given" if held else ""
-            lines.append(f"{name} {value:.6g}, {what}")
+            lines.append(f"{name} {value:.6g}{of}, {what}")
         fit = f"rms error {self.rms_before:.2g} -> {self.rms_after:.2g} of the curve's peaks"
         lines.append(f"{self.rank} of {len(self.names)} parameters fitted; {fit}")
         return "\n".join([*lines, *([f"warning: {self.misfit}"] if self.misfit else [])])
@@ -185,10 +191,10 @@ def _misfit(rms: float, scatter: float, constant: float) -> str:
     if not (poor or systematic):
         return "" if np.isfinite(scatter) else "fewer than 3 points do not tell how well the model fits"
     what = "the model does not fit the curve" if poor else "the error left is systematic"
-    found = f"{what}: {100 * rms:.2g} % of the peaks rms"
+    found = f"{what}: {plain(100 * rms)} % of the peaks rms"
     if not np.isfinite(scatter):
         return found
-    found += f", where neighbouring points scatter by {100 * scatter:.2g} %"
+    found += f", where neighbouring points scatter by {plain(100 * scatter)} %"
     cure = f"; an offset of the deflection takes {100 * constant:.0f} % of its square away: fit offset too"
     return found + (cure if constant > HELPS else "")
 
@@ -300,7 +306,8 @@ class CurveFit:
     def _vague(self, i: int, relative: np.ndarray) -> str:
         """That one standard error is too much to be added, in words; with it all parameters change so."""
         others = [self.names[j] for j in np.flatnonzero(np.abs(relative) > ALIKE * relative[i]) if j != i]
-        by = f"no standard errors: with {self.names[i]} off by its standard error ({100 * relative[i]:.2g} %)"
+        off = f"{self.names[i]} off by its standard error ({plain(100 * relative[i])} %)"
+        by = f"no standard errors: with {off}"
         by += f" and {' and '.join(others)} making up for it" if others else ""
         ends, bends = "the path ends before the largest force", "the curve changes out of proportion"
         return f"{by}, {ends if self.path is None else bends}"

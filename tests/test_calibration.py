@@ -1,6 +1,8 @@
 """``coilcheck calibrate`` and ``compare --measured``: curves of a test bench, made by the model itself."""
 
 import json
+import re
+import tomllib
 from dataclasses import replace
 
 import numpy as np
@@ -152,6 +154,40 @@ def test_no_standard_error_at_the_edge_of_what_a_model_reaches():
     soft = replace(GUIDED, factors=Factors(axial=0.15))
     stiffer = fit(measured_of(GUIDED), ["axial"], soft)
     assert "0.2 or 5 times the start of axial" in stiffer.misfit
+
+
+def test_what_was_fitted_is_said_with_units_and_without_exponents(tmp_path, capsys):
+    """And written as it was given: the shear modulus, where the fit or the scene is of it."""
+    curve = write(tmp_path / "bench.csv", measured_of(GUIDED))
+    stiff = scene_text(GUIDED).replace("nu = 0.3 ", "G = 85000.0 ")
+    (tmp_path / "stiff.toml").write_text(stiff)
+    (tmp_path / "plain.toml").write_text(scene_text(GUIDED))
+
+    def fitted(scene, names):
+        run = ["calibrate", str(tmp_path / scene), str(curve), "--fit", names, "--out", str(tmp_path)]
+        assert main(run) == 0
+        found, material = (
+            (tmp_path / "calibration.json").read_text(),
+            (tmp_path / "calibrated.toml").read_text(),
+        )
+        return capsys.readouterr().out, json.loads(found)["parameters"], tomllib.loads(material)["material"]
+
+    said, found, material = fitted("stiff.toml", "wire_diameter,offset")
+    assert re.search(r"^wire_diameter [\d.]+ mm, standard error [\d.e-]+ mm, .* to [\d.]+ mm$", said, re.M)
+    assert re.search(r"^offset [\d.e-]+ mm, standard error", said, re.M)
+    assert [each["unit"] for each in found.values()] == ["mm", "mm"]
+    assert (material["G"], "nu" in material) == (85000.0, False)
+    said, found, material = fitted("plain.toml", "G,axial,penalty")
+    assert re.search(r"^G [\d.]+ MPa, .*\naxial 1, .*\npenalty 10000 N/mm, ", said, re.M)
+    assert [each["unit"] for each in found.values()] == ["MPa", None, "N/mm"]
+    assert material["G"] == pytest.approx(found["G"]["value"], rel=1e-11)
+    assert fitted("plain.toml", "axial")[2]["nu"] == 0.3
+
+
+def test_large_shares_have_no_exponents():
+    forces, deflection = measured_of(GUIDED)
+    found = str(fit((forces, deflection / 20.0), ["pitch"]))
+    assert re.search(r"does not fit the curve: \d{3,4} % of the peaks rms", found)
 
 
 FORMATS = {

@@ -9,6 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from coilspring import EquilibriumPath, InputError
+from coilspring.errors import plain
 from coilspring.measured import Measured
 from coilspring.scene.scene import load_directions
 from validation.calibration.difference import along_load, differences
@@ -102,7 +103,7 @@ def _cut(axes: Axes, curves: list[tuple[np.ndarray, np.ndarray]]) -> None:
     at, most = min(cut)[0], max(most for _, most in cut)
     right = at > 0.5 * axes.get_xlim()[1]
     axes.annotate(
-        f"solid: on to {float(f'{most:.3g}'):g} N/mm ↑",
+        f"solid: on to {plain(most, 3)} N/mm ↑",
         (at, 1.0),
         xycoords=axes.get_xaxis_transform(),
         xytext=(-6.0 if right else 6.0, -3.0),

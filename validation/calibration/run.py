@@ -1,5 +1,6 @@
 """``coilcheck calibrate``: the equivalent beam fitted to a measured load curve."""
 
+import re
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -9,6 +10,7 @@ import pandas as pd
 
 import equivbeam
 from coilspring import Scene, scene_text
+from coilspring.errors import plain
 from coilspring.measured import measured, table_of
 from equivbeam.loadcurve import of_force
 from validation.calibration.difference import undirected
@@ -29,7 +31,7 @@ def calibrate(
     """
     table = table_of(file)
     found = equivbeam.calibrate(scene, file, names, **options)
-    columns = zip(found.names, found.values, found.errors, found.intervals, found.start, strict=True)
+    columns = (found.names, found.values, found.units, found.errors, found.intervals, found.start)
     summary = {
         "scene": scene.name,
         "measured": str(file),
@@ -38,12 +40,13 @@ def calibrate(
             # no standard error where the curve does not determine a value
             name: {
                 "value": value,
+                "unit": unit or None,
                 "standard_error": error,
                 "interval": None if np.isnan(error) else interval,
                 "start": start,
                 "fitted": name not in found.fixed,
             }
-            for name, value, error, interval, start in columns
+            for name, value, unit, error, interval, start in zip(*columns, strict=True)
         },
         "rank": found.rank,
         "residual": found.rms_after,
@@ -53,10 +56,10 @@ def calibrate(
         "evaluations": found.evaluations,
         "versions": versions(),
     }
-    files = {"calibration.json": json_bytes(summary), "calibrated.toml": scene_text(found.scene).encode()}
+    files = {"calibration.json": json_bytes(summary), "calibrated.toml": _text(found.scene, names).encode()}
     lines = str(found).splitlines()
     if found.rms_before > FAR:
-        far = f"far from the curve, {100 * found.rms_before:.2g} % of the peaks rms"
+        far = f"far from the curve, {plain(100 * found.rms_before)} % of the peaks rms"
         lines.append(f"warning: the scene as given is {far}: are its spring and the units right?")
     sliding = scene.contact.sliding
     if scene.contact.enabled and sliding != "free":
@@ -77,3 +80,12 @@ def calibrate(
         if offset:
             lines.append("measured.csv and the figure are without the offset: compare with that file")
     return files, lines
+
+
+def _text(scene: Scene, names: tuple[str, ...]) -> str:
+    """Text of a fitted scene; G in place of Poisson's ratio where that was fitted, or is the rounder."""
+    text, nu, G = scene_text(scene), repr(scene.material.nu), f"{scene.material.G:.12g}"
+    if "G" not in names and len(nu) <= len(G):
+        return text
+    line = f"G = {G}".ljust(35) + " # shear modulus; or nu, Poisson's ratio"
+    return re.sub(r"(?m)^nu = .*$", line, text, count=1)
