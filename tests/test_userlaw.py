@@ -260,6 +260,8 @@ ERRORS = {
     f"{DEF}return math.log(l - p[3] - 1)": "half coil 1 at rest (l = 1.90667 mm",
     f"{DEF}return np.log(l - p[3] - 1)": "half coil 1 is not finite",
     f"{DEF}return Q": "line 10: NameError",
+    "raise SystemExit(7)": "line 9: SystemExit: 7",
+    f"{DEF}raise SystemExit(7)": "line 10: SystemExit: 7",
     f"{DEF}return 'a'": "must be a number, got 'a'",
     f"{DEF}return {QUADRATIC} + 0.1 * l": "half coil 1 has no minimum at rest",
     f"{DEF}return {QUADRATIC} - 2 * v**2": "stiffness that is not positive at rest",
@@ -316,6 +318,10 @@ def test_no_law(tmp_path):
     for given in ("love", 3, None, "missing.py", tmp_path):
         with pytest.raises(InputError, match="law must be"):
             equivbeam.solve(spring_a(), law=given)
+    scene = tmp_path / "scene.toml"
+    scene.write_text("x = 1\n")  # is Python, too
+    with pytest.raises(InputError, match=r"law must be a Python file, named \*\.py, got "):
+        law_of(scene)
     # by the name of its file, without the digest of its content
     with pytest.raises(InputError, match=r"factors must be 1 unless .* with 'law_paper\.py'$"):
         equivbeam.solve(spring_a(), law=PAPER, factors=(1.0, 1.0, 0.9))

@@ -177,6 +177,8 @@ class UserLaw:
 
 def law_of_file(file: Path) -> UserLaw:
     """The law in a file, as the file is now."""
+    if file.suffix != ".py":
+        raise InputError(f"law must be a Python file, named *.py, got {shown(str(file))}")
     try:
         return law_of_text(str(file), file.read_text(encoding="utf-8"))
     except (OSError, UnicodeDecodeError) as error:
@@ -293,7 +295,7 @@ def _called(where: str, function: Callable, *arguments: Any) -> Any:
         reason = str(error)
     except SyntaxError as error:
         reason = f"line {error.lineno}: {error.msg}"
-    except Exception as error:
+    except (Exception, SystemExit) as error:  # a file that ends the program does not end this one
         frames = traceback.extract_tb(error.__traceback__)
         places = [frame.lineno for frame in frames if "<law " in frame.filename]
         line = f"line {places[-1]}: " if places else ""
