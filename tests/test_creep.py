@@ -265,7 +265,7 @@ def test_a_jump_after_which_other_forces_were_possible_is_undecided():
 
 @pytest.mark.xfail(
     strict=True,
-    reason="goes on to 0.9685, where it jumps, since substeps end where what a sticking pair holds turns round",
+    reason="goes on to 0.9685, where it jumps, since substeps end where sticking pairs turn round",
 )
 @pytest.mark.usefixtures("first_order_elements")
 def test_no_jump_is_told_where_only_the_iteration_ended():

@@ -171,7 +171,7 @@ def test_what_friction_leaves_open_is_refused_with_what_can_be_reached(monkeypat
 
 
 def test_where_end_turns_bear_two_meshes_that_agree_are_no_answer():
-    """Nodes bear on a plate, and errors fall unevenly: 40 and 80 elements differ by 0.4 %, 80 and 320 by 6 %."""
+    """Nodes bear on a plate, errors fall unevenly: 40 and 80 elements differ by 0.4 %, 80 and 320 by 6 %."""
     spring = Spring(0.834, (4.495, 6.202), 5.0, 6.571, ends="open", start_phase=0.548, hand="left")
     seated = Supports(("rotz",), seat="plate")
     scene = Scene("seated", spring, Load(displacement=(-1.438,), steps=5), supports=seated)
