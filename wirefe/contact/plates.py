@@ -19,7 +19,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from coilspring.compiling.compiled import clear, inlined
+from coilspring.compiling.compiled import inlined
 from coilspring.compiling.packing import Vector, Wholes
 from coilspring.scene.spring import Spring
 from wirefe.contact.points import NONE, PAIRS_OF_PENALTY
@@ -103,6 +103,15 @@ class Gap(NamedTuple):
     C: Any  # (3, 3) second derivative in the spin of the top end
 
 
+class Plane(NamedTuple):
+    """A plane of the top end against which a node is pressed, or on which it is held."""
+
+    axis: int  # of the top end: its normal
+    level: float  # c of the node, mm
+    stiffness: float  # N/mm
+    pulls: bool  # for both signs of the gap
+
+
 @inlined
 def press_low(plates, state, g, H):
     """Potential of the bottom plate; adds its gradient and Hessian."""
@@ -123,34 +132,38 @@ def press_low(plates, state, g, H):
 def press_high(plates, state, g, H):
     """Potential of the top plate, and of what holds the tip along it; adds its gradient and Hessian."""
     energy, last = 0.0, plates.high.size - 1
-    axis, n, w, a, b, C = np.empty(3), np.empty(3), np.empty(3), np.zeros(6), np.empty(6), np.empty((3, 3))
-    top = state.size // ROW - 1
-    for row in range(last + 1 + len(ALONG)):
-        m, held = min(row, last), row > last
-        along = ALONG[row - last - 1] if held else 1
-        gap, k = (-plates.tip[along], plates.hold) if held else (-plates.depth[m], plates.stiffness)
-        clear(axis)
-        axis[along] = 1.0
-        node = plates.high[m]
-        n[0], n[1], n[2] = turned(four(state, ROW * top + 3), three(axis, 0))
-        for i in range(3):
-            w[i] = state[ROW * top + i] - state[ROW * node + i]
-            gap += n[i] * w[i]
-        if gap > 0.0 and not held:
-            continue
-        energy += 0.5 * k * gap * gap
-        for i in range(3):
-            j, l = (i + 1) % 3, (i + 2) % 3  # noqa: E741
-            a[i] = -n[i]
-            b[i] = n[i] * plates.free[i]
-            b[3 + i] = (n[j] * w[l] - n[l] * w[j]) * plates.free[3 + i]
-        for i in range(6):
-            g[6 * node + i] += k * gap * a[i]
-            g[6 * top + i] += k * gap * b[i]
-        if len(H) > 0:
-            put(C, 0, 0, lever(three(n, 0), three(w, 0)))
-            _add_hessian(plates, m, top, k * gap, Gap(k, n, a, b, C), H)
+    for m in range(plates.high.size):
+        energy += _press(plates, state, m, Plane(1, plates.depth[m], plates.stiffness, False), g, H)
+    for axis in ALONG:
+        energy += _press(plates, state, last, Plane(axis, plates.tip[axis], plates.hold, True), g, H)
     return energy
+
+
+@inlined
+def _press(plates, state, m, plane, g, H):
+    """Potential of the node m of the top plate against a plane; adds its gradient and Hessian."""
+    top, node, free, k = state.size // ROW - 1, plates.high[m], plates.free, plane.stiffness
+    axis, n, w, a, b, C = np.zeros(3), np.empty(3), np.empty(3), np.zeros(6), np.empty(6), np.empty((3, 3))
+    axis[plane.axis] = 1.0
+    n[0], n[1], n[2] = turned(four(state, ROW * top + 3), three(axis, 0))
+    gap = -plane.level
+    for i in range(3):
+        w[i] = state[ROW * top + i] - state[ROW * node + i]
+        gap += n[i] * w[i]
+    if gap > 0.0 and not plane.pulls:
+        return 0.0
+    for i in range(3):
+        j, l = (i + 1) % 3, (i + 2) % 3  # noqa: E741
+        a[i] = -n[i]
+        b[i] = n[i] * free[i]
+        b[3 + i] = (n[j] * w[l] - n[l] * w[j]) * free[3 + i]
+    for i in range(6):
+        g[6 * node + i] += k * gap * a[i]
+        g[6 * top + i] += k * gap * b[i]
+    if len(H) > 0:
+        put(C, 0, 0, lever(three(n, 0), three(w, 0)))
+        _add_hessian(plates, m, top, k * gap, Gap(k, n, a, b, C), H)
+    return 0.5 * k * gap * gap
 
 
 @inlined
