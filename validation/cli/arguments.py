@@ -30,6 +30,7 @@ FITTED = (  # by calibrate
 )
 COMMON_OPTIONS = ("steps", "penalty", "geometry")
 KEYWORDS = {"load.steps": "steps", "contact.stiffness": "penalty", "contact.geometry": "geometry"}
+KEYWORDS |= {"parameters": "fit", "count": "frequencies"}  # of the library, by which it names options
 UNREAD = {  # keys of a scene, or sections, that a model does not read, and how they are read
     "equivbeam": {
         "contact.geometry": "--model wirefe",
@@ -37,7 +38,6 @@ UNREAD = {  # keys of a scene, or sections, that a model does not read, and how 
     },
     "wirefe": {"factors": "--model equivbeam"},
 }
-KEYWORDS |= {"parameters": "fit", "count": "frequencies"}  # of the library, by which it names options
 CAMPAIGN_RANGES = dict.fromkeys(("beams", "wires"), (0, 10_000_000))  # of the options of stability
 CAMPAIGN_RANGES |= {"seed": (0, 2**32 - 1), "workers": (0, 1000)}
 STUDY_SCENES = (*CATALOGUE, "cylinder-lateral", "slender-axial")  # of workprecision
