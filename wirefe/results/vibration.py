@@ -119,11 +119,9 @@ def _stiffness(path: EquilibriumPath, shape: WireShape, step: int) -> csr_array:
     force with their whole tangential stiffness.
     """
     state, contact = path.states[step], shape.data.contact
-    if path.histories is None:
-        history = shape.histories(None, state[None])[0]
-    else:
-        history = path.histories[step].copy()
-        kernels.update_history(*pack(shape.data), state, history)
+    given = None if path.histories is None else path.histories[step, None].copy()
+    history = shape.histories(given, state[None])[0]
+    kernels.update_history(*pack(shape.data), state, history)
     history["bound"] *= 2.0  # it is the force of what slid, but for rounding
     touching = contact._replace(d=(1.0 + 2.0 * CREEP) * contact.d)  # and so near is what creeps
     return tangent_stiffness(replace(shape, data=shape.data._replace(contact=touching)), state, history)
