@@ -6,7 +6,7 @@ then runs over registers, at whatever place of the row it begins.
 
 import numpy as np
 
-from coilspring.compiling.compiled import arithmetic, inlined, kernel
+from coilspring.compiling.compiled import arithmetic, inlined, kernel, shaped
 from coilspring.solver.interface import FIXED
 
 BAND = 8  # half bandwidth: a pair couples the nodes i and i + 2, three degrees of freedom each
@@ -55,7 +55,7 @@ def factor(reals, ints, flat):
 
     Returns the number of negative pivots and the least pivot.
     """
-    return eliminate(flat.reshape((flat.size // ROW, ROW)), WIDTH)
+    return eliminate(shaped(flat, (flat.size // ROW, ROW)), WIDTH)
 
 
 @arithmetic

@@ -5,7 +5,7 @@ from functools import cache
 
 import numpy as np
 
-from coilspring.compiling.compiled import clear, copy, inlined, kernel
+from coilspring.compiling.compiled import clear, copy, inlined, kernel, lent, shaped
 from coilspring.contact.kinematics import approach, remember
 from coilspring.contact.kinematics import update_pairs as update_pairs_of
 from coilspring.contact.law import pair_potential
@@ -112,8 +112,8 @@ def assembled(response):
 
     def assemble(reals, ints, accepted, least_gap, history, state, g, flat):
         """Strain and contact energy, gradient and matrix; see `coilspring.solver.interface`."""
-        model = view(reals, ints)
-        H = flat.reshape((flat.size // ROW, ROW))
+        accepted, history, state, g = lent(accepted), lent(history), lent(state), lent(g)
+        model, H = view(reals, ints), shaped(flat, (flat.size // ROW, ROW))
         clear(g)
         clear(flat)
         ge = np.empty(6)

@@ -14,10 +14,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from coilspring.compiling.compiled import arithmetic, inlined, zeros
+from coilspring.compiling.compiled import arithmetic, inlined
 from coilspring.compiling.packing import Wholes
 
 N6 = 6
+TINY = 1e-300  # of any unit: too small to change a number
 WIDE = 14  # contact nodes that a coupling spans: minimum degree leaves less fill from here on, at the latest
 
 
@@ -219,12 +220,12 @@ def _is_zero(U):
 def eliminate(plan, F):
     """LDL^T of the blocks (blocks, 6, 6) in place; returns the number of negative pivots and the least.
 
-    Work is spent on blocks that hold something: those of pairs that touch, and their fill.
+    Work is spent on blocks that hold something: those of pairs that touch, and their fill. Their first entry
+    tells them from empty ones.
     """
     negative, least = 0, np.inf
     scaled = np.empty((N6, N6))
-    nodes, full = plan.order.size, zeros(plan.column.size)
-    t = 0
+    nodes, t = plan.order.size, 0
     for step in range(nodes):
         D = F[plan.order[step]]
         below, low = _factor_diagonal(D)
@@ -235,13 +236,14 @@ def eliminate(plan, F):
             if _is_zero(U):
                 t += a - begin + 1
                 continue
-            full[a] = 1.0
+            if U[0, 0] == 0.0:
+                U[0, 0] = TINY
             for r in range(N6):
                 x = _lower(D, _column(U, r))
                 _put_column(U, r, x)
                 _put_column(scaled, r, _over(D, x))
             for b in range(begin, a + 1):
-                if full[b] > 0.0:
+                if F[nodes + b, 0, 0] != 0.0:
                     _subtract(F[plan.target[t]], F[nodes + b], scaled, b == a)
                 t += 1
     return negative, least
@@ -259,13 +261,16 @@ def substitute(plan, F, b):
         y = _over(D, x)
         for a in range(start[step], start[step + 1]):
             U, q = F[nodes + a], N6 * column[a]
-            for j in range(N6):
-                b[q + j] -= _sum_of(_column(U, j), y)
+            if U[0, 0] != 0.0:
+                for j in range(N6):
+                    b[q + j] -= _sum_of(_column(U, j), y)
     for step in range(nodes - 1, -1, -1):
         D, p = F[order[step]], N6 * order[step]
         x, y = _over(D, _six(b, p)), (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
         for a in range(start[step], start[step + 1]):
-            y = _added_product(y, F[nodes + a], _six(b, N6 * column[a]))
+            U = F[nodes + a]
+            if U[0, 0] != 0.0:
+                y = _added_product(y, U, _six(b, N6 * column[a]))
         y = _over(D, y)
         x = (x[0] - y[0], x[1] - y[1], x[2] - y[2], x[3] - y[3], x[4] - y[4], x[5] - y[5])
         _put_six(b, p, _upper(D, x))

@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 
-from coilspring.compiling.compiled import arithmetic, clear, inlined, kernel, lent
+from coilspring.compiling.compiled import arithmetic, clear, inlined, kernel, lent, shaped
 from coilspring.contact.kinematics import OVERLAP_ALLOWED, approach, remember
 from coilspring.contact.kinematics import update_pairs as update_spheres
 from coilspring.solver.interface import FIXED
@@ -75,7 +75,7 @@ def assemble(reals, ints, accepted, least_gap, history, state, g, flat):
     """Strain and contact energy, gradient and matrix; see `coilspring.solver.interface` for the contract."""
     accepted, history, state, g, flat = lent(accepted), lent(history), lent(state), lent(g), lent(flat)
     contact = view_contact(reals, ints)
-    H = flat.reshape((flat.size // 36, 6, 6))
+    H = shaped(flat, (flat.size // 36, 6, 6))
     clear(g)
     clear(flat)
     chain = view_elements(reals, ints)
@@ -103,14 +103,14 @@ def assemble(reals, ints, accepted, least_gap, history, state, g, flat):
 def factor(reals, ints, flat):
     """Block LDL^T in place; returns the number of negative pivots and the least pivot."""
     flat = lent(flat)
-    return eliminate(view_plan(ints), flat.reshape((flat.size // 36, 6, 6)))
+    return eliminate(view_plan(ints), shaped(flat, (flat.size // 36, 6, 6)))
 
 
 @kernel
 def solve(reals, ints, flat, b):
     """Back substitution in place."""
     flat, b = lent(flat), lent(b)
-    substitute(view_plan(ints), flat.reshape((flat.size // 36, 6, 6)), b)
+    substitute(view_plan(ints), shaped(flat, (flat.size // 36, 6, 6)), b)
 
 
 @kernel

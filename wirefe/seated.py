@@ -1,6 +1,6 @@
 """The kernels of `wirefe.kernels` that differ where end turns rest on plates."""
 
-from coilspring.compiling.compiled import kernel
+from coilspring.compiling.compiled import kernel, shaped
 from wirefe import kernels
 from wirefe.contact.plates import press_high, press_low
 from wirefe.model import view_plates
@@ -11,7 +11,7 @@ def assemble(reals, ints, accepted, least_gap, history, state, g, H):
     """`wirefe.kernels.assemble`, and the plates."""
     energy, pairs = kernels.assemble(reals, ints, accepted, least_gap, history, state, g, H)
     plates = view_plates(reals, ints)
-    blocks = H.reshape((H.size // 36, 6, 6))
+    blocks = shaped(H, (H.size // 36, 6, 6))
     energy += press_low(plates, state, g, blocks) + press_high(plates, state, g, blocks)
     return energy, pairs + plates.low.size + plates.high.size
 

@@ -150,6 +150,12 @@ def _lent(given: Any) -> Callable:
 
 
 @inlined
+def shaped(flat, shape):
+    """`flat.reshape(shape)` of an array whose owner is elsewhere: numba would not see that, nor of its views."""
+    return lent(lent(flat).reshape(shape))
+
+
+@inlined
 def clear(vector):
     """vector[:] = 0; slice assignment compiles seconds of error messages."""
     for i in range(vector.size):

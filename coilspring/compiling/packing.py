@@ -8,7 +8,7 @@ from typing import Any, TypeAlias
 
 import numpy as np
 
-from coilspring.compiling.compiled import inlined, lent
+from coilspring.compiling.compiled import inlined, lent, shaped
 
 HEAD = 4  # offset and three extents
 
@@ -62,7 +62,7 @@ def pack(model: tuple) -> tuple[np.ndarray, np.ndarray]:
 def heads(ints):
     """Table of (offset, extents) of all fields; a row of it is what the functions below take."""
     count = ints[0] // HEAD  # the first integer is the length of the table
-    return lent(ints)[1 : 1 + HEAD * count].reshape((count, HEAD))
+    return shaped(lent(ints)[1 : 1 + HEAD * count], (count, HEAD))
 
 
 @inlined
@@ -75,14 +75,14 @@ def vector(flat, head):
 def table(flat, head):
     """Field as a table."""
     n, m = head[1], head[2]
-    return lent(flat)[head[0] : head[0] + n * m].reshape((n, m))
+    return shaped(lent(flat)[head[0] : head[0] + n * m], (n, m))
 
 
 @inlined
 def stack(flat, head):
     """Field as a stack of tables."""
     n, m, p = head[1], head[2], head[3]
-    return lent(flat)[head[0] : head[0] + n * m * p].reshape((n, m, p))
+    return shaped(lent(flat)[head[0] : head[0] + n * m * p], (n, m, p))
 
 
 def viewer(record: Any, first: int = 0) -> Any:

@@ -12,7 +12,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from coilspring.compiling.compiled import arithmetic, inlined
+from coilspring.compiling.compiled import arithmetic, inlined, lent
 from coilspring.compiling.packing import Table, Wholes
 from coilspring.scene.spring import Spring
 from wirefe.contact.stations import POSITION, SLOPES, carried_points, on_one_node, point_of
@@ -150,11 +150,11 @@ def _next_coil(stations, points, least):
 
 
 @inlined
-def _far_coils(stations, points, least):
+def _far_coils(stations, points, coordinates, least):
     """The same for coils farther along: all pieces about stations that are near."""
+    points, (x, y, z) = lent(points), lent(coordinates)
     count, low, high = len(points) // 3, stations.low, stations.high
     near, close = stations.diameter**2, CLOSE * stations.stride**2
-    x, y, z = _coordinate(points, 0), _coordinate(points, 1), _coordinate(points, 2)
     for i in range(min(high + 1, count)):
         first = i + PER_TURN + HALF
         if not _any_near(x, y, z, i, first, least + close):
@@ -190,5 +190,7 @@ def wire_overlap(stations, state):
     """By how much the wire runs into itself, mm; negative where it is free, infinitely without stations."""
     if stations.node.size == 0:
         return -math.inf
-    points, least = station_points(stations, state), (REACH * stations.diameter) ** 2
-    return stations.diameter - math.sqrt(_far_coils(stations, points, _next_coil(stations, points, least)))
+    points = station_points(stations, state)
+    coordinates = _coordinate(points, 0), _coordinate(points, 1), _coordinate(points, 2)
+    least = _next_coil(stations, points, (REACH * stations.diameter) ** 2)
+    return stations.diameter - math.sqrt(_far_coils(stations, points, coordinates, least))
