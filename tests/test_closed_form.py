@@ -8,7 +8,7 @@ from coilspring import Material, spring_b
 
 
 def rodriguez(load):
-    """Deflection of Spring B by Rodriguez, Paredes & Sartor 2006 (quoted from history).
+    """Deflection of Spring B by Rodriguez, Paredes & Sartor 2006 (not verified against print).
 
     Conical spring of constant pitch, coils closing from the large end; direct shear and pitch are
     neglected. Valid between the closing loads of the first and of the last coil, 68.7 and 549.6 N.
@@ -24,7 +24,7 @@ def rodriguez(load):
 
 @pytest.mark.parametrize(("load", "deflection"), [(100, 11.204292), (150, 13.771608), (200, 15.245118)])
 def test_formula(load, deflection):
-    """The numbers of benchmarks (2c), verified by direct integration there."""
+    """Values by direct integration over coils that are free or closed, of an independent program."""
     assert rodriguez(load) == pytest.approx(deflection, rel=1e-6)
 
 

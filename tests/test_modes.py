@@ -19,7 +19,7 @@ def bar(elements, diameter=2.0, length=100.0):
 
 @pytest.mark.parametrize("element", ["straight", "curved"])
 def test_clamped_helical_spring(element):
-    """Literature (after Pearson and Yildirim, from history). Measured 0.09 % at most."""
+    """Literature (Pearson 1982; Yildirim), not verified here. Measured 0.09 % at most."""
     radius, turns, slope = 5.0, 7.6, np.radians(8.5744)
     height = turns * 2.0 * np.pi * radius * np.tan(slope)
     spring = Spring(1.0, 2.0 * radius, turns, height, end_turns=0.0)

@@ -146,8 +146,8 @@ def test_lees_frame_past_its_limit_points():
 
 
 def test_dadeppo_schmidt_arch():
-    """G11: hinged-clamped arch of 215 degrees, critical force 897 (published; angle as is usual, the notes'
-    145 degrees has none). Measured 897.4 at 20 curved elements.
+    """G11: hinged-clamped arch, critical force 897 (literature, not verified here). The angle is the one that
+    fits, 215 degrees: with 145 there is no critical force. Measured 897.4 at 20 curved elements.
     """
     half = np.radians(215.0) / 2
     arc = Arc(100.0, (0.0, 1.0, 0.0), (1.0, 0.0, 0.0))

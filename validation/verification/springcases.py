@@ -131,13 +131,13 @@ OTHERS = (
     ),
     Case(
         "natural frequencies", "clamped, 7.6 turns, 80 curved elements per turn; Hz",
-        (393.5, 396.1, 462.8, 525.5, 863.9), "literature from memory (after Pearson; Yildirim)", 2e-3,
+        (393.5, 396.1, 462.8, 525.5, 863.9), "literature (Pearson 1982; Yildirim), not verified here", 2e-3,
         "frequencies of a loaded spring, of coils that touch", frequencies, mesh=80, meshes=(40, 80),
         fine=320, components=5,
     ),
     Case(
         "Rodriguez-Paredes-Sartor, conical spring", "Spring B at 200 N, no sliding; mm", (15.245118,),
-        "closed form of 2006, from memory", 0.03,
+        "closed form (authors named, 2006), not verified here", 0.03,
         "the formula leaves out pitch, direct shear and discrete contact", shortening_of_b, mesh=16,
     ),
 )  # fmt: skip
