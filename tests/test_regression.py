@@ -27,6 +27,7 @@ from validation.regress.baselines import COARSE, MODELS, SHIPPED, Run, find, qua
 from validation.regress.run import compare, regress
 from validation.study import cases
 from validation.study.cases import CASES
+from validation.study.machine import _processor, machine
 
 # the models' modules, which their own functions `solve` hide
 BEAM_SOLVE, WIRE_SOLVE = sys.modules["equivbeam.solve"], sys.modules["wirefe.solve"]
@@ -184,6 +185,27 @@ def test_another_processor_may_count_one_more_a_step(before):
     for row in later["wirefe"].values():
         row["iterations"] = [count + 1 for count in row["iterations"]]
     assert kinds(compare(kept, later, "elsewhere")) == {"iterations"}
+
+
+def test_another_processor_may_cut_a_step_back_more_often(before):
+    earlier = copy.deepcopy(before)
+    earlier["wirefe"][next(iter(earlier["wirefe"]))]["iterations"][0] = 60
+    later = copy.deepcopy(earlier)
+    row = next(iter(later["wirefe"].values()))
+    row["iterations"][0] = 77
+    row["total_iterations"] += 17
+    assert compare(as_baseline(earlier), later, "elsewhere") == ()
+    assert kinds(compare(as_baseline(earlier), later, "here")) == {"iterations", "total_iterations"}
+    row["iterations"][0] = 81
+    assert kinds(compare(as_baseline(earlier), later, "elsewhere")) == {"iterations"}
+
+
+def test_kinds_of_processors_with_one_name_are_told_apart(monkeypatch):
+    here = machine()["processor"]
+    monkeypatch.setattr("llvmlite.binding.get_host_cpu_name", lambda: "another")
+    _processor.cache_clear()
+    assert machine()["processor"] != here
+    _processor.cache_clear()
 
 
 def test_without_sliding_another_processor_may_choose_other_substeps(before):

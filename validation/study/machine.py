@@ -36,9 +36,16 @@ def machine() -> dict[str, str]:
     }
 
 
+@cache
 def _processor() -> str:
-    """Name of the processor; only Linux tells it in a file."""
+    """Name of the processor, and the kind that code is compiled for: several have one name on virtual machines.
+
+    Only Linux tells the name in a file.
+    """
+    from llvmlite.binding import get_host_cpu_name  # is slow to import
+
     listing = Path("/proc/cpuinfo")
     text = listing.read_text(encoding="utf-8", errors="replace") if listing.is_file() else ""
     named = re.search(r"^model name.*?:(.*)", text, re.MULTILINE)
-    return named[1].strip() if named else platform.processor() or platform.machine()
+    name = named[1].strip() if named else platform.processor() or platform.machine()
+    return f"{name} ({get_host_cpu_name()})"
