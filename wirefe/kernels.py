@@ -188,7 +188,7 @@ def displacement_bound(reals, ints, a, b, least):
 
 @kernel
 def update_history(reals, ints, state, history):
-    """See `coilspring.contact.kinematics`; minus infinity says that spheres touch which are no pair."""
+    """See `coilspring.contact.kinematics`; minus infinity: wires touch that are no pair."""
     state, history = lent(state), lent(history)
     contact = view_contact(reals, ints)
     if contact.pairs.shape[0] > 0 and touch_unlisted(contact, state):
@@ -243,7 +243,7 @@ def length_gradient(reals, ints, state, history, pair, g):
 
 @kernel
 def overlap(reals, ints, state):
-    """See `coilspring.solver.interface`: of the whole wire, and beyond the deepest pair of spheres."""
+    """See `coilspring.solver.interface`: of the whole wire, and beyond the deepest contact pair."""
     state = lent(state)
     contact = view_contact(reals, ints)
     whole = wire_overlap(view_stations(reals, ints), state)

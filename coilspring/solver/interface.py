@@ -23,7 +23,8 @@ which the solver takes as typed first-class functions, so that it is compiled on
 ``displacement_bound(reals, ints, a, b, least) -> (distance, pair motion, free share)``
     Bound on how far any point moved from state `a` to `b`. Where it is more than `least`: the largest change
     of the vector between the centres of a pair that comes near in between, in wire diameters; the share of
-    the motion after which the first pair that is open in `a` has closed. Else 0 and 1.
+    the motion after which the first pair that is open in `a` has closed, or 2 (`BETWEEN`) where one that
+    sticks closes and is open again in `b`. Else 0 and 1.
 ``update_history(reals, ints, state, history) -> least gap``
     Update the contact history with an accepted state. Minus infinity: a pair touches that is not in
     the model.

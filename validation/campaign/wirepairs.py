@@ -44,7 +44,7 @@ class Pairs:
     points: Points  # of all of the wire, as is the law
     law: Law
     index: np.ndarray  # (pairs, 2) contact points
-    clearance: np.ndarray  # (pairs,) by how much wires run into each other at rest
+    rest_overlap: np.ndarray  # (pairs,) by how much wires run into each other at rest
     held: np.ndarray  # (pairs,) whether there is a tangential force
     slides: np.ndarray  # (pairs,) whether it is at its bound
     arcs: np.ndarray  # (pairs,) whether spheres resist the arc: under friction, and where they creep
@@ -57,7 +57,7 @@ class Pairs:
 
     def of(self, chosen: np.ndarray) -> Self:
         """Some of the pairs."""
-        names = ("index", "clearance", "held", "slides", "arcs", "share", "one", "two")
+        names = ("index", "rest_overlap", "held", "slides", "arcs", "share", "one", "two")
         return replace(self, **{name: getattr(self, name)[chosen] for name in names})
 
     @property
@@ -82,7 +82,7 @@ class Pairs:
         return steps
 
     def gap(self, poses: Poses) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Gaps (..., pairs), longer by the clearance, normals (3, ...), and vectors between the points."""
+        """Gaps (..., pairs), longer by the rest_overlap, normals (3, ...), and vectors between the points."""
         points = self.points
         low, high = (self._sum(side, poses, points.weight, points.arm) for side in (0, 1))
         w = across = high - low
@@ -91,7 +91,7 @@ class Pairs:
             along = one + two
             across = w - along * (w * along).sum(axis=0) / (along * along).sum(axis=0)
         h = np.sqrt((across * across).sum(axis=0))
-        return h + self.clearance, across / h, w
+        return h + self.rest_overlap, across / h, w
 
     def slip(self, poses: Poses) -> np.ndarray:
         """Vectors (3, ...) by which pairs have slipped since they touched first, as far as they resist it:
@@ -243,7 +243,7 @@ def known_pairs(points: Points, law: Law, rest: np.ndarray, path: EquilibriumPat
         1.0 - padded(history["released"]), padded(one), padded(two),
     )  # fmt: skip
     if points.wires:
-        made = replace(made, clearance=np.maximum(made.depth(rest), 0.0))
+        made = replace(made, rest_overlap=np.maximum(made.depth(rest), 0.0))
     if not held.any() or not np.isfinite(law.mu):
         return made
     # by Coulomb's law those slide of which sticking would take more than the bound; none in less than FINEST

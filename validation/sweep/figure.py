@@ -31,6 +31,6 @@ def draw(rows: Sequence[Mapping[str, str]], key: str, scene: str, model: str, pr
         for whole, look in looks.items():
             some = [row for row in found if (row["outcome"] == "completed") == whole]
             axes.plot(*([float(row[name]) for row in some] for name in (key, column)), **look)
-        if some:
+        if any(row["outcome"] != "completed" for row in found):
             axes.legend()
         return png(figure)

@@ -1,7 +1,7 @@
-"""How far the wire runs into itself: all of it against all of it, whatever its contact spheres see.
+"""How far the wire runs into itself: all of it against all of it, whatever its contact pairs see.
 
 The wire is followed by stations, points of it at equal phases that move with the nodes about them (as
-`wirefe.results.shape` draws it), and the pieces between them. Contact spheres are not asked: between them,
+`wirefe.results.shape` draws it), and the pieces between them. Contact pairs are not asked: between them,
 wires could pass through each other unseen.
 """
 

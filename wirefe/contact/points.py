@@ -36,7 +36,7 @@ class ContactArrays(NamedTuple):
     attached: Wholes  # (points,) node to which each is attached; of stations the lower one
     parts: Table  # (points, 3) arm of a sphere at rest, or (points, 15): see `wirefe.contact.stations`
     pairs: WholeTable  # (pairs, 2), from bottom to top
-    clearance: Vector  # (pairs,) by how much wires run into each other at rest: they touch there
+    rest_overlap: Vector  # (pairs,) by how much wires run into each other at rest: they touch there
     d: float
     kc: float  # of a pair
     kt: float
@@ -109,7 +109,7 @@ def contact_points(
         attached=attached,
         parts=parts,
         pairs=pairs,
-        clearance=np.zeros(len(pairs)),
+        rest_overlap=np.zeros(len(pairs)),
         d=d,
         kc=stiffness,
         kt=tangential_stiffness(stiffness, exponent, d),
@@ -118,13 +118,13 @@ def contact_points(
         near=pairs_per_turn // 2,
     )
     if not scene.contact.enabled:
-        return contact._replace(pairs=pairs[:0], clearance=np.zeros(0))
+        return contact._replace(pairs=pairs[:0], rest_overlap=np.zeros(0))
     if spheres:
         return contact
     t = tangents(at_rest(mesh.nodes), attached, parts)
     low, high = pairs.T
-    gap = across_wires(points[high] - points[low], t[low] + t[high], contact.clearance)
-    return contact._replace(clearance=np.maximum(d - np.linalg.norm(gap, axis=1), 0.0))
+    gap = across_wires(points[high] - points[low], t[low] + t[high], contact.rest_overlap)
+    return contact._replace(rest_overlap=np.maximum(d - np.linalg.norm(gap, axis=1), 0.0))
 
 
 def bodies(attached: np.ndarray, parts: np.ndarray) -> np.ndarray:

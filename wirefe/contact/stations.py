@@ -128,12 +128,12 @@ def fixed_to_sections(
     return (1.0 - share) * turned_rows(nodes[..., node, 3:], vectors) + share * turned_rows(high, vectors)
 
 
-def across_wires(w: np.ndarray, tau: np.ndarray, clearance: np.ndarray) -> np.ndarray:
-    """The part of vectors w (..., pairs, 3) across the sum tau of two tangents, longer by `clearance`."""
+def across_wires(w: np.ndarray, tau: np.ndarray, rest_overlap: np.ndarray) -> np.ndarray:
+    """The part of vectors w (..., pairs, 3) across the sum tau of two tangents, longer by `rest_overlap`."""
     along = (w * tau).sum(axis=-1) / (tau * tau).sum(axis=-1)
     across = w - along[..., None] * tau
     h = np.linalg.norm(across, axis=-1)
-    return across * (1.0 + clearance / h)[..., None]
+    return across * (1.0 + rest_overlap / h)[..., None]
 
 
 @arithmetic

@@ -30,7 +30,7 @@ from wirefe.element.algebra import dot, plus
 @inlined
 def _touch(contact, states, m, row):
     """See `coilspring.contact.kinematics`; `states`: accepted, predicted, trial one, with their stations."""
-    there, d = np.empty((3, 6)), contact.d - contact.clearance[m]
+    there, d = np.empty((3, 6)), contact.d - contact.rest_overlap[m]
     v = np.empty((3, 3))
     for i in range(3):
         state, points = states[i]
@@ -61,7 +61,7 @@ def remember_wires(contact, state, history):
     for m in range(history.shape[0]):
         row = history[m]
         h, n, _, _, _ = gap(contact, points, m)
-        gap_left = h + contact.clearance[m] - contact.d
+        gap_left = h + contact.rest_overlap[m] - contact.d
         least = min(least, gap_left)
         if not (row.closed or gap_left < touching_gap(contact)):
             continue
@@ -116,7 +116,7 @@ def update_wires(contact, accepted, predicted, state, history):
         if not (row.opening or row.closed or row.creeps or touches(contact, points, m)):
             continue
         h, _, _, _, _ = gap(contact, points, m)
-        d = contact.d - contact.clearance[m]
+        d = contact.d - contact.rest_overlap[m]
         if (row.opening or row.creeps) and row.wanted != row.lead:
             _lead(row)
         if row.opening:

@@ -74,9 +74,9 @@ def across(contact, points, m):
     """Vector across the gap of a pair, of the length of the gap and d."""
     w, tau = facing(points, contact.pairs[m, 0], contact.pairs[m, 1])
     v = plus(w, -dot(w, tau) / dot(tau, tau), tau)
-    if contact.clearance[m] == 0.0:
+    if contact.rest_overlap[m] == 0.0:
         return v
-    return plus(v, contact.clearance[m] / math.sqrt(dot(v, v)), v)
+    return plus(v, contact.rest_overlap[m] / math.sqrt(dot(v, v)), v)
 
 
 @arithmetic

@@ -40,7 +40,7 @@ def contact_vectors(contact: ContactArrays, states: np.ndarray) -> np.ndarray:
     if not of_wires(contact.parts):
         return w
     t = tangents(nodes, contact.attached, contact.parts)
-    return across_wires(w, t[:, first] + t[:, second], contact.clearance)
+    return across_wires(w, t[:, first] + t[:, second], contact.rest_overlap)
 
 
 def contact_centres(contact: ContactArrays, states: np.ndarray) -> np.ndarray:
