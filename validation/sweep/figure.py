@@ -9,9 +9,10 @@ from validation.study.plots import png
 from validation.study.style import BLUE, GREY, RC, RED, SINGLE, Look
 
 COLOURS = {"equivbeam": BLUE, "wirefe": RED}
+LENGTHS = ("wire_diameter", "mean_diameter", "outer_diameter", "inner_diameter", "active_height")
 UNITS = {
-    **dict.fromkeys(("wire_diameter", "mean_diameter", "active_height", "displacement", "pitch"), "mm"),
-    **{"force": "N", "stages": "N", "E": "MPa", "G": "MPa", "start_phase": "rad"},
+    **dict.fromkeys((*LENGTHS, "displacement", "pitch"), "mm"),
+    **{"force": "N", "stages": "N", "E": "MPa", "G": "MPa", "density": "kg/m³", "start_phase": "rad"},
 }
 
 
