@@ -13,7 +13,7 @@ from coilspring.errors import InputError, require_integer, require_number
 from coilspring.scene import Load, Scene, require_scene
 from coilspring.scene.sizing import axial_rate
 from coilspring.solver.solve import Run, follow_problem
-from coilspring.solver.stages import FIXED
+from coilspring.solver.stages import prescribed_stage
 from equivbeam import kernels
 from equivbeam.laws import law_of
 from equivbeam.laws.haringx import KAX, KFL, KSH, L0
@@ -117,13 +117,11 @@ def _compressed(
     # a perfect column: with fixed ends of the wire its axis would bend from the first force on
     refinements = Refinements(ends=False) if law == "helix" else None
     data = _refined(build_model(straight, BeamOptions(law, refinements=refinements)), scene, refine, inclined)
-    fixed, load = FIXED * axial_rate(straight), load_vector(data, straight)
-    problem = beam_problem(data, fixed * shortening * load)
+    problem = beam_problem(data, load_vector(data, straight))
     assert problem.top is not None
-    place, dof, diagonal = problem.top.state[1], problem.top.dof[1], problem.top.diagonal
-    prescribed = np.array([place, dof, diagonal, fixed, -shortening])
+    stage = prescribed_stage(problem.top, -shortening, axial_rate(straight))
+    problem = replace(problem, load=-stage.growing[1] * problem.load, prescribed=stage.prescribed)
     with_law = KERNELS._replace(assemble=kernels.assemble_of(law, data.rows))
-    problem = replace(problem, prescribed=prescribed)
     return straight, data, follow_problem(problem, with_law, np.ones(1), scene.spring.wire_diameter)
 
 

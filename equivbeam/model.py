@@ -62,7 +62,7 @@ def build_model(scene: Scene, options: BeamOptions | None = None) -> BeamModel:
     relative = attached[pairs[:, 0]] != attached[pairs[:, 1]]
     pairs = pairs[relative] if contact.enabled else pairs[:0]
     fixed = [name in scene.supports.top_held for name in ("ux", "uy", "rotz")]
-    kc = contact.stiffness * 4.0 / PAIRS_PER_TURN
+    kc = contact.pair_stiffness(PAIRS_PER_TURN)
     return BeamModel(
         law=LAWS[chosen.law] if isinstance(chosen.law, str) else USER,
         rows=law_rows(chosen.law, spring, scene.material, chosen.refinements or ALL, scene.factors),

@@ -62,9 +62,9 @@ def test_small_snaps_are_passed_in_any_number_of_steps(case, seed, count):
 )
 def test_a_snap_within_a_substep_is_told(case, seed, counts, time, most, sizes, told):
     """It was passed unsaid. What follows depends on the way through it, and the path says so; one that ends
-    there, as rounding may decide, has nothing to tell. At the fold rounding may decide, too, in how many snaps
-    it goes and how far, or whether one comes to states just ahead that Coulomb's law makes unstable, in place
-    of the snap: 90 steps tell of what follows from 0.8452 on alone."""
+    there, as rounding may decide, has nothing to tell. At the fold rounding may decide, too, in how many
+    snaps it goes and how far, or whether one comes to states just ahead that Coulomb's law makes unstable, in
+    place of the snap: 90 steps tell of what follows from 0.8452 on alone."""
     paths = [reached(make_case(case, seed), steps=steps) for steps in counts]
     beyond = [path for path in paths if path.outcome == "completed" or path.end_bracket[0] > 1.005 * time]
     assert beyond

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from functools import lru_cache
 from itertools import accumulate
-from typing import NamedTuple
+from typing import NamedTuple, get_type_hints
 
 import numpy as np
 
@@ -63,7 +63,7 @@ class WireModel(NamedTuple):
     stations: Stations = NO_STATIONS
 
 
-PARTS = (ElementArrays, HeldArrays, ContactArrays, ChainPlan, PlateArrays, Stations)
+PARTS = get_type_hints(WireModel).values()
 # numbers of each part's first field in the packed arrays
 _, HELD, CONTACT, PLAN, PLATES, STATIONS, _ = accumulate((len(each._fields) for each in PARTS), initial=0)
 

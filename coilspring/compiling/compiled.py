@@ -151,7 +151,7 @@ def _lent(given: Any) -> Callable:
 
 @inlined
 def shaped(flat, shape):
-    """`flat.reshape(shape)` of an array whose owner is elsewhere: numba would not see that, nor of its views."""
+    """`flat.reshape(shape)` of what is lent: numba does not see that it has no owner either."""
     return lent(lent(flat).reshape(shape))
 
 

@@ -19,6 +19,9 @@ HELD_CHOICES: tuple[str, ...] = KEYS["supports"]["top_held"].checks["some"]
 SEATS: tuple[str, ...] = KEYS["supports"]["seat"].checks["choice"]
 
 
+PAIRS_OF_STIFFNESS = 4.0  # per turn: the scene's contact stiffness is that of each of them
+
+
 @dataclass(frozen=True)
 class Contact:
     """Penalty law of the coil contact, F = K max(0, d - h)^exponent between neighbouring coils.
@@ -53,6 +56,10 @@ class Contact:
                 f'contact.friction goes with contact.sliding = "coulomb" alone, got {shown(self.friction)} '
                 f"with {shown(self.sliding)}"
             )
+
+    def pair_stiffness(self, pairs_per_turn: float) -> float:
+        """K of each pair, N/mm^exponent, where so many of them share a turn."""
+        return self.stiffness * PAIRS_OF_STIFFNESS / pairs_per_turn
 
     @property
     def coefficient(self) -> float:

@@ -3,9 +3,9 @@
 A stage begins with the dead load p of the last one, and adds its own in proportion to time.
 
 A prescribed displacement is a constraint: y moves with time, whatever the spring does, and equilibrium is
-asked of all other degrees of freedom. So its gradient is zero, and its stiffness in the matrix is FIXED: so
-large that pivots are those of the constrained spring. Newton's steps leave y as it is, and solving
-for the load FIXED dY/dt along y gives the tangent of the constrained path.
+asked of all other degrees of freedom. So its gradient is zero, and its stiffness in the matrix is so large
+that pivots are those of the constrained spring. Newton's steps leave y as it is, and solving for that
+stiffness times dY/dt along y gives the tangent of the constrained path.
 """
 
 from collections.abc import Callable, Iterator
@@ -20,7 +20,7 @@ from coilspring.scene.load import stage_ends
 from coilspring.scene.sizing import axial_rate
 from coilspring.solver.system import FREE
 
-FIXED = 1e12  # axial rates of the spring
+PRESCRIBED = 1e12  # axial rates of the spring: stiffness of what is prescribed
 
 
 class Top(NamedTuple):
@@ -39,14 +39,19 @@ class Stage(NamedTuple):
     prescribed: np.ndarray  # see `coilspring.solver.system`; empty where loads are forces
 
 
+def prescribed_stage(top: Top, change: float, rate: float) -> Stage:
+    """A stage in which y of the top changes in proportion to time, mm; `rate` is the axial one, N/mm."""
+    stiffness = PRESCRIBED * rate
+    prescribed = np.array([top.state[1], top.dof[1], top.diagonal, stiffness, change])
+    return Stage(np.zeros(2), np.array([0.0, stiffness * change]), prescribed)
+
+
 def stages(scene: Scene, top: Top) -> Iterator[Stage]:
     """The stages of a scene's load."""
     held = [name in scene.supports.top_held for name in ("ux", "uy")]
     for before, after in pairwise(stage_ends(scene.load)):
         if scene.load.displacement:
-            fixed, change = FIXED * axial_rate(scene), (after - before)[1]
-            prescribed = np.array([top.state[1], top.dof[1], top.diagonal, fixed, change])
-            yield Stage(np.zeros(2), np.array([0.0, fixed * change]), prescribed)
+            yield prescribed_stage(top, (after - before)[1], axial_rate(scene))
         else:
             dead, growing = (np.where(held, 0.0, force) for force in (before, after - before))
             yield Stage(dead, growing, FREE)

@@ -2,8 +2,8 @@
 
 Tolerances are those of repeated solves: equilibria are converged to rounding, so that what moves more
 was changed. Paths with sticking contact depend on the accepted substeps, which another processor may choose
-differently. Counts are exact on the same kind of processor and within one a step elsewhere; of a step with many
-iterations within a third of them, since rounding decides how often it is cut back.
+differently. Counts are exact on the same kind of processor and within one a step elsewhere; of a step with
+many iterations within a third of them, since rounding decides how often it is cut back.
 """
 
 from collections.abc import Callable, Iterator, Mapping, Sequence

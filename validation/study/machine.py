@@ -38,7 +38,7 @@ def machine() -> dict[str, str]:
 
 @cache
 def _processor() -> str:
-    """Name of the processor, and the kind that code is compiled for: several have one name on virtual machines.
+    """Name of the processor, and the kind that code is compiled for: virtual machines give several one name.
 
     Only Linux tells the name in a file.
     """

@@ -21,8 +21,9 @@ import numpy as np
 
 from coilspring.compiling.compiled import inlined
 from coilspring.compiling.packing import Vector, Wholes
+from coilspring.scene.scene import PAIRS_OF_STIFFNESS
 from coilspring.scene.spring import Spring
-from wirefe.contact.points import NONE, PAIRS_OF_PENALTY
+from wirefe.contact.points import NONE
 from wirefe.element.algebra import lever, put
 from wirefe.element.poses import ROW, four, three
 from wirefe.element.rotations import turned
@@ -61,7 +62,7 @@ def place_plates(spring: Spring, mesh: WireMesh, stiffness: float, rod: Rod) -> 
     low = np.flatnonzero(phases < TWO_PI)
     high = np.flatnonzero(phases > spring.phase_end - TWO_PI)
     top = mesh.reference[1]
-    per_node = stiffness * PAIRS_OF_PENALTY * (phases[1] - phases[0]) / TWO_PI
+    per_node = stiffness * PAIRS_OF_STIFFNESS * (phases[1] - phases[0]) / TWO_PI
     return NO_PLATES._replace(
         low=low,
         level=np.minimum(y[low], 0.0),

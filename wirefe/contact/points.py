@@ -24,7 +24,6 @@ from wirefe.contact.stations import (
 from wirefe.element.poses import at_rest
 from wirefe.mesh import TWO_PI, WireMesh
 
-PAIRS_OF_PENALTY = 4  # the scene's stiffness is that of a pair at 4 pairs per turn
 FEW = 200  # contact points, all pairs of which are looked at; of more, those that a tree finds near
 PER_TURN = {"spheres": 4, "wires": 32}  # contact points, unless asked otherwise
 NONE = np.zeros(0, dtype=np.int64)
@@ -104,7 +103,7 @@ def contact_points(
     if found is not None:
         pairs = np.concatenate((pairs, found))
     d = spring.wire_diameter
-    stiffness, exponent = scene.contact.stiffness * PAIRS_OF_PENALTY / pairs_per_turn, scene.contact.exponent
+    stiffness, exponent = scene.contact.pair_stiffness(pairs_per_turn), scene.contact.exponent
     contact = ContactArrays(
         attached=attached,
         parts=parts,
