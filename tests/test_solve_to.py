@@ -457,3 +457,23 @@ def test_small_study(tmp_path, monkeypatch):
     figures = requested.summary(table)
     assert figures[figures.kind == "all"].failures.tolist() == [0, 0, 0]
     assert figures[figures.kind == "all"].bound.iloc[0] == pytest.approx(1.0 - 0.05 ** (1 / 2))
+
+
+@pytest.mark.parametrize("seat", ["rigid", "plate"])
+def test_no_two_paths_have_the_same_elements(seat):
+    """Coils of which 1/16 is a fraction: meshes fit at multiples of 16 elements. Levels between two of these
+    gave the same one twice: on plates the estimate was of the stations alone, less than half of the error."""
+    load = Load((0.0, -40.0) if seat == "plate" else (3.0, -80.0), 10)
+    spring = Spring(2.0, 18.0, active_coils=4.3125, active_height=20.0)
+    scene = Scene("sixteenths", spring, load, supports=Supports(("ux", "rotz"), seat=seat))
+    lines = []
+    path = wirefe.solve_to(scene, 1e-3, progress=lines.append)
+    meshes = [int(line.split()[0]) for line in lines]
+    assert len(meshes) > 1 and meshes == sorted(set(meshes))
+    finer = wirefe.solve(
+        scene,
+        element=path.options["element"],
+        elements_per_turn=3 * path.options["elements_per_turn"],
+        pairs_per_turn=3 * path.options["pairs_per_turn"],
+    )
+    assert difference(path, finer) < path.estimated_error < 1e-3

@@ -17,6 +17,7 @@ from typing import Any
 from coilspring.errors import EquilibriumNotFound, InputError, require_number
 from coilspring.path import EquilibriumPath
 from coilspring.scene import Scene, require_scene
+from wirefe.mesh import MOST_ELEMENTS
 from wirefe.meshes import FEWEST, MOST, STATIONS, Levels, Trial, difference, few, on_plates, thinned
 from wirefe.solve import solve
 
@@ -108,13 +109,17 @@ class Trials:
         return path
 
     def add(self, level: int, steps: int, stations: int | None = None) -> None:
-        """Solve on a level, with the stations that go with it unless given."""
+        """Solve on a level, with the stations that go with it unless given, and with more elements than before:
+        two paths with as many would not tell the error of these."""
         regular = not self.irregular
         if regular:
             level, stations = self.levels.at_least(level), FEWEST
         elif stations is None:
             stations = self.others(STATIONS * level)
-        path = self.solve(mesh := self.levels.options(level, stations), steps)
+        mesh = self.levels.options(level, stations, beyond=self.found[-1].elements if self.found else 0)
+        if mesh["elements_per_turn"] > MOST_ELEMENTS:
+            raise InputError(_refusal(self.wanted, self.reached, f"with {MOST_ELEMENTS} elements per turn"))
+        path = self.solve(mesh, steps)
         if path.outcome != "completed" and steps < self.steps:
             path = self.solve(mesh, self.steps)  # near its end differences are not smooth
         self.take(*self.found, Trial(level, stations, path))
@@ -311,7 +316,7 @@ def _choose_substeps(trials: Trials) -> None:
     `InputError` if it takes more in the most steps too.
     """
     *before, last = trials.found
-    mesh, coarse = trials.levels.options(last.level, last.stations), last.path
+    mesh, coarse = last.mesh, last.path
     rows, least = trials.steps, math.inf
     for steps in (rows * 2**halving for halving in range(HALVINGS + 1)):
         if steps == coarse.scene.load.steps:

@@ -83,12 +83,14 @@ class Levels:
         """The next level from here that is the number of its elements, or a `STRAIGHT`th of it."""
         return self.multiple * math.ceil(level / self.multiple - 1e-9)
 
-    def options(self, level: int, stations: int | None = None) -> dict[str, Any]:
-        """Options of `wirefe.solve`; stations that go with the level unless given."""
-        plates, elements = on_plates(self.scene), self.at_least(level)
+    def options(self, level: int, stations: int | None = None, beyond: int = 0) -> dict[str, Any]:
+        """Options of `wirefe.solve`: more than `beyond` elements per turn, and stations that go with the level
+        unless given."""
+        plates = on_plates(self.scene)
+        number = STRAIGHT if plates else 1  # of elements of level 1
         return {
             "element": "straight" if plates else "curved",
-            "elements_per_turn": STRAIGHT * elements if plates else elements,
+            "elements_per_turn": number * self.at_least(max(level, beyond // number + 1)),
             "pairs_per_turn": self.spheres or stations or min(STATIONS * level, MOST),
         }
 
@@ -105,6 +107,16 @@ class Trial:
     level: int
     stations: int
     path: EquilibriumPath
+
+    @property
+    def mesh(self) -> dict[str, Any]:
+        """Options of `wirefe.solve` with which it was found."""
+        return {name: self.path.options[name] for name in ("element", "elements_per_turn", "pairs_per_turn")}
+
+    @property
+    def elements(self) -> int:
+        """Per turn."""
+        return int(self.mesh["elements_per_turn"])
 
     @cached_property
     def touching(self) -> bool:
