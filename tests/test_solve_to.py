@@ -469,7 +469,8 @@ def test_no_two_paths_have_the_same_elements(seat):
     lines = []
     path = wirefe.solve_to(scene, 1e-3, progress=lines.append)
     meshes = [int(line.split()[0]) for line in lines]
-    assert len(meshes) > 1 and meshes == sorted(set(meshes))
+    assert len(meshes) > 1
+    assert meshes == sorted(set(meshes))
     finer = wirefe.solve(
         scene,
         element=path.options["element"],

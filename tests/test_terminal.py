@@ -12,7 +12,7 @@ import pytest
 
 import equivbeam
 import wirefe
-from coilspring import Contact, Load, load_scene, spring_a, spring_b
+from coilspring import Contact, Load, Scene, Spring, Supports, load_scene, spring_a, spring_b
 from coilspring.compiling.compiled import kernel
 from coilspring.solver.startup import stored
 from coilspring.sweep import outcome_of
@@ -177,3 +177,15 @@ def test_the_wire_models_own_error_stands_beside_a_comparison():
     assert deviation(compare_paths(beam, wire), replace(wire, estimated_error=None))[-1].endswith(
         "--accuracy X does"
     )
+
+
+@pytest.mark.parametrize("steps", [1, 10])
+def test_a_bifurcation_of_wires_that_touch_may_be_for_want_of_stations(steps):
+    """At 0.607, where with 128 stations there is none; in one step no state before it is written."""
+    spring = Spring(1.5, 10.0, active_coils=14.5, active_height=60.0)
+    scene = Scene("column", spring, Load((0.0, -150.0), steps), supports=Supports(("ux", "rotz")))
+    path = partial_path(wirefe.solve, scene)
+    assert (path.outcome, len(path.times)) == ("bifurcation", 0 if steps == 1 else 6)
+    assert any("stations are few" in note for note in notes(path))
+    enough = wirefe.solve(scene, pairs_per_turn=128)
+    assert not any("stations are few" in note for note in notes(enough))

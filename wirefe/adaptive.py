@@ -109,8 +109,8 @@ class Trials:
         return path
 
     def add(self, level: int, steps: int, stations: int | None = None) -> None:
-        """Solve on a level, with the stations that go with it unless given, and with more elements than before:
-        two paths with as many would not tell the error of these."""
+        """Solve on a level, with the stations that go with it unless given, and with more elements than
+        before: two paths with as many would not tell the error of these."""
         regular = not self.irregular
         if regular:
             level, stations = self.levels.at_least(level), FEWEST

@@ -84,8 +84,8 @@ class Levels:
         return self.multiple * math.ceil(level / self.multiple - 1e-9)
 
     def options(self, level: int, stations: int | None = None, beyond: int = 0) -> dict[str, Any]:
-        """Options of `wirefe.solve`: more than `beyond` elements per turn, and stations that go with the level
-        unless given."""
+        """Options of `wirefe.solve`: more than `beyond` elements per turn, and stations that go with the
+        level unless given."""
         plates = on_plates(self.scene)
         number = STRAIGHT if plates else 1  # of elements of level 1
         return {

@@ -100,14 +100,14 @@ def notes(path: EquilibriumPath) -> list[str]:
             f"without the scene's sliding = \"{contact.sliding}\", as the paper's model: "
             "--sliding scene has it"
         )
-    if path.outcome == "limit_point":
-        if not _passed_bottom(path):
-            said.append(LIMIT_POINTS[bool(path.scene.load.displacement)])
-        if contact.sliding == "free" and path.active_contacts[-1:].any() and path.accuracy is None:
-            kind = contact.geometry if path.model == "wirefe" else path.model
-            stations = path.options.get("pairs_per_turn")
-            if kind != "wires" or (isinstance(stations, int) and stations < MANY):
-                said.append(SLIPPING[kind])
+    if path.outcome == "limit_point" and not _passed_bottom(path):
+        said.append(LIMIT_POINTS[bool(path.scene.load.displacement)])
+    critical = path.outcome in ("limit_point", "bifurcation")
+    if critical and contact.sliding == "free" and _ends_touching(path) and path.accuracy is None:
+        kind = contact.geometry if path.model == "wirefe" else path.model
+        stations = path.options.get("pairs_per_turn")
+        if kind != "wires" or (isinstance(stations, int) and stations < MANY):
+            said.append(SLIPPING[kind])
     if path.outcome == "interpenetration" and path.model == "wirefe" and contact.geometry == "spheres":
         said.append("between spheres coils may pass each other: see --geometry wires")
     if path.model == "wirefe" and path.scene.factors.given:
@@ -115,6 +115,11 @@ def notes(path: EquilibriumPath) -> list[str]:
     if path.outcome == "completed" and "; " in path.message:
         said.append(path.message.partition("; ")[2].removeprefix("but "))
     return said
+
+
+def _ends_touching(path: EquilibriumPath) -> bool:
+    """Whether coils touch where the path ends, be it before the first step."""
+    return path.last_state is not None and bool((path.shape.pair_gaps(path.last_state[None]) < 0.0).any())
 
 
 def _passed_bottom(path: EquilibriumPath) -> bool:
