@@ -270,11 +270,11 @@ class EquilibriumPath:
         stress = {} if self.max_stress is None else {"max_stress": self.max_stress}
         return {
             **self.curve,
-            "rate": self.rates,
             "iterations": self.iterations,
             "active_contacts": self.active_contacts,
             "max_penetration": self.max_penetration,
             "max_overlap": self.max_overlap,
+            "rate": self.rates,
             **stress,
         }
 

@@ -37,7 +37,7 @@ from validation.study.output import (
 from validation.view.overlay import picture
 
 PARSERS = command_line()._subparsers._group_actions[0].choices  # by command
-COLUMNS = "time,load_x,load_y,ux,uy,rotz,rate,iterations,active_contacts,max_penetration,max_overlap"
+COLUMNS = "time,load_x,load_y,ux,uy,rotz,iterations,active_contacts,max_penetration,max_overlap,rate"
 SUMMARY_KEYS = {
     *("outcome", "message", "last_time", "critical_time", "total_iterations", "solve_seconds"),
     *("compile_seconds", "model", "options", "versions", "scene", "scene_table", "warnings"),
