@@ -468,6 +468,19 @@ def test_the_geometry_asked_for_has_baselines_of_its_own(own, tmp_path):
     assert sorted(folder.name for folder in (tmp_path / "kept").iterdir()) == ["mine", "mine-spheres"]
 
 
+def test_a_folder_of_baselines_tells_of_which_scenes_they_are(own, tmp_path, capsys):
+    """Without their files: those are compared as they were."""
+    command, mine, *kept = own
+    assert main([*own, "--accept"]) == 0
+    assert main([command, "spring-a-no-contact", *kept, "--accept"]) == 0
+    (tmp_path / mine).unlink()
+    capsys.readouterr()
+    assert main([command, *kept]) == 0
+    said = capsys.readouterr().out
+    assert "mine: 3 runs: nothing moved" in said
+    assert "spring-a-no-contact: 9 runs: nothing moved" in said
+
+
 def test_the_shipped_baselines_are_found_from_anywhere(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     chosen = only("spring-a-no-contact, law=haringx")

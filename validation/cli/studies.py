@@ -98,6 +98,7 @@ def regress(arguments: argparse.Namespace, folder: Path, progress: Progress) -> 
     from validation.regress import run
     from validation.regress.baselines import SHIPPED
 
+    scenes = scenes or run.kept_scenes(kept or SHIPPED)
     accept, times = arguments.accept, arguments.time
     lines, verdicts = [], []
     with writing(folder):

@@ -8,7 +8,7 @@ many iterations within a third of them, since rounding decides how often it is c
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import ExitStack
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import zip_longest
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -130,6 +130,12 @@ def regress(
             parts.append(str(Table(("run", "quantity", "was", "is", "by how much"), moves)))
         write_text(out / "regress.md", "\n\n".join(parts) + "\n")
         return finding
+
+
+def kept_scenes(folder: Path) -> dict[str, Scene]:
+    """Scenes of a user's baselines in a folder, by name; none where it holds those of the catalogue."""
+    files = sorted(folder.glob(f"*/{SCENE}"))
+    return {file.parent.name: replace(load_scene(file), name=file.parent.name) for file in files}
 
 
 def _scene_moves(before: Scene, now: Scene) -> Iterator[Move]:
