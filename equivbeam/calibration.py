@@ -33,6 +33,7 @@ HELPS = 0.5  # share of the square of the error left that an offset takes away, 
 LOST = 1.0  # error, over the peak, of rows that a trial does not reach
 POOR = 0.03  # rms error, over the peaks, above which a model does not fit
 SYSTEMATIC = 1.5  # times the scatter between neighbouring points, above which an rms error is no scatter
+EXACT = 1e-8  # rms error, of the peaks, that the iteration may leave
 CONFIDENCE = 0.95
 
 
@@ -187,7 +188,7 @@ def calibrate(
 
 def _misfit(rms: float, scatter: float, constant: float) -> str:
     """In words that the error left is no scatter, or nothing; `constant`: the share of an offset in it."""
-    poor, systematic = rms > POOR, rms > SYSTEMATIC * scatter
+    poor, systematic = rms > POOR, rms > max(SYSTEMATIC * scatter, EXACT)
     if not (poor or systematic):
         return "" if np.isfinite(scatter) else "fewer than 3 points do not tell how well the model fits"
     what = "the model does not fit the curve" if poor else "the error left is systematic"

@@ -10,6 +10,7 @@ from coilspring.scene.spring import Spring
 
 TWO_PI = 2.0 * math.pi
 MOST_ELEMENTS = 2000  # of a turn
+WHOLE = 1e-6  # by how much a number of elements may differ from a whole one
 MOST_LOST = 0.05  # of the deflection, by chords, from which on it is said: 12 per turn lose 0.06
 
 
@@ -39,7 +40,8 @@ def mesh_wire(spring: Spring, elements_per_turn: int, on_plates: bool = False) -
     ------
     InputError : where the active coils, or end turns on plates, are not a whole number of elements.
     """
-    count = _elements("active_coils", spring.active_coils, elements_per_turn, 1000)
+    coils = "sections: the coils of all" if spring.sections else "active_coils"
+    count = _elements(coils, spring.active_coils, elements_per_turn, 1000)
     first, last = 0.0, spring.phase_end
     if on_plates:
         count += 2 * _elements("end_turns", spring.end_turns, elements_per_turn, 100)
@@ -76,10 +78,13 @@ def lost_by_chords(elements_per_turn: int, nu: float) -> float:
 def _elements(name: str, turns: float, elements_per_turn: int, most: int) -> int:
     """Number of elements in some turns of the wire."""
     count = round(turns * elements_per_turn)
-    if count < 1 or abs(turns * elements_per_turn - count) > 1e-6:
+    if count < 1 or abs(turns * elements_per_turn - count) > WHOLE:
+        others = range(elements_per_turn, MOST_ELEMENTS + 1)
+        fits = (n for n in others if abs(turns * n - round(turns * n)) <= WHOLE)
+        finer = next((f"; {n} elements per turn fit, and an accuracy chooses them" for n in fits), "")
         raise InputError(
             f"spring.{name} must be a multiple of 1/{elements_per_turn} in [0.5, {most}] for the wire model "
-            f"with elements_per_turn = {elements_per_turn}, got {turns!r}"
+            f"with elements_per_turn = {elements_per_turn}, got {turns!r}{finer}"
         )
     return count
 
