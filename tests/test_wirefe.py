@@ -296,14 +296,14 @@ def test_bad_options(options, words):
 
 def test_coils_are_whole_elements():
     scene = replace(spring_b(), spring=replace(spring_b().spring, active_coils=7.51))
-    with pytest.raises(InputError, match=r"spring.active_coils must be a multiple of 1/40 .*; 100 elements per"):
+    with pytest.raises(InputError, match=r"active_coils must be a multiple of 1/40 .*; 100 elements per"):
         wirefe.solve(scene)
 
 
 def test_coils_of_sections_are_whole_elements_together():
     sections = (CoilSection(2.0, 3.0, 10.0), CoilSection(2.51, 4.0, 10.0))
-    scene = Scene("sections", Spring(1.0, sections=sections), Load((0.0, -1.0)))
-    with pytest.raises(InputError, match=r"spring.sections: the coils of all must be a multiple of 1/40 .*4.51"):
+    scene = Scene("sections", Spring.of_sections(1.0, sections), Load((0.0, -1.0)))
+    with pytest.raises(InputError, match=r"sections: the coils of all must be a multiple of 1/40 .*4.51"):
         wirefe.solve(scene)
 
 
