@@ -312,7 +312,17 @@ def test_how_the_scenes_were_solved_stands_beside_them(tmp_path, capsys):
     assert json.loads((tmp_path / "sweep.1.json").read_text()) == plain
 
 
-def test_options_that_differ_from_scene_to_scene_are_left_out(tmp_path):
+def test_a_mesh_on_plates_is_named_as_it_is(tmp_path, capsys):
+    """Straight elements, beside curved ones of the grid's other scenes."""
+    call = ["sweep", "spring-b-no-contact", "--vary", "supports.seat=rigid,plate", "--accuracy", "1e-2"]
+    assert main([*call, "--steps", "1", "--workers", "0", "--out", str(tmp_path)]) == 0
+    found = json.loads((tmp_path / SETTINGS).read_text())["differing"]
+    assert found["element"] == ["curved", "straight"]
+    curved, straight = found["elements_per_turn"]
+    assert f"wirefe, {curved} curved or {straight} straight elements per turn" in capsys.readouterr().out
+
+
+def test_options_that_differ_from_scene_to_scene_are_told_apart(tmp_path):
     def choose(scene):
         return (
             WIRE if scene.contact.geometry == "spheres" else replace(WIRE, options={"elements_per_turn": 8})
@@ -322,6 +332,7 @@ def test_options_that_differ_from_scene_to_scene_are_left_out(tmp_path):
     run.sweep(tmp_path, AT_ONCE, grid, choose, workers=0)
     found = json.loads((tmp_path / SETTINGS).read_text())
     assert (found["model"], found["options"]) == ("wirefe", {})
+    assert found["differing"] == {"elements_per_turn": [8, 4], "element": ["straight", "curved"]}
 
 
 def test_each_scene_may_have_a_solver_of_its_own(tmp_path):

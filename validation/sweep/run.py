@@ -125,13 +125,18 @@ def sweep(
 
 
 def _settings(choices: Iterable[Choice]) -> dict[str, object]:
-    """Model and options, defaults too, by which all scenes are solved; without those that differ."""
+    """Model and options, defaults too, by which all scenes are solved; and values of those that differ."""
     each = [(choice.model, _defaults(choice.model) | dict(choice.options)) for choice in choices]
     models = {model for model, _ in each}
-    shared = [item for item in each[0][1].items() if all(item in options.items() for _, options in each)]
+    values: dict[str, list[object]] = {}
+    for _, options in each:
+        for name, value in options.items():
+            values.setdefault(name, []).append(value if isinstance(value, int | float) else str(value))
+    shared = {name for name, found in values.items() if len(found) == len(each) and len(set(found)) == 1}
     return {
         "model": models.pop() if len(models) == 1 else None,
-        "options": {name: value if isinstance(value, int | float) else str(value) for name, value in shared},
+        "options": {name: found[0] for name, found in values.items() if name in shared},
+        "differing": {name: [*dict.fromkeys(v)] for name, v in values.items() if name not in shared},
     }
 
 
