@@ -1,5 +1,6 @@
 """What the command says at the terminal: progress, whatever the encoding, and a closed output."""
 
+import json
 import os
 import subprocess
 import sys
@@ -12,7 +13,7 @@ import pytest
 
 import equivbeam
 import wirefe
-from coilspring import Contact, Load, Scene, Spring, Supports, load_scene, spring_a, spring_b
+from coilspring import Contact, Load, Scene, Spring, Supports, load_scene, scene_text, spring_a, spring_b
 from coilspring.compiling.compiled import kernel
 from coilspring.solver.startup import stored
 from coilspring.sweep import outcome_of
@@ -189,3 +190,15 @@ def test_a_bifurcation_of_wires_that_touch_may_be_for_want_of_stations(steps):
     assert any("stations are few" in note for note in notes(path))
     enough = wirefe.solve(scene, pairs_per_turn=128)
     assert not any("stations are few" in note for note in notes(enough))
+
+
+def test_what_was_asked_for_of_no_step_is_said_to_be_missing(tmp_path, capsys):
+    """Spring B's spheres without friction end at a limit point: in one step no state is written."""
+    (tmp_path / "b.toml").write_text(scene_text(spring_b()).replace('sliding = "none"', 'sliding = "free"'))
+    asked = ["--frequencies", "3", "--stress", "--vtu"]
+    call = ["solve", str(tmp_path / "b.toml"), "--model", "wirefe", "--steps", "1", "--out", str(tmp_path)]
+    assert main([*call, *asked]) == 3
+    assert "nothing for --frequencies, --vtu, --stress: more --steps" in capsys.readouterr().out
+    assert json.loads((tmp_path / "summary.json").read_text())["frequencies"] is None
+    assert main(call) == 3
+    assert "nothing for" not in capsys.readouterr().out

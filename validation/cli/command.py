@@ -96,6 +96,8 @@ def solve(arguments: argparse.Namespace) -> int:
         with progress_shown(arguments.quiet) as progress:
             path = _run(scene, model, arguments, progress)
         found, lines = output.summary(path), digest(path)
+        if count:
+            found |= {"frequencies": None, "modes": None}
         if count and len(path.times):
             from wirefe import modes
 
@@ -103,6 +105,10 @@ def solve(arguments: argparse.Namespace) -> int:
             found["frequencies"], found["modes"] = map(list, zip(*lowest, strict=True))
             told = ", ".join(f"{mode.frequency:.4g} ({mode.kind})" for mode in lowest)
             lines.append(f"  natural frequencies {told} Hz, both ends held")
+        asked = [name for name in ("frequencies", *output.WIRE_FILES) if getattr(arguments, name)]
+        if asked and not len(path.times):
+            left = ", ".join(f"--{name.replace('_', '-')}" for name in asked)
+            lines.append(f"  no step was reached, so there is nothing for {left}: more --steps may reach one")
         files = output.path_files(path, found)
         for name, make in output.WIRE_FILES.items() if len(path.times) else ():
             files |= make(path) if getattr(arguments, name) else {}
