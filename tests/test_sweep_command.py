@@ -145,6 +145,8 @@ def test_keys_that_exclude_each_other_and_grids_too_large_are_refused(texts, wor
         ),
         ("contact.sliding=free,none --sliding ignore", "it goes with --sliding scene or --model wirefe"),
         ("factors.axial=1,1.1 --model wirefe", "no effect on wirefe: it goes with --model equivbeam"),
+        ("material.density=7800,7900 --model wirefe", "no effect on a sweep: it goes with solve --freq"),
+        ("material.density=7800,7900 --accuracy 1e-2", "no effect on a sweep: it goes with solve --freq"),
     ],
 )
 def test_what_would_be_ignored_is_refused(options, words, tmp_path, capsys):

@@ -38,6 +38,7 @@ UNREAD = {  # keys of a scene, or sections, that a model does not read, and how 
     },
     "wirefe": {"factors": "--model equivbeam"},
 }
+UNSWEPT = {"material.density": "solve --frequencies"}  # the same of any model
 CAMPAIGN_RANGES = dict.fromkeys(("beams", "wires"), (0, 10_000_000))  # of the options of stability
 CAMPAIGN_RANGES |= {"seed": (0, 2**32 - 1), "workers": (0, 1000)}
 STUDY_SCENES = (*CATALOGUE, "cylinder-lateral", "slender-axial")  # of workprecision
@@ -185,13 +186,14 @@ def refuse_other_models(arguments: argparse.Namespace, chosen: Sequence[str] = C
 
 def refuse_varied(arguments: argparse.Namespace, keys: Sequence[str]) -> None:
     """Refuse to vary keys of a scene that an option sets for all scenes, or that the model does not read."""
-    unread = {} if arguments.accuracy is not None else UNREAD[arguments.model]
+    unread = UNSWEPT | ({} if arguments.accuracy is not None else UNREAD[arguments.model])
     for key in keys:
         if key in KEYWORDS and given(arguments, [KEYWORDS[key]]):
             raise InputError(f"{flag(KEYWORDS[key])} cannot stand beside --vary {key}, which sets the same")
         read = unread.get(key) or unread.get(key.partition(".")[0])
         if read and f"--sliding {arguments.sliding}" not in read:
-            raise InputError(f"--vary {key} has no effect on {arguments.model}: it goes with {read}")
+            of = "a sweep" if key in UNSWEPT else arguments.model
+            raise InputError(f"--vary {key} has no effect on {of}: it goes with {read}")
 
 
 def scenes_of(arguments: argparse.Namespace) -> dict[str, Scene]:
