@@ -1,7 +1,9 @@
 """What the command says at the terminal: progress, whatever the encoding, and a closed output."""
 
 import json
+import math
 import os
+import re
 import subprocess
 import sys
 from contextlib import nullcontext
@@ -20,6 +22,7 @@ from coilspring.sweep import outcome_of
 from validation.cli import main
 from validation.cli.terminal import deviation, digest, notes, progress_shown
 from validation.study import output
+from validation.study.lawdoubt import law_doubt
 from validation.study.metrics import compare_paths
 from validation.study.partialsolve import partial_path
 
@@ -202,3 +205,25 @@ def test_what_was_asked_for_of_no_step_is_said_to_be_missing(tmp_path, capsys):
     assert json.loads((tmp_path / "summary.json").read_text())["frequencies"] is None
     assert main(call) == 3
     assert "nothing for" not in capsys.readouterr().out
+
+
+def test_where_coils_begin_is_said_to_matter_to_the_law(tmp_path, capsys):
+    """Of 2.5 coils that begin out of the working plane: the paper's law has UX and ROTZ wrong by half."""
+    spring = Spring(1.5, 10.0, active_coils=2.5, active_height=9.0, start_phase=math.pi / 2.0)
+    scene = Scene("phase", spring, Load((3.0, -20.0), 1), contact=Contact(enabled=False))
+    wire = wirefe.solve(scene, element="curved", elements_per_turn=8).tips[-1]
+    tips = {law: equivbeam.solve(scene, law=law).tips[-1] for law in ("haringx", "helix")}
+    told = float(re.search(r"differs by ([0-9.]+) % in rotz from law helix", law_doubt(scene))[1])
+    assert told == pytest.approx(100.0 * abs(tips["haringx"][2] / tips["helix"][2] - 1.0), rel=0.1)
+    assert told > 40.0
+    assert tips["helix"] == pytest.approx(wire, rel=0.02)
+    file = tmp_path / "phase.toml"
+    file.write_text(scene_text(scene))
+    for command in (["check"], ["solve", "--model", "equivbeam", "--out", str(tmp_path / "out")]):
+        assert main([command[0], str(file), *command[1:]]) == 0
+        assert (
+            "% in rotz from law helix, which knows where coils begin: see --law helix"
+            in capsys.readouterr().out
+        )
+    assert not any("law helix" in note for note in notes(equivbeam.solve(scene, law="helix")))
+    assert law_doubt(spring_a()) == law_doubt(spring_b()) == ""

@@ -100,6 +100,10 @@ def notes(path: EquilibriumPath) -> list[str]:
             f"without the scene's sliding = \"{contact.sliding}\", as the paper's model: "
             "--sliding scene has it"
         )
+    if path.model == "equivbeam" and path.options["law"] == "haringx":
+        from validation.study.lawdoubt import law_doubt  # imports the model, which is there by now
+
+        said += [f"{doubt}: see --law helix" for doubt in [law_doubt(path.scene)] if doubt]
     if path.outcome == "limit_point" and not _passed_bottom(path):
         said.append(LIMIT_POINTS[bool(path.scene.load.displacement)])
     critical = path.outcome in ("limit_point", "bifurcation")

@@ -7,6 +7,7 @@ from coilspring import InputError, Scene
 from coilspring.scene import SEATS
 from coilspring.scene.sizing import sizes
 from equivbeam.model import build_model
+from validation.study.lawdoubt import law_doubt
 from validation.study.scenewarnings import ends_text, warnings
 from validation.study.template import template
 from wirefe.mesh import mesh_wire
@@ -54,7 +55,10 @@ def _verdict(model: str, scene: Scene) -> str:
         if model == "equivbeam":
             build_model(scene)
             sticks = scene.contact.enabled and scene.contact.sliding != "free"
-            return f"represents it{LEFT_OUT if sticks else ''}"
+            doubt = law_doubt(scene)
+            return (
+                f"represents it{LEFT_OUT if sticks else ''}{f'; {doubt}: see --law helix' if doubt else ''}"
+            )
         # the part that may refuse a scene; its spheres are many where coils are
         seat = scene.supports.require_supported("wirefe", SEATS)
         mesh_wire(scene.spring, ELEMENTS_PER_TURN, seat == "plate")
