@@ -122,11 +122,11 @@ PATH = np.dtype(
         ("checks", "i8"),  # factorisations that only verified stability
         ("pairs", "i8"),  # contact pairs evaluated
         ("tries", "i8"),  # equilibria looked for
-        ("next_step", "f8"),
+        ("next_step", "f8"),  # duration of the next substep, unless something ends it before
         ("until", "f8"),  # duration after which a pair touches or opens; infinite where that is not known
         ("opens", "f8"),  # duration after which a pair that touched last is predicted to open; or infinite
-        ("last_step", "f8"),
-        ("error", "f8"),  # of the prediction in that
+        ("last_step", "f8"),  # duration of the last accepted substep
+        ("error", "f8"),  # of its prediction, mm
         ("snapping", "?"),  # past a limit point, see `coilspring.solver.continuation.snap`
         ("ends", "i8"),  # outcome where that leads nowhere,
         ("far", "?"),  # or too far away
@@ -148,11 +148,11 @@ PATH = np.dtype(
         ("least_gap", "f8"),  # least gap of the contact pairs
         ("reference", "f8"),  # work of the whole load along the tangent at the start
         ("rounding", "f8"),  # of the potential, over a force
-        ("force", "f8"),  # sum of the growing load
-        ("dead", "f8"),  # sum of the dead load
+        ("force", "f8"),  # sizes of the growing load summed, or the first reaction to what is prescribed, N
+        ("dead", "f8"),  # sizes of the dead load summed, N
         ("least_pivot", "f8"),  # at the start
         ("linear_from", "f8"),  # time at which the linear stretch at hand began
-        ("linear", "?"),
+        ("linear", "?"),  # there is such a stretch
         ("reuse", "?"),  # the last factor is tried first
         ("creep", "f8"),  # wire diameters by which a pair that creeps may penetrate
         ("fresh", "i8"),  # short steps still to take, since a pair has closed
@@ -170,17 +170,17 @@ PATH = np.dtype(
 # One substep.
 SUBSTEP = np.dtype(
     [
-        ("target", "f8"),
-        ("duration", "f8"),
+        ("target", "f8"),  # time at its end
+        ("duration", "f8"),  # of time
         ("landing", "?"),  # on a requested time
         ("shortened", "?"),  # to where a pair is about to close
         ("near_critical", "?"),  # it approaches the predicted zero of the least stiffness
         ("near_overlap", "?"),  # it approaches the predicted overlap
         ("left", "f8"),  # of the least stiffness, over what counts as weak: below 1 where little is left
-        ("status", "i8"),
+        ("status", "i8"),  # whether an equilibrium was found, see `solver.equilibrium.newton`
         ("iterations", "i8"),  # factorisations
         ("rounds", "i8"),  # of renewed bounds
-        ("trouble", "i8"),
+        ("trouble", "i8"),  # the worst of all rounds, see the same
         ("unstable", "?"),  # negative pivots where the iteration began, or at an equilibrium found
         ("tolerance", "f8"),  # of the energy that the iteration leaves, N mm
         ("turned", "?"),  # the determinant of Coulomb's tangent is negative
@@ -203,11 +203,11 @@ SUBSTEP = np.dtype(
 # Newton's method in a substep.
 NEWTON = np.dtype(
     [
-        ("energy", "f8"),
+        ("energy", "f8"),  # potential at the state, N mm
         ("near", "i8"),  # contact pairs evaluated at the state: 0 where none can touch
-        ("pairs", "i8"),
+        ("pairs", "i8"),  # evaluated in all
         ("count", "i8"),  # factorisations
-        ("trouble", "i8"),
+        ("trouble", "i8"),  # a step cut short, or an indefinite matrix
         ("rounding", "f8"),  # noise of the potential at equilibrium,
         ("noise", "f8"),  # and where pairs are off by a step
         ("tolerance", "f8"),  # of the decrement
@@ -220,8 +220,8 @@ NEWTON = np.dtype(
         ("looks", "i8"),  # at states within the tolerance
         ("directions", "i8"),  # found with a factor of their own
         ("unstable", "?"),  # see `SUBSTEP`
-        ("doubtful", "?"),
-        ("reuse", "?"),
+        ("doubtful", "?"),  # a step was found within the tolerance with a factor that may be of other pairs
+        ("reuse", "?"),  # the last factor is tried first
         ("current", "?"),  # the matrix is that of the state
     ],
     align=True,
@@ -230,12 +230,12 @@ NEWTON = np.dtype(
 # A number that ends the path where it falls to zero.
 WATCH = np.dtype(
     [
-        ("value", "f8"),
-        ("time", "f8"),
+        ("value", "f8"),  # a stiffness, or mm
+        ("time", "f8"),  # at which it had that value
         ("zero", "f8"),  # time at which it is predicted to be zero,
         ("root", "f8"),  # the same if it falls as the root of the time that is left; and
-        ("ahead", "f8"),  # that of these two which is approached, see `follow_root` there,
-        ("linear", "?"),  # along a straight line, see `solver.continuation.stability.follow_line`
+        ("ahead", "f8"),  # that of these two which is approached, see `follow_root` of stability.py,
+        ("linear", "?"),  # along a straight line, see `follow_line` there
         ("line", "f8"),  # its zero where that line was found,
         ("reach", "f8"),  # and the time that was left then
         ("mark", "f8"),  # a value found on the way, which is to become `past`
