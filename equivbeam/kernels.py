@@ -6,7 +6,7 @@ from functools import cache
 import numpy as np
 
 from coilspring.compiling.compiled import clear, copy, inlined, kernel, lent, shaped
-from coilspring.contact.kinematics import approach, remember
+from coilspring.contact.kinematics import accept_history, approach
 from coilspring.contact.kinematics import update_pairs as update_pairs_of
 from coilspring.contact.law import pair_potential
 from coilspring.contact.rates import length_gradient as gradient_of_length
@@ -189,11 +189,11 @@ def displacement_bound(reals, ints, a, b, least):
 
 @kernel
 def update_history(reals, ints, state, history):
-    """See `coilspring.contact.kinematics.remember`."""
+    """See `coilspring.contact.kinematics.accept_history`."""
     model = view(reals, ints)
     if model.pairs.shape[0] == 0:
         return np.inf
-    return remember(_vectors(model, state), history, model)
+    return accept_history(_vectors(model, state), history, model)
 
 
 @kernel

@@ -132,6 +132,6 @@ def beam_problem(data: BeamModel, load: np.ndarray) -> Problem:
         history=np.zeros(len(data.pairs), PAIR_HISTORY),  # no pair has ever closed
         matrix_size=matrix_size(data),
         law=PairLaw.of(data),
-        freedoms=(2, 1),
+        dofs_per_node=(2, 1),
         top=Top((x, x + 1), (free, free + 1), (free + 1) * ROW),
     )

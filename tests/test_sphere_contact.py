@@ -8,10 +8,10 @@ from coilspring.contact import forces as pairforces
 from coilspring.contact import kinematics as pairvectors
 from coilspring.contact import law as pairlaw
 from coilspring.contact.forces import pair_friction
-from coilspring.contact.kinematics import BETWEEN, approach, remember, update_pairs
+from coilspring.contact.kinematics import BETWEEN, accept_history, approach, update_pairs
 from coilspring.contact.law import PairLaw, arc, normal_law, pair_potential, tangential_stiffness
 from coilspring.contact.results import PairReader
-from coilspring.contact.touching import FINEST, TOUCHING, renewed
+from coilspring.contact.touching import FINEST, TOUCHING, update_bound
 from pairrecords import held, pair_records
 from wirefe.contact.spheres import pair_matrix
 
@@ -148,7 +148,7 @@ def tilted(angle, h):
 def accepted(row, g, mu):
     """The record after a state with the vector g was accepted."""
     history = np.rec.array(np.array([row], dtype=row.dtype))
-    remember(g[None], history, law(mu=mu))
+    accept_history(g[None], history, law(mu=mu))
     return history[0]
 
 
@@ -224,13 +224,13 @@ def test_a_pair_that_touches_but_for_rounding_sticks(share):
     gap = share * TOUCHING * D
     history = pair_records(1)
     for _ in range(2):  # it stays so
-        least = remember(vectors([0.0, D + gap, 0.0])[0], history, law(mu=np.inf))
+        least = accept_history(vectors([0.0, D + gap, 0.0])[0], history, law(mu=np.inf))
         assert history[0].closed == (share < 1.0)
         assert not history[0].opening
         assert least <= 0.0 or share > 1.0
     if gap >= 0.0:
         history = pair_records(1)
-        remember(vectors([0.0, D + gap, 0.0])[0], history, law(mu=0.3))
+        accept_history(vectors([0.0, D + gap, 0.0])[0], history, law(mu=0.3))
         assert not history[0].closed
 
 
@@ -292,10 +292,10 @@ def test_a_pair_that_touches_again_creeps_with_what_it_holds():
 def test_renewed_bound_is_met_at_the_slip_found(rise):
     """However the bound rises: the force at this very state is then the bound asked for."""
     row, g, e, f = sliding(rise=rise), tilted(0.1 / D, D), np.empty(3), np.empty(3)
-    assert renewed(D * arc(g, D, row, e), 250.0, LAW, row) > 0.0
+    assert update_bound(D * arc(g, D, row, e), 250.0, LAW, row) > 0.0
     pair_potential(g, D, LAW, row, e, f, np.empty((3, 3)))
     assert np.linalg.norm(f) == pytest.approx(250.0)
-    assert renewed(D * arc(g, D, row, e), 250.0, LAW, row) == pytest.approx(0.0, abs=1e-10)
+    assert update_bound(D * arc(g, D, row, e), 250.0, LAW, row) == pytest.approx(0.0, abs=1e-10)
 
 
 def test_a_slide_of_rounding_size_is_perpendicular_to_the_pair():
@@ -313,5 +313,5 @@ def test_a_pair_that_just_touches_slides_no_sooner_than_positions_are_rounded():
     hard = PairLaw(D, 1e9, 1e9, 1.0, 0.3)
     row = held(np.array([0.0, D, 0.0]))
     for bound, stiffness in ((1.0, 1e9), (1e-6, 1e-6 / (FINEST * D))):
-        renewed(0.0, bound, hard, row)
+        update_bound(0.0, bound, hard, row)
         assert row.stiffness == pytest.approx(stiffness)

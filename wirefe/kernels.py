@@ -5,7 +5,7 @@ import math
 import numpy as np
 
 from coilspring.compiling.compiled import arithmetic, clear, inlined, kernel, lent, shaped
-from coilspring.contact.kinematics import OVERLAP_ALLOWED, approach, remember
+from coilspring.contact.kinematics import OVERLAP_ALLOWED, accept_history, approach
 from coilspring.contact.kinematics import update_pairs as update_spheres
 from coilspring.solver.interface import FIXED
 from wirefe.chain import add_block, add_gradient, add_nodes, eliminate, substitute
@@ -15,7 +15,7 @@ from wirefe.contact.spheres import add_spheres, between
 from wirefe.contact.stations import of_wires
 from wirefe.contact.unlisted import touch_unlisted
 from wirefe.contact.wireforces import add_wires
-from wirefe.contact.wirehistory import remember_wires, update_wires
+from wirefe.contact.wirehistory import accept_wire_history, update_wires
 from wirefe.contact.wires import across, placed
 from wirefe.element.algebra import dot
 from wirefe.element.beam import beams, onto_reference
@@ -194,8 +194,8 @@ def update_history(reals, ints, state, history):
     if contact.pairs.shape[0] > 0 and touch_unlisted(contact, state):
         return -np.inf
     if of_wires(contact.parts) and contact.mu > 0.0:
-        return remember_wires(contact, state, history)
-    return remember(_vectors(contact, state), history, contact)
+        return accept_wire_history(contact, state, history)
+    return accept_history(_vectors(contact, state), history, contact)
 
 
 @kernel

@@ -15,12 +15,12 @@ from coilspring.contact.touching import (
     located_to,
     opens_after,
     predicted_badly,
-    renewed,
     slid,
     touches_again,
     touches_first,
     touching_gap,
     turns_round,
+    update_bound,
 )
 
 SLIGHT = 1e-7  # wire diameters of penetration: its force is the least that friction bounds are compared with
@@ -158,7 +158,7 @@ def _turn(row, normal, t):
 
 
 @inlined
-def remember(vectors, history, law):
+def accept_history(vectors, history, law):
     """Update the contact history with an accepted state; returns the least gap of all pairs.
 
     With sticking contact or friction a pair that touches is held from where it touched first. One that slid
@@ -233,9 +233,9 @@ def update_pairs(before, ahead, vectors, history, law):
         # at the arm d instead of h, on which arcs are measured
         bound = mu * normal * h / d
         row.steepness = mu * (slope * h - normal) / d if h < d else 0.0
-        change = max(change, renewed(d * arc(vectors[m], h, row, e), bound, law, row))
+        change = max(change, update_bound(d * arc(vectors[m], h, row, e), bound, law, row))
         if row.lead > 0.0 and not leads(row, row.slip):
             _lead(row)
-            change = max(change, bound, renewed(d * arc(vectors[m], h, row, e), bound, law, row))
+            change = max(change, bound, update_bound(d * arc(vectors[m], h, row, e), bound, law, row))
         row.ahead = _ahead(row, d, e)
     return change / most if change > 0.0 else 0.0

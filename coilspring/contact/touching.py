@@ -202,7 +202,7 @@ def gave_way(length, row, gap):
 
 
 @inlined
-def renewed(length, bound, law, row):
+def update_bound(length, bound, law, row):
     """Set the bound of a held pair so that it is `bound` at its present slip.
 
     Returns the change: of the bound where the pair slides with one of the two, else of the force. Where hard

@@ -26,7 +26,7 @@ class Problem:
     history : (pairs,) contact history at rest.
     matrix_size : length of the model's matrix in its own storage.
     law : of the contact pairs.
-    freedoms : displacements, and rotations, of each node.
+    dofs_per_node : displacements, and rotations, of each node.
     modified : the matrix is costly: see `coilspring.solver.system.Task`.
     top : where the top reference point is in the state; for loads of several stages.
     dead : (n,) load that acts from the beginning, or None.
@@ -41,7 +41,7 @@ class Problem:
     history: np.ndarray
     matrix_size: int
     law: PairLaw = NO_PAIRS
-    freedoms: tuple[int, int] = (3, 3)
+    dofs_per_node: tuple[int, int] = (3, 3)
     modified: bool = False
     top: Top | None = None
     dead: np.ndarray | None = None

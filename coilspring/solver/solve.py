@@ -115,7 +115,7 @@ def follow_problem(
     compiled = time.perf_counter() - began
     began = time.process_time()
     dead = np.zeros_like(problem.load) if problem.dead is None else problem.dead
-    law, (moves, turns) = problem.law, problem.freedoms
+    law, (moves, turns) = problem.law, problem.dofs_per_node
     arms = np.resize([1.0] * moves + [length] * turns, problem.load.size)
     task = Task(
         times, problem.load, dead, problem.start, arms, problem.span, length, located_to(law.mu) * law.d,

@@ -16,12 +16,12 @@ from coilspring.contact.touching import (
     located_to,
     opens_after,
     predicted_badly,
-    renewed,
     slid,
     touches_again,
     touches_first,
     touching_gap,
     turns_round,
+    update_bound,
 )
 from wirefe.contact.wires import between_sections, gap, placed, tangential_slip, touches, touching_points
 from wirefe.element.algebra import dot, plus
@@ -54,8 +54,8 @@ def _touch(contact, states, m, row):
 
 
 @inlined
-def remember_wires(contact, state, history):
-    """See `coilspring.contact.kinematics.remember`."""
+def accept_wire_history(contact, state, history):
+    """See `coilspring.contact.kinematics.accept_history`."""
     least, points = np.inf, placed(contact, state)
     here = (state, points)
     for m in range(history.shape[0]):
@@ -158,10 +158,10 @@ def update_wires(contact, accepted, predicted, state, history):
         else:
             bound = contact.mu * normal
             row.steepness = contact.mu * slope if h < d else 0.0
-            change = max(change, renewed(length, bound, contact, row))
+            change = max(change, update_bound(length, bound, contact, row))
             if row.lead > 0.0 and not leads(row, row.slip):
                 _lead(row)
                 length, way = tangential_slip(contact, points, state, m, row)
-                change = max(change, bound, renewed(length, bound, contact, row))
+                change = max(change, bound, update_bound(length, bound, contact, row))
             row.ahead = _ahead(contact, state, m, row, way, length)
     return change / most if change > 0.0 else 0.0

@@ -39,7 +39,7 @@ from coilspring.solver.equilibrium.operations import (
     stale_solution,
 )
 from coilspring.solver.system import OVERLAP, ROOM, SOFTEST, Target
-from coilspring.solver.tangential.creep import renew_creep
+from coilspring.solver.tangential.creep import update_creep
 from coilspring.solver.tangential.friction import let_flow, slides_stably, solve_bounds
 
 # Powers of two by which the tangential stiffness of opening pairs is lowered: all of it beyond the largest;
@@ -110,7 +110,7 @@ def find_equilibrium(system, equilibrium, task, work, path, substep, it):
             continue
         if substep.status > LINEAR:
             break
-        change = renew_held(system, task, work, path, substep, change)
+        change = update_held(system, task, work, path, substep, change)
         if change == 0.0:
             break
         path.reuse = True
@@ -133,7 +133,7 @@ def most_damped(system, task, work, path, limit):
 
 
 @part
-def renew_held(system, task, work, path, substep, before):
+def update_held(system, task, work, path, substep, before):
     """Renew what pairs hold tangentially, after a change in the round `before`.
 
     Returns the change, 0 where the round was the last one: nothing is left to change, a shorter substep is
@@ -146,7 +146,7 @@ def renew_held(system, task, work, path, substep, before):
         return 0.0
     left = 0.0
     if creeping(work.history):
-        left = renew_creep(system, task, work, substep, path.creep)
+        left = update_creep(system, task, work, substep, path.creep)
         path.spent += left > 1.0
     stable = True
     if path.snapping and has_friction(work.history):
@@ -199,7 +199,7 @@ def keeps_branch(system, task, work, path, substep, watch):
     # so far in no time is a snap too
     snaps = path.snapping or (substep.duration <= snap.NO_TIME and not path.releasing)
     good = good and (substep.distance <= snap.LARGEST * task.diameter or not snaps)
-    good = good and (path.releasing or not strays(work, substep))
+    good = good and (path.releasing or not turns_too_far(work, substep))
     substep.room, substep.moved = watch[ROOM].value, path.moved + substep.distance
     if good and (NEARER * substep.moved >= substep.room or substep.near_overlap):
         substep.room, substep.moved = free_room(system, task, work.trial), 0.0
@@ -219,7 +219,7 @@ def keeps_branch(system, task, work, path, substep, watch):
 
 
 @part
-def strays(work, substep):
+def turns_too_far(work, substep):
     """Whether the path turned so far that friction would act in wrong directions, or pairs let go unseen."""
     return substep.duration > LEAST_RATED and substep.share > most_turn(work.history)
 

@@ -53,7 +53,7 @@ def equilibrium(system, target, work, state, it):
     it.pairs, it.count, it.trouble, it.looks, it.directions = 0, 0, NONE, 0, 0
     it.doubtful, it.unstable, it.current = False, False, not (target.modified and it.reuse)
     it.least_pivot, it.decrement, it.last, it.damping = np.inf, 0.0, np.inf, target.shift
-    look_at(system, target, work, state, it, it.current or not target.modified)
+    evaluate(system, target, work, state, it, it.current or not target.modified)
     for i in range(target.limit):
         if i >= target.damped and it.trouble == INDEFINITE:
             break
@@ -74,7 +74,7 @@ def compiled_equilibrium() -> Any:
 
 
 @part
-def look_at(system, target, work, state, it, with_matrix):
+def evaluate(system, target, work, state, it, with_matrix):
     """Energy and residual at a state, and its matrix if asked for."""
     H = work.H if with_matrix else work.H[:0]
     it.energy, it.near = residual(system, target, state, work.g, H)
@@ -116,7 +116,7 @@ def reuse_factor(system, target, work, state, it, i):
     elif 0 < i < target.limit - 1 and worthwhile(left, it, target.modified):
         # a step may open or close a pair: the state is evaluated again
         advance(system, work, state)
-        look_at(system, target, work, state, it, not target.modified)
+        evaluate(system, target, work, state, it, not target.modified)
         it.last = left
         it.looks += within
         return AGAIN
@@ -178,7 +178,7 @@ def newton_direction(system, target, work, state, it, first):
     Returns GO_ON with the step, its slope and its shift, AGAIN where a step was taken, or a status.
     """
     if target.modified and not it.current:
-        look_at(system, target, work, state, it, True)
+        evaluate(system, target, work, state, it, True)
     negative = factor_at(system, work, state, it)
     it.current, it.shift = False, 0.0
     solution(system, work.F, work.g, -1.0, work.step)
@@ -206,13 +206,13 @@ def newton_direction(system, target, work, state, it, first):
 def plain_step(system, target, work, state, it):
     """A predicted state may be indefinite near a stable equilibrium: whether plain Newton finds it."""
     moved(system, state, work.step, 1.0, work.scratch)
-    look_at(system, target, work, work.scratch, it, not target.modified)
+    evaluate(system, target, work, work.scratch, it, not target.modified)
     solution(system, work.F, work.g, 1.0, work.step)
     if abs(dot(work.g, work.step)) <= TRUST * abs(it.slope):
         copy(work.scratch, state)
         it.reuse = False
         return True
-    look_at(system, target, work, state, it, not target.modified)
+    evaluate(system, target, work, state, it, not target.modified)
     return False
 
 
@@ -258,13 +258,13 @@ def move(system, target, work, state, it):
         advance(system, work, state)
         if it.near == 0:
             return CONVERGED
-        look_at(system, target, work, state, it, not target.modified)
+        evaluate(system, target, work, state, it, not target.modified)
         it.reuse, it.decrement, it.last = True, -it.slope, np.inf
         return AGAIN
     energy = it.energy
     moved(system, state, work.step, 1.0, work.scratch)
     it.current = -it.slope > FAR * target.reference
-    look_at(system, target, work, work.scratch, it, it.current or not target.modified)
+    evaluate(system, target, work, work.scratch, it, it.current or not target.modified)
     gain = it.energy - energy - system.work(system.reals, system.ints, target.load, state, work.scratch)
     length = 1.0
     if not whole_step(work, it, abs(energy) + abs(it.energy), gain):

@@ -16,7 +16,7 @@ from coilspring.contact.rates import GAP_RATE, LENGTH_RATE
 from coilspring.contact.touching import CREEP
 from coilspring.solver.equilibrium.operations import factor_state, solution
 from coilspring.solver.tangential.complementarity import GAP, HELD, SLIP, complementary, eliminated
-from coilspring.solver.tangential.response import find_rates, push
+from coilspring.solver.tangential.response import find_rates, unit_force_response
 
 LESS = 1e-4  # share of a force by which its bound is below it: the pair slides
 LEAST_SHARE = 1e-12  # of the stiffness: less counts as none between two shares
@@ -26,7 +26,7 @@ NEARLY = 0.5  # of the stiffness: where a pair opened with no share so far, all 
 
 
 @part
-def renew_creep(system, task, work, substep, pressed):
+def update_creep(system, task, work, substep, pressed):
     """Renew the released shares in `work.history` of pairs that creep, at the trial state found with them.
 
     Returns the largest gap over `coilspring.contact.touching.CREEP`, or penetration of a pair that gives way
@@ -47,7 +47,7 @@ def renew_creep(system, task, work, substep, pressed):
     )
     _factor_sliding(system, work, active, False)
     for p in range(n):
-        push(system, work, active[p])
+        unit_force_response(system, work, active[p])
         find_rates(system, work, rates)
         for q in range(n):
             m = active[q]
@@ -92,7 +92,7 @@ def creep_tangent(system, task, work):
     _factor_sliding(system, work, active, True)
     M, motions, rates = np.empty((n, n + 1)), np.empty((n, task.load.size)), np.empty((history.shape[0], 2))
     for p in range(n):
-        push(system, work, active[p])
+        unit_force_response(system, work, active[p])
         find_rates(system, work, rates)
         for q in range(n):
             M[q, p] = rates[active[q], GAP_RATE]

@@ -20,7 +20,7 @@ from coilspring.contact.rates import GAP_RATE, LENGTH_RATE
 from coilspring.solver.equilibrium.newton import INDEFINITE
 from coilspring.solver.equilibrium.operations import factor_state, solution
 from coilspring.solver.tangential.complementarity import eliminated
-from coilspring.solver.tangential.response import find_rates, gradient_of, push
+from coilspring.solver.tangential.response import find_rates, gradient_of, unit_force_response
 
 WHOLE = 1.0 - 1e-9  # of the tangential stiffness, but for rounding
 # Share of the bounds, up or down, over a slip of a wire diameter; more is seen only where slips are stiff.
@@ -108,7 +108,7 @@ def _rises(system, task, work):
     copy_history(held, work.low)
     negative = factor_state(system, work, work.trial, work.low)
     for p in range(n):
-        length = push(system, work, sliding[p])
+        length = unit_force_response(system, work, sliding[p])
         more = rate_by_bound(length, held[sliding[p]])
         for i in range(task.load.size):
             motions[p, i] = more * work.ahead[i]

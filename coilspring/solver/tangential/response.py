@@ -6,7 +6,7 @@ from coilspring.solver.system import DOF
 
 
 @part
-def push(system, work, m):
+def unit_force_response(system, work, m):
     """Motion `work.ahead` by which the trial state answers to a tangential force of 1 N more of a pair;
     returns the pair's tangential length. `work.F` is the factor, `work.low` the history of the state."""
     length = gradient_of(system, work, m, work.step)
