@@ -15,7 +15,18 @@ import pytest
 
 import equivbeam
 import wirefe
-from coilspring import Contact, Load, Scene, Spring, Supports, load_scene, scene_text, spring_a, spring_b
+from coilspring import (
+    Contact,
+    Factors,
+    Load,
+    Scene,
+    Spring,
+    Supports,
+    load_scene,
+    scene_text,
+    spring_a,
+    spring_b,
+)
 from coilspring.compiling.compiled import kernel
 from coilspring.solver.startup import stored
 from coilspring.sweep import outcome_of
@@ -227,3 +238,4 @@ def test_where_coils_begin_is_said_to_matter_to_the_law(tmp_path, capsys):
         )
     assert not any("law helix" in note for note in notes(equivbeam.solve(scene, law="helix")))
     assert law_doubt(spring_a()) == law_doubt(spring_b()) == ""
+    assert law_doubt(replace(scene, factors=Factors(bending=0.9))) == ""  # the law was fitted

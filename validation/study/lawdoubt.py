@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 
 import equivbeam
-from coilspring import EquilibriumNotFound, Load, Scene
+from coilspring import EquilibriumNotFound, InputError, Load, Scene
 from coilspring.scene.sizing import axial_rate
 
 SMALL = 1e-4  # of the active height: about as far does the top move
@@ -18,8 +18,11 @@ COMPONENTS = ("ux", "uy", "rotz")
 def law_doubt(scene: Scene) -> str:
     """A sentence where law haringx differs from law helix, or nothing.
 
-    The tip is compared under a small load without contact, which takes a millisecond.
+    The tip is compared under a small load without contact, which takes a millisecond. Not of a law that was
+    fitted, nor where law helix has no answer.
     """
+    if scene.factors.given:
+        return ""
     height = scene.spring.active_height
     fx, fy = max(scene.load.stages or (scene.load.force,), key=lambda force: math.hypot(*force))
     if scene.load.displacement or (fx, fy) == (0.0, 0.0):
@@ -28,7 +31,7 @@ def law_doubt(scene: Scene) -> str:
     small = replace(scene.without_contact(), load=Load((size * fx, size * fy), 1))
     try:
         laws = [equivbeam.solve(small, law=law).tips[-1] for law in ("haringx", "helix")]
-    except EquilibriumNotFound:
+    except (EquilibriumNotFound, InputError):
         return ""
     paper, helix = np.array(laws) * (1.0, 1.0, height)
     large = np.maximum(abs(paper), abs(helix)) > SLIGHT * max(abs(paper).max(), abs(helix).max())
