@@ -38,5 +38,5 @@ def law_doubt(scene: Scene) -> str:
     off = np.where(large, abs(paper - helix) / np.maximum(abs(helix), SLIGHT * abs(helix).max()), 0.0)
     if off.max() < DOUBTFUL:
         return ""
-    much = f"{100.0 * off.max():.2g} % in {COMPONENTS[int(off.argmax())]}"
+    much = f"{100.0 * off.max():.0f} % in {COMPONENTS[int(off.argmax())]}"
     return f"under a small load law haringx differs by {much} from law helix, which knows where coils begin"

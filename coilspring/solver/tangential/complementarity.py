@@ -16,8 +16,7 @@ def complementary(opens, slips, rows):
     """Forces of pairs of which each touches, is open and holds nothing, or is pressed and does not slip.
 
     Gaps and slips are linear in the forces. Pairs that are none of the three are turned one at a time, those
-    of least index first: where the matrices are P-matrices that ends (Murty 1974, Linear Algebra and its
-    Applications 9, 93).
+    of least index first: where the matrices are P-matrices that ends (Murty 1974, Opsearch 11, 123).
 
     Parameters
     ----------
