@@ -167,3 +167,12 @@ def test_what_breaks_first():
     sentence = template.statement(page.PAGE, "breaks", {"springs": springs.frame(rows), "half coil": holds})
     assert "guided, axial force, without contact, where 3 of 8 springs" in sentence
     assert "no half coil" in sentence
+
+
+def test_a_path_that_ends_early_is_marked_beside_its_error_and_time():
+    names = [*page.LAWS, *springs.MESHES]
+    place = pd.DataFrame({"scene": "spring-b", "series": names, "error": 1.0, "ms": 2.0, "outcome": "completed"})
+    place.loc[1, "outcome"] = "limit_point"
+    assert [page.early(row) != "" for row in place.itertuples()] == [False, True, *[False] * (len(names) - 2)]
+    (axes,) = [axes for axes in page.draw(place).axes if axes.get_title() == "spring-b"]
+    assert [line.get_fillstyle() for line in axes.lines[:3]] == ["full", "none", "full"]

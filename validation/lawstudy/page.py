@@ -68,6 +68,11 @@ def differences(limits: pd.DataFrame) -> pd.Series:
     return 100.0 * (limits["found"].astype(float) / target - 1.0)
 
 
+def early(row: Any) -> str:
+    """That the path ends before the load does, where it does so."""
+    return "" if row.outcome == "completed" else " (ends early)"
+
+
 def on_case(row: Any, law: str) -> str:
     """A law's errors on a case."""
     parts = (getattr(row, f"{law}_{component}", np.nan) for component in COMPONENTS)
@@ -96,7 +101,8 @@ def files(law: UserLaw, data: Data) -> tuple[dict[str, bytes], list[str]]:
 def tables(data: Data) -> dict[str, Table]:
     """Tables whose columns are those of the data."""
     place, limits = data["place"], data["limits"]
-    texts = place.assign(text=[f"{row.error:.2g} %, {row.ms:.3g} ms" for row in place.itertuples()])
+    cells = [f"{row.error:.2g} %, {row.ms:.3g} ms{early(row)}" for row in place.itertuples()]
+    texts = place.assign(text=cells)
     texts = texts.pivot(index="scene", columns="series", values="text")[[*LAWS, *MESHES]]
     formats = dict.fromkeys(("found", "formula", "haringx"), "{:.5g}") | {"off": "{:+.2f} %"}
     return {
@@ -113,7 +119,8 @@ def draw(data: pd.DataFrame) -> Figure:
     grid = figure.subplots(2, -(-len(scenes) // 2), sharex=True, sharey=True, squeeze=False)
     for axes, scene in zip(grid.flat, scenes, strict=False):
         for row in data[data["scene"] == scene].itertuples():
-            axes.plot(row.ms, row.error, linestyle="none", **LOOKS[row.series])
+            full = "none" if early(row) else "full"
+            axes.plot(row.ms, row.error, linestyle="none", fillstyle=full, **LOOKS[row.series])
         axes.set(xscale="log", yscale="log", title=scene)
     for axes in grid[-1]:
         axes.set_xlabel("CPU time (ms)")
