@@ -26,7 +26,7 @@ from coilspring.contact.touching import (
 SLIGHT = 1e-7  # wire diameters of penetration: its force is the least that friction bounds are compared with
 TOUCH = 0.002  # wire diameters by which a pair that nothing holds may penetrate where a prediction closes it
 OVERLAP_ALLOWED = 0.1  # wire diameters by which wires may overlap more than the deepest pair does
-APART = 1e-4  # wire diameters: a pair that sticks and is nearer touches, creeps or turns about the other
+APART = 4e-6  # wire diameters: a pair that sticks and is nearer has just opened, or creeps
 BETWEEN = 2.0  # told in place of a share of the way, of which 1 is the largest
 NEAR = 1.5  # wire diameters between centres, within which a pair's motion in a substep is watched
 
