@@ -43,6 +43,8 @@ def read_fields(file: str | Path | BinaryIO) -> dict[str, Any]:
     """
     try:
         stream = io.BytesIO(Path(file).read_bytes() if isinstance(file, str | Path) else file.read())
+        if not zipfile.is_zipfile(stream):  # numpy would speak of pickled objects
+            raise zipfile.BadZipFile("it is no archive")
         with np.load(stream, allow_pickle=False) as entries:
             arrays = {name: _aligned(entries[name]) for name in entries.files}
         scene = scene_from_text(arrays.pop("scene").tobytes().decode())

@@ -165,7 +165,8 @@ def calibrate(
     lost, left = undetermined(J, fitted, doubtful), [i for i in range(len(names)) if i not in fitted]
     spread, freedom = fiterrors.spread(J, fitted, after, fit.curve.times)
     doubt = fit.doubt(shares, J, spread, fitted)
-    rms, scatter = float(np.sqrt(np.mean(after**2))), fiterrors.scatter(after, fit.curve.times)
+    rows = fiterrors.means(after, fit.curve.times)
+    scatter, misfit = fiterrors.scatter(rows), fiterrors.root_mean_square(rows)
     return Calibration(
         scene=fit.scene_of(shares, scene),
         names=names,
@@ -177,10 +178,10 @@ def calibrate(
         undetermined=tuple(name for name, gone in zip(names, lost, strict=True) if gone),
         fixed=tuple(names[i] for i in left),
         instead=tuple(tuple(names[j] for j in fiterrors.instead_of(J, fitted, i)) for i in left),
-        misfit="; ".join(filter(None, (_misfit(rms, scatter, constant_part(J[:, fitted], after)), doubt))),
+        misfit="; ".join(filter(None, (_misfit(misfit, scatter, constant_part(J[:, fitted], after)), doubt))),
         path=path,
-        rms_before=float(np.sqrt(np.mean(before**2))),
-        rms_after=rms,
+        rms_before=fiterrors.root_mean_square(before),
+        rms_after=fiterrors.root_mean_square(after),
         scatter=scatter,
         evaluations=evaluations,
     )

@@ -1,5 +1,7 @@
 """What a fit determines, and how well: of its residuals and their derivatives J by shares of parameters."""
 
+import math
+
 import numpy as np
 
 # Singular values of the derivatives, of residuals over peaks by relative changes, over the largest one or 1:
@@ -55,7 +57,7 @@ def spread(
     """
     found = np.full((J.shape[1], J.shape[1]), np.nan)
     spare = residuals.size - fitted.size
-    if spare <= 0:
+    if spare <= 0 or means(residuals, times).size <= fitted.size:  # points of one force tell one thing
         return found, 0
     found[:, fitted] = 0.0
     variance, freedom = residuals @ residuals / spare, spare
@@ -79,10 +81,22 @@ def _slow(J: np.ndarray, residuals: np.ndarray, times: np.ndarray) -> np.ndarray
     return (U.T @ residuals)[sizes > RESOLVED * sizes[0]][: SHAPES * columns]
 
 
-def scatter(residuals: np.ndarray, times: np.ndarray) -> float:
-    """Root mean square of the points about their neighbours, without what varies slowly; nan of too few."""
-    rows = residuals.reshape(times.size, -1)[np.argsort(times, kind="stable")]
-    return float(np.sqrt(np.mean(np.diff(rows, 2, axis=0) ** 2) / 6.0)) if len(rows) > 2 else np.nan
+def means(residuals: np.ndarray, times: np.ndarray) -> np.ndarray:
+    """Means of the residuals at each time, in order, shape (times that differ, columns): points that a bench
+    has written twice, or while it waited, are one."""
+    _, place, count = np.unique(times, return_inverse=True, return_counts=True)
+    columns = residuals.reshape(times.size, -1).T
+    return np.stack([np.bincount(place, column) / count for column in columns], axis=1)
+
+
+def root_mean_square(values: np.ndarray) -> float:
+    """Of all values."""
+    return float(np.sqrt(np.mean(values**2)))
+
+
+def scatter(rows: np.ndarray) -> float:
+    """Root mean square of `means` about their neighbours, without what varies slowly; nan of too few."""
+    return root_mean_square(np.diff(rows, 2, axis=0)) / math.sqrt(6.0) if len(rows) > 2 else np.nan
 
 
 def constant_part(J: np.ndarray, residuals: np.ndarray) -> float:

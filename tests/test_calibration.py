@@ -605,3 +605,19 @@ def test_what_rounding_leaves_is_nothing_systematic():
     found = equivbeam.calibrate(scene, equivbeam.solve(scene).table, ["wire_diameter"])
     assert 0.0 < found.rms_after < 1e-10
     assert found.misfit == ""
+
+
+@pytest.mark.parametrize("count", [2, 3, 20])
+def test_a_point_that_is_repeated_is_one(count):
+    """It tells no standard error, nor how well the model fits."""
+    forces, deflection = (values[-1:] for values in measured_of(GUIDED))
+    found = fit((np.repeat(forces, count), 1.01 * np.repeat(deflection, count)), ["axial"])
+    assert np.isnan(found.errors).all()
+    assert "fewer than 3 points" in found.misfit
+
+
+def test_rows_that_are_repeated_are_no_systematic_error(bench):
+    once = fit(bench, ["axial"])
+    often = fit(tuple(np.repeat(values, 5) for values in bench), ["axial"])
+    assert once.misfit == often.misfit == ""
+    assert often.scatter == pytest.approx(once.scatter, rel=1e-9)

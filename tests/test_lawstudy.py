@@ -171,7 +171,8 @@ def test_what_breaks_first():
 
 def test_a_path_that_ends_early_is_marked_beside_its_error_and_time():
     names = [*page.LAWS, *springs.MESHES]
-    place = pd.DataFrame({"scene": "spring-b", "series": names, "error": 1.0, "ms": 2.0, "outcome": "completed"})
+    values = {"error": 1.0, "ms": 2.0, "outcome": "completed"}
+    place = pd.DataFrame({"scene": "spring-b", "series": names} | values)
     place.loc[1, "outcome"] = "limit_point"
     assert [page.early(row) != "" for row in place.itertuples()] == [False, True, *[False] * (len(names) - 2)]
     (axes,) = [axes for axes in page.draw(place).axes if axes.get_title() == "spring-b"]

@@ -196,3 +196,28 @@ def test_bad_rods(change, words):
 def test_what_is_no_rod_is_refused():
     with pytest.raises(InputError, match=r"rod must be a wirefe\.Rod, got 'x'"):
         wirefe.solve_rod("x")
+
+
+def test_a_path_that_ends_before_its_first_step_says_so():
+    """A column under 1.1 times Euler's load, in one step."""
+    section = round_section(2.0, Material())
+    euler = np.pi**2 * section.EI / (4.0 * 200.0**2)
+    rod = wirefe.straight_rod(line(200.0, 20), section).holding(0).loaded(-1, force=(-1.1 * euler, 0.0, 0.0))
+    with pytest.raises(EquilibriumNotFound, match="bifurcation") as found:
+        wirefe.solve_rod(rod, steps=1)
+    assert len(found.value.path.times) == 0
+    assert found.value.critical_time == pytest.approx(1.0 / 1.1, rel=1e-3)
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        (lambda rod: rod.holding(9), r"node must be an integer in \[-5, 4\], got 9"),
+        (lambda rod: rod.loaded(-1, force=(0.0, 0.0, np.nan)), "force must be a finite number"),
+        (lambda rod: rod.loaded(-1, force=(1.0, 2.0)), "force must be three numbers"),
+        (lambda rod: round_section(-2.0, Material()), "diameter must be a finite number"),
+    ],
+)
+def test_bad_nodes_loads_and_sections(change, words):
+    with pytest.raises(InputError, match=words):
+        change(wirefe.straight_rod(line(10.0, 4), round_section(1.0, Material())))

@@ -1,9 +1,11 @@
 """The helix at rest, against hand-computed geometry."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
-from coilspring import Spring, spring_a, spring_b
+from coilspring import InputError, Load, Spring, spring_a, spring_b
 
 
 def test_catalogue_holds_table_1():
@@ -70,3 +72,25 @@ def test_the_tangent_where_end_turns_begin_is_the_mean_of_both_sides():
     for phase in (0.0, end):
         beside = spring.tangents(np.array([phase - 1e-6, phase + 1e-6]))
         np.testing.assert_allclose(spring.tangents(np.array([phase]))[0], beside.mean(axis=0), atol=1e-10)
+
+
+@pytest.mark.parametrize(
+    ("part", "given"),
+    [
+        ("load", (0.0, -5.0)),
+        ("supports", ("ux", "rotz")),
+        ("contact", "none"),
+        ("material", 2e5),
+        ("spring", None),
+    ],
+)
+def test_parts_of_a_scene_are_of_their_kind(part, given):
+    with pytest.raises(InputError, match=f"{part} must be a {part.capitalize()}, got "):
+        replace(spring_a(), **{part: given})
+
+
+def test_loads_may_be_arrays():
+    stages = np.array([[0.0, -5.0], [0.0, -1.0]])
+    assert Load(stages=stages) == Load(stages=((0.0, -5.0), (0.0, -1.0)))
+    assert Load(displacement=np.array([-1.0, -2.0])) == Load(displacement=(-1.0, -2.0))
+    assert Load(np.array([1.0, -5.0])) == Load((1.0, -5.0))

@@ -242,7 +242,7 @@ def test_the_angle_of_the_top_does_not_depend_on_the_steps():
 
 @pytest.mark.parametrize("steps", [1, 2, 3, 10])
 def test_a_pair_just_open_that_touches_and_opens_within_a_substep_sticks(steps):
-    """It was open by less than 1e-4 d, and taken for one that had just opened: in 1 and 2 steps it was passed,
-    and the spring went a third farther."""
+    """It was open by less than 1e-4 d, and taken for one that had just opened: in 1 and 2 steps it was
+    passed, and the spring went a third farther."""
     path = reached(make_case("w00642", 1312), steps=steps)
     assert path.tips[-1, 0] == pytest.approx(-9.03504, abs=1e-4)

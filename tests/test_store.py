@@ -313,3 +313,10 @@ def test_templates_and_data_are_sources_too():
     """What is stored is made anew where the words of a page are changed."""
     names = {file.name for file in keys.source_files("validation")}
     assert {"keys.py", "report.md", "inputs.toml"} <= names
+
+
+def test_a_text_is_no_path(tmp_path):
+    file = tmp_path / "my.toml"
+    file.write_text('name = "mine"')
+    with pytest.raises(InputError, match=r"file must be a saved path, got .*my\.toml' \(it is no archive\)$"):
+        load_path(file)

@@ -154,3 +154,9 @@ def test_an_interrupt_ends_a_sweep_at_once_and_quietly():
     assert run.returncode == -signal.SIGINT
     assert said.count("Traceback") == 1
     assert said.endswith("KeyboardInterrupt\n")
+
+
+@pytest.mark.parametrize("workers", [-1, 1.5, "2"])
+def test_bad_numbers_of_workers(workers):
+    with pytest.raises(InputError, match=r"workers must be an integer in \[0, 1000\]"):
+        list(equivbeam.sweep([spring_a()], workers=workers))

@@ -8,7 +8,7 @@ from typing import Any, Protocol
 
 import numpy as np
 
-from coilspring.errors import InputError, require_choice
+from coilspring.errors import InputError, require_choice, require_integer, require_number, shown
 from coilspring.scene.wire import Section
 from wirefe.element.beam import deformations
 from wirefe.element.curved import (
@@ -18,13 +18,14 @@ from wirefe.element.curved import (
     constant_strain_twists,
     second_order,
 )
-from wirefe.element.poses import at_rest
+from wirefe.element.poses import ROW, at_rest
 from wirefe.element.rotations import cross_rows, quaternion_from_matrix
 
 FREEDOMS = ("ux", "uy", "uz", "rotx", "roty", "rotz")
 # Of a wire whose flexibility varies: at parameters of its curve, (n, 6, 6) in Frenet's axes there.
 Flexibility = Callable[[np.ndarray], np.ndarray]
 ELEMENTS = ("straight", "curved")
+MOST_LOAD = 1e12  # N, or N mm
 KINK = 1e-13  # of the largest parameter, well above its rounding: how far inside its ends an element begins
 
 
@@ -76,9 +77,9 @@ class Rod:
 
         Raises
         ------
-        InputError : a name that is not one of ux, uy, uz, rotx, roty, rotz.
+        InputError : a name that is not one of ux, uy, uz, rotx, roty, rotz; a node that is not there.
         """
-        held = self.held.copy()
+        held, node = self.held.copy(), self._node(node)
         for name in dofs or FREEDOMS:
             held[node, FREEDOMS.index(require_choice("dofs", name, FREEDOMS))] = True
         return replace(self, held=held)
@@ -95,10 +96,22 @@ class Rod:
         force: tuple[float, float, float] = (0.0, 0.0, 0.0),
         moment: tuple[float, float, float] = (0.0, 0.0, 0.0),
     ) -> Rod:
-        """With a dead force and moment added at a node."""
-        loads = self.loads.copy()
-        loads[node] += (*force, *moment)
+        """With a dead force and moment added at a node.
+
+        Raises
+        ------
+        InputError : a node that is not there; loads that are not three finite numbers each.
+        """
+        loads, node = self.loads.copy(), self._node(node)
+        for name, part, given in (("force", slice(3), force), ("moment", slice(3, 6), moment)):
+            if np.shape(given) != (3,):
+                raise InputError(f"{name} must be three numbers, got {shown(given)}")
+            loads[node, part] += [require_number(name, value, -MOST_LOAD, MOST_LOAD) for value in given]
         return replace(self, loads=loads)
+
+    def _node(self, node: int) -> int:
+        """The number of a node; negative ones count from the end."""
+        return require_integer("node", node, -len(self.points), len(self.points) - 1)
 
 
 def straight_rod(points: np.ndarray, section: Section) -> Rod:
@@ -268,7 +281,7 @@ class RodPath:
     @classmethod
     def of(cls, rod: Rod, states: np.ndarray, **fields: Any) -> RodPath:
         """Path from the model's states, shape (steps, n), and the other fields."""
-        rows = states.reshape(len(states), len(rod.points), -1)
+        rows = states.reshape(len(states), len(rod.points), ROW)
         return cls(rod=rod, positions=rows[:, :, :3], rotations=rows[:, :, 3:], **fields)
 
     def displacements(self, node: int) -> np.ndarray:

@@ -132,6 +132,9 @@ class Factors:
         return (self.axial, self.shearing, self.bending) != (1.0, 1.0, 1.0)
 
 
+PARTS = {each.__name__.lower(): each for each in (Spring, Load, Material, Supports, Contact, Factors)}
+
+
 @dataclass(frozen=True)
 class Scene:
     """What one experiment is made of; the factors are the equivalent beam's alone."""
@@ -147,6 +150,9 @@ class Scene:
     def __post_init__(self) -> None:
         if not isinstance(self.name, str) or not self.name.strip():
             raise InputError(f"name must be a text that is not empty, got {shown(self.name)}")
+        for part, kind in PARTS.items():
+            if not isinstance(getattr(self, part), kind):
+                raise InputError(f"{part} must be a {kind.__name__}, got {shown(getattr(self, part))}")
         low, high = FITTED
         if self.spring.wire_rigidity == "solid" and not low <= self.material.nu <= high:
             raise InputError(

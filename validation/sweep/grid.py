@@ -87,8 +87,9 @@ def _require_key(key: str, table: Mapping[str, Any]) -> None:
 
 def _in_place(name: str, record: type, keys: Mapping[str, Any]) -> str:
     """Which key a scene has in the place of one, in words; empty where it has that, or none."""
-    others = _beside(record, name) & keys.keys() if name not in keys else ()
-    return "".join(f": the scene has {other} in its place" for other in others)
+    beside = _beside(record, name) if name not in keys else ()
+    others = " and ".join(key for key in keys if key in beside)
+    return f": the scene has {others} in its place" if others else ""
 
 
 def _values(text: str) -> tuple[Any, ...]:
