@@ -7,7 +7,7 @@ import pytest
 from scipy.spatial import cKDTree
 
 import wirefe
-from coilspring import Contact, Load, spring_a, spring_b
+from coilspring import CoilSection, Contact, Load, Scene, Spring, Supports, spring_a, spring_b
 from coilspring.compiling.packing import pack
 from coilspring.contact.law import PAIR_HISTORY
 from validation.study.partialsolve import partial_path
@@ -150,3 +150,25 @@ def test_touching_wires_of_a_short_spring_are_no_strays():
     scene = replace(spring_a(), spring=short, load=Load((0.0, -1.0), steps=2))
     path = wirefe.solve(scene, element="curved", elements_per_turn=8)
     assert path.options["pairs_found"] == 0
+
+
+@pytest.mark.parametrize("steps", [1, 4, 10, 100])
+def test_with_which_stations_of_another_coil_wires_are_paired_is_no_matter_of_steps(steps):
+    """Coils that pass inside one another: stations were paired with those nearest when any pair was found, and
+    tips differed by 0.6 %."""
+    spring = Spring.of_sections(
+        1.5,
+        (
+            CoilSection(1.0, 4.771196830239829, 10.219195007911274),
+            CoilSection(1.0, (5.6865320302590305, 4.1175266770458485), (10.219195007911274, 6.75)),
+            CoilSection(1.0, 2.8560716857143476, (6.75, 8.868726706106399)),
+        ),
+        end_turns=0.0,
+        start_phase=-0.08892380252844179,
+        hand="right",
+    )
+    load = Load((0.0, -323.8522216288093), steps)
+    scene = Scene("nested", spring, load, supports=Supports(("ux", "rotz")), contact=Contact(stiffness=1e5))
+    path = wirefe.solve(scene, element="curved", elements_per_turn=8)
+    assert path.options["pairs_found"] > 0
+    assert path.tips[-1, 1] == pytest.approx(-9.618742, abs=1e-5)

@@ -265,6 +265,7 @@ ERRORS = {
     f"{DEF}return 'a'": "must be a number, got 'a'",
     f"{DEF}return {QUADRATIC} + 0.1 * l": "half coil 1 has no minimum at rest",
     f"{DEF}return {QUADRATIC} - 2 * v**2": "stiffness that is not positive at rest",
+    f"{DEF}return max(l - p[3], 0.0) ** 2 + v**2 + dtheta**2": "stiffness that is not positive at rest",
     f"{DEF}return {QUADRATIC} + abs(v)": "half coil 1 has a kink at (l = 1.90667",
     f"{DEF}u = {QUADRATIC}\n    if l < 0.8 * p[3]: u += 0.8 * p[3] - l\n    return u": "kink at (l = 1.525",
     f"{DEF}return np.interp(l, [0, 1], [0, 1])": "line 10: np.interp has no derivative",

@@ -18,14 +18,16 @@ from coilspring.solver.startup import store
 from coilspring.sweep import Outcome, jobs, outcomes
 from wirefe import kernels, model, seated
 from wirefe.contact.points import PER_TURN, ContactArrays, near_points, reach
+from wirefe.contact.stations import of_wires
 from wirefe.mesh import MOST_ELEMENTS, WireMesh, chord_caution
 from wirefe.results.shape import WireShape, contact_centres
 from wirefe.rod import ELEMENTS, Rod, RodPath
 
 # Moves of a rod without contact are compared with this part of its length, as with a wire's diameter.
 LENGTHS_OF_A_WIRE = 50.0
-# Spheres nearer than this many wire diameters become pairs together with those that touch.
-PAIR_REACH = 1.5
+# Wire diameters within which what is no pair becomes one: spheres together with those that touch; stations as
+# they touch, with the nearest one of another coil: chosen earlier, it would depend on the steps.
+SPHERES_REACH, STATIONS_REACH = 1.5, 1.01
 CHUNK = 4  # springs of a sweep handed to a worker at a time; to hand one over takes 0.4 ms
 NO_PAIRS = np.zeros((0, 2), dtype=np.int64)
 
@@ -172,7 +174,8 @@ def scene_kernels(scene: Scene) -> Kernels:
 def new_pairs(contact: ContactArrays, state: np.ndarray) -> np.ndarray:
     """Pairs of contact points that are near in `state` and not in the model yet, shape (pairs, 2)."""
     centres = contact_centres(contact, state[None])[0]
-    found, _ = near_points(contact, centres, reach(contact, centres, PAIR_REACH))
+    diameters = STATIONS_REACH if of_wires(contact.parts) else SPHERES_REACH
+    found, _ = near_points(contact, centres, reach(contact, centres, diameters))
     return found
 
 

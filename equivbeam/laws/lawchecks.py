@@ -23,6 +23,7 @@ RANGE = (0.5, 0.4, 0.4)  # to both sides of rest: of l and v over l0, and of dth
 LINES = ((1, 0, 0), (0, 1, 0), (0, 0, 1), (1, 1, 1), (1, -1, 1))
 JUMP = 1e-4  # of a first derivative, over the largest stiffness at rest times the range
 HALVINGS = 30
+BESIDE = 1e-6  # of sizes: so near to rest the stiffness is that at rest, unless it jumps there
 BEYOND = 1.02  # times the way from rest: where a path that ended would have gone on
 U, FIRST, SECOND = 0, slice(1, 4), (4, 5, 6, 5, 7, 9, 6, 9, 8)  # of a table: energy, gradient, Hessian
 
@@ -50,9 +51,11 @@ def checked_rest(law: UserLaw, rows: np.ndarray) -> np.ndarray:
             raise InputError(f"law {law.name}: {place}{why(bad)}")
 
     require(np.isfinite(found).all(axis=1), "is not finite, or its derivatives are not,")
-    stiffness = found[:, SECOND].reshape(-1, 3, 3) * size[:, :, None] * size[:, None, :]
-    eigenvalues = np.linalg.eigvalsh(stiffness)
+    eigenvalues = _eigenvalues(found, size)
     least, scale = eigenvalues[:, 0], np.abs(eigenvalues).max(axis=1)
+    for step in BESIDE * np.concatenate((np.eye(3), -np.eye(3))):  # it may jump at rest
+        there = law.evaluated(rows, np.arange(len(rows)), rest + step * size)
+        least = np.minimum(least, _eigenvalues(np.nan_to_num(there), size)[:, 0])
     different = np.unique(rows, axis=0, return_index=True)[1]  # most springs repeat one half coil
     index = np.repeat(different, GRID)
     for line in LINES:
@@ -71,6 +74,12 @@ def checked_rest(law: UserLaw, rows: np.ndarray) -> np.ndarray:
         lambda bad: f": the least eigenvalue of its stiffness matrix is {share[bad]:.3g} of the largest",
     )
     return found[:, [4, 7, 8]]
+
+
+def _eigenvalues(found: np.ndarray, size: np.ndarray) -> np.ndarray:
+    """Of the stiffness matrices of half coils, by shares of their sizes, shape (half coils, 3)."""
+    stiffness = found[:, SECOND].reshape(-1, 3, 3) * size[:, :, None] * size[:, None, :]
+    return np.linalg.eigvalsh(stiffness)
 
 
 def _refuse_kink(
