@@ -154,8 +154,8 @@ def test_touching_wires_of_a_short_spring_are_no_strays():
 
 @pytest.mark.parametrize("steps", [1, 4, 10, 100])
 def test_with_which_stations_of_another_coil_wires_are_paired_is_no_matter_of_steps(steps):
-    """Coils that pass inside one another: stations were paired with those nearest when any pair was found, and
-    tips differed by 0.6 %."""
+    """Coils that pass inside one another: stations were paired with those nearest when any pair was found,
+    and tips differed by 0.6 %."""
     spring = Spring.of_sections(
         1.5,
         (
