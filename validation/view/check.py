@@ -33,8 +33,8 @@ def report(scene: Scene) -> tuple[list[str], list[str]]:
     )
     models = (f"  {model:<13} {_verdict(model, scene)}" for model in ("equivbeam", "wirefe"))
     doubts = warnings(scene)
-    if angle > STEEPEST:
-        doubts.append(f"helix angle up to {angle:.4g} degrees, above {STEEPEST:g}: the formulas leave it out")
+    if float(f"{angle:.3g}") > STEEPEST:  # as it is printed
+        doubts.append(f"helix angle up to {angle:.3g} degrees, above {STEEPEST:g}: the formulas leave it out")
     if scene.supports.seat == "plate":
         doubts.append(
             "the rate is that of rigid end turns: on plates springs are softer, by 6 to 14 % where measured"
