@@ -166,7 +166,8 @@ def calibrate(
     spread, freedom = fiterrors.spread(J, fitted, after, fit.curve.times)
     doubt = fit.doubt(shares, J, spread, fitted)
     rows = fiterrors.means(after, fit.curve.times)
-    scatter, misfit = fiterrors.scatter(rows), fiterrors.root_mean_square(rows)
+    scatter, rms = fiterrors.scatter(rows), fiterrors.root_mean_square(after)
+    slow = fiterrors.root_mean_square(rows) > max(SYSTEMATIC * scatter, EXACT)
     return Calibration(
         scene=fit.scene_of(shares, scene),
         names=names,
@@ -178,18 +179,20 @@ def calibrate(
         undetermined=tuple(name for name, gone in zip(names, lost, strict=True) if gone),
         fixed=tuple(names[i] for i in left),
         instead=tuple(tuple(names[j] for j in fiterrors.instead_of(J, fitted, i)) for i in left),
-        misfit="; ".join(filter(None, (_misfit(misfit, scatter, constant_part(J[:, fitted], after)), doubt))),
+        misfit="; ".join(
+            filter(None, (_misfit(rms, scatter, slow, constant_part(J[:, fitted], after)), doubt))
+        ),
         path=path,
         rms_before=fiterrors.root_mean_square(before),
-        rms_after=fiterrors.root_mean_square(after),
+        rms_after=rms,
         scatter=scatter,
         evaluations=evaluations,
     )
 
 
-def _misfit(rms: float, scatter: float, constant: float) -> str:
+def _misfit(rms: float, scatter: float, systematic: bool, constant: float) -> str:
     """In words that the error left is no scatter, or nothing; `constant`: the share of an offset in it."""
-    poor, systematic = rms > POOR, rms > max(SYSTEMATIC * scatter, EXACT)
+    poor = rms > POOR
     if not (poor or systematic):
         return "" if np.isfinite(scatter) else "fewer than 3 points do not tell how well the model fits"
     what = "the model does not fit the curve" if poor else "the error left is systematic"

@@ -616,6 +616,14 @@ def test_a_point_that_is_repeated_is_one(count):
     assert "fewer than 3 points" in found.misfit
 
 
+def test_two_branches_at_the_same_forces_are_no_fit():
+    """Their means lie on the model; the points do not."""
+    forces, deflection = measured_of(GUIDED)
+    found = fit((np.repeat(forces, 2), np.outer(deflection, (0.8, 1.2)).ravel()), ["axial"])
+    assert found.rms_after > 0.05
+    assert "the model does not fit the curve" in found.misfit
+
+
 def test_rows_that_are_repeated_are_no_systematic_error(bench):
     once = fit(bench, ["axial"])
     often = fit(tuple(np.repeat(values, 5) for values in bench), ["axial"])

@@ -296,7 +296,9 @@ def test_bad_options(options, words):
 
 def test_coils_are_whole_elements():
     scene = replace(spring_b(), spring=replace(spring_b().spring, active_coils=7.51))
-    with pytest.raises(InputError, match=r"active_coils must be a multiple of 1/40 .*; 100 elements per"):
+    with pytest.raises(
+        InputError, match=r"active_coils must be a multiple of 1/40 .*, got 7.51; it is one of 1/100"
+    ):
         wirefe.solve(scene)
 
 

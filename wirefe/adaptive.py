@@ -118,7 +118,8 @@ class Trials:
             stations = self.others(STATIONS * level)
         mesh = self.levels.options(level, stations, beyond=self.found[-1].elements if self.found else 0)
         if mesh["elements_per_turn"] > MOST_ELEMENTS:
-            raise InputError(_refusal(self.wanted, self.reached, f"with {MOST_ELEMENTS} elements per turn"))
+            reached = self.reached if self.found else math.inf
+            raise InputError(_refusal(self.wanted, reached, f"with {MOST_ELEMENTS} elements per turn"))
         path = self.solve(mesh, steps)
         if path.outcome != "completed" and steps < self.steps:
             path = self.solve(mesh, self.steps)  # near its end differences are not smooth

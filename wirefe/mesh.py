@@ -81,7 +81,7 @@ def _elements(name: str, turns: float, elements_per_turn: int, most: int) -> int
     if count < 1 or abs(turns * elements_per_turn - count) > WHOLE:
         others = range(elements_per_turn, MOST_ELEMENTS + 1)
         fits = (n for n in others if abs(turns * n - round(turns * n)) <= WHOLE)
-        finer = next((f"; {n} elements per turn fit, and an accuracy chooses them" for n in fits), "")
+        finer = next((f"; it is one of 1/{n}" for n in fits), "")
         raise InputError(
             f"spring.{name} must be a multiple of 1/{elements_per_turn} in [0.5, {most}] for the wire model "
             f"with elements_per_turn = {elements_per_turn}, got {turns!r}{finer}"

@@ -61,10 +61,11 @@ class Levels:
         ends = [*(scene.spring.profile.knots / TWO_PI), scene.spring.end_turns]
         fits = (q for q in range(1, FRACTION + 1) if all(abs(q * x - round(q * x)) < 1e-6 for x in ends))
         multiple = math.lcm(next(fits, 1), spheres or 1)
-        if multiple > MOST_ELEMENTS:
+        elements = math.lcm(multiple, STRAIGHT if on_plates(scene) else 1)
+        if elements > MOST_ELEMENTS:
             raise InputError(
                 f"spring.active_coils must fit a mesh of {MOST_ELEMENTS} elements per turn for accuracy, "
-                f"as must all sections, got {scene.spring.active_coils!r}, which takes {multiple}"
+                f"as must all sections, got {scene.spring.active_coils!r}, which takes {elements}"
             )
         return cls(scene, multiple // math.gcd(multiple, STRAIGHT if on_plates(scene) else 1), spheres)
 

@@ -55,7 +55,8 @@ def checked_rest(law: UserLaw, rows: np.ndarray) -> np.ndarray:
     least, scale = eigenvalues[:, 0], np.abs(eigenvalues).max(axis=1)
     for step in BESIDE * np.concatenate((np.eye(3), -np.eye(3))):  # it may jump at rest
         there = law.evaluated(rows, np.arange(len(rows)), rest + step * size)
-        least = np.minimum(least, _eigenvalues(np.nan_to_num(there), size)[:, 0])
+        finite = np.isfinite(there).all(axis=1)  # where it is not, a path ends
+        least[finite] = np.minimum(least[finite], _eigenvalues(there[finite], size[finite])[:, 0])
     different = np.unique(rows, axis=0, return_index=True)[1]  # most springs repeat one half coil
     index = np.repeat(different, GRID)
     for line in LINES:

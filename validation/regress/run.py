@@ -199,7 +199,8 @@ def _moved(before: Quantities, now: Quantities, here: bool) -> Texts:
         many = MANY if name == "iterations" else 0.0
         yield from _counts(name, before[name], now[name], (0, 0.0) if here else (1, many))
     a, b = before["total_iterations"], now["total_iterations"]  # those after the last step included
-    extra = 0 if here else now["steps_reached"] + a // 10  # cut-backs before a critical point may differ
+    each = sum(max(1, int(MANY * count)) for count in before["iterations"])
+    extra = 0 if here else each + a // 10  # cut-backs before a critical point may differ
     if not now["sensitive"] and abs(b - a) > extra:
         yield "total_iterations", str(a), str(b), f"{b - a:+d}, {extra} allowed"
 
@@ -219,12 +220,13 @@ def _curve(name: str, before: Quantities, now: Quantities, scale: float, allowed
     yield from _value(f"{name} at time {time:g}", a, b, scale, "of the peak", allowed)
 
 
-def _counts(name: str, before: list[int], now: list[int], allowed: tuple[int, float]) -> Texts:
+def _counts(name: str, before: list[int], now: list[int], spare: tuple[int, float]) -> Texts:
     """The first step whose count moved, and how many did, by more than is allowed: a number, or a share."""
     pairs = enumerate(zip_longest(before, now, fillvalue=0), start=1)
-    most, share = allowed
+    most, share = spare
     moved = [(step, a, b) for step, (a, b) in pairs if abs(b - a) > max(most, share * a)]
     if moved:
         step, a, b = moved[0]
-        measure = f"{sum(now) - sum(before):+d} in all, {len(moved)} steps moved, {most} allowed a step"
+        allowed = max(most, int(share * a))
+        measure = f"{sum(now) - sum(before):+d} in all, {len(moved)} steps moved, {allowed} allowed a step"
         yield f"{name} at step {step}", str(a), str(b), measure

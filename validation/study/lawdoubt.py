@@ -24,12 +24,13 @@ def law_doubt(scene: Scene) -> str:
     if scene.factors.given:
         return ""
     height = scene.spring.active_height
-    fx, fy = max(scene.load.stages or (scene.load.force,), key=lambda force: math.hypot(*force))
+    forces = np.array(scene.load.stages or (scene.load.force,)) * scene.supports.free
+    fx, fy = max(forces.tolist(), key=lambda force: math.hypot(*force))
     if scene.load.displacement or (fx, fy) == (0.0, 0.0):
         fx, fy = 0.0, -1.0
     size = SMALL * height * axial_rate(scene) / math.hypot(fx, fy)
-    small = replace(scene.without_contact(), load=Load((size * fx, size * fy), 1))
     try:
+        small = replace(scene.without_contact(), load=Load((size * fx, size * fy), 1))
         laws = [equivbeam.solve(small, law=law).tips[-1] for law in ("haringx", "helix")]
     except (EquilibriumNotFound, InputError):
         return ""
