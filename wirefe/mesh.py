@@ -75,12 +75,16 @@ def lost_by_chords(elements_per_turn: int, nu: float) -> float:
     return 1.0 - math.sin(a) / a * (math.cos(a) ** 2 + math.sin(a) ** 2 / (3.0 * (1.0 + nu)))
 
 
+def is_whole(elements: float) -> bool:
+    """Whether so many elements are a whole number of them, but for rounding."""
+    return abs(elements - round(elements)) <= WHOLE
+
+
 def _elements(name: str, turns: float, elements_per_turn: int, most: int) -> int:
     """Number of elements in some turns of the wire."""
     count = round(turns * elements_per_turn)
-    if count < 1 or abs(turns * elements_per_turn - count) > WHOLE:
-        others = range(elements_per_turn, MOST_ELEMENTS + 1)
-        fits = (n for n in others if abs(turns * n - round(turns * n)) <= WHOLE)
+    if count < 1 or not is_whole(turns * elements_per_turn):
+        fits = (n for n in range(elements_per_turn, MOST_ELEMENTS + 1) if is_whole(turns * n))
         finer = next((f"; it is one of 1/{n}" for n in fits), "")
         raise InputError(
             f"spring.{name} must be a multiple of 1/{elements_per_turn} in [0.5, {most}] for the wire model "
@@ -94,7 +98,7 @@ def refuse_kinks(spring: Spring, mesh: WireMesh) -> None:
     step = mesh.phases[1]
     count = round(TWO_PI / step)
     for number, knot in enumerate(spring.profile.knots[1:-1], 1):
-        if abs(knot / step - round(knot / step)) > 1e-6:
+        if not is_whole(knot / step):
             raise InputError(
                 f"spring.sections[{number}] must end at a multiple of 1/{count} coils with element curved "
                 f"and elements_per_turn = {count}, got an end at {knot / TWO_PI:g} coils"

@@ -20,7 +20,7 @@ from coilspring.path import EquilibriumPath
 from coilspring.scene import Scene
 from coilspring.scene.profile import TWO_PI
 from wirefe.contact.points import PER_TURN
-from wirefe.mesh import MOST_ELEMENTS
+from wirefe.mesh import MOST_ELEMENTS, is_whole
 
 FINEST, FINEST_STRAIGHT = 128, 64  # levels
 STRAIGHT, STATIONS = 10, 12  # elements of a plate-seated spring, and stations, of level 1
@@ -59,15 +59,15 @@ class Levels:
                 "with geometry wires"
             )
         ends = [*(scene.spring.profile.knots / TWO_PI), scene.spring.end_turns]
-        fits = (q for q in range(1, FRACTION + 1) if all(abs(q * x - round(q * x)) < 1e-6 for x in ends))
+        fits = (q for q in range(1, FRACTION + 1) if all(is_whole(q * x) for x in ends))
         multiple = math.lcm(next(fits, 1), spheres or 1)
-        elements = math.lcm(multiple, STRAIGHT if on_plates(scene) else 1)
+        elements = math.lcm(multiple, elements_of_one(scene))
         if elements > MOST_ELEMENTS:
             raise InputError(
                 f"spring.active_coils must fit a mesh of {MOST_ELEMENTS} elements per turn for accuracy, "
                 f"as must all sections, got {scene.spring.active_coils!r}, which takes {elements}"
             )
-        return cls(scene, multiple // math.gcd(multiple, STRAIGHT if on_plates(scene) else 1), spheres)
+        return cls(scene, elements // elements_of_one(scene), spheres)
 
     @property
     def last(self) -> int:
@@ -87,10 +87,9 @@ class Levels:
     def options(self, level: int, stations: int | None = None, beyond: int = 0) -> dict[str, Any]:
         """Options of `wirefe.solve`: more than `beyond` elements per turn, and stations that go with the
         level unless given."""
-        plates = on_plates(self.scene)
-        number = STRAIGHT if plates else 1  # of elements of level 1
+        number = elements_of_one(self.scene)
         return {
-            "element": "straight" if plates else "curved",
+            "element": "straight" if on_plates(self.scene) else "curved",
             "elements_per_turn": number * self.at_least(max(level, beyond // number + 1)),
             "pairs_per_turn": self.spheres or stations or min(STATIONS * level, MOST),
         }
@@ -99,6 +98,11 @@ class Levels:
 def on_plates(scene: Scene) -> bool:
     """Whether its end turns rest on plates, and are elastic."""
     return scene.supports.seat == "plate"
+
+
+def elements_of_one(scene: Scene) -> int:
+    """Elements per turn of level 1."""
+    return STRAIGHT if on_plates(scene) else 1
 
 
 @dataclass(frozen=True)

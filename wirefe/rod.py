@@ -9,6 +9,7 @@ from typing import Any, Protocol
 import numpy as np
 
 from coilspring.errors import InputError, require_choice, require_integer, require_number, shown
+from coilspring.scene.load import MOST_FORCE
 from coilspring.scene.wire import Section
 from wirefe.element.beam import deformations
 from wirefe.element.curved import (
@@ -25,7 +26,6 @@ FREEDOMS = ("ux", "uy", "uz", "rotx", "roty", "rotz")
 # Of a wire whose flexibility varies: at parameters of its curve, (n, 6, 6) in Frenet's axes there.
 Flexibility = Callable[[np.ndarray], np.ndarray]
 ELEMENTS = ("straight", "curved")
-MOST_LOAD = 1e12  # N, or N mm
 KINK = 1e-13  # of the largest parameter, well above its rounding: how far inside its ends an element begins
 
 
@@ -106,7 +106,7 @@ class Rod:
         for name, part, given in (("force", slice(3), force), ("moment", slice(3, 6), moment)):
             if np.shape(given) != (3,):
                 raise InputError(f"{name} must be three numbers, got {shown(given)}")
-            loads[node, part] += [require_number(name, value, -MOST_LOAD, MOST_LOAD) for value in given]
+            loads[node, part] += [require_number(name, value, -MOST_FORCE, MOST_FORCE) for value in given]
         return replace(self, loads=loads)
 
     def _node(self, node: int) -> int:

@@ -17,8 +17,6 @@ from coilspring.scene.spring import Spring
 
 HELD_CHOICES: tuple[str, ...] = KEYS["supports"]["top_held"].checks["some"]
 SEATS: tuple[str, ...] = KEYS["supports"]["seat"].checks["choice"]
-
-
 PAIRS_OF_STIFFNESS = 4.0  # per turn: the scene's contact stiffness is that of each of them
 
 

@@ -7,8 +7,9 @@ import numpy as np
 
 from coilspring.errors import require_number
 from coilspring.scene.material import Material
+from coilspring.scene.schema import KEYS
 
-DIAMETERS = (1e-6, 1e6)  # mm; a fourth power of it must not vanish
+LOW, HIGH = KEYS["spring"]["wire_diameter"].checks["number"]  # mm
 SHEAR_FACTOR = 0.9  # of a solid circular section (6/7..0.9 in the literature; the paper gives none)
 Stiffness = float | np.ndarray  # an array has one for each piece of a wire
 
@@ -25,7 +26,7 @@ class Section:
 
 def round_section(diameter: float, material: Material) -> Section:
     """Section stiffnesses of a solid round wire of a diameter in mm."""
-    require_number("diameter", diameter, *DIAMETERS)
+    require_number("diameter", diameter, LOW, HIGH)
     area = math.pi * diameter**2 / 4.0
     inertia = math.pi * diameter**4 / 64.0
     return Section(

@@ -82,7 +82,7 @@ class Pairs:
         return steps
 
     def gap(self, poses: Poses) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Gaps (..., pairs), longer by the rest_overlap, normals (3, ...), and vectors between the points."""
+        """Gaps (..., pairs), longer by overlaps at rest, normals (3, ...), and vectors between the points."""
         points = self.points
         low, high = (self._sum(side, poses, points.weight, points.arm) for side in (0, 1))
         w = across = high - low
