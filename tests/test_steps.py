@@ -124,6 +124,15 @@ def test_a_prescribed_displacement_costs_what_the_force_costs(way):
     assert path.total_iterations <= forced.total_iterations + 2
 
 
+def test_what_moves_or_is_released_too_far_is_seen_before_it_is_solved():
+    """Substeps in which a pair would move by more than half a diameter, and releases after which one would
+    touch again by more than it is located to: both cost iterations that led nowhere (426 in all)."""
+    cone = load_scene("spring-b")
+    loaded = [replace(cone, load=Load((0.0, -force))) for force in (150.0, 175.0, 200.0)]
+    found = [wirefe.solve(scene, steps=1, element="curved", elements_per_turn=4) for scene in loaded]
+    assert sum(path.total_iterations for path in found) < 405
+
+
 def random_case(name, seed, driven):
     """A frictionless scene of the campaign, by force or by displacement."""
     case = make_case(name, seed)

@@ -15,7 +15,7 @@ from coilspring.compiling.compiled import copy, lent, part, signed
 from coilspring.contact.history import copy_history
 from coilspring.contact.kinematics import BETWEEN
 from coilspring.solver.continuation.accept import LEAST_LEFT, accept
-from coilspring.solver.continuation.branch import curvature, displacement_bound, predict
+from coilspring.solver.continuation.branch import PAIR_MOTION, curvature, displacement_bound, predict
 from coilspring.solver.continuation.shorten import shorten
 from coilspring.solver.continuation.snap import AHEAD, end_or_snap
 from coilspring.solver.continuation.stability import (
@@ -166,7 +166,7 @@ def predict_trial(system, task, work, path, substep):
     bend = curvature(task, work, path.last_step, substep.duration)
     free = free_share(system, task, work, path, bend, substep)
     while free == BETWEEN and substep.duration > LEAST_LEFT:
-        # a pair turns about the other, or passes it: nearer it is seen which
+        # a pair turns about the other, or passes it: nearer it is seen which; or it moves too far
         substep.landing, substep.duration = False, 0.5 * substep.duration
         substep.target = path.time + substep.duration
         bend = curvature(task, work, path.last_step, substep.duration)
@@ -204,7 +204,8 @@ def free_share(system, task, work, path, bend, substep):
     `coilspring.contact.kinematics.approach`; predicts its end, or half of it.
 
     A pair that remembers where it touched may do so and open again within the substep; where it sticks, it
-    holds something from then on, be it for half of the way.
+    holds something from then on, be it for half of the way. `BETWEEN`, too, where a pair moves farther than
+    in any substep.
     """
     half, gap = 0.5 * substep.duration, 0.5 * path.least_gap
     halfway = bend > 0.0 and task.located < np.inf
@@ -215,7 +216,9 @@ def free_share(system, task, work, path, bend, substep):
             return 0.5 * free if free < 1.0 else free
         copy(work.predicted, work.scratch)
     predict(system, task, work, path, bend, substep.target)
-    _, _, free = displacement_bound(system, work.state, work.predicted, gap)
+    _, pair, free = displacement_bound(system, work.state, work.predicted, gap)
+    if free == 1.0 and pair > PAIR_MOTION:
+        return BETWEEN
     if free < 1.0 or not halfway:
         return free
     _, _, free = displacement_bound(system, work.scratch, work.predicted, gap - way)
