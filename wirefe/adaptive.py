@@ -31,7 +31,7 @@ SUBSTEPS = 10.0
 # Of the last path, where errors are smooth: as a path before tells it; as two alike do.
 SMOOTH, STEADY = 3.0, 2.0
 ALIKE = 1.5
-UNEVEN = {2: 10.0, 3: 9.0, 4: 8.0}  # the same where they are not, by the number of paths
+UNEVEN, ON_PLATES = 6.0, 10.0  # the same where they are not, with stations and on plates
 CHANCE = 5e-4  # accuracy below which two paths with stations agree too often by chance: three are compared
 SHARE = 0.5  # of its level is a mesh as fine as, however few its stations
 FALL = 0.5  # of what the path before told, each tells at least: two may agree by chance
@@ -101,8 +101,9 @@ class Trials:
         if math.isfinite(self.estimate):
             so_far += f", estimated error {self.estimate:.2g}"
         self.progress(f"{mesh['elements_per_turn']} elements per turn, {steps} steps{so_far}")
+        scene = self.levels.scene
         try:
-            path = solve(self.levels.scene, steps=steps, **mesh)
+            path = solve(scene, steps=None if steps == scene.load.steps else steps, **mesh)
         except EquilibriumNotFound as found:
             path = found.path
         self.seconds += path.solve_seconds
@@ -170,7 +171,7 @@ class Trials:
     def safety(self) -> float:
         """Error over what the constant tells, at most."""
         if self.uneven:
-            return UNEVEN[min(len(self.found), 4)]
+            return ON_PLATES if on_plates(self.levels.scene) else UNEVEN
         if len(self.found) > 2 and max(self.told[-2:]) < ALIKE * min(self.told[-2:]):
             return STEADY
         return SMOOTH
@@ -292,7 +293,7 @@ def _next(trials: Trials) -> int:
     if len(trials.found) == 1:
         wanted = _second(trials) * level
     else:
-        safety = UNEVEN[min(len(trials.found) + 1, 4)] if trials.uneven else STEADY
+        safety = trials.safety if trials.uneven else STEADY
         error, left = safety * trials.constant, trials.wanted - trials.lost
         wanted = max(STRIDE * level, math.sqrt(AHEAD * error / left) if error < math.inf else 0.0)
     if level >= finest or wanted > BEYOND * finest:

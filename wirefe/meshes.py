@@ -151,6 +151,8 @@ def few(steps: int) -> int:
 
 def thinned(path: EquilibriumPath, scene: Scene, finer: int) -> EquilibriumPath:
     """The rows of the scene's steps, of a path with steps so many times finer."""
+    if finer == 1:
+        return path
     rows = slice(finer - 1, None, finer)
     times = path.times[rows]
     sums = (
