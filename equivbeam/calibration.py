@@ -287,6 +287,7 @@ class CurveFit:
             bounds=(low[fitted], np.full(fitted.size, FAR[1])),
             xtol=1e-10,
             ftol=1e-12,
+            gtol=1e-15,  # of squares: with more, a parameter that moves the curve little is left at its start
         )
         return shares(found.x)
 

@@ -629,3 +629,27 @@ def test_rows_that_are_repeated_are_no_systematic_error(bench):
     often = fit(tuple(np.repeat(values, 5) for values in bench), ["axial"])
     assert once.misfit == often.misfit == ""
     assert often.scatter == pytest.approx(once.scatter, rel=1e-9)
+
+
+def test_a_path_is_read_at_its_own_load():
+    """At 40 N, in a scene of 60 N: taken for shares of these, the spring was half as stiff again."""
+    cone = replace(spring_b(), load=Load((0.0, -40.0), steps=20))
+    path, driven = (
+        equivbeam.solve(each) for each in (cone, replace(cone, load=Load(displacement=(-2.0,), steps=20)))
+    )
+    other = replace(cone, load=Load((0.0, -60.0), steps=20))
+    for curve in (path, driven, path.curve):
+        found = equivbeam.calibrate(other, curve, ["axial"])
+        assert found.values == pytest.approx([1.0], rel=1e-5)
+    table = path.curve | {"load_x": np.linspace(0.0, 1.0, len(path.times)) ** 2}
+    with pytest.raises(InputError, match="load_x, load_y along one direction"):
+        equivbeam.calibrate(other, table, ["axial"])
+
+
+@pytest.mark.parametrize("factor", [1.02, 2.0, 4.0])
+def test_a_parameter_that_moves_the_curve_little_is_found(factor):
+    """The gradient of the squares is small at the start already."""
+    cone = spring_b()
+    start = replace(cone, contact=replace(cone.contact, stiffness=cone.contact.stiffness / factor))
+    found = equivbeam.calibrate(start, equivbeam.solve(cone), ["penalty"])
+    assert found.values == pytest.approx([cone.contact.stiffness], rel=1e-5)
