@@ -77,6 +77,28 @@ def test_axial_rate_is_that_of_rod_theory():
     assert (4 * fine - coarse) / 3 == pytest.approx(3.412482, rel=1e-3)
 
 
+def test_a_solid_wire_leans_to_its_centre_of_curvature():
+    """In a steep cone that is not the spring's axis: straight elements came to another limit, by 3e-4."""
+    cone = Spring(2.0, (12.0, 7.0), 1.5, 13.5, start_phase=1.05, wire_rigidity="solid")
+    scene = Scene("cone", cone, Load((20.0, 60.0), steps=1), contact=Contact(enabled=False))
+    exact = wirefe.solve(scene, element="curved", elements_per_turn=64).tips[-1]
+    errors = [wirefe.solve(scene, elements_per_turn=count).tips[-1] / exact - 1.0 for count in (160, 320)]
+    np.testing.assert_allclose(errors[0] / errors[1], 4.0, rtol=0.02)
+
+
+@pytest.mark.parametrize(
+    ("load", "words"),
+    [
+        (Load((0.0, -1e-8)), r"load\.force must be \S+ N at least for this spring, got 1e-08"),
+        (Load(displacement=(-1e-9,)), r"load\.displacement must be \S+ mm at least, got 1e-09"),
+    ],
+)
+def test_a_load_that_rounding_hides_is_refused(load, words):
+    """It ended as not converged, or took minutes."""
+    with pytest.raises(InputError, match=words):
+        wirefe.solve(replace(spring_a(), load=load, supports=Supports(("ux", "rotz"))))
+
+
 def test_frictionless_spring_b_has_a_limit_point():
     scene = replace(spring_b(), contact=Contact(geometry="spheres", sliding="free"))
     times = []

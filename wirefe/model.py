@@ -121,8 +121,7 @@ def _wire(scene: Scene, mesh: WireMesh, element: str) -> Rod:
     points, phases = mesh.points[:last], mesh.phases[:last]
     if solid:
         middles = 0.5 * (phases[:-1] + phases[1:])
-        inward = -(spring.points(middles) * (1.0, 0.0, 1.0))
-        rod = straight_solid_rod(points, flexibility(middles), inward)
+        rod = straight_solid_rod(points, flexibility(middles), spring.inward(middles))
     else:
         rod = straight_rod(points, section)
     return join_top(rod).holding(0, "ux", "uz", "roty") if on_plates else rod.holding(0)

@@ -132,7 +132,7 @@ def straight_solid_rod(points: np.ndarray, flexibility: np.ndarray, inward: np.n
     Parameters
     ----------
     flexibility : (elements, 6, 6) of the wire per length, in Frenet's axes.
-    inward : (elements, 3) towards the centre of curvature.
+    inward : (elements, 3) across the wire towards the centre of curvature.
     """
     points = _checked(points)
     t, lengths = _chords(points)

@@ -11,6 +11,8 @@ from coilspring.contact.law import PAIR_HISTORY, PairLaw
 from coilspring.errors import EquilibriumNotFound, InputError, require_choice, require_integer, shown
 from coilspring.path import EquilibriumPath
 from coilspring.scene import Scene, require_scene
+from coilspring.scene.load import stage_ends
+from coilspring.scene.sizing import axial_rate
 from coilspring.solver.interface import Kernels
 from coilspring.solver.problem import Problem
 from coilspring.solver.solve import follow_load, follow_problem, scene_path
@@ -28,6 +30,8 @@ LENGTHS_OF_A_WIRE = 50.0
 # Wire diameters within which what is no pair becomes one: spheres together with those that touch; stations as
 # they touch, with the nearest one of another coil: chosen earlier, it would depend on the steps.
 SPHERES_REACH, STATIONS_REACH = 1.5, 1.01
+LEAST_MOTION = 1e-7  # of the height: below it, rounding of the wire's points is seen in the answer
+SMALL_FORCE = 1.0  # N, below which that is asked at all
 CHUNK = 4  # springs of a sweep handed to a worker at a time; to hand one over takes 0.4 ms
 NO_PAIRS = np.zeros((0, 2), dtype=np.int64)
 
@@ -189,6 +193,7 @@ def scene_problem(
     """Problem, mesh and options of a scene's wire model; `found` are pairs of spheres not one turn apart."""
     require_choice("element", element, ELEMENTS)
     require_integer("elements_per_turn", elements_per_turn, 4, MOST_ELEMENTS)
+    _require_motion(scene)
     if pairs_per_turn is None:
         pairs_per_turn = PER_TURN[scene.contact.geometry]
     data, mesh, rod = model.build_model(scene, elements_per_turn, pairs_per_turn, element, found)
@@ -206,6 +211,18 @@ def scene_problem(
         return scene_problem(scene, element, elements_per_turn, pairs_per_turn, more)[0]
 
     return replace(problem, extended=extended), mesh, options
+
+
+def _require_motion(scene: Scene) -> None:
+    """Refuse a load that moves the top by hardly more than rounding moves the wire's points."""
+    load, least = scene.load, LEAST_MOTION * scene.spring.active_height
+    if load.displacement:
+        if (largest := max(map(abs, load.displacement))) < least:
+            raise InputError(f"load.displacement must be {least:.1g} mm at least, got {largest:g}")
+        return
+    force = float(np.abs(stage_ends(load)).max())
+    if force < SMALL_FORCE and force < (least := least * axial_rate(scene)):
+        raise InputError(f"load.force must be {least:.1g} N at least for this spring, got {force:g}")
 
 
 def rod_problem(rod: Rod) -> Problem:

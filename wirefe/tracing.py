@@ -37,7 +37,7 @@ def trace(
     """Trace the equilibrium path of `scene` through its limit points.
 
     Parameters are those of `wirefe.solve`, but for `points`: the largest number of points, spaced by
-    arc length. The path ends there or where time 1 is reached.
+    arc length. The path ends there, or at the first point at time 1 or beyond it.
 
     Returns
     -------

@@ -212,6 +212,13 @@ class Spring:
         radius = self.radius(phi)
         return self._turned(phi, slope, radius, rise), self._turned(phi, -radius, 2.0 * slope, bend)
 
+    def inward(self, phi: np.ndarray) -> np.ndarray:
+        """Second derivative of `points` in `phi`, end turns included, (len(phi), 3), mm: across the wire it
+        is towards the centre of curvature. Where two sections meet, that of the upper one."""
+        active = np.clip(phi, 0.0, self.phase_end)
+        slope, _, bend = self.profile.rates(active) * (active == phi)
+        return self._turned(phi, -self.radius(phi), 2.0 * slope, bend)
+
     def tangents(self, phi: np.ndarray) -> np.ndarray:
         """First derivative of `points` in `phi`, end turns included, (len(phi), 3), mm.
 
