@@ -25,13 +25,13 @@ ACCURACIES = (1e-5, 1e-2)
 COARSEST = 4  # first level, which mostly does where wires do not touch
 ROUGH = 5e-3  # accuracy from which few more stations mostly do where they touch
 # Errors over what differences tell, at most (as measured on random springs). Of the first of two paths:
-FIRST, MIXED = 2.0, 5.0  # and where substeps differ, too, or end turns bear on plates
+FIRST, MIXED = 2.0, 5.0  # and where substeps differ, too, or errors fall unevenly
 # Of a path in fewer steps, where contact remembers: pairs may slide in the one that stick in the other.
 SUBSTEPS = 10.0
 # Of the last path, where errors are smooth: as a path before tells it; as two alike do.
 SMOOTH, STEADY = 3.0, 2.0
 ALIKE = 1.5
-UNEVEN, ON_PLATES = 6.0, 10.0  # the same where they are not, with stations and on plates
+UNEVEN, ON_PLATES = 6.0, 10.0  # the same where they are not, and where plates are why
 CHANCE = 5e-4  # accuracy below which two paths with stations agree too often by chance: three are compared
 SHARE = 0.5  # of its level is a mesh as fine as, however few its stations
 FALL = 0.5  # of what the path before told, each tells at least: two may agree by chance
@@ -82,8 +82,10 @@ class Trials:
 
     @property
     def uneven(self) -> bool:
-        """Whether errors fall unevenly: with stations, and on plates, on which end turns bear at nodes."""
-        return self.irregular or on_plates(self.levels.scene)
+        """Whether errors fall unevenly: with stations; on plates, on which end turns bear at nodes; and where
+        wires overlap in the end, which is looked for between points of them."""
+        overlap = bool(self.found) and self.found[-1].path.outcome == "interpenetration"
+        return self.irregular or overlap or on_plates(self.levels.scene)
 
     @property
     def substeps(self) -> bool:
