@@ -116,7 +116,8 @@ def _caution(scene: Scene, law: str | UserLaw, rows: np.ndarray, states: np.ndar
     height = scene.spring.active_height
     travel, shortened = height - solid_height(scene.spring), height - lengths.sum(axis=1)
     row, when = worst(shortened, times)
-    if scene.contact.enabled and travel > 0.0 and shortened[row] > TRUSTED * travel:
+    within = TRUSTED * travel < shortened[row] < height  # else the top has passed the bottom
+    if scene.contact.enabled and travel > 0.0 and within:
         said += (
             f"; but{when} it is {shortened[row] / travel:.0%} of the travel to solid, where coils close bit "
             "by bit and the beam's force may be far off: use wirefe with 16 or more pairs per turn"

@@ -273,6 +273,14 @@ def test_a_law_that_leaves_its_range_says_so():
         assert near.loads[-1, 1] == pytest.approx(wire.loads[8, 1], rel=0.03)
 
 
+def test_a_top_below_the_bottom_is_said_alone():
+    """Nothing is to be gained by another model, which prevents it no more."""
+    flat = Scene("flat", Spring(2.0, (60.0, 20.0), 4.0, 20.0), Load((0.0, -60.0)))
+    message = equivbeam.solve(flat).message
+    assert "the top has passed the bottom" in message
+    assert "travel to solid" not in message
+
+
 @pytest.mark.parametrize(
     ("stiffness", "force", "words"),
     [(1e4, -200.0, "followed to time 1"), (20.0, -60.0, "penetrate"), (1e4, -300.0, "passed the bottom")],
