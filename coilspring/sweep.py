@@ -12,14 +12,13 @@ from typing import Any
 import numpy as np
 
 from coilspring.contact.forces import normal_forces
-from coilspring.errors import EquilibriumNotFound, InputError, require_integer, shown
+from coilspring.errors import EquilibriumNotFound, InputError, shown
 from coilspring.path import EquilibriumPath
 from coilspring.scene import Scene
-from coilspring.workers import processes
+from coilspring.workers import processes, require_workers
 
 REFUSED, CRASHED = "refused", "crashed"  # outcomes besides those of a path
 AHEAD = 4  # chunks of springs handed out for each worker
-MOST_WORKERS = 1000
 
 Solver = Callable[[Scene], EquilibriumPath]  # a function that can be sent to another process
 Job = tuple[Scene, Solver]
@@ -109,7 +108,7 @@ def _found(
     jobs: Iterator[Job], chunk: int, workers: int | None, prepare: Callable[[], object], ordered: bool
 ) -> Iterator[tuple[int, list[Outcome]]]:
     """Number of the first job and outcomes, one by one by this process or in chunks by others."""
-    workers = workers if workers is None else require_integer("workers", workers, 0, MOST_WORKERS)
+    workers = require_workers(workers)
     if workers == 0:
         yield from ((i, [outcome_of(*job)]) for i, job in enumerate(jobs))
         return

@@ -6,9 +6,16 @@ from concurrent.futures import Executor
 from contextlib import contextmanager
 from typing import Any
 
+from coilspring.errors import require_integer
 from coilspring.solver.interrupt import signals_blocked, signals_noted
 
+WORKERS = (0, 1000)  # processes that can be asked for
 ONE_THREAD = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")  # each, for linear algebra
+
+
+def require_workers(workers: object) -> int | None:
+    """A number of worker processes, or None; `InputError` for any other."""
+    return workers if workers is None else require_integer("workers", workers, *WORKERS)
 
 
 @contextmanager

@@ -460,6 +460,18 @@ def test_a_sweep_says_where_the_one_before_is_kept(tmp_path, capsys):
         assert (said in capsys.readouterr().out) == (force == "-40")
 
 
+@pytest.mark.parametrize("workers", [-1, 1001])
+def test_as_many_workers_are_refused_by_command_and_library(workers, tmp_path, capsys):
+    said = f"workers must be an integer in [0, 1000], got {workers}"
+    call = ["sweep", "spring-b", "--vary", "load.steps=1,2", "--workers", str(workers)]
+    assert main([*call, "--out", str(tmp_path)]) == 2
+    assert capsys.readouterr().err == f"coilcheck: --{said}\n"
+    assert not list(tmp_path.iterdir())  # before anything is written
+    for model in (equivbeam, wirefe):
+        with pytest.raises(InputError, match=re.escape(said)):
+            next(model.sweep([spring_b()], workers=workers))
+
+
 @pytest.mark.parametrize("number", [1e-5, 1.04e-5, 9.99e-5, 0.1, 0.0123, 0.999])
 def test_an_accuracy_that_is_offered_can_be_asked_for(number):
     found = rounded_up(number)

@@ -10,6 +10,8 @@ from pathlib import Path
 from typing import Any, NoReturn
 
 from coilspring import CATALOGUE, InputError, Scene, load_scene
+from coilspring.workers import WORKERS
+from validation.cli.terminal import say
 from validation.reproduce import ARTEFACTS
 from validation.study.machine import versions
 from validation.study.output import WIRE_FILES
@@ -40,7 +42,7 @@ UNREAD = {  # keys of a scene, or sections, that a model does not read, and how 
 }
 UNSWEPT = {"material.density": "solve --frequencies"}  # the same of any model
 CAMPAIGN_RANGES = dict.fromkeys(("beams", "wires"), (0, 10_000_000))  # of the options of stability
-CAMPAIGN_RANGES |= {"seed": (0, 2**32 - 1), "workers": (0, 1000)}
+CAMPAIGN_RANGES |= {"seed": (0, 2**32 - 1), "workers": WORKERS}
 STUDY_SCENES = (*CATALOGUE, "cylinder-lateral", "slender-axial")  # of workprecision
 EPILOG = """exit codes: 0 done; 1 something moved or is unexplained (regress, stability); 2 bad input;
 3 a path ended early, what was reached is written (by calibrate nothing); 4 nothing could be written there;

@@ -12,6 +12,7 @@ from coilspring import InputError, Scene, load_scene
 from coilspring.errors import require_integer
 from coilspring.scene.profile import OTHER_DIAMETERS
 from coilspring.scene.toml import written_table
+from coilspring.workers import require_workers
 from validation.cli.arguments import (
     CAMPAIGN_RANGES,
     COMMON_OPTIONS,
@@ -174,8 +175,7 @@ def sweep(arguments: argparse.Namespace, folder: Path, progress: Progress) -> An
     # an accuracy is the wire model's, whatever is chosen for it
     model = arguments.model = arguments.model if accuracy is None else "wirefe"
     refuse_other_models(arguments, tuple(name for names in MODEL_OPTIONS.values() for name in names))
-    if workers is not None:
-        require_integer("workers", workers, *CAMPAIGN_RANGES["workers"])
+    require_workers(workers)
     scene = scene_of(arguments)
     from validation.sweep import grid, run
 
