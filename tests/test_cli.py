@@ -609,6 +609,27 @@ def test_a_run_says_what_it_takes_the_place_of(tmp_path, capsys):
     assert "in place of" not in capsys.readouterr().out
 
 
+@pytest.mark.parametrize(
+    ("arguments", "name"),
+    [
+        ("check spring-a --out", "--out"),
+        ("solve spring-a --model equivbeam --out", "--out"),
+        ("compare spring-a --measured", "--measured"),
+        ("regress spring-a --baselines", "--baselines/--baseline"),
+        ("view spring-a --movie", "--movie"),
+        ("view", "SCENE|RUN"),
+        ("study-law", "FILE.py"),
+        ("calibrate spring-a --fit axial", "MEASURED.csv"),
+    ],
+)
+def test_no_name_of_a_place_is_refused(arguments, name, tmp_path, monkeypatch, capsys):
+    """As of a shell's variable that is not set: it was the folder one is in, or ignored."""
+    monkeypatch.chdir(tmp_path)
+    assert main([*arguments.split(), ""]) == 2
+    assert sentence(capsys).startswith(f"argument {name}: must be the name of a file or folder, got ''")
+    assert not list(tmp_path.iterdir())
+
+
 def test_a_run_is_traced_to_its_scene_and_says_which_keys_it_replaces(tmp_path, capsys):
     """A file that was edited, and another file of the same name, were replaced without a word."""
     file, other = tmp_path / "a.toml", tmp_path / "other.toml"

@@ -138,7 +138,18 @@ def _law(text: str) -> str:
     return text
 
 
-READERS: dict[str, Callable[[str], Any]] = {"number": number_of, "path": Path, "law": _law}
+def _place(text: str) -> str:
+    """Where something is; nothing, as a shell's variable that is not set, would be the folder one is in."""
+    if not text:
+        raise argparse.ArgumentTypeError("must be the name of a file or folder, got ''")
+    return text
+
+
+def _path(text: str) -> Path:
+    return Path(_place(text))
+
+
+READERS: dict[str, Callable[[str], Any]] = {"number": number_of, "path": _path, "place": _place, "law": _law}
 NAMES = {"catalogue": tuple(CATALOGUE), "models": tuple(MODEL_OPTIONS), "fitted": FITTED}
 NAMES |= {"artefacts": ARTEFACTS, "studied": STUDY_SCENES}
 
