@@ -630,6 +630,21 @@ def test_no_name_of_a_place_is_refused(arguments, name, tmp_path, monkeypatch, c
     assert not list(tmp_path.iterdir())
 
 
+def test_a_solve_goes_on_where_there_is_no_room_for_its_mailbox(tmp_path, monkeypatch):
+    from coilspring.solver import interrupt
+
+    def no_room(*_):
+        raise OSError(errno.EFBIG, "File too large")
+
+    interrupt._mailbox.cache_clear()
+    monkeypatch.setattr(interrupt.os, "write", no_room)
+    call = ["solve", "spring-a", "--model", "wirefe", "--steps", "1", "--out", str(tmp_path)]
+    try:
+        assert main(call) == 0
+    finally:
+        interrupt._mailbox.cache_clear()
+
+
 def test_a_run_is_traced_to_its_scene_and_says_which_keys_it_replaces(tmp_path, capsys):
     """A file that was edited, and another file of the same name, were replaced without a word."""
     file, other = tmp_path / "a.toml", tmp_path / "other.toml"

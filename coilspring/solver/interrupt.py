@@ -19,14 +19,18 @@ import numpy as np
 def _mailbox(process: int) -> tuple[int, np.ndarray]:
     """A file that Python writes a byte to when a signal comes, and the same bytes as an integer in memory.
 
-    One for each process: a child would share its parent's.
+    One for each process: a child would share its parent's. Where it cannot be made, as on a full disk, there
+    is no file, and signals wait for the end of the compiled work.
     """
-    descriptor, name = tempfile.mkstemp()
-    with suppress(OSError):  # where open files cannot be removed, it stays
-        os.unlink(name)
-    os.truncate(descriptor, mmap.PAGESIZE)
+    try:
+        descriptor, name = tempfile.mkstemp()
+        with suppress(OSError):  # where open files cannot be removed, it stays
+            os.unlink(name)
+        os.write(descriptor, bytes(8))  # not a hole, for which there may be no room later
+    except OSError:
+        return -1, np.zeros(1, dtype=np.int64)
     os.set_blocking(descriptor, False)
-    return descriptor, np.frombuffer(mmap.mmap(descriptor, mmap.PAGESIZE), dtype=np.int64)[:1]
+    return descriptor, np.frombuffer(mmap.mmap(descriptor, 8), dtype=np.int64)
 
 
 SIGNALS = tuple(getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGALRM") if hasattr(signal, name))
@@ -43,7 +47,8 @@ def interruptible(function: Callable, *arguments: object) -> Any:
         return function(*arguments, np.zeros(1, dtype=np.int64))  # signals go elsewhere
     descriptor, flag = _mailbox(os.getpid())
     while True:
-        os.lseek(descriptor, 0, os.SEEK_SET)
+        if descriptor >= 0:
+            os.lseek(descriptor, 0, os.SEEK_SET)
         flag[0] = 0
         with signals_noted(descriptor):
             result = function(*arguments, flag)
