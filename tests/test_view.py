@@ -1,5 +1,6 @@
 """The deforming wire: a series of VTU files, a movie of it, and words where there is no window."""
 
+import errno
 import sys
 
 import numpy as np
@@ -113,6 +114,25 @@ def test_a_window_that_does_not_open_is_one_sentence(run, monkeypatch, capsys):
     monkeypatch.setattr(process, "COMMAND", (sys.executable, "-c", "import os; os.abort()"))
     assert main(["view", str(run)]) == 2
     assert capsys.readouterr().err.startswith("coilcheck: no window could be opened (")
+
+
+@pytest.mark.parametrize("file", ["given.pickle", "0000.png", "a.gif"])
+def test_a_movie_for_which_there_is_no_room_is_exit_4(file, run, tmp_path, monkeypatch, capsys):
+    """Anything that is written on the way to it, by matplotlib too."""
+    from builtins import open as sound
+
+    def no_room(name, mode="r", *more, **others):
+        if file in str(name) and "r" not in mode:
+            raise OSError(errno.EFBIG, "File too large")
+        return sound(name, mode, *more, **others)
+
+    monkeypatch.setattr(process, "COMMAND", (sys.executable, "-c", "import os; os.abort()"))
+    monkeypatch.setattr("io.open", no_room)
+    monkeypatch.setattr("builtins.open", no_room)
+    assert main(["view", str(run), "--movie", str(tmp_path / "a.gif")]) == 4
+    where = tmp_path / file if file == "a.gif" else "the folder for temporary files"
+    assert capsys.readouterr().err == f"coilcheck: cannot write to {where}: File too large\n"
+    assert not list(tmp_path.iterdir())
 
 
 def test_what_cannot_be_shown_is_refused(run, tmp_path, capsys):

@@ -28,6 +28,9 @@ TOLD = ("load.steps", "contact.stiffness")  # keys of a scene that a summary has
 FACTS = "facts.json"  # of a study: the numbers by name that findings are computed from
 
 
+TEMPORARY = "the folder for temporary files"  # as a message has it
+
+
 class OutputError(RuntimeError):
     """Something could not be written; one sentence."""
 
@@ -229,7 +232,7 @@ def _vtu_files(path: EquilibriumPath, steps: Mapping[str, int]) -> dict[str, byt
     from wirefe.results.export import write_vtu
 
     found = {}
-    with writing("the folder for temporary files"), tempfile.TemporaryDirectory(prefix="coilcheck-") as made:
+    with writing(TEMPORARY), tempfile.TemporaryDirectory(prefix="coilcheck-") as made:
         for name, step in steps.items():
             write_vtu(path, step, file := Path(made, "wire.vtu"))
             found[name] = file.read_bytes()

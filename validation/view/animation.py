@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from coilspring import InputError
-from validation.study.output import write_bytes
+from validation.study.output import TEMPORARY, write_bytes, writing
 from validation.view.frames import Frames
 from validation.view.process import Drawing
 
@@ -83,4 +83,5 @@ def _draw_flat(frames: Frames, files: list[Path]) -> None:
             dots = axes.scatter(x, y, c=forces[touched], vmin=0.0, vmax=frames.forces.max(), zorder=3)
             figure.colorbar(dots, label="contact force (N)")
         to_scale(axes, every, frames.diameter)
-        figure.savefig(file)
+        with writing(TEMPORARY):
+            figure.savefig(file)

@@ -10,6 +10,8 @@ from contextlib import ExitStack, suppress
 from pathlib import Path
 from typing import Any, Self
 
+from validation.study.output import TEMPORARY, writing
+
 COMMAND = (sys.executable, "-m", "validation.view.pictures")
 GIVEN = "given.pickle"
 POLL = 0.05  # s, between looks at what a drawing has written
@@ -24,7 +26,8 @@ class Drawing(ExitStack):
 
     def __init__(self, what: str) -> None:
         super().__init__()
-        self.folder = Path(self.enter_context(tempfile.TemporaryDirectory(prefix="coilcheck-")))
+        with writing(TEMPORARY):
+            self.folder = Path(self.enter_context(tempfile.TemporaryDirectory(prefix="coilcheck-")))
         self._process: subprocess.Popen | None = None
         self._failure = ""
         try:
@@ -42,8 +45,9 @@ class Drawing(ExitStack):
             self.callback(process.kill)  # before it is waited for
 
     def give(self, drawn: object) -> Self:
-        """Hand over what is to be drawn."""
-        (self.folder / GIVEN).write_bytes(pickle.dumps(drawn))
+        """Hand over what is to be drawn; `OutputError` where there is no room for it."""
+        with writing(TEMPORARY):
+            (self.folder / GIVEN).write_bytes(pickle.dumps(drawn))
         if self._process is not None and self._process.stdin is not None:
             self._process.stdin.close()
         self._began = time.monotonic()
