@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 import wirefe
-from coilspring import Contact, InputError, Load, Scene, Spring, load_scene, spring_a, spring_b
+from coilspring import Contact, InputError, Load, Scene, Spring, load_scene, scene_text, spring_a, spring_b
 from validation.cli import main
 from validation.peers import calculix, comparison, page
 from validation.peers.comparison import PeerComparison
@@ -129,6 +129,26 @@ def test_without_the_peer_one_sentence_says_how_to_install_it(peer, install, tmp
     error = capsys.readouterr().err
     assert install in error
     assert error.count("\n") == 1
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "field"),
+    [
+        ('geometry = "spheres"', 'geometry = "wires"', "contact.geometry"),
+        ("active_coils = 7.5", "active_coils = 7.51", "spring.active_coils"),
+    ],
+)
+@pytest.mark.parametrize("peer", comparison.PEERS)
+def test_a_scene_is_refused_before_anyone_installs_the_peer(
+    peer, old, new, field, tmp_path, monkeypatch, capsys
+):
+    monkeypatch.setattr(shutil, "which", lambda name: None)
+    monkeypatch.setattr(comparison, "opensees", lambda: None)
+    text = scene_text(spring_b())
+    assert old in text
+    (tmp_path / "scene.toml").write_text(text.replace(old, new), encoding="utf-8")
+    assert main(["referee", str(tmp_path / "scene.toml"), "--with", peer, "--out", str(tmp_path)]) == 2
+    assert capsys.readouterr().err.startswith(f"coilcheck: {field} must be ")
 
 
 def difference(scene, peer, steps, folder):

@@ -14,10 +14,9 @@ from pathlib import Path
 import numpy as np
 
 from coilspring import InputError, Scene
-from validation.peers.layout import Curve, amplitudes, layout, refuse
+from validation.peers.layout import NODES_PER_TURN, Curve, amplitudes, layout, refuse
 from validation.study.template import template
 
-NODES_PER_TURN = 40  # 20 elements of three nodes
 STIFF = 1e4  # modulus of the stiff beams over the wire's
 POINTER = 10.0  # length of the beam whose end tells ROTZ, in wire diameters
 JOB = "scene"

@@ -9,7 +9,7 @@ import numpy as np
 import wirefe
 from coilspring import EquilibriumPath, InputError, Scene
 from validation.peers import calculix
-from validation.peers.layout import Curve
+from validation.peers.layout import NODES_PER_TURN, Curve, layout, refuse
 from validation.study.metrics import answered, peaks
 from validation.study.partialsolve import partial_path
 
@@ -110,6 +110,8 @@ def opensees() -> ModuleType | None:
 
 
 def _opensees(scene: Scene) -> Curve:
+    refuse(scene, "opensees")  # before anyone installs it for nothing
+    layout(scene, NODES_PER_TURN)
     module = opensees()
     if module is None:
         raise InputError(MISSING)

@@ -10,6 +10,7 @@ from coilspring.scene.load import stage_ends
 from validation.study.metrics import COMPONENTS
 
 PAIRS_PER_TURN = 4
+NODES_PER_TURN = 40
 
 
 @dataclass(frozen=True)

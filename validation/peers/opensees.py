@@ -31,9 +31,8 @@ from coilspring import Scene
 from coilspring.scene.load import stage_ends
 from coilspring.scene.sizing import axial_rate
 from coilspring.scene.wire import SHEAR_FACTOR
-from validation.peers.layout import Curve, amplitudes, layout, refuse
+from validation.peers.layout import NODES_PER_TURN, Curve, amplitudes, layout, refuse
 
-ELEMENTS_PER_TURN = 40
 TOLERANCE = 1e-10  # of the energy test, over a bound of the load's work
 STIFF = 1e4  # sections of the stiff beams over the wire's; 1e2 to 1e6 move Spring A's tip by 1e-5
 MOST_ITERATIONS = 60  # of a step
@@ -193,7 +192,7 @@ def run(
     steps: int,
     tolerance: float,
     halvings: int = HALVINGS,
-    elements_per_turn: int = ELEMENTS_PER_TURN,
+    elements_per_turn: int = NODES_PER_TURN,
 ) -> Curve:
     """Build the scene's model and load it in equal steps of each stage; `InputError` where it is refused.
 
