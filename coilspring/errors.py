@@ -74,6 +74,15 @@ def plain(value: float, digits: int = 2) -> str:
     return f"{float(f'{value:.{digits}g}'):g}"
 
 
+def rounded(value: object, digits: int = 10) -> object:
+    """Numbers, also in lists and tables, without the noise of computed ones: 24.1 for 24.099999999999998."""
+    if isinstance(value, list):
+        return [rounded(each, digits) for each in value]
+    if isinstance(value, dict):
+        return {key: rounded(each, digits) for key, each in value.items()}
+    return float(f"{value:.{digits}g}") if isinstance(value, float) else value
+
+
 def shown(value: object) -> str:
     """One-line text of a refused value, cut where it is long."""
     try:

@@ -19,11 +19,22 @@ import validation.regress.baselines
 import validation.regress.run
 import wirefe.contact.points
 import wirefe.model
-from coilspring import CATALOGUE, EquilibriumNotFound, InputError, Load, load_scene, scene_text, spring_a
+from coilspring import (
+    CATALOGUE,
+    EquilibriumNotFound,
+    InputError,
+    Load,
+    Scene,
+    Spring,
+    load_scene,
+    scene_text,
+    spring_a,
+)
 from equivbeam import Refinements
 from validation.cli import main
 from validation.regress import timeratios
 from validation.regress.baselines import COARSE, MODELS, SHIPPED, Run, find, quantities, read, runs, runs_of
+from validation.regress.run import _scene_moves as scene_moves
 from validation.regress.run import compare, regress
 from validation.study import cases
 from validation.study.cases import CASES
@@ -462,6 +473,22 @@ def test_a_scene_of_ones_own_from_any_folder(own, tmp_path, capsys):
     scene = "the scene: material.E was 206000.0, is 206206.0 (the baselines are of another scene)\n"
     assert captured.out.count("the scene: ") == captured.out.count(scene) == 1
     assert captured.err.startswith("coilcheck: mine: 3 runs: ")
+
+
+def test_keys_of_a_scene_are_named_with_numbers_as_people_write_them():
+    """25.7 - 1.6 is 24.1, and a mean diameter given as such is the same."""
+    given = {"active_coils": 5.5, "active_height": 40.0}
+    thick, thin, mean = (
+        Scene("mine", spring, Load((0.0, -10.0)))
+        for spring in (
+            Spring.of_diameter(1.6, outer_diameter=25.7, **given),
+            Spring.of_diameter(1.6, outer_diameter=25.8, **given),
+            Spring(1.6, 24.1, **given),
+        )
+    )
+    (move,) = scene_moves(thin, thick)
+    assert (move.quantity, move.before, move.now) == ("spring.mean_diameter", "[24.2, 24.2]", "[24.1, 24.1]")
+    assert list(scene_moves(mean, thick)) == []
 
 
 def test_the_geometry_asked_for_has_baselines_of_its_own(own, tmp_path):

@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from coilspring import Scene, load_scene
+from coilspring.errors import rounded
 from coilspring.scene.toml import SECTIONS, scene_table, scene_text
 from validation.regress import baselines, timeratios
 from validation.regress.baselines import MODELS, Quantities, Run, find, made, read, runs, runs_of
@@ -143,7 +144,7 @@ def _scene_moves(before: Scene, now: Scene) -> Iterator[Move]:
     was, new = scene_table(before), scene_table(now)
     for section in SECTIONS:
         for key in dict.fromkeys((*was[section], *new[section])):
-            old, given = (str(table[section].get(key, "not given")) for table in (was, new))
+            old, given = (str(rounded(table[section].get(key, "not given"))) for table in (was, new))
             if old != given:
                 yield Move("the scene", f"{section}.{key}", old, given, "the baselines are of another scene")
 

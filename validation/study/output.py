@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 
+from coilspring.errors import rounded
 from coilspring.path import EquilibriumPath
 from coilspring.scene.toml import SECTIONS, scene_table
 from validation.study.machine import versions
@@ -199,7 +200,7 @@ def replaced(folder: Path, found: Mapping[str, object]) -> list[str]:
 def _other_keys(old: Mapping[str, Any], new: Mapping[str, Any]) -> list[str]:
     """Keys of a scene, with their values, that a new one of the same name has not, or otherwise."""
     keys = {
-        f"{section}.{key}": (value, new[section].get(key))
+        f"{section}.{key}": (rounded(value), rounded(new[section].get(key)))
         for section in SECTIONS
         for key, value in old[section].items()
     }
