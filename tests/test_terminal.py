@@ -76,9 +76,9 @@ def test_kernels_are_on_the_disk_once_they_were_compiled():
     assert not stored(kernels._replace(work=unknown))
 
 
-def run_apart(folder, **settings):
+def run_apart(folder, *options, **settings):
     """The command in a process of its own, with the output folder `folder`."""
-    arguments = ["solve", "spring-a", "--model", "equivbeam", "--steps", "1", "--out", str(folder)]
+    arguments = ["solve", "spring-a", "--model", "equivbeam", "--steps", "1", "--out", str(folder), *options]
     return subprocess.run(
         [sys.executable, "-m", "validation.cli", *arguments], stderr=subprocess.PIPE, check=False, **settings
     )
@@ -92,14 +92,24 @@ def test_output_survives_a_narrow_encoding(tmp_path):
     assert done.stderr == b""
 
 
-def test_a_closed_standard_output_is_exit_4(tmp_path):
+@pytest.mark.parametrize("option", [(), ("--help",)])
+def test_where_nobody_reads_any_more_the_command_ends_quietly(option, tmp_path):
+    """As what `| head` ends, by the signal SIGPIPE; it was exit code 4 and a sentence, or a traceback."""
     reader, writer = os.pipe()
     os.close(reader)
-    done = run_apart(tmp_path, stdout=writer)
+    done = run_apart(tmp_path, *option, stdout=writer)
     os.close(writer)
+    assert (done.returncode, done.stderr) == (141, b"")
+    assert (tmp_path / "summary.json").exists() == (not option)
+
+
+@pytest.mark.skipif(not os.path.exists("/dev/full"), reason="no file that is always full")
+@pytest.mark.parametrize("option", [(), ("--help",)])
+def test_a_standard_output_that_is_full_is_exit_4(option, tmp_path):
+    with open("/dev/full", "w") as full:
+        done = run_apart(tmp_path, *option, stdout=full)
     assert done.returncode == 4
-    assert done.stderr == b"coilcheck: cannot write to standard output: Broken pipe\n"
-    assert (tmp_path / "summary.json").exists()
+    assert done.stderr == b"coilcheck: cannot write to standard output: No space left on device\n"
 
 
 def test_one_iteration_is_singular():

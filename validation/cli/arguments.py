@@ -46,7 +46,7 @@ CAMPAIGN_RANGES |= {"seed": (0, 2**32 - 1), "workers": WORKERS}
 STUDY_SCENES = (*CATALOGUE, "cylinder-lateral", "slender-axial")  # of workprecision
 EPILOG = """exit codes: 0 done; 1 something moved or is unexplained (regress, stability); 2 bad input;
 3 a path ended early, what was reached is written (by calibrate nothing); 4 nothing could be written there;
-130 interrupted
+130 interrupted; 141 nobody reads the output any more (| head)
 
 example: coilcheck solve spring-a --model equivbeam"""
 
@@ -62,6 +62,9 @@ class _Parser(argparse.ArgumentParser):
             raise InputError(f"{said}; see {self.prog} {found.command} --help")
         return found
 
+    def _print_message(self, message: str, file: Any = None) -> None:
+        say(message.rstrip("\n"))
+
     def error(self, message: str) -> NoReturn:
         raise InputError(f"{message}; see {self.prog} --help")
 
@@ -70,7 +73,7 @@ class _Version(argparse.Action):
     """Prints the version; it is read here, not at every start."""
 
     def __call__(self, parser: argparse.ArgumentParser, *unused: object) -> NoReturn:
-        print("coilcheck", versions()["coilcheck"] or "(a checkout)")
+        say(f"coilcheck {versions()['coilcheck'] or '(a checkout)'}")
         parser.exit()
 
 

@@ -1,5 +1,6 @@
 """What the command says: on standard output, and on a terminal while it works."""
 
+import os
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -16,6 +17,7 @@ LIMIT_POINTS = {  # by whether UY is prescribed
     True: "a limit point is where the prescribed displacement is largest: beyond it the spring snaps",
 }
 MANY = 64  # stations per turn: where wires slide off early, it is seen with these
+PIPE_CLOSED = 141  # exit code, as of what the signal SIGPIPE ends
 TOLD = 0.01  # seconds, from which on it is said that kernels were made ready
 FIRST = "(making the kernels ready, once: about half a minute)"
 SLIPPING = {  # without friction, by what stands for coils that touch
@@ -26,13 +28,20 @@ SLIPPING = {  # without friction, by what stands for coils that touch
 
 
 def say(*lines: str) -> None:
-    """Print to stdout, whatever characters its encoding lacks; nothing where there are no lines."""
+    """Print to stdout, whatever characters its encoding lacks; nothing where there are no lines.
+
+    Where nobody reads any more (`| head`) the command ends at once, without a word, as others do.
+    """
     if not lines:
         return
     encoding = sys.stdout.encoding or "utf-8"
     text = "\n".join(lines).encode(encoding, "backslashreplace").decode(encoding)
     with writing("standard output"):
-        print(text, flush=True)
+        try:
+            print(text, flush=True)
+        except BrokenPipeError:
+            os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # for what is flushed at the end
+            raise SystemExit(PIPE_CLOSED) from None
 
 
 @contextmanager
