@@ -260,6 +260,8 @@ def test_the_figure_has_a_key_of_what_is_drawn_and_letters_of_several_panels():
     assert said(study) == (["mine"], ["equivalent", "wire", "deviation"])
     ended = replace(study, data=rows.assign(outcome="limit_point"), deviation=None)
     assert said(ended) == (["mine"], ["equivalent", "wire", "a"])
+    alone = replace(study, data=rows.assign(outcome=rows["outcome"].where(rows["model"] == WIRE, NO_INPUT)))
+    assert said(alone) == (["mine"], ["wire", "deviation"])  # the beam's bars are nowhere
     assert said(study, study)[0] == ["(a) mine", "(b) mine"]
 
 

@@ -56,7 +56,8 @@ def draw(studies: Sequence[Study]) -> Figure:
     for index, (axes, study) in enumerate(zip(panels.flat, studies, strict=False)):
         _panel(axes, study, counts[index // columns])
         axes.set_title(lettered(index, len(studies), study.title))
-    bars = [Patch(**LOOKS[model], label=LABELS[model]) for model in MODELS]
+    shown = {model for study in studies for model in values(study.data)["model"]}
+    bars = [Patch(**LOOKS[model], label=LABELS[model]) for model in MODELS if model in shown]
     others: list[Any] = []
     if any(study.deviation is not None for study in studies):
         others.append(Patch(**BAND, label="deviation of the models, nothing changed"))
