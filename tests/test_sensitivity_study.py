@@ -11,7 +11,18 @@ import pytest
 
 import equivbeam
 import validation.sensitivity.run as sensitivity_run
-from coilspring import Contact, InputError, Load, Material, Scene, Spring, Supports, spring_a, spring_b
+from coilspring import (
+    Contact,
+    InputError,
+    Load,
+    Material,
+    Scene,
+    Spring,
+    Supports,
+    scene_text,
+    spring_a,
+    spring_b,
+)
 from coilspring.contact.law import PAIR_HISTORY
 from coilspring.scene.wire import round_section
 from coilspring.solver.problem import Problem
@@ -386,11 +397,34 @@ def test_scenes_of_ones_own_beside_what_they_cannot_be_given(tmp_path, monkeypat
     for absent in ("nan", "the paper", "authors", "Spring A"):
         assert absent not in text
     assert (tmp_path / "sensitivity.png").is_file()
-    loose = own("loose", coils=2.3, contact=Contact(geometry="spheres"), load=Load((0.0, -400.0)))
-    with pytest.raises(
-        InputError, match=r"loose: no model has a load curve to vary: equivbeam: .*wirefe ends"
-    ):
-        sensitivity(tmp_path, scenes={"loose": loose})
+    with pytest.raises(InputError, match=r"nobody: no model has a load curve to vary: equivbeam: "):
+        sensitivity(tmp_path, scenes={"nobody": own("nobody", coils=2.31)})
+
+
+def test_a_scene_of_which_no_path_reaches_full_load_is_left_out(tmp_path, monkeypatch, capsys):
+    """Exit code 3, as of any path that ends early; alone it leaves nothing, and what else is done is kept."""
+    monkeypatch.setattr(sensitivity_run, "make_ready", lambda: None)
+    chosen = sensitivity_run.inputs_of
+    monkeypatch.setattr(
+        sensitivity_run, "inputs_of", lambda scene: tuple(i for i in chosen(scene) if i.name == "E")
+    )
+    monkeypatch.chdir(tmp_path)
+    loose = own("loose", coils=2.5, contact=Contact(geometry="spheres"), load=Load((0.0, -400.0)))
+    for scene in (loose, own("mine", load=Load((0.0, -9.0), steps=2))):
+        (tmp_path / f"{scene.name}.toml").write_text(scene_text(scene), encoding="utf-8")
+    ends = "loose: equivbeam ends short of full load: limit point at t = "
+    assert main(["sensitivity", "loose.toml", "--out", "alone"]) == 3
+    assert capsys.readouterr().err.startswith(f"coilcheck: {ends}")
+    assert not (tmp_path / "alone").exists()
+    for scenes in (["loose.toml", "mine.toml"], ["mine.toml", "loose.toml"]):
+        assert main(["sensitivity", *scenes, "--out", "both"]) == 3
+        captured = capsys.readouterr()
+        assert captured.err.startswith(f"coilcheck: {ends}")
+        assert "mine: the inputs that are varied move" in captured.out
+        assert {row["case"] for row in rows_of(tmp_path / "both")} == {"mine"}
+        text = (tmp_path / "both" / "sensitivity.md").read_text(encoding="utf-8")
+        assert f"Left out, since no path reaches full load: {ends}" in text
+        assert "## loose" not in text
 
 
 def test_a_component_that_hardly_moves_is_not_counted():

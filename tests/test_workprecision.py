@@ -15,7 +15,7 @@ import pytest
 import validation.workprecision.run as work
 import validation.workprecision.settings as worksettings
 import wirefe
-from coilspring import Contact, EquilibriumNotFound, InputError, Load, Scene, Spring
+from coilspring import Contact, EquilibriumNotFound, InputError, Load, Scene, Spring, scene_text
 from equivbeam.laws import LAWS
 from validation.cli import main
 from validation.cli.arguments import CAMPAIGN_RANGES, STUDY_SCENES
@@ -298,6 +298,24 @@ def test_scenes_of_ones_own_beside_what_they_cannot_be_given(small, tmp_path, mo
     with pytest.raises(EquilibriumNotFound):
         work.workprecision(tmp_path / "loose", None, "quick", scenes={"loose": scenes["loose"]})
     assert not list((tmp_path / "loose").iterdir())
+
+
+def test_a_scene_whose_reference_ends_early_is_exit_3_alone_or_beside_others(
+    small, tmp_path, monkeypatch, capsys
+):
+    monkeypatch.setattr(work, "make_ready", lambda: None)
+    monkeypatch.chdir(tmp_path)
+    loose = own("loose", contact=Contact(geometry="spheres"), load=Load((0.0, -400.0)), coils=2.5)
+    for scene in (loose, own("mine", contact=Contact(enabled=False))):
+        (tmp_path / f"{scene.name}.toml").write_text(scene_text(scene), encoding="utf-8")
+    for scenes in (["loose.toml"], ["loose.toml", "mine.toml"]):
+        assert main(["workprecision", *scenes, "--quick", "--out", "out"]) == 3
+        captured = capsys.readouterr()
+        assert captured.err.startswith("coilcheck: loose")
+        assert "coils pass through each other" in captured.err
+        assert captured.err.count("\n") == 1
+    assert "mine: as accurate as the paper's mesh" in captured.out
+    assert main(["workprecision", "--page", "--out", "out"]) == 0  # nothing is solved
 
 
 @pytest.mark.parametrize(

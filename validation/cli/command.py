@@ -29,7 +29,7 @@ from validation.cli.arguments import (
 from validation.cli.terminal import announcing, deviation, digest, notes, progress_shown, say
 from validation.study import output
 from validation.study.metrics import compare_paths
-from validation.study.partialsolve import partial_path
+from validation.study.partialsolve import EndedEarly, partial_path
 from validation.study.scenewarnings import warnings
 
 MOST_FREQUENCIES = 100
@@ -49,6 +49,8 @@ def main(argv: Sequence[str] | None = None) -> int:
         return _fail(BAD_INPUT, flagged(str(error), arguments))
     except EquilibriumNotFound as error:
         return _fail(NOT_COMPLETED, f"{error.path.scene.name}: {error.path.model}: {error.message}")
+    except EndedEarly as error:
+        return _fail(NOT_COMPLETED, str(error))
     except output.OutputError as error:
         return _fail(NOT_WRITTEN, str(error))
     except KeyboardInterrupt as stop:
@@ -176,7 +178,7 @@ def long_command(arguments: argparse.Namespace) -> int:
     with progress_shown() as progress:
         lines, failure = studies.COMMANDS[arguments.command](arguments, _folder(arguments), progress)
     say(*lines)
-    code = NOT_COMPLETED if arguments.command in ("sweep", "referee") else REGRESSED
+    code = REGRESSED if arguments.command in ("regress", "stability") else NOT_COMPLETED
     return _fail(code, failure) if failure else COMPLETED
 
 

@@ -49,14 +49,16 @@ def workprecision(arguments: argparse.Namespace, folder: Path, progress: Progres
     if scenes and arguments.page:
         raise InputError("--page takes the scenes recorded in the folder: leave out SCENE")
     progress(LOADING)
-    from validation.workprecision import page, run
+    from validation.workprecision import page, results, run
 
+    early = ""
     with claimed(folder), writing(folder):
         if arguments.page:
             rows = page.write(folder, drawn=True)
         else:
             rows = run.workprecision(folder, arguments.only, extent, progress, scenes)
-    return [*page.digest(rows), f"written to {folder}"], ""
+            early = results.ended_early(rows)
+    return [*page.digest(rows), f"written to {folder}"], early
 
 
 def calibrate(arguments: argparse.Namespace, folder: Path, progress: Progress) -> Answer:
@@ -87,7 +89,8 @@ def sensitivity(arguments: argparse.Namespace, folder: Path, progress: Progress)
 
     with claimed(folder), writing(folder):
         studies = run.sensitivity(folder, arguments.only, progress, scenes)
-    return [*(line for study in studies for line in run.digest(study)), f"written to {folder}"], ""
+    lines = [line for study in studies for line in run.digest(study)]
+    return [*lines, f"written to {folder}"], run.ended_early(studies)
 
 
 def regress(arguments: argparse.Namespace, folder: Path, progress: Progress) -> Answer:

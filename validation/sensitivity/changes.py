@@ -45,7 +45,9 @@ class Study:
     """Changes of one scene."""
 
     name: str  # of a catalogue's scene, or of a user's
-    data: pd.DataFrame  # a row for every value of every input in each model, also where it has no such input
+    # a row for every value of every input in each model, also where it has no such input; none where no path
+    # of the scene as it is reaches full load
+    data: pd.DataFrame
     inputs: tuple[OpenInput, ...]  # what is varied
     deviation: float | None  # %: largest difference of the two models, None where one has no curve
     prescribed: bool = False  # whether UY is: the axial force, N, takes its place
@@ -59,9 +61,11 @@ class Study:
 
 
 def changes(name: str, scene: Scene, inputs: tuple[OpenInput, ...], progress: Callable[[str], None]) -> Study:
-    """Vary the inputs of a scene; `InputError` where neither model reaches full load."""
+    """Vary the inputs of a scene; `InputError` where neither model represents it."""
     store = PathStore(lambda line: None)
     defaults, left_out = _defaults(store, name, scene)
+    if not defaults:
+        return Study(name, pd.DataFrame(columns=COLUMNS), (), None, left_out=tuple(left_out))
     rows: list[dict[str, Any]] = []
     for item in inputs:
         progress(f"{name}: {item.title}")
@@ -85,18 +89,19 @@ def changes(name: str, scene: Scene, inputs: tuple[OpenInput, ...], progress: Ca
 
 def _defaults(store: PathStore, name: str, scene: Scene) -> tuple[dict[str, TipCurve], list[str]]:
     """Curves of the models that represent a scene and reach full load, and a sentence on each other."""
-    found, left_out = {}, []
+    found, left_out, refused = {}, [], 0
     for model in MODELS:
         try:
             curve = _solved(store, model, Variant("", scene))
         except InputError as error:
             left_out.append(f"{model}: {error}")
+            refused += 1
             continue
         if curve.outcome == COMPLETED:
             found[model] = curve
         else:
             left_out.append(f"{model} ends short of full load: {ending(curve.outcome, curve.critical_time)}")
-    if not found:
+    if refused == len(MODELS):
         raise InputError(f"{name}: no model has a load curve to vary: {'; '.join(left_out)}")
     return found, left_out
 

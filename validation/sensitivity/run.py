@@ -19,7 +19,7 @@ from validation.sensitivity.inputs import INPUTS, KINDS, MODELS, NAMES, OPEN, SI
 from validation.study.cases import CASES, make_ready
 from validation.study.document import Table
 from validation.study.output import prepare, write_text
-from validation.study.partialsolve import ending
+from validation.study.partialsolve import EndedEarly, ending
 from validation.study.provenance import write_provenance
 from validation.study.template import page, template
 
@@ -54,7 +54,8 @@ def sensitivity(
 
     Raises
     ------
-    InputError : an unknown name; a scene of which no model has a load curve.
+    InputError : an unknown name; a scene that no model represents.
+    EndedEarly : no scene has a path to full load; one beside others is left out, see `ended_early`.
     """
     require_names("only", only or (), CATALOGUE)
     out = Path(out)
@@ -65,19 +66,32 @@ def sensitivity(
     studies: list[Study] = []
     for name, scene in (scenes or cases).items():
         studies.append(changes.changes(name, scene, inputs_of(scene) if scenes else INPUTS, progress))
-        changes.write_csv(studies, out)
+        if done := _varied(studies):
+            changes.write_csv(done, out)
+    if not done:
+        raise EndedEarly(ended_early(studies))
     progress("drawing")
-    tornado.write(studies, out)
+    tornado.write(done, out)
     write_page(studies, out, own=bool(scenes))
     options = [*(scenes or ()), *(["--only", ",".join(only)] if only else [])]
     write_provenance(" ".join(["coilcheck sensitivity", *options]), out)
     return tuple(studies)
 
 
+def ended_early(studies: Sequence[Study]) -> str:
+    """Scenes that are left out since no path of theirs reaches full load, in one sentence; or nothing."""
+    left = (f"{study.name}: {'; '.join(study.left_out)}" for study in studies if study.data.empty)
+    return "; ".join(left)
+
+
+def _varied(studies: Sequence[Study]) -> list[Study]:
+    return [study for study in studies if not study.data.empty]
+
+
 def write_page(studies: Sequence[Study], out: Path, own: bool = False) -> None:
     """Write ``sensitivity.md``: of the paper's cases, or of a user's scenes."""
     if own:
-        text = page(OWN_PAGE, cases=[_own(study) for study in studies])
+        text = page(OWN_PAGE, cases=[_own(study) for study in _varied(studies)], early=ended_early(studies))
     else:
         inputs = ((item.title, item.paper, item.kind, item.default, item.reason) for item in INPUTS)
         text = page(
@@ -92,11 +106,13 @@ def write_page(studies: Sequence[Study], out: Path, own: bool = False) -> None:
 
 def digest(study: Study) -> list[str]:
     """A case for a reader at the terminal."""
+    left_out = [f"{study.name}, {line}" for line in study.left_out]
+    if study.data.empty:
+        return left_out
     own = study.inputs != INPUTS
     total = _total(study.data, (VARIED,) if own else SILENT)
     what = "the inputs that are varied move" if own else "what the paper does not give moves"
     deviation = "" if study.deviation is None else f"; the models deviate by {study.deviation:.2f} %"
-    left_out = [f"{study.name}, {line}" for line in study.left_out]
     return [*left_out, f"{study.name}: {what} the curves by {total:.1f} % together{deviation}"]
 
 

@@ -5,6 +5,10 @@ from collections.abc import Callable
 from coilspring import EquilibriumNotFound, EquilibriumPath, Scene
 
 
+class EndedEarly(RuntimeError):
+    """Nothing can be had of scenes whose paths end early; one sentence."""
+
+
 def partial_path(solve: Callable[..., EquilibriumPath], scene: Scene, **options: object) -> EquilibriumPath:
     """Path of `scene` by a model's `solve`, complete or not; its outcome says why it ended."""
     try:

@@ -23,7 +23,7 @@ from wirefe.contact.points import PER_TURN
 TIE = 1.1  # times nearer to each other than about this factor are one
 GAIN = 0.9  # a slower setting is on the front where its error is below this part of the faster ones'
 FILE = "workprecision.csv"
-LEFT_OUT = "left out"
+LEFT_OUT, UNSUPPORTED = "left out", "unsupported"
 WORDS, COUNTS = ["tangent", "sliding", "geometry"], ["elements_per_turn", "pairs_per_turn"]
 ERRORS = {"curve_max": "", "curve_rms": "", "shape_max": "_mm", "shape_rms": "_mm"}  # and their units
 
@@ -45,9 +45,9 @@ def row(
     }
 
 
-def left_out(scene: Scene, setting: Setting, reason: str) -> dict[str, object]:
-    """A row for what a scene cannot be given."""
-    return row(LEFT_OUT, scene, setting, None, outcome="unsupported", reason=reason)
+def left_out(scene: Scene, setting: Setting, reason: str, outcome: str = UNSUPPORTED) -> dict[str, object]:
+    """A row for what a scene cannot be given, or for a scene whose reference ends early."""
+    return row(LEFT_OUT, scene, setting, None, outcome=outcome, reason=reason)
 
 
 def ranked(rows: pd.DataFrame) -> pd.DataFrame:
@@ -129,3 +129,8 @@ def by_scene(rows: pd.DataFrame) -> Sequence[tuple[str, pd.DataFrame]]:
 def reasons(rows: pd.DataFrame) -> list[str]:
     """A sentence on each thing that was left out."""
     return [f"{row.scene}, {row.reason}" for row in rows[rows["role"] == LEFT_OUT].itertuples()]
+
+
+def ended_early(rows: pd.DataFrame) -> str:
+    """What was left out since its reference ends early, in one sentence; empty where nothing was."""
+    return "; ".join(reasons(rows[rows["outcome"] != UNSUPPORTED]))

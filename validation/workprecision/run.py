@@ -90,7 +90,8 @@ def workprecision(
         except (InputError, EquilibriumNotFound) as error:
             failure = error
             paper = Setting.wire(scene, "straight", PAPER_ELEMENTS)
-            found.append(pd.DataFrame([left_out(scene, paper, f"the reference: {error}")]))
+            outcome = getattr(error, "outcome", results.UNSUPPORTED)
+            found.append(pd.DataFrame([left_out(scene, paper, f"the reference: {error}", outcome)]))
         rows = pd.concat(found, ignore_index=True)
         if (rows["role"] == "run").any():
             write_files({results.FILE: results.to_csv(rows)}, out)
