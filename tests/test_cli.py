@@ -609,6 +609,36 @@ def test_a_run_says_what_it_takes_the_place_of(tmp_path, capsys):
     assert "in place of" not in capsys.readouterr().out
 
 
+@pytest.mark.parametrize("folder", ["", "equivbeam"], ids=["solve", "compare"])
+def test_files_of_no_run_are_kept_under_another_name(folder, tmp_path, capsys):
+    """They were overwritten or removed without a word; what is the same is kept once."""
+    there = tmp_path / folder
+    there.mkdir(exist_ok=True)
+    command = ["compare"] if folder else ["solve", "--model", "equivbeam"]
+    said = []
+    for text in ("mine", "mine", "other", None):
+        if text:
+            (there / "summary.json").unlink(missing_ok=True)
+            (there / "path.csv").write_text(text)
+            (there / "stress.csv").write_text(text)
+        assert main([*command, "spring-b", "--steps", "1", "--out", str(tmp_path)]) == 0
+        said.append([line for line in capsys.readouterr().out.splitlines() if "path.csv" in line])
+        assert (there / "stress.csv").exists() == bool(text)  # a run has no stresses of the one before
+        assert read_rows(there / "path.csv")
+    what = "path.csv, which was there and is of no run, is kept in"
+    assert said == [[f"{what} {there / name}"] for name in ("path.1.csv", "path.1.csv", "path.2.csv")] + [[]]
+    assert [(there / f"path.{number}.csv").read_text() for number in (1, 2)] == ["mine", "other"]
+
+
+def test_what_is_removed_is_said(tmp_path, capsys):
+    call = ["solve", "spring-a", "--model", "wirefe", "--steps", "1", "--out", str(tmp_path)]
+    for options, said in (["--stress", "--vtu"], False), ([], True), ([], False):
+        assert main([*call, *options]) == 0
+        line = "stress.csv, wire.vtu of the run that was there: removed"
+        assert (line in capsys.readouterr().out.splitlines()) == said
+    assert sorted(file.name for file in tmp_path.iterdir()) == ["path.csv", "summary.json"]
+
+
 @pytest.mark.parametrize(
     ("arguments", "name"),
     [

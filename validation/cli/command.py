@@ -117,8 +117,7 @@ def solve(arguments: argparse.Namespace) -> int:
         if any(name.startswith("wire/") for name in files):
             output.prepare(folder / "wire")
         lines += [f"written to {folder}", *output.replaced(folder, found)]
-        output.write_files(files, folder)
-        output.remove_stale(files, folder)
+        lines += output.write_runs({folder: files})
     return _concluded(arguments, found, lines, path)
 
 
@@ -158,14 +157,12 @@ def compare(arguments: argparse.Namespace) -> int:
             files["curve.png"] = load_curves(paths, curve, compared=told)
         lines = [f"curve.png is not drawn: {undrawn}"] if undrawn else []
         lines.append(f"written to {folder}")
+        runs = {folder: files}
         for model, path in paths.items():
             summary = output.summary(path)
-            files |= {f"{model}/{name}": data for name, data in output.path_files(path, summary).items()}
+            runs[folder / model] = output.path_files(path, summary)
             lines += output.replaced(folder / model, summary)
-        output.write_files(files, folder)
-        output.remove_stale(files, folder)
-        for model in paths:
-            output.remove_stale({}, folder / model)
+        lines += output.write_runs(runs)
     said = [line for path in paths.values() for line in digest(path)]
     said += deviation(comparison, paths[ADAPTIVE])
     if curve is not None:

@@ -1,6 +1,7 @@
 """Files of a run: whole or not at all, and one sentence where they cannot be written."""
 
 import fcntl
+import itertools
 import json
 import math
 import os
@@ -155,17 +156,65 @@ def _csv(columns: Mapping[str, np.ndarray]) -> str:
     return "".join(",".join(map(str, row)) + "\n" for row in (tuple(columns), *rows))
 
 
-def remove_stale(files: Mapping[str, bytes], folder: Path) -> None:
-    """Remove what an earlier run left there, by the names that runs give, and is none of these `files`."""
+def write_runs(runs: Mapping[Path, Mapping[str, bytes]]) -> list[str]:
+    """Write files of runs by folder, all or none, and remove others of the runs that were there.
+
+    In lines what was removed, and what was of no run and is kept, see `keep`.
+    """
+    earlier = [folder for folder in runs if _is_run(folder)]
+    lines = []
+    for folder, files in runs.items():
+        for name in files if folder not in earlier else ():
+            target = folder / name
+            if target.is_file() and target.read_bytes() != files[name]:
+                lines.append(f"{name}, which was there and is of no run, is kept in {keep(target)}")
+    write_files({str(folder / name): data for folder in runs for name, data in runs[folder].items()}, Path())
+    for folder in earlier:
+        removed = _remove_stale(runs[folder], folder)
+        lines += [f"{', '.join(removed)} of the run that was there: removed"] if removed else []
+    return lines
+
+
+def _is_run(folder: Path) -> bool:
+    """Whether files in a folder are of a run of ours, by its summary."""
+    return any("scene" in _summary(folder / name) for name in ("summary.json", "compare.json"))
+
+
+def _summary(file: Path) -> dict[str, Any]:
+    """What a file holds as JSON; nothing where there is none, or something else."""
+    try:
+        found = json.loads(file.read_text(encoding="utf-8"))
+    except (OSError, ValueError):
+        return {}
+    return found if isinstance(found, dict) else {}
+
+
+def keep(target: Path) -> Path:
+    """Keep a file under another name, NAME.1.csv and so on, unless it is kept already; that name."""
+    names = (target.with_name(f"{target.stem}.{number}{target.suffix}") for number in itertools.count(1))
+    with writing(target):
+        content = target.read_bytes()
+        kept = next(n for n in names if not n.exists() or (n.is_file() and n.read_bytes() == content))
+        if not kept.exists():
+            write_bytes(kept, content)
+    return kept
+
+
+def _remove_stale(files: Mapping[str, bytes], folder: Path) -> list[str]:
+    """Remove what an earlier run left there, by the names that runs give, and is none of these `files`; what
+    was, without the files of a series."""
+    removed = []
     with writing(folder):
         series = [file for file in folder.glob("wire/*.vtu") if file.stem.isdecimal() and len(file.stem) >= 4]
         ours = series if (folder / "wire.pvd").is_file() else []
         for target in (*(folder / name for name in OPTIONAL), *ours):
             if target.relative_to(folder).as_posix() not in files and target.is_file():
                 target.unlink()
+                removed += [target.name] if target not in ours else []
         if ours:
             with suppress(OSError):  # there is something in it
                 (folder / "wire").rmdir()
+    return removed
 
 
 def largest_stress(path: EquilibriumPath) -> dict[str, float] | None:
@@ -183,15 +232,14 @@ def replaced(folder: Path, found: Mapping[str, object]) -> list[str]:
     """In a line what a summary will take the place of: a run in `folder` of another scene, or of one that had
     other keys, or with another model or options."""
     try:
-        old = json.loads((folder / "summary.json").read_text(encoding="utf-8"))
-        new = json.loads(json_text(found))
+        old, new = _summary(folder / "summary.json"), json.loads(json_text(found))
         same = all(old.get(key) == new[key] for key in ("scene", "scene_table", "model", "options"))
         scene = f" of {old['scene']}" if old["scene"] != new["scene"] else ""
         options = new["options"]
         changed = [f"{key} {value}" for key, value in old["options"].items() if value != options.get(key)]
         if not scene:
             changed += _other_keys(old["scene_table"], new["scene_table"])
-    except (OSError, ValueError, KeyError, TypeError, AttributeError):
+    except (KeyError, TypeError, AttributeError):
         return []  # none, or of something else
     by = f"{old['model']} ({', '.join(changed)})" if changed else str(old["model"])
     return [] if same else [f"in place of a run{scene} by {by}, which was there"]

@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import csv
 import io
-import itertools
 from collections import Counter
-from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from functools import cache
 from importlib import import_module
@@ -19,7 +18,7 @@ from coilspring.solver.startup import store
 from coilspring.sweep import CRASHED, REFUSED, Outcome, outcomes_as_they_come
 from validation.study.keys import run_key
 from validation.study.machine import versions
-from validation.study.output import json_bytes, write_bytes, write_text, writing
+from validation.study.output import json_bytes, keep, write_bytes, write_text, writing
 from validation.study.texts import number_of
 from validation.sweep.grid import Point, Varied, points
 
@@ -87,7 +86,7 @@ def sweep(
     # what belongs to another sweep is left out, as is a last line that was cut: it has no whole key
     rows = {row["key"]: row for row in _read(old, columns) if row["key"] in wanted}
     if _holds_more(old, columns, wanted):
-        _keep(folder, content)
+        _keep(folder)
     write_text(target, _csv(columns, rows.values()))
     scene = {"scene": table.get("name"), "scene_table": table}
     values = {"varied": {each.key: each.values for each in varied}}
@@ -177,19 +176,11 @@ def _holds_more(text: str, columns: Sequence[str], wanted: Collection[str]) -> b
     return not keys - {""} <= set(wanted)
 
 
-def _other_names(folder: Path) -> Iterator[Path]:
-    """Names under which files of other sweeps are kept, in their order."""
-    return (folder / f"{Path(FILE).stem}.{number}.csv" for number in itertools.count(1))
-
-
-def _keep(folder: Path, content: bytes) -> None:
+def _keep(folder: Path) -> None:
     """Keep a file of another sweep, and how its rows were solved, unless it is kept already."""
-    if any(file.read_bytes() == content for file in kept_files(folder)):
-        return
-    kept = next(name for name in _other_names(folder) if not name.exists())
-    write_bytes(kept, content)
-    if (folder / SETTINGS).is_file():
-        (folder / SETTINGS).replace(kept.with_suffix(".json"))
+    settings = keep(folder / FILE).with_suffix(".json")
+    if (folder / SETTINGS).is_file() and not settings.exists():
+        (folder / SETTINGS).replace(settings)
 
 
 def kept_files(folder: Path) -> set[Path]:
