@@ -30,7 +30,7 @@ LENGTHS_OF_A_WIRE = 50.0
 # Wire diameters within which what is no pair becomes one: spheres together with those that touch; stations as
 # they touch, with the nearest one of another coil: chosen earlier, it would depend on the steps.
 SPHERES_REACH, STATIONS_REACH = 1.5, 1.01
-LEAST_MOTION = 1e-7  # of the height: below it, rounding of the wire's points is seen in the answer
+LEAST_MOTION = 3e-10  # of the height: below it, rounding of the wire's points is seen in the answer
 SMALL_FORCE = 1.0  # N, below which that is asked at all
 CHUNK = 4  # springs of a sweep handed to a worker at a time; to hand one over takes 0.4 ms
 NO_PAIRS = np.zeros((0, 2), dtype=np.int64)

@@ -1,7 +1,5 @@
 """A substep, or release, that failed: it is taken again, shorter, until the path ends or lets go."""
 
-import math
-
 import numpy as np
 
 from coilspring.compiling.compiled import part
@@ -35,7 +33,7 @@ def shorten(system, task, work, path, substep, softest):
             ends = JUMP  # to an equilibrium too far away; nothing is critical here
         path.snapping, path.outcome, path.far = False, ends, not path.lost
     elif path.releasing:
-        release_less(task, path, substep)
+        release_less(task, path)
     else:
         go_less(task, work, path, substep)
         rigid = softest.value > JUMPS * path.rest_stiffness  # it is no mode that has become soft
@@ -54,14 +52,9 @@ def shorten(system, task, work, path, substep, softest):
 
 
 @part
-def release_less(task, path, substep):
-    """Release less of what opening pairs hold, so much that one that touches again just does; where that is
-    too little, all at once, or the path jumps."""
-    if substep.cut < 1.0:
-        released = 1.0 - 2.0**-path.release if path.release <= MOST_RELEASE else 1.0
-        path.release = -math.log2(1.0 - substep.cut * released)
-    else:
-        path.release = min(path.release, 2.0 * MOST_RELEASE) * RETRIED
+def release_less(task, path):
+    """Release less of what opening pairs hold; where that is too little, all at once, or the path jumps."""
+    path.release = min(path.release, 2.0 * MOST_RELEASE) * RETRIED
     if path.release < LEAST_RELEASE:
         path.bracket = 2.0 * LEAST_STEP
         release_or_jump(task, path)
