@@ -83,6 +83,11 @@ def rounded(value: object, digits: int = 10) -> object:
     return float(f"{value:.{digits}g}") if isinstance(value, float) else value
 
 
+def counted(count: int, what: str) -> str:
+    """How many there are of what is named in the singular."""
+    return f"{count} {what}{'' if count == 1 else 's'}"
+
+
 def shown(value: object) -> str:
     """One-line text of a refused value, cut where it is long."""
     try:

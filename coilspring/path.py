@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, BinaryIO, Protocol
 
 import numpy as np
 
-from coilspring.errors import InputError
+from coilspring.errors import InputError, counted
 from coilspring.pathfile import read_fields, write_fields
 from coilspring.scene import Scene
 from coilspring.scene.load import given_loads
@@ -148,7 +148,7 @@ class EquilibriumPath:
     def __str__(self) -> str:
         """The scene, the model and its options, the outcome, the last state, and what it cost."""
         options = ", ".join(f"{name} {value}" for name, value in self.options.items())
-        cost = f"{self.total_iterations} iterations in {self.solve_seconds:.3g} s"
+        cost = f"{counted(self.total_iterations, 'iteration')} in {self.solve_seconds:.3g} s"
         lines = [f"{self.scene.name} by {self.model} ({options})", f"{self.outcome}: {self.message}"]
         if len(self.times):
             ux, uy, rotz = self.tips[-1]

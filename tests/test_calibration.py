@@ -596,6 +596,8 @@ def test_what_a_comparison_leaves_out_is_said(bench):
     assert lines({"equivbeam": path}, measured({"force": force, "deflection": deflection}, GUIDED))[-1] == (
         "1 point before the spring is loaded left out"
     )
+    one = lines({"equivbeam": path}, measured({"force": [50.0], "deflection": [10.0]}, GUIDED))
+    assert one[0].endswith("rms, at 1 point")
 
 
 def test_what_rounding_leaves_is_nothing_systematic():

@@ -34,8 +34,8 @@ from equivbeam import Refinements
 from validation.cli import main
 from validation.regress import timeratios
 from validation.regress.baselines import COARSE, MODELS, SHIPPED, Run, find, quantities, read, runs, runs_of
+from validation.regress.run import Finding, compare, regress
 from validation.regress.run import _scene_moves as scene_moves
-from validation.regress.run import compare, regress
 from validation.study import cases
 from validation.study.cases import CASES
 from validation.study.machine import _processor, machine
@@ -303,6 +303,11 @@ def small(monkeypatch, tmp_path):
     chosen = [run for name in names for run in only(name)]
     monkeypatch.setattr(validation.regress.run, "runs", lambda: chosen)
     return ["regress", "--out", str(tmp_path / "out"), "--baselines", str(tmp_path / "base")]
+
+
+def test_one_run_is_no_plural():
+    assert Finding((), 1, accepted=True, first=True).verdict == "1 baseline written"
+    assert Finding((), 1, accepted=False).verdict == "1 run: nothing moved"
 
 
 def test_the_command_accepts_and_then_passes(small, tmp_path, capsys):

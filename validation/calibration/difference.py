@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from coilspring import EquilibriumPath, InputError, Load, Scene
+from coilspring.errors import counted
 from coilspring.measured import MOST_STEPS, Measured, equal_steps
 from coilspring.scene.load import stage_ends
 
@@ -91,7 +92,8 @@ def lines(paths: Mapping[str, EquilibriumPath], curve: Measured) -> list[str]:
         what = "force at the same deflection" if pressed else "deflection at the same force"
         sizes = f"{100 * found['max']:.3g} % of the peak at most, {100 * found['rms']:.3g} % rms"
         beyond = f"; {found['beyond']} outside the model's path left out" if found["beyond"] else ""
-        said.append(f"{name} minus measured, {what}: {sizes}, at {found['points']} points{beyond}")
+        points = counted(found["points"], "point")
+        said.append(f"{name} minus measured, {what}: {sizes}, at {points}{beyond}")
     return [*said, *([curve.passed_over] if curve.left_out else [])]
 
 

@@ -11,6 +11,7 @@ from pathlib import Path
 from time import process_time
 
 from coilspring import EquilibriumPath, InputError
+from coilspring.errors import counted
 from coilspring.workers import processes
 from equivbeam.laws.userlaw import UserLaw
 from validation.campaign import table, wireverifier
@@ -88,7 +89,7 @@ def campaign(
     options = f"--beams {beams} --wires {wires} --seeds {','.join(map(str, seeds))}"
     write_provenance(f"coilcheck stability {options}", out)
     counts = (f"{count} {name}" for name, count in chosen["class"].value_counts().items())
-    print(f"{len(chosen)} scenes: {', '.join(counts)}")
+    print(f"{counted(len(chosen), 'scene')}: {', '.join(counts)}")
     return int((chosen["class"] == UNEXPLAINED).any())
 
 

@@ -9,6 +9,7 @@ from importlib import import_module
 import numpy as np
 
 from coilspring import EquilibriumPath
+from coilspring.errors import counted
 from validation.study.metrics import Comparison, answered
 from validation.study.output import largest_stress, writing
 
@@ -90,7 +91,7 @@ def digest(path: EquilibriumPath) -> list[str]:
         chosen = f"chosen for an accuracy of {path.accuracy:g}: {mesh}"
         lines.append(f"  {chosen}; estimated error {path.estimated_error:.2g}")
         lines.append(f"  {path.other_seconds:.2g} s CPU more for the choice and the estimate")
-    count = f"{path.total_iterations} iteration{'' if path.total_iterations == 1 else 's'}"
+    count = counted(path.total_iterations, "iteration")
     ready = f" (and {path.compile_seconds:.2g} s to make the kernels ready)"
     told = ready if path.compile_seconds >= TOLD else ""
     return [*lines, f"  {count}, {path.solve_seconds:.2g} s CPU{told}"]
@@ -98,7 +99,7 @@ def digest(path: EquilibriumPath) -> list[str]:
 
 def steps(count: int, kind: str = "") -> str:
     """So many steps."""
-    return f"{count} {kind}step{'' if count == 1 else 's'}"
+    return counted(count, f"{kind}step")
 
 
 def notes(path: EquilibriumPath) -> list[str]:

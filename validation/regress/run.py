@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from coilspring import Scene, load_scene
-from coilspring.errors import rounded
+from coilspring.errors import counted, rounded
 from coilspring.scene.toml import SECTIONS, scene_table, scene_text
 from validation.regress import baselines, timeratios
 from validation.regress.baselines import MODELS, Quantities, Run, find, made, read, runs, runs_of
@@ -67,10 +67,11 @@ class Finding:
     def verdict(self) -> str:
         """The outcome in a few words."""
         if self.first:
-            return f"{self.compared} baselines written"
+            return f"{counted(self.compared, 'baseline')} written"
         count = len(self.moves)
         found = f"{count} quantit{'y' if count == 1 else 'ies'} moved" if count else "nothing moved"
-        return f"{self.compared} runs: {found}{'; accepted as the new baselines' if self.accepted else ''}"
+        accepted = "; accepted as the new baselines" if self.accepted else ""
+        return f"{counted(self.compared, 'run')}: {found}{accepted}"
 
 
 def regress(
@@ -229,5 +230,6 @@ def _counts(name: str, before: list[int], now: list[int], spare: tuple[int, floa
     if moved:
         step, a, b = moved[0]
         allowed = max(most, int(share * a))
-        measure = f"{sum(now) - sum(before):+d} in all, {len(moved)} steps moved, {allowed} allowed a step"
+        steps = counted(len(moved), "step")
+        measure = f"{sum(now) - sum(before):+d} in all, {steps} moved, {allowed} allowed a step"
         yield f"{name} at step {step}", str(a), str(b), measure

@@ -10,7 +10,7 @@ import numpy as np
 
 import wirefe
 from coilspring import EquilibriumPath, InputError, Scene
-from coilspring.errors import require_number
+from coilspring.errors import counted, require_number
 from validation.study.partialsolve import partial_path
 from validation.sweep.grid import Point, Varied
 from validation.sweep.run import Choice
@@ -54,7 +54,7 @@ def choose(
         progress(f"sample of the grid by {name}")
         worst = _worst(candidate, wires, accuracy)
         if MARGIN * worst <= accuracy:
-            sampled = f"{len(scenes)} scenes of the grid, solved by the wire model"
+            sampled = f"{counted(len(scenes), 'scene')} of the grid, solved by the wire model"
             why = f"{name}; error up to {worst:.2g} on {sampled}"
             return Chosen(candidate, worst, len(scenes), f"chosen for an accuracy of {accuracy:g}: {why}")
         least = min(least, worst)

@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import Any
 
 from coilspring import EquilibriumPath, InputError, Scene
+from coilspring.errors import counted
 from coilspring.solver.startup import store
 from coilspring.sweep import CRASHED, REFUSED, Outcome, outcomes_as_they_come
 from validation.study.keys import run_key
@@ -234,7 +235,7 @@ def digest(rows: Sequence[Row]) -> list[str]:
     """How many rows have which outcome, for a reader at the terminal."""
     found = Counter(row["outcome"] for row in rows)
     counts = ", ".join(f"{count} {outcome.replace('_', ' ')}" for outcome, count in found.most_common())
-    return [f"{len(rows)} spring{'s' if len(rows) > 1 else ''}: {counts}"]
+    return [f"{counted(len(rows), 'spring')}: {counts}"]
 
 
 def ended_early(rows: Sequence[Row]) -> str:

@@ -5,6 +5,7 @@ from dataclasses import asdict, dataclass, replace
 from typing import Self
 
 from coilspring import InputError, Scene
+from coilspring.errors import counted
 from equivbeam.laws import LAWS
 from wirefe.contact.points import PER_TURN
 from wirefe.mesh import mesh_wire
@@ -64,7 +65,7 @@ class Setting:
             "paper’s tangent": self.tangent == "paper",
             "scene’s sliding": self.sliding == "scene",
             f"{self.pairs_per_turn} pairs per turn": not self.usual_pairs,
-            f"{self.steps} step{'s' if self.steps != 1 else ''}": True,
+            counted(self.steps, "step"): True,
         }
         return ", ".join(part for part, said in parts.items() if said)
 
