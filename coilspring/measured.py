@@ -14,8 +14,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from coilspring.errors import InputError, shown
+from coilspring.errors import InputError, counted, shown
 from coilspring.scene import Scene
+from coilspring.scene.load import MOST_FORCE
+from coilspring.scene.profile import LONGEST
 from coilspring.scene.sizing import sizes
 
 if TYPE_CHECKING:
@@ -37,9 +39,15 @@ UNITS = {  # in N or mm; read in upper or lower case
 HEADER = re.compile(
     r"(?P<name>[a-zäöüß]+(?: [a-z]+)?)(?:\s*(?:[\[(/_]|\bin\b)\s*(?P<unit>[^\])]+?)\s*[\])]?)?"
 )
+RANGES = {  # most of a column's numbers, and their unit
+    **dict.fromkeys(("force", "load_x", "load_y"), (MOST_FORCE, "N")),
+    **dict.fromkeys(("deflection", "ux", "uy"), (LONGEST, "mm")),
+}
+NUMBER = re.compile(r"[-+]?[\d.,]+(e[-+]?\d+)?", re.IGNORECASE)  # in either decimal sign
 MOST_STEPS = 1000  # of a path at the points of a curve, or with interpolation between them
 TOE = 5e-3  # of the largest force: below it a bench may not touch the spring yet
 ROUNDING = 1e-9  # of it
+HARDLY = 0.05  # of it: no spring is pressed further than at the largest force, and gives so little
 REST = "it counts from the spring at rest, along the load"
 BACKWARDS = 0.05  # of the largest deflection: more of a negative one is no scatter
 EXAMPLE = "a line with the names of the columns, as force,deflection, or those of path.csv"
@@ -65,9 +73,8 @@ class Measured:
     @property
     def passed_over(self) -> str:
         """What was left out, in words; empty where nothing was."""
-        count = self.left_out
-        points = f"{count} point{'' if count == 1 else 's'}"
-        return f"{points} before the spring is loaded left out" if count else ""
+        points = counted(self.left_out, "point")
+        return f"{points} before the spring is loaded left out" if self.left_out else ""
 
 
 def measured(
@@ -82,9 +89,10 @@ def measured(
     ------
     InputError : what is no measured curve, or a scene whose load has several directions, in one sentence.
     """
-    columns, direction = table_of(source), scene.direction
+    columns, places = _read(source)
+    direction = scene.direction
     with _named(source):
-        found = _along_load(columns, direction)
+        found = _along_load(columns, places, direction)
         if not from_rest:
             return found
         _refuse_impossible(found.deflection, scene)
@@ -107,8 +115,10 @@ def _named(source: object) -> Iterator[None]:
         raise InputError(f"{source}: {error}" if isinstance(source, str | Path) else str(error)) from None
 
 
-def _along_load(columns: Mapping[str, np.ndarray], direction: tuple[float, float]) -> Measured:
-    """Force and deflection of columns, along the direction of a scene's load."""
+def _along_load(
+    columns: Mapping[str, np.ndarray], places: list[str], direction: tuple[float, float]
+) -> Measured:
+    """Force and deflection of columns, along the direction of a scene's load; `places` names the rows."""
     x, y = direction
     if "force" in columns:
         force, deflection = columns["force"], columns["deflection"]
@@ -122,14 +132,26 @@ def _along_load(columns: Mapping[str, np.ndarray], direction: tuple[float, float
     if not len(force):
         raise InputError("curve must have at least one line of numbers, got none")
     peak = int(np.argmax(np.abs(force)))
-    force, deflection = force * np.sign(force[peak]), deflection * np.sign(deflection[peak])
+    force, deflection = force * np.sign(force[peak]), deflection * (np.sign(deflection[peak]) or 1.0)
     loaded = force >= (1.0 - ROUNDING) * TOE * force[peak]
     if not loaded.any() or not (deflection[loaded] != 0.0).any():
         raise InputError("curve must have forces and deflections that are not zero throughout")
-    force, deflection = force[loaded], deflection[loaded]
-    if not np.allclose(force, force[0]) and np.polyfit(force, deflection, 1)[0] <= 0.0:
+    pressed, moved = force[loaded], deflection[loaded]
+    if not np.allclose(pressed, pressed[0]) and np.polyfit(pressed, moved, 1)[0] <= 0.0:
         raise InputError(f"deflection must grow with the force: {REST}")
-    return Measured(force, deflection, int(np.count_nonzero(~loaded)))
+    _refuse_late(force, deflection, peak, places)
+    return Measured(pressed, moved, int(np.count_nonzero(~loaded)))
+
+
+def _refuse_late(force: np.ndarray, deflection: np.ndarray, peak: int, places: list[str]) -> None:
+    """Refuse points of hardly any force at more deflection than that of the largest force, at `peak`."""
+    least, most = HARDLY * force[peak], deflection[peak]
+    for i in np.flatnonzero((force < least) & (deflection > most))[:1]:
+        raise InputError(
+            f"{places[i]} must have a force of at least {least:.4g} N, since its deflection of "
+            f"{deflection[i]:.4g} mm is above that of the largest force, {force[peak]:.4g} N, "
+            f"got {force[i]:.4g} N: has it a thousands separator?"
+        )
 
 
 def _refuse_impossible(deflection: np.ndarray, scene: Scene) -> None:
@@ -156,24 +178,46 @@ def table_of(source: Mapping[str, np.ndarray] | pd.DataFrame | str | Path) -> di
     ------
     InputError : an unreadable file, an unknown unit, or what is no number, in one sentence.
     """
+    return _read(source)[0]
+
+
+def _read(
+    source: Mapping[str, np.ndarray] | pd.DataFrame | str | Path,
+) -> tuple[dict[str, np.ndarray], list[str]]:
+    """Columns by name, and what messages call their rows: the lines of a file."""
     if isinstance(source, str | Path):
         text = _text(Path(source))
         with _named(source):
-            found = _parsed(text)
+            found, places = _parsed(text)
     else:
         heads = _heads([str(name) for name in source])
         try:
-            found = {
-                name: scale * np.asarray(source[key], dtype=float)
-                for key, (name, scale) in zip(source, heads, strict=True)
-                if name
-            }
+            with np.errstate(over="ignore"):  # such numbers are refused below
+                found = {
+                    name: scale * np.asarray(source[key], dtype=float)
+                    for key, (name, scale) in zip(source, heads, strict=True)
+                    if name
+                }
         except (TypeError, ValueError):
             raise InputError("curve must hold numbers, got texts") from None
-    for name, values in found.items():
+        rows = max((values.size for values in found.values()), default=0)
+        places = [f"row {i}" for i in range(1, rows + 1)]
+    with _named(source):
+        _refuse_beyond(found, places)
+    return found, places
+
+
+def _refuse_beyond(columns: Mapping[str, np.ndarray], places: list[str]) -> None:
+    """Refuse numbers that are not finite, or that no load of a scene has."""
+    for name, values in columns.items():
+        most, unit = RANGES.get(name, (math.inf, ""))
+        if (beyond := np.abs(values) > most).any():
+            i = int(np.argmax(beyond))
+            raise InputError(
+                f"{places[i]} must have a {name} in [{-most:g}, {most:g}] {unit}, got {values[i]:g} {unit}"
+            )
         if not np.isfinite(values).all():
             raise InputError(f"curve must hold finite numbers, got others in column {name}")
-    return found
 
 
 def _text(file: Path) -> str:
@@ -189,16 +233,34 @@ def _text(file: Path) -> str:
         return data.decode("latin-1")
 
 
-def _parsed(text: str) -> dict[str, np.ndarray]:
-    """Columns of a text; lines above the names, as benches write them, are passed over."""
+def _parsed(text: str) -> tuple[dict[str, np.ndarray], list[str]]:
+    """Columns of a text, and its lines; those above the names, as benches write them, are passed over."""
     lines = [(i, line) for i, line in enumerate(text.splitlines(), 1) if line.strip(" ;,\t")]
     heads, separator, rows = _header(lines)
     if rows and (units := _unit_row(rows[0][1], heads)):
         heads, rows = units, rows[1:]
     wanted = [(column, name, scale) for column, (name, scale) in enumerate(heads) if name]
-    values = [[_number(i, row, column, separator, len(heads)) for column, _, _ in wanted] for i, row in rows]
+    _refuse_two_signs(rows, [column for column, _, _ in wanted])
+    values = [
+        [scale * _number(i, row, column, separator, len(heads)) for column, _, scale in wanted]
+        for i, row in rows
+    ]
     table = np.array(values).reshape(-1, len(wanted)).T
-    return {name: scale * column for (_, name, scale), column in zip(wanted, table, strict=True)}
+    places = [f"line {i}" for i, _ in rows]
+    return {name: column for (_, name, _), column in zip(wanted, table, strict=True)}, places
+
+
+def _refuse_two_signs(rows: list[tuple[int, list[str]]], columns: list[int]) -> None:
+    """Refuse both commas and points in numbers: one separates thousands, but reads as a decimal sign."""
+    first: dict[str, str] = {}
+    for line, cells in rows:
+        for cell in (cells[column].strip(' "') for column in columns if column < len(cells)):
+            for sign in ".," if NUMBER.fullmatch(cell) else "":
+                if sign in cell:
+                    first.setdefault(sign, f"{shown(cell)} in line {line}")
+    if len(first) > 1:
+        found = " and ".join(dict.fromkeys(first.values()))
+        raise InputError(f"numbers must have one decimal sign and no thousands separators, got {found}")
 
 
 def _header(lines: list[tuple[int, str]]) -> tuple[list[tuple[str, float]], str, list[tuple[int, list[str]]]]:
@@ -232,7 +294,8 @@ def _heads(cells: list[str]) -> list[tuple[str, float]]:
     for kind in UNITS:
         if [name for name, _ in heads].count(kind) > 1:
             raise InputError(f"curve must have one column {kind}, got several")
-    return heads
+    used = KNOWN if {name for name, _ in heads} >= KNOWN.keys() else PATH_COLUMNS
+    return [(name if name in used else "", scale) for name, scale in heads]
 
 
 def _scale(name: str, unit: str) -> float:

@@ -211,6 +211,28 @@ def test_formats_of_test_benches(name, bench, tmp_path):
     np.testing.assert_allclose(found.deflection, bench[1], atol=1e-5)
 
 
+def test_other_columns_may_hold_anything(tmp_path):
+    """A time of day was read as a number; a force without a deflection beside those of path.csv crashed."""
+    curve = tmp_path / "bench.csv"
+    curve.write_text("Time;Kraft [N];Weg [mm]\n12:30.5;1,5;0,5\n12:31.0;2,5;1,0\n")
+    np.testing.assert_allclose(measured(curve, GUIDED).force, [1.5, 2.5])
+    curve.write_text("time,load,load_y,uy\n0.5,x,-1,-2\n1,x,-2,-3\n")
+    assert table_of(curve).keys() == {"time", "load_y", "uy"}
+    with pytest.raises(InputError, match="columns force and deflection, or load_y, uy; load_y is missing"):
+        measured({"force": [1.0, 2.0]}, GUIDED)
+    with pytest.raises(InputError, match=r"^row 2 must have a force in \[.*\] N, got 4e\+300 N$"):
+        measured({"force": [1.0, 4e300], "deflection": [1.0, 2.0]}, GUIDED)
+
+
+def test_no_force_before_and_after_the_curve_is_left_out():
+    """Also where friction lets go of the spring later than it took it."""
+    table = {
+        "force": [0.0, 0.1, 50.0, 100.0, 50.0, 0.1, 0.0],
+        "deflection": [0.0, 1.0, 5.0, 9.0, 6.0, 3.0, 0.0],
+    }
+    assert measured(table, GUIDED).left_out == 4
+
+
 def test_units_and_points_without_load():
     found = measured({"force [kN]": [0.0, 0.01, 0.02], "deflection (m)": [0.0, 1e-3, 2e-3]}, GUIDED)
     np.testing.assert_allclose(found.force, [10.0, 20.0])
@@ -238,6 +260,22 @@ BAD = {
     "force,deflection\n1,-1\n2,8": "deflection must not be negative, got -1 to 8 mm",
     "force,deflection\n1,9\n2,80": "deflection must be below spring.active_height = 28.6 mm, got 80 mm",
     "force,deflection\n1,0\n2,0": "not zero throughout",
+    "deflection,force\n13,0\n9,90\n0.5,268.75\n0,279.5": "bad.csv: deflection must grow with the force",
+    "force;deflection\n980.0;9.8\n1,050;10.5": (
+        "bad.csv: numbers must have one decimal sign and no thousands separators, got '980.0' in line 2 and "
+        "'1,050' in line 3"
+    ),
+    "force\tdeflection\n980,0\t9\n1.400\t10": "separators, got '980,0' in line 2 and '1.400' in line 3",
+    "force;deflection\n1.050,5;9": "separators, got '1.050,5' in line 2",
+    'force,deflection\n9.5,9\n"1,050",10': "separators, got '9.5' in line 2 and '1,050' in line 3",
+    "force;deflection\n500;5\n980;9\n1,050;10\n1,400;14": (
+        "bad.csv: line 4 must have a force of at least 49 N, since its deflection of 10 mm is above that of "
+        "the largest force, 980 N, got 1.05 N: has it a thousands separator?"
+    ),
+    "force,deflection\n1,1\n4e300,2": "line 3 must have a force in [-1e+12, 1e+12] N, got 4e+300 N",
+    "force [kN],deflection\n4e307,2": "line 2 must have a force in [-1e+12, 1e+12] N, got inf N",
+    "force,deflection\n1,-4e300": "line 2 must have a deflection in [-1e+09, 1e+09] mm, got -4e+300 mm",
+    "time,load_y,uy\n1,-4e300,-1": "line 2 must have a load_y in [-1e+12, 1e+12] N, got -4e+300 N",
 }
 
 
@@ -256,11 +294,13 @@ def test_doubtful_curves():
     assert "equivbeam and the measured curve differ by" in other
 
 
+@pytest.mark.parametrize("command", ["calibrate", "compare"])
 @pytest.mark.parametrize("text", BAD)
-def test_bad_curves(text, tmp_path, capsys):
+def test_bad_curves(text, command, tmp_path, capsys):
     file = tmp_path / "bad.csv"
     file.write_text(text)
-    assert main(["calibrate", "spring-b", str(file), "--fit", "axial", "--out", str(tmp_path / "out")]) == 2
+    given = {"calibrate": [str(file), "--fit", "axial"], "compare": ["--measured", str(file)]}[command]
+    assert main([command, "spring-b", *given, "--out", str(tmp_path / "out")]) == 2
     error = capsys.readouterr().err
     assert BAD[text] in error
     assert error.count("\n") == 1
