@@ -17,7 +17,7 @@ from equivbeam import fiterrors
 from equivbeam.fiterrors import constant_part, independent, undetermined
 from equivbeam.loadcurve import LoadCurve, read_curve
 from equivbeam.sensitivity import FACTORS, NAMES, sensitivities, unit, values, varied
-from equivbeam.solve import solve
+from equivbeam.solve import ADVICE, solve
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -238,7 +238,8 @@ class CurveFit:
         try:
             solve(self.scene_of(start, self.curve.scene), **self.options)
         except EquilibriumNotFound as failure:
-            message = self.curve.beyond(failure.path)
+            # a fit is of this model: another one is no advice
+            message = self.curve.beyond(replace(failure.path, message=failure.message.replace(ADVICE, "")))
             raise EquilibriumNotFound(replace(failure.path, message=message)) from None
         return self.residuals(start)
 

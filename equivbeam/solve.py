@@ -31,6 +31,7 @@ MOST_PAPER_ITERATIONS = 10_000
 # prescribed height is within 2.4 % of the wire model's (32 pairs per turn) up to 0.90; at 0.95 and few coils
 # errors reach 32 %.
 TRUSTED = 0.90
+ADVICE = ": use wirefe with 16 or more pairs per turn"
 CHUNK = 64  # springs of a sweep handed to a worker at a time
 
 KERNELS = Kernels(*(getattr(kernels, name) for name in Kernels._fields))
@@ -120,7 +121,7 @@ def _caution(scene: Scene, law: str | UserLaw, rows: np.ndarray, states: np.ndar
     if scene.contact.enabled and travel > 0.0 and within:
         said += (
             f"; but{when} it is {shortened[row] / travel:.0%} of the travel to solid, where coils close bit "
-            "by bit and the beam's force may be far off: use wirefe with 16 or more pairs per turn"
+            f"by bit and the beam's force may be far off{ADVICE}"
         )
     return said
 

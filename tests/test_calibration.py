@@ -595,6 +595,18 @@ def test_a_curve_beyond_a_limit_point_is_told_how_much_of_it_can_be_kept(tmp_pat
         equivbeam.solve(replace(scene, load=Load((0.0, -1.001 * force))))
 
 
+def test_a_curve_beyond_the_model_is_not_sent_to_another_one():
+    """A fit is of the beam alone: which force to leave out is what helps."""
+    scene = replace(GUIDED, spring=Spring(4.0, 25.0, 5.5, 39.6))
+    with pytest.raises(EquilibriumNotFound) as found:
+        equivbeam.calibrate(scene, {"force": [100.0, 5000.0], "deflection": [1.0, 18.0]}, ["axial"])
+    message = found.value.message
+    assert "the beam's force may be far off" in message
+    assert "wirefe" not in message
+    force = float(message.rsplit("; leave out what is beyond ")[1].split(" N")[0])
+    assert equivbeam.solve(replace(scene, load=Load((0.0, -force)))).outcome == "completed"
+
+
 def test_an_offset_to_be_fitted_may_be_anything():
     """Curves were refused, or called beyond solid, for a deflection that begins far from rest."""
     deflection, force = along_load(equivbeam.solve(GUIDED))
