@@ -16,7 +16,7 @@ from coilspring.scene import Factors, Scene, require_scene
 from equivbeam import fiterrors
 from equivbeam.fiterrors import constant_part, independent, undetermined
 from equivbeam.loadcurve import LoadCurve, read_curve
-from equivbeam.sensitivity import FACTORS, NAMES, sensitivities, unit, values, varied
+from equivbeam.sensitivity import AT_NU, FACTORS, NAMES, sensitivities, unit, values, varied
 from equivbeam.solve import ADVICE, solve
 
 if TYPE_CHECKING:
@@ -138,7 +138,8 @@ def calibrate(
     parameters : sequence of str
         penalty, exponent, E, G, the dimensions, and with the paper's law the factors axial, shearing,
         bending; names as in `equivbeam.sensitivities`. Of those that stand for each other the first is
-        fitted. Besides, ``offset``: the curve's deflection of the spring at rest, mm.
+        fitted. E alone keeps nu where the material was given by it, else G; G alone keeps E. Besides,
+        ``offset``: the curve's deflection of the spring at rest, mm.
     **options
         Those of `equivbeam.solve`.
 
@@ -215,7 +216,9 @@ class CurveFit:
         if OFFSET in names and curve.peaks.size > 1:
             raise InputError(f"{OFFSET} can be fitted to force and deflection, got a curve in ux, uy or rotz")
         self.names, self.curve, self.options = names, curve, options
-        self.of_scene = tuple(name for name in names if name != OFFSET)
+        keeps_nu = curve.scene.material.given == "nu" and "G" not in names
+        E = AT_NU if keeps_nu else "E"
+        self.of_scene = tuple(E if name == "E" else name for name in names if name != OFFSET)
         self.lag = np.array([name == OFFSET for name in names])  # of these parameters the one, if any
         self.scale = np.full(len(names), curve.peaks[0])  # of the shares
         self.scale[~self.lag] = values(curve.scene, self.of_scene)
@@ -300,6 +303,15 @@ class CurveFit:
         for name, share in zip(self.names, shares, strict=True):
             if np.abs(share - FAR).min() < CLOSE:
                 return f"the search ended at {FAR[0]:g} or {FAR[1]:g} times the start of {name}: begin nearer"
+        for i in fitted:
+            for near in (1.0 - CLOSE, 1.0 + CLOSE):
+                beyond = shares.copy()
+                beyond[i] *= near
+                try:
+                    self.scene_of(beyond, self.curve.scene)
+                except InputError as error:
+                    allowed = str(error).partition(", got ")[0]  # what is no value of the user's
+                    return f"the search ended at a bound of {self.names[i]}, beyond which {allowed}"
         before = self.residuals(shares)
         for i in fitted if np.isfinite(spread).any() else ():
             for step in (spread[:, i], -spread[:, i]):

@@ -50,6 +50,7 @@ def _widened(value: float, bottom: float, top: float) -> tuple[float, float]:
     return share * bottom, share * top
 
 
+AT_NU = "E at nu"  # both moduli in proportion, which a fit of E moves where the material gives nu
 OF_ALL_COILS = ("mean_diameter", "bottom_diameter", "top_diameter", "pitch")  # sections have their own
 PARAMETERS: Mapping[str, Parameter] = {
     "wire_diameter": _field("spring", "wire_diameter"),
@@ -63,18 +64,20 @@ PARAMETERS: Mapping[str, Parameter] = {
     ),
     "E": Parameter("material", attrgetter("E"), lambda of, E: Material.from_moduli(E, of.G, of.density)),
     "G": Parameter("material", attrgetter("G"), lambda of, G: Material.from_moduli(of.E, G, of.density)),
+    AT_NU: _field("material", "E"),
     "penalty": _field("contact", "stiffness"),
     "exponent": _field("contact", "exponent"),
     **{name: _field("factors", name) for name in FACTORS},
 }
-NAMES = tuple(PARAMETERS)
+NAMES = tuple(name for name in PARAMETERS if name != AT_NU)
 UNITS = {"E": "MPa", "G": "MPa"} | dict.fromkeys(("wire_diameter", *OF_ALL_COILS), "mm")
 
 
 def values(scene: Scene, names: tuple[str, ...]) -> np.ndarray:
     """Values of the parameters named; `InputError` for a name that is none of `NAMES`, or of the scene's."""
     for name in names:
-        require_choice("parameters", name, NAMES)
+        if name != AT_NU:
+            require_choice("parameters", name, NAMES)
         if scene.spring.sections and name in OF_ALL_COILS:
             others = ", ".join(other for other in NAMES if other not in OF_ALL_COILS)
             raise InputError(

@@ -16,6 +16,7 @@ from coilspring import (
     Factors,
     InputError,
     Load,
+    Material,
     Scene,
     Spring,
     Supports,
@@ -512,6 +513,55 @@ def test_of_two_that_a_curve_hardly_tells_apart_the_first_is_fitted(names):
     assert f"the curve does not tell it from {names[0]}" in str(found)
     known = replace(found, undetermined=found.fixed, errors=np.array([0.01, np.nan]))
     assert f", with {names[1]} as given" in str(known).splitlines()[0]
+
+
+SIDEWAYS = Load((-6.0, 0.0), 20)  # which bends the spring: there E counts beside G
+
+
+def fit_of_moduli(names, material, E=203e3):
+    """Of a curve of nu = 0.29."""
+    scene = replace(GUIDED, load=SIDEWAYS, material=Material(193e3, 0.29), supports=Supports(("rotz",)))
+    curve = measured_of(replace(scene, material=Material(E, 0.29)))
+    return fit(curve, names, replace(scene, material=material))
+
+
+BY_G = Material.from_moduli(193e3, 193e3 / 2.58)
+
+
+def test_young_s_modulus_alone_keeps_what_the_material_was_given_by():
+    """G was held throughout: a curve of the same nu gave 6 % more than its E, and nu 0.44."""
+    found = fit_of_moduli(["E"], Material(193e3, 0.29))
+    assert found.values[0] == pytest.approx(203e3, rel=1e-6)
+    assert found.scene.material.nu == 0.29
+    found = fit_of_moduli(["E"], BY_G)
+    assert abs(found.scene.material.G * 2.58 / 193e3 - 1.0) < 1e-12
+    assert found.values[0] > 210e3
+    for names in (["E", "G"], ["G", "E"]):
+        found = fit_of_moduli(names, Material(193e3, 0.29))
+        assert dict(zip(names, found.values, strict=True)) == pytest.approx(
+            {"E": 203e3, "G": 203e3 / 2.58}, rel=1e-6
+        )
+    assert fit_of_moduli(["G"], Material(193e3, 0.29)).scene.material.E == 193e3
+
+
+def test_poisson_s_ratio_is_told_where_a_fit_of_the_moduli_moves_it(tmp_path):
+    scene = replace(GUIDED, material=Material(193e3, 0.29))
+    curve = write(tmp_path / "bench.csv", measured_of(replace(scene, material=Material(203e3, 0.29))))
+    files, said = run.calibrate(scene, curve, ("G",))
+    assert "Poisson's ratio 0.29 -> 0.2265: it follows from E and G" in said
+    files, said = run.calibrate(scene, curve, ("E",))
+    assert not any("Poisson" in line for line in said)
+    assert tomllib.loads(files["calibrated.toml"].decode())["material"]["nu"] == 0.29
+
+
+def test_a_search_that_ends_at_a_bound_of_poisson_s_ratio_says_so():
+    found = fit_of_moduli(["G"], BY_G, E=150e3)
+    assert found.scene.material.nu == pytest.approx(0.5)
+    assert np.isnan(found.errors).all()
+    assert "the search ended at a bound of G, beyond which material.G must be a number in [64333.3, " in (
+        found.misfit
+    )
+    assert found.misfit.endswith("which E = 193000 and Poisson's ratio allow")
 
 
 def test_what_moves_no_curve_is_told_from_nothing():
