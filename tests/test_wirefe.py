@@ -90,7 +90,10 @@ def test_a_solid_wire_leans_to_its_centre_of_curvature():
     ("load", "words"),
     [
         (Load((0.0, -1e-8)), r"load\.force must be \S+ N at least for this spring, got 1e-08"),
-        (Load(displacement=(-1e-9,)), r"load\.displacement must be \S+ mm at least, got 1e-09"),
+        (
+            Load(displacement=(-1e-9,)),
+            r"load\.displacement must be \S+ mm at least for this spring, got 1e-09",
+        ),
     ],
 )
 def test_a_load_that_rounding_hides_is_refused(load, words):

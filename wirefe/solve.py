@@ -12,7 +12,6 @@ from coilspring.errors import EquilibriumNotFound, InputError, require_choice, r
 from coilspring.path import EquilibriumPath
 from coilspring.scene import Scene, require_scene
 from coilspring.scene.load import stage_ends
-from coilspring.scene.sizing import axial_rate
 from coilspring.solver.interface import Kernels
 from coilspring.solver.problem import Problem
 from coilspring.solver.solve import follow_load, follow_problem, scene_path
@@ -30,8 +29,8 @@ LENGTHS_OF_A_WIRE = 50.0
 # Wire diameters within which what is no pair becomes one: spheres together with those that touch; stations as
 # they touch, with the nearest one of another coil: chosen earlier, it would depend on the steps.
 SPHERES_REACH, STATIONS_REACH = 1.5, 1.01
-LEAST_MOTION = 3e-10  # of the height: below it, rounding of the wire's points is seen in the answer
-SMALL_FORCE = 1.0  # N, below which that is asked at all
+# Of the height, and of E d^2: below, rounding is seen in the answer.
+LEAST_MOTION, LEAST_STRAIN = 3e-10, 2e-13
 CHUNK = 4  # springs of a sweep handed to a worker at a time; to hand one over takes 0.4 ms
 NO_PAIRS = np.zeros((0, 2), dtype=np.int64)
 
@@ -214,15 +213,13 @@ def scene_problem(
 
 
 def _require_motion(scene: Scene) -> None:
-    """Refuse a load that moves the top by hardly more than rounding moves the wire's points."""
-    load, least = scene.load, LEAST_MOTION * scene.spring.active_height
-    if load.displacement:
-        if (largest := max(map(abs, load.displacement))) < least:
-            raise InputError(f"load.displacement must be {least:.1g} mm at least, got {largest:g}")
-        return
-    force = float(np.abs(stage_ends(load)).max())
-    if force < SMALL_FORCE and force < (least := least * axial_rate(scene)):
-        raise InputError(f"load.force must be {least:.1g} N at least for this spring, got {force:g}")
+    """Refuse a load that moves the wire by hardly more than rounding its points, or strains it so."""
+    load, spring = scene.load, scene.spring
+    key, unit = ("displacement", "mm") if load.displacement else ("force", "N")
+    stiffness = scene.material.E * spring.wire_diameter**2
+    least = LEAST_MOTION * spring.active_height if load.displacement else LEAST_STRAIN * stiffness
+    if (largest := float(np.abs(stage_ends(load)).max())) < least:
+        raise InputError(f"load.{key} must be {least:.1g} {unit} at least for this spring, got {largest:g}")
 
 
 def rod_problem(rod: Rod) -> Problem:
