@@ -50,7 +50,7 @@ def compare_curves(
     reference : the path whose peaks the curve errors are divided by.
     """
     # equal fractions of time are equal numbers, whatever the two numbers of steps
-    common, mine, theirs = np.intersect1d(times, reference.times, True, True)
+    common, mine, theirs = np.intersect1d(times, reference.times, return_indices=True)
     if common.size == 0:
         return Comparison(NAN, NAN, NAN, NAN, {}, {}, 0, 0.0)
     curves, wanted = (

@@ -47,7 +47,9 @@ NUMBER = re.compile(r"[-+]?[\d.,]+(e[-+]?\d+)?", re.IGNORECASE)  # in either dec
 MOST_STEPS = 1000  # of a path at the points of a curve, or with interpolation between them
 TOE = 5e-3  # of the largest force: below it a bench may not touch the spring yet
 ROUNDING = 1e-9  # of it
-HARDLY = 0.05  # of it: no spring is pressed further than at the largest force, and gives so little
+# Of the largest: no spring is pressed further than there and gives so little. Of the range, by which it is
+# further: as a bench lets go it may record a little more.
+HARDLY, LATER = 0.05, 0.02
 REST = "it counts from the spring at rest, along the load"
 BACKWARDS = 0.05  # of the largest deflection: more of a negative one is no scatter
 EXAMPLE = "a line with the names of the columns, as force,deflection, or those of path.csv"
@@ -139,18 +141,24 @@ def _along_load(
     pressed, moved = force[loaded], deflection[loaded]
     if not np.allclose(pressed, pressed[0]) and np.polyfit(pressed, moved, 1)[0] <= 0.0:
         raise InputError(f"deflection must grow with the force: {REST}")
-    _refuse_late(force, deflection, peak, places)
+    _refuse_thousandths(("force", "N", force), ("deflection", "mm", deflection), places)
+    _refuse_thousandths(("deflection", "mm", deflection), ("force", "N", force), places)
     return Measured(pressed, moved, int(np.count_nonzero(~loaded)))
 
 
-def _refuse_late(force: np.ndarray, deflection: np.ndarray, peak: int, places: list[str]) -> None:
-    """Refuse points of hardly any force at more deflection than that of the largest force, at `peak`."""
-    least, most = HARDLY * force[peak], deflection[peak]
-    for i in np.flatnonzero((force < least) & (deflection > most))[:1]:
+def _refuse_thousandths(
+    kind: tuple[str, str, np.ndarray], other: tuple[str, str, np.ndarray], places: list[str]
+) -> None:
+    """Refuse points of hardly any force at more deflection than that of the largest force, and the other way
+    round: a separator of thousands reads as a decimal sign."""
+    (name, unit, values), (of, its_unit, others) = kind, other
+    peak = int(np.argmax(values))
+    least, most = HARDLY * values[peak], others[peak] + LATER * np.ptp(others)
+    for i in np.flatnonzero((values > 0.0) & (values < least) & (others > most))[:1]:
         raise InputError(
-            f"{places[i]} must have a force of at least {least:.4g} N, since its deflection of "
-            f"{deflection[i]:.4g} mm is above that of the largest force, {force[peak]:.4g} N, "
-            f"got {force[i]:.4g} N: has it a thousands separator?"
+            f"{places[i]} must have a {name} of at least {least:.4g} {unit}, since its {of} of "
+            f"{others[i]:.4g} {its_unit} is above that of the largest {name}, {values[peak]:.4g} {unit}, "
+            f"got {values[i]:.4g} {unit}: has it a thousands separator?"
         )
 
 
@@ -200,8 +208,10 @@ def _read(
                 }
         except (TypeError, ValueError):
             raise InputError("curve must hold numbers, got texts") from None
-        rows = max((values.size for values in found.values()), default=0)
-        places = [f"row {i}" for i in range(1, rows + 1)]
+        shapes = {values.shape for values in found.values()}
+        if any(len(shape) != 1 for shape in shapes) or len(shapes) > 1:
+            raise InputError("curve must have columns of numbers, all of one length")
+        places = [f"row {i}" for i in range(1, 1 + sum(*shapes))] if shapes else []
     with _named(source):
         _refuse_beyond(found, places)
     return found, places
@@ -309,10 +319,11 @@ def _scale(name: str, unit: str) -> float:
 
 def _unit_row(cells: list[str], heads: list[tuple[str, float]]) -> list[tuple[str, float]] | None:
     """The columns with the units of a line below their names, or nothing where it is no such line."""
-    pairs = [(cell.strip(' []()"'), name) for cell, (name, _) in zip(cells, heads, strict=False)]
-    if any(re.search(r"\d", cell) for cell, name in pairs if name) or not any(cell for cell, _ in pairs):
+    units = [(cell.strip(' []()"'), *head) for cell, head in zip(cells, heads, strict=False)]
+    used = [cell for cell, name, _ in units if name and cell]
+    if not used or any(re.search(r"\d", cell) for cell in used):
         return None
-    return [(name, _scale(name, cell) if name in UNITS and cell else 1.0) for cell, name in pairs]
+    return [(name, _scale(name, cell) if name in UNITS and cell else scale) for cell, name, scale in units]
 
 
 def _number(line: int, cells: list[str], column: int, separator: str, columns: int) -> float:

@@ -138,8 +138,8 @@ def calibrate(
     parameters : sequence of str
         penalty, exponent, E, G, the dimensions, and with the paper's law the factors axial, shearing,
         bending; names as in `equivbeam.sensitivities`. Of those that stand for each other the first is
-        fitted. E alone keeps nu where the material was given by it, else G; G alone keeps E. Besides,
-        ``offset``: the curve's deflection of the spring at rest, mm.
+        fitted. E alone keeps Poisson's ratio, G alone keeps E. Besides, ``offset``: the curve's deflection
+        of the spring at rest, mm.
     **options
         Those of `equivbeam.solve`.
 
@@ -216,8 +216,7 @@ class CurveFit:
         if OFFSET in names and curve.peaks.size > 1:
             raise InputError(f"{OFFSET} can be fitted to force and deflection, got a curve in ux, uy or rotz")
         self.names, self.curve, self.options = names, curve, options
-        keeps_nu = curve.scene.material.given == "nu" and "G" not in names
-        E = AT_NU if keeps_nu else "E"
+        E = "E" if "G" in names else AT_NU
         self.of_scene = tuple(E if name == "E" else name for name in names if name != OFFSET)
         self.lag = np.array([name == OFFSET for name in names])  # of these parameters the one, if any
         self.scale = np.full(len(names), curve.peaks[0])  # of the shares

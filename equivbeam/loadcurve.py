@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     import pandas as pd
 
 FINE = 200  # steps between which a path is interpolated where a curve has no equal steps
-SAME_LOAD = 1e-6  # of the largest load, by which those of a path may differ from the scene's
+SAME_LOAD = 3e-3  # of the largest load, by which those of a path, rounded, may differ from the scene's
 BEYOND = 10.0  # times the force that closes the last coil: no test bench goes there
 
 
@@ -77,8 +77,7 @@ def read_curve(
         times, columns, directions = found.force / peak, [found.deflection], np.array([[x, y, 0.0]])
     else:
         names = _moving(table)
-        loaded, times = _loaded(table, scene)
-        columns = [table[name] for name in names]
+        loaded, times, columns = scene, table["time"], [table[name] for name in names]
         directions = np.eye(3)[[COMPONENTS.index(name) for name in names]]
     values = np.stack(columns, axis=1)
     peaks = np.abs(values).max(axis=0)
@@ -93,25 +92,16 @@ def read_curve(
 
 
 def of_force(table: Mapping[str, np.ndarray], scene: Scene) -> bool:
-    """Whether a curve is of force and deflection; else of displacements at times of the scene's load."""
-    return "force" in table or bool(scene.load.displacement)
-
-
-def _loaded(table: dict[str, np.ndarray], scene: Scene) -> tuple[Scene, np.ndarray]:
-    """The scene under the load of the table's rows, and their times: the columns of a path tell its load."""
-    times = table["time"]
-    if not {"load_x", "load_y"} <= table.keys():
-        return scene, times
-    loads = np.stack((table["load_x"], table["load_y"]), axis=1)
-    sizes = np.linalg.norm(loads, axis=1)
-    off = SAME_LOAD * sizes.max()
-    if np.abs(loads - given_loads(scene.load, times)).max() <= off:
-        return scene, times
-    largest = loads[np.argmax(sizes)]
-    shares = loads @ largest / (largest @ largest or 1.0)
-    if shares.min() <= 0.0 or np.abs(loads - shares[:, None] * largest).max() > off:
-        raise InputError("curve must have loads load_x, load_y along one direction that are not zero")
-    return replace(scene, load=Load((float(largest[0]), float(largest[1])))), shares
+    """Whether a curve is of force and deflection, as a path under another load than the scene's is, too; else
+    it is of displacements at times of the scene's load."""
+    if "force" in table or scene.load.displacement:
+        return True
+    given = [(i, name) for i, name in enumerate(("load_x", "load_y")) if name in table]
+    if not given or "time" not in table:
+        return False
+    loads = given_loads(scene.load, table["time"])
+    off = [np.abs(loads[:, i] - table[name]).max(initial=0.0) for i, name in given]
+    return bool(max(off) > SAME_LOAD * np.abs(loads).max(initial=0.0))
 
 
 def _moving(table: dict[str, np.ndarray]) -> list[str]:

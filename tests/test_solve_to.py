@@ -252,7 +252,7 @@ def test_two_that_tell_the_same_are_believed_more(monkeypatch):
 
 
 def test_the_time_at_which_wires_overlap_is_believed_less():
-    """Of 38 springs that ended so 3 were off by more than asked, by up to three times the estimate."""
+    """It is looked for between points of the wires: errors of it fall unevenly."""
     trials = trials_of(touching(geometry="spheres"), (8, 16), (16, 16))
     before = trials.safety
     last = trials.found[-1]

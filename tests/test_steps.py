@@ -125,11 +125,11 @@ def test_a_prescribed_displacement_costs_what_the_force_costs(way):
 
 
 def test_pairs_that_move_too_far_are_seen_before_a_substep_is_solved():
-    """By more than half a diameter, as predicted: such substeps cost iterations that led nowhere (426)."""
+    """By more than half a diameter, as predicted: such substeps cost iterations that led nowhere (86)."""
     cone = load_scene("spring-b")
-    loaded = [replace(cone, load=Load((0.0, -force))) for force in (150.0, 175.0, 200.0)]
+    loaded = [replace(cone, load=Load((0.0, -force))) for force in (66.0, 70.0, 75.0, 80.0, 85.0)]
     found = [wirefe.solve(scene, steps=1, element="curved", elements_per_turn=4) for scene in loaded]
-    assert sum(path.total_iterations for path in found) < 421
+    assert sum(path.total_iterations for path in found) < 78
 
 
 def random_case(name, seed, driven):

@@ -192,7 +192,7 @@ def scene_problem(
     """Problem, mesh and options of a scene's wire model; `found` are pairs of spheres not one turn apart."""
     require_choice("element", element, ELEMENTS)
     require_integer("elements_per_turn", elements_per_turn, 4, MOST_ELEMENTS)
-    _require_motion(scene)
+    require_motion(scene)
     if pairs_per_turn is None:
         pairs_per_turn = PER_TURN[scene.contact.geometry]
     data, mesh, rod = model.build_model(scene, elements_per_turn, pairs_per_turn, element, found)
@@ -212,14 +212,15 @@ def scene_problem(
     return replace(problem, extended=extended), mesh, options
 
 
-def _require_motion(scene: Scene) -> None:
+def require_motion(scene: Scene) -> None:
     """Refuse a load that moves the wire by hardly more than rounding its points, or strains it so."""
     load, spring = scene.load, scene.spring
     key, unit = ("displacement", "mm") if load.displacement else ("force", "N")
     stiffness = scene.material.E * spring.wire_diameter**2
     least = LEAST_MOTION * spring.active_height if load.displacement else LEAST_STRAIN * stiffness
     if (largest := float(np.abs(stage_ends(load)).max())) < least:
-        raise InputError(f"load.{key} must be {least:.1g} {unit} at least for this spring, got {largest:g}")
+        enough = f"{1.01 * least:.3g} {unit}"  # rounded, too
+        raise InputError(f"load.{key} must be {enough} at least for this spring, got {largest:g}")
 
 
 def rod_problem(rod: Rod) -> Problem:

@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Any, ClassVar, Self
+from typing import Any, Self
 
 from coilspring.errors import InputError, shown
 from coilspring.scene.schema import KEYS, keep_checked
@@ -22,7 +22,6 @@ class Material:
     E: float = 206_000.0
     nu: float = 0.3
     density: float = field(default=7850.0, kw_only=True)
-    given: ClassVar[str] = "nu"  # or "G": what a fit of E alone keeps; no field, as it is no value
 
     def __post_init__(self) -> None:
         keep_checked(self, "material")
@@ -51,6 +50,4 @@ class Material:
                 f"allow, got {shown(G)}"
             )
         nu = min(max(E / (2.0 * G) - 1.0, least), most)  # rounding may pass the ends
-        material = cls(E, nu, density=density)
-        object.__setattr__(material, "given", "G")
-        return material
+        return cls(E, nu, density=density)

@@ -56,7 +56,7 @@ def calibrate(
         "evaluations": found.evaluations,
         "versions": versions(),
     }
-    files = {"calibration.json": json_bytes(summary), "calibrated.toml": _text(found.scene).encode()}
+    files = {"calibration.json": json_bytes(summary), "calibrated.toml": _text(found.scene, names).encode()}
     lines = str(found).splitlines()
     before, nu = scene.material.nu, found.scene.material.nu
     if not np.isclose(nu, before, rtol=1e-9, atol=0.0):
@@ -85,10 +85,10 @@ def calibrate(
     return files, lines
 
 
-def _text(scene: Scene) -> str:
-    """Text of a fitted scene; G in place of Poisson's ratio where that was fitted, or given."""
-    text = scene_text(scene)
-    if scene.material.given == "nu":
+def _text(scene: Scene, names: tuple[str, ...]) -> str:
+    """Text of a fitted scene; G in place of Poisson's ratio where that was fitted, or is the rounder."""
+    text, nu, G = scene_text(scene), repr(scene.material.nu), f"{scene.material.G:.12g}"
+    if "G" not in names and len(nu) <= len(G):
         return text
-    line = f"G = {scene.material.G:.12g}".ljust(35) + " # shear modulus; or nu, Poisson's ratio"
+    line = f"G = {G}".ljust(35) + " # shear modulus; or nu, Poisson's ratio"
     return re.sub(r"(?m)^nu = .*$", line, text, count=1)

@@ -11,6 +11,7 @@ from validation.study.lawdoubt import law_doubt
 from validation.study.scenewarnings import ends_text, warnings
 from validation.study.template import template
 from wirefe.mesh import mesh_wire
+from wirefe.solve import require_motion
 
 STEEPEST = 7.5  # degrees; EN 13906-1:2013, to which its formulas apply
 LEFT_OUT = "; its friction, or what makes its coils stick, with --sliding scene alone"
@@ -59,7 +60,8 @@ def _verdict(model: str, scene: Scene) -> str:
             return (
                 f"represents it{LEFT_OUT if sticks else ''}{f'; {doubt}: see --law helix' if doubt else ''}"
             )
-        # the part that may refuse a scene; its spheres are many where coils are
+        # the parts that may refuse a scene; its spheres are many where coils are
+        require_motion(scene)
         seat = scene.supports.require_supported("wirefe", SEATS)
         mesh_wire(scene.spring, ELEMENTS_PER_TURN, seat == "plate")
         return "represents it"
