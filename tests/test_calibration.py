@@ -4,6 +4,7 @@ import json
 import re
 import tomllib
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -331,6 +332,23 @@ def test_bad_requests(tmp_path, capsys):
     assert run.calibrate(stages, tmp_path / "path.csv", ("axial",))[0].keys().isdisjoint({"calibration.png"})
 
 
+def test_a_calibration_keeps_the_files_it_has_read(tmp_path, capsys, monkeypatch):
+    """They were overwritten without a word, in the folder of an earlier calibration, too."""
+    monkeypatch.chdir(tmp_path)
+    path = equivbeam.solve(replace(GUIDED, factors=Factors(axial=1.1)), steps=4)
+    Path("calibrated.toml").write_text(scene := scene_text(GUIDED))
+    said = []
+    for number in (1, 2):
+        curve = write(Path("measured.csv"), (-path.loads[:, 1], -number * path.tips[:, 1])).read_text()
+        assert main(["calibrate", "calibrated.toml", "measured.csv", "--fit", "axial", "--out", "."]) == 0
+        assert Path(f"measured.{number}.csv").read_text() == curve != Path("measured.csv").read_text()
+        said.append(capsys.readouterr().out)
+        assert f"measured.csv, which was read, is kept in measured.{number}.csv" in said[-1]
+    assert Path("calibrated.1.toml").read_text() == scene
+    assert main(["calibrate", "spring-b", "measured.1.csv", "--fit", "axial", "--out", "."]) == 0
+    assert "is kept" not in capsys.readouterr().out  # a calibration takes the place of the one that was there
+
+
 def test_a_force_that_the_spring_does_not_reach(tmp_path, capsys):
     curve = write(tmp_path / "bench.csv", ([1e4, 2e4], [5.0, 20.0]))
     assert main(["calibrate", "spring-b", str(curve), "--fit", "axial", "--out", str(tmp_path / "x")]) == 3
@@ -339,7 +357,7 @@ def test_a_force_that_the_spring_does_not_reach(tmp_path, capsys):
         in capsys.readouterr().err
     )
     assert not [file for file in (tmp_path / "x").rglob("*") if file.suffix in (".json", ".toml", ".png")]
-    assert "3 a path ended early, what was reached is written (by calibrate nothing)" in EPILOG
+    assert "what was reached is written by solve, compare, sweep and referee;" in EPILOG
     assert main(["calibrate", "spring-b", "none.csv", "--fit", "axial", "--out", str(tmp_path / "x")]) == 2
     assert "curve must be a readable CSV file, got 'none.csv'" in capsys.readouterr().err
 

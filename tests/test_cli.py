@@ -6,7 +6,10 @@ import errno
 import importlib
 import json
 import math
+import mmap
+import os
 import re
+import resource
 import signal
 import subprocess
 import sys
@@ -630,6 +633,34 @@ def test_files_of_no_run_are_kept_under_another_name(folder, tmp_path, capsys):
     assert [(there / f"path.{number}.csv").read_text() for number in (1, 2)] == ["mine", "other"]
 
 
+def test_a_comparison_beside_it_does_not_make_a_file_one_of_a_run(tmp_path, capsys):
+    """And a run removes nothing of the comparison."""
+    assert main(["compare", "spring-b", "--steps", "1", "--draw", "--out", str(tmp_path)]) == 0
+    (tmp_path / "path.csv").write_text("mine")
+    assert main(["solve", "spring-b", "--model", "equivbeam", "--steps", "1", "--out", str(tmp_path)]) == 0
+    assert f"is kept in {tmp_path / 'path.1.csv'}" in capsys.readouterr().out
+    assert (tmp_path / "path.1.csv").read_text() == "mine"
+    assert (tmp_path / "compare.png").exists()
+
+
+@pytest.mark.parametrize("earlier", [False, True], ids=["of no run", "of a run"])
+def test_a_file_that_cannot_be_read_is_exit_4(earlier, tmp_path, monkeypatch, capsys):
+    call = ["solve", "spring-b", "--model", "equivbeam", "--steps", "1", "--out", str(tmp_path)]
+    (tmp_path / "path.csv").write_text("mine")
+    assert main(call) == 0
+    if not earlier:
+        (tmp_path / "summary.json").unlink()
+    capsys.readouterr()
+
+    def denied(_):
+        raise PermissionError(errno.EACCES, "Permission denied")
+
+    monkeypatch.setattr(Path, "read_bytes", denied)
+    assert main(call) == 4
+    name = "summary.json" if earlier else "path.csv"
+    assert sentence(capsys) == f"cannot write to {tmp_path / name}: Permission denied"
+
+
 def test_what_is_removed_is_said(tmp_path, capsys):
     call = ["solve", "spring-a", "--model", "wirefe", "--steps", "1", "--out", str(tmp_path)]
     for options, said in (["--stress", "--vtu"], False), ([], True), ([], False):
@@ -660,18 +691,25 @@ def test_no_name_of_a_place_is_refused(arguments, name, tmp_path, monkeypatch, c
     assert not list(tmp_path.iterdir())
 
 
-def test_a_solve_goes_on_where_there_is_no_room_for_its_mailbox(tmp_path, monkeypatch):
+@pytest.mark.parametrize("room", [0, 4, None], ids=["none", "for a part", "not in memory"])
+def test_a_solve_goes_on_where_there_is_no_room_for_its_mailbox(room, monkeypatch):
+    """Room is the system's limit, whichever call meets it; no file stays open."""
     from coilspring.solver import interrupt
 
-    def no_room(*_):
-        raise OSError(errno.EFBIG, "File too large")
+    def no_memory(*_):
+        raise OSError(errno.ENOMEM, "Cannot allocate memory")
 
     interrupt._mailbox.cache_clear()
-    monkeypatch.setattr(interrupt.os, "write", no_room)
-    call = ["solve", "spring-a", "--model", "wirefe", "--steps", "1", "--out", str(tmp_path)]
+    limits, opened = resource.getrlimit(resource.RLIMIT_FSIZE), len(os.listdir("/proc/self/fd"))
+    if room is None:
+        monkeypatch.setattr(mmap, "mmap", no_memory)
+    else:
+        resource.setrlimit(resource.RLIMIT_FSIZE, (room, limits[1]))
     try:
-        assert main(call) == 0
+        assert interrupt.interruptible(lambda flag: flag.tolist()) == [0]
+        assert len(os.listdir("/proc/self/fd")) == opened
     finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, limits)
         interrupt._mailbox.cache_clear()
 
 

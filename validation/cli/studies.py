@@ -25,7 +25,7 @@ from validation.cli.arguments import (
     scenes_of,
 )
 from validation.cli.terminal import announcing
-from validation.study.output import claimed, json_bytes, prepare, write_files, write_text, writing
+from validation.study.output import claimed, json_bytes, prepare, write_files, write_runs, write_text, writing
 
 Progress = Callable[[str], None]
 Answer = tuple[list[str], str]
@@ -73,7 +73,7 @@ def calibrate(arguments: argparse.Namespace, folder: Path, progress: Progress) -
     with claimed(folder), writing(folder):
         progress(f"fitting {', '.join(names)}")
         files, lines = run.calibrate(scene, arguments.measured, names, **given(arguments, ("law",)))
-        write_files(files, folder)
+        lines += write_runs({folder: files}, read=(arguments.measured, arguments.scene))
     other = OTHER_DIAMETERS.keys() & written_table(scene, arguments.scene)["spring"].keys()
     if other and "wire_diameter" in names:
         held = "fitted with the mean diameter of the coils as it is"

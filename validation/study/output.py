@@ -6,7 +6,7 @@ import json
 import math
 import os
 import tempfile
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
 from typing import Any
@@ -25,7 +25,11 @@ SUMMARY = (
     *("stability_checks", "pair_evaluations", "residual_history", "solve_seconds", "compile_seconds"),
     *("accuracy", "estimated_error", "other_seconds"),
 )
-OPTIONAL = ("compare.png", "curve.png", "stress.csv", "wire.pvd", "wire.vtu")  # files of a run
+OPTIONAL = {  # files that a run may have, by the file that every run of its kind has
+    "summary.json": ("stress.csv", "wire.pvd", "wire.vtu"),
+    "compare.json": ("compare.png", "curve.png"),
+    "calibration.json": ("calibration.png",),  # measured.csv may be the user's
+}
 TOLD = ("load.steps", "contact.stiffness")  # keys of a scene that a summary has among the options
 FACTS = "facts.json"  # of a study: the numbers by name that findings are computed from
 
@@ -112,8 +116,14 @@ def write_files(files: Mapping[str, bytes], folder: Path) -> None:
     with ExitStack() as places:
         for name, data in files.items():
             target = folder / name
-            if not (target.is_file() and target.read_bytes() == data):
+            if _content(target) != data:
                 places.enter_context(_whole(target)).write_bytes(data)
+
+
+def _content(target: Path) -> bytes | None:
+    """What a file holds; None where there is none."""
+    with writing(target):
+        return target.read_bytes() if target.is_file() else None
 
 
 @contextmanager
@@ -156,18 +166,20 @@ def _csv(columns: Mapping[str, np.ndarray]) -> str:
     return "".join(",".join(map(str, row)) + "\n" for row in (tuple(columns), *rows))
 
 
-def write_runs(runs: Mapping[Path, Mapping[str, bytes]]) -> list[str]:
+def write_runs(runs: Mapping[Path, Mapping[str, bytes]], read: Sequence[str | Path] = ()) -> list[str]:
     """Write files of runs by folder, all or none, and remove others of the runs that were there.
 
-    In lines what was removed, and what was of no run and is kept, see `keep`.
+    In lines what was removed, and what is kept, see `keep`: what was of no run, and files that were `read`.
     """
-    earlier = [folder for folder in runs if _is_run(folder)]
+    earlier = [folder for folder, files in runs.items() if _is_run(folder, files)]
+    inputs = [Path(file).resolve() for file in read]
     lines = []
     for folder, files in runs.items():
-        for name in files if folder not in earlier else ():
+        for name, data in files.items():
             target = folder / name
-            if target.is_file() and target.read_bytes() != files[name]:
-                lines.append(f"{name}, which was there and is of no run, is kept in {keep(target)}")
+            what = "read" if target.resolve() in inputs else "there and is of no run"
+            if (what == "read" or folder not in earlier) and _content(target) not in (None, data):
+                lines.append(f"{name}, which was {what}, is kept in {keep(target)}")
     write_files({str(folder / name): data for folder in runs for name, data in runs[folder].items()}, Path())
     for folder in earlier:
         removed = _remove_stale(runs[folder], folder)
@@ -175,9 +187,9 @@ def write_runs(runs: Mapping[Path, Mapping[str, bytes]]) -> list[str]:
     return lines
 
 
-def _is_run(folder: Path) -> bool:
-    """Whether files in a folder are of a run of ours, by its summary."""
-    return any("scene" in _summary(folder / name) for name in ("summary.json", "compare.json"))
+def _is_run(folder: Path, files: Mapping[str, bytes]) -> bool:
+    """Whether a folder has a run of ours of the same kind as one of these `files`."""
+    return any("scene" in _summary(folder / name) for name in OPTIONAL.keys() & files.keys())
 
 
 def _summary(file: Path) -> dict[str, Any]:
@@ -204,10 +216,11 @@ def _remove_stale(files: Mapping[str, bytes], folder: Path) -> list[str]:
     """Remove what an earlier run left there, by the names that runs give, and is none of these `files`; what
     was, without the files of a series."""
     removed = []
+    optional = [name for kind in OPTIONAL.keys() & files.keys() for name in OPTIONAL[kind]]
     with writing(folder):
         series = [file for file in folder.glob("wire/*.vtu") if file.stem.isdecimal() and len(file.stem) >= 4]
-        ours = series if (folder / "wire.pvd").is_file() else []
-        for target in (*(folder / name for name in OPTIONAL), *ours):
+        ours = series if "wire.pvd" in optional and (folder / "wire.pvd").is_file() else []
+        for target in (*(folder / name for name in optional), *ours):
             if target.relative_to(folder).as_posix() not in files and target.is_file():
                 target.unlink()
                 removed += [target.name] if target not in ours else []
