@@ -22,15 +22,19 @@ def _mailbox(process: int) -> tuple[int, np.ndarray]:
     One for each process: a child would share its parent's. Where it cannot be made, as on a full disk, there
     is no file, and signals wait for the end of the compiled work.
     """
+    descriptor = -1
     try:
         descriptor, name = tempfile.mkstemp()
         with suppress(OSError):  # where open files cannot be removed, it stays
             os.unlink(name)
         os.write(descriptor, bytes(8))  # not a hole, for which there may be no room later
-    except OSError:
+        memory = mmap.mmap(descriptor, 8)
+    except (OSError, ValueError):  # the latter where a part of it was written
+        if descriptor >= 0:
+            os.close(descriptor)
         return -1, np.zeros(1, dtype=np.int64)
     os.set_blocking(descriptor, False)
-    return descriptor, np.frombuffer(mmap.mmap(descriptor, 8), dtype=np.int64)
+    return descriptor, np.frombuffer(memory, dtype=np.int64)
 
 
 SIGNALS = tuple(getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGALRM") if hasattr(signal, name))
