@@ -110,10 +110,10 @@ def opensees() -> ModuleType | None:
 
 
 def _opensees(scene: Scene) -> Curve:
-    refuse(scene, "opensees")  # before anyone installs it for nothing
-    layout(scene, NODES_PER_TURN)
     module = opensees()
     if module is None:
+        refuse(scene, "opensees")  # before anyone installs it for nothing
+        layout(scene, NODES_PER_TURN)
         raise InputError(MISSING)
     return module.run(scene, scene.load.steps, module.tolerance(scene))
 
