@@ -2,7 +2,6 @@
 
 import argparse
 import signal
-import sys
 import threading
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import ExitStack
@@ -26,7 +25,7 @@ from validation.cli.arguments import (
     refuse_other_models,
     scene_of,
 )
-from validation.cli.terminal import announcing, deviation, digest, notes, progress_shown, say
+from validation.cli.terminal import announcing, deviation, digest, notes, progress_shown, say, warn
 from validation.study import output
 from validation.study.metrics import compare_paths
 from validation.study.partialsolve import EndedEarly, partial_path
@@ -58,7 +57,7 @@ def main(argv: Sequence[str] | None = None) -> int:
 
 
 def _fail(code: int, message: str) -> int:
-    print("coilcheck:", " ".join(message.splitlines()), file=sys.stderr)
+    warn(message)
     return code
 
 
@@ -245,7 +244,7 @@ def _concluded(arguments: argparse.Namespace, found: dict, lines: list[str], *pa
         say(output.json_text(found))
     elif not arguments.quiet:
         for warning in found["warnings"]:
-            print(f"coilcheck: warning: {warning}", file=sys.stderr)
+            warn(f"warning: {warning}")
         say(*lines)
     missed = [f"{path.model}: {path.message}" for path in paths if path.outcome != "completed"]
     if missed:

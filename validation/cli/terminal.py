@@ -5,6 +5,7 @@ import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from importlib import import_module
+from typing import TextIO
 
 import numpy as np
 
@@ -29,11 +30,11 @@ SLIPPING = {  # without friction, by what stands for coils that touch
 
 
 def say(*lines: str) -> None:
-    """Print to stdout, whatever characters its encoding lacks; nothing where there are no lines.
+    """Print to stdout, whatever characters its encoding lacks; nothing without lines, or where it is closed.
 
     Where nobody reads any more (`| head`) the command ends at once, without a word, as others do.
     """
-    if not lines:
+    if not lines or sys.stdout is None:
         return
     encoding = sys.stdout.encoding or "utf-8"
     text = "\n".join(lines).encode(encoding, "backslashreplace").decode(encoding)
@@ -41,14 +42,29 @@ def say(*lines: str) -> None:
         try:
             print(text, flush=True)
         except BrokenPipeError:
-            os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # for what is flushed at the end
+            _discard(sys.stdout)
             raise SystemExit(PIPE_CLOSED) from None
+
+
+def warn(line: str) -> None:
+    """Print to stderr, after the name of the command; where it cannot be, the exit code alone tells."""
+    if sys.stderr is None:
+        return
+    try:
+        print("coilcheck:", " ".join(line.splitlines()), file=sys.stderr, flush=True)
+    except OSError:
+        _discard(sys.stderr)
+
+
+def _discard(stream: TextIO) -> None:
+    """Send nowhere what is left of a stream, and would be flushed at the end."""
+    os.dup2(os.open(os.devnull, os.O_WRONLY), stream.fileno())
 
 
 @contextmanager
 def progress_shown(quiet: bool = False) -> Iterator[Callable[[str], None]]:
     """Show what is being done, on a terminal only."""
-    if quiet or not sys.stderr.isatty():
+    if quiet or sys.stderr is None or not sys.stderr.isatty():
         yield lambda text: None
         return
     from rich.console import Console
