@@ -258,8 +258,8 @@ def test_a_pair_just_open_that_touches_and_opens_within_a_substep_sticks(steps):
 
 @pytest.mark.xfail(
     strict=True,
-    reason="others snap past the limit point by 0.035 d; here it passes for a bifurcation: the stiffness falls "
-    "so fast that it is judged on the chord of the last substep, on which it is straight",
+    reason="others snap past the limit point by 0.035 d; here it passes for a bifurcation: its stiffness "
+    "falls so fast that it is judged on the chord of the last substep, on which it is straight",
 )
 def test_where_a_hard_pair_opens_a_snap_is_found_in_any_number_of_steps():
     case = make_case("b002212", 1341)
