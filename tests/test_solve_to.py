@@ -221,7 +221,7 @@ def test_a_mesh_is_as_fine_as_its_elements_or_its_stations():
     a, b, c = (trial.path for trial in trials.found)
     shares = [1.0 / ((8.0 / each) ** 2 - 1.0) for each in fine[:2]]
     told = max(0.5 * shares[0] * difference(a, c), shares[1] * difference(b, c))
-    assert trials.estimate == pytest.approx(6.0 * told)
+    assert trials.estimate == pytest.approx(8.0 * told)
     spheres = trials_of(touching(geometry="spheres"), (4, 16), (8, 16))
     assert [spheres.resolution(trial) for trial in spheres.found] == [4, 8]
 
@@ -243,7 +243,7 @@ def test_two_paths_that_agree_by_chance_are_not_believed(monkeypatch):
 
 
 def test_two_that_tell_the_same_are_believed_more(monkeypatch):
-    assert trials_of(touching(), (4, 16), (8, 98), (12, 146)).safety == 6.0  # of stations it may be by chance
+    assert trials_of(touching(), (4, 16), (8, 98), (12, 146)).safety == 8.0  # of stations it may be by chance
     trials = trials_of(touching(geometry="spheres"), (8, 16), (12, 16), (16, 16))
     first, second = 1 / 64 - 1 / 256, 1 / 144 - 1 / 256
     for other, safety in ((1.4, 2.0), (0.7, 2.0), (1.6, 3.0), (0.6, 3.0)):
@@ -257,7 +257,7 @@ def test_the_time_at_which_wires_overlap_is_believed_less():
     before = trials.safety
     last = trials.found[-1]
     trials.found[-1] = replace(last, path=replace(last.path, outcome="interpenetration"))
-    assert (before, trials.safety) == (3.0, 6.0)
+    assert (before, trials.safety) == (3.0, 8.0)
 
 
 @pytest.mark.parametrize(("geometry", "needed"), [("wires", 3), ("spheres", 2)])

@@ -31,7 +31,7 @@ SUBSTEPS = 10.0
 # Of the last path, where errors are smooth: as a path before tells it; as two alike do.
 SMOOTH, STEADY = 3.0, 2.0
 ALIKE = 1.5
-UNEVEN, ON_PLATES = 6.0, 10.0  # the same where they are not, and where plates are why
+UNEVEN, ON_PLATES = 8.0, 10.0  # the same where they are not, and where plates are why
 CHANCE = 5e-4  # accuracy below which two paths with stations agree too often by chance: three are compared
 SHARE = 0.5  # of its level is a mesh as fine as, however few its stations
 FALL = 0.5  # of what the path before told, each tells at least: two may agree by chance
