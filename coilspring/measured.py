@@ -211,7 +211,8 @@ def _read(
         shapes = {values.shape for values in found.values()}
         if any(len(shape) != 1 for shape in shapes) or len(shapes) > 1:
             raise InputError("curve must have columns of numbers, all of one length")
-        places = [f"row {i}" for i in range(1, 1 + sum(*shapes))] if shapes else []
+        rows = max((values.size for values in found.values()), default=0)
+        places = [f"row {i}" for i in range(1, rows + 1)]
     with _named(source):
         _refuse_beyond(found, places)
     return found, places

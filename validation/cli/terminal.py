@@ -84,7 +84,7 @@ def announcing(progress: Callable[[str], None], model: str) -> Callable[[str], N
 
 def digest(path: EquilibriumPath) -> list[str]:
     """A path for a reader at the terminal."""
-    lines = [f"{path.model}: {path.outcome}, {len(path.times)} of {steps(path.scene.load.rows)}"]
+    lines = [f"{path.model}: {path.outcome}, {len(path.times)} of {counted(path.scene.load.rows, 'step')}"]
     if len(path.times):
         ux, uy, rotz = path.tips[-1]
         force = f", axial force {path.loads[-1, 1]:.6g} N" if path.scene.load.displacement else ""
@@ -111,11 +111,6 @@ def digest(path: EquilibriumPath) -> list[str]:
     ready = f" (and {path.compile_seconds:.2g} s to make the kernels ready)"
     told = ready if path.compile_seconds >= TOLD else ""
     return [*lines, f"  {count}, {path.solve_seconds:.2g} s CPU{told}"]
-
-
-def steps(count: int, kind: str = "") -> str:
-    """So many steps."""
-    return counted(count, f"{kind}step")
 
 
 def notes(path: EquilibriumPath) -> list[str]:
@@ -170,7 +165,7 @@ def deviation(found: Comparison, wire: EquilibriumPath) -> list[str]:
     units = {"ux": "mm", "uy": "N" if prescribed else "mm", "rotz": "rad"}
     peaks = {name: f"{np.abs(curve).max():.3g} {units[name]}" for name, curve in answered(wire).items()}
     return [
-        f"difference over {steps(found.steps, 'common ')}: "
+        f"difference over {counted(found.steps, 'common step')}: "
         f"curve {100 * found.curve_max:.3g} % at most ({names[worst]}), {100 * found.curve_rms:.3g} % rms; "
         f"shape at time {found.last_time:g} {found.shape_max:.3g} mm at most, {found.shape_rms:.3g} mm rms",
         *(

@@ -32,8 +32,6 @@ OPTIONAL = {  # files that a run may have, by the file that every run of its kin
 }
 TOLD = ("load.steps", "contact.stiffness")  # keys of a scene that a summary has among the options
 FACTS = "facts.json"  # of a study: the numbers by name that findings are computed from
-
-
 TEMPORARY = "the folder for temporary files"  # as a message has it
 
 
