@@ -122,6 +122,20 @@ class CurveFit:
 
         One error off in a parameter, the residuals must have changed as their derivatives say.
         """
+        if bound := self._at_bound(shares, fitted):
+            return bound
+        before = self.residuals(shares)
+        for i in fitted if np.isfinite(spread).any() else ():
+            for step in (spread[:, i], -spread[:, i]):
+                if (self.scale * (shares + step) < self.lowest)[~self.lag].any():
+                    continue  # out of its range, as an exponent below 1
+                change = self.residuals(shares + step) - before - J @ step
+                if self.path is None or np.linalg.norm(change) > CURVED * np.linalg.norm(J @ step) + ROUNDING:
+                    return self._vague(i, spread[:, i] / shares)
+        return ""
+
+    def _at_bound(self, shares: np.ndarray, fitted: np.ndarray) -> str:
+        """Which bound the search ended at, in one sentence; empty where at none."""
         for name, share in zip(self.names, shares, strict=True):
             if np.abs(share - FAR).min() < CLOSE:
                 return f"the search ended at {FAR[0]:g} or {FAR[1]:g} times the start of {name}: begin nearer"
@@ -134,14 +148,6 @@ class CurveFit:
                 except InputError as error:
                     allowed = str(error).partition(", got ")[0]  # what is no value of the user's
                     return f"the search ended at a bound of {self.names[i]}, beyond which {allowed}"
-        before = self.residuals(shares)
-        for i in fitted if np.isfinite(spread).any() else ():
-            for step in (spread[:, i], -spread[:, i]):
-                if (self.scale * (shares + step) < self.lowest)[~self.lag].any():
-                    continue  # out of its range, as an exponent below 1
-                change = self.residuals(shares + step) - before - J @ step
-                if self.path is None or np.linalg.norm(change) > CURVED * np.linalg.norm(J @ step) + ROUNDING:
-                    return self._vague(i, spread[:, i] / shares)
         return ""
 
     def _vague(self, i: int, relative: np.ndarray) -> str:
