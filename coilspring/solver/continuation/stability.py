@@ -7,6 +7,7 @@ import numpy as np
 
 from coilspring.compiling.compiled import part
 from coilspring.contact.history import has_friction
+from coilspring.solver.continuation.branch import predict
 from coilspring.solver.equilibrium.linesearch import dot
 from coilspring.solver.equilibrium.newton import LINEAR
 from coilspring.solver.equilibrium.operations import factor_state, solution
@@ -121,19 +122,16 @@ def line_within(system, task, work, path):
     of the last substep; infinite where it is on none. Where a pair opens on the way, the states are taken
     before.
 
-    The states lie on the chord, on which the stiffness is straight unless pairs touch or open: so a limit
-    point is told from a bifurcation only where the load does work, see `snap.is_limit_point`.
+    The states lie on the parabola on which the path is predicted: on the chord the stiffness is straight
+    before a limit point, too. `work.predicted` is overwritten.
     """
     span, values, times = min(path.last_step, 0.5 * no_time(path.time)), np.empty(3), np.empty(3)
     begin = path.time - span
     for _ in range(MOST_HALVES):
         for i in range(3):
             times[i] = begin + WITHIN[i] * span
-            back = (path.time - times[i]) / path.last_step
-            system.retract(
-                system.reals, system.ints, work.state, work.tangent, 0.0, work.before, back, work.scratch
-            )
-            values[i] = stiffness_at(system, task, work, path, work.scratch, EXACT)
+            predict(system, task, work, path, 1.0, times[i])
+            values[i] = stiffness_at(system, task, work, path, work.predicted, EXACT)
         if values[2] > 0.0:
             before = predicted_zero(times[1], values[1], times[0], values[0])
             zero = predicted_zero(times[2], values[2], times[1], values[1])
