@@ -32,7 +32,9 @@ SUBSTEPS = 10.0
 SMOOTH, STEADY = 3.0, 2.0
 ALIKE = 1.5
 UNEVEN, ON_PLATES = 8.0, 10.0  # the same where they are not, and where plates are why
-CHANCE = 5e-4  # accuracy below which two paths with stations agree too often by chance: three are compared
+# Accuracy below which two paths with stations, or in substeps with friction, agree too often by chance:
+# three are compared.
+CHANCE = 5e-4
 SHARE = 0.5  # of its level is a mesh as fine as, however few its stations
 FALL = 0.5  # of what the path before told, each tells at least: two may agree by chance
 AHEAD = 1.1  # below the error wanted is that of the mesh that is predicted to do
@@ -91,6 +93,12 @@ class Trials:
     def substeps(self) -> bool:
         """Whether the path depends on its substeps."""
         return bool(self.levels.scene.contact.coefficient) and self.touching
+
+    @property
+    def erratic(self) -> bool:
+        """Whether two paths in substeps with friction may agree by chance on less than is wanted."""
+        friction = self.levels.scene.contact.coefficient < math.inf
+        return self.substeps and friction and self.wanted < CHANCE
 
     @property
     def finest(self) -> int:
@@ -264,7 +272,7 @@ def _first(trials: Trials) -> tuple[EquilibriumPath, float]:
     # errors are largest where a pair has just closed, or a node has just come to bear
     bent = (trials.touching or trials.uneven) and not trials.substeps
     trials.add(_next(trials), trials.steps if bent else few(trials.steps))
-    fine = trials.irregular and trials.wanted < ROUGH
+    fine = (trials.irregular and trials.wanted < ROUGH) or trials.erratic
     if fine or len(trials.found) == 1 or first.path.critical_time is not None:
         return first.path, math.inf
     return first.path, factor * trials.apart[0]
@@ -316,23 +324,24 @@ def _second(trials: Trials) -> float:
 def _choose_substeps(trials: Trials) -> None:
     """Choose steps, those of the scene or finer, and estimate the error that their substeps leave.
 
-    It may take half of the accuracy wanted, and is estimated on the last mesh, from fewer steps. Raises
-    `InputError` if it takes more in the most steps too.
+    It may take half of the accuracy wanted, and is estimated on the last mesh, from fewer steps: where two
+    paths may agree by chance, twice. Raises `InputError` if it takes more in the most steps too.
     """
     *before, last = trials.found
-    mesh, coarse = last.mesh, last.path
-    rows, least = trials.steps, math.inf
+    paths, lost = [last.path], [math.inf]
+    rows, least, needed = trials.steps, math.inf, 2 if trials.erratic else 1
     for steps in (rows * 2**halving for halving in range(HALVINGS + 1)):
-        if steps == coarse.scene.load.steps:
+        if steps == last.path.scene.load.steps:
             continue
-        path = trials.solve(mesh, steps)
-        trials.lost = SUBSTEPS * difference(coarse, path)
-        least = min(least, trials.lost)
+        paths.append(trials.solve(last.mesh, steps))
+        lost.append(SUBSTEPS * difference(*paths[-2:]))
+        trials.lost = max(lost[-needed:])
+        least = min(least, trials.lost, max(lost[-1], 0.5 * CHANCE))
         if trials.lost <= 0.5 * trials.wanted:
-            trials.steps = steps
-            trials.take(*(before if steps == rows else ()), replace(last, path=path))
+            path = paths[-needed]
+            trials.steps = path.scene.load.steps
+            trials.take(*(before if trials.steps == rows else ()), replace(last, path=path))
             return
-        coarse = path
     why = "by the substeps of friction or sticking contact"
     raise InputError(_refusal(trials.wanted, 2.0 * least, why))
 
