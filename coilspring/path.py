@@ -60,9 +60,9 @@ class Shape(Protocol):
         """Tangent stiffness of the top along directions (states, 2), with the contact histories of the
         states (None: of no pair), shape (states,), N/mm."""
 
-    def largest_stresses(self, states: np.ndarray) -> np.ndarray | None:
-        """Largest shear stress of the wire, corrected for its curvature, shape (states,), MPa; None where the
-        model has no wire."""
+    def largest_stresses(self, states: np.ndarray, histories: np.ndarray | None) -> np.ndarray | None:
+        """Largest shear stress of the wire, corrected for its curvature, in states found with contact histories
+        (None: of no pair), shape (states,), MPa; None where the model has no wire."""
 
     def overlaps(self, states: np.ndarray) -> np.ndarray:
         """By how much the wire runs into itself, or the circles that stand for it, shape (states,), mm."""
@@ -255,7 +255,7 @@ class EquilibriumPath:
 
         16 |T| / (pi d^3) of the torsional moment T, with Bergstraesser's factor; see `wirefe.stress`.
         """
-        return self.shape.largest_stresses(self.states)
+        return self.shape.largest_stresses(self.states, self.histories)
 
     @property
     def curve(self) -> dict[str, np.ndarray]:

@@ -82,7 +82,7 @@ class BeamShape(PairReader):
         sizes, remembered = (size, matrix_size(self.data)), self.histories(histories, states)
         return rates(compiled, with_tangent(self.data), sizes, size - 3, states, remembered, directions)
 
-    def largest_stresses(self, states: np.ndarray) -> None:
+    def largest_stresses(self, states: np.ndarray, histories: np.ndarray | None) -> None:
         """Nothing: the beam has no wire."""
 
     def beyond_ends(self, states: np.ndarray) -> np.ndarray:

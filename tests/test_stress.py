@@ -12,8 +12,11 @@ import wirefe
 from coilspring import Contact, InputError, Load, Scene, Spring, Supports, spring_a, spring_b
 from coilspring.scene.sizing import sizes
 from validation.cli.command import main
+from validation.study.partialsolve import partial_path
+from wirefe.contact.stations import ROTATION
 from wirefe.element.rotations import quaternion_from_matrix
-from wirefe.results.stress import stresses
+from wirefe.results.between import station_loads
+from wirefe.results.stress import resultants, sections_of, stresses
 from wirefe.rod import frenet_frames
 
 D, WIRE, FORCE = 20.0, 1.5, 1e-2
@@ -64,7 +67,7 @@ def test_pure_bending():
     turns = after @ np.swapaxes(before, 1, 2)
     rows = np.concatenate((bent.points(turned), quaternion_from_matrix(turns)), axis=1)
     rows[-1, :3] -= turns[-1] @ mesh.arm
-    found = stresses(path.shape, rows.reshape(1, -1))
+    found = stresses(path.shape, rows.reshape(1, -1), None)
     moment = E * math.pi * WIRE**4 / 64.0 * more
     assert_allclose(np.abs(found.bending_in), moment, rtol=1e-4)
     assert_allclose(found.bending_stress, E * WIRE / 2.0 * more, rtol=1e-4)
@@ -151,3 +154,36 @@ def test_solve_writes_stresses_where_asked(tmp_path, capsys):
     assert f"stress {path['max_stress'][-1]:.4g} MPa at most" in capsys.readouterr().out
     assert main(arguments) == 0
     assert not (tmp_path / "stress.csv").exists()
+
+
+@pytest.mark.parametrize("friction", [None, 0.2])
+def test_sections_balance_all_that_acts_on_the_wire_above_them(friction):
+    """Contact within an element acts on its nodes, and the force was the element's all along it: where coils
+    touch bending stresses were up to 12 % low with 4 elements per turn."""
+    contact = Contact(
+        stiffness=5e4, sliding="free" if friction is None else "coulomb", geometry="wires", friction=friction
+    )
+    spring, load = Spring(2.0, 16.0, 5.0, 18.0, end_turns=0.0), Load((1.0, -170.0), steps=2)
+    scene = Scene("pressed", spring, load, contact=contact)
+    path = partial_path(wirefe.solve, scene, element="curved", elements_per_turn=4)
+    assert path.active_contacts[-1] > 20
+    shape, state = path.shape, path.states[-1:]
+    given = station_loads(shape.data, state, path.histories[-1:])[0]
+    points, at = shape.data.contact, shape.mesh.phases
+    ends = np.minimum(points.attached[:, None] + (0, 1), len(at) - 1)
+    place = at[ends[:, 0]] + points.parts[:, ROTATION] * np.diff(at[ends])[:, 0]
+    arms = state.reshape(-1, 7)[ends, :3]
+    elements, phases = sections_of(shape)
+    force, moment, _ = (each[0] for each in resultants(shape, state, path.histories[-1:], elements, phases))
+    x = shape.centreline(state[0], phases)
+    for row, phase in enumerate(phases):
+        if elements[row] != elements[row - 1] or elements[row] != elements[(row + 1) % len(elements)]:
+            continue  # at a node
+        # of a station at the section half is above; what is at the top is in the last section's force
+        share = 0.5 * sum(place > phase + side for side in (-1e-9, 1e-9)) * (place < phases[-1] - 1e-9)
+        share = share[:, None, None]
+        forces, moments = share * given[..., :3], share * given[..., 3:]
+        assert_allclose(force[row], force[-1] + forces.sum(axis=(0, 1)), atol=1e-4)
+        about = moment[-1] + np.cross(x[-1] - x[row], force[-1])
+        about += (moments + np.cross(arms - x[row], forces)).sum(axis=(0, 1))
+        assert_allclose(moment[row], about, atol=1e-3)

@@ -138,9 +138,9 @@ class WireShape(PairReader):
         remembered = self.histories(histories, states)
         return rates(compiled, self.data, sizes, self.size - 6, states, remembered, directions)
 
-    def largest_stresses(self, states: np.ndarray) -> np.ndarray:
+    def largest_stresses(self, states: np.ndarray, histories: np.ndarray | None) -> np.ndarray:
         """Largest shear stress of the wire, corrected for its curvature, shape (states,), MPa."""
-        return stresses(self, states).shear_corrected.max(axis=1)
+        return stresses(self, states, histories).shear_corrected.max(axis=1)
 
     def overlaps(self, states: np.ndarray) -> np.ndarray:
         """By how much the wire runs into itself, shape (states,), mm; below 0 where free."""

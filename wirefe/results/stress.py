@@ -1,7 +1,8 @@
 """Stresses along the wire at equilibria of the wire model, nominal and with the curvature's factors.
 
 The force in an element is the same all along it, and the moment at a point x of it is that at its end x2 plus
-(x2 - x) x force: so section forces are exact between nodes too, however few there are.
+(x2 - x) x force; contact between the nodes adds to them (`wirefe.results.between`). So section forces balance
+what acts on the wire between nodes too, however few there are.
 """
 
 from __future__ import annotations
@@ -16,9 +17,18 @@ from coilspring.errors import InputError
 from coilspring.path import EquilibriumPath
 from coilspring.scene.sizing import bending_factor, stress_factor
 from coilspring.scene.spring import BESIDE
-from wirefe.contact.stations import carried, fixed_to_sections, positions, rows, tangents, turned_rows
+from wirefe.contact.stations import (
+    carried,
+    fixed_to_sections,
+    of_wires,
+    positions,
+    rows,
+    tangents,
+    turned_rows,
+)
 from wirefe.element.beam import end_forces
 from wirefe.element.rotations import cross_rows
+from wirefe.results.between import contact_between
 
 if TYPE_CHECKING:
     from wirefe.results.shape import WireShape
@@ -84,15 +94,18 @@ def stress(path: EquilibriumPath, step: int = -1) -> WireStress:
         raise InputError(f"stress needs a path of the model wirefe, got {path.model}")
     if not -len(path.states) <= step < len(path.states):
         raise InputError(f"step must be one of the {len(path.states)} of the path, got {step}")
-    found = stresses(cast("WireShape", path.shape), path.states[step][None])
+    shape = cast("WireShape", path.shape)
+    histories = None if path.histories is None else path.histories[step][None]
+    found = stresses(shape, path.states[step][None], histories)
     fields = {name: value if name == "turns" else value[0] for name, value in vars(found).items()}
     return WireStress(**fields)
 
 
-def stresses(shape: WireShape, states: np.ndarray) -> WireStress:
-    """Stresses along the wire in several states (states, n); what is found is (states, sections)."""
-    spring, (element, phases) = shape.scene.spring, _sections(shape)
-    force, moment, frame = _resultants(shape, states, element, phases)
+def stresses(shape: WireShape, states: np.ndarray, histories: np.ndarray | None) -> WireStress:
+    """Stresses along the wire in several states (states, n), found with contact histories (None: of no pair);
+    what is found is (states, sections)."""
+    spring, (element, phases) = shape.scene.spring, sections_of(shape)
+    force, moment, frame = resultants(shape, states, histories, element, phases)
     along, across = (np.einsum("snij,snj->sni", frame, vector) for vector in (force, moment))
     d = spring.wire_diameter
     index = 2.0 * spring.radius(phases) / d
@@ -117,7 +130,7 @@ def stresses(shape: WireShape, states: np.ndarray) -> WireStress:
     )
 
 
-def _sections(shape: WireShape) -> tuple[np.ndarray, np.ndarray]:
+def sections_of(shape: WireShape) -> tuple[np.ndarray, np.ndarray]:
     """Elements and phases at which the wire is cut, evenly in each element from end to end: so at the wire's
     ends, where moments are often largest, and on both sides of nodes, where forces of contact act."""
     at = shape.mesh.phases
@@ -128,8 +141,12 @@ def _sections(shape: WireShape) -> tuple[np.ndarray, np.ndarray]:
     return np.repeat(wire, each + 1), phases.ravel()
 
 
-def _resultants(
-    shape: WireShape, states: np.ndarray, element: np.ndarray, phases: np.ndarray
+def resultants(
+    shape: WireShape,
+    states: np.ndarray,
+    histories: np.ndarray | None,
+    element: np.ndarray,
+    phases: np.ndarray,
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Forces and moments that the wire above exerts on sections, (states, sections, 3), and the sections'
     axes as rows: tangent, towards the middle of the coil, and across both, (states, sections, 3, 3)."""
@@ -146,6 +163,11 @@ def _resultants(
     above[:, -1] += turned_rows(nodes[:, -1, 3:], data.arm)
     force = ends[:, element, 6:9]
     moment = ends[:, element, 9:12] + cross_rows(above[:, element] - x, force)
+    if of_wires(shape.data.contact.parts) and (shape.pair_gaps(states) < 0.0).any():
+        own = shape.histories(histories, states)
+        more = contact_between(shape.data, shape.mesh, states, own, (element, phases))
+        force += more[..., :3]
+        moment += more[..., 3:] - cross_rows(x, more[..., :3])
     t = tangents(nodes, node, parts)
     t /= np.linalg.norm(t, axis=-1, keepdims=True)
     inward = fixed_to_sections(nodes, node, parts, spring.inward(phases))
