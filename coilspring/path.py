@@ -54,7 +54,7 @@ class Shape(Protocol):
         """Gap h - d of every pair, negative where it penetrates, shape (states, pairs), mm."""
 
     def reactions(self, states: np.ndarray, histories: np.ndarray) -> np.ndarray:
-        """Force that holds the top along Y in states found with contact histories, shape (states,), N."""
+        """Force that holds the top along X and Y in states found with contact histories, shape (states, 2), N."""
 
     def rates(self, states: np.ndarray, histories: np.ndarray | None, directions: np.ndarray) -> np.ndarray:
         """Tangent stiffness of the top along directions (states, 2), with the contact histories of the
@@ -165,12 +165,13 @@ class EquilibriumPath:
 
     @cached_property
     def loads(self) -> np.ndarray:
-        """Load at the top reference point, shape (steps, 2), N; the reaction to a prescribed displacement."""
+        """Load at the top reference point, shape (steps, 2), N; with a prescribed displacement all that holds
+        the top there, FX where UX is held."""
         if not self.scene.load.displacement:
             return given_loads(self.scene.load, self.times)
         assert self.histories is not None  # paths traced by arc length are under forces
-        axial = self.shape.reactions(self.states, self.histories)
-        return np.stack((np.zeros_like(axial), axial), axis=1)
+        held = np.array(["ux" in self.scene.supports.top_held, True])
+        return np.where(held, self.shape.reactions(self.states, self.histories), 0.0)
 
     @cached_property
     def tips(self) -> np.ndarray:

@@ -72,7 +72,7 @@ def buckling(
     mode = np.concatenate((np.zeros(3), run.mode)).reshape(-1, 3)
     last, histories = run.track.last[None], run.track.history[None]
     return Buckling(
-        force=float(_shape(straight, data, law).reactions(last, histories)[0]),
+        force=float(_shape(straight, data, law).reactions(last, histories)[0, 1]),
         shortening=scene.spring.active_height - float(run.track.last[-2]),
         mode=mode / mode.flat[np.abs(mode).argmax()],
     )

@@ -69,9 +69,10 @@ class BeamShape(PairReader):
         return vectors
 
     def reactions(self, states: np.ndarray, histories: np.ndarray) -> np.ndarray:
-        """Force that holds the top along Y, shape (states,), N."""
+        """Force that holds the top along X and Y, shape (states, 2), N."""
         size = states.shape[1] - 3
-        return reactions(self.assemble, self.data, size, size - 2, states, histories)
+        free = self.data._replace(fixed=self.data.fixed * np.array([0.0, 0.0, 1.0]))
+        return reactions(self.assemble, free, size, size - 3, states, histories)
 
     def rates(self, states: np.ndarray, histories: np.ndarray | None, directions: np.ndarray) -> np.ndarray:
         """Tangent stiffness of the top along directions (states, 2), shape (states,), N/mm.

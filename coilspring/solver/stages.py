@@ -92,19 +92,20 @@ def rates(
 
 
 def reactions(
-    assemble: Callable, data: tuple, size: int, dof: int, states: np.ndarray, histories: np.ndarray
+    assemble: Callable, data: tuple, size: int, x: int, states: np.ndarray, histories: np.ndarray
 ) -> np.ndarray:
-    """Internal force along a degree of freedom in states found with contact histories, shape (states,), N.
+    """Forces that hold the top along X and Y in states found with contact histories, shape (states, 2), N.
 
     Parameters
     ----------
-    assemble : the model's kernel, in which it is free and no load acts.
+    assemble : the model's kernel, in which both are free and no load acts.
     data : the model's arrays.
     size : number of its degrees of freedom.
+    x : the first of the top's two degrees of freedom x and y.
     """
-    packed, empty, out = pack(data), np.empty(0), np.empty(len(states))
+    packed, empty, out = pack(data), np.empty(0), np.empty((len(states), 2))
     for row, (state, history) in enumerate(zip(states, histories, strict=True)):
         g = np.empty(size)
         assemble(*packed, state, 0.0, history, state, g, empty)
-        out[row] = g[dof]
+        out[row] = g[x : x + 2]
     return out

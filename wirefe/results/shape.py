@@ -129,8 +129,10 @@ class WireShape(PairReader):
         return (seated if len(self.data.plates.low) else kernels).assemble
 
     def reactions(self, states: np.ndarray, histories: np.ndarray) -> np.ndarray:
-        """Force that holds the top along Y, shape (states,), N."""
-        return reactions(self.assemble, self.data, self.size, self.size - 5, states, histories)
+        """Force that holds the top along X and Y, shape (states, 2), N."""
+        held, top = self.data.held, self.size - 6
+        free = held._replace(dof=held.dof[(held.dof < top) | (held.dof > top + 1)])
+        return reactions(self.assemble, self.data._replace(held=free), self.size, top, states, histories)
 
     def rates(self, states: np.ndarray, histories: np.ndarray | None, directions: np.ndarray) -> np.ndarray:
         """Tangent stiffness of the top along directions (states, 2), shape (states,), N/mm."""
