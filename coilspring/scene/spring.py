@@ -44,7 +44,7 @@ class Spring:
     active_coils : n.
     active_height : axial length of the active part at rest, mm.
     end_turns : turns at each end that are not active; 0 or at least 0.5.
-    start_phase : angle from X towards Z of the first active point, rad.
+    start_phase : angle of the first active point, rad: from X towards Z, of a right-handed spring towards -Z.
     hand : "left" is the helix as the project draws it, X = R cos, Z = R sin with Y rising; "right"
         is its mirror image in the X-Y plane.
     ends : "closed" end turns have the pitch d, "open" ones keep that of the coils next to them.
