@@ -152,6 +152,40 @@ def test_one_path_on_a_finer_mesh_in_fewer_steps_is_enough_where_friction_does_l
     assert path.options["elements_per_turn"] == 4
 
 
+@pytest.mark.parametrize(
+    ("sliding", "asked", "paths"), [("coulomb", 1e-3, 2), ("none", 1e-4, 2), ("coulomb", 1e-4, 4)]
+)
+def test_two_paths_in_different_substeps_with_friction_may_agree_by_chance(
+    monkeypatch, sliding, asked, paths
+):
+    """Of a guided spring those in 5 and 10 steps differed by 5e-6, both were off by 1.6e-4."""
+    lines = []
+    monkeypatch.setattr("wirefe.adaptive.difference", lambda coarse, fine: 1e-9)
+    friction = 0.1 if sliding == "coulomb" else None
+    scene = touching(geometry="spheres", sliding=sliding, friction=friction)
+    path = wirefe.solve_to(scene, asked, progress=lines.append)
+    assert len(lines) == paths
+    assert len(path.times) == 10
+
+
+def test_the_third_path_may_tell_that_two_agreed_by_chance(monkeypatch):
+    apart = {20: 1e-4}
+    monkeypatch.setattr(
+        "wirefe.adaptive.difference", lambda coarse, fine: apart.get(fine.scene.load.steps, 1e-7)
+    )
+    lines = []
+    path = wirefe.solve_to(
+        touching(geometry="spheres", sliding="coulomb", friction=0.1), 1e-4, progress=lines.append
+    )
+    assert [line.split(";")[0].split(", ")[1] for line in lines[2:6]] == [
+        "10 steps",
+        "20 steps",
+        "40 steps",
+        "80 steps",
+    ]
+    assert path.estimated_error <= 1e-4
+
+
 def test_rows_of_a_finer_path():
     scene = touching()
     fine = wirefe.solve(scene, steps=40, element="curved", elements_per_turn=4)
