@@ -1,6 +1,4 @@
-"""Any wire, against exact and published solutions; every case names its source and the measured error."""
-
-from dataclasses import dataclass
+"""Any wire, beside what `validation.verification.rodcases` has: whole paths, limit points, bad input."""
 
 import numpy as np
 import pytest
@@ -8,133 +6,41 @@ import pytest
 import wirefe
 from coilspring import EquilibriumNotFound, InputError, Material, spring_a
 from coilspring.scene.wire import Section, round_section
+from validation.verification import rodcases
+from validation.verification.rodcases import line
 
 
-@dataclass(frozen=True)
-class Arc:
-    """Circular arc in a plane: `radius` times (cos, sin) of the angle, along two axes."""
-
-    radius: float
-    first: tuple[float, float, float]
-    second: tuple[float, float, float]
-
-    def points(self, phi):
-        c, s = np.cos(phi)[:, None], np.sin(phi)[:, None]
-        return self.radius * (c * np.array(self.first) + s * np.array(self.second))
-
-    def derivatives(self, phi):
-        return self.points(phi + 0.5 * np.pi), -self.points(phi)
-
-
-def line(length, elements):
-    x = np.linspace(0.0, length, elements + 1)
-    return np.stack((x, 0 * x, 0 * x), axis=-1)
-
-
-@pytest.mark.parametrize(("force", "tip"), [
-    (300.0, (-7.04464, -11.93178, 40.19239)),
-    (450.0, (-10.78126, -18.47242, 48.50349)),
-    (600.0, (-13.60463, -23.56058, 53.47548)),
-])  # fmt: skip
-def test_bathe_bolourchi_bend(force, tip):
-    """G1, 45 degree bend: exact rod with GJ = G 2I (our own, by shooting), ours with curved elements.
-
-    Measured at 8 elements: 2e-5. Published values differ in the torsion constant that they use.
-    """
-    section = Section(EA=1e7, GA=5e6 * 5 / 6, GJ=5e6 / 6, EI=1e7 / 12)
-    arc = Arc(100.0, (-1.0, 0.0, 0.0), (0.0, 1.0, 0.0))
-    rod = wirefe.curved_rod(arc, np.linspace(0.0, np.pi / 4, 9), section).holding(0)
-    path = wirefe.solve_rod(rod.loaded(-1, force=(0.0, 0.0, force)), steps=4)
-    np.testing.assert_allclose(path.displacements(-1)[-1], tip, rtol=2e-4)
-
-
-def test_rolling_up_by_an_end_moment():
-    """G2, exact: 2 pi EI / L closes the circle. Measured 2e-10 at 8 elements: exact for any number."""
-    rod = wirefe.straight_rod(line(10.0, 8), Section(1e4, 1e4, 100.0, 100.0)).holding(0).in_plane()
-    path = wirefe.solve_rod(rod.loaded(-1, moment=(0.0, 0.0, 20 * np.pi)), steps=2)
-    half = 10.0 / np.pi  # diameter of the half circle at half the moment
-    expected = [[-10.0, 2 * half, 0.0], [-10.0, 0.0, 0.0]]
-    np.testing.assert_allclose(path.displacements(-1), expected, atol=1e-8)
-
-
-def test_unrolling_a_circle():
-    """G3, exact: displacements (0, 6.366) at half the moment, (10, 0) straight. Measured 2e-10."""
-    section = Section(EA=1200.0, GA=500.0, GJ=100.0, EI=100.0)
-    arc = Arc(10.0 / (2 * np.pi), (0.0, -1.0, 0.0), (1.0, 0.0, 0.0))
-    rod = wirefe.curved_rod(arc, np.linspace(0.0, 2 * np.pi, 5), section).holding(0).in_plane()
-    path = wirefe.solve_rod(rod.loaded(-1, moment=(0.0, 0.0, -20 * np.pi)), steps=2)
-    np.testing.assert_allclose(path.displacements(-1), [[0.0, 20 / np.pi, 0.0], [10.0, 0.0, 0.0]], atol=1e-8)
-
-
-def nachbagauer(elements, force):
-    h, b, nu, young = 0.5, 0.1, 0.3, 2.07e11
-    shear = young / (2 * (1 + nu)) * h * b * 10 * (1 + nu) / (12 + 11 * nu)
-    section = Section(young * h * b, shear, 1e8, young * b * h**3 / 12)
-    rod = wirefe.straight_rod(line(2.0, elements), section).holding(0).in_plane()
-    return wirefe.solve_rod(rod.loaded(-1, force=(0.0, -force * h**3, 0.0)), steps=2).displacements(-1)[-1]
+@pytest.mark.parametrize(
+    ("rod", "half"),
+    [(rodcases.rolling(8), (-10.0, 20.0 / np.pi, 0.0)), (rodcases.unrolling(4), (0.0, 20.0 / np.pi, 0.0))],
+)
+def test_half_the_moment_makes_a_half_circle(rod, half):
+    """G2 and G3, exact: a straight rod bent to it, a circle opened to it. Measured 2e-10."""
+    path = wirefe.solve_rod(rod, steps=2)
+    np.testing.assert_allclose(path.displacements(-1)[0], half, atol=1e-8)
 
 
 def test_shear_flexible_cantilever():
-    """G4, Nachbagauer 2011: large and small load; second order. Measured at 64: 2e-6 and 1e-6."""
-    np.testing.assert_allclose(nachbagauer(64, 5e8)[:2], [-0.15097114, -0.71056860], rtol=1e-5)
-    np.testing.assert_allclose(nachbagauer(64, 5e5)[:2], [-1.8884916e-7, -8.0990325e-4], rtol=1e-5)
-    errors = [abs(nachbagauer(n, 5e8)[0] + 0.15097114) for n in (8, 16, 32)]
+    """G4, Nachbagauer 2011: small load, measured 1e-6 at 64 elements; second order under the large one."""
+    small = rodcases.shear_flexible(64, 5e5)
+    np.testing.assert_allclose(small, [-1.8884916e-7, -8.0990325e-4], rtol=1e-5)
+    errors = [abs(rodcases.shear_flexible(n)[0] + 0.15097114) for n in (8, 16, 32)]
     np.testing.assert_allclose(np.log2(np.array(errors[:-1]) / errors[1:]), 2.0, atol=0.15)
 
 
-@pytest.mark.parametrize(("load", "u", "w"), [
-    (1.0, 0.05643324, 0.30172077),
-    (2.0, 0.16064172, 0.49345748),
-    (5.0, 0.38762836, 0.71379152),
-    (10.0, 0.55499560, 0.81060902),
-])  # fmt: skip
-def test_elastica(load, u, w):
-    """G5, P L^2/EI: exact elastica (our own; agrees with Mattiasson). Measured 3e-7 at 64 elements."""
-    rod = wirefe.straight_rod(line(1.0, 64), Section(1e8, 1e8, 1.0, 1.0)).holding(0).in_plane()
-    path = wirefe.solve_rod(rod.loaded(-1, force=(0.0, load, 0.0)), steps=2)
-    np.testing.assert_allclose(path.displacements(-1)[-1, :2], [-u, w], rtol=1e-6)
-
-
-def test_uniform_helix_under_a_wrench():
-    """G9: Spring A's wire, 3 turns, clamped below; exact with shear and stretch (our own closed form).
-
-    Measured at 16 curved elements per turn: 1e-7 of the deflection.
-    """
-    rod = wirefe.curved_rod(
-        spring_a().spring, np.linspace(0.0, 6 * np.pi, 49), round_section(1.5, Material())
-    )
-    force, moment = (0.0, -19.998380153, 0.254541242), (0.42943653, 1.27390492, 100.08607929)
-    path = wirefe.solve_rod(rod.holding(0).loaded(-1, force=force, moment=moment), steps=4)
-    exact = np.array([-4.606e-5, -1.2155943661, -0.0813165661])
-    assert np.abs(path.displacements(-1)[-1] - exact).max() <= 3e-7 * 1.2155943661
-
-
-def lees_frame(n):
-    """Rod of Lee's frame and the loaded node; 3 is more than its first limit load."""
-    young, area, inertia = 720.0, 6.0, 2.0
-    column = line(120.0, n)[:, [1, 0, 2]]
-    beam = line(120.0, n) + np.array([0.0, 120.0, 0.0])
-    section = Section(young * area, young / 2.6 * area * 5 / 6, 1e3, young * inertia)
-    rod = wirefe.straight_rod(np.concatenate((column, beam[1:])), section).in_plane()
-    rod = rod.holding(0, "ux", "uy").holding(2 * n, "ux", "uy")
-    return rod.loaded(n + n // 5, force=(0.0, -3.0, 0.0)), n + n // 5
-
-
-def test_lees_frame_has_its_limit_load():
-    """G10: first limit load 1.85445 with axial and shear flexibility (our own, shooting). Measured 2e-6."""
-    rod, _ = lees_frame(40)
+@pytest.mark.parametrize("rod", [rodcases.lees_frame(80), rodcases.arch(20)])
+def test_a_path_ends_at_its_limit_load(rod):
+    """G10 and G11; the loads are those of `rodcases`."""
     with pytest.raises(EquilibriumNotFound) as caught:
         wirefe.solve_rod(rod, steps=5)
     assert caught.value.outcome == "limit_point"
-    assert 3.0 * caught.value.critical_time == pytest.approx(1.85445, rel=1e-5)
     assert (caught.value.path.times < caught.value.critical_time).all()
 
 
 def test_lees_frame_past_its_limit_points():
     """G10: traced over the limit load at w = 48.74, through the snap-back beyond 61, up to load 3."""
-    rod, node = lees_frame(40)
-    path = wirefe.trace_rod(rod, points=400)
-    load, w = 3.0 * path.times, -path.displacements(node)[:, 1]
+    path = wirefe.trace_rod(rodcases.lees_frame(80), points=400)
+    load, w = rodcases.LEE * path.times, -path.displacements(48)[:, 1]  # of the loaded node
     assert path.times[-1] >= 1.0
     peak = np.argmax(load[: len(load) // 3])
     assert load[peak] == pytest.approx(1.85445, rel=1e-4)
@@ -143,20 +49,6 @@ def test_lees_frame_past_its_limit_points():
     falling = np.diff(load) < 0.0
     assert (path.negative_pivots[1:][falling] == 1).mean() > 0.9
     assert path.negative_pivots[0] == path.negative_pivots[-1] == 0
-
-
-def test_dadeppo_schmidt_arch():
-    """G11: hinged-clamped arch, critical force 897 (literature, not verified here). The angle is the one that
-    fits, 215 degrees: with 145 there is no critical force. Measured 897.4 at 20 curved elements.
-    """
-    half = np.radians(215.0) / 2
-    arc = Arc(100.0, (0.0, 1.0, 0.0), (1.0, 0.0, 0.0))
-    rod = wirefe.curved_rod(arc, np.linspace(-half, half, 21), Section(1e8, 1e8, 1e6, 1e6)).in_plane()
-    rod = rod.holding(0).holding(20, "ux", "uy").loaded(10, force=(0.0, -1000.0, 0.0))
-    with pytest.raises(EquilibriumNotFound) as caught:
-        wirefe.solve_rod(rod, steps=4)
-    assert caught.value.outcome == "limit_point"
-    assert 1000.0 * caught.value.critical_time == pytest.approx(897.3, rel=1e-3)
 
 
 def test_euler_column_bifurcates():
