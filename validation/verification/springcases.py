@@ -3,7 +3,7 @@
 from collections.abc import Iterator
 from dataclasses import replace
 from functools import partial
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from scipy.sparse.linalg import spsolve
@@ -55,20 +55,38 @@ def exact_rods() -> Iterator[dict[str, Any]]:
                 coarse, error = count, found["error"]
 
 
+class LoveHelix(NamedTuple):
+    """Spring A's wire, inextensible, as a helix of another height: 3 of 14.5 turns, the first end clamped.
+
+    All turns are alike, and 3 do not buckle.
+    """
+
+    force: float  # at the last point along the axis, N
+    moment: np.ndarray  # (3,) there, N mm
+    axis: np.ndarray  # (3,) of the deformed helix
+    radius: float  # mm
+    chord: np.ndarray  # (3,) from the first point to the last, mm
+
+
 def love(elements: int, height: float) -> tuple[float]:
-    """Height of 14.5 turns of an inextensible helix, ends held, under the exact wrench for a height."""
-    force, wrench_moment, axis = love_wrench(height)
+    """Height of 14.5 turns, ends held, under the exact wrench for a height."""
+    exact = love_helix(height)
+    return (float(love_chord(elements, exact) @ exact.axis) * 14.5 / 3.0,)
+
+
+def love_chord(elements: int, exact: LoveHelix) -> np.ndarray:
+    """From the first point of the wire to the last, under the wrench of an exact helix."""
     phases, section = np.linspace(0.0, 6.0 * np.pi, 3 * elements + 1), Section(1e9, 1e9, ROUND.GJ, ROUND.EI)
     rod = wirefe.curved_rod(HELIX, phases, section).holding(0)
-    path = wirefe.solve_rod(rod.loaded(-1, tuple(force * axis), tuple(wrench_moment)), steps=2)
-    return (float((path.positions[-1, -1] - rod.points[0]) @ axis) * 14.5 / 3.0,)
+    path = wirefe.solve_rod(rod.loaded(-1, tuple(exact.force * exact.axis), tuple(exact.moment)), steps=2)
+    return path.positions[-1, -1] - rod.points[0]
 
 
-def love_wrench(height: float) -> tuple[float, np.ndarray, np.ndarray]:
-    """Force along the axis, moment of 3 turns and axis of the helix of a height, by Love."""
+def love_helix(height: float, radius: float | None = None) -> LoveHelix:
+    """Helix of a height of 14.5 turns, by Love; without a radius the ends do not turn about the axis."""
     sine0, sine = HELIX.pitch / TURN, height / 14.5 / TURN
     cosine0, cosine = np.sqrt(1.0 - sine0**2), np.sqrt(1.0 - sine**2)
-    radius = 5.0 * cosine / cosine0
+    radius = 5.0 * cosine / cosine0 if radius is None else radius
     kappa, tau = cosine**2 / radius, sine * cosine / radius
     twist = ROUND.GJ * (tau - sine0 * cosine0 / 5.0)
     bend = ROUND.EI * (kappa - cosine0**2 / 5.0)
@@ -77,9 +95,10 @@ def love_wrench(height: float) -> tuple[float, np.ndarray, np.ndarray]:
     t, b = first / np.linalg.norm(first), np.cross(first, second)
     b /= np.linalg.norm(b)
     axis = (tau * t - kappa * b) / np.hypot(tau, kappa)  # left-handed: negative torsion
-    angle, arm = -np.hypot(tau, kappa) * 3.0 * TURN, -radius * np.cross(b, t)
-    arm = arm * np.cos(angle) + np.cross(axis, arm) * np.sin(angle)
-    return force, -couple * axis - np.cross(arm, force * axis), axis
+    angle, start = -np.hypot(tau, kappa) * 3.0 * TURN, -radius * np.cross(b, t)
+    arm = start * np.cos(angle) + np.cross(axis, start) * np.sin(angle)
+    moment = -couple * axis - np.cross(arm, force * axis)
+    return LoveHelix(force, moment, axis, radius, arm - start + 3.0 * height / 14.5 * axis)
 
 
 def rates(elements: int) -> tuple[float, float]:
@@ -118,7 +137,7 @@ OTHERS = (
     *(
         Case(
             "Love/Thwaites, large axial deflection", "Spring A's wire, ends held, "
-            f"F = {love_wrench(height)[0]:.6f} N; 3 turns of 16 curved elements; height of 14.5 turns",
+            f"F = {love_helix(height).force:.6f} N; 3 turns of 16 curved elements; height of 14.5 turns",
             (height,), "exact (Love 1927), inextensible", 1e-6, "uniform strains only",
             partial(love, height=height), mesh=16,
         )
