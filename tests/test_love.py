@@ -6,7 +6,7 @@ from scipy.sparse.linalg import spsolve
 
 import wirefe
 from validation.verification.springcases import HELIX, ROUND, TURN, love_chord, love_helix
-from wirefe.results.vibration import linear_stiffness
+from wirefe.results.linear import linear_stiffness
 
 
 def free_radius(height):

@@ -6,7 +6,8 @@ import pytest
 import wirefe
 from coilspring import InputError, Material, Spring
 from coilspring.scene.wire import round_section
-from wirefe.results.vibration import consistent_mass, linear_stiffness, natural_frequencies
+from wirefe.results.linear import linear_stiffness
+from wirefe.results.vibration import consistent_mass, natural_frequencies
 
 STEEL = 7.9e-9  # t/mm^3
 

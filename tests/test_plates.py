@@ -13,8 +13,8 @@ from coilspring.scene.sizing import axial_rate
 from wirefe import kernels, seated
 from wirefe.model import build_model, matrix_size, rest_state
 from wirefe.results.export import section_results
+from wirefe.results.linear import linear_stiffness
 from wirefe.results.shape import WireShape
-from wirefe.results.vibration import linear_stiffness
 from wirestates import dense
 
 SPRING = Spring(1.5, 10.0, 5.0, 20.0)

@@ -17,7 +17,7 @@ from coilspring.scene.wire import round_section
 from equivbeam import kernels, model
 from equivbeam.options import BeamOptions
 from wirefe.contact.stations import turned_rows as turned
-from wirefe.results.vibration import linear_stiffness
+from wirefe.results.linear import linear_stiffness
 
 BARREL = load_scene(Path(__file__).parents[1] / "examples" / "barrel.toml")
 PLAIN = Spring(1.5, 10.0, 6.5, 19.5)

@@ -33,7 +33,7 @@ from validation.solid.table import helix, inner_stress
 from validation.study import template
 from validation.verification.accuracy import EXACT_RING
 from validation.verification.rodcases import Arc
-from wirefe.results.vibration import linear_stiffness
+from wirefe.results.linear import linear_stiffness
 
 STEEL = Material()
 UNIT = Material(1.0, 0.3)

@@ -14,7 +14,7 @@ from coilspring import EquilibriumPath, InputError, Material, Scene, Spring
 from coilspring.scene.solidwire import wire_flexibility
 from validation.solid.hexahedra import COARSE, FINE, MIDDLE, deflection, flexibility, mesh_coils
 from validation.study.partialsolve import partial_path
-from wirefe.results.vibration import linear_stiffness
+from wirefe.results.linear import linear_stiffness
 
 DIRECTIONS = ("Fx", "Fy", "Fz", "Mx", "My", "Mz")
 COILS = 3.0

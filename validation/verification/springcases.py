@@ -13,7 +13,8 @@ from coilspring import Material, Spring, load_scene, spring_a, spring_b
 from coilspring.scene.wire import Section, round_section
 from validation.study.scenes import EXACT_ROD
 from validation.verification.case import Case
-from wirefe.results.vibration import linear_stiffness, natural_frequencies
+from wirefe.results.linear import linear_stiffness
+from wirefe.results.vibration import natural_frequencies
 
 ROUND = round_section(1.5, Material())
 HELIX = replace(spring_a().spring, end_turns=0.0)

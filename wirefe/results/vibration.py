@@ -19,9 +19,8 @@ from coilspring.errors import InputError, require_choice, require_integer, requi
 from coilspring.path import EquilibriumPath
 from wirefe import kernels
 from wirefe.contact.stations import ARMS, POSITION, ROTATION, carried, rows, tangents, turned_rows
-from wirefe.element.beam import beams
-from wirefe.element.poses import at_rest
 from wirefe.model import matrix_size
+from wirefe.results.linear import linear_stiffness, scattered
 from wirefe.results.shape import WireShape
 from wirefe.rod import Rod
 
@@ -281,23 +280,6 @@ def _below(K: csr_array) -> int:
         K, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True, "Equil": False}
     )
     return int(np.count_nonzero(factors.U.diagonal() < 0.0))
-
-
-def linear_stiffness(rod: Rod) -> csr_array:
-    """Stiffness matrix at rest, dofs 6 node + (ux, uy, uz, rotx, roty, rotz), held ones included."""
-    count = len(rod.stiffness)
-    g, H = np.empty((count, 12)), np.empty((count, 12, 12))
-    beams(at_rest(rod.points).ravel(), np.zeros(3), rod.triads, rod.strain0, rod.stiffness, rod.second, g, H)
-    dofs = 6 * np.arange(count)[:, None] + np.arange(12)
-    return scattered(H, dofs, dofs, rod.held.size)
-
-
-def scattered(values: np.ndarray, rows: np.ndarray, columns: np.ndarray, size: int) -> csr_array:
-    """A sparse matrix (size, size) of dense blocks, by the rows and columns of each."""
-    from scipy.sparse import coo_array
-
-    row, column = np.broadcast_arrays(rows[:, :, None], columns[:, None, :])
-    return coo_array((values.ravel(), (row.ravel(), column.ravel())), shape=(size, size)).tocsr()
 
 
 def consistent_mass(rod: Rod, density: float, diameter: float) -> csr_array:
