@@ -6,7 +6,6 @@ from typing import Any
 
 import numpy as np
 import pandas as pd
-from scipy.sparse.linalg import spsolve
 
 import equivbeam
 import wirefe
@@ -14,7 +13,7 @@ from coilspring import EquilibriumPath, InputError, Material, Scene, Spring
 from coilspring.scene.solidwire import wire_flexibility
 from validation.solid.hexahedra import COARSE, FINE, MIDDLE, deflection, flexibility, mesh_coils
 from validation.study.partialsolve import partial_path
-from wirefe.results.linear import linear_stiffness
+from wirefe.results.linear import tip_flexibility
 
 DIRECTIONS = ("Fx", "Fy", "Fz", "Mx", "My", "Mz")
 COILS = 3.0
@@ -36,14 +35,8 @@ def rod_flexibility(spring: Spring, material: Material, coils: float) -> np.ndar
     """
     end = 2.0 * np.pi * coils
     phases = np.linspace(0.0, end, round(PER_TURN * coils) + 1)
-    rod = wirefe.curved_rod(spring, phases, wire_flexibility(spring, material)).holding(0)
-    x, _, z = rod.points[-1]
-    wrenches = np.zeros((rod.held.size - 6, 6))
-    wrenches[-6:] = np.eye(6)
-    for dof, force in enumerate(np.eye(3)):
-        wrenches[-3:, dof] = np.cross([-x, 0.0, -z], force)
-    stiffness = linear_stiffness(rod)[6:, 6:].tocsc()
-    return wrenches.T @ spsolve(stiffness, wrenches)
+    rod = wirefe.curved_rod(spring, phases, wire_flexibility(spring, material))
+    return tip_flexibility(rod, rod.points[-1] * [0.0, 1.0, 0.0])
 
 
 def coil(index: float, degrees: float, coils: float, wire_rigidity: str = "beam") -> Spring:
