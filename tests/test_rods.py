@@ -8,6 +8,7 @@ from coilspring import EquilibriumNotFound, InputError, Material, spring_a
 from coilspring.scene.wire import Section, round_section
 from validation.verification import rodcases
 from validation.verification.rodcases import line
+from wirefe.results.linear import tip_flexibility
 
 
 @pytest.mark.parametrize(
@@ -49,6 +50,15 @@ def test_lees_frame_past_its_limit_points():
     falling = np.diff(load) < 0.0
     assert (path.negative_pivots[1:][falling] == 1).mean() > 0.9
     assert path.negative_pivots[0] == path.negative_pivots[-1] == 0
+
+
+def test_flexibility_of_a_cantilever():
+    """L^3/(3 EI) + L/GA, exact for any number of elements, of a bar in any direction."""
+    section = round_section(2.0, Material())
+    rod = wirefe.straight_rod(line(100.0, 3) @ [[0.6, 0.0, 0.8], [0.0, 1.0, 0.0], [-0.8, 0.0, 0.6]], section)
+    assert tip_flexibility(rod, rod.points[-1])[1, 1] == pytest.approx(
+        1e6 / (3.0 * section.EI) + 100.0 / section.GA, rel=1e-9
+    )
 
 
 def test_euler_column_bifurcates():

@@ -1,5 +1,6 @@
 """Verification cases of the wire model on springs."""
 
+import math
 from collections.abc import Iterator
 from dataclasses import replace
 from functools import partial
@@ -8,16 +9,24 @@ from typing import Any, NamedTuple
 import numpy as np
 
 import wirefe
-from coilspring import Material, Spring, load_scene, spring_a, spring_b
+from coilspring import Contact, Load, Material, Scene, Spring, load_scene, spring_a, spring_b
 from coilspring.scene.wire import Section, round_section
 from validation.study.scenes import EXACT_ROD
 from validation.verification.case import Case
 from wirefe.results.linear import tip_flexibility
-from wirefe.results.vibration import natural_frequencies
 
 ROUND = round_section(1.5, Material())
 HELIX = replace(spring_a().spring, end_turns=0.0)
 TURN = np.hypot(10.0 * np.pi, HELIX.pitch)  # length of a turn of Spring A's wire
+SLOPE = math.radians(8.5744)
+PEARSON = Scene(  # Pearson (1982), Mottershead (1980) and others: d 1, R 5, n 7.6, rho 7900
+    "pearson",
+    Spring(1.0, (10.0, 10.0), 7.6, 7.6 * 10.0 * math.pi * math.tan(SLOPE), end_turns=0.0),
+    Load((0.0, -1e-6), 1),
+    Material.from_moduli(206000.0, 79300.0, 7900.0),
+    contact=Contact(enabled=False),
+)
+PEARSON_HZ = (393.5, 396.1, 462.8, 525.5, 863.9)
 # Elements a turn with tolerances: straight elements from 0.75 % at 40, falling with the square.
 MESHES = {
     "straight": {n: 7.5e-3 * (40 / n) ** 2 for n in (4, 16, 40, 80, 160)},
@@ -115,11 +124,7 @@ def axial_flexibility(rod: wirefe.Rod) -> np.ndarray:
 
 def frequencies(elements: int) -> np.ndarray:
     """Natural frequencies of a clamped spring, Hz."""
-    height = 7.6 * 10.0 * np.pi * np.tan(np.radians(8.5744))
-    spring = Spring(1.0, (10.0, 10.0), 7.6, height, end_turns=0.0)
-    phases = np.linspace(0.0, spring.phase_end, round(7.6 * elements) + 1)
-    rod = wirefe.curved_rod(spring, phases, round_section(1.0, Material(206000.0, 0.3)))
-    return natural_frequencies(rod.holding(0).holding(-1), 7.9e-9, 1.0, 5)
+    return wirefe.frequencies(wirefe.solve(PEARSON, element="curved", elements_per_turn=elements), count=5)
 
 
 def shortening_of_b(elements: int) -> tuple[float]:
@@ -149,10 +154,10 @@ OTHERS = (
         "the curvature of the wire: see the end of this page", rates, mesh=16,
     ),
     Case(
-        "natural frequencies", "clamped, 7.6 turns, 80 curved elements per turn; Hz",
-        (393.5, 396.1, 462.8, 525.5, 863.9), "literature (Pearson 1982; Yildirim), not verified here", 2e-3,
-        "frequencies of a loaded spring, of coils that touch", frequencies, mesh=80, meshes=(40, 80),
-        fine=320, components=5,
+        "natural frequencies", "clamped, 7.6 turns, 10 curved elements per turn; Hz",
+        PEARSON_HZ, "literature (Pearson 1982; Yildirim), not verified here", 1e-3,
+        "frequencies of a loaded spring, of coils that touch", frequencies, mesh=10, meshes=(10, 20),
+        fine=80, components=5,
     ),
     Case(
         "Rodriguez-Paredes-Sartor, conical spring", "Spring B at 200 N, no sliding; mm", (15.245118,),

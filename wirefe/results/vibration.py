@@ -1,6 +1,6 @@
-"""Natural frequencies of a loaded spring about an equilibrium, and of any wire at rest.
+"""Natural frequencies of a loaded spring about an equilibrium.
 
-The stiffness of a spring is the tangent of the equilibrium, with closed contact pairs and what holds them.
+The stiffness is the tangent of the equilibrium, with closed contact pairs and what holds them.
 The mass is consistent: the wire moves with its nodes as its stations do (`wirefe.contact.stations`), end
 turns included.
 """
@@ -15,14 +15,13 @@ import numpy as np
 
 from coilspring.compiling.packing import pack
 from coilspring.contact.touching import CREEP
-from coilspring.errors import InputError, require_choice, require_integer, require_number
+from coilspring.errors import InputError, require_choice, require_integer
 from coilspring.path import EquilibriumPath
 from wirefe import kernels
 from wirefe.contact.stations import ARMS, POSITION, ROTATION, carried, rows, tangents, turned_rows
 from wirefe.model import matrix_size
-from wirefe.results.linear import linear_stiffness, scattered
+from wirefe.results.linear import scattered
 from wirefe.results.shape import WireShape
-from wirefe.rod import Rod
 
 if TYPE_CHECKING:
     from scipy.sparse import csr_array
@@ -224,32 +223,6 @@ def _motions(
     return move, spin, t / np.linalg.norm(t, axis=-1, keepdims=True)
 
 
-def natural_frequencies(rod: Rod, density: float, diameter: float, count: int) -> np.ndarray:
-    """Lowest natural frequencies of small vibrations about the state at rest.
-
-    Parameters
-    ----------
-    rod : a round wire, held against every rigid motion; its loads play no part.
-    density : t/mm^3 (steel: 7.9e-9), which goes with mm, N, MPa.
-    diameter : of the wire, mm.
-    count : how many, fewer than the free dofs.
-
-    Returns
-    -------
-    (count,) frequencies in Hz, the lowest first.
-
-    Raises
-    ------
-    InputError : bad input, in one sentence.
-    """
-    require_number("density", density, 1e-15, 1e3)
-    require_number("diameter", diameter, 1e-6, 1e6)
-    free = np.flatnonzero(~rod.held)
-    require_integer("count", count, 1, len(free) - 1)
-    _refuse_loose(rod)
-    return lowest_modes(linear_stiffness(rod), consistent_mass(rod, density, diameter), free, count)[0]
-
-
 def lowest_modes(K: csr_array, M: csr_array, free: np.ndarray, count: int) -> tuple[np.ndarray, np.ndarray]:
     """The lowest `count` frequencies, Hz, by stiffness and mass of the `free` dofs, nan where unstable; and
     the modes, (free, count).
@@ -280,38 +253,3 @@ def _below(K: csr_array) -> int:
         K, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True, "Equil": False}
     )
     return int(np.count_nonzero(factors.U.diagonal() < 0.0))
-
-
-def consistent_mass(rod: Rod, density: float, diameter: float) -> csr_array:
-    """Consistent mass matrix with rotary inertia; displacements and rotations are linear along elements."""
-    from scipy.sparse import csr_array
-    from skfem import Basis, BilinearForm, ElementLineP1, ElementVector, MeshLine
-    from skfem.helpers import dot
-
-    lengths = np.linalg.norm(rod.strain0[:, :3], axis=1)
-    first, second = rod.triads[:, 0], rod.triads[:, 1]
-    middle = first + np.sign(np.einsum("ei,ei->e", first, second))[:, None] * second
-    middle /= np.linalg.norm(middle, axis=1)[:, None]
-    t = turned_rows(middle, np.array([1.0, 0.0, 0.0]))  # first axis of the elements' frames half way
-    area, inertia = math.pi * diameter**2 / 4.0, math.pi * diameter**4 / 64.0
-    rotary = inertia * (np.eye(3) + t[:, :, None] * t[:, None, :])  # polar, 2 I, about the tangent
-
-    @BilinearForm
-    def kinetic(u, v, _):
-        turning = np.einsum("eij,ieq,jeq->eq", rotary, u[3:], v[3:])
-        return density * (area * dot(u[:3], v[:3]) + turning)
-
-    line = MeshLine(np.concatenate(([0.0], np.cumsum(lengths))))
-    return csr_array(kinetic.assemble(Basis(line, ElementVector(ElementLineP1(), 6))))
-
-
-def _refuse_loose(rod: Rod) -> None:
-    """Refuse a rod that can move without strain: a rigid motion that is zero in all held dofs."""
-    middle = rod.points.mean(axis=0)
-    offset = (rod.points - middle) / max(np.ptp(rod.points, axis=0).max(), 1e-300)
-    motions = np.zeros((len(offset), 6, 6))
-    motions[:] = np.eye(6)
-    for axis in range(3):
-        motions[:, :3, 3 + axis] = np.cross(np.eye(3)[axis], offset)
-    if np.linalg.matrix_rank(motions[rod.held]) < 6:
-        raise InputError("rod must be held against every rigid motion, got one that can move freely")
