@@ -149,16 +149,6 @@ class WireShape(PairReader):
         data = pack(self.data)
         return np.array([kernels.overlap(*data, state)[0] for state in states])
 
-    def plate_forces(self, states: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Normal forces of the bottom and of the top plate on the nodes `plates.low` and `plates.high` of the
-        model, shapes (states, nodes), N; without nodes where end turns are rigid."""
-        plates, nodes = self.data.plates, rows(states)
-        low = nodes[:, plates.low, 1] - plates.level
-        normal = turned_rows(nodes[:, -1, 3:], np.array([0.0, 1.0, 0.0]))[:, None]
-        apart = nodes[:, -1:, :3] - nodes[:, plates.high, :3]
-        high = (normal * apart).sum(axis=-1) - plates.depth
-        return plates.stiffness * np.maximum(-low, 0.0), plates.stiffness * np.maximum(-high, 0.0)
-
     def centreline(self, state: np.ndarray, phases: np.ndarray) -> np.ndarray:
         """Wire at the phases given, shape (phases, 3), mm."""
         node, parts = carried_points(self.mesh, phases, self.scene.spring.points(phases))
