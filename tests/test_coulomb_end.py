@@ -21,8 +21,19 @@ from validation.campaign.wire import WireForces
 from validation.campaign.wireverifier import verify_wire_critical
 
 
-def solve(name, seed=1):
-    case = make_case(name, seed, "spheres")
+def with_spheres(name, seed=1):
+    """A case of the campaign, with two pairs of spheres a turn where it has contact of wires."""
+    case = make_case(name, seed)
+    if case.scene.contact.geometry == "spheres":
+        return case
+    contact = replace(case.scene.contact, geometry="spheres")
+    return replace(
+        case, scene=replace(case.scene, contact=contact), options={**case.options, "pairs_per_turn": 2}
+    )
+
+
+def solve(name):
+    case = with_spheres(name)
     return SOLVERS[case.model](case.scene, **case.options)
 
 
@@ -93,7 +104,7 @@ def test_coulombs_determinant_tends_to_zero_there(name):
 @pytest.mark.parametrize("name", ["w00186", pytest.param("w00474", marks=pytest.mark.slow)])
 def test_limit_point_is_that_of_coulombs_own_tangent(name):
     """Unsymmetric, in plain numpy: it becomes singular there and nowhere else."""
-    case = make_case(name, 1, "spheres")
+    case = with_spheres(name)
     path, forces = reached(case), WireForces(case.scene, **case.options)
     assert forces.pairs(reached(case, under(case.scene, 0.999 * path.critical_time)), -1).slides.any()
     for share in (1.0, 0.99):
@@ -118,7 +129,7 @@ def test_a_limit_point_that_the_stiffness_shows_only_just_before_is_confirmed():
 
 def test_a_path_is_followed_to_the_limit_point_of_coulombs_law():
     """In any number of steps. The iteration alone ended it at 0.505, where the law goes on."""
-    case = make_case("w00247", 2, "spheres")
+    case = with_spheres("w00247", 2)
     for steps in (5, 20):
         path = reached(case, replace(case.scene, load=replace(case.scene.load, steps=steps)))
         assert path.outcome == "limit_point"
@@ -224,7 +235,7 @@ def test_a_path_says_where_the_steps_decide_which_pairs_slide(case, seed, steps,
 )
 def test_a_path_that_says_at_its_end_that_it_may_go_on_is_undecided(said, complains):
     """Where the least stiffness does not vanish at the end; earlier words do not excuse that."""
-    case = make_case("w00186", 1, "spheres")
+    case = with_spheres("w00186")
     path, verdict = reached(case), Verdict()
     early = 0.9 * path.critical_time
     claimed = replace(path, critical_time=early, undecided_time=None if said is None else said * early)

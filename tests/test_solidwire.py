@@ -52,7 +52,7 @@ def ring_deflection(index, F):
 @pytest.mark.parametrize(("index", "exact"), EXACT_RING.items())
 def test_ring_sector(index, exact):
     """Deflection of a ring against another method's numbers."""
-    found = solve(disk(2), *helix(index, 0.0), UNIT.nu).flexibility
+    found = solve(disk(), *helix(index, 0.0), UNIT.nu).flexibility
     fit = flexibility(np.array([2.0 / index]), np.zeros(1), 1.0, UNIT)[0]
     for F in (found, fit):
         assert ring_deflection(index, F) == pytest.approx(exact, rel=1.2e-4)
@@ -73,7 +73,7 @@ def test_straight_wire_is_saint_venants():
 def test_energy_is_that_of_the_mean_motion():
     """Two ways to one flexibility, under wrenches that are the same all along a helix."""
     bend = helix(4.0, 12.0)
-    found = solve(disk(2), *bend, 0.3)
+    found = solve(disk(), *bend, 0.3)
     t, b = np.array([bend[1], bend[0]]) / math.hypot(*bend)
     axial = np.array([[t, 0.0, b, 2.0 * b, 0.0, -2.0 * t], [0.0, 0.0, 0.0, t, 0.0, b]])
     np.testing.assert_allclose(axial @ transport(*bend), 0.0, atol=1e-15)
@@ -162,7 +162,7 @@ def test_hand_and_mesh():
 @pytest.mark.parametrize("hand", ["left", "right"])
 def test_torsion_is_that_of_the_curve(hand):
     """Curvature and torsion with its sign, from derivatives of the centreline."""
-    spring = replace(coil(4.0, 12.0, 3.0, "solid"), hand=hand)
+    spring = replace(coil(4.0, 12.0, 3.0), wire_rigidity="solid", hand=hand)
     first, second = (each[0] for each in spring.derivatives(np.array([1.0])))
     third = (spring.derivatives(np.array([1.001]))[1] - spring.derivatives(np.array([0.999]))[1])[0] / 0.002
     normal = np.cross(first, second)

@@ -488,7 +488,8 @@ def test_sample_of_a_grid():
 
 
 def test_small_study(tmp_path, monkeypatch):
-    found = list(requested.springs(1, coils=3.5))
+    monkeypatch.setattr(requested, "COILS", 3.5)
+    found = list(requested.springs(1))
     monkeypatch.setattr(requested, "springs", lambda each, seed: [found[0], found[4]])
     table = requested.study(tmp_path, 1)
     assert len(table) == 2 * 3

@@ -22,7 +22,8 @@ CORNERS = ("touching", "solid", "buckling", "telescoping", "tiny", "huge", "hard
 EVERY = 8  # scenes, one of which is a corner
 HELD: tuple[tuple[str, ...], ...] = ((), (), ("rotz",), ("ux",), ("ux", "rotz"))
 MODELS = {"b": "equivbeam", "w": "wirefe"}
-DIGITS = {"b": 6, "w": 5}
+DIGITS = {"b": 6, "w": 5}  # of a number in an id, at least
+MOST_DIGITS = 9
 MOST_ELEMENTS = 200  # of a wire
 DRIVEN = 0.2  # of the scenes
 WIRES = 0.5  # of the wire model's scenes: contact of wires
@@ -53,17 +54,13 @@ class Case:
         return MODELS[self.id[0]]
 
 
-MOST_DIGITS = 9  # of a case's number
-
-
 def case_id(letter: str, number: int) -> str:
     """Id of a case."""
     return f"{letter}{number:0{DIGITS[letter]}d}"
 
 
-def make_case(name: str, seed: int, geometry: str | None = None) -> Case:
-    """The case of an id (`InputError` where it is none); a wire's contact with the geometry drawn, unless one
-    is given."""
+def make_case(name: str, seed: int) -> Case:
+    """The case of an id (`InputError` where it is none)."""
     letter, digits = name[:1], name[1:]
     if letter not in MODELS or not digits.isdecimal() or len(digits) > MOST_DIGITS:
         raise InputError(
@@ -80,7 +77,7 @@ def make_case(name: str, seed: int, geometry: str | None = None) -> Case:
     else:
         sliding = draw.of("sliding", "free", "none", "coulomb")
         friction = draw.log("kind", 0.05, 0.5) if sliding == "coulomb" else None
-        geometry = geometry or ("wires" if _chosen((seed, 2), SILVER, number, WIRES) else "spheres")
+        geometry = "wires" if _chosen((seed, 2), SILVER, number, WIRES) else "spheres"
         contact = replace(scene.contact, sliding=sliding, friction=friction, geometry=geometry)
         scene = replace(scene, contact=contact)
         element = draw.of("law", *COUNTS)  # long wires take the coarser meshes

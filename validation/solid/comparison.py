@@ -39,10 +39,10 @@ def rod_flexibility(spring: Spring, material: Material, coils: float) -> np.ndar
     return tip_flexibility(rod, rod.points[-1] * [0.0, 1.0, 0.0])
 
 
-def coil(index: float, degrees: float, coils: float, wire_rigidity: str = "beam") -> Spring:
+def coil(index: float, degrees: float, coils: float) -> Spring:
     """Coils of wire of 1 mm without end turns, of a pitch angle."""
     height = coils * float(np.pi * index * np.tan(np.radians(degrees)))
-    return Spring(1.0, (index, index), coils, height, end_turns=0.0, wire_rigidity=wire_rigidity)
+    return Spring(1.0, (index, index), coils, height, end_turns=0.0)
 
 
 def both(spring: Spring, material: Material, coils: float) -> dict[str, np.ndarray]:

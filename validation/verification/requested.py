@@ -47,11 +47,11 @@ REPEATS = 5  # of each timing
 REFUSED, NUMBERS = "refused", ("stations", "estimated", "true", "seconds", "cheapest")
 
 
-def springs(each: int, coils: float = COILS, seed: int = SEED) -> Iterator[tuple[Drawn, Scene]]:
-    """Random springs of at most so many coils, `each` of every kind of load; kinds take turns."""
+def springs(each: int, seed: int = SEED) -> Iterator[tuple[Drawn, Scene]]:
+    """Random springs of at most `COILS` coils, `each` of every kind of load; kinds take turns."""
     drawn_of = [population(seed, 100 * each, {kind.name}) for kind in KINDS]
     for place, kind in product(range(each), drawn_of):
-        drawn = next(found for found in kind if found.scene.spring.active_coils <= coils)
+        drawn = next(found for found in kind if found.scene.spring.active_coils <= COILS)
         geometry, sliding, friction = CONTACTS[place % len(CONTACTS)]
         contact = replace(drawn.scene.contact, geometry=geometry, sliding=sliding, friction=friction)
         yield drawn, replace(drawn.scene, contact=contact)
