@@ -1,12 +1,9 @@
 """Work-precision: what is run, fronts, errors that fall as they must, and the files."""
 
 import csv
-import sys
 import xml.etree.ElementTree as ElementTree
 from dataclasses import replace
-from importlib import import_module
-from inspect import signature
-from types import ModuleType, SimpleNamespace
+from types import SimpleNamespace
 
 import numpy as np
 import pandas as pd
@@ -18,7 +15,7 @@ import wirefe
 from coilspring import Contact, EquilibriumNotFound, InputError, Load, Scene, Spring, scene_text
 from equivbeam.laws import LAWS
 from validation.cli import main
-from validation.cli.arguments import CAMPAIGN_RANGES, STUDY_SCENES
+from validation.cli.arguments import STUDY_SCENES
 from validation.peers.comparison import opensees
 from validation.study.cases import PAPER_MESH
 from validation.study.metrics import COMPONENTS
@@ -350,62 +347,6 @@ def test_an_unwritable_folder_is_noticed_before_solving(tmp_path, monkeypatch):
     blocked.write_text("not a folder")
     monkeypatch.setattr(work, "study", lambda *_: pytest.fail("measured in vain"))
     assert main(["workprecision", "--out", str(blocked)]) == 4
-
-
-def fake_campaign(monkeypatch, code):
-    """The command's campaign replaced by one that records what it is given."""
-    calls = []
-    module = ModuleType("validation.campaign.run")
-    module.campaign = lambda out, **options: calls.append((out, options)) or code
-    monkeypatch.setitem(sys.modules, "validation.campaign.run", module)
-    return calls
-
-
-@pytest.mark.parametrize("code", [0, 1])
-def test_stability_passes_its_arguments_on(code, tmp_path, monkeypatch, capsys):
-    calls = fake_campaign(monkeypatch, code)
-    assert main(["stability", "--beams", "8", "--workers", "0", "--out", str(tmp_path)]) == code
-    assert capsys.readouterr().err == ("coilcheck: not every outcome is explained\n" if code else "")
-    (out, options), progress = calls[0], calls[0][1].pop("progress")
-    assert (out, options) == (tmp_path, {"beams": 8, "workers": 0, "seeds": (1,)})
-    assert progress(1, 8) is None
-
-
-def test_one_case_writes_nothing(tmp_path, monkeypatch, capsys):
-    monkeypatch.chdir(tmp_path)
-    calls = fake_campaign(monkeypatch, 0)
-    assert main(["stability", "--case", "b000007", "--seed", "3"]) == 0
-    assert calls[0][1].items() >= {"case": "b000007", "seeds": (3,)}.items()
-    assert not list(tmp_path.iterdir())
-    assert capsys.readouterr().out == ""  # what there is to say, the campaign says
-
-
-@pytest.mark.parametrize(
-    ("arguments", "parts"),
-    [
-        ("--beams -1", ["beams", "[0, 10000000]", "-1"]),
-        ("--wires 2.5", ["wires", "integer", "2.5"]),
-        ("--workers many", ["workers", "'many'"]),
-        ("--beams 0 --wires 0", ["--beams and --wires must not both be 0"]),
-        ("--case b000007 --beams 3", ["--beams has no effect beside --case"]),
-        ("--case b000007 --out here", ["--out has no effect beside --case"]),
-        ("--case b000007 --workers 0", ["--workers has no effect beside --case"]),
-        ("spring-a", ["spring-a"]),
-    ],
-)
-def test_bad_numbers_of_scenes_are_refused(arguments, parts, tmp_path, monkeypatch, capsys):
-    monkeypatch.chdir(tmp_path)
-    fake_campaign(monkeypatch, 0)
-    assert main(["stability", *arguments.split()]) == 2
-    message = capsys.readouterr().err
-    assert message.count("\n") == 1
-    assert [part for part in parts if part not in message] == []
-    assert not list(tmp_path.iterdir())
-
-
-def test_the_real_campaign_takes_what_the_command_passes():
-    names = signature(import_module("validation.campaign.run").campaign).parameters
-    assert names.keys() >= {"out", "progress", "case", "seeds", *CAMPAIGN_RANGES} - {"seed"}
 
 
 def test_no_ring_and_no_legend_of_what_is_not_drawn(study):
