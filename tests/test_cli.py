@@ -466,29 +466,6 @@ def test_a_run_beside_another_is_refused_until_that_has_ended(tmp_path, capsys):
     assert capsys.readouterr().err.count("another run is writing there") == 2
 
 
-def test_a_disk_that_fills_up_leaves_the_old_run_whole(tmp_path, monkeypatch, capsys):
-    """The new run finds no room for its second file, its third, and so on."""
-    assert main(["compare", "spring-b", "--steps", "2", "--out", str(tmp_path)]) == 0
-    before = {file: file.read_bytes() for file in tmp_path.rglob("*.*")}
-    assert len(before) == 5
-    write, room = Path.write_bytes, 0
-
-    def until_full(file, data):
-        nonlocal room
-        room -= 1
-        if room < 0:
-            raise OSError(errno.ENOSPC, "No space left on device")
-        return write(file, data)
-
-    monkeypatch.setattr(Path, "write_bytes", until_full)
-    for files in range(1, 5):
-        room = files
-        capsys.readouterr()
-        assert main(["compare", "spring-b", "--steps", "3", "--out", str(tmp_path)]) == 4
-        assert "No space left on device" in capsys.readouterr().err
-        assert {file: file.read_bytes() for file in tmp_path.rglob("*.*")} == before
-
-
 def test_json_stays_json_whatever_the_numbers():
     found = json_bytes({"nan": math.nan, "list": (math.inf, 1.5), "text": "Feder 弹簧"})
     assert json.loads(found) == {"nan": None, "list": [None, 1.5], "text": "Feder 弹簧"}

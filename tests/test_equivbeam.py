@@ -124,11 +124,10 @@ def test_bold_steps_do_not_carry_coils_through_each_other():
     assert 1500.0 * times[0] == pytest.approx(205.57, rel=1e-3)
 
 
-@pytest.mark.parametrize(("height", "expected"), [(28.6, 2.58288)])
-def test_buckling_is_a_bifurcation(height, expected):
+def test_buckling_is_a_bifurcation():
     """Clamped-free column with Spring A's own 29 half coils: Haringx's eigenvalue, discretised."""
     scene = Scene(
-        "column", Spring(1.5, 10.0, 14.5, height), Load((0.0, -20.0), steps=7), contact=Contact(enabled=False)
+        "column", Spring(1.5, 10.0, 14.5, 28.6), Load((0.0, -20.0), steps=7), contact=Contact(enabled=False)
     )
     with pytest.raises(EquilibriumNotFound) as caught:
         equivbeam.solve(scene)
@@ -136,7 +135,7 @@ def test_buckling_is_a_bifurcation(height, expected):
     assert error.outcome == "bifurcation"
     # linear up to there: the deflection is proportional to the load
     path = error.path
-    assert -path.tips[-1, 1] / path.times[-1] * error.critical_time == pytest.approx(expected, rel=1e-4)
+    assert -path.tips[-1, 1] / path.times[-1] * error.critical_time == pytest.approx(2.58288, rel=1e-4)
     assert path.iterations.sum() == 1
 
 

@@ -65,7 +65,7 @@ def test_a_disk_that_fills_up_keeps_what_was_there(command, tmp_path, monkeypatc
             break
         assert code == 4
         refused(capsys, tmp_path)
-        if command[0] == "solve":
+        if command[0] in ("solve", "compare"):
             assert after == before
 
 
@@ -95,16 +95,6 @@ def test_a_campaign_goes_on_where_the_disk_was_full(tmp_path, monkeypatch, capsy
 def test_a_folder_that_is_a_device_is_refused(capsys):
     assert main([*BEAM, "--out", "/dev/full"]) == 4
     assert "/dev/full" in capsys.readouterr().err
-
-
-def test_a_standard_output_that_is_full():
-    with open("/dev/full", "w") as full:
-        done = subprocess.run(
-            [sys.executable, "-m", "validation.cli", "new", "spring-a"],
-            stdout=full, stderr=subprocess.PIPE, text=True, cwd=ROOT, check=False,
-        )  # fmt: skip
-    assert done.returncode == 4
-    assert done.stderr == "coilcheck: cannot write to standard output: No space left on device\n"
 
 
 def test_two_solves_at_once_into_one_folder(tmp_path):
