@@ -18,7 +18,7 @@ from validation.sensitivity.inputs import BEAM, MODELS, WIRE, OpenInput, Variant
 from validation.sensitivity.topheight import TipCurve, raised
 from validation.study.cases import CASES, PathStore
 from validation.study.frames import formatted
-from validation.study.metrics import COMPONENTS, NEGLIGIBLE
+from validation.study.metrics import COMPONENTS, peaks
 from validation.study.output import write_text
 from validation.study.partialsolve import ending
 
@@ -159,11 +159,9 @@ def change(base: TipCurve, curve: TipCurve) -> dict[str, Any]:
 
 def farther(tips: np.ndarray, base: np.ndarray, counted: Sequence[bool] = (True, True, True)) -> np.ndarray:
     """How much farther the top moves than in the base, % of its peak, (steps, 3); nan where it is fixed."""
-    steps = min(len(tips), len(base))
-    peaks = np.abs(base).max(axis=0)
-    fixed = peaks <= NEGLIGIBLE * peaks.max()
+    steps, peak = min(len(tips), len(base)), peaks(base)
     direction = np.sign(base[np.abs(base).argmax(axis=0), range(len(COMPONENTS))])
-    scale = np.where(fixed | ~np.array(counted), np.nan, peaks)
+    scale = np.where(np.isfinite(peak) & counted, peak, np.nan)
     return 100.0 * direction * (tips[:steps] - base[:steps]) / scale
 
 
