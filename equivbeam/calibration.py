@@ -139,18 +139,30 @@ def calibrate(
     InputError : a curve or a name that cannot be used, in one sentence.
     EquilibriumNotFound : the scene as given does not reach the curve's end.
     """
-    scene, names = require_scene(scene), tuple(parameters)
+    scene = require_scene(scene)
     if "factors" in options:
         scene = replace(scene, factors=Factors.of(options.pop("factors")))
+    names = _named(parameters, options.get("law", "haringx"))
+    fit = CurveFit(names, read_curve(curve, scene, OFFSET not in names), options)
+    return _fitted(scene, fit, fit.at_start())
+
+
+def _named(parameters: Sequence[str], law: object) -> tuple[str, ...]:
+    """Names of parameters that can be fitted with a law; `InputError` where they are not."""
+    names = tuple(parameters)
     if isinstance(parameters, str) or not names or len(set(names)) < len(names):
         got = parameters if isinstance(parameters, str) else ",".join(map(str, names))
         raise InputError(f"parameters must be a list of different names, got {shown(got)}")
     require_names("parameters", names, (*NAMES, OFFSET))
-    law, factor = options.get("law", "haringx"), next((name for name in names if name in FACTORS), None)
+    factor = next((name for name in names if name in FACTORS), None)
     if factor and law != "haringx":
         raise InputError(f"parameters may hold {factor} with the law haringx alone, got the law {shown(law)}")
-    fit = CurveFit(names, read_curve(curve, scene, OFFSET not in names), options)
-    before = fit.at_start()
+    return names
+
+
+def _fitted(scene: Scene, fit: CurveFit, before: np.ndarray) -> Calibration:
+    """Fit a scene, whose residuals are `before` as it is given."""
+    names = fit.names
     shares, J, fitted, doubtful = fit.solved()
     after, path, evaluations = fit.residuals(shares), fit.path, fit.evaluations
     assert path is not None  # the best point is one that was reached
@@ -158,8 +170,6 @@ def calibrate(
     spread, freedom = fiterrors.spread(J, fitted, after, fit.curve.times)
     doubt = fit.doubt(shares, J, spread, fitted)
     rows = fiterrors.means(after, fit.curve.times)
-    scatter, rms = fiterrors.scatter(rows), fiterrors.root_mean_square(after)
-    slow = fiterrors.root_mean_square(rows) > max(SYSTEMATIC * scatter, EXACT)
     return Calibration(
         scene=fit.scene_of(shares, scene),
         names=names,
@@ -171,20 +181,19 @@ def calibrate(
         undetermined=tuple(name for name, gone in zip(names, lost, strict=True) if gone),
         fixed=tuple(names[i] for i in left),
         instead=tuple(tuple(names[j] for j in fiterrors.instead_of(J, fitted, i)) for i in left),
-        misfit="; ".join(
-            filter(None, (_misfit(rms, scatter, slow, constant_part(J[:, fitted], after)), doubt))
-        ),
+        misfit="; ".join(filter(None, (_misfit(after, rows, J[:, fitted]), doubt))),
         path=path,
         rms_before=fiterrors.root_mean_square(before),
-        rms_after=rms,
-        scatter=scatter,
+        rms_after=fiterrors.root_mean_square(after),
+        scatter=fiterrors.scatter(rows),
         evaluations=evaluations,
     )
 
 
-def _misfit(rms: float, scatter: float, systematic: bool, constant: float) -> str:
-    """In words that the error left is no scatter, or nothing; `constant`: the share of an offset in it."""
-    poor = rms > POOR
+def _misfit(residuals: np.ndarray, rows: np.ndarray, J: np.ndarray) -> str:
+    """In words that the residuals are no scatter, or nothing; `rows`: their `fiterrors.means`."""
+    rms, scatter = fiterrors.root_mean_square(residuals), fiterrors.scatter(rows)
+    poor, systematic = rms > POOR, fiterrors.root_mean_square(rows) > max(SYSTEMATIC * scatter, EXACT)
     if not (poor or systematic):
         return "" if np.isfinite(scatter) else "fewer than 3 points do not tell how well the model fits"
     what = "the model does not fit the curve" if poor else "the error left is systematic"
@@ -192,5 +201,6 @@ def _misfit(rms: float, scatter: float, systematic: bool, constant: float) -> st
     if not np.isfinite(scatter):
         return found
     found += f", where neighbouring points scatter by {plain(100 * scatter)} %"
+    constant = constant_part(J, residuals)
     cure = f"; an offset of the deflection takes {100 * constant:.0f} % of its square away: fit offset too"
     return found + (cure if constant > HELPS else "")

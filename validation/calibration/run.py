@@ -31,8 +31,22 @@ def calibrate(
     """
     table = table_of(file)
     found = equivbeam.calibrate(scene, file, names, **options)
+    files = {
+        "calibration.json": json_bytes(_summary(scene, file, found)),
+        "calibrated.toml": _text(found.scene, names).encode(),
+    }
+    lines = [*str(found).splitlines(), *_remarks(scene, found)]
+    if not undirected(scene) and ("force" in table or "load_y" in table):
+        more, said = _beside_curve(scene, table, found, options)
+        files |= more
+        lines += said
+    return files, lines
+
+
+def _summary(scene: Scene, file: str | Path, found: equivbeam.Calibration) -> dict[str, Any]:
+    """What ``calibration.json`` holds."""
     columns = (found.names, found.values, found.units, found.errors, found.intervals, found.start)
-    summary = {
+    return {
         "scene": scene.name,
         "measured": str(file),
         "options": found.path.options,
@@ -56,9 +70,11 @@ def calibrate(
         "evaluations": found.evaluations,
         "versions": versions(),
     }
-    files = {"calibration.json": json_bytes(summary), "calibrated.toml": _text(found.scene, names).encode()}
-    lines = str(found).splitlines()
-    before, nu = scene.material.nu, found.scene.material.nu
+
+
+def _remarks(scene: Scene, found: equivbeam.Calibration) -> list[str]:
+    """What a reader should know of the scene that was fitted."""
+    lines, before, nu = [], scene.material.nu, found.scene.material.nu
     if not np.isclose(nu, before, rtol=1e-9, atol=0.0):
         lines.append(f"Poisson's ratio {before:.4g} -> {nu:.4g}: it follows from E and G")
     if found.rms_before > FAR:
@@ -67,21 +83,27 @@ def calibrate(
     sliding = scene.contact.sliding
     if scene.contact.enabled and sliding != "free":
         lines.append(f"fitted without the scene's sliding = \"{sliding}\", as the paper's model")
-    if not undirected(scene) and ("force" in table or "load_y" in table):
-        from validation.calibration.figure import FIT, load_curves
+    return lines
 
-        offset = dict(zip(found.names, found.values, strict=True)).get("offset", 0.0)
-        curve = measured(file, scene, "offset" not in found.names).from_rest(offset, scene)
-        start = replace(scene, load=found.path.scene.load)
-        paths = {"given": partial_path(equivbeam.solve, start, **options), "calibrated": found.path}
-        files["calibration.png"] = load_curves(paths, curve, FIT)
-        lines += [f"warning: {doubt}" for doubt in curve.doubts]
-        if of_force(table, scene):
-            points = pd.DataFrame({"force": curve.force, "deflection": curve.deflection})
-            files["measured.csv"] = to_csv(points, digits=9)
-            lines += [curve.passed_over] * bool(curve.left_out)
-        if offset:
-            lines.append("measured.csv and the figure are without the offset: compare with that file")
+
+def _beside_curve(
+    scene: Scene, table: dict[str, np.ndarray], found: equivbeam.Calibration, options: dict[str, Any]
+) -> tuple[dict[str, bytes], list[str]]:
+    """The figure, the points of a curve of force and deflection, and what there is to say of them."""
+    from validation.calibration.figure import FIT, load_curves
+
+    offset = dict(zip(found.names, found.values, strict=True)).get("offset", 0.0)
+    curve = measured(table, scene, "offset" not in found.names).from_rest(offset, scene)
+    start = replace(scene, load=found.path.scene.load)
+    paths = {"given": partial_path(equivbeam.solve, start, **options), "calibrated": found.path}
+    files = {"calibration.png": load_curves(paths, curve, FIT)}
+    lines = [f"warning: {doubt}" for doubt in curve.doubts]
+    if of_force(table, scene):
+        points = pd.DataFrame({"force": curve.force, "deflection": curve.deflection})
+        files["measured.csv"] = to_csv(points, digits=9)
+        lines += [curve.passed_over] * bool(curve.left_out)
+    if offset:
+        lines.append("measured.csv and the figure are without the offset: compare with that file")
     return files, lines
 
 
