@@ -708,6 +708,14 @@ def test_displacements_at_times_are_fitted_as_they_are(tmp_path, capsys):
     assert "leave out" not in found.value.message
 
 
+def test_a_curve_without_the_deflection_along_the_load_is_fitted_but_not_drawn(tmp_path):
+    """It was fitted, and then refused."""
+    table = equivbeam.solve(spring_a(), steps=10).table[["time", "rotz", "load_y"]]
+    table.to_csv(tmp_path / "turns.csv", index=False)
+    files, _ = run.calibrate(spring_a(), tmp_path / "turns.csv", ("axial",))
+    assert set(files) == {"calibration.json", "calibrated.toml"}
+
+
 def test_what_a_comparison_leaves_out_is_said(bench):
     force, deflection = (np.append(0.1, column) for column in bench)
     path = equivbeam.solve(GUIDED)

@@ -36,7 +36,7 @@ def calibrate(
         "calibrated.toml": _text(found.scene, names).encode(),
     }
     lines = [*str(found).splitlines(), *_remarks(scene, found)]
-    if not undirected(scene) and ("force" in table or "load_y" in table):
+    if _is_along_load(table, scene):
         more, said = _beside_curve(scene, table, found, options)
         files |= more
         lines += said
@@ -84,6 +84,14 @@ def _remarks(scene: Scene, found: equivbeam.Calibration) -> list[str]:
     if scene.contact.enabled and sliding != "free":
         lines.append(f"fitted without the scene's sliding = \"{sliding}\", as the paper's model")
     return lines
+
+
+def _is_along_load(table: dict[str, np.ndarray], scene: Scene) -> bool:
+    """Whether a curve has force and deflection in the direction of the scene's load."""
+    if undirected(scene):
+        return False
+    parts = zip(scene.direction, (("load_x", "ux"), ("load_y", "uy")), strict=True)
+    return "force" in table or all(name in table for part, names in parts if part for name in names)
 
 
 def _beside_curve(
