@@ -144,19 +144,9 @@ def compare(arguments: argparse.Namespace) -> int:
         }
         if curve is not None:
             found["measured"] = {"file": arguments.measured, **difference.summary(told, curve)}
-        files = {"compare.json": output.json_bytes(found)}
-        if arguments.draw:
-            from validation.view.overlay import overlay
-
-            files["compare.png"] = overlay(*paths.values())
-        undrawn = difference.undirected(scene) if arguments.draw else ""
-        if curve is not None or (arguments.draw and not undrawn):
-            from validation.calibration.figure import load_curves
-
-            files["curve.png"] = load_curves(paths, curve, compared=told)
-        lines = [f"curve.png is not drawn: {undrawn}"] if undrawn else []
-        lines.append(f"written to {folder}")
-        runs = {folder: files}
+        pictures, lines = _pictures(arguments.draw, scene, paths, told, curve)
+        lines += [f"written to {folder}"]
+        runs = {folder: {"compare.json": output.json_bytes(found), **pictures}}
         for model, path in paths.items():
             summary = output.summary(path)
             runs[folder / model] = output.path_files(path, summary)
@@ -167,6 +157,26 @@ def compare(arguments: argparse.Namespace) -> int:
     if curve is not None:
         said += difference.lines(told, curve)
     return _concluded(arguments, found, [*said, *lines], *paths.values())
+
+
+def _pictures(
+    draw: bool,
+    scene: Scene,
+    paths: Mapping[str, EquilibriumPath],
+    told: Mapping[str, EquilibriumPath],
+    curve: Measured | None,
+) -> tuple[dict[str, bytes], list[str]]:
+    """Figures asked for or of a measured curve, and a sentence on what is not drawn."""
+    files, undrawn = {}, difference.undirected(scene) if draw else ""
+    if draw:
+        from validation.view.overlay import overlay
+
+        files["compare.png"] = overlay(*paths.values())
+    if curve is not None or (draw and not undrawn):
+        from validation.calibration.figure import load_curves
+
+        files["curve.png"] = load_curves(paths, curve, compared=told)
+    return files, [f"curve.png is not drawn: {undrawn}"] if undrawn else []
 
 
 def long_command(arguments: argparse.Namespace) -> int:
