@@ -221,6 +221,7 @@ WORDS = [
     ("findings.time", SLOW, "0.50 to 0.50 times as fast as the wire model"),
     ("findings.sliding", {"limit.beam": None, "limit.beam_outcome": "completed"}, "plausibly needed"),
     ("findings.sliding", {"limit.outcome": "completed", "limit.time": None}, "is not explained"),
+    ("findings.sliding", {"limit.beam": 0.9}, "The beam's ends too"),
     ("findings.spheres", {APART: 0.1}, "hardly matters"),
     ("findings.outside", {OUTSIDE: 10.0}, "meet in the plane in which its wire starts"),
     ("findings.helix", {HELD: 0.15}, "does not need large deformation"),
