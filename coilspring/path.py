@@ -54,15 +54,16 @@ class Shape(Protocol):
         """Gap h - d of every pair, negative where it penetrates, shape (states, pairs), mm."""
 
     def reactions(self, states: np.ndarray, histories: np.ndarray) -> np.ndarray:
-        """Force that holds the top along X and Y in states found with contact histories, shape (states, 2), N."""
+        """Force that holds the top along X and Y in states found with contact histories, shape (states, 2),
+        N."""
 
     def rates(self, states: np.ndarray, histories: np.ndarray | None, directions: np.ndarray) -> np.ndarray:
         """Tangent stiffness of the top along directions (states, 2), with the contact histories of the
         states (None: of no pair), shape (states,), N/mm."""
 
     def largest_stresses(self, states: np.ndarray, histories: np.ndarray | None) -> np.ndarray | None:
-        """Largest shear stress of the wire, corrected for its curvature, in states found with contact histories
-        (None: of no pair), shape (states,), MPa; None where the model has no wire."""
+        """Largest shear stress of the wire, corrected for its curvature, in states found with contact
+        histories (None: of no pair), shape (states,), MPa; None where the model has no wire."""
 
     def overlaps(self, states: np.ndarray) -> np.ndarray:
         """By how much the wire runs into itself, or the circles that stand for it, shape (states,), mm."""
