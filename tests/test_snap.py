@@ -175,6 +175,9 @@ def test_a_fold_on_the_linear_stretch_that_ends_the_path_is_passed_as_any_other(
         ("b003754", 821, (1, 28)),
         ("b004196", 1013, (20, 210)),
         ("b004196", 1013, (20, 300)),
+        ("b004196", 1013, (20, 136)),
+        ("b004196", 1013, (20, 327)),
+        ("b004196", 1013, (20, 380)),
         ("b002951", 1042, (9, 20)),
         ("b002951", 1042, (2, 20)),
         ("b003516", 3005, (1, 50)),
@@ -182,6 +185,8 @@ def test_a_fold_on_the_linear_stretch_that_ends_the_path_is_passed_as_any_other(
         ("b004647", 1243, (11, 20)),
         ("b004647", 1243, (12, 20)),
         ("b004647", 1243, (22, 20)),
+        ("b004647", 1243, (130, 20)),
+        ("b004647", 1243, (260, 20)),
     ],
     ids=[
         "all modes within 1e-7 of the load",
@@ -189,6 +194,9 @@ def test_a_fold_on_the_linear_stretch_that_ends_the_path_is_passed_as_any_other(
         "a stiffness that is hardly known",
         "stepped over",
         "too few predictions on the way",
+        "the tangent at its end fits the last step no more",
+        "nor here",
+        "nor here, where it is 86 steps off",
         "so few that a pair opens first",
         "a line lost by rounding, just before zero",
         "it rises again before next to nothing is left",
@@ -197,6 +205,8 @@ def test_a_fold_on_the_linear_stretch_that_ends_the_path_is_passed_as_any_other(
         "on a line, but with much left 1e-12 before zero",
         "with so few predictions that zero seems nearer by far",
         "little left, by chance, of a fall that was one step long",
+        "the parabola is bent by 2 per cent",
+        "and by 1 per cent",
     ],
 )
 def test_a_bifurcation_is_told_by_the_line_along_which_the_stiffness_falls(case, seed, counts):

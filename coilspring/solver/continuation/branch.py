@@ -59,6 +59,22 @@ def predict(system, task, work, path, bend, target):
 
 
 @part
+def interpolate(system, task, work, path, time):
+    """Put a state within the last substep in `work.predicted`: on the parabola between its ends, along the
+    tangent at its begin, which is better known than that at a critical point just ahead."""
+    if work.old[0] == np.inf:
+        predict(system, task, work, path, 1.0, time)
+        return
+    since = path.last_step - (path.time - time)
+    share = (since / path.last_step) ** 2
+    system.retract(
+        system.reals, system.ints, work.before, work.old, since - share * path.last_step, work.state, share,
+        work.predicted,
+    )  # fmt: skip
+    put_prescribed(system, task.start, time, work.predicted)
+
+
+@part
 def most_turn(history):
     """Share by which a path may turn in a substep."""
     return FRICTION_TURN if has_friction(history) else TURN

@@ -7,7 +7,7 @@ import numpy as np
 
 from coilspring.compiling.compiled import part
 from coilspring.contact.history import has_friction
-from coilspring.solver.continuation.branch import predict
+from coilspring.solver.continuation.branch import interpolate
 from coilspring.solver.equilibrium.linesearch import dot
 from coilspring.solver.equilibrium.newton import LINEAR
 from coilspring.solver.equilibrium.operations import factor_state, solution
@@ -33,8 +33,8 @@ APPROACH = 0.5  # share of the time to the predicted zero of the least stiffness
 # moves by less than this share of the time left when it was found: just before zero, rounding moves it.
 STRAIGHT = 0.02
 # Shares of the end of the last substep at which such a line is looked for, the times that these are halved,
-# and how straight it is to be: nothing but rounding bends it.
-WITHIN, MOST_HALVES, STRAIGHTER = (0.25, 0.5, 0.75), 5, 5e-3
+# and how straight it is to be: the tangent's error bends it a little, a limit point by half and more.
+WITHIN, MOST_HALVES, STRAIGHTER = (0.25, 0.5, 0.75), 5, 0.1
 LOOK = 0.05  # of the time 0..1: so often at least the softest mode is evaluated,
 SOONER = 0.25  # and after this share of the time to its predicted zero
 WEAK = 0.1  # of the least stiffness at rest: below, it is evaluated wherever the matrix is factored,
@@ -122,15 +122,15 @@ def line_within(system, task, work, path):
     of the last substep; infinite where it is on none. Where a pair opens on the way, the states are taken
     before.
 
-    The states lie on the parabola on which the path is predicted: on the chord the stiffness is straight
-    before a limit point, too. `work.predicted` is overwritten.
+    The states lie on a parabola: on the chord the stiffness is straight before a limit point, too.
+    `work.predicted` is overwritten.
     """
     span, values, times = min(path.last_step, 0.5 * no_time(path.time)), np.empty(3), np.empty(3)
     begin = path.time - span
     for _ in range(MOST_HALVES):
         for i in range(3):
             times[i] = begin + WITHIN[i] * span
-            predict(system, task, work, path, 1.0, times[i])
+            interpolate(system, task, work, path, times[i])
             values[i] = stiffness_at(system, task, work, path, work.predicted, EXACT)
         if values[2] > 0.0:
             before = predicted_zero(times[1], values[1], times[0], values[0])
