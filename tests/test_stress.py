@@ -156,8 +156,8 @@ def test_solve_writes_stresses_where_asked(tmp_path, capsys):
     assert not (tmp_path / "stress.csv").exists()
 
 
-@pytest.mark.parametrize("friction", [None, 0.2])
-def test_sections_balance_all_that_acts_on_the_wire_above_them(friction):
+@pytest.mark.parametrize(("friction", "count"), [(None, 4), (0.2, 4), (None, 32)])
+def test_sections_balance_all_that_acts_on_the_wire_above_them(friction, count):
     """Contact within an element acts on its nodes, and the force was the element's all along it: where coils
     touch bending stresses were up to 12 % low with 4 elements per turn."""
     contact = Contact(
@@ -165,7 +165,7 @@ def test_sections_balance_all_that_acts_on_the_wire_above_them(friction):
     )
     spring, load = Spring(2.0, 16.0, 5.0, 18.0, end_turns=0.0), Load((1.0, -170.0), steps=2)
     scene = Scene("pressed", spring, load, contact=contact)
-    path = partial_path(wirefe.solve, scene, element="curved", elements_per_turn=4)
+    path = partial_path(wirefe.solve, scene, element="curved", elements_per_turn=count)
     assert path.active_contacts[-1] > 20
     shape, state = path.shape, path.states[-1:]
     given = station_loads(shape.data, state, path.histories[-1:])[0]

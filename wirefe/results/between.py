@@ -66,4 +66,5 @@ def contact_between(
 
 def _sums(values: np.ndarray) -> np.ndarray:
     """Sums of the first 0, 1, 2, ... along the second axis."""
-    return np.concatenate((np.zeros_like(values[:, :1]), values.cumsum(axis=1)), axis=1)
+    states, _, size = values.shape
+    return np.concatenate((np.zeros((states, 1, size)), values.cumsum(axis=1)), axis=1)

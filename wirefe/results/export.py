@@ -62,6 +62,8 @@ class SectionResults:
 def section_results(path: EquilibriumPath, step: int) -> SectionResults:
     """Section forces, curvature changes and contact forces at a stored step of a path of the wire model.
 
+    Contact between nodes acts on the nodes here; `wirefe.stress` has it where it is.
+
     Raises
     ------
     InputError : the path is not of the wire model.

@@ -47,7 +47,8 @@ class WireStress:
     Attributes
     ----------
     turns : (sections,) of wire from the first active point; elastic end turns are beyond the active coils. A
-        node of the mesh has two sections, below it and above: forces of contact act between them.
+        node of the mesh has two sections, below it and above: forces of contact act between them. At other
+        points of contact forces are the means of both sides.
     axial_force, torsion : along and about the wire, N, N mm; with their signs.
     shear_force, bending_moment : across it; sizes.
     bending_in : bending moment in the plane of the coil, N mm; with its sign.
@@ -163,11 +164,13 @@ def resultants(
     above[:, -1] += turned_rows(nodes[:, -1, 3:], data.arm)
     force = ends[:, element, 6:9]
     moment = ends[:, element, 9:12] + cross_rows(above[:, element] - x, force)
-    if of_wires(shape.data.contact.parts) and (shape.pair_gaps(states) < 0.0).any():
+    if of_wires(shape.data.contact.parts):
         own = shape.histories(histories, states)
-        more = contact_between(shape.data, shape.mesh, states, own, (element, phases))
-        force += more[..., :3]
-        moment += more[..., 3:] - cross_rows(x, more[..., :3])
+        touch = (own["closed"] | (shape.pair_gaps(states) < 0.0)).any(axis=1)
+        if touch.any():
+            more = contact_between(shape.data, shape.mesh, states[touch], own[touch], (element, phases))
+            force[touch] += more[..., :3]
+            moment[touch] += more[..., 3:] - cross_rows(x[touch], more[..., :3])
     t = tangents(nodes, node, parts)
     t /= np.linalg.norm(t, axis=-1, keepdims=True)
     inward = fixed_to_sections(nodes, node, parts, spring.inward(phases))
