@@ -137,7 +137,7 @@ def test_hard_pairs_are_out_of_balance_by_more_next_to_a_fold(least, caught, mon
     for factor, wrong in ((2.0, caught), (4.0, True)):
         share = factor * BALANCE * np.abs(path.loads[-1]).max()
 
-        def residual(rows, load, pairs, share=share):
+        def residual(rows, load, pairs, guided, share=share):
             return left(rows, load, pairs) + share * (np.arange(len(rows)) == 5)[:, None] * np.eye(6)[0]
 
         monkeypatch.setattr(forces, "residual", residual)

@@ -60,11 +60,14 @@ class WireForces:
         fixed[-1, 1] |= bool(scene.load.displacement)
         self.free = np.flatnonzero(~fixed)  # those that are neither held nor prescribed
 
-    def residual(self, rows: np.ndarray, load: np.ndarray, pairs: Pairs) -> np.ndarray:
-        """Force and moment (nodes, 6) that are out of balance under a load or a reaction."""
+    def residual(self, rows: np.ndarray, load: np.ndarray, pairs: Pairs, guided: bool = False) -> np.ndarray:
+        """Force and moment (nodes, 6) that are out of balance under a load or a reaction: where `guided`, of
+        all that holds the top, UX too."""
         total = self.element_forces(rows) + pairs.gradient(rows)
         total[-1, :2] -= load
-        return np.where(self.fixed, 0.0, total)
+        known = self.fixed.copy()
+        known[-1, 0] &= not guided
+        return np.where(known, 0.0, total)
 
     def element_forces(self, rows: np.ndarray) -> np.ndarray:
         """Gradient (nodes, 6) of the strain energy in displacements and spins."""

@@ -69,7 +69,8 @@ def verify_balance(verdict: Verdict, forces: WireForces, path: EquilibriumPath, 
         most = max(BALANCE, runs.SOLVER * math.sqrt(stiff))
     arm = float(np.abs(forces.arms[1, [0, 2], -1]).max())
     pairs = forces.pairs(path, row)
-    left = forces.residual(rows, path.loads[row], pairs)
+    guided = bool(path.scene.load.displacement)
+    left = forces.residual(rows, path.loads[row], pairs, guided)
     left[:, 3:] /= arm
     share, most = float(np.abs(left).max()) / load, max(most, runs.force_grain(path, row))
     if share > most and 0.0 < forces.least_stiffness(rows, pairs) < SOFT:
