@@ -324,13 +324,13 @@ def _second(trials: Trials) -> float:
 def _choose_substeps(trials: Trials) -> None:
     """Choose steps, those of the scene or finer, and estimate the error that their substeps leave.
 
-    It may take half of the accuracy wanted, and is estimated on the last mesh, from fewer steps: where two
-    paths may agree by chance, twice. Raises `InputError` if it takes more in the most steps too.
+    It may take half of the accuracy wanted, and is estimated on the last mesh by a path in fewer steps; where
+    two may agree by chance, by one in more steps, too. Raises `InputError` if it takes more in the most.
     """
     *before, last = trials.found
     paths, lost = [last.path], [math.inf]
     rows, least, needed = trials.steps, math.inf, 2 if trials.erratic else 1
-    for steps in (rows * 2**halving for halving in range(HALVINGS + 1)):
+    for steps in (rows * 2**halving for halving in range(HALVINGS + needed)):
         if steps == last.path.scene.load.steps:
             continue
         paths.append(trials.solve(last.mesh, steps))
