@@ -9,7 +9,7 @@ import equivbeam
 import wirefe
 from coilspring import Contact, Spring, Supports, spring_a, spring_b
 from coilspring.compiling.packing import pack
-from coilspring.solver.continuation.stability import Body, softest
+from coilspring.solver.body import Body, softest
 from coilspring.solver.outcome import SOFT
 from equivbeam.model import beam_problem, build_model, load_vector
 from equivbeam.solve import KERNELS as BEAM_KERNELS

@@ -9,7 +9,7 @@ import pytest
 import equivbeam
 from coilspring import Contact, EquilibriumNotFound, spring_a
 from coilspring.compiling.packing import pack
-from coilspring.solver.continuation.stability import Body
+from coilspring.solver.body import Body
 from coilspring.solver.coulomb import SLACK, coulomb
 from equivbeam.model import matrix_size
 from equivbeam.solve import KERNELS

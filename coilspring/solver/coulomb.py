@@ -8,7 +8,7 @@ number of pairs that slide.
 
 import numpy as np
 
-from coilspring.solver.continuation.stability import Body
+from coilspring.solver.body import Body
 
 NUDGE = 1e-6  # of a bound, with which differences are taken
 MOVE = 1e-5  # wire diameters or rad, the same

@@ -8,8 +8,8 @@ from coilspring.compiling.packing import pack
 from coilspring.contact.history import has_friction
 from coilspring.contact.kinematics import OVERLAP_ALLOWED
 from coilspring.path import EquilibriumPath
+from coilspring.solver.body import Body, softest
 from coilspring.solver.continuation.follower import MOST_TRIES
-from coilspring.solver.continuation.stability import Body, softest
 from coilspring.solver.coulomb import goes_on, time_left
 from coilspring.solver.interface import Kernels
 from coilspring.solver.problem import Problem, Track
