@@ -9,7 +9,7 @@ import equivbeam
 import wirefe
 from coilspring import Contact, Spring, Supports, spring_a, spring_b
 from coilspring.compiling.packing import pack
-from coilspring.solver.body import Body, softest
+from coilspring.solver.body import body_of, softest
 from coilspring.solver.outcome import SOFT
 from equivbeam.model import beam_problem, build_model, load_vector
 from equivbeam.solve import KERNELS as BEAM_KERNELS
@@ -39,7 +39,7 @@ def test_the_softest_mode_at_rest_is_as_stiff_as_at_rest(model, held):
         contact=Contact(geometry="spheres", enabled=False),
     )
     kernels, problem = kernels_of(model, scene)
-    body = Body(kernels, pack(problem.data), problem.load.size, problem.matrix_size)
+    body = body_of(problem, kernels)
     share, _ = softest(body, problem.start, problem.history, problem.start)
     assert share == pytest.approx(1.0, rel=1e-5)
 
@@ -51,7 +51,7 @@ def test_the_softest_mode_has_no_units():
         path = reached(case, in_units(case.scene, length, force))
         assert path.outcome == "limit_point"
         kernels, problem = kernels_of("equivbeam", path.scene)
-        body = Body(kernels, pack(problem.data), problem.load.size, problem.matrix_size)
+        body = body_of(problem, kernels)
         shares.append(softest(body, path.last_state, problem.history, problem.start)[0])
     assert shares[1] == pytest.approx(shares[0], rel=0.01)
     assert abs(shares[0]) < 0.01 * SOFT

@@ -11,6 +11,7 @@ from coilspring import Contact, EquilibriumNotFound, spring_a
 from coilspring.compiling.packing import pack
 from coilspring.solver.body import Body
 from coilspring.solver.coulomb import SLACK, coulomb
+from coilspring.solver.system import FREE, System
 from equivbeam.model import matrix_size
 from equivbeam.solve import KERNELS
 from validation.campaign.coulombend import loses_stability
@@ -66,7 +67,8 @@ def test_determinant_of_coulombs_tangent():
 
     (A, free), (H, _) = tangent(False), tangent(True)
     (sign, log), (sign_held, log_held) = np.linalg.slogdet(A), np.linalg.slogdet(H)
-    body, load = Body(KERNELS, data, n, size), np.where(free, 1.0, 0.0)
+    body = Body(System(*data, FREE, np.zeros(1), *KERNELS), n, size)
+    load = np.where(free, 1.0, 0.0)
     ratio, rate = coulomb(body, state, history, load, path.scene.spring.wire_diameter)
     assert ratio == pytest.approx(sign * sign_held * np.exp(log - log_held), rel=1e-4)
     assert abs(ratio - 1.0) > 1e-3  # sliding pairs there are

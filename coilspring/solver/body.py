@@ -1,46 +1,45 @@
 """A model where a path has ended, as Python calls it: its forces, its tangent and its softest mode."""
 
-from dataclasses import dataclass, field
+from typing import NamedTuple
 
 import numpy as np
 
+from coilspring.compiling.packing import pack
+from coilspring.solver.equilibrium import operations
 from coilspring.solver.interface import Kernels
-from coilspring.solver.system import DIAGONAL, DOF, FREE, PLACE, STIFFNESS
+from coilspring.solver.problem import Problem
+from coilspring.solver.system import PLACE, System
 
 INVERSE_ITERATIONS = 30
 DIFFERENCE = 1e-6  # of the span of the state's numbers, with which a difference is taken
 
 
-@dataclass(frozen=True)
-class Body:
-    """A model's kernels with its packed data, as Python calls them where a path has ended."""
+class Body(NamedTuple):
+    """A model with its constraint, as Python calls it where a path has ended."""
 
-    kernels: Kernels
-    data: tuple[np.ndarray, np.ndarray]
+    system: System
     dofs: int
     matrix_size: int
-    prescribed: np.ndarray = field(default_factory=lambda: FREE)  # see `coilspring.solver.system`
-
-    def _bare(self, state: np.ndarray, history: np.ndarray, least_gap: float, H: np.ndarray) -> np.ndarray:
-        g = np.empty(self.dofs)
-        self.kernels.assemble(*self.data, state, least_gap, history, state, g, H)
-        return g
 
     def moved(self, state: np.ndarray, step: np.ndarray, factor: float = 1.0) -> np.ndarray:
         """State moved by ``factor * step``."""
         out = state.copy()
-        self.kernels.retract(*self.data, state, step, factor, state, 0.0, out)
+        operations.moved(self.system, state, step, factor, out)
         return out
 
     def distance(self, a: np.ndarray, b: np.ndarray) -> float:
         """Bound on how far any point moves from state `a` to `b`, mm."""
-        return float(self.kernels.displacement_bound(*self.data, a, b, np.inf)[0])
+        system = self.system
+        return float(system.displacement_bound(system.reals, system.ints, a, b, np.inf)[0])
+
+    def update_pairs(self, state: np.ndarray, history: np.ndarray) -> None:
+        """Make a contact history that of a state which nothing led to."""
+        self.system.update_pairs(self.system.reals, self.system.ints, state, state, state, history)
 
     def gradient(self, state: np.ndarray, history: np.ndarray, least_gap: float = 0.0) -> np.ndarray:
         """Gradient of the energy; with an infinite `least_gap` contact is left out."""
-        g = self._bare(state, history, least_gap, np.empty(0))
-        if self.prescribed.size:
-            g[int(self.prescribed[DOF])] = 0.0
+        g = np.empty(self.dofs)
+        operations.assembled(self.system, state, least_gap, history, state, g, np.empty(0))
         return g
 
     def pull(self, state: np.ndarray, history: np.ndarray) -> np.ndarray:
@@ -48,26 +47,28 @@ class Body:
         size, ends = DIFFERENCE * float(np.ptp(state)), []
         for sign in (1.0, -1.0):
             moved = state.copy()
-            moved[int(self.prescribed[PLACE])] += sign * size
+            moved[int(self.system.prescribed[PLACE])] += sign * size
             ends.append(self.gradient(moved, history))
         return (ends[1] - ends[0]) / (2.0 * size)
 
     def factored(self, state: np.ndarray, history: np.ndarray) -> tuple[np.ndarray, int]:
         """Factor of the matrix at `state`, and its negative pivots."""
         H = np.empty(self.matrix_size)
-        self._bare(state, history, 0.0, H)
-        if self.prescribed.size:
-            H[int(self.prescribed[DIAGONAL])] += self.prescribed[STIFFNESS]
-        negative, _ = self.kernels.factor(*self.data, H)
+        operations.assembled(self.system, state, 0.0, history, state, np.empty(self.dofs), H)
+        negative, _ = operations.factored(self.system, H)
         return H, negative
 
     def solved(self, H: np.ndarray, b: np.ndarray) -> np.ndarray:
         """Solution for the right-hand side `b` with a factor `H`."""
         out = b.copy()
-        self.kernels.solve(*self.data, H, out)
-        if self.prescribed.size and b[int(self.prescribed[DOF])] == 0.0:
-            out[int(self.prescribed[DOF])] = 0.0
+        operations.solve(self.system, H, out)
         return out
+
+
+def body_of(problem: Problem, kernels: Kernels) -> Body:
+    """A model as its problem describes it."""
+    system = System(*pack(problem.data), problem.prescribed, np.zeros(1), *kernels)
+    return Body(system, problem.load.size, problem.matrix_size)
 
 
 def softest(

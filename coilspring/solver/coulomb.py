@@ -62,7 +62,7 @@ def coulomb(
     """
     history = history.copy()
     history["rise"] = 0.0
-    body.kernels.update_pairs(*body.data, state, state, state, history)
+    body.update_pairs(state, history)
     held = np.flatnonzero(history["closed"] & (history["bound"] > 0.0))
     history["bound"][held] *= 1.0 - SLACK
 
@@ -70,8 +70,7 @@ def coulomb(
         size = MOVE * diameter / max(float(np.abs(step).max()), 1e-300)
         ends = history.copy(), history.copy()
         for end, factor in zip(ends, (size, -size), strict=True):
-            there = body.moved(state, step, factor)
-            body.kernels.update_pairs(*body.data, there, there, there, end)
+            body.update_pairs(body.moved(state, step, factor), end)
         return history["steepness"] * (ends[1]["gap"] - ends[0]["gap"]) / (2.0 * size)
 
     H, negative = body.factored(state, history)

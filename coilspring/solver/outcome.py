@@ -4,11 +4,10 @@ from dataclasses import replace
 
 import numpy as np
 
-from coilspring.compiling.packing import pack
 from coilspring.contact.history import has_friction
 from coilspring.contact.kinematics import OVERLAP_ALLOWED
 from coilspring.path import EquilibriumPath
-from coilspring.solver.body import Body, softest
+from coilspring.solver.body import body_of, softest
 from coilspring.solver.continuation.follower import MOST_TRIES
 from coilspring.solver.coulomb import goes_on, time_left
 from coilspring.solver.interface import Kernels
@@ -48,7 +47,7 @@ def judged(
     load, prescribed = problem.load, problem.prescribed
     if track.outcome not in (CRITICAL, STUCK, TURNED):
         return track, np.zeros_like(load), 0.0
-    body = Body(kernels, pack(problem.data), load.size, problem.matrix_size, prescribed)
+    body = body_of(problem, kernels)
     share, mode = softest(body, track.last, track.history, problem.start)
     end = (body, track.last, track.history, load, length)
     friction = has_friction(track.history.view(np.recarray))
