@@ -20,8 +20,9 @@ from coilspring import (
     load_scene,
     spring_b,
 )
+from coilspring.scene.scene import SECTIONS
 from coilspring.scene.schema import keys_of, required
-from coilspring.scene.toml import SECTIONS, scene_from_text
+from coilspring.scene.toml import scene_from_text
 from validation.cli import main
 
 SPRING_B = {

@@ -130,7 +130,9 @@ class Factors:
         return (self.axial, self.shearing, self.bending) != (1.0, 1.0, 1.0)
 
 
-PARTS = {each.__name__.lower(): each for each in (Spring, Load, Material, Supports, Contact, Factors)}
+SECTIONS: dict[str, type] = {  # in the order of a file
+    each.__name__.lower(): each for each in (Material, Spring, Load, Supports, Contact, Factors)
+}
 
 
 @dataclass(frozen=True)
@@ -148,7 +150,7 @@ class Scene:
     def __post_init__(self) -> None:
         if not isinstance(self.name, str) or not self.name.strip():
             raise InputError(f"name must be a text that is not empty, got {shown(self.name)}")
-        for part, kind in PARTS.items():
+        for part, kind in SECTIONS.items():
             if not isinstance(getattr(self, part), kind):
                 raise InputError(f"{part} must be a {kind.__name__}, got {shown(getattr(self, part))}")
         low, high = FITTED

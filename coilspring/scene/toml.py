@@ -11,21 +11,10 @@ from typing import Any
 
 from coilspring.errors import InputError, shown
 from coilspring.scene.catalogue import CATALOGUE
-from coilspring.scene.load import Load
-from coilspring.scene.material import Material
 from coilspring.scene.profile import CoilSection
-from coilspring.scene.scene import Contact, Factors, Scene, Supports
+from coilspring.scene.scene import SECTIONS, Scene
 from coilspring.scene.schema import keys_of, missing, required
-from coilspring.scene.spring import Spring
 
-SECTIONS: dict[str, type] = {  # in the order of a file
-    "material": Material,
-    "spring": Spring,
-    "load": Load,
-    "supports": Supports,
-    "contact": Contact,
-    "factors": Factors,
-}
 ITEMS: dict[str, type] = {"coilsection": CoilSection}  # tables in sections
 AS_WRITTEN = ("material", "spring", "supports")  # may have other keys or another order than what is stored
 REQUIRED = [section for section in SECTIONS if section in missing(Scene)]

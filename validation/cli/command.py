@@ -12,7 +12,8 @@ from pathlib import Path
 from coilspring import CATALOGUE, EquilibriumNotFound, EquilibriumPath, InputError, Scene, load_scene
 from coilspring.errors import require_integer
 from coilspring.measured import Measured, measured
-from coilspring.scene.toml import SECTIONS, scene_text
+from coilspring.scene.scene import SECTIONS
+from coilspring.scene.toml import scene_text
 from validation.calibration import difference
 from validation.cli import INTERRUPTED, studies
 from validation.cli.arguments import (

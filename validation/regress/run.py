@@ -15,7 +15,8 @@ from typing import Any, NamedTuple
 
 from coilspring import Scene, load_scene
 from coilspring.errors import counted, rounded
-from coilspring.scene.toml import SECTIONS, scene_table, scene_text
+from coilspring.scene.scene import SECTIONS
+from coilspring.scene.toml import scene_table, scene_text
 from validation.regress import baselines, timeratios
 from validation.regress.baselines import MODELS, Quantities, Run, find, made, read, runs, runs_of
 from validation.study.cases import make_ready

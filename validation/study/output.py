@@ -15,7 +15,8 @@ import numpy as np
 
 from coilspring.errors import rounded
 from coilspring.path import EquilibriumPath
-from coilspring.scene.toml import SECTIONS, scene_table
+from coilspring.scene.scene import SECTIONS
+from coilspring.scene.toml import scene_table
 from validation.study.machine import versions
 from validation.study.scenewarnings import warnings
 

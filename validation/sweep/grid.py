@@ -11,8 +11,9 @@ from typing import Any
 import numpy as np
 
 from coilspring import InputError, Scene
+from coilspring.scene.scene import SECTIONS
 from coilspring.scene.schema import keys_of
-from coilspring.scene.toml import SECTIONS, allowed_keys, refuse_unknown, scene_from_table
+from coilspring.scene.toml import allowed_keys, refuse_unknown, scene_from_table
 from validation.study.texts import number_of
 
 MOST = 100_000  # scenes of a grid
