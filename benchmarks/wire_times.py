@@ -14,7 +14,7 @@ import numpy as np
 
 import wirefe
 from coilspring import EquilibriumPath, load_scene
-from validation.study.metrics import compare_paths
+from coilspring.curves import compare_paths
 
 CASES = ("spring-a", "spring-a-no-contact", "spring-b", "spring-b-no-contact")
 MESHES = (40, 80, 160, 320)

@@ -1,7 +1,7 @@
-"""Deviation of the load curves of one scene."""
+"""Deviation of two equilibrium paths of one scene: load curves and shapes."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -36,6 +36,23 @@ class Comparison:
     component_rms: dict[str, float]
     steps: int
     last_time: float
+
+
+def compare_paths(path: EquilibriumPath, reference: EquilibriumPath) -> Comparison:
+    """Compare two paths of one spring under one load at the times that both reached.
+
+    Parameters
+    ----------
+    path : the path that is compared.
+    reference : the path whose peaks the curve errors are divided by.
+    """
+    times, mine, theirs = np.intersect1d(path.times, reference.times, return_indices=True)
+    curve = compare_curves(path.times, answered(path), reference)
+    if times.size == 0:
+        return curve
+    vectors = path.circle_centres(mine[-1]) - reference.circle_centres(theirs[-1])
+    distance = np.linalg.norm(vectors, axis=1)
+    return replace(curve, shape_max=float(distance.max()), shape_rms=float(np.sqrt(np.mean(distance**2))))
 
 
 def compare_curves(

@@ -3,7 +3,7 @@
 import equivbeam
 import wirefe
 from coilspring import Load, Scene, Spring, Supports
-from validation.study.metrics import Comparison, compare_paths
+from coilspring.curves import Comparison, compare_paths
 
 
 def main() -> Comparison:

@@ -21,6 +21,7 @@ from coilspring import (
     spring_a,
     spring_b,
 )
+from coilspring.curves import compare_paths
 from coilspring.scene.wire import round_section
 from equivbeam import Refinements
 from equivbeam.element import gradient, hessian, measures
@@ -28,7 +29,6 @@ from equivbeam.laws import LAWS
 from equivbeam.laws.helix import HIGH, LOW, U0, axial, helix_response, helix_rows
 from equivbeam.model import build_model
 from equivbeam.options import BeamOptions
-from validation.study.metrics import compare_paths
 from validation.study.partialsolve import partial_path
 from validation.study.scenes import EXACT_ROD
 

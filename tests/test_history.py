@@ -9,12 +9,12 @@ import equivbeam
 import wirefe
 from coilspring import Contact, EquilibriumNotFound, InputError, Load, Supports, spring_a, spring_b
 from coilspring.compiling.packing import pack
+from coilspring.curves import compare_paths
 from coilspring.scene.load import given_loads
 from coilspring.solver.equilibrium.operations import assembled, factored, moved, put_prescribed, solution
 from coilspring.solver.system import System
 from equivbeam.model import beam_problem
 from equivbeam.solve import KERNELS as BEAM_KERNELS
-from validation.study.metrics import compare_paths
 from wirefe.solve import KERNELS as WIRE_KERNELS
 from wirefe.solve import scene_problem
 

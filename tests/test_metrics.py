@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 
 import coilspring
+import validation.study.metrics
 from coilspring import EquilibriumPath
-from validation.study.metrics import compare_paths
+from coilspring.curves import compare_paths
 
 
 @dataclass(frozen=True)
@@ -99,3 +100,7 @@ def test_nothing_in_common_is_not_a_number():
     for found in (compare_paths(empty, REFERENCE), compare_paths(REFERENCE, empty)):
         assert found.steps == 0
         assert np.isnan([found.curve_max, found.curve_rms, found.shape_max, found.shape_rms]).all()
+
+
+def test_scripts_find_the_comparison_where_it_was():
+    assert validation.study.metrics.compare_paths is compare_paths

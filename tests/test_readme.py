@@ -16,10 +16,10 @@ import pytest
 import coilspring
 import equivbeam
 import wirefe
+from coilspring.curves import compare_paths
 from coilspring.scene.toml import scene_from_text
 from validation.cli import main
 from validation.cli.command import COMMANDS
-from validation.study.metrics import compare_paths
 
 ROOT = Path(__file__).parents[1]
 README = (ROOT / "README.md").read_text(encoding="utf-8")
@@ -202,5 +202,5 @@ def test_the_site_builds_without_warnings(tmp_path):
         capture_output=True, text=True, cwd=ROOT, check=False,
     )  # fmt: skip
     assert done.returncode == 0, done.stdout + done.stderr
-    assert "curve_max" in (tmp_path / "site/api/validation/index.html").read_text(encoding="utf-8")
+    assert "curve_max" in (tmp_path / "site/api/coilspring/index.html").read_text(encoding="utf-8")
     assert (tmp_path / "site/reports/paper/fig4.png").exists()

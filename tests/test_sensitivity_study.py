@@ -24,6 +24,7 @@ from coilspring import (
     spring_b,
 )
 from coilspring.contact.law import PAIR_HISTORY
+from coilspring.curves import compare_paths
 from coilspring.scene.wire import round_section
 from coilspring.solver.problem import Problem
 from coilspring.solver.solve import follow_problem, output_times, scene_path
@@ -62,7 +63,6 @@ from validation.sensitivity.run import digest, sensitivity
 from validation.sensitivity.topheight import TipCurve, raised
 from validation.sensitivity.tornado import draw
 from validation.study.cases import PAPER_MESH, case, solve_beam, solve_wire
-from validation.study.metrics import compare_paths
 from wirefe import model as wire
 from wirefe.contact.points import contact_points
 from wirefe.mesh import mesh_wire

@@ -28,13 +28,13 @@ from coilspring import (
     spring_b,
 )
 from coilspring.compiling.compiled import kernel
+from coilspring.curves import compare_paths
 from coilspring.solver.startup import stored
 from coilspring.sweep import outcome_of
 from validation.cli import main
 from validation.cli.terminal import deviation, digest, notes, progress_shown
 from validation.study import output
 from validation.study.lawdoubt import law_doubt
-from validation.study.metrics import compare_paths
 from validation.study.partialsolve import partial_path
 
 

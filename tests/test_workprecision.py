@@ -13,12 +13,12 @@ import validation.workprecision.run as work
 import validation.workprecision.settings as worksettings
 import wirefe
 from coilspring import Contact, EquilibriumNotFound, InputError, Load, Scene, Spring, scene_text
+from coilspring.curves import COMPONENTS
 from equivbeam.laws import LAWS
 from validation.cli import main
 from validation.cli.arguments import STUDY_SCENES
 from validation.peers.comparison import opensees
 from validation.study.cases import PAPER_MESH
-from validation.study.metrics import COMPONENTS
 from validation.study.provenance import write_provenance
 from validation.study.scenes import study_scenes
 from validation.workprecision import figures, page, results

@@ -10,6 +10,7 @@ from importlib import import_module
 from pathlib import Path
 
 from coilspring import CATALOGUE, EquilibriumNotFound, EquilibriumPath, InputError, Scene, load_scene
+from coilspring.curves import compare_paths
 from coilspring.errors import require_integer
 from coilspring.measured import Measured, measured
 from coilspring.scene.scene import SECTIONS
@@ -28,7 +29,6 @@ from validation.cli.arguments import (
 )
 from validation.cli.terminal import announcing, deviation, digest, notes, progress_shown, say, warn
 from validation.study import output
-from validation.study.metrics import compare_paths
 from validation.study.partialsolve import EndedEarly, partial_path
 from validation.study.scenewarnings import warnings
 

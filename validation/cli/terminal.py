@@ -10,8 +10,8 @@ from typing import TextIO
 import numpy as np
 
 from coilspring import EquilibriumPath
+from coilspring.curves import Comparison, answered
 from coilspring.errors import counted
-from validation.study.metrics import Comparison, answered
 from validation.study.output import largest_stress, writing
 
 LIMIT_POINTS = {  # by whether UY is prescribed

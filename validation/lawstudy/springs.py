@@ -10,9 +10,9 @@ import numpy as np
 import pandas as pd
 
 from coilspring import Scene
+from coilspring.curves import answered, compare_paths
 from equivbeam.laws.userlaw import UserLaw
 from validation.study.cases import CASES, PathStore, solve_beam, solve_wire
-from validation.study.metrics import answered, compare_paths
 from validation.study.partialsolve import partial_path
 from validation.study.scenes import study_scenes
 from validation.study.timing import interleaved, median_of

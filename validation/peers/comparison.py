@@ -8,9 +8,9 @@ import numpy as np
 
 import wirefe
 from coilspring import EquilibriumPath, InputError, Scene
+from coilspring.curves import answered, peaks
 from validation.peers import calculix
 from validation.peers.layout import NODES_PER_TURN, Curve, layout, refuse
-from validation.study.metrics import answered, peaks
 from validation.study.partialsolve import partial_path
 
 MISSING = (

@@ -6,8 +6,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from coilspring import InputError, Scene
+from coilspring.curves import COMPONENTS
 from coilspring.scene.load import stage_ends
-from validation.study.metrics import COMPONENTS
 
 PAIRS_PER_TURN = 4
 NODES_PER_TURN = 40
@@ -26,7 +26,7 @@ class Curve:
 
     @property
     def answers(self) -> dict[str, np.ndarray]:
-        """What it answers to its load by component, as `validation.study.metrics.answered` of a path."""
+        """What it answers to its load by component, as `coilspring.curves.answered` of a path."""
         found = dict(zip(COMPONENTS, self.tips.T, strict=True))
         return found if self.reaction is None else found | {"uy": self.reaction}
 

@@ -10,10 +10,10 @@ import numpy as np
 import pandas as pd
 
 from coilspring import EquilibriumPath, Material, Scene
+from coilspring.curves import Comparison, compare_paths, peaks
 from coilspring.solver.equilibrium.newton import DECREMENT
 from validation.reproduce.phases import MANY_PAIRS, phase_facts
 from validation.study.cases import CASES, FINE_MESH, PAPER_MESH, Case, PathStore, case
-from validation.study.metrics import Comparison, compare_paths, peaks
 from validation.view.shapes import overlaps
 
 # Richardson: an error that falls with the square of the element length is this multiple of the

@@ -13,9 +13,9 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch, Rectangle
 
 from coilspring import EquilibriumPath
+from coilspring.curves import peaks
 from validation.reproduce.curves import CONTACT, TANGENTS, TIPS
 from validation.study import style
-from validation.study.metrics import peaks
 from validation.study.plots import TIPS as LABELS
 from validation.study.plots import both, discs
 from validation.view.shapes import PARTS, PIXELS, Shapes, bands, overlaps, picture_frame, spaces, view

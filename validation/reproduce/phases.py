@@ -4,9 +4,9 @@ import numpy as np
 import pandas as pd
 
 from coilspring import Scene
+from coilspring.curves import COMPONENTS, compare_paths
 from validation.study.cases import PAPER_MESH, PathStore, case, turned
 from validation.study.document import Table
-from validation.study.metrics import COMPONENTS, compare_paths
 from validation.study.partialsolve import ending
 
 DEGREES = tuple(range(0, 360, 30))

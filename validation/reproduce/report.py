@@ -8,6 +8,7 @@ import numpy as np
 import pandas as pd
 
 from coilspring import EquilibriumPath, Material, Scene, spring_a, spring_b
+from coilspring.curves import compare_paths
 from coilspring.scene.wire import SHEAR_FACTOR
 from validation.reproduce.claims import FUNCTIONS, claim_table
 from validation.reproduce.facts import converged_error, mesh_error
@@ -16,7 +17,6 @@ from validation.reproduce.times import ITERATIONS
 from validation.study.cases import CASES, PAPER_MESH, PathStore, case
 from validation.study.document import Table
 from validation.study.frames import view
-from validation.study.metrics import compare_paths
 from validation.study.partialsolve import ending
 from validation.study.scenes import EXACT_ROD
 from validation.study.template import Facts, page, template

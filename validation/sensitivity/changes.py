@@ -1,7 +1,7 @@
 """Changes of the load curves by one input at a time, a DataFrame for each case.
 
 A change is positive where the top moves farther than with our default, in per cent of the default's peak,
-as `validation.study.metrics` has it. The size of an input is the largest of its changes at any load.
+as `coilspring.curves` has it. The size of an input is the largest of its changes at any load.
 """
 
 import math
@@ -14,11 +14,11 @@ import numpy as np
 import pandas as pd
 
 from coilspring import InputError, Scene
+from coilspring.curves import COMPONENTS, peaks
 from validation.sensitivity.inputs import BEAM, MODELS, WIRE, OpenInput, Variant
 from validation.sensitivity.topheight import TipCurve, raised
 from validation.study.cases import CASES, PathStore
 from validation.study.frames import formatted
-from validation.study.metrics import COMPONENTS, peaks
 from validation.study.output import write_text
 from validation.study.partialsolve import ending
 

@@ -12,13 +12,13 @@ from typing import Self
 import numpy as np
 
 from coilspring import EquilibriumPath, Scene
+from coilspring.curves import answered
 from coilspring.path import Shape
 from coilspring.solver.solve import follow_problem, output_times, scene_path
 from equivbeam import model as beam
 from equivbeam.shape import BeamShape
 from equivbeam.solve import KERNELS as BEAM_KERNELS
 from validation.study.cases import paper_mesh
-from validation.study.metrics import answered
 from validation.study.partialsolve import partial_path
 from wirefe.results.shape import WireShape
 from wirefe.solve import KERNELS as WIRE_KERNELS

@@ -13,6 +13,7 @@ import numpy as np
 import pandas as pd
 
 from coilspring import CATALOGUE, Material, Spring, spring_a
+from coilspring.curves import compare_paths
 from coilspring.scene.sizing import wahl_factor
 from coilspring.scene.solidwire import coil_section, half_ring, inner_stress_factor
 from coilspring.scene.wire import round_section
@@ -21,7 +22,6 @@ from validation.solid.comparison import DIRECTIONS, KINDS, SOLVERS, solved
 from validation.solid.runs import FOLDER
 from validation.study import template
 from validation.study.frames import Format, frame_table, read_csv, write_csv
-from validation.study.metrics import compare_paths
 from validation.study.output import write_facts, write_text
 from validation.study.partialsolve import ending
 

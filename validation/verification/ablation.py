@@ -17,12 +17,12 @@ import pandas as pd
 import equivbeam
 import wirefe
 from coilspring import EquilibriumPath, Scene
+from coilspring.curves import compare_paths
 from equivbeam import Refinements
 from validation.study import template
 from validation.study.cases import CASES, turned
 from validation.study.document import Table
 from validation.study.frames import frame_table, write_csv
-from validation.study.metrics import compare_paths
 from validation.study.output import write_facts, write_text
 from validation.study.partialsolve import partial_path
 from validation.study.provenance import write_provenance

@@ -13,9 +13,9 @@ import pandas as pd
 import equivbeam
 import wirefe
 from coilspring import EquilibriumPath, Scene
+from coilspring.curves import COMPONENTS, answered
 from coilspring.scene.sizing import middle_diameter
 from equivbeam.laws.userlaw import UserLaw
-from validation.study.metrics import COMPONENTS, answered
 from validation.study.partialsolve import partial_path
 from validation.verification.randomscenes import Drawn, population
 
@@ -69,7 +69,7 @@ def closed(wire: EquilibriumPath) -> int:
 
 
 class Curve(NamedTuple):
-    """What a scene's path answers to its load: see `validation.study.metrics.answered`."""
+    """What a scene's path answers to its load: see `coilspring.curves.answered`."""
 
     scene: Scene
     times: np.ndarray

@@ -9,8 +9,8 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from coilspring import EquilibriumPath
+from coilspring.curves import COMPONENTS, answered
 from validation.study import style
-from validation.study.metrics import COMPONENTS, answered
 from validation.study.plots import TIPS, both, discs, png, to_scale
 
 LABELS = dict(zip(COMPONENTS, TIPS, strict=True))

@@ -15,8 +15,8 @@ import numpy as np
 import pandas as pd
 
 from coilspring import Scene
+from coilspring.curves import Comparison
 from validation.study import frames
-from validation.study.metrics import Comparison
 from validation.workprecision.settings import PAPER_MODEL, STEPS, Setting
 from wirefe.contact.points import PER_TURN
 

@@ -1,6 +1,6 @@
 """Run time against error of both models: what a given accuracy costs (``coilcheck workprecision``).
 
-The error of a path is its distance from a reference (`validation.study.metrics`): the curved wire mesh of
+The error of a path is its distance from a reference (`coilspring.curves`): the curved wire mesh of
 `Extent.reference` elements per turn in `Extent.finest` steps. The reference's own error is estimated from
 half its mesh and half its steps; where there is no contact, the exact rod bears it out.
 
@@ -17,11 +17,11 @@ import numpy as np
 import pandas as pd
 
 from coilspring import EquilibriumNotFound, EquilibriumPath, InputError, Scene
+from coilspring.curves import compare_curves, compare_paths, peaks
 from coilspring.errors import require_names
 from validation.peers.comparison import opensees
 from validation.study.cases import make_ready, solve_beam, solve_wire
 from validation.study.machine import versions
-from validation.study.metrics import compare_curves, compare_paths, peaks
 from validation.study.output import prepare, write_files
 from validation.study.partialsolve import partial_path
 from validation.study.provenance import write_provenance
