@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from coilspring.curves import COMPONENTS
 from coilspring.errors import InputError, counted, shown
 from coilspring.scene import Scene
 from coilspring.scene.load import MOST_FORCE
@@ -23,7 +24,7 @@ from coilspring.scene.sizing import sizes
 if TYPE_CHECKING:
     import pandas as pd
 
-PATH_COLUMNS = ("time", "load_x", "load_y", "ux", "uy", "rotz")
+PATH_COLUMNS = ("time", "load_x", "load_y", *COMPONENTS)
 KNOWN = {  # names of measured columns, in lower case
     "force": ("force", "load", "f", "standard force", "kraft", "standardkraft", "prüfkraft", "federkraft"),
     "deflection": (
@@ -285,7 +286,7 @@ def _header(lines: list[tuple[int, str]]) -> tuple[list[tuple[str, float]], str,
             if kind not in names:
                 found = ", ".join(cell.strip() for cell in cells)
                 half = f"line {number} has no column {kind} ({', '.join(KNOWN[kind])}), found {shown(found)}"
-        if names >= {"force", "deflection"} or ("time" in names and names & {"ux", "uy", "rotz"}):
+        if names >= {"force", "deflection"} or ("time" in names and names & {*COMPONENTS}):
             rows = [(i, next(csv.reader([row], delimiter=separator))) for i, row in lines[place + 1 :]]
             return _heads(cells), separator, rows
     raise InputError(half or f"curve must have {EXAMPLE}, got {shown(lines[0][1] if lines else '')}")

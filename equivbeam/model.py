@@ -10,7 +10,7 @@ import numpy as np
 from coilspring.compiling.packing import Table, Vector, Wholes, WholeTable, viewer
 from coilspring.contact.law import PAIR_HISTORY, PairLaw, tangential_stiffness
 from coilspring.errors import InputError
-from coilspring.scene import Scene
+from coilspring.scene import HELD_CHOICES, Scene
 from coilspring.solver.problem import Problem
 from coilspring.solver.stages import Top
 from equivbeam.band import ROW
@@ -61,7 +61,7 @@ def build_model(scene: Scene, options: BeamOptions | None = None) -> BeamModel:
     # pairs within one rigid end never move against each other
     relative = attached[pairs[:, 0]] != attached[pairs[:, 1]]
     pairs = pairs[relative] if contact.enabled else pairs[:0]
-    fixed = [name in scene.supports.top_held for name in ("ux", "uy", "rotz")]
+    fixed = [name in scene.supports.top_held for name in HELD_CHOICES]
     kc = contact.pair_stiffness(PAIRS_PER_TURN)
     return BeamModel(
         law=LAWS[chosen.law] if isinstance(chosen.law, str) else USER,

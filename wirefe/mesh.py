@@ -6,9 +6,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from coilspring.errors import InputError
+from coilspring.scene.profile import TWO_PI
 from coilspring.scene.spring import Spring
 
-TWO_PI = 2.0 * math.pi
 MOST_ELEMENTS = 2000  # of a turn
 WHOLE = 1e-6  # by how much a number of elements may differ from a whole one
 MOST_LOST = 0.05  # of the deflection, by chords, from which on it is said: 12 per turn lose 0.06

@@ -9,18 +9,17 @@ from typing import Any
 import numpy as np
 
 from coilspring import CATALOGUE, EquilibriumPath, InputError, Load, Scene
+from coilspring.curves import COMPONENTS
+from coilspring.pathfile import MODELS
+from equivbeam.laws import LAWS
 from validation.study.cases import solve_beam, solve_wire
 from validation.study.machine import machine, versions
 from validation.study.output import in_the_way, write_text
 from validation.study.partialsolve import partial_path
 from validation.study.scenes import study_scenes
 
-MODELS = ("equivbeam", "wirefe")
 SHIPPED = Path(__file__).with_name("baseline")  # of the runs on the catalogue's scenes
 SHARES = (0.2, 0.4, 0.6, 0.8, 1.0)  # of the steps reached, at which the tips are kept
-
-CURVES = ("ux", "uy", "rotz")
-LAWS = ("haringx", "helix")
 STRAIGHT = {"element": "straight", "elements_per_turn": 40}
 COARSE, CURVED = ({"element": "curved", "elements_per_turn": count} for count in (4, 8))
 USUAL: tuple[tuple[str, dict[str, Any]], ...] = (  # models and options by which every scene is solved
@@ -95,8 +94,8 @@ def quantities(path: EquilibriumPath, sensitive: bool = False) -> Quantities:
         "remembers": contact.enabled and obeyed and contact.sliding != "free",
         "sensitive": sensitive,
         "times": path.times[rows].tolist(),
-        **dict(zip(CURVES, path.tips[rows].T.tolist(), strict=True)),
-        "peaks": dict(zip(CURVES, peaks.tolist(), strict=True)),
+        **dict(zip(COMPONENTS, path.tips[rows].T.tolist(), strict=True)),
+        "peaks": dict(zip(COMPONENTS, peaks.tolist(), strict=True)),
         "load_y": path.loads[rows, 1].tolist(),  # the answer, where UY is prescribed
         "contact_force": float(forces.sum()),
         # force times number of the pair, which tells where coils touch

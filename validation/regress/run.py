@@ -14,11 +14,13 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from coilspring import Scene, load_scene
+from coilspring.curves import NEGLIGIBLE
 from coilspring.errors import counted, rounded
+from coilspring.pathfile import MODELS
 from coilspring.scene.scene import SECTIONS
 from coilspring.scene.toml import scene_table, scene_text
 from validation.regress import baselines, timeratios
-from validation.regress.baselines import MODELS, Quantities, Run, find, made, read, runs, runs_of
+from validation.regress.baselines import Quantities, Run, find, made, read, runs, runs_of
 from validation.study.cases import make_ready
 from validation.study.document import Table
 from validation.study.output import claimed, write_text
@@ -36,7 +38,6 @@ SENSITIVE = 1e-4  # of time, where rounding decides where the critical point is 
 ELSEWHERE = 10.0  # times wider on another kind of processor
 MANY = 1.0 / 3.0  # share of a step's iterations, there
 PATH_DEPENDENT = 1e-4  # of tips, without sliding, on another kind of processor
-FIXED = 1e-9  # of the largest peak; a component with a smaller one is fixed
 ROUNDING = 1e-12  # mm or N; what is smaller is 0
 Texts = Iterator[tuple[str, str, str, str]]  # fields of a `Move`, without the run
 
@@ -190,7 +191,7 @@ def _moved(before: Quantities, now: Quantities, here: bool) -> Texts:
     if before["times"] == now["times"]:
         largest = max(before["peaks"].values())
         for name, peak in before["peaks"].items():
-            scale = peak if peak > FIXED * largest else largest
+            scale = peak if peak > NEGLIGIBLE * largest else largest
             yield from _curve(name, before, now, scale, TIP * wider)
         force = max(map(abs, (*before["load_y"], *now["load_y"])), default=0.0)
         yield from _curve("load_y", before, now, force, FORCE * wider)

@@ -16,8 +16,8 @@ from coilspring import EquilibriumPath
 from coilspring.curves import peaks
 from validation.reproduce.curves import CONTACT, TANGENTS, TIPS
 from validation.study import style
-from validation.study.plots import TIPS as LABELS
 from validation.study.plots import both, discs
+from validation.study.style import TIPS as LABELS
 from validation.view.shapes import PARTS, PIXELS, Shapes, bands, overlaps, picture_frame, spaces, view
 
 DOTTED = (0, (1, 1.3))

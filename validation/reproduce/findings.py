@@ -11,6 +11,7 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
+from coilspring.pathfile import MODELS
 from validation.reproduce.claims import CASE_NAMES, FUNCTIONS
 from validation.study.output import FACTS, write_text
 from validation.study.template import Facts, page, template
@@ -20,7 +21,6 @@ REPORTS = ROOT / "reports"
 REPRODUCTION = REPORTS / "paper" / FACTS
 PAGE = Path("docs/findings.md")
 WIDTH = 110
-MODELS = ("equivbeam", "wirefe")
 
 
 class Records(dict[str, Any]):

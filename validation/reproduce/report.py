@@ -19,6 +19,7 @@ from validation.study.document import Table
 from validation.study.frames import view
 from validation.study.partialsolve import ending
 from validation.study.scenes import EXACT_ROD
+from validation.study.style import TIPS
 from validation.study.template import Facts, page, template
 from validation.study.timing import spread
 
@@ -26,7 +27,6 @@ REPORT = template(Path(__file__).with_name("report.md"), FUNCTIONS)
 MODULUS_CHANGES = (0.95, 1.05)
 POISSON_RATIOS = (0.28, 0.32)
 PENALTY_FACTORS = (0.1, 1.0, 10.0)
-TIPS = ("UX (mm)", "UY (mm)", "ROTZ (rad)")
 NOT_GIVEN = ("not given", "not given")
 Rows = dict[str, tuple[str, tuple[str, str]]]  # by feature, ours of a scene and the paper's of A and B
 

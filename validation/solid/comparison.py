@@ -10,6 +10,7 @@ import pandas as pd
 import equivbeam
 import wirefe
 from coilspring import EquilibriumPath, InputError, Material, Scene, Spring
+from coilspring.curves import COMPONENTS
 from coilspring.scene.solidwire import wire_flexibility
 from validation.solid.hexahedra import COARSE, FINE, MIDDLE, deflection, flexibility, mesh_coils
 from validation.study.partialsolve import partial_path
@@ -86,7 +87,7 @@ def deflections(scene: Scene) -> pd.DataFrame:
             rows.append((model, kind, path.tips[-1] if len(path.tips) else np.full(3, np.nan)))
     tips, finest = np.array([tip for *_, tip in rows]), len(rows) - len(MODELS) * len(KINDS) - 1
     data = pd.DataFrame([row[:2] for row in rows], columns=["model", "wire"])
-    data[["ux", "uy", "rotz"]] = tips
+    data[[*COMPONENTS]] = tips
     peak = np.abs(tips[finest])
     moved = ~(peak <= 1e-6 * peak.max())
     data["off"] = 100.0 * (np.abs(tips - tips[finest])[:, moved] / peak[moved]).max(axis=1)

@@ -13,7 +13,7 @@ import numpy as np
 import pandas as pd
 
 from coilspring import CATALOGUE, Material, Spring, spring_a
-from coilspring.curves import compare_paths
+from coilspring.curves import COMPONENTS, compare_paths
 from coilspring.scene.sizing import wahl_factor
 from coilspring.scene.solidwire import coil_section, half_ring, inner_stress_factor
 from coilspring.scene.wire import round_section
@@ -102,7 +102,7 @@ def page(facts: Mapping[str, Any], coils: pd.DataFrame, moved: pd.DataFrame, sta
         f=facts,
         stands=stands.fillna({"ending": ""}),
         coils=coils,
-        moved=frame_table(moved, dict.fromkeys(("ux", "uy", "rotz"), "{:.4f}") | {"off": PERCENT}),
+        moved=frame_table(moved, dict.fromkeys(COMPONENTS, "{:.4f}") | {"off": PERCENT}),
         ring=frame_table(ring, {name: PERCENT if "share" in name else SIGNED for name in ring.columns[1:]}),
         stress=frame_table(factors, fixed | {"index": "{:.3g}", "Wahl off (%)": SIGNED}),
     )

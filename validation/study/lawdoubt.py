@@ -7,12 +7,12 @@ import numpy as np
 
 import equivbeam
 from coilspring import EquilibriumNotFound, InputError, Load, Scene
+from coilspring.curves import COMPONENTS
 from coilspring.scene.sizing import axial_rate
 
 SMALL = 1e-4  # of the active height: about as far does the top move
 DOUBTFUL = 0.1  # of a component of the tip
 SLIGHT = 0.05  # of the largest component: one that is smaller tells nothing
-COMPONENTS = ("ux", "uy", "rotz")
 
 
 def law_doubt(scene: Scene) -> str:

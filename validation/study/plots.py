@@ -17,7 +17,6 @@ from validation.study.style import BEAM_LINE, WIRE_LINE, Look
 
 COLOURS = 256  # of a stored picture; keeps the files small
 FEW = 12  # steps of a curve whose points are marked
-TIPS = ("UX (mm)", "UY (mm)", "ROTZ (rad)")
 
 
 def png(figure: Figure) -> bytes:

@@ -16,6 +16,7 @@ RC: dict[Any, Any] = tomllib.loads(Path(__file__).with_suffix(".toml").read_text
 BEAM_LINE: Look = {"color": BLUE, "linewidth": 2.6, "solid_capstyle": "butt"}
 WIRE_LINE: Look = {"color": RED, "linewidth": 1.1, "linestyle": (0, (4, 2))}
 BEAM_LABEL, WIRE_LABEL = "equivalent beam (proposed model)", "wire model (FE)"
+TIPS = ("UX (mm)", "UY (mm)", "ROTZ (rad)")  # the components of a tip, on axes and in tables
 REST_CIRCLE: Look = {"facecolor": "none", "edgecolor": "#b5b5b5", "linewidth": 0.5}
 BEAM_CIRCLE: Look = {"facecolor": f"{BLUE}33", "edgecolor": BLUE, "linewidth": 1.8}
 WIRE_CIRCLE: Look = {"facecolor": "none", "edgecolor": RED, "linewidth": 0.9, "linestyle": (0, (3, 2))}

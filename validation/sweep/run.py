@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import Any
 
 from coilspring import EquilibriumPath, InputError, Scene
+from coilspring.curves import COMPONENTS
 from coilspring.errors import counted
 from coilspring.solver.startup import store
 from coilspring.sweep import CRASHED, REFUSED, Outcome, outcomes_as_they_come
@@ -29,7 +30,7 @@ DIGITS = 16  # of a row's key
 LEAST = 3  # values that make a curve
 UNASKED = dict.fromkeys(("accuracy", "estimated_error", "sampled"))  # where nothing was chosen by an accuracy
 RESULTS = (
-    *("outcome", "time", "load_x", "load_y", "ux", "uy", "rotz", "rate"),
+    *("outcome", "time", "load_x", "load_y", *COMPONENTS, "rate"),
     *("iterations", "active_contacts", "max_penetration", "max_contact_force", "max_stress"),
     *("critical_time", "message", "key"),
 )
@@ -195,7 +196,7 @@ def _row(columns: Sequence[str], key: str, point: Point, found: Outcome) -> Row:
     if found.outcome not in (REFUSED, CRASHED):
         values |= asdict(found) | {"time": found.last_time, "iterations": found.total_iterations}
         values |= zip(("load_x", "load_y"), found.load or (), strict=False)
-        values |= zip(("ux", "uy", "rotz"), found.tip or (), strict=False)
+        values |= zip(COMPONENTS, found.tip or (), strict=False)
     values |= {"outcome": found.outcome, "message": " ".join(found.message.split())}
     values["key"] = "" if found.outcome == REFUSED else key  # which is soon found again
     texts = {

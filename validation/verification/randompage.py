@@ -14,6 +14,7 @@ from scipy.stats import binom
 
 from validation.study import template
 from validation.study.frames import frame_table
+from validation.study.metrics import CONFIDENCE
 from validation.study.output import write_bytes
 from validation.study.plots import png
 from validation.study.style import BLUE, DOUBLE, GREY, NAVY, RC
@@ -24,7 +25,6 @@ from validation.verification.randomsprings import COMPONENTS, LAWS
 CLASSES = ("without contact", "none closes", "up to 3 close", "more than 3 close")
 NAMES = {"helix": "helix law", "haringx": "paper's law"}
 FEW = 20  # springs, below which the largest error stands in place of a percentile
-CONFIDENCE = 0.95
 WORST = 10  # springs in the table of the worst, whose columns are:
 TITLES = {name: name for name in ("seed", "number", "kind", "shape", "index", "coils")}
 TITLES |= {"slenderness": "L/D", "phase": "phase", "closed": "closed", "wire": "wire"}

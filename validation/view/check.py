@@ -4,6 +4,7 @@ import math
 from pathlib import Path
 
 from coilspring import InputError, Scene
+from coilspring.pathfile import MODELS
 from coilspring.scene import SEATS
 from coilspring.scene.sizing import sizes
 from equivbeam.model import build_model
@@ -32,7 +33,7 @@ def report(scene: Scene) -> tuple[list[str], list[str]]:
         unknown=math.isnan(found.wire_rates[1]),
         sideways=_sideways(scene),
     )
-    models = (f"  {model:<13} {_verdict(model, scene)}" for model in ("equivbeam", "wirefe"))
+    models = (f"  {model:<13} {_verdict(model, scene)}" for model in MODELS)
     doubts = warnings(scene)
     if float(f"{angle:.3g}") > STEEPEST:  # as it is printed
         doubts.append(f"helix angle up to {angle:.3g} degrees, above {STEEPEST:g}: the formulas leave it out")

@@ -11,9 +11,9 @@ from matplotlib.lines import Line2D
 from coilspring import EquilibriumPath
 from coilspring.curves import COMPONENTS, answered
 from validation.study import style
-from validation.study.plots import TIPS, both, discs, png, to_scale
+from validation.study.plots import both, discs, png, to_scale
 
-LABELS = dict(zip(COMPONENTS, TIPS, strict=True))
+LABELS = dict(zip(COMPONENTS, style.TIPS, strict=True))
 DIFFERENCE: style.Look = {"color": "black", "linewidth": 1.0}
 KEY: tuple[style.Look, ...] = (
     {**style.BEAM_LINE, "label": style.BEAM_LABEL},

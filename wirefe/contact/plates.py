@@ -21,13 +21,14 @@ import numpy as np
 
 from coilspring.compiling.compiled import inlined
 from coilspring.compiling.packing import Vector, Wholes
+from coilspring.scene.profile import TWO_PI
 from coilspring.scene.scene import PAIRS_OF_STIFFNESS
 from coilspring.scene.spring import Spring
 from wirefe.contact.points import NONE
 from wirefe.element.algebra import lever, put
 from wirefe.element.poses import ROW, four, three
 from wirefe.element.rotations import turned
-from wirefe.mesh import TWO_PI, WireMesh
+from wirefe.mesh import WireMesh
 from wirefe.rod import Rod
 
 HOLD = 100.0  # stiffness of the hold at the top, over that of the wire's last element

@@ -11,6 +11,7 @@ from coilspring.compiling.packing import Table, Vector, Wholes, WholeTable
 from coilspring.contact.law import tangential_stiffness
 from coilspring.errors import InputError, require_integer
 from coilspring.scene import Scene
+from coilspring.scene.profile import TWO_PI
 from wirefe.contact.stations import (
     ARMS,
     ROTATION,
@@ -22,7 +23,7 @@ from wirefe.contact.stations import (
     tangents,
 )
 from wirefe.element.poses import at_rest
-from wirefe.mesh import TWO_PI, WireMesh
+from wirefe.mesh import WireMesh
 
 FEW = 200  # contact points, all pairs of which are looked at; of more, those that a tree finds near
 PER_TURN = {"spheres": 4, "wires": 32}  # contact points, unless asked otherwise

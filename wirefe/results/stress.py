@@ -15,6 +15,7 @@ import numpy as np
 
 from coilspring.errors import InputError
 from coilspring.path import EquilibriumPath
+from coilspring.scene.profile import TWO_PI
 from coilspring.scene.sizing import bending_factor, stress_factor
 from coilspring.scene.spring import BESIDE
 from wirefe.contact.stations import (
@@ -35,7 +36,6 @@ if TYPE_CHECKING:
 
 PER_TURN = 32  # sections of a turn, at least: what varies once a turn is 0.5 % larger between them at most
 INSIDE = 2.0 * BESIDE  # rad: so far inside an element is what belongs to its end
-TWO_PI = 2.0 * math.pi
 FORCES = ("axial_force", "shear_force", "torsion", "bending_moment")
 STRESSES = ("torsion_stress", "bending_stress", "shear_corrected", "bending_corrected", "equivalent")
 
