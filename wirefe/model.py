@@ -22,7 +22,7 @@ from coilspring.solver.stages import Top
 from wirefe.chain import ChainPlan, plan_chain
 from wirefe.contact.overlap import NO_STATIONS, Stations, place_stations
 from wirefe.contact.plates import NO_PLATES, PlateArrays, join_top, place_plates
-from wirefe.contact.points import NO_CONTACT, ContactArrays, contact_points
+from wirefe.contact.points import NO_CONTACT, NONE_FOUND, ContactArrays, contact_points
 from wirefe.contact.stations import ROTATION, of_wires
 from wirefe.contact.wireforces import COUPLINGS
 from wirefe.element.poses import ROW, at_rest
@@ -80,7 +80,7 @@ def build_model(
     elements_per_turn: int,
     pairs_per_turn: int,
     element: str = "straight",
-    found: np.ndarray | None = None,
+    found: np.ndarray = NONE_FOUND,
 ) -> tuple[WireModel, WireMesh, Rod]:
     """Arrays of the wire model of `scene`, its mesh and its wire as a rod.
 

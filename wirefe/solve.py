@@ -18,8 +18,9 @@ from coilspring.solver.solve import follow_load, follow_problem, scene_path
 from coilspring.solver.startup import store
 from coilspring.sweep import Outcome, jobs, outcomes
 from wirefe import kernels, model, seated
-from wirefe.contact.points import PER_TURN, ContactArrays, near_points, reach
+from wirefe.contact.points import NONE_FOUND, PER_TURN, ContactArrays, near_points, reach
 from wirefe.contact.stations import of_wires
+from wirefe.element.poses import ROW
 from wirefe.mesh import MOST_ELEMENTS, WireMesh, chord_caution
 from wirefe.results.shape import WireShape, contact_centres
 from wirefe.rod import ELEMENTS, Rod, RodPath
@@ -32,7 +33,6 @@ SPHERES_REACH, STATIONS_REACH = 1.5, 1.01
 # Of the height, and of E d^2: below, rounding is seen in the answer.
 LEAST_MOTION, LEAST_STRAIN = 3e-10, 2e-13
 CHUNK = 4  # springs of a sweep handed to a worker at a time; to hand one over takes 0.4 ms
-NO_PAIRS = np.zeros((0, 2), dtype=np.int64)
 
 KERNELS = Kernels(*(getattr(kernels, name) for name in Kernels._fields))
 SEATED = KERNELS._replace(assemble=seated.assemble, update_history=seated.update_history)
@@ -187,9 +187,10 @@ def scene_problem(
     element: str,
     elements_per_turn: int,
     pairs_per_turn: int | None,
-    found: np.ndarray = NO_PAIRS,
+    found: np.ndarray = NONE_FOUND,
 ) -> tuple[Problem, WireMesh, dict[str, object]]:
-    """Problem, mesh and options of a scene's wire model; `found` are pairs of spheres not one turn apart."""
+    """Problem, mesh and options of a scene's wire model; `found` are pairs of contact points that touch
+    besides those one turn apart."""
     require_choice("element", element, ELEMENTS)
     require_integer("elements_per_turn", elements_per_turn, 4, MOST_ELEMENTS)
     require_motion(scene)
@@ -236,7 +237,7 @@ def _problem(data: model.WireModel, rod: Rod, arm: np.ndarray) -> Problem:
         data=data,
         load=model.load_vector(rod),
         start=start,
-        span=float(np.abs(start.reshape(-1, 7)[:, :3]).max()),
+        span=float(np.abs(start.reshape(-1, ROW)[:, :3]).max()),
         history=np.zeros(len(data.contact.pairs), PAIR_HISTORY),
         matrix_size=model.matrix_size(data),
         law=PairLaw.of(data.contact),

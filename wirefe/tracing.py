@@ -18,10 +18,11 @@ from coilspring.solver.outcome import THROUGH, caution
 from coilspring.solver.problem import Problem
 from coilspring.solver.startup import compile_kernels
 from coilspring.solver.system import bundled
+from wirefe.contact.points import NONE_FOUND
 from wirefe.mesh import chord_caution
 from wirefe.results.shape import WireShape
 from wirefe.rod import Rod, RodPath
-from wirefe.solve import KERNELS, NO_PAIRS, new_pairs, rod_problem, scene_kernels, scene_problem
+from wirefe.solve import KERNELS, new_pairs, rod_problem, scene_kernels, scene_problem
 
 
 def trace(
@@ -59,7 +60,7 @@ def trace(
         )
     if scene.load.stages or scene.load.displacement:
         raise InputError("load must be one force for trace, got stages or a displacement")
-    spent, pairs = 0, NO_PAIRS
+    spent, pairs = 0, NONE_FOUND
     while True:
         problem, mesh, options = scene_problem(scene, element, elements_per_turn, pairs_per_turn, pairs)
         found, seconds = _run(problem, scene_kernels(scene), points)

@@ -28,6 +28,7 @@ from wirefe.mesh import WireMesh
 FEW = 200  # contact points, all pairs of which are looked at; of more, those that a tree finds near
 PER_TURN = {"spheres": 4, "wires": 32}  # contact points, unless asked otherwise
 NONE = np.zeros(0, dtype=np.int64)
+NONE_FOUND = NONE.reshape(0, 2)  # no pairs besides those one turn apart
 
 
 class ContactArrays(NamedTuple):
@@ -62,9 +63,7 @@ class ContactArrays(NamedTuple):
         )
 
 
-NO_CONTACT = ContactArrays(
-    NONE, np.zeros((0, 3)), NONE.reshape(0, 2), np.zeros(0), 1.0, 1.0, 1.0, 1.0, 0.0, 0
-)
+NO_CONTACT = ContactArrays(NONE, np.zeros((0, 3)), NONE_FOUND, np.zeros(0), 1.0, 1.0, 1.0, 1.0, 0.0, 0)
 
 
 def contact_points(
@@ -72,7 +71,7 @@ def contact_points(
     mesh: WireMesh,
     elements_per_turn: int,
     pairs_per_turn: int,
-    found: np.ndarray | None = None,
+    found: np.ndarray = NONE_FOUND,
 ) -> ContactArrays:
     """Contact points at `pairs_per_turn` phases a turn, end turns included, each paired one turn above.
 
@@ -100,9 +99,7 @@ def contact_points(
         attached, parts = on_one_node(*carried(spring, mesh, phases))
     body = bodies(attached, parts)
     pairs = np.stack((np.arange(len(index) - pairs_per_turn), np.arange(pairs_per_turn, len(index))), axis=1)
-    pairs = pairs[body[pairs[:, 0]] != body[pairs[:, 1]]]
-    if found is not None:
-        pairs = np.concatenate((pairs, found))
+    pairs = np.concatenate((pairs[body[pairs[:, 0]] != body[pairs[:, 1]]], found))
     d = spring.wire_diameter
     stiffness, exponent = scene.contact.pair_stiffness(pairs_per_turn), scene.contact.exponent
     contact = ContactArrays(
