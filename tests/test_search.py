@@ -11,7 +11,7 @@ from coilspring import CoilSection, Contact, Load, Scene, Spring, Supports, spri
 from coilspring.compiling.packing import pack
 from coilspring.contact.law import PAIR_HISTORY
 from validation.study.partialsolve import partial_path
-from wirefe import kernels, model
+from wirefe import kernels, model, tracing
 from wirefe.contact.points import near_pairs
 from wirestates import centres
 
@@ -102,6 +102,24 @@ def test_tracing_finds_pairs_past_the_limit_point():
     assert [pair for state in path.states for pair in unlisted(path.shape.data.contact, state)] == []
     first = wirefe.trace(FREE_B, points=70, element="curved", elements_per_turn=4)
     assert first.options["pairs_found"] == 0
+
+
+def test_a_traced_path_costs_what_all_its_runs_took(monkeypatch):
+    """It begins anew where a pair is found."""
+    costs, run = [], tracing._run
+
+    def counted(*given):
+        found, cost = run(*given)
+        costs.append(cost)
+        return found, cost
+
+    monkeypatch.setattr(tracing, "_run", counted)
+    path = wirefe.trace(FREE_B, points=160, element="curved", elements_per_turn=4)
+    assert len(costs) > 1
+    assert min(map(min, costs)) > 0.0
+    assert path.total_iterations > path.iterations.sum()
+    for name in tracing.Cost._fields:
+        assert getattr(path, name) == pytest.approx(sum(getattr(cost, name) for cost in costs), rel=1e-12)
 
 
 @pytest.mark.parametrize(

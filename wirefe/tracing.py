@@ -2,6 +2,8 @@
 
 import time
 from dataclasses import replace
+from operator import add
+from typing import NamedTuple
 
 import numpy as np
 
@@ -11,18 +13,25 @@ from coilspring.errors import EquilibriumNotFound, InputError, require_integer
 from coilspring.path import EquilibriumPath
 from coilspring.scene import Scene, require_scene
 from coilspring.solver.continuation.arclength import Trace, compiled_trace
-from coilspring.solver.equilibrium.newton import compiled_equilibrium
 from coilspring.solver.interface import Kernels
 from coilspring.solver.interrupt import interruptible
 from coilspring.solver.outcome import THROUGH, caution
 from coilspring.solver.problem import Problem
-from coilspring.solver.startup import compile_kernels
-from coilspring.solver.system import bundled
+from coilspring.solver.startup import kernel_bundle
 from wirefe.contact.points import NONE_FOUND
 from wirefe.mesh import chord_caution
 from wirefe.results.shape import WireShape
 from wirefe.rod import Rod, RodPath
 from wirefe.solve import KERNELS, new_pairs, rod_problem, scene_kernels, scene_problem
+
+
+class Cost(NamedTuple):
+    """What tracing took, by the names that an `EquilibriumPath` has for it."""
+
+    total_iterations: int = 0
+    pair_evaluations: int = 0
+    solve_seconds: float = 0.0
+    compile_seconds: float = 0.0
 
 
 def trace(
@@ -60,13 +69,13 @@ def trace(
         )
     if scene.load.stages or scene.load.displacement:
         raise InputError("load must be one force for trace, got stages or a displacement")
-    spent, pairs = 0, NONE_FOUND
+    cost, pairs = Cost(), NONE_FOUND
     while True:
         problem, mesh, options = scene_problem(scene, element, elements_per_turn, pairs_per_turn, pairs)
-        found, seconds = _run(problem, scene_kernels(scene), points)
+        found, more = _run(problem, scene_kernels(scene), points)
+        cost = Cost(*map(add, cost, more))
         if not found.new_pair:
             break
-        spent += int(found.iterations.sum())
         pairs = np.concatenate((pairs, new_pairs(problem.data.contact, found.states[-1])))
     outcome, message = _verdict(found)
     message += chord_caution(element, elements_per_turn, scene.material.nu)
@@ -79,11 +88,9 @@ def trace(
         iterations=found.iterations,
         shape=WireShape(scene, problem.data, mesh),
         negative_pivots=found.negative,
-        total_iterations=spent + int(found.iterations.sum()),
-        pair_evaluations=found.pairs,
-        solve_seconds=seconds,
         outcome=outcome,
         message=message,
+        **cost._asdict(),
     )
     least_gaps = path.gaps.min(axis=1, initial=np.inf)
     path = replace(path, message=message + _through(path) + caution(path, least_gaps))
@@ -106,7 +113,7 @@ def _through(path: EquilibriumPath) -> str:
 def trace_rod(rod: Rod, *, points: int = 200) -> RodPath:
     """Trace the path of any wire through its limit points; see `trace`."""
     require_integer("points", points, 1, 100_000)
-    found, seconds = _run(rod_problem(rod), KERNELS, points)
+    found, cost = _run(rod_problem(rod), KERNELS, points)
     outcome, message = _verdict(found)
     path = RodPath.of(
         rod,
@@ -116,7 +123,7 @@ def trace_rod(rod: Rod, *, points: int = 200) -> RodPath:
         negative_pivots=found.negative,
         critical_time=None,
         residual_history=(),
-        solve_seconds=seconds,
+        solve_seconds=cost.solve_seconds,
         outcome=outcome,
         message=message,
     )
@@ -125,16 +132,17 @@ def trace_rod(rod: Rod, *, points: int = 200) -> RodPath:
     return path
 
 
-def _run(problem: Problem, kernels: Kernels, points: int) -> tuple[Trace, float]:
-    follow = compiled_trace()
-    compile_kernels(kernels)
-    bundle = bundled(kernels, compiled_equilibrium())
+def _run(problem: Problem, kernels: Kernels, points: int) -> tuple[Trace, Cost]:
+    began = time.perf_counter()
+    follow, bundle = compiled_trace(), kernel_bundle(kernels)
+    compiling = time.perf_counter() - began
     began = time.process_time()
-    found = interruptible(
+    found = Trace(*interruptible(
         follow, *pack(problem.data), problem.prescribed, bundle, problem.load, points, problem.start,
         problem.history.copy(), problem.matrix_size,
-    )  # fmt: skip
-    return Trace(*found), time.process_time() - began
+    ))  # fmt: skip
+    solving = time.process_time() - began
+    return found, Cost(int(found.iterations.sum()), found.pairs, solving, compiling)
 
 
 def _verdict(found: Trace) -> tuple[str, str]:

@@ -32,8 +32,13 @@ def ready(kernels: Kernels) -> tuple[Callable, Any]:
         with background(f"from coilspring.solver.startup import compile_others; compile_others({places})"):
             compile_kernels(kernels, PARENTS)
             compile_newton()
+    return compiled_follow(), kernel_bundle(kernels)
+
+
+def kernel_bundle(kernels: Kernels) -> Any:
+    """The bundle of kernels that path followers take, compiled or read from the cache."""
     compile_kernels(kernels)
-    return compiled_follow(), bundled(kernels, compile_newton())
+    return bundled(kernels, compile_newton())
 
 
 def stored(kernels: Kernels) -> bool:
