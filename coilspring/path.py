@@ -5,12 +5,13 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, fields
 from functools import cached_property
+from numbers import Integral
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, BinaryIO, Protocol
 
 import numpy as np
 
-from coilspring.errors import InputError, counted
+from coilspring.errors import InputError, counted, shown
 from coilspring.pathfile import read_fields, write_fields
 from coilspring.scene import Scene
 from coilspring.scene.load import given_loads
@@ -302,6 +303,15 @@ class EquilibriumPath:
     def top(self) -> np.ndarray:
         """Position and rotation (x, y, rotz) of the top reference point, shape (steps, 3); mm, rad."""
         return self.tips + np.array([0.0, self.scene.spring.active_height, 0.0])
+
+
+def require_step(path: EquilibriumPath, step: object) -> int:
+    """Return `step`, or raise `InputError` unless it is the number of a stored step, -1 of the last one."""
+    count = len(path.times)
+    if isinstance(step, Integral) and not isinstance(step, bool) and -count <= int(step) < count:
+        return int(step)
+    allowed = f", an integer in [{-count}, {count - 1}]" if count else ""
+    raise InputError(f"step must be one of the {count} of the path{allowed}, got {shown(step)}")
 
 
 def load_path(file: str | Path | BinaryIO) -> EquilibriumPath:

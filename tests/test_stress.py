@@ -16,6 +16,7 @@ from validation.study.partialsolve import partial_path
 from wirefe.contact.stations import ROTATION
 from wirefe.element.rotations import quaternion_from_matrix
 from wirefe.results.between import station_loads
+from wirefe.results.export import section_results
 from wirefe.results.stress import resultants, sections_of, stresses
 from wirefe.rod import frenet_frames
 
@@ -130,6 +131,20 @@ def test_the_path_has_the_largest_one():
         wirefe.stress(beam)
     with pytest.raises(InputError, match="step must be one of the 4"):
         wirefe.stress(path, 4)
+
+
+@pytest.mark.parametrize("read", [wirefe.stress, wirefe.frequencies, section_results])
+def test_a_step_is_the_number_of_one_that_is_stored(read):
+    path = wirefe.solve(spring_a(), steps=2, element="curved", elements_per_turn=4)
+    read(path, np.int64(-2))
+    for step in (2, -3, 1.5, True, "last", slice(1)):
+        with pytest.raises(
+            InputError, match=r"step must be one of the 2 of the path, an integer in \[-2, 1\]"
+        ):
+            read(path, step)
+    none = replace(path, times=path.times[:0], states=path.states[:0], iterations=path.iterations[:0])
+    with pytest.raises(InputError, match="step must be one of the 0 of the path, got -1"):
+        read(none, -1)
 
 
 def test_elastic_end_turns_have_stresses_too():

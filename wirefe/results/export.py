@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 
 from coilspring.errors import InputError
-from coilspring.path import EquilibriumPath
+from coilspring.path import EquilibriumPath, require_step
 from wirefe.contact.points import ContactArrays
 from wirefe.contact.stations import ARMS, POSITION, SLOPES, of_wires, turned_rows
 from wirefe.element.beam import deformations
@@ -66,18 +66,19 @@ def section_results(path: EquilibriumPath, step: int) -> SectionResults:
 
     Raises
     ------
-    InputError : the path is not of the wire model.
+    InputError : the path is not of the wire model, or has no such step.
     """
     from scipy.spatial.transform import Rotation
 
     shape = path.shape
     if not isinstance(shape, WireShape):
         raise InputError(f"section_results needs a path of the model wirefe, got {path.model}")
-    data, rows = shape.data.elements, path.states[step].reshape(-1, ROW)
+    state = path.states[require_step(path, step)]
+    data, rows = shape.data.elements, state.reshape(-1, ROW)
     points, turns = rows[:, :3].copy(), rows[:, 3:]
     points[-1] += turned_rows(turns[-1], data.arm)
     strain = np.empty_like(data.strain0)
-    deformations(path.states[step], data.arm, data.triads, strain)
+    deformations(state, data.arm, data.triads, strain)
     strain -= data.strain0
     rates = np.zeros_like(data.stiffness)
     if len(data.second):
@@ -93,7 +94,7 @@ def section_results(path: EquilibriumPath, step: int) -> SectionResults:
         points=points[nodes],
         displacement=(points - shape.mesh.points)[nodes],
         rotation=Rotation.from_quat(np.roll(turns, -1, axis=1)).as_rotvec()[nodes],
-        contact_force=_contact_force(shape, path.states[step][None], path.contact_forces[step])[nodes],
+        contact_force=_contact_force(shape, state[None], path.contact_forces[step])[nodes],
         pair_force=_pair_force(shape, len(rows), path.contact_forces[step])[nodes],
         force=force[:wire, :3],
         moment=wrench[:wire, 3:],

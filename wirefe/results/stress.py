@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, cast
 import numpy as np
 
 from coilspring.errors import InputError
-from coilspring.path import EquilibriumPath
+from coilspring.path import EquilibriumPath, require_step
 from coilspring.scene.profile import TWO_PI
 from coilspring.scene.sizing import bending_factor, stress_factor
 from coilspring.scene.spring import BESIDE
@@ -93,8 +93,7 @@ def stress(path: EquilibriumPath, step: int = -1) -> WireStress:
     """
     if path.model != "wirefe":
         raise InputError(f"stress needs a path of the model wirefe, got {path.model}")
-    if not -len(path.states) <= step < len(path.states):
-        raise InputError(f"step must be one of the {len(path.states)} of the path, got {step}")
+    step = require_step(path, step)
     shape = cast("WireShape", path.shape)
     histories = None if path.histories is None else path.histories[step][None]
     found = stresses(shape, path.states[step][None], histories)

@@ -16,7 +16,7 @@ import numpy as np
 from coilspring.compiling.packing import pack
 from coilspring.contact.touching import CREEP
 from coilspring.errors import InputError, require_choice, require_integer
-from coilspring.path import EquilibriumPath
+from coilspring.path import EquilibriumPath, require_step
 from wirefe import kernels
 from wirefe.contact.stations import ARMS, POSITION, ROTATION, carried, rows, tangents, turned_rows
 from wirefe.model import matrix_size
@@ -93,10 +93,8 @@ def _about(path: EquilibriumPath, step: int, count: int, top: str) -> tuple[np.n
     shape = path.shape
     if not isinstance(shape, WireShape):
         raise InputError(f"frequencies needs a path of the model wirefe, got {path.model}")
-    if not -len(path.states) <= step < len(path.states):
-        raise InputError(f"step must be one of the {len(path.states)} of the path, got {step}")
+    state = path.states[require_step(path, step)]
     require_choice("top", top, TOPS)
-    state = path.states[step]
     fixed = np.zeros(shape.size, dtype=bool)
     fixed[shape.data.held.placed] = True
     if top == "held":
