@@ -15,6 +15,8 @@ from coilspring.contact.forces import normal_forces
 from coilspring.errors import EquilibriumNotFound, InputError, shown
 from coilspring.path import EquilibriumPath
 from coilspring.scene import Scene
+from coilspring.solver.interface import Kernels
+from coilspring.solver.startup import store
 from coilspring.workers import processes, require_workers
 
 REFUSED, CRASHED = "refused", "crashed"  # outcomes besides those of a path
@@ -22,6 +24,7 @@ AHEAD = 4  # chunks of springs handed out for each worker
 
 Solver = Callable[[Scene], EquilibriumPath]  # a function that can be sent to another process
 Job = tuple[Scene, Solver]
+KernelsOf = Callable[[Scene, Any], Kernels]  # kernels with which a scene's solver solves it
 
 
 @dataclass(frozen=True)
@@ -80,16 +83,16 @@ def outcomes(
     chunk: int,
     workers: int | None = None,
     progress: Callable[[int], None] | None = None,
-    prepare: Callable[[], object] = lambda: None,
+    kernels: KernelsOf | None = None,
 ) -> Iterator[Outcome]:
     """Outcomes of scenes, each by its own solver, in their order; `jobs` are drawn as they are needed.
 
     `chunk` springs are handed at a time to each of `workers` processes: one for each processor core where
-    None, none besides this one for 0. `progress` is called with the number of springs done, `prepare` once
-    before the workers start, to leave them compiled kernels on the disk.
+    None, none besides this one for 0. `progress` is called with the number of springs done. The `kernels` of
+    a scene are left on the disk before a worker needs them.
     """
     done = 0
-    for _, found in _found(jobs, chunk, workers, prepare, ordered=True):
+    for _, found in _found(jobs, chunk, workers, kernels, ordered=True):
         yield from found
         done += len(found)
         if progress is not None:
@@ -97,15 +100,15 @@ def outcomes(
 
 
 def outcomes_as_they_come(
-    jobs: Iterator[Job], *, chunk: int, workers: int | None, prepare: Callable[[], object]
+    jobs: Iterator[Job], *, chunk: int, workers: int | None, kernels: KernelsOf
 ) -> Iterator[tuple[int, Outcome]]:
     """As `outcomes`, each with the number of its job, and none waits for one that was handed out before."""
-    for first, found in _found(jobs, chunk, workers, prepare, ordered=False):
+    for first, found in _found(jobs, chunk, workers, kernels, ordered=False):
         yield from enumerate(found, first)
 
 
 def _found(
-    jobs: Iterator[Job], chunk: int, workers: int | None, prepare: Callable[[], object], ordered: bool
+    jobs: Iterator[Job], chunk: int, workers: int | None, kernels: KernelsOf | None, ordered: bool
 ) -> Iterator[tuple[int, list[Outcome]]]:
     """Number of the first job and outcomes, one by one by this process or in chunks by others."""
     workers = require_workers(workers)
@@ -113,8 +116,13 @@ def _found(
         yield from ((i, [outcome_of(*job)]) for i, job in enumerate(jobs))
         return
     count = (os.cpu_count() or 1) if workers is None else workers
-    prepare()
-    chunks = iter(lambda: list(islice(jobs, chunk)), [])
+
+    def prepared(job: Job) -> Job:
+        if kernels is not None and isinstance(job[0], Scene):  # else it is refused
+            store(kernels(*job))
+        return job
+
+    chunks = iter(lambda: list(map(prepared, islice(jobs, chunk))), [])
     with processes(count) as pool:
         handed = ((pool.submit(_outcomes, part), i * chunk) for i, part in enumerate(chunks))
         waiting = dict(islice(handed, AHEAD * count))

@@ -15,7 +15,6 @@ from coilspring.scene.sizing import solid_height
 from coilspring.solver.interface import Kernels
 from coilspring.solver.outcome import worst
 from coilspring.solver.solve import MOST_ITERATIONS, Run, follow_load, output_times, scene_path
-from coilspring.solver.startup import store
 from coilspring.sweep import Outcome, jobs, outcomes
 from equivbeam import kernels, model
 from equivbeam.laws import law_of
@@ -162,8 +161,13 @@ def sweep(
     """
     with suppress(InputError):  # every scene is refused then
         options = {**options, "law": law_of(options.get("law", "haringx"))}  # one content for all workers
-    springs, prepare = jobs(scenes, solve, options), partial(store, KERNELS)
-    return outcomes(springs, chunk=CHUNK, workers=workers, progress=progress, prepare=prepare)
+    springs, kernels_of = jobs(scenes, solve, options), lambda scene, _: scene_kernels(scene)
+    return outcomes(springs, chunk=CHUNK, workers=workers, progress=progress, kernels=kernels_of)
+
+
+def scene_kernels(scene: Scene) -> Kernels:
+    """Kernels of a scene: the same for all. A user's law has another `assemble`."""
+    return KERNELS
 
 
 def path_shape(scene: Scene, options: Mapping[str, Any], found: object = ()) -> BeamShape:

@@ -13,10 +13,11 @@ import pytest
 
 import equivbeam
 import wirefe
-from coilspring import InputError, spring_a, spring_b
+from coilspring import InputError, load_scene, spring_a, spring_b
 from coilspring.scene import Contact
 from coilspring.sweep import outcomes
 from coilspring.workers import processes
+from wirefe.solve import KERNELS, SEATED
 
 MODELS = [
     pytest.param(equivbeam, {"steps": 1}, 130, id="equivbeam"),
@@ -69,6 +70,16 @@ def test_each_scene_has_a_solver_of_its_own_and_a_crash_costs_no_other():
     assert found[1].message == "ZeroDivisionError: of one spring"
     np.testing.assert_array_equal(found[0].tip, equivbeam.solve(a, steps=1).tips[-1])
     np.testing.assert_array_equal(found[2].tip, equivbeam.solve(a, steps=2, law="helix").tips[-1])
+
+
+def test_kernels_are_stored_before_a_worker_needs_them(monkeypatch):
+    """Plates have two of their own, which each worker would compile."""
+    kernels = []
+    monkeypatch.setattr("coilspring.sweep.store", kernels.append)
+    springs = [spring_a(), load_scene("examples/plates.toml"), "of no scene"]
+    found = wirefe.sweep(springs, workers=1, steps=1, elements_per_turn=8)
+    assert [each.outcome for each in found] == ["completed", "completed", "refused"]
+    assert kernels == [KERNELS, SEATED]
 
 
 def test_an_option_that_the_model_does_not_have_is_refused_at_once():

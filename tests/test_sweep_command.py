@@ -20,6 +20,7 @@ from validation.sweep import run
 from validation.sweep.choice import rounded_up
 from validation.sweep.grid import Varied, points, read_varied
 from validation.sweep.run import FILE, SETTINGS
+from wirefe.solve import KERNELS, SEATED
 
 ONE = ["--workers", "0", "--steps", "1"]
 TABLE, AT_ONCE = scene_table(spring_b()), scene_table(spring_b().with_steps(1))
@@ -335,6 +336,16 @@ def test_options_that_differ_from_scene_to_scene_are_told_apart(tmp_path):
     found = json.loads((tmp_path / SETTINGS).read_text())
     assert (found["model"], found["options"]) == ("wirefe", {})
     assert found["differing"] == {"elements_per_turn": [8, 4], "element": ["straight", "curved"]}
+
+
+def test_kernels_of_plates_are_stored_before_a_worker_needs_them(tmp_path, monkeypatch):
+    kernels = []
+    monkeypatch.setattr("coilspring.sweep.store", kernels.append)
+    table = scene_table(load_scene("examples/plates.toml").with_steps(1))
+    grid = [Varied("supports.seat", ("plate", "rigid"))]
+    found = run.sweep(tmp_path, table, grid, lambda scene: run.Choice.of("wirefe", {}), workers=1)
+    assert [row["outcome"] for row in found] == ["completed", "completed"]
+    assert kernels == [SEATED, KERNELS]
 
 
 def test_each_scene_may_have_a_solver_of_its_own(tmp_path):

@@ -32,10 +32,11 @@ from coilspring.curves import compare_paths
 from coilspring.solver.startup import stored
 from coilspring.sweep import outcome_of
 from validation.cli import main
-from validation.cli.terminal import deviation, digest, notes, progress_shown
+from validation.cli.terminal import FIRST, announcing, deviation, digest, notes, progress_shown
 from validation.study import output
 from validation.study.lawdoubt import law_doubt
 from validation.study.partialsolve import partial_path
+from wirefe.solve import KERNELS
 
 
 def test_progress_is_shown_on_a_terminal_only(monkeypatch, capsys):
@@ -66,6 +67,14 @@ def test_the_first_compilation_is_announced(command, monkeypatch, tmp_path):
         first = [line for line in lines if line.startswith(("solving with", "0 of 2", "2 of 2"))]
         assert first
         assert all(("making the kernels ready" in line) == missing for line in first)
+
+
+def test_the_first_compilation_of_the_kernels_for_plates_is_announced(monkeypatch):
+    monkeypatch.setattr("coilspring.solver.startup.stored", lambda kernels: kernels == KERNELS)
+    lines: list[str] = []
+    for scene in (spring_a(), load_scene("examples/plates.toml")):
+        announcing(lines.append, "wirefe", scene)("solving")
+    assert lines == ["solving", f"solving {FIRST}"]
 
 
 def test_kernels_are_on_the_disk_once_they_were_compiled():

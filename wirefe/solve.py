@@ -2,7 +2,6 @@
 
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import replace
-from functools import partial
 from typing import Any
 
 import numpy as np
@@ -15,7 +14,6 @@ from coilspring.scene.load import stage_ends
 from coilspring.solver.interface import Kernels
 from coilspring.solver.problem import Problem
 from coilspring.solver.solve import follow_load, follow_problem, scene_path
-from coilspring.solver.startup import store
 from coilspring.sweep import Outcome, jobs, outcomes
 from wirefe import kernels, model, seated
 from wirefe.contact.points import NONE_FOUND, PER_TURN, ContactArrays, near_points, reach
@@ -116,8 +114,8 @@ def sweep(
     ------
     InputError : `scenes` are none, as a name or a single scene.
     """
-    springs, prepare = jobs(scenes, solve, options), partial(store, KERNELS)
-    return outcomes(springs, chunk=CHUNK, workers=workers, progress=progress, prepare=prepare)
+    springs, kernels_of = jobs(scenes, solve, options), lambda scene, _: scene_kernels(scene)
+    return outcomes(springs, chunk=CHUNK, workers=workers, progress=progress, kernels=kernels_of)
 
 
 def path_shape(scene: Scene, options: Mapping[str, Any], found: np.ndarray) -> WireShape:

@@ -46,6 +46,7 @@ def stored(kernels: Kernels) -> bool:
     return all(kernel._cache.stored for kernel in kernels)
 
 
+@cache
 def store(kernels: Kernels) -> None:
     """Compile the kernels that the disk does not hold: on all cores once, not in each process to come."""
     if not stored(kernels):

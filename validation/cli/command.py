@@ -212,7 +212,7 @@ def _run(
     """The path of one model, complete or as far as it was reached."""
     progress(f"loading {model}")
     package = import_module(model)  # it alone: numba takes its time
-    progress = announcing(progress, model)
+    progress = announcing(progress, model, scene)
     names: Sequence[str] = MODEL_OPTIONS[model]
     solver, options = package.solve, given(arguments, names)
     if model == ADAPTIVE and arguments.accuracy is not None:

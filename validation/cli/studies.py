@@ -186,7 +186,7 @@ def sweep(arguments: argparse.Namespace, folder: Path, progress: Progress) -> An
     varied = grid.read_varied(arguments.vary, table)
     refuse_varied(arguments, [each.key for each in varied])
     progress(f"loading {model}")
-    progress = announcing(progress, model)
+    progress = announcing(progress, model, scene)
     asked, lines, found = run.Choice.of(model, given(arguments, MODEL_OPTIONS[model])), [], None
     told: dict[str, object] = {"overridden": given(arguments, COMMON_OPTIONS), **run.UNASKED}
     with claimed(folder), writing(folder):

@@ -9,7 +9,7 @@ from typing import TextIO
 
 import numpy as np
 
-from coilspring import EquilibriumPath
+from coilspring import EquilibriumPath, Scene
 from coilspring.curves import Comparison, answered
 from coilspring.errors import counted
 from validation.study.output import largest_stress, writing
@@ -74,11 +74,11 @@ def progress_shown(quiet: bool = False) -> Iterator[Callable[[str], None]]:
         yield lambda text: status.update(Text(text))
 
 
-def announcing(progress: Callable[[str], None], model: str) -> Callable[[str], None]:
-    """Progress that also says, as long as it is so, that a model's kernels have to be compiled."""
+def announcing(progress: Callable[[str], None], model: str, scene: Scene) -> Callable[[str], None]:
+    """Progress that also says, as long as it is so, that a scene's kernels have to be compiled."""
     from coilspring.solver.startup import stored
 
-    kernels = import_module(f"{model}.solve").KERNELS
+    kernels = import_module(f"{model}.solve").scene_kernels(scene)
     return lambda text: progress(text if stored(kernels) else f"{text} {FIRST}")
 
 

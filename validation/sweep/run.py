@@ -16,7 +16,7 @@ from typing import Any
 from coilspring import EquilibriumPath, InputError, Scene
 from coilspring.curves import COMPONENTS
 from coilspring.errors import counted
-from coilspring.solver.startup import store
+from coilspring.solver.interface import Kernels
 from coilspring.sweep import CRASHED, REFUSED, Outcome, outcomes_as_they_come
 from validation.study.keys import run_key
 from validation.study.machine import versions
@@ -97,16 +97,10 @@ def sweep(
     missing = {i: task for i, task in enumerate(tasks) if task and keys[i] not in rows}
     done = len(grid) - len(missing)
     progress(done, len(grid))
-    models = {choice.model for _, choice in missing.values()}
-
-    def prepare() -> None:
-        for model in models:
-            store(import_module(f"{model}.solve").KERNELS)
-
-    chunk = min((CHUNK[model] for model in models), default=1)
+    chunk = min((CHUNK[choice.model] for _, choice in missing.values()), default=1)
     numbers, jobs = list(missing), iter(missing.values())
     try:
-        for number, outcome in outcomes_as_they_come(jobs, chunk=chunk, workers=workers, prepare=prepare):
+        for number, outcome in outcomes_as_they_come(jobs, chunk=chunk, workers=workers, kernels=_kernels):
             i = numbers[number]
             row = _row(columns, keys[i], grid[i], outcome)
             with writing(target), target.open("a", encoding="utf-8", newline="") as stream:
@@ -123,6 +117,11 @@ def sweep(
     ordered = [rows[key] for key in keys]
     write_text(target, _csv(columns, ordered))
     return ordered
+
+
+def _kernels(scene: Scene, choice: Choice) -> Kernels:
+    """Kernels with which a scene is solved."""
+    return import_module(f"{choice.model}.solve").scene_kernels(scene)
 
 
 def _settings(choices: Iterable[Choice]) -> dict[str, object]:
