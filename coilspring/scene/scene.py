@@ -12,7 +12,7 @@ from coilspring.scene.load import Load, stage_ends
 from coilspring.scene.material import Material
 from coilspring.scene.profile import SAME
 from coilspring.scene.schema import KEYS, keep_checked
-from coilspring.scene.solidwire import FITTED
+from coilspring.scene.solidwire import SOLID_POISSON
 from coilspring.scene.spring import Spring
 
 HELD_CHOICES: tuple[str, ...] = KEYS["supports"]["top_held"].checks["some"]
@@ -153,7 +153,7 @@ class Scene:
         for part, kind in SECTIONS.items():
             if not isinstance(getattr(self, part), kind):
                 raise InputError(f"{part} must be a {kind.__name__}, got {shown(getattr(self, part))}")
-        low, high = FITTED
+        low, high = SOLID_POISSON
         if self.spring.wire_rigidity == "solid" and not low <= self.material.nu <= high:
             raise InputError(
                 f"material.nu must be in [{low:g}, {high:g}] with spring.wire_rigidity = 'solid', "

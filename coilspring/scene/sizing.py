@@ -13,7 +13,7 @@ import numpy as np
 from coilspring.scene.load import Load
 from coilspring.scene.profile import TWO_PI, CoilSection, closest
 from coilspring.scene.scene import HELD_CHOICES, Scene
-from coilspring.scene.solidwire import FITTED, inner_stress_factor, wire_flexibility
+from coilspring.scene.solidwire import SOLID_POISSON, inner_stress_factor, wire_flexibility
 from coilspring.scene.spring import Spring
 
 POINTS = 129  # of a section, at which nonlinear quantities are evaluated
@@ -148,7 +148,7 @@ def wire_rate(scene: Scene, wire_rigidity: str) -> float:
     nan where "solid" is not fitted to the material.
     """
     spring, material = replace(scene.spring, wire_rigidity=wire_rigidity), scene.material
-    if wire_rigidity == "solid" and not FITTED[0] <= material.nu <= FITTED[1]:
+    if wire_rigidity == "solid" and not SOLID_POISSON[0] <= material.nu <= SOLID_POISSON[1]:
         return math.nan
     phases, weights = _gauss(spring)
     R, c = spring.radius(phases), spring.rise(phases)

@@ -18,7 +18,7 @@ from coilspring.scene.wire import Section, round_section
 
 TABLE = Path(__file__).with_name("solidtable.toml")
 FLEXIBILITY, STRESS = map(np.array, tomllib.loads(TABLE.read_text(encoding="utf-8")).values())
-FITTED = (0.0, 0.5)  # Poisson's ratio of the fit
+SOLID_POISSON = (0.0, 0.5)  # Poisson's ratios that are taken; beyond 0.49 the fit is extrapolated
 POWERS = ((0, 0), (0, 1), (0, 2), (1, 0), (1, 1), (2, 0))  # of curvature^2 and torsion^2, a column each
 # Entries that do not vanish, and the powers of curvature and torsion that they are multiples of.
 ENTRIES = {
