@@ -92,6 +92,7 @@ class EquilibriumPath:
     iterations : (steps,) factorisations since the previous row, rejected attempts included.
     outcome : one of `OUTCOMES`.
     message : one sentence.
+    shape : reads the states, for what the properties below give.
     histories : (steps, pairs) records `coilspring.contact.law.PAIR_HISTORY` of what contact remembered of
         each pair when the state was found; None for traced paths.
     critical_time : middle of the time bracket of a critical point, or None.

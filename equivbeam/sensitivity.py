@@ -141,8 +141,8 @@ def sensitivities(path: EquilibriumPath, parameters: Sequence[str]) -> Sensitivi
     path : EquilibriumPath
         Of `equivbeam.solve`, without friction: with it the answer depends on the path.
     parameters : sequence of str
-        Of wire_diameter, bottom_diameter, top_diameter, pitch, E, G, penalty, exponent, and with the
-        paper's law the factors axial, shearing, bending. E and G vary one without the other.
+        Of wire_diameter, mean_diameter, bottom_diameter, top_diameter, pitch, E, G, penalty, exponent, and
+        with the paper's law the factors axial, shearing, bending. E and G vary one without the other.
 
     Raises
     ------

@@ -42,7 +42,8 @@ def kernel_bundle(kernels: Kernels) -> Any:
 
 
 def stored(kernels: Kernels) -> bool:
-    """Whether the disk holds the kernels; else they are compiled first, which takes half a minute."""
+    """Whether the disk holds a model's kernels, whatever it holds of what all models share; else they are
+    compiled first."""
     return all(kernel._cache.stored for kernel in kernels)
 
 

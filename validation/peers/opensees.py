@@ -12,8 +12,8 @@ The choices that OpenSees leaves open:
 - EnergyIncr against the work of the load. RelativeEnergyIncr refers to the first iterate of the step,
   which overshoots the farther, the larger the step: at a few steps it then accepts wrong states.
 - "No sliding": a pair that a step has closed gets a zeroLength element with two springs K across its
-  direction, and loses it when a step has opened it, after which the
-  equilibrium is found anew. That is linear in the displacements, as `wirefe`'s law.
+  direction, and loses it when a step has opened it, after which the equilibrium is found anew. That is
+  linear in the displacements, as `wirefe`'s law.
 """
 
 import atexit

@@ -54,8 +54,9 @@ def both(spring: Spring, material: Material, coils: float) -> dict[str, np.ndarr
 def flexibilities(spring: Spring, material: Material, coils: float = COILS) -> pd.DataFrame:
     """Flexibility of the first coils in each direction, a row each, in per cent of the fine solids'.
 
-    `mesh` is how far the coarse solids are off; `whole` the largest error of an entry of the 6 x 6 matrix,
-    over the root of its diagonal entries.
+    Columns `mesh`, `beam` and `solid` are how far the coarse solids and both rods are off; `mesh_whole`,
+    `beam_whole` and `solid_whole` the largest error of an entry of the 6 x 6 matrix, over the root of its
+    diagonal entries.
     """
     coils = min(coils, spring.active_coils)
     (coarse, _), (fine, seconds) = (

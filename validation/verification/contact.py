@@ -159,7 +159,7 @@ def to_pieces(points: np.ndarray, first: np.ndarray, second: np.ndarray) -> np.n
 
 
 def centres(path: EquilibriumPath, step: int) -> tuple[ContactArrays, np.ndarray]:
-    """Contact arrays and the spheres' centres at a stored step."""
+    """Contact arrays, and the centres of their spheres or stations at a stored step."""
     contact = path.shape.data.contact  # type: ignore[attr-defined]
     return contact, contact_centres(contact, path.states[step][None])[0]
 
