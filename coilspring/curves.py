@@ -70,9 +70,7 @@ def compare_curves(
     common, mine, theirs = np.intersect1d(times, reference.times, return_indices=True)
     if common.size == 0:
         return Comparison(NAN, NAN, NAN, NAN, {}, {}, 0, 0.0)
-    curves, wanted = (
-        np.column_stack([part[name] for name in COMPONENTS]) for part in (responses, answered(reference))
-    )
+    curves, wanted = stacked(responses), stacked(answered(reference))
     moved = peaks(wanted)
     relative = (curves[mine] - wanted[theirs]) / moved
     kept = [i for i, peak in enumerate(moved) if peak < np.inf]
@@ -89,6 +87,11 @@ def answered(path: EquilibriumPath) -> dict[str, np.ndarray]:
     if path.scene.load.displacement:
         answers["uy"] = path.loads[:, 1]
     return answers
+
+
+def stacked(answers: Mapping[str, np.ndarray]) -> np.ndarray:
+    """Answers of all `COMPONENTS`, (steps, components)."""
+    return np.column_stack([answers[name] for name in COMPONENTS])
 
 
 def peaks(curves: np.ndarray) -> np.ndarray:

@@ -8,7 +8,7 @@ import numpy as np
 
 import wirefe
 from coilspring import EquilibriumPath, InputError, Scene
-from coilspring.curves import answered, peaks
+from coilspring.curves import answered, peaks, stacked
 from validation.peers import calculix
 from validation.peers.layout import NODES_PER_TURN, Curve, layout, refuse
 from validation.study.partialsolve import partial_path
@@ -41,7 +41,7 @@ class PeerComparison:
         if self.rows == 0:
             return float("nan")
         both = (answered(self.wire), self.peer.answers)
-        ours, theirs = (np.column_stack(list(answers.values()))[: self.rows] for answers in both)
+        ours, theirs = (stacked(answers)[: self.rows] for answers in both)
         return float((np.abs(theirs - ours) / peaks(ours)).max())
 
     @property

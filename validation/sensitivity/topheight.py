@@ -12,7 +12,7 @@ from typing import Self
 import numpy as np
 
 from coilspring import EquilibriumPath, Scene
-from coilspring.curves import answered
+from coilspring.curves import answered, stacked
 from coilspring.path import Shape
 from coilspring.solver.solve import follow_problem, output_times, scene_path
 from equivbeam import model as beam
@@ -43,7 +43,7 @@ class TipCurve:
     @classmethod
     def of(cls, path: EquilibriumPath) -> Self:
         """Tip curve of a path."""
-        tips = np.column_stack(list(answered(path).values()))
+        tips = stacked(answered(path))
         moved = np.abs(path.tips).max(axis=0, initial=0.0) * (1.0, 1.0, 0.5 * path.scene.spring.active_height)
         counted = tuple((moved > SLIGHT * moved.max()).tolist())
         return cls(path.times, tips, path.outcome, path.critical_time, counted)

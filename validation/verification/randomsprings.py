@@ -13,7 +13,7 @@ import pandas as pd
 import equivbeam
 import wirefe
 from coilspring import EquilibriumPath, Scene
-from coilspring.curves import COMPONENTS, answered
+from coilspring.curves import COMPONENTS, answered, stacked
 from coilspring.scene.sizing import middle_diameter
 from equivbeam.laws.userlaw import UserLaw
 from validation.study.partialsolve import partial_path
@@ -98,7 +98,7 @@ def curve_errors(path: Curve, wire: Curve) -> dict[str, float]:
     found = dict.fromkeys(("vector", *COMPONENTS), math.nan) | {"steps": common}
     if common == 0:
         return found
-    mine, theirs = (np.column_stack(list(each.answers.values()))[:common] for each in (path, wire))
+    mine, theirs = (stacked(each.answers)[:common] for each in (path, wire))
     off, peaks = np.abs(mine - theirs), np.abs(theirs).max(axis=0)
     sizes = peaks * (1.0, 1.0, 0.5 * middle_diameter(wire.scene.spring))
     for place, name in enumerate(COMPONENTS):
