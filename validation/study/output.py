@@ -115,11 +115,11 @@ def write_files(files: Mapping[str, bytes], folder: Path) -> None:
     with ExitStack() as places:
         for name, data in files.items():
             target = folder / name
-            if _content(target) != data:
+            if content_of(target) != data:
                 places.enter_context(_whole(target)).write_bytes(data)
 
 
-def _content(target: Path) -> bytes | None:
+def content_of(target: Path) -> bytes | None:
     """What a file holds; None where there is none."""
     with writing(target):
         return target.read_bytes() if target.is_file() else None
@@ -177,7 +177,7 @@ def write_runs(runs: Mapping[Path, Mapping[str, bytes]], read: Sequence[str | Pa
         for name, data in files.items():
             target = folder / name
             what = "read" if target.resolve() in inputs else "there and is of no run"
-            if (what == "read" or folder not in earlier) and _content(target) not in (None, data):
+            if (what == "read" or folder not in earlier) and content_of(target) not in (None, data):
                 lines.append(f"{name}, which was {what}, is kept in {keep(target)}")
     write_files({str(folder / name): data for folder in runs for name, data in runs[folder].items()}, Path())
     for folder in earlier:

@@ -20,7 +20,7 @@ from coilspring.solver.interface import Kernels
 from coilspring.sweep import CRASHED, REFUSED, Outcome, outcomes_as_they_come
 from validation.study.keys import run_key
 from validation.study.machine import versions
-from validation.study.output import json_bytes, keep, write_bytes, write_text, writing
+from validation.study.output import content_of, json_bytes, keep, write_bytes, write_text, writing
 from validation.study.texts import number_of
 from validation.sweep.grid import Point, Varied, points
 
@@ -83,7 +83,7 @@ def sweep(
     keys = [_key(point, task) for point, task in zip(grid, tasks, strict=True)]
     target, columns = folder / FILE, (*(each.key for each in varied), *RESULTS)
     wanted = set(keys)
-    content = _bytes(target)
+    content = content_of(target) or b""
     old = content.decode("utf-8", errors="replace")  # it may be of another program
     # what belongs to another sweep is left out, as is a last line that was cut: it has no whole key
     rows = {row["key"]: row for row in _read(old, columns) if row["key"] in wanted}
@@ -153,12 +153,6 @@ def _key(point: Point, task: tuple[Scene, Choice] | None) -> str:
         return f"{REFUSED} {point.values!r}"
     scene, choice = task
     return run_key(choice.model, scene, choice.options)[:DIGITS]
-
-
-def _bytes(target: Path) -> bytes:
-    """What a file holds; nothing where there is none."""
-    with writing(target):
-        return target.read_bytes() if target.exists() else b""
 
 
 def _read(text: str, columns: Sequence[str]) -> list[Row]:
