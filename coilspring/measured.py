@@ -15,11 +15,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from coilspring.curves import COMPONENTS
-from coilspring.errors import InputError, counted, shown
+from coilspring.errors import InputError
 from coilspring.scene import Scene
 from coilspring.scene.load import MOST_FORCE
 from coilspring.scene.profile import LONGEST
 from coilspring.scene.sizing import sizes
+from coilspring.words import counted, shown
 
 if TYPE_CHECKING:
     import pandas as pd

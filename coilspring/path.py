@@ -11,11 +11,12 @@ from typing import TYPE_CHECKING, Any, BinaryIO, Protocol
 
 import numpy as np
 
-from coilspring.errors import InputError, counted, shown
+from coilspring.errors import InputError
 from coilspring.pathfile import read_fields, write_fields
 from coilspring.scene import Scene
 from coilspring.scene.load import given_loads
 from coilspring.scene.scene import load_directions
+from coilspring.words import counted, shown
 
 if TYPE_CHECKING:
     import pandas as pd

@@ -12,11 +12,12 @@ from typing import Any
 import numpy as np
 
 from coilspring.contact.forces import normal_forces
-from coilspring.errors import EquilibriumNotFound, InputError, shown
+from coilspring.errors import EquilibriumNotFound, InputError
 from coilspring.path import EquilibriumPath
 from coilspring.scene import Scene
 from coilspring.solver.interface import Kernels
 from coilspring.solver.startup import store
+from coilspring.words import shown
 from coilspring.workers import processes, require_workers
 
 REFUSED, CRASHED = "refused", "crashed"  # outcomes besides those of a path

@@ -9,9 +9,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from coilspring.errors import InputError, plain, require_names, shown
+from coilspring.errors import InputError, require_names
 from coilspring.path import EquilibriumPath
 from coilspring.scene import Factors, Scene, require_scene
+from coilspring.words import plain, shown
 from equivbeam import fiterrors
 from equivbeam.curvefit import OFFSET, CurveFit
 from equivbeam.fiterrors import constant_part, undetermined

@@ -9,9 +9,10 @@ from typing import Any
 
 import numpy as np
 
-from coilspring.errors import EquilibriumNotFound, InputError, plain
+from coilspring.errors import EquilibriumNotFound, InputError
 from coilspring.path import EquilibriumPath
 from coilspring.scene import Scene
+from coilspring.words import plain
 from equivbeam import fiterrors
 from equivbeam.fiterrors import independent
 from equivbeam.loadcurve import LoadCurve

@@ -4,7 +4,8 @@ from collections.abc import Mapping
 from dataclasses import asdict, dataclass, fields
 from typing import Any, Self
 
-from coilspring.errors import InputError, require_choice, shown
+from coilspring.errors import InputError, require_choice
+from coilspring.words import shown
 from equivbeam.laws import law_of, name_of
 from equivbeam.laws.helix import Refinements
 from equivbeam.laws.userlaw import UserLaw

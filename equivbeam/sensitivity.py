@@ -9,10 +9,11 @@ import numpy as np
 
 from coilspring.compiling.packing import pack
 from coilspring.contact.law import PAIR_HISTORY, normal_law
-from coilspring.errors import InputError, require_choice, shown
+from coilspring.errors import InputError, require_choice
 from coilspring.path import EquilibriumPath
 from coilspring.scene import Scene
 from coilspring.scene.material import Material
+from coilspring.words import shown
 from equivbeam import band, kernels
 from equivbeam.model import BeamModel, build_model, matrix_size, with_tangent
 from equivbeam.options import BeamOptions

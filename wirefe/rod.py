@@ -8,9 +8,10 @@ from typing import Any, Protocol
 
 import numpy as np
 
-from coilspring.errors import InputError, require_choice, require_integer, require_number, shown
+from coilspring.errors import InputError, require_choice, require_integer, require_number
 from coilspring.scene.load import MOST_FORCE
 from coilspring.scene.wire import Section
+from coilspring.words import shown
 from wirefe.element.beam import deformations
 from wirefe.element.curved import (
     POINTS,

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from coilspring.contact.law import PAIR_HISTORY, PairLaw
-from coilspring.errors import EquilibriumNotFound, InputError, require_choice, require_integer, shown
+from coilspring.errors import EquilibriumNotFound, InputError, require_choice, require_integer
 from coilspring.path import EquilibriumPath
 from coilspring.scene import Scene, require_scene
 from coilspring.scene.load import stage_ends
@@ -15,6 +15,7 @@ from coilspring.solver.interface import Kernels
 from coilspring.solver.problem import Problem
 from coilspring.solver.solve import follow_load, follow_problem, scene_path
 from coilspring.sweep import Outcome, jobs, outcomes
+from coilspring.words import shown
 from wirefe import kernels, model, seated
 from wirefe.contact.points import NONE_FOUND, PER_TURN, ContactArrays, near_points, reach
 from wirefe.contact.stations import of_wires

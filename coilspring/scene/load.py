@@ -4,9 +4,10 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from coilspring.errors import InputError, require_number, shown
+from coilspring.errors import InputError, require_number
 from coilspring.scene.profile import LONGEST
 from coilspring.scene.schema import keep_checked
+from coilspring.words import shown
 
 MOST_FORCE = 1e12  # N
 MOST_STAGES = 1000

@@ -4,8 +4,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any, Self
 
-from coilspring.errors import InputError, shown
+from coilspring.errors import InputError
 from coilspring.scene.schema import KEYS, keep_checked
+from coilspring.words import shown
 
 MODULUS = KEYS["material"]["E"].check
 POISSON = KEYS["material"]["nu"].checks["number"]

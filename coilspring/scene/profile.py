@@ -7,8 +7,9 @@ from typing import Any, NamedTuple, Self
 
 import numpy as np
 
-from coilspring.errors import InputError, require_number, shown
+from coilspring.errors import InputError, require_number
 from coilspring.scene.schema import KEYS
+from coilspring.words import shown
 
 TWO_PI = 2.0 * math.pi
 LONGEST = 1e9  # mm

@@ -7,13 +7,14 @@ from typing import Self
 
 import numpy as np
 
-from coilspring.errors import InputError, require_number, shown
+from coilspring.errors import InputError, require_number
 from coilspring.scene.load import Load, stage_ends
 from coilspring.scene.material import Material
 from coilspring.scene.profile import SAME
 from coilspring.scene.schema import KEYS, keep_checked
 from coilspring.scene.solidwire import SOLID_POISSON
 from coilspring.scene.spring import Spring
+from coilspring.words import shown
 
 HELD_CHOICES: tuple[str, ...] = KEYS["supports"]["top_held"].checks["some"]
 SEATS: tuple[str, ...] = KEYS["supports"]["seat"].checks["choice"]

@@ -7,7 +7,8 @@ from dataclasses import MISSING, dataclass, field, fields
 from pathlib import Path
 from typing import Any
 
-from coilspring.errors import InputError, require_choice, require_integer, require_number, shown
+from coilspring.errors import InputError, require_choice, require_integer, require_number
+from coilspring.words import shown
 
 
 @dataclass(frozen=True)

@@ -9,11 +9,12 @@ from dataclasses import fields
 from pathlib import Path
 from typing import Any
 
-from coilspring.errors import InputError, shown
+from coilspring.errors import InputError
 from coilspring.scene.catalogue import CATALOGUE
 from coilspring.scene.profile import CoilSection
 from coilspring.scene.scene import SECTIONS, Scene
 from coilspring.scene.schema import keys_of, missing, required
+from coilspring.words import shown
 
 ITEMS: dict[str, type] = {"coilsection": CoilSection}  # tables in sections
 AS_WRITTEN = ("material", "spring", "supports")  # may have other keys or another order than what is stored

@@ -7,10 +7,11 @@ from typing import Any
 import numpy as np
 
 from coilspring.compiling.compiled import inlined
-from coilspring.errors import InputError, shown
+from coilspring.errors import InputError
 from coilspring.scene import Factors
 from coilspring.scene.material import Material
 from coilspring.scene.spring import Spring
+from coilspring.words import shown
 from equivbeam.laws.haringx import KAX, KFL, KSH, haringx_response, haringx_rows
 from equivbeam.laws.helix import Refinements, helix_response, helix_rows
 from equivbeam.laws.userlaw import KNOWN, UserLaw, law_of_file, law_of_object

@@ -38,10 +38,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from coilspring.compiling.compiled import inlined, kernel
-from coilspring.errors import InputError, shown
+from coilspring.errors import InputError
 from coilspring.scene.material import Material
 from coilspring.scene.solidwire import coil_section
 from coilspring.scene.spring import Spring
+from coilspring.words import shown
 from equivbeam.element import Response
 from equivbeam.laws.haringx import KAX, haringx_stiffness
 from equivbeam.stations import Stations, half_coils

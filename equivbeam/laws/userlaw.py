@@ -26,9 +26,10 @@ from numba.np.unsafe.ndarray import to_fixed_tuple
 
 from coilspring.compiling.compiled import kernel, part
 from coilspring.compiling.kernelcache import codes, content_digest, is_foreign
-from coilspring.errors import InputError, shown
+from coilspring.errors import InputError
 from coilspring.scene.material import Material
 from coilspring.scene.spring import Spring
+from coilspring.words import shown
 from equivbeam.element import Response
 from equivbeam.laws import jets
 from equivbeam.laws.haringx import KAX, KFL, KSH, L0

@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 
 from coilspring import EquilibriumPath, InputError, Load, Scene
-from coilspring.errors import counted
 from coilspring.measured import MOST_STEPS, Measured, equal_steps
 from coilspring.scene.load import stage_ends
+from coilspring.words import counted
 
 FAR = 0.1  # rms difference, over the peak, of curves that may not be of one spring
 

@@ -9,9 +9,9 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from coilspring import EquilibriumPath, InputError
-from coilspring.errors import plain
 from coilspring.measured import Measured
 from coilspring.scene.scene import load_directions
+from coilspring.words import plain
 from validation.calibration.difference import along_load, differences
 from validation.study import style
 from validation.study.plots import FEW, marked, png

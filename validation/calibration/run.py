@@ -10,8 +10,8 @@ import pandas as pd
 
 import equivbeam
 from coilspring import Scene, scene_text
-from coilspring.errors import plain
 from coilspring.measured import measured, table_of
+from coilspring.words import plain
 from equivbeam.loadcurve import of_force
 from validation.calibration.difference import undirected
 from validation.study.frames import to_csv

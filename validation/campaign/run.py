@@ -11,7 +11,7 @@ from pathlib import Path
 from time import process_time
 
 from coilspring import EquilibriumPath, InputError
-from coilspring.errors import counted
+from coilspring.words import counted
 from coilspring.workers import processes
 from equivbeam.laws.userlaw import UserLaw
 from validation.campaign import table, wireverifier

@@ -11,7 +11,7 @@ import numpy as np
 
 from coilspring import EquilibriumPath, Scene
 from coilspring.curves import Comparison, answered
-from coilspring.errors import counted
+from coilspring.words import counted
 from validation.study.output import largest_stress, writing
 
 LIMIT_POINTS = {  # by whether UY is prescribed

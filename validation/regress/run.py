@@ -15,10 +15,10 @@ from typing import Any, NamedTuple
 
 from coilspring import Scene, load_scene
 from coilspring.curves import NEGLIGIBLE
-from coilspring.errors import counted, rounded
 from coilspring.pathfile import MODELS
 from coilspring.scene.scene import SECTIONS
 from coilspring.scene.toml import scene_table, scene_text
+from coilspring.words import counted, rounded
 from validation.regress import baselines, timeratios
 from validation.regress.baselines import Quantities, Run, find, made, read, runs, runs_of
 from validation.study.cases import make_ready

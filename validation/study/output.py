@@ -13,10 +13,10 @@ from typing import Any
 
 import numpy as np
 
-from coilspring.errors import rounded
 from coilspring.path import EquilibriumPath
 from coilspring.scene.scene import SECTIONS
 from coilspring.scene.toml import scene_table
+from coilspring.words import rounded
 from validation.study.machine import versions
 from validation.study.scenewarnings import warnings
 

@@ -10,7 +10,8 @@ import numpy as np
 
 import wirefe
 from coilspring import EquilibriumPath, InputError, Scene
-from coilspring.errors import counted, require_number
+from coilspring.errors import require_number
+from coilspring.words import counted
 from validation.study.partialsolve import partial_path
 from validation.sweep.grid import Point, Varied
 from validation.sweep.run import Choice

@@ -15,9 +15,9 @@ from typing import Any
 
 from coilspring import EquilibriumPath, InputError, Scene
 from coilspring.curves import COMPONENTS
-from coilspring.errors import counted
 from coilspring.solver.interface import Kernels
 from coilspring.sweep import CRASHED, REFUSED, Outcome, outcomes_as_they_come
+from coilspring.words import counted
 from validation.study.keys import run_key
 from validation.study.machine import versions
 from validation.study.output import content_of, json_bytes, keep, write_bytes, write_text, writing

@@ -5,7 +5,7 @@ from dataclasses import asdict, dataclass, replace
 from typing import Self
 
 from coilspring import InputError, Scene
-from coilspring.errors import counted
+from coilspring.words import counted
 from equivbeam.laws import LAWS
 from wirefe.contact.points import PER_TURN
 from wirefe.mesh import mesh_wire
