@@ -126,7 +126,7 @@ def calibrate(
     curve : EquilibriumPath, table or CSV file
         Columns ``force`` (N) and ``deflection`` (mm), both in the direction of the scene's load and in any
         order; or ``time`` (share of the scene's load) and one or more of ``ux``, ``uy`` (mm), ``rotz``
-        (rad), as in ``path.csv``. See `coilspring.measured`.
+        (rad), as in ``path.csv``. See `coilspring.benchfile`.
     parameters : sequence of str
         penalty, exponent, E, G, the dimensions, and with the paper's law the factors axial, shearing,
         bending; names as in `equivbeam.sensitivities`. Of those that stand for each other the first is

@@ -9,9 +9,10 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
+from coilspring.benchfile import table_of
 from coilspring.curves import COMPONENTS
 from coilspring.errors import InputError
-from coilspring.measured import equal_steps, measured, table_of
+from coilspring.measured import equal_steps, measured
 from coilspring.path import EquilibriumPath
 from coilspring.scene import Load, Scene
 from coilspring.scene.load import given_loads

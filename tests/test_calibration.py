@@ -26,7 +26,8 @@ from coilspring import (
     spring_a,
     spring_b,
 )
-from coilspring.measured import measured, table_of
+from coilspring.benchfile import table_of
+from coilspring.measured import measured
 from coilspring.path import secants
 from coilspring.scene.scene import load_directions
 from validation.calibration import run

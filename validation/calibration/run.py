@@ -10,7 +10,8 @@ import pandas as pd
 
 import equivbeam
 from coilspring import Scene, scene_text
-from coilspring.measured import measured, table_of
+from coilspring.benchfile import table_of
+from coilspring.measured import measured
 from coilspring.words import plain
 from equivbeam.loadcurve import of_force
 from validation.calibration.difference import undirected
@@ -27,7 +28,7 @@ def calibrate(
 ) -> tuple[dict[str, bytes], list[str]]:
     """Files of a calibration by name, and what it found for a reader.
 
-    `file`: see `coilspring.measured`; `names`: see `equivbeam.calibrate`; `options`: of `equivbeam.solve`.
+    `file`: see `coilspring.benchfile`; `names`: see `equivbeam.calibrate`; `options`: of `equivbeam.solve`.
     """
     table = table_of(file)
     found = equivbeam.calibrate(scene, file, names, **options)
