@@ -19,7 +19,7 @@ from opensees_page import AGREEMENT, LADDER, STEPS, Duel, distance, facts, page
 import wirefe
 from coilspring import Scene, load_scene
 from validation.peers.comparison import MISSING, opensees
-from validation.study.output import write_facts
+from validation.study.files import write_facts
 from validation.study.partialsolve import partial_path
 
 SCENES = ("spring-a", "spring-a-no-contact", "spring-b-no-contact")

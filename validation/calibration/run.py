@@ -15,9 +15,9 @@ from coilspring.measured import measured
 from coilspring.words import plain
 from equivbeam.loadcurve import of_force
 from validation.calibration.difference import undirected
+from validation.study.files import json_bytes
 from validation.study.frames import to_csv
 from validation.study.machine import versions
-from validation.study.output import json_bytes
 from validation.study.partialsolve import partial_path
 
 FAR = 0.5  # rms difference, over the peaks, of a curve that may not be of this spring

@@ -25,10 +25,10 @@ from validation.campaign.verdict import (
 )
 from validation.study import template
 from validation.study.document import Table
+from validation.study.files import write_facts, write_files, write_text
 from validation.study.frames import frame_table
 from validation.study.machine import versions
 from validation.study.metrics import upper_bound
-from validation.study.output import write_facts, write_files, write_text
 from validation.study.plots import drawn
 from validation.study.style import DOUBLE, RC, RED
 

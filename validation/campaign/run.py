@@ -25,7 +25,7 @@ from validation.campaign.table import Key, Row, row_of, row_text, version
 from validation.campaign.verdict import CRITICAL, JUMP, REFUSED, UNEXPLAINED, VERIFIED, Verdict, reached
 from validation.campaign.wire import WireForces
 from validation.campaign.wirejump import verify_jump
-from validation.study.output import prepare
+from validation.study.files import prepare
 from validation.study.provenance import write_provenance
 
 CHUNK = {"b": 8, "w": 1}  # cases handed to a worker at a time

@@ -12,8 +12,8 @@ import pandas as pd
 from coilspring import EquilibriumPath
 from validation.campaign.scenes import Case
 from validation.campaign.verdict import Verdict
+from validation.study.files import write_text, writing
 from validation.study.keys import digest, source_files
-from validation.study.output import write_text, writing
 
 NUMBERS = (
     "residual", "whole", "least", "normal", "friction", "branch", "bracket", "critical_shift", "passed",

@@ -29,6 +29,7 @@ from validation.cli.arguments import (
 )
 from validation.cli.terminal import announcing, deviation, digest, notes, progress_shown, say, warn
 from validation.study import output
+from validation.study.files import OutputError, claimed, json_bytes, json_text, prepare
 from validation.study.partialsolve import EndedEarly, partial_path
 from validation.study.scenewarnings import warnings
 
@@ -51,7 +52,7 @@ def main(argv: Sequence[str] | None = None) -> int:
         return _fail(NOT_COMPLETED, f"{error.path.scene.name}: {error.path.model}: {error.message}")
     except EndedEarly as error:
         return _fail(NOT_COMPLETED, str(error))
-    except output.OutputError as error:
+    except OutputError as error:
         return _fail(NOT_WRITTEN, str(error))
     except KeyboardInterrupt as stop:
         return _fail(INTERRUPTED, ": ".join(("interrupted", *map(str, stop.args))))
@@ -77,7 +78,7 @@ def check(arguments: argparse.Namespace) -> int:
     lines += [f"warning: {warning}" for warning in warnings]
     if arguments.draw or arguments.out:
         folder = _folder(arguments)
-        output.prepare(folder)
+        prepare(folder)
         from validation.view.drawing import draw
 
         draw(scene, folder / "spring.png")
@@ -94,7 +95,7 @@ def solve(arguments: argparse.Namespace) -> int:
     if count is not None:
         require_integer("frequencies", count, 1, MOST_FREQUENCIES)
     folder = _folder(arguments)
-    with output.claimed(folder):
+    with claimed(folder):
         with progress_shown(arguments.quiet) as progress:
             path = _run(scene, model, arguments, progress)
         found, lines = output.summary(path), digest(path)
@@ -115,7 +116,7 @@ def solve(arguments: argparse.Namespace) -> int:
         for name, make in output.WIRE_FILES.items() if len(path.times) else ():
             files |= make(path) if getattr(arguments, name) else {}
         if any(name.startswith("wire/") for name in files):
-            output.prepare(folder / "wire")
+            prepare(folder / "wire")
         lines += [f"written to {folder}", *output.replaced(folder, found)]
         lines += output.write_runs({folder: files})
     return _concluded(arguments, found, lines, path)
@@ -129,7 +130,7 @@ def compare(arguments: argparse.Namespace) -> int:
     folder = _folder(arguments)
     with ExitStack() as claims:
         for each in (folder, *(folder / model for model in MODEL_OPTIONS)):
-            claims.enter_context(output.claimed(each))
+            claims.enter_context(claimed(each))
         with progress_shown(arguments.quiet) as progress:
             paths = {model: _run(scene, model, arguments, progress) for model in MODEL_OPTIONS}
             told = paths if curve is None else _told(paths, curve, arguments, progress)
@@ -147,7 +148,7 @@ def compare(arguments: argparse.Namespace) -> int:
             found["measured"] = {"file": arguments.measured, **difference.summary(told, curve)}
         pictures, lines = _pictures(arguments.draw, scene, paths, told, curve)
         lines += [f"written to {folder}"]
-        runs = {folder: {"compare.json": output.json_bytes(found), **pictures}}
+        runs = {folder: {"compare.json": json_bytes(found), **pictures}}
         for model, path in paths.items():
             summary = output.summary(path)
             runs[folder / model] = output.path_files(path, summary)
@@ -252,7 +253,7 @@ def _concluded(arguments: argparse.Namespace, found: dict, lines: list[str], *pa
     What makes the scene doubtful is said on stderr unless JSON holds it; so is what was not completed.
     """
     if arguments.json:
-        say(output.json_text(found))
+        say(json_text(found))
     elif not arguments.quiet:
         for warning in found["warnings"]:
             warn(f"warning: {warning}")

@@ -25,7 +25,8 @@ from validation.cli.arguments import (
     scenes_of,
 )
 from validation.cli.terminal import announcing
-from validation.study.output import claimed, json_bytes, prepare, write_files, write_runs, write_text, writing
+from validation.study.files import claimed, json_bytes, prepare, write_files, write_text, writing
+from validation.study.output import write_runs
 
 Progress = Callable[[str], None]
 Answer = tuple[list[str], str]

@@ -12,7 +12,8 @@ import numpy as np
 from coilspring import EquilibriumPath, Scene
 from coilspring.curves import Comparison, answered
 from coilspring.words import counted
-from validation.study.output import largest_stress, writing
+from validation.study.files import writing
+from validation.study.output import largest_stress
 
 LIMIT_POINTS = {  # by whether UY is prescribed
     False: "a limit point is where the load is largest: to go on, prescribe load.displacement",

@@ -11,8 +11,8 @@ import numpy as np
 from coilspring import CATALOGUE
 from validation.peers.comparison import PeerComparison, compare
 from validation.study import template
+from validation.study.files import write_text
 from validation.study.machine import machine, versions
-from validation.study.output import write_text
 
 FOLDER = Path("reports", "referee")
 

@@ -23,7 +23,7 @@ from validation.regress import baselines, timeratios
 from validation.regress.baselines import Quantities, Run, find, made, read, runs, runs_of
 from validation.study.cases import make_ready
 from validation.study.document import Table
-from validation.study.output import claimed, write_text
+from validation.study.files import claimed, write_text
 
 SCENE = "scene.toml"  # beside the baselines of a user's scene: what they are of
 FORCES = ("contact_force", "contact_moment", "max_penetration")

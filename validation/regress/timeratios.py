@@ -11,7 +11,7 @@ import numpy as np
 from coilspring import EquilibriumNotFound, EquilibriumPath, InputError, Scene
 from validation.regress.baselines import made
 from validation.study.cases import CASES, solve_beam, solve_wire
-from validation.study.output import json_bytes, write_bytes
+from validation.study.files import json_bytes, write_bytes
 from validation.study.timing import announced, interleaved, median_of
 
 FILE = "times.json"

@@ -18,7 +18,7 @@ from validation.reproduce.curves import TIPS, both_models, iteration_counts
 from validation.study import frames
 from validation.study.cases import PathStore
 from validation.study.document import Table
-from validation.study.output import FACTS, json_bytes, write_files
+from validation.study.files import FACTS, json_bytes, write_files
 from validation.study.provenance import FILE, provenance
 from validation.view import htmlscene, shapes
 from validation.view.process import Drawing

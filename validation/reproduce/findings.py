@@ -13,7 +13,7 @@ from typing import Any
 
 from coilspring.pathfile import MODELS
 from validation.reproduce.claims import CASE_NAMES, FUNCTIONS
-from validation.study.output import FACTS, write_text
+from validation.study.files import FACTS, write_text
 from validation.study.template import Facts, page, template
 
 ROOT = Path(__file__).parents[2]  # of a checkout

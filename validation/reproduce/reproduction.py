@@ -19,9 +19,9 @@ from coilspring import InputError
 from coilspring.errors import require_names
 from validation.reproduce import ARTEFACTS
 from validation.reproduce.assembly import PAGE, assemble
+from validation.study.files import prepare, write_files, writing
 from validation.study.keys import key, sources
 from validation.study.machine import machine, versions
-from validation.study.output import prepare, write_files, writing
 from validation.study.provenance import MODELS
 from validation.study.store import Store, default_folder
 from validation.view.htmlscene import FILE, is_made, require_extra

@@ -18,8 +18,8 @@ from coilspring.curves import COMPONENTS, peaks
 from validation.sensitivity.inputs import BEAM, MODELS, WIRE, OpenInput, Variant
 from validation.sensitivity.topheight import TipCurve, raised
 from validation.study.cases import CASES, PathStore
+from validation.study.files import write_text
 from validation.study.frames import formatted
-from validation.study.output import write_text
 from validation.study.partialsolve import ending
 
 NO_INPUT, COMPLETED = "not an input", "completed"

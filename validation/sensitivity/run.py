@@ -18,7 +18,7 @@ from validation.sensitivity.changes import CURVE, DEVIATION, Study
 from validation.sensitivity.inputs import INPUTS, KINDS, MODELS, NAMES, OPEN, SILENT, VARIED, inputs_of
 from validation.study.cases import CASES, make_ready
 from validation.study.document import Table
-from validation.study.output import prepare, write_text
+from validation.study.files import prepare, write_text
 from validation.study.partialsolve import EndedEarly, ending
 from validation.study.provenance import write_provenance
 from validation.study.template import page, template

@@ -13,7 +13,7 @@ from matplotlib.patches import Patch
 
 from validation.sensitivity.changes import COMPLETED, CURVE, Study, sizes, values
 from validation.sensitivity.inputs import AGAINST, BEAM, MODELS, WIRE, OpenInput
-from validation.study.output import write_files
+from validation.study.files import write_files
 from validation.study.plots import drawn, lettered
 from validation.study.style import BEAM_LABEL, BLUE, DOUBLE, RC, RED, WIRE_LABEL
 

@@ -21,8 +21,8 @@ from validation.solid.comparison import COILS as COILS_RUN
 from validation.solid.comparison import DIRECTIONS, KINDS, SOLVERS, solved
 from validation.solid.runs import FOLDER
 from validation.study import template
+from validation.study.files import write_facts, write_text
 from validation.study.frames import Format, frame_table, read_csv, write_csv
-from validation.study.output import write_facts, write_text
 from validation.study.partialsolve import ending
 
 INDICES = (3.0, 4.0, 5.0, 20.0 / 3.0, 8.0, 10.0, 15.0)

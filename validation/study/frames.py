@@ -8,7 +8,7 @@ from typing import Any
 import pandas as pd
 
 from validation.study.document import Table
-from validation.study.output import write_bytes
+from validation.study.files import write_bytes
 
 Format = str | Callable[[Any], str]  # as str.format takes it, or a function of the value
 

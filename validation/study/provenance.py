@@ -4,9 +4,9 @@ import json
 from pathlib import Path
 
 from validation.study.document import Table
+from validation.study.files import write_bytes
 from validation.study.keys import sources
 from validation.study.machine import machine
-from validation.study.output import write_bytes
 
 FILE = "provenance.json"
 MODELS = ("coilspring", "equivbeam", "wirefe")

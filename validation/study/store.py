@@ -12,7 +12,7 @@ from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 
-from validation.study.output import OutputError, write_bytes, writing
+from validation.study.files import OutputError, write_bytes, writing
 
 VARIABLE = "COILCHECK_STORE"
 MOST_BYTES = 256 * 2**20

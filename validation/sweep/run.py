@@ -18,9 +18,9 @@ from coilspring.curves import COMPONENTS
 from coilspring.solver.interface import Kernels
 from coilspring.sweep import CRASHED, REFUSED, Outcome, outcomes_as_they_come
 from coilspring.words import counted
+from validation.study.files import content_of, json_bytes, keep, write_bytes, write_text, writing
 from validation.study.keys import run_key
 from validation.study.machine import versions
-from validation.study.output import content_of, json_bytes, keep, write_bytes, write_text, writing
 from validation.study.texts import number_of
 from validation.sweep.grid import Point, Varied, points
 

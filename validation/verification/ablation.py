@@ -22,8 +22,8 @@ from equivbeam import Refinements
 from validation.study import template
 from validation.study.cases import CASES, turned
 from validation.study.document import Table
+from validation.study.files import write_facts, write_text
 from validation.study.frames import frame_table, write_csv
-from validation.study.output import write_facts, write_text
 from validation.study.partialsolve import partial_path
 from validation.study.provenance import write_provenance
 from validation.study.scenes import EXACT_ROD

@@ -10,7 +10,7 @@ from coilspring import Material
 from coilspring.scene.solidwire import flexibility
 from coilspring.scene.wire import SHEAR_FACTOR
 from validation.study import template
-from validation.study.output import write_facts, write_text
+from validation.study.files import write_facts, write_text
 from validation.verification import rodcases, springcases
 
 PAGE, RECORD = Path("docs/validation.md"), Path("reports/verification")

@@ -14,7 +14,7 @@ from scipy.spatial import cKDTree
 import wirefe
 from coilspring import Contact, EquilibriumPath, Load, Scene, load_scene, spring_a, spring_b
 from validation.study import template
-from validation.study.output import write_facts, write_text
+from validation.study.files import write_facts, write_text
 from validation.study.partialsolve import partial_path
 from wirefe.contact.points import ContactArrays
 from wirefe.results.shape import contact_centres

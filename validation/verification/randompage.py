@@ -13,9 +13,9 @@ from matplotlib.lines import Line2D
 from scipy.stats import binom
 
 from validation.study import template
+from validation.study.files import write_bytes
 from validation.study.frames import frame_table
 from validation.study.metrics import CONFIDENCE
-from validation.study.output import write_bytes
 from validation.study.plots import png
 from validation.study.style import BLUE, DOUBLE, GREY, NAVY, RC
 from validation.verification import randomscenes, randomsprings

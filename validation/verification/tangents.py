@@ -8,8 +8,8 @@ import pandas as pd
 import equivbeam
 from coilspring import EquilibriumPath, Scene, load_scene
 from validation.study import template
+from validation.study.files import write_facts, write_text
 from validation.study.frames import frame_table
-from validation.study.output import write_facts, write_text
 from validation.study.partialsolve import partial_path
 from validation.study.timing import interleaved
 

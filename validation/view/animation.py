@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from coilspring import InputError
-from validation.study.output import TEMPORARY, write_bytes, writing
+from validation.study.files import TEMPORARY, write_bytes, writing
 from validation.view.frames import Frames
 from validation.view.process import Drawing
 

@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 
 from coilspring import Scene, Spring
 from coilspring.scene.sizing import along, sizes
-from validation.study.output import write_bytes
+from validation.study.files import write_bytes
 from validation.study.plots import discs, png, to_scale
 from validation.study.style import BLUE, DOUBLE, RC, RED
 

@@ -10,7 +10,7 @@ from contextlib import ExitStack, suppress
 from pathlib import Path
 from typing import Any, Self
 
-from validation.study.output import TEMPORARY, writing
+from validation.study.files import TEMPORARY, writing
 
 COMMAND = (sys.executable, "-m", "validation.view.pictures")
 GIVEN = "given.pickle"

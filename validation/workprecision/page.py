@@ -14,8 +14,8 @@ from equivbeam.laws import LAWS
 from validation.study import provenance
 from validation.study.cases import CASES
 from validation.study.document import Table
+from validation.study.files import write_files, write_text
 from validation.study.frames import view
-from validation.study.output import write_files, write_text
 from validation.study.template import page, template
 from validation.study.timing import spread
 from validation.workprecision import results

@@ -21,8 +21,8 @@ from coilspring.curves import compare_curves, compare_paths, peaks
 from coilspring.errors import require_names
 from validation.peers.comparison import opensees
 from validation.study.cases import make_ready, solve_beam, solve_wire
+from validation.study.files import prepare, write_files
 from validation.study.machine import versions
-from validation.study.output import prepare, write_files
 from validation.study.partialsolve import partial_path
 from validation.study.provenance import write_provenance
 from validation.study.scenes import EXACT_ROD, study_scenes
