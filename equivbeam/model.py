@@ -14,11 +14,11 @@ from coilspring.scene import HELD_CHOICES, Scene
 from coilspring.solver.problem import Problem
 from coilspring.solver.stages import Top
 from equivbeam.band import ROW
+from equivbeam.halfcoils import half_coil_count
 from equivbeam.laws import LAWS, USER, law_rows
 from equivbeam.laws.haringx import L0
 from equivbeam.laws.helix import Refinements
 from equivbeam.options import EXACT, TANGENTS, BeamOptions
-from equivbeam.stations import half_coil_count
 
 PAIRS_PER_TURN = 2
 ALL = Refinements()

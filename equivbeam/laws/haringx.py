@@ -12,7 +12,7 @@ from coilspring.scene.material import Material
 from coilspring.scene.solidwire import coil_section, half_ring
 from coilspring.scene.spring import Spring
 from equivbeam.element import Response
-from equivbeam.stations import half_coils
+from equivbeam.halfcoils import half_coils
 
 KAX, KSH, KFL, L0 = range(4)
 

@@ -44,8 +44,8 @@ from coilspring.scene.solidwire import coil_section
 from coilspring.scene.spring import Spring
 from coilspring.words import shown
 from equivbeam.element import Response
+from equivbeam.halfcoils import HalfCoils, half_coils
 from equivbeam.laws.haringx import KAX, haringx_stiffness
-from equivbeam.stations import Stations, half_coils
 
 # columns of the table of parameters; B0.. and H0.. are the polynomials of (B10) and (B11) in x, G1.. the
 # series of u - u0 in l/s - l0/s, from which (B8) is solved
@@ -262,7 +262,7 @@ def helix_rows(spring: Spring, material: Material, refinements: Refinements) -> 
     return rows
 
 
-def _set_ends(rows: np.ndarray, spring: Spring, at: Stations) -> None:
+def _set_ends(rows: np.ndarray, spring: Spring, at: HalfCoils) -> None:
     """Set the factors in (B12) and (B13); subtract from the flexibilities what the length contributes."""
     x, weight = np.polynomial.legendre.leggauss(POINTS)
     phi = at.middles[:, None] + 0.5 * math.pi * x
@@ -282,7 +282,7 @@ def _set_ends(rows: np.ndarray, spring: Spring, at: Stations) -> None:
         row[B0] -= min((row[TILT] * turn) ** 2 * soft, MOST_TAKEN * bending)
 
 
-def _wound_rows(spring: Spring, material: Material, on: Refinements, at: Stations) -> np.ndarray:
+def _wound_rows(spring: Spring, material: Material, on: Refinements, at: HalfCoils) -> np.ndarray:
     """Parameters of the half coils by wire theory; the range is not set."""
     radius = radii(spring, at, on.taper)
     c = at.lengths / math.pi
@@ -306,7 +306,7 @@ def _wound_rows(spring: Spring, material: Material, on: Refinements, at: Station
     return rows
 
 
-def radii(spring: Spring, at: Stations, taper: bool) -> np.ndarray:
+def radii(spring: Spring, at: HalfCoils, taper: bool) -> np.ndarray:
     """Radius of the wire between stations: in the middle, or the one whose cube is the mean of r^3.
 
     The mean is Simpson's, exact unless two sections meet there.

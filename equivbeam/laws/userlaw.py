@@ -31,10 +31,10 @@ from coilspring.scene.material import Material
 from coilspring.scene.spring import Spring
 from coilspring.words import shown
 from equivbeam.element import Response
+from equivbeam.halfcoils import half_coils
 from equivbeam.laws import jets
 from equivbeam.laws.haringx import KAX, KFL, KSH, L0
 from equivbeam.laws.lawchecks import checked_rest, state_text
-from equivbeam.stations import half_coils
 
 FIRST = 4  # column of the first parameter: stiffnesses and length at rest come before
 DIGITS = 16  # of a digest, in the name of a law

@@ -11,7 +11,7 @@ from coilspring.errors import InputError
 from coilspring.scene.spring import Spring
 
 
-class Stations(NamedTuple):
+class HalfCoils(NamedTuple):
     """Phases of the nodes, from 0 to the last active point, and what is between them."""
 
     phases: np.ndarray  # (n + 1,) of the nodes, rad
@@ -30,10 +30,10 @@ def half_coil_count(spring: Spring) -> int:
     return count
 
 
-def half_coils(spring: Spring) -> Stations:
+def half_coils(spring: Spring) -> HalfCoils:
     """Nodes at phases k pi, where a wire that starts in the working plane crosses it."""
     count = half_coil_count(spring)
     phases = np.arange(count + 1) * math.pi
     # without sections half the pitch, without the rounding of differences
     lengths = np.diff(spring.height(phases)) if spring.sections else np.full(count, 0.5 * spring.pitch)
-    return Stations(phases, 0.5 * (phases[:-1] + phases[1:]), lengths)
+    return HalfCoils(phases, 0.5 * (phases[:-1] + phases[1:]), lengths)
