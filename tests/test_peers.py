@@ -15,7 +15,7 @@ from coilspring import Contact, InputError, Load, Scene, Spring, load_scene, sce
 from validation.cli import main
 from validation.peers import calculix, comparison, page
 from validation.peers.comparison import PeerComparison
-from validation.peers.layout import Curve, layout
+from validation.peers.layout import PeerCurve, layout
 from wirefe.contact.points import contact_points
 from wirefe.mesh import mesh_wire
 
@@ -174,7 +174,7 @@ def test_calculix_agrees_as_far_as_its_solids_are_beams(tmp_path):
 
 def test_referee_says_that_a_path_ended_early(tmp_path, monkeypatch, capsys):
     """Frictionless spheres of Spring B slide off each other: exit code 3, and why."""
-    curve = Curve("calculix", np.array([0.5]), np.array([[0.0, -10.0, 0.0]]), 1.0)
+    curve = PeerCurve("calculix", np.array([0.5]), np.array([[0.0, -10.0, 0.0]]), 1.0)
     monkeypatch.setitem(comparison.PEERS, "calculix", lambda scene: curve)
     arguments = ["referee", "spring-b", "--with", "calculix", "--steps", "2", "--out", str(tmp_path)]
     assert main(arguments) == 3
@@ -265,7 +265,7 @@ def test_contact_of_wires_is_refused_with_what_takes_its_place():
 def compared(steps, reached, factor=1.0):
     """Spring B by the wire model, and a peer that answers the same times a factor, as far as it goes."""
     wire = wirefe.solve(spring_b(), steps=steps)
-    curve = Curve("opensees", wire.times[:reached], factor * wire.tips[:reached], 2.0)
+    curve = PeerCurve("opensees", wire.times[:reached], factor * wire.tips[:reached], 2.0)
     return PeerComparison(spring_b().with_steps(steps), wire, curve)
 
 

@@ -51,7 +51,7 @@ def test_population():
 
 
 def errors(path, wire):
-    return randomsprings.curve_errors(randomsprings.Curve.of(path), randomsprings.Curve.of(wire))
+    return randomsprings.curve_errors(randomsprings.Answers.of(path), randomsprings.Answers.of(wire))
 
 
 def fake(tips, displacement=(), loads=None):

@@ -31,7 +31,7 @@ from validation.solid.section import disk, solve, transport
 from validation.solid.table import helix, inner_stress
 from validation.study import template
 from validation.verification.accuracy import EXACT_RING
-from validation.verification.rodcases import Arc
+from validation.verification.rodcases import CircularArc
 from wirefe.results.linear import tip_flexibility
 
 STEEL = Material()
@@ -112,7 +112,7 @@ def ring_of_wire(index, elements):
     """Axial deflection of a turn of curved elements, closed in a plane, over the textbook's."""
     F = flexibility(np.array([2.0 / index]), np.zeros(1), 1.0, UNIT)
     angles, radius = np.linspace(0.0, 2.0 * math.pi, elements + 1), index / 2.0
-    arc = Arc(radius, (1.0, 0.0, 0.0), (0.0, 1.0, 0.0))
+    arc = CircularArc(radius, (1.0, 0.0, 0.0), (0.0, 1.0, 0.0))
     rod = wirefe.curved_rod(arc, angles, lambda at: np.repeat(F, len(at), axis=0))
     return tip_flexibility(rod, np.zeros(3))[2, 2] * UNIT.G / (8.0 * index**3)
 

@@ -19,7 +19,7 @@ from validation.study.timing import interleaved, median_of
 from validation.verification.ablation import CONVERGED
 from validation.verification.randompage import CLASSES, classified
 from validation.verification.randomscenes import KINDS, population
-from validation.verification.randomsprings import COMPONENTS, LAWS, Curve, closed, law_row, reference
+from validation.verification.randomsprings import COMPONENTS, LAWS, Answers, closed, law_row, reference
 
 LAW = "law"  # the user's, among the names of laws
 BAD = 5.0  # per cent of the tip vector, from which on a law counts as broken
@@ -106,7 +106,7 @@ def wire_curves(seed: int, kind: str, each: int) -> list[Row]:
         row |= {"wire": wire.outcome, "times": wire.times.tolist()}
         row["answers"] = {name: values.tolist() for name, values in answered(wire).items()}
         for law in LAWS:
-            row |= law_row(law, law, scene, Curve.of(wire))
+            row |= law_row(law, law, scene, Answers.of(wire))
         found.append(row)
     return found
 
@@ -117,7 +117,7 @@ def law_errors(law: UserLaw, rows: list[Row], each: int) -> list[Row]:
     springs = population(rows[0]["seed"], each, (rows[0]["kind"],)) if rows else ()
     for row, drawn in zip(rows, springs, strict=True):
         answers = {name: np.array(values) for name, values in row["answers"].items()}
-        wire = Curve(drawn.scene, np.array(row["times"]), answers)
+        wire = Answers(drawn.scene, np.array(row["times"]), answers)
         plain = {name: value for name, value in row.items() if name not in ("times", "answers")}
         found.append(plain | law_row(LAW, law, drawn.scene, wire))
     return found

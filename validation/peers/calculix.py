@@ -14,7 +14,7 @@ from pathlib import Path
 import numpy as np
 
 from coilspring import InputError, Scene
-from validation.peers.layout import NODES_PER_TURN, Curve, amplitudes, layout, refuse
+from validation.peers.layout import NODES_PER_TURN, PeerCurve, amplitudes, layout, refuse
 from validation.study.template import template
 
 STIFF = 1e4  # modulus of the stiff beams over the wire's
@@ -71,12 +71,12 @@ def row(first: object, values: Sequence[float]) -> str:
 DECK = template(Path(__file__).with_name("calculix.inp"), [row])
 
 
-def run(scene: Scene) -> Curve:
+def run(scene: Scene) -> PeerCurve:
     """Load curve by the installed ``ccx``, as far as it gets; `InputError` where it is missing."""
     text, seconds = execute(deck(scene))
     times, tips, reaction = read(text, POINTER * scene.spring.wire_diameter)
     times = np.rint(times * scene.load.rows) / scene.load.rows  # which it prints with seven digits
-    return Curve("calculix", times, tips, seconds, reaction=reaction if scene.load.displacement else None)
+    return PeerCurve("calculix", times, tips, seconds, reaction=reaction if scene.load.displacement else None)
 
 
 def execute(deck: str) -> tuple[str, float]:

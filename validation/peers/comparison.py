@@ -10,7 +10,7 @@ import wirefe
 from coilspring import EquilibriumPath, InputError, Scene
 from coilspring.curves import answered, peaks, stacked
 from validation.peers import calculix
-from validation.peers.layout import NODES_PER_TURN, Curve, layout, refuse
+from validation.peers.layout import NODES_PER_TURN, PeerCurve, layout, refuse
 from validation.study.partialsolve import partial_path
 
 MISSING = (
@@ -27,7 +27,7 @@ class PeerComparison:
 
     scene: Scene  # what both have solved
     wire: EquilibriumPath  # of the wire model, complete or not
-    peer: Curve  # complete or not
+    peer: PeerCurve  # complete or not
     remark: str = ""  # in what the scene differs from the one asked for
 
     @property
@@ -109,7 +109,7 @@ def opensees() -> ModuleType | None:
     return module
 
 
-def _opensees(scene: Scene) -> Curve:
+def _opensees(scene: Scene) -> PeerCurve:
     module = opensees()
     if module is None:
         refuse(scene, "opensees")  # before anyone installs it for nothing
@@ -118,4 +118,4 @@ def _opensees(scene: Scene) -> Curve:
     return module.run(scene, scene.load.steps, module.tolerance(scene))
 
 
-PEERS: dict[str, Callable[[Scene], Curve]] = {"opensees": _opensees, "calculix": calculix.run}
+PEERS: dict[str, Callable[[Scene], PeerCurve]] = {"opensees": _opensees, "calculix": calculix.run}

@@ -14,7 +14,7 @@ NODES_PER_TURN = 40
 
 
 @dataclass(frozen=True)
-class Curve:
+class PeerCurve:
     """Load curve of one code, as far as it was reached."""
 
     code: str  # its name

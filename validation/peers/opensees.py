@@ -31,7 +31,7 @@ from coilspring import Scene
 from coilspring.scene.load import stage_ends
 from coilspring.scene.sizing import axial_rate
 from coilspring.scene.wire import SHEAR_FACTOR
-from validation.peers.layout import NODES_PER_TURN, Curve, amplitudes, layout, refuse
+from validation.peers.layout import NODES_PER_TURN, PeerCurve, amplitudes, layout, refuse
 
 TOLERANCE = 1e-10  # of the energy test, over a bound of the load's work
 STIFF = 1e4  # sections of the stiff beams over the wire's; 1e2 to 1e6 move Spring A's tip by 1e-5
@@ -193,7 +193,7 @@ def run(
     tolerance: float,
     halvings: int = HALVINGS,
     elements_per_turn: int = NODES_PER_TURN,
-) -> Curve:
+) -> PeerCurve:
     """Build the scene's model and load it in equal steps of each stage; `InputError` where it is refused.
 
     `tolerance`: energy increment below which a step has converged, N mm; `halvings` of one that has not.
@@ -224,7 +224,7 @@ def run(
         ops.wipe()
     times = np.arange(1, len(tips) + 1) / rows
     reaction = np.array(reactions) if scene.load.displacement else None
-    return Curve("opensees", times, np.array(tips).reshape(-1, 3), seconds, iterations, reaction)
+    return PeerCurve("opensees", times, np.array(tips).reshape(-1, 3), seconds, iterations, reaction)
 
 
 def _advance(builder: _Builder, begin: float, end: float, halvings: int) -> int | None:

@@ -46,10 +46,10 @@ def row(drawn: Drawn) -> dict[str, Any]:
         **{"index": diameter / spring.wire_diameter, "coils": spring.active_coils},
         **{"slenderness": spring.active_height / diameter, "phase": math.degrees(spring.start_phase)},
         **{"contact": scene.contact.enabled, "closed": closed(wire), "wire": wire.outcome},
-        "reference": curve_errors(Curve.of(other), Curve.of(wire))["vector"],
+        "reference": curve_errors(Answers.of(other), Answers.of(wire))["vector"],
     }
     for law in LAWS:
-        found |= law_row(law, law, scene, Curve.of(wire))
+        found |= law_row(law, law, scene, Answers.of(wire))
     return found
 
 
@@ -68,7 +68,7 @@ def closed(wire: EquilibriumPath) -> int:
     return max((len(np.unique(quarters[gaps < 0.0])) for gaps in wire.gaps), default=0)
 
 
-class Curve(NamedTuple):
+class Answers(NamedTuple):
     """What a scene's path answers to its load: see `coilspring.curves.answered`."""
 
     scene: Scene
@@ -76,19 +76,19 @@ class Curve(NamedTuple):
     answers: Mapping[str, np.ndarray]
 
     @classmethod
-    def of(cls, path: EquilibriumPath) -> Curve:
+    def of(cls, path: EquilibriumPath) -> Answers:
         """The curve of a path."""
         return cls(path.scene, path.times, answered(path))
 
 
-def law_row(name: str, law: str | UserLaw, scene: Scene, wire: Curve) -> dict[str, Any]:
+def law_row(name: str, law: str | UserLaw, scene: Scene, wire: Answers) -> dict[str, Any]:
     """Outcome and errors of a law on a spring, by columns of the law's name."""
     path = partial_path(equivbeam.solve, scene, law=law)
-    found = curve_errors(Curve.of(path), wire)
+    found = curve_errors(Answers.of(path), wire)
     return {name: path.outcome} | {f"{name}_{key}": value for key, value in found.items()}
 
 
-def curve_errors(path: Curve, wire: Curve) -> dict[str, float]:
+def curve_errors(path: Answers, wire: Answers) -> dict[str, float]:
     """Largest errors as far as both paths go, over the wire model's peak there, per cent.
 
     ``vector`` is of the displacement (UX, UY), or of the axial force where UY is prescribed; the others of a

@@ -26,7 +26,7 @@ CONVERGED = 1e-9  # of the helix radius
 LEE, ARCH = 3.0, 1000.0  # loads of Lee's frame and of the arch
 
 
-class Arc(NamedTuple):
+class CircularArc(NamedTuple):
     """Circular arc in a plane: `radius` times (cos, sin) of the angle, along two axes."""
 
     radius: float
@@ -65,7 +65,8 @@ def critical_load(rod: wirefe.Rod, load: float) -> float:
 
 def bend(elements: int, force: float) -> np.ndarray:
     """Tip of a 45 degree bend under a force out of its plane."""
-    section, arc = Section(1e7, 5e6 * 5 / 6, 5e6 / 6, 1e7 / 12), Arc(100.0, (-1.0, 0.0, 0.0), (0.0, 1.0, 0.0))
+    section = Section(1e7, 5e6 * 5 / 6, 5e6 / 6, 1e7 / 12)
+    arc = CircularArc(100.0, (-1.0, 0.0, 0.0), (0.0, 1.0, 0.0))
     rod = wirefe.curved_rod(arc, np.linspace(0.0, np.pi / 4, elements + 1), section).holding(0)
     return tip(rod.loaded(-1, force=(0.0, 0.0, force)), steps=4)
 
@@ -78,7 +79,7 @@ def rolling(elements: int) -> wirefe.Rod:
 
 def unrolling(elements: int) -> wirefe.Rod:
     """Circle that a moment straightens."""
-    arc = Arc(10.0 / (2 * np.pi), (0.0, -1.0, 0.0), (1.0, 0.0, 0.0))
+    arc = CircularArc(10.0 / (2 * np.pi), (0.0, -1.0, 0.0), (1.0, 0.0, 0.0))
     phases, section = np.linspace(0.0, 2 * np.pi, elements + 1), Section(1200.0, 500.0, 100.0, 100.0)
     rod = wirefe.curved_rod(arc, phases, section).holding(0).in_plane()
     return rod.loaded(-1, moment=(0.0, 0.0, -20 * np.pi))
@@ -114,7 +115,7 @@ def arch(elements: int) -> wirefe.Rod:
 
     Its angle is the one that fits the published load: with 145 degrees there is no critical load.
     """
-    half, arc = np.radians(215.0) / 2, Arc(100.0, (0.0, 1.0, 0.0), (1.0, 0.0, 0.0))
+    half, arc = np.radians(215.0) / 2, CircularArc(100.0, (0.0, 1.0, 0.0), (1.0, 0.0, 0.0))
     phases = np.linspace(-half, half, elements + 1)
     rod = wirefe.curved_rod(arc, phases, Section(1e8, 1e8, 1e6, 1e6)).in_plane()
     rod = rod.holding(0).holding(elements, "ux", "uy")
