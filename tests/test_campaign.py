@@ -308,6 +308,21 @@ def test_a_reaction_or_a_top_elsewhere_is_caught(case, kind):
     assert not found or words[kind][case.model == "wirefe"] in found[0]
 
 
+@pytest.mark.parametrize("case", PRESSED, ids=["haringx", "helix", "wire"])
+@pytest.mark.parametrize("wrong", [False, True])
+def test_another_force_of_the_guide_is_caught(case, wrong):
+    guided = replace(case, scene=replace(case.scene, supports=Supports(("ux", "rotz"))))
+    path, verdict = reached(guided), Verdict()
+    assert path.outcome == "completed"
+    if wrong:
+        path.__dict__["loads"] = path.loads + [1e-3 * abs(path.loads[-1, 1]), 0.0]
+    if case.model == "equivbeam":
+        verify_states(verdict, BeamEnergy(guided.scene, str(path.options["law"])), path)
+    else:
+        verify_row(verdict, WireForces(guided.scene, **SMALL), path, -1)
+    assert bool(verdict.complaints) == wrong
+
+
 GUIDED = Scene(
     "guided", Spring(2.0, (16.0, 16.0), 20.0, 100.0), Load((0.0, -1.0)), supports=Supports(("ux", "rotz"))
 )
