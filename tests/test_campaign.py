@@ -315,7 +315,7 @@ def test_another_force_of_the_guide_is_caught(case, wrong):
     path, verdict = reached(guided), Verdict()
     assert path.outcome == "completed"
     if wrong:
-        path.__dict__["loads"] = path.loads + [1e-3 * abs(path.loads[-1, 1]), 0.0]
+        path.__dict__["loads"] = path.loads + np.array([1e-3 * abs(path.loads[-1, 1]), 0.0])
     if case.model == "equivbeam":
         verify_states(verdict, BeamEnergy(guided.scene, str(path.options["law"])), path)
     else:
