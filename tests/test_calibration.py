@@ -713,8 +713,20 @@ def test_a_curve_without_the_deflection_along_the_load_is_fitted_but_not_drawn(t
     """It was fitted, and then refused."""
     table = equivbeam.solve(spring_a(), steps=10).table[["time", "rotz", "load_y"]]
     table.to_csv(tmp_path / "turns.csv", index=False)
-    files, _ = run.calibrate(spring_a(), tmp_path / "turns.csv", ("axial",))
+    files, lines = run.calibrate(spring_a(), tmp_path / "turns.csv", ("axial",))
     assert set(files) == {"calibration.json", "calibrated.toml"}
+    assert lines[-1].startswith("calibration.png is not drawn: ")
+
+
+def test_a_curve_that_can_be_fitted_but_is_no_force_over_deflection_is_not_drawn(tmp_path):
+    """Displacements at the scene's own load are fitted whatever they are; the refusal cost the fit."""
+    scene = replace(spring_a().without_contact(), load=Load((0.0, -4.0), steps=10))
+    table = equivbeam.solve(scene).table[["time", "load_x", "load_y", "ux", "uy", "rotz"]]
+    table.loc[:2, "uy"] += 5.0 * table["uy"].abs().max()
+    table.to_csv(tmp_path / "shifted.csv", index=False)
+    files, lines = run.calibrate(scene, tmp_path / "shifted.csv", ("axial",))
+    assert set(files) == {"calibration.json", "calibrated.toml"}
+    assert f"calibration.png is not drawn: {tmp_path / 'shifted.csv'}" in lines[-1]
 
 
 def test_what_a_comparison_leaves_out_is_said(bench):

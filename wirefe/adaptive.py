@@ -42,7 +42,8 @@ AHEAD = 1.1  # below the error wanted is that of the mesh that is predicted to d
 NEXT, NEXT_ROUGH, NEXT_STATIONS = 2.0, 1.5, 1.25
 STRIDE, FAR = 1.5, 3.5  # times the last mesh, then, at least and at most: how errors fall is not known beyond
 BEYOND = 1.5  # times the finest mesh: what is predicted to take more is refused
-HALVINGS = 3  # of the substeps, at most, where friction makes the answer depend on them
+# Of the answer's substeps, at most, where friction makes it depend on them.
+HALVINGS = 3
 
 
 @dataclass

@@ -307,7 +307,7 @@ def _wound_rows(spring: Spring, material: Material, on: Refinements, at: HalfCoi
 
 
 def radii(spring: Spring, at: HalfCoils, taper: bool) -> np.ndarray:
-    """Radius of the wire between stations: in the middle, or the one whose cube is the mean of r^3.
+    """Radius of the wire between nodes: in the middle, or the one whose cube is the mean of r^3.
 
     The mean is Simpson's, exact unless two sections meet there.
     """

@@ -9,7 +9,7 @@ import numpy as np
 import pandas as pd
 
 import equivbeam
-from coilspring import Scene, scene_text
+from coilspring import InputError, Scene, scene_text
 from coilspring.benchfile import table_of
 from coilspring.measured import measured
 from coilspring.words import plain
@@ -30,18 +30,22 @@ def calibrate(
 
     `file`: see `coilspring.benchfile`; `names`: see `equivbeam.calibrate`; `options`: of `equivbeam.solve`.
     """
-    table = table_of(file)
     found = equivbeam.calibrate(scene, file, names, **options)
     files = {
         "calibration.json": json_bytes(_summary(scene, file, found)),
         "calibrated.toml": _text(found.scene, names).encode(),
     }
     lines = [*str(found).splitlines(), *_remarks(scene, found)]
-    if _is_along_load(table, scene):
-        more, said = _beside_curve(scene, table, found, options)
-        files |= more
-        lines += said
-    return files, lines
+    undrawn = undirected(scene)
+    if not undrawn:
+        try:
+            more, said = _beside_curve(scene, file, found, options)
+        except InputError as error:  # a curve that can be fitted need not have force over deflection
+            undrawn = str(error)
+        else:
+            files |= more
+            lines += said
+    return files, [*lines, f"calibration.png is not drawn: {undrawn}"] if undrawn else lines
 
 
 def _summary(scene: Scene, file: str | Path, found: equivbeam.Calibration) -> dict[str, Any]:
@@ -87,27 +91,19 @@ def _remarks(scene: Scene, found: equivbeam.Calibration) -> list[str]:
     return lines
 
 
-def _is_along_load(table: dict[str, np.ndarray], scene: Scene) -> bool:
-    """Whether a curve has force and deflection in the direction of the scene's load."""
-    if undirected(scene):
-        return False
-    parts = zip(scene.direction, (("load_x", "ux"), ("load_y", "uy")), strict=True)
-    return "force" in table or all(name in table for part, names in parts if part for name in names)
-
-
 def _beside_curve(
-    scene: Scene, table: dict[str, np.ndarray], found: equivbeam.Calibration, options: dict[str, Any]
+    scene: Scene, file: str | Path, found: equivbeam.Calibration, options: dict[str, Any]
 ) -> tuple[dict[str, bytes], list[str]]:
     """The figure, the points of a curve of force and deflection, and what there is to say of them."""
     from validation.calibration.figure import FIT, load_curves
 
     offset = dict(zip(found.names, found.values, strict=True)).get("offset", 0.0)
-    curve = measured(table, scene, "offset" not in found.names).from_rest(offset, scene)
+    curve = measured(file, scene, "offset" not in found.names).from_rest(offset, scene)
     start = replace(scene, load=found.path.scene.load)
     paths = {"given": partial_path(equivbeam.solve, start, **options), "calibrated": found.path}
     files = {"calibration.png": load_curves(paths, curve, FIT)}
     lines = [f"warning: {doubt}" for doubt in curve.doubts]
-    if of_force(table, scene):
+    if of_force(table_of(file), scene):
         points = pd.DataFrame({"force": curve.force, "deflection": curve.deflection})
         files["measured.csv"] = to_csv(points, digits=9)
         lines += [curve.passed_over] * bool(curve.left_out)

@@ -77,7 +77,7 @@ class Answers(NamedTuple):
 
     @classmethod
     def of(cls, path: EquilibriumPath) -> Answers:
-        """The curve of a path."""
+        """What a path answers."""
         return cls(path.scene, path.times, answered(path))
 
 
