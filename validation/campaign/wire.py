@@ -65,9 +65,10 @@ class WireForces:
         all that holds the top, UX too."""
         total = self.element_forces(rows) + pairs.gradient(rows)
         total[-1, :2] -= load
-        known = self.fixed.copy()
-        known[-1, 0] &= not guided
-        return np.where(known, 0.0, total)
+        left = np.where(self.fixed, 0.0, total)
+        if guided:
+            left[-1, 0] = total[-1, 0]
+        return left
 
     def element_forces(self, rows: np.ndarray) -> np.ndarray:
         """Gradient (nodes, 6) of the strain energy in displacements and spins."""
