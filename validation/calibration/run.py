@@ -11,10 +11,9 @@ import pandas as pd
 import equivbeam
 from coilspring import InputError, Scene, scene_text
 from coilspring.benchfile import table_of
-from coilspring.measured import measured
+from coilspring.measured import Measured, measured
 from coilspring.words import plain
 from equivbeam.loadcurve import of_force
-from validation.calibration.difference import undirected
 from validation.study.files import json_bytes
 from validation.study.frames import to_csv
 from validation.study.machine import versions
@@ -36,16 +35,20 @@ def calibrate(
         "calibrated.toml": _text(found.scene, names).encode(),
     }
     lines = [*str(found).splitlines(), *_remarks(scene, found)]
-    undrawn = undirected(scene)
-    if not undrawn:
-        try:
-            more, said = _beside_curve(scene, file, found, options)
-        except InputError as error:  # a curve that can be fitted need not have force over deflection
-            undrawn = str(error)
-        else:
-            files |= more
-            lines += said
-    return files, [*lines, f"calibration.png is not drawn: {undrawn}"] if undrawn else lines
+    offset = dict(zip(found.names, found.values, strict=True)).get("offset", 0.0)
+    try:
+        curve = measured(file, scene, "offset" not in names).from_rest(offset, scene)
+    except InputError as error:  # a curve that can be fitted need not have force over deflection
+        return files, [*lines, f"calibration.png is not drawn: {error}"]
+    files["calibration.png"] = _figure(scene, curve, found, options)
+    lines += [f"warning: {doubt}" for doubt in curve.doubts]
+    if of_force(table_of(file), scene):
+        points = pd.DataFrame({"force": curve.force, "deflection": curve.deflection})
+        files["measured.csv"] = to_csv(points, digits=9)
+        lines += [curve.passed_over] * bool(curve.left_out)
+    if offset:
+        lines.append("measured.csv and the figure are without the offset: compare with that file")
+    return files, lines
 
 
 def _summary(scene: Scene, file: str | Path, found: equivbeam.Calibration) -> dict[str, Any]:
@@ -91,25 +94,13 @@ def _remarks(scene: Scene, found: equivbeam.Calibration) -> list[str]:
     return lines
 
 
-def _beside_curve(
-    scene: Scene, file: str | Path, found: equivbeam.Calibration, options: dict[str, Any]
-) -> tuple[dict[str, bytes], list[str]]:
-    """The figure, the points of a curve of force and deflection, and what there is to say of them."""
+def _figure(scene: Scene, curve: Measured, found: equivbeam.Calibration, options: dict[str, Any]) -> bytes:
+    """Force and rate over deflection of a curve from rest, and of the scene before and after the fit."""
     from validation.calibration.figure import FIT, load_curves
 
-    offset = dict(zip(found.names, found.values, strict=True)).get("offset", 0.0)
-    curve = measured(file, scene, "offset" not in found.names).from_rest(offset, scene)
     start = replace(scene, load=found.path.scene.load)
     paths = {"given": partial_path(equivbeam.solve, start, **options), "calibrated": found.path}
-    files = {"calibration.png": load_curves(paths, curve, FIT)}
-    lines = [f"warning: {doubt}" for doubt in curve.doubts]
-    if of_force(table_of(file), scene):
-        points = pd.DataFrame({"force": curve.force, "deflection": curve.deflection})
-        files["measured.csv"] = to_csv(points, digits=9)
-        lines += [curve.passed_over] * bool(curve.left_out)
-    if offset:
-        lines.append("measured.csv and the figure are without the offset: compare with that file")
-    return files, lines
+    return load_curves(paths, curve, FIT)
 
 
 def _text(scene: Scene, names: tuple[str, ...]) -> str:
