@@ -10,10 +10,10 @@ from functools import cache
 from importlib import import_module
 from typing import Any
 
+from coilspring.solver.bundles import bundled, compiled_bundle
 from coilspring.solver.continuation.follower import compiled_follow
 from coilspring.solver.equilibrium.newton import compiled_equilibrium
 from coilspring.solver.interface import SIGNATURES, Kernels
-from coilspring.solver.system import bundled, compiled_bundle
 
 # About half the work, Newton's method included; a child has the others and the follower.
 PARENTS = ("assemble", "retract", "work", "rotate", "displacement_bound")

@@ -18,11 +18,11 @@ from numba import types
 
 from coilspring.compiling.compiled import copied, copy, part, signed, zeros
 from coilspring.contact.law import PAIR_HISTORY
+from coilspring.solver.bundles import system_of, system_types
 from coilspring.solver.continuation.branch import PAIR_MOTION, displacement_bound
 from coilspring.solver.equilibrium.linesearch import dot
 from coilspring.solver.equilibrium.operations import assembled, factored, moved, solution
 from coilspring.solver.interface import record_type
-from coilspring.solver.system import system_of, system_types
 
 FIRST_ARC = 0.02  # of the arc that the tangent at rest would take to full load
 LEAST_ARC = 1e-7

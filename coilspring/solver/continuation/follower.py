@@ -14,6 +14,7 @@ from numba import types
 from coilspring.compiling.compiled import copy, lent, part, signed
 from coilspring.contact.history import copy_history
 from coilspring.contact.kinematics import BETWEEN
+from coilspring.solver.bundles import TaskRef, WorkRef, system_of, system_types, task_type, workspace_type
 from coilspring.solver.continuation.accept import LEAST_LEFT, accept
 from coilspring.solver.continuation.branch import PAIR_MOTION, curvature, displacement_bound, predict
 from coilspring.solver.continuation.shorten import shorten
@@ -39,6 +40,7 @@ from coilspring.solver.continuation.substep import (
 )
 from coilspring.solver.equilibrium.newton import LINEAR
 from coilspring.solver.equilibrium.operations import put_prescribed
+from coilspring.solver.interface import record_type
 from coilspring.solver.system import (
     COMPLETED,
     CRITICAL,
@@ -50,13 +52,6 @@ from coilspring.solver.system import (
     SOFTEST,
     SUBSTEP,
     WATCH,
-    TaskRef,
-    WorkRef,
-    record_type,
-    system_of,
-    system_types,
-    task_type,
-    workspace_type,
 )
 
 LEAST_ERROR = 1e-3  # of a prediction, over what is allowed: less may be chance

@@ -7,9 +7,9 @@ from typing import Any
 import numpy as np
 
 from coilspring.compiling.compiled import copy, part, typed
+from coilspring.solver.bundles import equilibrium_signature
 from coilspring.solver.equilibrium.linesearch import dot, line_search, residual, whole_step
 from coilspring.solver.equilibrium.operations import assembled, factored, moved, solution, stale_solution
-from coilspring.solver.system import equilibrium_signature
 
 CONVERGED, LINEAR, SADDLE, FAILED = 0, 1, 2, 3  # to LINEAR: an equilibrium was found
 AGAIN, GO_ON = -1, -2  # within an iteration: begin the next one; go on with this one
