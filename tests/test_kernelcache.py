@@ -2,6 +2,7 @@
 
 import json
 import os
+import pickle
 import shutil
 import subprocess
 import sys
@@ -143,6 +144,24 @@ def test_entries_that_nobody_uses_go(tmp_path, monkeypatch):
     monkeypatch.setattr(kernelcache, "MOST_ENTRIES", 1)
     kernelcache.trim(tmp_path)
     assert {file.name[:49] for file in tmp_path.iterdir()} == {names[0][:49]}
+
+
+def test_an_entry_whose_types_are_in_another_module_now_is_compiled_anew(tmp_path, monkeypatch):
+    """It ended the command with a traceback."""
+    monkeypatch.setattr(kernelcache, "folder", lambda: tmp_path)
+
+    def doubled(x):
+        return 2.0 * x
+
+    stored = kernel(doubled)
+    assert stored(1.0) == 2.0
+    with stored._cache.index.open("rb") as file:
+        version = pickle.load(file)
+    stored._cache.index.write_bytes(pickle.dumps(version) + b"ccoilspring.solver.system\n_Elsewhere\n.")
+    renewed, read = kernel(doubled), kernel(doubled)
+    assert renewed(1.0) == read(1.0) == 2.0
+    assert not renewed.stats.cache_hits
+    assert read.stats.cache_hits
 
 
 def test_where_no_home_can_be_written_kernels_are_kept_elsewhere(tmp_path):

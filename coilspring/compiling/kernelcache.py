@@ -96,7 +96,12 @@ class KernelCache(FunctionCache):
 
     def load_overload(self, sig: Any, target_context: Any) -> Any:
         """The compiled kernel for a signature, or None."""
-        found = super().load_overload(sig, target_context)
+        try:
+            found = super().load_overload(sig, target_context)
+        except (AttributeError, ImportError):  # another version's, whose types were in another module
+            for file in folder().glob(f"{self._impl.filename_base}*"):
+                file.unlink(missing_ok=True)
+            return None
         with suppress(OSError):  # note that the entry is in use, once a day
             if found is not None and time.time() - self.index.stat().st_mtime > DAY:
                 os.utime(self.index)
