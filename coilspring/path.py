@@ -295,11 +295,12 @@ class EquilibriumPath:
         first, last = self.scene.spring.phase_range
         turns = (last - first) / (2.0 * np.pi)
         phases = np.linspace(first, last, round(turns * points_per_turn) + 1)
-        return self.shape.centreline(self.states[step], phases)
+        return self.shape.centreline(self.states[require_step(self, step)], phases)
 
     def circle_centres(self, step: int) -> np.ndarray:
         """Centres of the circles in which the wire meets the working plane, shape (circles, 2), mm."""
-        return self.shape.centreline(self.states[step], self.scene.spring.circle_phases())[:, :2]
+        state = self.states[require_step(self, step)]
+        return self.shape.centreline(state, self.scene.spring.circle_phases())[:, :2]
 
     @property
     def top(self) -> np.ndarray:

@@ -9,7 +9,7 @@ from numpy.testing import assert_allclose
 
 import equivbeam
 import wirefe
-from coilspring import Contact, InputError, Load, Scene, Spring, Supports, spring_a, spring_b
+from coilspring import Contact, EquilibriumPath, InputError, Load, Scene, Spring, Supports, spring_a, spring_b
 from coilspring.scene.sizing import sizes
 from validation.cli.command import main
 from validation.study.partialsolve import partial_path
@@ -133,7 +133,16 @@ def test_the_path_has_the_largest_one():
         wirefe.stress(path, 4)
 
 
-@pytest.mark.parametrize("read", [wirefe.stress, wirefe.frequencies, section_results])
+@pytest.mark.parametrize(
+    "read",
+    [
+        wirefe.stress,
+        wirefe.frequencies,
+        section_results,
+        EquilibriumPath.centreline,
+        EquilibriumPath.circle_centres,
+    ],
+)
 def test_a_step_is_the_number_of_one_that_is_stored(read):
     path = wirefe.solve(spring_a(), steps=2, element="curved", elements_per_turn=4)
     read(path, np.int64(-2))
