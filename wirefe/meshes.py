@@ -125,11 +125,14 @@ class Trial:
 
     @cached_property
     def touching(self) -> bool:
-        """Whether coils touch, or come so near it that they may on a finer mesh."""
+        """Whether coils touch, or come so near it that they may on a finer mesh.
+
+        The last states are looked at first, in which coils are mostly nearest.
+        """
         path, near = self.path, CLEAR * self.path.scene.spring.wire_diameter
-        # where a path ends coils are mostly nearest
-        ends = path.last_state is not None and (path.shape.pair_gaps(path.last_state[None]) < near).any()
-        return bool(ends or (path.gaps < near).any())
+        ends = () if path.last_state is None else (path.last_state[None],)
+        rows = (*ends, path.states[-1:], path.states[:-1])
+        return any((path.shape.pair_gaps(states) < near).any() for states in rows)
 
 
 def difference(coarse: EquilibriumPath, fine: EquilibriumPath) -> float:
