@@ -7,7 +7,7 @@ import pandas as pd
 import pytest
 
 from validation.verification import contact
-from validation.verification.contact import NONE, Run, difference, measured, to_pieces
+from validation.verification.contact import NONE, Run, difference, measured
 
 FAKE = {
     **{
@@ -53,13 +53,6 @@ def test_a_run_is_measured():
 def test_differences_are_of_the_components_that_move():
     tips = pd.DataFrame({"UX": [0.0, 1e-12], "UY": [2.0, 2.2], "ROTZ": [0.1, 0.1]})
     np.testing.assert_allclose(difference(tips, tips.iloc[0]), [0.0, 0.1], atol=1e-12)
-
-
-def test_distance_to_a_piece_of_wire():
-    points = np.array([[0.0, 1.0, 0.0], [3.0, 4.0, 0.0]])
-    first, second = np.zeros((2, 3)), np.array([[1.0, 0.0, 0.0], [0.0, 0.0, 0.0]])
-    second[1] = [0.0, 1.0, 0.0]
-    np.testing.assert_allclose(to_pieces(points, first, second), [1.0, np.hypot(3.0, 3.0)])
 
 
 LIMIT = {"traced": 7, "limit": 0.6473, "first": 3, "second": 7, "circ": 96.0}

@@ -116,7 +116,7 @@ def measures(path: EquilibriumPath) -> dict[str, Any]:
     return dict(zip(TIPS, path.tips[-1], strict=True)) | {
         "outcome": path.outcome.replace("_", " "),
         "critical time": path.critical_time,
-        "overlap": overlap(path),
+        "overlap": path.max_overlap[-1],
         "penetration": path.max_penetration[-1],
         "force": path.contact_forces[-1].max(),
         "factorisations": path.total_iterations,
@@ -134,28 +134,6 @@ def difference(tips: pd.DataFrame, reference: pd.Series) -> pd.Series:
     """Largest difference of a tip's component over that component, of those that the reference moves."""
     moved = [name for name in TIPS if abs(reference[name]) > HELD]
     return ((tips[moved] - reference[moved]).abs() / reference[moved].abs()).astype(float).max(axis=1)
-
-
-def overlap(path: EquilibriumPath, points_per_turn: int = 160) -> float:
-    """Largest overlap of wires of neighbouring coils anywhere at the last step, mm.
-
-    Distances of points of the centreline from the straight pieces half a turn to one and a half turns on.
-    """
-    line = path.centreline(-1, points_per_turn)
-    ends, half = round(path.scene.spring.end_turns * points_per_turn), points_per_turn // 2
-    least = np.inf
-    for ahead in range(half, 3 * half):
-        distance = to_pieces(line[: -ahead - 1], line[ahead:-1], line[ahead + 1 :])
-        active = slice(max(ends - ahead, 0), len(line) - ends)  # not both points on one rigid end turn
-        least = min(least, float(distance[active].min()))
-    return max(path.scene.spring.wire_diameter - least, 0.0)
-
-
-def to_pieces(points: np.ndarray, first: np.ndarray, second: np.ndarray) -> np.ndarray:
-    """Distance of each point from its piece between `first` and `second`."""
-    along, out = second - first, points - first
-    share = np.clip((out * along).sum(axis=1) / (along * along).sum(axis=1), 0.0, 1.0)
-    return np.linalg.norm(out - share[:, None] * along, axis=1)
 
 
 def centres(path: EquilibriumPath, step: int) -> tuple[ContactArrays, np.ndarray]:
