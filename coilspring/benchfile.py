@@ -77,7 +77,9 @@ def columns_of(
             raise InputError("curve must hold numbers, got texts") from None
         shapes = {values.shape for values in found.values()}
         if any(len(shape) != 1 for shape in shapes) or len(shapes) > 1:
-            raise InputError("curve must have columns of numbers, all of one length")
+            raise InputError(
+                f"curve must have columns of numbers, all of one length, got shapes {sorted(shapes)}"
+            )
         rows = max((values.size for values in found.values()), default=0)
         places = [f"row {i}" for i in range(1, rows + 1)]
     with named(source):

@@ -173,7 +173,7 @@ def work(reals, ints, load, a, b):
 
 @kernel
 def rotate(reals, ints, a, b, v):
-    """See `coilspring.solver.interface`: half coils are as stiff in all directions, nearly."""
+    """See `coilspring.solver.interface`: nothing, as half coils are nearly as stiff in all directions."""
 
 
 @kernel

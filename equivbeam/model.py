@@ -22,6 +22,7 @@ from equivbeam.options import EXACT, TANGENTS, BeamOptions
 
 PAIRS_PER_TURN = 2
 ALL = Refinements()
+CHOSEN = BeamOptions()  # where no others are
 
 
 class BeamModel(NamedTuple):
@@ -45,14 +46,14 @@ class BeamModel(NamedTuple):
 view = viewer(BeamModel)
 
 
-def build_model(scene: Scene, options: BeamOptions | None = None) -> BeamModel:
+def build_model(scene: Scene, options: BeamOptions = CHOSEN) -> BeamModel:
     """Arrays of the equivalent beam of `scene`; `InputError` for what the model cannot represent."""
-    spring, contact, chosen = scene.spring, scene.contact, options or BeamOptions()
+    spring, contact = scene.spring, scene.contact
     scene.supports.require_supported("equivbeam")
-    if spring.sections and chosen.tangent != "exact":
+    if spring.sections and options.tangent != "exact":
         raise InputError(
             f"tangent must be exact where the spring has sections: the paper's matrix is for half coils of "
-            f"one length, got {chosen.tangent!r}"
+            f"one length, got {options.tangent!r}"
         )
     count = half_coil_count(spring)
     attached, offset = _circles(scene, count)
@@ -64,8 +65,8 @@ def build_model(scene: Scene, options: BeamOptions | None = None) -> BeamModel:
     fixed = [name in scene.supports.top_held for name in HELD_CHOICES]
     kc = contact.pair_stiffness(PAIRS_PER_TURN)
     return BeamModel(
-        law=LAWS[chosen.law] if isinstance(chosen.law, str) else USER,
-        rows=law_rows(chosen.law, spring, scene.material, chosen.refinements or ALL, scene.factors),
+        law=LAWS[options.law] if isinstance(options.law, str) else USER,
+        rows=law_rows(options.law, spring, scene.material, options.refinements or ALL, scene.factors),
         fixed=np.array(fixed, dtype=float),
         attached=attached,
         offset=offset,
@@ -75,8 +76,8 @@ def build_model(scene: Scene, options: BeamOptions | None = None) -> BeamModel:
         kc=kc,
         kt=tangential_stiffness(kc, contact.exponent, spring.wire_diameter),
         k=float(contact.exponent),
-        mu=contact.coefficient if chosen.sliding == "scene" else 0.0,
-        tangent=TANGENTS[chosen.tangent],
+        mu=contact.coefficient if options.sliding == "scene" else 0.0,
+        tangent=TANGENTS[options.tangent],
     )
 
 

@@ -177,7 +177,10 @@ class Scene:
 
     def _check_displacement(self) -> None:
         if "uy" in self.supports.top_held:
-            raise InputError("supports.top_held must be without uy where load.displacement prescribes it")
+            held = list(self.supports.top_held)
+            raise InputError(
+                f"supports.top_held must be without uy where load.displacement prescribes it, got {held!r}"
+            )
         least = -self.spring.active_height
         for uy in self.load.displacement:
             if uy <= least:

@@ -101,7 +101,11 @@ class Spring:
         InputError : a number out of its range, or none or several of the diameters.
         """
         if "mean_diameter" in others:
-            raise InputError("spring must have one of mean_diameter, outer_diameter and inner_diameter")
+            names = ("outer_diameter", outer_diameter), ("inner_diameter", inner_diameter)
+            found = " and ".join(["mean_diameter", *(name for name, value in names if value is not None)])
+            raise InputError(
+                f"spring must have one of mean_diameter, outer_diameter and inner_diameter, got {found}"
+            )
         d = WIRE("spring.wire_diameter", wire_diameter)
         return cls(d, mean_of(d, outer_diameter=outer_diameter, inner_diameter=inner_diameter), **others)
 

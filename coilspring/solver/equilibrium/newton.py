@@ -40,6 +40,7 @@ GAPS = 8.0  # times the rounding of positions is that of gaps, after some dozens
 PATIENCE = 3  # steps that bring no progress, before Newton's method is said to have stalled
 STALLED = 0.1  # share of the decrement before: more is no progress
 DECREMENTS = 64  # Newton decrements kept as evidence
+MOST_LOOPS = 64  # factorisations within the tolerance of which rounding decides on pairs that touch
 
 
 def equilibrium(system, target, work, state, it):
@@ -253,7 +254,7 @@ def move(system, target, work, state, it):
     if -it.slope <= it.tolerance or ends:
         if it.shift > 0.0:
             return SADDLE
-        if ends or it.count > DECREMENTS:
+        if ends or it.count > MOST_LOOPS:
             return CONVERGED  # rounding decides which pairs touch: a step opens some and closes others
         advance(system, work, state)
         if it.near == 0:
