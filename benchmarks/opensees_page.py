@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from datetime import date
 from importlib import metadata
 from pathlib import Path
 
@@ -78,9 +79,10 @@ def spread(values: np.ndarray, form: str) -> str:
     return f"{np.median(values):{form}} ({values.min():{form}}-{values.max():{form}})"
 
 
-def facts(duels: Sequence[Duel]) -> dict[str, float]:
-    """Median ratios of the times, and the difference of the tips in equal steps, per cent."""
-    found = {f"opensees.{duel.scene}.{duel.kind}": duel.ratio for duel in duels}
+def facts(duels: Sequence[Duel]) -> dict[str, object]:
+    """The date, median ratios of the times, and the difference of the tips in equal steps, per cent."""
+    found: dict[str, object] = {"opensees.made": date.today().isoformat()}
+    found |= {f"opensees.{duel.scene}.{duel.kind}": duel.ratio for duel in duels}
     equal = [duel for duel in duels if duel.kind == "equal"]
     return found | {f"opensees.{duel.scene}.difference": 100.0 * duel.difference for duel in equal}
 
