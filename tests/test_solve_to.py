@@ -29,7 +29,8 @@ from validation.cli import main
 from validation.study.partialsolve import partial_path
 from validation.sweep import choice, run
 from validation.sweep.grid import points, read_varied
-from validation.verification import requested
+from validation.verification import requested, requestedruns
+from validation.verification.requestedpage import summary
 from wirefe import adaptive
 from wirefe.adaptive import Trials
 from wirefe.meshes import Levels, Trial, difference, few, thinned
@@ -492,17 +493,17 @@ def test_sample_of_a_grid():
 
 
 def test_small_study(tmp_path, monkeypatch):
-    monkeypatch.setattr(requested, "COILS", 3.5)
-    found = list(requested.springs(1))
+    monkeypatch.setattr(requestedruns, "COILS", 3.5)
+    found = list(requestedruns.springs(1))
     monkeypatch.setattr(requested, "springs", lambda each, seed: [found[0], found[4]])
     table = requested.study(tmp_path, 1)
     assert len(table) == 2 * 3
-    assert (table.seed == requested.SEED).all()
+    assert (table.seed == requestedruns.SEED).all()
     assert (table.true <= table.asked).all()
-    assert (table.outcome != requested.REFUSED).all()
+    assert (table.outcome != requestedruns.REFUSED).all()
     again = requested.study(tmp_path, 1)
     pd.testing.assert_frame_equal(table, again)  # nothing is solved again
-    figures = requested.summary(table)
+    figures = summary(table, "kind")
     assert figures[figures.kind == "all"].failures.tolist() == [0, 0, 0]
     assert figures[figures.kind == "all"].bound.iloc[0] == pytest.approx(1.0 - 0.05 ** (1 / 2))
 

@@ -1,178 +1,75 @@
-"""Accuracy on request, on random springs: errors, estimates and times.
+"""Accuracy on request, measured on random springs: ``python -m validation.verification.requested``.
 
-``python -m validation.verification.requested --out FOLDER`` writes ``requested.csv``, a row for each spring
-and accuracy as it comes, and prints a table by kind of load. The error is measured against the wire model
-with the elements and stations a turn of `REFERENCE`, and four times the steps where there is friction; what
-`FINER` ones and twice the steps change is its own error. Time is CPU time, of `wirefe.solve_to` and
-of the cheapest of single runs on the levels of `LADDER`, with `DENSITIES` stations for each element, whose
-error is small enough, all else included: medians of runs that take turns.
+``--out FOLDER`` has ``requested.csv``, a row for each spring and accuracy as it comes: the same command goes
+on where it was interrupted, also with more seeds. A table by kind of load is printed. ``--page`` writes the
+page of the recorded rows and solves nothing; the rows of files that it names are recorded first, in place of
+those before. What is measured: `validation.verification.requestedruns`.
 """
 
 import argparse
-import math
-import time
-from collections.abc import Iterable, Iterator
-from contextlib import suppress
-from dataclasses import replace
-from itertools import product
+from collections.abc import Iterable, Sequence
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pandas as pd
 
-import wirefe
-from coilspring import EquilibriumPath, InputError, Scene
-from validation.study.metrics import upper_bound
-from validation.study.partialsolve import partial_path
-from validation.verification.randomscenes import KINDS, Drawn, population
-from wirefe import model
-from wirefe.meshes import MOST, Levels, difference
+from coilspring import InputError
+from validation.study.files import write_text
+from validation.verification.requestedpage import page, summary
+from validation.verification.requestedruns import EACH, SEED, rows, springs
 
 CSV = "requested.csv"
-ACCURACIES = (1e-2, 1e-3, 1e-4)
-SEED, EACH = 20, 38  # springs of every kind
-COILS = 5.0  # at most: the reference takes seconds
-REFERENCE, FINER = (64, 1538), (128, 1998)  # elements and stations a turn
-LADDER = (4, 6, 8, 12, 16, 24, 32, 48, 64, 96)  # levels among which the cheapest sufficient one is
-DENSITIES = (4, 8, 16)  # stations for each element there, up to `MOST`
-# What the coils of a kind's springs do in contact, one after the other: geometry, sliding, friction.
-CONTACTS: tuple[tuple[str, str, float | None], ...] = (
-    *[("wires", "free", None)] * 4,
-    *[("spheres", "free", None)] * 2,
-    ("spheres", "coulomb", 0.1),
-    ("spheres", "none", None),
-)
-REPEATS = 5  # of each timing
-REFUSED, NUMBERS = "refused", ("stations", "estimated", "true", "seconds", "cheapest")
+PAGE, RECORD = Path("docs/accuracy-on-request.md"), Path("reports/requested")
 
 
-def springs(each: int, seed: int = SEED) -> Iterator[tuple[Drawn, Scene]]:
-    """Random springs of at most `COILS` coils, `each` of every kind of load; kinds take turns."""
-    drawn_of = [population(seed, 100 * each, {kind.name}) for kind in KINDS]
-    for place, kind in product(range(each), drawn_of):
-        drawn = next(found for found in kind if found.scene.spring.active_coils <= COILS)
-        geometry, sliding, friction = CONTACTS[place % len(CONTACTS)]
-        contact = replace(drawn.scene.contact, geometry=geometry, sliding=sliding, friction=friction)
-        yield drawn, replace(drawn.scene, contact=contact)
-
-
-def rows(drawn: Drawn, scene: Scene, accuracies: Iterable[float] = ACCURACIES) -> list[dict[str, Any]]:
-    """What was found of a spring, for each accuracy."""
-    levels, contact = Levels.of(scene, None), scene.contact
-    exact, finer = _reference(scene, levels, *REFERENCE, 4), _reference(scene, levels, *FINER, 8)
-    answers = {asked: _timed(wirefe.solve_to, scene, accuracy=asked)[0] for asked in accuracies}
-    cheapest = _cheapest(scene, levels, exact, accuracies)
-    seconds = _in_turns(scene, [asked for asked, path in answers.items() if path], cheapest)
-    head = {
-        **{"seed": drawn.seed, "kind": drawn.kind, "number": drawn.number},
-        "coils": scene.spring.active_coils,
-        "contact": f"{contact.geometry} {contact.sliding}" if contact.enabled else "none",
-        "closed": int(exact.active_contacts.max(initial=0)),
-        "reference": exact.outcome,
-        "own": difference(exact, finer),
-    }
-    found = []
-    for asked, path in answers.items():
-        row = {"asked": asked, "outcome": REFUSED, "level": 0} | dict.fromkeys(NUMBERS, math.nan)
-        if path:
-            row |= {"outcome": path.outcome, "level": path.options["elements_per_turn"]}
-            row |= {"stations": path.options["pairs_per_turn"], "estimated": path.estimated_error}
-            row |= {"true": difference(path, exact)}
-            row |= dict(zip(("seconds", "cheapest"), seconds[asked], strict=True))
-        found.append(head | row)
-    return found
-
-
-def _timed(solve: Any, scene: Scene, **options: Any) -> tuple[EquilibriumPath | None, float]:
-    """A path as far as it was reached, None where it was refused, and the CPU time of all that it took.
-
-    What runs before have left in memory is cleared, which makes the second run on a mesh up to half as long.
-    """
-    path = None
-    model._topology.cache_clear()
-    began = time.process_time()
-    with suppress(InputError):
-        path = partial_path(solve, scene, **options)
-    return path, time.process_time() - began
-
-
-def _in_turns(
-    scene: Scene, accuracies: Iterable[float], cheapest: dict[float, dict[str, Any]]
-) -> dict[float, tuple[float, float]]:
-    """CPU time of the answer and of the cheapest run for each accuracy, medians of `REPEATS` that take turns;
-    the latter not a number where no run is good enough."""
-    found: dict[float, list[tuple[float, float]]] = {asked: [] for asked in accuracies}
-    for _ in range(REPEATS):
-        for asked, times in found.items():
-            answer = _timed(wirefe.solve_to, scene, accuracy=asked)[1]
-            mesh = cheapest.get(asked)
-            times.append((answer, _timed(wirefe.solve, scene, **mesh)[1] if mesh else math.nan))
-    return {asked: tuple(np.median(times, axis=0).tolist()) for asked, times in found.items()}
-
-
-def _reference(scene: Scene, levels: Levels, level: int, stations: int, times: int) -> EquilibriumPath:
-    """A path that errors are measured from, with so many times the steps where there is friction."""
-    options = levels.options(level, stations)
-    steps = scene.load.steps * (times if scene.contact.coefficient else 1)
-    return partial_path(wirefe.solve, scene, steps=steps, **options)
-
-
-def _cheapest(
-    scene: Scene, levels: Levels, exact: EquilibriumPath, accuracies: Iterable[float]
-) -> dict[float, dict[str, Any]]:
-    """Mesh of the cheapest single run whose error is small enough, for each accuracy for which there is one:
-    each was timed twice."""
-    found: list[tuple[float, float, dict[str, Any]]] = []
-    touching = scene.contact.enabled and levels.spheres is None
-    for density in DENSITIES if touching else DENSITIES[:1]:
-        for level in sorted({levels.at_least(level) for level in LADDER}):
-            mesh = levels.options(level, min(density * level, MOST))
-            (path, first), (_, second) = (_timed(wirefe.solve, scene, **mesh) for _ in range(2))
-            assert path is not None
-            found.append((min(first, second), difference(path, exact), mesh))
-            if found[-1][1] <= min(accuracies):
-                break
-    enough = {asked: [run for run in found if run[1] <= asked] for asked in accuracies}
-    return {asked: min(runs, key=lambda run: run[0])[2] for asked, runs in enough.items() if runs}
-
-
-def summary(table: pd.DataFrame) -> pd.DataFrame:
-    """By kind of load and accuracy: answers, those whose error is larger than asked with the bound of their
-    rate, those of them that are so by more than the reference's own error, estimates and times."""
-    both, found = pd.concat((table, table.assign(kind="all"))), []
-    for (kind, asked), part in both.groupby(["kind", "asked"], sort=False):
-        answers = part[part.outcome != REFUSED]
-        failures, count = int((answers.true > answers.asked).sum()), len(answers)
-        certain = int((answers.true - answers.own > answers.asked).sum())
-        ratios, times = answers.estimated / answers.true, (answers.seconds / answers.cheapest).dropna()
-        whole = sum(answers.seconds[times.index]) / max(sum(answers.cheapest[times.index]), 1e-9)
-        found.append((
-            *(kind, asked, len(part), len(part) - count, failures, upper_bound(failures, count), certain),
-            *(ratios.median(), times.median(), times.quantile(0.9), whole),
-        ))  # fmt: skip
-    counts = ("springs", "refused", "failures", "bound", "certain", "ratio", "time", "time_90", "time_all")
-    return pd.DataFrame(found, columns=["kind", "asked", *counts])
-
-
-def study(folder: Path, each: int = EACH, seed: int = SEED) -> pd.DataFrame:
-    """Write the rows of all springs; those that are there already are kept."""
+def study(folder: Path, each: int = EACH, seeds: Iterable[int] = (SEED,)) -> pd.DataFrame:
+    """Write the rows of all springs, `each` of every kind and seed; those that are there already are kept."""
     folder.mkdir(parents=True, exist_ok=True)
     target = folder / CSV
     known = pd.read_csv(target)[["seed", "kind", "number"]].values.tolist() if target.is_file() else []
-    for drawn, scene in springs(each, seed=seed):
-        if [drawn.seed, drawn.kind, drawn.number] not in known:
-            found = pd.DataFrame(rows(drawn, scene))
-            found.to_csv(target, mode="a", header=not target.is_file(), index=False)
+    for seed in seeds:
+        for drawn, scene in springs(each, seed=seed):
+            if [drawn.seed, drawn.kind, drawn.number] not in known:
+                found = pd.DataFrame(rows(drawn, scene))
+                found.to_csv(target, mode="a", header=not target.is_file(), index=False)
     return pd.read_csv(target)
 
 
-if __name__ == "__main__":
+def record(files: Iterable[Path], folder: Path = RECORD) -> None:
+    """Write the rows of several runs to one file, letter for letter.
+
+    Raises
+    ------
+    InputError : the files have other columns, or a spring is in two of them.
+    """
+    heads, bodies = zip(*(file.read_text(encoding="utf-8").split("\n", 1) for file in files), strict=True)
+    if len(set(heads)) > 1:
+        raise InputError("rows of runs must have the same columns")
+    folder.mkdir(parents=True, exist_ok=True)
+    frame = pd.concat([pd.read_csv(file) for file in files])
+    if frame.duplicated(["seed", "kind", "number", "asked"]).any():
+        raise InputError("a spring must be in one run alone, got one that is in two")
+    write_text(folder / CSV, "\n".join((heads[0], "".join(bodies))))
+
+
+def main(arguments: Sequence[str] | None = None) -> None:
+    """Solve the springs and print a table, or write the page."""
     parser = argparse.ArgumentParser(description=(__doc__ or "").partition("\n")[0])
     parser.add_argument("--out", type=Path, default=Path("coilcheck-out/requested"))
-    parser.add_argument("--each", type=int, default=EACH, help="springs of every kind of load")
-    parser.add_argument("--seed", type=int, default=SEED, help="of the random springs")
-    arguments = parser.parse_args()
-    with np.errstate(divide="ignore"):
-        table = study(arguments.out, arguments.each, arguments.seed)
-        print(summary(table).to_string(index=False, float_format="%.3g"))
+    parser.add_argument("--each", type=int, default=EACH, help="springs of every kind of load and seed")
+    parser.add_argument("--seed", type=int, nargs="+", default=[SEED], help="one or more, of random springs")
+    words = "write the page of the recorded rows; those of FILEs are recorded first"
+    parser.add_argument("--page", type=Path, nargs="*", metavar="FILE", help=words)
+    chosen = parser.parse_args(arguments)
+    if chosen.page is None:
+        with np.errstate(divide="ignore"):
+            table = summary(study(chosen.out, chosen.each, chosen.seed), "kind")
+        print(table.to_string(index=False, float_format="%.3g"))
+        return
+    if chosen.page:
+        record(chosen.page)
+    write_text(PAGE, page(pd.read_csv(RECORD / CSV)))
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,206 @@
+"""Accuracy on request, measured: the page says what the recorded rows say, also if they said otherwise."""
+
+import math
+import re
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from coilspring import InputError
+from validation.study.template import statement
+from validation.verification import requested, requestedpage
+from validation.verification.requestedpage import FREE, HELD, OPEN, WIRES, WORDS, prepared, short
+from validation.verification.requestedruns import REFUSED, springs
+
+ROOT = Path(__file__).parents[1]
+FOUND = {"stations": 64.0, "estimated": 2e-5, "true": 1e-5, "seconds": 0.5, "cheapest": 0.2}
+CONTACTS = {OPEN: "none", FREE: "spheres free", HELD: "spheres coulomb", WIRES: "wires free"}
+
+
+@pytest.fixture(scope="module")
+def recorded():
+    return pd.read_csv(ROOT / requested.RECORD / requested.CSV)
+
+
+def fake(count=10, seed=1, contacts=CONTACTS, **changes):
+    """Rows of so many springs of each contact that all have one good answer, but for the changes."""
+    head = {"kind": "guided, axial force", "coils": 4.0, "reference": "completed", "own": 1e-6}
+    rows = [
+        {"seed": seed, "number": f"{number}{contact}", "contact": contact, "closed": int(coils != OPEN)}
+        | {"asked": asked, "outcome": "completed", "level": 4} | head | FOUND | changes
+        for coils, contact in contacts.items() for number in range(count) for asked in (1e-2, 1e-3, 1e-4)
+    ]  # fmt: skip
+    return pd.DataFrame(rows)
+
+
+def refused(rows, chosen=slice(None)):
+    """The rows with refusals in place of some answers."""
+    rows = rows.copy()
+    rows.loc[chosen, ["outcome", *FOUND]] = [REFUSED] + [math.nan] * len(FOUND)
+    return rows
+
+
+def said(name, rows):
+    return statement(WORDS, name, prepared(rows))
+
+
+def test_page_is_a_view_of_the_recorded_rows(recorded):
+    assert (ROOT / requested.PAGE).read_text(encoding="utf-8") == requestedpage.page(recorded)
+
+
+def perturbed(data):
+    """Other springs, errors, estimates, times and refusals."""
+    rng = np.random.default_rng(1)
+    factors = rng.uniform(0.2, 5.0, (len(data), 4))
+    data = data.assign(
+        seed=9, coils=data.coils + 0.25, contact=data.contact.replace("spheres free", "wires none")
+    )
+    data[["own", "estimated", "true", "seconds"]] *= factors
+    data.loc[::7, "cheapest"] = math.nan
+    return refused(data, data.index[::11])
+
+
+@pytest.mark.parametrize("name", WORDS.blocks)
+def test_sentences_follow_the_rows(name, recorded):
+    before, after = said(name, recorded), said(name, perturbed(recorded))
+    assert after != before
+    pairs = list(zip(*(re.findall(r"\d+\.\d+", text) for text in (before, after)), strict=False))
+    assert not pairs or sum(old != new for old, new in pairs) > len(pairs) / 2, pairs
+
+
+def test_the_bound_is_compared_with_the_rate():
+    assert said("failures", fake(100)).count("which is below 1 %") == 3
+    assert said("failures", fake(10)).count("which is not below 1 %") == 3
+    rows = fake(100)
+    rows.loc[2, "true"] = 1.5e-4
+    assert "At 1e-4, 1 of 400 answers is off by more than asked, 1 of them" in said("failures", rows)
+    rows.loc[2, "own"] = 1e-4
+    assert "0 of them by more than the reference's own error explains" in said("failures", rows)
+    rows.loc[rows.asked == 1e-3, "true"] = 2e-3
+    assert "At 1e-3, 400 of 400 answers are off" in said("failures", rows)
+    assert "100 %, which is not below" in said("failures", rows)
+
+
+def test_estimates_and_errors_turn():
+    assert "the estimate is larger than the error at each" in said("estimates", fake())
+    assert "smaller than the error for 0 of 120 answers" in said("estimates", fake())
+    rows = fake(estimated=5e-6)
+    assert "0.5 at 1e-2" in said("estimates", rows)
+    assert "the estimate is not larger than the error at each" in said("estimates", rows)
+    assert "No answer is off" in said("worst", rows)
+    rows.loc[(rows.contact == "wires free") & (rows.asked == 1e-4), "true"] = 3e-4
+    rows.loc[2, "true"] = math.inf
+    text = said("worst", rows)
+    assert f"11 answers are off by more than asked (1 with {OPEN}, 10 with {WIRES})" in text
+    assert "The largest error is 3 times" in text
+    assert "1 path of these ends otherwise than the reference" in text
+
+
+def test_the_reference_is_exact_enough_or_not():
+    assert "1e-6, which is smaller than the error" in said("reference", fake())
+    assert "2e-3, which is not smaller than the error" in said("reference", fake(own=2e-3))
+    assert "infinite" in said("reference", fake(own=math.inf))
+    assert said("reference", fake(contacts={OPEN: "none"})) == "No wires touch on these springs."
+
+
+def test_times_turn():
+    rows = fake()
+    rows.loc[rows.contact == "spheres coulomb", "seconds"] = 3.0
+    assert f"longest for {HELD}, 15 in the median" in said("time", rows)
+    rows.loc[rows.contact == "wires free", "seconds"] = 5.0
+    assert f"longest for {WIRES}, 25 in the median" in said("time", rows)
+    assert "For every answer there is a single run" in said("slowest", rows)
+    rows.loc[0, "cheapest"] = math.nan
+    assert "For 1 answer no single run is exact enough" in said("slowest", rows)
+
+
+def test_seeds_that_were_used_are_said_to_be():
+    assert "None of these seeds" in said("seen", fake(seed=1))
+    both = pd.concat((fake(seed=1), fake(seed=20)))
+    assert "chosen: 20. Springs of these seeds do not test" in said("seen", both)
+    assert "80 springs of 2 seeds (1 and 20)" in said("population", both)
+
+
+def test_contacts_that_no_spring_has():
+    assert "None has wires with friction or sticking wires" in said("contact", fake())
+    assert "None has" not in said("contact", fake(contacts={WIRES: "wires coulomb", HELD: "wires none"}))
+
+
+@pytest.mark.parametrize(
+    "rows",
+    [
+        refused(fake()),
+        refused(fake(), fake().asked == 1e-4),
+        refused(fake(), fake().contact == "wires free"),
+        fake(cheapest=math.nan),
+        fake(own=math.inf, true=math.inf),
+        fake(true=0.0),
+        fake(1, contacts={FREE: "spheres free"}),
+    ],
+    ids=["nothing", "coarse only", "no wires", "no times", "otherwise", "exact", "one"],
+)
+def test_a_page_of_whatever_is_found(rows):
+    text = requestedpage.page(rows)
+    words = "\n".join(line for line in text.splitlines() if not line.startswith("|"))
+    assert not re.search(r"\bnan\b|None(?! of| has)|\{|  | [.,]|0 of 0 answers", words)
+
+
+def test_numbers_as_accuracies_are_written():
+    values = [1e-2, 1e-4, 1.23e-4, 0.123, 2.46, 12.3, 102.0, 0.0, math.inf, math.nan]
+    assert [*map(short, values)] == [
+        "1e-2",
+        "1e-4",
+        "1.2e-4",
+        "0.12",
+        "2.5",
+        "12",
+        "102",
+        "0",
+        "infinite",
+        "",
+    ]
+
+
+def test_springs_are_what_the_page_says():
+    """Rigid end turns, no plates, no unloading; whole and half coils, as `docs/limits.md` says."""
+    for _, scene in springs(1):
+        assert scene.supports.seat == "rigid"
+        assert not scene.load.stages
+        assert 2.0 * scene.spring.active_coils % 1.0 == 0.0
+        assert len(scene.load.displacement or (0.0,)) == 1
+
+
+def test_several_seeds_go_on_where_they_were_interrupted(tmp_path, monkeypatch):
+    solved = []
+
+    def one(drawn, scene):
+        solved.append(drawn.seed)
+        row = {"seed": drawn.seed, "kind": drawn.kind, "number": drawn.number, "asked": 1e-2}
+        return [row | {"outcome": "completed", "own": 0.0} | FOUND]
+
+    monkeypatch.setattr(requested, "rows", one)
+    arguments = ["--out", str(tmp_path), "--each", "1", "--seed"]
+    requested.main([*arguments, "1"])
+    requested.main([*arguments, "1", "2"])
+    assert solved == [1] * 8 + [2] * 8
+    assert len(pd.read_csv(tmp_path / requested.CSV)) == 16
+
+
+def test_rows_of_runs_are_recorded_letter_for_letter(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    Path("docs").mkdir()
+    files = [Path(f"{seed}.csv") for seed in (1, 2)]
+    for seed, file in enumerate(files, 1):
+        fake(seed=seed).to_csv(file, index=False)
+    requested.main(["--page", *map(str, files)])
+    first, second = (file.read_text() for file in files)
+    assert (requested.RECORD / requested.CSV).read_text() == first + second.partition("\n")[2]
+    assert "80 springs of 2 seeds" in requested.PAGE.read_text()
+    with pytest.raises(InputError, match="one that is in two"):
+        requested.record([files[0], files[0]])
+    fake().drop(columns="own").to_csv(files[1], index=False)
+    with pytest.raises(InputError, match="the same columns"):
+        requested.record(files)
+    assert "80 springs of 2 seeds" in requested.PAGE.read_text()
