@@ -230,12 +230,8 @@ class EquilibriumPath:
 
     @cached_property
     def rates(self) -> np.ndarray:
-        """Rate of the spring along its load, dF/du, shape (steps,), N/mm: the tangent stiffness.
-
-        It is the difference from the row before with friction, in which the tangent is that of one direction
-        of sliding; in rows in which sticking pairs creep under a force, which the path keeps touching and the
-        tangent does not; and of a law that this process does not know.
-        """
+        """Rate of the spring along its load, dF/du, shape (steps,), N/mm: the tangent stiffness, in some rows
+        the difference from the row before; see Rate in ``docs/conventions.md``."""
         return self.rates_at(slice(None))
 
     def rates_at(self, rows: slice) -> np.ndarray:
