@@ -62,20 +62,55 @@ class Outcome:
     max_stress: float | None = None
 
 
-def jobs(
-    scenes: Iterable[Scene], solve: Callable[..., EquilibriumPath], options: dict[str, Any]
-) -> Iterator[Job]:
-    """Each scene with the one solver of all, a model's `solve` with its options.
+@dataclass(frozen=True)
+class Sweeper:
+    """What `sweep` of a model is made of."""
 
-    Raises
-    ------
-    InputError : `scenes` are none, as a name or a single scene.
-    TypeError : an option that `solve` does not have.
-    """
-    if isinstance(scenes, str | Scene) or not isinstance(scenes, Iterable):
-        raise InputError(f"scenes must be an iterable of coilspring.Scene, got {shown(scenes)}")
-    inspect.signature(solve).bind(None, **options)
-    return zip(scenes, repeat(partial(solve, **options)))
+    solve: Callable[..., EquilibriumPath]
+    kernels: Callable[[Scene], Kernels]  # of a scene
+    chunk: int  # springs handed to a worker at a time
+    prepared: Callable[[dict[str, Any]], dict[str, Any]] = dict  # options, as all workers get them
+
+    def sweep(
+        self,
+        scenes: Iterable[Scene],
+        *,
+        workers: int | None = None,
+        progress: Callable[[int], None] | None = None,
+        **options: Any,
+    ) -> Iterator[Outcome]:
+        """Solve many scenes; yields an `Outcome` for each, in their order, as they come.
+
+        Springs that fail do not stop the others. Scenes are drawn as they are needed.
+
+        Parameters
+        ----------
+        scenes : iterable of Scene
+        workers : int, optional
+            Processes; by default one for each processor core. 0: none besides this one, which is the fastest
+            for a few springs.
+        progress : callable, optional
+            Called with the number of springs done so far.
+        **options
+            Those of the model's `solve`. The fastest: ``steps=1``, the answer at full load alone; of `wirefe`
+            with ``element="curved", elements_per_turn=4``.
+
+        Raises
+        ------
+        InputError : `scenes` are none, as a name or a single scene.
+        TypeError : an option that `solve` does not have.
+        """
+        if isinstance(scenes, str | Scene) or not isinstance(scenes, Iterable):
+            raise InputError(f"scenes must be an iterable of coilspring.Scene, got {shown(scenes)}")
+        options = self.prepared(options)
+        inspect.signature(self.solve).bind(None, **options)
+        return outcomes(
+            zip(scenes, repeat(partial(self.solve, **options))),
+            chunk=self.chunk,
+            workers=workers,
+            progress=progress,
+            kernels=lambda scene, _: self.kernels(scene),
+        )
 
 
 def outcomes(

@@ -1,6 +1,6 @@
 """Solve a scene, or many, with the equivalent beam."""
 
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Mapping
 from contextlib import suppress
 from dataclasses import replace
 from functools import partial
@@ -15,7 +15,7 @@ from coilspring.scene.sizing import solid_height
 from coilspring.solver.interface import Kernels
 from coilspring.solver.outcome import worst
 from coilspring.solver.solve import MOST_ITERATIONS, Run, follow_load, output_times, scene_path
-from coilspring.sweep import Outcome, jobs, outcomes
+from coilspring.sweep import Sweeper
 from equivbeam import kernels, model
 from equivbeam.laws import law_of
 from equivbeam.laws.helix import HIGH, LOW, Refinements
@@ -133,41 +133,19 @@ def _judged(law: str | UserLaw, rows: np.ndarray, run: Run) -> Run:
     return replace(run, outcome="not_converged", message=where, critical_time=None) if where else run
 
 
-def sweep(
-    scenes: Iterable[Scene],
-    *,
-    workers: int | None = None,
-    progress: Callable[[int], None] | None = None,
-    **options: Any,
-) -> Iterator[Outcome]:
-    """Solve many scenes; yields an `Outcome` for each, in their order, as they come.
-
-    Springs that fail do not stop the others. Scenes are drawn as they are needed.
-
-    Parameters
-    ----------
-    scenes : iterable of Scene
-    workers : int, optional
-        Processes; by default one for each processor core. 0: none besides this one, which is the fastest
-        for a few springs.
-    progress : callable, optional
-        Called with the number of springs done so far.
-    **options
-        Those of `solve`. The fastest: ``steps=1``, the answer at full load alone.
-
-    Raises
-    ------
-    InputError : `scenes` are none, as a name or a single scene.
-    """
-    with suppress(InputError):  # every scene is refused then
-        options = {**options, "law": law_of(options.get("law", "haringx"))}  # one content for all workers
-    springs, kernels_of = jobs(scenes, solve, options), lambda scene, _: scene_kernels(scene)
-    return outcomes(springs, chunk=CHUNK, workers=workers, progress=progress, kernels=kernels_of)
-
-
 def scene_kernels(scene: Scene) -> Kernels:
     """Kernels of a scene: the same for all. A user's law has another `assemble`."""
     return KERNELS
+
+
+def _with_law_read(options: dict[str, Any]) -> dict[str, Any]:
+    """Options of a sweep whose law is read once: one content for all workers."""
+    with suppress(InputError):  # every scene is refused then
+        return {**options, "law": law_of(options.get("law", "haringx"))}
+    return options
+
+
+sweep = Sweeper(solve, scene_kernels, CHUNK, _with_law_read).sweep
 
 
 def path_shape(scene: Scene, options: Mapping[str, Any], found: object = ()) -> BeamShape:

@@ -1,10 +1,11 @@
 """3D beam-FE model of the coiled wire with contact of wires or spheres: the reference; and of any wire."""
 
+from coilspring.sweep import Outcome
 from wirefe.adaptive import solve_to
 from wirefe.results.stress import WireStress, stress
 from wirefe.results.vibration import Mode, frequencies, modes
 from wirefe.rod import Rod, RodPath, curved_rod, straight_rod
-from wirefe.solve import Outcome, path_shape, solve, solve_rod, sweep
+from wirefe.solve import path_shape, solve, solve_rod, sweep
 from wirefe.tracing import trace, trace_rod
 
 __all__ = [

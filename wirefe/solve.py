@@ -1,6 +1,6 @@
 """Solve a scene, or many, with the 3D wire model, or any wire."""
 
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any
 
@@ -14,7 +14,7 @@ from coilspring.scene.load import stage_ends
 from coilspring.solver.interface import Kernels
 from coilspring.solver.problem import Problem
 from coilspring.solver.solve import follow_load, follow_problem, scene_path
-from coilspring.sweep import Outcome, jobs, outcomes
+from coilspring.sweep import Sweeper
 from coilspring.words import shown
 from wirefe import kernels, model, seated
 from wirefe.contact.points import NONE_FOUND, PER_TURN, ContactArrays, near_points, reach
@@ -89,36 +89,6 @@ def solve(
     return scene_path(scene, "wirefe", options, run, WireShape(scene, data, mesh))
 
 
-def sweep(
-    scenes: Iterable[Scene],
-    *,
-    workers: int | None = None,
-    progress: Callable[[int], None] | None = None,
-    **options: Any,
-) -> Iterator[Outcome]:
-    """Solve many scenes; yields an `Outcome` for each, in their order, as they come.
-
-    Springs that fail do not stop the others. Scenes are drawn as they are needed.
-
-    Parameters
-    ----------
-    scenes : iterable of Scene
-    workers : int, optional
-        Processes; by default one for each processor core. 0: none besides this one, which is the fastest
-        for a few springs.
-    progress : callable, optional
-        Called with the number of springs done so far.
-    **options
-        Those of `solve`. The fastest: ``element="curved", elements_per_turn=4, steps=1``.
-
-    Raises
-    ------
-    InputError : `scenes` are none, as a name or a single scene.
-    """
-    springs, kernels_of = jobs(scenes, solve, options), lambda scene, _: scene_kernels(scene)
-    return outcomes(springs, chunk=CHUNK, workers=workers, progress=progress, kernels=kernels_of)
-
-
 def path_shape(scene: Scene, options: Mapping[str, Any], found: np.ndarray) -> WireShape:
     """Reader of the states of a path solved with the options; `found` are the pairs found on the way."""
     mesh_options = {name: options[name] for name in ("element", "elements_per_turn", "pairs_per_turn")}
@@ -171,6 +141,9 @@ def solve_rod(rod: Rod, *, steps: int = 10) -> RodPath:
 def scene_kernels(scene: Scene) -> Kernels:
     """Kernels of a scene: with plates, or without."""
     return SEATED if scene.supports.seat == "plate" else KERNELS
+
+
+sweep = Sweeper(solve, scene_kernels, CHUNK).sweep
 
 
 def new_pairs(contact: ContactArrays, state: np.ndarray) -> np.ndarray:
