@@ -45,18 +45,19 @@ class KernelsRef(structref.StructRefProxy):
 structref.define_attributes(_Fields)
 for _ref, _names in ((SystemRef, System), (TaskRef, Task), (WorkRef, Workspace)):
     structref.define_constructor(_ref, _Fields, list(_names._fields))
-structref.define_proxy(KernelsRef, _KernelFields, [*Kernels._fields, "equilibrium"])
+FUNCTIONS = (*Kernels._fields, "equilibrium")
+structref.define_proxy(KernelsRef, _KernelFields, list(FUNCTIONS))
 
 
-def _bundle(
-    assemble, factor, solve, retract, work, rotate, displacement_bound, update_history, update_pairs,
-    pair_rates, length_gradient, overlap, equilibrium,
-):  # fmt: skip
-    # thirteen arguments: numba takes first-class functions singly, and bundles them inside
-    return KernelsRef(
-        assemble, factor, solve, retract, work, rotate, displacement_bound, update_history, update_pairs,
-        pair_rates, length_gradient, overlap, equilibrium,
-    )  # fmt: skip
+def _written(name: str, arguments: str, value: str, **reads: Any) -> Any:
+    """Function of a text with each kernel's name: numba takes first-class functions singly."""
+    space = reads | {"__name__": __name__}
+    exec(f"def {name}({arguments}):\n    return {value}\n", space)
+    return space[name]
+
+
+_functions = ", ".join(FUNCTIONS)
+_bundle = _written("_bundle", _functions, f"KernelsRef({_functions})", KernelsRef=KernelsRef)
 
 
 @cache
@@ -90,8 +91,7 @@ def system_types() -> tuple[Any, ...]:
     """Types of what `system_of` takes."""
     vector = types.float64[::1]
     functions = (*_kernel_types(), types.FunctionType(equilibrium_signature()))
-    names = (*Kernels._fields, "equilibrium")
-    return vector, types.int64[::1], vector, _KernelFields(tuple(zip(names, functions, strict=True)))
+    return vector, types.int64[::1], vector, _KernelFields(tuple(zip(FUNCTIONS, functions, strict=True)))
 
 
 def task_type() -> Any:
@@ -109,12 +109,8 @@ def workspace_type() -> Any:
     return types.NamedTuple([others.get(name, vector) for name in Workspace._fields], Workspace)
 
 
-@part
-def system_of(reals, ints, prescribed, kernels):
-    """`System` in compiled code."""
-    return SystemRef(
-        lent(reals), lent(ints), lent(prescribed), zeros(1), kernels.assemble, kernels.factor,
-        kernels.solve, kernels.retract, kernels.work, kernels.rotate, kernels.displacement_bound,
-        kernels.update_history, kernels.update_pairs, kernels.pair_rates, kernels.length_gradient,
-        kernels.overlap,
-    )  # fmt: skip
+# `System` in compiled code.
+_kernels = ", ".join(f"kernels.{name}" for name in Kernels._fields)
+_system = f"SystemRef(lent(reals), lent(ints), lent(prescribed), zeros(1), {_kernels})"
+_reads = {"SystemRef": SystemRef, "lent": lent, "zeros": zeros}
+system_of = part(_written("system_of", "reals, ints, prescribed, kernels", _system, **_reads))
