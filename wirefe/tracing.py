@@ -18,11 +18,10 @@ from coilspring.solver.interrupt import interruptible
 from coilspring.solver.outcome import THROUGH, caution
 from coilspring.solver.problem import Problem
 from coilspring.solver.startup import kernel_bundle
-from wirefe.contact.points import NONE_FOUND
 from wirefe.mesh import chord_caution
 from wirefe.results.shape import WireShape
 from wirefe.rod import Rod, RodPath
-from wirefe.solve import KERNELS, new_pairs, rod_problem, scene_kernels, scene_problem
+from wirefe.solve import KERNELS, rod_problem, scene_kernels, scene_problem
 
 
 class Cost(NamedTuple):
@@ -69,14 +68,15 @@ def trace(
         )
     if scene.load.stages or scene.load.displacement:
         raise InputError("load must be one force for trace, got stages or a displacement")
-    cost, pairs = Cost(), NONE_FOUND
+    problem, mesh, options = scene_problem(scene, element, elements_per_turn, pairs_per_turn)
+    known, cost = len(problem.history), Cost()
     while True:
-        problem, mesh, options = scene_problem(scene, element, elements_per_turn, pairs_per_turn, pairs)
         found, more = _run(problem, scene_kernels(scene), points)
         cost = Cost(*map(add, cost, more))
-        if not found.new_pair:
+        if not found.new_pair or problem.extended is None:
             break
-        pairs = np.concatenate((pairs, new_pairs(problem.data.contact, found.states[-1])))
+        problem = problem.extended(found.states[-1])
+    options["pairs_found"] = len(problem.history) - known
     outcome, message = _verdict(found)
     message += chord_caution(element, elements_per_turn, scene.material.nu)
     path = EquilibriumPath(
