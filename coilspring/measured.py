@@ -35,7 +35,7 @@ class Measured:
     force: np.ndarray  # (points,) N; in the file's order, which need not be monotone
     deflection: np.ndarray  # (points,) mm
     left_out: int  # points with hardly any load, which may be of no spring
-    doubts: tuple[str, ...] = ()  # sentences on what is possible, but far off
+    warnings: tuple[str, ...] = ()  # sentences on what is possible, but far off
 
     def from_rest(self, offset: float, scene: Scene) -> Measured:
         """The same from a spring at rest whose deflection the file counts as `offset`, mm; points before that
@@ -43,7 +43,7 @@ class Measured:
         deflection = self.deflection - offset
         kept = deflection >= -BACKWARDS * deflection.max()
         left_out = self.left_out + int(np.count_nonzero(~kept))
-        return Measured(self.force[kept], deflection[kept], left_out, _doubts(deflection, scene))
+        return Measured(self.force[kept], deflection[kept], left_out, _warnings(deflection, scene))
 
     @property
     def passed_over(self) -> str:
@@ -71,7 +71,7 @@ def measured(
         if not from_rest:
             return found
         _refuse_impossible(found.deflection, scene)
-        return replace(found, doubts=_doubts(found.deflection, scene))
+        return replace(found, warnings=_warnings(found.deflection, scene))
 
 
 def equal_steps(times: np.ndarray, otherwise: int = MOST_STEPS) -> int:
@@ -135,7 +135,7 @@ def _refuse_impossible(deflection: np.ndarray, scene: Scene) -> None:
         raise InputError(f"deflection must be below spring.active_height = {height:g} mm, got {most:.4g} mm")
 
 
-def _doubts(deflection: np.ndarray, scene: Scene) -> tuple[str, ...]:
+def _warnings(deflection: np.ndarray, scene: Scene) -> tuple[str, ...]:
     """What is possible, but far off."""
     most = deflection.max()
     if scene.direction[1] != -1.0 or most <= (travel := sizes(scene).travel):

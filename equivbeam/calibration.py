@@ -169,20 +169,20 @@ def _fitted(scene: Scene, fit: CurveFit, before: np.ndarray) -> Calibration:
     assert path is not None  # the best point is one that was reached
     lost, left = undetermined(J, fitted, doubtful), [i for i in range(len(names)) if i not in fitted]
     spread, freedom = fiterrors.spread(J, fitted, after, fit.curve.times)
-    doubt = fit.doubt(shares, J, spread, fitted)
+    warning = fit.warning(shares, J, spread, fitted)
     rows = fiterrors.means(after, fit.curve.times)
     return Calibration(
         scene=fit.scene_of(shares, scene),
         names=names,
         values=fit.values(shares),
         start=fit.values(np.ones(len(names))),
-        errors=np.where(lost | bool(doubt), np.nan, fit.scale * np.diag(spread)),
+        errors=np.where(lost | bool(warning), np.nan, fit.scale * np.diag(spread)),
         freedom=freedom,
         rank=fitted.size,
         undetermined=tuple(name for name, gone in zip(names, lost, strict=True) if gone),
         fixed=tuple(names[i] for i in left),
         instead=tuple(tuple(names[j] for j in fiterrors.instead_of(J, fitted, i)) for i in left),
-        misfit="; ".join(filter(None, (_misfit(after, rows, J[:, fitted]), doubt))),
+        misfit="; ".join(filter(None, (_misfit(after, rows, J[:, fitted]), warning))),
         path=path,
         rms_before=fiterrors.root_mean_square(before),
         rms_after=fiterrors.root_mean_square(after),

@@ -118,7 +118,7 @@ class CurveFit:
         )
         return shares(found.x)
 
-    def doubt(self, shares: np.ndarray, J: np.ndarray, spread: np.ndarray, fitted: np.ndarray) -> str:
+    def warning(self, shares: np.ndarray, J: np.ndarray, spread: np.ndarray, fitted: np.ndarray) -> str:
         """Why standard errors would mislead, in one sentence; empty where they hold.
 
         One error off in a parameter, the residuals must have changed as their derivatives say.

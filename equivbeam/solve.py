@@ -94,11 +94,11 @@ def solve(
     with_law = KERNELS._replace(assemble=kernels.assemble_of(options.law, data.rows))
     run = follow_load(scene, problem, with_law, limit=limit, predictor=exact)
     run = _judged(options.law, data.rows, run)
-    run = replace(run, message=run.message + _caution(scene, options.law, data.rows, run.track.states))
+    run = replace(run, message=run.message + _warning(scene, options.law, data.rows, run.track.states))
     return scene_path(scene, "equivbeam", options.stored(), run, BeamShape(scene, data, with_law.assemble))
 
 
-def _caution(scene: Scene, law: str | UserLaw, rows: np.ndarray, states: np.ndarray) -> str:
+def _warning(scene: Scene, law: str | UserLaw, rows: np.ndarray, states: np.ndarray) -> str:
     """What of the states (steps, n) the law does not hold for, and what to use instead."""
     if not len(states):
         return ""

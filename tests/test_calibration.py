@@ -31,7 +31,7 @@ from coilspring.measured import measured
 from coilspring.path import secants
 from coilspring.scene.scene import load_directions
 from validation.calibration import run
-from validation.calibration.difference import along_load, difference, doubts, lines, scene_for
+from validation.calibration.difference import along_load, difference, lines, scene_for, warnings
 from validation.calibration.figure import picture
 from validation.cli.arguments import EPILOG
 from validation.cli.command import main
@@ -287,12 +287,12 @@ def test_doubtful_curves():
     found = equivbeam.solve(GUIDED, steps=10)
     deflection, force = along_load(found)
 
-    def doubted(factor):
+    def warned(factor):
         curve = measured({"force": force, "deflection": factor * deflection}, GUIDED)
-        return doubts({"equivbeam": found}, curve)
+        return warnings({"equivbeam": found}, curve)
 
-    assert doubted(1.0) == []
-    solid, other = doubted(2.5)
+    assert warned(1.0) == []
+    solid, other = warned(2.5)
     assert "is beyond solid: there are 24 mm" in solid
     assert "equivbeam and the measured curve differ by" in other
 
@@ -605,8 +605,8 @@ def test_a_wire_model_without_the_factors_of_a_law_is_no_doubt_of_the_curve():
     force, deflection = measured_of(scene)
     curve = measured({"force": force, "deflection": deflection}, scene)
     paths = {"wirefe": wirefe.solve(scene, element="curved", elements_per_turn=4, steps=5)}
-    assert "it takes no [factors]" in doubts(paths, curve)[-1]
-    assert not any("are the spring" in doubt for doubt in doubts(paths, curve))
+    assert "it takes no [factors]" in warnings(paths, curve)[-1]
+    assert not any("are the spring" in each for each in warnings(paths, curve))
 
 
 def bench_with_a_gap(tmp_path, gap=3.0, noise=0.05):
@@ -685,7 +685,7 @@ def test_an_offset_to_be_fitted_may_be_anything():
             equivbeam.calibrate(GUIDED, curve, ["axial"])
         at_rest = measured(curve, GUIDED, from_rest=False).from_rest(lag, GUIDED)
         np.testing.assert_allclose(at_rest.deflection, deflection[1:], atol=1e-9)
-        assert at_rest.doubts == ()
+        assert at_rest.warnings == ()
     before = measured({"force": [1.0, 50.0, 60.0], "deflection": [0.0, 8.0, 10.0]}, GUIDED, from_rest=False)
     assert before.from_rest(1.0, GUIDED).left_out == 1
 

@@ -180,11 +180,11 @@ def test_mutants_are_solved_or_refused_and_written_whole(options, capsys):
             )
             codes[code] += 1
             said = capsys.readouterr().err.splitlines()
-            doubts = [line for line in said if line.startswith("coilcheck: warning: ")]
-            assert doubts == (
+            warned = [line for line in said if line.startswith("coilcheck: warning: ")]
+            assert warned == (
                 [] if code == 2 else [f"coilcheck: warning: {text}" for text in warnings(scene)]
             )
-            assert len(said) - len(doubts) == (code != 0)
+            assert len(said) - len(warned) == (code != 0)
             files = sorted(each.name for each in out.iterdir()) if out.exists() else []
             assert files == ([] if code == 2 else ["path.csv", "summary.json"])
             if code != 2:

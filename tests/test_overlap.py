@@ -204,7 +204,7 @@ def test_scenes_without_contact_are_followed_and_told():
 
 
 def test_soft_pairs_that_give_way_are_not_blamed_on_the_wire():
-    """What the pairs themselves penetrate is the penalty's, and a caution of its own."""
+    """What the pairs themselves penetrate is the penalty's, and a warning of its own."""
     soft = replace(
         PRESSED_B, load=Load(displacement=(-12.0,)), contact=Contact(geometry="spheres", stiffness=30.0)
     )

@@ -34,7 +34,7 @@ from coilspring.sweep import outcome_of
 from validation.cli import main
 from validation.cli.terminal import FIRST, announcing, deviation, digest, notes, progress_shown
 from validation.study import output
-from validation.study.lawdoubt import law_doubt
+from validation.study.lawwarning import law_warning
 from validation.study.partialsolve import partial_path
 from wirefe.solve import KERNELS
 
@@ -267,7 +267,7 @@ def test_where_coils_begin_is_said_to_matter_to_the_law(tmp_path, capsys):
     scene = Scene("phase", spring, Load((3.0, -20.0), 1), contact=Contact(enabled=False))
     wire = wirefe.solve(scene, element="curved", elements_per_turn=8).tips[-1]
     tips = {law: equivbeam.solve(scene, law=law).tips[-1] for law in ("haringx", "helix")}
-    told = float(re.search(r"differs by ([0-9.]+) % in rotz from law helix", law_doubt(scene))[1])
+    told = float(re.search(r"differs by ([0-9.]+) % in rotz from law helix", law_warning(scene))[1])
     assert told == pytest.approx(100.0 * abs(tips["haringx"][2] / tips["helix"][2] - 1.0), rel=0.1)
     assert told > 40.0
     assert tips["helix"] == pytest.approx(wire, rel=0.02)
@@ -280,7 +280,7 @@ def test_where_coils_begin_is_said_to_matter_to_the_law(tmp_path, capsys):
             in capsys.readouterr().out
         )
     assert not any("law helix" in note for note in notes(equivbeam.solve(scene, law="helix")))
-    assert law_doubt(spring_a()) == law_doubt(spring_b()) == ""
-    assert law_doubt(replace(scene, factors=Factors(bending=0.9))) == ""  # the law was fitted
+    assert law_warning(spring_a()) == law_warning(spring_b()) == ""
+    assert law_warning(replace(scene, factors=Factors(bending=0.9))) == ""  # the law was fitted
     held = Load(stages=((50.0, -3.0), (100.0, 0.0)), steps=1)  # the larger force is borne by the support
-    assert law_doubt(replace(spring_a(), load=held, supports=Supports(("ux",)))) == ""
+    assert law_warning(replace(spring_a(), load=held, supports=Supports(("ux",)))) == ""

@@ -54,7 +54,7 @@ def mesh_wire(spring: Spring, elements_per_turn: int, on_plates: bool = False) -
     return WireMesh(phases=phases, points=points, reference=reference, arm=points[-1] - reference)
 
 
-def chord_caution(element: str, elements_per_turn: int, nu: float) -> str:
+def chord_warning(element: str, elements_per_turn: int, nu: float) -> str:
     """What a mesh of straight elements is too coarse for, or nothing."""
     lost = lost_by_chords(elements_per_turn, nu)
     if element != "straight" or lost < MOST_LOST:

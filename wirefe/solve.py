@@ -20,7 +20,7 @@ from wirefe import kernels, model, seated
 from wirefe.contact.points import NONE_FOUND, PER_TURN, ContactArrays, near_points, reach
 from wirefe.contact.stations import of_wires
 from wirefe.element.poses import ROW
-from wirefe.mesh import MOST_ELEMENTS, WireMesh, chord_caution
+from wirefe.mesh import MOST_ELEMENTS, WireMesh, chord_warning
 from wirefe.results.shape import WireShape, contact_centres
 from wirefe.rod import ELEMENTS, Rod, RodPath
 
@@ -84,7 +84,7 @@ def solve(
     run = follow_load(scene, problem, scene_kernels(scene))
     data = run.problem.data
     options["pairs_found"] = len(data.contact.pairs) - len(problem.history)
-    coarse = chord_caution(element, elements_per_turn, scene.material.nu)
+    coarse = chord_warning(element, elements_per_turn, scene.material.nu)
     run = replace(run, message=run.message + coarse)
     return scene_path(scene, "wirefe", options, run, WireShape(scene, data, mesh))
 

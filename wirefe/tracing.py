@@ -15,10 +15,10 @@ from coilspring.scene import Scene, require_scene
 from coilspring.solver.continuation.arclength import Trace, compiled_trace
 from coilspring.solver.interface import Kernels
 from coilspring.solver.interrupt import interruptible
-from coilspring.solver.outcome import THROUGH, caution
+from coilspring.solver.outcome import THROUGH, warning
 from coilspring.solver.problem import Problem
 from coilspring.solver.startup import kernel_bundle
-from wirefe.mesh import chord_caution
+from wirefe.mesh import chord_warning
 from wirefe.results.shape import WireShape
 from wirefe.rod import Rod, RodPath
 from wirefe.solve import KERNELS, rod_problem, scene_kernels, scene_problem
@@ -78,7 +78,7 @@ def trace(
         problem = problem.extended(found.states[-1])
     options["pairs_found"] = len(problem.history) - known
     outcome, message = _verdict(found)
-    message += chord_caution(element, elements_per_turn, scene.material.nu)
+    message += chord_warning(element, elements_per_turn, scene.material.nu)
     path = EquilibriumPath(
         scene=scene,
         model="wirefe",
@@ -93,7 +93,7 @@ def trace(
         **cost._asdict(),
     )
     least_gaps = path.gaps.min(axis=1, initial=np.inf)
-    path = replace(path, message=message + _through(path) + caution(path, least_gaps))
+    path = replace(path, message=message + _through(path) + warning(path, least_gaps))
     if not found.finished:
         raise EquilibriumNotFound(path)
     return path

@@ -102,7 +102,7 @@ def undecided(track: Track) -> str:
     )
 
 
-def caution(path: EquilibriumPath, least_gaps: np.ndarray) -> str:
+def warning(path: EquilibriumPath, least_gaps: np.ndarray) -> str:
     """What makes some of the rows equilibria of the model rather than of a spring, or nothing."""
     if not len(path.times):
         return ""

@@ -16,7 +16,7 @@ from coilspring.scene import Scene
 from coilspring.solver.equilibrium.newton import DECREMENTS
 from coilspring.solver.interface import Kernels
 from coilspring.solver.interrupt import interruptible
-from coilspring.solver.outcome import caution, judged, snaps, undecided, verdict
+from coilspring.solver.outcome import judged, snaps, undecided, verdict, warning
 from coilspring.solver.problem import Problem, Track
 from coilspring.solver.stages import stages
 from coilspring.solver.startup import ready
@@ -252,7 +252,7 @@ def scene_path(
         solve_seconds=run.solve_seconds,
         compile_seconds=run.compile_seconds,
     )
-    if said := caution(path, track.least_gaps):
+    if said := warning(path, track.least_gaps):
         path = replace(path, message=path.message + said)
     if path.outcome != "completed":
         raise EquilibriumNotFound(path)

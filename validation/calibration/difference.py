@@ -97,9 +97,9 @@ def lines(paths: Mapping[str, EquilibriumPath], curve: Measured) -> list[str]:
     return [*said, *([curve.passed_over] if curve.left_out else [])]
 
 
-def doubts(paths: Mapping[str, EquilibriumPath], curve: Measured) -> list[str]:
+def warnings(paths: Mapping[str, EquilibriumPath], curve: Measured) -> list[str]:
     """Why the curve may not be one of this spring, in a sentence each."""
-    said = list(curve.doubts)
+    said = list(curve.warnings)
     for name, path in paths.items():
         if (rms := difference(path, curve)["rms"]) > FAR:
             by = f"{name} and the measured curve differ by {100 * rms:.2g} % of the peak rms"

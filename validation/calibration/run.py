@@ -41,7 +41,7 @@ def calibrate(
     except InputError as error:  # a curve that can be fitted need not have force over deflection
         return files, [*lines, f"calibration.png is not drawn: {error}"]
     files["calibration.png"] = _figure(scene, curve, found, options)
-    lines += [f"warning: {doubt}" for doubt in curve.doubts]
+    lines += [f"warning: {warning}" for warning in curve.warnings]
     if of_force(table_of(file), scene):
         points = pd.DataFrame({"force": curve.force, "deflection": curve.deflection})
         files["measured.csv"] = to_csv(points, digits=9)

@@ -139,7 +139,7 @@ def compare(arguments: argparse.Namespace) -> int:
             "scene": scene.name,
             **asdict(comparison),
             **{model: str((folder / model).resolve()) for model in paths},
-            "warnings": [*warnings(scene), *(difference.doubts(told, curve) if curve else [])],
+            "warnings": [*warnings(scene), *(difference.warnings(told, curve) if curve else [])],
             **{name: getattr(paths[ADAPTIVE], name) for name in ("accuracy", "estimated_error")},
             "outcomes": {model: path.outcome for model, path in paths.items()},
             "notes": [f"{model}: {note}" for model, path in paths.items() for note in notes(path)],

@@ -123,9 +123,9 @@ def notes(path: EquilibriumPath) -> list[str]:
             "--sliding scene has it"
         )
     if path.model == "equivbeam" and path.options["law"] == "haringx":
-        from validation.study.lawdoubt import law_doubt  # imports the model, which is there by now
+        from validation.study.lawwarning import law_warning  # imports the model, which is there by now
 
-        said += [f"{doubt}: see --law helix" for doubt in [law_doubt(path.scene)] if doubt]
+        said += [f"{warning}: see --law helix" for warning in [law_warning(path.scene)] if warning]
     if path.outcome == "limit_point" and not _passed_bottom(path):
         said.append(LIMIT_POINTS[bool(path.scene.load.displacement)])
     critical = path.outcome in ("limit_point", "bifurcation")

@@ -40,7 +40,7 @@ class Maker:
     cleanup: ExitStack  # ends the rendering processes, whatever happens
     times: bytes = b""  # CSV file of Table 3, for the artifacts that show it
     pending: list[Callable[[], None]] = field(default_factory=list)  # write figures that are being rendered
-    notes: list[str] = field(default_factory=list)  # what did not go as planned, one sentence each
+    warnings: list[str] = field(default_factory=list)  # what did not go as planned, one sentence each
 
     def measure(self) -> bytes:
         """Measure the times of Table 3; its CSV file."""
@@ -54,7 +54,7 @@ class Maker:
         if name in SPRINGS:
             return self._springs(name, key)
         files = MAKERS[name](self)
-        if not self.notes:  # which are of this machine today
+        if not self.warnings:  # which are of this machine today
             self.paths.store.put(key, files)
         return files
 
@@ -113,9 +113,9 @@ class Maker:
             picture = self.picture(name, lambda figures: figures.space_figure(panels, found), lines=False)
             write_files(picture, self.out)
             if isinstance(found, str):
-                note = f"{name} was drawn by matplotlib, since pyvista could not render here: {found}."
-                self.notes.append(note)
-                self.paths.announce(note)
+                warning = f"{name} was drawn by matplotlib, since pyvista could not render here: {found}."
+                self.warnings.append(warning)
+                self.paths.announce(warning)
             else:
                 self.paths.store.put(key, files | picture)
 
@@ -140,7 +140,7 @@ def _report(maker: Maker) -> Files:
         **picture,
         **_csv("claims", claims.claim_table(known)),
         "phases.csv": frames.to_csv(turned),
-        PAGE: report.compose(known, paths, seconds, turned, maker.render, maker.notes).encode(),
+        PAGE: report.compose(known, paths, seconds, turned, maker.render, maker.warnings).encode(),
         FILE: provenance("coilcheck reproduce"),
         FACTS: json_bytes(known),
     }

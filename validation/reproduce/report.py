@@ -37,11 +37,11 @@ def compose(
     times: pd.DataFrame,
     phases: pd.DataFrame,
     pictured: bool,
-    notes: Sequence[str],
+    warnings: Sequence[str],
 ) -> str:
     """The report as Markdown: sentences of the facts, tables of the paths, the times and the start phases.
 
-    `pictured`: whether the PNG files of all figures stand beside it; `notes`: what did not go as planned.
+    `pictured`: whether the PNG files of all figures stand beside it; `warnings`: what did not go as planned.
     """
     shown = {
         "claims": claim_table(facts),
@@ -54,7 +54,7 @@ def compose(
         "material": material_table(store),
         "penalty": penalty_table(store),
     }
-    return page(REPORT, f=facts, tables=shown, pictured=pictured, notes=notes)
+    return page(REPORT, f=facts, tables=shown, pictured=pictured, warnings=warnings)
 
 
 def table1() -> Table:

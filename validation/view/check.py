@@ -8,8 +8,8 @@ from coilspring.pathfile import MODELS
 from coilspring.scene import SEATS
 from coilspring.scene.sizing import sizes
 from equivbeam.model import build_model
-from validation.study.lawdoubt import law_doubt
-from validation.study.scenewarnings import ends_text, warnings
+from validation.study import scenewarnings
+from validation.study.lawwarning import law_warning
 from validation.study.template import template
 from wirefe.mesh import mesh_wire
 from wirefe.solve import require_motion
@@ -27,21 +27,22 @@ def report(scene: Scene) -> tuple[list[str], list[str]]:
     text = WORDS.render(
         name="".join(c if c.isprintable() else repr(c)[1:-1] for c in scene.name),
         **{"scene": scene, "spring": scene.spring, "sizes": found, "solid": math.isinf(found.force)},
-        index=ends_text(found.index),
+        index=scenewarnings.ends_text(found.index),
         index_varies=not math.isclose(low, high),
         angle=angle,
         unknown=math.isnan(found.wire_rates[1]),
         sideways=_sideways(scene),
     )
     models = (f"  {model:<13} {_verdict(model, scene)}" for model in MODELS)
-    doubts = warnings(scene)
+    warnings = scenewarnings.warnings(scene)
     if float(f"{angle:.3g}") > STEEPEST:  # as it is printed
-        doubts.append(f"helix angle up to {angle:.3g} degrees, above {STEEPEST:g}: the formulas leave it out")
+        steep = f"helix angle up to {angle:.3g} degrees, above {STEEPEST:g}"
+        warnings.append(f"{steep}: the formulas leave it out")
     if scene.supports.seat == "plate":
-        doubts.append(
+        warnings.append(
             "the rate is that of rigid end turns: on plates springs are softer, by 6 to 14 % where measured"
         )
-    return [*text.rstrip("\n").split("\n"), *models], doubts
+    return [*text.rstrip("\n").split("\n"), *models], warnings
 
 
 def _sideways(scene: Scene) -> float:
@@ -57,10 +58,8 @@ def _verdict(model: str, scene: Scene) -> str:
         if model == "equivbeam":
             build_model(scene)
             sticks = scene.contact.enabled and scene.contact.sliding != "free"
-            doubt = law_doubt(scene)
-            return (
-                f"represents it{LEFT_OUT if sticks else ''}{f'; {doubt}: see --law helix' if doubt else ''}"
-            )
+            law = f"; {warning}: see --law helix" if (warning := law_warning(scene)) else ""
+            return f"represents it{LEFT_OUT if sticks else ''}{law}"
         # the parts that may refuse a scene; its spheres are many where coils are
         require_motion(scene)
         seat = scene.supports.require_supported("wirefe", SEATS)

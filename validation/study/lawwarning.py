@@ -15,7 +15,7 @@ DOUBTFUL = 0.1  # of a component of the tip
 SLIGHT = 0.05  # of the largest component: one that is smaller tells nothing
 
 
-def law_doubt(scene: Scene) -> str:
+def law_warning(scene: Scene) -> str:
     """A sentence where law haringx differs from law helix, or nothing.
 
     The tip is compared under a small load without contact, which takes a millisecond. Not of a law that was
