@@ -21,29 +21,30 @@ from wirefe.mesh import MOST_ELEMENTS
 from wirefe.meshes import FEWEST, MOST, STATIONS, Levels, Trial, difference, few, on_plates, thinned
 from wirefe.solve import solve
 
-ACCURACIES = (1e-5, 1e-2)
+# Accuracies and errors are of `coilspring.curves`: shares of the peak.
+ACCURACIES = (1e-5, 1e-2)  # that may be asked for
 COARSEST = 4  # first level, which mostly does where wires do not touch
 ROUGH = 5e-3  # accuracy from which few more stations mostly do where they touch
-# Errors over what differences tell, at most (as measured on random springs). Of the first of two paths:
-FIRST, MIXED = 2.0, 5.0  # and where substeps differ, too, or errors fall unevenly
-# Of a path in fewer steps, where contact remembers: pairs may slide in the one that stick in the other.
-SUBSTEPS = 10.0
-# Of the last path, where errors are smooth: as a path before tells it; as two alike do.
-SMOOTH, STEADY = 3.0, 2.0
-ALIKE = 1.5
-UNEVEN, ON_PLATES = 8.0, 10.0  # the same where they are not, and where plates are why
-# Accuracy below which two paths with stations, or in substeps with friction, agree too often by chance:
-# three are compared.
-CHANCE = 5e-4
-SHARE = 0.5  # of its level is a mesh as fine as, however few its stations
-FALL = 0.5  # of what the path before told, each tells at least: two may agree by chance
-AHEAD = 1.1  # below the error wanted is that of the mesh that is predicted to do
-# Times the first level is the second; from `ROUGH` on where wires touch with friction or on plates; else.
-NEXT, NEXT_ROUGH, NEXT_STATIONS = 2.0, 1.5, 1.25
-STRIDE, FAR = 1.5, 3.5  # times the last mesh, then, at least and at most: how errors fall is not known beyond
-BEYOND = 1.5  # times the finest mesh: what is predicted to take more is refused
-# Of the answer's substeps, at most, where friction makes it depend on them.
-HALVINGS = 3
+# Errors over what differences of paths tell, at most, as measured on random springs.
+FIRST = 2.0  # of the first of two paths
+MIXED = 5.0  # of the first of two where their substeps differ, too, or errors fall unevenly
+SUBSTEPS = 10.0  # of a path in fewer steps where contact remembers: pairs may slide in it alone
+SMOOTH = 3.0  # of the last path where errors fall evenly
+STEADY = 2.0  # of the last path where they do, and two before it tell alike
+UNEVEN = 8.0  # of the last path where errors fall unevenly
+ON_PLATES = 10.0  # of the last path where plates make them do so
+ALIKE = 1.5  # ratio of the errors that two paths tell, below which they tell alike
+CHANCE = 5e-4  # accuracy below which two paths agree too often by chance with stations or friction: three do
+SHARE = 0.5  # least resolution of a mesh with few stations, as a share of its level
+FALL = 0.5  # least error that a path tells, as a share of what the one before told: two may agree by chance
+AHEAD = 1.1  # error wanted, over that of the mesh that is predicted to do
+NEXT = 2.0  # second level over the first without stations that touch, or below `ROUGH`
+NEXT_ROUGH = 1.5  # second level over the first where they touch, with friction or on plates
+NEXT_STATIONS = 1.25  # second level over the first where they touch otherwise
+STRIDE = 1.5  # later level over the one before, at least
+FAR = 3.5  # any level over the one before, at most: how errors fall is not known beyond
+BEYOND = 1.5  # predicted level over the finest, above which it is refused
+HALVINGS = 3  # of the answer's substeps, at most, where friction makes it depend on them
 
 
 @dataclass

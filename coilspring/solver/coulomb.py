@@ -14,7 +14,7 @@ NUDGE = 1e-6  # of a bound, with which differences are taken
 MOVE = 1e-5  # wire diameters or rad, the same
 SLACK = 1e-3  # of a bound: pairs nearer to it slide on
 SLIDES = 1e-9  # least force in a dof per unit of a bound
-SMALL = 0.1  # determinant near a limit point
+NEAR_LIMIT = 0.1  # largest determinant near a limit point
 FALLS = (1e-6, 3e-5)  # wire diameters of the way between which the determinant's fall is measured
 AHEAD = (1e-7, 1e-6, 1e-5, 1e-4)  # of the time 0..1: there its sign is evaluated
 
@@ -28,7 +28,7 @@ def time_left(body: Body, state: np.ndarray, history: np.ndarray, load: np.ndarr
     the rate at hand.
     """
     here, rate = coulomb(body, state, history, load, diameter)
-    if -SMALL < here <= 0.0:
+    if -NEAR_LIMIT < here <= 0.0:
         return 0.0
     if not here > 0.0:
         return np.inf
@@ -38,7 +38,7 @@ def time_left(body: Body, state: np.ndarray, history: np.ndarray, load: np.ndarr
         coulomb(body, body.moved(state, rate, distance / speed), history, load, diameter)[0]
         for distance in FALLS
     )
-    if not last < first < SMALL:
+    if not last < first < NEAR_LIMIT:
         return np.inf
     return 0.5 * (FALLS[1] - FALLS[0]) / speed * first / (first - last)
 

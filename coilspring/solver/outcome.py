@@ -22,7 +22,7 @@ SLIDING = -1  # beside the outcomes of `coilspring.solver.system`: see `coilspri
 UNFOLLOWED = (
     "Coulomb's law has a solution beyond, but the iteration on friction bounds found no stable equilibrium"
 )
-JUMPS = (
+PAIR_OPENS = (
     "a sticking pair opens, and the path jumps: no equilibrium without overlap is near as its tangential "
     "force is released,"
 )
@@ -75,7 +75,7 @@ def verdict(track: Track, work: float) -> tuple[str, str, float | None]:
     if track.outcome == OVERLAP:
         return "interpenetration", f"{THROUGH} {where}", None
     if track.outcome == JUMP:
-        return "jump", f"{JUMPS} {where}", track.time
+        return "jump", f"{PAIR_OPENS} {where}", track.time
     if track.outcome == CRITICAL:
         critical = track.time + 0.5 * track.bracket
         if work > NO_WORK and not track.bifurcates:

@@ -9,24 +9,22 @@ from coilspring.contact.history import has_friction, has_history
 from coilspring.solver.equilibrium.newton import INDEFINITE, NONE
 from coilspring.solver.equilibrium.operations import moved, put_prescribed
 
-# A converged state continues the branch when it lies near the straight prediction: within this share
-# of the distance it came (a fold or a jump turns the path by more), or within a small distance at all
-# (a closing contact kinks the path, so that no step is short enough for the share).
-TURN = 0.07
-# The same with friction, which acts along the way: a force in another direction stays wrong along the path.
-FRICTION_TURN = 3e-3
-SMALL = 0.05  # wire diameters
-# The same where it limits substeps with friction, and where pairs stick, which may let go on the way and be
-# closed again at the end: a share of all motion since the start, if that is less.
-SMALL_SHARE, STUCK_SHARE = 0.1, 1e-3
-# The same, where next to nothing is left of the stiffness or the matrix was indefinite on the way: there a
-# jump may begin; but no less than what the iteration leaves along the softest mode.
-SMALLER = 1e-4
-LEFT = 2.0  # times that, the root of the tolerance over the stiffness
-# A pair may not move by more in one substep: beyond, coils could pass through or over each other.
-PAIR_MOTION = 0.5  # wire diameters
-JUMP = 0.25  # of the distance, by which it may differ from that which the tangents at both ends tell
-PAIR_TURN = 0.02  # wire diameters, between a pair's motion and that which the tangents tell
+# A converged state continues the branch where its turn, the distance from the straight prediction, is within
+# a share of the distance it came: a fold or a jump turns the path by more. A turn that is small is no turn: a
+# closing contact kinks the path, so that no step is short enough for the share.
+TURN = 0.07  # largest turn, as a share of the distance
+FRICTION_TURN = 3e-3  # largest turn with friction, a share: a wrong direction stays wrong along the path
+SMALL_TURN = 0.05  # turn that is small, wire diameters
+# Where it limits substeps, what is small is a share of all motion since the start, too:
+FRICTION_SHARE = 0.1  # with friction
+STUCK_SHARE = 1e-3  # where pairs stick, which may let go on the way and be closed again at its end
+# Where next to nothing is left of the stiffness a jump may begin, and less is small; where the matrix was
+# indefinite on the way, no larger distance continues the branch.
+LEAST_TURN = 1e-4  # turn that is small there at least, wire diameters
+LEFT = 2.0  # turn that is small there, if that is more, in roots of the tolerance over the stiffness
+PAIR_MOTION = 0.5  # largest motion of a pair in a substep, wire diameters: beyond, coils may pass each other
+TANGENTS_TURN = 0.25  # largest turn from what the tangents at both ends tell, as a share of the distance
+PAIR_TURN = 0.02  # largest turn of a pair's motion from what the tangents tell, wire diameters
 
 
 @part
@@ -84,7 +82,7 @@ def most_turn(history):
 def small_turn(task, stiffness, tolerance):
     """Turn up to which a state continues the branch at all, mm, where little `stiffness`, N/mm, is left."""
     left = LEFT * math.sqrt(tolerance / stiffness) if stiffness > 0.0 else np.inf
-    return min(max(SMALLER * task.diameter, left), SMALL * task.diameter)
+    return min(max(LEAST_TURN * task.diameter, left), SMALL_TURN * task.diameter)
 
 
 @part
@@ -104,10 +102,10 @@ def continues(system, task, work, trouble, judged, small):
     good = least <= 1.0 or (share <= TURN and trouble == NONE)
     if trouble == INDEFINITE and not has_friction(work.history):
         # a jump may end anywhere, also near the prediction; friction is predicted to slide where it sticks
-        good = distance <= SMALLER * task.diameter
+        good = distance <= LEAST_TURN * task.diameter
     if has_history(work.history):
         whole, _, _ = displacement_bound(system, task.start, work.trial, np.inf)
-        most = whole * (SMALL_SHARE if has_friction(work.history) else STUCK_SHARE)
+        most = whole * (FRICTION_SHARE if has_friction(work.history) else STUCK_SHARE)
         least = max(least, turn / most) if most > 0.0 else least
     return good, turn, min(share, TURN * least), distance, pair * task.diameter
 
@@ -120,7 +118,7 @@ def jumped(system, task, work, distance, step):
     """
     least = 0.5 * PAIR_TURN * task.diameter
     _, pair, _ = displacement_bound(system, work.predicted, work.trial, least)
-    if pair <= PAIR_TURN and distance * JUMP <= SMALL * task.diameter:
+    if pair <= PAIR_TURN and distance * TANGENTS_TURN <= SMALL_TURN * task.diameter:
         return False
     mean, tangent, ahead = work.step, work.tangent, work.ahead
     for i in range(mean.size):
@@ -128,4 +126,4 @@ def jumped(system, task, work, distance, step):
     moved(system, work.state, mean, step, work.predicted)
     turn, other, _ = displacement_bound(system, work.predicted, work.trial, least)
     # a fold's tangent points along the jump from it, and may be as long; behind it the tangent is short
-    return min(pair, other) > PAIR_TURN or turn > max(JUMP * distance, SMALL * task.diameter)
+    return min(pair, other) > PAIR_TURN or turn > max(TANGENTS_TURN * distance, SMALL_TURN * task.diameter)

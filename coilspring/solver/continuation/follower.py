@@ -23,10 +23,10 @@ from coilspring.solver.continuation.stability import (
     APPROACH,
     FINEST,
     IMPERFECT,
-    JUMPS,
     LEAST_STEP,
     NEUTRAL,
     PROBE,
+    RIGID,
     WEAK,
     watch_stiffness,
 )
@@ -121,7 +121,7 @@ def plan(system, task, work, path, substep, watch):
         return
     to_critical = APPROACH * (softest.ahead - path.time)
     to_overlap = max(APPROACH * (room.zero - path.time), OVERLAP_TIME)
-    known = softest.linear and softest.value <= JUMPS * path.rest_stiffness
+    known = softest.linear and softest.value <= RIGID * path.rest_stiffness
     finest = max(IMPERFECT * path.time, FINEST) if known else FINEST
     if not path.snapping and (softest.value <= NEUTRAL * path.rest_stiffness or to_critical < finest):
         # just before what vanishes, rounding may do so
@@ -135,7 +135,7 @@ def plan(system, task, work, path, substep, watch):
         substep.near_critical, substep.duration = True, AHEAD
     else:
         wanted = min(path.next_step, path.until, path.opens)
-        if softest.value < JUMPS * path.rest_stiffness:
+        if softest.value < RIGID * path.rest_stiffness:
             wanted = min(wanted, CAREFUL * path.last_step)
         substep.near_critical = path.fresh > 0 or to_critical < wanted
         substep.duration = min(wanted, to_critical, to_overlap, PROBE if path.fresh > 0 else np.inf)

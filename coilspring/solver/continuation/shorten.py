@@ -6,7 +6,7 @@ from coilspring.compiling.compiled import part
 from coilspring.contact.history import creeping, let_go
 from coilspring.solver.continuation.accept import NEAR_END
 from coilspring.solver.continuation.snap import end_or_snap, release_or_jump
-from coilspring.solver.continuation.stability import FINEST, JUMPS, LEAST_STEP
+from coilspring.solver.continuation.stability import FINEST, LEAST_STEP, RIGID
 from coilspring.solver.continuation.start import FIRST_STEP
 from coilspring.solver.continuation.substep import LEAST_RELEASE, MOST_RELEASE
 from coilspring.solver.equilibrium.newton import INDEFINITE
@@ -36,7 +36,7 @@ def shorten(system, task, work, path, substep, softest):
         release_less(task, path)
     else:
         go_less(task, work, path, substep)
-        rigid = softest.value > JUMPS * path.rest_stiffness  # it is no mode that has become soft
+        rigid = softest.value > RIGID * path.rest_stiffness  # it is no mode that has become soft
         least = LEAST_STEP
         if rigid and creeping(work.history) and substep.cut == 1.0:
             least = LEAST_CREEP  # one that is only cut, to where a pair touches or opens, does not stall

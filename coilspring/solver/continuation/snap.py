@@ -16,9 +16,9 @@ from coilspring.contact.history import has_history, sticks
 from coilspring.solver.continuation.branch import displacement_bound
 from coilspring.solver.continuation.stability import (
     FINEST,
-    JUMPS,
     LEAST_STEP,
     PROBE,
+    RIGID,
     SETTLED,
     jumps,
     least_stiffness,
@@ -36,7 +36,7 @@ ROUNDS = 100  # of renewed bounds: as it slides, friction gives way step by step
 LONGER = 5  # times as many iterations as of a substep: hard pairs close and open all the way
 SHIFT = 1e-6  # least shift of an indefinite matrix: at a limit point next to nothing is negative
 SADDLES, LEAVE = 3, 1e-3  # times that an unstable equilibrium is left, and wire diameters by which at first
-SMALL = 1e-3  # wire diameters that are moved along a mode
+ALONG_MODE = 1e-3  # move along a mode, wire diameters
 FASTER = 2.0  # times what the tangents tell, at least, a substep moves in which it snapped
 # Wire diameters, and share of the path so far: by less off the prediction is no snap; after one that is
 # larger, friction may hold otherwise.
@@ -53,7 +53,7 @@ def end_or_snap(system, task, work, path, softest, outcome):
     stiffness = stiffness_at(system, task, work, path, work.state, SETTLED)
     path.reuse, opens = False, not straight and jumps(path, softest, stiffness)
     limit = opens or is_limit_point(system, task, work, path, stiffness, straight)
-    path.opened = opens and stiffness > JUMPS * path.rest_stiffness and sticks(work.history)
+    path.opened = opens and stiffness > RIGID * path.rest_stiffness and sticks(work.history)
     snap_or_end(system, task, path, limit, straight)
 
 
@@ -101,7 +101,7 @@ def is_loaded(system, task, work, path, stiffness):
     """Whether the load, or a prescribed motion, works on the softest mode, of a stiffness."""
     if system.prescribed.size > 0:
         return driven(system, task, work, stiffness, path.rest_stiffness)
-    moved(system, work.state, work.mode, SMALL * task.diameter, work.scratch)
+    moved(system, work.state, work.mode, ALONG_MODE * task.diameter, work.scratch)
     work_done = system.work(system.reals, system.ints, task.load, work.state, work.scratch)
     distance, _, _ = displacement_bound(system, work.state, work.scratch, np.inf)
     return abs(work_done) > NO_WORK * math.sqrt(dot(task.load, task.load)) * distance

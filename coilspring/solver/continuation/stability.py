@@ -11,34 +11,33 @@ from coilspring.solver.equilibrium.linesearch import dot
 from coilspring.solver.equilibrium.newton import LINEAR
 from coilspring.solver.equilibrium.operations import factor_state, solution
 
-FEW_ITERATIONS = 8
+# Shares of stiffness are of the least one at rest; times are of 0..1.
+FEW_ITERATIONS = 8  # steps of inverse iteration, at most
 OTHERS = 0.05  # share of all modes that is put into the softest one before it is looked for anew
-# Relative change of the least stiffness by a step of inverse iteration, that ends it: along the path, and
-# where the stiffness tends to zero.
-SETTLED, EXACT = 0.05, 1e-3
-LEAST_STEP = 1e-9  # of the time 0..1: below it, what cannot be passed is called a critical point
-FINEST = 1e-12  # of the time 0..1: so near to a predicted zero of the least stiffness it is followed
-# The same where it falls along a straight line, of the time so far, but no less. Contact may make a
-# bifurcation imperfect: the path leans just before it and goes on. Where it would do so nearer than this, the
-# bifurcation counts as perfect.
+SETTLED = 0.05  # relative change of the stiffness that ends inverse iteration along the path
+EXACT = 1e-3  # the change that ends it where the stiffness tends to zero
+LEAST_STEP = 1e-9  # least substep, time: below it, what cannot be passed is called a critical point
+FINEST = 1e-12  # time before a predicted zero of the stiffness up to which it is approached
+# Share of the time so far up to which a zero on a straight line is approached, if that is more. Contact may
+# make a bifurcation imperfect: the path leans just before it and goes on. Nearer it counts as perfect.
 IMPERFECT = 1e-10
-APPROACH = 0.5  # share of the time to the predicted zero of the least stiffness
-# Of the time that is left, by which two predictions differ: towards a limit point by about the share by which
-# the stiffness fell in between, on a straight line by so little of that. Such a line is kept while its zero
-# moves by less than this share of the time left when it was found: just before zero, rounding moves it.
+APPROACH = 0.5  # substep towards a predicted zero of the stiffness, as a share of the time to it
+# Difference of two predicted zeros on a straight line, as a share of the time left and of the share by which
+# the stiffness fell; towards a limit point it is about 1. And how far such a zero may move, as a share of the
+# time left when it was found: just before zero, rounding moves it.
 STRAIGHT = 0.02
-# Shares of the end of the last substep at which such a line is looked for, the times that these are halved,
-# and how straight it is to be: the tangent's error bends it a little, a limit point by half and more.
-WITHIN, MOST_HALVES, STRAIGHTER = (0.25, 0.5, 0.75), 5, 0.1
-LOOK = 0.05  # of the time 0..1: so often at least the softest mode is evaluated,
-SOONER = 0.25  # and after this share of the time to its predicted zero
-WEAK = 0.1  # of the least stiffness at rest: below, it is evaluated wherever the matrix is factored,
-PROBE = 1e-3  # and after so short a step where a pair has closed
-JUMPS = 1e-3  # of the least stiffness at rest: where it is more and its predicted zero is at hand, it jumps
-# What falls by so much of the least stiffness at rest in so little of the time so far jumps; or in so many of
-# the least steps.
-FALLS, SUDDEN, FEW_STEPS = 5e-3, 2e-7, 5.0
-NEUTRAL = 1e-6  # of the least stiffness at rest: what is left of it counts as none, rounding is not far below
+WITHIN = (0.25, 0.5, 0.75)  # shares of the last substep's end at which a straight line is looked for
+MOST_HALVES = 5  # times that this end is halved
+STRAIGHTER = 0.1  # `STRAIGHT` there: the tangent's error bends a line a little, a limit point by 0.5 or more
+LOOK = 0.05  # longest time between evaluations of the softest mode
+SOONER = 0.25  # the longest as a share of the time to the predicted zero, if that is less
+WEAK = 0.1  # share of stiffness below which it is evaluated wherever the matrix is factored
+PROBE = 1e-3  # substep after which it is evaluated where a pair has closed, time
+RIGID = 1e-3  # share of stiffness above which it does not tend to a predicted zero at hand, but jumps to it
+SUDDEN_FALL = 5e-3  # share of stiffness above which what falls in no time jumps
+SUDDEN = 2e-7  # what counts as no time, as a share of the time so far
+FEW_STEPS = 5.0  # what counts as no time, if that is more, in `LEAST_STEP`
+NEUTRAL = 1e-6  # share of stiffness that counts as none: rounding is not far below
 
 
 @part
@@ -153,7 +152,7 @@ def jumps(path, softest, stiffness):
     if abs(path.time - softest.time) <= least:
         fallen = max(fallen, softest.value - stiffness)
     # a pair about to open may count as open, by rounding
-    return stiffness > JUMPS * path.rest_stiffness or fallen > FALLS * path.rest_stiffness
+    return stiffness > RIGID * path.rest_stiffness or fallen > SUDDEN_FALL * path.rest_stiffness
 
 
 @part
@@ -187,7 +186,7 @@ def watch_stiffness(system, task, work, path, substep, softest):
         if other or has_friction(work.history):
             softest.ahead = zero  # with friction another determinant vanishes first, see `solver.coulomb`
         softest.linear = softest.linear and not other
-    if value > JUMPS * path.rest_stiffness and not softest.linear:
+    if value > RIGID * path.rest_stiffness and not softest.linear:
         doubt_zero(softest, substep.target)
     softest.value, softest.time, path.failed = value, substep.target, False
     if substep.target >= softest.mark_time + no_time(substep.target):

@@ -10,8 +10,8 @@ from coilspring.compiling.compiled import part
 from coilspring.contact.history import begin_attempt, copy_history, sticks
 from coilspring.solver.continuation.snap import end_or_snap, is_loaded, snap_or_end
 from coilspring.solver.continuation.stability import (
-    JUMPS,
     LEAST_STEP,
+    RIGID,
     SETTLED,
     begin_watch,
     no_time,
@@ -71,7 +71,7 @@ def leaves_stretch(system, task, work, path, softest, end):
     stiffness = stiffness_at(system, task, work, path, work.state, SETTLED)
     begin_watch(softest, stiffness, critical)
     # all states of the stretch are on one line: that the stiffness falls along one tells nothing
-    opens = stiffness > JUMPS * path.rest_stiffness
+    opens = stiffness > RIGID * path.rest_stiffness
     limit = opens or is_loaded(system, task, work, path, stiffness)
     path.opened = opens and sticks(work.history)
     snap_or_end(system, task, path, limit, True)

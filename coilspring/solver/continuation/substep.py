@@ -21,8 +21,8 @@ from coilspring.contact.law import tangential_stiffness
 from coilspring.contact.touching import OPEN
 from coilspring.solver.continuation import snap
 from coilspring.solver.continuation.branch import (
-    SMALL,
-    SMALLER,
+    LEAST_TURN,
+    SMALL_TURN,
     continues,
     displacement_bound,
     jumped,
@@ -129,7 +129,7 @@ def most_damped(system, task, work, path, limit):
     if task.located < np.inf or not task.predictor:
         return MOST_DAMPED
     distance, _, _ = displacement_bound(system, work.state, work.predicted, np.inf)
-    return 0 if distance > SHORT * SMALLER * task.diameter else MOST_DAMPED
+    return 0 if distance > SHORT * LEAST_TURN * task.diameter else MOST_DAMPED
 
 
 @part
@@ -187,7 +187,7 @@ def keeps_branch(system, task, work, path, substep, watch):
     """Whether the trial state continues the branch; sets the outcome where wires overlap just ahead."""
     if path.lost or substep.cut < 1.0:
         return False
-    stiffness, small = watch[SOFTEST].value, SMALL * task.diameter
+    stiffness, small = watch[SOFTEST].value, SMALL_TURN * task.diameter
     if stiffness < WEAK * path.rest_stiffness:
         small = small_turn(task, stiffness, substep.tolerance)
     judged = (task.predictor or path.releasing) and not path.snapping
