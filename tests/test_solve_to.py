@@ -3,6 +3,7 @@
 import json
 import math
 import re
+from contextlib import suppress
 from dataclasses import replace
 from itertools import combinations
 
@@ -83,6 +84,15 @@ def test_without_contact_two_coarse_meshes_are_enough():
         "4 elements per turn, 50 steps",
         "8 elements per turn, 5 steps",
     ]
+
+
+@pytest.mark.parametrize(("asked", "steps"), [(1e-3, 5), (1e-4, 20)])
+def test_sticking_pairs_are_compared_in_more_steps_where_fewer_may_agree_by_chance(asked, steps):
+    """They touched alike in 10 and 5 steps, and elsewhere in 20: 6e-4 off where 1e-4 was asked for."""
+    lines = []
+    with suppress(InputError):
+        wirefe.solve_to(touching(geometry="spheres", sliding="none"), asked, progress=lines.append)
+    assert lines[1].startswith(f"8 elements per turn, {steps} steps")
 
 
 def test_without_contact_nothing_is_asked_of_coils(monkeypatch):

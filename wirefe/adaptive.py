@@ -273,7 +273,10 @@ def _first(trials: Trials) -> tuple[EquilibriumPath, float]:
     (first,), factor = trials.found, MIXED if trials.substeps or trials.uneven else FIRST
     # errors are largest where a pair has just closed, or a node has just come to bear
     bent = (trials.touching or trials.uneven) and not trials.substeps
-    trials.add(_next(trials), trials.steps if bent else few(trials.steps))
+    steps = trials.steps if bent else few(trials.steps)
+    if trials.substeps and trials.wanted < CHANCE and not trials.erratic:
+        steps = 2 * trials.steps  # sticking pairs may touch alike in all that fewer steps share
+    trials.add(_next(trials), steps)
     fine = (trials.irregular and trials.wanted < ROUGH) or trials.erratic
     if fine or len(trials.found) == 1 or first.path.critical_time is not None:
         return first.path, math.inf
