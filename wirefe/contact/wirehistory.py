@@ -28,13 +28,20 @@ from wirefe.element.algebra import dot, plus
 
 
 @inlined
+def _distance(contact, points, m):
+    """Distance of two wires across their gap, longer by what they run into each other at rest: d where they
+    touch."""
+    return gap(contact, points, m)[0] + contact.rest_overlap[m]
+
+
+@inlined
 def _touch(contact, states, m, row):
     """See `coilspring.contact.kinematics`; `states`: accepted, predicted, trial one, with their stations."""
-    there, d = np.empty((3, 6)), contact.d - contact.rest_overlap[m]
+    there, d = np.empty((3, 6)), contact.d
     v = np.empty((3, 3))
     for i in range(3):
         state, points = states[i]
-        h, n, _, _, _ = gap(contact, points, m)
+        h, (_, n, _, _, _) = _distance(contact, points, m), gap(contact, points, m)
         v[i, 0], v[i, 1], v[i, 2] = h * n[0], h * n[1], h * n[2]
         touching_points(contact, points, state, m, (0.0, 0.0, 0.0), there[i])
     predicted = v[1, 0] ** 2 + v[1, 1] ** 2 + v[1, 2] ** 2 < d * d
@@ -60,8 +67,8 @@ def accept_wire_history(contact, state, history):
     here = (state, points)
     for m in range(history.shape[0]):
         row = history[m]
-        h, n, _, _, _ = gap(contact, points, m)
-        gap_left = h + contact.rest_overlap[m] - contact.d
+        h, (_, n, _, _, _) = _distance(contact, points, m), gap(contact, points, m)
+        gap_left = h - contact.d
         least = min(least, gap_left)
         if not (row.closed or gap_left < touching_gap(contact)):
             continue
@@ -115,13 +122,11 @@ def update_wires(contact, accepted, predicted, state, history):
         row = history[m]
         if not (row.opening or row.closed or row.creeps or touches(contact, points, m)):
             continue
-        h, _, _, _, _ = gap(contact, points, m)
-        d = contact.d - contact.rest_overlap[m]
+        h, d = _distance(contact, points, m), contact.d
         if (row.opening or row.creeps) and row.wanted != row.lead:
             _lead(row)
         if row.opening:
-            far, _, _, _, _ = gap(contact, before, m)
-            touches_again(row, far, h, d)
+            touches_again(row, _distance(contact, before, m), h, d)
         elif row.creeps:
             length, way = tangential_slip(contact, points, state, m, row)
             row.gap, row.sticking = h - d, row.stiffness * length
@@ -141,8 +146,8 @@ def update_wires(contact, accepted, predicted, state, history):
         length, way = tangential_slip(contact, points, state, m, row)
         if new:
             change = max(change, row.stiffness * length)
-            row.released = 1.0 if contact.mu == np.inf and gap(contact, ahead, m)[0] < d else 0.0
-        elif row.fresh and gap(contact, ahead, m)[0] < d:
+            row.released = 1.0 if contact.mu == np.inf and _distance(contact, ahead, m) < d else 0.0
+        elif row.fresh and _distance(contact, ahead, m) < d:
             _, expected = tangential_slip(contact, ahead, predicted, m, row)
             error = plus(way, -1.0, expected)
             was_free = predicted_badly(row, math.sqrt(dot(error, error)), located_to(contact.mu) * d)
@@ -150,8 +155,7 @@ def update_wires(contact, accepted, predicted, state, history):
         _, normal, slope = normal_law(max(d - h, 0.0), contact.kc, contact.k)
         most, row.gap = max(most, least_bound * normal), h - d
         if contact.mu == np.inf:
-            far, _, _, _, _ = gap(contact, before, m)
-            opens_after(row, far, gap(contact, ahead, m)[0], h, d)
+            opens_after(row, _distance(contact, before, m), _distance(contact, ahead, m), h, d)
             if not row.fresh:
                 _, held = tangential_slip(contact, before, accepted, m, row)
                 turns_round(row, held, way, normal, d)
