@@ -6,11 +6,11 @@ from functools import cache
 import numpy as np
 
 from coilspring.compiling.compiled import clear, copy, inlined, kernel, lent, shaped
-from coilspring.contact.kinematics import accept_history, approach
-from coilspring.contact.kinematics import update_pairs as update_pairs_of
+from coilspring.contact.kinematics import approach, spheres
 from coilspring.contact.law import pair_potential
 from coilspring.contact.rates import length_gradient as gradient_of_length
 from coilspring.contact.rates import pair_rate
+from coilspring.contact.remembering import accept, update
 from equivbeam.band import ROW, fix
 from equivbeam.band import factor as factor
 from equivbeam.band import solve as solve
@@ -189,21 +189,21 @@ def displacement_bound(reals, ints, a, b, least):
 
 @kernel
 def update_history(reals, ints, state, history):
-    """See `coilspring.contact.kinematics.accept_history`."""
+    """See `coilspring.contact.remembering.accept`."""
     model = view(reals, ints)
     if model.pairs.shape[0] == 0:
         return np.inf
-    return accept_history(_vectors(model, state), history, model)
+    return accept(spheres(), model, _vectors(model, state), history)
 
 
 @kernel
 def update_pairs(reals, ints, accepted, predicted, state, history):
-    """See `coilspring.contact.kinematics.update_pairs`."""
+    """See `coilspring.contact.remembering.update`."""
     model = view(reals, ints)
     if model.mu == 0.0:
         return 0.0
-    before, ahead, after = _vectors(model, accepted), _vectors(model, predicted), _vectors(model, state)
-    return update_pairs_of(before, ahead, after, history, model)
+    places = _vectors(model, accepted), _vectors(model, predicted), _vectors(model, state)
+    return update(spheres(), model, places, history)
 
 
 @kernel

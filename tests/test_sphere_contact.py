@@ -5,11 +5,12 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from coilspring.contact import forces as pairforces
-from coilspring.contact import kinematics as pairvectors
 from coilspring.contact import law as pairlaw
+from coilspring.contact import remembering
 from coilspring.contact.forces import pair_friction
-from coilspring.contact.kinematics import BETWEEN, accept_history, approach, update_pairs
+from coilspring.contact.kinematics import BETWEEN, approach, spheres
 from coilspring.contact.law import PairLaw, arc, normal_law, pair_potential, tangential_stiffness
+from coilspring.contact.remembering import accept, update
 from coilspring.contact.results import PairReader
 from coilspring.contact.touching import FINEST, TOUCHING, update_bound
 from pairrecords import held, pair_records
@@ -75,7 +76,7 @@ class Reader(PairReader):
 
 
 def test_an_edited_law_is_that_of_kernels_of_readers_and_of_friction(monkeypatch):
-    for module in (pairlaw, pairvectors, pairforces):
+    for module in (pairlaw, remembering, pairforces):
         monkeypatch.setattr(module, "normal_law", _stiffening)
     f, H = np.empty(3), np.empty((3, 3))
     g = np.array([0.0, D - 0.1, 0.0])
@@ -85,7 +86,7 @@ def test_an_edited_law_is_that_of_kernels_of_readers_and_of_friction(monkeypatch
     np.testing.assert_allclose(f, [0.0, -1500.0, 0.0])
     np.testing.assert_allclose(Reader().pair_forces(None), [[1500.0, 0.0]])
     history = pair_records(closed=True, normal=(0.0, 1.0, 0.0), bound=1.0)
-    update_pairs(g[None], g[None], g[None], history, law(mu=0.3))
+    update(spheres(), law(mu=0.3), (g[None], g[None], g[None]), history)
     assert history[0].bound == pytest.approx(0.3 * 1500.0 * (D - 0.1) / D)
 
 
@@ -148,7 +149,7 @@ def tilted(angle, h):
 def accepted(row, g, mu):
     """The record after a state with the vector g was accepted."""
     history = np.rec.array(np.array([row], dtype=row.dtype))
-    accept_history(g[None], history, law(mu=mu))
+    accept(spheres(), law(mu=mu), g[None], history)
     return history[0]
 
 
@@ -193,7 +194,7 @@ def test_a_pair_is_held_from_where_it_touches_first_on_the_predicted_way():
     """It comes down along y and moves along x: on the straight line to what was predicted."""
     history = pair_records(1)
     before, ahead, trial = vectors([0.0, 1.01 * D, 0.0], [0.2, 0.99 * D, 0.0], [0.2001, 0.991 * D, 0.0])
-    update_pairs(before, ahead, trial, history, law(mu=np.inf))
+    update(spheres(), law(mu=np.inf), (before, ahead, trial), history)
     row = history[0]
     assert row.closed
     assert row.fresh
@@ -203,7 +204,7 @@ def test_a_pair_is_held_from_where_it_touches_first_on_the_predicted_way():
     assert share < row.cut < 1.0  # the straight way to the trial state touches elsewhere: it is in doubt
     near = before[0] + 1e-3 * (trial[0] - before[0])
     history = pair_records(1)
-    update_pairs(vectors(near)[0] * 0.98, ahead, trial, history, law(mu=np.inf))
+    update(spheres(), law(mu=np.inf), (vectors(near)[0] * 0.98, ahead, trial), history)
     assert history[0].vector == pytest.approx(near * 0.98)  # it touched there already
 
 
@@ -224,13 +225,13 @@ def test_a_pair_that_touches_but_for_rounding_sticks(share):
     gap = share * TOUCHING * D
     history = pair_records(1)
     for _ in range(2):  # it stays so
-        least = accept_history(vectors([0.0, D + gap, 0.0])[0], history, law(mu=np.inf))
+        least = accept(spheres(), law(mu=np.inf), vectors([0.0, D + gap, 0.0])[0], history)
         assert history[0].closed == (share < 1.0)
         assert not history[0].opening
         assert least <= 0.0 or share > 1.0
     if gap >= 0.0:
         history = pair_records(1)
-        accept_history(vectors([0.0, D + gap, 0.0])[0], history, law(mu=0.3))
+        accept(spheres(), law(mu=0.3), vectors([0.0, D + gap, 0.0])[0], history)
         assert not history[0].closed
 
 

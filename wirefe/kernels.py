@@ -5,8 +5,8 @@ import math
 import numpy as np
 
 from coilspring.compiling.compiled import arithmetic, clear, inlined, kernel, lent, shaped
-from coilspring.contact.kinematics import OVERLAP_ALLOWED, accept_history, approach
-from coilspring.contact.kinematics import update_pairs as update_spheres
+from coilspring.contact.kinematics import OVERLAP_ALLOWED, approach, spheres
+from coilspring.contact.remembering import accept, update
 from coilspring.solver.interface import FIXED
 from wirefe.chain import add_block, add_gradient, add_nodes, eliminate, substitute
 from wirefe.contact.overlap import wire_overlap
@@ -15,7 +15,7 @@ from wirefe.contact.spheres import add_spheres, between
 from wirefe.contact.stations import of_wires
 from wirefe.contact.unlisted import touch_unlisted
 from wirefe.contact.wireforces import add_wires
-from wirefe.contact.wirehistory import accept_wire_history, update_wires
+from wirefe.contact.wirehistory import standing, wires
 from wirefe.contact.wires import across, placed
 from wirefe.element.algebra import dot
 from wirefe.element.beam import beams, onto_reference
@@ -188,31 +188,28 @@ def displacement_bound(reals, ints, a, b, least):
 
 @kernel
 def update_history(reals, ints, state, history):
-    """See `coilspring.contact.kinematics`; minus infinity: wires touch that are no pair."""
+    """See `coilspring.contact.remembering`; minus infinity: wires touch that are no pair."""
     state, history = lent(state), lent(history)
     contact = view_contact(reals, ints)
     if contact.pairs.shape[0] > 0 and touch_unlisted(contact, state):
         return -np.inf
-    if of_wires(contact.parts) and contact.mu > 0.0:
-        return accept_wire_history(contact, state, history)
-    return accept_history(_vectors(contact, state), history, contact)
+    if of_wires(contact.parts):
+        return accept(wires(), contact, standing(contact, state), history)
+    return accept(spheres(), contact, _vectors(contact, state), history)
 
 
 @kernel
 def update_pairs(reals, ints, accepted, predicted, state, history):
-    """See `coilspring.contact.kinematics.update_pairs`."""
+    """See `coilspring.contact.remembering.update`."""
     accepted, predicted, state, history = lent(accepted), lent(predicted), lent(state), lent(history)
     contact = view_contact(reals, ints)
     if contact.mu == 0.0:
         return 0.0
     if of_wires(contact.parts):
-        return update_wires(contact, accepted, predicted, state, history)
-    before, ahead, after = (
-        _vectors(contact, accepted),
-        _vectors(contact, predicted),
-        _vectors(contact, state),
-    )
-    return update_spheres(before, ahead, after, history, contact)
+        there = standing(contact, accepted), standing(contact, predicted), standing(contact, state)
+        return update(wires(), contact, there, history)
+    places = _vectors(contact, accepted), _vectors(contact, predicted), _vectors(contact, state)
+    return update(spheres(), contact, places, history)
 
 
 @kernel

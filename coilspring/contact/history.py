@@ -124,10 +124,9 @@ def let_go_on(history, pressed):
 @part
 def has_history(history):
     """Whether contact remembers anything of any pair."""
-    for m in range(history.shape[0]):
-        for i in range(3):
-            if history[m].normal[i] != 0.0:  # stays when the pair opens
-                return True
+    for m in range(history.shape[0]):  # noqa: SIM110
+        if history[m].stiffness != 0.0:  # stays when the pair opens
+            return True
     return False
 
 

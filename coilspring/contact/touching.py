@@ -21,7 +21,7 @@ LOCATED = 1e-5  # and with friction
 
 @inlined
 def slid(length, row, gap):
-    """Take what a pair with friction slid in a substep into its history; returns whether it did."""
+    """Take what a pair with friction slid in a substep into its history; returns how far it is stretched."""
     row.closed, row.fresh = gap < 0.0, False
     slip = (row.stiffness * length - row.bound) / (row.stiffness + row.bound * row.rise)
     if slip > 0.0:
@@ -31,7 +31,7 @@ def slid(length, row, gap):
         row.work += 0.5 * (row.held + row.bound) * slip
     row.held = row.bound if row.closed else 0.0
     row.stride, row.wanted, row.ahead = slip if slip > 0.0 else 0.0, 0.0, 0.0
-    return slip > 0.0
+    return row.bound / row.stiffness if slip > 0.0 else length
 
 
 @inlined
@@ -151,8 +151,7 @@ def turns_round(row, before, after, normal, d):
 
 @inlined
 def touches_again(row, before, after, d):
-    """Set the gap of an opening pair, and the share of a release after which it just touches again."""
-    row.gap = after - d
+    """Set the share of a release after which an opening pair just touches again."""
     near = (1.0 - 0.5 * OPEN) * d
     row.cut = (before - near) / (before - after) if after < (1.0 - OPEN) * d else 1.0
 
