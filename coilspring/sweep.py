@@ -189,7 +189,8 @@ def _outcome(path: EquilibriumPath) -> Outcome:
     spent: dict[str, Any] = {"critical_time": path.critical_time, "total_iterations": path.total_iterations}
     if not len(path.times):
         return Outcome(path.outcome, path.message, **spent)
-    law, gaps = path.shape.pair_law, path.shape.pair_gaps(path.states[-1:])
+    shape, gaps = path.shape, path.shape.pair_gaps(path.states[-1:])
+    forces = normal_forces(-gaps, shape.pair_stiffness, shape.pair_law.k)
     return Outcome(
         path.outcome,
         path.message,
@@ -198,7 +199,7 @@ def _outcome(path: EquilibriumPath) -> Outcome:
         load=tuple(path.loads[-1].tolist()),
         active_contacts=int(np.count_nonzero(gaps < 0.0)),
         max_penetration=float(np.maximum(-gaps, 0.0).max(initial=0.0)),
-        max_contact_force=float(normal_forces(-gaps, law.kc, law.k).max(initial=0.0)),
+        max_contact_force=float(forces.max(initial=0.0)),
         rate=float(path.rates_at(slice(-1, None))[0]),
         max_stress=None if path.max_stress is None else float(path.max_stress.max()),
         **spent,

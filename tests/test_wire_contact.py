@@ -167,7 +167,8 @@ def twisted_pair(count):
     pairs = np.stack((nodes[: count + 1], nodes[count + 1 :]), axis=1)
     weight = PENALTY * L / count
     contact = ContactArrays(
-        nodes, parts, pairs, np.zeros(len(pairs)), 2 * RADIUS, weight, weight, 1.0, 0.0, 0, np.inf
+        *(nodes, parts, pairs, np.zeros(len(pairs)), np.ones(len(pairs))),
+        *(2 * RADIUS, weight, weight, 1.0, 0.0, 0, np.inf),
     )
     return rod_model(rod, np.zeros(3), contact), np.array(rows).ravel()
 

@@ -8,12 +8,16 @@ from coilspring.contact.law import normal_law
 from coilspring.path import Friction
 
 
-def normal_forces(penetrations: np.ndarray, K: float, k: float) -> np.ndarray:
-    """Normal forces of pairs, N, from their penetrations, mm; of those that are open none."""
+def normal_forces(penetrations: np.ndarray, K: float | np.ndarray, k: float) -> np.ndarray:
+    """Normal forces of pairs, N, from their penetrations (..., pairs), mm; of those that are open none.
+
+    `K` is that of all, or of each pair, (pairs,), N/mm^k.
+    """
     forces = np.zeros_like(penetrations)
     closed = penetrations > 0.0
+    each = zip(penetrations[closed].tolist(), np.broadcast_to(K, closed.shape)[closed].tolist(), strict=True)
     # one by one: a law for numbers may branch
-    forces[closed] = [normal_law(penetration, K, k)[1] for penetration in penetrations[closed].tolist()]
+    forces[closed] = [normal_law(penetration, stiffness, k)[1] for penetration, stiffness in each]
     return forces
 
 

@@ -18,6 +18,11 @@ class PairReader(ABC):
     def pair_law(self) -> Any:
         """What holds the pairs: a `coilspring.contact.law.PairLaw`, or arrays with its fields."""
 
+    @property
+    def pair_stiffness(self) -> float | np.ndarray:
+        """Penalty of all pairs, or of each, (pairs,), N/mm^k."""
+        return float(self.pair_law.kc)
+
     @abstractmethod
     def pair_vectors(self, states: np.ndarray) -> np.ndarray:
         """Vectors between the centres of the pairs, shape (states, pairs, 3), mm."""
@@ -32,7 +37,7 @@ class PairReader(ABC):
 
     def pair_forces(self, states: np.ndarray) -> np.ndarray:
         """Normal force of every pair, shape (states, pairs), N."""
-        return normal_forces(-self.pair_gaps(states), self.pair_law.kc, self.pair_law.k)
+        return normal_forces(-self.pair_gaps(states), self.pair_stiffness, self.pair_law.k)
 
     def pair_friction(self, states: np.ndarray, histories: np.ndarray) -> Friction:
         """Tangential forces (states, pairs, 3), N, slips, mm, and frictional work, N mm, of every pair."""

@@ -40,38 +40,42 @@ class PlateArrays(NamedTuple):
 
     low: Wholes  # nodes of the lower end
     level: Vector  # (low,) height of each where it touches, mm
+    low_stiffness: Vector  # (low,) of each on its plate, N/mm
     high: Wholes  # nodes of the upper end
     depth: Vector  # (high,) c of each, mm
+    high_stiffness: Vector  # (high,) as of the lower ones
     tip: Vector  # (3,) from the last of these, the tip, to the top end at rest, mm
     free: Vector  # (6,) 1 for free dofs of the top end, 0 for held ones
-    stiffness: float  # of a node on a plate, N/mm
     hold: float  # of the tip along the plate, N/mm
     block: Wholes  # (high,) block of each node's coupling with the top end
     flip: Wholes
 
 
-NO_PLATES = PlateArrays(NONE, np.zeros(0), NONE, np.zeros(0), np.zeros(3), np.ones(6), 0.0, 0.0, NONE, NONE)
+EMPTY = np.zeros(0)
+NO_PLATES = PlateArrays(NONE, EMPTY, EMPTY, NONE, EMPTY, EMPTY, np.zeros(3), np.ones(6), 0.0, NONE, NONE)
 
 
 def place_plates(spring: Spring, mesh: WireMesh, stiffness: float, rod: Rod) -> PlateArrays:
     """Plates of a spring: nodes of each end turn and of the coil next to it may touch its plate.
 
-    `stiffness` is that of the linear contact of a pair: as stiff along the wire as coils. The blocks are
-    left empty. `rod` is its wire, joined to the top end.
+    `stiffness` is that of the linear contact of a pair: as stiff along the wire as coils, tips for half an
+    element. The blocks are left empty. `rod` is its wire, joined to the top end.
     """
     phases, y = mesh.phases[:-1], mesh.points[:-1, 1]  # the last node is the top end itself
     low = np.flatnonzero(phases < TWO_PI)
     high = np.flatnonzero(phases > spring.phase_end - TWO_PI)
     top = mesh.reference[1]
-    per_node = stiffness * PAIRS_OF_STIFFNESS * (phases[1] - phases[0]) / TWO_PI
+    per_node = np.full(len(phases), stiffness * PAIRS_OF_STIFFNESS * (phases[1] - phases[0]) / TWO_PI)
+    per_node[[0, -1]] *= 0.5
     return NO_PLATES._replace(
         low=low,
         level=np.minimum(y[low], 0.0),
+        low_stiffness=per_node[low],
         high=high,
         depth=np.minimum(top - y[high], 0.0),
+        high_stiffness=per_node[high],
         tip=-mesh.arm,
         free=(~rod.held[-1]).astype(float),
-        stiffness=per_node,
         hold=HOLD * rod.stiffness[-2, 0, 0],
     )
 
@@ -117,9 +121,9 @@ class Plane(NamedTuple):
 @inlined
 def press_low(plates, state, g, H):
     """Potential of the bottom plate; adds its gradient and Hessian."""
-    energy, k = 0.0, plates.stiffness
+    energy = 0.0
     for m in range(plates.low.size):
-        node = plates.low[m]
+        node, k = plates.low[m], plates.low_stiffness[m]
         gap = state[ROW * node + 1] - plates.level[m]
         if gap > 0.0:
             continue
@@ -135,7 +139,7 @@ def press_high(plates, state, g, H):
     """Potential of the top plate, and of what holds the tip along it; adds its gradient and Hessian."""
     energy, last = 0.0, plates.high.size - 1
     for m in range(plates.high.size):
-        energy += _press(plates, state, m, Plane(1, plates.depth[m], plates.stiffness, False), g, H)
+        energy += _press(plates, state, m, Plane(1, plates.depth[m], plates.high_stiffness[m], False), g, H)
     for axis in ALONG:
         energy += _press(plates, state, last, Plane(axis, plates.tip[axis], plates.hold, True), g, H)
     return energy

@@ -27,6 +27,7 @@ from wirefe.mesh import WireMesh
 
 FEW = 200  # contact points, all pairs of which are looked at; of more, those that a tree finds near
 PER_TURN = {"spheres": 4, "wires": 32}  # contact points, unless asked otherwise
+LEAST_WEIGHT = 1e-9  # of a pair: one that stands for less of the wire is none
 NONE = np.zeros(0, dtype=np.int64)
 NONE_FOUND = NONE.reshape(0, 2)  # no pairs besides those one turn apart
 
@@ -38,8 +39,9 @@ class ContactArrays(NamedTuple):
     parts: Table  # (points, 3) arm of a sphere at rest, or (points, 15): see `wirefe.contact.stations`
     pairs: WholeTable  # (pairs, 2), from bottom to top
     rest_overlap: Vector  # (pairs,) by how much wires run into each other at rest: they touch there
+    weights: Vector  # (pairs,) spacings of stations that each stands for: fewer where the wire ends; else 1
     d: float
-    kc: float  # of a pair
+    kc: float  # of a pair of weight 1
     kt: float
     k: float
     mu: float  # coefficient of friction: 0 without, infinite where closed pairs do not slide
@@ -63,7 +65,9 @@ class ContactArrays(NamedTuple):
         )
 
 
-NO_CONTACT = ContactArrays(NONE, np.zeros((0, 3)), NONE_FOUND, np.zeros(0), 1.0, 1.0, 1.0, 1.0, 0.0, 0)
+NO_CONTACT = ContactArrays(
+    NONE, np.zeros((0, 3)), NONE_FOUND, np.zeros(0), np.zeros(0), 1.0, 1.0, 1.0, 1.0, 0.0, 0
+)
 
 
 def contact_points(
@@ -75,8 +79,9 @@ def contact_points(
 ) -> ContactArrays:
     """Contact points at `pairs_per_turn` phases a turn, end turns included, each paired one turn above.
 
-    The stiffness per length of wire is kept: K * 4 / pairs. Pairs inside one rigid end are left out;
-    the pairs `found` are added.
+    The stiffness per length of wire is kept: K * 4 / pairs, and less of a pair of stations next to where the
+    wire ends, as far as it is from there. Pairs inside one rigid end are left out; the pairs `found` are
+    added.
     """
     spheres = scene.contact.geometry == "spheres"
     # a station must be nearer to one coil than to the next
@@ -99,7 +104,9 @@ def contact_points(
         attached, parts = on_one_node(*carried(spring, mesh, phases))
     body = bodies(attached, parts)
     pairs = np.stack((np.arange(len(index) - pairs_per_turn), np.arange(pairs_per_turn, len(index))), axis=1)
-    pairs = np.concatenate((pairs[body[pairs[:, 0]] != body[pairs[:, 1]]], found))
+    weights = np.ones(len(pairs)) if spheres else _spacings(index[: len(pairs)], first, end - pairs_per_turn)
+    kept = (body[pairs[:, 0]] != body[pairs[:, 1]]) & (weights > LEAST_WEIGHT)
+    pairs = np.concatenate((pairs[kept], found))
     d = spring.wire_diameter
     stiffness, exponent = scene.contact.pair_stiffness(pairs_per_turn), scene.contact.exponent
     contact = ContactArrays(
@@ -107,6 +114,7 @@ def contact_points(
         parts=parts,
         pairs=pairs,
         rest_overlap=np.zeros(len(pairs)),
+        weights=np.concatenate((weights[kept], np.ones(len(found)))),
         d=d,
         kc=stiffness,
         kt=tangential_stiffness(stiffness, exponent, d),
@@ -115,13 +123,21 @@ def contact_points(
         near=pairs_per_turn // 2,
     )
     if not scene.contact.enabled:
-        return contact._replace(pairs=pairs[:0], rest_overlap=np.zeros(0))
+        return contact._replace(pairs=pairs[:0], rest_overlap=np.zeros(0), weights=np.zeros(0))
     if spheres:
         return contact
     t = tangents(at_rest(mesh.nodes), attached, parts)
     low, high = pairs.T
     gap = across_wires(points[high] - points[low], t[low] + t[high], contact.rest_overlap)
     return contact._replace(rest_overlap=np.maximum(d - np.linalg.norm(gap, axis=1), 0.0))
+
+
+def _spacings(at: np.ndarray, first: float, last: float) -> np.ndarray:
+    """Lengths between `first` and `last` that points `at` stand for, one apart: each reaches half way to the
+    next, the outermost to the ends."""
+    if not len(at):
+        return np.zeros(0)
+    return np.diff(np.concatenate(([first], 0.5 * (at[1:] + at[:-1]), [last])))
 
 
 def bodies(attached: np.ndarray, parts: np.ndarray) -> np.ndarray:

@@ -300,7 +300,8 @@ def add_wires(contact, history, state, g, H):
         first = m if column == 0 else first
         frame = Frame(n, b, u, s / length, length, count, column)
         depth = contact.d - h - contact.rest_overlap[m]
-        stored, F, slope = normal_law(depth, contact.kc, contact.k) if depth > 0.0 else none
+        K = contact.weights[m] * contact.kc
+        stored, F, slope = normal_law(depth, K, contact.k) if depth > 0.0 else none
         energy += stored
         forces = Forces((-F * n[0], -F * n[1], -F * n[2]), none, none)
         if whole:

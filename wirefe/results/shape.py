@@ -83,6 +83,11 @@ class WireShape(PairReader):
         """The model's contact arrays, which hold the law of its pairs."""
         return self.data.contact
 
+    @property
+    def pair_stiffness(self) -> np.ndarray:
+        """Penalty of each pair, (pairs,), N/mm^k."""
+        return self.data.contact.kc * self.data.contact.weights
+
     def pair_vectors(self, states: np.ndarray) -> np.ndarray:
         """Vectors across the gaps of the pairs, shape (states, pairs, 3), mm."""
         return contact_vectors(self.data.contact, states)
