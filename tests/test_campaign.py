@@ -693,10 +693,17 @@ def wires(sliding="free", friction=None, name="spring-b", pairs=13):
 SLIDING = [("free", None), ("none", None), ("coulomb", 0.2)]
 
 
+@pytest.mark.parametrize("end_turns", [1.25, 0.0])
 @pytest.mark.parametrize(("sliding", "friction"), SLIDING)
-def test_wires_in_contact_are_in_balance_by_the_verifiers_own_energy(sliding, friction):
+def test_wires_in_contact_are_in_balance_by_the_verifiers_own_energy(sliding, friction, end_turns):
+    """Without end turns pairs at the ends of the wire touch, which stand for less of it than others."""
     case = wires(sliding, friction)
+    if end_turns == 0.0:
+        spring = Spring(2.0, 16.0, 2.75, 6.6, end_turns=0.0)
+        scene = Scene("short", spring, Load((0.0, -150.0), 5), supports=Supports(("ux", "rotz")))
+        case = replace(case, scene=replace(scene, contact=replace(case.scene.contact, stiffness=580.0)))
     path, forces = reached(case), WireForces(case.scene, **case.options)
+    assert (forces.pairs(path, -1).weight < 1.0).any() == (end_turns == 0.0)
     verdict = Verdict()
     verify_row(verdict, forces, path, -1)
     assert not verdict.complaints

@@ -36,7 +36,7 @@ def plate_forces(plates, state):
     low = nodes[plates.low, 1] - plates.level
     normal = turned(nodes[-1, 3:], np.array([0.0, 1.0, 0.0]))
     high = (nodes[-1, :3] - nodes[plates.high, :3]) @ normal - plates.depth
-    return plates.stiffness * np.maximum(-low, 0.0), plates.stiffness * np.maximum(-high, 0.0)
+    return plates.low_stiffness * np.maximum(-low, 0.0), plates.high_stiffness * np.maximum(-high, 0.0)
 
 
 @pytest.mark.parametrize("held", [(), GUIDED])
@@ -104,11 +104,12 @@ def test_a_small_load_meets_the_linear_complementarity_problem():
         row[[6 * node + 1, 6 * n - 5]] = -1.0, 1.0
     resting = np.concatenate((plates.level < 0.0, plates.depth < 0.0))  # rest height beyond the last coil
     resting |= np.concatenate((mesh.phases[plates.low] == 0.0, np.isclose(mesh.points[plates.high, 1], 20.0)))
+    each = np.concatenate((plates.low_stiffness, plates.high_stiffness))[resting]
     rows, free = rows[resting], np.flatnonzero(~rod.held)
     active = np.ones(len(rows), dtype=bool)
     while True:
         u = np.zeros(6 * n)
-        pressed = K + plates.stiffness * rows[active].T @ rows[active]
+        pressed = K + rows[active].T @ (each[active, None] * rows[active])
         u[free] = np.linalg.solve(pressed[np.ix_(free, free)], load[free])
         if ((rows @ u < 0.0) == active).all():
             break

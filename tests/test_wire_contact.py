@@ -57,6 +57,28 @@ def turned(state, step):
     return rows.ravel()
 
 
+@pytest.mark.parametrize(
+    ("coils", "ends"), [(3.0, (0.5, 0.5)), (2.25, (0.5, 1.0)), (1.05, (0.5, 0.5)), (1.0, ())]
+)
+def test_pairs_stand_for_the_wire_that_is_theirs(coils, ends):
+    """All together for that which has a coil above it; where it ends for half a spacing and what is left."""
+    spring = Spring(2.0, 16.0, coils, 3.0 * coils, end_turns=0.0)
+    contact = build_model(wired(Scene("ends", spring, Load((0.0, -1.0)))), 20, 10, "curved")[0].contact
+    assert contact.weights.sum() == pytest.approx(10 * (coils - 1.0))
+    assert contact.weights[[0, -1] if ends else []] == pytest.approx(ends)
+    assert (contact.weights[1:-1] == 1.0).all()
+
+
+def test_errors_of_stations_fall_with_the_square_where_the_wire_itself_ends():
+    """Each pair there stood for a whole spacing: 2.3 % too stiff with 32 stations, and half of it with 64."""
+    spring = Spring(2.0, 16.0, 2.0, 5.6, end_turns=0.0)
+    scene = Scene("ends", spring, Load((0.0, -62.0), 2), supports=Supports(("ux", "rotz")))
+    scene = wired(scene, stiffness=580.0)
+    tips = [solved(scene, elements_per_turn=16, pairs_per_turn=count).tips[-1, 1] for count in (16, 32, 64)]
+    assert abs(tips[1] - tips[2]) < 2e-3 * abs(tips[2])
+    assert 3.0 < (tips[0] - tips[1]) / (tips[1] - tips[2]) < 6.0
+
+
 @pytest.fixture(scope="module", params=[(6, 10), (4, 200)], ids=["few", "fifty an element"])
 def pressed(request):
     """Model, state and history of a cone in contact, with stations between nodes; slightly shaken."""

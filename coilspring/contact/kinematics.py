@@ -19,7 +19,13 @@ NEAR = 1.5  # wire diameters between centres, within which a pair's motion in a 
 @inlined
 def spheres():
     """Pairs of spheres or circles, by the vectors between their centres in a state."""
-    return Geometry(_distance, _facing, _refer, _slip, _error, _bound, _lead, _ahead, _hold)
+    return Geometry(_weight, _distance, _facing, _refer, _slip, _error, _bound, _lead, _ahead, _hold)
+
+
+@inlined
+def _weight(law, m):
+    """Stiffness of a pair over that of the law: all are as stiff."""
+    return 1.0
 
 
 @inlined

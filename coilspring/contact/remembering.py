@@ -31,6 +31,7 @@ class Geometry(NamedTuple):
     """What is to be known of pairs of one kind, as functions of their law, and of what is `there`: the places
     of all in a state. `row` is the record of the pair m, `way` its slip or the direction of that."""
 
+    weight: Any  # (law, m): stiffness of the pair over that of the law
     distance: Any  # (law, there, m): law.d where the pair touches
     facing: Any  # (law, there, m, v, points): fill v (3,), d long where it touches, and what faces there (6,)
     refer: Any  # (row, points): hold it from where these faced each other
@@ -63,7 +64,7 @@ def _touch(geometry, law, places, m, row):
     for i in range(3):
         square += doubt[i] * doubt[i]
     geometry.refer(row, touching)
-    touches_first(row, law, at, math.sqrt(square), predicted or law.mu < math.inf)
+    touches_first(row, law, geometry.weight(law, m), at, math.sqrt(square), predicted or law.mu < math.inf)
 
 
 @inlined
@@ -136,7 +137,8 @@ def update(geometry, law, places, history):
             error = geometry.error(law, ahead, there, m, row, way)
             was_free = predicted_badly(row, error, located_to(mu) * d)
             change = max(change, was_free * row.stiffness * d)
-        _, normal, slope = normal_law(max(d - h, 0.0), law.kc, law.k)
+        weight = geometry.weight(law, m)
+        _, normal, slope = normal_law(max(d - h, 0.0), weight * law.kc, law.k)
         most = max(most, min(mu, 1.0) * normal)
         if mu == math.inf:
             opens_after(row, geometry.distance(law, before, m), geometry.distance(law, ahead, m), h, d)
@@ -146,10 +148,10 @@ def update(geometry, law, places, history):
             continue
         bound, steepness = geometry.bound(law, h, normal, slope)
         row.steepness = steepness if h < d else 0.0
-        change = max(change, update_bound(length, bound, law, row))
+        change = max(change, update_bound(length, bound, weight * law.kt, d, row))
         if row.lead > 0.0 and not leads(row, row.slip):
             geometry.lead(row)
             length, way = geometry.slip(law, there, m, row, e)
-            change = max(change, bound, update_bound(length, bound, law, row))
+            change = max(change, bound, update_bound(length, bound, weight * law.kt, d, row))
         row.ahead = geometry.ahead(law, there, m, row, way, length)
     return change / most if change > 0.0 else 0.0

@@ -81,13 +81,15 @@ def creep_to(force, d, K, k):
 
 
 @inlined
-def touches_first(row, law, at, doubt, known):
+def touches_first(row, law, weight, at, doubt, known):
     """A pair is held from after the share `at` of a substep on: there it touches first, but for a `doubt`.
+
+    `weight` is its stiffness over that of the law.
 
     A shorter substep is asked for where that is too much: to that place where it is `known`, else half of it.
     """
     most = located_to(law.mu) * law.d
-    row.stiffness = law.kt
+    row.stiffness = weight * law.kt
     row.closed, row.fresh, row.creeps, row.bound = True, True, False, math.inf
     row.slid, row.rise, row.held, row.released = 0.0, 0.0, 0.0, 0.0
     row.stride, row.wanted, row.lead, row.ahead = 0.0, 0.0, 0.0, 0.0
@@ -201,7 +203,7 @@ def gave_way(length, row, gap):
 
 
 @inlined
-def update_bound(length, bound, law, row):
+def update_bound(length, bound, kt, d, row):
     """Set the bound of a held pair so that it is `bound` at its present slip.
 
     Returns the change: of the bound where the pair slides with one of the two, else of the force. Where hard
@@ -210,8 +212,7 @@ def update_bound(length, bound, law, row):
     """
     before, slides = row.stiffness, row.stiffness * length > row.bound
     if bound < math.inf:
-        finest = FINEST * law.d
-        row.stiffness = min(law.kt, bound / finest) if bound > 0.0 else law.kt
+        row.stiffness = min(kt, bound / (FINEST * d)) if bound > 0.0 else kt
         row.slip = length - bound / row.stiffness
         slides = slides or row.slip > 0.0
         bound /= max(1.0 + row.rise * max(row.slip, 0.0), LEAST_LEFT)

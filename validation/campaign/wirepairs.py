@@ -45,6 +45,7 @@ class Pairs:
     law: Law
     index: np.ndarray  # (pairs, 2) contact points
     rest_overlap: np.ndarray  # (pairs,) by how much wires run into each other at rest
+    weight: np.ndarray  # (pairs,) of the law's stiffness, across the wires and along them
     held: np.ndarray  # (pairs,) whether there is a tangential force
     slides: np.ndarray  # (pairs,) whether it is at its bound
     arcs: np.ndarray  # (pairs,) whether spheres resist the arc: under friction, and where they creep
@@ -57,7 +58,7 @@ class Pairs:
 
     def of(self, chosen: np.ndarray) -> Self:
         """Some of the pairs."""
-        names = ("index", "rest_overlap", "held", "slides", "arcs", "share", "one", "two")
+        names = ("index", "rest_overlap", "weight", "held", "slides", "arcs", "share", "one", "two")
         return replace(self, **{name: getattr(self, name)[chosen] for name in names})
 
     @property
@@ -147,7 +148,7 @@ class Pairs:
         n, slip = self.gap(poses)[1], self.slip(poses)
         length = np.sqrt((slip * slip).sum(axis=0))
         least = LEAST_SLIP * self.law.d / np.maximum(length, LEAST_SLIP * self.law.d)
-        stiffness = self.law.sticking * np.where(self.slides, self.share, 1.0)
+        stiffness = self.weight * self.law.sticking * np.where(self.slides, self.share, 1.0)
         left = np.where(self.slides, np.maximum(self._sizes(rows)[2] / stiffness, least), 1.0)
         if self.points.wires:
             half = 0.5 * (1.0 - left) * slip
@@ -172,10 +173,10 @@ class Pairs:
         poses = self.poses(rows)
         h, vectors = self.gap(poses)[0], self.slip(poses)
         depth, none = np.maximum(self.law.d - h, 0.0), np.zeros(len(h))
-        K, k = self.law.penalty, self.law.exponent
+        K, k = self.weight * self.law.penalty, self.law.exponent
         press = K * depth**k
         rise = np.where(depth > 0.0, K * k * depth ** (k - 1.0), 0.0)
-        ratio = self.law.sticking * self.share * self.held
+        ratio = self.weight * self.law.sticking * self.share * self.held
         if not self.slides.any():
             return press, rise, ratio, none, none
         length = np.sqrt((vectors * vectors).sum(axis=0))
@@ -232,13 +233,14 @@ def known_pairs(points: Points, law: Law, rest: np.ndarray, path: EquilibriumPat
     )  # fmt: skip
     rows = path.states[row].reshape(-1, 7)
     more = points.missing(rows, index, law.d)
-    count = len(index) + len(more)
+    index = np.concatenate((index, more)).astype(int)
+    count, weight = len(index), points.spacings(index)
 
     def padded(values: np.ndarray) -> np.ndarray:
         return np.concatenate((values, np.zeros((len(more), *values.shape[1:]), values.dtype)))
 
     made = Pairs(
-        points, law, np.concatenate((index, more)).astype(int), np.zeros(count), padded(held),
+        points, law, index, np.zeros(count), weight, padded(held),
         np.zeros(count, bool), padded(history["creeps"]) | np.isfinite(law.mu),
         1.0 - padded(history["released"]), padded(one), padded(two),
     )  # fmt: skip
@@ -248,7 +250,8 @@ def known_pairs(points: Points, law: Law, rest: np.ndarray, path: EquilibriumPat
         return made
     # by Coulomb's law those slide of which sticking would take more than the bound; none in less than FINEST
     normal, force = made.forces(rows)
-    softer = np.where(normal > 0.0, np.minimum(law.mu * normal / (FINEST * law.d * law.sticking), 1.0), 1.0)
+    finest = FINEST * law.d * law.sticking * weight
+    softer = np.where(normal > 0.0, np.minimum(law.mu * normal / finest, 1.0), 1.0)
     made = replace(made, share=made.share * softer)
     force = made.forces(rows)[1]
     slides = made.held & (np.linalg.norm(force, axis=1) > (1.0 - SLIDES) * law.mu * normal)

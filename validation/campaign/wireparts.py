@@ -121,10 +121,12 @@ class Points:
     def __init__(self, spring: Spring, points: np.ndarray, per_turn: int, wires: bool) -> None:
         self.wires = wires  # stations of a wire with tangents, in place of spheres
         self.per_turn = per_turn  # their number; up to half a turn along the wire nothing touches
+        # where the wire begins and ends, and where they are, in their spacings from the first active point on
+        self.ends = -spring.end_turns * per_turn, (spring.active_coils + spring.end_turns) * per_turn
         count, last = len(points) - 1, TURN * spring.active_coils
-        first = math.ceil(-spring.end_turns * per_turn - 1e-9)
-        end = math.floor((spring.active_coils + spring.end_turns) * per_turn + 1e-9)
-        phases = np.arange(first, end + 1) * TURN / per_turn
+        first, end = math.ceil(self.ends[0] - 1e-9), math.floor(self.ends[1] + 1e-9)
+        self.at = np.arange(first, end + 1)
+        phases = self.at * TURN / per_turn
         place = np.clip(phases, 0.0, last) / last * count
         low = np.minimum(place.astype(int), count - 1)
         s = np.where(np.abs(place - np.rint(place)) < AT_NODE, np.rint(place), place) - low
@@ -181,6 +183,7 @@ class Points:
         beside = np.stack((low, low + self.per_turn), axis=1)
         pairs = self._elastic(beside) if self.wires else self.touching(self.places(rows), d)
         pairs = pairs[~np.isin(pairs @ [count, 1], known @ [count, 1])]
+        pairs = pairs[self.spacings(pairs) > AT_NODE]
         return np.concatenate((pairs, self._farther(rows, known, d))) if self.wires else pairs
 
     def _farther(self, rows: np.ndarray, known: np.ndarray, d: float) -> np.ndarray:
@@ -199,6 +202,15 @@ class Points:
         """One number of the first point and of the coil on which the second is, of each pair."""
         coils = np.rint((pairs[:, 1] - pairs[:, 0]) / self.per_turn)
         return pairs[:, 0] * len(self.node) + coils
+
+    def spacings(self, pairs: np.ndarray) -> np.ndarray:
+        """Spacings of stations that pairs (n, 2) stand for: of those one coil apart where the wire ends
+        half of one and what is left of it."""
+        low, (begin, end) = self.at[pairs[:, 0]], self.ends
+        below = np.where(low == self.at[0], low - begin, 0.5)
+        above = np.where(low == self.at[-1] - self.per_turn, end - self.per_turn - low, 0.5)
+        beside = self.wires & (pairs[:, 1] - pairs[:, 0] == self.per_turn)
+        return np.where(beside, below + above, 1.0)
 
     def _elastic(self, pairs: np.ndarray) -> np.ndarray:
         """The pairs of which not both points are of one rigid end."""

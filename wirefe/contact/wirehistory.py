@@ -11,13 +11,19 @@ from wirefe.element.algebra import dot, plus
 @inlined
 def wires():
     """Pairs of wires, by what is `standing` in a state."""
-    return Geometry(_distance, _facing, _refer, _slip, _error, _bound, _lead, _ahead, _hold)
+    return Geometry(_weight, _distance, _facing, _refer, _slip, _error, _bound, _lead, _ahead, _hold)
 
 
 @inlined
 def standing(contact, state):
     """A state, and the places of all stations in it."""
     return state, placed(contact, state)
+
+
+@inlined
+def _weight(contact, m):
+    """Stiffness of a pair over that of the law."""
+    return contact.weights[m]
 
 
 @inlined
