@@ -2,13 +2,14 @@
 
 import errno
 import sys
+from dataclasses import replace
 
 import numpy as np
 import pytest
 from PIL import Image
 
 import wirefe
-from coilspring import spring_b
+from coilspring import Load, spring_b
 from validation.cli import main
 from validation.view import animation, frames, process
 from validation.view.process import Drawing
@@ -30,8 +31,34 @@ def test_the_series_is_the_path(run):
     np.testing.assert_allclose(found.forces, solved.forces, atol=1e-6)
     assert found.diameter == solved.diameter == 1.5
     path = wirefe.solve(spring_b(), steps=3)
-    np.testing.assert_allclose(found.points[0], path.shape.mesh.points, atol=1e-9)
+    nodes = found.points[:, 40:-40]  # the others are of the end turns
+    np.testing.assert_allclose(nodes[0], path.shape.mesh.points, atol=1e-9)
     np.testing.assert_allclose(found.forces[1:].max(axis=1), path.contact_forces.max(axis=1), rtol=1e-9)
+
+
+WHOLE = {
+    "tilted": ("rigid", (), 0.75),
+    "without end turns": ("rigid", (), 0.0),
+    "plates": ("plate", ("ux", "rotz"), 0.75),
+}
+
+
+@pytest.mark.parametrize("case", WHOLE)
+def test_the_whole_wire_is_drawn(case):
+    """End turns were left out, against which active coils were seen to close."""
+    seat, held, end_turns = WHOLE[case]
+    spring = replace(spring_b().spring, end_turns=end_turns)
+    supports = replace(spring_b().supports, top_held=held, seat=seat)
+    scene = replace(
+        spring_b(), spring=spring, supports=supports, load=Load((0.0 if held else -3.0, -20.0), 2)
+    )
+    found, path = frames.of_scene(scene), wirefe.solve(scene)
+    assert held or abs(path.tips[-1, 2]) > 0.02
+    assert found.points.shape[:2] == found.forces.shape
+    phases = np.linspace(*spring.phase_range, found.points.shape[1])
+    np.testing.assert_allclose(found.points[0], spring.points(phases), atol=1e-9)
+    for step in range(2):
+        np.testing.assert_allclose(found.points[step + 1], path.centreline(step), atol=1e-6)
 
 
 def test_paraview_opens_the_series(run):

@@ -1,6 +1,7 @@
 """The deformed wire and its contact forces at every step, as pictures need them."""
 
 import json
+import math
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from pathlib import Path
@@ -8,24 +9,28 @@ from xml.etree import ElementTree
 
 import numpy as np
 
-from coilspring import InputError, Scene
+from coilspring import InputError, Scene, Spring
+from coilspring.scene.profile import TWO_PI
+from coilspring.scene.toml import scene_from_table
 from validation.study.partialsolve import partial_path
 
 HINT = "make it with coilcheck solve SCENE --model wirefe --vtu-series"
+READ = ("displacement", "rotation", "pair_force")  # of a VTU file
+END_POINTS = 40  # of a turn that is rigid
 
 
 @dataclass(frozen=True)
 class Frames:
-    """The wire between its rigid ends, at rest and at every step."""
+    """The whole wire, end turns included, at rest and at every step."""
 
     diameter: float  # of the wire, mm
     times: np.ndarray  # (frames,) of the load, the first 0
-    points: np.ndarray  # (frames, nodes, 3), mm
-    forces: np.ndarray  # (frames, nodes) largest normal force of a pair at each node, N
+    points: np.ndarray  # (frames, points, 3): the nodes between those of rigid end turns, mm
+    forces: np.ndarray  # (frames, points) largest normal force of a pair at each node, N
 
     @property
     def touched(self) -> np.ndarray:
-        """Nodes that something touches at some step."""
+        """Points that something touches at some step."""
         return np.flatnonzero(self.forces.max(axis=0) > 0.0)
 
 
@@ -40,8 +45,8 @@ def of_scene(scene: Scene, progress: Callable[[str], None] = lambda line: None) 
     if len(path.times) == 0:
         raise InputError(f"{scene.name} has no step to show: {path.message}")
     found = (section_results(path, step) for step in range(len(path.times)))
-    steps = ((each.points, each.displacement, each.pair_force) for each in found)
-    return _frames(scene.spring.wire_diameter, path.times, steps)
+    steps = ((each.points, each.displacement, each.rotation, each.pair_force) for each in found)
+    return _frames(scene, path.times, steps)
 
 
 def of_run(folder: Path) -> Frames:
@@ -54,17 +59,33 @@ def of_run(folder: Path) -> Frames:
         sets = list(ElementTree.parse(folder / "wire.pvd").getroot().iter("DataSet"))
         meshes = [meshio.read(folder / each.attrib["file"], file_format="vtu") for each in sets]
         summary = json.loads((folder / "summary.json").read_text(encoding="utf-8"))
-        steps = (
-            (mesh.points, mesh.point_data["displacement"], mesh.point_data["pair_force"]) for mesh in meshes
-        )
+        steps = ((mesh.points, *(mesh.point_data[name] for name in READ)) for mesh in meshes)
         times = [float(each.attrib["timestep"]) for each in sets]
-        return _frames(float(summary["wire_diameter"]), times, steps)
-    except (OSError, KeyError, ValueError, IndexError, ElementTree.ParseError, meshio.ReadError) as error:
+        return _frames(scene_from_table(summary["scene_table"]), times, steps)
+    except (OSError, LookupError, TypeError, ValueError, ElementTree.ParseError, meshio.ReadError) as error:
         raise InputError(f"{folder} is not a whole run ({error}): {HINT}") from error
 
 
-def _frames(diameter: float, times: Iterable[float], steps: Iterable[tuple[np.ndarray, ...]]) -> Frames:
-    """Points, displacements and forces of the steps, behind a frame at rest."""
-    points, displacements, forces = (np.stack(part) for part in zip(*steps, strict=True))
+def _frames(scene: Scene, times: Iterable[float], steps: Iterable[tuple[np.ndarray, ...]]) -> Frames:
+    """Points, displacements, rotations and forces of the steps, behind a frame at rest."""
+    points, displacements, rotations, forces = (np.stack(part) for part in zip(*steps, strict=True))
     points = np.concatenate((points[:1] - displacements[:1], points))
-    return Frames(diameter, np.array([0.0, *times]), points, np.pad(forces, ((1, 0), (0, 0))))
+    forces = np.pad(forces, ((1, 0), (0, 0)))
+    if scene.supports.seat != "plate":  # there the end turns have nodes
+        turns = np.pad(rotations, ((1, 0), (0, 0), (0, 0)))
+        below, above = (_end_turn(scene.spring, points[:, end], turns[:, end], end) for end in (0, -1))
+        points = np.concatenate((below, points, above), axis=1)
+        forces = np.pad(forces, ((0, 0), (below.shape[1], above.shape[1])))
+    return Frames(scene.spring.wire_diameter, np.array([0.0, *times]), points, forces)
+
+
+def _end_turn(spring: Spring, nodes: np.ndarray, rotations: np.ndarray, end: int) -> np.ndarray:
+    """Points of a rigid end turn, (frames, points, 3), mm: they move with the node, (frames, 3), where the
+    active wire begins (end 0) or ends (-1), and turn with its rotation vector, (frames, 3)."""
+    from scipy.spatial.transform import Rotation
+
+    joint, tip = ((0.0, spring.phase_range[0]), (spring.phase_end, spring.phase_range[1]))[end]
+    phases = np.linspace(joint, tip, math.ceil(abs(tip - joint) / TWO_PI * END_POINTS - 1e-9) + 1)[1:]
+    rest = spring.points(np.append(joint, phases))
+    arms = (rest[1:] - rest[0])[:: 1 if end else -1]  # along the wire
+    return nodes[:, None] + np.stack([Rotation.from_rotvec(each).apply(arms) for each in rotations])
