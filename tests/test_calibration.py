@@ -12,6 +12,7 @@ import pytest
 import equivbeam
 import wirefe
 from coilspring import (
+    CoilSection,
     Contact,
     EquilibriumNotFound,
     Factors,
@@ -465,9 +466,35 @@ def test_rates_are_drawn_from_rest_and_not_as_far_as_solid_coils(model):
     assert (x[0], line.get_marker(), rates.get_yscale()) == (0.0, "None", "linear")
     assert y[0] == pytest.approx(path.rates[0], rel=2e-3)
     assert 2.0 * y[0] < 2.0 * rates.get_ylim()[1] < y.max() / 10.0
-    assert f"on to {float(f'{y.max():.3g}'):g} N/mm" in rates.texts[0].get_text()
+    assert f"solid: rises to {float(f'{y.max():.3g}'):g} N/mm" in rates.texts[0].get_text()
     whole = picture({path.model: model.solve(GUIDED)}, None).axes[1]
     assert not whole.texts
+
+
+PROGRESSIVE = Spring.of_sections(
+    2.5, (CoilSection(2.5, (5.0, 7.0), (18.0, 25.0)), CoilSection(2.5, (7.0, 5.0), (25.0, 18.0)))
+)
+
+
+def test_a_progressive_spring_is_not_cut_and_not_called_solid():
+    """Its rate, which grows fivefold as its coils close, ended at twice that at rest, with the word solid."""
+    scene = replace(GUIDED, spring=PROGRESSIVE, load=Load((0.0, -160.0), 20))
+    path = wirefe.solve(scene)
+    axes = picture({"wirefe": path}, None).axes[1]
+    assert not axes.texts
+    assert path.rates.max() > 5.0 * path.rates[0]
+    assert axes.get_ylim()[1] > path.rates.max()
+    solid = wirefe.solve(replace(scene, load=Load((0.0, -300.0), 100)))
+    axes = picture({"wirefe": solid}, None).axes[1]
+    assert axes.texts[0].get_text().startswith("solid: rises to ")
+    assert 30.0 < axes.get_ylim()[1] < 60.0
+
+
+def test_a_rate_that_hardly_varies_does_not_fill_the_axis():
+    path = equivbeam.solve(replace(GUIDED, contact=Contact(enabled=False)))
+    low, high = picture({"equivbeam": path}, None).axes[1].get_ylim()
+    assert np.ptp(path.rates) < 0.05 * path.rates[0]
+    assert low < 0.91 * path.rates.mean() < 1.09 * path.rates.mean() < high
 
 
 def test_rates_of_few_steps_are_marks():

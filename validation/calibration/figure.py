@@ -5,14 +5,13 @@ from typing import Any
 
 import matplotlib
 import numpy as np
-from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from coilspring import EquilibriumPath, InputError
 from coilspring.measured import Measured
 from coilspring.scene.scene import load_directions
-from coilspring.words import plain
 from validation.calibration.difference import along_load, differences
+from validation.calibration.rateaxis import end_axis
 from validation.study import style
 from validation.study.plots import FEW, marked, png
 
@@ -28,9 +27,6 @@ MODELS: Looks = {
 FIT: Looks = {"given": ("scene as given", GIVEN_LINE), "calibrated": ("calibrated", style.BEAM_LINE)}
 DEFLECTION = "deflection along the load (mm)"
 MOST = 80  # measured points that are drawn
-NEARLY_ALL = 0.95  # of the way, over which rates are shown in full
-MARGIN = 1.3  # times the largest of these, where the axis ends
-SOLID = 2.0  # times this end, beyond which a rate is that of coils pressed solid
 
 
 def load_curves(
@@ -71,7 +67,7 @@ def picture(
             plots["difference"].plot(at, 100.0 * shares, **POINTS | {"color": look["color"]})
     plots["force"].set(ylabel="force along the load (N)", xlim=(0.0, None), ylim=(0.0, None))
     plots["rate"].set(xlabel=DEFLECTION, ylabel="rate (N/mm)", xlim=(0.0, None))
-    _cut(plots["rate"], [(along_load(path)[0], rates[name]) for name, path in drawn.items()])
+    end_axis(plots["rate"], [(path, rates[name]) for name, path in drawn.items()])
     figure.legend(*plots["force"].get_legend_handles_labels(), loc="outside lower center", ncols=3)
     return figure
 
@@ -84,39 +80,3 @@ def from_rest(path: EquilibriumPath) -> np.ndarray:
     except InputError:
         first = np.full(1, np.nan)
     return np.append(first, path.rates)
-
-
-def _cut(axes: Axes, curves: list[tuple[np.ndarray, np.ndarray]]) -> None:
-    """End the rates' axis above those of nearly all the way, where solid coils have far larger ones."""
-    usual, cut = [usual_rate(*curve) for curve in curves], []
-    top = MARGIN * max(usual, default=np.inf)
-    for deflection, rates in curves:
-        if np.nanmax(rates) > SOLID * top > 0.0:
-            cut.append((float(deflection[int(np.argmax(rates > top))]), float(np.nanmax(rates))))
-    if not cut:
-        return
-    if any(rates.size <= FEW + 1 for _, rates in curves):
-        axes.set_yscale("log")  # marks beyond the end of an axis would not be seen
-        return
-    low = min(np.nanmin(rates[rates <= top]) for _, rates in curves)
-    axes.set_ylim(low - (MARGIN - 1.0) * (top - low), top)
-    at, most = min(cut)[0], max(most for _, most in cut)
-    right = at > 0.5 * axes.get_xlim()[1]
-    axes.annotate(
-        f"solid: on to {plain(most, 3)} N/mm ↑",
-        (at, 1.0),
-        xycoords=axes.get_xaxis_transform(),
-        xytext=(-6.0 if right else 6.0, -3.0),
-        textcoords="offset points",
-        ha="right" if right else "left",
-        va="top",
-    )
-
-
-def usual_rate(deflection: np.ndarray, rates: np.ndarray) -> float:
-    """Rate that is not exceeded over nearly all of the way; between two steps the smaller one counts."""
-    way = np.abs(np.diff(deflection))
-    smaller = np.fmin(rates[1:], rates[:-1])
-    order = np.argsort(smaller)
-    gone = np.cumsum(way[order])
-    return float(smaller[order][np.searchsorted(gone, NEARLY_ALL * gone[-1])])
