@@ -28,12 +28,13 @@ from coilspring import (
     spring_b,
 )
 from coilspring.benchfile import table_of
-from coilspring.measured import measured
+from coilspring.measured import Measured, measured
 from coilspring.path import secants
 from coilspring.scene.scene import load_directions
 from validation.calibration import run
 from validation.calibration.difference import along_load, difference, lines, scene_for, warnings
-from validation.calibration.figure import picture
+from validation.calibration.figure import finer, picture
+from validation.calibration.slope import WORDS, slope
 from validation.cli.arguments import EPILOG
 from validation.cli.command import main
 
@@ -495,6 +496,35 @@ def test_a_rate_that_hardly_varies_does_not_fill_the_axis():
     low, high = picture({"equivbeam": path}, None).axes[1].get_ylim()
     assert np.ptp(path.rates) < 0.05 * path.rates[0]
     assert low < 0.91 * path.rates.mean() < 1.09 * path.rates.mean() < high
+
+
+@pytest.mark.parametrize("count", [4, 12, 100])
+def test_the_measured_rate_is_that_of_the_curve(count):
+    """Of a known one, 5 N/mm and from 6 mm on 1 N/mm more each mm, with scatter and another branch back."""
+    x = np.linspace(0.0, 10.0, count)
+    force = 5.0 * x + 0.5 * np.maximum(x - 6.0, 0.0) ** 2
+    noise = np.random.default_rng(2).normal(scale=0.02, size=count)
+    back = slice(-2, None, -3)
+    cycle = Measured(np.append(force + noise, force[back] - 2.0), np.append(x, x[back]), 0)
+    at, rates = slope(cycle)
+    assert at.size == (count if count > 4 else 0)
+    np.testing.assert_allclose(rates, 5.0 + np.maximum(at - 6.0, 0.0), atol=0.3)  # of the kink
+    figure = picture({"equivbeam": equivbeam.solve(GUIDED)}, cycle)
+    labels = [text.get_text() for text in figure.legends[0].get_texts()]
+    assert (WORDS in labels) == (count > 4)
+
+
+def test_curves_are_drawn_from_the_finer_path():
+    """Jumps of the rate were ramps of a step, where the comparison had been solved in a thousand."""
+    scene = replace(GUIDED, spring=PROGRESSIVE, load=Load((0.0, -150.0), 20))
+    coarse, fine = equivbeam.solve(scene), equivbeam.solve(scene, steps=500)
+    curve = Measured(np.array([50.0, 150.0]), np.array([7.0, 18.5]), 0)
+    for compared in (fine, coarse):
+        axes = picture({"equivbeam": coarse}, curve, compared={"equivbeam": compared}).axes
+        drawn = [each for each in axes if not each.get_ylabel().startswith("deflection")]
+        assert [each.get_lines()[-1].get_xdata().size for each in drawn] == [len(compared.times) + 1] * 2
+    shorter = equivbeam.solve(replace(scene, load=Load((0.0, -100.0), 500)))
+    assert finer(coarse, shorter) is coarse
 
 
 def test_rates_of_few_steps_are_marks():

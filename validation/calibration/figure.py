@@ -1,6 +1,7 @@
 """Force and rate against deflection, of models and of a measurement."""
 
 from collections.abc import Mapping
+from dataclasses import replace
 from typing import Any
 
 import matplotlib
@@ -12,10 +13,12 @@ from coilspring.measured import Measured
 from coilspring.scene.scene import load_directions
 from validation.calibration.difference import along_load, differences
 from validation.calibration.rateaxis import end_axis
+from validation.calibration.slope import WORDS, slope
 from validation.study import style
 from validation.study.plots import FEW, marked, png
 
 POINTS: style.Look = {"color": "black", "marker": "o", "linestyle": "", "markersize": 2.0, "zorder": 3.0}
+SLOPE: style.Look = {"color": "0.2", "linewidth": 0.8, "zorder": 3.0, "label": WORDS}
 LOOSE: style.Look = {"linestyle": "", "clip_on": False}  # rates of few steps: between them they are unknown
 GIVEN_LINE: style.Look = {"color": style.GREY, "linewidth": 1.4, "linestyle": (0, (1, 1.2))}
 Looks = Mapping[str, tuple[str, style.Look]]  # labels and lines, by model
@@ -41,7 +44,7 @@ def picture(
     paths: Paths, curve: Measured | None, looks: Looks = MODELS, compared: Paths | None = None
 ) -> Figure:
     """The figure of `load_curves`; with a measurement, the differences from it stand below the forces: those
-    of the paths `compared`, where these are others than the ones to draw."""
+    of the paths `compared`, where these are others. They are drawn, too, where they are `finer`."""
     figure = Figure(figsize=(style.DOUBLE, 2.8 if curve is None else 3.6), layout="constrained")
     mosaic: Any = [["force", "rate"]] + ([["difference", "rate"]] if curve else [])
     plots = figure.subplot_mosaic(mosaic, height_ratios=[2.0, 1.0] if curve else None)
@@ -54,7 +57,8 @@ def picture(
         plots["force"].tick_params(labelbottom=False)
         kind = "force" if any(path.scene.load.displacement for path in paths.values()) else "deflection"
         plots["difference"].set_ylabel(f"{kind}: model\n− measured (%)")
-    drawn = {name: path for name, path in paths.items() if len(path.times)}
+    finest = {name: finer(path, (compared or paths)[name]) for name, path in paths.items()}
+    drawn = {name: path for name, path in finest.items() if len(path.times)}
     rates = {name: from_rest(path) for name, path in drawn.items()}
     for name, path in drawn.items():
         label, look = looks[name]
@@ -66,10 +70,21 @@ def picture(
             at, shares = differences((compared or paths)[name], curve)
             plots["difference"].plot(at, 100.0 * shares, **POINTS | {"color": look["color"]})
     plots["force"].set(ylabel="force along the load (N)", xlim=(0.0, None), ylim=(0.0, None))
+    if curve is not None and (found := slope(curve))[0].size:
+        plots["rate"].plot(*found, **SLOPE)
     plots["rate"].set(xlabel=DEFLECTION, ylabel="rate (N/mm)", xlim=(0.0, None))
     end_axis(plots["rate"], [(path, rates[name]) for name, path in drawn.items()])
-    figure.legend(*plots["force"].get_legend_handles_labels(), loc="outside lower center", ncols=3)
+    lines, labels = plots["force"].get_legend_handles_labels()
+    if slopes := [line for line in plots["rate"].get_lines() if line.get_label() == WORDS]:
+        lines, labels = [lines[0], *slopes, *lines[1:]], [labels[0], WORDS, *labels[1:]]
+    figure.legend(lines, labels, loc="outside lower center", ncols=2 if slopes else 3)
     return figure
+
+
+def finer(path: EquilibriumPath, other: EquilibriumPath) -> EquilibriumPath:
+    """Of two paths of one load the one of more steps: between few, rates that jump are seen as ramps."""
+    same = replace(other.scene.load, steps=path.scene.load.steps) == path.scene.load
+    return other if same and len(other.times) > len(path.times) else path
 
 
 def from_rest(path: EquilibriumPath) -> np.ndarray:
