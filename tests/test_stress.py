@@ -131,6 +131,8 @@ def test_the_path_has_the_largest_one():
         wirefe.stress(beam)
     with pytest.raises(InputError, match="step must be one of the 4"):
         wirefe.stress(path, 4)
+    with pytest.raises(InputError, match=r"name must be one of torsion_stress, .*, equivalent, got 'foo'"):
+        wirefe.stress(path).largest("foo")
 
 
 @pytest.mark.parametrize(

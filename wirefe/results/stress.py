@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, cast
 
 import numpy as np
 
-from coilspring.errors import InputError
+from coilspring.errors import InputError, require_choice
 from coilspring.path import EquilibriumPath, require_step
 from coilspring.scene.profile import TWO_PI
 from coilspring.scene.sizing import bending_factor, stress_factor
@@ -78,8 +78,13 @@ class WireStress:
         return {name: getattr(self, name) for name in ("turns", *FORCES, *STRESSES)}
 
     def largest(self, name: str = "shear_corrected") -> tuple[float, float]:
-        """The largest of a stress, MPa, and at how many turns from the first active point it is."""
-        values = getattr(self, name)
+        """The largest of a stress, MPa, and at how many turns from the first active point it is.
+
+        Raises
+        ------
+        InputError : `name` is no stress.
+        """
+        values = getattr(self, require_choice("name", name, STRESSES))
         place = int(np.argmax(values))
         return float(values[place]), float(self.turns[place])
 
