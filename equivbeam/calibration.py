@@ -27,6 +27,8 @@ POOR = 0.03  # rms error, over the peaks, above which a model does not fit
 SYSTEMATIC = 1.5  # times the scatter between neighbouring points, above which an rms error is no scatter
 EXACT = 1e-8  # rms error, of the peaks, that the iteration may leave
 CONFIDENCE = 0.95
+TOO_FEW = "fewer than 3 different points do not tell how well the model fits"
+ALIKE = 0.99  # correlation of two errors, beyond which the curve hardly tells one parameter from the other
 
 
 @dataclass(frozen=True)
@@ -38,7 +40,9 @@ class Calibration:
     scene : the one given, with the fitted parameters.
     names, values, start : of the parameters; those at which the search began.
     errors : their standard errors, from the residuals and the curve's derivatives; nan for undetermined
-        parameters, and for all where the curve has no more numbers than `rank` or `misfit` says why.
+        parameters, and for all where the curve has no more numbers than `rank`, where its points lie on the
+        model, or where `misfit` says why.
+    correlations : of the errors, (parameters, parameters); nan of parameters that were not fitted.
     freedom : degrees of freedom of Student's distribution of the errors.
     rank : of the curve's derivatives by the parameters: so many were fitted.
     undetermined : names of parameters that can change, some together, without moving the curve, or whose
@@ -58,6 +62,7 @@ class Calibration:
     values: np.ndarray
     start: np.ndarray
     errors: np.ndarray
+    correlations: np.ndarray
     freedom: int
     rank: int
     undetermined: tuple[str, ...]
@@ -83,8 +88,14 @@ class Calibration:
         """Of the values; empty for pure numbers."""
         return tuple("mm" if name == OFFSET else unit(self.scene, name) for name in self.names)
 
+    @property
+    def alike(self) -> list[tuple[str, str, float]]:
+        """Names of two fitted parameters that nearly stand for each other, and their errors' correlation."""
+        pairs = np.argwhere(np.triu(np.abs(self.correlations) > ALIKE, 1))
+        return [(self.names[i], self.names[j], float(self.correlations[i, j])) for i, j in pairs]
+
     def __str__(self) -> str:
-        """A line for each parameter, and one for the fit."""
+        """A line for each parameter, one for the fit, and one for any two that are `alike`."""
         lines = []
         columns = (self.names, self.values, self.errors, self.intervals, self.units)
         for name, value, error, (low, high), measure in zip(*columns, strict=True):
@@ -97,7 +108,12 @@ class Calibration:
                 what = "with those left that can stand for it: the curve does not determine it alone"
             else:
                 known = f"standard error {plain(error)}{of}, 95 % interval {low:.6g} to {high:.6g}{of}"
-                what = "standard error unknown" if np.isnan(error) else known
+                exact = (
+                    ": the points lie on the model, with no scatter to tell it"
+                    if self.rms_after <= EXACT
+                    else ""
+                )
+                what = f"standard error unknown{exact}" if np.isnan(error) else known
                 held = [
                     fixed for fixed, others in zip(self.fixed, self.instead, strict=True) if name in others
                 ]
@@ -105,6 +121,11 @@ class Calibration:
             lines.append(f"{name} {value:.6g}{of}, {what}")
         fit = f"rms error {self.rms_before:.2g} -> {self.rms_after:.2g} of the curve's peaks"
         lines.append(f"{self.rank} of {len(self.names)} parameters fitted; {fit}")
+        lines += [
+            f"{one} and {other} nearly stand for each other (correlation {of:.3f}): each is known "
+            "only as far as the other one is"
+            for one, other, of in self.alike
+        ]
         return "\n".join([*lines, *([f"warning: {self.misfit}"] if self.misfit else [])])
 
 
@@ -171,18 +192,24 @@ def _fitted(scene: Scene, fit: CurveFit, before: np.ndarray) -> Calibration:
     spread, freedom = fiterrors.spread(J, fitted, after, fit.curve.times)
     warning = fit.warning(shares, J, spread, fitted)
     rows = fiterrors.means(after, fit.curve.times)
+    unknown = lost | bool(warning) | (fiterrors.root_mean_square(after) <= EXACT)
+    errors = np.where(unknown, np.nan, fit.scale * np.diag(spread))
+    misfit = _misfit(after, rows, J[:, fitted])
+    if misfit and misfit != TOO_FEW and np.isfinite(errors).any():
+        misfit += "; the intervals take the error left for chance, and can miss the true values"
     return Calibration(
         scene=fit.scene_of(shares, scene),
         names=names,
         values=fit.values(shares),
         start=fit.values(np.ones(len(names))),
-        errors=np.where(lost | bool(warning), np.nan, fit.scale * np.diag(spread)),
+        errors=errors,
+        correlations=fiterrors.correlations(J, fitted),
         freedom=freedom,
         rank=fitted.size,
         undetermined=tuple(name for name, gone in zip(names, lost, strict=True) if gone),
         fixed=tuple(names[i] for i in left),
         instead=tuple(tuple(names[j] for j in fiterrors.instead_of(J, fitted, i)) for i in left),
-        misfit="; ".join(filter(None, (_misfit(after, rows, J[:, fitted]), warning))),
+        misfit="; ".join(filter(None, (misfit, warning))),
         path=path,
         rms_before=fiterrors.root_mean_square(before),
         rms_after=fiterrors.root_mean_square(after),
@@ -196,7 +223,7 @@ def _misfit(residuals: np.ndarray, rows: np.ndarray, J: np.ndarray) -> str:
     rms, scatter = fiterrors.root_mean_square(residuals), fiterrors.scatter(rows)
     poor, systematic = rms > POOR, fiterrors.root_mean_square(rows) > max(SYSTEMATIC * scatter, EXACT)
     if not (poor or systematic):
-        return "" if np.isfinite(scatter) else "fewer than 3 points do not tell how well the model fits"
+        return "" if np.isfinite(scatter) else TOO_FEW
     what = "the model does not fit the curve" if poor else "the error left is systematic"
     found = f"{what}: {plain(100 * rms)} % of the peaks rms"
     if not np.isfinite(scatter):

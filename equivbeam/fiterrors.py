@@ -70,6 +70,15 @@ def spread(
     return found, freedom
 
 
+def correlations(J: np.ndarray, fitted: np.ndarray) -> np.ndarray:
+    """Correlations of the parameters' errors, (parameters, parameters); nan of those not `fitted`."""
+    found = np.full((J.shape[1], J.shape[1]), np.nan)
+    inverse = np.linalg.pinv(J[:, fitted])
+    sizes = np.linalg.norm(inverse, axis=1)
+    found[np.ix_(fitted, fitted)] = inverse @ inverse.T / np.outer(sizes, sizes)
+    return found
+
+
 def _slow(J: np.ndarray, residuals: np.ndarray, times: np.ndarray) -> np.ndarray:
     """Parts of the residuals in the slowest directions that are normal to the derivatives."""
     columns = residuals.size // times.size

@@ -131,7 +131,7 @@ def test_standard_errors_hold_with_scatter_and_with_an_offset(lag):
 def test_so_few_points_do_not_tell_how_well_the_model_fits(count):
     """Nothing is left to scatter, and an offset would take all of the error."""
     forces, deflection = (values[-count:] for values in measured_of(GUIDED))
-    assert "fewer than 3 points" in fit((forces, 1.001 * deflection), ["axial"]).misfit
+    assert "fewer than 3 different points" in fit((forces, 1.001 * deflection), ["axial"]).misfit
     poor = fit((forces, 0.1 * deflection), ["axial"]).misfit
     assert "the model does not fit the curve" in poor
     assert "nan" not in poor
@@ -811,7 +811,42 @@ def test_a_point_that_is_repeated_is_one(count):
     forces, deflection = (values[-1:] for values in measured_of(GUIDED))
     found = fit((np.repeat(forces, count), 1.01 * np.repeat(deflection, count)), ["axial"])
     assert np.isnan(found.errors).all()
-    assert "fewer than 3 points" in found.misfit
+    assert "fewer than 3 different points" in found.misfit
+
+
+def test_points_on_the_model_tell_no_standard_error(tmp_path):
+    """Of three on a line an error of 0 was said, with an interval of one value."""
+    curve = write(tmp_path / "line.csv", ([10.0, 20.0, 60.0], [1.0, 2.0, 6.0]))
+    files, said = run.calibrate(replace(GUIDED, contact=Contact(enabled=False)), curve, ("axial",))
+    assert said[0].endswith("standard error unknown: the points lie on the model, with no scatter to tell it")
+    known = json.loads(files["calibration.json"])["parameters"]["axial"]
+    assert (known["standard_error"], known["interval"]) == (None, None)
+
+
+def test_a_systematic_error_is_not_in_the_intervals():
+    """A curve that stiffens, of a spring that does not."""
+    force, deflection = measured_of(GUIDED)
+    noise = np.random.default_rng(4).normal(scale=NOISE / 4, size=force.size)
+    found = fit((force, deflection * (1.0 - 0.02 * force / force.max()) + noise), ["axial"])
+    assert "the error left is systematic" in found.misfit
+    assert "can miss the true values" in found.misfit
+    assert np.isfinite(found.errors).all()
+    assert fit((force, deflection + noise), ["axial"]).misfit == ""
+
+
+def test_parameters_that_nearly_stand_for_each_other_are_named():
+    """G and the wire's diameter differ by where coils close, and the offset from both."""
+    scene = replace(GUIDED, spring=PROGRESSIVE, load=Load((0.0, -150.0), 20))
+    force, deflection = measured_of(scene)
+    noise = np.random.default_rng(4).normal(scale=NOISE / 4, size=force.size)
+    found = fit((force, deflection + noise), ["G", "offset", "wire_diameter"], scene)
+    ((one, other, correlation),) = found.alike
+    assert (one, other) == ("G", "wire_diameter")
+    assert -1.0 < correlation < -0.99
+    assert "G and wire_diameter nearly stand for each other (correlation -0.99" in str(found)
+    alone = fit((force, deflection + noise), ["wire_diameter", "offset"], scene)
+    assert not alone.alike
+    assert "stand for each other" not in str(alone)
 
 
 def test_two_branches_at_the_same_forces_are_no_fit():

@@ -71,6 +71,7 @@ def _summary(scene: Scene, file: str | Path, found: equivbeam.Calibration) -> di
             for name, value, unit, error, interval, start in zip(*columns, strict=True)
         },
         "rank": found.rank,
+        "alike": [{"names": [one, other], "correlation": of} for one, other, of in found.alike],
         "residual": found.rms_after,
         "residual_before": found.rms_before,
         "scatter": found.scatter,
