@@ -43,7 +43,10 @@ RANGES = {  # most of a column's numbers, and their unit
     **dict.fromkeys(("deflection", "ux", "uy"), (LONGEST, "mm")),
 }
 NUMBER = re.compile(r"[-+]?[\d.,]+(e[-+]?\d+)?", re.IGNORECASE)  # in either decimal sign
-EXAMPLE = "a line with the names of the columns, as force,deflection, or those of path.csv"
+EXAMPLE = (
+    "a line with the names of the columns, as force,deflection or Force [kN],Travel [cm], or those of "
+    "path.csv"
+)
 
 
 def table_of(source: Mapping[str, np.ndarray] | pd.DataFrame | str | Path) -> dict[str, np.ndarray]:
@@ -172,6 +175,9 @@ def _header(lines: list[tuple[int, str]]) -> tuple[list[tuple[str, float]], str,
 def _head(cell: str) -> tuple[str, str | None]:
     """Name of a column as this module has it, empty where it is none of a curve, and its unit."""
     plain = cell.strip().strip('"').lower()
+    words, _, last = plain.rpartition(" ")
+    if (kind := NAMES.get(words.strip(), "")) and _known(kind, last):
+        return kind, last  # as in Force kN
     match = HEADER.fullmatch(plain)
     name = plain if plain in PATH_COLUMNS else NAMES.get(match["name"], "") if match else ""
     return name, match["unit"] if match and name in UNITS else None
@@ -187,12 +193,16 @@ def _heads(cells: list[str]) -> list[tuple[str, float]]:
     return [(name if name in used else "", scale) for name, scale in heads]
 
 
+def _known(name: str, unit: str) -> float | None:
+    """A unit in N or mm; None of one that is not read."""
+    plain = unit.strip().lower().replace("μ", "µ")
+    return next((scale for known, scale in UNITS[name].items() if known.lower() == plain), None)
+
+
 def _scale(name: str, unit: str) -> float:
     """A unit in N or mm."""
-    plain = unit.strip().lower().replace("μ", "µ")
-    for known, scale in UNITS[name].items():
-        if known.lower() == plain:
-            return scale
+    if scale := _known(name, unit):
+        return scale
     raise InputError(f"column {name} must be in {' or '.join(UNITS[name])}, got {shown(unit)}")
 
 

@@ -206,6 +206,7 @@ FORMATS = {
     "a displacement": {"head": "Force [N],Displacement [mm]"},
     "in": {"head": "Kraft in N,Weg in mm"},
     "underscores": {"head": "force_N,deflection_mm"},
+    "bare units": {"head": "Standard force N,Travel mm"},
 }
 
 
@@ -243,13 +244,16 @@ def test_units_and_points_without_load():
     np.testing.assert_allclose(found.force, [10.0, 20.0])
     np.testing.assert_allclose(found.deflection, [1.0, 2.0])
     assert found.left_out == 1
-    found = measured({"Force [N]": [10.0], "Travel (CM)": [0.1]}, GUIDED)
-    np.testing.assert_allclose(found.deflection, [1.0])
+    for head in ({"Force [N]": [10.0], "Travel (CM)": [0.1]}, {"Force kN": [0.01], "Travel cm": [0.1]}):
+        found = measured(head, GUIDED)
+        np.testing.assert_allclose((found.force, found.deflection), ([10.0], [1.0]))
 
 
 BAD = {
     "force,length\n1,2": "line 1 has no column deflection",
     "time,length\n1,2": "curve must have a line with the names",
+    "Force lbf,Travel in\n1,2": "or Force [kN],Travel [cm], or those of path.csv, got 'Force lbf,Travel in'",
+    "Force N,Force kN,Travel\n1,2,3": "one column force, got several",
     "": "curve must have a line with the names",
     "force,deflection\n": "at least one line of numbers",
     "force,deflection\n1,x": "line 2 must have a number in column 2, got 'x'",
