@@ -495,6 +495,15 @@ def test_a_progressive_spring_is_not_cut_and_not_called_solid():
     assert 30.0 < axes.get_ylim()[1] < 60.0
 
 
+@pytest.mark.parametrize("steep", [50.0, 2000.0, np.nan])
+def test_a_steep_rate_of_a_spring_that_is_not_solid_is_told_without_that_word(steep):
+    path = equivbeam.solve(GUIDED)
+    path.__dict__["rates"] = np.append(path.rates[:-1], steep) if steep > 0.0 else np.full(20, steep)
+    path.shape.__dict__["rates"] = lambda *given: np.full(1, path.rates[0])
+    axes = picture({"equivbeam": path}, None).axes[1]
+    assert [each.get_text() for each in axes.texts] == ["rises to 2000 N/mm ↑"] * (steep == 2000.0)
+
+
 def test_a_rate_that_hardly_varies_does_not_fill_the_axis():
     path = equivbeam.solve(replace(GUIDED, contact=Contact(enabled=False)))
     low, high = picture({"equivbeam": path}, None).axes[1].get_ylim()

@@ -48,7 +48,7 @@ def solid_from(path: EquilibriumPath, rates: np.ndarray) -> float:
     deflection = along_load(path)[0]
     if undirected(path.scene) or path.scene.direction != (0.0, -1.0):
         return np.inf
-    start = rates[np.isfinite(rates)][:1]
+    start = next(iter(rates[np.isfinite(rates)]), np.inf)
     solid = (deflection >= GONE * sizes(path.scene).travel) & (rates > SOLID * start)
     return float(deflection[int(np.argmax(solid))]) if solid.any() else np.inf
 
