@@ -16,4 +16,5 @@ def pair_records(count=1, **values):
 def held(vector, bound=np.inf, **values):
     """Record of a pair that closed with a vector between its centres, of a stiffness of 1e4 N/mm."""
     normal = vector / np.linalg.norm(vector)
-    return pair_records(closed=True, vector=vector, normal=normal, stiffness=1e4, bound=bound, **values)[0]
+    stiff = {"stiffness": 1e4, "whole": 1e4}
+    return pair_records(closed=True, vector=vector, normal=normal, bound=bound, **stiff, **values)[0]

@@ -21,7 +21,10 @@ SCENES = {
 def stored_energy(path):
     contact = path.shape.data.contact
     strain = elements(path, -1)[1]
-    return strain + (contact.kc * path.penetrations[-1] ** (contact.k + 1) / (contact.k + 1)).sum()
+    return (
+        strain
+        + (path.shape.pair_stiffness * path.penetrations[-1] ** (contact.k + 1) / (contact.k + 1)).sum()
+    )
 
 
 def work_of_the_load(path):

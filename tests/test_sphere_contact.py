@@ -85,7 +85,7 @@ def test_an_edited_law_is_that_of_kernels_of_readers_and_of_friction(monkeypatch
     assert H[1, 1] == pytest.approx(2.0 * K)
     np.testing.assert_allclose(f, [0.0, -1500.0, 0.0])
     np.testing.assert_allclose(Reader().pair_forces(None), [[1500.0, 0.0]])
-    history = pair_records(closed=True, normal=(0.0, 1.0, 0.0), bound=1.0)
+    history = pair_records(closed=True, normal=(0.0, 1.0, 0.0), bound=1.0, whole=K)
     update(spheres(), law(mu=0.3), (g[None], g[None], g[None]), history)
     assert history[0].bound == pytest.approx(0.3 * 1500.0 * (D - 0.1) / D)
 
@@ -293,10 +293,10 @@ def test_a_pair_that_touches_again_creeps_with_what_it_holds():
 def test_renewed_bound_is_met_at_the_slip_found(rise):
     """However the bound rises: the force at this very state is then the bound asked for."""
     row, g, e, f = sliding(rise=rise), tilted(0.1 / D, D), np.empty(3), np.empty(3)
-    assert update_bound(D * arc(g, D, row, e), 250.0, LAW.kt, LAW.d, row) > 0.0
+    assert update_bound(D * arc(g, D, row, e), 250.0, LAW.d, row) > 0.0
     pair_potential(g, D, LAW, row, e, f, np.empty((3, 3)))
     assert np.linalg.norm(f) == pytest.approx(250.0)
-    assert update_bound(D * arc(g, D, row, e), 250.0, LAW.kt, LAW.d, row) == pytest.approx(0.0, abs=1e-10)
+    assert update_bound(D * arc(g, D, row, e), 250.0, LAW.d, row) == pytest.approx(0.0, abs=1e-10)
 
 
 def test_a_slide_of_rounding_size_is_perpendicular_to_the_pair():
@@ -313,6 +313,7 @@ def test_a_slide_of_rounding_size_is_perpendicular_to_the_pair():
 def test_a_pair_that_just_touches_slides_no_sooner_than_positions_are_rounded():
     hard = PairLaw(D, 1e9, 1e9, 1.0, 0.3)
     row = held(np.array([0.0, D, 0.0]))
+    row.whole = hard.kt
     for bound, stiffness in ((1.0, 1e9), (1e-6, 1e-6 / (FINEST * D))):
-        update_bound(0.0, bound, hard.kt, hard.d, row)
+        update_bound(0.0, bound, hard.d, row)
         assert row.stiffness == pytest.approx(stiffness)

@@ -10,6 +10,7 @@ import pytest
 import equivbeam
 import wirefe
 from coilspring import Contact, InputError, Material, load_path, load_scene, spring_a, spring_b
+from coilspring.contact.law import PAIR_HISTORY
 from validation.study import keys, store
 from validation.study.cases import PathStore
 from validation.study.keys import run_key
@@ -263,6 +264,17 @@ def test_what_is_no_saved_path_is_refused_in_one_sentence(tmp_path):
         np.savez(file, **dict(entries) | {"numbers": np.frombuffer(b'{"model": "antigravity"}', np.uint8)})
     with pytest.raises(InputError, match="must be one of equivbeam, wirefe, got 'antigravity'"):
         load_path(file)
+
+
+def test_a_path_of_another_version_is_refused(tmp_path):
+    """Its pairs, or what was remembered of them, were others."""
+    file, path = tmp_path / "path.npz", equivbeam.solve(spring_a(), steps=1)
+    words = [(name, PAIR_HISTORY[name]) for name in PAIR_HISTORY.names if name != "whole"]
+    other = np.zeros(path.histories.shape, np.dtype(words, align=True))
+    for histories in (path.histories[:, 1:], other):
+        replace(path, histories=histories).save(file)
+        with pytest.raises(InputError, match=r"must be a path saved by this version, got .*path\.npz"):
+            load_path(file)
 
 
 def test_a_traced_path_comes_back(tmp_path):

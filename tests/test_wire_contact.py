@@ -58,15 +58,33 @@ def turned(state, step):
 
 
 @pytest.mark.parametrize(
-    ("coils", "ends"), [(3.0, (0.5, 0.5)), (2.25, (0.5, 1.0)), (1.05, (0.5, 0.5)), (1.0, ())]
+    ("coils", "ends"), [(3.0, (0.5, 0.5)), (2.25, (0.5, 1.0)), (1.05, (0.5, 0.5)), (1.0, (0.5, 0.5))]
 )
 def test_pairs_stand_for_the_wire_that_is_theirs(coils, ends):
-    """All together for that which has a coil above it; where it ends for half a spacing and what is left."""
+    """All together for that which has a coil above it; where it ends for half a spacing and what is left. The
+    ends of a single coil do not pass through each other."""
     spring = Spring(2.0, 16.0, coils, 3.0 * coils, end_turns=0.0)
     contact = build_model(wired(Scene("ends", spring, Load((0.0, -1.0)))), 20, 10, "curved")[0].contact
-    assert contact.weights.sum() == pytest.approx(10 * (coils - 1.0))
-    assert contact.weights[[0, -1] if ends else []] == pytest.approx(ends)
+    assert contact.weights.sum() == pytest.approx(max(10 * (coils - 1.0), 0.5))
+    assert contact.weights[[0, -1]] == pytest.approx(ends)
     assert (contact.weights[1:-1] == 1.0).all()
+
+
+def test_pairs_where_the_wire_ends_stick_with_their_own_stiffness():
+    spring = Spring(2.0, 16.0, 2.0, 5.6, end_turns=0.0)
+    scene = Scene("ends", spring, Load((0.0, -62.0), 2), supports=Supports(("ux", "rotz")))
+    path = solved(wired(scene, stiffness=580.0, sliding="coulomb", friction=0.3))
+    contact, history = path.shape.data.contact, path.histories[-1]
+    closed = history["closed"]
+    assert closed[[0, -1]].all()
+    assert history["whole"][closed] == pytest.approx(contact.weights[closed] * contact.kt)
+
+
+def test_the_ends_of_a_single_coil_do_not_pass_through_each_other():
+    scene = Scene("one", Spring(2.0, 16.0, 1.0, 2.8, end_turns=0.0), Load((0.0, -90.0), 4))
+    path = solved(wired(replace(scene, supports=Supports(("ux", "rotz")))), elements_per_turn=20)
+    assert path.max_overlap.max() < 0.2
+    assert path.active_contacts[-1] == 1
 
 
 def test_errors_of_stations_fall_with_the_square_where_the_wire_itself_ends():

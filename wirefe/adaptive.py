@@ -333,13 +333,12 @@ def _choose_substeps(trials: Trials) -> None:
     two may agree by chance, by one in more steps, too. Raises `InputError` if it takes more in the most.
     """
     *before, last = trials.found
-    paths, lost = [last.path], [math.inf]
-    rows, least, needed = trials.steps, math.inf, 2 if trials.erratic else 1
+    rows, given = trials.steps, last.path.scene.load.steps
+    paths, lost = ([last.path], [math.inf]) if given < rows else ([], [])
+    least, needed = math.inf, 2 if trials.erratic else 1
     for steps in (rows * 2**halving for halving in range(HALVINGS + needed)):
-        if steps == last.path.scene.load.steps:
-            continue
-        paths.append(trials.solve(last.mesh, steps))
-        lost.append(SUBSTEPS * difference(*paths[-2:]))
+        paths.append(last.path if steps == given else trials.solve(last.mesh, steps))
+        lost.append(SUBSTEPS * difference(*paths[-2:]) if len(paths) > 1 else math.inf)
         trials.lost = max(lost[-needed:])
         least = min(least, trials.lost, max(lost[-1], 0.5 * CHANCE))
         if trials.lost <= 0.5 * trials.wanted:

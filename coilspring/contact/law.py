@@ -26,7 +26,8 @@ PAIR_HISTORY = np.dtype(
         ("closed", "?"),  # the pair is held
         ("vector", "f8", 3),  # g0, mm
         ("normal", "f8", 3),  # n0
-        ("stiffness", "f8"),  # tangential, N/mm
+        ("whole", "f8"),  # tangential stiffness, N/mm,
+        ("stiffness", "f8"),  # and the same where hard contact just touches: softer
         ("bound", "f8"),  # of its tangential force before it slides in the substep at hand, N
         ("slid", "f8"),  # length it has slid, mm
         ("work", "f8"),  # that friction and releases have taken on the path, N mm

@@ -137,8 +137,7 @@ def update(geometry, law, places, history):
             error = geometry.error(law, ahead, there, m, row, way)
             was_free = predicted_badly(row, error, located_to(mu) * d)
             change = max(change, was_free * row.stiffness * d)
-        weight = geometry.weight(law, m)
-        _, normal, slope = normal_law(max(d - h, 0.0), weight * law.kc, law.k)
+        _, normal, slope = normal_law(max(d - h, 0.0), geometry.weight(law, m) * law.kc, law.k)
         most = max(most, min(mu, 1.0) * normal)
         if mu == math.inf:
             opens_after(row, geometry.distance(law, before, m), geometry.distance(law, ahead, m), h, d)
@@ -148,10 +147,10 @@ def update(geometry, law, places, history):
             continue
         bound, steepness = geometry.bound(law, h, normal, slope)
         row.steepness = steepness if h < d else 0.0
-        change = max(change, update_bound(length, bound, weight * law.kt, d, row))
+        change = max(change, update_bound(length, bound, d, row))
         if row.lead > 0.0 and not leads(row, row.slip):
             geometry.lead(row)
             length, way = geometry.slip(law, there, m, row, e)
-            change = max(change, bound, update_bound(length, bound, weight * law.kt, d, row))
+            change = max(change, bound, update_bound(length, bound, d, row))
         row.ahead = geometry.ahead(law, there, m, row, way, length)
     return change / most if change > 0.0 else 0.0

@@ -89,7 +89,7 @@ def touches_first(row, law, weight, at, doubt, known):
     A shorter substep is asked for where that is too much: to that place where it is `known`, else half of it.
     """
     most = located_to(law.mu) * law.d
-    row.stiffness = weight * law.kt
+    row.whole = row.stiffness = weight * law.kt
     row.closed, row.fresh, row.creeps, row.bound = True, True, False, math.inf
     row.slid, row.rise, row.held, row.released = 0.0, 0.0, 0.0, 0.0
     row.stride, row.wanted, row.lead, row.ahead = 0.0, 0.0, 0.0, 0.0
@@ -203,7 +203,7 @@ def gave_way(length, row, gap):
 
 
 @inlined
-def update_bound(length, bound, kt, d, row):
+def update_bound(length, bound, d, row):
     """Set the bound of a held pair so that it is `bound` at its present slip.
 
     Returns the change: of the bound where the pair slides with one of the two, else of the force. Where hard
@@ -212,7 +212,7 @@ def update_bound(length, bound, kt, d, row):
     """
     before, slides = row.stiffness, row.stiffness * length > row.bound
     if bound < math.inf:
-        row.stiffness = min(kt, bound / (FINEST * d)) if bound > 0.0 else kt
+        row.stiffness = min(row.whole, bound / (FINEST * d)) if bound > 0.0 else row.whole
         row.slip = length - bound / row.stiffness
         slides = slides or row.slip > 0.0
         bound /= max(1.0 + row.rise * max(row.slip, 0.0), LEAST_LEFT)

@@ -183,7 +183,6 @@ class Points:
         beside = np.stack((low, low + self.per_turn), axis=1)
         pairs = self._elastic(beside) if self.wires else self.touching(self.places(rows), d)
         pairs = pairs[~np.isin(pairs @ [count, 1], known @ [count, 1])]
-        pairs = pairs[self.spacings(pairs) > AT_NODE]
         return np.concatenate((pairs, self._farther(rows, known, d))) if self.wires else pairs
 
     def _farther(self, rows: np.ndarray, known: np.ndarray, d: float) -> np.ndarray:
@@ -210,7 +209,7 @@ class Points:
         below = np.where(low == self.at[0], low - begin, 0.5)
         above = np.where(low == self.at[-1] - self.per_turn, end - self.per_turn - low, 0.5)
         beside = self.wires & (pairs[:, 1] - pairs[:, 0] == self.per_turn)
-        return np.where(beside, below + above, 1.0)
+        return np.where(beside, np.maximum(below + above, 0.5), 1.0)
 
     def _elastic(self, pairs: np.ndarray) -> np.ndarray:
         """The pairs of which not both points are of one rigid end."""

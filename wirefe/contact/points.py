@@ -27,7 +27,6 @@ from wirefe.mesh import WireMesh
 
 FEW = 200  # contact points, all pairs of which are looked at; of more, those that a tree finds near
 PER_TURN = {"spheres": 4, "wires": 32}  # contact points, unless asked otherwise
-LEAST_WEIGHT = 1e-9  # of a pair: one that stands for less of the wire is none
 NONE = np.zeros(0, dtype=np.int64)
 NONE_FOUND = NONE.reshape(0, 2)  # no pairs besides those one turn apart
 
@@ -39,7 +38,7 @@ class ContactArrays(NamedTuple):
     parts: Table  # (points, 3) arm of a sphere at rest, or (points, 15): see `wirefe.contact.stations`
     pairs: WholeTable  # (pairs, 2), from bottom to top
     rest_overlap: Vector  # (pairs,) by how much wires run into each other at rest: they touch there
-    weights: Vector  # (pairs,) spacings of stations that each stands for: fewer where the wire ends; else 1
+    weights: Vector  # (pairs,) spacings of stations that each stands for: 1 but where the wire ends
     d: float
     kc: float  # of a pair of weight 1
     kt: float
@@ -79,9 +78,8 @@ def contact_points(
 ) -> ContactArrays:
     """Contact points at `pairs_per_turn` phases a turn, end turns included, each paired one turn above.
 
-    The stiffness per length of wire is kept: K * 4 / pairs, and less of a pair of stations next to where the
-    wire ends, as far as it is from there. Pairs inside one rigid end are left out; the pairs `found` are
-    added.
+    The stiffness per length of wire is kept: K * 4 / pairs, of stations where the wire ends times what they
+    stand for. Pairs inside one rigid end are left out; the pairs `found` are added.
     """
     spheres = scene.contact.geometry == "spheres"
     # a station must be nearer to one coil than to the next
@@ -105,7 +103,7 @@ def contact_points(
     body = bodies(attached, parts)
     pairs = np.stack((np.arange(len(index) - pairs_per_turn), np.arange(pairs_per_turn, len(index))), axis=1)
     weights = np.ones(len(pairs)) if spheres else _spacings(index[: len(pairs)], first, end - pairs_per_turn)
-    kept = (body[pairs[:, 0]] != body[pairs[:, 1]]) & (weights > LEAST_WEIGHT)
+    kept = body[pairs[:, 0]] != body[pairs[:, 1]]
     pairs = np.concatenate((pairs[kept], found))
     d = spring.wire_diameter
     stiffness, exponent = scene.contact.pair_stiffness(pairs_per_turn), scene.contact.exponent
@@ -134,10 +132,10 @@ def contact_points(
 
 def _spacings(at: np.ndarray, first: float, last: float) -> np.ndarray:
     """Lengths between `first` and `last` that points `at` stand for, one apart: each reaches half way to the
-    next, the outermost to the ends."""
+    next, the outermost to the ends. A single one stands for half of one at least: it must hold the ends."""
     if not len(at):
         return np.zeros(0)
-    return np.diff(np.concatenate(([first], 0.5 * (at[1:] + at[:-1]), [last])))
+    return np.maximum(np.diff(np.concatenate(([first], 0.5 * (at[1:] + at[:-1]), [last]))), 0.5)
 
 
 def bodies(attached: np.ndarray, parts: np.ndarray) -> np.ndarray:

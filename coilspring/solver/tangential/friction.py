@@ -15,7 +15,7 @@ import numpy as np
 
 from coilspring.compiling.compiled import clear, part
 from coilspring.contact.history import copy_history, set_rise
-from coilspring.contact.law import rate_by_bound, tangential_stiffness
+from coilspring.contact.law import rate_by_bound
 from coilspring.contact.rates import GAP_RATE, LENGTH_RATE
 from coilspring.solver.equilibrium.newton import INDEFINITE
 from coilspring.solver.equilibrium.operations import factor_state, solution
@@ -201,12 +201,11 @@ def _find_rates(system, task, work, rates):
     """Fill the rates (pairs, 2) of the bounds of the normal forces and of the slips with `work.ahead`, where
     `work.history` has the bounds of the normal forces at the trial state."""
     find_rates(system, work, rates)
-    hard = tangential_stiffness(task.penalty, task.exponent, task.diameter)
     for m in range(rates.shape[0]):
         row = work.history[m]
         bound = -row.steepness * rates[m, GAP_RATE] if row.closed else 0.0
         # where hard contact just touches, its stiffness falls with the bound
-        slip = rates[m, LENGTH_RATE] - (bound / hard if row.stiffness > WHOLE * hard else 0.0)
+        slip = rates[m, LENGTH_RATE] - (bound / row.whole if row.stiffness > WHOLE * row.whole else 0.0)
         rates[m, 0], rates[m, 1] = bound, slip
 
 
