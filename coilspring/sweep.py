@@ -14,7 +14,8 @@ import numpy as np
 from coilspring.contact.forces import normal_forces
 from coilspring.errors import EquilibriumNotFound, InputError
 from coilspring.path import EquilibriumPath
-from coilspring.scene import Scene
+from coilspring.scene import Load, Scene
+from coilspring.scene.spring import Spring
 from coilspring.solver.interface import Kernels
 from coilspring.solver.startup import store
 from coilspring.words import shown
@@ -26,6 +27,9 @@ AHEAD = 4  # chunks of springs handed out for each worker
 Solver = Callable[[Scene], EquilibriumPath]  # a function that can be sent to another process
 Job = tuple[Scene, Solver]
 KernelsOf = Callable[[Scene, Any], Kernels]  # kernels with which a scene's solver solves it
+# What takes the place of a scene's own is bad for all scenes where it is for one.
+ANY = Scene("any", Spring(1.0, (10.0, 10.0), 4.0, 20.0), Load((0.0, -1.0)))
+OVERRIDES = tuple(inspect.signature(ANY.overridden).parameters)
 
 
 @dataclass(frozen=True)
@@ -67,9 +71,10 @@ class Sweeper:
     """What `sweep` of a model is made of."""
 
     solve: Callable[..., EquilibriumPath]
-    kernels: Callable[[Scene], Kernels]  # of a scene
+    kernels: Callable[..., Kernels]  # of a scene and options
     chunk: int  # springs handed to a worker at a time
-    prepared: Callable[[dict[str, Any]], dict[str, Any]] = dict  # options, as all workers get them
+    # all options, as workers get them; `InputError` for those that are bad for any scene
+    checked: Callable[[dict[str, Any]], dict[str, Any]]
 
     def sweep(
         self,
@@ -97,19 +102,24 @@ class Sweeper:
 
         Raises
         ------
-        InputError : `scenes` are none, as a name or a single scene.
+        InputError : `scenes` are none, as a name or a single scene; or an option is bad for any scene. Of one
+            that is bad for some, as a mesh that does not fit a spring, the outcome of these is "refused".
         TypeError : an option that `solve` does not have.
         """
         if isinstance(scenes, str | Scene) or not isinstance(scenes, Iterable):
             raise InputError(f"scenes must be an iterable of coilspring.Scene, got {shown(scenes)}")
-        options = self.prepared(options)
-        inspect.signature(self.solve).bind(None, **options)
+        require_workers(workers)
+        bound = inspect.signature(self.solve).bind(None, **options)
+        bound.apply_defaults()
+        _, *chosen = bound.arguments.items()
+        ANY.overridden(**{name: value for name, value in chosen if name in OVERRIDES})
+        options = self.checked(dict(chosen))
         return outcomes(
             zip(scenes, repeat(partial(self.solve, **options))),
             chunk=self.chunk,
             workers=workers,
             progress=progress,
-            kernels=lambda scene, _: self.kernels(scene),
+            kernels=lambda scene, _: self.kernels(scene, **options),
         )
 
 

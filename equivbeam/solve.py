@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 from contextlib import suppress
-from dataclasses import replace
+from dataclasses import fields, replace
 from functools import partial
 from typing import Any
 
@@ -17,7 +17,7 @@ from coilspring.solver.outcome import worst
 from coilspring.solver.solve import MOST_ITERATIONS, Run, follow_load, output_times, scene_path
 from coilspring.sweep import Sweeper
 from equivbeam import kernels, model
-from equivbeam.laws import law_of
+from equivbeam.laws import require_factors
 from equivbeam.laws.helix import HIGH, LOW, Refinements
 from equivbeam.laws.lawchecks import not_finite
 from equivbeam.laws.userlaw import UserLaw
@@ -133,19 +133,25 @@ def _judged(law: str | UserLaw, rows: np.ndarray, run: Run) -> Run:
     return replace(run, outcome="not_converged", message=where, critical_time=None) if where else run
 
 
-def scene_kernels(scene: Scene) -> Kernels:
+def scene_kernels(scene: Scene, law: str | UserLaw = "haringx", **others: object) -> Kernels:
     """Kernels of a scene: the same for all. A user's law has another `assemble`."""
+    if isinstance(law, UserLaw):
+        with suppress(InputError):  # the scene is refused then
+            return KERNELS._replace(
+                assemble=kernels.assemble_with(law, law.columns(scene.spring, scene.material))
+            )
     return KERNELS
 
 
-def _with_law_read(options: dict[str, Any]) -> dict[str, Any]:
-    """Options of a sweep whose law is read once: one content for all workers."""
-    with suppress(InputError):  # every scene is refused then
-        return {**options, "law": law_of(options.get("law", "haringx"))}
-    return options
+def _checked(options: dict[str, Any]) -> dict[str, Any]:
+    """Options of a sweep, good for some scenes; the law is read once: one content for all workers."""
+    chosen = BeamOptions(**{item.name: options[item.name] for item in fields(BeamOptions)})
+    if options["factors"] is not None:
+        require_factors(chosen.law, Factors.of(options["factors"]))
+    return {**options, "law": chosen.law}
 
 
-sweep = Sweeper(solve, scene_kernels, CHUNK, _with_law_read).sweep
+sweep = Sweeper(solve, scene_kernels, CHUNK, _checked).sweep
 
 
 def path_shape(scene: Scene, options: Mapping[str, Any], found: object = ()) -> BeamShape:

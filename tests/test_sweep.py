@@ -1,12 +1,14 @@
 """Sweeps: order kept, every spring accounted for, and nothing asked of the script that starts one."""
 
 import os
+import re
 import signal
 import subprocess
 import sys
 from dataclasses import replace
 from functools import partial
 from itertools import islice, repeat
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -17,6 +19,7 @@ from coilspring import InputError, load_scene, spring_a, spring_b
 from coilspring.scene import Contact
 from coilspring.sweep import outcomes
 from coilspring.workers import processes
+from equivbeam.solve import KERNELS as BEAM_KERNELS
 from wirefe.solve import KERNELS, SEATED
 
 MODELS = [
@@ -85,6 +88,58 @@ def test_kernels_are_stored_before_a_worker_needs_them(monkeypatch):
 def test_an_option_that_the_model_does_not_have_is_refused_at_once():
     with pytest.raises(TypeError, match="law"):
         wirefe.sweep([spring_b()], law="helix")
+
+
+@pytest.mark.parametrize(
+    ("model", "option", "words"),
+    [
+        (equivbeam, {"law": "zzz"}, "law must be one of haringx, helix"),
+        (equivbeam, {"tangent": "paper", "law": "helix"}, "tangent must be exact with law helix"),
+        (
+            equivbeam,
+            {"factors": (2.0, 1.0, 1.0), "law": "helix"},
+            "factors must be 1 unless the law is haringx",
+        ),
+        (equivbeam, {"factors": (0.0, 1.0, 1.0)}, "factors.axial must be"),
+        (equivbeam, {"steps": 0}, "load.steps must be an integer"),
+        (equivbeam, {"penalty": -1}, "contact.stiffness must be"),
+        (wirefe, {"steps": "2"}, "load.steps must be an integer"),
+        (wirefe, {"geometry": "cubes"}, "contact.geometry must be one of"),
+        (wirefe, {"element": "foo"}, "element must be one of straight, curved"),
+        (wirefe, {"elements_per_turn": -1}, "elements_per_turn must be an integer in [4, "),
+        (wirefe, {"pairs_per_turn": 0}, "pairs_per_turn must be an integer in [1, "),
+        (wirefe, {"pairs_per_turn": 1, "geometry": "wires"}, "pairs_per_turn must be an integer in [2, "),
+        (wirefe, {"workers": -1}, "workers must be"),
+    ],
+)
+def test_an_option_that_is_bad_for_any_scene_is_refused_before_one_is_drawn(model, option, words):
+    drawn = []
+    springs = (drawn.append(None) or scene for scene in repeat(spring_a()))
+    with pytest.raises(InputError, match=re.escape(words)):
+        model.sweep(springs, **option)
+    assert drawn == []
+
+
+def test_an_option_that_is_bad_for_some_scenes_refuses_those():
+    a = spring_a()
+    third = replace(a, spring=replace(a.spring, active_coils=14.0 + 1.0 / 3.0))
+    found = list(wirefe.sweep([third, a], workers=0, steps=1, element="curved", elements_per_turn=4))
+    assert [each.outcome for each in found] == ["refused", "completed"]
+    assert "active_coils" in found[0].message
+
+
+def test_a_users_law_is_stored_before_a_worker_needs_it(monkeypatch):
+    """Each worker would compile it."""
+    kernels = []
+    monkeypatch.setattr("coilspring.sweep.store", kernels.append)
+    springs, law = [spring_a(), spring_b(), "of no scene"], Path("examples/law_paper.py")
+    found = equivbeam.sweep(springs, workers=1, steps=1, law=law)
+    assert [each.outcome for each in found] == ["completed", "completed", "refused"]
+    first, second = kernels
+    assert first == second
+    assert first.assemble is not BEAM_KERNELS.assemble
+    path = equivbeam.solve(spring_a(), steps=1, law=law)
+    assert first.assemble is path.shape.assemble
 
 
 def test_scenes_are_drawn_as_they_are_needed():

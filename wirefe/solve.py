@@ -17,7 +17,14 @@ from coilspring.solver.solve import follow_load, follow_problem, scene_path
 from coilspring.sweep import Sweeper
 from coilspring.words import shown
 from wirefe import kernels, model, seated
-from wirefe.contact.points import NONE_FOUND, PER_TURN, ContactArrays, near_points, reach
+from wirefe.contact.points import (
+    NONE_FOUND,
+    PER_TURN,
+    ContactArrays,
+    near_points,
+    reach,
+    require_pairs,
+)
 from wirefe.contact.stations import of_wires
 from wirefe.element.poses import ROW
 from wirefe.mesh import MOST_ELEMENTS, WireMesh, chord_warning
@@ -138,12 +145,20 @@ def solve_rod(rod: Rod, *, steps: int = 10) -> RodPath:
     return path
 
 
-def scene_kernels(scene: Scene) -> Kernels:
+def scene_kernels(scene: Scene, **options: object) -> Kernels:
     """Kernels of a scene: with plates, or without."""
     return SEATED if scene.supports.seat == "plate" else KERNELS
 
 
-sweep = Sweeper(solve, scene_kernels, CHUNK).sweep
+def _checked(options: dict[str, Any]) -> dict[str, Any]:
+    """Options of a sweep, good for some scenes."""
+    require_mesh(options["element"], options["elements_per_turn"])
+    if options["pairs_per_turn"] is not None:
+        require_pairs(options["pairs_per_turn"], options["geometry"] or "spheres")  # which may be fewer
+    return options
+
+
+sweep = Sweeper(solve, scene_kernels, CHUNK, _checked).sweep
 
 
 def new_pairs(contact: ContactArrays, state: np.ndarray) -> np.ndarray:
@@ -163,8 +178,7 @@ def scene_problem(
 ) -> tuple[Problem, WireMesh, dict[str, object]]:
     """Problem, mesh and options of a scene's wire model; `found` are pairs of contact points that touch
     besides those one turn apart."""
-    require_choice("element", element, ELEMENTS)
-    require_integer("elements_per_turn", elements_per_turn, 4, MOST_ELEMENTS)
+    require_mesh(element, elements_per_turn)
     require_motion(scene)
     if pairs_per_turn is None:
         pairs_per_turn = PER_TURN[scene.contact.geometry]
@@ -183,6 +197,12 @@ def scene_problem(
         return scene_problem(scene, element, elements_per_turn, pairs_per_turn, more)[0]
 
     return replace(problem, extended=extended), mesh, options
+
+
+def require_mesh(element: str, elements_per_turn: int) -> None:
+    """Refuse a mesh that no scene can have."""
+    require_choice("element", element, ELEMENTS)
+    require_integer("elements_per_turn", elements_per_turn, 4, MOST_ELEMENTS)
 
 
 def require_motion(scene: Scene) -> None:

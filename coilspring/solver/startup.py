@@ -5,7 +5,7 @@ import os
 import subprocess
 import sys
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from functools import cache
 from importlib import import_module
 from typing import Any
@@ -49,9 +49,13 @@ def stored(kernels: Kernels) -> bool:
 
 @cache
 def store(kernels: Kernels) -> None:
-    """Compile the kernels that the disk does not hold: on all cores once, not in each process to come."""
-    if not stored(kernels):
-        ready(kernels)
+    """Compile the kernels that the disk does not hold: on all cores once, not in each process to come.
+
+    What cannot be compiled, as a user's law may be, is left to what solves with it, which says so.
+    """
+    with suppress(Exception):  # numba has many kinds
+        if not stored(kernels):
+            ready(kernels)
 
 
 def _roomy(function: Callable) -> Callable:

@@ -40,6 +40,14 @@ def name_of(law: str | UserLaw) -> str:
     return law.name if isinstance(law, UserLaw) else law
 
 
+def require_factors(law: str | UserLaw, factors: Factors) -> None:
+    """Refuse factors of stiffnesses that a law does not have."""
+    if factors.given and law != "haringx":
+        raise InputError(
+            f"factors must be 1 unless the law is haringx, got {astuple(factors)!r} with {name_of(law)!r}"
+        )
+
+
 def law_rows(
     law: str | UserLaw, spring: Spring, material: Material, refinements: Refinements, factors: Factors
 ) -> np.ndarray:
@@ -47,10 +55,7 @@ def law_rows(
 
     `InputError` for factors of stiffnesses that another law than the paper's does not have.
     """
-    if factors.given and law != "haringx":
-        raise InputError(
-            f"factors must be 1 unless the law is haringx, got {astuple(factors)!r} with {name_of(law)!r}"
-        )
+    require_factors(law, factors)
     if isinstance(law, UserLaw):
         return law.rows(spring, material)
     if law == "helix":

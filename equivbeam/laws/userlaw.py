@@ -132,6 +132,10 @@ class UserLaw:
             raise InputError(f"law {self.name}: {_uncompiled(self.energy, error)}") from None
         return out
 
+    def columns(self, spring: Spring, material: Material) -> int:
+        """How many columns the table of parameters has; `InputError` for parameters that are no numbers."""
+        return FIRST + len(self._numbers(spring_coils(spring, material)[0]))
+
     def rows(self, spring: Spring, material: Material) -> np.ndarray:
         """Table of parameters: stiffnesses and length at rest as in the paper's law, then the law's own.
 

@@ -121,7 +121,7 @@ def sweep(
 
 def _kernels(scene: Scene, choice: Choice) -> Kernels:
     """Kernels with which a scene is solved."""
-    return import_module(f"{choice.model}.solve").scene_kernels(scene)
+    return import_module(f"{choice.model}.solve").scene_kernels(scene, **choice.options)
 
 
 def _settings(choices: Iterable[Choice]) -> dict[str, object]:

@@ -69,6 +69,12 @@ NO_CONTACT = ContactArrays(
 )
 
 
+def require_pairs(pairs_per_turn: int, geometry: str) -> None:
+    """Refuse a number of contact points that no scene with this geometry can have."""
+    # a station must be nearer to one coil than to the next
+    require_integer("pairs_per_turn", pairs_per_turn, 1 if geometry == "spheres" else 2, 2000)
+
+
 def contact_points(
     scene: Scene,
     mesh: WireMesh,
@@ -82,8 +88,7 @@ def contact_points(
     stand for. Pairs inside one rigid end are left out; the pairs `found` are added.
     """
     spheres = scene.contact.geometry == "spheres"
-    # a station must be nearer to one coil than to the next
-    require_integer("pairs_per_turn", pairs_per_turn, 1 if spheres else 2, 2000)
+    require_pairs(pairs_per_turn, scene.contact.geometry)
     if spheres and elements_per_turn % pairs_per_turn:
         raise InputError(
             f"elements_per_turn must be a multiple of pairs_per_turn = {pairs_per_turn}, "
