@@ -17,7 +17,8 @@ from equivbeam import fiterrors
 from equivbeam.fiterrors import independent
 from equivbeam.loadcurve import LoadCurve
 from equivbeam.sensitivity import AT_NU, sensitivities, values, varied
-from equivbeam.solve import ADVICE, solve
+from equivbeam.solve import solve
+from equivbeam.validity import ADVICE
 
 SCATTER = 0.5  # standard error over the value, above which it is not told from 0 with 95 % confidence
 ALIKE = 0.1  # of a parameter's relative change: one that changes by more with it can stand for it

@@ -30,6 +30,12 @@ def half_coil_count(spring: Spring) -> int:
     return count
 
 
+def wire_lengths(spring: Spring) -> np.ndarray:
+    """Lengths of the wire of the half coils, each of a helix of the mean diameter in its middle, mm."""
+    at = half_coils(spring)
+    return np.hypot(at.lengths, math.pi * spring.radius(at.middles))
+
+
 def half_coils(spring: Spring) -> HalfCoils:
     """Nodes at phases k pi, where a wire that starts in the working plane crosses it."""
     count = half_coil_count(spring)

@@ -11,26 +11,20 @@ import numpy as np
 from coilspring.errors import InputError
 from coilspring.path import EquilibriumPath
 from coilspring.scene import Factors, Scene, require_scene
-from coilspring.scene.sizing import solid_height
 from coilspring.solver.interface import Kernels
-from coilspring.solver.outcome import worst
 from coilspring.solver.solve import MOST_ITERATIONS, Run, follow_load, output_times, scene_path
 from coilspring.sweep import Sweeper
 from equivbeam import kernels, model
 from equivbeam.laws import require_factors
-from equivbeam.laws.helix import HIGH, LOW, Refinements
+from equivbeam.laws.helix import Refinements
 from equivbeam.laws.lawchecks import not_finite
 from equivbeam.laws.userlaw import UserLaw
 from equivbeam.options import BeamOptions
 from equivbeam.shape import BeamShape, element_measures
+from equivbeam.validity import warning
 
 # The paper's matrices are not the tangent: they converge linearly, the printed one by hundreds of steps.
 MOST_PAPER_ITERATIONS = 10_000
-# Share of the travel to solid up to which a force is trusted. Of 24 random guided cylinders the force at a
-# prescribed height is within 2.4 % of the wire model's (32 pairs per turn) up to 0.90; at 0.95 and few coils
-# errors reach 32 %.
-TRUSTED = 0.90
-ADVICE = ": use wirefe with 16 or more pairs per turn"
 CHUNK = 64  # springs of a sweep handed to a worker at a time
 
 KERNELS = Kernels(*(getattr(kernels, name) for name in Kernels._fields))
@@ -94,35 +88,11 @@ def solve(
     with_law = KERNELS._replace(assemble=kernels.assemble_of(options.law, data.rows))
     run = follow_load(scene, problem, with_law, limit=limit, predictor=exact)
     run = _judged(options.law, data.rows, run)
-    run = replace(run, message=run.message + _warning(scene, options.law, data.rows, run.track.states))
+    states, times = run.track.states, output_times(scene)[: len(run.track.states)]
+    if run.outcome != "completed":  # which the law may be to blame for
+        states, times = np.vstack((states, run.track.last)), np.append(times, run.track.time)
+    run = replace(run, message=run.message + warning(scene, options.law, data.rows, states, times))
     return scene_path(scene, "equivbeam", options.stored(), run, BeamShape(scene, data, with_law.assemble))
-
-
-def _warning(scene: Scene, law: str | UserLaw, rows: np.ndarray, states: np.ndarray) -> str:
-    """What of the states (steps, n) the law does not hold for, and what to use instead."""
-    if not len(states):
-        return ""
-    lengths, times, said = element_measures(states)[..., 0], output_times(scene)[: len(states)], ""
-    if law == "helix":
-        beyond = (lengths < rows[:, LOW]) | (lengths > rows[:, HIGH])
-        row, when = worst(beyond.sum(axis=1), times)
-        if beyond[row].any():
-            coil = int(np.argmax(beyond[row]))
-            said = (
-                f"; but{when} half coil {coil + 1} is drawn to a length of {lengths[row, coil]:.3g} mm, "
-                "where its wire is all but straight and the helix law no longer holds"
-            )
-    # coils that close bit by bit from their ends, which circles do not see
-    height = scene.spring.active_height
-    travel, shortened = height - solid_height(scene.spring), height - lengths.sum(axis=1)
-    row, when = worst(shortened, times)
-    within = TRUSTED * travel < shortened[row] < height  # else the top has passed the bottom
-    if scene.contact.enabled and travel > 0.0 and within:
-        said += (
-            f"; but{when} it is {shortened[row] / travel:.0%} of the travel to solid, where coils close bit "
-            f"by bit and the beam's force may be far off{ADVICE}"
-        )
-    return said
 
 
 def _judged(law: str | UserLaw, rows: np.ndarray, run: Run) -> Run:

@@ -409,3 +409,13 @@ def test_a_spring_that_is_pulled_grows_longer():
     (said,) = (line for line in lines if "axial load" in line)
     assert said.startswith("  axial load    20 N, which lengthens it by ")
     assert said.endswith(" mm, by the same formula")
+
+
+def test_coils_that_are_drawn_far_are_told_as_a_solve_tells():
+    scene = scene_of(force=900.0)
+    (said,) = (line for line in report(scene)[0] if "equivbeam" in line)
+    words = "where law haringx may be far off: use "
+    assert words in said
+    assert said.split("; ")[-1] in equivbeam.solve(scene).message
+    for force in (20.0, -20.0):
+        assert "drawn" not in "".join(report(scene_of(force=force))[0])

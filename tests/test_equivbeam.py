@@ -1,6 +1,7 @@
 """The equivalent beam on the paper's springs: values, branches, limit points, and work not done."""
 
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -24,6 +25,9 @@ from coilspring.contact.law import PAIR_HISTORY
 from equivbeam import band, kernels, model
 from equivbeam.laws import LAWS
 from equivbeam.options import BeamOptions
+from validation.study.partialsolve import partial_path
+
+PAPER = Path("examples/law_paper.py")
 
 # Our own prototype's values, printed with five digits; the paper gives pictures only.
 TIPS = {
@@ -270,6 +274,61 @@ def test_a_law_that_leaves_its_range_says_so():
         near = equivbeam.solve(replace(VALVE, load=Load(displacement=(-0.89 * 17.6,))), law=law)
         assert "solid" not in near.message
         assert near.loads[-1, 1] == pytest.approx(wire.loads[8, 1], rel=0.03)
+
+
+EXTENDED = Scene(
+    "extended", Spring(2.0, 18.0, 10.0, 25.0), Load((0.0, 900.0), 10), supports=Supports(("ux", "rotz"))
+)
+
+
+@pytest.mark.parametrize(
+    ("law", "force", "words"),
+    [
+        (
+            "haringx",
+            900.0,
+            "; but half coils are drawn to 63% of the length of their wire, where law haringx",
+        ),
+        ("haringx", 900.0, "may be far off: use law helix or wirefe"),
+        (
+            "haringx",
+            3000.0,
+            "are drawn to 200% of the length of their wire, where law haringx may be far off: u",
+        ),
+        ("haringx", 3000.0, "off: use wirefe"),
+        (PAPER, 900.0, "are drawn to 63% of the length of their wire, where law law_paper.py may be far off"),
+        ("helix", 900.0, None),
+        ("helix", 3000.0, "half coils are drawn to 71% of the length of their wire, where law helix may be"),
+        ("haringx", 350.0, None),
+        ("haringx", -60.0, None),
+    ],
+)
+def test_coils_that_are_drawn_too_far_are_said_to(law, force, words):
+    scene = replace(EXTENDED, load=Load((0.0, force), 10))
+    path = partial_path(equivbeam.solve, scene, law=law)
+    if words is None:
+        assert "drawn" not in path.message
+    else:
+        assert words in path.message
+
+
+def test_the_paper_s_law_is_off_by_a_tenth_only_where_it_says_so():
+    wire = wirefe.solve(EXTENDED, element="curved", elements_per_turn=8)
+    path = equivbeam.solve(EXTENDED)
+    off = path.tips[:, 1] / wire.tips[:, 1] - 1.0
+    for row, time in enumerate(path.times):
+        part = equivbeam.solve(replace(EXTENDED, load=Load((0.0, 900.0 * time), 1)))
+        assert ("drawn" in part.message) == (row > 3)
+        assert off[row] < (0.1 if row <= 3 else 0.3)
+    assert off[-1] > 0.2
+
+
+def test_a_column_that_sways_is_not_drawn():
+    """Pressed and pushed sideways; half coils of steep springs have a large share of their wire at rest."""
+    steep = Spring(1.0, 10.0, 6.0, 70.0)
+    for load in (Load((-1.0, -5.0)), Load((0.0, 0.5)), Load((0.0, -5.0))):
+        assert "drawn" not in partial_path(equivbeam.solve, Scene("steep", steep, load)).message
+    assert "drawn" in equivbeam.solve(Scene("steep", steep, Load((0.0, 20.0)))).message
 
 
 def test_a_top_below_the_bottom_is_said_alone():

@@ -3,13 +3,16 @@
 import math
 from pathlib import Path
 
+import equivbeam
 from coilspring import InputError, Scene
 from coilspring.pathfile import MODELS
 from coilspring.scene import SEATS
 from coilspring.scene.sizing import sizes
 from equivbeam.model import build_model
+from equivbeam.validity import taut
 from validation.study import scenewarnings
 from validation.study.lawwarning import law_warning
+from validation.study.partialsolve import partial_path
 from validation.study.template import template
 from wirefe.mesh import mesh_wire
 from wirefe.solve import require_motion
@@ -52,6 +55,13 @@ def _sideways(scene: Scene) -> float:
     return max(abs(x) for x, _ in scene.load.stages or (scene.load.force,))
 
 
+def _drawn(scene: Scene) -> str:
+    """What the equivalent beam says of coils that are drawn far, or nothing."""
+    bare = scene.without_contact().with_steps(1)  # a millisecond
+    path = partial_path(equivbeam.solve, bare)
+    return taut(bare, "haringx", path.states, path.times).strip()
+
+
 def _verdict(model: str, scene: Scene) -> str:
     """What a model says to a scene, with its usual mesh."""
     try:
@@ -59,7 +69,8 @@ def _verdict(model: str, scene: Scene) -> str:
             build_model(scene)
             sticks = scene.contact.enabled and scene.contact.sliding != "free"
             law = f"; {warning}: see --law helix" if (warning := law_warning(scene)) else ""
-            return f"represents it{LEFT_OUT if sticks else ''}{law}"
+            drawn = f"; {said}" if (said := _drawn(scene)) else ""
+            return f"represents it{LEFT_OUT if sticks else ''}{law}{drawn}"
         # the parts that may refuse a scene; its spheres are many where coils are
         require_motion(scene)
         seat = scene.supports.require_supported("wirefe", SEATS)
