@@ -491,13 +491,59 @@ def test_a_sweep_takes_the_cheapest_that_a_sample_supports(asked, model, tmp_pat
     assert [row["outcome"] for row in rows] == ["completed"] * 3
 
 
+def chosen_of(asked, monkeypatch):
+    """What is chosen for a grid whose references have 16 elements a turn at most, and what is solved."""
+    monkeypatch.setattr("wirefe.meshes.FINEST", 16)
+    table = scene_table(touching())
+    varied = read_varied(["load.force.1=-6:-8:2"], table)
+    solved, solve = [], adaptive.solve
+
+    def counted(scene, **options):
+        solved.append((scene.load.force, *options.items()))
+        return solve(scene, **options)
+
+    monkeypatch.setattr(adaptive, "solve", counted)
+    try:
+        return choice.choose(list(points(table, varied)), varied, asked, lambda text: None), solved
+    except InputError as refused:
+        return str(refused), solved
+
+
+@pytest.mark.parametrize(("asked", "half_is_reached"), [(4e-4, True), (2e-4, False)])
+def test_a_reference_is_as_exact_as_can_be_reached(asked, half_is_reached, monkeypatch):
+    """A quarter of the accuracy is out of reach; on the way there a half was met, though not by itself."""
+    found, solved = chosen_of(asked, monkeypatch)
+    assert choice.MARGIN * found.error <= asked
+    assert len(solved) == len(set(solved)) > 5
+    scene = touching()
+    with pytest.raises(InputError, match="accuracy must be at least"):
+        wirefe.solve_to(scene, asked / 4.0)
+    if half_is_reached:
+        assert wirefe.solve_to(scene, asked / 2.0).estimated_error < found.error
+    else:
+        with pytest.raises(InputError, match="accuracy must be at least"):
+            wirefe.solve_to(scene, asked / 2.0)
+
+
+def test_where_there_is_no_reference_the_scene_is_said_and_what_was_asked_for(monkeypatch):
+    found, solved = chosen_of(1e-4, monkeypatch)
+    least, error = re.fullmatch(
+        r"accuracy must be at least (\S+) on this grid, got 0\.0001: for the scene with load\.force\.1 = -8 "
+        r"the answer of the wire model is known to (\S+) at best, with 16 elements per turn; errors of a "
+        r"sample are taken 2 times",
+        found,
+    ).groups()
+    assert float(least) == pytest.approx(2.0 * float(error), rel=0.1)
+    assert len(solved) == len(set(solved))
+
+
 def test_sample_of_a_grid():
     table = scene_table(spring_a())
     varied = read_varied(["load.force.0=1:2:6", "load.force.1=-1:-2:6", "contact.stiffness=1e3,1e4"], table)
     grid = list(points(table, varied))
     found = choice.sample(grid, varied)
     corners = {(x, y) for x in (1.0, 2.0) for y in (-1.0, -2.0)}
-    assert corners <= {scene.load.force for scene in found}
+    assert corners <= {point.scene.load.force for point in found}
     assert 8 <= len(found) <= 12
     assert found == choice.sample(grid, varied)
 

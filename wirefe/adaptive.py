@@ -9,7 +9,7 @@ it falls faster at first.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import count
 from typing import Any
@@ -47,6 +47,23 @@ BEYOND = 1.5  # predicted level over the finest, above which it is refused
 HALVINGS = 3  # of the answer's substeps, at most, where friction makes it depend on them
 
 
+class NotReached(InputError):
+    """An accuracy that no mesh reaches.
+
+    Attributes
+    ----------
+    reached : what the finest mesh does, or is predicted to; infinite where that is not known.
+    why : with what.
+    """
+
+    def __init__(self, message: str, reached: float, why: str) -> None:
+        super().__init__(message)
+        self.reached, self.why = reached, why
+
+    def __reduce__(self) -> tuple:
+        return NotReached, (str(self), self.reached, self.why)
+
+
 @dataclass
 class Trials:
     """Paths of a scene, each on a mesh finer than the one before.
@@ -60,7 +77,8 @@ class Trials:
     found : paths with their meshes.
     apart : by how much each path before differs from the last one.
     told : error of the last path times the square of its resolution, as each path before tells it.
-    seconds : CPU time of all solves.
+    enough : error that will do where the one wanted is out of reach.
+    solved : what was solved, by its mesh and steps.
     progress : called before each solve with one line: what is solved, the time and the estimate so far.
     """
 
@@ -71,8 +89,14 @@ class Trials:
     found: list[Trial] = field(default_factory=list)
     apart: list[float] = field(default_factory=list)
     told: list[float] = field(default_factory=list)
-    seconds: float = 0.0
+    enough: float = 0.0
+    solved: dict[tuple, EquilibriumPath] = field(default_factory=dict)
     progress: Callable[[str], None] = lambda line: None
+
+    @property
+    def seconds(self) -> float:
+        """CPU time of all solves."""
+        return sum(path.solve_seconds for path in self.solved.values())
 
     @property
     def touching(self) -> bool:
@@ -108,7 +132,10 @@ class Trials:
         return self.levels.last if self.irregular else self.levels.finest
 
     def solve(self, mesh: dict[str, Any], steps: int) -> EquilibriumPath:
-        """The path on a mesh in some steps, as far as it was reached."""
+        """The path on a mesh in some steps, as far as it was reached; nothing is solved twice."""
+        key = (*mesh.items(), steps)
+        if key in self.solved:
+            return self.solved[key]
         so_far = f"; {self.seconds:.0f} s CPU" if self.found else ""
         if math.isfinite(self.estimate):
             so_far += f", estimated error {self.estimate:.2g}"
@@ -118,7 +145,7 @@ class Trials:
             path = solve(scene, steps=None if steps == scene.load.steps else steps, **mesh)
         except EquilibriumNotFound as found:
             path = found.path
-        self.seconds += path.solve_seconds
+        self.solved[key] = path
         return path
 
     def add(self, level: int, steps: int, stations: int | None = None) -> None:
@@ -132,7 +159,7 @@ class Trials:
         mesh = self.levels.options(level, stations, beyond=self.found[-1].elements if self.found else 0)
         if mesh["elements_per_turn"] > MOST_ELEMENTS:
             reached = self.reached if self.found else math.inf
-            raise InputError(_refusal(self.wanted, reached, f"with {MOST_ELEMENTS} elements per turn"))
+            raise _refusal(self.wanted, reached, f"with {MOST_ELEMENTS} elements per turn")
         path = self.solve(mesh, steps)
         if path.outcome != "completed" and steps < self.steps:
             path = self.solve(mesh, self.steps)  # near its end differences are not smooth
@@ -248,23 +275,49 @@ def solve_to(
     """
     scene = require_scene(scene).overridden(steps, penalty, geometry)
     wanted = require_number("accuracy", accuracy, *ACCURACIES)
+    return solve_to_first(scene, (wanted,), pairs_per_turn=pairs_per_turn, progress=progress)
+
+
+def solve_to_first(
+    scene: Scene,
+    accuracies: Sequence[float],
+    *,
+    pairs_per_turn: int | None = None,
+    progress: Callable[[str], None] = lambda line: None,
+) -> EquilibriumPath:
+    """As `solve_to`, with the first of some accuracies, fine to coarse, that can be reached.
+
+    Nothing is solved twice. Raises `NotReached` of the last one.
+    """
     levels, rows = Levels.of(scene, pairs_per_turn), scene.load.steps
-    trials = Trials(levels, wanted, rows, progress=progress)
-    trials.add(COARSEST, rows, FEWEST)
-    path, estimate = trials.found[0].path, math.inf
-    if trials.substeps or not trials.irregular:
-        path, estimate = _first(trials)
-    if estimate > wanted:
-        path, estimate = _refined(trials)
+    solved: dict[tuple, EquilibriumPath] = {}
+    for number, wanted in enumerate(accuracies, 1):
+        trials = Trials(levels, wanted, rows, enough=accuracies[-1], solved=solved, progress=progress)
+        try:
+            path, estimate = _answer(trials)
+            break
+        except NotReached:
+            if number == len(accuracies):
+                raise
     path = replace(
         thinned(path, scene, trials.steps // rows),
-        accuracy=wanted,
+        accuracy=trials.wanted,
         estimated_error=estimate,
         other_seconds=trials.seconds - path.solve_seconds,
     )
     if path.outcome != "completed":
         raise EquilibriumNotFound(path)
     return path
+
+
+def _answer(trials: Trials) -> tuple[EquilibriumPath, float]:
+    """The path and its error; raises `NotReached` beyond the finest mesh or the most substeps."""
+    trials.add(COARSEST, trials.steps, FEWEST)
+    if trials.substeps or not trials.irregular:
+        path, estimate = _first(trials)
+        if estimate <= trials.wanted:
+            return path, estimate
+    return _refined(trials)
 
 
 def _first(trials: Trials) -> tuple[EquilibriumPath, float]:
@@ -284,7 +337,7 @@ def _first(trials: Trials) -> tuple[EquilibriumPath, float]:
 
 
 def _refined(trials: Trials) -> tuple[EquilibriumPath, float]:
-    """A path on a mesh as fine as it takes, and its error; raises `InputError` beyond the finest."""
+    """A path on a mesh as fine as it takes, and its error; raises `NotReached` beyond the finest."""
     chosen = False
     while True:
         if trials.substeps and not chosen:
@@ -292,7 +345,12 @@ def _refined(trials: Trials) -> tuple[EquilibriumPath, float]:
             chosen = True
         last, estimate = trials.found[-1], trials.estimate
         if estimate > trials.wanted or trials.by_chance:
-            trials.add(_next(trials), trials.steps)
+            try:
+                trials.add(_next(trials), trials.steps)
+            except NotReached:
+                if trials.wanted >= trials.enough or estimate > trials.enough:
+                    raise
+                trials.wanted = trials.enough
         elif last.path.scene.load.steps == trials.steps:
             return last.path, estimate
         else:
@@ -301,7 +359,7 @@ def _refined(trials: Trials) -> tuple[EquilibriumPath, float]:
 
 
 def _next(trials: Trials) -> int:
-    """The level that is predicted to do, or one on the way; raises `InputError` beyond the finest."""
+    """The level that is predicted to do, or one on the way; raises `NotReached` beyond the finest."""
     level, finest = trials.found[-1].level, trials.finest
     if not trials.irregular:
         level = trials.levels.at_least(level)
@@ -315,7 +373,7 @@ def _next(trials: Trials) -> int:
         turn = trials.levels.options(finest)["elements_per_turn"]
         about = "" if level >= finest else "about "  # not solved
         why = f"with {turn} elements per turn"
-        raise InputError(_refusal(trials.wanted, trials.reached, why, about))
+        raise _refusal(trials.wanted, trials.reached, why, about)
     return min(math.ceil(min(wanted, FAR * level)), finest)
 
 
@@ -330,7 +388,7 @@ def _choose_substeps(trials: Trials) -> None:
     """Choose steps, those of the scene or finer, and estimate the error that their substeps leave.
 
     It may take half of the accuracy wanted, and is estimated on the last mesh by a path in fewer steps; where
-    two may agree by chance, by one in more steps, too. Raises `InputError` if it takes more in the most.
+    two may agree by chance, by one in more steps, too. Raises `NotReached` if it takes more in the most.
     """
     *before, last = trials.found
     rows, given = trials.steps, last.path.scene.load.steps
@@ -347,17 +405,18 @@ def _choose_substeps(trials: Trials) -> None:
             trials.take(*(before if trials.steps == rows else ()), replace(last, path=path))
             return
     why = "by the substeps of friction or sticking contact"
-    raise InputError(_refusal(trials.wanted, 2.0 * least, why))
+    raise _refusal(trials.wanted, 2.0 * least, why)
 
 
-def _refusal(asked: float, reached: float, why: str, about: str = "") -> str:
+def _refusal(asked: float, reached: float, why: str, about: str = "") -> NotReached:
     """What cannot be reached, and what can, or what is predicted to."""
     rounded = float(f"{1.05 * reached:.1e}") if math.isfinite(reached) else math.inf
     if rounded <= ACCURACIES[1]:
-        return f"accuracy must be at least {about}{rounded:g} for this scene, got {asked:g}: {why}"
+        said = f"accuracy must be at least {about}{rounded:g} for this scene, got {asked:g}: {why}"
+        return NotReached(said, rounded, why)
     found = (
         f"the estimated error is {reached:.3g}"
         if reached < math.inf
         else "too few meshes tell the error, or agree on how the path ends"
     )
-    return f"accuracy cannot be met for this scene, got {asked:g}: {why} {found}"
+    return NotReached(f"accuracy cannot be met for this scene, got {asked:g}: {why} {found}", reached, why)

@@ -8,21 +8,20 @@ from typing import NamedTuple
 
 import numpy as np
 
-import wirefe
 from coilspring import EquilibriumPath, InputError, Scene
 from coilspring.errors import require_number
 from coilspring.words import counted
 from validation.study.partialsolve import partial_path
 from validation.sweep.grid import Point, Varied
 from validation.sweep.run import Choice
-from wirefe.adaptive import ACCURACIES
+from wirefe.adaptive import ACCURACIES, NotReached, solve_to_first
 from wirefe.meshes import Levels, difference, on_plates
 
 LAWS = ("haringx", "helix")  # cheap to dear, and cheaper than any mesh
 LEVELS = (4, 6, 8, 12, 16, 24, 32, 48, 64, 96, 128)
 CORNERS, INSIDE = 8, 4  # scenes of a sample, at most
 MARGIN = 2.0  # between the worst error of a sample and that of the grid
-FINER = 4.0  # accuracy asked for over that of the references
+FINER = (4.0, MARGIN)  # accuracy asked for over that of the references, and where that cannot be reached
 Candidate = Callable[[Scene], Choice]
 
 
@@ -43,28 +42,52 @@ def choose(
     Raises `InputError`: no candidate does, or the wire model cannot tell.
     """
     require_number("accuracy", accuracy, *ACCURACIES)
-    scenes = sample(grid, varied)
-    if not scenes:
+    points = sample(grid, varied)
+    if not points:
         raise InputError("accuracy needs a scene of the grid that can be solved, got none")
     wires = []
-    for number, scene in enumerate(scenes, 1):
-        progress(f"sample of the grid by the wire model: {number} of {len(scenes)}")
-        wires.append(partial_path(wirefe.solve_to, scene, accuracy=max(accuracy / FINER, ACCURACIES[0])))
+    for number, point in enumerate(points, 1):
+        progress(f"sample of the grid by the wire model: {number} of {len(points)}")
+        wires.append(_reference(point, varied, accuracy))
     least = math.inf
     for name, candidate in _candidates(grid):
         progress(f"sample of the grid by {name}")
         worst = _worst(candidate, wires, accuracy)
         if MARGIN * worst <= accuracy:
-            sampled = f"{counted(len(scenes), 'scene')} of the grid, solved by the wire model"
+            sampled = f"{counted(len(points), 'scene')} of the grid, solved by the wire model"
             why = f"{name}; error up to {worst:.2g} on {sampled}"
-            return Chosen(candidate, worst, len(scenes), f"chosen for an accuracy of {accuracy:g}: {why}")
+            return Chosen(candidate, worst, len(points), f"chosen for an accuracy of {accuracy:g}: {why}")
         least = min(least, worst)
-    can = (
-        f"must be at least {rounded_up(MARGIN * least):g}"
-        if MARGIN * least < ACCURACIES[1]
-        else "cannot be met"
+    raise InputError(f"{_refused(accuracy, least)} by one law or mesh for all its scenes, got {accuracy:g}")
+
+
+def _reference(point: Point, varied: Sequence[Varied], accuracy: float) -> EquilibriumPath:
+    """The scene of a point by the wire model; `InputError` where that is no reference for the accuracy."""
+    assert point.scene is not None
+    values = zip(varied, point.values, strict=True)
+    where = f"for the scene with {', '.join(f'{each.key} = {value}' for each, value in values)}"
+    finer = [max(accuracy / each, ACCURACIES[0]) for each in FINER]
+    try:
+        path = partial_path(solve_to_first, point.scene, accuracies=finer)
+        error, why = path.estimated_error or 0.0, f"asked for {finer[-1]:g}"
+        if MARGIN * error <= accuracy:
+            return path
+    except NotReached as refused:
+        error, why = max(refused.reached, accuracy / MARGIN), refused.why
+    except InputError as refused:
+        raise InputError(f"{refused}, {where} of the grid") from None
+    known = f"is known to {error:.2g} at best" if error < math.inf else "is not known"
+    raise InputError(
+        f"{_refused(accuracy, error)}, got {accuracy:g}: {where} the answer of the wire model {known}, "
+        f"{why}; errors of a sample are taken {MARGIN:g} times"
     )
-    raise InputError(f"accuracy {can} on this grid by one law or mesh for all its scenes, got {accuracy:g}")
+
+
+def _refused(accuracy: float, error: float) -> str:
+    """What accuracy a grid can have at best, where one of its scenes has an error."""
+    if MARGIN * error < ACCURACIES[1]:
+        return f"accuracy must be at least {rounded_up(MARGIN * error):g} on this grid"
+    return "accuracy cannot be met on this grid"
 
 
 def rounded_up(number: float) -> float:
@@ -73,15 +96,15 @@ def rounded_up(number: float) -> float:
     return float(f"{(math.floor(number / unit) + 1) * unit:.2g}")
 
 
-def sample(grid: Sequence[Point], varied: Sequence[Varied]) -> list[Scene]:
-    """Scenes at corners of a grid and some within, the same each time."""
+def sample(grid: Sequence[Point], varied: Sequence[Varied]) -> list[Point]:
+    """Points with a scene, at corners of a grid and some within, the same each time."""
     counts = [len(each.values) for each in varied]
     rng = np.random.default_rng(0)
     corners = np.array(list(product(*({0, count - 1} for count in counts))))
     if len(corners) > CORNERS:
         corners = corners[rng.permutation(len(corners))[:CORNERS]]
     at = [*np.ravel_multi_index(corners.T, counts), *rng.integers(len(grid), size=INSIDE)]
-    return [scene for place in dict.fromkeys(map(int, at)) if (scene := grid[place].scene) is not None]
+    return [point for place in dict.fromkeys(map(int, at)) if (point := grid[place]).scene is not None]
 
 
 def _candidates(grid: Sequence[Point]) -> Iterator[tuple[str, Candidate]]:
