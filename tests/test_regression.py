@@ -376,7 +376,10 @@ def test_an_interrupted_run_keeps_what_was_found_and_the_baselines(small, monkey
         ("--baselines nowhere", "no baseline at nowhere"),
         ("--baselines broken", "is no baseline"),
         ("--accept extra", "extra"),
-        ("spring-a", "--baselines DIR must name a folder of yours"),
+        ("spring-b --geometry wires", "must name a folder of yours unless SCENE is one of"),
+        ("spring-b --geometry wires", "spring-b-no-contact, got spring-b with --geometry wires"),
+        ("spring-a.toml", "spring-b, spring-b-no-contact, got spring-a.toml"),
+        ("spring-a --accept", "--accept must go with --baselines DIR where SCENE is given, got spring-a"),
         ("--geometry wires", "--geometry must go with SCENE, got wires alone"),
         ("spring-a spring-a --baselines mine", "got spring-a twice"),
         ("spring-a --baselines mine", "no baseline at mine/spring-a/equivbeam.json"),
@@ -388,6 +391,7 @@ def test_an_interrupted_run_keeps_what_was_found_and_the_baselines(small, monkey
 def test_bad_input_is_refused_in_one_sentence(arguments, part, tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     (tmp_path / "afile").touch()
+    (tmp_path / "spring-a.toml").write_text(scene_text(spring_a().with_steps(3)), encoding="utf-8")
     (tmp_path / "broken").mkdir()
     (tmp_path / "broken" / "equivbeam.json").write_text('{"made": 3, "runs": {}}')
     assert main(["regress", *arguments.split()]) == 2
@@ -525,6 +529,30 @@ def test_the_shipped_baselines_are_found_from_anywhere(tmp_path, monkeypatch):
     assert main(["regress"]) == 0
     assert found == [read(SHIPPED)]
     assert (tmp_path / "coilcheck-out" / "regress" / "regress.md").is_file()
+
+
+def test_a_scene_of_the_catalogue_has_the_shipped_baselines(tmp_path, monkeypatch, capsys):
+    """Those of its runs alone, and its ratios of times."""
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(validation.regress.run, "make_ready", lambda: None)
+    names = ["spring-a-no-contact", "spring-b"]
+    short = [run for run in few("law=haringx,") if run.scene.name in names]
+    monkeypatch.setattr(validation.regress.baselines, "runs", lambda: short)
+    timed, found = [], []
+    monkeypatch.setattr(timeratios, "measure", lambda progress, scene: timed.append(scene.name) or ({}, ()))
+    monkeypatch.setattr(
+        validation.regress.run, "compare", lambda kept, now, _: found.append((kept, now)) or ()
+    )
+    assert main(["regress", "spring-b", "--time"]) == 0
+    assert timed == ["spring-b"]
+    ((kept, now),) = found
+    of_b = [run.name for run in short if run.scene.name == "spring-b"]
+    assert len(of_b) > 1
+    assert sorted(now["equivbeam"]) == sorted(kept["equivbeam"]["runs"]) == sorted(of_b)
+    assert kept["equivbeam"]["runs"].items() <= read(SHIPPED)["equivbeam"]["runs"].items()
+    assert main(["regress", *names]) == 0
+    assert len(list((tmp_path / "coilcheck-out").rglob("regress.md"))) == 3
+    assert "spring-a-no-contact: 2 runs: nothing moved" in capsys.readouterr().out
 
 
 def test_a_scene_that_does_not_reach_full_load_has_no_ratios():

@@ -4,11 +4,11 @@ Each gives the lines to be said, and in one sentence what is wrong.
 """
 
 import argparse
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from contextlib import nullcontext
 from pathlib import Path
 
-from coilspring import InputError, Scene, load_scene
+from coilspring import CATALOGUE, InputError, Scene, load_scene
 from coilspring.errors import require_integer
 from coilspring.scene.profile import OTHER_DIAMETERS
 from coilspring.scene.toml import written_table
@@ -97,11 +97,11 @@ def sensitivity(arguments: argparse.Namespace, folder: Path, progress: Progress)
 def regress(arguments: argparse.Namespace, folder: Path, progress: Progress) -> Answer:
     """Compare what both models find with stored baselines."""
     scenes, kept = scenes_of(arguments), arguments.baselines
-    if scenes and kept is None:
-        raise InputError("--baselines DIR must name a folder of yours where scenes are given")
+    if kept is None:
+        _require_shipped(scenes, arguments)
     progress(LOADING)
     from validation.regress import run
-    from validation.regress.baselines import SHIPPED
+    from validation.regress.baselines import SHIPPED, shipped_runs
 
     scenes = scenes or run.kept_scenes(kept or SHIPPED)
     accept, times = arguments.accept, arguments.time
@@ -109,12 +109,28 @@ def regress(arguments: argparse.Namespace, folder: Path, progress: Progress) -> 
     with writing(folder):
         for name, scene in scenes.items() or [("", None)]:
             out = folder / name if len(scenes) > 1 else folder
-            finding = run.regress(out, (kept or SHIPPED) / name, accept, times, progress, scene)
+            chosen = shipped_runs(name) if scene and kept is None else None
+            home = SHIPPED if kept is None else kept / name
+            finding = run.regress(out, home, accept, times, progress, scene, chosen)
             verdict = f"{name}: {finding.verdict}" if name else finding.verdict
             lines += [*map(str, finding.moves), *finding.left_out, verdict]
             verdicts += [verdict] if finding.moves and not accept else []
     moved = f"{'; '.join(verdicts)}; where that is meant: regress --accept" if verdicts else ""
     return [*lines, f"written to {folder}"], moved
+
+
+def _require_shipped(scenes: Mapping[str, Scene], arguments: argparse.Namespace) -> None:
+    """Refuse scenes of which no baselines come with coilcheck, and to write a part of those anew."""
+    geometry = f" with --geometry {arguments.geometry}" if arguments.geometry else ""
+    for asked, (name, scene) in zip(arguments.scenes, scenes.items(), strict=True):
+        if name not in CATALOGUE or scene != CATALOGUE[name]():
+            raise InputError(
+                f"--baselines DIR must name a folder of yours unless SCENE is one of {', '.join(CATALOGUE)}, "
+                f"got {asked}{geometry}"
+            )
+    if scenes and arguments.accept:
+        names = ", ".join(scenes)
+        raise InputError(f"--accept must go with --baselines DIR where SCENE is given, got {names}")
 
 
 def stability(arguments: argparse.Namespace, folder: Path, progress: Progress) -> Answer:

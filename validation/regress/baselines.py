@@ -79,6 +79,20 @@ def runs() -> tuple[Run, ...]:
     return (*found, Run("wirefe", slender, COARSE, sensitive=True))
 
 
+def shipped_runs(name: str) -> tuple[Run, ...]:
+    """The runs on a catalogue's scene that are among `runs`."""
+    return tuple(run for run in runs() if run.scene.name == name)
+
+
+def of_runs(kept: Mapping[str, Mapping[str, Any]], chosen: Sequence[Run]) -> dict[str, dict[str, Any]]:
+    """What is kept of some runs."""
+    names = {(run.model, run.name) for run in chosen}
+    return {
+        model: {**each, "runs": {name: row for name, row in each["runs"].items() if (model, name) in names}}
+        for model, each in kept.items()
+    }
+
+
 def quantities(path: EquilibriumPath, sensitive: bool = False) -> Quantities:
     """What is kept of a path; `sensitive` is that of its `Run`."""
     reached, contact = len(path.times), path.scene.contact

@@ -20,7 +20,7 @@ from coilspring.scene.scene import SECTIONS
 from coilspring.scene.toml import scene_table, scene_text
 from coilspring.words import counted, rounded
 from validation.regress import baselines, timeratios
-from validation.regress.baselines import Quantities, Run, find, made, read, runs, runs_of
+from validation.regress.baselines import Quantities, Run, find, made, of_runs, read, runs, runs_of
 from validation.study.cases import make_ready
 from validation.study.document import Table
 from validation.study.files import claimed, write_text
@@ -95,7 +95,8 @@ def regress(
     times : measure and compare the ratios of times too.
     progress : called with one line on what is being done.
     scene : a user's scene; by default the catalogue's.
-    chosen : runs; by default all of `baselines.runs_of` the scene, or of `baselines.runs`.
+    chosen : runs, with whose baselines alone they are compared; by default all of `baselines.runs_of` the
+        scene, or of `baselines.runs`.
 
     Raises
     ------
@@ -110,6 +111,8 @@ def regress(
         progress("making the kernels ready")
         make_ready()
         watched = chosen or (runs() if scene is None else runs_of(scene))
+        if chosen and kept:
+            kept = of_runs(kept, chosen)
         found, left_out = find(watched, progress, out)
         moves = compare(kept, found, str(made()["processor"])) if kept else ()
         if scene is not None and kept and (baseline / SCENE).is_file():
