@@ -101,10 +101,13 @@ def _along_load(
     force, deflection = force * np.sign(force[peak]), deflection * (np.sign(deflection[peak]) or 1.0)
     loaded = force >= (1.0 - ROUNDING) * TOE * force[peak]
     if not loaded.any() or not (deflection[loaded] != 0.0).any():
-        raise InputError("curve must have forces and deflections that are not zero throughout")
+        found = f"{force[peak]:.4g} N and {np.abs(deflection[loaded]).max(initial=0.0):.4g} mm"
+        raise InputError(
+            f"curve must have forces and deflections that are not zero throughout, got {found} at most"
+        )
     pressed, moved = force[loaded], deflection[loaded]
-    if not np.allclose(pressed, pressed[0]) and np.polyfit(pressed, moved, 1)[0] <= 0.0:
-        raise InputError(f"deflection must grow with the force: {REST}")
+    if not np.allclose(pressed, pressed[0]) and (slope := np.polyfit(pressed, moved, 1)[0]) <= 0.0:
+        raise InputError(f"deflection must grow with the force, got {slope:.3g} mm/N on the whole: {REST}")
     _refuse_thousandths(("force", "N", force), ("deflection", "mm", deflection), places)
     _refuse_thousandths(("deflection", "mm", deflection), ("force", "N", force), places)
     return Measured(pressed, moved, int(np.count_nonzero(~loaded)))

@@ -265,10 +265,10 @@ BAD = {
     "force,deflection\n1,nan": "bad.csv: line 2 must have a finite number in column 2, got 'nan'",
     "Time,Standardkraft [N]\n1,2": "bad.csv: line 1 has no column deflection (deflection, travel,",
     "Weg [mm],t\n1,2": "force, kraft, standardkraft, prüfkraft, federkraft), found 'Weg [mm], t'",
-    "force,deflection\n1,9\n2,8": "bad.csv: deflection must grow with the force",
+    "force,deflection\n1,9\n2,8": "deflection must grow with the force, got -1 mm/N on the whole: it counts",
     "force,deflection\n1,-1\n2,8": "deflection must not be negative, got -1 to 8 mm",
     "force,deflection\n1,9\n2,80": "deflection must be below spring.active_height = 28.6 mm, got 80 mm",
-    "force,deflection\n1,0\n2,0": "not zero throughout",
+    "force,deflection\n1,0\n2,0": "not zero throughout, got 2 N and 0 mm at most",
     "deflection,force\n13,0\n9,90\n0.5,268.75\n0,279.5": "bad.csv: deflection must grow with the force",
     "force;deflection\n980.0;9.8\n1,050;10.5": (
         "bad.csv: numbers must have one decimal sign and no thousands separators, got '980.0' in line 2 and "

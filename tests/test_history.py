@@ -217,7 +217,10 @@ def test_sensitivities_hold_in_stages():
             {"stages": [(0.0, -1.0)], "force": (0.0, -2.0)},
             r"load\.force must be left out beside load\.stages",
         ),
-        ({"stages": [(0.0, -1.0)], "displacement": -2.0}, "load takes stages or displacement, not both"),
+        (
+            {"stages": [(0.0, -1.0)], "displacement": -2.0},
+            r"stages or displacement, not both, got \[\(0\.0, -1\.0\)\] and -2\.0",
+        ),
         ({"displacement": 0.0}, r"load\.displacement\[1\] must differ from what it begins with, 0\.0"),
         ({"displacement": []}, r"load\.displacement must be 1 to 1000 stages"),
         ({"displacement": "much"}, r"load\.displacement must be a number"),

@@ -50,7 +50,8 @@ class Load:
 
     def _keep_stages(self) -> None:
         if self.displacement != ():
-            raise InputError("load takes stages or displacement, not both")
+            both = f"{shown(self.stages)} and {shown(self.displacement)}"
+            raise InputError(f"load takes stages or displacement, not both, got {both}")
         if not isinstance(self.stages, list | tuple):
             raise InputError(f"load.stages must be a list of forces [Fx, Fy], got {shown(self.stages)}")
         stages = [_force(f"load.stages[{i}]", stage) for i, stage in enumerate(self.stages, 1)]
