@@ -32,15 +32,21 @@ from validation.sweep import choice, run
 from validation.sweep.grid import points, read_varied
 from validation.verification import requested, requestedruns
 from validation.verification.requestedpage import summary
-from wirefe import adaptive
-from wirefe.adaptive import Trials
+from wirefe import trials
 from wirefe.meshes import Levels, Trial, difference, few, thinned
+from wirefe.trials import Trials
 
 SHORT = replace(spring_a(), spring=replace(spring_a().spring, active_coils=4.0, active_height=7.0))
 
 
 def touching(**contact):
     return replace(SHORT, load=Load((-4.0, -8.0), 10), contact=Contact(**contact))
+
+
+def differ(monkeypatch, difference):
+    """Have paths differ so, wherever they are compared."""
+    for module in ("trials", "adaptive"):
+        monkeypatch.setattr(f"wirefe.{module}.difference", difference)
 
 
 @pytest.mark.parametrize("asked", [1e-2, 1e-3, 1e-4])
@@ -119,13 +125,13 @@ def test_the_coarsest_mesh_is_the_answer_where_a_finer_one_agrees(enabled, steps
 def test_two_meshes_with_stations_may_agree_by_chance(monkeypatch, asked, paths):
     """A spring whose coils touch in its last step alone was off by 6.1e-4 where 1e-4 was asked for."""
     lines = []
-    monkeypatch.setattr("wirefe.adaptive.difference", lambda coarse, fine: 1e-9)
+    differ(monkeypatch, lambda coarse, fine: 1e-9)
     wirefe.solve_to(touching(), asked, progress=lines.append)
     assert len(lines) == paths
 
 
 def test_the_answer_has_all_rows_where_the_path_at_few_points_is_accurate_enough(monkeypatch):
-    monkeypatch.setattr("wirefe.adaptive.difference", lambda coarse, fine: 5.5e-3)  # twice that is too much
+    differ(monkeypatch, lambda coarse, fine: 5.5e-3)  # twice that is too much
     path = wirefe.solve_to(touching(geometry="spheres").overridden(steps=50), 1e-2)
     assert path.options["elements_per_turn"] == 8
     assert len(path.times) == 50
@@ -175,7 +181,7 @@ def test_two_paths_in_different_substeps_with_friction_may_agree_by_chance(
 ):
     """Of a guided spring those in 5 and 10 steps differed by 5e-6, both were off by 1.6e-4."""
     lines = []
-    monkeypatch.setattr("wirefe.adaptive.difference", lambda coarse, fine: 1e-9)
+    differ(monkeypatch, lambda coarse, fine: 1e-9)
     friction = 0.1 if sliding == "coulomb" else None
     scene = touching(geometry="spheres", sliding=sliding, friction=friction)
     path = wirefe.solve_to(scene, asked, progress=lines.append)
@@ -185,9 +191,7 @@ def test_two_paths_in_different_substeps_with_friction_may_agree_by_chance(
 
 def test_the_third_path_may_tell_that_two_agreed_by_chance(monkeypatch):
     apart = {20: 1e-4}
-    monkeypatch.setattr(
-        "wirefe.adaptive.difference", lambda coarse, fine: apart.get(fine.scene.load.steps, 1e-7)
-    )
+    differ(monkeypatch, lambda coarse, fine: apart.get(fine.scene.load.steps, 1e-7))
     lines = []
     path = wirefe.solve_to(
         touching(geometry="spheres", sliding="coulomb", friction=0.1), 1e-4, progress=lines.append
@@ -212,7 +216,7 @@ def test_rows_of_a_finer_path():
 
 
 def test_what_friction_leaves_open_is_refused_with_what_can_be_reached(monkeypatch):
-    monkeypatch.setattr("wirefe.adaptive.difference", lambda coarse, fine: 3e-4)
+    differ(monkeypatch, lambda coarse, fine: 3e-4)
     with pytest.raises(
         InputError, match=r"must be at least 0\.0063 for this scene, got 0\.001: by the substeps of fric"
     ):
@@ -278,7 +282,7 @@ def test_a_mesh_is_as_fine_as_its_elements_or_its_stations():
 def constant(trials, differences, monkeypatch):
     """What trials tell when their last path differs so much from those before."""
     values = iter(differences)
-    monkeypatch.setattr(adaptive, "difference", lambda coarse, fine: next(values))
+    differ(monkeypatch, lambda coarse, fine: next(values))
     trials.take(*trials.found)
     return trials.constant
 
@@ -329,7 +333,7 @@ def test_what_no_level_before_has_seen_touch_is_no_estimate():
 
 def test_meshes_that_end_otherwise_are_no_answer(monkeypatch):
     monkeypatch.setattr("wirefe.meshes.FINEST", 8)
-    monkeypatch.setattr(adaptive, "difference", lambda coarse, fine: np.inf)
+    differ(monkeypatch, lambda coarse, fine: np.inf)
     with pytest.raises(InputError, match="with 8 elements per turn too few meshes tell"):
         wirefe.solve_to(touching(), 1e-2)
 
@@ -496,13 +500,13 @@ def chosen_of(asked, monkeypatch):
     monkeypatch.setattr("wirefe.meshes.FINEST", 16)
     table = scene_table(touching())
     varied = read_varied(["load.force.1=-6:-8:2"], table)
-    solved, solve = [], adaptive.solve
+    solved, solve = [], trials.solve
 
     def counted(scene, **options):
         solved.append((scene.load.force, *options.items()))
         return solve(scene, **options)
 
-    monkeypatch.setattr(adaptive, "solve", counted)
+    monkeypatch.setattr(trials, "solve", counted)
     try:
         return choice.choose(list(points(table, varied)), varied, asked, lambda text: None), solved
     except InputError as refused:

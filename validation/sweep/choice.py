@@ -14,8 +14,9 @@ from coilspring.words import counted
 from validation.study.partialsolve import partial_path
 from validation.sweep.grid import Point, Varied
 from validation.sweep.run import Choice
-from wirefe.adaptive import ACCURACIES, NotReached, solve_to_first
+from wirefe.adaptive import solve_to_first
 from wirefe.meshes import Levels, difference, on_plates
+from wirefe.trials import ACCURACIES, NotReached
 
 LAWS = ("haringx", "helix")  # cheap to dear, and cheaper than any mesh
 LEVELS = (4, 6, 8, 12, 16, 24, 32, 48, 64, 96, 128)
