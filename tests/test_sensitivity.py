@@ -90,7 +90,7 @@ def test_calibration_finds_what_was_put_in(tmp_path):
     found = equivbeam.calibrate(scene, tmp_path / "curve.csv", list(true))
     np.testing.assert_allclose(found.values, list(true.values()), rtol=1e-6)
     assert found.rms_after < 1e-8 < found.rms_before
-    np.testing.assert_array_less(found.errors, 1e-5 * found.values)
+    assert np.isnan(found.errors).all()  # there is no scatter to tell them
 
 
 def test_calibration_to_the_wire_model():
@@ -125,7 +125,7 @@ def test_calibration_names_what_a_curve_does_not_determine(case, noise):
     found = equivbeam.calibrate(AXIAL, curve, names)
     assert (found.rank, found.undetermined, found.fixed) == (rank, undetermined, fixed)
     lost = np.array([name in undetermined for name in names])
-    np.testing.assert_array_equal(np.isnan(found.errors), lost)
+    np.testing.assert_array_equal(np.isnan(found.errors), lost | (noise == 0.0))  # without scatter
     at_start = np.array([name in fixed for name in names])
     np.testing.assert_array_equal(found.values == values(AXIAL, tuple(names)), at_start)
     if rank:
