@@ -109,7 +109,7 @@ class Calibration:
             else:
                 known = f"standard error {plain(error)}{of}, 95 % interval {low:.6g} to {high:.6g}{of}"
                 exact = (
-                    ": the points lie on the model, with no scatter to tell it"
+                    ": the points lie on the model, so there is no scatter to take it from"
                     if self.rms_after <= EXACT
                     else ""
                 )

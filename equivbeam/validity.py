@@ -72,7 +72,8 @@ def taut(scene: Scene, law: str | UserLaw, states: np.ndarray, times: np.ndarray
     row, when = worst(shares.max(axis=1), times)
     if (largest := shares[row].max()) == 0.0:
         return ""
-    other = "law helix or " if law != "helix" and largest < TAUT_HELIX else ""
+    helix = law != "helix" and largest < TAUT_HELIX and not scene.factors.given
+    other = "law helix or " if helix else ""
     return (
         f"{when} half coils are drawn to {largest:.0%} of the length of their wire, where law {name_of(law)} "
         f"may be far off: use {other}wirefe"

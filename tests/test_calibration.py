@@ -831,7 +831,9 @@ def test_points_on_the_model_tell_no_standard_error(tmp_path):
     """Of three on a line an error of 0 was said, with an interval of one value."""
     curve = write(tmp_path / "line.csv", ([10.0, 20.0, 60.0], [1.0, 2.0, 6.0]))
     files, said = run.calibrate(replace(GUIDED, contact=Contact(enabled=False)), curve, ("axial",))
-    assert said[0].endswith("standard error unknown: the points lie on the model, with no scatter to tell it")
+    assert said[0].endswith(
+        "standard error unknown: the points lie on the model, so there is no scatter to take it from"
+    )
     known = json.loads(files["calibration.json"])["parameters"]["axial"]
     assert (known["standard_error"], known["interval"]) == (None, None)
 

@@ -6,7 +6,7 @@ What is solved next is decided here, by what the paths so far tell of the error 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import replace
 
 from coilspring.errors import EquilibriumNotFound, require_number
@@ -71,30 +71,37 @@ def solve_to(
     """
     scene = require_scene(scene).overridden(steps, penalty, geometry)
     wanted = require_number("accuracy", accuracy, *ACCURACIES)
-    return solve_to_first(scene, (wanted,), pairs_per_turn=pairs_per_turn, progress=progress)
+    return solve_to_either(scene, wanted, wanted, pairs_per_turn=pairs_per_turn, progress=progress)
 
 
-def solve_to_first(
+def solve_to_either(
     scene: Scene,
-    accuracies: Sequence[float],
+    wanted: float,
+    enough: float,
     *,
     pairs_per_turn: int | None = None,
     progress: Callable[[str], None] = lambda line: None,
 ) -> EquilibriumPath:
-    """As `solve_to`, with the first of some accuracies, fine to coarse, that can be reached.
+    """As `solve_to`, with the accuracy wanted, or where that is out of reach a coarser one that is enough.
 
-    Nothing is solved twice. Raises `NotReached` of the last one.
+    Nothing is solved twice. Raises `NotReached` of the coarser one.
     """
     levels, rows = Levels.of(scene, pairs_per_turn), scene.load.steps
     solved: dict[tuple, EquilibriumPath] = {}
-    for number, wanted in enumerate(accuracies, 1):
-        trials = Trials(levels, wanted, rows, enough=accuracies[-1], solved=solved, progress=progress)
-        try:
-            path, estimate = _answer(trials)
-            break
-        except NotReached:
-            if number == len(accuracies):
-                raise
+
+    def answer(accuracy: float) -> tuple[Trials, EquilibriumPath, float]:
+        guarded = wanted <= CHANCE
+        trials = Trials(
+            levels, accuracy, rows, enough=enough, guarded=guarded, solved=solved, progress=progress
+        )
+        return trials, *_answer(trials)
+
+    try:
+        trials, path, estimate = answer(wanted)
+    except NotReached:
+        if enough <= wanted:
+            raise
+        trials, path, estimate = answer(enough)
     path = replace(
         thinned(path, scene, trials.steps // rows),
         accuracy=trials.wanted,
@@ -123,7 +130,7 @@ def _first(trials: Trials) -> tuple[EquilibriumPath, float]:
     # errors are largest where a pair has just closed, or a node has just come to bear
     bent = (trials.touching or trials.uneven) and not trials.substeps
     steps = trials.steps if bent else few(trials.steps)
-    if trials.substeps and trials.wanted < CHANCE and not trials.erratic:
+    if trials.guarded and trials.substeps and not trials.erratic:
         steps = 2 * trials.steps  # sticking pairs may touch alike in all that fewer steps share
     trials.add(_next(trials), steps)
     fine = (trials.irregular and trials.wanted < ROUGH) or trials.erratic

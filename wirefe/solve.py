@@ -23,6 +23,7 @@ from wirefe.contact.points import (
     ContactArrays,
     near_points,
     reach,
+    require_nodes,
     require_pairs,
 )
 from wirefe.contact.stations import of_wires
@@ -153,8 +154,11 @@ def scene_kernels(scene: Scene, **options: object) -> Kernels:
 def _checked(options: dict[str, Any]) -> dict[str, Any]:
     """Options of a sweep, good for some scenes."""
     require_mesh(options["element"], options["elements_per_turn"])
-    if options["pairs_per_turn"] is not None:
-        require_pairs(options["pairs_per_turn"], options["geometry"] or "spheres")  # which may be fewer
+    pairs, geometry = options["pairs_per_turn"], options["geometry"]
+    if pairs is not None:
+        require_pairs(pairs, geometry or "spheres")  # of spheres there may be fewer than of stations
+    if pairs is not None and geometry == "spheres":
+        require_nodes(options["elements_per_turn"], pairs)
     return options
 
 

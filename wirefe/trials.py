@@ -27,7 +27,7 @@ STEADY = 2.0  # of the last path where they do, and two before it tell alike
 UNEVEN = 8.0  # of the last path where errors fall unevenly
 ON_PLATES = 10.0  # of the last path where plates make them do so
 ALIKE = 1.5  # ratio of the errors that two paths tell, below which they tell alike
-CHANCE = 5e-4  # accuracy below which two paths agree too often by chance with stations or friction: three do
+CHANCE = 5e-4  # accuracy up to which two paths agree too often by chance with stations or friction: three do
 SHARE = 0.5  # least resolution of a mesh with few stations, as a share of its level
 FALL = 0.5  # least error that a path tells, as a share of what the one before told: two may agree by chance
 
@@ -63,6 +63,7 @@ class Trials:
     apart : by how much each path before differs from the last one.
     told : error of the last path times the square of its resolution, as each path before tells it.
     enough : error that will do where the one wanted is out of reach.
+    guarded : whether paths may agree by chance on what is wanted, and more of them are compared.
     solved : what was solved, by its mesh and steps.
     progress : called before each solve with one line: what is solved, the time and the estimate so far.
     """
@@ -75,6 +76,7 @@ class Trials:
     apart: list[float] = field(default_factory=list)
     told: list[float] = field(default_factory=list)
     enough: float = 0.0
+    guarded: bool = False
     solved: dict[tuple, EquilibriumPath] = field(default_factory=dict)
     progress: Callable[[str], None] = lambda line: None
 
@@ -109,7 +111,7 @@ class Trials:
     def erratic(self) -> bool:
         """Whether two paths in substeps with friction may agree by chance on less than is wanted."""
         friction = self.levels.scene.contact.coefficient < math.inf
-        return self.substeps and friction and self.wanted < CHANCE
+        return self.guarded and self.substeps and friction
 
     @property
     def finest(self) -> int:
@@ -203,7 +205,7 @@ class Trials:
     @property
     def by_chance(self) -> bool:
         """Whether the paths so far may agree by chance, and a finer mesh may tell."""
-        few_told = self.irregular and self.wanted < CHANCE and len(self.found) < 3
+        few_told = self.guarded and self.irregular and len(self.found) < 3
         return few_told and self.found[-1].level < self.finest
 
     @property

@@ -14,7 +14,7 @@ from coilspring.words import counted
 from validation.study.partialsolve import partial_path
 from validation.sweep.grid import Point, Varied
 from validation.sweep.run import Choice
-from wirefe.adaptive import solve_to_first
+from wirefe.adaptive import solve_to_either
 from wirefe.meshes import Levels, difference, on_plates
 from wirefe.trials import ACCURACIES, NotReached
 
@@ -67,10 +67,10 @@ def _reference(point: Point, varied: Sequence[Varied], accuracy: float) -> Equil
     assert point.scene is not None
     values = zip(varied, point.values, strict=True)
     where = f"for the scene with {', '.join(f'{each.key} = {value}' for each, value in values)}"
-    finer = [max(accuracy / each, ACCURACIES[0]) for each in FINER]
+    wanted, enough = (max(accuracy / each, ACCURACIES[0]) for each in FINER)
     try:
-        path = partial_path(solve_to_first, point.scene, accuracies=finer)
-        error, why = path.estimated_error or 0.0, f"asked for {finer[-1]:g}"
+        path = partial_path(solve_to_either, point.scene, wanted=wanted, enough=enough)
+        error, why = path.estimated_error or 0.0, f"asked for {enough:g}"
         if MARGIN * error <= accuracy:
             return path
     except NotReached as refused:

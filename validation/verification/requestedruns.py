@@ -18,6 +18,7 @@ import numpy as np
 import wirefe
 from coilspring import EquilibriumPath, InputError, Scene
 from validation.study.partialsolve import partial_path
+from validation.study.provenance import models
 from validation.verification.randomscenes import KINDS, Drawn, population
 from wirefe import model
 from wirefe.meshes import MOST, Levels, difference
@@ -58,7 +59,7 @@ def rows(drawn: Drawn, scene: Scene, accuracies: Iterable[float] = ACCURACIES) -
     cheapest = _cheapest(scene, levels, exact, accuracies)
     seconds = _in_turns(scene, [asked for asked, path in answers.items() if path], cheapest)
     head = {
-        **{"seed": drawn.seed, "kind": drawn.kind, "number": drawn.number},
+        **{"sources": models(), "seed": drawn.seed, "kind": drawn.kind, "number": drawn.number},
         "coils": scene.spring.active_coils,
         "contact": f"{contact.geometry} {contact.sliding}" if contact.enabled else "none",
         "closed": int(exact.active_contacts.max(initial=0)),

@@ -75,6 +75,15 @@ def require_pairs(pairs_per_turn: int, geometry: str) -> None:
     require_integer("pairs_per_turn", pairs_per_turn, 1 if geometry == "spheres" else 2, 2000)
 
 
+def require_nodes(elements_per_turn: int, pairs_per_turn: int) -> None:
+    """Refuse a mesh that has no node at every sphere."""
+    if elements_per_turn % pairs_per_turn:
+        raise InputError(
+            f"elements_per_turn must be a multiple of pairs_per_turn = {pairs_per_turn}, "
+            f"got {elements_per_turn!r}"
+        )
+
+
 def contact_points(
     scene: Scene,
     mesh: WireMesh,
@@ -89,11 +98,8 @@ def contact_points(
     """
     spheres = scene.contact.geometry == "spheres"
     require_pairs(pairs_per_turn, scene.contact.geometry)
-    if spheres and elements_per_turn % pairs_per_turn:
-        raise InputError(
-            f"elements_per_turn must be a multiple of pairs_per_turn = {pairs_per_turn}, "
-            f"got {elements_per_turn!r}"
-        )
+    if spheres:
+        require_nodes(elements_per_turn, pairs_per_turn)
     spring = scene.spring
     first, end = (phase / TWO_PI * pairs_per_turn for phase in spring.phase_range)
     index = np.arange(math.ceil(first - 1e-9), math.floor(end + 1e-9) + 1)
