@@ -37,8 +37,8 @@ class NotReached(InputError):
 
     Attributes
     ----------
-    reached : what the finest mesh does, or is predicted to; infinite where that is not known.
-    why : with what.
+    reached : accuracy that can be asked for, as far as is known or predicted; infinite where it is not.
+    why : what limits it.
     """
 
     def __init__(self, message: str, reached: float, why: str) -> None:

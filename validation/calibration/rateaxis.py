@@ -15,7 +15,7 @@ NEARLY_ALL = 0.95  # of the way, over which the usual rates are
 GONE, SOLID = 0.95, 10.0
 STEEP = 20.0  # times the usual rate, beyond which an axis is cut before solid, too
 MARGIN = 1.3  # times the largest rate that is shown, where a cut axis ends
-WORTH = 2.0  # times this end, up to which the axis goes on instead
+WORTH = 2.0  # times the end of a cut axis: up to such rates it is not cut
 LEAST = 0.1  # of the mean rate, which the axis shows on both sides of it
 
 

@@ -77,10 +77,11 @@ def _reference(point: Point, varied: Sequence[Varied], accuracy: float) -> Equil
         error, why = max(refused.reached, accuracy / MARGIN), refused.why
     except InputError as refused:
         raise InputError(f"{refused}, {where} of the grid") from None
-    known = f"is known to {error:.2g} at best" if error < math.inf else "is not known"
+    known = "is not known"
+    if error < math.inf:
+        known = f"is {error:.2g} or more ({why}), and counts {MARGIN:g} times"
     raise InputError(
-        f"{_refused(accuracy, error)}, got {accuracy:g}: {where} the answer of the wire model {known}, "
-        f"{why}; errors of a sample are taken {MARGIN:g} times"
+        f"{_refused(accuracy, error)}, got {accuracy:g}: the wire model's own error {where} {known}"
     )
 
 

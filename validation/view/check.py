@@ -3,6 +3,8 @@
 import math
 from pathlib import Path
 
+import numpy as np
+
 import equivbeam
 from coilspring import InputError, Scene
 from coilspring.pathfile import MODELS
@@ -59,7 +61,10 @@ def _drawn(scene: Scene) -> str:
     """What the equivalent beam says of coils that are drawn far, or nothing."""
     bare = scene.without_contact().with_steps(1)  # a millisecond
     path = partial_path(equivbeam.solve, bare)
-    return taut(bare, "haringx", path.states, path.times).strip()
+    states, times = path.states, path.times
+    if path.last_state is not None and path.end_bracket is not None:  # it ended before
+        states, times = np.vstack((states, path.last_state)), np.append(times, path.end_bracket[0])
+    return taut(bare, "haringx", states, times).strip()
 
 
 def _verdict(model: str, scene: Scene) -> str:
