@@ -532,8 +532,8 @@ def test_a_reference_is_as_exact_as_can_be_reached(asked, half_is_reached, monke
 def test_where_there_is_no_reference_the_scene_is_said_and_what_was_asked_for(monkeypatch):
     found, solved = chosen_of(1e-4, monkeypatch)
     least, error = re.fullmatch(
-        r"accuracy must be at least (\S+) on this grid, got 0\.0001: the wire model's own error for the scene "
-        r"with load\.force\.1 = -8 is (\S+) or more \(with 16 elements per turn\), and counts 2 times",
+        r"accuracy must be at least (\S+) on this grid, got 0\.0001: the wire model's own error for the "
+        r"scene with load\.force\.1 = -8 is (\S+) or more \(with 16 elements per turn\), and counts 2 times",
         found,
     ).groups()
     assert float(least) == pytest.approx(2.0 * float(error), rel=0.1)
