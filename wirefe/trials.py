@@ -27,7 +27,7 @@ STEADY = 2.0  # of the last path where they do, and two before it tell alike
 UNEVEN = 8.0  # of the last path where errors fall unevenly
 ON_PLATES = 10.0  # of the last path where plates make them do so
 ALIKE = 1.5  # ratio of the errors that two paths tell, below which they tell alike
-CHANCE = 5e-4  # accuracy up to which two paths agree too often by chance with stations or friction: three do
+CHANCE = 1e-3  # accuracy up to which two paths agree too often by chance with stations or friction: three do
 SHARE = 0.5  # least resolution of a mesh with few stations, as a share of its level
 FALL = 0.5  # least error that a path tells, as a share of what the one before told: two may agree by chance
 
