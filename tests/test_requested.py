@@ -60,8 +60,9 @@ def perturbed(data):
     """Other springs, errors, estimates, times and refusals."""
     rng = np.random.default_rng(1)
     factors = rng.uniform(0.2, 5.0, (len(data), 4))
+    seed = 9 if data.seed.isin(requestedpage.SEEN).any() else requestedpage.SEEN[0]
     data = data.assign(
-        seed=9, coils=data.coils + 0.25, contact=data.contact.replace("spheres free", "wires none")
+        seed=seed, coils=data.coils + 0.25, contact=data.contact.replace("spheres free", "wires none")
     )
     data[["own", "estimated", "true", "seconds"]] *= factors
     data.loc[::7, "cheapest"] = math.nan
