@@ -185,7 +185,8 @@ def test_several_seeds_go_on_where_they_were_interrupted(tmp_path, monkeypatch):
     def one(drawn, scene):
         solved.append(drawn.seed)
         row = {"seed": drawn.seed, "kind": drawn.kind, "number": drawn.number, "asked": 1e-2}
-        return [row | {"outcome": "completed", "own": 0.0} | FOUND]
+        found = {"outcome": "completed", "own": 0.0, "contact": "none", "closed": 0}
+        return [row | found | FOUND]
 
     monkeypatch.setattr(requested, "rows", one)
     arguments = ["--out", str(tmp_path), "--each", "1", "--seed"]

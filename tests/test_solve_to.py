@@ -31,7 +31,7 @@ from validation.study.partialsolve import partial_path
 from validation.sweep import choice, run
 from validation.sweep.grid import points, read_varied
 from validation.verification import requested, requestedruns
-from validation.verification.requestedpage import summary
+from validation.verification.requestedpage import prepared, summary
 from wirefe import trials
 from wirefe.meshes import Levels, Trial, difference, few, thinned
 from wirefe.trials import Trials
@@ -562,7 +562,7 @@ def test_small_study(tmp_path, monkeypatch):
     assert (table.outcome != requestedruns.REFUSED).all()
     again = requested.study(tmp_path, 1)
     pd.testing.assert_frame_equal(table, again)  # nothing is solved again
-    figures = summary(table, "kind")
+    figures = summary(prepared(table), "kind")
     assert figures[figures.kind == "all"].failures.tolist() == [0, 0, 0]
     assert figures[figures.kind == "all"].bound.iloc[0] == pytest.approx(1.0 - 0.05 ** (1 / 2))
 

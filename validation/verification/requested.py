@@ -15,7 +15,7 @@ import pandas as pd
 
 from coilspring import InputError
 from validation.study.files import write_text
-from validation.verification.requestedpage import page, summary
+from validation.verification.requestedpage import page, prepared, summary
 from validation.verification.requestedruns import EACH, SEED, rows, springs
 
 CSV = "requested.csv"
@@ -63,7 +63,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
     chosen = parser.parse_args(arguments)
     if chosen.page is None:
         with np.errstate(divide="ignore"):
-            table = summary(study(chosen.out, chosen.each, chosen.seed), "kind")
+            table = summary(prepared(study(chosen.out, chosen.each, chosen.seed)), "kind")
         print(table.to_string(index=False, float_format="%.3g"))
         return
     if chosen.page:

@@ -52,14 +52,15 @@ def prepared(rows: pd.DataFrame) -> pd.DataFrame:
 
 
 def summary(table: pd.DataFrame, by: str) -> pd.DataFrame:
-    """By a column and accuracy: answers, those whose error is larger than asked with the bound of their
-    rate, those of them that are so by more than the reference's own error, estimates and times."""
+    """By a column of `prepared` rows and accuracy: answers, those whose error is larger than asked with the
+    bound of their rate, those of them that are so by more than the reference's own error, estimates, times.
+    """
     both, found = pd.concat((table, table.assign(**{by: "all"}))), []
     for (group, asked), part in both.groupby([by, "asked"], sort=False):
-        answers = part[part.outcome != REFUSED]
-        failures, count = int((answers.true > answers.asked).sum()), len(answers)
+        answers = part[part.answered]
+        failures, count = len(failing(answers)), len(answers)
         certain = int((answers.true - answers.own > answers.asked).sum())
-        ratios, times = answers.estimated / answers.true, (answers.seconds / answers.cheapest).dropna()
+        ratios, times = answers.estimated / answers.true, answers.time.dropna()
         timed = answers.loc[times.index, ["seconds", "cheapest"]].sum()
         whole = timed.seconds / timed.cheapest if len(times) else math.nan
         found.append((
