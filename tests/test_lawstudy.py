@@ -11,7 +11,7 @@ import pytest
 
 from coilspring import spring_b
 from equivbeam.laws import law_of
-from equivbeam.laws.userlaw import spring_coils
+from equivbeam.laws.halfcoil import spring_coils
 from validation.campaign.laws import PlainEnergy, coils_of, plain_law
 from validation.campaign.run import verified
 from validation.cli import main

@@ -6,15 +6,12 @@ At rest the energy is finite and has a minimum. Around rest its first derivative
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING
+from typing import Protocol
 
 import numpy as np
 
 from coilspring.errors import InputError
 from equivbeam.laws.haringx import L0
-
-if TYPE_CHECKING:
-    from equivbeam.laws.userlaw import UserLaw
 
 FORCE = 1e-9  # at rest, over the largest stiffness times the length
 STIFFNESS = 1e-12  # least eigenvalue at rest over the largest
@@ -28,12 +25,21 @@ BEYOND = 1.02  # times the way from rest: where a path that ended would have gon
 U, FIRST, SECOND = 0, slice(1, 4), (4, 5, 6, 5, 7, 9, 6, 9, 8)  # of a table: energy, gradient, Hessian
 
 
+class Law(Protocol):
+    """What is checked: a law by its name, and its energy and derivatives, see `equivbeam.laws.userlaw`."""
+
+    @property
+    def name(self) -> str: ...
+
+    def evaluated(self, rows: np.ndarray, index: np.ndarray, points: np.ndarray) -> np.ndarray: ...
+
+
 def state_text(l: float, v: float, turn: float) -> str:  # noqa: E741
     """A state of a half coil for messages."""
     return f"(l = {l:.6g} mm, v = {v:.3g} mm, dtheta = {turn:.3g} rad)"
 
 
-def checked_rest(law: UserLaw, rows: np.ndarray) -> np.ndarray:
+def checked_rest(law: Law, rows: np.ndarray) -> np.ndarray:
     """Diagonal of the stiffness matrix at rest of every half coil, shape (half coils, 3).
 
     `InputError`: at rest the energy is not finite, has no minimum or no positive stiffness, or it has a kink.
@@ -84,7 +90,7 @@ def _eigenvalues(found: np.ndarray, size: np.ndarray) -> np.ndarray:
 
 
 def _refuse_kink(
-    law: UserLaw,
+    law: Law,
     rows: np.ndarray,
     at_rest: tuple[np.ndarray, np.ndarray],
     index: np.ndarray,
@@ -127,7 +133,7 @@ def _unexplained(
     return np.where(np.isfinite(worst), worst, 0.0)  # no finite energy ends a path, but is no kink
 
 
-def not_finite(law: UserLaw, rows: np.ndarray, points: np.ndarray) -> str:
+def not_finite(law: Law, rows: np.ndarray, points: np.ndarray) -> str:
     """Which half coil has no finite energy at points (half coils, 3) or a little farther from rest."""
     rest = np.zeros_like(points)
     rest[:, 0] = rows[:, L0]

@@ -11,7 +11,8 @@ from functools import cached_property
 import numpy as np
 
 from coilspring import Scene
-from equivbeam.laws.userlaw import HalfCoil, UserLaw
+from equivbeam.laws.halfcoil import HalfCoil
+from equivbeam.laws.userlaw import UserLaw
 from validation.campaign.wireparts import rigidities
 
 Law = Callable[[np.ndarray, np.ndarray, np.ndarray], tuple[np.ndarray, np.ndarray, np.ndarray]]

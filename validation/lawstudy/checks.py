@@ -8,9 +8,10 @@ import equivbeam
 from coilspring import Load, Scene, Spring, spring_a, spring_b
 from coilspring.scene.sizing import axial_rate, buckling_shortening
 from equivbeam.column import lateral_stiffness
+from equivbeam.laws.halfcoil import spring_coils
 from equivbeam.laws.haringx import KAX, L0, haringx_rows
 from equivbeam.laws.lawchecks import SECOND, U
-from equivbeam.laws.userlaw import UserLaw, spring_coils
+from equivbeam.laws.userlaw import UserLaw
 from validation.campaign.laws import PlainEnergy
 
 STATES = 40  # random ones of every half coil
