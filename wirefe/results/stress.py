@@ -9,12 +9,13 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, cast
+from typing import Protocol, cast
 
 import numpy as np
 
 from coilspring.errors import InputError, require_choice
 from coilspring.path import EquilibriumPath, require_step
+from coilspring.scene import Scene
 from coilspring.scene.profile import TWO_PI
 from coilspring.scene.sizing import bending_factor, stress_factor
 from coilspring.scene.spring import BESIDE
@@ -29,15 +30,31 @@ from wirefe.contact.stations import (
 )
 from wirefe.element.beam import end_forces
 from wirefe.element.rotations import cross_rows
+from wirefe.mesh import WireMesh
+from wirefe.model import WireModel
 from wirefe.results.between import contact_between
-
-if TYPE_CHECKING:
-    from wirefe.results.shape import WireShape
 
 PER_TURN = 32  # sections of a turn, at least: what varies once a turn is 0.5 % larger between them at most
 INSIDE = 2.0 * BESIDE  # rad: so far inside an element is what belongs to its end
 FORCES = ("axial_force", "shear_force", "torsion", "bending_moment")
 STRESSES = ("torsion_stress", "bending_stress", "shear_corrected", "bending_corrected", "equivalent")
+
+
+class Wire(Protocol):
+    """What stresses are found from: a wire, its mesh and contact, see `wirefe.results.shape.WireShape`."""
+
+    @property
+    def scene(self) -> Scene: ...
+
+    @property
+    def data(self) -> WireModel: ...
+
+    @property
+    def mesh(self) -> WireMesh: ...
+
+    def histories(self, given: np.ndarray | None, states: np.ndarray) -> np.ndarray: ...
+
+    def pair_gaps(self, states: np.ndarray) -> np.ndarray: ...
 
 
 @dataclass(frozen=True)
@@ -99,18 +116,18 @@ def stress(path: EquilibriumPath, step: int = -1) -> WireStress:
     if path.model != "wirefe":
         raise InputError(f"stress needs a path of the model wirefe, got {path.model}")
     step = require_step(path, step)
-    shape = cast("WireShape", path.shape)
+    wire = cast("Wire", path.shape)
     histories = None if path.histories is None else path.histories[step][None]
-    found = stresses(shape, path.states[step][None], histories)
+    found = stresses(wire, path.states[step][None], histories)
     fields = {name: value if name == "turns" else value[0] for name, value in vars(found).items()}
     return WireStress(**fields)
 
 
-def stresses(shape: WireShape, states: np.ndarray, histories: np.ndarray | None) -> WireStress:
+def stresses(wire: Wire, states: np.ndarray, histories: np.ndarray | None) -> WireStress:
     """Stresses along the wire in several states (states, n), found with contact histories (None: of no pair);
     what is found is (states, sections)."""
-    spring, (element, phases) = shape.scene.spring, sections_of(shape)
-    force, moment, frame = resultants(shape, states, histories, element, phases)
+    spring, (element, phases) = wire.scene.spring, sections_of(wire)
+    force, moment, frame = resultants(wire, states, histories, element, phases)
     along, across = (np.einsum("snij,snj->sni", frame, vector) for vector in (force, moment))
     d = spring.wire_diameter
     index = 2.0 * spring.radius(phases) / d
@@ -135,19 +152,19 @@ def stresses(shape: WireShape, states: np.ndarray, histories: np.ndarray | None)
     )
 
 
-def sections_of(shape: WireShape) -> tuple[np.ndarray, np.ndarray]:
+def sections_of(wire: Wire) -> tuple[np.ndarray, np.ndarray]:
     """Elements and phases at which the wire is cut, evenly in each element from end to end: so at the wire's
     ends, where moments are often largest, and on both sides of nodes, where forces of contact act."""
-    at = shape.mesh.phases
+    at = wire.mesh.phases
     steps = np.diff(at)
-    wire = np.flatnonzero(steps > 0.0)  # the hold of a tip on a plate has no length
+    real = np.flatnonzero(steps > 0.0)  # the hold of a tip on a plate has no length
     each = max(math.ceil(PER_TURN * steps[0] / TWO_PI - 1e-9), 1)
-    phases = np.linspace(at[wire], at[wire + 1], each + 1, axis=1)
-    return np.repeat(wire, each + 1), phases.ravel()
+    phases = np.linspace(at[real], at[real + 1], each + 1, axis=1)
+    return np.repeat(real, each + 1), phases.ravel()
 
 
 def resultants(
-    shape: WireShape,
+    wire: Wire,
     states: np.ndarray,
     histories: np.ndarray | None,
     element: np.ndarray,
@@ -155,24 +172,24 @@ def resultants(
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Forces and moments that the wire above exerts on sections, (states, sections, 3), and the sections'
     axes as rows: tangent, towards the middle of the coil, and across both, (states, sections, 3, 3)."""
-    data, spring, nodes = shape.data.elements, shape.scene.spring, rows(states)
+    data, spring, nodes = wire.data.elements, wire.scene.spring, rows(states)
     ends = np.empty((len(states), len(data.triads), 12))
     for state, row in zip(states, ends, strict=True):
         end_forces(state, data.arm, data.triads, data.strain0, data.stiffness, data.second, row)
-    low, high = (shape.mesh.phases[element + side] for side in (0, 1))
+    low, high = (wire.mesh.phases[element + side] for side in (0, 1))
     # at nodes the tangent at rest may be a mean with that of the end turn, or of the next section
     phases = np.clip(phases, low + INSIDE, high - INSIDE)
-    node, parts = carried(spring, shape.mesh, phases)
+    node, parts = carried(spring, wire.mesh, phases)
     x = positions(nodes, node, parts)
     above = nodes[:, 1:, :3].copy()  # the elements' second ends
     above[:, -1] += turned_rows(nodes[:, -1, 3:], data.arm)
     force = ends[:, element, 6:9]
     moment = ends[:, element, 9:12] + cross_rows(above[:, element] - x, force)
-    if of_wires(shape.data.contact.parts):
-        own = shape.histories(histories, states)
-        touch = (own["closed"] | (shape.pair_gaps(states) < 0.0)).any(axis=1)
+    if of_wires(wire.data.contact.parts):
+        own = wire.histories(histories, states)
+        touch = (own["closed"] | (wire.pair_gaps(states) < 0.0)).any(axis=1)
         if touch.any():
-            more = contact_between(shape.data, shape.mesh, states[touch], own[touch], (element, phases))
+            more = contact_between(wire.data, wire.mesh, states[touch], own[touch], (element, phases))
             force[touch] += more[..., :3]
             moment[touch] += more[..., 3:] - cross_rows(x[touch], more[..., :3])
     t = tangents(nodes, node, parts)
