@@ -43,10 +43,6 @@ class Shape(Protocol):
         """What holds the pairs (pairs, 2) and their law; see `coilspring.contact.results`."""
 
     @property
-    def pair_stiffness(self) -> float | np.ndarray:
-        """Penalty of all pairs, or of each, (pairs,), N/mm^k."""
-
-    @property
     def rest(self) -> np.ndarray:
         """State at rest, flat."""
 

@@ -11,7 +11,6 @@ from typing import Any
 
 import numpy as np
 
-from coilspring.contact.forces import normal_forces
 from coilspring.errors import EquilibriumNotFound, InputError
 from coilspring.path import EquilibriumPath
 from coilspring.scene import Load, Scene
@@ -199,8 +198,7 @@ def _outcome(path: EquilibriumPath) -> Outcome:
     spent: dict[str, Any] = {"critical_time": path.critical_time, "total_iterations": path.total_iterations}
     if not len(path.times):
         return Outcome(path.outcome, path.message, **spent)
-    shape, gaps = path.shape, path.shape.pair_gaps(path.states[-1:])
-    forces = normal_forces(-gaps, shape.pair_stiffness, shape.pair_law.k)
+    gaps, forces = path.shape.pair_gaps(path.states[-1:]), path.shape.pair_forces(path.states[-1:])
     return Outcome(
         path.outcome,
         path.message,

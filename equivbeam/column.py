@@ -22,7 +22,7 @@ from equivbeam.laws.userlaw import UserLaw
 from equivbeam.model import BeamModel, beam_problem, build_model, load_vector
 from equivbeam.options import BeamOptions
 from equivbeam.shape import BeamShape
-from equivbeam.solve import KERNELS
+from equivbeam.solve import law_kernels
 
 FARTHEST = 0.9  # of the height at rest: shortening up to which buckling is searched
 MOST = 1e3  # heights by which it may be drawn
@@ -121,13 +121,13 @@ def _compressed(
     assert problem.top is not None
     stage = prescribed_stage(problem.top, -shortening, axial_rate(straight))
     problem = replace(problem, load=-stage.growing[1] * problem.load, prescribed=stage.prescribed)
-    with_law = KERNELS._replace(assemble=kernels.assemble_of(law, data.rows))
+    with_law = law_kernels(law, data.rows.shape[1])
     return straight, data, follow_problem(problem, with_law, np.ones(1), scene.spring.wire_diameter)
 
 
 def _shape(straight: Scene, data: BeamModel, law: str | UserLaw) -> BeamShape:
     """Reader of the states of the column."""
-    return BeamShape(straight, data, kernels.assemble_of(law, data.rows))
+    return BeamShape(straight, data, kernels.assemble_of(law, data.rows.shape[1]))
 
 
 def _refined(data: BeamModel, scene: Scene, refine: int, inclined: bool) -> BeamModel:

@@ -149,14 +149,9 @@ def assembled(response):
 assemble = assembled(response)
 
 
-def assemble_of(law, rows):
-    """The kernel for a law by its name or for a `UserLaw`, whose parameters are `rows`."""
-    return assemble if isinstance(law, str) else assemble_with(law, rows.shape[1])
-
-
-def assemble_with(law, columns):
-    """The kernel for a `UserLaw` whose table of parameters has so many columns."""
-    return assembled(law.response(columns))
+def assemble_of(law, columns):
+    """The kernel for a law by its name, or for a `UserLaw` whose table of parameters has so many columns."""
+    return assemble if isinstance(law, str) else assembled(law.response(columns))
 
 
 @kernel

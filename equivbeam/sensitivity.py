@@ -191,7 +191,8 @@ def _residual_rates(path: EquilibriumPath, name: str, value: float) -> np.ndarra
     def half_coils(scene: Scene) -> np.ndarray:
         data = build_model(scene.without_contact(), chosen)
         no_matrices = np.empty((len(path.states), 0))
-        return _gradients(kernels.assemble_of(chosen.law, data.rows), data, path.states, no_matrices)
+        assemble = kernels.assemble_of(chosen.law, data.rows.shape[1])
+        return _gradients(assemble, data, path.states, no_matrices)
 
     def rate(read: Callable[[Scene], Any]) -> Any:
         return _rate(read, path.scene, name, value)

@@ -85,7 +85,7 @@ def solve(
     exact = tangent == "exact"
     limit = MOST_ITERATIONS if exact else MOST_PAPER_ITERATIONS
     problem = model.beam_problem(data, model.load_vector(data, scene))
-    with_law = KERNELS._replace(assemble=kernels.assemble_of(options.law, data.rows))
+    with_law = law_kernels(options.law, data.rows.shape[1])
     run = follow_load(scene, problem, with_law, limit=limit, predictor=exact)
     run = _judged(options.law, data.rows, run)
     states, times = run.track.states, output_times(scene)[: len(run.track.states)]
@@ -107,10 +107,13 @@ def scene_kernels(scene: Scene, law: str | UserLaw = "haringx", **others: object
     """Kernels of a scene: the same for all. A user's law has another `assemble`."""
     if isinstance(law, UserLaw):
         with suppress(InputError):  # the scene is refused then
-            return KERNELS._replace(
-                assemble=kernels.assemble_with(law, law.columns(scene.spring, scene.material))
-            )
+            return law_kernels(law, law.columns(scene.spring, scene.material))
     return KERNELS
+
+
+def law_kernels(law: str | UserLaw, columns: int) -> Kernels:
+    """The kernels with a law whose table of parameters has so many columns."""
+    return KERNELS._replace(assemble=kernels.assemble_of(law, columns))
 
 
 def _checked(options: dict[str, Any]) -> dict[str, Any]:
@@ -135,7 +138,7 @@ def path_shape(scene: Scene, options: Mapping[str, Any], found: object = ()) -> 
         data = model.build_model(scene, BeamOptions.of({**options, "law": "haringx"}))
         return BeamShape(scene, data, partial(_refuse, error))
     data = model.build_model(scene, chosen)
-    return BeamShape(scene, data, kernels.assemble_of(chosen.law, data.rows))
+    return BeamShape(scene, data, kernels.assemble_of(chosen.law, data.rows.shape[1]))
 
 
 def _refuse(error: InputError, *unused: object) -> None:

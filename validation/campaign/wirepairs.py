@@ -225,7 +225,7 @@ def _along(slip: np.ndarray, n: np.ndarray) -> np.ndarray:
 def known_pairs(points: Points, law: Law, rest: np.ndarray, path: EquilibriumPath, row: int) -> Pairs:
     """Pairs of a path's row: those of the model and what each remembers, and all others that touch."""
     assert path.histories is not None
-    index = path.shape.data.contact.pairs  # type: ignore[attr-defined]
+    index = path.shape.pair_law.pairs
     history = path.histories[row]
     held = history["closed"] & (history["released"] < 1.0) & (law.mu > 0.0)
     one, two = (history["arms"][:, :3], history["arms"][:, 3:]) if points.wires else (

@@ -115,7 +115,7 @@ def rod_numbers() -> Iterator[tuple[str, str, str, float]]:
 
 def outside_share(path: EquilibriumPath) -> float:
     """Share of a wire path's last normal forces in pairs outside the working plane, per cent."""
-    pairs: np.ndarray = path.shape.data.contact.pairs  # type: ignore[attr-defined]
+    pairs: np.ndarray = path.shape.pair_law.pairs
     # spheres stand at phases k pi / 2 from the bottom end on, which is a crossing of the plane
     odd = pairs[:, 0] % 2 == 1
     forces = path.contact_forces[-1]

@@ -138,7 +138,7 @@ def difference(tips: pd.DataFrame, reference: pd.Series) -> pd.Series:
 
 def centres(path: EquilibriumPath, step: int) -> tuple[ContactArrays, np.ndarray]:
     """Contact arrays, and the centres of their spheres or stations at a stored step."""
-    contact = path.shape.data.contact  # type: ignore[attr-defined]
+    contact = path.shape.pair_law
     return contact, contact_centres(contact, path.states[step][None])[0]
 
 

@@ -63,7 +63,7 @@ def reference(scene: Scene, elements: int = ELEMENTS, pairs: int = PAIRS) -> Equ
 
 def closed(wire: EquilibriumPath) -> int:
     """Largest number of quarter turns, each a pair of the paper's, on which pairs are closed at once."""
-    pairs: np.ndarray = wire.shape.data.contact.pairs  # type: ignore[attr-defined]
+    pairs: np.ndarray = wire.shape.pair_law.pairs
     quarters = pairs[:, 0] * PAPER_PAIRS // PAIRS
     return max((len(np.unique(quarters[gaps < 0.0])) for gaps in wire.gaps), default=0)
 
